@@ -27,7 +27,7 @@ allow cache/splatting "($below|cache/(splatting|bounces|hemisphere|reflect|light
 allow cache/direct_radiance "($below|cache/(direct_radiance|light|frame/))"
 allow cache/light_octree "($below|cache/(light_octree|reflect|light|frame/))"
 allow cache/patches "($below|cache/patches)/"
-allow cache/multi_mesh "($below|cache/(patches|multi_mesh|light|frame/))"
+allow cache/multi_mesh "($below|cache/(patches|multi_mesh|light|hemisphere/hemisphere_tables|frame/))"
 allow cache/shading_cache "($below|cache/(patches|shading_cache|light|frame/))"
 allow cache/reference "($below|cache/(reference|frame/))"
 # What judges pictures knows no method, only what light paths each declares.

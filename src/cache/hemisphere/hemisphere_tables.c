@@ -11,10 +11,7 @@ static double box(primitive *f, double u0, double u1, double v0, double v1) {
     return f(u1, v1) - f(u0, v1) - f(u1, v0) + f(u0, v0);
 }
 
-/* d omega = du dv / l^3, l^2 = 1 + u^2 + v^2. */
-static double solid_angle_primitive(double u, double v) { return sl_atan(u * v / sqrt(1.0 + u * u + v * v)); }
-
-/* cos theta d omega = du dv / l^4. */
+/* cos theta d omega = du dv / l^4, l^2 = 1 + u^2 + v^2. */
 static double cosine_primitive(double u, double v) {
     double pu = sqrt(1.0 + u * u), pv = sqrt(1.0 + v * v);
     return 0.5 * (u / pu * sl_atan(v / pu) + v / pv * sl_atan(u / pv));
@@ -26,10 +23,6 @@ static double tangential_primitive(double u, double v) {
     return -0.5 * sl_atan(v / pu) / pu;
 }
 static double tangential_transposed(double u, double v) { return tangential_primitive(v, u); }
-
-double sl_plane_solid_angle(double u0, double u1, double v0, double v1) {
-    return box(solid_angle_primitive, u0, u1, v0, v1);
-}
 
 double sl_plane_cosine_weight(double u0, double u1, double v0, double v1) {
     return box(cosine_primitive, u0, u1, v0, v1);
@@ -56,15 +49,6 @@ double sl_plane_wall(double c, double v0, double v1) {
 
 /* ---- the radial border extension: from an outer edge along the meridians to the horizon ----------------------------- */
 
-double sl_border_solid_angle(double t, double u0, double u1) {
-    return sl_atan(u1 / (t * sqrt(1.0 + t * t + u1 * u1))) - sl_atan(u0 / (t * sqrt(1.0 + t * t + u0 * u0)));
-}
-
-double sl_border_cosine_weight(double t, double u0, double u1) {
-    double p = sqrt(1.0 + t * t);
-    return 0.5 * (sl_atan(u1 / t) - t / p * sl_atan(u1 / p)) - 0.5 * (sl_atan(u0 / t) - t / p * sl_atan(u0 / p));
-}
-
 sl_vec3d sl_border_vector(double t, double u0, double u1) {
     sl_vec3d corners[4] = {sl_v3d(u0, t, 1.0), sl_v3d(u1, t, 1.0), sl_v3d(u1, t, 0.0), sl_v3d(u0, t, 0.0)};
     return sl_cell_vector(corners, 4);
@@ -84,25 +68,13 @@ sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count) {
     return sum;
 }
 
-/* Van Oosterom and Strackee's half-angle formula, by a fan of triangles. */
-double sl_cell_solid_angle(const sl_vec3d *corners, int count) {
-    double sum = 0.0;
-    for (int i = 1; i + 1 < count; i++) {
-        sl_vec3d a = corners[0], b = corners[i], c = corners[i + 1];
-        double la = sl_lengthd(a), lb = sl_lengthd(b), lc = sl_lengthd(c);
-        double volume = sl_dotd(a, sl_crossd(b, c));
-        sum += 2.0 * sl_atan2(volume, la * lb * lc + sl_dotd(a, b) * lc + sl_dotd(b, c) * la + sl_dotd(c, a) * lb);
-    }
-    return sum;
-}
-
 /* ---- edges: what moves when the receiver moves ------------------------------------------------------------------------ */
 
 /* An edge from a to b seen from the origin: its line's foot h, its unit direction, and the integrals of s^k / (h^2 + s^2)^2
  * along it (k = 1: j1, k = 0: j2). False where there is no edge, or the origin lies on its line. */
 typedef struct edge {
     sl_vec3d foot, along;
-    double distance, angle, j1, j2;
+    double j1, j2;
 } edge;
 
 static bool make_edge(sl_vec3d a, sl_vec3d b, edge *e) {
@@ -115,10 +87,8 @@ static bool make_edge(sl_vec3d a, sl_vec3d b, edge *e) {
     double h = sl_lengthd(e->foot);
     if (!(h >= 1e-9 * length)) return false;
     double r0 = h * h + s0 * s0, r1 = h * h + s1 * s1;
-    e->distance = h;
-    e->angle = sl_atan2(length * h, h * h + s0 * s1);
     e->j1 = 0.5 * (1.0 / r0 - 1.0 / r1);
-    e->j2 = (s1 / r1 - s0 / r0) / (2.0 * h * h) + e->angle / (2.0 * h * h * h);
+    e->j2 = (s1 / r1 - s0 / r0) / (2.0 * h * h) + sl_atan2(length * h, h * h + s0 * s1) / (2.0 * h * h * h);
     return true;
 }
 
@@ -189,48 +159,4 @@ sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d le
     double mxx = (q.x * q.x - 1.0) / q.distance, mxy = q.x * q.y / q.distance, myy = (q.y * q.y - 1.0) / q.distance;
     double cvx = mxx * vy - mxy * vx, cvy = mxy * vy - myy * vx, chx = mxx * hy - mxy * hx, chy = mxy * hy - myy * hx;
     return (sl_curvature){2.0 * cvx * chx / area, (cvx * chy + cvy * chx) / area, 2.0 * cvy * chy / area};
-}
-
-/* ---- Lambert's polygon ------------------------------------------------------------------------------------------------- */
-
-enum { POLYGON_MAX = 16, CLIPPED_MAX = 2 * POLYGON_MAX };
-
-/* Sutherland and Hodgman: what of the polygon lies above the horizon n . v = 0. */
-static int clip_to_horizon(sl_vec3d n, const sl_vec3d *in, int count, sl_vec3d *out) {
-    int kept = 0;
-    for (int i = 0; i < count; i++) {
-        sl_vec3d a = in[i], b = in[(i + 1) % count];
-        double ha = sl_dotd(n, a), hb = sl_dotd(n, b);
-        if (ha >= 0.0) out[kept++] = a;
-        if ((ha >= 0.0) != (hb >= 0.0)) out[kept++] = sl_addd(a, sl_scaled(sl_subd(b, a), ha / (ha - hb)));
-    }
-    return kept;
-}
-
-/* Twice the area along the normal of the shining side. */
-static sl_vec3d polygon_normal(const sl_vec3d *v, int count) {
-    sl_vec3d sum = {0.0, 0.0, 0.0};
-    for (int i = 1; i + 1 < count; i++) sum = sl_addd(sum, sl_crossd(sl_subd(v[i], v[0]), sl_subd(v[i + 1], v[0])));
-    return sum;
-}
-
-double sl_polygon_irradiance(sl_vec3d p, sl_vec3d n, const sl_vec3d *vertices, int count, sl_vec3d *gradient) {
-    sl_vec3d relative[POLYGON_MAX], v[CLIPPED_MAX], sum = {0.0, 0.0, 0.0};
-    if (gradient) *gradient = sum;
-    if (count < 3 || count > POLYGON_MAX) return 0.0;
-    for (int i = 0; i < count; i++) relative[i] = sl_subd(vertices[i], p);
-    if (!(sl_dotd(polygon_normal(relative, count), relative[0]) < 0.0)) return 0.0; /* seen from behind, or edge-on */
-    int kept = clip_to_horizon(n, relative, count, v);
-    for (int i = 0; gradient && i < kept; i++) {
-        /* Lambert's formula wants the order that is clockwise for the receiver: each edge backwards. */
-        edge e;
-        if (!make_edge(v[(i + 1) % kept], v[i], &e)) continue;
-        sl_vec3d turn = sl_scaled(sl_crossd(n, e.along), e.angle / e.distance);
-        double swing = 2.0 * sl_dotd(n, sl_crossd(e.foot, e.along));
-        sl_vec3d slide = sl_addd(sl_scaled(e.foot, e.j2), sl_scaled(e.along, e.j1));
-        sum = sl_addd(sum, sl_addd(turn, sl_scaled(slide, swing)));
-    }
-    if (gradient) *gradient = sl_scaled(sum, 0.5);
-    double irradiance = -sl_dotd(n, sl_cell_vector(v, kept));
-    return irradiance > 0.0 ? irradiance : 0.0;
 }

@@ -9,9 +9,7 @@
  *
  *     box F = F(u1, v1) - F(u0, v1) - F(u1, v0) + F(u0, v0)
  *
- * Solid angle, the integral of du dv / l^3: box A, A(u, v) = atan(u v / l). */
-double sl_plane_solid_angle(double u0, double u1, double v0, double v1);
-/* Cosine weight, of du dv / l^4: box C, with p(u) = sqrt(1 + u^2):
+ * Cosine weight, of du dv / l^4: box C, with p(u) = sqrt(1 + u^2):
  *     C(u, v) = (u / p(u) atan(v / p(u)) + v / p(v) atan(u / p(v))) / 2. */
 double sl_plane_cosine_weight(double u0, double u1, double v0, double v1);
 /* Integral of omega d omega: of u, v and 1 times du dv / l^4, which are box X, box X^T and box C:
@@ -23,19 +21,11 @@ double sl_plane_wall(double c, double v0, double v1);
 /* Half side face of the hemicube, u sideways, z upwards: direction (u, z, 1) / l with the normal along z, so that the cosine weight is the
  * integral of z du dz / l^4: box X^T, X^T(u, z) = -atan(u / p(z)) / (2 p(z)). */
 double sl_side_cosine_weight(double u0, double u1, double z0, double z1);
-/* Radial border extension of an outer edge on side v = t: all that lies between the edge from u0 to u1 and the horizon in the azimuths of
- * the edge. Solid angle: [atan(u / (t sqrt(1 + t^2 + u^2)))] from u0 to u1. */
-double sl_border_solid_angle(double t, double u0, double u1);
-/* Cosine weight: [atan(u / t) - t / p(t) atan(u / p(t))] / 2 from u0 to u1. */
-double sl_border_cosine_weight(double t, double u0, double u1);
 /* Any cell bounded by great circles, corners a_i counter-clockwise seen from outside, of any length. Integral of omega d omega, of which
  * the z component is the cosine weight (Lambert's formula), theta_i being the angle between a_i and a_i+1:
  *     V = sum over edges of theta_i (a_i x a_i+1) / (2 |a_i x a_i+1|). */
 sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count);
-/* Its solid angle, by a fan of triangles (a, b, c) (Van Oosterom and Strackee 1983):
- *     2 atan2(a . (b x c), |a| |b| |c| + (a . b) |c| + (b . c) |a| + (c . a) |b|) each. */
-double sl_cell_solid_angle(const sl_vec3d *corners, int count);
-/* Sum of omega d omega over the border extension of the outer edge (u0..u1, t): the cell from the edge down to the horizon. */
+/* The same of the radial border extension of an outer edge on side v = t: the cell from the edge, u0 to u1, along the meridians down to the horizon. */
 sl_vec3d sl_border_vector(double t, double u0, double u1);
 /* How a wall between two cells moves. The wall is the arc from direction a to direction b; it is made by surfaces
  * at depth 1 along the axis in whose units a and b are given. The vector g: displacing the receiver by delta gives the
@@ -55,12 +45,5 @@ sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b);
  * cross it. What that adds to delta . H delta / 2 is this form, times a factor made of the walls' steps and nearnesses
  * (gather_kernels.c). direction: of the corner; right, left, up, down: of the walls' other ends; all in units of depth. */
 sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d left, sl_vec3d up, sl_vec3d down);
-
-/* ---- light from polygons ---- */
-
-/* Irradiance at p with unit normal n from a one-sided Lambertian polygon of radiance 1 (vertices counter-clockwise seen from its
- * shining side), clipped to the horizon, and its gradient with respect to p; gradient may be NULL. count <= 16. Lambert's formula: with
- * the corners v_i of what is left as p sees them, E = -n . sl_cell_vector(v). */
-double sl_polygon_irradiance(sl_vec3d p, sl_vec3d n, const sl_vec3d *vertices, int count, sl_vec3d *gradient);
 
 #endif

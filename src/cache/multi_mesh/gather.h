@@ -6,7 +6,6 @@
  *   coarse_borders.c     ... and where
  *   coarse_colours.c     ... its values times the bounce's reflectance
  *   coarse_contrast.c    ... where these tell that it is too coarse
- *   gather_weights.c     solid angle and cosine of a square picture's pixels, in closed form
  *   gather.c             where the point looks from, the render, the sums, what lies beyond the field of view
  *   gather_kernels.c     a picture's pixels: colours between the coarse mesh's vertices, times weights
  *   gather_sky.c         ... and where they show an environment that is a picture
@@ -77,8 +76,5 @@ sl_rgb sl_mesh_gather_take(const sl_mesh_gather *gather, const sl_mesh_point *po
 void sl_mesh_gather_picture(const sl_mesh_gather_scratch *scratch, int *size, const float *planes[3]);
 /* The frame of that picture: z the point's normal. */
 sl_frame sl_mesh_gather_frame(sl_vec3 normal);
-
-/* The share of a hemisphere's irradiance that a square picture of half angle phi catches, C = 4/pi sin phi atan(sin phi). */
-double sl_gather_coverage(double phi);
 
 #endif

@@ -7,8 +7,8 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/hemisphere/hemisphere_tables.h"
 #include "gather_world.h"
+#include "polygon_truth.h"
 
 static void assert_near(double a, double b, double eps) {
     if (!(fabs(a - b) <= eps)) fail_msg("%.9g is not %.9g (+- %g)", a, b, eps);
@@ -84,7 +84,7 @@ static matrix differences(const sl_vec3 corners[4]) {
     sl_vec3d v[4], n = sl_v3d(0, 0, 1), g[4];
     const sl_vec3d steps[4] = {sl_v3d(h, 0, 0), sl_v3d(-h, 0, 0), sl_v3d(0, h, 0), sl_v3d(0, -h, 0)};
     for (int i = 0; i < 4; i++) v[i] = sl_to_double(corners[i]);
-    for (int i = 0; i < 4; i++) sl_polygon_irradiance(steps[i], n, v, 4, &g[i]);
+    for (int i = 0; i < 4; i++) polygon_irradiance(steps[i], n, v, 4, &g[i]);
     return (matrix){(g[0].x - g[1].x) / (2 * h), (g[0].y - g[1].y + g[2].x - g[3].x) / (4 * h), (g[2].y - g[3].y) / (2 * h)};
 }
 

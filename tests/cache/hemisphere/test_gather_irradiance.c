@@ -7,8 +7,8 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/hemisphere/hemisphere_tables.h"
 #include "gather_world.h"
+#include "polygon_truth.h"
 
 static void assert_near(double a, double b, double eps) {
     if (!(fabs(a - b) <= eps)) fail_msg("%.9g is not %.9g (+- %g)", a, b, eps);
@@ -59,7 +59,7 @@ static double polygon_rms(world *w, const sl_gather_settings *s) {
     enum { COUNT = 100 };
     for (int i = 0; i < COUNT; i++) {
         sl_vec3 p = sl_v3(-1.0f + 0.213f * (float)(i % 10), -1.0f + 0.219f * (float)(i / 10), 0.01f * (float)(i % 7));
-        double exact = 5 * sl_polygon_irradiance(sl_to_double(p), sl_v3d(0, 0, 1), light, 4, NULL);
+        double exact = 5 * polygon_irradiance(sl_to_double(p), sl_v3d(0, 0, 1), light, 4, NULL);
         double error = (double)gather_at(&g, p, sl_v3(0, 0, 1), (uint64_t)i).value.g / exact - 1;
         sum += error * error;
     }
@@ -230,7 +230,7 @@ static void lamp_close_to_a_surface_makes_no_outliers(void **state) {
     p = sl_gather_last_picture(h.scratch);
     brightest = 0;
     for (int i = 0; i < p.width * p.height; i++) brightest = fmax(brightest, (double)p.r[i]);
-    double centre = 0.5 * 7 / SL_PI * sl_polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 1, 0), corners, 4, NULL);
+    double centre = 0.5 * 7 / SL_PI * polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 1, 0), corners, 4, NULL);
     /* A hit of less light than most gets fewer samples than one, and each stands for more. */
     assert_true(brightest > centre && brightest <= 4 * centre);
     gatherer_free(&g), gatherer_free(&h);

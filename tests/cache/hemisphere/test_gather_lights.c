@@ -9,8 +9,8 @@
 
 #include "base/math.h"
 #include "cache/hemisphere/gather_internal.h"
-#include "cache/hemisphere/hemisphere_tables.h"
 #include "gather_world.h"
+#include "polygon_truth.h"
 
 /* ---- a floor under lamps, some of them covered from below ---- */
 
@@ -52,7 +52,7 @@ static double floor_light(int lamps, float size, float pitch, double h) {
         for (int l = 0; l < lamps; l++) {
             sl_vec3d c[4];
             for (int k = 0; k < 4; k++) c[3 - k] = sl_to_double(lamp_corner(l, k, 2.0f, size, pitch));
-            e += (2.0 + l % 3) * sl_polygon_irradiance(p, sl_v3d(0, 0, 1), c, 4, NULL);
+            e += (2.0 + l % 3) * polygon_irradiance(p, sl_v3d(0, 0, 1), c, 4, NULL);
         }
         sum += e * FLOOR_ALBEDO / SL_PI * SL_PI / (N * N);
     }
@@ -133,7 +133,7 @@ static void more_rays_keep_the_mean_and_scatter_less(void **state) {
     world_quad(w, sl_v3(0.31f, 0.2f, 2), sl_v3(0.31f, 0.9f, 2), sl_v3(1.0f, 0.9f, 2), sl_v3(1.0f, 0.2f, 2), world_material(w, sl_grey(0), sl_grey(5)));
     world_build(w);
     const sl_vec3d corner[4] = {{0.31, 0.2, 2}, {0.31, 0.9, 2}, {1.0, 0.9, 2}, {1.0, 0.2, 2}};
-    double truth = 5 * sl_polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 0, 1), corner, 4, NULL);
+    double truth = 5 * polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 0, 1), corner, 4, NULL);
     spread e[2];
     for (int more = 0; more < 2; more++) {
         sl_gather_settings s = rays_of(16);

@@ -9,6 +9,7 @@
 #include "base/math.h"
 #include "cache/hemisphere/gather_tables.h"
 #include "cache/hemisphere/hemisphere_tables.h"
+#include "polygon_truth.h"
 
 static void assert_near(double a, double b, double eps) {
     if (!(fabs(a - b) <= eps)) fail_msg("%.15g is not %.15g (+- %g)", a, b, eps);
@@ -20,18 +21,14 @@ static void cells_and_extensions_fill_the_hemisphere(void **state) {
     (void)state;
     const double tangents[] = {1.0, 2.0, 2.7474774194546216, 5.67};
     for (size_t k = 0; k < 4; k++) {
-        double t = tangents[k], solid = 0.0, cosine = 0.0, edges_solid = 0.0, edges_cosine = 0.0;
+        double t = tangents[k], cosine = 0.0, edges = 0.0;
         for (int y = 0; y < 16; y++) {
             for (int x = 0; x < 16; x++) {
-                solid += sl_plane_solid_angle(line(16, t, x), line(16, t, x + 1), line(16, t, y), line(16, t, y + 1));
                 cosine += sl_plane_cosine_weight(line(16, t, x), line(16, t, x + 1), line(16, t, y), line(16, t, y + 1));
             }
-            edges_solid += 4.0 * sl_border_solid_angle(t, line(16, t, y), line(16, t, y + 1));
-            edges_cosine += 4.0 * sl_border_cosine_weight(t, line(16, t, y), line(16, t, y + 1));
+            edges += 4.0 * sl_border_vector(t, line(16, t, y), line(16, t, y + 1)).z;
         }
-        assert_near(solid + edges_solid, 2.0 * SL_PI, 1e-13);
-        assert_near(cosine + edges_cosine, SL_PI, 1e-13);
-        assert_near(solid, 4.0 * sl_asin(t * t / (1.0 + t * t)), 1e-13);
+        assert_near(cosine + edges, SL_PI, 1e-13);
         double s = t / sqrt(1.0 + t * t);
         assert_near(cosine / SL_PI, 4.0 / SL_PI * s * sl_atan(s), 1e-13);
     }
@@ -49,15 +46,10 @@ static void closed_forms_equal_the_polygon_form(void **state) {
         assert_near(closed.y, general.y, 1e-15);
         assert_near(closed.z, general.z, 1e-15);
         assert_near(sl_plane_cosine_weight(u0, u1, v0, v1), general.z, 1e-15);
-        assert_near(sl_plane_solid_angle(u0, u1, v0, v1), sl_cell_solid_angle(corners, 4), 1e-14);
         double z0 = 0.004 * i, z1 = z0 + 0.1;
         sl_vec3d side[4] = {sl_v3d(1, u0, z1), sl_v3d(1, u0, z0), sl_v3d(1, u1, z0), sl_v3d(1, u1, z1)};
         assert_near(sl_side_cosine_weight(u0, u1, z0, z1), sl_cell_vector(side, 4).z, 1e-15);
-        sl_vec3d border = sl_border_vector(2.0, u0, u1);
-        sl_vec3d meridian[4] = {sl_v3d(u0, 2, 1), sl_v3d(u1, 2, 1), sl_v3d(u1, 2, 0), sl_v3d(u0, 2, 0)};
-        assert_near(border.z, sl_border_cosine_weight(2.0, u0, u1), 1e-15);
-        assert_near(sl_cell_solid_angle(meridian, 4), sl_border_solid_angle(2.0, u0, u1), 1e-14);
-        assert_true(border.y > 0.0);
+        assert_true(sl_border_vector(2.0, u0, u1).y > 0.0);
     }
 }
 
@@ -156,7 +148,7 @@ static void polygon_gradient_is_the_sum_of_its_walls(void **state) {
     (void)state;
     sl_vec3d v[4] = {{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}}, p = {0.35, 0.2, 0.0};
     sl_vec3d gradient, walls = {0, 0, 0};
-    sl_polygon_irradiance(p, sl_v3d(0, 0, 1), v, 4, &gradient);
+    polygon_irradiance(p, sl_v3d(0, 0, 1), v, 4, &gradient);
     for (int i = 0; i < 4; i++) {
         sl_vec3d a = sl_scaled(sl_subd(v[i], p), 1 / 1.3), b = sl_scaled(sl_subd(v[(i + 1) % 4], p), 1 / 1.3);
         walls = sl_addd(walls, sl_scaled(sl_wall_vector(a, b), 1 / 1.3));
@@ -188,20 +180,20 @@ static void polygon_light_has_its_closed_form_and_gradient(void **state) {
     for (size_t k = 0; k < sizeof polygons / sizeof *polygons; k++) {
         const polygon_case *c = &polygons[k];
         sl_vec3d gradient;
-        assert_near(5 * sl_polygon_irradiance(c->p, c->n, c->vertices, 4, &gradient), c->irradiance, 1e-11);
+        assert_near(5 * polygon_irradiance(c->p, c->n, c->vertices, 4, &gradient), c->irradiance, 1e-11);
         assert_near(5 * gradient.x, c->gradient.x, c->eps);
         assert_near(5 * gradient.y, c->gradient.y, c->eps);
         assert_near(5 * gradient.z, c->gradient.z, c->eps);
         const double h = 1e-5; /* and by central differences */
         for (int axis = 0; axis < 3; axis++) {
             sl_vec3d d = {axis == 0 ? h : 0, axis == 1 ? h : 0, axis == 2 ? h : 0};
-            double plus = sl_polygon_irradiance(sl_addd(c->p, d), c->n, c->vertices, 4, NULL);
-            double minus = sl_polygon_irradiance(sl_subd(c->p, d), c->n, c->vertices, 4, NULL);
+            double plus = polygon_irradiance(sl_addd(c->p, d), c->n, c->vertices, 4, NULL);
+            double minus = polygon_irradiance(sl_subd(c->p, d), c->n, c->vertices, 4, NULL);
             double exact = axis == 0 ? gradient.x : axis == 1 ? gradient.y : gradient.z;
             assert_near((plus - minus) / (2 * h), exact, 1e-8);
         }
         sl_vec3d backwards[4] = {c->vertices[3], c->vertices[2], c->vertices[1], c->vertices[0]};
-        assert_near(sl_polygon_irradiance(c->p, c->n, backwards, 4, &gradient), 0.0, 0.0); /* it shines the other way */
+        assert_near(polygon_irradiance(c->p, c->n, backwards, 4, &gradient), 0.0, 0.0); /* it shines the other way */
         assert_near(gradient.x, 0.0, 0.0);
     }
 }
@@ -215,8 +207,8 @@ static void occluder_takes_the_part_of_the_light_behind_it(void **state) {
     y0 = fmax(-0.4, c->p.y + s * (y0 - c->p.y));
     y1 = fmin(0.9, c->p.y + s * (y1 - c->p.y));
     sl_vec3d hidden[4] = {{x0, y0, 1.3}, {x0, y1, 1.3}, {x1, y1, 1.3}, {x1, y0, 1.3}};
-    double irradiance = 5 * (sl_polygon_irradiance(c->p, c->n, c->vertices, 4, NULL) -
-                             sl_polygon_irradiance(c->p, c->n, hidden, 4, NULL));
+    double irradiance = 5 * (polygon_irradiance(c->p, c->n, c->vertices, 4, NULL) -
+                             polygon_irradiance(c->p, c->n, hidden, 4, NULL));
     assert_near(irradiance, 1.48128, 5e-6);
 }
 
@@ -230,7 +222,7 @@ static void half_spaces_give_half_the_sky(void **state) {
                                 {{-e, e, 0}, {-e, e, e}, {-e, -e, e}, {-e, -e, 0}}, {{e, e, 0}, {e, e, e}, {-e, e, e}, {-e, e, 0}},
                                 {{-e, -e, 0}, {-e, -e, e}, {e, -e, e}, {e, -e, 0}}};
         double sum = 0.0;
-        for (int f = 0; f < 5; f++) sum += sl_polygon_irradiance(sky, n, faces[f], 4, NULL);
+        for (int f = 0; f < 5; f++) sum += polygon_irradiance(sky, n, faces[f], 4, NULL);
         assert_near(sum, SL_PI * (1 + sl_cos(gamma)) / 2, 1e-12);
     }
 }
@@ -239,7 +231,7 @@ static void endless_wall_has_its_form_factor(void **state) {
     (void)state;
     const double e = 1e7, d = 0.7, h = 1.9;
     sl_vec3d wall[4] = {{d, -e, 0}, {d, -e, h}, {d, e, h}, {d, e, 0}}, gradient;
-    double f = sl_polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 0, 1), wall, 4, &gradient) / SL_PI;
+    double f = polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 0, 1), wall, 4, &gradient) / SL_PI;
     assert_near(f, 0.327147320586, 1e-9);
     assert_near(f, 0.5 * (1 - d / sqrt(d * d + h * h)), 1e-12);
     assert_near(gradient.x / SL_PI, 0.217420966092, 1e-9); /* towards the wall: minus d/dd */

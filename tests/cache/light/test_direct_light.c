@@ -13,10 +13,10 @@
 #include <math.h>
 
 #include "base/math.h"
-#include "cache/hemisphere/hemisphere_tables.h"
 #include "cache/light/direct.h"
 #include "rendering.h"
 #include "trace_scenes.h"
+#include "polygon_truth.h"
 
 /* ---- a picture of direct light -------------------------------------------------------------------------------------------
  */
@@ -152,7 +152,7 @@ static double lamps_at(const sl_scene *scene, sl_vec3 p) {
         for (int c = 0; c < 3; c++)
             corners[c] = sl_to_double(sl_scene_position(scene, scene->vertex[c][scene->emitters[e].triangle]));
         sum += (double)scene->emitters[e].radiance.r *
-               sl_polygon_irradiance(sl_to_double(p), sl_v3d(0, 1, 0), corners, 3, NULL);
+               polygon_irradiance(sl_to_double(p), sl_v3d(0, 1, 0), corners, 3, NULL);
     }
     return sum;
 }
@@ -246,7 +246,7 @@ static void between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them(void *
             const sl_gbuffer *g = p->gbuffer;
             if (!faces(g, i, sl_v3(1, 0, 0))) continue;
             sl_vec3d at = sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]);
-            double truth = 0.5 / SL_PI * 3.0 * sl_polygon_irradiance(at, sl_v3d(1, 0, 0), between, 4, NULL);
+            double truth = 0.5 / SL_PI * 3.0 * polygon_irradiance(at, sl_v3d(1, 0, 0), between, 4, NULL);
             sum += (double)p->rgb[i];
             truths += truth;
             square += ((double)p->rgb[i] / truth - 1.0) * ((double)p->rgb[i] / truth - 1.0);
@@ -281,7 +281,7 @@ static void nothing_of_a_lamp_above_the_horizon_is_missed(void **state) {
             const sl_gbuffer *g = p->gbuffer;
             if (!faces(g, i, n)) continue;
             sl_vec3d at = sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]);
-            double truth = 0.5 / SL_PI * 3.0 * sl_polygon_irradiance(at, normals[run], lamp_corners, 4, NULL);
+            double truth = 0.5 / SL_PI * 3.0 * polygon_irradiance(at, normals[run], lamp_corners, 4, NULL);
             assert_true(truth > 0.0 && fabs((double)p->rgb[i] / truth - 1.0) < 1e-3);
             count++;
         }

@@ -12,9 +12,9 @@
 #include <math.h>
 
 #include "base/random.h"
-#include "cache/hemisphere/hemisphere_tables.h"
 #include "cache/light/shadow_maps.h"
 #include "gather_world.h"
+#include "polygon_truth.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -323,8 +323,8 @@ static void lambert_for_many_points_is_lambert_for_one(void **state) {
         sl_light_kernels_for(sl_isa_best()).polygon(&points, &light, b.r);
         for (size_t i = 0; i < b.count; i++) {
             sl_vec3d p = sl_to_double(sl_v3(b.x[i], b.y[i], b.z[i])), n = sl_to_double(sl_v3(b.nx[i], b.ny[i], b.nz[i]));
-            double truth = sl_polygon_irradiance(p, n, corners, 3, NULL);
-            if (light.two_sided && !(truth > 0.0)) truth = sl_polygon_irradiance(p, n, swapped, 3, NULL);
+            double truth = polygon_irradiance(p, n, corners, 3, NULL);
+            if (light.two_sided && !(truth > 0.0)) truth = polygon_irradiance(p, n, swapped, 3, NULL);
             sl_vec3d d = sl_subd(sl_to_double(centre), p);
             double scale = (double)light.area / (sl_dotd(d, d) + (double)light.area); /* what it could be at most, about */
             assert_true(isfinite(b.r[i]) && b.r[i] >= 0.0f);
@@ -374,7 +374,7 @@ static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **s
                 for (int c = 0; c < 3; c++)
                     corners[c] = sl_to_double(sl_scene_position(w->scene, w->scene->vertex[c][emitter->triangle]));
                 double exact = (double)emitter->radiance.r *
-                               sl_polygon_irradiance(sl_to_double(gathered[i].position), n, corners, 3, NULL);
+                               polygon_irradiance(sl_to_double(gathered[i].position), n, corners, 3, NULL);
                 all += exact;
                 if (weights > 0.0) truth += exact * (seen / weights);
             }
