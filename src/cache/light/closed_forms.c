@@ -86,8 +86,6 @@ static bool is_far(const sl_vec3d corner[3]) {
     return size < SL_TINY_LIGHT * distance;
 }
 
-static bool has_extent(const sl_sampled_light *light) { return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID; }
-
 /* Nothing of the light is below a horizon, and it is not so far that its outline's terms would cancel: no triangle needs to be cut. */
 static bool is_above(const sl_sampled_light *light, const sl_lit_point *point) {
     sl_vec3d p = sl_to_double(point->position), n = sl_to_double(point->normal), g = sl_to_double(point->geometric_normal);
@@ -125,7 +123,7 @@ static double by_triangles(const sl_sampled_light *light, const sl_lit_point *po
 }
 
 double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *point) {
-    if (!has_extent(light)) {
+    if (!sl_light_has_extent(light)) {
         sl_vec3d to;
         double distance;
         return sl_light_point_form(light, point, &to, &distance);
@@ -159,7 +157,7 @@ sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *poin
 sl_vec3 sl_light_direction(const sl_sampled_light *light, const sl_lit_point *point) {
     sl_vec3 n = point->normal, g = point->geometric_normal;
     if (!sl_is_finite(point->position) || !(sl_dot(n, n) > 0.0f) || !(sl_dot(g, g) > 0.0f)) return sl_v3(0, 0, 0);
-    if (has_extent(light)) return sl_normalize_or(sl_to_float(sl_light_middle(light, point)), sl_v3(0, 0, 0));
+    if (sl_light_has_extent(light)) return sl_normalize_or(sl_to_float(sl_light_middle(light, point)), sl_v3(0, 0, 0));
     sl_vec3d to;
     double distance;
     return sl_light_point_form(light, point, &to, &distance) > 0.0 ? sl_to_float(to) : sl_v3(0, 0, 0);

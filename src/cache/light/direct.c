@@ -10,12 +10,6 @@ enum { SUN_TEXELS_MAX = 64 };
 
 /* ---- creation ---- */
 
-static size_t sides_of(const sl_scene *scene) {
-    size_t sides = 0;
-    for (size_t i = 0; i < scene->emitter_count; i++) sides += scene->emitters[i].two_sided ? 2 : 1;
-    return sides;
-}
-
 /* The closed form knows no masks. */
 static bool any_masked(const sl_scene *scene) {
     for (size_t i = 0; i < scene->emitter_count; i++) {
@@ -45,7 +39,7 @@ static void add_side(sl_direct *d, const sl_emitter *e, bool back) {
 
 static sl_status make_sides(sl_direct *d, sl_error *error) {
     const sl_scene *scene = d->scene;
-    size_t sides = sides_of(scene);
+    size_t sides = sl_emitter_sides(scene);
     if (sides == 0 || sides > SL_EXACT_EMITTERS_MAX || any_masked(scene)) return SL_OK;
     d->polygons = sl_allocate(sides, sizeof *d->polygons);
     d->triangles = sl_allocate(sides * SL_SIDE_VALUES, sizeof *d->triangles);

@@ -16,13 +16,6 @@ static void add_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t 
     glossy[2][p] += sl_picture_value(f.b * irradiance.b);
 }
 
-static sl_light_source source_of(const sl_light *light) {
-    static const sl_source_kind kinds[] = {[SL_LIGHT_POINT] = SL_SOURCE_POINT, [SL_LIGHT_SPOT] = SL_SOURCE_SPOT,
-                                           [SL_LIGHT_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL};
-    return (sl_light_source){.kind = kinds[light->type], .position = light->position, .direction = light->direction,
-                             .cos_inner = light->cos_inner, .cos_outer = light->cos_outer, .colour = light->intensity};
-}
-
 /* The kernel's directions are unit; rays to a light that is near want to end there. */
 static void lengthen(const sl_lit_block *block, sl_vec3 light, sl_arrivals *a) {
     for (size_t i = 0; i < block->count; i++) {
@@ -38,7 +31,7 @@ void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const s
     sl_arrivals a;
     float visible[SL_LIGHT_BLOCK];
     for (size_t l = 0; l < direct->scene->light_count; l++) {
-        sl_light_source source = source_of(&direct->scene->lights[l]);
+        sl_light_source source = sl_light_source_of(&direct->scene->lights[l]);
         bool far_away = source.kind == SL_SOURCE_DIRECTIONAL;
         direct->light.arrive(&points, &source, &a);
         if (!far_away) lengthen(block, source.position, &a);

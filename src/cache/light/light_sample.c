@@ -37,8 +37,6 @@ static sl_status check(const sl_light_sample_settings *s, sl_error *error) {
     return SL_OK;
 }
 
-static bool has_extent(const sl_sampled_light *light) { return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID; }
-
 static sl_vec3d corner_of(const sl_sampled_light *light, size_t k) { return sl_to_double(light->corner[k]); }
 
 /* Of one-sided triangles: all corners behind the plane of each, but for roundings. */
@@ -56,25 +54,6 @@ static bool is_convex(const sl_sampled_light *light, double size) {
     return true;
 }
 
-/* Two triangles that share an edge, their other corners opposite to each other. */
-static void find_parallelogram(const sl_sampled_light *light, sl_light_shape_info *shape) {
-    if (light->kind != SL_SAMPLED_AREA || light->triangles != 2) return;
-    for (size_t i = 0; i < 3; i++) {
-        for (size_t j = 0; j < 3; j++) {
-            sl_vec3d a = corner_of(light, i), b = corner_of(light, (i + 1) % 3), c = corner_of(light, (i + 2) % 3);
-            sl_vec3d p = corner_of(light, 3 + j), q = corner_of(light, 3 + (j + 1) % 3), r = corner_of(light, 3 + (j + 2) % 3);
-            double room = 1e-5 * shape->size;
-            sl_vec3d opposite = sl_subd(sl_addd(b, c), a);
-            if (sl_lengthd(sl_subd(q, c)) > room || sl_lengthd(sl_subd(r, b)) > room || sl_lengthd(sl_subd(p, opposite)) > room) continue;
-            shape->parallelogram = true;
-            shape->corner = a;
-            shape->e1 = sl_subd(b, a);
-            shape->e2 = sl_subd(c, a);
-            return;
-        }
-    }
-}
-
 static void measure(const sl_sampled_light *light, sl_light_shape_info *shape) {
     double coordinates = 0.0, off = 0.0;
     sl_vec3d origin = corner_of(light, 0), normal = sl_to_double(light->normal), middle = sl_to_double(light->position);
@@ -85,11 +64,6 @@ static void measure(const sl_sampled_light *light, sl_light_shape_info *shape) {
         shape->size = fmax(shape->size, 2.0 * sl_lengthd(sl_subd(sl_to_double(c), middle)));
     }
     shape->flatness = off + 6e-7 * coordinates;
-    for (size_t t = 0; t < light->triangles; t++) {
-        sl_vec3d a = corner_of(light, 3 * t);
-        shape->area += 0.5 * sl_lengthd(sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a)));
-        shape->area_before[t] = shape->area;
-    }
     shape->closed_form = light->kind == SL_SAMPLED_AREA || is_convex(light, shape->size);
 }
 
@@ -116,16 +90,15 @@ static sl_status make_shape(sl_light_sampling *s, size_t index, sl_error *error)
     const sl_sampled_light *light = &s->lights->light[index];
     const sl_light_sample_settings *settings = &s->settings;
     sl_light_shape_info *shape = &s->shape[index];
-    if (!has_extent(light)) return SL_OK;
-    shape->area_before = sl_allocate(light->triangles, sizeof *shape->area_before);
-    if (!shape->area_before) return sl_fail_memory(error, "a lamp");
+    if (!sl_light_has_extent(light)) return SL_OK;
+    sl_status status = sl_light_surface_make(light, &shape->surface, error);
+    if (status != SL_OK) return status;
     measure(light, shape);
-    find_parallelogram(light, shape);
     if (settings->estimator == SL_LIGHT_RAYS) return SL_OK;
     if (light->kind == SL_SAMPLED_AREA && settings->estimator != SL_LIGHT_LOOK_AT) {
         return sl_light_window_make(light, settings, &shape->window, error);
     }
-    sl_status status = make_raster(light, shape, settings->threads, error);
+    status = make_raster(light, shape, settings->threads, error);
     bool wider = status == SL_OK && (!s->widest || sl_raster_cluster_count(shape->raster) > sl_raster_cluster_count(s->widest));
     if (wider) s->widest = shape->raster;
     if (light->triangles > s->most_triangles) s->most_triangles = light->triangles;
@@ -159,7 +132,7 @@ void sl_light_sampling_destroy(sl_light_sampling *s) {
         sl_raster_destroy(shape->raster);
         sl_free(shape->mesh_x);
         sl_free(shape->mesh_corner);
-        sl_free(shape->area_before);
+        sl_light_surface_release(&shape->surface);
     }
     sl_free(s->shape);
     sl_free(s);
@@ -172,7 +145,7 @@ size_t sl_light_sampling_memory_bytes(const sl_light_sampling *s) {
     for (size_t i = 0; i < s->lights->count; i++) {
         const sl_light_shape_info *shape = &s->shape[i];
         size_t triangles = s->lights->light[i].triangles;
-        bytes += triangles * sizeof *shape->area_before;
+        bytes += triangles * sizeof *shape->surface.area_before;
         for (int level = 0; level < SL_WINDOW_LEVELS; level++) {
             if (shape->window.inside[level]) bytes += (sl_window_words(1 << level) << level) * sizeof(uint32_t);
         }
@@ -288,7 +261,7 @@ static double by_pictures(const sample *s) {
 
 /* Edge-on, or all but below the horizon: next to nothing of what the light could give at its distance. */
 static bool is_nothing(const sample *s, double distance) {
-    return !(s->unoccluded > 1e-12 * fmin(1.0, s->shape->area / (SL_PI * distance * distance)));
+    return !(s->unoccluded > 1e-12 * fmin(1.0, s->shape->surface.area / (SL_PI * distance * distance)));
 }
 
 static double area_light(sample *s) {
@@ -324,7 +297,7 @@ static float take(sample *s) {
         sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
         return 0.0f;
     }
-    return value_or_nothing(has_extent(s->light) ? area_light(s) : sl_light_without_extent(q->sampling, s->light, q->point, q->counters));
+    return value_or_nothing(sl_light_has_extent(s->light) ? area_light(s) : sl_light_without_extent(q->sampling, s->light, q->point, q->counters));
 }
 
 float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch,

@@ -28,13 +28,10 @@ static inline size_t sl_window_words(int size) { return (size_t)((size + 31) / 3
 
 /* What is known of an area light beforehand. */
 typedef struct sl_light_shape_info {
-    double area;
+    sl_light_surface surface;
     double size;               /* across: largest distance of a corner from the centroid, twice */
     double flatness;           /* planar: how far its corners may lie off its plane, roundings included */
     bool closed_form;          /* whoever sees the front of one of its triangles sees all of it, unless something else is in between */
-    bool parallelogram;        /* of two triangles: corner 0 of the first, its edges e1, e2 */
-    sl_vec3d corner, e1, e2;
-    double *area_before;       /* by triangle: the sum of the areas up to and with it */
     sl_light_window window;
     sl_raster *raster;         /* of the light alone, where a look-at frustum is taken; or NULL */
     float *mesh_x;             /* what it is made of: x, y, z of its corners, and their numbers */

@@ -51,7 +51,27 @@ typedef struct sl_sampled_lights {
     sl_light_edge *edges;       /* behind light[i].edge */
 } sl_sampled_lights;
 
+static inline bool sl_light_has_extent(const sl_sampled_light *light) {
+    return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID;
+}
+
 sl_status sl_sampled_lights_find(const sl_scene *scene, sl_sampled_lights **lights, sl_error *error);
 void sl_sampled_lights_destroy(sl_sampled_lights *lights);
+
+/* ---- points spread over an area light (light_surface.c) ---- */
+
+/* A parallelogram takes two numbers as they are, so that points are as even on it as in the unit square; of other lights the first number
+ * chooses the triangle by area, and what is left of it serves for the place. */
+typedef struct sl_light_surface {
+    double area;
+    double *area_before;        /* by triangle: the sum of the areas up to and with it */
+    bool parallelogram;         /* of two triangles: corner 0 of the first, its edges e1, e2 */
+    sl_vec3d corner, e1, e2;
+} sl_light_surface;
+sl_status sl_light_surface_make(const sl_sampled_light *light, sl_light_surface *surface, sl_error *error);
+void sl_light_surface_release(sl_light_surface *surface);
+/* A point of the triangles, neighbours to neighbours; which triangle it is on, and the weights there of its corners 1 and 2. */
+sl_vec3d sl_light_surface_point(const sl_sampled_light *light, const sl_light_surface *surface, const double u[2], size_t *triangle,
+                                double weight[2]);
 
 #endif

@@ -70,16 +70,9 @@ static sl_status draw_directional(const sl_shadow_maps *maps, const sl_raster *r
 
 static sl_status add_light(sl_shadow_maps *maps, const sl_raster *raster, const sl_light *light, unsigned part, int size,
                            sl_counters *counters, sl_error *error) {
-    static const sl_source_kind kinds[] = {[SL_LIGHT_POINT] = SL_SOURCE_POINT, [SL_LIGHT_SPOT] = SL_SOURCE_SPOT,
-                                           [SL_LIGHT_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL};
     sl_mapped_source *s = &maps->sources[maps->source_count++];
     s->part = part;
-    s->source = (sl_light_source){.kind = kinds[light->type],
-                                  .position = light->position,
-                                  .direction = light->direction,
-                                  .cos_inner = light->cos_inner,
-                                  .cos_outer = light->cos_outer,
-                                  .colour = light->intensity};
+    s->source = sl_light_source_of(light);
     if (light->type == SL_LIGHT_DIRECTIONAL)
         return draw_directional(maps, raster, light->direction, size, s, counters, error);
     return draw_cube(maps, raster, light->position, size, 2.0f * maps->offset, s, counters, error);
@@ -153,12 +146,6 @@ static size_t samples_of(const sl_scene *scene, const sl_emitter *e) {
     return samples > 1 ? samples : 1;
 }
 
-static size_t sides_of(const sl_scene *scene) {
-    size_t sides = 0;
-    for (size_t i = 0; i < scene->emitter_count; i++) sides += scene->emitters[i].two_sided ? 2 : 1;
-    return sides;
-}
-
 /* ---- all
  * ---------------------------------------------------------------------------------------------------------------------- */
 
@@ -199,7 +186,7 @@ static sl_status add_all(sl_shadow_maps *maps, const sl_raster *raster, sl_count
 
 static sl_status create_all(sl_shadow_maps *maps, const sl_raster *raster, sl_counters *counters, sl_error *error) {
     const sl_scene *scene = maps->scene;
-    size_t sides = sides_of(scene);
+    size_t sides = sl_emitter_sides(scene);
     maps->capacity = scene->light_count + SUN_LIGHTS + SKY_LIGHTS + EMITTER_SAMPLES + sides;
     maps->sources = sl_allocate(maps->capacity, sizeof *maps->sources);
     maps->emitters = sl_allocate(sides, sizeof *maps->emitters);
@@ -215,10 +202,10 @@ sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster, 
     if (settings->size < SMALLEST_MAP || settings->size > 8192)
         return sl_fail(error, SL_ERROR_USAGE, "shadow maps have %d to 8192 texels a side, not %d", (int)SMALLEST_MAP,
                        settings->size);
-    if (sides_of(scene) > EMITTER_SIDES_MAX)
+    if (sl_emitter_sides(scene) > EMITTER_SIDES_MAX)
         return sl_fail(error, SL_ERROR_USAGE,
                        "shadow maps for %zu sides of emissive triangles are too many (at most %d): use shadow rays",
-                       sides_of(scene), (int)EMITTER_SIDES_MAX);
+                       sl_emitter_sides(scene), (int)EMITTER_SIDES_MAX);
     sl_shadow_maps *maps = sl_allocate(1, sizeof *maps);
     if (!maps) return sl_fail_memory(error, "shadow maps");
     *maps = (sl_shadow_maps){.scene = scene, .settings = *settings, .kernels = sl_light_kernels_for(sl_isa_best()),

@@ -105,22 +105,6 @@ double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampl
 
 /* ---- area lights ---- */
 
-/* A point of the light from two numbers in [0,1), evenly by area, neighbours to neighbours; which triangle it is on. */
-static sl_vec3d place_on(const sl_sampled_light *light, const sl_light_shape_info *shape, double u, double v, size_t *triangle) {
-    double at = u * shape->area, before;
-    size_t low = 0, high = light->triangles - 1;
-    while (low < high) {
-        size_t middle = (low + high) / 2;
-        if (at < shape->area_before[middle]) high = middle;
-        else low = middle + 1;
-    }
-    before = low > 0 ? shape->area_before[low - 1] : 0.0;
-    double own = shape->area_before[low] - before, s = sqrt(own > 0.0 ? fmin(fmax((at - before) / own, 0.0), 1.0) : 0.5);
-    sl_vec3d a = sl_to_double(light->corner[3 * low]), b = sl_to_double(light->corner[3 * low + 1]), c = sl_to_double(light->corner[3 * low + 2]);
-    *triangle = low;
-    return sl_addd(sl_scaled(a, 1.0 - s), sl_addd(sl_scaled(b, s * (1.0 - v)), sl_scaled(c, s * v)));
-}
-
 static sl_vec3 normal_of(const sl_sampled_light *light, size_t triangle) {
     sl_vec3d a = sl_to_double(light->corner[3 * triangle]), b = sl_to_double(light->corner[3 * triangle + 1]);
     sl_vec3d cross = sl_crossd(sl_subd(b, a), sl_subd(sl_to_double(light->corner[3 * triangle + 2]), a));
@@ -159,7 +143,10 @@ static void aim(const sl_light_query *query, const float *u, const float *v, sl_
     const sl_vec3d position = sl_to_double(query->point->position);
     for (unsigned i = 0; i < SL_AIMED; i++) {
         size_t triangle;
-        sl_vec3 d = sl_to_float(sl_subd(place_on(light, &query->sampling->shape[query->light], (double)u[i], (double)v[i], &triangle), position));
+        const double at[2] = {(double)u[i], (double)v[i]};
+        double weight[2];
+        sl_vec3d place = sl_light_surface_point(light, &query->sampling->shape[query->light].surface, at, &triangle, weight);
+        sl_vec3 d = sl_to_float(sl_subd(place, position));
         sl_vec3 normal = light->kind == SL_SAMPLED_AREA ? light->normal : normal_of(light, triangle);
         rays->x[i] = d.x, rays->y[i] = d.y, rays->z[i] = d.z;
         rays->normal_x[i] = normal.x, rays->normal_y[i] = normal.y, rays->normal_z[i] = normal.z;
@@ -170,14 +157,15 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
     const sl_light_sampling *sampling = query->sampling;
     const sl_light_pixel_kernels *kernels = &sampling->kernels;
     const sl_light_shape_info *shape = &sampling->shape[query->light];
+    const sl_light_surface *surface = &shape->surface;
     const sl_sampled_light *light = &sampling->lights->light[query->light];
     const sl_lit_point *point = query->point;
     const int n = query->rays;
     const uint64_t key = jitter_key(point, query->light);
     const sl_vec3d position = sl_to_double(point->position), back = sl_subd(position, sl_to_double(query->eye));
-    const sl_vec3 corner = sl_to_float(sl_subd(shape->corner, position)), e1 = sl_to_float(shape->e1), e2 = sl_to_float(shape->e2);
+    const sl_vec3 corner = sl_to_float(sl_subd(surface->corner, position)), e1 = sl_to_float(surface->e1), e2 = sl_to_float(surface->e2);
     const sl_ray_receiver receiver = {.normal = point->normal, .geometric = point->geometric_normal, .two_sided = light->two_sided,
-                                      .scale = (float)(shape->area / ((double)n * (double)n * SL_PI)),
+                                      .scale = (float)(surface->area / ((double)n * (double)n * SL_PI)),
                                       .flatness = (float)(2.0 * shape->flatness), .margin = (float)SL_LIGHT_MARGIN};
     packet p = packet_at(sampling, point, query->eye, query->counters);
     double all = 0.0;
@@ -187,7 +175,7 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
         sl_aimed_rays rays;
         unsigned count = strata_of(n, k, column, row);
         kernels->jitter(key, n, column, row, u, v);
-        if (shape->parallelogram) kernels->places(u, v, corner, e1, e2, light->normal, &rays);
+        if (surface->parallelogram) kernels->places(u, v, corner, e1, e2, light->normal, &rays);
         else aim(query, u, v, &rays);
         kernels->weights(&receiver, &rays);
         for (unsigned i = 0; i < count; i++) {

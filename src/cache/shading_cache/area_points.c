@@ -1,79 +1,71 @@
-/* Points spread evenly over an area light: what is a parallelogram takes them as they are, so that they are as even on it as in the unit square; of
- * other lights the first number chooses the triangle by area, and what is left of it serves for the place. */
-#include <math.h>
-
+/* Points spread over area lights by Halton's sequence (bases 2 and 3), its digits shifted by fixed numbers. */
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/random.h"
 #include "cache/shading_cache/renderer_parts.h"
 
-static sl_vec3d corner_of(const sl_sampled_light *light, size_t k) { return sl_to_double(light->corner[k]); }
-
-/* Two triangles with a common edge b c, and their other corners a and d opposite to each other: a + d = b + c. */
-static void find_parallelogram(const sl_scene *scene, sl_area_light *area) {
-    const sl_sampled_light *light = area->light;
-    if (light->triangles != 2 || sl_scene_has_alpha(scene, light->triangle[0]) || sl_scene_has_alpha(scene, light->triangle[1])) return;
-    for (size_t i = 0; i < 3; i++) {
-        sl_vec3d a = corner_of(light, i), b = corner_of(light, (i + 1) % 3), c = corner_of(light, (i + 2) % 3);
-        sl_vec3d d = sl_subd(sl_addd(b, c), a);
-        for (size_t j = 3; j < 6; j++) {
-            sl_vec3d before = corner_of(light, 3 + (j + 1) % 3), after = corner_of(light, 3 + (j + 2) % 3);
-            double off = sl_lengthd(sl_subd(corner_of(light, j), d)) + sl_lengthd(sl_subd(before, c)) + sl_lengthd(sl_subd(after, b));
-            if (!(off <= 1e-5 * (double)light->extent)) continue;
-            area->parallelogram = true;
-            area->a = a;
-            area->e1 = sl_subd(b, a);
-            area->e2 = sl_subd(c, a);
-            return;
-        }
+sl_halton sl_halton_make(uint64_t key) {
+    sl_halton h = {.shift_2 = sl_random_bits(sl_random_key(key, 2), 0)};
+    uint64_t key_3 = sl_random_key(key, 3);
+    double place[SL_HALTON_DIGITS], size = 1.0;
+    for (int k = 0; k < SL_HALTON_DIGITS; k++) {
+        h.shift_3[k] = (uint8_t)(sl_random_bits(key_3, (uint64_t)k) % 3);
+        place[k] = size /= 3.0;
     }
+    for (int k = SL_HALTON_DIGITS - 1; k >= 0; k--) h.rest_3[k] = h.rest_3[k + 1] + place[k] * (double)h.shift_3[k];
+    return h;
+}
+
+void sl_halton_point(const sl_halton *h, uint32_t index, double point[2]) {
+    point[0] = (double)(sl_van_der_corput(index) ^ h->shift_2) * 0x1p-32;
+    double x = 0.0, place = 1.0;
+    int k = 0;
+    for (; k < SL_HALTON_DIGITS && index > 0; k++, index /= 3) {
+        place /= 3.0;
+        x += place * (double)((index + h->shift_3[k]) % 3);
+    }
+    x += h->rest_3[k];
+    point[1] = x < 1.0 ? x : 0x1.fffffffffffffp-1;
+}
+
+static sl_vec3d normal_of(const sl_sampled_light *light, size_t t) {
+    sl_vec3d a = sl_to_double(light->corner[3 * t]), b = sl_to_double(light->corner[3 * t + 1]);
+    sl_vec3d cross = sl_crossd(sl_subd(b, a), sl_subd(sl_to_double(light->corner[3 * t + 2]), a));
+    double length = sl_lengthd(cross);
+    return length > 0.0 ? sl_scaled(cross, 1.0 / length) : sl_v3d(0.0, 0.0, 0.0);
 }
 
 sl_status sl_area_light_make(const sl_scene *scene, const sl_sampled_light *light, uint64_t key, sl_area_light *area, sl_error *error) {
     *area = (sl_area_light){.light = light, .halton = sl_halton_make(key)};
-    area->area_before = sl_allocate(light->triangles, sizeof *area->area_before);
+    sl_status status = sl_light_surface_make(light, &area->surface, error);
+    if (status != SL_OK) return status;
     area->normal = sl_allocate(light->triangles, sizeof *area->normal);
-    if (!area->area_before || !area->normal) return sl_fail_memory(error, "an area light");
+    if (!area->normal) return sl_fail_memory(error, "an area light");
     for (size_t t = 0; t < light->triangles; t++) {
-        sl_vec3d a = corner_of(light, 3 * t);
-        sl_vec3d cross = sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a));
-        double length = sl_lengthd(cross);
-        if (length > 0.0) area->normal[t] = sl_scaled(cross, 1.0 / length);
-        area->area_before[t] = area->area += 0.5 * length;
+        area->normal[t] = normal_of(light, t);
+        if (sl_scene_has_alpha(scene, light->triangle[t])) area->surface.parallelogram = false; /* masks are looked up by triangle */
     }
-    find_parallelogram(scene, area);
     return SL_OK;
 }
 
 void sl_area_light_release(sl_area_light *area) {
-    sl_free(area->area_before);
+    sl_light_surface_release(&area->surface);
     sl_free(area->normal);
     *area = (sl_area_light){.light = NULL};
 }
 
-static sl_area_point on_triangle(const sl_scene *scene, const sl_area_light *area, const double u[2]) {
-    const sl_sampled_light *light = area->light;
-    double at = u[0] * area->area;
-    size_t low = 0, high = light->triangles - 1;
-    while (low < high) {
-        size_t middle = (low + high) / 2;
-        if (at < area->area_before[middle]) high = middle;
-        else low = middle + 1;
-    }
-    double before = low > 0 ? area->area_before[low - 1] : 0.0, own = area->area_before[low] - before;
-    double s = sqrt(own > 0.0 ? fmin(fmax((at - before) / own, 0.0), 1.0) : 0.5), w1 = s * (1.0 - u[1]), w2 = s * u[1];
-    sl_vec3d p = sl_scaled(corner_of(light, 3 * low), 1.0 - s);
-    p = sl_addd(p, sl_scaled(corner_of(light, 3 * low + 1), w1));
-    p = sl_addd(p, sl_scaled(corner_of(light, 3 * low + 2), w2));
-    uint32_t triangle = light->triangle[low];
-    bool shines = !sl_scene_has_alpha(scene, triangle) || sl_scene_is_opaque(scene, triangle, (float)w1, (float)w2);
-    return (sl_area_point){p, area->normal[low], triangle, shines};
-}
-
 sl_area_point sl_area_light_point(const sl_scene *scene, const sl_area_light *area, uint32_t index) {
-    double u[2];
+    const sl_light_surface *surface = &area->surface;
+    double u[2], w[2];
+    size_t t;
     sl_halton_point(&area->halton, index, u);
-    if (!area->parallelogram) return on_triangle(scene, area, u);
-    sl_vec3d p = sl_addd(area->a, sl_addd(sl_scaled(area->e1, u[0]), sl_scaled(area->e2, u[1])));
-    size_t half = u[0] + u[1] < 1.0 ? 0u : 1u;
-    return (sl_area_point){p, area->normal[half], area->light->triangle[half], true};
+    if (surface->parallelogram) {
+        sl_vec3d p = sl_addd(surface->corner, sl_addd(sl_scaled(surface->e1, u[0]), sl_scaled(surface->e2, u[1])));
+        t = u[0] + u[1] < 1.0 ? 0u : 1u;
+        return (sl_area_point){p, area->normal[t], area->light->triangle[t], true};
+    }
+    sl_vec3d p = sl_light_surface_point(area->light, surface, u, &t, w);
+    uint32_t triangle = area->light->triangle[t];
+    bool shines = !sl_scene_has_alpha(scene, triangle) || sl_scene_is_opaque(scene, triangle, (float)w[0], (float)w[1]);
+    return (sl_area_point){p, area->normal[t], triangle, shines};
 }

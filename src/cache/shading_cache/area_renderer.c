@@ -95,7 +95,7 @@ static sl_rgb lobe_colour(const lit *at, sl_rgb light) { return at->has_lobe ? s
 /* The balance heuristic's density of a direction: of all points of the light and all draws from the lobe. */
 static double density_of(const lit *at, const sl_area_light *area, double squared, double cosine, sl_vec3 to_light) {
     double points = (double)at->renderer->settings.cache.area_samples;
-    return points * squared / (area->area * cosine) + (double)lobe_draws(at->renderer) * (double)sl_bsdf_pdf(&at->lobe, to_light);
+    return points * squared / (area->surface.area * cosine) + (double)lobe_draws(at->renderer) * (double)sl_bsdf_pdf(&at->lobe, to_light);
 }
 
 /* One point of the light: its weight, and its ray where it has any. */
@@ -176,7 +176,7 @@ static void add_area_light(const lit *at, const sl_area_light *area, sl_sample *
     uint32_t points = (uint32_t)settings->area_samples, first = at->request->set * points + 1;
     add_points(at, area, first, first + points, &s);
     double n = (double)add_dense_points(at, area, points, &s);
-    double scale = area->area / n, variance = mean_variance(&s, n) * area->area * area->area; /* of E / L */
+    double scale = area->surface.area / n, variance = mean_variance(&s, n) * area->surface.area * area->surface.area; /* of E / L */
     if (settings->area == SL_AREA_RATIO) {
         if (!(s.all > 0.0)) add_middle(at, area, &s);
         if (!(s.all > 0.0)) return;
@@ -294,8 +294,6 @@ static void release_lights(area_renderer *r) {
     r->lights = NULL;
 }
 
-static bool has_extent(const sl_sampled_light *light) { return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID; }
-
 static sl_status make_lights(area_renderer *r, sl_error *error) {
     release_lights(r);
     sl_status status = sl_sampled_lights_find(r->settings.scene, &r->lights, error);
@@ -305,7 +303,7 @@ static sl_status make_lights(area_renderer *r, sl_error *error) {
     r->area_count = r->lights->count;
     for (size_t l = 0; l < r->area_count && status == SL_OK; l++) {
         const sl_sampled_light *light = &r->lights->light[l];
-        if (has_extent(light)) status = sl_area_light_make(r->settings.scene, light, sl_random_key(r->settings.seed, l), &r->area[l], error);
+        if (sl_light_has_extent(light)) status = sl_area_light_make(r->settings.scene, light, sl_random_key(r->settings.seed, l), &r->area[l], error);
     }
     return status;
 }

@@ -21,7 +21,7 @@ bool sl_request_wants_mirror(const sl_sample_request *request);
 /* The lobe alone, ks = 1, seen from the eye; false where the eye is behind the surface. */
 bool sl_request_lobe(const sl_sample_request *request, sl_bsdf *lobe);
 
-/* ---- well-spread numbers (halton.c) --------------------------------------------------------------------------------------- */
+/* ---- well-spread numbers (area_points.c) --------------------------------------------------------------------------------------- */
 
 /* Halton's points in bases 2 and 3. Digits are shifted by a fixed number each, which keeps what makes the points even; different keys give points
  * that have nothing to do with each other, the same key the same ones for everybody. */
@@ -39,11 +39,8 @@ void sl_halton_point(const sl_halton *halton, uint32_t index, double point[2]);
 typedef struct sl_area_light {
     const sl_sampled_light *light;
     sl_halton halton;
-    double area;
-    double *area_before;       /* by triangle: the sum of areas up to and with it */
+    sl_light_surface surface;
     sl_vec3d *normal;          /* by triangle, unit, of the shining side */
-    bool parallelogram;        /* of two triangles: corner a of the first, its edges e1, e2 */
-    sl_vec3d a, e1, e2;
 } sl_area_light;
 sl_status sl_area_light_make(const sl_scene *scene, const sl_sampled_light *light, uint64_t key, sl_area_light *area, sl_error *error);
 void sl_area_light_release(sl_area_light *area);

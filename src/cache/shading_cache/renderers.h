@@ -1,7 +1,7 @@
 /* Sample renderers: what computes shading at points. A renderer takes a batch as a pure function of (scene, requests), so that other threads,
  * or other processes, could compute it; the cache adds up what several of them return for one point.
  *
- *   area_renderer.c            direct light: area lights by points spread over them (area_points.c, halton.c), lights without extent by a ray
+ *   area_renderer.c            direct light: area lights by points spread over them (area_points.c), lights without extent by a ray
  *   bidirectional_renderer.c   indirect light (trace/bidirectional); direct light of the environment (sky_light.c); all that mirrors reflect
  *   caustic_renderer.c         caustics by a photon map of their own
  *   constant_renderer.c        one colour: for tests
