@@ -1,7 +1,7 @@
 /* What the parts of a gather share: the steps of one gather are
  *
- *     see      plane_gather.c, hemicube_gather.c or ray_gather.c: which triangle, where, in every cell
- *     shade    hit_shading.c: outgoing radiance of what is seen, lit directly, and by more bounces (hidden_light.c)
+ *     see      raster_gather.c or ray_gather.c: which triangle, where, in every cell
+ *     shade    hit_shading.c: outgoing radiance of what is seen, lit directly, and by more bounces
  *     sum      gather_kernels.c and gradients.c: irradiance, gradients, mean distance
  *     project  projection.c: coefficients of radiance, where asked for
  */
@@ -104,11 +104,6 @@ void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
 /* More rays where radiance varies; the first ones are there, lit by all that needs no samples (more_rays.c). */
 void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters);
-/* After a raster render: fills slots from cell_id, cell_depth, cell_w1, cell_w2. */
-void sl_gather_hits_of_cells(const sl_gather_view *view);
-
-/* Adds the light of more bounces to the hits' irradiance (hidden_light.c). */
-void sl_gather_add_hidden_light(const sl_gather_view *view, sl_counters *counters);
 
 /* What slot k sees shine by itself. */
 sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);

@@ -279,6 +279,40 @@ static sl_vec3d disc_corner(const sl_gather_tables *t, double half_tangent, int 
     return sl_v3d(px, py, sqrt(fmax(0.0, 1.0 - px * px - py * py)));
 }
 
+/* ---- second derivatives ---- */
+
+typedef sl_vec3d corner_of(const sl_gather_tables *tables, double half_tangent, int x, int y);
+
+static void set_curvature(float *xx, float *xy, float *yy, sl_curvature k) {
+    *xx = (float)k.xx;
+    *xy = (float)k.xy;
+    *yy = (float)k.yy;
+}
+
+static bool is_cell(const sl_gather_tables *t, int x, int y) {
+    return x >= 0 && y >= 0 && t->length[(size_t)y * (size_t)t->width + (size_t)x] > 0.0f;
+}
+
+/* How the walls between cells, and the corners where four of them meet, move with the receiver beyond the first order (Schwarzhaupt, Jensen, Jarosz
+ * 2012 have the idea that occlusion belongs into the Hessian). corner: the direction of the grid's corner (x, y), in units of depth. */
+static void fill_curvatures(sl_gather_tables *t, corner_of *corner, double half_tangent) {
+    for (int y = 0; y < t->height; y++) {
+        for (int x = 0; x < t->width; x++) {
+            size_t i = (size_t)y * (size_t)t->width + (size_t)x;
+            if (!is_cell(t, x, y)) continue;
+            bool has_left = is_cell(t, x - 1, y), has_below = is_cell(t, x, y - 1);
+            sl_vec3d here = corner(t, half_tangent, x, y), right = corner(t, half_tangent, x + 1, y),
+                     up = corner(t, half_tangent, x, y + 1);
+            /* Seen along the wall, the cell lies on its right. */
+            if (has_left) set_curvature(&t->column_xx[i], &t->column_xy[i], &t->column_yy[i], sl_wall_curvature(here, up));
+            if (has_below) set_curvature(&t->row_xx[i], &t->row_xy[i], &t->row_yy[i], sl_wall_curvature(right, here));
+            if (!has_left || !has_below || !is_cell(t, x - 1, y - 1)) continue;
+            sl_curvature k = sl_vertex_curvature(here, right, corner(t, half_tangent, x - 1, y), up, corner(t, half_tangent, x, y - 1));
+            set_curvature(&t->vertex_xx[i], &t->vertex_xy[i], &t->vertex_yy[i], k);
+        }
+    }
+}
+
 /* ---- creation ---------------------------------------------------------------------------------------------------------------------- */
 
 sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tangent, sl_border border,
@@ -302,14 +336,14 @@ sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tan
     }
     if (kind == SL_GATHER_HEMICUBE) {
         fill_hemicube(t);
-        sl_gather_fill_curvatures(t, hemicube_corner, half_tangent);
+        fill_curvatures(t, hemicube_corner, half_tangent);
     } else if (kind == SL_GATHER_PLANE) {
         fill_plane(t, half_tangent, border);
-        sl_gather_fill_curvatures(t, plane_corner, half_tangent);
+        fill_curvatures(t, plane_corner, half_tangent);
         if (border == SL_BORDER_LC04) divide_by_coverage(t);
     } else {
         fill_rays(t);
-        sl_gather_fill_curvatures(t, disc_corner, half_tangent);
+        fill_curvatures(t, disc_corner, half_tangent);
     }
     order_cells(t);
     *tables = t;

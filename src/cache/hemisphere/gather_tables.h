@@ -57,11 +57,6 @@ sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tan
 void sl_gather_tables_destroy(sl_gather_tables *tables);
 size_t sl_gather_tables_bytes(const sl_gather_tables *tables);
 
-/* Fills in what second derivatives need, for any instrument: corner(context, x, y) is the direction of the grid's corner (x, y), in
- * units of depth; blank cells have none (curvature_tables.c). */
-typedef sl_vec3d sl_gather_corner(const sl_gather_tables *tables, double half_tangent, int x, int y);
-void sl_gather_fill_curvatures(sl_gather_tables *tables, sl_gather_corner *corner, double half_tangent);
-
 /* The concentric map of Shirley and Chiu, [-1,1]^2 to the unit disc: radius a, azimuth pi/4 b/a where |a| > |b|; else radius b, azimuth
  * pi/2 - pi/4 a/b. A negative radius is the opposite side. Equal areas stay equal. */
 void sl_concentric_disc(double a, double b, double *x, double *y);

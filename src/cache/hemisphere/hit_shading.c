@@ -102,6 +102,16 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
     }
 }
 
+/* Light that has met more than one surface before it arrives at what the gather sees. */
+static void add_hidden_light(const sl_gather_view *view, sl_counters *counters) {
+    const sl_hidden_light *hidden = view->gather->settings.hidden;
+    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_hidden_points points = {.count = view->scratch->slots, .triangle = h->triangle,
+                                     .position_x = h->position_x, .position_y = h->position_y, .position_z = h->position_z,
+                                     .normal_x = h->normal_x, .normal_y = h->normal_y, .normal_z = h->normal_z};
+    hidden->irradiance(hidden->context, &points, h->irradiance_r, h->irradiance_g, h->irradiance_b, counters);
+}
+
 /* ---- radiance of the cells --------------------------------------------------------------------------------------------------- */
 
 static float sane(float radiance, uint64_t *nonfinite) {
@@ -180,7 +190,7 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
     sl_gather_add_rays(view, counters);
     begin_slots(view, t->used, s->slots - t->used, counters);
     if (!gather->maps) sl_gather_light_sampled(view, counters);
-    if (gather->settings.hidden) sl_gather_add_hidden_light(view, counters);
+    if (gather->settings.hidden) add_hidden_light(view, counters);
     for (size_t k = 0; k < s->slots; k++) {
         float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[s->slot_cell[k]];
         write_slot(view, k, length, &nonfinite);
