@@ -1,4 +1,4 @@
-/* What is still true when lights and objects have moved (the paper leaves dynamic scenes open). A sample of a light at a vertex holds as long as neither the
+/* Samples that still hold when lights and objects have moved (the paper leaves dynamic scenes open). A sample of a light at a vertex holds as long as neither the
  * light nor the vertex has moved, and nothing that has moved was, or is, between them: the cone from the vertex around the light against the boxes of
  * what moved, before and after. Gathers see everything, so indirect light starts again. */
 #ifndef SL_MULTI_MESH_CHANGES_H

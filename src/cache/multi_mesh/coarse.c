@@ -7,7 +7,7 @@
 
 /* Cells in which corners of small faces share a sample: half as wide as edges may be long, and of the diagonal of the scene's core no more than that. */
 static const double CELL = 0.5, CELL_MOST = 1.0 / 48.0;
-/* How much longer than others slices may be. */
+/* Slices may be longer than others by this. */
 static const double STRETCH = 4.0;
 
 /* ---- what is to be sampled --------------------------------------------------------------------------------------------------- */
@@ -28,7 +28,7 @@ static double measure(const sl_scene *scene, uint32_t triangle, double length[3]
     return 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
 }
 
-/* What a slice across a long face may have in length. The narrower the face, the less of it is to be seen, and the less it takes in a picture of all
+/* Returns the length that a slice across a long face may have. The narrower the face, the less of it is to be seen, and the less it takes in a picture of all
  * the scene if light changes along a slice: slices have the area of other coarse triangles, but are not absurdly long. */
 static double slice_edge(double edge, double longest, double area) {
     double width = 2.0 * area / longest, longer = width > 0.0 ? sqrt(0.5 * edge / width) : 1.0;

@@ -11,7 +11,7 @@
 #include "cache/multi_mesh/lit_points.h"
 
 enum { VERTICES_A_TASK = 8 };
-/* What lights that are not asked could give, of all that lights could give: no more. */
+/* Lights that are not asked could give no more than this share of all light. */
 static const double UNASKED = 0.03;
 
 typedef struct light_worker {

@@ -75,7 +75,7 @@ static inline int sl_coarse_rows(const sl_coarse *coarse, uint32_t face) {
     return rows < 0 ? -rows : rows;
 }
 static inline bool sl_coarse_is_sliced(const sl_coarse *coarse, uint32_t face) { return coarse->face[face].rows < 0; }
-/* How many coarse triangles a face has; of slices the second one stands for none. */
+/* Returns the number of a face's coarse triangles; of slices the second one stands for none. */
 static inline int sl_coarse_triangles(const sl_coarse *coarse, uint32_t face) {
     int n = sl_coarse_rows(coarse, face);
     return sl_coarse_is_sliced(coarse, face) ? 2 * n : n * n;

@@ -30,7 +30,7 @@ static double lobe_towards(const highlight *h, sl_vec3 to_light) {
     return (double)sl_powf(sl_dot(reflected, h->view), h->exponent);
 }
 
-/* How often a light's triangle is cut along each edge for its points to be closer together than a lobe is wide, 1 / sqrt(n). */
+/* Returns the parts into which a light's triangle is cut along each edge for its points to be closer together than a lobe is wide, 1 / sqrt(n). */
 static int cuts_of(const sl_vec3 *corner, const highlight *h) {
     enum { CUTS_MAX = 16 };
     sl_vec3 a = sl_sub(corner[1], corner[0]), b = sl_sub(corner[2], corner[0]), c = sl_sub(corner[2], corner[1]);

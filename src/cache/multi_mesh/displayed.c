@@ -81,7 +81,7 @@ static void see_below(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_p
         node->priority = sl_displayed_leaf_priority(d, place);
         return;
     }
-    settled |= sl_all_edges_closed(node) ? (node->flags & SL_NODE_SMALL) != 0 : sl_was_speck(node);
+    settled |= sl_all_edges_closed(node) ? (node->flags & SL_NODE_SMALL) != 0 : sl_was_minor(node);
     sl_displayed_hand_down(d, place);
     for (int c = 0; c < 4; c++) {
         const sl_mesh_node *child = &d->mesh->node[node->child + (uint32_t)c];

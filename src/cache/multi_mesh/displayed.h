@@ -38,8 +38,8 @@ typedef struct sl_displayed_settings {
     sl_component component;
     float leaf_area, leaf_edge;   /* pixels^2, pixels: the size criterion */
     uint32_t few_pixels;          /* leaves that show no more pixels than that meet the size criterion however large they are */
-    uint32_t specks;              /* leaves that show fewer pixels than that are not looked into unless these, times the contrast between the */
-    float specks_contrast;        /* ... leaf's corners in thresholds, come to so much */
+    uint32_t minor_pixels;        /* leaves that show fewer pixels than that are not looked into unless these, times the contrast between the */
+    float minor_contrast;        /* ... leaf's corners in thresholds, come to so much */
     float probed_area, probed_edge; /* pixels^2, pixels: leaves larger than that are probed before they stay closed; 0: none are */
     bool below_pixels;            /* leaves that show in one pixel alone may be cut */
     bool sharp;                   /* light can end where other geometry begins: leaves with corners in it are cut until it is known where, to a pixel's size */

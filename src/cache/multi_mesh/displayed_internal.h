@@ -1,4 +1,4 @@
-/* What the parts of a displayed mesh share. */
+/* Shared by the parts of a displayed mesh. */
 #ifndef SL_MULTI_MESH_DISPLAYED_INTERNAL_H
 #define SL_MULTI_MESH_DISPLAYED_INTERNAL_H
 
@@ -30,9 +30,9 @@ static inline bool sl_needs_cut(const sl_mesh_node *node) {
 }
 /* Few pixels whose corners are much alike: to look into the leaf would take as many samples as it has pixels, and what an eye can tell of a
  * few pixels is less the fewer they are (Ricco's law: threshold times area is constant). Without known corners there is nothing to be told. */
-bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf);
+bool sl_displayed_is_minor(const sl_displayed *d, const sl_mesh_place *leaf);
 /* What was one when a picture was done still is, with no more pixels. */
-static inline bool sl_was_speck(const sl_mesh_node *node) { return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_speck(node); }
+static inline bool sl_was_minor(const sl_mesh_node *node) { return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_minor(node); }
 /* Is a corner inside other geometry? Then direct light ends somewhere in the leaf, and its other corners do not say where. */
 static inline bool sl_has_hidden_corner(const sl_displayed *d, const sl_mesh_place *leaf) {
     const uint32_t *vertex = d->mesh->node[leaf->node].vertex;
@@ -43,13 +43,13 @@ static inline bool sl_has_hidden_corner(const sl_displayed *d, const sl_mesh_pla
 /* More than a pixel long on the screen. */
 bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf);
 /* May the leaf be cut at all? Patches of a pixel or less are not; one that shows in a single pixel is only to find where light ends. */
-static inline bool sl_may_split_but_for_specks(const sl_displayed *d, const sl_mesh_place *leaf) {
+static inline bool sl_may_split_but_for_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
     uint32_t pixels = d->mesh->node[leaf->node].pixels;
     if (pixels == 0 || leaf->depth >= d->settings.max_depth) return false;
     return pixels > 1 || d->settings.below_pixels || (sl_has_hidden_corner(d, leaf) && sl_displayed_exceeds_pixel(d, leaf));
 }
 static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
-    return sl_may_split_but_for_specks(d, leaf) && !sl_displayed_is_speck(d, leaf);
+    return sl_may_split_but_for_minor(d, leaf) && !sl_displayed_is_minor(d, leaf);
 }
 /* Closed, small enough, and yet to be probed. */
 static inline bool sl_is_unprobed(const sl_displayed *d, const sl_mesh_node *node) {
@@ -89,7 +89,7 @@ void sl_displayed_heap_update(sl_displayed *d, uint32_t entry);
 
 /* ---- edge_tests.c ---- */
 
-/* What the edge's middle and those of its parts tell, as far as they are known. */
+/* Tests the edge's middle and those of its parts, as far as they are known. */
 sl_edge_state sl_displayed_test_edge(const sl_displayed *d, const sl_mesh_place *place, int edge);
 /* The edge's middle has become known: leaves beyond the edge are drawn again, and split if they can tell. */
 sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle, sl_error *error);
@@ -99,7 +99,7 @@ sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *pla
 sl_leaf_weights sl_displayed_weights_of(const sl_mesh_place *place);
 /* A leaf's vertices or those on its edges have changed: it is drawn again. */
 sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error);
-/* What has been remembered of leaves' edges is no longer true. */
+/* Forgets what has been remembered of leaves' edges. */
 void sl_displayed_forget_edges(sl_displayed *d);
 /* All leaves' may have. */
 void sl_displayed_mark_all(sl_displayed *d);

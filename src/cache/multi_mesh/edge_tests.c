@@ -1,4 +1,4 @@
-/* Whether an eye can tell an edge's values from those between its ends. The middle is compared, at the final pixel, with the mean of the ends; and
+/* Tests whether an eye can tell an edge's values from those between its ends. The middle is compared, at the final pixel, with the mean of the ends; and
  * so is every middle of a part of the edge that has a value already, since someone on the other side asked for it: an edge is tested once, for both
  * its sides. Otherwise a large leaf beside a small shadow would draw the shadow's vertex on its edge as a spike to its own centre. */
 #include "cache/multi_mesh/displayed_internal.h"
@@ -44,14 +44,14 @@ static bool differs(const sl_displayed *d, uint32_t face, edge_point a, edge_poi
 
 static bool between(int a, int b, int x) { return a < b ? a <= x && x <= b : b <= x && x <= a; }
 
-/* How far along the edge of `on`, a vertex on an edge between two sites, another vertex is; -1: it is elsewhere. */
+/* Returns where along the edge of `on`, a vertex on an edge between two sites, another vertex is; -1: it is elsewhere. */
 static int fraction(const sl_topology *topology, const sl_vertex_key *on, const sl_vertex_key *vertex) {
     if (vertex->kind == SL_VERTEX_ON_EDGE && vertex->of == on->of) return vertex->p;
     if (vertex->kind != SL_VERTEX_ON_SITE) return -1;
     return vertex->of == topology->edge_low[on->of] ? 0 : vertex->of == topology->edge_high[on->of] ? SL_MESH_DYADIC : -1;
 }
 
-/* Whether a vertex that is in the middle of some edge can lie between two points of a face's. */
+/* Tells whether a vertex that is in the middle of some edge can lie between two points of a face's. */
 static bool may_hold(const sl_mesh *mesh, uint32_t face, edge_point a, edge_point b, uint32_t vertex) {
     const sl_vertex_key *key = &mesh->key[vertex];
     if (key->kind == SL_VERTEX_IN_FACE) return key->of == face && between(a.p, b.p, key->p) && between(a.q, b.q, key->q);
@@ -59,7 +59,7 @@ static bool may_hold(const sl_mesh *mesh, uint32_t face, edge_point a, edge_poin
     return from >= 0 && to >= 0 && between(from, to, key->p);
 }
 
-/* Whether any middle of the edge or of its parts differs; `only` that vertex, or SL_NO_INDEX: all. */
+/* Tells whether any middle of the edge or of its parts differs; `only` that vertex, or SL_NO_INDEX: all. */
 static bool any_differs(const sl_displayed *d, uint32_t face, edge_point a, edge_point b, uint32_t only) {
     if (only != SL_NO_INDEX && !may_hold(d->mesh, face, a, b, only)) return false;
     edge_point middle = middle_of(d->mesh, face, a, b);
@@ -85,7 +85,7 @@ static void tell(sl_displayed *d, uint32_t leaf, uint32_t middle) {
         if (sl_edge_of(node, e) != SL_EDGE_CLOSED) continue;
         if (!any_differs(d, place.face, end_of(d->mesh, &place, (e + 1) % 3), end_of(d->mesh, &place, (e + 2) % 3), middle)) continue;
         node->flags = (node->flags & ~(3u << 2 * e) & ~(uint32_t)SL_NODE_SETTLED) | (uint32_t)SL_EDGE_SPLIT << 2 * e;
-        sl_mesh_set_speck(node, 0); /* nor is it what it was when it was tested */
+        sl_mesh_set_minor(node, 0); /* nor is it what it was when it was tested */
         node->priority = sl_displayed_leaf_priority(d, &place);
         sl_displayed_raise(d, place.face, leaf);
     }

@@ -118,7 +118,7 @@ static void set_edge_state(sl_mesh *mesh, uint32_t node, int edge, sl_edge_state
     mesh->node[node].flags = (mesh->node[node].flags & ~(3u << (2 * edge))) | (uint32_t)state << (2 * edge);
 }
 
-/* What an irradiance F of the light shows on a face: diffuse and, as bright as it can be, its highlight; beside the ambient light. */
+/* Returns the radiance that an irradiance F of the light makes a face show: diffuse and, as bright as it can be, its highlight; beside the ambient light. */
 static sl_rgb shown(const sl_irradiance_meshes *m, uint32_t light, uint32_t face, float share) {
     const sl_scene *scene = m->settings.scene;
     const sl_material *material = &scene->materials[scene->material_index[face / 2]];
@@ -139,7 +139,7 @@ static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, co
     return sl_display_contrast(&m->settings.perception, interpolated, computed) > TOLERANCE ? SL_EDGE_SPLIT : SL_EDGE_CLOSED;
 }
 
-/* Whether all that is known on a closed edge agrees with its ends. An edge is closed with the one that it is half of, or has been tested by its middle;
+/* Tells whether all that is known on a closed edge agrees with its ends. An edge is closed with the one that it is half of, or has been tested by its middle;
  * since then someone may have asked for more of it. */
 static bool still_agrees(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place, int edge) {
     const sl_mesh *mesh = m->mesh[light];
@@ -284,7 +284,7 @@ static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_
 
 /* ---- samples ---- */
 
-/* What a light could give, mean of the channels. */
+/* Returns the irradiance that a light could give, mean of the channels. */
 static double most_of(const sl_irradiance_meshes *m, size_t light, const sl_lit_point *point) {
     const sl_sampled_light *l = &m->settings.lights->light[light];
     double most = sl_light_unoccluded(l, point) * (double)sl_rgb_mean(l->colour);
@@ -443,7 +443,7 @@ static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_irrad
     }
 }
 
-/* Whether edges are judged by much else than they were; if so by that from now on. */
+/* Tells whether edges are judged by much else than they were; if so, stores by what. */
 static bool judge_anew(sl_irradiance_meshes *m) {
     const sl_irradiance_settings *s = &m->settings;
     const float now[4] = {s->perception.exposure, s->ambient.r, s->ambient.g, s->ambient.b};

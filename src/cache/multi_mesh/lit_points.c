@@ -2,11 +2,11 @@
 
 #include <math.h>
 
-/* How much of the way to its leaf's middle a point is moved that lies inside other geometry: these one after another. */
+/* Shares of the way to its leaf's middle by which a point is moved that lies inside other geometry, one after another. */
 enum { NUDGES = 3 };
 static const double nudge[NUDGES] = {0.01, 0.05, 0.2};
 
-/* How much of the way to a face's middle is needed to be so far from those of its edges that a point lies on; at most a quarter. */
+/* Returns the share of the way to a face's middle that is needed to be so far from those of its edges that a point lies on; at most a quarter. */
 static double share_inside(const sl_vec3d corner[3], sl_vec3d middle, sl_vec3d p, double far) {
     double share = 0.0;
     for (int i = 0; i < 3; i++) {

@@ -136,7 +136,7 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     sl_announce_planes(&s->announcer, "one gather", "equation (7)", size, size, planes);
 }
 
-/* How near a vertex of a light's mesh is to seeing just half of the light: at most 1/2. */
+/* Returns how near a vertex of a light's mesh is to seeing just half of the light: at most 1/2. */
 static double half_seen(const sl_multi_mesh_state *s, size_t light, uint32_t vertex, sl_lit_point *point) {
     const sl_mesh *mesh = sl_irradiance_mesh(s->irradiance, light);
     sl_mesh_point at;

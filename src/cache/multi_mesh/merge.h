@@ -4,7 +4,7 @@
 
 #include "raster/raster.h"
 
-/* What the view shows whatever the light: planes of the picture's size, bottom row first. */
+/* The view's materials, whatever the light: planes of the picture's size, bottom row first. */
 typedef struct sl_materials_seen {
     int width, height;
     float *planes;             /* behind all of these */

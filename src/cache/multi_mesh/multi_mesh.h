@@ -24,7 +24,7 @@
 
 #include "cache/frame/method.h"
 
-/* How large the meshes of a method's state are: the three that the eye sees, in the order of sl_component, all lights' together, and the coarse mesh.
+/* The size of the meshes of a method's state: the three that the eye sees, in the order of sl_component, all lights' together, and the coarse mesh.
  *
  * Bytes are all that is allocated for a mesh, used or not: nodes (inner ones too), vertices (those that no leaf has any more, too), their table, roots by face;
  * of displayed meshes which pixels each node has, what lies on leaves' edges, the heap, the list of what is to be drawn; of lights' the lists of

@@ -1,4 +1,4 @@
-/* What the parts of the method share: its state, and what each part does with it. */
+/* The method's state, and the functions of its parts. */
 #ifndef SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 #define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 

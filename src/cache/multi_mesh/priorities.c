@@ -73,25 +73,25 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
     return fminf(most, CONTRAST_MAX);
 }
 
-static bool is_speck(const sl_displayed *d, uint32_t pixels, float contrast) { return (float)pixels * contrast < d->settings.specks_contrast; }
+static bool is_minor(const sl_displayed *d, uint32_t pixels, float contrast) { return (float)pixels * contrast < d->settings.minor_contrast; }
 
 /* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known, nor is what a
  * probe has told of. */
-static bool may_be_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
-    bool few = d->mesh->node[leaf->node].pixels < d->settings.specks && !sl_has_hidden_corner(d, leaf);
+static bool may_be_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
+    bool few = d->mesh->node[leaf->node].pixels < d->settings.minor_pixels && !sl_has_hidden_corner(d, leaf);
     return few && !sl_displayed_is_contradicted(d, leaf) && !sl_displayed_below_contradicted(d, leaf);
 }
 
-bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
+bool sl_displayed_is_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
-    return may_be_speck(d, leaf) && (sl_was_speck(node) || is_speck(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
+    return may_be_minor(d, leaf) && (sl_was_minor(node) || is_minor(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
 }
 
 void sl_displayed_settle(sl_displayed *d) {
     for (uint32_t n = 0; n < d->mesh->node_count; n++) {
         sl_mesh_node *node = &d->mesh->node[n];
         bool judged = sl_mesh_is_used(d->mesh, n) && node->child == SL_NO_INDEX && !(node->flags & SL_NODE_SETTLED) && !sl_all_edges_closed(node);
-        if (judged && node->pixels > 1 && node->pixels < d->settings.specks && node->pixels > sl_mesh_speck(node)) sl_mesh_set_speck(node, node->pixels);
+        if (judged && node->pixels > 1 && node->pixels < d->settings.minor_pixels && node->pixels > sl_mesh_minor(node)) sl_mesh_set_minor(node, node->pixels);
     }
 }
 
@@ -99,12 +99,12 @@ float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *lea
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node), unprobed = sl_is_unprobed(d, node);
     if ((node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed && !unprobed)) return 0.0f; /* most often so, and quick to tell */
-    if (!sl_may_split_but_for_specks(d, leaf)) return 0.0f;
+    if (!sl_may_split_but_for_minor(d, leaf)) return 0.0f;
     if (unprobed) return (float)node->pixels * UNTESTED;
-    bool speck = may_be_speck(d, leaf);
-    if (speck && sl_was_speck(node)) return 0.0f;
+    bool minor = may_be_minor(d, leaf);
+    if (minor && sl_was_minor(node)) return 0.0f;
     float contrast = sl_displayed_corner_contrast(d, leaf);
-    return speck && is_speck(d, node->pixels, contrast) ? 0.0f : (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
+    return minor && is_minor(d, node->pixels, contrast) ? 0.0f : (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
 }
 
 /* ---- up to the roots ---- */

@@ -9,8 +9,8 @@
 
 void sl_displayed_judge_probes(const sl_displayed *d, sl_mesh_node *node, sl_screen_size size) {
     if (!(d->settings.probed_area > 0.0f) || !sl_all_edges_closed(node)) return;
-    if (size.edge > sl_mesh_probed_size(node)) sl_mesh_set_speck(node, 0);
-    if (size.area <= d->settings.probed_area && size.edge <= d->settings.probed_edge && !sl_mesh_speck(node)) sl_mesh_set_probed_size(node, size.edge);
+    if (size.edge > sl_mesh_probed_size(node)) sl_mesh_set_minor(node, 0);
+    if (size.area <= d->settings.probed_area && size.edge <= d->settings.probed_edge && !sl_mesh_minor(node)) sl_mesh_set_probed_size(node, size.edge);
 }
 
 bool sl_displayed_wants_probes(const sl_displayed *d, const sl_mesh_place *leaf) { return sl_is_unprobed(d, &d->mesh->node[leaf->node]); }
@@ -19,7 +19,7 @@ uint32_t sl_displayed_pixel(const sl_displayed *d, const sl_mesh_place *leaf, ui
     return d->first[leaf->node] + i;
 }
 
-/* What else is small enough and does not count as such? */
+/* Of leaves only those that are small enough and do not count as such. */
 bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     if (!(d->settings.probed_area > 0.0f) || (node->flags & SL_NODE_SMALL) || !d->pixels) return false;

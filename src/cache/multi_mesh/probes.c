@@ -44,7 +44,7 @@ static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
     return sl_face_point_in_world(leaf->s->topology, &x);
 }
 
-/* What so much of one light alone makes of the mesh's values. */
+/* Returns the mesh's value from so much of one light alone. */
 static sl_rgb value_of_light(const probed_leaf *leaf, size_t light, float share, const sl_mesh_point *point) {
     const sl_sampled_lights one = {.count = 1, .light = &leaf->s->lights->light[light]};
     if (leaf->part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(&one, &share);
@@ -89,7 +89,7 @@ static bool matters(const probed_leaf *leaf, size_t light) {
 
 typedef enum seen_by_corners { CORNERS_DIFFER, CORNERS_SEE_ALL, CORNERS_SEE_NOTHING } seen_by_corners;
 
-/* What is known of the light at a mesh's vertex. */
+/* Gives the known share of the light at a mesh's vertex. */
 static bool share_at(const sl_mesh *irradiance, uint32_t face, uint16_t p, uint16_t q, float *share) {
     uint32_t sample = sl_mesh_find_vertex(irradiance, face, p, q);
     float unit = 1.0f / (float)SL_MESH_DYADIC;

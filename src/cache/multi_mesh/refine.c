@@ -138,7 +138,7 @@ sl_status sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_coun
 static void judge_closed(sl_displayed *d, const sl_mesh_place *leaf) {
     sl_mesh_node *node = &d->mesh->node[leaf->node];
     sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
-    sl_mesh_set_speck(node, 0);
+    sl_mesh_set_minor(node, 0);
     sl_displayed_judge_probes(d, node, sl_displayed_size(d, &clip, leaf));
 }
 

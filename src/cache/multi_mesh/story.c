@@ -29,7 +29,7 @@ static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel
     return false;
 }
 
-/* Whether a leaf's corners are sampled, and how many of them are of use. */
+/* Tells whether a leaf's corners are sampled, and how many of them are of use. */
 static bool has_values(const sl_displayed *d, uint32_t node, int *known) {
     *known = 0;
     for (int c = 0; c < 3; c++) {
@@ -95,7 +95,7 @@ static const char *const layers[SL_COMPONENTS] = {"direct", "specular", "indirec
 static const char *const kinds[SL_COMPONENTS] = {"vertex of the direct diffuse mesh: radiance of white", "vertex of the direct specular mesh: radiance of a mirror-like white",
                                                  "vertex of the indirect mesh: irradiance"};
 
-/* What the merge multiplies a mesh's value by. */
+/* Gives the factor by which the merge multiplies a mesh's value. */
 static void reflectance_of(const telling *t, sl_component part, float reflectance[3]) {
     const sl_materials_seen *m = t->s->materials;
     float scale = part == SL_INDIRECT ? (float)(1.0 / SL_PI) : 1.0f;

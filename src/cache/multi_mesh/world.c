@@ -1,4 +1,4 @@
-/* What a picture is made from, as long as lights and objects stay where they are: rays, corners, lights and how they are sampled, irradiance
+/* The world that a picture is made from, as long as lights and objects stay where they are: rays, corners, lights and how they are sampled, irradiance
  * meshes, the coarse mesh, the meshes that the eye sees. When lights or objects move, samples of direct light that still hold are
  * taken along (changes.c); what gathers and eyes see starts again. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
@@ -13,13 +13,13 @@
 /* The finest of size criteria: leaves of direct light that are larger are probed for what lies between their corners (probes.c). */
 static const float FINE_AREA = 16.0f, FINE_EDGE = 8.0f;
 
-enum { FEW_PIXELS = 8, SPECKS = 4, INDIRECT_SPECKS = 32, MANY_LIGHTS = 16 };
-/* Of the pixels that a leaf may have: so many are too few to be cut for size alone (most of the leaf is hidden), and are a speck. In the room (640 x 480,
+enum { FEW_PIXELS = 8, MINOR_PIXELS = 4, INDIRECT_MINOR_PIXELS = 32, MANY_LIGHTS = 16 };
+/* Of the pixels that a leaf may have: so many are too few to be cut for size alone (most of the leaf is hidden), and are minor. In the room (640 x 480,
  * normal) the one takes an eighth of the samples of direct light away and leaves its error as it is, the other a tenth for a tenth more squared error. */
-static const float FEW = 1.0f / 4.0f, SPECK = 1.0f / 9.0f;
-/* What specks' pixels times contrast must come to to be looked into. Of indirect light most of what is left out by it was cut for what gathers' pixels
+static const float FEW = 1.0f / 4.0f, MINOR = 1.0f / 9.0f;
+/* What minor leaves' pixels times contrast must come to to be looked into. Of indirect light most of what is left out by it was cut for what gathers' pixels
  * make: 96 instead of 48 takes three tenths of the gathers away, for a tenth more squared error of indirect light. */
-static const float SPECKS_CONTRAST = 16.0f, INDIRECT_SPECKS_CONTRAST = 96.0f;
+static const float MINOR_CONTRAST = 16.0f, INDIRECT_MINOR_CONTRAST = 96.0f;
 
 /* ---- what a face shows: parts are judged as the eye sees them, beside all the others ---- */
 
@@ -129,9 +129,9 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     bool probed = part == SL_INDIRECT || m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE;
     sl_displayed_settings settings = {.component = part, .leaf_area = area, .leaf_edge = scale * coarser * (float)m->leaf_edge, .below_pixels = small,
                                       .few_pixels = small ? 0 : part_of(area, FEW, FEW_PIXELS),
-                                      .specks = small || part == SL_DIRECT_SPECULAR ? 0 : part == SL_INDIRECT ? INDIRECT_SPECKS : part_of(area, SPECK, SPECKS),
+                                      .minor_pixels = small || part == SL_DIRECT_SPECULAR ? 0 : part == SL_INDIRECT ? INDIRECT_MINOR_PIXELS : part_of(area, MINOR, MINOR_PIXELS),
                                       .probed_area = probed ? FINE_AREA : 0.0f, .probed_edge = FINE_EDGE, .sharp = part != SL_INDIRECT,
-                                      .specks_contrast = (part == SL_INDIRECT ? INDIRECT_SPECKS_CONTRAST : SPECKS_CONTRAST) / fmaxf(1.0f, (float)m->threshold_scale),
+                                      .minor_contrast = (part == SL_INDIRECT ? INDIRECT_MINOR_CONTRAST : MINOR_CONTRAST) / fmaxf(1.0f, (float)m->threshold_scale),
                                       .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
                                       .hanging = !m->keep_hanging, .perception = s->perception, .shown = {s, shown_radiance},
                                       .threads = s->settings.threads};

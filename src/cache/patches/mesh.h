@@ -42,7 +42,7 @@ enum {
     SL_NODE_SETTLED = 0x1000,  /* a node above it is closed and small there: only another view asked for more */
     SL_NODE_SIMPLE = 0x2000,   /* nothing on its edges but their middles, which sl_displayed.middle names */
     SL_NODE_LISTED = 0x4000,   /* what is on its edges is in sl_displayed.hanging */
-    SL_NODE_TESTED_SHIFT = 16  /* the upper half: of leaves with closed edges sl_mesh_tested_size() or sl_mesh_probed_size(), of others sl_mesh_speck() */
+    SL_NODE_TESTED_SHIFT = 16  /* the upper half: of leaves with closed edges sl_mesh_tested_size() or sl_mesh_probed_size(), of others sl_mesh_minor() */
 };
 
 typedef struct sl_mesh_node {
@@ -57,13 +57,13 @@ typedef struct sl_mesh_node {
 /* A node's size in pixels when it collapsed: it is not opened again before it is twice that; 0: it never did. The upper half of a float's bits. */
 float sl_mesh_tested_size(const sl_mesh_node *node);
 void sl_mesh_set_tested_size(sl_mesh_node *node, float size);
-/* How large a leaf with closed edges may be and need not be probed again (displayed.h): as it was when it was probed, or twice what it was when it
+/* The size up to which a leaf with closed edges need not be probed again (displayed.h): as it was when it was probed, or twice what it was when it
  * collapsed; 0: it is yet to be probed. */
 float sl_mesh_probed_size(const sl_mesh_node *node);
 void sl_mesh_set_probed_size(sl_mesh_node *node, float size);
 /* Of a leaf whose edges are not all closed: how many pixels it had when a picture was done without a look into it; 0: it never was. */
-static inline uint32_t sl_mesh_speck(const sl_mesh_node *node) { return node->flags >> SL_NODE_TESTED_SHIFT; }
-static inline void sl_mesh_set_speck(sl_mesh_node *node, uint32_t pixels) { node->flags = (node->flags & 0xffffu) | pixels << SL_NODE_TESTED_SHIFT; }
+static inline uint32_t sl_mesh_minor(const sl_mesh_node *node) { return node->flags >> SL_NODE_TESTED_SHIFT; }
+static inline void sl_mesh_set_minor(sl_mesh_node *node, uint32_t pixels) { node->flags = (node->flags & 0xffffu) | pixels << SL_NODE_TESTED_SHIFT; }
 
 /* Where a vertex lies. On a SITE: `of` is the site; EDGE: the topology's edge, p the fraction from its lower site in 1/SL_MESH_DYADIC; FACE: the face,
  * weights of corners 1 and 2 p and q in 1/SL_MESH_DYADIC. */
@@ -112,7 +112,7 @@ static inline bool sl_mesh_is_root(const sl_mesh *mesh, uint32_t node) {
 }
 /* SL_NO_INDEX: the face has no root yet. */
 uint32_t sl_mesh_root_of(const sl_mesh *mesh, uint32_t face);
-/* Whether a number below node_count is a node as the mesh stands, not free: for loops over all of them. */
+/* Tells whether a number below node_count is a node as the mesh stands, not free: for loops over all of them. */
 static inline bool sl_mesh_is_used(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].parent != SL_NO_INDEX; }
 
 /* A node with where it lies: what walks hand on, so that nodes need not hold it. Corner i's weights of the face's corners 1 and 2 are

@@ -1,4 +1,4 @@
-/* What lies on the other side of an edge. Within a face quadtrees of triangles are nested, so a leaf beside an edge touches it along a stretch or at a
+/* Leaves on the other side of an edge. Within a face quadtrees of triangles are nested, so a leaf beside an edge touches it along a stretch or at a
  * corner, and never reaches across. Everything is in whole numbers of 1/SL_MESH_DYADIC. */
 #include "cache/patches/mesh.h"
 
@@ -19,7 +19,7 @@ static bool apart(int a, int b, const int x[3]) {
     return (x[0] < low && x[1] < low && x[2] < low) || (x[0] > high && x[1] > high && x[2] > high);
 }
 
-/* Whether a node lies wholly beyond the edge's ends in one of the three directions of edges. */
+/* Tells whether a node lies wholly beyond the edge's ends in one of the three directions of edges. */
 static bool far_off(const search *s, const sl_mesh_place *place) {
     int p[3], q[3], r[3];
     for (int c = 0; c < 3; c++) {
@@ -30,7 +30,7 @@ static bool far_off(const search *s, const sl_mesh_place *place) {
     return apart(s->a.p, s->b.p, p) || apart(s->a.q, s->b.q, q) || apart(s->a.p + s->a.q, s->b.p + s->b.q, r);
 }
 
-/* Whether a triangle beside the edge's line touches the edge between its ends. Along the line positions are scalar products with it, 0 at a and
+/* Tells whether a triangle beside the edge's line touches the edge between its ends. Along the line positions are scalar products with it, 0 at a and
  * `length` at b. */
 static bool touches(const search *s, const sl_mesh_place *place) {
     int dp = s->b.p - s->a.p, dq = s->b.q - s->a.q, length = dp * dp + dq * dq;

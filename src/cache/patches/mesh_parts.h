@@ -1,4 +1,4 @@
-/* What a mesh's parts ask of each other beyond its own header. */
+/* Functions that a mesh's parts share beyond its own header. */
 #ifndef SL_PATCHES_MESH_PARTS_H
 #define SL_PATCHES_MESH_PARTS_H
 

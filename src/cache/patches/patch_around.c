@@ -1,4 +1,4 @@
-/* What lies around a vertex, in its own root and in those that meet there; and vertices along a leaf's edge. */
+/* Leaves around a vertex, in its own root and in those that meet there; and vertices along a leaf's edge. */
 #include "cache/patches/patch_parts.h"
 #include "cache/patches/primitive_parts.h"
 

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "cache/patches/patch_parts.h"
 
-/* What a patch loses with its children, all of them leaves. */
+/* A patch that can lose its children, all of them leaves. */
 typedef struct candidate {
     uint32_t seen, patch;
 } candidate;
@@ -35,7 +35,7 @@ static candidate take_first(heap *h) {
     return first;
 }
 
-/* Whether a patch has four leaves for children that may go. Pixels are those of the children seen last. */
+/* Tells whether a patch has four leaves for children that may go. Pixels are those of the children seen last. */
 static bool may_lose_children(const sl_patches *p, uint32_t patch, uint32_t since, double small, candidate *found) {
     uint32_t first = p->patch[patch].child, latest = 0, pixels = 0;
     if (first == SL_NO_INDEX) return false;

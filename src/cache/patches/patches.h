@@ -29,7 +29,7 @@ typedef struct sl_patch {
     uint32_t pixels;             /* ... and how many pixels then; new children: the parent's, and a quarter of its pixels */
 } sl_patch;
 
-/* What four children have in common. Their corners are their parent's and the five vertices that its split made: the middles of edges i (corner i to i + 1), and
+/* Shared by four children. Their corners are their parent's and the five vertices that its split made: the middles of edges i (corner i to i + 1), and
  * the centre. Triangles have three. */
 typedef struct sl_patch_block {
     uint32_t parent;             /* SL_NO_INDEX: four roots */
@@ -63,7 +63,7 @@ typedef struct sl_vertex_sets {
     uint32_t count;
 } sl_vertex_sets;
 
-/* What is kept of vertices besides E. */
+/* Values of vertices that are kept besides E. */
 enum { SL_PATCHES_LOBES = 1,     /* exitant radiance of the lobe towards the eye, of those whose material has one */
        SL_PATCHES_SETS = 2 };    /* how many sets of samples, and their variance */
 /* Where lobes are kept, numbers of vertices are given out in groups, with them or without. */

@@ -1,4 +1,4 @@
-/* What the scene is made of for the patch hierarchy: its triangles, the parallelograms that importers cut in two, and its bicubic patches. */
+/* Primitives of the patch hierarchy: the scene's triangles, the parallelograms that importers cut in two, and its bicubic patches. */
 #include "cache/patches/primitives.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* What the patch hierarchy stands on: the scene's triangles, those pairs of them that make a parallelogram (importers cut quadrilaterals in
+/* Primitives, on which the patch hierarchy stands: the scene's triangles, those pairs of them that make a parallelogram (importers cut quadrilaterals in
  * two), and bicubic patches, each with parameters (u, v).
  *
  *   triangle   u, v >= 0, u + v <= 1: the barycentric weights of corners 1 and 2

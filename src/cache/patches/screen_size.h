@@ -10,7 +10,7 @@ typedef struct sl_clip_point {
 } sl_clip_point;
 sl_clip_point sl_clip_point_of(const sl_view *view, sl_vec3 point);
 
-/* What lies beyond the picture or before the near plane is cut away: pixels squared, and pixels of the longest side. Both 0: nothing is left. */
+/* The size of the part in the picture and beyond the near plane: pixels squared, and pixels of the longest side. Both 0: nothing is left. */
 typedef struct sl_screen_size {
     float area, edge;
 } sl_screen_size;

@@ -9,7 +9,7 @@
 
 typedef enum solid_kind { NO_SOLID, OPEN_SOLID, CLOSED_SOLID, LIT_SOLID } solid_kind;
 
-/* What hangs together by common edges. */
+/* Triangles that are connected by common edges. */
 typedef struct body {
     solid_kind kind;
     bool sealed;               /* of one object, without holes: each edge is that of two triangles, one each way */

@@ -1,4 +1,4 @@
-/* What sl_topology_create() is made of. */
+/* The parts of sl_topology_create(). */
 #ifndef SL_PATCHES_TOPOLOGY_PARTS_H
 #define SL_PATCHES_TOPOLOGY_PARTS_H
 

@@ -297,7 +297,7 @@ static void noise_is_refined_down_to_pixels_and_ends(void **state) {
 }
 
 /* Cut leaves that show two or three pixels. */
-static size_t cut_specks(const rig *r) {
+static size_t cut_minor_leaves(const rig *r) {
     const sl_mesh *mesh = r->mesh->mesh;
     size_t count = 0;
     for (uint32_t n = 0; n < mesh->node_count; n++)
@@ -311,7 +311,7 @@ static sl_rgb faint_noise(const void *context, sl_vec3 p) {
     return (sl_rgb){0.4f + 0.1f * value.r, 0.4f + 0.1f * value.g, 0.4f + 0.1f * value.b};
 }
 
-static void specks_are_looked_into_only_where_their_corners_differ_by_much(void **state) {
+static void minor_leaves_are_looked_into_only_where_their_corners_differ_by_much(void **state) {
     (void)state;
     uint64_t seed = 9;
     static field_value *const fields[3] = {faint_noise, faint_noise, noise};
@@ -319,12 +319,12 @@ static void specks_are_looked_into_only_where_their_corners_differ_by_much(void 
     uint64_t samples[3];
     for (int k = 0; k < 3; k++) {
         sl_displayed_settings settings = usual_settings();
-        settings.specks = k ? 4 : 0;
-        settings.specks_contrast = 30.0f;
+        settings.minor_pixels = k ? 4 : 0;
+        settings.minor_contrast = 30.0f;
         rig r = rig_of(square_scene(), (field){fields[k], &seed}, &settings, 64, 64);
         rig_look(&r, NULL, 1);
         rig_finish(&r);
-        cut[k] = cut_specks(&r);
+        cut[k] = cut_minor_leaves(&r);
         samples[k] = r.samples;
         rig_discard(&r);
     }
@@ -390,12 +390,12 @@ static sl_rgb counted(const void *context, sl_component component, uint32_t face
     return shown_as_it_is(NULL, component, face, w1, w2, value);
 }
 
-static void specks_of_a_picture_that_is_done_are_not_judged_again(void **state) {
+static void minor_leaves_of_a_picture_that_is_done_are_not_judged_again(void **state) {
     (void)state;
     size_t judged = 0;
     sl_displayed_settings settings = usual_settings();
-    settings.specks = 32;
-    settings.specks_contrast = 48.0f;
+    settings.minor_pixels = 32;
+    settings.minor_contrast = 48.0f;
     settings.shown = (sl_shown_radiance){&judged, counted};
     rig r = rig_of(square_scene(), (field){stripes, NULL}, &settings, 128, 128);
     rig_look(&r, NULL, 1);
@@ -431,10 +431,10 @@ int main(void) {
         cmocka_unit_test(what_no_component_wants_is_left_alone),
         cmocka_unit_test(a_shadow_of_six_pixels_is_found_wherever_it_lies),
         cmocka_unit_test(noise_is_refined_down_to_pixels_and_ends),
-        cmocka_unit_test(specks_are_looked_into_only_where_their_corners_differ_by_much),
+        cmocka_unit_test(minor_leaves_are_looked_into_only_where_their_corners_differ_by_much),
         cmocka_unit_test(depth_is_bounded),
         cmocka_unit_test(a_view_seen_again_asks_for_nothing),
-        cmocka_unit_test(specks_of_a_picture_that_is_done_are_not_judged_again),
+        cmocka_unit_test(minor_leaves_of_a_picture_that_is_done_are_not_judged_again),
         cmocka_unit_test(a_view_seen_again_asks_only_where_a_nearer_one_has_found_a_shadow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
