@@ -246,8 +246,11 @@ static void probe_rays(sl_vec3 p, sl_vec3 normal, sl_ray16 *rays) {
     }
 }
 
-/* To an eye within it a lit one is a room. */
-static bool is_solid_to(const body *b, const sl_vec3 *eye) { return b->kind != LIT_SOLID || (eye && !box_holds(b, *eye)); }
+/* To an eye within it a lit one is a room. Light that is kept for all eyes comes into what is open. */
+static bool is_solid_to(const body *b, const sl_vec3 *eye) {
+    if (!eye) return b->kind == CLOSED_SOLID;
+    return b->kind != LIT_SOLID || !box_holds(b, *eye);
+}
 
 bool sl_solids_eye_matters(const sl_solids *solids, sl_vec3 before, sl_vec3 now) {
     bool other = false;
@@ -269,7 +272,10 @@ bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, sl_vec3 po
     sl_vec3 p = sl_mad(position, 1e-5f * s->scale, normal);
     uint32_t own = triangle != SL_NO_INDEX ? solids->body_of[triangle] : SL_NO_INDEX;
     bool near = false;
-    for (size_t i = 0; i < solids->solid_count && !near; i++) near = solids->solid[i] != own && box_holds(&solids->bodies[solids->solid[i]], p);
+    for (size_t i = 0; i < solids->solid_count && !near; i++) {
+        const body *b = &solids->bodies[solids->solid[i]];
+        near = solids->solid[i] != own && box_holds(b, p) && is_solid_to(b, eye);
+    }
     if (!near) return false;
     sl_ray16 rays;
     sl_hit16 hits;

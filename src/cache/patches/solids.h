@@ -24,7 +24,7 @@ void sl_solids_destroy(sl_solids *solids);
 /* Finds them anew after objects or lights have moved. */
 void sl_solids_edit(sl_solids *solids);
 /* Tells whether a point of a surface lies inside a solid other than that of its triangle (SL_NO_INDEX: several meet there). normal: geometric, on the
- * side that is lit. eye: NULL where light is kept for all eyes; then nothing with light inside is a solid. */
+ * side that is lit. eye: NULL where light is kept for all eyes; then nothing that is open or has light inside is a solid. */
 bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, sl_vec3 position, sl_vec3 normal, uint32_t triangle, const sl_vec3 *eye,
                     sl_counters *counters);
 /* Tells whether an eye that moves goes into a lit solid, or out of one: points within are others then. */
