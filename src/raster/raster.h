@@ -195,19 +195,6 @@ struct sl_gouraud_pass {
 void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id, const sl_gouraud_pass *pass,
                        sl_counters *counters);
 
-/* Depth cube: six faces of distance information around a light (shadow map), inverse-w depth, size x size each. */
-typedef struct sl_depth_cube {
-    int size;
-    sl_vec3 eye;
-    float *depth; /* 6 planes, 1/w, 0 where nothing is */
-} sl_depth_cube;
-sl_status sl_raster_depth_cube(const sl_raster *raster, sl_vec3 eye, int size, float near, unsigned threads,
-                               sl_depth_cube **cube, sl_counters *counters, sl_error *error);
-void sl_depth_cube_destroy(sl_depth_cube *cube);
-/* Share of light in [0,1] at p with unit normal n (towards the light's side): percentage-closer filtering of 2x2 texels, bilinear; bias
- * from the texel's footprint and slope. At the light itself, and where p is not finite: 1. */
-float sl_depth_cube_lit(const sl_depth_cube *cube, sl_vec3 p, sl_vec3 n);
-
 /* Additive float blending of screen rectangles. */
 typedef struct sl_splat_rect {
     int x0, y0, x1, y1; /* half-open, in target pixels; empty is allowed */

@@ -57,7 +57,9 @@ sl_frame sl_cube_face_frame(int face) {
 
 sl_view sl_view_cube_face(sl_vec3 eye, int face, int size, float near) {
     sl_frame frame = sl_cube_face_frame(face);
-    return sl_view_pyramid(&frame, eye, -1.0f, 1.0f, -1.0f, 1.0f, size, size, near);
+    sl_view view = sl_view_pyramid(&frame, eye, -1.0f, 1.0f, -1.0f, 1.0f, size, size, near);
+    view.kind = SL_VIEW_CUBE_FACE;
+    return view;
 }
 
 /* A face's axes in the hemicube's frame (x, y of the picture, and the way it looks), and the part of [-1,1]^2 that it shows. */
@@ -77,7 +79,9 @@ sl_view sl_view_hemicube_face(const sl_frame *frame, sl_vec3 eye, int face, int 
     const hemicube_face *f = &faces[face];
     int half = size / 2, width = f->right - f->left > 1.0f ? 2 * half : half, height = f->top - f->bottom > 1.0f ? 2 * half : half;
     sl_frame axes = {sl_frame_to_world(frame, f->x), sl_frame_to_world(frame, f->y), sl_frame_to_world(frame, f->outward)};
-    return sl_view_pyramid(&axes, eye, f->left, f->right, f->bottom, f->top, width, height, near);
+    sl_view view = sl_view_pyramid(&axes, eye, f->left, f->right, f->bottom, f->top, width, height, near);
+    view.kind = SL_VIEW_HEMICUBE_FACE;
+    return view;
 }
 
 /* In double, where squares neither vanish nor overflow. A plane so short that a float hardly holds its length is given none: then
@@ -90,7 +94,9 @@ static float plane_length(const float plane[4]) {
 sl_view sl_view_of_camera(const sl_scene *scene, const sl_camera *camera, int width, int height) {
     sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
     float top = (float)sl_tan(0.5 * (double)camera->vertical_fov), right = top * (float)width / (float)height;
-    return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, width, height, 1e-5f * scene->scale);
+    sl_view view = sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, width, height, 1e-5f * scene->scale);
+    view.kind = SL_VIEW_CAMERA;
+    return view;
 }
 
 sl_view sl_view_scene(const sl_scene *scene, int width, int height) { return sl_view_of_camera(scene, &scene->camera, width, height); }

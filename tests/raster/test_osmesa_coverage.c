@@ -162,6 +162,7 @@ static int print_table(void **state) {
         sum.id += t->id;
         sum.depth += t->depth;
     }
+    print_message("differing pixels: %llu\n", (unsigned long long)(sum.coverage + sum.id + sum.depth));
     osmesa_close();
     return 0;
 }

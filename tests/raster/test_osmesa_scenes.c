@@ -247,14 +247,17 @@ static void every_pixel_of_the_generated_scenes_shows_osmesas_triangle(void **st
 static int print_table(void **state) {
     (void)state;
     char a[32], b[32];
+    uint64_t differing = 0;
     print_message("%-16s %10s %12s %7s %7s   %s\n", "scene", "triangles", "pixels", "id", "depth",
                   "our own depth: other triangle, ours right, theirs right, too close to tell");
     for (int n = 0; n < scenes; n++) {
         const tally *t = &tallies[n];
+        differing += t->id + t->depth;
         print_message("%-16s %10s %12s %7llu %7llu   %llu, %llu, %llu, %llu\n", t->name, with_commas(t->triangles, a), with_commas(t->pixels, b),
                       (unsigned long long)t->id, (unsigned long long)t->depth, (unsigned long long)t->changed,
                       (unsigned long long)t->ours_right, (unsigned long long)t->theirs_right, (unsigned long long)t->coincident);
     }
+    print_message("differing pixels: %llu\n", (unsigned long long)differing);
     osmesa_close();
     return 0;
 }

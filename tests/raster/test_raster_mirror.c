@@ -184,53 +184,6 @@ static void mirrors_that_show_nothing_are_said_so(void **state) {
     }
 }
 
-/* ---- stencil ---- */
-
-static void the_stencil_keeps_the_rest_untouched_and_draws_the_same_bits(void **state) {
-    (void)state;
-    sl_scene *scene = furnished_room(8, 5);
-    sl_raster *raster = raster_of(scene);
-    sl_camera camera = camera_at(sl_v3(2, 1.5f, 4.5f), sl_v3(2, 1, 0), 1.0f);
-    sl_view view = sl_view_camera(&camera, W, H, 0.01f, 100.0f);
-    sl_counters whole = render(raster, &view, 1, id, depth);
-    static uint8_t stencil[PIXELS];
-    uint64_t key = sl_random_key(62, 0);
-    for (uint64_t n = 0; n < 12; n++) {
-        int x0 = (int)(sl_random_bits(key, 4 * n) % W), y0 = (int)(sl_random_bits(key, 4 * n + 1) % H);
-        int x1 = x0 + (int)(sl_random_bits(key, 4 * n + 2) % W), y1 = y0 + (int)(sl_random_bits(key, 4 * n + 3) % H);
-        for (int i = 0; i < PIXELS; i++) {
-            int x = i % W, y = i / W;
-            bool in = x >= x0 && x < x1 && y >= y0 && y < y1 && (n % 2 || (x * 7 + y * 3) % 5);
-            stencil[i] = in ? 7 : (uint8_t)(sl_random_bits(key, 1000 + (uint64_t)i) % 7);
-            other_id[i] = 12345678;
-            other_depth[i] = -3.0f;
-        }
-        sl_target target = {W, H, other_id, other_depth};
-        sl_counters counters = {{0}};
-        assert_int_equal(sl_raster_id_stencilled(raster, &view, stencil, 7, 2, &target, &counters, NULL), SL_OK);
-        for (int i = 0; i < PIXELS; i++) {
-            assert_int_equal(other_id[i], stencil[i] == 7 ? id[i] : 12345678);
-            assert_true(other_depth[i] == (stencil[i] == 7 ? depth[i] : -3.0f));
-        }
-    }
-    sl_target depth_alone = {W, H, NULL, other_depth};
-    sl_counters unused = {{0}};
-    for (int i = 0; i < PIXELS; i++) other_depth[i] = -3.0f;
-    assert_int_equal(sl_raster_id_stencilled(raster, &view, stencil, 7, 2, &depth_alone, &unused, NULL), SL_OK);
-    for (int i = 0; i < PIXELS; i++) assert_true(other_depth[i] == (stencil[i] == 7 ? depth[i] : -3.0f));
-    /* A small patch costs less than the whole; none costs nothing. */
-    memset(stencil, 0, sizeof stencil);
-    sl_target target = {W, H, other_id, other_depth};
-    sl_counters none = {{0}}, patch = {{0}};
-    assert_int_equal(sl_raster_id_stencilled(raster, &view, stencil, 7, 1, &target, &none, NULL), SL_OK);
-    assert_int_equal(none.value[SL_COUNT_RASTER_PASSES], 0);
-    for (int y = 60; y < 70; y++) memset(stencil + y * W + 70, 7, 10);
-    assert_int_equal(sl_raster_id_stencilled(raster, &view, stencil, 7, 1, &target, &patch, NULL), SL_OK);
-    assert_true(patch.value[SL_COUNT_TRIANGLES_SUBMITTED] * 2 < whole.value[SL_COUNT_TRIANGLES_SUBMITTED]);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 static void render_into(const sl_raster *raster, const sl_view *view, unsigned threads, uint32_t *ids, float *depths) {
     sl_counters counters = {{0}};
     sl_target target = {W, H, ids, depths};
@@ -365,6 +318,8 @@ static int way_of(const sl_mirrored_image *image, uint8_t path) {
     return way_of(image, image->paths[path].before) + digit * ((int)image->paths[path].mirror + 1);
 }
 
+static uint8_t path_of(const sl_mirrored_image *image, int pixel) { return image->path ? image->path[pixel] : 0; }
+
 static void a_picture_with_mirrors_is_that_of_reflected_rays(void **state) {
     (void)state;
     sl_scene *scene = room_with_mirrors();
@@ -377,15 +332,15 @@ static void a_picture_with_mirrors_is_that_of_reflected_rays(void **state) {
     for (int reflections = 0; reflections <= 2; reflections++) {
         sl_mirrored_image *image = NULL;
         sl_counters counters = {{0}};
-        assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, reflections, 2, &image, &counters, NULL), SL_OK);
+        assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, reflections, 2, id, depth, &image, &counters, NULL), SL_OK);
         assert_int_equal(counters.value[SL_COUNT_RASTER_PASSES], image->path_count);
         assert_true(reflections == 0 ? image->path_count == 1 : image->path_count > 2 + (size_t)(reflections - 1));
         int differing = 0, deepest = 0;
         for (int i = 0; i < PIXELS; i += 3) {
             int way;
             uint32_t expected = follow_ray(scene, mirrors, &camera, i, reflections, &way);
-            differing += expected != image->id[i] || way != way_of(image, image->path[i]);
-            deepest += image->paths[image->path[i]].reflections == reflections;
+            differing += expected != image->id[i] || way != way_of(image, path_of(image, i));
+            deepest += image->paths[path_of(image, i)].reflections == reflections;
         }
         assert_true(deepest > 20);
         assert_true(differing <= PIXELS / 3 / 300); /* rays and snapped vertices at edges */
@@ -406,8 +361,8 @@ static void pictures_with_mirrors_are_the_same_at_any_number_of_threads(void **s
     sl_view view = sl_view_camera(&camera, W, H, 0.01f, 100.0f);
     sl_mirrored_image *one = NULL, *three = NULL;
     sl_counters counters_one = {{0}}, counters_three = {{0}};
-    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 2, 1, &one, &counters_one, NULL), SL_OK);
-    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 2, 3, &three, &counters_three, NULL), SL_OK);
+    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 2, 1, id, depth, &one, &counters_one, NULL), SL_OK);
+    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 2, 3, other_id, other_depth, &three, &counters_three, NULL), SL_OK);
     assert_memory_equal(one->id, three->id, PIXELS * sizeof *one->id);
     assert_memory_equal(one->depth, three->depth, PIXELS * sizeof *one->depth);
     assert_memory_equal(one->path, three->path, PIXELS * sizeof *one->path);
@@ -436,19 +391,19 @@ static void endless_reflections_end_and_unseen_mirrors_cost_nothing(void **state
     sl_view view = sl_view_camera(&camera, W, H, 0.01f, 100.0f);
     sl_mirrored_image *image = NULL;
     sl_counters counters = {{0}};
-    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 1000, 1, &image, &counters, NULL), SL_OK);
+    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 1000, 1, other_id, other_depth, &image, &counters, NULL), SL_OK);
     assert_true(image->path_count > 10 && image->path_count <= SL_MIRROR_PATHS);
-    for (int i = 0; i < PIXELS; i++) assert_true(image->path[i] < image->path_count);
+    for (int i = 0; i < PIXELS; i++) assert_true(path_of(image, i) < image->path_count);
     sl_mirrored_image_destroy(image);
     camera = camera_at(sl_v3(5, 0, 2), sl_v3(4, 0, 2), 1.0f); /* in the second mirror's plane, the first's edge far off */
     view = sl_view_camera(&camera, W, H, 0.01f, 100.0f);
-    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 4, 1, &image, &counters, NULL), SL_OK);
+    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 4, 1, other_id, other_depth, &image, &counters, NULL), SL_OK);
     render(raster, &view, 1, id, depth);
-    for (int i = 0; i < PIXELS; i++) assert_int_equal(image->path[i] == 0 ? image->id[i] : id[i], id[i]);
+    for (int i = 0; i < PIXELS; i++) assert_int_equal(path_of(image, i) == 0 ? image->id[i] : id[i], id[i]);
     sl_mirrored_image_destroy(image);
     camera = camera_at(sl_v3(5, 0, 0), sl_v3(6, 0, 0), 1.0f); /* looking away */
     view = sl_view_camera(&camera, W, H, 0.01f, 100.0f);
-    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 4, 1, &image, &counters, NULL), SL_OK);
+    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 4, 1, other_id, other_depth, &image, &counters, NULL), SL_OK);
     assert_int_equal(image->path_count, 1);
     sl_mirrored_image_destroy(image);
     sl_mirrors_destroy(mirrors);
@@ -497,7 +452,6 @@ int main(void) {
         cmocka_unit_test(a_view_in_any_mirror_is_that_of_the_mirrored_scene_but_for_rounding),
         cmocka_unit_test(nothing_behind_the_mirror_shows),
         cmocka_unit_test(mirrors_that_show_nothing_are_said_so),
-        cmocka_unit_test(the_stencil_keeps_the_rest_untouched_and_draws_the_same_bits),
         cmocka_unit_test(a_scissor_draws_the_same_bits_in_its_part_and_nothing_beyond),
         cmocka_unit_test(a_picture_with_mirrors_is_that_of_reflected_rays),
         cmocka_unit_test(pictures_with_mirrors_are_the_same_at_any_number_of_threads),

@@ -70,7 +70,7 @@ static sl_status spread_throughput(const sl_scene *scene, const sl_mirrors *mirr
 static sl_status outline_mirrored(const sl_scene *scene, const sl_raster *raster, const sl_view *view, int reflections, unsigned threads,
                                   sl_receivers *r, sl_counters *counters, sl_error *error) {
     sl_mirrored_image *image = NULL;
-    sl_status status = sl_raster_mirrored_into(raster, view, r->mirrors, reflections, threads, r->gbuffer->id, r->gbuffer->depth, &image,
+    sl_status status = sl_raster_mirrored(raster, view, r->mirrors, reflections, threads, r->gbuffer->id, r->gbuffer->depth, &image,
                                                counters, error);
     if (status != SL_OK) return status;
     r->path_count = image->path_count;

@@ -151,7 +151,7 @@ static void set_row(float row[4], sl_vec3d a, double constant) {
 /* Along d the plane is met at point + h d / w, w = z . d, whose coordinate s along A is over_a . (point - origin + h d / w); clip space wants
  * (2 s - 1) w. With 1/w for depth, row 2 holds a plane that cuts and nothing else: here the far one. */
 static sl_view view_of(const sl_light_window *w, sl_vec3 eye, sl_vec3d z, double h, double far, int size) {
-    sl_view view = {.origin = eye, .width = size, .height = size, .depth = SL_DEPTH_INVERSE_W, .skip_triangle = SL_NO_INDEX};
+    sl_view view = {.kind = SL_VIEW_LIGHT, .origin = eye, .width = size, .height = size, .depth = SL_DEPTH_INVERSE_W, .skip_triangle = SL_NO_INDEX};
     sl_vec3d from = sl_subd(sl_to_double(eye), w->origin);
     set_row(view.clip[0], combine(w->over_a, 2.0 * h, z, 2.0 * sl_dotd(w->over_a, from) - 1.0), 0.0);
     set_row(view.clip[1], combine(w->over_b, 2.0 * h, z, 2.0 * sl_dotd(w->over_b, from) - 1.0), 0.0);

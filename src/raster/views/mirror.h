@@ -35,14 +35,6 @@ sl_vec3d sl_plane_reflect(const sl_plane *plane, sl_vec3d p);
  * may be mirrored again. False where nothing can be seen: the eye is in the plane, or the plane is none. */
 bool sl_view_mirrored(const sl_view *view, const sl_plane *mirror, double offset, sl_view *mirrored);
 
-/* ---- stencil ---- */
-
-/* The ID pass where stencil (a byte a pixel of the target) is `reference`: those pixels are cleared and drawn, all others
- * keep what they hold. The same bits as the whole pass has there, at a price that follows the pixels' bounding
- * rectangle. */
-sl_status sl_raster_id_stencilled(const sl_raster *raster, const sl_view *view, const uint8_t *stencil, uint8_t reference,
-                                  unsigned threads, const sl_target *target, sl_counters *counters, sl_error *error);
-
 /* ---- what is seen, and by which path ---- */
 
 typedef struct sl_mirrors {
@@ -72,22 +64,18 @@ typedef struct sl_mirror_path {
 
 typedef struct sl_mirrored_image {
     int width, height;
-    uint32_t *id;   /* what is seen at the end of the path; a mirror's triangle where no more reflections are followed */
-    float *depth;   /* of the path's view: path 0's kind as asked, the others' 1/w */
-    uint8_t *path;  /* the stencil: which path each pixel takes; NULL (in the caller's planes alone): no mirror is in sight, all take path 0 */
-    bool borrowed;  /* id and depth are the caller's */
+    uint32_t *id;   /* the caller's: what is seen at the end of the path; a mirror's triangle where no more reflections are followed */
+    float *depth;   /* the caller's, of the path's view: path 0's kind as asked, the others' 1/w */
+    uint8_t *path;  /* the stencil: which path each pixel takes; NULL: no mirror is in sight, all take path 0 */
     size_t path_count;
     sl_mirror_path paths[SL_MIRROR_PATHS];
 } sl_mirrored_image;
 
 /* One ID pass, and one stencilled pass for every mirror in sight along every path of fewer than `reflections`
- * reflections. What would be path 256 is not followed. */
+ * reflections, into planes of the view's size. What would be path 256 is not followed. */
 sl_status sl_raster_mirrored(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
-                             unsigned threads, sl_mirrored_image **image, sl_counters *counters, sl_error *error);
-/* The same into the caller's planes, of the view's size. */
-sl_status sl_raster_mirrored_into(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
-                                  unsigned threads, uint32_t *id, float *depth, sl_mirrored_image **image, sl_counters *counters,
-                                  sl_error *error);
+                             unsigned threads, uint32_t *id, float *depth, sl_mirrored_image **image, sl_counters *counters,
+                             sl_error *error);
 void sl_mirrored_image_destroy(sl_mirrored_image *image);
 
 #endif

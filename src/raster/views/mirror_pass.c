@@ -1,4 +1,4 @@
-/* The stencilled pass, and the picture of a scene with planar mirrors (mirror.h): path by path, each drawn where the
+/* The picture of a scene with planar mirrors (mirror.h): path by path, each drawn where the
  * stencil holds its number. */
 #include <math.h>
 #include <string.h>
@@ -24,19 +24,6 @@ static void include(rectangle *r, int x, int y) {
 }
 
 /* ---- stencil ---- */
-
-static rectangle bounds_of(const uint8_t *stencil, uint8_t reference, int width, int height) {
-    rectangle r = nothing;
-    for (int y = 0; y < height; y++) {
-        const uint8_t *row = stencil + (size_t)y * (size_t)width, *first = memchr(row, reference, (size_t)width);
-        if (!first) continue;
-        int last = width - 1;
-        while (row[last] != reference) last--;
-        include(&r, (int)(first - row), y);
-        include(&r, last, y);
-    }
-    return r;
-}
 
 static bool allocate_planes(sl_target *t, int width, int height) {
     size_t pixels = (size_t)width * (size_t)height;
@@ -82,13 +69,6 @@ static sl_status draw_stencilled(const sl_raster *raster, const sl_view *view, c
     for (int y = r->y0; status == SL_OK && y < r->y1; y++) bring_back(&aside, r, y, stencil, reference, target);
     free_planes(&aside);
     return status;
-}
-
-sl_status sl_raster_id_stencilled(const sl_raster *raster, const sl_view *view, const uint8_t *stencil, uint8_t reference,
-                                  unsigned threads, const sl_target *target, sl_counters *counters, sl_error *error) {
-    rectangle r = bounds_of(stencil, reference, target->width, target->height);
-    if (r.x0 >= r.x1) return SL_OK;
-    return draw_stencilled(raster, view, stencil, reference, &r, threads, target, counters, error);
 }
 
 /* ---- paths ---- */
@@ -208,28 +188,16 @@ static sl_status follow_all(const mirrored_pass *p, const sl_view *view, int ref
     return status;
 }
 
-static sl_mirrored_image *allocate_image(int width, int height, uint32_t *id, float *depth) {
-    sl_mirrored_image *image = sl_allocate(1, sizeof *image);
-    sl_target planes = {.id = id, .depth = depth};
-    if (!image) return NULL;
-    bool ok = id || allocate_planes(&planes, width, height);
-    *image = (sl_mirrored_image){.width = width, .height = height, .id = planes.id, .depth = planes.depth, .borrowed = id != NULL};
-    if (!id) image->path = sl_allocate((size_t)width * (size_t)height, sizeof *image->path);
-    if (ok && (id || image->path)) return image;
-    sl_mirrored_image_destroy(image);
-    return NULL;
-}
-
-sl_status sl_raster_mirrored_into(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
-                                  unsigned threads, uint32_t *id, float *depth, sl_mirrored_image **image, sl_counters *counters,
-                                  sl_error *error) {
+sl_status sl_raster_mirrored(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
+                             unsigned threads, uint32_t *id, float *depth, sl_mirrored_image **image, sl_counters *counters,
+                             sl_error *error) {
     *image = NULL;
     if (view->width < 1 || view->height < 1 || view->x != 0 || view->y != 0) {
         return sl_fail(error, SL_ERROR_USAGE, "a picture with mirrors of %d x %d pixels at (%d, %d): at least 1 each way, at (0, 0)",
                        view->width, view->height, view->x, view->y);
     }
-    mirrored_pass p = {raster, mirrors, threads, allocate_image(view->width, view->height, id, depth),
-                       sl_allocate(mirrors->count, sizeof(rectangle)), counters};
+    mirrored_pass p = {raster, mirrors, threads, sl_allocate(1, sizeof *p.image), sl_allocate(mirrors->count, sizeof(rectangle)), counters};
+    if (p.image) *p.image = (sl_mirrored_image){.width = view->width, .height = view->height, .id = id, .depth = depth};
     sl_status status = p.image && p.seen ? follow_all(&p, view, reflections, error)
                                          : sl_fail_memory(error, "a picture with mirrors");
     sl_free(p.seen);
@@ -238,17 +206,8 @@ sl_status sl_raster_mirrored_into(const sl_raster *raster, const sl_view *view, 
     return status;
 }
 
-sl_status sl_raster_mirrored(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
-                             unsigned threads, sl_mirrored_image **image, sl_counters *counters, sl_error *error) {
-    return sl_raster_mirrored_into(raster, view, mirrors, reflections, threads, NULL, NULL, image, counters, error);
-}
-
 void sl_mirrored_image_destroy(sl_mirrored_image *image) {
     if (!image) return;
-    if (!image->borrowed) {
-        sl_free(image->id);
-        sl_free(image->depth);
-    }
     sl_free(image->path);
     sl_free(image);
 }
