@@ -1,7 +1,7 @@
 /* Manual pages: the tables of options as man(7) has it. */
 #include "app/manual.h"
 
-#include "softlux.h"
+#include "app/settings_text.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -80,6 +80,23 @@ void sl_print_command_manual(const sl_command_line *line) {
     printf(".SH SEE ALSO\n.BR softlux (1)\n");
 }
 
+/* What --set of every command takes. */
+static void print_settings(void) {
+    const sl_setting *s;
+    printf(".SH OPTIONS OF METHODS\n");
+    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
+        char help[256];
+        sl_setting_help(s, help, sizeof help);
+        printf(".TP\n\\fB");
+        print_text(s->name);
+        printf("\\fR=\\fI");
+        print_text(*s->unit ? s->unit : "1");
+        printf("\\fR\n");
+        print_text(help);
+        putchar('\n');
+    }
+}
+
 void sl_print_program_manual(const char *const *names, const char *const *summaries, size_t count) {
     print_heading("softlux", "global illumination of triangle scenes on a CPU, deterministic and without a GPU");
     printf(".SH SYNOPSIS\nsoftlux \\fICOMMAND\\fR ...\n.SH COMMANDS\n");
@@ -88,6 +105,7 @@ void sl_print_program_manual(const char *const *names, const char *const *summar
         print_text(summaries[i]);
         putchar('\n');
     }
+    print_settings();
     print_exit_statuses();
     printf(".SH EXAMPLES\nsoftlux render scenes/cornell.json \\-o cornell.png\n.SH SEE ALSO\n");
     for (size_t i = 0; i < count; i++) printf(".BR softlux\\-%s (1)%s\n", names[i], i + 1 < count ? "," : "");

@@ -12,11 +12,13 @@ static void print_option(char letter, const char *name, const char *unit, const 
     char left[64], short_form[8] = "    ";
     if (letter) snprintf(short_form, sizeof short_form, "-%c, ", letter);
     snprintf(left, sizeof left, "%s--%s%s%s", short_form, name, *unit ? " " : "", unit);
-    printf("  %-32s %s\n", left, help);
+    if (strlen(left) > 32) printf("  %s\n  %32s %s\n", left, "", help);
+    else printf("  %-32s %s\n", left, help);
 }
 
 void sl_each_option(const sl_command_line *line, sl_option_printer print) {
-    for (const sl_option *o = line->options; o->name; o++) print(o->letter, o->name, o->metavar ? o->metavar : "", o->help);
+    for (const sl_option *o = line->options; o->name; o++)
+        print(o->letter, o->name, o->metavar ? o->metavar : "", o->help);
     if (!line->settings) return;
     const sl_setting *s;
     for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
@@ -52,11 +54,13 @@ static bool unknown_option(const sl_command_line *line, const char *word, int *s
     const char *names[NAMES];
     size_t count = 0;
     for (const sl_option *o = line->options; o->name && count < NAMES; o++) names[count++] = o->name;
-    for (size_t i = 0; line->settings && sl_setting_at(i) && count < NAMES; i++) names[count++] = sl_setting_flag(sl_setting_at(i));
+    for (size_t i = 0; line->settings && sl_setting_at(i) && count < NAMES; i++)
+        names[count++] = sl_setting_flag(sl_setting_at(i));
     const char *near = sl_nearest_word(word, names, count);
     const sl_setting *setting = near && line->settings ? sl_setting_of_flag(near) : NULL;
     if (setting && !setting->everyday)
-        return mistake(status, "unknown option --%s; write --set %s=%s", word, setting->name, *setting->unit ? setting->unit : "1");
+        return mistake(status, "unknown option --%s; write --set %s=%s", word, setting->name,
+                       *setting->unit ? setting->unit : "1");
     if (near) return mistake(status, "unknown option --%s; did you mean --%s?", word, near);
     return mistake(status, "unknown option --%s; see --help", word);
 }
@@ -83,12 +87,14 @@ static bool take_value(const sl_option *o, const char *text, int *status) {
 }
 
 /* The library's line begins with the whole name. */
-static bool take_setting(const sl_command_line *line, const sl_setting *setting, const char *text, int *status) {
+static bool take_setting(const sl_command_line *line, const sl_setting *setting, const char *text,
+                         int *status) {
     sl_error error;
     const char *flag = sl_setting_flag(setting);
     if (line->quality_given && strcmp(flag, "quality") == 0) *line->quality_given = true;
     if (sl_settings_set(line->settings, setting->name, text, &error) == SL_OK) return true;
-    return mistake(status, "--%s%s", setting->everyday ? flag : setting->name, error.message + strlen(setting->name));
+    return mistake(status, "--%s%s", setting->everyday ? flag : setting->name,
+                   error.message + strlen(setting->name));
 }
 
 /* --set light-octree.depth=6 */
@@ -123,17 +129,23 @@ static named find_name(const sl_command_line *line, const char *name) {
     for (const sl_option *o = line->options; o->name; o++)
         if (strcmp(o->name, name) == 0) return (named){.option = o};
     const sl_setting *setting = line->settings ? sl_setting_of_flag(name) : NULL;
-    return (named){.setting = setting && setting->everyday ? setting : NULL, .set = line->settings && strcmp(name, "set") == 0};
+    return (named){.setting = setting && setting->everyday ? setting : NULL,
+                   .set = line->settings && strcmp(name, "set") == 0};
 }
 
 static bool take_named(const sl_command_line *line, const named *n, const char *text, int *status) {
     if (n->option) return take_value(n->option, text, status);
-    return n->set ? set_by_name(line, text, status) : take_setting(line, n->setting, text ? text : "1", status);
+    return n->set ? set_by_name(line, text, status)
+                  : take_setting(line, n->setting, text ? text : "1", status);
 }
 
-static bool is_flag(const named *n) { return n->option ? n->option->kind == SL_OPTION_FLAG : n->setting && !*n->setting->unit; }
+static bool is_flag(const named *n) {
+    return n->option ? n->option->kind == SL_OPTION_FLAG : n->setting && !*n->setting->unit;
+}
 
-static const char *unit_of(const named *n) { return n->option ? n->option->metavar : n->setting ? n->setting->unit : "NAME=VALUE"; }
+static const char *unit_of(const named *n) {
+    return n->option ? n->option->metavar : n->setting ? n->setting->unit : "NAME=VALUE";
+}
 
 /* One option at argv[*i]; moves *i on to its value. */
 static bool take_option(const sl_command_line *line, int argc, char **argv, int *i, int *status) {
@@ -149,15 +161,17 @@ static bool take_option(const sl_command_line *line, int argc, char **argv, int 
         n = find_letter(line, *--name);
     }
     if (!n.option && !n.setting && !n.set)
-        return word[1] == '-' ? unknown_option(line, name, status) : mistake(status, "unknown option %s; see --help", word);
-    if (is_flag(&n)) return value ? mistake(status, "%s takes no value", word) : take_named(line, &n, NULL, status);
+        return word[1] == '-' ? unknown_option(line, name, status)
+                              : mistake(status, "unknown option %s; see --help", word);
+    if (is_flag(&n))
+        return value ? mistake(status, "%s takes no value", word) : take_named(line, &n, NULL, status);
     if (!value && *i + 1 < argc) value = argv[++*i];
     if (!value) return mistake(status, "%s needs a value: %s", word, unit_of(&n));
     return take_named(line, &n, value, status);
 }
 
-bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const char **operands, int *operand_count,
-                      int *status) {
+bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const char **operands,
+                      int *operand_count, int *status) {
     int count = 0;
     bool only_operands = false;
     *status = 0;
@@ -175,7 +189,8 @@ bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const 
         } else if (!only_operands && argv[i][0] == '-' && argv[i][1]) {
             if (!take_option(line, argc, argv, &i, status)) return false;
         } else {
-            if (count == line->operands_max) return mistake(status, "unexpected '%s'; usage: %s", argv[i], line->usage);
+            if (count == line->operands_max)
+                return mistake(status, "unexpected '%s'; usage: %s", argv[i], line->usage);
             operands[count++] = argv[i];
         }
     }

@@ -1,5 +1,5 @@
-/* Command lines from tables: `--name value`, `--name=value`, `-n value`, flags, `--` and operands in any order; `--help` and
- * `--man` are printed from the same table, so that they cannot disagree. */
+/* Command lines from tables: `--name value`, `--name=value`, `-n value`, flags, `--`, operands in any order;
+ * `--help` and `--man` are printed from the same table, so that they cannot disagree. */
 #ifndef SL_APP_OPTIONS_H
 #define SL_APP_OPTIONS_H
 
@@ -42,10 +42,11 @@ typedef struct sl_command_line {
     bool *quality_given;      /* set to true where --quality occurs; or NULL */
 } sl_command_line;
 
-/* Parses argv[0..argc). operands receives up to operands_max strings. Returns true to go on; otherwise *status is the exit status
- * (0 after --help and --man, 2 after a mistake, which has been described on stderr in one line). */
-bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const char **operands, int *operand_count,
-                      int *status);
+/* Parses argv[0..argc). operands receives up to operands_max strings. Returns true to go on; otherwise
+ * *status is the exit status (0 after --help and --man, 2 after a mistake, which has been described on stderr
+ * in one line). */
+bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const char **operands,
+                      int *operand_count, int *status);
 
 /* Hands out every option of a command as a help page shows it. */
 typedef void (*sl_option_printer)(char letter, const char *name, const char *unit, const char *help);

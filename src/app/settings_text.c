@@ -27,7 +27,8 @@ void sl_setting_help(const sl_setting *s, char *text, size_t room) {
     char standard[96];
     const char *dot = strchr(s->name, '.');
     write_default(s, standard, sizeof standard);
-    snprintf(text, room, "%.*s%s%s%s", dot ? (int)(dot - s->name) : 0, s->name, dot ? ": " : "", s->help, standard);
+    snprintf(text, room, "%.*s%s%s%s", dot ? (int)(dot - s->name) : 0, s->name, dot ? ": " : "", s->help,
+             standard);
 }
 
 static void print_setting(const sl_setting *s) {
@@ -37,15 +38,17 @@ static void print_setting(const sl_setting *s) {
         snprintf(bounds, sizeof bounds, ", %.7g to %.7g", s->minimum, s->maximum);
     if (*s->symbol) snprintf(symbol, sizeof symbol, " (the paper's %s)", s->symbol);
     snprintf(left, sizeof left, "%s=%s", s->name, *s->unit ? s->unit : "1");
-    printf("%c %-46s %s%s%s%s\n", s->everyday ? '*' : ' ', left, s->help, symbol, bounds, standard);
+    printf("%c %s\n      %s%s%s%s\n", s->everyday ? '*' : ' ', left, s->help, symbol, bounds, standard);
 }
 
 void sl_print_settings(void) {
     const char *methods = NULL;
     const sl_setting *s;
-    printf("Options of the methods: --set NAME=VALUE, and of those with a star --NAME VALUE without the method's name.\n");
+    printf("Options of the methods: --set NAME=VALUE, and of those with a star --NAME VALUE without the "
+           "method's name.\n");
     for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
-        if (!methods || strcmp(methods, s->methods) != 0) printf("\n%s:\n", *s->methods ? s->methods : "every method");
+        if (!methods || strcmp(methods, s->methods) != 0)
+            printf("\n%s:\n", *s->methods ? s->methods : "every method");
         methods = s->methods;
         print_setting(s);
     }

@@ -19,13 +19,17 @@ static double read_real(const char *text, char **end) {
     return value;
 }
 
-static bool within(double value, double least, double most) { return !(least < most) || (value >= least && value <= most); }
+static bool within(double value, double least, double most) {
+    return !(least < most) || (value >= least && value <= most);
+}
 
 sl_status sl_value_real(const char *text, double least, double most, double *value, sl_error *error) {
     char *end;
     const double read = read_real(text, &end);
-    if (end == text || *end || !isfinite(read)) return sl_fail(error, SL_ERROR_USAGE, "expected a number, got '%s'", text);
-    if (!within(read, least, most)) return sl_fail(error, SL_ERROR_USAGE, "expected %g to %g, got %s", least, most, text);
+    if (end == text || *end || !isfinite(read))
+        return sl_fail(error, SL_ERROR_USAGE, "expected a number, got '%s'", text);
+    if (!within(read, least, most))
+        return sl_fail(error, SL_ERROR_USAGE, "expected %g to %g, got %s", least, most, text);
     *value = read;
     return SL_OK;
 }
@@ -56,9 +60,11 @@ sl_status sl_value_bytes(const char *text, double least, double most, uint64_t *
     char *end = NULL;
     double read = text[0] >= '0' && text[0] <= '9' ? read_real(text, &end) : -1.0;
     if (read >= 0.0) read *= unit_of(&end);
-    if (!(read >= 0.0) || *end) return sl_fail(error, SL_ERROR_USAGE, "expected bytes, as 512M or 2G, got '%s'", text);
+    if (!(read >= 0.0) || *end)
+        return sl_fail(error, SL_ERROR_USAGE, "expected bytes, as 512M or 2G, got '%s'", text);
     if (!within(read, least, most))
-        return sl_fail(error, SL_ERROR_USAGE, "expected %.0fM to %.0fG, got %s", least / 0x1p20, most / 0x1p30, text);
+        return sl_fail(error, SL_ERROR_USAGE, "expected %.0fM to %.0fG, got %s", least / 0x1p20,
+                       most / 0x1p30, text);
     *value = (uint64_t)read;
     return SL_OK;
 }
@@ -67,7 +73,8 @@ sl_status sl_value_size(const char *text, int most, int size[2], sl_error *error
     int width, height, used = 0;
     const bool read = sscanf(text, "%5dx%5d%n", &width, &height, &used) == 2 && !text[used];
     if (!read || width < 1 || height < 1 || width > most || height > most)
-        return sl_fail(error, SL_ERROR_USAGE, "expected WIDTHxHEIGHT in pixels, 1 to %d each, got '%s'", most, text);
+        return sl_fail(error, SL_ERROR_USAGE, "expected WIDTHxHEIGHT in pixels, 1 to %d each, got '%s'", most,
+                       text);
     size[0] = width;
     size[1] = height;
     return SL_OK;
@@ -142,6 +149,6 @@ sl_status sl_value_choice(const char *text, const char *choices, int *index, sl_
         return SL_OK;
     }
     const char *near = sl_nearest_word(text, names, count);
-    return sl_fail(error, SL_ERROR_USAGE, "expected one of %s; got '%s'%s%s%s", all, text, near ? ", did you mean " : "",
-                   near ? near : "", near ? "?" : "");
+    return sl_fail(error, SL_ERROR_USAGE, "expected one of %s; got '%s'%s%s%s", all, text,
+                   near ? ", did you mean " : "", near ? near : "", near ? "?" : "");
 }

@@ -1,5 +1,5 @@
-/* Values as people write them in options, read with a decimal point whatever the locale. What is expected otherwise is told in
- * *error, for the caller to put the option's name before it. */
+/* Values as people write them in options, read with a decimal point whatever the locale. What is expected
+ * otherwise is told in *error, for the caller to put the option's name before it. */
 #ifndef SL_BASE_VALUES_H
 #define SL_BASE_VALUES_H
 

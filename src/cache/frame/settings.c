@@ -1,5 +1,5 @@
-/* The table of options as data, and what is made from it: settings set and told by name, checked, completed, and
- * stamped on pictures. */
+/* The table of options as data, and what is made from it: settings set and told by name, checked, completed,
+ * and stamped on pictures. */
 #include "cache/frame/settings.h"
 
 #include "base/error.h"
@@ -38,17 +38,19 @@ typedef struct row {
 #define RESEARCH false, 0, true
 
 #define ROW(place, methods, prefix, ...) ROW_OF(place, methods, prefix, __VA_ARGS__)
-#define ROW_OF(place, methods, prefix, name, unit, least, most, draft, normal, high, words, symbol, everyday, letter, \
-               stamped, help) \
-    {{prefix name, methods, unit, symbol, help, least, most, {draft, normal, high}, words, everyday, letter}, name, \
-     KIND(place), offsetof(sl_settings, place), stamped},
+#define ROW_OF(place, methods, prefix, name, unit, least, most, draft, normal, high, words, symbol, \
+               everyday, letter, stamped, help) \
+    {{prefix name, methods, unit, symbol, help, least, most, {draft, normal, high}, words, everyday, \
+      letter}, name, KIND(place), offsetof(sl_settings, place), stamped},
 #define COMMON(type, field, ...) ROW(field, "", "", __VA_ARGS__)
 #define GATHERING(type, field, ...) ROW(field, "splatting, multi-mesh", "", __VA_ARGS__)
 #define SPLATTING(type, field, ...) ROW(field, "splatting", "splatting.", __VA_ARGS__)
-#define RADIANCE_MAP(type, field, ...) ROW(radiance_map.field, "direct-radiance", "direct-radiance.", __VA_ARGS__)
+#define RADIANCE_MAP(type, field, ...) \
+    ROW(radiance_map.field, "direct-radiance", "direct-radiance.", __VA_ARGS__)
 #define LIGHT_OCTREE(type, field, ...) ROW(light_octree.field, "light-octree", "light-octree.", __VA_ARGS__)
 #define MULTI_MESH(type, field, ...) ROW(multi_mesh.field, "multi-mesh", "multi-mesh.", __VA_ARGS__)
-#define SHADING_CACHE(type, field, ...) ROW(shading_cache.field, "shading-cache", "shading-cache.", __VA_ARGS__)
+#define SHADING_CACHE(type, field, ...) \
+    ROW(shading_cache.field, "shading-cache", "shading-cache.", __VA_ARGS__)
 
 static const row rows[] = {
     SL_OPTIONS_OF_COMMON(COMMON)
@@ -66,9 +68,12 @@ const sl_setting *sl_setting_at(size_t index) { return index < ROWS ? &rows[inde
 static bool is_size(const row *r) { return strcmp(r->told.unit, "WxH") == 0; }
 static bool is_choice(const row *r) { return strchr(r->told.unit, '|') != NULL; }
 static double unit_of(const row *r) { return strcmp(r->told.unit, "DEGREES") == 0 ? SL_PI / 180.0 : 1.0; }
-static bool concerns(const row *r, const char *method) { return !*r->told.methods || strstr(r->told.methods, method); }
+static bool concerns(const row *r, const char *method) {
+    return !*r->told.methods || strstr(r->told.methods, method);
+}
 
-/* By its whole name, or by the last part: that of a method that has an option of the name goes before others'. */
+/* By its whole name, or by the last part: that of a method that has an option of the name goes before
+ * others'. */
 static const row *find_row(const char *name, const char *method) {
     const row *found = NULL;
     for (size_t i = 0; i < ROWS; i++) {
@@ -115,7 +120,9 @@ static void put_value(const row *r, sl_settings *s, double value) {
 
 /* ---- settings as a whole ---- */
 
-sl_settings sl_settings_default(void) { return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL}; }
+sl_settings sl_settings_default(void) {
+    return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL};
+}
 
 sl_status sl_settings_create(sl_settings **settings, sl_error *error) {
     if (!settings) return sl_fail_null(error, "a place for settings");
@@ -127,7 +134,9 @@ sl_status sl_settings_create(sl_settings **settings, sl_error *error) {
 
 void sl_settings_destroy(sl_settings *settings) { sl_free(settings); }
 
-void sl_settings_observe(sl_settings *settings, const sl_observer *observer) { settings->observer = observer; }
+void sl_settings_observe(sl_settings *settings, const sl_observer *observer) {
+    settings->observer = observer;
+}
 
 void sl_settings_complete(sl_settings *s) {
     for (size_t i = 0; i < ROWS; i++) {
@@ -156,7 +165,8 @@ static sl_status check_row(const row *r, const sl_settings *s, sl_error *error) 
     const double slack = 1e-9, value = value_of(r, s) / unit_of(r);
     const double least = r->told.minimum, most = is_choice(r) ? choices_of(r) - 1.0 : r->told.maximum;
     if (!(least < most) || value == 0.0 || is_size(r)) return SL_OK;
-    if (value >= least * (1.0 - slack) && value <= most * (1.0 + (unit_of(r) == 1.0 ? 0.0 : slack))) return SL_OK;
+    if (value >= least * (1.0 - slack) && value <= most * (1.0 + (unit_of(r) == 1.0 ? 0.0 : slack)))
+        return SL_OK;
     char text[32];
     return sl_fail(error, SL_ERROR_USAGE, "%s: expected %g to %g, got %s", r->told.name, least, most,
                    sl_outside_text(value, least, most, text));
@@ -165,9 +175,10 @@ static sl_status check_row(const row *r, const sl_settings *s, sl_error *error) 
 sl_status sl_settings_check(const sl_settings *s, sl_error *error) {
     const int most = largest_side(s);
     if (s->width < 1 || s->height < 1 || s->width > most || s->height > most)
-        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to %d pixels each way for %s, got %dx%d", most,
-                       s->method, s->width, s->height);
-    if (s->gather_size % 2) return sl_fail(error, SL_ERROR_USAGE, "gather-size: expected an even number, got %d", s->gather_size);
+        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to %d pixels each way for %s, got %dx%d",
+                       most, s->method, s->width, s->height);
+    if (s->gather_size % 2)
+        return sl_fail(error, SL_ERROR_USAGE, "gather-size: expected an even number, got %d", s->gather_size);
     sl_status status = SL_OK;
     for (size_t i = 0; i < ROWS && status == SL_OK; i++) status = check_row(&rows[i], s, error);
     return status;
@@ -176,9 +187,24 @@ sl_status sl_settings_check(const sl_settings *s, sl_error *error) {
 /* ---- from text ---- */
 
 static const char *const names[] = {
-    "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional", "auto",
-    "direct", "one-bounce", "full", "matched:splatting", "matched:direct-radiance", "matched:light-octree",
-    "matched:multi-mesh", "matched:shading-cache", "matched:path", "matched:bidirectional",
+    "splatting",
+    "direct-radiance",
+    "light-octree",
+    "multi-mesh",
+    "shading-cache",
+    "path",
+    "bidirectional",
+    "auto",
+    "direct",
+    "one-bounce",
+    "full",
+    "matched:splatting",
+    "matched:direct-radiance",
+    "matched:light-octree",
+    "matched:multi-mesh",
+    "matched:shading-cache",
+    "matched:path",
+    "matched:bidirectional",
 };
 enum { METHODS_AND_AUTO = 8, NAMES = sizeof names / sizeof names[0] };
 
@@ -192,9 +218,10 @@ static sl_status set_name(const row *r, sl_settings *s, const char *text, sl_err
         return SL_OK;
     }
     const char *near = sl_nearest_word(text, names + from, to - from);
-    return sl_fail(error, SL_ERROR_USAGE, "unknown %s '%s'; expected %s%s%s%s", r->flag, text, method ? "one of " : "",
-                   method ? r->told.help : "direct, one-bounce, full or matched:METHOD", near ? "; did you mean " : "",
-                   near ? near : "");
+    return sl_fail(error, SL_ERROR_USAGE, "unknown %s '%s'; expected %s%s%s%s", r->flag, text,
+                   method ? "one of " : "",
+                   method ? r->told.help : "direct, one-bounce, full or matched:METHOD",
+                   near ? "; did you mean " : "", near ? near : "");
 }
 
 static sl_status set_flag(const row *r, sl_settings *s, const char *text, sl_error *error) {
@@ -280,8 +307,10 @@ static void print_row(const row *r, const sl_settings *s, char *text, size_t roo
     else snprintf(text, room, "%.0f", value_of(r, s));
 }
 
-sl_status sl_settings_get(const sl_settings *settings, const char *name, char *text, size_t room, sl_error *error) {
-    if (!settings || !name || !text || !room) return sl_fail_null(error, "settings, a name and room for text");
+sl_status sl_settings_get(const sl_settings *settings, const char *name, char *text, size_t room,
+                          sl_error *error) {
+    if (!settings || !name || !text || !room)
+        return sl_fail_null(error, "settings, a name and room for text");
     text[0] = '\0';
     const row *r = find_row(name, settings->method);
     if (!r) return unknown(name, error);
@@ -295,7 +324,9 @@ static bool is_told(const row *r, const sl_settings *s) {
     if (!r->stamped) return false;
     if (r->kind == FIELD_FLAG && value_of(r, s) == 0.0) return false;
     if (r->told.minimum > 0.0 && value_of(r, s) == 0.0) return false;
-    const char *paths = s->transport && strncmp(s->transport, matched, sizeof matched - 1) == 0 ? s->transport + sizeof matched - 1 : s->method;
+    const char *paths = s->transport && strncmp(s->transport, matched, sizeof matched - 1) == 0
+                            ? s->transport + sizeof matched - 1
+                            : s->method;
     return concerns(r, s->method) || concerns(r, paths);
 }
 
