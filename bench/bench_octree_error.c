@@ -119,8 +119,6 @@ static void disc(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_DISC; }
 static void section(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_SECTION; }
 static void accept_all(sl_light_octree_settings *s) { s->acceptance = SL_PI; }
 static void whole(sl_light_octree_settings *s) { s->whole_voxels = true, s->acceptance = SL_PI / 3.0; }
-static void by_distance(sl_light_octree_settings *s) { s->distance_weights = true; }
-static void all_area(sl_light_octree_settings *s) { s->whole_area = true; }
 static void paper(sl_light_octree_settings *s) {
     s->whole_voxels = s->fixed_neighbours = true;
     s->area = SL_PHOTON_AREA_DISC;
@@ -130,31 +128,22 @@ static void paper(sl_light_octree_settings *s) {
 static void sphere(sl_light_octree_settings *s) { s->flatness = 1.0; }
 static void nearest(sl_light_octree_settings *s) { s->filter = SL_VOXEL_NEAREST; }
 static void void_dark(sl_light_octree_settings *s) { s->keep_void_dark = true; }
-static void wide(sl_light_octree_settings *s) { s->wide_directions = true; }
 static void unit(sl_light_octree_settings *s) { s->unit_weights = true; }
 static void exactly_k(sl_light_octree_settings *s) { s->fixed_neighbours = true; }
 static void own(sl_light_octree_settings *s) { s->own_photons = true; }
 static void sixty(sl_light_octree_settings *s) { s->acceptance = SL_PI / 3.0; }
-static void spread(sl_light_octree_settings *s) { s->spread_tolerance = SL_PI / 18.0, s->lights = 8; }
 static void colour(sl_light_octree_settings *s) { s->lobes = SL_LOBES_NONE; }
 static void surface(sl_light_octree_settings *s) { s->lobes = SL_LOBES_SURFACE; }
 static void eight(sl_light_octree_settings *s) { s->lights = 8; }
-static void harmonics(sl_light_octree_settings *s) { s->lobes = SL_LOBES_HARMONICS; }
-static void whole_harmonics(sl_light_octree_settings *s) {
-    s->lobes = SL_LOBES_HARMONICS;
-    whole(s);
-}
 
 static const choice choices[] = {
     {"default", "octree", none}, {"the paper's: whole voxels, disc, all photons, equal weights", "paper", paper}, {"area of a disc", "disc", disc},
     {"area of a section", NULL, section}, {"photons of all normals", "accept-all", accept_all}, {"sphere, f = 1", NULL, sphere},
-    {"one set of lights a voxel", "whole", whole}, {"voxels weigh by distance alone", NULL, by_distance},
-    {"area that no photon met counts too", "whole-area", all_area},
+    {"one set of lights a voxel", "whole", whole},
     {"k photons, not k/4 to k", NULL, exactly_k}, {"photons within 60 degrees", NULL, sixty},
     {"each voxel's own photons", "own", own}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
-    {"equal weights", NULL, unit}, {"12 + 12 bits", NULL, wide}, {"one irradiance", "colour", colour},
-    {"irradiance on the surface", "surface", surface}, {"8 lights", NULL, eight}, {"8 lights or 10 degrees", NULL, spread},
-    {"harmonics, 9 coefficients", "harmonics", harmonics}, {"harmonics, one set a voxel", NULL, whole_harmonics},
+    {"equal weights", NULL, unit}, {"one irradiance", "colour", colour},
+    {"irradiance on the surface", "surface", surface}, {"8 lights", NULL, eight},
 };
 
 static void remedies(bench_report *r, const bench_options *o, octree_world *w) {
@@ -181,12 +170,8 @@ static void ladder(bench_report *r, const bench_options *o, octree_world *w) {
     t = try_direct(w, &s, OCTREE_AT_VOXEL);
     row(r, w, "+ gathered at voxels", &t);
     s.filter = SL_VOXEL_NEAREST;
-    s.wide_directions = true;
     t = try(r, w, &s, NULL);
-    row(r, w, "+ 4 clusters", &t);
-    s.wide_directions = false;
-    t = try(r, w, &s, NULL);
-    row(r, w, "+ 8 + 8 bits", &t);
+    row(r, w, "+ 4 clusters of 8 + 8 bits", &t);
     s.filter = SL_VOXEL_TRILINEAR;
     t = try(r, w, &s, NULL);
     row(r, w, "+ trilinear: one set of lights a voxel", &t);

@@ -90,8 +90,7 @@ typedef enum sl_photon_area {
 typedef enum sl_voxel_lobes {
     SL_LOBES_PERPENDICULAR, /* lights of the irradiance perpendicular to them: shading has a cosine */
     SL_LOBES_SURFACE,       /* ... of that on the surface, as the paper's sum is printed: shading has none */
-    SL_LOBES_NONE,          /* one irradiance: the paper's colour octree */
-    SL_LOBES_HARMONICS      /* spherical harmonics of order 2 or 3 instead of directional lights */
+    SL_LOBES_NONE           /* one irradiance: the paper's colour octree */
 } sl_voxel_lobes;
 /* How the voxels around a point are put together. */
 typedef enum sl_voxel_filter { SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST } sl_voxel_filter;

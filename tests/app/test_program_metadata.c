@@ -90,8 +90,8 @@ static void the_settings_that_a_picture_tells_make_it_again(void **state) {
         "-m direct-radiance -M 5 --set map=frustum --set map-fov=77.7 --set weight=15 --visibility blocks "
         "--set mirror-light=trick",
         "-m light-octree",
-        "-m light-octree --set acceptance=41.7 --set spread=3.3 --stored-photons 3000 --set radius=70.123456789 "
-        "--set atlas=1 --set lobes=harmonics --set whole-voxels=1",
+        "-m light-octree --set acceptance=41.7 --stored-photons 3000 --set radius=70.123456789 "
+        "--set atlas=1 --set lobes=surface --set whole-voxels=1",
         "-m multi-mesh",
         "-m multi-mesh --set gather-fov=133.3 --set light-rays=3 --set light-size=16 --set gather-size=16 "
         "--threshold 1.23456789012 --set multi-mesh.selection=chain",

@@ -106,40 +106,28 @@
     O(double, flatness, "flatness", "F", 1e-3, 1, IS(0.25), "f", RESEARCH, \
       "of the ellipsoid in which it looks") \
     O(int, lights, "lights", "N", 1, 8, IS(4), "n", RESEARCH, "virtual directional lights a voxel") \
-    O(double, spread_tolerance, "spread", "DEGREES", 0.005, 92, TOLD("off"), "", RESEARCH, \
-      "fewer lights where they spread less than that") \
     O(double, acceptance, "acceptance", "DEGREES", 0.5, 181, IS(60), "", RESEARCH, \
       "between photons' and voxels' normals") \
     O(sl_photon_store, store, "store", "indirect|all|caustic", 0, 0, NOTHING, "", RESEARCH, \
       "which photon hits") \
     O(sl_photon_area, area, "photon-area", "clip|section|disc", 0, 0, NOTHING, "", RESEARCH, \
       "over which photons are spread") \
-    O(sl_voxel_lobes, lobes, "lobes", "perpendicular|surface|none|harmonics", 0, 0, NOTHING, "", RESEARCH, \
+    O(sl_voxel_lobes, lobes, "lobes", "perpendicular|surface|none", 0, 0, NOTHING, "", RESEARCH, \
       "what a voxel keeps of directions") \
     O(sl_voxel_filter, filter, "voxel-filter", "trilinear|nearest", 0, 0, NOTHING, "", RESEARCH, \
       "how voxels around a point are put together") \
     O(bool, unit_weights, "unit-weights", "", 0, 1, NOTHING, "", RESEARCH, "K-means with equal weights") \
-    O(bool, median_of_subsets, "median-of-subsets", "", 0, 1, NOTHING, "", RESEARCH, \
-      "against fireflies: fifths of the photons vote on irradiance") \
-    O(bool, wide_directions, "wide-directions", "", 0, 1, NOTHING, "", RESEARCH, \
-      "12 + 12 bits a direction, not 8 + 8") \
     O(bool, own_photons, "own-photons", "", 0, 1, NOTHING, "", RESEARCH, \
       "a voxel counts its own photons, and looks for no others") \
     O(bool, photons_at_pixels, "photons-at-pixels", "", 0, 1, NOTHING, "", RESEARCH, \
       "the photon map itself: every pixel gathers, there are no lights") \
     O(bool, whole_voxels, "whole-voxels", "", 0, 1, NOTHING, "", RESEARCH, \
       "one set of lights a voxel, not one for each group of normals") \
-    O(bool, whole_area, "whole-area", "", 0, 1, NOTHING, "", RESEARCH, \
-      "surface that no photon met counts as area too") \
     O(bool, fixed_neighbours, "fixed-neighbours", "", 0, 1, NOTHING, "", RESEARCH, \
       "exactly K photons a voxel, not K/4 to K by an error estimate") \
     O(bool, keep_void_dark, "void-dark", "", 0, 1, NOTHING, "", RESEARCH, "empty voxels count as black") \
     O(double, dilation, "dilation", "H", 0, 1, IS(0), "", RESEARCH, \
       "voxels also hold what is within that share of their edge around them") \
-    O(bool, distance_weights, "distance-weights", "", 0, 1, NOTHING, "", RESEARCH, \
-      "voxels count by distance alone, not by their normals' cosines too") \
-    O(bool, geometric_normals, "geometric-normals", "", 0, 1, NOTHING, "", RESEARCH, \
-      "surfaces take light by their geometric normals") \
     O(bool, environment_mirrors, "environment-mirrors", "", 0, 1, NOTHING, "", RESEARCH, \
       "mirrors show a cube map of the environment alone") \
     O(bool, atlas, "atlas", "", 0, 1, NOTHING, "", RESEARCH, "light goes to a texture atlas first") \

@@ -154,19 +154,16 @@ static double total_weight(const sl_directions *d) {
 /* Mean squared chord = J / W; an angle psi has the chord 2 sin(psi / 2). */
 static double spread(double cost, double weight) { return weight > 0.0 ? 2.0 * sl_asin(0.5 * sqrt(cost / weight)) : 0.0; }
 
-void sl_cluster_directions(const sl_directions *d, int wanted, double tolerance, uint8_t *of, double *scratch, sl_clusters *clusters) {
+void sl_cluster_directions(const sl_directions *d, int wanted, uint8_t *of, double *scratch, sl_clusters *clusters) {
     sl_cluster_kernels kernel = kernels();
     double weight = total_weight(d);
-    for (int count = tolerance > 0.0 ? 1 : wanted; count <= wanted; count++) {
-        sl_cluster_start(d, count, scratch, clusters);
-        if (clusters->count == 0) {
-            memset(of, 0, d->count);
-            return;
-        }
-        memset(of, 0xff, d->count);
-        while (clusters->iterations < SL_CLUSTER_ITERATIONS && step(&kernel, d, of, clusters) > 0) {}
-        clusters->rms_angle = spread(clusters->cost, weight);
-        if (clusters->count < count || clusters->rms_angle <= tolerance) break;
+    sl_cluster_start(d, wanted, scratch, clusters);
+    if (clusters->count == 0) {
+        memset(of, 0, d->count);
+        return;
     }
+    memset(of, 0xff, d->count);
+    while (clusters->iterations < SL_CLUSTER_ITERATIONS && step(&kernel, d, of, clusters) > 0) {}
+    clusters->rms_angle = spread(clusters->cost, weight);
     clusters->mean_angle = kernel.angles(d, clusters->centre, of) / weight;
 }

@@ -23,10 +23,8 @@ typedef struct sl_clusters {
     int iterations;
 } sl_clusters;
 
-/* Deterministic: first centre nearest to the mean, next ones by largest weighted distance, ties to the lower index; J never rises.
- * tolerance > 0: the least number of clusters whose spread is below it. of: the cluster of each point. scratch: count doubles. */
-void sl_cluster_directions(const sl_directions *directions, int wanted, double tolerance, uint8_t *of, double *scratch,
-                           sl_clusters *clusters);
+/* Deterministic: first centre nearest to the mean, next ones by largest weighted distance, ties to the lower index; J never rises. of: the cluster of each point. scratch: count doubles. */
+void sl_cluster_directions(const sl_directions *directions, int wanted, uint8_t *of, double *scratch, sl_clusters *clusters);
 
 /* Its parts: centres to start from, and one iteration, which returns how many points changed their cluster. */
 void sl_cluster_start(const sl_directions *directions, int wanted, double *scratch, sl_clusters *clusters);
@@ -38,18 +36,8 @@ typedef struct sl_directional_light {
     float packed;        /* the direction, an integer below 2^24: exact in a float */
 } sl_directional_light;
 
-/* 254 steps of the polar angle and 256 of the azimuth (8 + 8 bits), or 4094 and 4096 (12 + 12). Axes are exact. */
-float sl_direction_pack(sl_vec3d direction, bool wide);
-sl_vec3 sl_direction_unpack(float packed, bool wide);
-
-/* Unpacking by tables, as a shader does: the same bits. */
-typedef struct sl_direction_table {
-    uint32_t columns;             /* 256 or 4096 steps of phi */
-    uint32_t rows;                /* 255 or 4095 steps of theta */
-    double *sin_theta, *cos_theta, *sin_phi, *cos_phi;
-} sl_direction_table;
-sl_status sl_direction_table_create(bool wide, sl_direction_table **table, sl_error *error);
-void sl_direction_table_destroy(sl_direction_table *table);
-sl_vec3 sl_direction_table_unpack(const sl_direction_table *table, float packed);
+/* 254 steps of the polar angle and 256 of the azimuth: 8 + 8 bits. Axes are exact. */
+float sl_direction_pack(sl_vec3d direction);
+sl_vec3 sl_direction_unpack(float packed);
 
 #endif

@@ -13,8 +13,7 @@
 
 enum {
     DIRECT_ROWS = 64,  /* an update's */
-    LEAVES = 4096,
-    HARMONICS_ORDER = 2
+    LEAVES = 4096
 };
 
 static void announce_picture(sl_octree_state *s, const char *name, const char *source, const float *planes) {
@@ -103,14 +102,9 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
                                     .flatness = o->flatness,
                                     .acceptance = o->acceptance,
                                     .area = o->area,
-                                    .whole_area = o->whole_area,
                                     .lobes = o->lobes,
                                     .lights = o->lights,
-                                    .harmonics_order = HARMONICS_ORDER,
-                                    .spread_tolerance = o->spread_tolerance,
                                     .unit_weights = o->unit_weights,
-                                    .wide_directions = o->wide_directions,
-                                    .median_of_subsets = o->median_of_subsets,
                                     .own_photons = o->own_photons,
                                     .split_by_normal = !o->whole_voxels && !o->own_photons,
                                     .estimated_radius = !o->fixed_neighbours};
@@ -202,8 +196,7 @@ sl_octree_shading sl_octree_shading_of(const sl_light_octree_settings *o, const 
     return (sl_octree_shading){.texture = texture,
                                .filter = o->filter,
                                .keep_void_dark = o->keep_void_dark,
-                               .facing = split && !o->distance_weights && !o->keep_void_dark,
-                               .geometric = o->geometric_normals};
+                               .facing = split && !o->keep_void_dark};
 }
 
 sl_octree_shading sl_octree_state_shading(const sl_octree_state *s) { return sl_octree_shading_of(&s->settings.light_octree, s->shown.texture); }

@@ -88,7 +88,7 @@ size_t sl_octree_small_objects(const sl_scene *scene, double voxel) {
 /* Lobes narrower than what one of n lights stands for are widened (shade.c). */
 bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_settings *o) {
     bool widens = false;
-    if (o->photons_at_pixels || (o->lobes != SL_LOBES_PERPENDICULAR && o->lobes != SL_LOBES_SURFACE)) return false;
+    if (o->photons_at_pixels || o->lobes == SL_LOBES_NONE) return false;
     for (size_t i = 0; i < scene->material_count; i++) {
         const sl_material *m = &scene->materials[i];
         widens = widens || (sl_material_is_glossy(m) && (double)m->exponent > 2.0 * o->lights - 2.0);
@@ -112,8 +112,7 @@ static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     static const char *const stores[] = {"after a bounce at least", "all", "caustics alone"};
     static const char *const areas[] = {"the scene's triangles in the ellipsoid", "the section of a plane", "a disc"};
-    static const char *const lobes[] = {"directional lights, perpendicular irradiance", "directional lights, irradiance on the surface",
-                                        "one irradiance", "spherical harmonics"};
+    static const char *const lobes[] = {"directional lights, perpendicular irradiance", "directional lights, irradiance on the surface", "one irradiance"};
     const sl_light_octree_settings *o = &settings->light_octree;
     sl_features f = sl_scene_features(scene);
     sl_octree_plan p = sl_octree_plan_make(scene, settings);
@@ -124,7 +123,7 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     else if (o->own_photons) sl_plan_pass(writer, p.photons, "gathers", "each voxel's own photons");
     else sl_plan_pass(writer, p.photons, "gathers", "the %s%d nearest photons of each %s, spread over %s", o->fixed_neighbours ? "" : "up to ", o->neighbours,
                  o->whole_voxels ? "voxel" : "group of normals in a voxel", areas[o->area]);
-    bool directional = !o->photons_at_pixels && (o->lobes == SL_LOBES_PERPENDICULAR || o->lobes == SL_LOBES_SURFACE);
+    bool directional = !o->photons_at_pixels && o->lobes != SL_LOBES_NONE;
     sl_plan_pass(writer, p.photons && directional, "clusters", "%s; at most %d a voxel%s", lobes[o->lobes], o->lights,
                  sl_octree_widens_gloss(scene, o) ? "; gloss sharper than that shows indirect light blurred" : "");
     sl_plan_pass(writer, p.photons && o->atlas, "atlas", "%d x %d texels%s", o->atlas_size, o->atlas_size,

@@ -124,7 +124,6 @@ static void group_points(const sl_octree_shading *shading, const sl_octree_point
 
 static int used_lights(const sl_voxel_texture *t, const sl_unpacked_light *light) {
     int used = t->lights;
-    if (t->lobes == SL_LOBES_HARMONICS) return used;
     while (used > 0 && light[used - 1].color[0] == 0.0f && light[used - 1].color[1] == 0.0f && light[used - 1].color[2] == 0.0f) used--;
     return used;
 }
@@ -166,7 +165,6 @@ static void fetch_cells(const sl_octree_shading *shading, const voxel_group *gro
     const sl_voxel_texture *t = shading->texture;
     cells->corners = shading->filter == SL_VOXEL_NEAREST ? 1 : 8;
     cells->lobes = t->lobes;
-    cells->harmonics_order = t->harmonics_order;
     cells->keep_void_dark = shading->keep_void_dark;
     cells->facing = shading->facing;
     for (int k = 0; k < cells->corners; k++) {
@@ -180,7 +178,7 @@ static void fetch_cells(const sl_octree_shading *shading, const voxel_group *gro
 /* One of n lights stands for what comes from a cap of 2 pi / n, whose mean squared chord to its axis is 1 / n; a lobe's is 2 / (e + 2). Sharper ones
  * would fall between the lights, and show dots on black: they are widened to the cap, and reflect as much. */
 static float widest_exponent(const sl_voxel_texture *t) {
-    return t->lobes == SL_LOBES_PERPENDICULAR || t->lobes == SL_LOBES_SURFACE ? (float)(2 * t->lights - 2) : INFINITY;
+    return t->lobes != SL_LOBES_NONE ? (float)(2 * t->lights - 2) : INFINITY;
 }
 
 static void load_point(const sl_octree_points *p, const voxel_place *place, size_t i, bool glossy, float widest, sl_shade_block *b, size_t at) {
@@ -260,11 +258,10 @@ typedef struct tile_pass {
 } tile_pass;
 
 /* In the order of sl_octree_points. */
-static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye, bool geometric, size_t pixel, float values[16]) {
+static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye, size_t pixel, float values[16]) {
     const sl_material *m = &scene->materials[g->material[pixel]];
     sl_vec3 place = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
-    sl_vec3 n = geometric ? sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel])
-                          : sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
+    sl_vec3 n = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
     sl_vec3 from = g->seen_from ? g->seen_from[pixel] : eye;
     sl_vec3 v = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(from, place), n) : n;
     const float all[16] = {place.x, place.y, place.z, n.x, n.y, n.z, v.x, v.y, v.z, g->diffuse_r[pixel], g->diffuse_g[pixel],
@@ -274,7 +271,7 @@ static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 e
 
 static void take_pixel(const tile_pass *pass, uint32_t pixel, size_t at, sl_octree_scratch *s) {
     float values[16];
-    point_of_pixel(pass->scene, pass->gbuffer, pass->eye, pass->shading->geometric, pixel, values);
+    point_of_pixel(pass->scene, pass->gbuffer, pass->eye, pixel, values);
     for (int k = 0; k < 16; k++) s->point[k][at] = values[k];
     s->pixel[at] = pixel;
 }
@@ -284,7 +281,7 @@ bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *sce
     float v[16];
     uint64_t fetches = 0;
     *out = (sl_octree_pixel){.glossy = false};
-    point_of_pixel(scene, gbuffer, eye, shading->geometric, pixel, v);
+    point_of_pixel(scene, gbuffer, eye, pixel, v);
     sl_octree_points p = {1, v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6, v + 7, v + 8, v + 9, v + 10, v + 11, v + 12, v + 13, v + 14, v + 15};
     voxel_place place = place_of(shading, &p, 0, out->cell);
     if (place.key == NOWHERE) return false;

@@ -12,7 +12,6 @@ typedef struct sl_octree_shading {
     sl_voxel_filter filter;
     bool keep_void_dark;  /* empty voxels count as black: the paper's holes */
     bool facing;          /* voxels weigh by the cosine between their normal and the point's, against leaks */
-    bool geometric;       /* of G-buffers: points have their geometric normals */
 } sl_octree_shading;
 
 /* Surface points as arrays; normals unit, shading, turned to the viewer. NULL diffuse: 1 / kd = pi, so that the irradiance comes out.

@@ -3,7 +3,6 @@
 #include "cache/light_octree/shade_kernels.h"
 
 #include "base/math.h"
-#include "cache/light_octree/harmonic_basis.h"
 
 enum { LANES = SL_SHADE_LANES };
 
@@ -63,43 +62,8 @@ static inline light_sum one_colour(const sl_shade_set *set) {
     return s;
 }
 
-/* Convolution with a lobe about an axis multiplies each band by its zonal coefficient (Ramamoorthi and Hanrahan 2001: pi, 2 pi / 3,
- * pi / 4 and 0 for the clamped cosine). A Phong lobe times the cosine is taken for a lobe of the next power times (n . m). */
-static inline light_sum harmonics(const point_lanes *p, const sl_shade_set *set) {
-    static const float COSINE[4] = {(float)SL_PI, (float)(2.0 * SL_PI / 3.0), (float)(SL_PI / 4.0), 0.0f};
-    static const int BAND[16] = {0, 1, 1, 1, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3};
-    float irradiance[3][LANES] __attribute__((aligned(64))), lobe[3][LANES] __attribute__((aligned(64)));
-    for (int l = 0; l < LANES; l++) {
-        float basis[16], sum[3] = {0}, gloss[3] = {0}, zonal[4];
-        sl_harmonic_basis(p->nx[l], p->ny[l], p->nz[l], basis);
-        for (int k = 0; k < set->lights; k++) {
-            for (int c = 0; c < 3; c++) sum[c] += COSINE[BAND[k]] * basis[k] * set->light[k].color[c];
-        }
-        if (p->glossy) {
-            float facing = p->nx[l] * p->mx[l] + p->ny[l] * p->my[l] + p->nz[l] * p->mz[l];
-            facing = facing > 0.0f ? facing : 0.0f;
-            sl_harmonic_basis(p->mx[l], p->my[l], p->mz[l], basis);
-            sl_harmonic_lobe(p->exponent[l] + 1.0f, zonal);
-            for (int k = 0; k < set->lights; k++) {
-                for (int c = 0; c < 3; c++) gloss[c] += facing * zonal[BAND[k]] * basis[k] * set->light[k].color[c];
-            }
-        }
-        for (int c = 0; c < 3; c++) { /* the series may fall below 0, light does not */
-            irradiance[c][l] = sum[c] > 0.0f ? sum[c] : 0.0f;
-            lobe[c][l] = gloss[c] > 0.0f ? gloss[c] : 0.0f;
-        }
-    }
-    light_sum s;
-    for (int c = 0; c < 3; c++) {
-        s.irradiance[c] = load(irradiance[c]);
-        s.lobe[c] = load(lobe[c]);
-    }
-    return s;
-}
-
 static inline light_sum of_set(const point_lanes *p, const sl_shade_set *set) {
     if (p->cells->lobes == SL_LOBES_NONE) return one_colour(set);
-    if (p->cells->lobes == SL_LOBES_HARMONICS) return harmonics(p, set);
     return directional(p, set);
 }
 

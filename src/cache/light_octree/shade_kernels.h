@@ -27,7 +27,6 @@ typedef struct sl_shade_cells {
     sl_shade_corner corner[8];
     int corners;           /* 8, or 1 */
     sl_voxel_lobes lobes;
-    int harmonics_order;
     bool keep_void_dark, facing;
 } sl_shade_cells;
 

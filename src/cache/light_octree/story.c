@@ -66,15 +66,14 @@ static sl_vec3 middle_of(const telling *t, int corner) {
     return sl_to_float(sl_addd(texture->origin, sl_scaled(at, edge)));
 }
 
-/* Lights of one set, [first, first + count), that the kernel takes together. */
-static void tell_lights(const telling *t, int corner, const sl_shade_set *set, int first, int count, double weight, const char *kind) {
+static void tell_light(const telling *t, int corner, const sl_shade_set *set, int number, double weight, const char *kind) {
     sl_shade_cells cells = t->pixel->cells;
     sl_shade_block *b = &t->pixel->block;
     cells.corners = 1;
     cells.facing = cells.keep_void_dark = false;
     cells.corner[0] = (sl_shade_corner){.sets = 1, .set = {*set}};
-    cells.corner[0].set[0].light += first;
-    cells.corner[0].set[0].lights = count;
+    cells.corner[0].set[0].light += number;
+    cells.corner[0].set[0].lights = 1;
     t->kernel(&cells, SL_SHADE_LANES, t->pixel->glossy, b);
     sl_vec3 at = middle_of(t, corner);
     sl_story_term term = {.layer = "indirect", .kind = kind, .placed = true, .position = {at.x, at.y, at.z}, .weight = weight};
@@ -83,7 +82,7 @@ static void tell_lights(const telling *t, int corner, const sl_shade_set *set, i
     for (int c = 0; c < 3; c++) {
         double reflected = (double)(t->pixel->diffuse[c] * (float)(1.0 / SL_PI)) * (double)b->irradiance[c][0];
         if (t->pixel->glossy) reflected += (double)t->pixel->specular[c] * (double)b->lobe[c][0];
-        term.value[c] = count == 1 ? set->light[first].color[c] : b->irradiance[c][0];
+        term.value[c] = set->light[number].color[c];
         term.contribution[c] = weight * reflected * (double)t->throughput[c];
         any |= term.contribution[c] != 0.0;
     }
@@ -92,15 +91,13 @@ static void tell_lights(const telling *t, int corner, const sl_shade_set *set, i
 
 static void tell_voxels(const telling *t) {
     const sl_shade_cells *cells = &t->pixel->cells;
-    bool together = cells->lobes == SL_LOBES_HARMONICS; /* clamped at 0 as a whole */
     for (int k = 0; k < cells->corners; k++) {
         if (cells->corner[k].sets == 0) continue;
         double weight = weight_of(t, k);
         const sl_shade_set *set = &cells->corner[k].set[set_of(t, k)];
         if (weight == 0.0) continue;
-        if (together) tell_lights(t, k, set, 0, set->lights, weight, "spherical harmonics of a voxel: irradiance");
-        for (int j = 0; !together && j < set->lights; j++)
-            tell_lights(t, k, set, j, 1, weight, cells->lobes == SL_LOBES_NONE ? "voxel: irradiance" : "directional light of a voxel: irradiance perpendicular to it");
+        for (int j = 0; j < set->lights; j++)
+            tell_light(t, k, set, j, weight, cells->lobes == SL_LOBES_NONE ? "voxel: irradiance" : "directional light of a voxel: irradiance perpendicular to it");
     }
 }
 
@@ -148,7 +145,7 @@ static size_t put_arrows(const sl_voxel_lights *lights, size_t index, float leng
     size_t made = 0;
     for (int j = 0; j < set->lights; j++) {
         const sl_directional_light *light = &lights->light[index * (size_t)lights->texels + (size_t)j];
-        sl_vec3 to = sl_mad(set->centroid, length, sl_direction_unpack(light->packed, lights->options.wide_directions));
+        sl_vec3 to = sl_mad(set->centroid, length, sl_direction_unpack(light->packed));
         mark[made++] = (sl_mark){.kind = SL_MARK_SEGMENT, .at = {set->centroid.x, set->centroid.y, set->centroid.z}, .to = {to.x, to.y, to.z},
                                  .colour = {light->color[0], light->color[1], light->color[2]}};
     }
@@ -156,7 +153,7 @@ static size_t put_arrows(const sl_voxel_lights *lights, size_t index, float leng
 }
 
 void sl_octree_announce_lights(sl_announcer *announcer, const sl_octree *octree, const sl_voxel_lights *lights) {
-    bool directed = lights->options.lobes == SL_LOBES_PERPENDICULAR || lights->options.lobes == SL_LOBES_SURFACE;
+    bool directed = lights->options.lobes != SL_LOBES_NONE;
     size_t step = lights->set_count * (size_t)lights->texels / MARKS + 1, made = 0;
     if (!sl_announcing(announcer) || !directed || lights->set_count == 0) return;
     sl_mark *mark = sl_allocate((lights->set_count / step + 1) * (size_t)lights->texels, sizeof *mark);

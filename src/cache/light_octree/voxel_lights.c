@@ -16,8 +16,6 @@ double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t phot
 
 /* ---- P4: lights ---- */
 
-enum { SUBSETS = 5 };
-
 typedef struct voxel_result {
     int lights;
     double irradiance[2];      /* E, luminance, on either side */
@@ -46,7 +44,7 @@ static int front_share(const double irradiance[2], int lights) {
 /* At most `room` lights of the photons on one side. */
 static int lights_of_side(const sl_lobe_photons *photons, const sl_voxel_light_options *o, double scale, sl_vec3 normal, bool flat, int room,
                           sl_directional_light *light, sl_lobe_spread *spread) {
-    if (flat && room > 0) return sl_lobe_along_normal(photons, o, scale, normal, light);
+    if (flat && room > 0) return sl_lobe_along_normal(photons, scale, normal, light);
     return sl_lobes_of_photons(photons, o, scale, normal, room, light, spread);
 }
 
@@ -62,38 +60,12 @@ static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_
         scale[side] = gather->kappa / area[side];
         result.irradiance[side] = scale[side] * luminance_of(photons[side]);
     }
-    if (o->lobes == SL_LOBES_HARMONICS) { /* one function of direction holds both */
-        sl_lobes_of_photons(photons[0], o, scale[0], normal, 1, light, &result.spread);
-        sl_lobes_of_photons(photons[1], o, scale[1], normal, 1, light, &result.spread);
-        result.lights = result.irradiance[0] + result.irradiance[1] > 0.0 ? sl_lobe_texels(o) : 0;
-    } else {
-        bool flat = set->flat && o->lobes == SL_LOBES_PERPENDICULAR;
-        int room = sl_lobe_texels(o), front = front_share(result.irradiance, room);
-        result.lights = lights_of_side(photons[0], o, scale[0], normal, flat, front, light, &result.spread);
-        int back = front < room ? room - result.lights : 0;
-        result.lights += lights_of_side(photons[1], o, scale[1], sl_neg(normal), flat, back, light + result.lights, &result.spread);
-    }
+    bool flat = set->flat && o->lobes == SL_LOBES_PERPENDICULAR;
+    int room = sl_lobe_texels(o), front = front_share(result.irradiance, room);
+    result.lights = lights_of_side(photons[0], o, scale[0], normal, flat, front, light, &result.spread);
+    int back = front < room ? room - result.lights : 0;
+    result.lights += lights_of_side(photons[1], o, scale[1], sl_neg(normal), flat, back, light + result.lights, &result.spread);
     return result;
-}
-
-/* A firefly, one photon of large power, is in one of the subsets alone: their median does not know it. Over the mean, which is what the sum
- * of all photons tells. Where light is uneven the median is below the mean: the option is biased. */
-static double median_share(const sl_voxel_gather *gather) {
-    double sum[SUBSETS] = {0.0}, all = 0.0;
-    size_t at = 0;
-    const sl_lobe_photons *const sides[2] = {&gather->front, &gather->back};
-    for (int side = 0; side < 2; side++) {
-        for (size_t i = 0; i < sides[side]->count; i++) sum[at++ % SUBSETS] += sides[side]->luminance[i];
-    }
-    for (int i = 0; i < SUBSETS; i++) { /* ascending */
-        all += sum[i];
-        for (int k = i; k > 0 && sum[k] < sum[k - 1]; k--) {
-            double lesser = sum[k];
-            sum[k] = sum[k - 1];
-            sum[k - 1] = lesser;
-        }
-    }
-    return at >= 2 * SUBSETS && all > 0.0 ? SUBSETS * sum[SUBSETS / 2] / all : 1.0;
 }
 
 static void scale_lights(sl_directional_light *light, int count, double factor) {
@@ -118,7 +90,7 @@ static void borrow_directions(const sl_voxel_work *work, const sl_voxel_lights *
     sl_photon_query query = query_of_set(work, o, set, work->parents->leaf[parent].centroid, 2.0 * o->radius);
     sl_voxel_gather gather = sl_voxel_gather_photons(work, &query, w);
     if (gather.found <= set->photons) return;
-    sl_directional_light wider[SL_LOBE_HARMONICS_MAX] = {{{0}, 0}};
+    sl_directional_light wider[SL_VOXEL_LIGHTS_MAX] = {{{0}, 0}};
     voxel_result result = make_lights(work, o, &gather, w, set, wider);
     double from = result.irradiance[0] + result.irradiance[1], to = own->irradiance[0] + own->irradiance[1];
     if (!(from > 0.0 && to > 0.0)) return;
@@ -169,18 +141,10 @@ static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     if (gather.front.count + gather.back.count == 0) return; /* dark: nothing to cluster */
     bool few = gather.found < SL_VOXEL_FEW && !o->own_photons, borrowed = false;
     voxel_result result = make_lights(work, o, &gather, w, set, light);
-    if (o->median_of_subsets) {
-        double share = median_share(&gather);
-        scale_lights(light, lights->texels, share);
-        result.irradiance[0] *= share;
-        result.irradiance[1] *= share;
-    }
     if (few && o->lobes != SL_LOBES_NONE) borrow_directions(work, lights, set, w, &result, light, &borrowed);
     set->from_parent = borrowed;
     report_set(set, &result);
-    if (o->lobes == SL_LOBES_PERPENDICULAR || o->lobes == SL_LOBES_SURFACE) {
-        sl_count(&w->counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result.lights);
-    }
+    if (o->lobes != SL_LOBES_NONE) sl_count(&w->counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result.lights);
 }
 
 /* ---- batches of leaves ---- */

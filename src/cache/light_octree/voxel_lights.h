@@ -16,14 +16,9 @@ typedef struct sl_voxel_light_options {
     double flatness;         /* f in (0,1] */
     double acceptance;       /* radians between a photon's normal and the voxel's; pi: all photons, whatever their side */
     sl_photon_area area;
-    bool whole_area;         /* of SL_PHOTON_AREA_CLIP: all of it; else no more than the photons' hull tells (photon_hull.h) */
     sl_voxel_lobes lobes;
     int lights;              /* n of directional lights */
-    int harmonics_order;     /* of SL_LOBES_HARMONICS: 2 or 3 */
-    double spread_tolerance; /* radians; 0: always n lights */
-    bool unit_weights;
-    bool wide_directions;
-    bool median_of_subsets;  /* irradiance is the median of that of SUBSETS parts of the photons: no fireflies, but a bias */
+    bool unit_weights;       /* K-means with equal weights */
     bool own_photons;        /* those that lie in the voxel, instead of the k nearest; all normals */
     bool split_by_normal;    /* a set of lights for each group of normals (normal_groups.h) */
     bool estimated_radius;   /* k/4 to k photons, voxel by voxel, by an error estimate (voxel_error.c) */
@@ -62,7 +57,7 @@ typedef struct sl_voxel_lights {
     size_t leaf_count, set_count;
     uint32_t *first_set;   /* leaf_count + 1; a leaf has one set unless split by normal */
     sl_voxel_set *set;
-    int texels;            /* of a set: n, 1 (colour octree), or 9 or 16 coefficients */
+    int texels;            /* of a set: n, or 1 (colour octree) */
     sl_directional_light *light; /* set_count * texels, unused ones 0 */
     struct sl_voxel_work *work;
 } sl_voxel_lights;

@@ -11,7 +11,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/light_octree/harmonic_basis.h"
 
 /* ---- photons as arrays ---- */
 
@@ -87,9 +86,9 @@ static void sum_lobes(const sl_lobe_photons *p, int count, lobe *lobes) {
 }
 
 /* Makes up for what packing turns the direction by: it would change n . d. */
-static double packing_gain(sl_vec3d d, float packed, bool wide, sl_vec3 normal) {
+static double packing_gain(sl_vec3d d, float packed, sl_vec3 normal) {
     sl_vec3d n = sl_to_double(normal);
-    double wanted = sl_dotd(n, d), got = sl_dotd(n, sl_to_double(sl_direction_unpack(packed, wide)));
+    double wanted = sl_dotd(n, d), got = sl_dotd(n, sl_to_double(sl_direction_unpack(packed)));
     return wanted > 0.2 && got > 0.2 ? wanted / got : 1.0;
 }
 
@@ -97,8 +96,8 @@ static sl_directional_light light_of(const lobe *l, sl_vec3d centre, const sl_vo
     double length = sl_lengthd(l->vector);
     bool perpendicular = o->lobes == SL_LOBES_PERPENDICULAR;
     sl_vec3d d = perpendicular && length > 0.0 ? sl_scaled(l->vector, 1.0 / length) : centre;
-    sl_directional_light light = {.packed = sl_direction_pack(d, o->wide_directions)};
-    double gain = perpendicular ? length / l->luminance * packing_gain(d, light.packed, o->wide_directions, normal) : 1.0;
+    sl_directional_light light = {.packed = sl_direction_pack(d)};
+    double gain = perpendicular ? length / l->luminance * packing_gain(d, light.packed, normal) : 1.0;
     for (int c = 0; c < 3; c++) light.color[c] = (float)(scale * gain * l->flux[c]);
     return light;
 }
@@ -109,13 +108,12 @@ static sl_directional_light light_of(const lobe *l, sl_vec3d centre, const sl_vo
  * c_j stays |V_j| sum Phi / sum Y(Phi). */
 static const double raise_most = 2.0;
 
-static void make_up_for_bends(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale, sl_vec3 normal, int count,
-                              sl_directional_light *light) {
+static void make_up_for_bends(const sl_lobe_photons *p, double scale, sl_vec3 normal, int count, sl_directional_light *light) {
     double brought = 0.0, made = 0.0;
     for (size_t i = 0; i < p->count; i++) brought += scale * p->luminance[i];
     for (int j = 0; j < count; j++) {
         sl_rgb color = {light[j].color[0], light[j].color[1], light[j].color[2]};
-        double cosine = (double)sl_dot(normal, sl_direction_unpack(light[j].packed, o->wide_directions));
+        double cosine = (double)sl_dot(normal, sl_direction_unpack(light[j].packed));
         if (cosine > 0.0) made += cosine * (double)sl_luminance(color);
     }
     if (!(made > 0.0 && brought > made)) return;
@@ -134,14 +132,14 @@ static int directional_lights(const sl_lobe_photons *p, const sl_voxel_light_opt
     }
     sl_directions directions = {p->count, p->x, p->y, p->z, p->weight};
     sl_clusters clusters;
-    sl_cluster_directions(&directions, room < o->lights ? room : o->lights, o->spread_tolerance, p->of, p->nearest, &clusters);
+    sl_cluster_directions(&directions, room < o->lights ? room : o->lights, p->of, p->nearest, &clusters);
     spread->cost += clusters.cost;
     spread->angle += clusters.mean_angle * sum;
     spread->weight += sum;
     lobe lobes[SL_VOXEL_LIGHTS_MAX];
     sum_lobes(p, clusters.count, lobes);
     for (int j = 0; j < clusters.count; j++) light[j] = light_of(&lobes[j], clusters.centre[j], o, scale, normal);
-    if (o->split_by_normal && o->lobes == SL_LOBES_PERPENDICULAR) make_up_for_bends(p, o, scale, normal, clusters.count, light);
+    if (o->split_by_normal && o->lobes == SL_LOBES_PERPENDICULAR) make_up_for_bends(p, scale, normal, clusters.count, light);
     return clusters.count;
 }
 
@@ -156,40 +154,18 @@ static int one_irradiance(const sl_lobe_photons *p, double scale, sl_directional
     return 1;
 }
 
-int sl_lobe_along_normal(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale, sl_vec3 normal, sl_directional_light *light) {
+int sl_lobe_along_normal(const sl_lobe_photons *p, double scale, sl_vec3 normal, sl_directional_light *light) {
     sl_vec3d d = sl_to_double(normal);
     if (p->count == 0 || !(scale > 0.0 && scale <= DBL_MAX)) return 0;
-    light->packed = sl_direction_pack(d, o->wide_directions);
-    return one_irradiance(p, scale * packing_gain(d, light->packed, o->wide_directions, normal), light);
+    light->packed = sl_direction_pack(d);
+    return one_irradiance(p, scale * packing_gain(d, light->packed, normal), light);
 }
 
-/* The perpendicular irradiances' projection: linear in the photons, so no clusters. Added to what is there. */
-static int harmonics(const sl_lobe_photons *p, int order, double scale, sl_directional_light *light) {
-    double sum[SL_LOBE_HARMONICS_MAX][3] = {{0}};
-    int count = sl_lobe_harmonics_count(order);
-    for (size_t i = 0; i < p->count; i++) {
-        float basis[SL_LOBE_HARMONICS_MAX];
-        sl_harmonic_basis(p->x[i], p->y[i], p->z[i], basis);
-        for (int k = 0; k < count; k++) {
-            for (int c = 0; c < 3; c++) sum[k][c] += (double)basis[k] * (double)p->flux[c][i] * p->inverse_cosine[i];
-        }
-    }
-    for (int k = 0; k < count; k++) {
-        for (int c = 0; c < 3; c++) light[k].color[c] += (float)(scale * sum[k][c]);
-    }
-    return count;
-}
-
-int sl_lobe_texels(const sl_voxel_light_options *o) {
-    if (o->lobes == SL_LOBES_NONE) return 1;
-    if (o->lobes == SL_LOBES_HARMONICS) return sl_lobe_harmonics_count(o->harmonics_order);
-    return o->lights;
-}
+int sl_lobe_texels(const sl_voxel_light_options *o) { return o->lobes == SL_LOBES_NONE ? 1 : o->lights; }
 
 int sl_lobes_of_photons(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale, sl_vec3 normal, int room,
                         sl_directional_light *light, sl_lobe_spread *spread) {
     if (p->count == 0 || room < 1 || !(scale > 0.0 && scale <= DBL_MAX)) return 0;
     if (o->lobes == SL_LOBES_NONE) return one_irradiance(p, scale, light);
-    if (o->lobes == SL_LOBES_HARMONICS) return harmonics(p, o->harmonics_order, scale, light);
     return directional_lights(p, o, scale, normal, room, light, spread);
 }

@@ -1,4 +1,4 @@
-/* What a voxel keeps of its photons: directional lights, one irradiance, or spherical harmonics. */
+/* What a voxel keeps of its photons: directional lights, or one irradiance. */
 #ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_LOBES_H
 #define SL_CACHE_LIGHT_OCTREE_VOXEL_LOBES_H
 
@@ -33,12 +33,7 @@ typedef struct sl_lobe_spread {
 int sl_lobes_of_photons(const sl_lobe_photons *photons, const sl_voxel_light_options *options, double scale, sl_vec3 normal, int room,
                         sl_directional_light *light, sl_lobe_spread *spread);
 /* Of a flat surface that reflects light of all directions alike: one light along its normal, which makes the same irradiance there. */
-int sl_lobe_along_normal(const sl_lobe_photons *photons, const sl_voxel_light_options *options, double scale, sl_vec3 normal,
-                         sl_directional_light *light);
+int sl_lobe_along_normal(const sl_lobe_photons *photons, double scale, sl_vec3 normal, sl_directional_light *light);
 int sl_lobe_texels(const sl_voxel_light_options *options);
-
-/* Real spherical harmonics of bands 0 to order (2 or 3): 9 or 16 values. */
-enum { SL_LOBE_HARMONICS_MAX = 16 };
-static inline int sl_lobe_harmonics_count(int order) { return order >= 3 ? 16 : 9; }
 
 #endif

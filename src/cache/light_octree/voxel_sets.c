@@ -7,9 +7,7 @@
 
 static sl_status check_options(const sl_voxel_light_options *o, sl_error *error) {
     bool good = o->neighbours >= 2 && o->neighbours <= 1 << 20 && o->radius > 0.0 && o->radius <= DBL_MAX && o->flatness > 0.0 &&
-                o->flatness <= 1.0 && o->acceptance >= 0.0 && o->lights >= 1 && o->lights <= SL_VOXEL_LIGHTS_MAX &&
-                o->spread_tolerance >= 0.0;
-    if (o->lobes == SL_LOBES_HARMONICS) good &= o->harmonics_order == 2 || o->harmonics_order == 3;
+                o->flatness <= 1.0 && o->acceptance >= 0.0 && o->lights >= 1 && o->lights <= SL_VOXEL_LIGHTS_MAX;
     if (good) return SL_OK;
     return sl_fail(error, SL_ERROR_USAGE,
                    "lights of voxels: %zu neighbours (2 at least), radius %g (> 0), flatness %g (0 to 1), %d lights (1 to %d)", o->neighbours,
@@ -36,8 +34,7 @@ static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_
     bool good = w->gathered.place && w->gathered.distance && w->gathered.keys && (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0) &&
                 (w->ranked || !ranks);
     sl_status status = good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
-    bool hulls = lights->work->surroundings && !lights->options.whole_area;
-    return status == SL_OK && hulls ? create_places(k, &w->places, error) : status;
+    return status == SL_OK && lights->work->surroundings ? create_places(k, &w->places, error) : status;
 }
 
 static void destroy_work(sl_voxel_work *work) {
@@ -212,6 +209,6 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
     bytes += work->parents ? sl_octree_bytes(work->parents) : 0;
     bytes += work->surroundings ? sl_surroundings_bytes(work->surroundings) : 0;
     size_t marks = work->surroundings ? work->scene->triangle_count * sizeof(uint32_t) : 0;
-    size_t a_photon = work->surroundings && !lights->options.whole_area ? 105 : 69; /* with its place for the hull, or without */
+    size_t a_photon = work->surroundings ? 105 : 69; /* with its place for the hull, or without */
     return bytes + work->workers * (sizeof *work->worker + marks + sl_voxel_most_neighbours(&lights->options) * a_photon);
 }

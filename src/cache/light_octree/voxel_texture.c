@@ -95,11 +95,7 @@ static bool is_dark(const sl_voxel_lights *lights, size_t leaf) {
 }
 
 static bool stands_alone(const sl_voxel_texture *t, const sl_voxel_set *set) {
-    return set->flat && !set->layered && set->lights == 1 && t->lobes == SL_LOBES_PERPENDICULAR && !t->wide_directions;
-}
-
-static size_t lights_of_set(const sl_voxel_texture *t, const sl_voxel_set *set) {
-    return t->lobes == SL_LOBES_HARMONICS && set->lights > 0 ? (size_t)t->lights : set->lights;
+    return set->flat && !set->layered && set->lights == 1 && t->lobes == SL_LOBES_PERPENDICULAR;
 }
 
 static size_t texels_of_leaf(const sl_voxel_texture *t, const sl_voxel_lights *lights, size_t leaf) {
@@ -107,7 +103,7 @@ static size_t texels_of_leaf(const sl_voxel_texture *t, const sl_voxel_lights *l
     if (is_dark(lights, leaf)) return 0;
     if (!t->split) return (size_t)t->lights;
     for (uint32_t s = lights->first_set[leaf]; s < lights->first_set[leaf + 1]; s++) {
-        texels += stands_alone(t, &lights->set[s]) ? 1 : 1 + lights_of_set(t, &lights->set[s]);
+        texels += stands_alone(t, &lights->set[s]) ? 1 : 1 + (size_t)lights->set[s].lights;
     }
     return texels;
 }
@@ -160,14 +156,14 @@ static size_t put_set(sl_voxel_texture *t, const sl_voxel_lights *lights, size_t
     const sl_directional_light *light = lights->light + (size_t)number * (size_t)lights->texels;
     bool one_sided = set->lights > 0 && !set->both_sides;
     int flags = (set->opposed ? 0 : SL_SET_TURNS) | (more ? SL_SET_MORE : 0) | (one_sided ? SL_SET_ONE_SIDED : 0);
-    size_t count = lights_of_set(t, set);
+    size_t count = set->lights;
     if (stands_alone(t, set)) {
         t->light[at] = *light;
         t->light[at].packed += (float)(65536 * flags);
         return 1;
     }
     flags |= (sl_dot(set->normal, set->normal) == 0.0f ? SL_SET_NO_NORMAL : 0) | (set->layered ? SL_SET_LAYER : 0);
-    t->light[at] = (sl_directional_light){{-1.0f - (float)count, (float)flags, set->height}, sl_direction_pack(sl_to_double(set->normal), t->wide_directions)};
+    t->light[at] = (sl_directional_light){{-1.0f - (float)count, (float)flags, set->height}, sl_direction_pack(sl_to_double(set->normal))};
     memcpy(t->light + at + 1, light, count * sizeof *light);
     return 1 + count;
 }
@@ -201,17 +197,12 @@ sl_set_head sl_voxel_texture_head(const sl_voxel_texture *t, size_t texel) {
                          .more = (flags & SL_SET_MORE) != 0};
 }
 
-static sl_status unpack_lights(sl_voxel_texture *t, sl_error *error) {
-    sl_direction_table *table;
-    sl_status status = sl_direction_table_create(t->wide_directions, &table, error);
-    if (status != SL_OK) return status;
+static void unpack_lights(sl_voxel_texture *t) {
     for (size_t i = 0; i < t->texel_count; i++) {
-        float flags = t->split && !t->wide_directions ? floorf(t->light[i].packed / 65536.0f) : 0.0f;
-        sl_vec3 d = sl_direction_table_unpack(table, t->light[i].packed - 65536.0f * flags);
+        float flags = t->split ? floorf(t->light[i].packed / 65536.0f) : 0.0f;
+        sl_vec3 d = sl_direction_unpack(t->light[i].packed - 65536.0f * flags);
         t->unpacked[i] = (sl_unpacked_light){{d.x, d.y, d.z}, {t->light[i].color[0], t->light[i].color[1], t->light[i].color[2]}};
     }
-    sl_direction_table_destroy(table);
-    return SL_OK;
 }
 
 static sl_status fill_index(sl_voxel_texture *t, const sl_octree *octree, const uint32_t *place_of_leaf, sl_error *error) {
@@ -237,8 +228,8 @@ static sl_status fill(sl_voxel_texture *t, const sl_octree *octree, const sl_vox
     if (status != SL_OK) return status;
     fill_bricks(t, octree, place_of_leaf);
     fill_lights(t, lights, place_of_leaf);
-    status = unpack_lights(t, error);
-    return status == SL_OK && dense_index ? fill_index(t, octree, place_of_leaf, error) : status;
+    unpack_lights(t);
+    return dense_index ? fill_index(t, octree, place_of_leaf, error) : status;
 }
 
 sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights *lights, bool dense_index, sl_voxel_texture **result,
@@ -252,10 +243,8 @@ sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights
                                 .origin = octree->origin,
                                 .edge = octree->edge,
                                 .lobes = lights->options.lobes,
-                                .harmonics_order = lights->options.harmonics_order,
                                 .split = lights->options.split_by_normal,
-                                .lights = lights->texels,
-                                .wide_directions = lights->options.wide_directions};
+                                .lights = lights->texels};
         status = fill(t, octree, lights, place_of_leaf, dense_index, error);
     }
     sl_free(place_of_leaf);

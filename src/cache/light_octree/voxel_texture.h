@@ -30,7 +30,6 @@ typedef struct sl_voxel_texture {
     sl_volume *bricks;          /* RGBA8 */
     size_t brick_count;
     sl_voxel_lobes lobes;
-    int harmonics_order;
     bool split;                 /* by normals */
     int lights;                 /* texels of an array; the most lights of a split voxel's set */
     int width, height;          /* of the texture of lights */
@@ -40,11 +39,10 @@ typedef struct sl_voxel_texture {
     sl_unpacked_light *unpacked; /* the same: the CPU's short cut, as is */
     sl_array_facing *facing;    /* of each whole voxel's array */
     uint32_t *index;            /* the first texel's place for each cell of the deepest level, SL_NO_INDEX for void: may be NULL */
-    bool wide_directions;
 } sl_voxel_texture;
 
-/* The first texel of a split voxel's set. A head's red is -1 - lights, its green the flags, its blue the height of a layer; of a light alone they stand above the sixteen bits of its
- * direction, for which 12 + 12 bits leave no room: then every set has a head. */
+/* The first texel of a split voxel's set. A head's red is -1 - lights, its green the flags, its blue the height of a layer; of a light alone they stand above the sixteen bits
+ * of its direction. */
 enum { SL_SET_TURNS = 1, SL_SET_MORE = 2, SL_SET_NO_NORMAL = 4, SL_SET_ONE_SIDED = 8, SL_SET_LAYER = 16 };
 typedef struct sl_set_head {
     int texels;                 /* of the head: 1, or 0 where the light stands alone */

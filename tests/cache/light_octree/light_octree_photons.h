@@ -67,7 +67,7 @@ static inline double irradiance_on(const sl_voxel_lights *lights, size_t set, sl
     double sum = 0.0;
     for (int j = 0; j < lights->texels; j++) {
         const sl_directional_light *light = &lights->light[set * (size_t)lights->texels + (size_t)j];
-        double cosine = (double)sl_dot(normal, sl_direction_unpack(light->packed, lights->options.wide_directions));
+        double cosine = (double)sl_dot(normal, sl_direction_unpack(light->packed));
         sum += cosine > 0.0 ? cosine * (double)light->color[0] : 0.0;
     }
     return sum;

@@ -18,8 +18,7 @@ static inline sl_octree *octree_of(const sl_scene *scene, int depth, unsigned th
 }
 
 static inline sl_voxel_light_options plain_options(int lights) {
-    return (sl_voxel_light_options){.neighbours = 50, .radius = 1.0, .flatness = 0.25, .acceptance = SL_PI / 3.0, .lights = lights,
-                                    .harmonics_order = 2};
+    return (sl_voxel_light_options){.neighbours = 50, .radius = 1.0, .flatness = 0.25, .acceptance = SL_PI / 3.0, .lights = lights};
 }
 
 /* All dark, without photons. */
@@ -39,7 +38,7 @@ static inline sl_voxel_texture *texture_of(const sl_octree *octree, const sl_vox
 
 static inline void set_light(sl_voxel_lights *lights, size_t set, int which, sl_vec3d direction, float r, float g, float b) {
     lights->light[set * (size_t)lights->texels + (size_t)which] =
-        (sl_directional_light){{r, g, b}, sl_direction_pack(direction, lights->options.wide_directions)};
+        (sl_directional_light){{r, g, b}, sl_direction_pack(direction)};
     if (lights->set[set].lights <= which) lights->set[set].lights = (uint8_t)(which + 1);
     lights->set[set].done = true;
 }

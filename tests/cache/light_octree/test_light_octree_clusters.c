@@ -97,7 +97,7 @@ static void one_cluster_is_the_weighted_mean(void **state) {
         weight += c->weight[i];
     }
     sl_clusters clusters;
-    sl_cluster_directions(&c->directions, 1, 0.0, c->of, c->scratch, &clusters);
+    sl_cluster_directions(&c->directions, 1, c->of, c->scratch, &clusters);
     double resultant = sl_lengthd(mean) / weight;
     assert_true(sl_lengthd(sl_subd(clusters.centre[0], sl_scaled(mean, 1.0 / sl_lengthd(mean)))) < 1e-12);
     /* Mean squared chord = 2 (1 - R). */
@@ -121,7 +121,7 @@ static void the_spread_over_the_number_of_lights_is_as_simulated(void **state) {
         uint64_t key = sl_random_key(77, 0);
         for (uint64_t i = 0; i < MOST; i++) add(c, cosine_distributed(key, i), 1.0);
         sl_clusters clusters;
-        sl_cluster_directions(&c->directions, counts[k], 0.0, c->of, c->scratch, &clusters);
+        sl_cluster_directions(&c->directions, counts[k], c->of, c->scratch, &clusters);
         double degrees = clusters.rms_angle * 180.0 / SL_PI;
         if (fabs(degrees - many[k]) > 0.03 * many[k]) fail_msg("%d lights: %.2f degrees, not %.1f", counts[k], degrees, many[k]);
         double mean = 0.0;
@@ -129,7 +129,7 @@ static void the_spread_over_the_number_of_lights_is_as_simulated(void **state) {
             c->directions.count = 0;
             key = sl_random_key(78, run);
             for (uint64_t i = 0; i < 300; i++) add(c, cosine_distributed(key, i), 1.0);
-            sl_cluster_directions(&c->directions, counts[k], 0.0, c->of, c->scratch, &clusters);
+            sl_cluster_directions(&c->directions, counts[k], c->of, c->scratch, &clusters);
             capped += clusters.iterations == SL_CLUSTER_ITERATIONS;
             mean += clusters.rms_angle * 180.0 / SL_PI / 20.0;
         }
@@ -139,32 +139,17 @@ static void the_spread_over_the_number_of_lights_is_as_simulated(void **state) {
     assert_true(capped <= 6); /* of 120: the rest settle */
 }
 
-static void a_tolerance_takes_no_more_lights_than_it_needs(void **state) {
-    (void)state;
-    cloud *c = random_cloud(400, 0, 12);
-    sl_clusters plain[9], clusters;
-    for (int n = 1; n <= 8; n++) sl_cluster_directions(&c->directions, n, 0.0, c->of, c->scratch, &plain[n]);
-    for (double degrees = 5.0; degrees < 60.0; degrees += 5.0) {
-        int least = 1;
-        while (least < 8 && plain[least].rms_angle > degrees * SL_PI / 180.0) least++;
-        sl_cluster_directions(&c->directions, 8, degrees * SL_PI / 180.0, c->of, c->scratch, &clusters);
-        assert_int_equal(clusters.count, least);
-        assert_true(clusters.cost == plain[least].cost);
-    }
-    free(c);
-}
-
 static void equal_directions_are_one_cluster(void **state) {
     (void)state;
     cloud *c = new_cloud();
     for (int i = 0; i < 50; i++) add(c, sl_v3d(0.36, 0.48, 0.8), 1.0 + i);
     sl_clusters clusters;
-    sl_cluster_directions(&c->directions, 8, 0.0, c->of, c->scratch, &clusters);
+    sl_cluster_directions(&c->directions, 8, c->of, c->scratch, &clusters);
     assert_int_equal(clusters.count, 1);
     assert_true(sl_lengthd(sl_subd(clusters.centre[0], sl_v3d(0.36, 0.48, 0.8))) < 1e-7);
     assert_true(clusters.rms_angle < 1e-3 && clusters.mean_angle < 1e-3);
     for (int i = 0; i < 50; i++) add(c, i % 2 ? sl_v3d(0, 0, 1) : sl_v3d(0, 1, 0), 1.0);
-    sl_cluster_directions(&c->directions, 8, 0.0, c->of, c->scratch, &clusters);
+    sl_cluster_directions(&c->directions, 8, c->of, c->scratch, &clusters);
     assert_int_equal(clusters.count, 3); /* as many as there are directions */
     assert_true(clusters.cost < 1e-5);
     free(c);
@@ -178,10 +163,10 @@ static void opposed_directions_split_or_fall_back_on_the_heaviest(void **state) 
     add(c, sl_v3d(0, 0, 1), 1.0);
     add(c, sl_v3d(0, 0, -1), 1.0);
     sl_clusters clusters;
-    sl_cluster_directions(&c->directions, 1, 0.0, c->of, c->scratch, &clusters); /* the mean vanishes */
+    sl_cluster_directions(&c->directions, 1, c->of, c->scratch, &clusters); /* the mean vanishes */
     assert_int_equal(clusters.count, 1);
     assert_true(clusters.centre[0].x == 1.0 && fabs(clusters.cost - 12.0) < 1e-12);
-    sl_cluster_directions(&c->directions, 4, 0.0, c->of, c->scratch, &clusters);
+    sl_cluster_directions(&c->directions, 4, c->of, c->scratch, &clusters);
     assert_int_equal(clusters.count, 4);
     assert_true(clusters.cost < 1e-12);
     free(c);
@@ -218,7 +203,7 @@ static void instruction_sets_and_ties_give_the_same_bits(void **state) {
                 assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
                 cloud *c = random_cloud(count, 1, count + (size_t)n);
                 memset(k ? &other : &first, 0, sizeof first);
-                sl_cluster_directions(&c->directions, n, 0.0, c->of, c->scratch, k ? &other : &first);
+                sl_cluster_directions(&c->directions, n, c->of, c->scratch, k ? &other : &first);
                 if (k == 0) memcpy(of, c->of, count);
                 else assert_memory_equal(of, c->of, count);
                 if (k > 0) assert_memory_equal(&first, &other, sizeof first);
@@ -234,7 +219,7 @@ static void nothing_gives_nothing(void **state) {
     (void)state;
     cloud *c = new_cloud();
     sl_clusters clusters;
-    sl_cluster_directions(&c->directions, 4, 0.1, c->of, c->scratch, &clusters);
+    sl_cluster_directions(&c->directions, 4, c->of, c->scratch, &clusters);
     assert_true(clusters.count == 0 && clusters.cost == 0.0 && clusters.rms_angle == 0.0 && clusters.mean_angle == 0.0);
     free(c);
 }
@@ -244,7 +229,6 @@ int main(void) {
         cmocka_unit_test(the_cost_never_rises_and_is_what_it_says),
         cmocka_unit_test(one_cluster_is_the_weighted_mean),
         cmocka_unit_test(the_spread_over_the_number_of_lights_is_as_simulated),
-        cmocka_unit_test(a_tolerance_takes_no_more_lights_than_it_needs),
         cmocka_unit_test(equal_directions_are_one_cluster),
         cmocka_unit_test(opposed_directions_split_or_fall_back_on_the_heaviest),
         cmocka_unit_test(an_empty_cluster_is_filled_again),

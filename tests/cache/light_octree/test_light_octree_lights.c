@@ -46,7 +46,7 @@ static double ratio_on_tilt(const cloud *c, const sl_voxel_light_options *o, dou
     sl_lobe_spread spread = {0};
     int count = sl_lobes_of_photons(&c->photons, o, 1.0, c->normal, o->lights, light, &spread);
     for (int j = 0; j < count; j++) {
-        double cosine = sl_dotd(n, sl_to_double(sl_direction_unpack(light[j].packed, o->wide_directions)));
+        double cosine = sl_dotd(n, sl_to_double(sl_direction_unpack(light[j].packed)));
         sum += (double)light[j].color[0] * (o->lobes == SL_LOBES_SURFACE ? 1.0 : cosine > 0.0 ? cosine : 0.0);
     }
     return sum / exact;
@@ -78,14 +78,13 @@ static void on_the_flat_nothing_is_lost(void **state) {
     (void)state;
     cloud even = field(false), narrow = field(true);
     for (int n = 1; n <= 8; n++) {
-        for (int k = 0; k < 8; k++) {
+        for (int k = 0; k < 4; k++) {
             const cloud *c = k & 1 ? &narrow : &even;
             sl_voxel_light_options o = plain_options(n);
-            o.wide_directions = k & 2;
-            o.unit_weights = k & 4;
+            o.unit_weights = k & 2;
             double ratio = ratio_on_tilt(c, &o, 0.0);
             /* The clamp of grazing photons' weights costs 0.08 % of an even sky; packing is made up for. */
-            assert_true(fabs(ratio - 1.0) < (o.wide_directions ? 2e-3 : 6e-3));
+            assert_true(fabs(ratio - 1.0) < 6e-3);
         }
     }
     sl_lobe_photons_release(&even.photons);
@@ -112,7 +111,7 @@ static void a_bent_surface_makes_the_light_that_its_photons_brought(void **state
             sl_lobe_spread spread = {0};
             double made = 0.0;
             int count = sl_lobes_of_photons(&p, &o, 1.0 / CLOUD, sl_v3(0, 0, 1), n, light, &spread);
-            for (int j = 0; j < count; j++) made += (double)light[j].color[0] * fmax(0.0, (double)sl_direction_unpack(light[j].packed, false).z);
+            for (int j = 0; j < count; j++) made += (double)light[j].color[0] * fmax(0.0, (double)sl_direction_unpack(light[j].packed).z);
             if (split) assert_true(fabs(made - 1.0) < 1e-5);
             else assert_true(made > 0.7 && made < 0.97);
         }
@@ -388,7 +387,7 @@ static void the_brighter_side_of_a_sheet_has_more_of_the_lights(void **state) {
         for (size_t s = 0; s < l.lights->set_count; s++) {
             int sides[2] = {0, 0};
             for (int j = 0; j < l.lights->set[s].lights; j++) {
-                sides[sl_direction_unpack(l.lights->light[s * (size_t)l.lights->texels + (size_t)j].packed, false).y < 0.0f]++;
+                sides[sl_direction_unpack(l.lights->light[s * (size_t)l.lights->texels + (size_t)j].packed).y < 0.0f]++;
             }
             if (sides[0] != cases[k].in_front || sides[1] != cases[k].behind) fail_msg("case %d: %d and %d lights", k, sides[0], sides[1]);
             for (int side = 0; side < 2; side++) {
@@ -503,29 +502,6 @@ static void a_bright_photon_among_dim_ones_is_reported(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Fifths of the photons vote: the firefly is in one of them. Without one the median is the mean but for noise. */
-static void the_median_of_subsets_does_not_see_a_firefly(void **state) {
-    (void)state;
-    const float floor[] = {-4, 0, -4, -4, 0, 4, 4, 0, 4, -4, 0, -4, 4, 0, 4, 4, 0, -4};
-    for (int firefly = 0; firefly < 2; firefly++) {
-        sl_scene *scene = scene_of_triangles(floor, 2);
-        sl_photon_list *list = new_list(40001);
-        strew_evenly(list, 40000, sl_v3(-4, 0, -4), sl_v3(8, 0, 0), sl_v3(0, 0, 8), sl_v3(0, 1, 0), 1.0f, 77);
-        if (firefly) strew(list, sl_v3(0.01f, 0, 0.01f), sl_v3(0, 1, 0), sl_v3(0, 1, 0), 100.0f * 64.0f / 40000.0f);
-        sl_voxel_light_options o = plain_options(4);
-        o.neighbours = 200;
-        o.median_of_subsets = true;
-        lit l = light_up(scene, 4, list, &o, 1);
-        uint32_t leaf = sl_octree_find(l.octree, sl_octree_morton_at(l.octree, sl_v3(0.01f, 0, 0.01f)));
-        double here = irradiance_on(l.lights, l.lights->first_set[leaf], sl_v3(0, 1, 0)), sum = 0.0;
-        for (size_t i = 0; i < l.lights->set_count; i++) sum += irradiance_on(l.lights, i, sl_v3(0, 1, 0));
-        assert_true(here > 0.75 && here < 1.3); /* 1.5 with the firefly counted */
-        assert_true(fabs(sum / (double)l.lights->set_count - 1.0) < 0.04);
-        end_lit(&l);
-        sl_scene_destroy(scene);
-    }
-}
-
 /* An even sky's spread over the number of lights, voxel by voxel; and energies. */
 static void statistics_tell_spread_and_flux(void **state) {
     (void)state;
@@ -559,14 +535,12 @@ static void statistics_tell_spread_and_flux(void **state) {
 static void batches_and_threads_give_the_same_bits(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(4, 5);
-    const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE, SL_LOBES_NONE, SL_LOBES_HARMONICS};
-    for (int k = 0; k < 5; k++) {
+    const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE, SL_LOBES_NONE};
+    for (int k = 0; k < 4; k++) {
         sl_voxel_light_options o = plain_options(4);
-        o.lobes = lobes[k % 4];
-        o.harmonics_order = 3;
+        o.lobes = lobes[k % 3];
         o.radius = 0.6;
-        o.split_by_normal = k == 4;
-        o.spread_tolerance = k == 1 ? 0.3 : 0.0;
+        o.split_by_normal = k == 3;
         sl_photon_list *list[4];
         for (int c = 0; c < 4; c++) {
             uint64_t key = sl_random_key(2, 2), more = sl_random_key(2, 3);
@@ -778,7 +752,7 @@ static void flat_matt_surfaces_have_one_light_along_their_normal(void **state) {
             for (size_t s = 0; s < lights->set_count; s++) {
                 irradiance[split][s] = irradiance_on(lights, s, sl_v3(0, 1, 0));
                 assert_int_equal(lights->set[s].lights, split && kind == MATT ? 1 : 4);
-                if (split && kind == MATT) assert_true(sl_direction_unpack(lights->light[s * 4].packed, false).y == 1.0f);
+                if (split && kind == MATT) assert_true(sl_direction_unpack(lights->light[s * 4].packed).y == 1.0f);
             }
             double sum[2] = {0.0};
             for (size_t s = 0; split && s < lights->set_count; s++) { /* of four lights grazing photons lose some */
@@ -827,16 +801,11 @@ static void options_out_of_range_are_refused(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = octree_of(scene, 2, 1);
-    for (int k = 0; k < 7; k++) {
+    for (int k = 0; k < 5; k++) {
         sl_voxel_light_options o = plain_options(k == 0 ? 9 : k == 1 ? 0 : 4);
         if (k == 2) o.neighbours = 1;
         if (k == 3) o.radius = (double)NAN;
         if (k == 4) o.flatness = 0.0;
-        if (k == 5) o.spread_tolerance = -1.0;
-        if (k == 6) {
-            o.lobes = SL_LOBES_HARMONICS;
-            o.harmonics_order = 4;
-        }
         sl_voxel_lights *lights;
         assert_int_equal(sl_voxel_lights_create(scene, octree, octree, NULL, &o, 1, &lights, NULL), SL_ERROR_USAGE);
         assert_null(lights);
@@ -863,7 +832,6 @@ int main(void) {
         cmocka_unit_test(the_winding_does_not_matter),
         cmocka_unit_test(next_to_nothing_gives_finite_lights_or_none),
         cmocka_unit_test(a_bright_photon_among_dim_ones_is_reported),
-        cmocka_unit_test(the_median_of_subsets_does_not_see_a_firefly),
         cmocka_unit_test(statistics_tell_spread_and_flux),
         cmocka_unit_test(batches_and_threads_give_the_same_bits),
         cmocka_unit_test(fine_meshes_have_the_areas_of_coarse_ones),

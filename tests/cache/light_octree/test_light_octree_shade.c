@@ -2,7 +2,6 @@
 #include "light_octree_support.h"
 
 #include "base/memory.h"
-#include "cache/light_octree/harmonic_basis.h"
 
 typedef struct world {
     sl_scene *scene;
@@ -15,12 +14,11 @@ typedef struct world {
 /* Random lights in every leaf, or the same in all. */
 typedef enum light_kind { RANDOM_LIGHTS, EQUAL_LIGHTS } light_kind;
 
-static world new_world(int depth, sl_voxel_lobes lobes, light_kind kind, bool wide) {
+static world new_world(int depth, sl_voxel_lobes lobes, light_kind kind) {
     world w = {.scene = furnished_room(8, 6)};
     w.octree = octree_of(w.scene, depth, 2);
     sl_voxel_light_options options = plain_options(4);
     options.lobes = lobes;
-    options.wide_directions = wide;
     w.lights = lights_of(w.scene, w.octree, &options);
     uint64_t key = sl_random_key(3, 0);
     for (size_t i = 0; i < w.octree->leaf_count; i++) {
@@ -84,7 +82,7 @@ static void add_voxel(const world *w, const sl_directional_light *light, const p
     sl_vec3d m = sl_subd(sl_scaled(n, 2.0 * sl_dotd(n, v)), v);
     double e = fmin((double)p->plane[15][i], 2.0 * w->texture->lights - 2.0); /* sharper lobes are widened to what one light stands for */
     for (int j = 0; j < w->texture->lights; j++) {
-        sl_vec3d d = sl_to_double(sl_direction_unpack(light[j].packed, w->texture->wide_directions));
+        sl_vec3d d = sl_to_double(sl_direction_unpack(light[j].packed));
         double cosine = sl_dotd(n, d), alpha = sl_dotd(m, d);
         cosine = w->texture->lobes == SL_LOBES_SURFACE ? 1.0 : cosine > 0.0 ? cosine : 0.0;
         double lobe = alpha > 0.0 ? (e + 2.0) / (2.0 * SL_PI) * pow(alpha, e) : 0.0;
@@ -126,7 +124,7 @@ static void pixels_are_the_sums_of_the_formulas(void **state) {
     (void)state;
     const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE};
     for (int k = 0; k < 8; k++) {
-        world w = new_world(k & 1 ? 5 : 3, lobes[k >> 1 & 1], RANDOM_LIGHTS, k & 1);
+        world w = new_world(k & 1 ? 5 : 3, lobes[k >> 1 & 1], RANDOM_LIGHTS);
         points *p = surface_points(w.scene, (uint64_t)k);
         sl_octree_shading shading = {.texture = w.texture, .filter = k == 3 || k == 4 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR,
                                      .keep_void_dark = k == 5};
@@ -148,7 +146,7 @@ static void pixels_are_the_sums_of_the_formulas(void **state) {
 static void a_constant_field_stays_constant(void **state) {
     (void)state;
     for (int depth = 2; depth <= 6; depth++) {
-        world w = new_world(depth, SL_LOBES_NONE, EQUAL_LIGHTS, false);
+        world w = new_world(depth, SL_LOBES_NONE, EQUAL_LIGHTS);
         for (size_t i = 0; i < w.lights->set_count; i++) set_light(w.lights, i, 0, sl_v3d(0, 0, 1), 2.0f, 3.0f, 0.7f);
         sl_voxel_texture_destroy(w.texture);
         w.texture = texture_of(w.octree, w.lights, depth & 1);
@@ -172,7 +170,7 @@ static void a_constant_field_stays_constant(void **state) {
 
 static void light_is_continuous_along_a_surface(void **state) {
     (void)state;
-    world w = new_world(5, SL_LOBES_PERPENDICULAR, RANDOM_LIGHTS, false);
+    world w = new_world(5, SL_LOBES_PERPENDICULAR, RANDOM_LIGHTS);
     points *p = surface_points(w.scene, 4);
     float jump = 0.0f, most = 0.0f;
     for (size_t i = 0; i < POINTS; i++) { /* a slanted line on the floor y = 0, some voxels long, in steps of a thousandth */
@@ -205,7 +203,7 @@ static void light_is_continuous_along_a_surface(void **state) {
 /* d fetches of the descent and one for each of n lights; filtered 8 (d + n), less where the descent ends in void. */
 static void fetches_are_those_of_the_hardware(void **state) {
     (void)state;
-    world w = new_world(5, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS, false);
+    world w = new_world(5, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS);
     points *p = surface_points(w.scene, 4);
     sl_octree_shading shading = {.texture = w.texture, .filter = SL_VOXEL_NEAREST};
     assert_true(shade(&w, &shading, p).value[SL_COUNT_TEXTURE_FETCHES] == POINTS * (5 + 4));
@@ -218,7 +216,7 @@ static void fetches_are_those_of_the_hardware(void **state) {
 
 static void what_is_no_surface_point_is_black(void **state) {
     (void)state;
-    world w = new_world(4, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS, false);
+    world w = new_world(4, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS);
     points *p = surface_points(w.scene, 4);
     const float odd[] = {NAN, INFINITY, -INFINITY, 1e30f, -3.0f, 9.0f};
     for (size_t i = 0; i < 6000; i++) p->plane[i % 6][i] = odd[i / 6 % 6];
@@ -380,73 +378,12 @@ static void split_voxels_give_each_normal_its_own_lights(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* The series of one direction d: at n = d the bands of the clamped cosine sum to (pi 1 + 2 pi / 3 3 + pi / 4 5) / (4 pi) = 1.0625. */
-static void harmonics_give_the_irradiance_of_their_bands(void **state) {
-    (void)state;
-    world w = new_world(3, SL_LOBES_HARMONICS, EQUAL_LIGHTS, false);
-    sl_vec3 d = sl_v3(0.36f, 0.48f, 0.8f);
-    float basis[16];
-    sl_harmonic_basis(d.x, d.y, d.z, basis);
-    for (size_t i = 0; i < w.lights->set_count; i++) {
-        for (int k = 0; k < 9; k++) set_light(w.lights, i, k, sl_v3d(0, 0, 1), basis[k], 2.0f * basis[k], k == 0 ? 0.28209479f * 4.0f * (float)SL_PI : 0.0f);
-        w.lights->set[i].lights = 9;
-    }
-    sl_voxel_texture_destroy(w.texture);
-    w.texture = texture_of(w.octree, w.lights, false);
-    points *p = surface_points(w.scene, 4);
-    for (int k = 9; k < 12; k++) {
-        for (size_t i = 0; i < POINTS; i++) p->plane[k][i] = (float)SL_PI;
-    }
-    p->arrays.specular_r = NULL;
-    for (size_t i = 0; i < POINTS; i += 2) {
-        p->plane[3][i] = d.x;
-        p->plane[4][i] = d.y;
-        p->plane[5][i] = d.z;
-    }
-    sl_octree_shading shading = {.texture = w.texture};
-    shade(&w, &shading, p);
-    double error = 0.0;
-    for (size_t i = 0; i < POINTS; i++) {
-        double cosine = (double)(p->plane[3][i] * d.x + p->plane[4][i] * d.y + p->plane[5][i] * d.z);
-        /* pi/4pi + 2 pi/3 * 3/(4 pi) t + pi/4 * 5/(4 pi) P_2(t) */
-        double truth = 0.25 + 0.5 * cosine + 0.3125 * (1.5 * cosine * cosine - 0.5);
-        truth = truth > 0.0 ? truth : 0.0;
-        assert_true(fabs((double)p->out[0][i] - truth) < 1e-5 && fabs((double)p->out[1][i] - 2.0 * truth) < 2e-5);
-        assert_true(fabs((double)p->out[2][i] - SL_PI) < 1e-5); /* radiance 1 from everywhere */
-        if (i % 2 == 0) error = fmax(error, fabs((double)p->out[0][i] - 1.0625));
-    }
-    assert_true(error < 1e-5);
-    free(p);
-    end_world(&w);
-}
-
-/* ks (e+2)/(2 pi) times a uniform sky integrates to ks where the lobe is whole: both in the series and in the limit of many lights. */
-static void a_glossy_surface_under_an_even_sky_reflects_its_share(void **state) {
-    (void)state;
-    world w = new_world(3, SL_LOBES_HARMONICS, EQUAL_LIGHTS, false);
-    for (size_t i = 0; i < w.lights->set_count; i++) {
-        for (int k = 0; k < 9; k++) set_light(w.lights, i, k, sl_v3d(0, 0, 1), k == 0 ? 0.28209479f * 4.0f * (float)SL_PI : 0.0f, 0, 0);
-        w.lights->set[i].lights = 9;
-    }
-    sl_voxel_texture_destroy(w.texture);
-    w.texture = texture_of(w.octree, w.lights, false);
-    points *p = surface_points(w.scene, 4);
-    for (size_t i = 0; i < POINTS; i++) {
-        for (int k = 0; k < 3; k++) p->plane[6 + k][i] = p->plane[3 + k][i]; /* seen along the normal */
-    }
-    sl_octree_shading shading = {.texture = w.texture};
-    shade(&w, &shading, p);
-    for (size_t i = 0; i < POINTS; i += 3) assert_true(fabs((double)p->out[0][i] - (0.8 + 0.2)) < 1e-4);
-    free(p);
-    end_world(&w);
-}
-
 static void batches_instruction_sets_and_the_index_give_the_same_bits(void **state) {
     (void)state;
     const char *isas[] = {"baseline", "avx2", "avx512"};
-    const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE, SL_LOBES_NONE, SL_LOBES_HARMONICS};
-    for (int k = 0; k < 4; k++) {
-        world w = new_world(4, lobes[k], RANDOM_LIGHTS, false);
+    const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE, SL_LOBES_NONE};
+    for (int k = 0; k < 3; k++) {
+        world w = new_world(4, lobes[k], RANDOM_LIGHTS);
         points *p = surface_points(w.scene, 4);
         sl_octree_shading shading = {.texture = w.texture, .facing = k == 1};
         shade(&w, &shading, p);
@@ -486,7 +423,7 @@ static void batches_instruction_sets_and_the_index_give_the_same_bits(void **sta
 static void a_gbuffer_is_shaded_the_same_by_any_number_of_threads(void **state) {
     (void)state;
     enum { W = 150, H = 130 };
-    world w = new_world(5, SL_LOBES_PERPENDICULAR, RANDOM_LIGHTS, false);
+    world w = new_world(5, SL_LOBES_PERPENDICULAR, RANDOM_LIGHTS);
     sl_raster *raster = raster_of(w.scene);
     sl_camera camera;
     assert_true(sl_camera_look_at(&camera, sl_v3(0.4f, 1.5f, 0.3f), sl_v3(3, 1, 4), sl_v3(0, 1, 0), 1.2f));
@@ -531,8 +468,6 @@ int main(void) {
         cmocka_unit_test(what_faces_the_other_way_gives_no_weight),
         cmocka_unit_test(a_point_that_nothing_faces_takes_the_light_of_its_own_voxel),
         cmocka_unit_test(split_voxels_give_each_normal_its_own_lights),
-        cmocka_unit_test(harmonics_give_the_irradiance_of_their_bands),
-        cmocka_unit_test(a_glossy_surface_under_an_even_sky_reflects_its_share),
         cmocka_unit_test(batches_instruction_sets_and_the_index_give_the_same_bits),
         cmocka_unit_test(a_gbuffer_is_shaded_the_same_by_any_number_of_threads),
     };

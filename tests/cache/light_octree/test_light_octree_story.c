@@ -62,18 +62,15 @@ static size_t told(const char *path, const sl_settings *settings, uint64_t batch
     return lights;
 }
 
-static void harmonics(sl_light_octree_settings *o) { o->lobes = SL_LOBES_HARMONICS; }
 static void one_colour(sl_light_octree_settings *o) { o->lobes = SL_LOBES_NONE; }
 static void surface(sl_light_octree_settings *o) { o->lobes = SL_LOBES_SURFACE; }
 static void whole(sl_light_octree_settings *o) { o->whole_voxels = true; }
 static void nearest(sl_light_octree_settings *o) { o->filter = SL_VOXEL_NEAREST; }
-static void by_distance(sl_light_octree_settings *o) { o->distance_weights = true; }
 static void void_dark(sl_light_octree_settings *o) { o->keep_void_dark = true; }
-static void wide(sl_light_octree_settings *o) { o->wide_directions = true, o->lights = 8; }
 
 static void lights_of_voxels_add_up_whatever_the_settings(void **state) {
     (void)state;
-    static void (*const settings[])(sl_light_octree_settings *) = {harmonics, one_colour, surface, whole, nearest, by_distance, void_dark, wide};
+    static void (*const settings[])(sl_light_octree_settings *) = {one_colour, surface, whole, nearest, void_dark};
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
         bool done;
         sl_settings s = small();

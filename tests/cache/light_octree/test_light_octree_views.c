@@ -126,28 +126,6 @@ static void larger_voxels_close_the_holes_that_empty_ones_tear(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- normals ---- */
-
-/* A floor whose shading normals lie almost flat, lit from where they turn away: no light by them, all of it by the geometric ones. */
-static void geometric_normals_take_what_shading_normals_turn_away_from(void **state) {
-    (void)state;
-    static const char obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nvn 0.985 0.174 0\nf 1//1 4//1 3//1 2//1\n";
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"grey\"}], \"materials\": {\"grey\": {\"diffuse\": 0.5}}, "
-                                      "\"lights\": [{\"type\": \"directional\", \"direction\": [0.866, -0.5, 0], \"irradiance\": 2}], "
-                                      "\"camera\": {\"eye\": [0, 3, 0.1], \"target\": [0, 0, 0], \"fov_deg\": 30}}", obj);
-    sl_settings settings = octree_settings(24);
-    settings.light_octree.store = SL_STORE_ALL;
-    assert_true(mean_indirect(scene, &settings) == 0.0);
-    settings.light_octree.geometric_normals = true;
-    double mean = mean_indirect(scene, &settings), truth = 0.5 / 3.14159265 * 2.0 * 0.5;
-    print_message("%.4f, by hand %.4f\n", mean, truth);
-    assert_true(fabs(mean / truth - 1.0) < 0.05);
-    settings.light_octree.atlas = true;
-    settings.light_octree.atlas_size = 64;
-    assert_true(fabs(mean_indirect(scene, &settings) / mean - 1.0) < 0.02);
-    sl_scene_destroy(scene);
-}
-
 /* ---- edits ---- */
 
 static sl_image *next_frame(sl_method *method, unsigned changes) {
@@ -241,14 +219,14 @@ static void few_photons_and_wide_gathers_are_warned_of(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Four lights stand for wide caps: gloss that is sharper shows indirect light blurred. Harmonics and the photons themselves are another matter. */
+/* Four lights stand for wide caps: gloss that is sharper shows indirect light blurred. One irradiance and the photons themselves are another matter. */
 static void gloss_that_is_widened_is_warned_of(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     for (int k = 0; k < 3; k++) {
         sl_settings settings = octree_settings(8);
         settings.light_octree.photons = 20000;
-        settings.light_octree.lobes = k == 1 ? SL_LOBES_HARMONICS : SL_LOBES_PERPENDICULAR;
+        settings.light_octree.lobes = k == 1 ? SL_LOBES_NONE : SL_LOBES_PERPENDICULAR;
         settings.light_octree.photons_at_pixels = k == 2;
         sl_image *image = render(scene, &settings, NULL);
         const char *warning = sl_image_metadata(image, "softlux.warning");
@@ -296,7 +274,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lights_with_directions_shade_a_ball_that_colours_leave_flat),
         cmocka_unit_test(larger_voxels_close_the_holes_that_empty_ones_tear),
-        cmocka_unit_test(geometric_normals_take_what_shading_normals_turn_away_from),
         cmocka_unit_test(a_frame_of_a_series_is_that_frame_alone),
         cmocka_unit_test(pictures_say_what_they_were_made_from),
         cmocka_unit_test(few_photons_and_wide_gathers_are_warned_of),

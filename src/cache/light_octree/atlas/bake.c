@@ -164,7 +164,6 @@ static void shade_points(void *context, unsigned worker, size_t count, const uin
         sl_vec3 n = sl_scene_geometric_normal(o->scene, triangle[i]);
         sl_surface surface;
         sl_scene_surface(o->scene, triangle[i], w1[i], w2[i], o->side == SL_ATLAS_FRONT ? n : sl_neg(n), &surface);
-        if (o->shading->geometric) surface.normal = surface.geometric_normal;
         const float values[6] = {surface.position.x, surface.position.y, surface.position.z, surface.normal.x, surface.normal.y, surface.normal.z};
         for (size_t k = 0; k < 6; k++) p[k * SL_ATLAS_BATCH + i] = values[k];
     }
