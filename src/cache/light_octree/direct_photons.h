@@ -4,7 +4,7 @@
 #define SL_CACHE_LIGHT_OCTREE_DIRECT_PHOTONS_H
 
 #include "cache/light_octree/photon_area.h"
-#include "cache/light_octree/photon_tree.h"
+#include "cache/photons/photon_tree.h"
 
 /* The surface inside an ellipsoid, where the photons may be strewn over less than its disc: near edges and corners. */
 typedef double sl_ellipsoid_area(const void *context, const sl_ellipsoid *ellipsoid, unsigned worker);

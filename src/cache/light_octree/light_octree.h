@@ -5,8 +5,7 @@
  *   passes.c          the passes of one picture, one after another; state.h: what is between them
  *   light_octree.c    what a method holds of that, and what edits leave; report.c: what is said of it
  *
- *   photons.c         P1: photon tracing; photon_emission.c: from which lights
- *   photon_tree.c     P2: the kd-tree, and the k nearest photons
+ *   ../photons/       P1: photon tracing, from all lights; P2: the kd-tree, and the k nearest photons
  *   octree.c          G1: the voxels, on geometry; triangle_cells.c, coplanar.c; octree_cuts.c: a shallower one
  *   voxel_gather.c    P3: a voxel's photons, and over which area they were strewn: photon_area.c exactly, surroundings.c for all triangles,
  *                     photon_hull.c without those that no photon met

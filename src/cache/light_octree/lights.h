@@ -3,7 +3,7 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_LIGHTS_H
 #define SL_CACHE_LIGHT_OCTREE_LIGHTS_H
 
-#include "cache/light_octree/photon_tree.h"
+#include "cache/photons/photon_tree.h"
 
 enum { SL_VOXEL_LIGHTS_MAX = 8, SL_CLUSTER_ITERATIONS = 32 };
 

@@ -1,7 +1,7 @@
 /* What the light octree takes: photons, and what its voxels hold. */
 #include "cache/frame/budget.h"
 #include "cache/light_octree/octree.h"
-#include "cache/light_octree/photons.h"
+#include "cache/photons/photons.h"
 #include "cache/light_octree/plan.h"
 #include "scene/features.h"
 

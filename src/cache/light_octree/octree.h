@@ -8,7 +8,7 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_OCTREE_H
 #define SL_CACHE_LIGHT_OCTREE_OCTREE_H
 
-#include "scene/scene.h"
+#include "cache/photons/photons.h"
 
 /* 48 bytes. */
 typedef struct sl_octree_leaf {
@@ -22,11 +22,6 @@ typedef struct sl_octree_leaf {
 } sl_octree_leaf;
 
 enum { SL_OCTREE_DEPTH_MAX = 10 };
-
-/* Where photons are stored. */
-static inline bool sl_takes_photons(const sl_material *m) {
-    return !sl_material_is_mirror(m) && (sl_material_is_diffuse(m) || sl_material_is_glossy(m));
-}
 
 typedef struct sl_octree {
     int depth;

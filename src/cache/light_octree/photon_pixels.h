@@ -5,7 +5,7 @@
 
 #include "cache/frame/settings.h"
 #include "cache/light_octree/octree.h"
-#include "cache/light_octree/photon_tree.h"
+#include "cache/photons/photon_tree.h"
 #include "raster/raster.h"
 
 typedef struct sl_photon_pixels {

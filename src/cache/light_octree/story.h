@@ -3,7 +3,7 @@
 #define SL_CACHE_LIGHT_OCTREE_STORY_H
 
 #include "cache/frame/announce.h"
-#include "cache/light_octree/photons.h"
+#include "cache/photons/photons.h"
 #include "cache/light_octree/shade.h"
 #include "cache/frame/method.h"
 #include "cache/reflect/reflect.h"

@@ -10,7 +10,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
-#include "cache/light_octree/photons.h"
+#include "cache/photons/photons.h"
 #include "trace/bsdf.h"
 #include "trace_scenes.h"
 

@@ -11,8 +11,8 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/light_octree/photon_search.h"
-#include "cache/light_octree/photon_tree.h"
+#include "cache/photons/photon_search.h"
+#include "cache/photons/photon_tree.h"
 
 static float number(uint64_t stream, uint64_t i) { return sl_random_unit(sl_random_key(21, stream), i); }
 

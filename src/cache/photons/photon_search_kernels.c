@@ -1,4 +1,4 @@
-#include "cache/light_octree/photon_search.h"
+#include "cache/photons/photon_search.h"
 
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* The search for the nearest photons, compiled for every instruction set. Photons lie sixteen to a bucket, the leaves of the
  * kd-tree from left to right; its nodes are boxes in depth-first order: the left child follows its parent, and a subtree of n
  * leaves has 2 n - 1 nodes. */
-#ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_SEARCH_H
-#define SL_CACHE_LIGHT_OCTREE_PHOTON_SEARCH_H
+#ifndef SL_CACHE_PHOTONS_PHOTON_SEARCH_H
+#define SL_CACHE_PHOTONS_PHOTON_SEARCH_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,11 +1,11 @@
 /* The balanced kd-tree over photons, implicit in their order, and the k nearest of them in a flattened ellipsoid:
  * delta^2 = |p_t|^2 + (u / f)^2, u the distance from the plane and p_t the way along it, f the flatness. Nodes are split at the median
  * of the longest extent, by (coordinate, id), down to sixteen photons; each has its box. */
-#ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_TREE_H
-#define SL_CACHE_LIGHT_OCTREE_PHOTON_TREE_H
+#ifndef SL_CACHE_PHOTONS_PHOTON_TREE_H
+#define SL_CACHE_PHOTONS_PHOTON_TREE_H
 
-#include "cache/light_octree/photon_search.h"
-#include "cache/light_octree/photons.h"
+#include "cache/photons/photon_search.h"
+#include "cache/photons/photons.h"
 
 typedef struct sl_photon_tree sl_photon_tree;
 

@@ -1,7 +1,7 @@
 /* Photon tracing: L (D|S)+ from every light of the scene (point, spot, directional, emissive triangles, environment), by Embree; and
  * the list of hits that it leaves. */
-#ifndef SL_CACHE_LIGHT_OCTREE_PHOTONS_H
-#define SL_CACHE_LIGHT_OCTREE_PHOTONS_H
+#ifndef SL_CACHE_PHOTONS_PHOTONS_H
+#define SL_CACHE_PHOTONS_PHOTONS_H
 
 #include "trace/trace.h"
 
@@ -15,6 +15,11 @@ typedef struct sl_photon {
 } sl_photon;
 
 enum { SL_PHOTON_BOUNCES = 0xff, SL_PHOTON_CAUSTIC = 0x100 /* mirrors alone between the light and here */ };
+
+/* Where photons are stored. */
+static inline bool sl_takes_photons(const sl_material *m) {
+    return !sl_material_is_mirror(m) && (sl_material_is_diffuse(m) || sl_material_is_glossy(m));
+}
 
 uint32_t sl_octahedral_encode(sl_vec3 unit); /* 16 + 16 bits; decoded, off by at most 6.5e-5 rad */
 sl_vec3 sl_octahedral_decode(uint32_t code); /* unit */

@@ -9,8 +9,8 @@
  *
  * The paper speaks of none but point and area lights. Parallel light needs a cross-section to be measured on: the scene's box as that light
  * sees it (often it is the bounding sphere's disc, of which the box fills little more than half). */
-#ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_EMISSION_H
-#define SL_CACHE_LIGHT_OCTREE_PHOTON_EMISSION_H
+#ifndef SL_CACHE_PHOTONS_PHOTON_EMISSION_H
+#define SL_CACHE_PHOTONS_PHOTON_EMISSION_H
 
 #include "scene/scene.h"
 

@@ -1,6 +1,6 @@
 /* A path leaves a light, is stored where it meets a surface, and is scattered there or absorbed. The 4,096 paths of a chunk
  * go in step, bounce by bounce. */
-#include "cache/light_octree/photons.h"
+#include "cache/photons/photons.h"
 
 #include <string.h>
 
@@ -9,8 +9,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "cache/light_octree/octree.h"
-#include "cache/light_octree/photon_emission.h"
+#include "cache/photons/photon_emission.h"
 #include "trace/bsdf.h"
 
 enum {

@@ -1,4 +1,4 @@
-#include "cache/light_octree/photon_emission.h"
+#include "cache/photons/photon_emission.h"
 
 #include "base/error.h"
 #include "base/math.h"

@@ -1,4 +1,4 @@
-#include "cache/light_octree/photon_tree.h"
+#include "cache/photons/photon_tree.h"
 
 #include <string.h>
 
@@ -6,7 +6,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/light_octree/photon_search.h"
+#include "cache/photons/photon_search.h"
 
 struct sl_photon_tree {
     sl_photon_list *list;

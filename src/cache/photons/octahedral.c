@@ -1,6 +1,6 @@
 /* Directions in 32 bits: the sphere is projected to an octahedron, whose lower half is folded over the upper one's square (Meyer et al.
  * 2010). 65,534 steps instead of 65,535 make the axes exact. */
-#include "cache/light_octree/photons.h"
+#include "cache/photons/photons.h"
 
 static const float octahedral_steps = 32767.0f;
 
