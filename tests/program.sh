@@ -221,7 +221,7 @@ expect 0 'rel_rmse_surfaces' compare "$folder/w.exr" "$folder/r.exr" --json
 awk "BEGIN { exit !($(number rel_rmse_surfaces) < 0.215 && $(number rel_rmse) < $(number rel_rmse_surfaces) / 2) }" || # 8 % are the reference's noise
     { echo 'the room with a window:'; cat "$folder/out"; bad=1; }
 fine=0
-for step in '0.12 --glossy-accuracy 0.12 --gather-size 52 --spp 64' '0.085 --glossy-accuracy 0.1 --gather-size 72 --spp 128'; do
+for step in '0.12 --set splatting.glossy-accuracy=0.12 --set gather-size=52 --spp 64' '0.085 --set splatting.glossy-accuracy=0.1 --set gather-size=72 --spp 128'; do
     coarse=$fine
     expect 0 '' render "$folder/window.json" -s 20x20 -m splatting -q high --accuracy $step --quiet -o "$folder/w.exr"
     expect 0 'rel_rmse_surfaces' compare "$folder/w.exr" "$folder/r.exr" --json
