@@ -137,7 +137,7 @@ expect 0 'with less memory +[0-9]+ stored photons' info scenes/cornell.json -s 3
 expect 2 'did you mean splatting' bench scenes/cornell.json --methods path,splating -o "$folder/report"
 expect 2 "unknown 'best'" bench scenes/cornell.json --qualities best -o "$folder/report"
 expect 3 'nowhere.json' bench nowhere.json --quiet -o "$folder/report"
-expect 4 'no-such-folder' bench scenes/cornell.json -o "$folder/no-such-folder/report"
+expect 4 'cannot make the folder' bench scenes/cornell.json -o "$folder/bad.json/report"
 expect 0 'skip *mirrors' info scenes/cornell.json
 expect 0 'rmse' compare "$folder/a.exr" "$folder/a.exr" --identical
 expect 0 '"identical"' compare "$folder/a.exr" "$folder/a.exr" --json

@@ -12,12 +12,10 @@
 #include "image/output_file.h"
 #include "scene/features.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 enum { MOST_SCENES = 64, DEFAULT_SIZE = 192 };
@@ -76,7 +74,7 @@ static bool parse(int argc, char **argv, request *q, int *status) {
     *q = (request){.repeats = 3, .threads = 1};
     *o = (sl_bench_options){.folder = "softlux-report", .limit = 60.0, .reference_budget = 20.0};
     const sl_option options[] = {
-        {"output", 'o', SL_OPTION_TEXT, &o->folder, NULL, "DIR", "folder of the report, made where it is not there [softlux-report]", 0, 0, NULL},
+        {"output", 'o', SL_OPTION_TEXT, &o->folder, NULL, "DIR", "folder of the report, made with those above it [softlux-report]", 0, 0, NULL},
         {"methods", 'm', SL_OPTION_TEXT, &o->methods, NULL, "LIST", "which, with commas between [all]", 0, 0, NULL},
         {"qualities", 'q', SL_OPTION_TEXT, &o->qualities, NULL, "LIST", "of draft, normal, high, and curve: what lies between and beyond [all]", 0, 0, NULL},
         {"size", 's', SL_OPTION_SIZE, q->size, NULL, "WxH", "pixels [the scene's film, at most 192 a side]", 0, 0, NULL},
@@ -279,14 +277,10 @@ static sl_status write_reports(const sl_bench_options *o, const sl_bench_results
 
 static sl_status make_folders(const sl_bench_options *o, sl_error *error) {
     char pictures[SL_BENCH_PATH];
-    snprintf(pictures, sizeof pictures, "%s/pictures", o->folder);
-    const char *const folders[] = {o->folder, pictures};
-    for (int i = 0; i < 2; i++) {
-        if (mkdir(folders[i], 0777) == 0 || errno == EEXIST) continue;
-        snprintf(error->message, sizeof error->message, "cannot make the folder %.900s: %s", folders[i], strerror(errno));
-        return error->status = SL_ERROR_OUTPUT;
-    }
-    return o->trials_only || o->report_only ? SL_OK : sl_reference_make_folder(o->references, error);
+    snprintf(pictures, sizeof pictures, "%.1000s/pictures", o->folder);
+    sl_status status = sl_reference_make_folder(pictures, error);
+    if (status != SL_OK || o->trials_only || o->report_only) return status;
+    return sl_reference_make_folder(o->references, error);
 }
 
 /* Before hours are spent on what cannot be written. */
