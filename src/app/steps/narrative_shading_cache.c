@@ -17,7 +17,7 @@ static const sl_narrative_pass passes[] = {
      "Pixels are drawn at random and kept with the chance that their priority gives (green), a few whatever it is, as corners that agree may have a shadow between them (blue). From those that hit, a flood runs over neighbours "
      "that want samples as badly (red): along the edge of a shadow.",
      M_SUB(M_I("p"), M_T("total")) M_O("=") M_I("&#x3B5;") M_O("+") M_BRACED(M_N("1") M_O("-") M_I("&#x3B5;")) M_SUB(M_I("p"), M_T("norm")),
-     "sl_select_pixels(), src/cache/shading_cache/selection.c", NULL, SL_SHOW_LIGHT},
+     "sl_hit_and_test(), src/cache/shading_cache/shading_cache.c", NULL, SL_SHOW_LIGHT},
     {"requests", "Patches are split, corners asked for",
      "A chosen place asks for its patch's corners if they have no samples yet. If they have, and the patch is larger than a pixel, it is cut in four, and the new corners of the part that holds the place are asked for. Corners are shared: "
      "nobody is asked for twice.",
@@ -27,11 +27,11 @@ static const sl_narrative_pass passes[] = {
      "here or elsewhere, may share the work. It is nearly all of the work there is.",
      M_SUB(M_I("E"), M_I("d")) M_O("=") M_SUM(M_T("lamps")) M_FRAC(M_I("A"), M_I("N")) M_SUM(M_I("i")) M_I("L") M_TIMES M_I("V") M_TIMES
      M_FRAC(M_I("cos") M_SUB(M_I("&#x3B8;"), M_I("x")) M_TIMES M_I("cos") M_SUB(M_I("&#x3B8;"), M_I("i")), M_SUP(M_I("r"), M_N("2"))),
-     "sl_shading_sample(), src/cache/shading_cache/samples.c", NULL, SL_SHOW_LIGHT},
+     "sl_shading_sample(), src/cache/shading_cache/shading_cache.c", NULL, SL_SHOW_LIGHT},
     {"commit", "Values take their places; changes are noticed",
      "A value that replaces one made with the same random numbers can differ for one reason only: the scene has changed there. Then its object is shown with coarser patches until they are all shaded anew. Patches that nobody has seen for long make room.",
      M_ABS(M_I("D") M_BRACED(M_SUB(M_I("E"), M_T("new"))) M_O("-") M_I("D") M_BRACED(M_SUB(M_I("E"), M_T("old")))) M_O(">") M_SUB(M_I("&#x3C4;"), M_I("c")),
-     "sl_shading_commit(), src/cache/shading_cache/samples.c", NULL, SL_SHOW_LIGHT},
+     "sl_shading_commit(), src/cache/shading_cache/shading_cache.c", NULL, SL_SHOW_LIGHT},
     {"display arrays", "What is shown is brought up to date",
      "The trees and their colours are kept twice. One copy is shown, frame after frame, from wherever camera and objects are by then; the other one takes in what has changed, and the two are swapped. So the display never waits for samples.", NULL,
      "sl_display_build(), src/cache/shading_cache/arrays.c", NULL, SL_SHOW_LIGHT},

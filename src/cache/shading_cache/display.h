@@ -50,7 +50,7 @@ typedef struct sl_display_ids {
 
 /* A frame from the camera as it stands: radiance, three planes of width*height, bottom row first: L_e + kd E / pi + L_s. */
 sl_status sl_display_draw(sl_display *display, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error);
-/* U1: the id map of the same arrays, read back. Planes are the caller's. */
+/* The id map of the same arrays, read back. Planes are the caller's. */
 sl_status sl_display_id_map(sl_display *display, unsigned threads, const sl_display_ids *ids, sl_counters *counters, sl_error *error);
 
 /* A window is another thread's way to look: at the same arrays, from the camera and with the objects of a twin of the scene (scene/twin.h), which that thread moves as

@@ -21,7 +21,6 @@ sl_shading_plan sl_shading_plan_make(const sl_scene *scene, const sl_settings *s
 void sl_shading_transport(const sl_settings *settings, sl_transport *transport);
 void sl_shading_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
-/* memory.c */
 sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *settings);
 extern const sl_concession sl_shading_concessions[];
 

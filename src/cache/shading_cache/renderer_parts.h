@@ -6,7 +6,7 @@
 #include "cache/shading_cache/renderers.h"
 #include "trace/bsdf.h"
 
-/* ---- batches (batch.c) ---------------------------------------------------------------------------------------------------- */
+/* ---- batches (renderers.c) ---------------------------------------------------------------------------------------------------- */
 
 /* One request; worker < threads chooses scratch memory alone. */
 typedef void sl_render_point(const void *state, const sl_sample_request *request, unsigned worker, sl_sample *sample, sl_counters *counters);

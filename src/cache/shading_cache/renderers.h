@@ -4,8 +4,7 @@
  *   area_renderer.c            direct light: area lights by points spread over them (area_points.c), lights without extent by a ray
  *   bidirectional_renderer.c   indirect light (trace/bidirectional); direct light of the environment (sky_light.c); all that mirrors reflect
  *   caustic_renderer.c         caustics by a photon map of their own
- *   constant_renderer.c        one colour: for tests
- *   batch.c  requests over threads
+ *   renderers.c                a batch of requests on the workers
  */
 #ifndef SL_SHADING_CACHE_RENDERERS_H
 #define SL_SHADING_CACHE_RENDERERS_H
@@ -62,6 +61,5 @@ typedef struct sl_renderer_settings {
 sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
 sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
 sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
-sl_status sl_constant_renderer(sl_rgb irradiance, sl_sample_renderer *renderer, sl_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* U7, samples of the vertices that were asked for, and U8: they are committed in that order, tell of changes, and what changes is shown with coarser
- * patches (sections on the sample renderer and on moving objects). */
+/* Requests of vertices, their samples, and the commit of one of them: it may show a change, and changing
+ * objects are shown with coarser patches (sections on the sample renderer and on moving objects). */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -8,9 +8,7 @@
 
 #include <string.h>
 
-enum { NUDGES = 3 };
-
-/* ---- U7: samples ---- */
+/* ---- requests and samples ---- */
 
 static bool on_the_border(const sl_primitives *primitives, const sl_patch_vertex *v) {
     bool triangle = primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
@@ -26,13 +24,15 @@ static int32_t side_of_patches(const sl_patch_vertex *v) {
 
 static int32_t at_most(int32_t way, int32_t most) { return way > most ? most : way < -most ? -most : way; }
 
-/* Where a vertex is shaded. On its root's border it is moved inwards by 1/256 of the way to the middle: in the crease between two walls it would see
- * half of what is behind the other. Inside other geometry it is asked for again, moved by 1, by 5 and by 20 % of the patch that it was made for. */
+/* Where a vertex is shaded. On its root's border it is moved inwards by 1/256 of the way to the middle: in
+ * the crease between two walls it would see half of what is behind the other. Inside other geometry it is
+ * asked for again, moved by 1, by 5 and by 20 % of the patch that it was made for. */
 static void place_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_root_point *point) {
-    static const int32_t ways[NUDGES + 1] = {256, 100, 20, 5};
+    static const int32_t ways[] = {256, 100, 20, 5};
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     bool triangle = s->primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
-    int32_t centre = triangle ? SL_PATCH_DYADIC / 3 : SL_PATCH_DYADIC / 2, side = nudge ? side_of_patches(v) : SL_PATCH_DYADIC, u = v->u, w = v->v;
+    int32_t centre = triangle ? SL_PATCH_DYADIC / 3 : SL_PATCH_DYADIC / 2, u = v->u, w = v->v;
+    int32_t side = nudge ? side_of_patches(v) : SL_PATCH_DYADIC;
     if (nudge || on_the_border(s->primitives, v)) {
         u += at_most(centre - u, side) / ways[nudge];
         w += at_most(centre - w, side) / ways[nudge];
@@ -40,12 +40,16 @@ static void place_request(const sl_shading_state *s, uint32_t vertex, int nudge,
     sl_root_point_at(s->primitives, v->root, (uint32_t)u, (uint32_t)w, point);
 }
 
-static void make_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_sample_request *request) {
+void sl_shading_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     const sl_material *material = sl_root_material(s->primitives, v->root);
     const sl_vertex_sets *sets = s->patches->sets ? &s->patches->sets[vertex] : NULL;
     bool more = sets && v->evaluated != SL_VERTEX_NEVER && !sl_vertex_is_stale(s->patches, &s->work, vertex);
-    *request = (sl_sample_request){.material = material, .eye = s->scene->camera.eye, .dense = v->dense, .radiance = sl_material_has_lobe(material), .set = more ? sets->count : 0};
+    *request = (sl_sample_request){.material = material,
+                                   .eye = s->scene->camera.eye,
+                                   .dense = v->dense,
+                                   .radiance = sl_material_has_lobe(material),
+                                   .set = more ? sets->count : 0};
     place_request(s, vertex, nudge, &request->point);
 }
 
@@ -57,7 +61,8 @@ static void add_sample(sl_sample *sum, const sl_sample *part) {
     sum->broken = sum->broken || part->broken;
 }
 
-/* The next run of requests from `first` that are worth asking for: what one renderer calls invalid no other one is asked about. */
+/* The next run of requests from `first` that are worth asking for: what one renderer calls invalid no other
+ * one is asked about. */
 static size_t next_run(const sl_sample *samples, size_t count, size_t *first) {
     while (*first < count && !samples[*first].valid) ++*first;
     size_t end = *first;
@@ -65,12 +70,14 @@ static size_t next_run(const sl_sample *samples, size_t count, size_t *first) {
     return end - *first;
 }
 
-static void render_samples(sl_shading_state *s, size_t count, const sl_sample_request *requests, sl_sample *samples) {
+void sl_shading_render(sl_shading_state *s, size_t count, const sl_sample_request *requests,
+                       sl_sample *samples) {
     for (size_t i = 0; i < count; i++) samples[i] = (sl_sample){.valid = true};
     for (int r = 0; r < s->renderer_count; r++) {
         size_t first = 0, run;
         while ((run = next_run(samples, count, &first)) > 0) {
-            s->renderer[r].render(s->renderer[r].state, run, requests + first, s->settings.threads, s->part, &s->counters);
+            s->renderer[r].render(s->renderer[r].state, run, requests + first, s->settings.threads, s->part,
+                                  &s->counters);
             for (size_t i = 0; i < run; i++) add_sample(&samples[first + i], &s->part[i]);
             first += run;
         }
@@ -78,23 +85,10 @@ static void render_samples(sl_shading_state *s, size_t count, const sl_sample_re
     sl_count(&s->counters, SL_COUNT_POINTS_SHADED, count);
 }
 
-void sl_shading_sample(sl_shading_state *s, size_t count) {
-    for (size_t i = 0; i < count; i++) make_request(s, s->vertex[i], 0, &s->request[i]);
-    render_samples(s, count, s->request, s->sample);
-    for (int nudge = 1; nudge <= NUDGES; nudge++) {
-        for (size_t i = 0; i < count; i++) {
-            if (s->sample[i].valid) continue;
-            sl_sample again;
-            make_request(s, s->vertex[i], nudge, &s->request[i]);
-            render_samples(s, 1, &s->request[i], &again);
-            s->sample[i] = again;
-        }
-    }
-}
+/* ---- commit, change ---- */
 
-/* ---- U8: commit, change ---- */
-
-/* A value may tell of change if it replaces one that was made with the same samples. Radiance towards an eye that has moved tells nothing. */
+/* A value may tell of change if it replaces one that was made with the same samples. Radiance towards an eye
+ * that has moved tells nothing. */
 typedef struct compared {
     bool comparable, radiance;
     sl_rgb before;
@@ -102,7 +96,8 @@ typedef struct compared {
 
 static sl_rgb exitant_of(const sl_shading_state *s, uint32_t vertex, bool with_radiance) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    sl_rgb exitant = sl_rgb_mul(sl_rgb_scale((sl_rgb){v->value[0], v->value[1], v->value[2]}, (float)(1.0 / SL_PI)), sl_root_mean_diffuse(s->primitives, v->root));
+    sl_rgb over_pi = sl_rgb_scale((sl_rgb){v->value[0], v->value[1], v->value[2]}, (float)(1.0 / SL_PI));
+    sl_rgb exitant = sl_rgb_mul(over_pi, sl_root_mean_diffuse(s->primitives, v->root));
     const float *lobe = with_radiance ? sl_vertex_lobe(s->patches, vertex) : NULL;
     if (lobe) exitant = sl_rgb_add(exitant, (sl_rgb){lobe[0], lobe[1], lobe[2]});
     return exitant;
@@ -110,7 +105,9 @@ static sl_rgb exitant_of(const sl_shading_state *s, uint32_t vertex, bool with_r
 
 static compared compare_before(const sl_shading_state *s, uint32_t vertex, const sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->borrowed && request->set == 0 && v->dense == v->is_dense && (!s->patches->sets || s->patches->sets[vertex].count == 1),
+    bool one_set = request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1);
+    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->borrowed && one_set &&
+                  v->dense == v->is_dense,
                   .radiance = v->evaluated >= s->changes->eye_moved};
     if (c.comparable) c.before = exitant_of(s, vertex, c.radiance);
     return c;
@@ -123,15 +120,19 @@ static void blend(float value[3], sl_rgb now, float share) {
 }
 
 /* The share of a new value: all of it, but where it joins earlier sets of samples. */
-static float share_of(const sl_sample_request *request) { return request->set > 0 ? 1.0f / ((float)request->set + 1.0f) : 1.0f; }
+static float share_of(const sl_sample_request *request) {
+    return request->set > 0 ? 1.0f / ((float)request->set + 1.0f) : 1.0f;
+}
 
-/* Whether a first value is to come in slowly. Means of several sets of samples are not: they have no value yet. */
+/* Is true of first values that are blended in. Means of several sets of samples are not: they have no value
+ * yet. */
 static bool is_to_fade(const sl_shading_state *s, uint32_t vertex, uint32_t object) {
     return s->settings.shading_cache.blending < 1.0 && !s->patches->sets && s->patches->vertex[vertex].evaluated == SL_VERTEX_NEVER &&
            !s->changes->object[object].changing;
 }
 
-/* A sample that says nothing: the old value stays, and counts as new, or it would be asked for for ever. Where there is none it is borrowed. */
+/* A broken sample: the old value stays, and counts as new, or it would be asked for for ever. Where there is
+ * none it is extrapolated. */
 static void commit_nothing(sl_shading_state *s, uint32_t vertex) {
     sl_patch_vertex *v = &s->patches->vertex[vertex];
     if (v->evaluated == SL_VERTEX_NEVER) sl_patches_borrow(s->patches, vertex);
@@ -139,17 +140,22 @@ static void commit_nothing(sl_shading_state *s, uint32_t vertex) {
     sl_patches_touch(s->patches, vertex);
 }
 
-/* Light inside other geometry is nobody's. */
+/* Inside other geometry there is no light of its own: the vertex is extrapolated from the corners around it.
+ * */
 static void commit_inside(sl_shading_state *s, uint32_t vertex) {
     sl_patches_borrow(s->patches, vertex);
     sl_vertex_mark(&s->patches->vertex[vertex], s->now);
     sl_patches_touch(s->patches, vertex);
 }
 
-/* What a vertex was inside of has gone, or something has come: nothing that could be compared, but a change. */
-static bool comes_or_goes(const sl_patch_vertex *v, const sl_sample *sample) { return v->evaluated != SL_VERTEX_NEVER && v->borrowed == sample->valid; }
+/* A vertex is inside other geometry and was not, or the other way round: a change without values to compare.
+ * */
+static bool comes_or_goes(const sl_patch_vertex *v,
+                          const sl_sample *sample) { return v->evaluated != SL_VERTEX_NEVER &&
+                                                    v->borrowed == sample->valid; }
 
-static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request, const sl_sample *sample) {
+void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request,
+                              const sl_sample *sample) {
     sl_patch_vertex *v = &s->patches->vertex[vertex];
     uint32_t object = sl_root_object(s->primitives, v->root);
     bool finite = sl_rgb_is_finite(sample->irradiance) && sl_rgb_is_finite(sample->radiance);
@@ -176,13 +182,18 @@ static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_
     if (lobe) blend(lobe, sample->radiance, share);
     if (s->patches->sets) {
         sl_vertex_sets *sets = &s->patches->sets[vertex];
-        sets->variance = fmaxf(0.0f, sets->variance + share * (share * sample->variance - sets->variance * (2.0f - share)));
+        sets->variance = fmaxf(0.0f,
+                               sets->variance + share * (share * sample->variance - sets->variance * (2.0f - share)));
         sets->count = request->set < UINT32_MAX ? request->set + 1 : UINT32_MAX;
     }
     sl_vertex_mark(v, s->now);
-    if (fades) sl_fade_begin(&s->fades, s->patches, vertex, from, from_lobe, (float)s->settings.shading_cache.blending);
+    if (fades)
+        sl_fade_begin(&s->fades, s->patches, vertex, from, from_lobe,
+                      (float)s->settings.shading_cache.blending);
     sl_patches_touch(s->patches, vertex);
-    if (c.comparable && sl_changes_compare(s->changes, object, sl_levels_apart(&s->curve, c.before, exitant_of(s, vertex, c.radiance)), s->now))
+    float apart = c.comparable ? sl_levels_apart(&s->curve, c.before, exitant_of(s, vertex,
+        c.radiance)) : 0.0f;
+    if (c.comparable && sl_changes_compare(s->changes, object, apart, s->now))
         sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
 }
 
@@ -195,7 +206,8 @@ float sl_shading_coarsest(const sl_shading_state *s, bool triangles) {
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, s->leaf[i].patch));
         if (s->changes->object[object].changing) visible += s->patches->patch[s->leaf[i].patch].pixels;
     }
-    return visible > 0.0 ? sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds, triangles) : 0.0f;
+    return visible > 0.0 ? sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds,
+                                               triangles) : 0.0f;
 }
 
 /* Corners that were never evaluated are none of that: while an object is refined there always are some. */
@@ -210,14 +222,15 @@ static bool shows_what_was_before(const sl_patches *p, uint32_t leaf, uint32_t c
 }
 
 /* Objects of which visible leaves still show what was before. */
-static void find_stale(sl_shading_state *s) {
+void sl_shading_find_stale(sl_shading_state *s) {
     memset(s->stale, 0, s->scene->object_count * sizeof *s->stale);
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t patch = s->leaf[i].patch;
         if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) continue;
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, patch));
         const sl_object_change *change = &s->changes->object[object];
-        if (change->changing && !s->stale[object]) s->stale[object] = shows_what_was_before(s->patches, patch, change->stale_before);
+        if (change->changing && !s->stale[object])
+            s->stale[object] = shows_what_was_before(s->patches, patch, change->stale_before);
     }
 }
 
@@ -227,11 +240,12 @@ static void projected_areas(const sl_shading_state *s, float *area) {
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, p));
         if (!s->changes->object[object].changing || sl_patch_is_leaf(s->patches, p)) continue;
         sl_patch_place place = sl_patch_place_of(s->patches, p);
-        area[p] = sl_patch_projected(s->patches, &place, &s->scene->camera, s->settings.width, s->settings.height).area;
+        area[p] = sl_patch_projected(s->patches, &place, &s->scene->camera, s->settings.width,
+                                     s->settings.height).area;
     }
 }
 
-static sl_status drop_resolution(sl_shading_state *s, sl_error *error) {
+sl_status sl_shading_drop_resolution(sl_shading_state *s, sl_error *error) {
     float quads = sl_shading_coarsest(s, false), triangles = sl_shading_coarsest(s, true);
     if (!(quads > 0.0f)) return SL_OK;
     float *area = sl_allocate(s->patches->patch_count, sizeof *area);
@@ -242,21 +256,10 @@ static sl_status drop_resolution(sl_shading_state *s, sl_error *error) {
     return SL_OK;
 }
 
-/* Latency: how many updates it took to find that an edit has changed what is seen. */
-static void tell_latency(sl_shading_state *s, bool found) {
-    if (!found || !s->edited) return;
+/* Latency: the number of updates until an edit's change of the picture is found. */
+void sl_shading_note_latency(sl_shading_state *s) {
+    if (!s->edited) return;
     sl_count(&s->counters, SL_COUNT_CHANGES_SHOWN, 1);
     sl_count(&s->counters, SL_COUNT_UPDATES_TO_SHOW, s->now - s->edited + 1);
     s->edited = 0;
-}
-
-sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error) {
-    uint64_t before = s->counters.value[SL_COUNT_CHANGES_DETECTED];
-    sl_fades_go_on(&s->fades, s->patches, (float)s->settings.shading_cache.blending);
-    for (size_t i = 0; i < count; i++) commit_sample(s, s->vertex[i], &s->request[i], &s->sample[i]);
-    find_stale(s);
-    sl_changes_settle(s->changes, s->stale, s->now);
-    bool found = s->counters.value[SL_COUNT_CHANGES_DETECTED] > before;
-    tell_latency(s, found);
-    return found ? drop_resolution(s, error) : SL_OK;
 }

@@ -1,11 +1,12 @@
-/* Hit-and-test: pixels are drawn at random and accepted with their priority as chance, or, for a small share of draws, whatever it is: no
- * patch is ever left out for good, though nothing at its corners tells that it needs samples. */
+/* Choices of pixels: where they are kept, and two ways beside the paper's, hit-and-test, which is in
+ * shading_cache.c with the flood fill. */
 #include "cache/shading_cache/selection.h"
+
+#include <stdlib.h>
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/shading_cache/selection_parts.h"
 
 static uint32_t most_of(const sl_selection *s, uint32_t leaf) {
     uint32_t most = s->settings->per_patch > 0 ? (uint32_t)s->settings->per_patch : 0;
@@ -20,42 +21,156 @@ bool sl_selection_take(sl_selection *s, uint32_t pixel, sl_choice_kind kind) {
     s->choice[s->count++] = (sl_choice){pixel, leaf, kind};
     if (++s->taken[leaf] == most) s->open--;
     static const sl_counter counter[] = {
-        [SL_CHOICE_HIT] = SL_COUNT_PIXELS_HIT, [SL_CHOICE_RANDOM] = SL_COUNT_PIXELS_RANDOM, [SL_CHOICE_FLOOD] = SL_COUNT_PIXELS_FLOODED};
+        [SL_CHOICE_HIT] = SL_COUNT_PIXELS_HIT,
+        [SL_CHOICE_RANDOM] = SL_COUNT_PIXELS_RANDOM,
+        [SL_CHOICE_FLOOD] = SL_COUNT_PIXELS_FLOODED};
     sl_count(s->counters, counter[kind], 1);
     return true;
 }
 
-/* One uniform number for both: below epsilon it is a random pixel, and what is left of it is the test. */
-static void hit_and_test(sl_selection *s) {
-    float e = s->settings->random_share;
-    uint64_t key = sl_random_key(s->settings->seed, s->settings->update), test = 0;
-    size_t points = (size_t)s->settings->points;
-    double most = 8.0 * (double)points / (e > 0.0f ? (double)e : 0.03);
-    for (; s->count < points && s->open > 0 && (double)test < most; test++) {
-        uint32_t pixel = (uint32_t)((uint64_t)sl_random_bits(key, 2 * test) * s->pixel_count >> 32);
-        float u = sl_random_unit(key, 2 * test + 1);
-        if (s->leaf[pixel] == SL_NO_INDEX) continue;
-        if (u < e) sl_selection_take(s, pixel, SL_CHOICE_RANDOM);
-        else if (u - e < (1.0f - e) * s->leaves[s->leaf[pixel]].normal) sl_selection_take(s, pixel, SL_CHOICE_HIT);
+/* ---- instead: equal steps through the sums of p_total along a Hilbert curve ---- */
+
+/* Each pixel is chosen as often as in hit-and-test, no test is in vain, and choices are spread evenly over the
+ * picture (Steigleder and McCool 2003). */
+
+typedef struct steps {
+    sl_selection *selection;
+    uint64_t key, drawn;
+    double sum, next, step;
+} steps;
+
+/* Both kinds of choices as hit-and-test has them: epsilon of p_total is chance. */
+static void pass_pixel(steps *t, uint32_t pixel) {
+    sl_selection *s = t->selection;
+    uint32_t leaf = s->leaf[pixel];
+    if (leaf == SL_NO_INDEX) return;
+    float chance = sl_selection_chance(s, leaf);
+    t->sum += (double)chance;
+    for (; t->next < t->sum && t->drawn < (uint64_t)s->settings->points; t->next += t->step) {
+        bool is_random = sl_random_unit(t->key, ++t->drawn) * chance < s->settings->random_share;
+        sl_selection_take(s, pixel, is_random ? SL_CHOICE_RANDOM : SL_CHOICE_HIT);
     }
-    sl_count(s->counters, SL_COUNT_PIXEL_TESTS, test);
 }
+
+/* A square that the curve enters at corner (x, y) and leaves at (x + ax, y + ay); (bx, by) is its other side.
+ * It is four of half the size. */
+static void walk_curve(steps *t, int x, int y, int ax, int ay, int bx, int by) {
+    int low_x = ax + bx > 0 ? x : x + ax + bx, low_y = ay + by > 0 ? y : y + ay + by;
+    if (low_x >= t->selection->width || low_y >= t->selection->height) return;
+    if (abs(ax + bx) == 1) {
+        pass_pixel(t, (uint32_t)low_y * (uint32_t)t->selection->width + (uint32_t)low_x);
+        return;
+    }
+    ax /= 2, ay /= 2, bx /= 2, by /= 2;
+    walk_curve(t, x, y, bx, by, ax, ay);
+    walk_curve(t, x + bx, y + by, ax, ay, bx, by);
+    walk_curve(t, x + ax + bx, y + ay + by, ax, ay, bx, by);
+    walk_curve(t, x + 2 * ax + bx, y + 2 * ay + by, -bx, -by, -ax, -ay);
+}
+
+static void select_systematically(sl_selection *s) {
+    steps t = {.selection = s, .key = sl_random_key(s->settings->seed, s->settings->update)};
+    double total = 0.0;
+    for (size_t i = 0; i < s->pixel_count; i++)
+        total += s->leaf[i] == SL_NO_INDEX ? 0.0 : (double)sl_selection_chance(s, s->leaf[i]);
+    if (!(total > 0.0)) return;
+    t.step = total / (double)s->settings->points;
+    t.next = (double)sl_random_unit(t.key, 0) * t.step;
+    int size = 1;
+    while (size < s->width || size < s->height) size *= 2;
+    walk_curve(&t, 0, 0, size, 0, 0, size);
+    sl_count(s->counters, SL_COUNT_PIXEL_TESTS, t.drawn);
+}
+
+/* ---- instead: the highest priorities first ---- */
+
+typedef struct ranked {
+    float normal, priority;
+    uint32_t leaf, share; /* how many of its pixels */
+} ranked;
+
+static int highest_first(const void *a, const void *b) {
+    const ranked *x = a, *y = b;
+    if (x->normal != y->normal) return x->normal > y->normal ? -1 : 1;
+    if (x->priority != y->priority) return x->priority > y->priority ? -1 : 1;
+    return x->leaf < y->leaf ? -1 : x->leaf > y->leaf;
+}
+
+static int by_leaf(const void *a, const void *b) {
+    const ranked *x = a, *y = b;
+    return x->leaf < y->leaf ? -1 : x->leaf > y->leaf;
+}
+
+/* One pixel of each leaf, from the highest priority down; where there are fewer leaves than choices, one more
+ * of each, and so on. */
+static void share_out(const sl_selection *s, ranked *leaves) {
+    size_t left = (size_t)s->settings->points;
+    for (bool more = true; more && left > 0;) {
+        more = false;
+        for (size_t i = 0; i < s->leaf_count && left > 0; i++) {
+            const sl_leaf_priority *leaf = &s->leaves[leaves[i].leaf];
+            if (leaves[i].share >= leaf->pixels || leaves[i].share >= (uint32_t)s->settings->per_patch)
+                continue;
+            leaves[i].share++;
+            left--;
+            more = true;
+        }
+    }
+}
+
+/* Its pixels in the order of the picture, at equal distances. */
+static bool is_next(uint32_t passed, uint32_t pixels, uint32_t taken, uint32_t share) {
+    return taken < share && (uint64_t)(2 * passed + 1) * share >= (uint64_t)(2 * taken + 1) * pixels;
+}
+
+static sl_status select_sorted(sl_selection *s, sl_error *error) {
+    ranked *leaves = sl_allocate_unset(s->leaf_count, sizeof *leaves);
+    uint32_t *passed = sl_allocate(s->leaf_count, sizeof *passed);
+    if (!leaves || !passed) {
+        sl_free(leaves);
+        sl_free(passed);
+        return sl_fail_memory(error, "sorted selection");
+    }
+    for (uint32_t i = 0; i < s->leaf_count; i++) {
+        float priority = s->leaves[i].priority; /* never evaluated: before all others */
+        leaves[i] = (ranked){s->leaves[i].normal, priority >= 0.0f ? priority : HUGE_VALF, i, 0};
+    }
+    if (s->settings->per_patch > 0) {
+        qsort(leaves, s->leaf_count, sizeof *leaves, highest_first);
+        share_out(s, leaves);
+        qsort(leaves, s->leaf_count, sizeof *leaves, by_leaf);
+    }
+    for (uint32_t pixel = 0; pixel < s->pixel_count; pixel++) {
+        uint32_t leaf = s->leaf[pixel];
+        if (leaf == SL_NO_INDEX) continue;
+        if (is_next(passed[leaf]++, s->leaves[leaf].pixels, s->taken[leaf], leaves[leaf].share))
+            sl_selection_take(s, pixel, SL_CHOICE_HIT);
+    }
+    sl_free(leaves);
+    sl_free(passed);
+    return SL_OK;
+}
+
+/* ---- all ---- */
 
 static sl_status select_pixels(sl_selection *s, sl_error *error) {
     switch (s->settings->how) {
-    case SL_PIXELS_SORTED: return sl_select_sorted(s, error);
-    case SL_PIXELS_SYSTEMATIC: sl_select_systematically(s); break;
-    default: hit_and_test(s);
+    case SL_PIXELS_SORTED: return select_sorted(s, error);
+    case SL_PIXELS_SYSTEMATIC: select_systematically(s); break;
+    default: sl_hit_and_test(s);
     }
-    return s->settings->flood_threshold > 1.0f ? SL_OK : sl_select_flood(s, error);
+    return s->settings->flood_threshold > 1.0f ? SL_OK : sl_flood_fill(s, error);
 }
 
-sl_status sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf, size_t leaf_count,
-                           const sl_leaf_priority *leaves, sl_choice *choice, size_t *choice_count, sl_counters *counters, sl_error *error) {
+sl_status sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf,
+                           size_t leaf_count,
+                           const sl_leaf_priority *leaves, sl_choice *choice, size_t *choice_count,
+                           sl_counters *counters, sl_error *error) {
     *choice_count = 0;
     if (width <= 0 || height <= 0 || leaf_count == 0 || settings->points <= 0) return SL_OK;
     size_t pixels = (size_t)width * (size_t)height;
-    sl_selection s = {.settings = settings, .width = width, .height = height, .pixel_count = pixels, .leaf_count = leaf_count, .leaf = leaf,
+    sl_selection s = {.settings = settings, .width = width, .height = height, .pixel_count = pixels,
+                      .leaf_count = leaf_count, .leaf = leaf,
                       .leaves = leaves, .choice = choice, .counters = counters};
     s.visited = sl_allocate((pixels + 7) / 8, 1);
     s.taken = sl_allocate(leaf_count, sizeof *s.taken);

@@ -1,11 +1,9 @@
-/* Which pixels get samples: hit-and-test over the id map, flood fill from the hits (sections on priority-based selection and on flood fill).
- *
- *   selection.c    hit-and-test
- *   systematic.c   instead: equal steps through the sums of priorities; or the highest priorities first
- *   flood.c        from hits to the pixels beside them */
+/* Which pixels get samples: hit-and-test over the id map, flood fill from the hits (sections on priority-
+ * based selection and on flood fill). Both are in shading_cache.c. */
 #ifndef SL_SHADING_CACHE_SELECTION_H
 #define SL_SHADING_CACHE_SELECTION_H
 
+#include "base/counters.h"
 #include "cache/shading_cache/priority.h"
 
 typedef enum sl_choice_kind { SL_CHOICE_HIT, SL_CHOICE_RANDOM, SL_CHOICE_FLOOD } sl_choice_kind;
@@ -25,9 +23,47 @@ typedef struct sl_selection_settings {
     uint64_t seed, update;     /* what draws are a function of */
 } sl_selection_settings;
 
-/* leaf: by pixel, index into leaves, or SL_NO_INDEX. Each pixel is chosen at most once, and of leaves whose `pixels` are 0 none. At most 8 points / epsilon tests (epsilon 0: as if it were
- * 0.03). choice has room for 2 * points. */
-sl_status sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf, size_t leaf_count,
-                           const sl_leaf_priority *leaves, sl_choice *choice, size_t *choice_count, sl_counters *counters, sl_error *error);
+/* leaf: by pixel, index into leaves, or SL_NO_INDEX. Each pixel is chosen at most once, and of leaves whose
+ * `pixels` are 0 none. At most 8 points / epsilon tests (epsilon 0: as if it were 0.03). choice has room for
+ * 2 * points. */
+sl_status sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf,
+                           size_t leaf_count,
+                           const sl_leaf_priority *leaves, sl_choice *choice, size_t *choice_count,
+                           sl_counters *counters, sl_error *error);
+
+/* One update's choices as they are made. */
+typedef struct sl_selection {
+    const sl_selection_settings *settings;
+    int width, height;
+    size_t pixel_count, leaf_count;
+    const uint32_t *leaf;            /* by pixel */
+    const sl_leaf_priority *leaves;
+    uint8_t *visited;                /* one bit a pixel: chosen, or a flood has come by */
+    uint16_t *taken;                 /* by leaf: choices in it */
+    size_t open;                     /* leaves that may still be chosen */
+    sl_choice *choice;
+    size_t count;
+    sl_counters *counters;
+} sl_selection;
+
+static inline bool sl_selection_visited(const sl_selection *s,
+                                        uint32_t pixel) { return s->visited[pixel / 8] >> pixel % 8 & 1; }
+static inline void sl_selection_visit(sl_selection *s,
+                                      uint32_t pixel) { s->visited[pixel / 8] |= (uint8_t)(1u << pixel % 8); }
+
+/* p_total = epsilon + (1 - epsilon) p_norm */
+static inline float sl_selection_chance(const sl_selection *s, uint32_t leaf) {
+    float e = s->settings->random_share;
+    if (s->leaves[leaf].pixels == 0) return 0.0f;
+    return e + (1.0f - e) * s->leaves[leaf].normal;
+}
+
+/* Chooses a pixel of a leaf, unless it has been chosen, or its patch has enough. */
+bool sl_selection_take(sl_selection *s, uint32_t pixel, sl_choice_kind kind);
+
+/* shading_cache.c */
+void sl_hit_and_test(sl_selection *s);
+/* From the hits among the choices made so far. */
+sl_status sl_flood_fill(sl_selection *s, sl_error *error);
 
 #endif

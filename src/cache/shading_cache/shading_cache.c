@@ -1,270 +1,287 @@
-/* The method: what a cache is made of, its picture, and what it hears of edits. One update of it is in update.c. */
-#include "cache/shading_cache/shading_cache.h"
-
-#include "base/counters.h"
+/* "Interactive Global Illumination in Dynamic Scenes" (Tole, Pellacini, Walter, Greenberg 2002), in the order
+ * of the paper: one update is
+ *
+ *   id map                each pixel's patch, read back from the hardware
+ *   priority map          p = p_err + p_age, in grey levels, normalised over the pixels
+ *   hit-and-test          pixels drawn at random and tested against their priority; flood fill from the hits
+ *   lazy evaluation       a patch's corners are asked for, or it is split in four
+ *   sample renderer       values of these corners
+ *   motion and age        values committed, changes found, coarser patches where things change, old ones deleted
+ *   display arrays        the second copy brought up to date, and swapped
+ *
+ * and any number of frames are drawn from the copy that is shown meanwhile. The parts:
+ *
+ *   plan.c, method.c      which of it a scene needs; a cache made, edited, shown; state.h: its fields
+ *   cache/patches         triangles, quadrilaterals and bicubic patches, and the hierarchy on them
+ *   leaves.c              visible leaves and their pixels; those with nothing left to do
+ *   priority.c            interpolation error, age, normalisation
+ *   selection.c           choices kept; systematic and sorted selection
+ *   work.c                patches grouped, corners asked for, splits
+ *   renderers.h           direct light, bidirectional paths, caustics
+ *   samples.c, change.c   requests, commits; change detection, resolution drop, blending
+ *   display.h             arrays, tessellation, drawing
+ *   story.c               the terms of a pixel, for observers */
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
-#include "cache/frame/picture_value.h"
+#include "base/random.h"
 #include "cache/shading_cache/state.h"
 #include "cache/shading_cache/story.h"
-#include "scene/ambient.h"
 
-/* ---- life ---- */
+enum { LEVELS_AN_UPDATE = 3, CROWD = 4, CHOICES_A_PATCH = 16, NUDGES = 3 };
 
-static void shading_destroy(void *state) {
-    sl_shading_state *s = state;
-    if (!s) return;
-    for (int i = 0; i < s->renderer_count; i++) s->renderer[i].destroy(s->renderer[i].state);
-    sl_display_destroy(s->display);
-    sl_changes_destroy(s->changes);
-    sl_object_places_destroy(s->places);
-    sl_patches_destroy(s->patches);
-    sl_primitives_destroy(s->primitives);
-    sl_tracer_destroy(s->own_tracer);
-    sl_free(s->ids.patch);
-    sl_free(s->id_memory);
-    sl_free(s->leaf_of_pixel);
-    sl_free(s->leaf);
-    sl_free(s->choice);
-    sl_free(s->place);
-    sl_free(s->vertex);
-    sl_fades_release(&s->fades);
-    sl_free(s->request);
-    sl_free(s->sample);
-    sl_free(s->part);
-    sl_free(s->stale);
-    sl_free(s->changing);
-    sl_free(s->stale_before);
-    sl_free(s);
+/* A patch is split above 1.2 stop sizes, and dropped by ageing below 0.8: in between nothing swings to and
+ * fro. */
+static const float split_slack = 1.2f, drop_slack = 0.8f;
+
+/* ---- id map ---- */
+
+static sl_status draw_id_map(sl_shading_state *s, sl_error *error) {
+    sl_status status = sl_display_id_map(s->display, s->settings.threads, &s->ids, &s->counters, error);
+    if (status == SL_OK) status = sl_shading_find_leaves(s, error);
+    if (status == SL_OK) sl_shading_announce_ids(s);
+    return status;
 }
 
-static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
-    size_t pixels = sl_shading_pixels(s), choices = 2 * (size_t)s->settings.shading_cache.points;
-    s->ids.patch = sl_allocate(pixels, sizeof *s->ids.patch);
-    s->id_memory = sl_allocate(2 * pixels, sizeof *s->id_memory);
-    s->leaf_of_pixel = sl_allocate(pixels, sizeof *s->leaf_of_pixel);
-    s->choice = sl_allocate(choices, sizeof *s->choice);
-    s->place = sl_allocate(choices, sizeof *s->place);
-    s->vertex_room = (4 + SL_HANGING_A_PATCH) * choices + 64;
-    s->vertex = sl_allocate(s->vertex_room, sizeof *s->vertex);
-    s->request = sl_allocate(s->vertex_room, sizeof *s->request);
-    s->sample = sl_allocate(s->vertex_room, sizeof *s->sample);
-    s->part = sl_allocate(s->vertex_room, sizeof *s->part);
-    s->stale = sl_allocate(s->scene->object_count, sizeof *s->stale);
-    s->changing = sl_allocate(s->scene->object_count, sizeof *s->changing);
-    s->stale_before = sl_allocate(s->scene->object_count, sizeof *s->stale_before);
-    if (!s->ids.patch || !s->id_memory || !s->leaf_of_pixel || !s->choice || !s->place || !s->vertex || !s->request || !s->sample ||
-        !s->part || !s->stale || !s->changing || !s->stale_before)
-        return sl_fail_memory(error, "the shading cache");
-    s->ids.u = s->id_memory;
-    s->ids.v = s->id_memory + pixels;
-    return SL_OK;
+/* ---- priority map ---- */
+
+/* p = p_err + min(p_age, 255), p_err = max D - min D over the corners, p_age = c (t_now - t_eval) where the
+ * object changes, or the eye has moved and the surface is not diffuse. Patches never evaluated come first.
+ * Until it is normalised p_norm holds p of at most 255 levels. */
+static void prioritise(sl_shading_state *s, sl_leaf_priority *leaf) {
+    bool ages = !s->settings.shading_cache.no_ageing;
+    uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, leaf->patch));
+    uint32_t eye_moved = ages ? s->changes->eye_moved : 0;
+    uint32_t changed = ages ? sl_changes_since(s->changes, object) : 0;
+    leaf->priority = sl_patch_priority(s->patches, &s->curve, leaf->patch, s->now, eye_moved, changed);
+    leaf->normal = leaf->priority >= 0.0f && leaf->priority < 255.0f ? leaf->priority : 255.0f;
 }
 
-typedef sl_status renderer_maker(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
-
-static sl_status make_renderers(sl_shading_state *s, sl_error *error) {
-    const struct {
-        bool runs;
-        renderer_maker *make;
-    } makers[SL_SHADING_RENDERERS] = {{s->plan.direct, sl_area_renderer}, {s->plan.indirect, sl_bidirectional_renderer}, {s->plan.caustics, sl_caustic_renderer}};
-    sl_renderer_settings settings = {.scene = s->scene, .tracer = &s->tracer, .cache = s->settings.shading_cache, .seed = s->settings.seed,
-                                     .threads = s->settings.threads};
-    sl_status status = SL_OK;
-    for (int i = 0; i < SL_SHADING_RENDERERS && status == SL_OK; i++) {
-        if (!makers[i].runs) continue;
-        status = makers[i].make(&settings, &s->renderer[s->renderer_count], error);
-        if (status == SL_OK) s->renderer_count++;
+/* The mean over the pixels, by which motion may be held back. */
+static double mean_error_levels(const sl_shading_state *s) {
+    double sum = 0.0, pixels = 0.0;
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        sum += (double)s->leaf[i].pixels * (double)s->leaf[i].normal;
+        pixels += s->leaf[i].pixels;
     }
-    return status;
+    return pixels > 0.0 ? sum / pixels : 0.0;
 }
 
-static sl_status make_tracer(sl_shading_state *s, sl_error *error) {
-    sl_tracer_destroy(s->own_tracer);
-    s->own_tracer = NULL;
-    s->tracer = NULL;
-    sl_status status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->own_tracer, error);
-    s->tracer = s->own_tracer;
-    return status;
-}
-
-/* Y_ref: what the scene's light makes of its surfaces, on the average. */
-static float middle_radiance(const sl_shading_state *s) {
+static void settle_work(sl_shading_state *s) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
-    float guess = sl_rgb_mean(sl_ambient_irradiance_of_all_bounces(s->scene)) * (float)(1.0 / SL_PI);
-    return c->mean_level_radiance > 0.0 ? (float)c->mean_level_radiance : guess > 0.0f ? guess : 1.0f;
+    for (size_t i = 0; i < s->scene->object_count; i++) {
+        s->stale_before[i] = s->changes->object[i].stale_before;
+        s->changing[i] = s->changes->object[i].changing;
+    }
+    s->work = (sl_work_settings){.split_above = split_slack * (float)c->stop_size,
+                                 .levels = LEVELS_AN_UPDATE,
+                                 .crowd = CROWD,
+                                 .variance_aware = c->variance_aware,
+                                 .sharp = s->plan.radiance ? &s->curve : NULL,
+                                 .dense = s->scene->emitter_count > 0 && !c->variance_aware,
+                                 .now = s->now,
+                                 .stale_before = c->no_ageing ? NULL : s->stale_before,
+                                 .eye_moved = c->no_ageing ? 0 : s->changes->eye_moved,
+                                 .changing = s->changing,
+                                 .coarsest = sl_shading_coarsest(s, false)};
 }
 
-/* Lamps may have grown, or left. */
-static void judge_by_light_of_now(sl_shading_state *s) {
-    s->curve.reference = middle_radiance(s);
-    if (sl_display_guess(s->display, sl_ambient_irradiance_of_all_bounces(s->scene))) s->drawn = false;
+/* p_norm = (p - lo) / (hi - lo) with lo, hi = mean -+ 4 sigma, clamped to the range of p. */
+static void make_priority_map(sl_shading_state *s) {
+    sl_shading_each_leaf(s, prioritise);
+    s->error_levels = mean_error_levels(s);
+    settle_work(s);
+    sl_shading_leave_out_finished(s);
+    sl_priorities_raise(s->leaf_count, s->leaf, sl_shading_pixels(s));
+    sl_priorities_normalise(s->leaf_count, s->leaf, s->settings.shading_cache.plain_normalisation);
+    sl_shading_announce_priorities(s);
 }
 
-static sl_status make_cache(sl_shading_state *s, sl_error *error) {
+/* ---- hit-and-test ---- */
+
+/* p_total = epsilon + (1 - epsilon) p_norm: a pixel is accepted with that chance. One uniform number u serves
+ * twice: below epsilon the pixel is a random one, which finds what the corners of its patch do not show, and
+ * (u - epsilon) / (1 - epsilon) < p_norm is the test. */
+void sl_hit_and_test(sl_selection *s) {
+    float e = s->settings->random_share;
+    uint64_t key = sl_random_key(s->settings->seed, s->settings->update), test = 0;
+    size_t points = (size_t)s->settings->points;
+    double most = 8.0 * (double)points / (e > 0.0f ? (double)e : 0.03);
+    for (; s->count < points && s->open > 0 && (double)test < most; test++) {
+        uint32_t pixel = (uint32_t)((uint64_t)sl_random_bits(key, 2 * test) * s->pixel_count >> 32);
+        float u = sl_random_unit(key, 2 * test + 1);
+        if (s->leaf[pixel] == SL_NO_INDEX) continue;
+        if (u < e) sl_selection_take(s, pixel, SL_CHOICE_RANDOM);
+        else if (u - e < (1.0f - e) * s->leaves[s->leaf[pixel]].normal)
+            sl_selection_take(s, pixel, SL_CHOICE_HIT);
+    }
+    sl_count(s->counters, SL_COUNT_PIXEL_TESTS, test);
+}
+
+/* ---- flood fill ---- */
+
+/* The neighbours of a pixel of high priority, at a shadow's edge for instance, are likely to have one, too,
+ * and small patches there are hardly ever hit by chance: on 640 x 480 pixels 1,000 draws miss a patch of one
+ * pixel 997 times in 1,000. */
+typedef struct flooded_pixel {
+    uint32_t pixel;
+    float threshold; /* p_norm of the seed */
+} flooded_pixel;
+
+typedef struct flood {
+    flooded_pixel *queue;
+    size_t first, end, flooded, most;
+} flood;
+
+/* The paper's floods run on while priorities grow, and so end within the patch they begin in, all of whose
+ * pixels have the same one. Here they run over all pixels with p_norm >= that of the seed, also through
+ * patches with enough choices. */
+static void flood_to(sl_selection *s, flood *f, uint32_t pixel, float threshold) {
+    uint32_t leaf = s->leaf[pixel];
+    if (f->flooded >= f->most || leaf == SL_NO_INDEX || sl_selection_visited(s, pixel) ||
+        !(s->leaves[leaf].normal >= threshold)) return;
+    f->flooded += sl_selection_take(s, pixel, SL_CHOICE_FLOOD);
+    sl_selection_visit(s, pixel);
+    f->queue[f->end++] = (flooded_pixel){pixel, threshold};
+}
+
+static void run_flood(sl_selection *s, flood *f) {
+    uint32_t width = (uint32_t)s->width, height = (uint32_t)s->height;
+    while (f->first < f->end && f->flooded < f->most && s->open > 0) {
+        flooded_pixel at = f->queue[f->first++];
+        uint32_t x = at.pixel % width, y = at.pixel / width;
+        if (x > 0) flood_to(s, f, at.pixel - 1, at.threshold);
+        if (x + 1 < width) flood_to(s, f, at.pixel + 1, at.threshold);
+        if (y > 0) flood_to(s, f, at.pixel - width, at.threshold);
+        if (y + 1 < height) flood_to(s, f, at.pixel + width, at.threshold);
+    }
+}
+
+/* Seeds are the hits with p_norm >= tau_f. Each pixel is in the queue at most once: seeds are visited. */
+sl_status sl_flood_fill(sl_selection *s, sl_error *error) {
+    flood f = {.queue = sl_allocate_unset(s->pixel_count, sizeof *f.queue),
+               .most = (size_t)s->settings->points};
+    if (!f.queue) return sl_fail_memory(error, "flood fill");
+    for (size_t i = 0; i < s->count; i++) {
+        float normal = s->leaves[s->choice[i].leaf].normal;
+        if (s->choice[i].kind != SL_CHOICE_HIT || !(normal >= s->settings->flood_threshold)) continue;
+        f.queue[f.end++] = (flooded_pixel){s->choice[i].pixel, normal};
+    }
+    run_flood(s, &f);
+    sl_free(f.queue);
+    return SL_OK;
+}
+
+static sl_status select_pixels(sl_shading_state *s, size_t *choices, sl_error *error) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
-    sl_display_settings display = {s->settings.width, s->settings.height, sl_ambient_irradiance_of_all_bounces(s->scene), s->settings.threads};
-    sl_status status = make_buffers(s, error);
-    if (status == SL_OK) status = make_tracer(s, error);
-    if (status == SL_OK) status = sl_primitives_find(s->scene, &s->primitives, error);
-    if (status == SL_OK) status = sl_patches_create(s->primitives, (s->plan.radiance ? SL_PATCHES_LOBES : 0) | (c->variance_aware ? SL_PATCHES_SETS : 0), &s->patches, error);
-    if (status == SL_OK) status = make_renderers(s, error);
-    if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
-    if (status == SL_OK) status = sl_changes_create(s->scene, (float)c->change_threshold, c->change_window, &s->changes, error);
-    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    sl_selection_settings selection = {.how = c->selection,
+                                       .points = c->points,
+                                       .random_share = c->no_random ? 0.0f : (float)c->random_share,
+                                       .flood_threshold = c->no_flood ? 2.0f : (float)c->flood_threshold,
+                                       .per_patch = CHOICES_A_PATCH,
+                                       .seed = s->settings.seed,
+                                       .update = s->now};
+    sl_status status = sl_select_pixels(&selection, s->settings.width, s->settings.height, s->leaf_of_pixel,
+                                        s->leaf_count, s->leaf,
+                                        s->choice, choices, &s->counters, error);
+    sl_shading_announce_choices(s, status == SL_OK ? *choices : 0);
     return status;
 }
 
-static sl_status shading_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state, sl_error *error) {
-    (void)transport; /* its own: sl_shading_transport() */
-    sl_shading_state *s = sl_allocate(1, sizeof *s);
-    if (!s) return sl_fail_memory(error, "the shading cache");
-    s->scene = scene;
-    s->eye = scene->camera.eye;
-    s->settings = *settings;
-    s->plan = sl_shading_plan_make(scene, settings);
-    s->announcer = (sl_announcer){.observer = settings->observer, .method = "shading-cache", .counters = &s->counters};
-    s->curve = (sl_display_curve){middle_radiance(s), settings->shading_cache.by_channel};
-    s->last_update = settings->shading_cache.updates;
-    sl_status status = make_cache(s, error);
-    if (status != SL_OK) {
-        shading_destroy(s);
-        return status;
+/* ---- lazy evaluation ---- */
+
+/* Of each patch with chosen pixels: corners never evaluated, or stale, are asked for; else, while it is
+ * larger than a pixel, it is split into four and each pixel goes to its child, which is treated alike where
+ * many pixels lie in it; a leaf of a pixel is done. */
+static sl_status evaluate_or_split(sl_shading_state *s, size_t choices, size_t *vertices, sl_error *error) {
+    for (size_t i = 0; i < choices; i++) {
+        uint32_t pixel = s->choice[i].pixel;
+        s->place[i] = (sl_chosen_place){s->ids.patch[pixel], s->ids.u[pixel], s->ids.v[pixel]};
     }
-    *state = s;
-    return SL_OK;
+    sl_shading_note_idle(s, choices);
+    sl_status status = sl_work_out(s->patches, &s->curve, &s->work, &s->scene->camera, s->settings.width,
+                                   s->settings.height, choices,
+                                   s->place, s->vertex, vertices, &s->counters, error);
+    if (status == SL_OK) sl_announce_pass(&s->announcer, "requests", "lazy evaluation");
+    return status;
 }
 
-/* ---- the view: every primitive has a root on the side that the eye may see ---- */
+/* ---- sample renderer: E of diffuse surfaces, L_o towards the eye of others ---- */
 
-static bool faces_the_eye(const sl_shading_state *s, uint32_t primitive) {
-    uint32_t triangle = s->primitives->first_triangle[primitive];
-    sl_vec3 corner = sl_scene_position(s->scene, s->scene->vertex[0][triangle]);
-    return sl_dot(sl_scene_geometric_normal(s->scene, triangle), sl_sub(s->scene->camera.eye, corner)) > 0.0f;
-}
-
-static sl_status want_roots(sl_shading_state *s, sl_error *error) {
-    sl_status status = SL_OK;
-    for (uint32_t p = 0; p < s->primitives->count; p++) {
-        bool curved = s->primitives->kind[p] == SL_PRIMITIVE_BICUBIC, front = curved || faces_the_eye(s, p);
-        if (front && sl_patches_root(s->patches, 2 * p, &status, error) == SL_NO_INDEX) return status;
-        if ((curved || !front) && sl_patches_root(s->patches, 2 * p + 1, &status, error) == SL_NO_INDEX) return status;
+/* A corner inside other geometry is asked for again, further inside its patch. */
+void sl_shading_sample(sl_shading_state *s, size_t count) {
+    for (size_t i = 0; i < count; i++) sl_shading_request(s, s->vertex[i], 0, &s->request[i]);
+    sl_shading_render(s, count, s->request, s->sample);
+    for (int nudge = 1; nudge <= NUDGES; nudge++) {
+        for (size_t i = 0; i < count; i++) {
+            if (s->sample[i].valid) continue;
+            sl_sample again;
+            sl_shading_request(s, s->vertex[i], nudge, &s->request[i]);
+            sl_shading_render(s, 1, &s->request[i], &again);
+            s->sample[i] = again;
+        }
     }
-    return SL_OK;
+    sl_announce_pass(&s->announcer, "samples", "lazy evaluation");
 }
 
-static sl_status take_view(sl_shading_state *s, sl_error *error) {
-    if (s->drawn) return SL_OK;
-    sl_status status = want_roots(s, error);
-    if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
-    s->drawn = status == SL_OK;
+/* ---- motion and age ---- */
+
+/* An object changes where |D(new) - D(old)| > tau_c for a corner shaded again by the same samples, until W
+ * updates have found no such corner and no visible leaf is stale. Its patches age, and until then they are as
+ * coarse as leaves time to shade all of them: a = A / (r T_c). */
+sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error) {
+    uint64_t before = s->counters.value[SL_COUNT_CHANGES_DETECTED];
+    sl_fades_go_on(&s->fades, s->patches, (float)s->settings.shading_cache.blending);
+    for (size_t i = 0; i < count; i++)
+        sl_shading_commit_sample(s, s->vertex[i], &s->request[i], &s->sample[i]);
+    sl_shading_find_stale(s);
+    sl_changes_settle(s->changes, s->stale, s->now);
+    bool found = s->counters.value[SL_COUNT_CHANGES_DETECTED] > before;
+    if (found) sl_shading_note_latency(s);
+    return found ? sl_shading_drop_resolution(s, error) : SL_OK;
+}
+
+/* Children go that were not seen for long, or are smaller than pixels, once there are more patches than the
+ * limit. */
+static sl_status age(sl_shading_state *s, sl_error *error) {
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    size_t limit = (size_t)sl_shading_patch_limit(&s->settings) + 2 * s->primitives->count;
+    uint32_t window = (uint32_t)c->ageing_window, since = s->now > window ? s->now - window : 0;
+    return sl_patches_evict(s->patches, limit, since, (double)drop_slack * c->stop_size, &s->counters, error);
+}
+
+/* A vertex without light of its own is extrapolated from the corners around it. */
+static sl_status move_and_age(sl_shading_state *s, size_t vertices, sl_error *error) {
+    sl_status status = sl_shading_commit(s, vertices, error);
+    if (s->now >= s->last_update) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
+    if (status == SL_OK) status = age(s, error);
+    if (status == SL_OK) status = sl_patches_lend(s->patches, error);
+    sl_announce_pass(&s->announcer, "commit", "motion, age");
     return status;
 }
 
-/* ---- the method ---- */
+/* ---- display arrays: two copies, one of which is shown ---- */
 
-static sl_status shading_update(void *state, sl_progress *progress, sl_error *error) {
-    sl_shading_state *s = state;
-    if (!s->tracer) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
-    sl_status status = take_view(s, error);
-    if (status == SL_OK && !s->done && !s->shows_only) status = sl_shading_update(s, error);
-    s->shows_only = false;
-    double left = (double)(s->last_update - s->now) / (double)s->settings.shading_cache.updates;
-    progress->fraction = s->done ? 1.0 : 1.0 - left;
-    double hold = s->settings.shading_cache.hold_levels;
-    progress->frame_done = s->done || !(hold > 0.0) || s->error_levels <= hold;
-    progress->done = s->done;
+static sl_status build_display_arrays(sl_shading_state *s, sl_error *error) {
+    sl_status status = sl_display_build(s->display, s->patches, &s->counters, error);
+    sl_announce_pass(&s->announcer, "display arrays", "display loop");
     return status;
 }
 
-static sl_status shading_resolve(void *state, sl_image **image, sl_error *error) {
-    sl_shading_state *s = state;
-    size_t pixels = sl_shading_pixels(s);
-    float *memory = sl_allocate(3 * pixels, sizeof *memory);
-    if (!memory) return sl_fail_memory(error, "the picture");
-    float *const planes[3] = {memory, memory + pixels, memory + 2 * pixels};
-    sl_status status = take_view(s, error);
-    if (status == SL_OK) status = sl_display_draw(s->display, s->settings.threads, planes, &s->counters, error);
-    if (status == SL_OK) status = sl_image_create(s->settings.width, s->settings.height, 3, NULL, image, error);
-    sl_count(&s->counters, SL_COUNT_FRAMES_DISPLAYED, status == SL_OK);
-    if (status == SL_OK) sl_announce(&s->announcer, "display", "display loop", s->settings.width, s->settings.height, 3, memory, true);
-    if (status == SL_OK) sl_shading_announce_patches(s);
-    for (size_t i = 0; i < 3 * pixels && status == SL_OK; i++) memory[i] = sl_picture_value(memory[i]);
-    for (int k = 0; k < 3 && status == SL_OK; k++) sl_raster_flip(planes[k], s->settings.width, s->settings.height, (*image)->planes + (size_t)k * pixels);
-    sl_free(memory);
-    return status;
-}
+/* ---- one update ---- */
 
-/* As if a light had been moved: all is shaded again. */
-static unsigned of_the_eye(sl_shading_state *s, unsigned what) {
-    bool matters = false;
-    for (int i = 0; i < s->renderer_count && (what & SL_CHANGED_CAMERA); i++) {
-        const sl_sample_renderer *r = &s->renderer[i];
-        matters = matters || (r->eye_matters && r->eye_matters(r->state, s->eye, s->scene->camera.eye));
-    }
-    s->eye = s->scene->camera.eye;
-    return matters ? what | SL_CHANGED_LIGHTS : what;
-}
-
-static sl_status note_motion(sl_shading_state *s, unsigned what, sl_error *error) {
-    sl_object_places *places;
-    sl_status status = sl_object_places_take(s->scene, &places, error);
+sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
+    size_t choices = 0, vertices = 0;
+    s->now++;
+    sl_status status = draw_id_map(s, error);
     if (status != SL_OK) return status;
-    for (size_t i = 0; i < places->count; i++) s->stale[i] = sl_object_has_moved(s->places, places, i);
-    sl_changes_edit(s->changes, what, s->stale, s->now + 1);
-    sl_object_places_destroy(s->places);
-    s->places = places;
-    return SL_OK;
-}
-
-/* The display follows at once; the shading finds out for itself what has changed. Of a series of frames every frames_per_update-th waits for an
- * update; the others show what there is, from where things are. */
-static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
-    sl_shading_state *s = state;
-    sl_status status = note_motion(s, of_the_eye(s, changes), error);
-    s->done = s->late = false;
-    if (!s->edited && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
-    sl_fades_finish(&s->fades, s->patches);
-    s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;
-    s->shows_only = s->edits++ % (uint32_t)s->settings.shading_cache.frames_per_update != 0 && !(s->settings.shading_cache.hold_levels > 0.0);
-    if (changes & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
-    if (changes & SL_CHANGED_OBJECTS) judge_by_light_of_now(s);
-    if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
-    if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = make_tracer(s, error);
-    for (int i = 0; i < s->renderer_count && status == SL_OK; i++) status = s->renderer[i].edit(s->renderer[i].state, changes, error);
-    if (status != SL_OK) s->tracer = NULL;
+    make_priority_map(s);
+    status = select_pixels(s, &choices, error);
+    if (status == SL_OK) status = evaluate_or_split(s, choices, &vertices, error);
+    if (status != SL_OK) return status;
+    sl_shading_sample(s, vertices);
+    status = move_and_age(s, vertices, error);
+    if (status == SL_OK) status = build_display_arrays(s, error);
+    s->done = s->now >= s->last_update || sl_shading_nothing_is_left(s);
+    if (s->done) s->edited = 0; /* nothing that is seen has changed */
     return status;
 }
-
-static const sl_counters *shading_counters(const void *state) { return &((const sl_shading_state *)state)->counters; }
-
-static double shading_error_levels(const void *state) { return ((const sl_shading_state *)state)->error_levels; }
-
-static size_t shading_bytes(const void *state) {
-    const sl_shading_state *s = state;
-    size_t bytes = sizeof *s + sl_shading_pixels(s) * (2 * sizeof *s->ids.patch + 2 * sizeof *s->ids.u) + s->leaf_room * sizeof *s->leaf;
-    bytes += s->fades.capacity * sizeof *s->fades.fade;
-    bytes += s->vertex_room * (sizeof *s->vertex + sizeof *s->request + 2 * sizeof *s->sample);
-    if (s->own_tracer) bytes += sl_tracer_memory_bytes(s->own_tracer);
-    return bytes + sl_primitives_memory_bytes(s->primitives) + sl_patches_memory_bytes(s->patches) + sl_display_memory_bytes(s->display);
-}
-
-const sl_method_class sl_shading_cache_method = {
-    .name = "shading-cache",
-    .complete = sl_shading_complete,
-    .create = shading_create,
-    .destroy = shading_destroy,
-    .update = shading_update,
-    .resolve = shading_resolve,
-    .edit = shading_edit,
-    .counters = shading_counters,
-    .memory_bytes = shading_bytes,
-    .need = sl_shading_need,
-    .concessions = sl_shading_concessions,
-    .transport = sl_shading_transport,
-    .plan = sl_shading_plan_write,
-    .story = sl_shading_story,
-    .window = &sl_shading_window,
-    .error_levels = shading_error_levels,
-};

@@ -5,7 +5,6 @@
 #include "cache/frame/announce.h"
 #include "cache/shading_cache/change.h"
 #include "cache/shading_cache/display.h"
-#include "cache/shading_cache/fade.h"
 #include "cache/shading_cache/plan.h"
 #include "cache/shading_cache/priority.h"
 #include "cache/shading_cache/renderers.h"
@@ -30,19 +29,19 @@ typedef struct sl_shading_state {
     sl_changes *changes;
     sl_object_places *places;
 
-    sl_display_ids ids;            /* U1 */
+    sl_display_ids ids;            /* id map */
     float *id_memory;
     uint32_t *leaf_of_pixel;       /* index into leaves */
-    sl_leaf_priority *leaf;        /* U2, U3: visible leaves, in the order of their first pixels */
+    sl_leaf_priority *leaf;        /* priority map: visible leaves, in the order of their first pixels */
     size_t leaf_count, leaf_room;
-    sl_choice *choice;             /* U4 */
-    sl_work_settings work;         /* U5, U6 */
+    sl_choice *choice;             /* hit-and-test, flood fill */
+    sl_work_settings work;         /* lazy evaluation */
     sl_chosen_place *place;
-    uint32_t *vertex;              /* U6: to be shaded */
+    uint32_t *vertex;              /* to be shaded */
     size_t vertex_room;
-    sl_sample_request *request;    /* U7 */
+    sl_sample_request *request;    /* sample renderer */
     sl_sample *sample, *part;
-    sl_fades fades;                /* U8 */
+    sl_fades fades;                /* values that are blended in */
     bool *stale, *changing;        /* by object */
     uint32_t *stale_before;
 
@@ -50,27 +49,45 @@ typedef struct sl_shading_state {
     uint64_t last_update;          /* after which a picture is done: an edit allows as many again */
     sl_vec3 eye;                   /* as the last edit left it */
     uint32_t edits;                /* ... of a series: frames */
-    uint32_t edited;               /* the first update after an edit whose change no update has found yet; 0: there is none */
+    uint32_t edited;               /* the first update after an edit whose change is not found yet; 0: none */
     bool shows_only;               /* the next frame of a series waits for no update */
     double error_levels;           /* of what was seen when the last update began */
-    bool late;                     /* half of an update's choices had nothing left to do: leaves that are finished are left out, until the next edit */
+    bool late;                     /* half of the choices were finished leaves: these are left out until the next edit */
     bool drawn;                    /* the display knows the view */
     bool done;
     sl_counters counters;
     sl_announcer announcer;
 } sl_shading_state;
 
-static inline size_t sl_shading_pixels(const sl_shading_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
+static inline size_t sl_shading_pixels(const sl_shading_state *s) {
+    return (size_t)s->settings.width * (size_t)s->settings.height;
+}
 
-/* live.c: frames beside updates. */
-extern const sl_window_class sl_shading_window;
-
-/* update.c: U1 to U10, once. */
+/* shading_cache.c: one update. The samples of s->vertex[0 .. count), into s->sample, and their commit. */
 sl_status sl_shading_update(sl_shading_state *s, sl_error *error);
-/* samples.c: U7, the values of s->vertex[0 .. count), into s->sample; U8, into the patches. */
 void sl_shading_sample(sl_shading_state *s, size_t count);
 sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error);
-/* Pixels squared below which the patches of what changes are not split; 0: no limit. */
+
+/* leaves.c. The id map's leaves with their pixels; a visit to each of them, on all threads. */
+typedef void sl_leaf_visit(sl_shading_state *s, sl_leaf_priority *leaf);
+sl_status sl_shading_find_leaves(sl_shading_state *s, sl_error *error);
+void sl_shading_each_leaf(sl_shading_state *s, sl_leaf_visit *visit);
+/* Finished leaves are not chosen, once half of the choices were theirs. */
+void sl_shading_leave_out_finished(sl_shading_state *s);
+void sl_shading_note_idle(sl_shading_state *s, size_t choices);
+bool sl_shading_nothing_is_left(const sl_shading_state *s);
+
+/* samples.c. nudge: 0, or how often the vertex turned out to be inside other geometry, at most 3. */
+void sl_shading_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_sample_request *request);
+void sl_shading_render(sl_shading_state *s, size_t count, const sl_sample_request *requests,
+                       sl_sample *samples);
+void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request,
+                              const sl_sample *sample);
+/* Objects of which visible leaves still show values from before their change. */
+void sl_shading_find_stale(sl_shading_state *s);
+sl_status sl_shading_drop_resolution(sl_shading_state *s, sl_error *error);
+void sl_shading_note_latency(sl_shading_state *s);
+/* Pixels squared below which the patches of changing objects are not split; 0: no limit. */
 float sl_shading_coarsest(const sl_shading_state *s, bool triangles);
 
 #endif

@@ -7,6 +7,7 @@
 #include "base/counters.h"
 #include "cache/shading_cache/state.h"
 #include "rendering.h"
+#include "tests/cache/shading_cache/renderer_support.h"
 
 static uint32_t vertex_at(const hierarchy *h, int u, int v) { /* in quarters of the root */
     sl_patch_place leaf = sl_patch_locate(h->patches, 0, u / 4.0, v / 4.0);
@@ -324,7 +325,7 @@ static void renderers_that_return_no_number_leave_the_picture_as_it_was(void **s
     committing c;
     begin(&c);
     evaluate_all(&c.h, 2.0f, 1);
-    assert_int_equal(sl_constant_renderer((sl_rgb){1.0f, NAN, 1.0f}, &c.s.renderer[0], NULL), SL_OK);
+    c.s.renderer[0] = constant_renderer((sl_rgb){1.0f, NAN, 1.0f});
     c.s.renderer_count = 1;
     c.s.settings.threads = 1;
     sl_shading_sample(&c.s, 4);

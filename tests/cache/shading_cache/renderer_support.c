@@ -1,5 +1,8 @@
 #include "renderer_support.h"
 
+#include "base/memory.h"
+#include "cache/shading_cache/renderer_parts.h"
+
 void shop_open(shop *s, sl_scene *scene) {
     *s = (shop){.scene = scene};
     assert_non_null(scene);
@@ -31,10 +34,37 @@ sl_sample shop_sample(shop *s, const sl_sample_renderer *renderer, const sl_samp
 
 sl_sample_request request_on(const sl_scene *scene, uint32_t triangle, float w1, float w2, bool front) {
     sl_surface surface;
-    sl_scene_surface(scene, triangle, w1, w2, sl_scale(sl_scene_geometric_normal(scene, triangle), front ? 1.0f : -1.0f), &surface);
-    return (sl_sample_request){.point = {surface.position, surface.normal, surface.geometric_normal, triangle}, .material = surface.material};
+    sl_scene_surface(scene, triangle, w1, w2, sl_scale(sl_scene_geometric_normal(scene, triangle),
+                                                       front ? 1.0f : -1.0f), &surface);
+    return (sl_sample_request){.point = {surface.position, surface.normal, surface.geometric_normal,
+                                         triangle}, .material = surface.material};
 }
 
 sl_sample_request request_at(sl_vec3 position, sl_vec3 normal) {
     return (sl_sample_request){.point = {position, normal, normal, SL_NO_INDEX}};
+}
+
+static void constant_point(const void *state, const sl_sample_request *request, unsigned worker,
+                           sl_sample *sample, sl_counters *counters) {
+    (void)request, (void)worker, (void)counters;
+    sample->irradiance = *(const sl_rgb *)state;
+}
+
+static void constant_batch(const void *state, size_t count, const sl_sample_request *requests,
+                           unsigned threads, sl_sample *samples,
+                           sl_counters *counters) {
+    sl_render_each(constant_point, state, count, requests, threads, samples, counters);
+}
+
+static sl_status constant_edit(void *state, unsigned changes, sl_error *error) {
+    (void)state, (void)changes, (void)error;
+    return SL_OK;
+}
+
+sl_sample_renderer constant_renderer(sl_rgb irradiance) {
+    sl_rgb *state = sl_allocate(1, sizeof *state);
+    assert_non_null(state);
+    *state = irradiance;
+    return (sl_sample_renderer){.name = "constant", .state = state, .render = constant_batch,
+                                .edit = constant_edit, .destroy = sl_free};
 }

@@ -39,4 +39,7 @@ sl_sample_request request_on(const sl_scene *scene, uint32_t triangle, float w1,
 /* A point that belongs to no triangle; no material. */
 sl_sample_request request_at(sl_vec3 position, sl_vec3 normal);
 
+/* The same irradiance everywhere. */
+sl_sample_renderer constant_renderer(sl_rgb irradiance);
+
 #endif

@@ -11,6 +11,7 @@
 
 #include "bench/render_cache.h"
 #include "base/math.h"
+#include "tests/cache/shading_cache/renderer_support.h"
 
 enum { SIZE = 64 };
 
@@ -28,7 +29,7 @@ static world open_world(const char *path) {
     sl_error error;
     assert_int_equal(sl_scene_load(path, &w.scene, &error), SL_OK);
     assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &w.own, &error), SL_OK);
-    assert_int_equal(sl_constant_renderer((sl_rgb){1.0f, 2.0f, 3.0f}, &w.renderer, &error), SL_OK);
+    w.renderer = constant_renderer((sl_rgb){1.0f, 2.0f, 3.0f});
     return w;
 }
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 #include "base/counters.h"
-#include "cache/shading_cache/fade.h"
+#include "cache/shading_cache/change.h"
 #include "rendering.h"
 
 /* A square with irradiance 1, 3, 5, 3 at its corners, split; its middle has just got its first sample. */

@@ -1,0 +1,348 @@
+/* The method: makes and ends a cache, shows its picture, takes edits. One update of it is in shading_cache.c.
+ * */
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/frame/picture_value.h"
+#include "cache/shading_cache/state.h"
+#include "cache/shading_cache/story.h"
+#include "scene/ambient.h"
+
+/* ---- life ---- */
+
+static void shading_destroy(void *state) {
+    sl_shading_state *s = state;
+    if (!s) return;
+    for (int i = 0; i < s->renderer_count; i++) s->renderer[i].destroy(s->renderer[i].state);
+    sl_display_destroy(s->display);
+    sl_changes_destroy(s->changes);
+    sl_object_places_destroy(s->places);
+    sl_patches_destroy(s->patches);
+    sl_primitives_destroy(s->primitives);
+    sl_tracer_destroy(s->own_tracer);
+    sl_free(s->ids.patch);
+    sl_free(s->id_memory);
+    sl_free(s->leaf_of_pixel);
+    sl_free(s->leaf);
+    sl_free(s->choice);
+    sl_free(s->place);
+    sl_free(s->vertex);
+    sl_fades_release(&s->fades);
+    sl_free(s->request);
+    sl_free(s->sample);
+    sl_free(s->part);
+    sl_free(s->stale);
+    sl_free(s->changing);
+    sl_free(s->stale_before);
+    sl_free(s);
+}
+
+static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
+    size_t pixels = sl_shading_pixels(s), choices = 2 * (size_t)s->settings.shading_cache.points;
+    s->ids.patch = sl_allocate(pixels, sizeof *s->ids.patch);
+    s->id_memory = sl_allocate(2 * pixels, sizeof *s->id_memory);
+    s->leaf_of_pixel = sl_allocate(pixels, sizeof *s->leaf_of_pixel);
+    s->choice = sl_allocate(choices, sizeof *s->choice);
+    s->place = sl_allocate(choices, sizeof *s->place);
+    s->vertex_room = (4 + SL_HANGING_A_PATCH) * choices + 64;
+    s->vertex = sl_allocate(s->vertex_room, sizeof *s->vertex);
+    s->request = sl_allocate(s->vertex_room, sizeof *s->request);
+    s->sample = sl_allocate(s->vertex_room, sizeof *s->sample);
+    s->part = sl_allocate(s->vertex_room, sizeof *s->part);
+    s->stale = sl_allocate(s->scene->object_count, sizeof *s->stale);
+    s->changing = sl_allocate(s->scene->object_count, sizeof *s->changing);
+    s->stale_before = sl_allocate(s->scene->object_count, sizeof *s->stale_before);
+    if (!s->ids.patch || !s->id_memory || !s->leaf_of_pixel || !s->choice || !s->place || !s->vertex ||
+        !s->request || !s->sample ||
+        !s->part || !s->stale || !s->changing || !s->stale_before)
+        return sl_fail_memory(error, "the shading cache");
+    s->ids.u = s->id_memory;
+    s->ids.v = s->id_memory + pixels;
+    return SL_OK;
+}
+
+typedef sl_status renderer_maker(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
+                                 sl_error *error);
+
+static sl_status make_renderers(sl_shading_state *s, sl_error *error) {
+    const struct {
+        bool runs;
+        renderer_maker *make;
+    } makers[SL_SHADING_RENDERERS] = {{s->plan.direct, sl_area_renderer}, {s->plan.indirect,
+        sl_bidirectional_renderer}, {s->plan.caustics, sl_caustic_renderer}};
+    sl_renderer_settings settings = {.scene = s->scene, .tracer = &s->tracer,
+                                     .cache = s->settings.shading_cache, .seed = s->settings.seed,
+                                     .threads = s->settings.threads};
+    sl_status status = SL_OK;
+    for (int i = 0; i < SL_SHADING_RENDERERS && status == SL_OK; i++) {
+        if (!makers[i].runs) continue;
+        status = makers[i].make(&settings, &s->renderer[s->renderer_count], error);
+        if (status == SL_OK) s->renderer_count++;
+    }
+    return status;
+}
+
+static sl_status make_tracer(sl_shading_state *s, sl_error *error) {
+    sl_tracer_destroy(s->own_tracer);
+    s->own_tracer = NULL;
+    s->tracer = NULL;
+    sl_status status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->own_tracer, error);
+    s->tracer = s->own_tracer;
+    return status;
+}
+
+/* Y_ref: what the scene's light makes of its surfaces, on the average. */
+static float middle_radiance(const sl_shading_state *s) {
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    float guess = sl_rgb_mean(sl_ambient_irradiance_of_all_bounces(s->scene)) * (float)(1.0 / SL_PI);
+    return c->mean_level_radiance > 0.0 ? (float)c->mean_level_radiance : guess > 0.0f ? guess : 1.0f;
+}
+
+/* Lamps may have grown, or left. */
+static void judge_by_light_of_now(sl_shading_state *s) {
+    s->curve.reference = middle_radiance(s);
+    if (sl_display_guess(s->display, sl_ambient_irradiance_of_all_bounces(s->scene))) s->drawn = false;
+}
+
+static sl_status make_cache(sl_shading_state *s, sl_error *error) {
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    sl_display_settings display = {s->settings.width, s->settings.height,
+                                   sl_ambient_irradiance_of_all_bounces(s->scene), s->settings.threads};
+    sl_status status = make_buffers(s, error);
+    if (status == SL_OK) status = make_tracer(s, error);
+    if (status == SL_OK) status = sl_primitives_find(s->scene, &s->primitives, error);
+    if (status == SL_OK)
+        status = sl_patches_create(s->primitives,
+                                   (s->plan.radiance ? SL_PATCHES_LOBES : 0) | (c->variance_aware ? SL_PATCHES_SETS : 0), &s->patches, error);
+    if (status == SL_OK) status = make_renderers(s, error);
+    if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
+    if (status == SL_OK)
+        status = sl_changes_create(s->scene, (float)c->change_threshold, c->change_window, &s->changes,
+                                   error);
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    return status;
+}
+
+static sl_status shading_create(const sl_scene *scene, const sl_settings *settings,
+                                const sl_transport *transport, void **state, sl_error *error) {
+    (void)transport; /* its own: sl_shading_transport() */
+    sl_shading_state *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "the shading cache");
+    s->scene = scene;
+    s->eye = scene->camera.eye;
+    s->settings = *settings;
+    s->plan = sl_shading_plan_make(scene, settings);
+    s->announcer = (sl_announcer){.observer = settings->observer, .method = "shading-cache",
+                                  .counters = &s->counters};
+    s->curve = (sl_display_curve){middle_radiance(s), settings->shading_cache.by_channel};
+    s->last_update = settings->shading_cache.updates;
+    sl_status status = make_cache(s, error);
+    if (status != SL_OK) {
+        shading_destroy(s);
+        return status;
+    }
+    *state = s;
+    return SL_OK;
+}
+
+/* ---- the view: every primitive has a root on the side that the eye may see ---- */
+
+static bool faces_the_eye(const sl_shading_state *s, uint32_t primitive) {
+    uint32_t triangle = s->primitives->first_triangle[primitive];
+    sl_vec3 corner = sl_scene_position(s->scene, s->scene->vertex[0][triangle]);
+    return sl_dot(sl_scene_geometric_normal(s->scene, triangle), sl_sub(s->scene->camera.eye, corner)) > 0.0f;
+}
+
+static sl_status want_roots(sl_shading_state *s, sl_error *error) {
+    sl_status status = SL_OK;
+    for (uint32_t p = 0; p < s->primitives->count; p++) {
+        bool curved = s->primitives->kind[p] == SL_PRIMITIVE_BICUBIC, front = curved || faces_the_eye(s, p);
+        if (front && sl_patches_root(s->patches, 2 * p, &status, error) == SL_NO_INDEX) return status;
+        if ((curved || !front) && sl_patches_root(s->patches, 2 * p + 1, &status, error) == SL_NO_INDEX)
+            return status;
+    }
+    return SL_OK;
+}
+
+static sl_status take_view(sl_shading_state *s, sl_error *error) {
+    if (s->drawn) return SL_OK;
+    sl_status status = want_roots(s, error);
+    if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
+    s->drawn = status == SL_OK;
+    return status;
+}
+
+/* ---- the method ---- */
+
+static sl_status shading_update(void *state, sl_progress *progress, sl_error *error) {
+    sl_shading_state *s = state;
+    if (!s->tracer)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    sl_status status = take_view(s, error);
+    if (status == SL_OK && !s->done && !s->shows_only) status = sl_shading_update(s, error);
+    s->shows_only = false;
+    double left = (double)(s->last_update - s->now) / (double)s->settings.shading_cache.updates;
+    progress->fraction = s->done ? 1.0 : 1.0 - left;
+    double hold = s->settings.shading_cache.hold_levels;
+    progress->frame_done = s->done || !(hold > 0.0) || s->error_levels <= hold;
+    progress->done = s->done;
+    return status;
+}
+
+static sl_status shading_resolve(void *state, sl_image **image, sl_error *error) {
+    sl_shading_state *s = state;
+    size_t pixels = sl_shading_pixels(s);
+    float *memory = sl_allocate(3 * pixels, sizeof *memory);
+    if (!memory) return sl_fail_memory(error, "the picture");
+    float *const planes[3] = {memory, memory + pixels, memory + 2 * pixels};
+    sl_status status = take_view(s, error);
+    if (status == SL_OK)
+        status = sl_display_draw(s->display, s->settings.threads, planes, &s->counters, error);
+    if (status == SL_OK)
+        status = sl_image_create(s->settings.width, s->settings.height, 3, NULL, image, error);
+    sl_count(&s->counters, SL_COUNT_FRAMES_DISPLAYED, status == SL_OK);
+    if (status == SL_OK)
+        sl_announce(&s->announcer, "display", "display loop", s->settings.width, s->settings.height, 3,
+                    memory, true);
+    if (status == SL_OK) sl_shading_announce_patches(s);
+    for (size_t i = 0; i < 3 * pixels && status == SL_OK; i++) memory[i] = sl_picture_value(memory[i]);
+    for (int k = 0; k < 3 && status == SL_OK; k++)
+        sl_raster_flip(planes[k], s->settings.width, s->settings.height,
+                       (*image)->planes + (size_t)k * pixels);
+    sl_free(memory);
+    return status;
+}
+
+/* As if a light had been moved: all is shaded again. */
+static unsigned of_the_eye(sl_shading_state *s, unsigned what) {
+    bool matters = false;
+    for (int i = 0; i < s->renderer_count && (what & SL_CHANGED_CAMERA); i++) {
+        const sl_sample_renderer *r = &s->renderer[i];
+        matters = matters || (r->eye_matters && r->eye_matters(r->state, s->eye, s->scene->camera.eye));
+    }
+    s->eye = s->scene->camera.eye;
+    return matters ? what | SL_CHANGED_LIGHTS : what;
+}
+
+static sl_status note_motion(sl_shading_state *s, unsigned what, sl_error *error) {
+    sl_object_places *places;
+    sl_status status = sl_object_places_take(s->scene, &places, error);
+    if (status != SL_OK) return status;
+    for (size_t i = 0; i < places->count; i++) s->stale[i] = sl_object_has_moved(s->places, places, i);
+    sl_changes_edit(s->changes, what, s->stale, s->now + 1);
+    sl_object_places_destroy(s->places);
+    s->places = places;
+    return SL_OK;
+}
+
+/* The display follows at once; the shading finds out for itself what has changed. Of a series of frames every
+ * frames_per_update-th waits for an update; the others show what there is, from where things are. */
+static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
+    sl_shading_state *s = state;
+    sl_status status = note_motion(s, of_the_eye(s, changes), error);
+    s->done = s->late = false;
+    if (!s->edited && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
+    sl_fades_finish(&s->fades, s->patches);
+    s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    s->shows_only = s->edits++ % (uint32_t)c->frames_per_update != 0 && !(c->hold_levels > 0.0);
+    if (changes & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
+    if (changes & SL_CHANGED_OBJECTS) judge_by_light_of_now(s);
+    if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
+    if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = make_tracer(s, error);
+    for (int i = 0; i < s->renderer_count && status == SL_OK; i++)
+        status = s->renderer[i].edit(s->renderer[i].state, changes, error);
+    if (status != SL_OK) s->tracer = NULL;
+    return status;
+}
+
+static const sl_counters *shading_counters(const void *state) {
+    return &((const sl_shading_state *)state)->counters;
+}
+
+static double shading_error_levels(const void *state) {
+    return ((const sl_shading_state *)state)->error_levels;
+}
+
+static size_t shading_bytes(const void *state) {
+    const sl_shading_state *s = state;
+    size_t bytes = sizeof *s + sl_shading_pixels(s) * (2 * sizeof *s->ids.patch + 2 * sizeof *s->ids.u) + s->leaf_room * sizeof *s->leaf;
+    bytes += s->fades.capacity * sizeof *s->fades.fade;
+    bytes += s->vertex_room * (sizeof *s->vertex + sizeof *s->request + 2 * sizeof *s->sample);
+    if (s->own_tracer) bytes += sl_tracer_memory_bytes(s->own_tracer);
+    return bytes + sl_primitives_memory_bytes(s->primitives) + sl_patches_memory_bytes(s->patches) + sl_display_memory_bytes(s->display);
+}
+
+/* ---- frames beside updates: geometry follows at once, shading is as the last update left it ---- */
+
+typedef struct shading_window {
+    sl_display *display;
+    sl_window *window;
+    sl_settings settings;
+    float *planes; /* of a frame, bottom row first */
+} shading_window;
+
+static void window_destroy(void *window) {
+    shading_window *w = window;
+    if (!w) return;
+    sl_window_destroy(w->window);
+    sl_free(w->planes);
+    sl_free(w);
+}
+
+static sl_status window_create(void *state, const sl_scene *copy, void **window, sl_error *error) {
+    const sl_shading_state *s = state;
+    shading_window *w = sl_allocate(1, sizeof *w);
+    *window = NULL;
+    if (!w) return sl_fail_memory(error, "a window of the display");
+    w->display = s->display;
+    w->settings = s->settings;
+    w->planes = sl_allocate(3 * sl_shading_pixels(s), sizeof *w->planes);
+    sl_status status = w->planes ? sl_window_create(s->display, copy, &w->window,
+                                                    error) : sl_fail_memory(error, "a window of the display");
+    if (status == SL_OK) *window = w;
+    else window_destroy(w);
+    return status;
+}
+
+static sl_status window_move(void *window, sl_error *error) {
+    const shading_window *w = window;
+    return sl_window_move(w->display, w->window, error);
+}
+
+/* On the calling thread alone: the others are busy with samples. */
+static sl_status window_draw(void *window, sl_image *image, uint64_t *versions, sl_counters *counters,
+                             sl_error *error) {
+    const shading_window *w = window;
+    size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
+    float *const planes[3] = {w->planes, w->planes + pixels, w->planes + 2 * pixels};
+    sl_status status = sl_window_draw(w->display, w->window, 1, planes, counters, error);
+    if (status != SL_OK) return status;
+    for (int k = 0; k < 3; k++)
+        sl_raster_flip(planes[k], w->settings.width, w->settings.height, image->planes + (size_t)k * pixels);
+    *versions = sl_window_builds(w->window);
+    return SL_OK;
+}
+
+static const sl_window_class shading_window_class = {
+    .create = window_create, .destroy = window_destroy, .move = window_move, .draw = window_draw};
+
+const sl_method_class sl_shading_cache_method = {
+    .name = "shading-cache",
+    .complete = sl_shading_complete,
+    .create = shading_create,
+    .destroy = shading_destroy,
+    .update = shading_update,
+    .resolve = shading_resolve,
+    .edit = shading_edit,
+    .counters = shading_counters,
+    .memory_bytes = shading_bytes,
+    .need = sl_shading_need,
+    .concessions = sl_shading_concessions,
+    .transport = sl_shading_transport,
+    .plan = sl_shading_plan_write,
+    .story = sl_shading_story,
+    .window = &shading_window_class,
+    .error_levels = shading_error_levels,
+};

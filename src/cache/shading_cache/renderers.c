@@ -1,0 +1,60 @@
+/* Batches of requests on the workers (base/batch.h), and the parts that a request asks for. */
+#include "base/batch.h"
+#include "cache/shading_cache/renderer_parts.h"
+
+typedef struct point_batch {
+    sl_render_point *render;
+    const void *state;
+    const sl_sample_request *requests;
+} point_batch;
+
+static bool is_finite(const sl_sample *s) {
+    return sl_rgb_is_finite(s->irradiance) && sl_rgb_is_finite(s->radiance) && isfinite(s->variance);
+}
+
+static void render_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    const point_batch *b = context;
+    sl_sample *sample = result;
+    bool sound = sl_request_is_sound(&b->requests[index]);
+    *sample = (sl_sample){.valid = true};
+    if (sound) b->render(b->state, &b->requests[index], worker, sample, counters);
+    if (sound && is_finite(sample)) return;
+    *sample = (sl_sample){.broken = true};
+    sl_count(counters, SL_COUNT_NONFINITE, 1);
+}
+
+void sl_render_each(sl_render_point *render, const void *state, size_t count,
+                    const sl_sample_request *requests, unsigned threads,
+                    sl_sample *samples, sl_counters *counters) {
+    point_batch points = {render, state, requests};
+    sl_batch batch = {.count = count, .work = render_one, .context = &points, .results = samples,
+                      .result_bytes = sizeof *samples};
+    sl_batch_run(&batch, threads, counters);
+}
+
+bool sl_request_is_sound(const sl_sample_request *q) {
+    const sl_root_point *p = &q->point;
+    return sl_is_finite(p->position) && sl_is_finite(p->normal) && sl_is_finite(p->geometric_normal) && sl_dot(p->normal, p->normal) > 0.0f &&
+           sl_dot(p->geometric_normal, p->geometric_normal) > 0.0f;
+}
+
+bool sl_request_wants_irradiance(const sl_sample_request *q) { return !q->material ||
+                                                              sl_material_is_diffuse(q->material); }
+
+bool sl_request_wants_lobe(const sl_sample_request *q) { return q->radiance && q->material &&
+                                                        sl_material_is_glossy(q->material); }
+
+bool sl_request_wants_mirror(const sl_sample_request *q) { return q->radiance && q->material &&
+                                                          sl_material_is_mirror(q->material); }
+
+bool sl_request_lobe(const sl_sample_request *q, sl_bsdf *lobe) {
+    if (!sl_request_wants_lobe(q)) return false;
+    sl_vec3 to_eye = sl_normalize_or(sl_sub(q->eye, q->point.position), sl_v3(0.0f, 0.0f, 0.0f));
+    if (!(sl_dot(to_eye, q->point.geometric_normal) > 0.0f)) return false;
+    *lobe = (sl_bsdf){.specular = sl_grey(1.0f),
+                      .exponent = q->material->exponent,
+                      .normal = q->point.normal,
+                      .geometric_normal = q->point.geometric_normal};
+    sl_bsdf_turn(lobe, to_eye, SL_LOBE_GLOSSY);
+    return true;
+}
