@@ -19,7 +19,7 @@ static sl_settings settings_for(int size, int indirect) {
     s.shading_cache.indirect_samples = indirect;
     s.shading_cache.indirect = indirect > 0 ? SL_INDIRECT_BIDIRECTIONAL : SL_INDIRECT_NONE;
     s.shading_cache.frames_per_update = 1;
-    s.shading_cache.updates = 1u << 30; /* no end */
+    s.shading_cache.updates = 1000000000; /* no end */
     sl_shading_complete(&s);
     return s;
 }

@@ -16,7 +16,7 @@ static sl_settings loop_settings(void) {
     sl_settings s = small_settings("shading-cache", SIZE, SIZE);
     s.shading_cache.indirect = SL_INDIRECT_NONE;
     s.shading_cache.frames_per_update = 1;
-    s.shading_cache.updates = 1u << 30;
+    s.shading_cache.updates = 1000000000;
     return s;
 }
 
