@@ -80,8 +80,8 @@ float sl_changes_coarsest(double visible_pixels, double rate, double seconds, bo
 static bool is_to_drop(const sl_changes *changes, const sl_patches *patches, uint32_t patch, float area,
                        float coarsest_quad, float coarsest_triangle) {
     if (!sl_patch_is_alive(patches, patch) || sl_patch_is_leaf(patches, patch)) return false;
-    const sl_object_change *object = &changes->object[sl_root_object(patches->primitives,
-                                                                     sl_patch_root(patches, patch))];
+    uint32_t owner = sl_root_object(patches->primitives, sl_patch_root(patches, patch));
+    const sl_object_change *object = &changes->object[owner];
     return object->changing && !object->dropped && 0.25f * area <= (sl_patch_corners(patches,
         patch) == 3 ? coarsest_triangle : coarsest_quad);
 }

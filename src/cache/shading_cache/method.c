@@ -299,8 +299,8 @@ static sl_status window_create(void *state, const sl_scene *copy, void **window,
     w->display = s->display;
     w->settings = s->settings;
     w->planes = sl_allocate(3 * sl_shading_pixels(s), sizeof *w->planes);
-    sl_status status = w->planes ? sl_window_create(s->display, copy, &w->window,
-                                                    error) : sl_fail_memory(error, "a window of the display");
+    sl_status status = w->planes ? SL_OK : sl_fail_memory(error, "a window of the display");
+    if (status == SL_OK) status = sl_window_create(s->display, copy, &w->window, error);
     if (status == SL_OK) *window = w;
     else window_destroy(w);
     return status;

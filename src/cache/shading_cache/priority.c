@@ -85,7 +85,7 @@ float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_
         if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) return -1.0f;
         int count = measures_of(curve, radiance_at(p, &e, vertex), measure);
         for (int k = 0; k < count; k++) {
-            if (p->vertex[vertex].borrowed) low[k] = 0.0f; /* nobody knows: it may be black there */
+            if (p->vertex[vertex].borrowed) low[k] = 0.0f; /* extrapolated: it may be black there */
             low[k] = measure[k] < low[k] ? measure[k] : low[k];
             high[k] = measure[k] > high[k] ? measure[k] : high[k];
         }
@@ -139,7 +139,8 @@ void sl_priorities_raise(size_t count, sl_leaf_priority *leaves, size_t picture_
     }
 }
 
-/* Of the priorities of evaluated leaves, by pixels. Moments are taken about the smallest, so that equal ones have no variance at all. */
+/* Of the priorities of evaluated leaves, by pixels. Moments are taken about the smallest, so that equal ones
+ * have no variance at all. */
 typedef struct distribution {
     double min, max, mean, sigma;
 } distribution;
@@ -183,9 +184,9 @@ static bool are_outliers(size_t count, const sl_leaf_priority *leaves, double hi
     return above <= few * all;
 }
 
-/* One value of 10^6 among 10^4 between 0 and 1 puts mean + 4 sigma at 40,000, and all others at nothing; clipped to that its next place is 1,600,
- * then 65, 3.3, 1.7. What one pixel in a hundred has is no outlier, but what there is to refine: clipped again and again it would come down to
- * what all the others have. */
+/* One value of 10^6 among 10^4 between 0 and 1 puts mean + 4 sigma at 40,000, and all others at nothing;
+ * clipped to that its next place is 1,600, then 65, 3.3, 1.7. What one pixel in a hundred has is no outlier,
+ * but what there is to refine: clipped again and again it would come down to what all the others have. */
 static double find_high(size_t count, const sl_leaf_priority *leaves, distribution *d) {
     enum { PASSES = 8 };
     double high = d->max;
@@ -209,7 +210,7 @@ void sl_priorities_normalise(size_t count, sl_leaf_priority *leaves, bool plain)
     }
     for (size_t i = 0; i < count; i++) {
         double p = finite_priority(&leaves[i]);
-        if (!(leaves[i].priority >= 0.0f)) leaves[i].normal = 1.0f; /* NaN, too: new samples are what mends it */
+        if (!(leaves[i].priority >= 0.0f)) leaves[i].normal = 1.0f; /* NaN, too: new samples mend it */
         else if (high > low) leaves[i].normal = (float)fmin(fmax((p - low) / (high - low), 0.0), 1.0);
         else leaves[i].normal = p > 0.0 ? 1.0f : 0.0f;
     }

@@ -38,14 +38,17 @@ bool sl_request_is_sound(const sl_sample_request *q) {
            sl_dot(p->geometric_normal, p->geometric_normal) > 0.0f;
 }
 
-bool sl_request_wants_irradiance(const sl_sample_request *q) { return !q->material ||
-                                                              sl_material_is_diffuse(q->material); }
+bool sl_request_wants_irradiance(const sl_sample_request *q) {
+    return !q->material || sl_material_is_diffuse(q->material);
+}
 
-bool sl_request_wants_lobe(const sl_sample_request *q) { return q->radiance && q->material &&
-                                                        sl_material_is_glossy(q->material); }
+bool sl_request_wants_lobe(const sl_sample_request *q) {
+    return q->radiance && q->material && sl_material_is_glossy(q->material);
+}
 
-bool sl_request_wants_mirror(const sl_sample_request *q) { return q->radiance && q->material &&
-                                                          sl_material_is_mirror(q->material); }
+bool sl_request_wants_mirror(const sl_sample_request *q) {
+    return q->radiance && q->material && sl_material_is_mirror(q->material);
+}
 
 bool sl_request_lobe(const sl_sample_request *q, sl_bsdf *lobe) {
     if (!sl_request_wants_lobe(q)) return false;

@@ -150,9 +150,9 @@ static void commit_inside(sl_shading_state *s, uint32_t vertex) {
 
 /* A vertex is inside other geometry and was not, or the other way round: a change without values to compare.
  * */
-static bool comes_or_goes(const sl_patch_vertex *v,
-                          const sl_sample *sample) { return v->evaluated != SL_VERTEX_NEVER &&
-                                                    v->borrowed == sample->valid; }
+static bool comes_or_goes(const sl_patch_vertex *v, const sl_sample *sample) {
+    return v->evaluated != SL_VERTEX_NEVER && v->borrowed == sample->valid;
+}
 
 void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request,
                               const sl_sample *sample) {
@@ -206,8 +206,8 @@ float sl_shading_coarsest(const sl_shading_state *s, bool triangles) {
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, s->leaf[i].patch));
         if (s->changes->object[object].changing) visible += s->patches->patch[s->leaf[i].patch].pixels;
     }
-    return visible > 0.0 ? sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds,
-                                               triangles) : 0.0f;
+    if (!(visible > 0.0)) return 0.0f;
+    return sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds, triangles);
 }
 
 /* Corners that were never evaluated are none of that: while an object is refined there always are some. */

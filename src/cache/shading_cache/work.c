@@ -1,5 +1,6 @@
-/* From chosen pixels to work. A patch whose corners are not all there, or not as the scene is now, gets them; any other one that is larger than a pixel
- * is cut in four, and its places go to the children. Where many places lie in one patch that is done again at once: several levels in one update. */
+/* From chosen pixels to work. A patch whose corners are not all there, or not as the scene is now, gets them;
+ * any other one that is larger than a pixel is cut in four, and its places go to the children. Where many
+ * places lie in one patch that is done again at once: several levels in one update. */
 #include "cache/shading_cache/work.h"
 
 #include <math.h>
@@ -62,7 +63,8 @@ static void ask_for(worker *w, uint32_t vertex) {
     w->slot[at] = (uint32_t)w->count;
 }
 
-/* A leaf shows what hangs on its edges, too. What was evaluated there for neighbours that are seen no more nobody else would ask for. Returns how many, so many at most. */
+/* A leaf shows what hangs on its edges, too. What was evaluated there for neighbours that are seen no more
+ * nobody else would ask for. Returns how many, so many at most. */
 static size_t ask_for_stale_hanging(worker *w, uint32_t patch) {
     uint32_t vertex[SL_HANGING_MOST];
     size_t found = 0, most = SL_HANGING_A_PATCH;
@@ -78,7 +80,8 @@ static size_t ask_for_stale_hanging(worker *w, uint32_t patch) {
     return found;
 }
 
-/* Those corners that were never evaluated, or before something moved; true: there were some. Of a leaf also what hangs on its edges, if that is old. */
+/* Those corners that were never evaluated, or before something moved; true: there were some. Of a leaf also
+ * what hangs on its edges, if that is old. */
 static bool ask_for_missing(worker *w, const sl_patch_place *place) {
     bool any = false, full = false;
     uint32_t patch = place->patch;
@@ -115,7 +118,8 @@ static void ask_for_all(worker *w, uint32_t patch) {
 
 /* ---- is it noise? ---- */
 
-/* How far a level is off where the irradiance is off by its standard error: |D'| sigma, as a central difference, since D' has no bound at black. */
+/* How far a level is off where the irradiance is off by its standard error: |D'| sigma, as a central
+ * difference, since D' has no bound at black. */
 static double level_noise(const worker *w, uint32_t root, uint32_t vertex) {
     const sl_patches *p = w->patches;
     float luminance = sl_vertex_luminance(p, vertex), kd = sl_curve_luminance(sl_root_mean_diffuse(p->primitives, root));
@@ -178,7 +182,8 @@ static void hand_on(worker *w, const sl_patch_place *place, uint32_t *index, siz
 
 static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index, size_t count, int level);
 
-/* A child with a crowd of places is cut as well, before it has all its corners: its children's are what will be seen. */
+/* A child with a crowd of places is cut as well, before it has all its corners: its children's are what will
+ * be seen. */
 static sl_status process_children(worker *w, const sl_patch_place *place, uint32_t *index, size_t count, int level, bool always) {
     size_t begin[5];
     sl_status status = SL_OK;

@@ -19,7 +19,7 @@ typedef struct sl_work_settings {
     const uint32_t *stale_before; /* by object: vertices evaluated before that update are stale; NULL: none is */
     uint32_t eye_moved;        /* update: those evaluated before it are stale, too, where the material is not only diffuse; 0: never */
     const bool *changing;      /* by object; NULL: none */
-    bool dense;                /* leaves of one pixel want dense points on lights: no split makes such leaves before their parent's corners have them */
+    bool dense;                /* leaves of one pixel have dense points on lights: their parent's corners get them before the split */
     const sl_display_curve *sharp; /* leaves of polished surfaces are split below a pixel while their corners differ by SL_SHARP_LEVELS; NULL: they are not */
     float coarsest;            /* > 0: children of patches of changing objects need more than so many pixels^2, triangles half of it */
 } sl_work_settings;
@@ -27,22 +27,25 @@ typedef struct sl_work_settings {
 /* Of old vertices on the edges of one leaf no more are asked for at once. */
 enum { SL_HANGING_A_PATCH = 4 };
 
-/* What a mirror or a narrow lobe shows may be smaller than a pixel: a corner that meets a lamp would colour all of its leaf, whose pixel shows something else.
- * Such leaves are split down to this share of what is split elsewhere. */
+/* What a mirror or a narrow lobe shows may be smaller than a pixel: a corner that meets a lamp would colour
+ * all of its leaf, whose pixel shows something else. Such leaves are split down to this share of what is
+ * split elsewhere. */
 enum { SL_SHARP_LEVELS = 32, SL_SHARP_PARTS = 16 };
 
-/* A vertex that has been evaluated, but before its object or the eye moved: it is shaded again from its first set of samples. Others in the list that
- * were evaluated want one more set. */
+/* A vertex that has been evaluated, but before its object or the eye moved: it is shaded again from its first
+ * set of samples. Others in the list that were evaluated get one more set. */
 bool sl_vertex_is_stale(const sl_patches *patches, const sl_work_settings *settings, uint32_t vertex);
 
-/* Nothing is left to do in a leaf: its corners are as the scene is now, and it is too small for a split. Where that holds for all visible leaves a
- * picture of a still scene is done. */
-bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *settings, const sl_camera *camera, int width, int height, uint32_t patch);
+/* Nothing is left to do in a leaf: its corners are as the scene is now, and it is too small for a split.
+ * Where that holds for all visible leaves a picture of a still scene is done. */
+bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *settings,
+                          const sl_camera *camera, int width, int height, uint32_t patch);
 
-/* Handles all places, patch by patch in the order in which patches first occur: requests vertices never evaluated or stale; else splits and hands
- * places on. vertex: the vertices to be shaded, each once, in that order; room for
- * (4 + SL_HANGING_A_PATCH) * count + 64. */
-sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings, const sl_camera *camera, int width,
+/* Handles all places, patch by patch in the order in which patches first occur: requests vertices never
+ * evaluated or stale; else splits and hands places on. vertex: the vertices to be shaded, each once, in that
+ * order; room for (4 + SL_HANGING_A_PATCH) * count + 64. */
+sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings,
+                      const sl_camera *camera, int width,
                       int height, size_t count, const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count, sl_counters *counters,
                       sl_error *error);
 
