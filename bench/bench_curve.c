@@ -82,9 +82,9 @@ static void judge(world *w, const sl_image *image, trial *t) {
 static const struct {
     double accuracy;
     uint32_t samples;
-} rungs[] = {{0.7, 2}, {0.7, 4}, {0.5, 8}, {0.35, 16}, {0.25, 16}, {0.15, 32}, {0.1, 64}, {0.05, 128}};
+} steps[] = {{0.7, 2}, {0.7, 4}, {0.5, 8}, {0.35, 16}, {0.25, 16}, {0.15, 32}, {0.1, 64}, {0.05, 128}};
 static const int gathers[] = {16, 28, 48};
-enum { RUNGS = sizeof rungs / sizeof *rungs, GATHERS = sizeof gathers / sizeof *gathers };
+enum { RUNGS = sizeof steps / sizeof *steps, GATHERS = sizeof gathers / sizeof *gathers };
 
 static void run_splatting(const bench_options *o, world *w, curve *c) {
     for (int a = 0; a < RUNGS; a += o->brief ? 3 : 1) {
@@ -93,14 +93,14 @@ static void run_splatting(const bench_options *o, world *w, curve *c) {
             splat_run run;
             settings.method = "splatting";
             settings.width = settings.height = w->size;
-            settings.quality = rungs[a].accuracy < 0.3 ? SL_QUALITY_HIGH : SL_QUALITY_NORMAL;
-            settings.accuracy = rungs[a].accuracy;
+            settings.quality = steps[a].accuracy < 0.3 ? SL_QUALITY_HIGH : SL_QUALITY_NORMAL;
+            settings.accuracy = steps[a].accuracy;
             settings.gather_size = gathers[g];
-            settings.spp = rungs[a].samples;
+            settings.spp = steps[a].samples;
             splat_render(w->scene, &settings, true, &run);
             trial *t = &c->trials[c->count++];
-            *t = (trial){.seconds = run.cpu_all, .accuracy = rungs[a].accuracy, .gather = gathers[g],
-                         .samples = rungs[a].samples, .records = run.records[0] + run.records[1]};
+            *t = (trial){.seconds = run.cpu_all, .accuracy = steps[a].accuracy, .gather = gathers[g],
+                         .samples = steps[a].samples, .records = run.records[0] + run.records[1]};
             judge(w, run.image, t);
             splat_run_free(&run);
         }

@@ -89,9 +89,9 @@ typedef enum sl_counter {
     SL_COUNT_RECORDS,
     SL_COUNT_RECORDS_DISCARDED,    /**< speculative records found covered at commit */
     SL_COUNT_SPLATS,
-    SL_COUNT_HIDDEN_RECORDS,       /**< records that gathers see and the eye does not: more than one bounce */
-    SL_COUNT_HIDDEN_LOOK_UPS,      /**< points where gathers asked for their irradiance */
-    SL_COUNT_HIDDEN_MISSES,        /**< ... and no hidden record covered the point: others stood in */
+    SL_COUNT_SECOND_LEVEL_RECORDS,       /**< records that gathers see and the eye does not: more than one bounce */
+    SL_COUNT_SECOND_LEVEL_LOOK_UPS,      /**< points where gathers asked for their irradiance */
+    SL_COUNT_SECOND_LEVEL_MISSES,        /**< ... and no second-level record covered the point: others stood in */
     SL_COUNT_MAP_PHOTONS,          /**< sample photons of direct radiance maps */
     SL_COUNT_MAP_PHOTONS_DROPPED,  /**< ... that lie too near to the light, or hold no light */
     SL_COUNT_PHOTON_LOOK_UPS,      /**< receivers times photons that were summed */
@@ -417,12 +417,12 @@ SL_API sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings 
 /** One line on what the method does less than its settings ask for, so as to keep within "memory": "75000 stored
  * photons instead of 600000". Caches that are full by then are told of once they are. Owned by the method, and valid until it is called
  * again; NULL where it does all. The picture's metadata tell the settings that were used. */
-SL_API const char *sl_method_concession(sl_method *method);
+SL_API const char *sl_method_reduction(sl_method *method);
 
-/* ---- the story of a pixel ---- */
+/* ---- the explanation of a pixel ---- */
 
 /** One thing that made a pixel: a record, a photon, a voxel's light, a vertex of a mesh. */
-typedef struct sl_story_term {
+typedef struct sl_explanation_term {
     const char *layer;      /**< of the picture, that it adds to: "indirect", "direct", "emission"; a constant string */
     const char *kind;       /**< "irradiance record"; a constant string */
     uint64_t index;         /**< which one, by the method's own numbers */
@@ -431,22 +431,22 @@ typedef struct sl_story_term {
     double weight;          /**< as the method computes it, before any normalisation */
     float value[3];         /**< what it holds, by the method's own units: irradiance, radiance, flux */
     double contribution[3]; /**< what it adds to the pixel */
-} sl_story_term;
+} sl_explanation_term;
 
 /** All that made a pixel. Contributions and rounding add up, in double, to the pixel's exact value. */
-typedef struct sl_story {
+typedef struct sl_explanation {
     float pixel[3];       /**< R, G, B of the picture */
     size_t count;         /**< terms */
-    sl_story_term *terms; /**< in the order in which the method adds them */
+    sl_explanation_term *terms; /**< in the order in which the method adds them */
     double rounding[3];   /**< what rounding of the method's own sums, in float, has left: parts in a million */
-} sl_story;
+} sl_explanation;
 
 /** Tells what made the pixel of column x and row y, from the top, in the picture that sl_method_resolve() gave last: the method must
- * not have been updated or edited since. The caller destroys the story. USAGE: the method tells none (the tracers; direct-radiance without layers), there
+ * not have been updated or edited since. The caller destroys the explanation. USAGE: the method tells none (the tracers; direct-radiance without layers), there
  * is no such picture (known by what is stamped on it), or the pixel lies outside. */
-SL_API sl_status sl_method_story(sl_method *method, const sl_image *picture, int x, int y, sl_story **story, sl_error *error);
-/** Frees a story. NULL is allowed. */
-SL_API void sl_story_destroy(sl_story *story);
+SL_API sl_status sl_method_explanation(sl_method *method, const sl_image *picture, int x, int y, sl_explanation **explanation, sl_error *error);
+/** Frees an explanation. NULL is allowed. */
+SL_API void sl_explanation_destroy(sl_explanation *explanation);
 
 /** The names of all methods, in order; NULL past the end. */
 SL_API const char *sl_method_name(size_t index);

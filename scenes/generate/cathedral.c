@@ -92,10 +92,10 @@ static void lancet(mesh *m, const arch *a, double x0, double x1, double sill, do
     }
 }
 
-/* One bay of the nave's side, seen from the nave, in the plane z = 0: arcade, triforium, clerestory. */
+/* One bay of the nave's side, seen from the nave, in the plane z = 0: arcade, triforium, clereexplanation. */
 static void nave_side(mesh *m, int index) {
     const arch arcade = {0.5 * bay - 0.75, pier_impost, 1.6, 0.8, 8};
-    const double triforium = 7.6, clerestory = 9.8, top = nave_impost + nave_rise + 0.4;
+    const double triforium = 7.6, clereexplanation = 9.8, top = nave_impost + nave_rise + 0.4;
     gen_paint(m, "arcade", STONE);
     gen_arch_wall(m, &arcade, -0.5 * bay, 0.5 * bay, 0.0, triforium, wall);
     gen_arch_moulding(m, &arcade, 0.0, 0.5 * wall, 0.2, 0.12);
@@ -106,7 +106,7 @@ static void nave_side(mesh *m, int index) {
     for (int i = 0; i < 3; i++) {
         frame row = gen_move(m, (i - 1) * bay / 3.0, 0, 0);
         gen_paint(m, "triforium", STONE);
-        gen_arch_wall(m, &small, -bay / 6.0, bay / 6.0, 0.25, clerestory - triforium, wall);
+        gen_arch_wall(m, &small, -bay / 6.0, bay / 6.0, 0.25, clereexplanation - triforium, wall);
         gen_arch_moulding(m, &small, 0.0, 0.5 * wall, 0.1, 0.06);
         m->frame = row;
     }
@@ -115,13 +115,13 @@ static void nave_side(mesh *m, int index) {
              gen_v3(-0.5 * bay, 2.1, -0.48));
     m->frame = before;
     gen_paint(m, "string_courses", SHAFT);
-    const double courses[2] = {triforium, clerestory};
+    const double courses[2] = {triforium, clereexplanation};
     for (int i = 0; i < 2; i++) gen_bevel_box(m, gen_v3(-0.5 * bay, courses[i] - 0.1, 0.4 * wall),
                                               gen_v3(0.5 * bay, courses[i] + 0.06, 0.5 * wall + 0.13), 0.05);
 
-    gen_move(m, 0, clerestory, 0);
+    gen_move(m, 0, clereexplanation, 0);
     const arch window = {1.1, 3.0, 1.9, 0.95, 6};
-    lancet(m, &window, -0.5 * bay, 0.5 * bay, 0.7, top - clerestory, index % 2 ? CLEAR : WARM);
+    lancet(m, &window, -0.5 * bay, 0.5 * bay, 0.7, top - clereexplanation, index % 2 ? CLEAR : WARM);
     m->frame = before;
 }
 

@@ -127,7 +127,7 @@ static sl_status play(show *s, sl_scene *scene, sl_stages *stages, sl_error *err
     sl_settings settings = s->o->settings;
     if (are_stages_told(s->o)) settings.observer = &stages->observer;
     sl_status status = sl_live_start(scene, &settings, &s->live, error);
-    if (status == SL_OK && !s->o->quiet && *sl_live_concession(s->live)) fprintf(stderr, "softlux: to keep within --memory: %s\n", sl_live_concession(s->live));
+    if (status == SL_OK && !s->o->quiet && *sl_live_reduction(s->live)) fprintf(stderr, "softlux: to keep within --memory: %s\n", sl_live_reduction(s->live));
     s->begin = sl_seconds_now();
     while (status == SL_OK && goes_on(s)) status = one_frame(s, error);
     s->report.seconds = sl_seconds_now() - s->begin;

@@ -105,8 +105,8 @@ void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl
     const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
     int length;
     while (!o->quiet && (line = next_warning(&rest, &length))) fprintf(stderr, "softlux: warning: %.*s\n", length, line);
-    const char *conceded = sl_image_metadata(image, "softlux.concession");
-    if (conceded && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", conceded);
+    const char *reduced = sl_image_metadata(image, "softlux.concession");
+    if (reduced && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", reduced);
     if (!o->quiet && (progress->done || progress->frame_done)) sl_tell_blank_picture(o, scene, image);
 }
 

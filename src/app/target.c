@@ -1,4 +1,4 @@
-/* Climbing a method's ladder of settings from its first rung until a picture's error is within what was asked for, or the next would
+/* Climbing a method's ladder of settings from its first step until a picture's error is within what was asked for, or the next would
  * not be done in time. Methods that refine one picture are looked at on the way, too, after numbers of batches that grow
  * geometrically. Without --time nothing here knows a clock: the same bits at any number of threads. */
 #include "app/target.h"
@@ -14,11 +14,11 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A rung's time is foretold from the one before; what is foretold to take more than that share of the time left is not begun. */
+/* A step's time is foretold from the one before; what is foretold to take more than that share of the time left is not begun. */
 static const double trusted_share = 0.8;
-/* A rung has about 1.4 times less error than the one below; jumps reckon with more, so as not to jump too far: all rungs below one together take
+/* A step has about 1.4 times less error than the one below; jumps reckon with more, so as not to jump too far: all steps below one together take
  * about as long as it, and one too far up takes several times that. */
-static const double error_a_rung = 1.7, cost_of_a_jump = 4.5;
+static const double error_a_step = 1.7, cost_of_a_jump = 4.5;
 /* Probes may take as many rays as a picture, and about a second's in any case. */
 static const double probe_rays_at_least = 3e6;
 /* A picture with more than this of E can hardly be promised to be within it, a perfect one not by probes that alone leave more than that. */
@@ -31,7 +31,7 @@ typedef struct candidate {
     cJSON *json;
     sl_error_estimate estimate; /* with --error */
     sl_progress progress;
-    unsigned rung;
+    unsigned step;
     double seconds, effort;
 } candidate;
 
@@ -39,15 +39,15 @@ typedef struct climb {
     const sl_render_options *o;
     const sl_scene *scene;
     sl_settings asked;     /* o's, with the film's size */
-    unsigned rungs;        /* 0: one picture, refined for as long as it takes */
+    unsigned steps;        /* 0: one picture, refined for as long as it takes */
     sl_error_probe *probe; /* NULL without --error */
     double start;
     candidate best;
-    sl_image *last;           /* the colours of the last rung's picture, */
-    unsigned last_rung;
-    sl_error_estimate judged; /* what this rung's came to, */
+    sl_image *last;           /* the colours of the last step's picture, */
+    unsigned last_step;
+    sl_error_estimate judged; /* what this step's came to, */
     double left;              /* and how much of the error is left at least; 0 where settings did not differ in all that limits it */
-    double effort_before, effort; /* of all rungs before, and of this one, in rays */
+    double effort_before, effort; /* of all steps before, and of this one, in rays */
     char why[160];         /* it was not within the error */
     double rung_seconds[2], rung_cost[2]; /* of the last two finished */
     unsigned finished;
@@ -73,7 +73,7 @@ bool sl_parse_error_share(const char *text, double *share) {
     return !*end && value >= 1e-5 && value <= 10.0; /* false for NaN */
 }
 
-static bool is_tracer(const climb *c) { return c->rungs == 0; }
+static bool is_tracer(const climb *c) { return c->steps == 0; }
 
 /* ---- what a picture's error is ------------------------------------------------------------------------------------------- */
 
@@ -84,7 +84,7 @@ static bool path_is_blind(const climb *c) {
     return strcmp(c->asked.method, "path") == 0 && full && f.mirror_triangles && f.point_lights + f.spot_lights + f.directional_lights > 0;
 }
 
-/* Probes shall take no longer than this rung's picture. */
+/* Probes shall take no longer than this step's picture. */
 static uint64_t affordable_rays(const climb *c) { return (uint64_t)fmax(c->effort, probe_rays_at_least); }
 
 static sl_status judge(climb *c, const sl_image *image, sl_error_estimate *e, sl_error *error) {
@@ -121,7 +121,7 @@ static void add_json(const climb *c, cJSON *root, const sl_error_estimate *e) {
     cJSON_AddBoolToObject(object, "blind", e->blind);
 }
 
-/* ---- one rung ------------------------------------------------------------------------------------------------------------ */
+/* ---- one step ------------------------------------------------------------------------------------------------------------ */
 
 static void release(candidate *p) {
     sl_image_destroy(p->image);
@@ -136,30 +136,30 @@ static bool is_better(const climb *c, const candidate *p) {
 
 static void tell(const climb *c, const candidate *p) {
     if (c->o->quiet || !isatty(STDERR_FILENO)) return;
-    if (c->rungs) fprintf(stderr, "step %u of %u", p->rung + 1, c->rungs);
+    if (c->steps) fprintf(stderr, "step %u of %u", p->step + 1, c->steps);
     else fprintf(stderr, "%llu samples a pixel", (unsigned long long)p->progress.batches);
     if (c->o->error > 0.0) fprintf(stderr, ": error about %.3g %%, at most %.3g %%", 100.0 * p->estimate.rel_rmse, 100.0 * p->estimate.bound);
     fprintf(stderr, "\n");
 }
 
-/* Holds a rung's picture against the last one's, and keeps it for the next. */
-static sl_status hold_against_last(climb *c, const sl_image *image, unsigned rung, sl_error *error) {
+/* Holds a step's picture against the last one's, and keeps it for the next. */
+static sl_status hold_against_last(climb *c, const sl_image *image, unsigned step, sl_error *error) {
     static const char *const names[] = {"R", "G", "B"};
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     sl_status status = SL_OK;
     c->left = 0.0;
-    if (c->last && c->last_rung >= sl_ladder_refines_all_from(c->asked.method)) status = sl_error_probe_left(c->probe, c->last, image, &c->left, error);
+    if (c->last && c->last_step >= sl_ladder_refines_all_from(c->asked.method)) status = sl_error_probe_left(c->probe, c->last, image, &c->left, error);
     if (status == SL_OK && !c->last) status = sl_image_create(image->width, image->height, 3, names, &c->last, error);
     for (size_t i = 0; status == SL_OK && i < 3; i++)
         memcpy(c->last->planes + i * pixels, sl_image_channel(image, names[i]), pixels * sizeof(float));
-    c->last_rung = rung;
+    c->last_step = step;
     return status;
 }
 
 /* The picture as it is now: its error, and whether it is the best so far. */
-static sl_status consider(climb *c, const sl_render_options *o, sl_method *method, const sl_progress *progress, unsigned rung,
+static sl_status consider(climb *c, const sl_render_options *o, sl_method *method, const sl_progress *progress, unsigned step,
                           sl_error *error) {
-    candidate p = {.progress = *progress, .rung = rung};
+    candidate p = {.progress = *progress, .step = step};
     sl_status status = sl_method_resolve(method, &p.image, error);
     if (status != SL_OK) return status;
     p.seconds = sl_seconds_now() - c->start;
@@ -170,7 +170,7 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
         if (status == SL_OK) status = stamp(c, p.image, &p.estimate, error);
         if (status == SL_OK) add_json(c, p.json, &p.estimate);
         c->reached = status == SL_OK && p.estimate.bound <= c->o->error;
-        if (status == SL_OK && c->rungs && progress->done && !c->reached) status = hold_against_last(c, p.image, rung, error);
+        if (status == SL_OK && c->steps && progress->done && !c->reached) status = hold_against_last(c, p.image, step, error);
     }
     c->judged = p.estimate;
     if (status == SL_OK) tell(c, &p);
@@ -196,12 +196,12 @@ static bool refines(const climb *c) {
     return is_tracer(c) || strcmp(c->asked.method, "multi-mesh") == 0 || strcmp(c->asked.method, "shading-cache") == 0;
 }
 
-static sl_status climb_rung(climb *c, unsigned rung, sl_error *error) {
+static sl_status climb_step(climb *c, unsigned step, sl_error *error) {
     sl_render_options o = *c->o;
     sl_method *method = NULL;
     sl_progress progress = {0};
     double begun = sl_seconds_now();
-    o.settings = sl_ladder_settings(&c->asked, rung);
+    o.settings = sl_ladder_settings(&c->asked, step);
     sl_status status = sl_method_create(c->scene, &o.settings, &method, error);
     while (status == SL_OK && !c->reached) {
         o.batches = o.error > 0.0 && refines(c) ? next_look(c, progress.batches) : 0;
@@ -209,7 +209,7 @@ static sl_status climb_rung(climb *c, unsigned rung, sl_error *error) {
         c->out_of_time = o.time_seconds > 0.0 && sl_seconds_now() - c->start >= o.time_seconds;
         bool cut_short = !progress.done && (c->out_of_time || sl_interrupted());
         if (status != SL_OK || (cut_short && c->best.image && !is_tracer(c))) break;
-        status = consider(c, &o, method, &progress, rung, error);
+        status = consider(c, &o, method, &progress, step, error);
         if (progress.done || cut_short) break;
     }
     sl_method_destroy(method);
@@ -217,39 +217,39 @@ static sl_status climb_rung(climb *c, unsigned rung, sl_error *error) {
     c->rung_seconds[0] = c->rung_seconds[1];
     c->rung_cost[0] = c->rung_cost[1];
     c->rung_seconds[1] = sl_seconds_now() - begun;
-    c->rung_cost[1] = sl_ladder_cost(c->asked.method, rung);
+    c->rung_cost[1] = sl_ladder_cost(c->asked.method, step);
     c->finished++;
     return SL_OK;
 }
 
 /* ---- which one next ------------------------------------------------------------------------------------------------------ */
 
-/* From one rung: as the ladder's costs grow, which is too much, since part of a picture's time is the same on every rung. From two: the
+/* From one step: as the ladder's costs grow, which is too much, since part of a picture's time is the same on every step. From two: the
  * line through them. */
-static double foretold_seconds(const climb *c, unsigned rung) {
-    double cost = sl_ladder_cost(c->asked.method, rung), last = c->rung_seconds[1], by_cost = last * cost / c->rung_cost[1];
+static double foretold_seconds(const climb *c, unsigned step) {
+    double cost = sl_ladder_cost(c->asked.method, step), last = c->rung_seconds[1], by_cost = last * cost / c->rung_cost[1];
     if (c->finished < 2 || c->rung_cost[1] <= c->rung_cost[0]) return by_cost;
     double slope = (last - c->rung_seconds[0]) / (c->rung_cost[1] - c->rung_cost[0]);
     double foretold = last + (slope > 0.0 ? slope : 0.0) * (cost - c->rung_cost[1]);
     return foretold < by_cost ? (foretold > 1.1 * last ? foretold : 1.1 * last) : by_cost;
 }
 
-/* The rung to try after this one; c->rungs: none. */
-static unsigned next_rung(const climb *c, unsigned rung) {
-    unsigned next = rung + 1;
+/* The step to try after this one; c->steps: none. */
+static unsigned next_step(const climb *c, unsigned step) {
+    unsigned next = step + 1;
     if (c->o->error > 0.0) {
-        const double most = cost_of_a_jump * sl_ladder_cost(c->asked.method, rung);
+        const double most = cost_of_a_jump * sl_ladder_cost(c->asked.method, step);
         double ratio = c->judged.rel_rmse / c->o->error;
-        for (; ratio > error_a_rung * error_a_rung && next + 1 < c->rungs && sl_ladder_cost(c->asked.method, next + 1) <= most; next++)
-            ratio /= error_a_rung;
+        for (; ratio > error_a_step * error_a_step && next + 1 < c->steps && sl_ladder_cost(c->asked.method, next + 1) <= most; next++)
+            ratio /= error_a_step;
     } else {
-        next = c->rungs - 1;
+        next = c->steps - 1;
     }
     if (c->o->time_seconds > 0.0) {
         double left = trusted_share * (c->o->time_seconds - (sl_seconds_now() - c->start));
-        while (next > rung && foretold_seconds(c, next) > left) next--;
+        while (next > step && foretold_seconds(c, next) > left) next--;
     }
-    return next > rung ? next : c->rungs;
+    return next > step ? next : c->steps;
 }
 
 /* ---- whether there is any use in it -------------------------------------------------------------------------------------- */
@@ -259,30 +259,30 @@ static double probe_rays(const climb *c) {
     return (double)(probes->value[SL_COUNT_RAYS] + probes->value[SL_COUNT_SHADOW_RAYS]);
 }
 
-/* The picture may do, but even of a perfect one the next rung's probes would not tell: their noise falls with the root of their number. Pictures
+/* The picture may do, but even of a perfect one the next step's probes would not tell: their noise falls with the root of their number. Pictures
  * that take less than the probes go on all the same. */
-static bool bound_cannot_follow(const climb *c, unsigned rung) {
-    double next = c->effort * sl_ladder_cost(c->asked.method, rung + 1) / sl_ladder_cost(c->asked.method, rung);
+static bool bound_cannot_follow(const climb *c, unsigned step) {
+    double next = c->effort * sl_ladder_cost(c->asked.method, step + 1) / sl_ladder_cost(c->asked.method, step);
     double pictures = c->effort_before + c->effort, probes = probe_rays(c), ratio = c->judged.resolution / (hardly_promised * c->o->error);
     bool may_do = c->judged.least <= too_near * c->o->error, cheap = pictures + next < probes;
     return may_do && !cheap && probes * ratio * ratio > fmax(next, probe_rays_at_least);
 }
 
-/* If every rung that is left leaves as much of the error as this one, the last does not do either. */
-static bool ends_above(const climb *c, unsigned rung) {
+/* If every step that is left leaves as much of the error as this one, the last does not do either. */
+static bool ends_above(const climb *c, unsigned step) {
     double error = c->judged.rel_rmse;
-    for (unsigned i = rung + 1; i < c->rungs; i++) error *= c->left;
+    for (unsigned i = step + 1; i < c->steps; i++) error *= c->left;
     return error > too_near * c->o->error;
 }
 
-/* Notes why; false where another rung may do. */
-static bool is_in_vain(climb *c, unsigned rung) {
+/* Notes why; false where another step may do. */
+static bool is_in_vain(climb *c, unsigned step) {
     if (!(c->o->error > 0.0)) return false;
     if (c->judged.nonfinite)
         snprintf(c->why, sizeof c->why, "with values that are no numbers, for which nothing is promised");
-    else if (rung + 1 < c->rungs && bound_cannot_follow(c, rung))
+    else if (step + 1 < c->steps && bound_cannot_follow(c, step))
         snprintf(c->why, sizeof c->why, "and probes that take no longer than the pictures can promise no more");
-    else if (rung + 1 < c->rungs && c->left > worthwhile && ends_above(c, rung))
+    else if (step + 1 < c->steps && c->left > worthwhile && ends_above(c, step))
         snprintf(c->why, sizeof c->why, "and with finer settings at least %d %% of the error was left", (int)(100.0 * c->left));
     else
         return false;
@@ -294,26 +294,26 @@ static bool is_in_vain(climb *c, unsigned rung) {
 static sl_status prepare(climb *c, sl_error *error) {
     enum { NO_END = 100000000 };
     if (!c->asked.width) sl_scene_film(c->scene, &c->asked.width, &c->asked.height);
-    c->rungs = sl_ladder_rungs(c->asked.method);
-    if (!c->rungs && !c->asked.spp) c->asked.spp = NO_END;
+    c->steps = sl_ladder_steps(c->asked.method);
+    if (!c->steps && !c->asked.spp) c->asked.spp = NO_END;
     return c->o->error > 0.0 ? sl_error_probe_create(c->scene, &c->asked, &c->probe, error) : SL_OK;
 }
 
 static sl_status climb_all(climb *c, sl_error *error) {
-    unsigned rung = c->o->quality_given ? sl_ladder_rung_of(c->asked.method, c->asked.quality) : 0;
+    unsigned step = c->o->quality_given ? sl_ladder_rung_of(c->asked.method, c->asked.quality) : 0;
     sl_status status;
     do {
-        status = climb_rung(c, rung, error);
-        if (status != SL_OK || !c->rungs || c->reached || c->out_of_time || sl_interrupted() || is_in_vain(c, rung)) break;
+        status = climb_step(c, step, error);
+        if (status != SL_OK || !c->steps || c->reached || c->out_of_time || sl_interrupted() || is_in_vain(c, step)) break;
         c->effort_before += c->effort;
         c->effort = 0.0;
-        snprintf(c->why, sizeof c->why, rung + 1 == c->rungs ? "by its finest settings" : "and finer settings would not be done in time");
-        rung = next_rung(c, rung);
-    } while (rung < c->rungs);
+        snprintf(c->why, sizeof c->why, step + 1 == c->steps ? "by its finest settings" : "and finer settings would not be done in time");
+        step = next_step(c, step);
+    } while (step < c->steps);
     return status;
 }
 
-/* By counts, so that it is the same on every machine: of the picture written, of all rungs together, and of the probes. */
+/* By counts, so that it is the same on every machine: of the picture written, of all steps together, and of the probes. */
 static void add_effort(const climb *c) {
     cJSON *object = cJSON_AddObjectToObject(cJSON_GetObjectItem(c->best.json, "error"), "effort_in_rays");
     cJSON_AddNumberToObject(object, "picture", c->best.effort);

@@ -22,7 +22,7 @@ static double area_of(const sl_scene *s, size_t triangle) {
 }
 
 static bool in_core(const sl_scene *s, sl_vec3 p) {
-    return p.x >= s->core_min.x && p.x <= s->core_max.x && p.y >= s->core_min.y && p.y <= s->core_max.y && p.z >= s->core_min.z && p.z <= s->core_max.z;
+    return p.x >= s->central_min.x && p.x <= s->central_max.x && p.y >= s->central_min.y && p.y <= s->central_max.y && p.z >= s->central_min.z && p.z <= s->central_max.z;
 }
 
 static bool is_in_core(const sl_scene *s, size_t triangle) {
@@ -31,10 +31,10 @@ static bool is_in_core(const sl_scene *s, size_t triangle) {
     return inside;
 }
 
-/* Of what leaves a place evenly, the share that meets the sphere around the core. */
+/* Of what leaves a place evenly, the share that meets the sphere around the central region. */
 static double share_for_core(const sl_scene *s, sl_vec3 from) {
     if (in_core(s, from)) return 1.0;
-    sl_vec3d low = sl_to_double(s->core_min), high = sl_to_double(s->core_max);
+    sl_vec3d low = sl_to_double(s->central_min), high = sl_to_double(s->central_max);
     double radius = 0.5 * sl_lengthd(sl_subd(high, low));
     double distance = sl_lengthd(sl_subd(sl_to_double(from), sl_scaled(sl_addd(low, high), 0.5))), ratio = distance > 0.0 ? radius / distance : 1.0;
     return fmin(1.0, 0.25 * ratio * ratio);
@@ -60,7 +60,7 @@ static double solid_angle_or_area(const sl_scene *scene, bool core, const sl_lig
     if (light->type == SL_LIGHT_SPOT) { /* smoothstep between the cosines: the half of what lies there */
         return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
     }
-    sl_vec3 low = core ? scene->core_min : scene->box_min, high = core ? scene->core_max : scene->box_max;
+    sl_vec3 low = core ? scene->central_min : scene->box_min, high = core ? scene->central_max : scene->box_max;
     sl_vec3d size = sl_subd(sl_to_double(high), sl_to_double(low)), d = sl_to_double(light->direction);
     return fabs(d.x) * size.y * size.z + fabs(d.y) * size.z * size.x + fabs(d.z) * size.x * size.y;
 }
@@ -111,7 +111,7 @@ static sl_rgb ambient_of(const sl_scene *scene, bool core, bool all_bounces) {
 }
 
 /* A plain without end would leave nothing of what lights a room on it, and the walls around a grain light it as they light all else: in a scattered scene
- * the mean of the core counts, if it is more than that of all. */
+ * the mean of the central region counts, if it is more than that of all. */
 static sl_rgb ambient(const sl_scene *scene, bool all_bounces) {
     sl_rgb all = ambient_of(scene, false, all_bounces);
     if (!sl_scene_is_scattered(scene)) return all;

@@ -18,7 +18,7 @@ static const double LEAST = 0x1p-20;
 /* What lies around the eye counts as a scene of its own where the rest is that many times as far, and nothing at all in between: most vertices may be in
  * the rest. */
 static const double GAP = 128.0;
-/* How far from the middle the core reaches at least, in radii. */
+/* How far from the middle the central region reaches at least, in radii. */
 static const double CORE = 2.0;
 
 enum { DIGIT = 11, DIGITS = 1 << DIGIT, SAMPLES_MAX = 1 << 17 };
@@ -174,8 +174,8 @@ static void bound_core(sl_scene *scene, sl_vec3d middle, double reach) {
         high = sl_v3(fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z));
     }
     if (!(low.x <= high.x)) return;
-    scene->core_min = low;
-    scene->core_max = high;
+    scene->central_min = low;
+    scene->central_max = high;
 }
 
 void sl_scene_measure_from(sl_scene *scene, sl_vec3 vantage) {
@@ -185,8 +185,8 @@ void sl_scene_measure_from(sl_scene *scene, sl_vec3 vantage) {
     const double diagonal = (double)scene->diagonal, scale = scale_of(scene, d, eye);
     scene->vantage = vantage;
     scene->scale = scene->diagonal;
-    scene->core_min = scene->box_min;
-    scene->core_max = scene->box_max;
+    scene->central_min = scene->box_min;
+    scene->central_max = scene->box_max;
     if (!(scale < diagonal)) return;
     scene->scale = (float)scale;
     /* All of the scene where the scale is all but the diagonal, so that nothing jumps. */

@@ -132,9 +132,9 @@ struct sl_scene {
     sl_vec3 box_min, box_max;
     float diagonal;             /* of the box, > 0 */
     /* Where most of the scene lies, if a little of it lies far apart (scale.c); else the diagonal and the box. Tolerances are shares of the scale, > 0;
-     * it is a good deal larger than the core, which is where detail is. */
+     * it is a good deal larger than the central region, which is where detail is. */
     float scale;
-    sl_vec3 core_min, core_max;
+    sl_vec3 central_min, central_max;
     /* What they follow from: the middle, the radius that holds half of the vertices, the eye with which the scene was made or that was set since. */
     sl_vec3d middle;
     double radius;
@@ -169,8 +169,8 @@ static inline float sl_scene_offset_at(const sl_scene *s, float offset, sl_vec3 
     float least = sl_scene_rounding(s) * sl_greatest_coordinate(p);
     return least > offset ? least : offset;
 }
-static inline float sl_scene_core_diagonal(const sl_scene *s) {
-    return sl_scene_is_scattered(s) ? sl_length(sl_sub(s->core_max, s->core_min)) : s->diagonal;
+static inline float sl_scene_central_diagonal(const sl_scene *s) {
+    return sl_scene_is_scattered(s) ? sl_length(sl_sub(s->central_max, s->central_min)) : s->diagonal;
 }
 /* What a surface point is made of, for one triangle and barycentric weights (w1, w2) of corners 1 and 2. */
 typedef struct sl_surface {

@@ -125,7 +125,7 @@ static void pictures_of_every_method_stay_within_what_is_allowed(void **state) {
     for (size_t i = 0; sl_method_name(i); i++) check_least(sl_command_render, "a.exr", sl_method_name(i), "-s 256x256 --spp 1");
 }
 
-/* The twin that moves, the frames, and what is written of them are in it. */
+/* The scene_copy that moves, the frames, and what is written of them are in it. */
 static void shows_of_every_method_stay_within_what_is_allowed(void **state) {
     (void)state;
     for (size_t i = 0; sl_method_name(i); i++) check_least(sl_command_live, "a.y4m", sl_method_name(i), "-s 128x128 --spp 1 --fps 8 --frames 8");

@@ -18,7 +18,7 @@ enum { WORD = 64 };
 static const char ours[] = "softlux.";
 
 static bool tells_what_came_out(const char *key) {
-    static const char *const results[] = {"version", "scene_hash", "batches", "warning", "concession", "flux_captured", "flux_received"};
+    static const char *const results[] = {"version", "scene_hash", "batches", "warning", "reduction", "flux_captured", "flux_received"};
     if (strncmp(key, "counter.", 8) == 0 || strncmp(key, "octree.", 7) == 0) return true;
     for (size_t i = 0; i < sizeof results / sizeof *results; i++) {
         if (strcmp(key, results[i]) == 0) return true;

@@ -1,4 +1,4 @@
-/* The pages of `softlux steps`, in a browser: everything is there, the slider and the pixels' stories work by mouse and by keys, and a story
+/* The pages of `softlux steps`, in a browser: everything is there, the slider and the pixels' explanations work by mouse and by keys, and an explanation
  * adds up to the very value that a render has. */
 #include "webdriver.h"
 
@@ -132,15 +132,15 @@ static sl_image *render(const char *method) {
     return image;
 }
 
-static void assert_story_is(browser *b, const sl_image *image, int x, int y) {
+static void assert_explanation_is(browser *b, const sl_image *image, int x, int y) {
     char title[64];
-    snprintf(title, sizeof title, "The story of pixel %d, %d", x, y);
-    char *told = browser_text(b, "return document.querySelector('.story h3').textContent");
+    snprintf(title, sizeof title, "The explanation of pixel %d, %d", x, y);
+    char *told = browser_text(b, "return document.querySelector('.explanation h3').textContent");
     assert_string_equal(told, title);
     free(told);
     /* Every line says what it holds. */
-    assert_true(browser_number(b, "return [...document.querySelectorAll('.story tr')].slice(1, -2).every(r => r.cells[3].textContent.split(' ').length === 3)") == 1.0);
-    cJSON *pixel = browser_run(b, "return JSON.parse(document.querySelector('article').dataset.story)");
+    assert_true(browser_number(b, "return [...document.querySelectorAll('.explanation tr')].slice(1, -2).every(r => r.cells[3].textContent.split(' ').length === 3)") == 1.0);
+    cJSON *pixel = browser_run(b, "return JSON.parse(document.querySelector('article').dataset.explanation)");
     for (int c = 0; c < 3; c++) {
         float value = image->planes[(c * HEIGHT + y) * WIDTH + x];
         assert_true((float)cJSON_GetArrayItem(pixel, c)->valuedouble == value);
@@ -148,7 +148,7 @@ static void assert_story_is(browser *b, const sl_image *image, int x, int y) {
     cJSON_Delete(pixel);
 }
 
-static void a_pixels_story_by_mouse_and_keys_adds_up_to_what_a_render_has(void **state) {
+static void a_pixels_explanation_by_mouse_and_keys_adds_up_to_what_a_render_has(void **state) {
     fixture *f = *state;
     need_browser(f);
     for (size_t i = 0; i < METHODS; i++) {
@@ -164,10 +164,10 @@ static void a_pixels_story_by_mouse_and_keys_adds_up_to_what_a_render_has(void *
             cJSON *place = browser_run(f->browser, script);
             browser_click(f->browser, cJSON_GetArrayItem(place, 0)->valueint, cJSON_GetArrayItem(place, 1)->valueint);
             cJSON_Delete(place);
-            assert_story_is(f->browser, image, x, y);
+            assert_explanation_is(f->browser, image, x, y);
             browser_press(f->browser, KEY_RIGHT);
             browser_press(f->browser, KEY_DOWN);
-            assert_story_is(f->browser, image, x + 1, y + 1);
+            assert_explanation_is(f->browser, image, x + 1, y + 1);
         }
         assert_int_equal(browser_errors(f->browser), 0);
         sl_image_destroy(image);
@@ -192,7 +192,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(every_picture_loads_has_a_text_and_nothing_is_fetched),
         cmocka_unit_test(every_pass_is_explained),
         cmocka_unit_test(the_slider_plays_the_refinement_by_keys_and_by_mouse),
-        cmocka_unit_test(a_pixels_story_by_mouse_and_keys_adds_up_to_what_a_render_has),
+        cmocka_unit_test(a_pixels_explanation_by_mouse_and_keys_adds_up_to_what_a_render_has),
         cmocka_unit_test(a_phone_needs_no_sideways_scrolling),
     };
     return cmocka_run_group_tests(tests, open_pages, close_pages);

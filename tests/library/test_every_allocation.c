@@ -59,7 +59,7 @@ static void write_files(void) {
     write_scene("mirrors.json", "mirror", "", ", {\"type\": \"point\", \"position\": [300, 300, 100], \"intensity\": [30000, 30000, 30000]}");
 }
 
-/* ---- methods: a picture, a story, an edit, the picture after it ---------------------------------------------------------------------------- */
+/* ---- methods: a picture, an explanation, an edit, the picture after it ---------------------------------------------------------------------------- */
 
 static sl_scene *scene; /* of a child */
 
@@ -76,20 +76,20 @@ static sl_status refine(sl_method *method, uint64_t *hash, sl_error *error) {
     enum { ENOUGH = 8 };
     sl_progress progress = {0};
     sl_image *image = NULL;
-    sl_story *story = NULL;
+    sl_explanation *explanation = NULL;
     sl_status status = SL_OK;
     for (int i = 0; i < ENOUGH && status == SL_OK && !progress.done; i++) status = sl_method_update(method, &progress, error);
     if (status == SL_OK) status = sl_method_resolve(method, &image, error);
     if (status == SL_OK) *hash = hash_image(*hash, image);
     const char *name = image ? sl_image_metadata(image, "softlux.method") : "";
     if (status == SL_OK && strcmp(name, "path") != 0 && strcmp(name, "bidirectional") != 0) {
-        status = sl_method_story(method, image, 4, 5, &story, error);
-        if (status == SL_OK) *hash = hash_bytes(*hash, story->pixel, sizeof story->pixel);
-        else if (story) *hash = 1;
+        status = sl_method_explanation(method, image, 4, 5, &explanation, error);
+        if (status == SL_OK) *hash = hash_bytes(*hash, explanation->pixel, sizeof explanation->pixel);
+        else if (explanation) *hash = 1;
     } else if (status != SL_OK && image) {
         *hash = 1; /* half a picture */
     }
-    sl_story_destroy(story);
+    sl_explanation_destroy(explanation);
     sl_image_destroy(image);
     return status;
 }

@@ -94,7 +94,7 @@ static void nothing_can_be_destroyed(void **state) {
     sl_image_destroy(NULL);
     sl_scene_destroy(NULL);
     sl_method_destroy(NULL);
-    sl_story_destroy(NULL);
+    sl_explanation_destroy(NULL);
     sl_error_probe_destroy(NULL);
     sl_live_stop(NULL, NULL);
     sl_live_stop(NULL, &counters);
@@ -560,7 +560,7 @@ static void a_method_takes_no_null(void **state) {
     sl_method *method = method_of(scene, "splatting");
     sl_progress progress = {.batches = 77};
     sl_image *image = anything;
-    sl_story *story = anything;
+    sl_explanation *explanation = anything;
     USAGE(sl_method_update(NULL, &progress, error));
     USAGE(sl_method_update(method, NULL, error));
     assert_true(progress.batches == 77);
@@ -575,10 +575,10 @@ static void a_method_takes_no_null(void **state) {
     USAGE(sl_method_load(NULL, "a", error));
     USAGE(sl_method_load(method, NULL, error));
     image = picture(SIDE, SIDE, 3, NULL);
-    USAGE(sl_method_story(NULL, image, 0, 0, &story, error));
-    USAGE(sl_method_story(method, NULL, 0, 0, &story, error));
-    USAGE(sl_method_story(method, image, 0, 0, NULL, error));
-    assert_null(story);
+    USAGE(sl_method_explanation(NULL, image, 0, 0, &explanation, error));
+    USAGE(sl_method_explanation(method, NULL, 0, 0, &explanation, error));
+    USAGE(sl_method_explanation(method, image, 0, 0, NULL, error));
+    assert_null(explanation);
     sl_image_destroy(image);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
@@ -594,7 +594,7 @@ static void a_picture_may_be_had_before_the_first_update(void **state) {
         for (int i = 0; i < 3 * SIDE * SIDE; i++) assert_true(isfinite(image->planes[i]) && image->planes[i] >= 0.0f);
         sl_image_destroy(image);
         assert_true(sl_method_memory_bytes(method) > 0);
-        assert_null(sl_method_concession(method));
+        assert_null(sl_method_reduction(method));
         assert_int_equal(sl_method_counters(method)->value[SL_COUNT_NONFINITE], 0);
         sl_method_destroy(method);
     }
@@ -624,28 +624,28 @@ static void progress_is_told_whole_and_stays_when_nothing_is_left(void **state) 
     sl_scene_destroy(scene);
 }
 
-static void a_story_is_of_a_pixel_of_the_last_picture(void **state) {
+static void a_explanation_is_of_a_pixel_of_the_last_picture(void **state) {
     (void)state;
     sl_scene *scene = load_scene(box);
     for (size_t m = 0; m < METHODS; m++) {
         sl_method *method = method_of(scene, methods[m]);
-        sl_story *story = anything;
+        sl_explanation *explanation = anything;
         sl_image *image, *other = picture(SIDE + 60, SIDE + 60, 3, NULL), *same = picture(SIDE, SIDE, 3, NULL);
-        USAGE(sl_method_story(method, same, 1, 1, &story, error)); /* nothing has been resolved */
-        assert_null(story);
+        USAGE(sl_method_explanation(method, same, 1, 1, &explanation, error)); /* nothing has been resolved */
+        assert_null(explanation);
         update_to_the_end(method);
         assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-        USAGE(sl_method_story(method, other, SIDE + 50, SIDE + 50, &story, error)); /* a pixel of that one, and of none that there is */
-        USAGE(sl_method_story(method, same, 1, 1, &story, error)); /* nobody's */
-        USAGE(sl_method_story(method, image, SIDE, 0, &story, error));
-        USAGE(sl_method_story(method, image, 0, INT_MAX, &story, error));
-        USAGE(sl_method_story(method, image, INT_MIN, 0, &story, error));
+        USAGE(sl_method_explanation(method, other, SIDE + 50, SIDE + 50, &explanation, error)); /* a pixel of that one, and of none that there is */
+        USAGE(sl_method_explanation(method, same, 1, 1, &explanation, error)); /* nobody's */
+        USAGE(sl_method_explanation(method, image, SIDE, 0, &explanation, error));
+        USAGE(sl_method_explanation(method, image, 0, INT_MAX, &explanation, error));
+        USAGE(sl_method_explanation(method, image, INT_MIN, 0, &explanation, error));
         bool tells = strcmp(methods[m], "path") != 0 && strcmp(methods[m], "bidirectional") != 0;
-        if (tells) assert_int_equal(sl_method_story(method, image, 1, 1, &story, NULL), SL_OK);
-        sl_story_destroy(story);
+        if (tells) assert_int_equal(sl_method_explanation(method, image, 1, 1, &explanation, NULL), SL_OK);
+        sl_explanation_destroy(explanation);
         assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-        USAGE(sl_method_story(method, image, 1, 1, &story, error)); /* which is no longer the last */
-        assert_null(story);
+        USAGE(sl_method_explanation(method, image, 1, 1, &explanation, error)); /* which is no longer the last */
+        assert_null(explanation);
         sl_image_destroy(image);
         sl_image_destroy(other);
         sl_image_destroy(same);
@@ -663,12 +663,12 @@ static void nothing_is_asked_of_a_method_that_does_not_know_what_has_changed(voi
         sl_method *method = method_of(scene, methods[m]);
         sl_progress progress;
         sl_image *image;
-        sl_story *story;
+        sl_explanation *explanation;
         unsigned changes;
         assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
         assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
         assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
-        USAGE(sl_method_story(method, image, 1, 1, &story, error));
+        USAGE(sl_method_explanation(method, image, 1, 1, &explanation, error));
         sl_image_destroy(image);
         USAGE(sl_method_update(method, &progress, error));
         USAGE(sl_method_resolve(method, &image, error));
@@ -909,7 +909,7 @@ int main(void) {
         cmocka_unit_test(a_method_takes_no_null),
         cmocka_unit_test(a_picture_may_be_had_before_the_first_update),
         cmocka_unit_test(progress_is_told_whole_and_stays_when_nothing_is_left),
-        cmocka_unit_test(a_story_is_of_a_pixel_of_the_last_picture),
+        cmocka_unit_test(a_explanation_is_of_a_pixel_of_the_last_picture),
         cmocka_unit_test(nothing_is_asked_of_a_method_that_does_not_know_what_has_changed),
         cmocka_unit_test(caches_go_to_files_and_come_from_files_of_the_kind),
         cmocka_unit_test(a_cache_may_be_loaded_after_updates),

@@ -1,5 +1,5 @@
 /* Which pixels a triangle covers, how deep it lies there, and which triangle wins: the same as OSMesa's, in every bit, for
- * millions of random triangles of every kind. Coverage is compared triangle by triangle, hidden ones included: each adds
+ * millions of random triangles of every kind. Coverage is compared triangle by triangle, second-level ones included: each adds
  * (h, 1) to the pixels it covers, h being a small integer of its own, so that the sums are exact. Ours are drawn one by one by the plain
  * rasterizer, whose pictures are those of the fast one in every bit (test_raster_plain.c). */
 #include "osmesa_soup.h"

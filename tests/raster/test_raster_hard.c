@@ -1,5 +1,5 @@
 /* What breaks careless rasterizers: nothing to draw, degenerate everything, odd matrices, odd sizes, odd places. Nearly always the plain
- * twin (raster/plain.c) says what must come out. */
+ * opposite (raster/plain.c) says what must come out. */
 #include <float.h>
 
 #include "base/counters.h"
@@ -94,7 +94,7 @@ static void assert_equal_pictures(const char *which, const picture *a, const pic
     }
 }
 
-/* The small form, the large form on several threads, and the plain twin: one picture, and one bill. Returns how many pixels show something. */
+/* The small form, the large form on several threads, and the plain opposite: one picture, and one bill. Returns how many pixels show something. */
 static int assert_agree(soup *s, const sl_view *view, int width, int height) {
     static const unsigned threads[] = {1, 2, 3, 7, 64};
     const sl_raster *raster = s->raster ? s->raster : raster_soup(s);

@@ -1,4 +1,4 @@
-/* The fast path against its plain twin: the same ids and the same depths, bit by bit, whatever is drawn. */
+/* The fast path against its plain opposite: the same ids and the same depths, bit by bit, whatever is drawn. */
 #include "base/math.h"
 #include "raster/plain.h"
 #include "raster_support.h"

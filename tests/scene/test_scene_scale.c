@@ -39,9 +39,9 @@ static void scale_of_a_room_is_its_diagonal_and_its_core_the_box(void **state) {
     (void)state;
     sl_scene *s = room_on_plain(0.0f);
     assert_true(s->scale == s->diagonal && !sl_scene_is_scattered(s));
-    assert_same(s->core_min, s->box_min);
-    assert_same(s->core_max, s->box_max);
-    assert_true(sl_scene_core_diagonal(s) == s->diagonal);
+    assert_same(s->central_min, s->box_min);
+    assert_same(s->central_max, s->box_max);
+    assert_true(sl_scene_central_diagonal(s) == s->diagonal);
     sl_scene_destroy(s);
 }
 
@@ -53,8 +53,8 @@ static void a_plain_of_any_size_leaves_a_room_its_scale_and_core(void **state) {
     assert_true(fabs((double)(huge->scale / large->scale) - 1.0) < 1e-6);
     for (int i = 0; i < 2; i++) {
         const sl_scene *s = i ? huge : large;
-        assert_same(s->core_min, alone->box_min);
-        assert_same(s->core_max, alone->box_max);
+        assert_same(s->central_min, alone->box_min);
+        assert_same(s->central_max, alone->box_max);
         sl_rgb ambient = sl_ambient_irradiance(s), plain = sl_ambient_irradiance(alone);
         assert_true(ambient.r == plain.r && plain.r > 0.0f);
     }
@@ -63,14 +63,14 @@ static void a_plain_of_any_size_leaves_a_room_its_scale_and_core(void **state) {
     sl_scene_destroy(huge);
 }
 
-/* From the size where the scale begins to part from the diagonal neither it nor the core jumps. */
+/* From the size where the scale begins to part from the diagonal neither it nor the central region jumps. */
 static void scale_and_core_shrink_without_a_jump_as_a_plain_grows(void **state) {
     (void)state;
     double last = 0.0;
     bool parted = false;
     for (float half = 50.0f; half < 1e4f; half *= 1.02f) {
         sl_scene *s = room_on_plain(half);
-        if (sl_scene_is_scattered(s) && !parted) assert_same(s->core_max, s->box_max); /* as yet */
+        if (sl_scene_is_scattered(s) && !parted) assert_same(s->central_max, s->box_max); /* as yet */
         parted |= sl_scene_is_scattered(s);
         assert_true(last == 0.0 || (fabs((double)s->scale / last - 1.0) < 0.03));
         assert_true(s->scale <= s->diagonal);
@@ -94,7 +94,7 @@ static void a_grain_with_most_vertices_is_not_the_scene_for_an_eye_that_sees_the
     assert_true(sl_scene_is_scattered(s) && s->scale < 0.1f);
     assert_int_equal(sl_scene_set_camera(s, back, grain, up, 1.0f, &error), SL_OK);
     assert_true(s->scale == s->diagonal);
-    assert_same(s->core_max, s->box_max);
+    assert_same(s->central_max, s->box_max);
     sl_scene_destroy(s);
 }
 
@@ -114,8 +114,8 @@ static void far_planets_with_most_vertices_leave_a_room_its_scale_and_core(void 
     for (int i = 0; i < 3; i++) {
         sl_scene *s = room_below_planets(distances[i], 0.1f * distances[i]);
         assert_true(s->diagonal > distances[i] && s->scale <= 128.0f * alone->diagonal);
-        assert_same(s->core_min, alone->box_min);
-        assert_same(s->core_max, alone->box_max);
+        assert_same(s->central_min, alone->box_min);
+        assert_same(s->central_max, alone->box_max);
         sl_scene_destroy(s);
     }
     sl_scene_destroy(alone);
@@ -163,9 +163,9 @@ static void scale_knows_neither_order_nor_side_and_grows_with_the_scene(void **s
              *larger = scattered_points(1024.0f, false, false);
     assert_true(sl_scene_is_scattered(s) && s->diagonal > 1e5f && s->scale < 200.0f);
     assert_true(turned->scale == s->scale && mirrored->scale == s->scale && larger->scale == 1024.0f * s->scale);
-    assert_same(turned->core_min, s->core_min);
-    assert_true(mirrored->core_max.x == -s->core_min.x && mirrored->core_min.y == s->core_min.y);
-    assert_true(larger->core_max.z == 1024.0f * s->core_max.z);
+    assert_same(turned->central_min, s->central_min);
+    assert_true(mirrored->central_max.x == -s->central_min.x && mirrored->central_min.y == s->central_min.y);
+    assert_true(larger->central_max.z == 1024.0f * s->central_max.z);
     sl_scene_destroy(s);
     sl_scene_destroy(turned);
     sl_scene_destroy(mirrored);

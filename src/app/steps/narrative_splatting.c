@@ -28,7 +28,7 @@ static const sl_narrative_pass passes[] = {
      "Their weighted sum is the record's irradiance; how it changes from cell to cell tells its gradients.",
      M_I("E") M_O("=") M_FRAC(M_I("&#x3C0;"), M_SUP(M_I("N"), M_N("2"))) M_SUM(M_I("i") M_O(",") M_I("j")) M_SUB(M_I("L"), M_I("i") M_I("j")), "sl_gather_irradiance(), src/cache/hemisphere/gather.c", NULL,
      SL_SHOW_LIGHT},
-    {"gather of one record: where", "Where that is", "The point whose hemisphere that was.", NULL, "sl_splat_announce_gather(), src/cache/splatting/story.c", NULL, SL_SHOW_LIGHT},
+    {"gather of one record: where", "Where that is", "The point whose hemisphere that was.", NULL, "sl_splat_announce_gather(), src/cache/splatting/explanation.c", NULL, SL_SHOW_LIGHT},
     {"records", "The records",
      "Each disc is a record: irradiance that was gathered at its middle, with its gradients, and how far it is good for. Near corners and edges light changes quickly, and records are small and many; on open walls few are enough.",
      M_SUB(M_I("R"), M_I("k")) M_O("=") M_T("harmonic mean of the distances seen"), "sl_record_make(), src/cache/splatting/record.c", NULL, SL_SHOW_LIGHT},

@@ -128,7 +128,7 @@ static void put_errors(FILE *out, const sl_steps_run *run) {
 
 static void put_player(FILE *out, const sl_steps_run *run, size_t article) {
     size_t last = run->snapshot_count - 1;
-    fprintf(out, "<div class=\"stage\"><div class=\"picture frame\" tabindex=\"0\" role=\"application\" aria-label=\"The picture: arrow keys move to a pixel, whose story stands below\">"
+    fprintf(out, "<div class=\"stage\"><div class=\"picture frame\" tabindex=\"0\" role=\"application\" aria-label=\"The picture: arrow keys move to a pixel, whose explanation stands below\">"
                  "<img alt=\"the picture\" width=\"%d\" height=\"%d\" src=\"data:image/png;base64,%s\">"
                  "<svg class=\"marks\" viewBox=\"0 0 %d %d\" aria-hidden=\"true\"></svg></div>\n",
             run->width, run->height, run->snapshots[last].picture, run->width, run->height);
@@ -136,7 +136,7 @@ static void put_player(FILE *out, const sl_steps_run *run, size_t article) {
                  "<output for=\"slider%zu\"></output></p></div>\n",
             article, article, last, last, article);
     put_errors(out, run);
-    fputs("<div class=\"story\" aria-live=\"polite\"><h3>The story of a pixel</h3><p class=\"hint\">Click on the picture, or move with the arrow keys on it.</p></div>\n",
+    fputs("<div class=\"explanation\" aria-live=\"polite\"><h3>The explanation of a pixel</h3><p class=\"hint\">Click on the picture, or move with the arrow keys on it.</p></div>\n",
           out);
 }
 
@@ -218,8 +218,8 @@ static void put_data(FILE *out, const sl_steps_run *run) {
         if (i) fputc(',', out);
         put_frames(out, run, &run->recording.steps[i]);
     }
-    fputs("],\n\"stories\":", out);
-    sl_stories_put(run->stories, &run->recording.view, out);
+    fputs("],\n\"explanations\":", out);
+    sl_explanations_put(run->explanations, &run->recording.view, out);
     fputs("}", out);
 }
 

@@ -43,11 +43,11 @@
     }
   }
 
-  /* ---- the story of a pixel ---- */
+  /* ---- the explanation of a pixel ---- */
 
-  function unpack(stories) {
-    return { kinds: stories.kinds, items: stories.items, begin: new Uint32Array(bytes(stories.begin)), item: new Uint32Array(bytes(stories.item)),
-             values: new Float32Array(bytes(stories.values)), rounding: new Float64Array(bytes(stories.rounding)) };
+  function unpack(explanations) {
+    return { kinds: explanations.kinds, items: explanations.items, begin: new Uint32Array(bytes(explanations.begin)), item: new Uint32Array(bytes(explanations.item)),
+             values: new Float32Array(bytes(explanations.values)), rounding: new Float64Array(bytes(explanations.rounding)) };
   }
 
   /* In the order of the terms, in double precision, the rest last: the picture's exact values. */
@@ -70,31 +70,31 @@
     return tr;
   }
 
-  function showStory(run, article, x, y) {
-    const story = tell(run, x, y), box = article.querySelector(".story");
+  function showExplanation(run, article, x, y) {
+    const explanation = tell(run, x, y), box = article.querySelector(".explanation");
     box.replaceChildren();
-    element("h3", box, "The story of pixel " + x + ", " + y);
+    element("h3", box, "The explanation of pixel " + x + ", " + y);
     const table = element("table", box), head = element("tr", table);
     for (const title of ["what", "layer", "weight", "holds (R G B)", "adds R", "G", "B", ""]) element("th", head, title).scope = "col";
     const size = t => Math.abs(t.contribution[0]) + Math.abs(t.contribution[1]) + Math.abs(t.contribution[2]);
-    const most = Math.max(...story.terms.map(size), 1e-30);
-    for (const t of story.terms) {
+    const most = Math.max(...explanation.terms.map(size), 1e-30);
+    for (const t of explanation.terms) {
       const name = t.kind + (t.kind.startsWith("smaller") || t.column === null && t.index === 0 ? "" : " " + t.index);
       const tr = row(table, [name, t.layer, number(t.weight), t.value.map(number).join(" "), ...t.contribution.map(number)]);
       const bar = element("span", element("td", tr));
       bar.className = "bar";
       bar.style.width = (6 * size(t) / most) + "em";
     }
-    row(table, ["rounding", "", "", "", ...story.rest.map(number)]);
-    row(table, ["the pixel", "", "", "", ...story.pixel.map(number)], "sum");
-    drawPlace(run, article, story);
-    article.dataset.story = JSON.stringify(story.pixel);
+    row(table, ["rounding", "", "", "", ...explanation.rest.map(number)]);
+    row(table, ["the pixel", "", "", "", ...explanation.pixel.map(number)], "sum");
+    drawPlace(run, article, explanation);
+    article.dataset.explanation = JSON.stringify(explanation.pixel);
   }
 
-  function drawPlace(run, article, story) {
+  function drawPlace(run, article, explanation) {
     const svg = article.querySelector(".picture svg.marks");
-    let text = '<rect class="pixel" x="' + story.x + '" y="' + story.y + '" width="1" height="1"/>';
-    for (const t of story.terms)
+    let text = '<rect class="pixel" x="' + explanation.x + '" y="' + explanation.y + '" width="1" height="1"/>';
+    for (const t of explanation.terms)
       if (t.column !== null) text += '<circle class="maker" cx="' + t.column + '" cy="' + t.row + '" r="1.6"/>';
     svg.innerHTML = text;
   }
@@ -106,12 +106,12 @@
   function choose(x, y) {
     place.x = Math.min(Math.max(x, 0), runs[0].width - 1);
     place.y = Math.min(Math.max(y, 0), runs[0].height - 1);
-    articles.forEach((article, i) => showStory(runs[i], article, place.x, place.y));
+    articles.forEach((article, i) => showExplanation(runs[i], article, place.x, place.y));
   }
 
   articles.forEach((article, i) => {
     const run = runs[i], picture = article.querySelector(".picture"), slider = article.querySelector("input[type=range]");
-    run.unpacked = unpack(run.stories);
+    run.unpacked = unpack(run.explanations);
     slider.addEventListener("input", () => showSnapshot(run, article, Number(slider.value)));
     showSnapshot(run, article, Number(slider.value));
     picture.addEventListener("click", event => {

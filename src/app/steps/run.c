@@ -152,8 +152,8 @@ static sl_status watch(const sl_scene *scene, const sl_steps_options *o, sl_step
     sl_status status = sl_method_create(scene, &settings, &method, error);
     if (status == SL_OK) status = refine(run, o, method, t, &picture, error);
     if (status == SL_OK) {
-        tell(o, "stories of the pixels", 0.0);
-        status = sl_stories_collect(method, picture, &run->stories, error);
+        tell(o, "explanations of the pixels", 0.0);
+        status = sl_explanations_collect(method, picture, &run->explanations, error);
     }
     if (status == SL_OK && t->mask) {
         weigh_layers(run, picture, t);
@@ -185,7 +185,7 @@ sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *o, 
 void sl_steps_run_clear(sl_steps_run *run) {
     sl_recording_clear(&run->recording);
     for (size_t i = 0; i < run->snapshot_count; i++) free(run->snapshots[i].picture);
-    sl_stories_destroy(run->stories);
+    sl_explanations_destroy(run->explanations);
     free(run->reference);
     free(run->difference);
     free(run->plan);

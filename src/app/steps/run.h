@@ -1,9 +1,9 @@
-/* One method on one scene under the observer: its passes, snapshots of the picture with their errors, and the stories of its pixels. */
+/* One method on one scene under the observer: its passes, snapshots of the picture with their errors, and the explanations of its pixels. */
 #ifndef SL_APP_STEPS_RUN_H
 #define SL_APP_STEPS_RUN_H
 
 #include "app/steps/record.h"
-#include "app/steps/stories.h"
+#include "app/steps/explanations.h"
 #include "cache/frame/settings.h"
 
 typedef struct sl_snapshot {
@@ -32,7 +32,7 @@ typedef struct sl_steps_run {
     char *reference, *difference; /* pictures; NULL: no reference */
     double reference_noise;       /* relative RMSE of the reference itself */
     uint32_t reference_samples;   /* a pixel */
-    sl_stories *stories;
+    sl_explanations *explanations;
     char *plan;
 } sl_steps_run;
 

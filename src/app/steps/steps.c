@@ -53,7 +53,7 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
     return true;
 }
 
-/* 160 pixels wide, in the shape of the scene's film, where nobody asks for another: every pixel has a story to be told. */
+/* 160 pixels wide, in the shape of the scene's film, where nobody asks for another: every pixel has an explanation to be told. */
 static void choose_size(const sl_scene *scene, sl_settings *settings) {
     enum { WIDTH = 160 };
     if (settings->width) return;

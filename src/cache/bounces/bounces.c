@@ -1,6 +1,6 @@
 /* One bounce after the other. All records gather with what the bounce before has left (Jacobi's iteration, so that no order of
  * records matters), from the same points with the same random numbers: only the light of what they see changes. */
-#include "cache/bounces/hidden.h"
+#include "cache/bounces/second_level.h"
 
 #include <string.h>
 
@@ -11,7 +11,7 @@
 #include "base/parallel.h"
 
 enum { ORIGINS = 1600, SENTRIES = 64, SENTRY_GENERATION = 100 };
-/* Few look-ups of visible gathers shall miss the records; those of hidden gathers matter less, and deeper generations of scouts
+/* Few look-ups of visible gathers shall miss the records; those of second-level gathers matter less, and deeper generations of probes
  * mostly look from corners into the same corners. */
 enum { GENERATIONS = 2 };
 static const double few_uncovered[GENERATIONS] = {0.02, 0.05};
@@ -22,8 +22,8 @@ static const size_t most_records[GENERATIONS] = {4000, 5000};
 /* More bounces would not change anything worth telling. */
 #define SMALL_CHANGE 1e-4f
 
-sl_hidden_settings sl_hidden_settings_for(const sl_gather_settings *visible, double accuracy, uint32_t bounces) {
-    sl_hidden_settings s = {.bounces = bounces, .gather = *visible, .aspect = 1.0f, .seed = visible->seed, .threads = 1,
+sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy, uint32_t bounces) {
+    sl_second_settings s = {.bounces = bounces, .gather = *visible, .aspect = 1.0f, .seed = visible->seed, .threads = 1,
                             .minimum_radius = 0.02};
     /* Twice as coarse, with a sixth of the rays: a visible gather takes the mean of thousands of look-ups. */
     double coarser = 2.0 * accuracy;
@@ -35,16 +35,16 @@ sl_hidden_settings sl_hidden_settings_for(const sl_gather_settings *visible, dou
     return s;
 }
 
-static void add_irradiance(const void *context, const sl_hidden_points *points, float *r, float *g, float *b,
+static void add_irradiance(const void *context, const sl_second_points *points, float *r, float *g, float *b,
                            sl_counters *counters) {
-    const sl_hidden_cache *cache = context;
-    if (cache->shines) sl_hidden_look_up(&cache->field, cache->kernel, points, r, g, b, counters);
+    const sl_second_cache *cache = context;
+    if (cache->shines) sl_second_look_up(&cache->field, cache->kernel, points, r, g, b, counters);
 }
 
 /* ---- places ---- */
 
-static sl_cover_pass cover_pass(const sl_hidden_cache *cache) {
-    const sl_hidden_settings *s = &cache->settings;
+static sl_cover_pass cover_pass(const sl_second_cache *cache) {
+    const sl_second_settings *s = &cache->settings;
     float a = (float)s->accuracy;
     return (sl_cover_pass){
         .scene = cache->scene,
@@ -53,7 +53,7 @@ static sl_cover_pass cover_pass(const sl_hidden_cache *cache) {
         .scratch = cache->scratch,
         .kernel = cache->kernel,
         .rules = {a, 1.0f / a, 1e-5f * cache->scene->scale},
-        .radii = {.accuracy = s->accuracy, .minimum_reach = s->minimum_radius * (double)sl_scene_core_diagonal(cache->scene),
+        .radii = {.accuracy = s->accuracy, .minimum_reach = s->minimum_radius * (double)sl_scene_central_diagonal(cache->scene),
                   .maximum_radius = 0.1 * (double)cache->scene->diagonal, .guard = true, .gather = SL_GATHER_RAYS,
                   .metric = SL_METRIC_HARMONIC},
         .covered_weight = 1.0f / (9.0f * a),
@@ -62,26 +62,26 @@ static sl_cover_pass cover_pass(const sl_hidden_cache *cache) {
 }
 
 /* What gathers at visible points see, and what gathers there see. */
-static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
-    const sl_hidden_settings *s = &cache->settings;
+static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
+    const sl_second_settings *s = &cache->settings;
     const sl_cover_pass pass = cover_pass(cache);
-    sl_scouted origins;
-    sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, ORIGINS, &origins, counters, error);
+    sl_probed origins;
+    sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, ORIGINS, &origins, counters, error);
     size_t start = cache->list.count, first = start; /* records of the last generation start here */
     for (size_t generation = 0; status == SL_OK && generation < GENERATIONS; generation++) {
-        sl_scouted seen;
+        sl_probed seen;
         size_t before = cache->list.count;
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
         if (count == 0) break;
-        status = sl_scout_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen, counters, error);
+        status = sl_probe_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen, counters, error);
         if (status == SL_OK)
             status = sl_cover_points(&pass, &seen, few_uncovered[generation], start + most_records[generation], &cache->list,
                                      counters, error);
-        sl_scouted_free(&seen);
+        sl_probed_free(&seen);
         first = before;
     }
-    sl_scouted_free(&origins);
+    sl_probed_free(&origins);
     return status;
 }
 
@@ -89,7 +89,7 @@ static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_e
 
 /* result: the record with the light of the next bounce. */
 static void gather_again(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
-    sl_hidden_cache *cache = context;
+    sl_second_cache *cache = context;
     sl_irradiance e;
     sl_gather_irradiance(cache->gather, &cache->list.points[index], cache->scratch[worker], &e, counters);
     sl_record *r = result;
@@ -101,7 +101,7 @@ static void gather_again(void *context, size_t index, unsigned worker, void *res
         r->rotational_length[channel] = sl_length(e.rotational[channel]);
     }
     sl_record_set_radius(r, r->radius); /* the same: limits the new gradient */
-    sl_hidden_tame(r);
+    sl_second_tame(r);
 }
 
 /* The largest relative change of a record's mean over the channels; dark records are measured by a tenth of the average. */
@@ -118,10 +118,10 @@ static float largest_change(const sl_record *before, const sl_record *after, siz
     return largest;
 }
 
-static sl_status next_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
+static sl_status next_bounce(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
     size_t count = cache->list.count;
     sl_record *next = sl_allocate(count, sizeof *next);
-    if (!next) return sl_fail_memory(error, "a bounce of hidden records");
+    if (!next) return sl_fail_memory(error, "a bounce of second-level records");
     const sl_batch batch = {count, gather_again, cache, next, sizeof *next};
     sl_batch_run(&batch, cache->settings.threads, counters);
     cache->report.bounces++;
@@ -134,21 +134,21 @@ static sl_status next_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_e
     return SL_OK;
 }
 
-sl_status sl_hidden_cache_shine(sl_hidden_cache *cache, sl_error *error) {
+sl_status sl_second_cache_shine(sl_second_cache *cache, sl_error *error) {
     enum { WIDE_LEAF = 64 };
     sl_status status = sl_record_tree_build(cache->scene, &cache->list, 1.0f, SL_TREE_LANES, &cache->near, error);
     if (status == SL_OK) status = sl_record_tree_build(cache->scene, &cache->list, 4.0f, WIDE_LEAF, &cache->wide, error);
     if (status != SL_OK) return status;
     float offset = 1e-5f * cache->scene->scale, a = (float)cache->settings.accuracy;
-    cache->field = (sl_hidden_field){&cache->list, &cache->near, &cache->wide, {a, 1.0f / a, offset}, cache->tracer, offset};
+    cache->field = (sl_second_field){&cache->list, &cache->near, &cache->wide, {a, 1.0f / a, offset}, cache->tracer, offset};
     cache->shines = true;
     cache->report.records = cache->list.count;
     return SL_OK;
 }
 
 /* Of records that have gathered direct light, their first bounce. */
-static sl_status let_light_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
-    sl_status status = sl_hidden_cache_shine(cache, error);
+static sl_status let_light_bounce(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
+    sl_status status = sl_second_cache_shine(cache, error);
     cache->report.converged = false;
     cache->report.bounces = 1;
     while (status == SL_OK && cache->report.bounces + 1 < cache->settings.bounces && !cache->report.converged)
@@ -159,36 +159,36 @@ static sl_status let_light_bounce(sl_hidden_cache *cache, sl_counters *counters,
 /* ---- the camera ---- */
 
 /* A few points that gathers of this view will see, always the same ones: how many of them does no record reach? */
-static sl_status post_sentries(const sl_hidden_cache *cache, float *missed, sl_counters *counters, sl_error *error) {
-    const sl_hidden_settings *s = &cache->settings;
-    sl_scouted origins, seen = {0};
-    sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, SENTRIES, &origins, counters, error);
+static sl_status post_sentries(const sl_second_cache *cache, float *missed, sl_counters *counters, sl_error *error) {
+    const sl_second_settings *s = &cache->settings;
+    sl_probed origins, seen = {0};
+    sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, SENTRIES, &origins, counters, error);
     if (status == SL_OK)
-        status = sl_scout_from(cache->scene, cache->tracer, s, origins.points, origins.count, ORIGINS,
+        status = sl_probe_from(cache->scene, cache->tracer, s, origins.points, origins.count, ORIGINS,
                                SENTRY_GENERATION, &seen, counters, error);
     if (status == SL_OK) *missed = sl_share_out_of_reach(&cache->field, cache->kernel, &seen);
-    sl_scouted_free(&origins);
-    sl_scouted_free(&seen);
+    sl_probed_free(&origins);
+    sl_probed_free(&seen);
     return status;
 }
 
 /* ---- its life ---- */
 
-static sl_status make_gather(sl_hidden_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+static sl_status make_gather(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
     unsigned threads = cache->settings.threads;
     cache->settings.gather.hidden = &cache->light;
     sl_status status = sl_gather_create(cache->scene, raster, cache->tracer, &cache->settings.gather, threads, &cache->gather,
                                         counters, error);
     if (status != SL_OK) return status;
     cache->scratch = sl_allocate(threads, sizeof *cache->scratch);
-    if (!cache->scratch) return sl_fail_memory(error, "hidden gathers");
+    if (!cache->scratch) return sl_fail_memory(error, "second-level gathers");
     for (unsigned i = 0; status == SL_OK && i < threads; i++)
         status = sl_gather_scratch_create(cache->gather, &cache->scratch[i], error);
     return status;
 }
 
 /* What only bounces need, once they are done. */
-static void free_gather(sl_hidden_cache *cache) {
+static void free_gather(sl_second_cache *cache) {
     for (unsigned i = 0; cache->scratch && i < cache->settings.threads; i++) sl_gather_scratch_destroy(cache->scratch[i]);
     sl_free(cache->scratch);
     sl_gather_destroy(cache->gather);
@@ -196,36 +196,36 @@ static void free_gather(sl_hidden_cache *cache) {
     cache->gather = NULL;
 }
 
-sl_status sl_hidden_cache_blank(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
-                                sl_hidden_cache **out, sl_error *error) {
-    sl_hidden_cache *cache = *out = sl_allocate(1, sizeof *cache);
-    if (!cache) return sl_fail_memory(error, "hidden records");
+sl_status sl_second_cache_blank(const sl_scene *scene, const sl_tracer *tracer, const sl_second_settings *settings,
+                                sl_second_cache **out, sl_error *error) {
+    sl_second_cache *cache = *out = sl_allocate(1, sizeof *cache);
+    if (!cache) return sl_fail_memory(error, "second-level records");
     cache->scene = scene;
     cache->tracer = tracer;
     cache->settings = *settings;
     cache->kernel = sl_look_up_kernel_for(sl_isa_best());
-    cache->light = (sl_hidden_light){cache, add_irradiance};
+    cache->light = (sl_second_light){cache, add_irradiance};
     return SL_OK;
 }
 
-sl_status sl_hidden_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
-                                 const sl_hidden_settings *settings, sl_hidden_cache **out, sl_counters *counters,
+sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                                 const sl_second_settings *settings, sl_second_cache **out, sl_counters *counters,
                                  sl_error *error) {
-    sl_hidden_cache *cache;
+    sl_second_cache *cache;
     *out = NULL;
-    sl_status status = sl_hidden_cache_blank(scene, tracer, settings, &cache, error);
+    sl_status status = sl_second_cache_blank(scene, tracer, settings, &cache, error);
     if (status == SL_OK) status = make_gather(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
     if (status == SL_OK) status = let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = post_sentries(cache, &cache->report.missed, counters, error);
     if (cache) free_gather(cache);
     if (status == SL_OK) *out = cache;
-    else sl_hidden_cache_destroy(cache);
+    else sl_second_cache_destroy(cache);
     return status;
 }
 
 /* Again from direct light on: what the new places send to the old ones is part of every bounce. */
-static sl_status extend(sl_hidden_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+static sl_status extend(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
     cache->shines = false;
     sl_status status = make_gather(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
@@ -236,30 +236,30 @@ static sl_status extend(sl_hidden_cache *cache, const sl_raster *raster, sl_coun
     return status;
 }
 
-sl_status sl_hidden_cache_follow(sl_hidden_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
     float missed = 0.0f;
     sl_status status = post_sentries(cache, &missed, counters, error);
     if (status != SL_OK || missed <= cache->report.missed + MANY_MISSED) return status;
     return extend(cache, raster, counters, error);
 }
 
-void sl_hidden_cache_destroy(sl_hidden_cache *cache) {
+void sl_second_cache_destroy(sl_second_cache *cache) {
     if (!cache) return;
     free_gather(cache);
-    sl_hidden_list_free(&cache->list);
+    sl_second_list_free(&cache->list);
     sl_record_tree_free(&cache->near);
     sl_record_tree_free(&cache->wide);
     sl_free(cache);
 }
 
-const sl_hidden_light *sl_hidden_cache_light(const sl_hidden_cache *cache) { return &cache->light; }
-sl_hidden_report sl_hidden_cache_report(const sl_hidden_cache *cache) { return cache->report; }
+const sl_second_light *sl_second_cache_light(const sl_second_cache *cache) { return &cache->light; }
+sl_second_report sl_second_cache_report(const sl_second_cache *cache) { return cache->report; }
 
-static size_t bytes_with_room_for(const sl_hidden_cache *cache, size_t records) {
+static size_t bytes_with_room_for(const sl_second_cache *cache, size_t records) {
     size_t record = sizeof *cache->list.records + sizeof *cache->list.points + sizeof *cache->list.terms + sizeof *cache->list.walls;
     return sizeof *cache + records * record + sl_record_tree_bytes(&cache->near) + sl_record_tree_bytes(&cache->wide);
 }
 
-size_t sl_hidden_cache_bytes(const sl_hidden_cache *cache) { return bytes_with_room_for(cache, cache->list.capacity); }
+size_t sl_second_cache_bytes(const sl_second_cache *cache) { return bytes_with_room_for(cache, cache->list.capacity); }
 /* Trees are built from nothing each time: their room follows from what is in them. */
-size_t sl_hidden_cache_bytes_in_use(const sl_hidden_cache *cache) { return bytes_with_room_for(cache, cache->list.count); }
+size_t sl_second_cache_bytes_in_use(const sl_second_cache *cache) { return bytes_with_room_for(cache, cache->list.count); }

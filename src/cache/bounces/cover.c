@@ -1,7 +1,7 @@
-/* Points that no hidden record covers get one: traversal.c of the visible records once more, over points instead of pixels. A
+/* Points that no second-level record covers get one: traversal.c of the visible records once more, over points instead of pixels. A
  * record's place and reach do not depend on the other records and coverage only grows; so candidates are gathered many at a time
  * and committed in order, and the records are those of a visit one by one. */
-#include "cache/bounces/hidden.h"
+#include "cache/bounces/second_level.h"
 
 #include <string.h>
 
@@ -14,19 +14,19 @@
 
 enum { CHUNK = 2048, SMALLEST_BATCH = 8, LARGEST_BATCH = 128, PIECE = 64 };
 
-void sl_hidden_list_free(sl_hidden_list *list) {
+void sl_second_list_free(sl_second_list *list) {
     sl_free(list->records);
     sl_free(list->points);
     sl_free(list->terms);
     sl_free(list->walls);
-    *list = (sl_hidden_list){0};
+    *list = (sl_second_list){0};
 }
 
-sl_status sl_hidden_list_reserve(sl_hidden_list *list, size_t capacity, sl_error *error) {
+sl_status sl_second_list_reserve(sl_second_list *list, size_t capacity, sl_error *error) {
     if (capacity <= list->capacity) return SL_OK;
     if (!sl_regrow(&list->records, list->count, capacity, sizeof *list->records) || !sl_regrow(&list->points, list->count, capacity, sizeof *list->points) ||
         !sl_regrow(&list->terms, list->count, capacity, sizeof *list->terms) || !sl_regrow(&list->walls, list->count, capacity, sizeof *list->walls))
-        return sl_fail_memory(error, "hidden records");
+        return sl_fail_memory(error, "second-level records");
     list->capacity = capacity;
     return SL_OK;
 }
@@ -35,7 +35,7 @@ sl_status sl_hidden_list_reserve(sl_hidden_list *list, size_t capacity, sl_error
 
 typedef struct {
     const sl_cover_pass *pass;
-    const sl_hidden_list *list;
+    const sl_second_list *list;
     const sl_record_tree *tree;
     size_t known;               /* records that weight[] knows of */
     size_t count;
@@ -49,16 +49,16 @@ static void weigh_piece(void *context, size_t index, unsigned worker) {
     (void)worker;
     chunk *c = context;
     size_t first = index * PIECE, count = c->count - first < PIECE ? c->count - first : (size_t)PIECE;
-    const sl_hidden_points points = {c->count, c->triangle, c->position_x, c->position_y, c->position_z,
+    const sl_second_points points = {c->count, c->triangle, c->position_x, c->position_y, c->position_z,
                                      c->normal_x, c->normal_y, c->normal_z};
-    const sl_hidden_field field = {.list = c->list, .near = c->tree, .rules = c->pass->rules};
-    sl_hidden_sums sums;
+    const sl_second_field field = {.list = c->list, .near = c->tree, .rules = c->pass->rules};
+    sl_second_sums sums;
     c->pass->kernel(&field, &points, first, count, true, &sums);
     for (size_t i = 0; i < count; i++) {
         float weight = sums.weight[i];
         const sl_gather_point *p = c->point[first + i];
         for (size_t k = c->tree->records; k < c->known && weight < c->pass->covered_weight; k++)
-            weight += sl_hidden_weight(c->list, k, p->position, p->normal);
+            weight += sl_second_weight(c->list, k, p->position, p->normal);
         c->weight[first + i] = weight;
     }
 }
@@ -67,11 +67,11 @@ static void weigh_piece(void *context, size_t index, unsigned worker) {
 static bool is_covered(chunk *c, size_t i) {
     float weight = c->weight[i];
     for (size_t k = c->known; k < c->list->count && weight < c->pass->covered_weight; k++)
-        weight += sl_hidden_weight(c->list, k, c->point[i]->position, c->point[i]->normal);
+        weight += sl_second_weight(c->list, k, c->point[i]->position, c->point[i]->normal);
     return weight >= c->pass->covered_weight;
 }
 
-static size_t fill_chunk(chunk *c, const sl_scouted *points, uint64_t *next, uint64_t *at, uint64_t step) {
+static size_t fill_chunk(chunk *c, const sl_probed *points, uint64_t *next, uint64_t *at, uint64_t step) {
     c->count = 0;
     while (c->count < CHUNK && *next < points->count) {
         const sl_gather_point *p = &points->points[*at];
@@ -91,7 +91,7 @@ static size_t fill_chunk(chunk *c, const sl_scouted *points, uint64_t *next, uin
 
 /* A record that R_min makes reach further than what it sees would bear has no use for its gradient: it would say more about the
  * nearest surfaces than about the way to them, and the bounces between two such records in a corner would not die away. */
-void sl_hidden_tame(sl_record *record) {
+void sl_second_tame(sl_record *record) {
     if (record->own_radius > record->minimum_radius) return;
     for (int c = 0; c < 3; c++) record->translational[c] = sl_v3(0.0f, 0.0f, 0.0f);
 }
@@ -103,7 +103,7 @@ typedef struct {
 
 typedef struct {
     sl_record record;
-    sl_hidden_walls walls;
+    sl_second_walls walls;
 } candidate;
 
 static void gather_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
@@ -112,21 +112,21 @@ static void gather_one(void *context, size_t index, unsigned worker, void *resul
     const sl_cover_pass *pass = b->pass;
     sl_irradiance irradiance;
     sl_gather_irradiance(pass->gather, b->points[index], pass->scratch[worker], &irradiance, counters);
-    if (irradiance.back_share > 0.5f && irradiance.harmonic_mean < 1e-3f * sl_scene_core_diagonal(pass->scene))
+    if (irradiance.back_share > 0.5f && irradiance.harmonic_mean < 1e-3f * sl_scene_central_diagonal(pass->scene))
         irradiance.harmonic_mean = irradiance.nearest = 0.0f; /* within an intersection of surfaces */
     out->record = sl_record_make(b->points[index], &irradiance, &pass->radii, 0.0f);
-    sl_hidden_tame(&out->record);
-    sl_hidden_walls_find(pass->scene, pass->tracer, b->points[index], pass->rules.accuracy, &out->record, &out->walls,
+    sl_second_tame(&out->record);
+    sl_second_walls_find(pass->scene, pass->tracer, b->points[index], pass->rules.accuracy, &out->record, &out->walls,
                          counters);
 }
 
 static sl_status commit(chunk *c, const size_t *members, const candidate *candidates, size_t count,
-                        sl_hidden_list *list, sl_counters *counters, size_t *committed, sl_error *error) {
+                        sl_second_list *list, sl_counters *counters, size_t *committed, sl_error *error) {
     *committed = 0;
     for (size_t i = 0; i < count; i++) {
         if (is_covered(c, members[i])) continue;
         bool full = list->count == list->capacity;
-        sl_status status = full ? sl_hidden_list_reserve(list, 2 * list->capacity + 512, error) : SL_OK;
+        sl_status status = full ? sl_second_list_reserve(list, 2 * list->capacity + 512, error) : SL_OK;
         if (status != SL_OK) return status;
         size_t k = list->count++;
         list->records[k] = candidates[i].record;
@@ -134,18 +134,18 @@ static sl_status commit(chunk *c, const size_t *members, const candidate *candid
         list->terms[k] = sl_record_terms_of(&list->records[k], &c->pass->rules);
         list->walls[k] = candidates[i].walls;
         ++*committed;
-        sl_count(counters, SL_COUNT_HIDDEN_RECORDS, 1);
+        sl_count(counters, SL_COUNT_SECOND_LEVEL_RECORDS, 1);
     }
     return SL_OK;
 }
 
 /* Uncovered points of the chunk get records, in order. *batch_size follows the waste and changes nothing else. */
-static sl_status cover_chunk(chunk *c, sl_hidden_list *list, size_t *batch_size, size_t *uncovered, sl_counters *counters,
+static sl_status cover_chunk(chunk *c, sl_second_list *list, size_t *batch_size, size_t *uncovered, sl_counters *counters,
                              sl_error *error) {
     const sl_gather_point *points[LARGEST_BATCH];
     size_t members[LARGEST_BATCH];
     candidate *candidates = sl_allocate(LARGEST_BATCH, sizeof *candidates);
-    sl_status status = candidates ? SL_OK : sl_fail_memory(error, "a batch of hidden records");
+    sl_status status = candidates ? SL_OK : sl_fail_memory(error, "a batch of second-level records");
     *uncovered = 0;
     for (size_t i = 0; i < c->count; i++) *uncovered += c->weight[i] < c->pass->covered_weight;
     for (size_t next = 0; status == SL_OK && next < c->count;) {
@@ -167,13 +167,13 @@ static sl_status cover_chunk(chunk *c, sl_hidden_list *list, size_t *batch_size,
 }
 
 /* The points come in an order that makes every chunk a fair sample of them all. */
-sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, double few_uncovered, size_t most_records,
-                          sl_hidden_list *list, sl_counters *counters, sl_error *error) {
+sl_status sl_cover_points(const sl_cover_pass *pass, const sl_probed *points, double few_uncovered, size_t most_records,
+                          sl_second_list *list, sl_counters *counters, sl_error *error) {
     sl_record_tree tree = {0};
     chunk *c = sl_allocate(1, sizeof *c);
     uint64_t next = 0, at = 0, step = points->count ? sl_golden_step(points->count) : 1;
     size_t batch_size = SMALLEST_BATCH;
-    sl_status status = c ? SL_OK : sl_fail_memory(error, "places for hidden records");
+    sl_status status = c ? SL_OK : sl_fail_memory(error, "places for second-level records");
     bool few = false;
     while (status == SL_OK && !few && next < points->count) {
         /* Later records are weighed one by one; when they have become many, the tree takes them in. */
@@ -195,13 +195,13 @@ sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, d
     return status;
 }
 
-float sl_share_out_of_reach(const sl_hidden_field *field, sl_look_up_kernel *kernel, const sl_scouted *points) {
-    sl_hidden_sums sums;
+float sl_share_out_of_reach(const sl_second_field *field, sl_look_up_kernel *kernel, const sl_probed *points) {
+    sl_second_sums sums;
     size_t asked = 0, missed = 0;
     for (size_t i = 0; i < points->count; i++) {
         const sl_gather_point *p = &points->points[i];
         if (p->triangle == SL_NO_INDEX) continue;
-        const sl_hidden_points one = {1, &p->triangle, &p->position.x, &p->position.y, &p->position.z,
+        const sl_second_points one = {1, &p->triangle, &p->position.x, &p->position.y, &p->position.z,
                                       &p->normal.x, &p->normal.y, &p->normal.z};
         kernel(field, &one, 0, 1, true, &sums);
         asked++;

@@ -1,12 +1,12 @@
-/* Hidden records on disk. */
-#include "cache/bounces/hidden.h"
+/* Second-level records on disk. */
+#include "cache/bounces/second_level.h"
 
 #include "base/memory.h"
 
-_Static_assert(sizeof(sl_record) % 4 == 0 && sizeof(sl_hidden_walls) % 4 == 0, "records consist of 32-bit words");
+_Static_assert(sizeof(sl_record) % 4 == 0 && sizeof(sl_second_walls) % 4 == 0, "records consist of 32-bit words");
 enum {
     RECORD_WORDS = sizeof(sl_record) / 4,
-    WALL_WORDS = sizeof(sl_hidden_walls) / 4,
+    WALL_WORDS = sizeof(sl_second_walls) / 4,
     POINT_WORDS = 10, /* and the key */
     BYTES_EACH = 4 * (RECORD_WORDS + WALL_WORDS + POINT_WORDS) + 8
 };
@@ -27,9 +27,9 @@ static void read_point(sl_cache_reader *r, sl_gather_point *p) {
     p->key = sl_cache_read_u64(r);
 }
 
-void sl_hidden_cache_write(const sl_hidden_cache *cache, sl_cache_writer *writer) {
-    const sl_hidden_list *list = &cache->list;
-    const sl_hidden_report *report = &cache->report;
+void sl_second_cache_write(const sl_second_cache *cache, sl_cache_writer *writer) {
+    const sl_second_list *list = &cache->list;
+    const sl_second_report *report = &cache->report;
     sl_cache_write_u32(writer, report->bounces);
     sl_cache_write_u32(writer, report->converged);
     sl_cache_write_words(writer, &report->change, 1);
@@ -48,12 +48,12 @@ static bool is_sane(const sl_record *r, const sl_gather_point *p) {
            sl_is_finite(p->geometric_normal);
 }
 
-static sl_status read_records(sl_cache_reader *r, sl_hidden_cache *cache, sl_error *error) {
-    sl_hidden_list *list = &cache->list;
+static sl_status read_records(sl_cache_reader *r, sl_second_cache *cache, sl_error *error) {
+    sl_second_list *list = &cache->list;
     const float a = (float)cache->settings.accuracy;
     const sl_weight_rules rules = {a, 1.0f / a, 1e-5f * cache->scene->scale};
     size_t count = sl_cache_read_count(r, BYTES_EACH);
-    sl_status status = sl_hidden_list_reserve(list, count, error);
+    sl_status status = sl_second_list_reserve(list, count, error);
     for (size_t i = 0; status == SL_OK && i < count; i++) {
         sl_cache_read_words(r, &list->records[i], RECORD_WORDS);
         sl_cache_read_words(r, &list->walls[i], WALL_WORDS);
@@ -66,19 +66,19 @@ static sl_status read_records(sl_cache_reader *r, sl_hidden_cache *cache, sl_err
     return status;
 }
 
-sl_status sl_hidden_cache_read(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
-                               sl_cache_reader *reader, sl_hidden_cache **out, sl_error *error) {
-    sl_hidden_cache *cache;
+sl_status sl_second_cache_read(const sl_scene *scene, const sl_tracer *tracer, const sl_second_settings *settings,
+                               sl_cache_reader *reader, sl_second_cache **out, sl_error *error) {
+    sl_second_cache *cache;
     *out = NULL;
-    sl_status status = sl_hidden_cache_blank(scene, tracer, settings, &cache, error);
+    sl_status status = sl_second_cache_blank(scene, tracer, settings, &cache, error);
     if (status != SL_OK) return status;
     cache->report.bounces = sl_cache_read_u32(reader);
     cache->report.converged = sl_cache_read_u32(reader) != 0;
     sl_cache_read_words(reader, &cache->report.change, 1);
     sl_cache_read_words(reader, &cache->report.missed, 1);
     status = read_records(reader, cache, error);
-    if (status == SL_OK) status = sl_hidden_cache_shine(cache, error);
+    if (status == SL_OK) status = sl_second_cache_shine(cache, error);
     if (status == SL_OK) *out = cache;
-    else sl_hidden_cache_destroy(cache);
+    else sl_second_cache_destroy(cache);
     return status;
 }

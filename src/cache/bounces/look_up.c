@@ -1,8 +1,8 @@
-/* Irradiance at many points at once, and at the few that no hidden record covers.
+/* Irradiance at many points at once, and at the few that no second-level record covers.
  *
  * Such a point takes what the most similar record around says, one that it sees: beyond their reach records promise nothing, and light
  * must not come through walls. A point that sees none of the most similar ones stays dark. */
-#include "cache/bounces/hidden.h"
+#include "cache/bounces/second_level.h"
 
 #include <string.h>
 
@@ -10,13 +10,13 @@
 
 sl_look_up_kernel *sl_look_up_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_look_up); }
 
-float sl_hidden_weight(const sl_hidden_list *list, size_t record, sl_vec3 position, sl_vec3 normal) {
+float sl_second_weight(const sl_second_list *list, size_t record, sl_vec3 position, sl_vec3 normal) {
     const sl_record_terms *k = &list->terms[record];
     float squared = sl_record_squared_distance(k, position.x, position.y, position.z);
     if (!(k->reach_squared - squared >= 0.0f)) return 0.0f;
     float w = sl_record_weight_at(k, squared, position.x, position.y, position.z, normal.x, normal.y, normal.z);
     if (!(w > 0.0f) || !list->records[record].behind_a_wall) return w;
-    const sl_hidden_walls *walls = &list->walls[record];
+    const sl_second_walls *walls = &list->walls[record];
     sl_vec3 d = sl_sub(position, k->position);
     return sl_wall_stands_between(walls, d.x, d.y, d.z) ? 0.0f : w;
 }
@@ -24,7 +24,7 @@ float sl_hidden_weight(const sl_hidden_list *list, size_t record, sl_vec3 positi
 /* ---- points that no record covers ---- */
 
 typedef struct {
-    const sl_hidden_field *field;
+    const sl_second_field *field;
     sl_vec3 position, normal;
     uint32_t triangle;
     sl_counters *counters;
@@ -69,7 +69,7 @@ static void consider(similar_records *s, const sl_record_terms *k, float d) {
 }
 
 static similar_records most_similar(const lost_point *p, const sl_record_tree *tree) {
-    const sl_hidden_list *list = p->field->list;
+    const sl_second_list *list = p->field->list;
     const sl_tree_node *leaf = sl_tree_leaf(tree, p->position.x, p->position.y, p->position.z);
     similar_records similar = {.count = 0};
     for (uint32_t b = 0; b < leaf->blocks; b++) {
@@ -86,11 +86,11 @@ static similar_records most_similar(const lost_point *p, const sl_record_tree *t
     return similar;
 }
 
-static sl_rgb irradiance_of_lost(const sl_hidden_field *field, const sl_hidden_points *points, size_t i, sl_counters *counters) {
+static sl_rgb irradiance_of_lost(const sl_second_field *field, const sl_second_points *points, size_t i, sl_counters *counters) {
     const lost_point p = {field, sl_v3(points->position_x[i], points->position_y[i], points->position_z[i]),
                           sl_v3(points->normal_x[i], points->normal_y[i], points->normal_z[i]), points->triangle[i], counters};
     const sl_record_tree *const trees[] = {field->near, field->wide};
-    sl_count(counters, SL_COUNT_HIDDEN_MISSES, 1);
+    sl_count(counters, SL_COUNT_SECOND_LEVEL_MISSES, 1);
     for (int t = 0; t < 2; t++) {
         if (!trees[t] || !trees[t]->node_count) continue;
         const similar_records similar = most_similar(&p, trees[t]);
@@ -104,9 +104,9 @@ static sl_rgb irradiance_of_lost(const sl_hidden_field *field, const sl_hidden_p
 
 /* ---- all points ---- */
 
-void sl_hidden_look_up(const sl_hidden_field *field, sl_look_up_kernel *kernel, const sl_hidden_points *points, float *r, float *g,
+void sl_second_look_up(const sl_second_field *field, sl_look_up_kernel *kernel, const sl_second_points *points, float *r, float *g,
                        float *b, sl_counters *counters) {
-    sl_hidden_sums sums;
+    sl_second_sums sums;
     uint64_t looked_up = 0;
     for (size_t first = 0; first < points->count; first += SL_LOOK_UP_MAX) {
         size_t left = points->count - first, count = left < SL_LOOK_UP_MAX ? left : (size_t)SL_LOOK_UP_MAX;
@@ -126,5 +126,5 @@ void sl_hidden_look_up(const sl_hidden_field *field, sl_look_up_kernel *kernel, 
             b[first + i] += e.b;
         }
     }
-    sl_count(counters, SL_COUNT_HIDDEN_LOOK_UPS, looked_up);
+    sl_count(counters, SL_COUNT_SECOND_LEVEL_LOOK_UPS, looked_up);
 }

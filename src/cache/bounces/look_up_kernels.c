@@ -1,7 +1,7 @@
 /* (1) of Gautron et al. 2005 at points instead of pixels: E(p) = sum of w_k E'_k over sum of w_k, for the records that reach p.
  * Sixteen records are weighed together; what the few that count say is added one after the other, in the order of their
  * indices, so that the sums have the same bits however the records are spread over the tree. */
-#include "cache/bounces/hidden.h"
+#include "cache/bounces/second_level.h"
 
 #include "base/bits16.h"
 
@@ -39,10 +39,10 @@ typedef struct {
     float r, g, b, weight;
 } sums;
 
-static inline void add_block(const sl_hidden_field *field, const sl_tree_block *block, const look_up_point *p, bool without_light,
+static inline void add_block(const sl_second_field *field, const sl_tree_block *block, const look_up_point *p, bool without_light,
                              sums *sum) {
     float w[SL_TREE_LANES];
-    const sl_hidden_list *list = field->list;
+    const sl_second_list *list = field->list;
     for (uint32_t bits = weigh(block, &field->rules, p, w), l = 0; bits; bits >>= 1, l++) {
         if (!(bits & 1u)) continue;
         uint32_t record = block->record[l] & ~SL_TREE_WALLS;
@@ -58,8 +58,8 @@ static inline void add_block(const sl_hidden_field *field, const sl_tree_block *
     }
 }
 
-void SL_KERNEL(sl_look_up)(const sl_hidden_field *field, const sl_hidden_points *points, size_t first, size_t count,
-                           bool without_light, sl_hidden_sums *out) {
+void SL_KERNEL(sl_look_up)(const sl_second_field *field, const sl_second_points *points, size_t first, size_t count,
+                           bool without_light, sl_second_sums *out) {
     const sl_record_tree *tree = field->near;
     for (size_t i = 0; i < count; i++) {
         const size_t k = first + i;

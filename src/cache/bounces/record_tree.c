@@ -1,6 +1,6 @@
 /* An octree over the records' spheres. Leaves are cells of space with the records that reach into them, sixteen side by side, ready
  * for the look-up. */
-#include "cache/bounces/hidden.h"
+#include "cache/bounces/second_level.h"
 
 #include <string.h>
 
@@ -12,7 +12,7 @@
 enum { MOST_COPIES = 3 };
 
 typedef struct {
-    const sl_hidden_list *list;
+    const sl_second_list *list;
     sl_record_tree *tree;
     size_t leaf_records;
     float accuracy; /* reach = accuracy * R, widened */
@@ -116,7 +116,7 @@ static bool build(builder *b, size_t node, size_t from, size_t count, sl_vec3 lo
     return true;
 }
 
-sl_status sl_record_tree_build(const sl_scene *scene, const sl_hidden_list *list, float widen, size_t leaf_records,
+sl_status sl_record_tree_build(const sl_scene *scene, const sl_second_list *list, float widen, size_t leaf_records,
                                sl_record_tree *tree, sl_error *error) {
     sl_vec3 extent = sl_sub(scene->box_max, scene->box_min);
     float side = extent.x > extent.y ? extent.x : extent.y;
@@ -139,7 +139,7 @@ sl_status sl_record_tree_build(const sl_scene *scene, const sl_hidden_list *list
     sl_free(b.stack);
     if (done) return SL_OK;
     sl_record_tree_free(tree);
-    return sl_fail_memory(error, "the hidden records' tree");
+    return sl_fail_memory(error, "the second-level records' tree");
 }
 
 void sl_record_tree_free(sl_record_tree *tree) {

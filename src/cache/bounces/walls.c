@@ -1,7 +1,7 @@
 /* How far the tangent plane of a record is free, by direction. Behind a thin wall the floor goes on, and a record must not light it
  * there. The guard on its radius (record.h, rule 2) is as good as the few rays of its gather: near a wall, a tenth too
  * generous; and the least radius overrules it. */
-#include "cache/bounces/hidden.h"
+#include "cache/bounces/second_level.h"
 
 #include <string.h>
 
@@ -24,8 +24,8 @@ static bool is_wall(const sl_scene *scene, const sl_ray16 *rays, const sl_hit16 
     return !within_guard || fabsf(sl_dot(n, d)) > 0.5f;
 }
 
-void sl_hidden_walls_find(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point, float accuracy,
-                          sl_record *record, sl_hidden_walls *walls, sl_counters *counters) {
+void sl_second_walls_find(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point, float accuracy,
+                          sl_record *record, sl_second_walls *walls, sl_counters *counters) {
     const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, record->position), reach = accuracy * record->radius;
     const bool within_guard = !record->behind_a_wall;
     sl_frame frame = sl_frame_from_normal(sl_normalize_or(point->geometric_normal, record->normal));

@@ -254,7 +254,7 @@ static float tangent_of(const sl_map_light *light) {
     return tangent < 0.001 ? 0.001f : tangent < 1.0 ? (float)tangent : 1.0f;
 }
 
-static float rounding_of(const sl_scene *s) { return 4e-7f * sl_scene_coordinate_near(s, s->core_min); }
+static float rounding_of(const sl_scene *s) { return 4e-7f * sl_scene_coordinate_near(s, s->central_min); }
 
 static sl_status draw_all(sl_shadow_cubes *cubes, const drawing *d, int size, sl_error *error) {
     float rounding = rounding_of(d->scene);

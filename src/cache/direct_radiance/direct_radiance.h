@@ -77,7 +77,7 @@ sl_shadow_casters sl_scene_shadow_casters(const sl_scene *scene);
 
 /* memory.c */
 sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings);
-extern const sl_concession sl_radiance_concessions[];
+extern const sl_reduction sl_radiance_reductions[];
 
 /* Passes 6 and 7: light on receivers. Direct light by (5) and (9) with shadow cubes; indirect light by (10), the sum over the photons. */
 

@@ -248,7 +248,7 @@ static sl_status merge(finding *f, sl_error *error) {
     f->normal = sl_allocate(f->seeds, sizeof *f->normal);
     if (!f->seed || !f->cluster || !f->centre || !f->normal) return sl_fail_memory(error, "the lights");
     sow(f);
-    return sl_light_seeds_merge(f->seed, f->seeds, SL_MAP_LIGHTS_MAX, sl_scene_core_diagonal(f->scene), f->cluster, &f->clusters, error);
+    return sl_light_seeds_merge(f->seed, f->seeds, SL_MAP_LIGHTS_MAX, sl_scene_central_diagonal(f->scene), f->cluster, &f->clusters, error);
 }
 
 static sl_status make(finding *f, int subdivision, sl_error *error) {

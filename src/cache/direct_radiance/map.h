@@ -203,7 +203,7 @@ typedef struct sl_map_texel {
 #define SL_TEXEL_COS_MIN 1e-6
 /* A group's area is the sum of A' / max(cos alpha, that): not larger than its texels' would be at that angle. */
 #define SL_GROUP_COS_MIN 0.02
-/* Photons nearer to their light than that share of the diagonal of the scene's core are dropped. */
+/* Photons nearer to their light than that share of the diagonal of the scene's central region are dropped. */
 #define SL_PHOTON_NEAREST_LIGHT 1e-4
 
 /* False where there is nothing to reflect light (coverage 0), no light, or the light is too near; then *texel is not written whole.
@@ -259,7 +259,7 @@ typedef struct sl_map_photons {
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
     size_t first_of_light[SL_MAP_POINTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
     size_t samples_of_light[SL_MAP_POINTS_MAX];   /* M: a sample may have no photon, or a few groups of them */
-    size_t dropped;          /* samples without a photon: nearer to the light than 1e-4 of the diagonal of the scene's core, or without light */
+    size_t dropped;          /* samples without a photon: nearer to the light than 1e-4 of the diagonal of the scene's central region, or without light */
     float nearest;           /* r below which a photon gives nothing: 1e-6 of the scene's scale */
     float box_diagonal;      /* ||B_max - B_min|| of (15) */
 } sl_map_photons;

@@ -76,19 +76,19 @@ static size_t explanation_bytes(const sl_radiance_explanation *explanation) {
 typedef struct {
     const sl_radiance_explanation *explanation;
     size_t pixel;
-    sl_story_writer *writer;
+    sl_explanation_writer *writer;
 } telling;
 
 static void tell_photon(void *context, size_t photon, float weight, const float radiance[3]) {
     const telling *t = context;
     const sl_map_photon *p = &t->explanation->light.photons->photon[photon];
-    sl_story_term term = {.layer = "indirect", .kind = "photon of the map", .index = photon, .placed = true, .weight = (double)weight,
+    sl_explanation_term term = {.layer = "indirect", .kind = "photon of the map", .index = photon, .placed = true, .weight = (double)weight,
                           .position = {p->position.x, p->position.y, p->position.z}, .value = {p->flux.r, p->flux.g, p->flux.b}};
     for (int c = 0; c < 3; c++) {
         const float *throughput = t->explanation->receivers->throughput[c];
         term.contribution[c] = (double)radiance[c] * (throughput ? (double)throughput[t->pixel] : 1.0);
     }
-    sl_story_add(t->writer, &term);
+    sl_explanation_add(t->writer, &term);
 }
 
 /* The tile's lanes up to one pixel's, and as few as loops take: what lies beyond has no say. */
@@ -110,15 +110,15 @@ static void tell_tile(void *context, const sl_receiver_tile *tile, bool glossy, 
     }
 }
 
-static void explanation_tell(const sl_radiance_explanation *explanation, int x, int y, sl_story_writer *writer) {
+static void explanation_tell(const sl_radiance_explanation *explanation, int x, int y, sl_explanation_writer *writer) {
     const sl_receivers *r = explanation->receivers;
     telling t = {explanation, (size_t)y * (size_t)r->width + (size_t)x, writer};
     sl_counters ignored = {{0}};
-    sl_story_add_layer(writer, "emission", "emitted light");
-    sl_story_add_layer(writer, "direct", "direct light");
+    sl_explanation_add_layer(writer, "emission", "emitted light");
+    sl_explanation_add_layer(writer, "direct", "direct light");
     uint32_t material = r->gbuffer->material[t.pixel];
     bool mirror = material != SL_NO_INDEX && sl_material_is_mirror(&explanation->light.scene->materials[material]);
-    if (mirror) sl_story_add_layer(writer, "indirect", "what a curved mirror shows");
+    if (mirror) sl_explanation_add_layer(writer, "indirect", "what a curved mirror shows");
     else if (explanation->sums) sl_receiver_tiles_strip(r, &explanation->kinds, y - y % SL_TILE_HEIGHT, tell_tile, &t, &ignored);
 }
 
@@ -230,7 +230,7 @@ static size_t radiance_memory_bytes(const void *state) {
     return bytes;
 }
 
-static sl_status radiance_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+static sl_status radiance_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
     sl_radiance_state *s = state;
     const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status = SL_OK;
@@ -255,8 +255,8 @@ const sl_method_class sl_direct_radiance_method = {
     .counters = radiance_counters,
     .memory_bytes = radiance_memory_bytes,
     .need = sl_radiance_need,
-    .concessions = sl_radiance_concessions,
-    .story = radiance_story,
+    .reductions = sl_radiance_reductions,
+    .explanation = radiance_explanation,
     .transport = sl_radiance_transport,
     .plan = sl_radiance_plan_write,
     .any_transport = false,

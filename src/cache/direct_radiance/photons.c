@@ -237,7 +237,7 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
     t->position = plane_at(map->position, i);
     if (!is_finite(t->position) || !find_way(map, face, i, t)) return false;
     bool directional = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
-    if (!directional && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_core_diagonal(scene)) return false;
+    if (!directional && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_central_diagonal(scene)) return false;
 
     t->normal = plane_at(map->geometric, i);
     if (!make_unit(&t->normal)) return false;

@@ -28,34 +28,34 @@ static const double of_growth = 0.75;
 
 /* ---- one setting ---- */
 
-static double value_of(const sl_settings *settings, const sl_concession *c) {
+static double value_of(const sl_settings *settings, const sl_reduction *c) {
     const char *at = (const char *)settings + c->offset;
     switch (c->kind) {
-    case SL_CONCEDE_INT:
-    case SL_CONCEDE_LEVEL: return *(const int *)(const void *)at;
-    case SL_CONCEDE_COUNT: return (double)*(const uint64_t *)(const void *)at;
-    case SL_CONCEDE_REAL: return *(const double *)(const void *)at;
-    case SL_CONCEDE_FLAG: return *(const bool *)(const void *)at ? 1.0 : 0.0;
+    case SL_REDUCE_INT:
+    case SL_REDUCE_LEVEL: return *(const int *)(const void *)at;
+    case SL_REDUCE_COUNT: return (double)*(const uint64_t *)(const void *)at;
+    case SL_REDUCE_REAL: return *(const double *)(const void *)at;
+    case SL_REDUCE_FLAG: return *(const bool *)(const void *)at ? 1.0 : 0.0;
     }
     return 0.0;
 }
 
 /* False: it is as low as it may be. */
-static bool lower(sl_settings *settings, const sl_concession *c) {
+static bool lower(sl_settings *settings, const sl_reduction *c) {
     char *at = (char *)settings + c->offset;
-    double value = value_of(settings, c), lowered = c->kind == SL_CONCEDE_LEVEL ? value - 1.0 : 0.5 * value;
-    if (c->kind == SL_CONCEDE_FLAG) {
+    double value = value_of(settings, c), lowered = c->kind == SL_REDUCE_LEVEL ? value - 1.0 : 0.5 * value;
+    if (c->kind == SL_REDUCE_FLAG) {
         *(bool *)(void *)at = true;
         return value == 0.0;
     }
     if (lowered < c->least) lowered = c->least;
     if (!(lowered < value)) return false;
     switch (c->kind) {
-    case SL_CONCEDE_INT:
-    case SL_CONCEDE_LEVEL: *(int *)(void *)at = (int)lowered; break;
-    case SL_CONCEDE_COUNT: *(uint64_t *)(void *)at = (uint64_t)lowered; break;
-    case SL_CONCEDE_REAL: *(double *)(void *)at = lowered; break;
-    case SL_CONCEDE_FLAG: break;
+    case SL_REDUCE_INT:
+    case SL_REDUCE_LEVEL: *(int *)(void *)at = (int)lowered; break;
+    case SL_REDUCE_COUNT: *(uint64_t *)(void *)at = (uint64_t)lowered; break;
+    case SL_REDUCE_REAL: *(double *)(void *)at = lowered; break;
+    case SL_REDUCE_FLAG: break;
     }
     return true;
 }
@@ -66,7 +66,7 @@ static bool lower(sl_settings *settings, const sl_concession *c) {
 static bool take_best_step(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double *need) {
     sl_settings best = *settings;
     double least = *need;
-    for (const sl_concession *c = method->concessions; c && c->what; c++) {
+    for (const sl_reduction *c = method->reductions; c && c->what; c++) {
         sl_settings trial = *settings;
         if (!lower(&trial, c)) continue;
         method->complete(&trial); /* settings that hang together */
@@ -83,10 +83,10 @@ static bool take_best_step(const sl_method_class *method, const sl_scene *scene,
 
 static void tell(const sl_method_class *method, const sl_settings *before, const sl_settings *after, char *text, size_t room) {
     size_t used = 0;
-    for (const sl_concession *c = method->concessions; c && c->what; c++) {
+    for (const sl_reduction *c = method->reductions; c && c->what; c++) {
         double was = value_of(before, c), is = value_of(after, c);
         if (was == is || used >= room) continue;
-        int written = c->kind == SL_CONCEDE_FLAG ? snprintf(text + used, room - used, "%s%s", used ? ", " : "", c->what)
+        int written = c->kind == SL_REDUCE_FLAG ? snprintf(text + used, room - used, "%s%s", used ? ", " : "", c->what)
                                                  : sl_print(text + used, room - used, "%s%.9g %s instead of %.9g", used ? ", " : "", is, c->what, was);
         if (written > 0) used += (size_t)written;
     }
@@ -107,9 +107,9 @@ static sl_status refuse(const sl_method_class *method, const sl_scene *scene, co
                    n.picture / mega, besides);
 }
 
-sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double beside, char *conceded, size_t room,
+sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double beside, char *reduced, size_t room,
                          sl_error *error) {
-    if (room) conceded[0] = '\0';
+    if (room) reduced[0] = '\0';
     if (!settings->memory_bytes) return SL_OK;
     const sl_settings asked = *settings;
     const double budget = (double)asked.memory_bytes - beside;
@@ -123,6 +123,6 @@ sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, s
         trial.threads++;
         if (need_of(method, scene, &trial) > need + (1.0 - of_growth) * left) break;
     }
-    if (room) tell(method, &asked, settings, conceded, room);
+    if (room) tell(method, &asked, settings, reduced, room);
     return SL_OK;
 }

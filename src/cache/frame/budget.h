@@ -10,9 +10,9 @@
 /* All of it, the program, the scene and the method; settings are complete. */
 uint64_t sl_budget_need(const sl_method_class *method, const sl_scene *scene, const sl_settings *settings);
 /* Complete settings with memory_bytes: lowered until the need is within it, by the step that saves most, again and again; the bits depend on the
- * budget therefore, but not on the number of threads, which is lowered last. `conceded` gets what was done in a few words, or "".
+ * budget therefore, but not on the number of threads, which is lowered last. `reduced` gets what was done in a few words, or "".
  * beside: bytes that are taken by whoever uses the method, within the same bound. memory_bytes becomes what is left for caches that grow. SL_ERROR_RESOURCES where nothing more can be lowered. */
-sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double beside, char *conceded, size_t room,
+sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double beside, char *reduced, size_t room,
                          sl_error *error);
 
 /* Emitters that there are at any time: keyframes may give a lamp an area that it has not yet, and a method is made once for all of them. */

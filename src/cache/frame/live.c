@@ -1,6 +1,6 @@
 /* Two loops side by side: a thread updates the method, the caller's shows frames (the Shading Cache's section on the system's components).
  *
- *   caller   move ── twin of the scene ── frame ── frame ── move ── frame ...      never waits for an update
+ *   caller   move ── copy of the scene ── frame ── frame ── move ── frame ...      never waits for an update
  *                 ╲ asked             ╱ versions
  *   thread   follow: scene, edit ── update ── update ── follow ...                 rests when nothing is left to refine
  *
@@ -15,9 +15,9 @@
 #include "base/thread.h"
 #include "cache/frame/method.h"
 #include "scene/animation.h"
-#include "scene/twin.h"
+#include "scene/copy.h"
 
-/* Where things are: all that it takes to put any twin there. */
+/* Where things are: all that it takes to put any scene_copy there. */
 typedef struct pose {
     uint64_t number;           /* 0, 1, 2, ... as they were asked for */
     bool timed;                /* false: as the scene was found */
@@ -34,12 +34,12 @@ typedef struct change {
 } change;
 
 struct sl_live {
-    sl_scene *scene;           /* the thread's, while it runs; the caller's is the twin */
+    sl_scene *scene;           /* the thread's, while it runs; the caller's is the copy */
     sl_method *method;         /* likewise */
     sl_thread thread;
     bool runs;
 
-    sl_scene *twin;
+    sl_scene *scene_copy;
     void *window;              /* NULL: the method has none */
     sl_image *frame;
     pose shown, wanted;        /* wanted: of a higher number while it waits */
@@ -190,18 +190,18 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
     }
     if (l->window) l->method->class->window->destroy(l->window);
     sl_method_destroy(l->method);
-    sl_scene_twin_destroy(l->twin);
+    sl_scene_copy_destroy(l->scene_copy);
     sl_image_destroy(l->frame);
     sl_image_destroy(l->picture);
     sl_monitor_close(&l->meeting);
     sl_free(l);
 }
 
-/* Beside the method: the twin; the frame that is shown, the one that waits and the one that is made (a display's is the method's picture); and two of a byte
+/* Beside the method: the copy; the frame that is shown, the one that waits and the one that is made (a display's is the method's picture); and two of a byte
  * a value for whoever writes them. */
 static double bytes_of_show(const sl_scene *scene, const sl_settings *settings) {
     enum { FRAME = 12, WRITTEN = 6 };
-    return (double)sl_scene_twin_bytes(scene) + (double)settings->width * (double)settings->height * (3 * FRAME + WRITTEN);
+    return (double)sl_scene_copy_bytes(scene) + (double)settings->width * (double)settings->height * (3 * FRAME + WRITTEN);
 }
 
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
@@ -210,12 +210,12 @@ static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error)
     sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, error);
     own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
     if (status == SL_OK) status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
-    if (status == SL_OK) status = sl_scene_twin(l->scene, &l->twin, error);
+    if (status == SL_OK) status = sl_scene_copy(l->scene, &l->scene_copy, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = l->method->class;
     l->hold = class->error_levels ? settings->shading_cache.hold_levels : 0.0;
     status = sl_image_create(l->method->settings.width, l->method->settings.height, 3, NULL, &l->frame, error);
-    if (status == SL_OK && class->window) status = class->window->create(l->method->state, l->twin, &l->window, error);
+    if (status == SL_OK && class->window) status = class->window->create(l->method->state, l->scene_copy, &l->window, error);
     if (status != SL_OK) return status;
     l->runs = sl_thread_start(&l->thread, update_on_and_on, l);
     return l->runs ? SL_OK : sl_fail(error, SL_ERROR_RESOURCES, "no thread could be had for updates");
@@ -238,7 +238,7 @@ sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **
     return status;
 }
 
-const char *sl_live_concession(const sl_live *l) { return l->method->conceded; }
+const char *sl_live_reduction(const sl_live *l) { return l->method->reduced; }
 
 /* ---- moves ----------------------------------------------------------------------------------------------------------------------- */
 
@@ -266,11 +266,11 @@ static void ask(sl_live *l, unsigned changes, sl_status status, const sl_error *
     sl_monitor_leave(&l->meeting);
 }
 
-/* The twin goes at once. A window that could not follow shows nothing any more; a time at which nothing can be is another matter. */
+/* The scene_copy goes at once. A window that could not follow shows nothing any more; a time at which nothing can be is another matter. */
 static sl_status go(sl_live *l, sl_error *error) {
     unsigned changes = 0;
     sl_error why = {0};
-    sl_status status = take_pose(l->twin, &l->wanted, &changes, &why);
+    sl_status status = take_pose(l->scene_copy, &l->wanted, &changes, &why);
     if (status == SL_OK) {
         l->shown = l->wanted;
         if (l->window && (changes & SL_CHANGED_OBJECTS)) status = l->method->class->window->move(l->window, &why);
@@ -288,7 +288,7 @@ static sl_status go_if_it_may(sl_live *l, sl_error *error) {
 
 sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
     if (!l) return sl_fail_null(error, "a live show");
-    sl_status status = sl_scene_check_time(l->twin, time_seconds, error); /* now, though the move may have to wait */
+    sl_status status = sl_scene_check_time(l->scene_copy, time_seconds, error); /* now, though the move may have to wait */
     if (status != SL_OK) return status;
     l->wanted.timed = true;
     l->wanted.time = time_seconds;
@@ -298,7 +298,7 @@ sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
 
 sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], const float up[3], float vertical_fov_rad, sl_error *error) {
     if (!l || !eye || !target || !up) return sl_fail_null(error, "a live show and three vectors");
-    sl_camera camera = l->twin->camera;
+    sl_camera camera = l->scene_copy->camera;
     if (!sl_camera_look_at(&camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]), sl_v3(up[0], up[1], up[2]), vertical_fov_rad))
         return sl_fail(error, SL_ERROR_USAGE, "camera: expected an eye apart from its target, an up vector not along the view and a vertical field of view "
                                               "between 0 and 180 degrees");

@@ -84,29 +84,29 @@ sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_s
 }
 
 /* Fills in what was left to the machine or the quality, within the memory that there is. */
-static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, double beside, char *conceded,
+static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, double beside, char *reduced,
                                    size_t room, sl_error *error) {
     settings->threads = sl_thread_count(settings->threads);
     class->complete(settings);
-    return sl_budget_keep(class, scene, settings, beside, conceded, room, error);
+    return sl_budget_keep(class, scene, settings, beside, reduced, room, error);
 }
 
 /* ---- the core of a scattered scene ---- */
 
 static void remember_core(sl_method *m) {
     m->scale = m->scene->scale;
-    m->core_min = m->scene->core_min;
-    m->core_max = m->scene->core_max;
+    m->central_min = m->scene->central_min;
+    m->central_max = m->scene->central_max;
 }
 
-/* An eye elsewhere may make another part of a scattered scene its core (scene/scale.c), where an octree, voxels or a coarse mesh are not that were
+/* An eye elsewhere may make another part of a scattered scene its central region (scene/scale.c), where an octree, voxels or a coarse mesh are not that were
  * made for the one before. Small moves change the scale a little, which matters no more than that it is a rough measure. */
 static bool core_has_moved(const sl_method *m) {
     const sl_scene *s = m->scene;
     const float larger = fmaxf(m->scale, s->scale), smaller = fminf(m->scale, s->scale);
-    if (larger == smaller && memcmp(&m->core_min, &s->core_min, sizeof m->core_min) == 0 && memcmp(&m->core_max, &s->core_max, sizeof m->core_max) == 0) return false;
-    const double before = (double)sl_length(sl_sub(m->core_max, m->core_min)), now = (double)sl_scene_core_diagonal(s);
-    const double moved = fmax((double)sl_length(sl_sub(s->core_min, m->core_min)), (double)sl_length(sl_sub(s->core_max, m->core_max)));
+    if (larger == smaller && memcmp(&m->central_min, &s->central_min, sizeof m->central_min) == 0 && memcmp(&m->central_max, &s->central_max, sizeof m->central_max) == 0) return false;
+    const double before = (double)sl_length(sl_sub(m->central_max, m->central_min)), now = (double)sl_scene_central_diagonal(s);
+    const double moved = fmax((double)sl_length(sl_sub(s->central_min, m->central_min)), (double)sl_length(sl_sub(s->central_max, m->central_max)));
     return larger > 2.0f * smaller || !(moved <= 0.25 * fmin(before, now));
 }
 
@@ -133,7 +133,7 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
     m->settings.method = m->name;
     m->settings.transport = m->transport_name;
     m->memory_bytes = settings->memory_bytes;
-    status = complete_settings(class, scene, &m->settings, bytes, m->conceded, sizeof m->conceded, error);
+    status = complete_settings(class, scene, &m->settings, bytes, m->reduced, sizeof m->reduced, error);
     if (status == SL_OK) status = class->create(scene, &m->settings, &transport, &m->state, error);
     if (status != SL_OK) {
         sl_free(m);
@@ -195,8 +195,8 @@ static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.batches", text, error);
     snprintf(text, sizeof text, "%" PRIu64, method->memory_bytes);
     if (status == SL_OK && method->memory_bytes) status = sl_image_set_metadata(image, "softlux.memory", text, error);
-    const char *conceded = sl_method_concession(method);
-    if (status == SL_OK && conceded) status = sl_image_set_metadata(image, "softlux.concession", conceded, error);
+    const char *reduced = sl_method_reduction(method);
+    if (status == SL_OK && reduced) status = sl_image_set_metadata(image, "softlux.concession", reduced, error);
     const sl_counters *counters = method->class->counters(method->state);
     for (int i = 0; i < SL_COUNTERS && status == SL_OK; i++) {
         if (!counters->value[i]) continue;
@@ -279,10 +279,10 @@ sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settin
     return status;
 }
 
-const char *sl_method_concession(sl_method *m) {
+const char *sl_method_reduction(sl_method *m) {
     const char *filled = m->class->filled ? m->class->filled(m->state) : NULL;
-    snprintf(m->concession, sizeof m->concession, "%s%s%s", m->conceded, m->conceded[0] && filled ? ", " : "", filled ? filled : "");
-    return m->concession[0] ? m->concession : NULL;
+    snprintf(m->reduction, sizeof m->reduction, "%s%s%s", m->reduced, m->reduced[0] && filled ? ", " : "", filled ? filled : "");
+    return m->reduction[0] ? m->reduction : NULL;
 }
 
 static bool says(const sl_image *picture, const char *key, const char *value) {
@@ -299,13 +299,13 @@ static bool is_the_last_one(sl_method *m, const sl_image *picture) {
            says(picture, "softlux.method", m->class->name) && says(picture, "softlux.batches", batches) && says(picture, "softlux.scene_hash", hash);
 }
 
-sl_status sl_method_story(sl_method *method, const sl_image *picture, int x, int y, sl_story **story, sl_error *error) {
-    if (!story) return sl_fail_null(error, "a place for a story");
-    *story = NULL;
+sl_status sl_method_explanation(sl_method *method, const sl_image *picture, int x, int y, sl_explanation **explanation, sl_error *error) {
+    if (!explanation) return sl_fail_null(error, "a place for an explanation");
+    *explanation = NULL;
     if (!method || !picture) return sl_fail_null(error, "a method and its picture");
     if (!is_the_last_one(method, picture))
-        return sl_fail(error, SL_ERROR_USAGE, "stories want the picture that %s resolved last, and no update or edit since", method->class->name);
-    return sl_story_tell(method->class, method->state, picture, x, y, story, error);
+        return sl_fail(error, SL_ERROR_USAGE, "explanations want the picture that %s resolved last, and no update or edit since", method->class->name);
+    return sl_explanation_tell(method->class, method->state, picture, x, y, explanation, error);
 }
 
 /* ---- the plan ---- */
@@ -361,13 +361,13 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
     sl_status status = sl_method_choose(scene, settings, &completed, &ignored, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = find_class(completed.method);
-    char conceded[512] = "";
-    status = complete_settings(class, scene, &completed, 0.0, conceded, sizeof conceded, error);
+    char reduced[512] = "";
+    status = complete_settings(class, scene, &completed, 0.0, reduced, sizeof reduced, error);
     if (status != SL_OK) return status;
     sl_plan_writer writer = {0};
     plan_append(&writer, "");
     class->plan(scene, &completed, &writer);
-    if (conceded[0]) sl_plan_pass(&writer, true, "with less memory", "%s", conceded);
+    if (reduced[0]) sl_plan_pass(&writer, true, "with less memory", "%s", reduced);
     if (writer.failed) {
         free(writer.text);
         return sl_fail_memory(error, "the plan");

@@ -17,19 +17,19 @@ __attribute__((format(printf, 2, 3))) void sl_plan_limit(sl_plan_writer *writer,
  * each once, and --json has them. */
 __attribute__((format(printf, 3, 4))) sl_status sl_warn(sl_image *image, sl_error *error, const char *limit, ...);
 
-typedef struct sl_story_writer sl_story_writer;
+typedef struct sl_explanation_writer sl_explanation_writer;
 /* One more term; failures of memory are noticed at the end. */
-void sl_story_add(sl_story_writer *writer, const sl_story_term *term);
+void sl_explanation_add(sl_explanation_writer *writer, const sl_explanation_term *term);
 /* What a layer of the picture ("direct") adds at this pixel as one term: for light that no cache holds. Nothing where there is no such
  * layer or it is black there. */
-void sl_story_add_layer(sl_story_writer *writer, const char *layer, const char *kind);
+void sl_explanation_add_layer(sl_explanation_writer *writer, const char *layer, const char *kind);
 
-/* Frames beside updates, by another thread: a window shows the newest state that updates have left, from where its own twin of the scene stands (scene/twin.h). Nothing in
+/* Frames beside updates, by another thread: a window shows the newest state that updates have left, from where its own copy of the scene stands (scene/copy.h). Nothing in
  * it waits for an update. */
 typedef struct sl_window_class {
-    sl_status (*create)(void *state, const sl_scene *twin, void **window, sl_error *error); /* beside no update */
+    sl_status (*create)(void *state, const sl_scene *scene_copy, void **window, sl_error *error); /* beside no update */
     void (*destroy)(void *window);                                                          /* likewise */
-    sl_status (*move)(void *window, sl_error *error);                                       /* the twin's objects have moved */
+    sl_status (*move)(void *window, sl_error *error);                                       /* the copy's objects have moved */
     /* R, G, B of a picture of the method's size; *versions: how often what is shown has been brought up to date. */
     sl_status (*draw)(void *window, sl_image *image, uint64_t *versions, sl_counters *counters, sl_error *error);
 } sl_window_class;
@@ -42,12 +42,12 @@ typedef struct sl_memory_need {
 } sl_memory_need;
 
 /* A setting that can be lowered to save memory. */
-typedef struct sl_concession {
+typedef struct sl_reduction {
     const char *what;   /* "stored photons"; NULL ends a list */
     size_t offset;      /* of the setting in sl_settings */
-    enum { SL_CONCEDE_INT, SL_CONCEDE_COUNT, SL_CONCEDE_REAL, SL_CONCEDE_LEVEL, SL_CONCEDE_FLAG } kind; /* the first three are halved; levels go one by one */
+    enum { SL_REDUCE_INT, SL_REDUCE_COUNT, SL_REDUCE_REAL, SL_REDUCE_LEVEL, SL_REDUCE_FLAG } kind; /* the first three are halved; levels go one by one */
     double least;       /* not below that */
-} sl_concession;
+} sl_reduction;
 
 typedef struct sl_method_class {
     const char *name;
@@ -67,7 +67,7 @@ typedef struct sl_method_class {
     size_t (*memory_bytes)(const void *state);
     /* settings are complete. Independent of the number of threads but for what each thread has of its own. */
     sl_memory_need (*need)(const sl_scene *scene, const sl_settings *settings);
-    const sl_concession *concessions; /* what can be lowered, or NULL */
+    const sl_reduction *reductions; /* what can be lowered, or NULL */
     /* A cache that was to grow and found sl_settings.memory_bytes taken: a few words on it, or NULL; may itself be NULL. In complete settings
      * memory_bytes is what such caches may take; 0: no limit. */
     const char *(*filled)(const void *state);
@@ -75,8 +75,8 @@ typedef struct sl_method_class {
     void (*transport)(const sl_settings *settings, sl_transport *transport);
     void (*plan)(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
     /* What made a pixel, column x and row y of the target (bottom row first), from the state as it was last resolved, which may keep what it
-     * wants for other stories; NULL: no story. */
-    sl_status (*story)(void *state, int x, int y, sl_story_writer *writer, sl_error *error);
+     * wants for other explanations; NULL: no explanation. */
+    sl_status (*explanation)(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
     bool any_transport; /* takes --transport: a reference tracer */
     const sl_window_class *window; /* NULL: pictures are resolved between updates alone */
     /* How wrong what is seen seems to be, in displayed levels (0 to 255), as the last update found it; NULL: nobody knows. */
@@ -90,15 +90,15 @@ struct sl_method {
     sl_settings settings; /* complete */
     char name[32], transport_name[64];
     uint64_t memory_bytes; /* as asked for */
-    char conceded[512], concession[640]; /* before the start; with what was found on the way */
+    char reduced[512], reduction[640]; /* before the start; with what was found on the way */
     uint64_t light_hash; /* of the scene */
     bool light_hash_known;
     sl_progress progress; /* of the last update; not done once there was an edit */
     enum { SL_METHOD_SOUND, SL_METHOD_WANTS_EDIT, SL_METHOD_FAILED } health; /* an edit failed: another may do better; an update failed: nothing can */
     bool resolved; /* since the last update or edit */
     uint64_t scene_version; /* that the method knows of */
-    float scale;            /* the scene's, and its core, by which what the method holds was made */
-    sl_vec3 core_min, core_max;
+    float scale;            /* the scene's, and its central region, by which what the method holds was made */
+    sl_vec3 central_min, central_max;
 };
 
 extern const sl_method_class sl_splatting_method; /* cache/splatting */
@@ -113,7 +113,7 @@ extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes, sl_method **method, sl_error *error);
 
 /* What a show's method does less than was asked for, so as to keep within settings->memory_bytes, as far as that was known before its start; "": nothing. */
-const char *sl_live_concession(const sl_live *live);
+const char *sl_live_reduction(const sl_live *live);
 
 /* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what was asked for. */
 sl_status sl_method_transport(const sl_settings *settings, sl_transport *transport, sl_error *error);
@@ -121,8 +121,8 @@ sl_status sl_method_transport(const sl_settings *settings, sl_transport *transpo
  * where no size was asked for. */
 sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *chosen, sl_transport *transport, sl_error *error);
 
-/* The story of a pixel of a picture that the state resolved last, rows from the top; see sl_method_story(). */
-sl_status sl_story_tell(const sl_method_class *method, void *state, const sl_image *picture, int x, int y, sl_story **story,
+/* The explanation of a pixel of a picture that the state resolved last, rows from the top; see sl_method_explanation(). */
+sl_status sl_explanation_tell(const sl_method_class *method, void *state, const sl_image *picture, int x, int y, sl_explanation **explanation,
                         sl_error *error);
 
 /* Tells the observer, if any, of a pass and the marks that it leaves (NULL: none). planes: `channels` planes of width*height,

@@ -94,7 +94,7 @@
     O(bool, direct_light_only, "direct-light", "", 0, 1, NOTHING, "", RESEARCH, "no indirect light") \
     O(bool, without_layers, "without-layers", "", 0, 1, NOTHING, "", RESEARCH, "R, G and B alone")
 
-/* The light octree (Vivanloc, Bourdin, Paulin 2007) */
+/* The light octree (Vivanloc, Hoelt, Hong, Paulin 2007) */
 #define SL_OPTIONS_OF_LIGHT_OCTREE(O) \
     O(int, depth, "depth", "D", 1, 8, BY(5, 5, 6), "", USER(0), "of the octree") \
     O(uint64_t, photons, "stored-photons", "N", 1, 1e9, BY(150000, 600000, 1200000), "", USER(0), \

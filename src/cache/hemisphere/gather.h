@@ -14,21 +14,21 @@
 
 typedef enum sl_border { SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL } sl_border;
 
-typedef struct sl_hidden_points {
+typedef struct sl_second_points {
     size_t count;
     const uint32_t *triangle;
     const float *position_x, *position_y, *position_z;
     const float *normal_x, *normal_y, *normal_z;
-} sl_hidden_points;
+} sl_second_points;
 
 /* What the surfaces that gathers see receive besides direct light: with more than one bounce, the irradiance of the bounce before.
  * Adds it to r, g, b at `count` points with unit shading normals; points whose triangle is SL_NO_INDEX are nowhere. Thread-safe,
  * and what it adds to a point does not depend on the others. */
-typedef struct sl_hidden_light {
+typedef struct sl_second_light {
     const void *context;
-    void (*irradiance)(const void *context, const sl_hidden_points *points, float *r, float *g, float *b,
+    void (*irradiance)(const void *context, const sl_second_points *points, float *r, float *g, float *b,
                        sl_counters *counters);
-} sl_hidden_light;
+} sl_second_light;
 
 typedef struct sl_gather_settings {
     sl_gather_kind kind;      /* AUTO: rays where there is a tracer, else the plane */
@@ -44,7 +44,7 @@ typedef struct sl_gather_settings {
     uint32_t hit_samples;     /* shadow rays: light samples a hit; 0 counts as 1, the default */
     bool glossy_hits;         /* what is seen reflects direct light by its glossy lobe, too */
     const sl_shadow_maps *maps; /* by shadow maps: these, which must outlive the gather; NULL: it makes its own */
-    const sl_hidden_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
+    const sl_second_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
     int harmonics_order;      /* n: gathers also yield n^2 coefficients of incoming radiance; 0: irradiance alone */
 } sl_gather_settings;

@@ -40,10 +40,10 @@ static int by_code(const void *a, const void *b) {
 
 /* Bits of three coordinates interleaved, eight of each. */
 static uint64_t morton_code(const sl_scene *scene, sl_vec3 p) {
-    const float d[3] = {p.x - scene->core_min.x, p.y - scene->core_min.y, p.z - scene->core_min.z};
+    const float d[3] = {p.x - scene->central_min.x, p.y - scene->central_min.y, p.z - scene->central_min.z};
     uint64_t code = 0;
     for (int a = 0; a < 3; a++) {
-        float c = d[a] / sl_scene_core_diagonal(scene) * 255.0f;
+        float c = d[a] / sl_scene_central_diagonal(scene) * 255.0f;
         uint64_t cell = c > 0.0f ? (uint64_t)(c < 255.0f ? c : 255.0f) : 0;
         for (int bit = 0; bit < 8; bit++) code |= (cell >> bit & 1) << (3 * bit + a);
     }

@@ -13,7 +13,7 @@ enum { CELLS_MAX = 1 << 15, CELLS_ALONG_MAX = 64, COARSE = 4, DIRECTIONS = 6, TR
 /* ---- the grid ---- */
 
 static void make_grid(const sl_scene *scene, sl_visible_lights *v) {
-    sl_vec3 size = sl_sub(scene->core_max, scene->core_min);
+    sl_vec3 size = sl_sub(scene->central_max, scene->central_min);
     float side = fmaxf(size.x, fmaxf(size.y, size.z)) / (float)CELLS_ALONG_MAX;
     side = side > 0.0f ? side : 1.0f;
     const float extent[3] = {size.x, size.y, size.z};
@@ -21,7 +21,7 @@ static void make_grid(const sl_scene *scene, sl_visible_lights *v) {
         for (int a = 0; a < 3; a++) v->cells[a] = (int)(extent[a] / side) + 1;
         if (v->cells[0] * v->cells[1] * v->cells[2] <= CELLS_MAX) break;
     }
-    v->low = scene->core_min;
+    v->low = scene->central_min;
     v->per_cell = 1.0f / side;
 }
 

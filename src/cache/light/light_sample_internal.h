@@ -51,7 +51,7 @@ struct sl_light_sampling {
     sl_light_pixel_kernels kernels;
     float near;                /* nearer than 1e-5 of the scene's scale nothing is drawn of what the paper's frustum sees */
     float step;                /* how far on its way to the light the eye of other pictures is: it moves shadows, so a fifth of that */
-    float lift;                /* how far above its surface a point must be, so that it lies above it in spite of rounding; in a scattered scene, in its core */
+    float lift;                /* how far above its surface a point must be, so that it lies above it in spite of rounding; in a scattered scene, in its central region */
     size_t most_triangles;     /* of those lights */
     const sl_raster *widest;   /* of the lights' own rasters the one that needs the largest scratch; or NULL */
 };

@@ -151,7 +151,7 @@ static size_t samples_of(const sl_scene *scene, const sl_emitter *e) {
 
 static void make_planes(sl_shadow_maps *maps) {
     const sl_scene *s = maps->scene;
-    sl_vec3 centre = sl_mad(s->core_min, 0.5f, sl_sub(s->core_max, s->core_min));
+    sl_vec3 centre = sl_mad(s->central_min, 0.5f, sl_sub(s->central_max, s->central_min));
     for (uint32_t t = 0; t < s->triangle_count; t++) {
         sl_vec3 n = sl_scene_geometric_normal(s, t);
         sl_vec3d v = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[0][t])), sl_to_double(centre));

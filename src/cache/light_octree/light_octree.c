@@ -2,7 +2,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/light_octree/state.h"
-#include "cache/light_octree/story.h"
+#include "cache/light_octree/explanation.h"
 
 /* How far the sky in the octree may rise above its own mean. */
 static const double sky_contrast = 10.0;
@@ -162,7 +162,7 @@ static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
     return status;
 }
 
-static sl_status octree_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+static sl_status octree_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
     (void)error;
     const sl_octree_state *s = state;
     const sl_light_octree_settings *o = &s->settings.light_octree;
@@ -190,9 +190,9 @@ const sl_method_class sl_light_octree_method = {
     .counters = octree_counters,
     .memory_bytes = octree_memory_bytes,
     .need = sl_octree_need,
-    .concessions = sl_octree_concessions,
+    .reductions = sl_octree_reductions,
     .transport = sl_octree_transport,
     .plan = sl_octree_plan_write,
-    .story = octree_story,
+    .explanation = octree_explanation,
     .any_transport = false,
 };

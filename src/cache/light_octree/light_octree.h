@@ -20,7 +20,7 @@
  *   pixels.c          which pixels go which way
  *   ../reflect/       what mirrors show
  *   compose.c         the picture and its layers
- *   story.c           a picture told backwards, pixel by pixel; what can be seen of photons and lights
+ *   explanation.c           a picture told backwards, pixel by pixel; what can be seen of photons and lights
  *   direct_photons.c  the photon map shown as it is: what the octree is compared with
  */
 #ifndef SL_CACHE_LIGHT_OCTREE_H

@@ -21,7 +21,7 @@ enum { CHUNK = 2048, LEAF_BLOCK = 128, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS 
 static double largest(double a, double b) { return a > b ? a : b; }
 
 sl_cell_space sl_cell_space_of(const sl_scene *scene, sl_vec3d origin, double edge, int depth) {
-    double scale = (double)(1u << depth) / edge, far = (double)sl_scene_coordinate_near(scene, scene->core_min);
+    double scale = (double)(1u << depth) / edge, far = (double)sl_scene_coordinate_near(scene, scene->central_min);
     return (sl_cell_space){scene, origin, scale, 0x1p-22 * far * scale}; /* four half units in the last place */
 }
 
@@ -287,7 +287,7 @@ static sl_octree_root root_around(sl_vec3 box_min, sl_vec3 box_max, double large
 sl_octree_root sl_octree_root_of_all(const sl_scene *scene) { return root_around(scene->box_min, scene->box_max, 1.0); }
 
 sl_octree_root sl_octree_root_of_core(const sl_scene *scene) {
-    return root_around(scene->core_min, scene->core_max, sl_scene_is_scattered(scene) ? AROUND_CORE : 1.0);
+    return root_around(scene->central_min, scene->central_max, sl_scene_is_scattered(scene) ? AROUND_CORE : 1.0);
 }
 
 static sl_status drop_dark_shares(sl_octree *octree, const sl_scene *scene, sl_error *error) {

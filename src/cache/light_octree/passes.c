@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "cache/light_octree/photon_pixels.h"
 #include "cache/light_octree/state.h"
-#include "cache/light_octree/story.h"
+#include "cache/light_octree/explanation.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -110,7 +110,7 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
                                     .estimated_radius = !o->fixed_neighbours};
 }
 
-/* Of a scattered scene the core, unless most photons lie elsewhere: where there is light, it is to be seen. */
+/* Of a scattered scene the central region, unless most photons lie elsewhere: where there is light, it is to be seen. */
 static sl_octree_root root_of(const sl_octree_state *s) {
     const sl_photon_list *photons = sl_photon_tree_list(s->tree);
     const sl_octree_root core = sl_octree_root_of_core(s->scene);

@@ -106,7 +106,7 @@ static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o
                  o->own_photons ? "too few to count by voxels" : "they come from far beyond the voxel");
     if (small > 0) snprintf(tiny, sizeof tiny, "; %zu object%s smaller than two voxels", small, small > 1 ? "s are" : " is");
     sl_plan_pass(writer, p->photons, "octree", "depth %d, shown from depth %d on; about %.2g voxels, %.2g photons each%s%s%s", o->depth, p->first_depth, voxels,
-                 a_voxel, few, tiny, sl_scene_is_scattered(scene) ? "; around the scene's core alone if most photons lie there, since parts of it are far apart" : "");
+                 a_voxel, few, tiny, sl_scene_is_scattered(scene) ? "; around the scene's central region alone if most photons lie there, since parts of it are far apart" : "");
 }
 
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {

@@ -11,7 +11,7 @@ enum { CANDIDATES = SL_ELLIPSOIDS_MAX, LEAST = 20 }; /* k / 4, k / 2, k */
 /* Intervals of so many standard deviations. */
 static const double confidence = 2.0;
 /* Of the disc: in a corner the smallest ellipsoid holds a quarter of it. One that holds less cuts surfaces that lie off its centre, and what few photons
- * tell by so little area makes bright specks. It is believed unless it tells of more than so many times the density of all k. */
+ * tell by so little area makes bright outliers. It is believed unless it tells of more than so many times the density of all k. */
 static const double area_least = 0.25, believed_most = 2.0;
 
 typedef struct ranked_photon {

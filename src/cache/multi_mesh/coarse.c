@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "cache/multi_mesh/coarse_tables.h"
 
-/* Cells in which corners of small faces share a sample: half as wide as edges may be long, and of the diagonal of the scene's core no more than that. */
+/* Cells in which corners of small faces share a sample: half as wide as edges may be long, and of the diagonal of the scene's central region no more than that. */
 static const double CELL = 0.5, CELL_MOST = 1.0 / 48.0;
 /* Slices may be longer than others by this. */
 static const double STRETCH = 4.0;
@@ -206,7 +206,7 @@ static bool allocate_values(sl_coarse *c) {
 }
 
 static sl_status make_vertices(sl_coarse *c, const sl_coarse_settings *settings, uint32_t *stand_in, sl_error *error) {
-    double cell = fmin(CELL * (double)settings->edge, CELL_MOST * (double)sl_scene_core_diagonal(c->scene));
+    double cell = fmin(CELL * (double)settings->edge, CELL_MOST * (double)sl_scene_central_diagonal(c->scene));
     sl_status status = sl_coarse_cluster(c, cell, stand_in, error);
     if (status != SL_OK) return status;
     c->vertex_count = number_vertices(c, stand_in);

@@ -8,7 +8,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/multi_mesh/story.h"
+#include "cache/multi_mesh/explanation.h"
 
 enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
 

@@ -2,7 +2,7 @@
  * with one nothing that the method does is any different. */
 #include "base/memory.h"
 #include "cache/multi_mesh/displayed_internal.h"
-#include "cache/multi_mesh/story.h"
+#include "cache/multi_mesh/explanation.h"
 
 #include <stdlib.h>
 

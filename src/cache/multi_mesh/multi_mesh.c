@@ -10,7 +10,7 @@
  *
  * Samples are equations (3), a light's irradiance, (4) and (6), direct radiance, and (7), indirect irradiance. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
-#include "cache/multi_mesh/story.h"
+#include "cache/multi_mesh/explanation.h"
 
 #include "base/counters.h"
 #include "base/error.h"

@@ -5,7 +5,7 @@
  *   multi_mesh.c     the paper: the passes of a picture, update by update
  *   state.c          made, edited, measured
  *   coarse_rounds.c  the coarse mesh, some vertices a batch
- *   story.c          a picture told backwards, pixel by pixel
+ *   explanation.c          a picture told backwards, pixel by pixel
  *   marks.c          what can be seen of the meshes while they are made
  *   world.c          what outlives a picture, and what is kept when lights and objects move
  *   pixels.c         visible sizes                                                             pass 1

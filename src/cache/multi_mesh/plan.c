@@ -7,7 +7,7 @@
 
 typedef struct by_quality {
     int gather_size;
-    double coarse_edges; /* to the diagonal of the scene's core */
+    double coarse_edges; /* to the diagonal of the scene's central region */
 } by_quality;
 
 /* A leaf's edges are tested in their middles, so its samples are half as far apart as its size. In the Cornell box (256 x 256, normal) leaves of 16,
@@ -25,7 +25,7 @@ static const by_quality qualities[] = {
 
 double sl_multi_mesh_coarse_edge(const sl_scene *scene, const sl_settings *settings) {
     double chosen = settings->multi_mesh.coarse_edge;
-    return chosen > 0.0 ? chosen : (double)sl_scene_core_diagonal(scene) / qualities[settings->quality].coarse_edges;
+    return chosen > 0.0 ? chosen : (double)sl_scene_central_diagonal(scene) / qualities[settings->quality].coarse_edges;
 }
 
 static int power_of_two(int value) {

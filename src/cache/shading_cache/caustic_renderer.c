@@ -17,7 +17,7 @@
 #include "cache/shading_cache/caustic_map.h"
 #include "cache/shading_cache/renderer_parts.h"
 
-/* Photons are looked for so far, as a share of the diagonal of the scene's core; where fewer are found than wanted, light is faint. */
+/* Photons are looked for so far, as a share of the diagonal of the scene's central region; where fewer are found than wanted, light is faint. */
 static const double farthest = 0.02;
 /* Quotients of cosines beyond that are facets seen from the side. */
 static const double steepest = 4.0;
@@ -39,7 +39,7 @@ static void render_point(const void *state, const sl_sample_request *request, un
     const sl_root_point *p = &request->point;
     if (r->map.count == 0 || !sl_request_wants_irradiance(request)) return;
     sl_near_photon near[SL_CAUSTIC_NEIGHBOURS];
-    double radius = farthest * (double)sl_scene_core_diagonal(r->settings.scene);
+    double radius = farthest * (double)sl_scene_central_diagonal(r->settings.scene);
     size_t count = sl_caustic_nearest(&r->map, p->position, p->geometric_normal, radius, near);
     double squared = count == SL_CAUSTIC_NEIGHBOURS ? near[0].squared : radius * radius;
     sl_count(counters, SL_COUNT_PHOTONS_GATHERED, count);

@@ -53,12 +53,12 @@ sl_status sl_display_draw(sl_display *display, unsigned threads, float *const pl
 /* The id map of the same arrays, read back. Planes are the caller's. */
 sl_status sl_display_id_map(sl_display *display, unsigned threads, const sl_display_ids *ids, sl_counters *counters, sl_error *error);
 
-/* A window is another thread's way to look: at the same arrays, from the camera and with the objects of a twin of the scene (scene/twin.h), which that thread moves as
+/* A window is another thread's way to look: at the same arrays, from the camera and with the objects of a copy of the scene (scene/copy.h), which that thread moves as
  * it likes. Hardware and planes are its own, and it draws on its thread alone but where frames are given more. */
 typedef struct sl_window sl_window;
-sl_status sl_window_create(const sl_display *display, const sl_scene *twin, sl_window **window, sl_error *error);
+sl_status sl_window_create(const sl_display *display, const sl_scene *scene_copy, sl_window **window, sl_error *error);
 void sl_window_destroy(sl_window *window);
-/* Positions follow the twin's objects. Curved surfaces are cut anew for its camera with the first frame after a build. */
+/* Positions follow the copy's objects. Curved surfaces are cut anew for its camera with the first frame after a build. */
 sl_status sl_window_move(const sl_display *display, sl_window *window, sl_error *error);
 sl_status sl_window_draw(sl_display *display, sl_window *window, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error);
 /* How many builds the arrays of the last frame had seen. */

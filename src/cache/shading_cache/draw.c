@@ -6,7 +6,7 @@
 #include "base/parallel.h"
 #include "cache/frame/picture_value.h"
 #include "cache/shading_cache/leaf_lookup.h"
-#include "cache/shading_cache/story.h"
+#include "cache/shading_cache/explanation.h"
 #include "scene/surface_rules.h"
 
 /* ---- visibility --------------------------------------------------------------------------------------------------------------- */

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "cache/frame/picture_value.h"
 #include "cache/shading_cache/state.h"
-#include "cache/shading_cache/story.h"
+#include "cache/shading_cache/explanation.h"
 #include "scene/ambient.h"
 
 /* ---- life ---- */
@@ -339,10 +339,10 @@ const sl_method_class sl_shading_cache_method = {
     .counters = shading_counters,
     .memory_bytes = shading_bytes,
     .need = sl_shading_need,
-    .concessions = sl_shading_concessions,
+    .reductions = sl_shading_reductions,
     .transport = sl_shading_transport,
     .plan = sl_shading_plan_write,
-    .story = sl_shading_story,
+    .explanation = sl_shading_explanation,
     .window = &shading_window_class,
     .error_levels = shading_error_levels,
 };

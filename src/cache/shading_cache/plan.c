@@ -116,7 +116,7 @@ sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *setting
                             .picture = sl_need_of_pixels(settings, A_PIXEL)};
 }
 
-const sl_concession sl_shading_concessions[] = {
-    {"patches to a pixel", offsetof(sl_settings, shading_cache.cache_limit), SL_CONCEDE_REAL, 0.05},
-    {"points an update", offsetof(sl_settings, shading_cache.points), SL_CONCEDE_INT, 16.0},
-    {NULL, 0, SL_CONCEDE_INT, 0.0}};
+const sl_reduction sl_shading_reductions[] = {
+    {"patches to a pixel", offsetof(sl_settings, shading_cache.cache_limit), SL_REDUCE_REAL, 0.05},
+    {"points an update", offsetof(sl_settings, shading_cache.points), SL_REDUCE_INT, 16.0},
+    {NULL, 0, SL_REDUCE_INT, 0.0}};

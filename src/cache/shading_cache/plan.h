@@ -22,6 +22,6 @@ void sl_shading_transport(const sl_settings *settings, sl_transport *transport);
 void sl_shading_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
 sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *settings);
-extern const sl_concession sl_shading_concessions[];
+extern const sl_reduction sl_shading_reductions[];
 
 #endif

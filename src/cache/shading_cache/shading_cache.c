@@ -20,12 +20,12 @@
  *   renderers.h           direct light, bidirectional paths, caustics
  *   samples.c, change.c   requests, commits; change detection, resolution drop, blending
  *   display.h             arrays, tessellation, drawing
- *   story.c               the terms of a pixel, for observers */
+ *   explanation.c               the terms of a pixel, for observers */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/shading_cache/state.h"
-#include "cache/shading_cache/story.h"
+#include "cache/shading_cache/explanation.h"
 
 enum { LEVELS_AN_UPDATE = 3, CROWD = 4, CHOICES_A_PATCH = 16, NUDGES = 3 };
 

@@ -30,11 +30,11 @@ void sl_window_close(sl_window *w) {
     for (int i = 0; i < 4; i++) sl_free(planes[i]);
 }
 
-sl_status sl_window_create(const sl_display *d, const sl_scene *twin, sl_window **window, sl_error *error) {
+sl_status sl_window_create(const sl_display *d, const sl_scene *scene_copy, sl_window **window, sl_error *error) {
     sl_window *w = sl_allocate(1, sizeof *w);
     *window = NULL;
     if (!w) return sl_fail_memory(error, "a window of the display");
-    sl_status status = sl_window_open(d, twin, 1, w, error);
+    sl_status status = sl_window_open(d, scene_copy, 1, w, error);
     if (status == SL_OK) *window = w;
     else sl_window_destroy(w);
     return status;

@@ -25,9 +25,9 @@ static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache)
     return cache->class == SL_RECEIVES_RADIANCE ? s->plan.quality.glossy_accuracy : s->plan.quality.accuracy;
 }
 
-/* Hidden records stay as long as geometry and lights do; where the camera goes to other places, there will be more. */
-sl_hidden_settings sl_splat_hidden_settings(const sl_splat_state *s) {
-    sl_hidden_settings settings = sl_hidden_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
+/* Second-level records stay as long as geometry and lights do; where the camera goes to other places, there will be more. */
+sl_second_settings sl_splat_hidden_settings(const sl_splat_state *s) {
+    sl_second_settings settings = sl_second_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
     settings.aspect = (float)s->settings.width / (float)s->settings.height;
     settings.threads = s->settings.threads;
     return settings;
@@ -35,8 +35,8 @@ sl_hidden_settings sl_splat_hidden_settings(const sl_splat_state *s) {
 
 static sl_status open_hidden(sl_splat_state *s, sl_error *error) {
     if (s->settings.bounces < 2 || s->hidden) return SL_OK;
-    const sl_hidden_settings settings = sl_splat_hidden_settings(s);
-    return sl_hidden_cache_create(s->scene, s->raster, s->tracer, &settings, &s->hidden, &s->counters, error);
+    const sl_second_settings settings = sl_splat_hidden_settings(s);
+    return sl_second_cache_create(s->scene, s->raster, s->tracer, &settings, &s->hidden, &s->counters, error);
 }
 
 static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
@@ -46,7 +46,7 @@ static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error 
     settings.harmonics_order = radiance ? s->plan.harmonics_order : 0;
     sl_status status = open_hidden(s, error);
     if (status != SL_OK) return status;
-    settings.hidden = s->hidden ? sl_hidden_cache_light(s->hidden) : NULL;
+    settings.hidden = s->hidden ? sl_second_cache_light(s->hidden) : NULL;
     status = sl_gather_create(s->scene, s->raster, s->tracer, &settings, threads, &cache->gather, &s->counters, error);
     if (status == SL_OK) {
         cache->scratch = sl_allocate(threads, sizeof *cache->scratch);
@@ -70,7 +70,7 @@ sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_erro
 /* Where frames follow each other, records must not depend on the view in which they were made: aR_min is what it would be a quarter of the
  * scene away from the eye, and at least a thousandth of the scene. */
 static double minimum_reach(const sl_splat_state *s, double footprint_per_depth) {
-    double size = (double)sl_scene_core_diagonal(s->scene);
+    double size = (double)sl_scene_central_diagonal(s->scene);
     double reach = s->plan.quality.minimum_pixels * footprint_per_depth * 0.25 * size;
     return reach > 1e-3 * size ? reach : 1e-3 * size;
 }
@@ -121,7 +121,7 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
 
 static void destroy_transport(sl_splat_state *s) {
     sl_splat_close_caches(s);
-    sl_hidden_cache_destroy(s->hidden);
+    sl_second_cache_destroy(s->hidden);
     sl_direct_destroy(s->direct);
     sl_shadow_maps_destroy(s->maps);
     sl_tracer_destroy(s->tracer);
@@ -243,7 +243,7 @@ size_t sl_splat_memory_bytes(const void *state) {
         if (cache->gather) bytes += sl_gather_memory_bytes(cache->gather);
         if (cache->glossy) bytes += sl_glossy_bytes(cache->glossy);
     }
-    if (s->hidden) bytes += sl_hidden_cache_bytes(s->hidden);
+    if (s->hidden) bytes += sl_second_cache_bytes(s->hidden);
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);

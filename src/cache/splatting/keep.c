@@ -61,7 +61,7 @@ sl_status sl_splat_save(const void *state, const char *path, sl_error *error) {
     sl_cache_write_start(&writer, &header);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) write_cache(&writer, s, (sl_receiver_class)c);
     sl_cache_write_u32(&writer, s->hidden ? 1 : 0);
-    if (s->hidden) sl_hidden_cache_write(s->hidden, &writer);
+    if (s->hidden) sl_second_cache_write(s->hidden, &writer);
     return sl_cache_write_end(&writer, path, error);
 }
 
@@ -97,15 +97,15 @@ static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, sl_rece
     return status;
 }
 
-static sl_status read_all(sl_cache_reader *r, const sl_splat_state *s, loaded *classes, sl_hidden_cache **hidden, sl_error *error) {
+static sl_status read_all(sl_cache_reader *r, const sl_splat_state *s, loaded *classes, sl_second_cache **hidden, sl_error *error) {
     sl_status status = SL_OK;
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) status = read_cache(r, s, (sl_receiver_class)c, &classes[c], error);
     if (status != SL_OK) return status;
     uint32_t has_hidden = sl_cache_read_u32(r);
     if (has_hidden > 1 || (has_hidden && s->settings.bounces < 2)) return sl_cache_damaged(r, error);
     if (has_hidden) {
-        sl_hidden_settings settings = sl_splat_hidden_settings(s);
-        status = sl_hidden_cache_read(s->scene, s->tracer, &settings, r, hidden, error);
+        sl_second_settings settings = sl_splat_hidden_settings(s);
+        status = sl_second_cache_read(s->scene, s->tracer, &settings, r, hidden, error);
     }
     if (status == SL_OK && !sl_cache_read_complete(r)) status = sl_cache_damaged(r, error);
     return status;
@@ -117,7 +117,7 @@ sl_status sl_splat_load(void *state, const char *path, sl_error *error) {
     sl_cache_header header = header_of(s, settings);
     sl_cache_reader reader;
     loaded classes[SL_RECEIVER_CLASSES] = {{{0}, 0}};
-    sl_hidden_cache *hidden = NULL;
+    sl_second_cache *hidden = NULL;
     if (!s->raster) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = sl_cache_read_start(&reader, path, &header, error);
     if (status != SL_OK) return status;
@@ -125,11 +125,11 @@ sl_status sl_splat_load(void *state, const char *path, sl_error *error) {
     sl_cache_read_end(&reader);
     if (status != SL_OK) {
         for (int c = 0; c < SL_RECEIVER_CLASSES; c++) sl_record_list_free(&classes[c].list);
-        sl_hidden_cache_destroy(hidden);
+        sl_second_cache_destroy(hidden);
         return status;
     }
-    sl_splat_close_caches(s); /* gathers that know of other hidden records, if any */
-    sl_hidden_cache_destroy(s->hidden);
+    sl_splat_close_caches(s); /* gathers that know of other second-level records, if any */
+    sl_second_cache_destroy(s->hidden);
     s->hidden = hidden;
     s->full = false; /* the others were */
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {

@@ -28,8 +28,8 @@ sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings)
                             .picture = sl_need_of_pixels(settings, A_PIXEL + (plan.radiance ? OF_RADIANCE : 0) + (plan.mirrors ? OF_MIRRORS : 0))};
 }
 
-const sl_concession sl_splat_concessions[] = {{"pixels a side of a gather", offsetof(sl_settings, gather_size), SL_CONCEDE_INT, 16.0},
-                                               {NULL, 0, SL_CONCEDE_INT, 0.0}};
+const sl_reduction sl_splat_reductions[] = {{"pixels a side of a gather", offsetof(sl_settings, gather_size), SL_REDUCE_INT, 16.0},
+                                               {NULL, 0, SL_REDUCE_INT, 0.0}};
 
 size_t sl_splat_coefficients(const sl_splat_state *s, sl_receiver_class class) {
     return class == SL_RECEIVES_RADIANCE ? SL_PROJECTION_VECTORS * sl_hsh_stride(s->plan.harmonics_order) : 0;
@@ -46,7 +46,7 @@ bool sl_splat_is_full(sl_splat_state *s) {
         bytes += (double)list->count * ((double)sizeof(sl_record) + (double)sl_splat_coefficients(s, (sl_receiver_class)c) * sizeof(float));
         if (list->reaches) bytes += (double)sl_reach_tree_bytes_of_points(list->reaches);
     }
-    if (s->hidden) bytes += (double)sl_hidden_cache_bytes_in_use(s->hidden);
+    if (s->hidden) bytes += (double)sl_second_cache_bytes_in_use(s->hidden);
     s->full = 3.0 * bytes > (double)s->settings.memory_bytes;
     size_t count = s->cache[0].list.count + s->cache[1].list.count;
     if (s->full) snprintf(s->filled, sizeof s->filled, "records end at %zu", count);

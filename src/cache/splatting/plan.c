@@ -109,7 +109,7 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
     sl_plan_pass(writer, glossy && settings->glossy_hits, "glossy hits", "%s",
                  settings->glossy_hits ? "what gathers see reflects direct light by its glossy lobe, too" : "what gathers see is diffuse");
     bool more = settings->bounces > 1;
-    sl_plan_pass(writer, more && light && receivers, "hidden records", "%u bounce%s", (unsigned)settings->bounces,
+    sl_plan_pass(writer, more && light && receivers, "second-level records", "%u bounce%s", (unsigned)settings->bounces,
                  more ? "s: what gathers see receives indirect light too" : ": what gathers see receives direct light alone");
     sl_plan_pass(writer, f.mirror_triangles && light, "mirrors", "%zu mirror triangles, rays from the eye follow them; gathers see them black",
                  f.mirror_triangles);

@@ -19,7 +19,7 @@
 #include "base/parallel.h"
 #include "base/print.h"
 #include "cache/splatting/state.h"
-#include "cache/splatting/story.h"
+#include "cache/splatting/explanation.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -65,11 +65,11 @@ static void classify_receivers(sl_splat_state *s) {
     }
 }
 
-/* The hidden records have been made with the first cache. */
+/* The second-level records have been made with the first cache. */
 static void announce_hidden(sl_splat_state *s) {
     char name[128];
-    sl_hidden_report r = sl_hidden_cache_report(s->hidden);
-    sl_print(name, sizeof name, "%zu hidden records, %u bounces%s: the last changed them by at most %.2g", r.records,
+    sl_second_report r = sl_second_cache_report(s->hidden);
+    sl_print(name, sizeof name, "%zu second-level records, %u bounces%s: the last changed them by at most %.2g", r.records,
              (unsigned)r.bounces, r.converged ? ", more would change nothing" : "", (double)r.change);
     sl_announce_pass(&s->announcer, name, "beyond the paper: more bounces");
 }
@@ -78,7 +78,7 @@ static void announce_hidden(sl_splat_state *s) {
 static sl_status welcome_records(sl_splat_state *s, sl_error *error) {
     sl_status status = SL_OK;
     bool had_hidden = s->hidden;
-    if (had_hidden) status = sl_hidden_cache_follow(s->hidden, s->raster, &s->counters, error);
+    if (had_hidden) status = sl_second_cache_follow(s->hidden, s->raster, &s->counters, error);
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) {
         sl_record_cache *cache = &s->cache[c];
         if (cache->receivers) status = sl_splat_open_cache(s, cache, error);
@@ -348,9 +348,9 @@ const sl_method_class sl_splatting_method = {
     .counters = splat_counters,
     .memory_bytes = sl_splat_memory_bytes,
     .need = sl_splat_need,
-    .concessions = sl_splat_concessions,
+    .reductions = sl_splat_reductions,
     .filled = sl_splat_filled,
-    .story = sl_splat_story,
+    .explanation = sl_splat_explanation,
     .transport = sl_splat_transport,
     .plan = sl_splat_plan_write,
     .any_transport = false,

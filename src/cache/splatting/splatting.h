@@ -15,7 +15,7 @@
  *   compose.c        step 6: the picture and its layers
  *   keep.c           records on disk, for another run
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture
- *   story.c          what made a pixel
+ *   explanation.c          what made a pixel
  */
 #ifndef SL_CACHE_SPLATTING_H
 #define SL_CACHE_SPLATTING_H

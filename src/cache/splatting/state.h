@@ -46,7 +46,7 @@ typedef struct sl_splat_state {
     sl_tracer *tracer;
     sl_shadow_maps *maps;
     sl_direct *direct;
-    sl_hidden_cache *hidden;    /* more than one bounce: irradiance of what gathers see; made with the first cache */
+    sl_second_cache *hidden;    /* more than one bounce: irradiance of what gathers see; made with the first cache */
     sl_environment sky, sun;    /* of the scene's environment; what is black is not present */
     sl_gbuffer *gbuffer;
     sl_reflections *reflections; /* pixels that show something by way of mirrors; NULL: none */
@@ -79,13 +79,13 @@ sl_status sl_splat_open_cache(sl_splat_state *state, sl_record_cache *cache, sl_
 void sl_splat_prepare_pass(const sl_splat_state *state, sl_record_cache *cache);
 /* Gathers and what goes with them; the records stay. */
 void sl_splat_close_caches(sl_splat_state *state);
-sl_hidden_settings sl_splat_hidden_settings(const sl_splat_state *state);
+sl_second_settings sl_splat_hidden_settings(const sl_splat_state *state);
 size_t sl_splat_memory_bytes(const void *state);
 
 /* ---- memory.c ---- */
 
 sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings);
-extern const sl_concession sl_splat_concessions[];
+extern const sl_reduction sl_splat_reductions[];
 /* Floats of a record's coefficients, of its class; 0 for irradiance records. */
 size_t sl_splat_coefficients(const sl_splat_state *state, sl_receiver_class class);
 /* Records have taken what memory they may: there will be no more. */

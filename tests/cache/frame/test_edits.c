@@ -126,7 +126,7 @@ static void what_a_surface_that_grows_receives_is_told(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Two rooms far from each other on a plain: where the eye is is the core of the scene. */
+/* Two rooms far from each other on a plain: where the eye is is the central region of the scene. */
 static sl_scene *far_rooms(void) {
     return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\", \"transform\": {\"scale\": 2000, \"translate\": [0, -1, 0]}}, "
                            "{\"file\": \"mesh.obj\", \"name\": \"here\", \"transform\": {\"translate\": [1000, 0, 0]}}, {\"file\": \"mesh.obj\", \"name\": \"there\", "

@@ -25,8 +25,8 @@ static const double mega = 0x1p20;
 typedef struct outcome {
     sl_status status;
     double peak, need; /* bytes: of the whole process; and what was said before */
-    bool sound, conceded;
-    char message[1024]; /* the error, or the concession */
+    bool sound, reduced;
+    char message[1024]; /* the error, or the reduction */
 } outcome;
 
 static sl_scene *cornell(void) { return load_scene("scenes/cornell.json"); }
@@ -63,9 +63,9 @@ static void run(sl_scene *scene, const sl_settings *settings, outcome *o) {
     size_t values = 3 * (size_t)image->width * (size_t)image->height;
     o->sound = true;
     for (size_t i = 0; i < values; i++) o->sound &= isfinite(image->planes[i]) && image->planes[i] >= 0.0f;
-    const char *conceded = sl_method_concession(method);
-    o->conceded = conceded != NULL;
-    snprintf(o->message, sizeof o->message, "%s", conceded ? conceded : "");
+    const char *reduced = sl_method_reduction(method);
+    o->reduced = reduced != NULL;
+    snprintf(o->message, sizeof o->message, "%s", reduced ? reduced : "");
     const char path[] = "/tmp/softlux-budget.exr";
     o->status = sl_image_write(image, path, &error);
     unlink(path);
@@ -124,7 +124,7 @@ static void check_budgets(sl_scene *(*make)(void), int size, int budgets, double
         const double need = o.need;
         assert_within(s.method, &o, need); /* what it says, it takes, and no more */
         if (!SL_SANITIZED && need - 32.0 * mega > most_above * o.peak) fail_msg("%s says %.1fM, and takes %.1fM", s.method, need / mega, o.peak / mega);
-        assert_false(o.conceded);
+        assert_false(o.reduced);
         s.memory_bytes = (uint64_t)(1 << 24);
         o = in_a_process(make, &s);
         assert_int_equal(o.status, SL_ERROR_RESOURCES);

@@ -427,7 +427,7 @@ static void gradients_agree_with_differences(void **state) {
 
 /* ---- hard numbers ---- */
 
-static void add_what_is_no_number(const void *context, const sl_hidden_points *points, float *r, float *g, float *b,
+static void add_what_is_no_number(const void *context, const sl_second_points *points, float *r, float *g, float *b,
                                   sl_counters *counters) {
     (void)context, (void)counters;
     for (size_t i = 0; i < points->count; i++) {
@@ -439,7 +439,7 @@ static void add_what_is_no_number(const void *context, const sl_hidden_points *p
 
 static void radiance_that_is_no_number_stays_out(void **state) {
     (void)state;
-    const sl_hidden_light hidden = {.irradiance = add_what_is_no_number};
+    const sl_second_light hidden = {.irradiance = add_what_is_no_number};
     world *w = world_room(false);
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(kinds[k], 32, 10);

@@ -292,9 +292,9 @@ static void both_sides_of_thin_things_have_their_own_light(void **state) {
 /* Two faces of 4 x 4 at two heights, and photons of irradiance 3 on that side of the first on which `up` is. */
 static lit light_two_faces(float first, float second, bool first_turned, bool second_turned, sl_vec3 up, sl_scene **scene) {
     const sl_vec3 a = sl_v3(0, 0, 4), b = sl_v3(4, 0, 0);
-    const float speck[9] = {0, 2.5f, 0, 0.01f, 2.5f, 0, 0, 2.5f, 0.01f}; /* far above: so that one voxel holds both */
+    const float outlier[9] = {0, 2.5f, 0, 0.01f, 2.5f, 0, 0, 2.5f, 0.01f}; /* far above: so that one voxel holds both */
     float xyz[9 * 5];
-    memcpy(xyz + 36, speck, sizeof speck);
+    memcpy(xyz + 36, outlier, sizeof outlier);
     add_quad(xyz, 0, sl_v3(0, first, 0), first_turned ? b : a, first_turned ? a : b);
     add_quad(xyz, 2, sl_v3(0, second, 0), second_turned ? b : a, second_turned ? a : b);
     *scene = scene_of_triangles(xyz, 5);
@@ -674,7 +674,7 @@ static double light_on_a_strip(float width) {
     return sum / count;
 }
 
-/* k/4 photons on next to no area: where that is noise it is a bright speck, and so it is not believed even where it is none. */
+/* k/4 photons on next to no area: where that is noise it is a bright outlier, and so it is not believed even where it is none. */
 static void few_photons_are_believed_only_where_there_is_area_for_them(void **state) {
     (void)state;
     double thin = light_on_a_strip(0.02f), wide = light_on_a_strip(0.4f);

@@ -22,7 +22,7 @@ static sl_octree *cut_of(const sl_octree *octree, int depth) {
 
 static sl_scene *sphere(unsigned rings, float radius) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1); /* the root: two specks in its corners */
+    uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1); /* the root: two outliers in its corners */
     trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1), trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
     trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1), trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), radius, rings, 0.0f, false, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));

@@ -304,7 +304,7 @@ static void what_faces_the_other_way_gives_no_weight(void **state) {
  * around are, by distance. */
 static void a_point_that_nothing_faces_takes_the_light_of_its_own_voxel(void **state) {
     (void)state;
-    const float xyz[] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0, 0, 1.5f, 0, 0.01f, 1.5f, 0, 0, 1.5f, 0.01f}; /* and a speck above */
+    const float xyz[] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0, 0, 1.5f, 0, 0.01f, 1.5f, 0, 0, 1.5f, 0.01f}; /* and an outlier above */
     sl_scene *scene = scene_of_triangles(xyz, 3);
     sl_octree *octree = octree_of(scene, 3, 1);
     sl_voxel_light_options options = plain_options(1);

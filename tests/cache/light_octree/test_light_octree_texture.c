@@ -115,7 +115,7 @@ static void every_array_comes_back_from_its_address(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* 5,705 bricks for the sphere of 17,072 leaves; two specks in the corners of the root add six bricks each at most. */
+/* 5,705 bricks for the sphere of 17,072 leaves; two outliers in the corners of the root add six bricks each at most. */
 static void bricks_and_bytes_are_those_that_were_counted(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();

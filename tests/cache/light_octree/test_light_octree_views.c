@@ -248,26 +248,26 @@ static char *plan_of(const sl_scene *scene, uint64_t photons) {
     return plan;
 }
 
-/* A speck of a thousandth of the floor's edge; a floor of 16 at depth 5 meets 1,024 to 1,536 voxels. */
-static void the_plan_tells_of_few_photons_and_of_specks(void **state) {
+/* An outlier of a thousandth of the floor's edge; a floor of 16 at depth 5 meets 1,024 to 1,536 voxels. */
+static void the_plan_tells_of_few_photons_and_of_outliers(void **state) {
     (void)state;
     static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}%s], \"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
                                "\"camera\": {\"eye\": [0, 3, 0.1], \"target\": [0, 0, 0], \"fov_deg\": 30}}";
     static const char obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\n";
     char text[2][512];
     snprintf(text[0], sizeof text[0], json, "");
-    snprintf(text[1], sizeof text[1], json, ", {\"file\": \"mesh.obj\", \"name\": \"speck\", \"transform\": {\"scale\": 1e-3}}");
-    sl_scene *plain = scene_from_text(text[0], obj), *speck = scene_from_text(text[1], obj);
-    char *enough = plan_of(plain, 30000), *few = plan_of(plain, 3000), *specks = plan_of(speck, 30000);
+    snprintf(text[1], sizeof text[1], json, ", {\"file\": \"mesh.obj\", \"name\": \"outlier\", \"transform\": {\"scale\": 1e-3}}");
+    sl_scene *plain = scene_from_text(text[0], obj), *outlier = scene_from_text(text[1], obj);
+    char *enough = plan_of(plain, 30000), *few = plan_of(plain, 3000), *outliers = plan_of(outlier, 30000);
     assert_non_null(strstr(enough, "about 1.5e+03 voxels, 20 photons each\n"));
     assert_non_null(strstr(few, "less than a tenth of 60"));
     assert_null(strstr(few, "smaller than two voxels"));
-    assert_non_null(strstr(specks, "1 object is smaller than two voxels"));
+    assert_non_null(strstr(outliers, "1 object is smaller than two voxels"));
     free(enough);
     free(few);
-    free(specks);
+    free(outliers);
     sl_scene_destroy(plain);
-    sl_scene_destroy(speck);
+    sl_scene_destroy(outlier);
 }
 
 int main(void) {
@@ -278,7 +278,7 @@ int main(void) {
         cmocka_unit_test(pictures_say_what_they_were_made_from),
         cmocka_unit_test(few_photons_and_wide_gathers_are_warned_of),
         cmocka_unit_test(gloss_that_is_widened_is_warned_of),
-        cmocka_unit_test(the_plan_tells_of_few_photons_and_of_specks),
+        cmocka_unit_test(the_plan_tells_of_few_photons_and_of_outliers),
     };
     return cmocka_run_group_tests_name("light octree: views", tests, NULL, NULL);
 }

@@ -166,8 +166,8 @@ static void gathers_have_the_same_bits_with_every_instruction_set_and_whatever_w
 
 /* ---- the sky ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A speck far below, so that there is a scene. */
-static trace_mesh speck(const sl_environment *environment) {
+/* An outlier far below, so that there is a scene. */
+static trace_mesh outlier(const sl_environment *environment) {
     trace_mesh m = trace_mesh_begin();
     m.environment = environment;
     trace_mesh_quad(&m, sl_v3(0, 0, -10), sl_v3(0.1f, 0, 0), sl_v3(0, 0.1f, 0), trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
@@ -178,7 +178,7 @@ static void where_nothing_is_the_sky_is_seen_or_black(void **state) {
     (void)state;
     sl_environment sky = {.present = true, .constant = {1, 2, 3}};
     for (int present = 0; present < 2; present++) {
-        trace_mesh m = speck(present ? &sky : NULL);
+        trace_mesh m = outlier(present ? &sky : NULL);
         sl_mesh_gather_settings settings = usual_settings();
         gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
         set_all(&g, sl_grey(1.0f));
@@ -193,7 +193,7 @@ static void where_nothing_is_the_sky_is_seen_or_black(void **state) {
 static void what_lies_below_the_surface_is_black_though_the_shading_normal_faces_it(void **state) {
     (void)state;
     sl_environment sky = {.present = true, .constant = {1, 1, 1}};
-    trace_mesh m = speck(&sky);
+    trace_mesh m = outlier(&sky);
     sl_mesh_gather_settings settings = with_strips();
     settings.size = 512;
     gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
@@ -213,7 +213,7 @@ static void the_light_of_a_small_sun_is_kept(void **state) {
     static float texels[3 * WIDTH * HEIGHT];
     for (int c = 0; c < 3; c++) texels[3 * (ROW * WIDTH + COLUMN) + c] = 1000.0f;
     sl_environment sky = {.present = true, .width = WIDTH, .height = HEIGHT, .texels = texels};
-    trace_mesh m = speck(&sky);
+    trace_mesh m = outlier(&sky);
     sl_mesh_gather_settings settings = usual_settings();
     settings.undivided = true;
     gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
@@ -354,7 +354,7 @@ static void points_that_are_no_numbers_get_no_light_and_are_counted(void **state
 
 static void settings_out_of_range_are_refused(void **state) {
     (void)state;
-    trace_mesh m = speck(NULL);
+    trace_mesh m = outlier(NULL);
     sl_mesh_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
     const struct {

@@ -6,7 +6,7 @@
 #include "cache/shading_cache/display.h"
 #include "failing_memory.h"
 #include "rendering.h"
-#include "scene/twin.h"
+#include "scene/copy.h"
 
 /* Shown and stopped at once; updates have memory again. */
 static sl_status show(void *context) {
@@ -34,16 +34,16 @@ static void a_show_that_cannot_start_leaves_nothing_behind(void **state) {
 typedef struct looking {
     hierarchy h;
     sl_display *display;
-    sl_scene *twin;
+    sl_scene *scene_copy;
     sl_window *window;
     sl_counters counters;
 } looking;
 
 static sl_status open_window(void *context) {
     looking *l = context;
-    sl_status status = sl_scene_twin(l->h.scene, &l->twin, NULL);
-    if (status == SL_OK) status = sl_window_create(l->display, l->twin, &l->window, NULL);
-    if (status != SL_OK) sl_scene_twin_destroy(l->twin);
+    sl_status status = sl_scene_copy(l->h.scene, &l->scene_copy, NULL);
+    if (status == SL_OK) status = sl_window_create(l->display, l->scene_copy, &l->window, NULL);
+    if (status != SL_OK) sl_scene_copy_destroy(l->scene_copy);
     return status;
 }
 
@@ -62,11 +62,11 @@ static void a_window_without_memory_is_not_there_and_a_frame_without_is_drawn_la
     assert_int_equal(sl_display_create(l.h.scene, l.h.primitives, &settings, &l.display, NULL), SL_OK);
     assert_true(until_it_succeeds(open_window, &l, false, NULL) > 10);
     for (int k = 0; k < 3; k++) assert_int_equal(sl_display_build(l.display, l.h.patches, &l.counters, NULL), SL_OK);
-    assert_true(sl_camera_look_at(&l.twin->camera, sl_v3(260, 200, -100), sl_v3(260, 150, 270), sl_v3(0, 1, 0), 0.9f));
+    assert_true(sl_camera_look_at(&l.scene_copy->camera, sl_v3(260, 200, -100), sl_v3(260, 150, 270), sl_v3(0, 1, 0), 0.9f));
     assert_true(until_it_succeeds(draw, &l, true, NULL) > 3); /* surfaces are to be cut anew */
     for (int k = 0; k < 3; k++) assert_int_equal(sl_display_build(l.display, l.h.patches, &l.counters, NULL), SL_OK);
     sl_window_destroy(l.window);
-    sl_scene_twin_destroy(l.twin);
+    sl_scene_copy_destroy(l.scene_copy);
     sl_display_destroy(l.display);
     hierarchy_discard(&l.h);
     assert_int_equal(blocks_held, 0);

@@ -1,4 +1,4 @@
-/* Windows of the display: another thread's frames, beside builds, from where its own twin of the scene stands. */
+/* Windows of the display: another thread's frames, beside builds, from where its own copy of the scene stands. */
 #include "shading_cache_support.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 #include "base/thread.h"
 #include "cache/shading_cache/display_parts.h"
 #include "rendering.h"
-#include "scene/twin.h"
+#include "scene/copy.h"
 
 enum { W = 64, H = 64, PIXELS = W * H };
 
@@ -99,10 +99,10 @@ static void draw_on_and_on(void *context) {
 static void every_frame_is_of_one_build_whole_and_none_older_than_the_last(void **state) {
     (void)state;
     hierarchy h = wall();
-    sl_scene *twin;
-    assert_int_equal(sl_scene_twin(h.scene, &twin, NULL), SL_OK);
+    sl_scene *scene_copy;
+    assert_int_equal(sl_scene_copy(h.scene, &scene_copy, NULL), SL_OK);
     beside b = {.display = display_of(&h, W, H, guess)};
-    assert_int_equal(sl_window_create(b.display, twin, &b.window, NULL), SL_OK);
+    assert_int_equal(sl_window_create(b.display, scene_copy, &b.window, NULL), SL_OK);
     sl_thread thread;
     assert_true(sl_thread_start(&thread, draw_on_and_on, &b));
     uint32_t update = 0;
@@ -121,7 +121,7 @@ static void every_frame_is_of_one_build_whole_and_none_older_than_the_last(void 
     assert_int_equal(sl_window_builds(b.window), update);
     sl_window_destroy(b.window);
     sl_display_destroy(b.display);
-    sl_scene_twin_destroy(twin);
+    sl_scene_copy_destroy(scene_copy);
     hierarchy_discard(&h);
 }
 
@@ -160,7 +160,7 @@ static void a_build_waits_for_the_frame_that_reads_what_it_would_write_to(void *
     hierarchy_discard(&h);
 }
 
-/* ---- where the twin stands ------------------------------------------------------------------------------------------------------- */
+/* ---- where the copy stands ------------------------------------------------------------------------------------------------------- */
 
 static hierarchy lit(sl_scene *scene) {
     hierarchy h = hierarchy_of(scene, 0);
@@ -180,16 +180,16 @@ static void assert_window_shows_another_time(const char *path, double time) {
     static picture in_window, moved, before, after;
     hierarchy h = lit(load_scene(path)), other = lit(load_scene(path));
     sl_display *display = display_of(&h, W, H, guess), *there = display_of(&other, W, H, guess);
-    sl_scene *twin;
+    sl_scene *scene_copy;
     sl_window *window;
     unsigned changes;
-    assert_int_equal(sl_scene_twin(h.scene, &twin, NULL), SL_OK);
-    assert_int_equal(sl_window_create(display, twin, &window, NULL), SL_OK);
+    assert_int_equal(sl_scene_copy(h.scene, &scene_copy, NULL), SL_OK);
+    assert_int_equal(sl_window_create(display, scene_copy, &window, NULL), SL_OK);
     build_display(display, &h);
     draw(display, &before);
     draw_window(display, window, &in_window);
     assert_memory_equal(&before, &in_window, sizeof before);
-    assert_int_equal(sl_scene_set_time(twin, time, &changes, NULL), SL_OK);
+    assert_int_equal(sl_scene_set_time(scene_copy, time, &changes, NULL), SL_OK);
     assert_true(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA));
     assert_int_equal(sl_window_move(display, window, NULL), SL_OK);
     build_display(display, &h); /* of curved surfaces, too, the window's own frame is the first of a build's arrays */
@@ -203,7 +203,7 @@ static void assert_window_shows_another_time(const char *path, double time) {
     draw(display, &after); /* and the display itself is where it was */
     assert_memory_equal(&before, &after, sizeof before);
     sl_window_destroy(window);
-    sl_scene_twin_destroy(twin);
+    sl_scene_copy_destroy(scene_copy);
     sl_display_destroy(display);
     sl_display_destroy(there);
     hierarchy_discard(&h);
@@ -226,12 +226,12 @@ static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state)
     static picture in_window, there, near_by;
     hierarchy h = lit(load_scene("scenes/vase.json"));
     sl_display *display = display_of(&h, W, H, guess);
-    sl_scene *twin;
+    sl_scene *scene_copy;
     sl_window *window;
-    assert_int_equal(sl_scene_twin(h.scene, &twin, NULL), SL_OK);
-    assert_int_equal(sl_window_create(display, twin, &window, NULL), SL_OK);
+    assert_int_equal(sl_scene_copy(h.scene, &scene_copy, NULL), SL_OK);
+    assert_int_equal(sl_window_create(display, scene_copy, &window, NULL), SL_OK);
     build_display(display, &h);
-    look(twin, sl_v3(260, 200, -100), sl_v3(260, 150, 270));
+    look(scene_copy, sl_v3(260, 200, -100), sl_v3(260, 150, 270));
     draw_window(display, window, &near_by);
     look(h.scene, sl_v3(260, 200, -100), sl_v3(260, 150, 270));
     build_display(display, &h);
@@ -240,7 +240,7 @@ static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state)
     assert_memory_equal(&there, &in_window, sizeof there);
     assert_memory_equal(&near_by, &in_window, sizeof there); /* the first frame after a build is cut for where it is looked from */
     sl_window_destroy(window);
-    sl_scene_twin_destroy(twin);
+    sl_scene_copy_destroy(scene_copy);
     sl_display_destroy(display);
     hierarchy_discard(&h);
 }
@@ -256,37 +256,37 @@ static void a_window_shows_textures_as_the_display_does(void **state) {
     assert_true(textured > 1);
     hierarchy h = lit(scene);
     sl_display *display = display_of(&h, W, H, guess);
-    sl_scene *twin;
+    sl_scene *scene_copy;
     sl_window *window;
-    assert_int_equal(sl_scene_twin(h.scene, &twin, NULL), SL_OK);
-    assert_int_equal(sl_window_create(display, twin, &window, NULL), SL_OK);
+    assert_int_equal(sl_scene_copy(h.scene, &scene_copy, NULL), SL_OK);
+    assert_int_equal(sl_window_create(display, scene_copy, &window, NULL), SL_OK);
     build_display(display, &h);
     draw_window(display, window, &in_window); /* which has its own planes, and needs nobody else's */
     draw(display, &shown);
     assert_memory_equal(&shown, &in_window, sizeof shown);
     sl_window_destroy(window);
-    sl_scene_twin_destroy(twin);
+    sl_scene_copy_destroy(scene_copy);
     sl_display_destroy(display);
     hierarchy_discard(&h);
 }
 
-/* ---- twins ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- scene copies ------------------------------------------------------------------------------------------------------------------------ */
 
 static void a_twin_moves_as_the_scene_would_and_the_scene_stays(void **state) {
     (void)state;
     const char *const path[] = {"scenes/moving-ball.json", "scenes/moving-light.json", "scenes/walk.json"};
     for (int i = 0; i < 3; i++) {
-        sl_scene *scene = load_scene(path[i]), *other = load_scene(path[i]), *twin;
+        sl_scene *scene = load_scene(path[i]), *other = load_scene(path[i]), *scene_copy;
         uint64_t before = sl_scene_hash(scene);
-        assert_int_equal(sl_scene_twin(scene, &twin, NULL), SL_OK);
-        assert_int_equal(sl_scene_hash(twin), before);
-        assert_int_equal(sl_scene_set_time(twin, 1.7, NULL, NULL), SL_OK);
+        assert_int_equal(sl_scene_copy(scene, &scene_copy, NULL), SL_OK);
+        assert_int_equal(sl_scene_hash(scene_copy), before);
+        assert_int_equal(sl_scene_set_time(scene_copy, 1.7, NULL, NULL), SL_OK);
         assert_int_equal(sl_scene_set_time(other, 1.7, NULL, NULL), SL_OK);
         assert_true(sl_scene_hash(other) != before); /* which holds the camera, too */
-        assert_int_equal(sl_scene_hash(twin), sl_scene_hash(other));
-        assert_int_equal(twin->emitter_count, other->emitter_count);
+        assert_int_equal(sl_scene_hash(scene_copy), sl_scene_hash(other));
+        assert_int_equal(scene_copy->emitter_count, other->emitter_count);
         assert_int_equal(sl_scene_hash(scene), before);
-        sl_scene_twin_destroy(twin);
+        sl_scene_copy_destroy(scene_copy);
         assert_int_equal(sl_scene_hash(scene), before);
         sl_scene_destroy(scene);
         sl_scene_destroy(other);

@@ -12,7 +12,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
-#include "cache/bounces/hidden.h"
+#include "cache/bounces/second_level.h"
 #include "gather_world.h"
 #include "rendering.h"
 
@@ -24,9 +24,9 @@ static sl_gather_settings ray_gather(int size) {
 }
 
 typedef struct {
-    sl_hidden_cache *cache;
+    sl_second_cache *cache;
     gatherer gatherer;
-    sl_hidden_report report;
+    sl_second_report report;
 } bouncer;
 
 static void look_from(world *w, sl_vec3 eye, sl_vec3 target) {
@@ -38,19 +38,19 @@ static bouncer bouncer_new(world *w, uint32_t bounces, unsigned threads) {
     bouncer b = {0};
     sl_error error;
     sl_gather_settings visible = ray_gather(40);
-    sl_hidden_settings settings = sl_hidden_settings_for(&visible, 0.3, bounces);
+    sl_second_settings settings = sl_second_settings_for(&visible, 0.3, bounces);
     settings.threads = threads;
-    if (sl_hidden_cache_create(w->scene, w->raster, w->tracer, &settings, &b.cache, &w->counters, &error) != SL_OK)
+    if (sl_second_cache_create(w->scene, w->raster, w->tracer, &settings, &b.cache, &w->counters, &error) != SL_OK)
         fail_msg("%s", error.message);
-    b.report = sl_hidden_cache_report(b.cache);
-    visible.hidden = sl_hidden_cache_light(b.cache);
+    b.report = sl_second_cache_report(b.cache);
+    visible.hidden = sl_second_cache_light(b.cache);
     b.gatherer = gatherer_new(w, &visible);
     return b;
 }
 
 static void bouncer_free(bouncer *b) {
     gatherer_free(&b->gatherer);
-    sl_hidden_cache_destroy(b->cache);
+    sl_second_cache_destroy(b->cache);
 }
 
 static sl_irradiance irradiance_at(bouncer *b, const sl_gather_point *point) {
@@ -61,7 +61,7 @@ static sl_irradiance irradiance_at(bouncer *b, const sl_gather_point *point) {
 
 /* ---- the way in ---- */
 
-static void shine_evenly(const void *context, const sl_hidden_points *points, float *r, float *g, float *b,
+static void shine_evenly(const void *context, const sl_second_points *points, float *r, float *g, float *b,
                          sl_counters *counters) {
     (void)counters;
     const float *e = context;
@@ -76,7 +76,7 @@ static void shine_evenly(const void *context, const sl_hidden_points *points, fl
 static void what_the_hits_receive_is_reflected(void **state) {
     (void)state;
     const float e[3] = {1.0f, 2.0f, 4.0f};
-    const sl_hidden_light light = {e, shine_evenly};
+    const sl_second_light light = {e, shine_evenly};
     world *w = world_new();
     uint32_t wall = world_material(w, (sl_rgb){0.5f, 0.25f, 0.125f}, sl_grey(0.0f));
     world_box(w, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, (uint32_t[6]){wall, wall, wall, wall, wall, wall});
@@ -243,10 +243,10 @@ static void compare_with_path_tracer(world *w, uint32_t bounces, uint32_t refere
         squares += (e - r) * (e - r);
         reference_squares += r * r;
     }
-    uint64_t misses = w->counters.value[SL_COUNT_HIDDEN_MISSES] - before.value[SL_COUNT_HIDDEN_MISSES];
-    uint64_t looked_up = w->counters.value[SL_COUNT_HIDDEN_LOOK_UPS] - before.value[SL_COUNT_HIDDEN_LOOK_UPS];
+    uint64_t misses = w->counters.value[SL_COUNT_SECOND_LEVEL_MISSES] - before.value[SL_COUNT_SECOND_LEVEL_MISSES];
+    uint64_t looked_up = w->counters.value[SL_COUNT_SECOND_LEVEL_LOOK_UPS] - before.value[SL_COUNT_SECOND_LEVEL_LOOK_UPS];
     double share = (double)misses / (double)looked_up;
-    print_message("room, %u bounces (%u computed), %zu hidden records: bias %+.4f, RMS %.4f, %.3f %% of %.3g look-ups missed\n",
+    print_message("room, %u bounces (%u computed), %zu second-level records: bias %+.4f, RMS %.4f, %.3f %% of %.3g look-ups missed\n",
                   bounces, b.report.bounces, b.report.records, ours / theirs - 1.0, sqrt(squares / reference_squares), 100.0 * share,
                   (double)looked_up);
     assert_true(fabs(ours / theirs - 1.0) < most_bias);
@@ -286,13 +286,13 @@ static void the_cornell_box_with_four_bounces_is_what_the_path_tracer_says(void 
     print_message("Cornell box, 4 bounces: root of relMSE less noise %.4f, bias %+.4f\n", error, result.bias);
     assert_true(error < 0.03);
     assert_true(fabs(result.bias) < 0.005);
-    assert_true(counters.value[SL_COUNT_HIDDEN_RECORDS] > 0);
+    assert_true(counters.value[SL_COUNT_SECOND_LEVEL_RECORDS] > 0);
     sl_image_destroy(ours);
     sl_image_destroy(theirs);
     sl_scene_destroy(scene);
 }
 
-/* A camera that moves keeps the hidden records; a light that moves does not. */
+/* A camera that moves keeps the second-level records; a light that moves does not. */
 static void hidden_records_stay_as_long_as_the_light_does(void **state) {
     (void)state;
     const float eye[3] = {320, 300, -300}, target[3] = {60, 100, 300}, up[3] = {0, 1, 0};
@@ -309,7 +309,7 @@ static void hidden_records_stay_as_long_as_the_light_does(void **state) {
         if (i > 0) assert_int_equal(sl_method_edit(method, i == 1 ? SL_CHANGED_CAMERA : SL_CHANGED_LIGHTS, &error), SL_OK);
         do assert_int_equal(sl_method_update(method, &progress, &error), SL_OK);
         while (!progress.done);
-        made[i] = sl_method_counters(method)->value[SL_COUNT_HIDDEN_RECORDS];
+        made[i] = sl_method_counters(method)->value[SL_COUNT_SECOND_LEVEL_RECORDS];
     }
     assert_true(made[0] > 0);
     assert_int_equal(made[1], made[0]);
@@ -318,7 +318,7 @@ static void hidden_records_stay_as_long_as_the_light_does(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Two rooms without a door between them, each with its light: seen from one, the other has no hidden records. */
+/* Two rooms without a door between them, each with its light: seen from one, the other has no second-level records. */
 static void a_camera_that_goes_elsewhere_brings_hidden_records_there(void **state) {
     (void)state;
     world *w = world_new();
@@ -339,11 +339,11 @@ static void a_camera_that_goes_elsewhere_brings_hidden_records_there(void **stat
     sl_irradiance first = irradiance_at(&b, &here);
     assert_true(irradiance_at(&b, &far_off).value.g < 0.8f * first.value.g); /* one bounce alone */
     look_from(w, sl_v3(1.0f, 1.1f, 1.8f), sl_v3(0.5f, 1, 1)); /* the same room: nothing changes */
-    assert_int_equal(sl_hidden_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
-    assert_int_equal(sl_hidden_cache_report(b.cache).records, b.report.records);
+    assert_int_equal(sl_second_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
+    assert_int_equal(sl_second_cache_report(b.cache).records, b.report.records);
     look_from(w, sl_v3(6.9f, 1.2f, 1.9f), sl_v3(6, 1, 1));
-    assert_int_equal(sl_hidden_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
-    assert_true(sl_hidden_cache_report(b.cache).records > b.report.records + b.report.records / 2);
+    assert_int_equal(sl_second_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
+    assert_true(sl_second_cache_report(b.cache).records > b.report.records + b.report.records / 2);
     sl_irradiance again = irradiance_at(&b, &here);
     assert_memory_equal(&again.value, &first.value, sizeof again.value); /* the rooms do not see each other */
     assert_true(fabs((double)(irradiance_at(&b, &far_off).value.g / first.value.g) - 1.0) < 0.03);
@@ -399,17 +399,17 @@ static float told_on_a_sheet(const world *w, sl_vec3 record_at) {
     sl_record record = {.position = record_at, .normal = sl_v3(0, 0, 1), .radius = 0.1f, .irradiance = sl_grey(1.0f), .triangle = SL_NO_INDEX};
     const sl_weight_rules rules = {a, 1.0f / a, offset};
     sl_record_terms terms = sl_record_terms_of(&record, &rules);
-    sl_hidden_walls walls = {.x = sl_v3(1, 0, 0), .y = sl_v3(0, 1, 0)};
-    const sl_hidden_list list = {&record, NULL, &terms, &walls, 1, 1};
+    sl_second_walls walls = {.x = sl_v3(1, 0, 0), .y = sl_v3(0, 1, 0)};
+    const sl_second_list list = {&record, NULL, &terms, &walls, 1, 1};
     sl_record_tree near = {0}, wide = {0};
     assert_int_equal(sl_record_tree_build(w->scene, &list, 1.0f, SL_TREE_LANES, &near, NULL), SL_OK);
     assert_int_equal(sl_record_tree_build(w->scene, &list, 8.0f, SL_TREE_LANES, &wide, NULL), SL_OK);
-    const sl_hidden_field field = {&list, &near, &wide, rules, w->tracer, offset};
-    const sl_hidden_points points = {1, &own, &zero, &zero, &zero, &zero, &zero, &one};
+    const sl_second_field field = {&list, &near, &wide, rules, w->tracer, offset};
+    const sl_second_points points = {1, &own, &zero, &zero, &zero, &zero, &zero, &one};
     float r = 0.0f, g = 0.0f, b = 0.0f;
     sl_counters counters = {{0}};
-    sl_hidden_look_up(&field, sl_look_up_kernel_for(sl_isa_best()), &points, &r, &g, &b, &counters);
-    assert_int_equal(counters.value[SL_COUNT_HIDDEN_MISSES], 1);
+    sl_second_look_up(&field, sl_look_up_kernel_for(sl_isa_best()), &points, &r, &g, &b, &counters);
+    assert_int_equal(counters.value[SL_COUNT_SECOND_LEVEL_MISSES], 1);
     sl_record_tree_free(&near);
     sl_record_tree_free(&wide);
     return g;

@@ -102,7 +102,7 @@ static void expect_the_same_again(const place *p, const char *scene_path, sl_set
     sl_image *after = finish(second);
     assert_int_equal(count_of(second, SL_COUNT_RECORDS), 0);
     assert_int_equal(count_of(second, SL_COUNT_GATHERS), 0);
-    assert_int_equal(count_of(second, SL_COUNT_HIDDEN_RECORDS), 0);
+    assert_int_equal(count_of(second, SL_COUNT_SECOND_LEVEL_RECORDS), 0);
     assert_true(same_picture(before, after));
     /* Saved again it is the same file. */
     size_t size, again_size;
@@ -154,7 +154,7 @@ static uint64_t need_of(const sl_scene *scene, const sl_settings *settings) {
 /* Where there is no room for more records there is none for those of the file either. Returns whether records did end. */
 static bool expect_the_same_end(const place *p, sl_method *first, const sl_scene *scene, const sl_settings *settings) {
     sl_image *before = finish(first);
-    const char *told = sl_method_concession(first);
+    const char *told = sl_method_reduction(first);
     const bool ended = told && strstr(told, "records end at");
     save(first, p->path);
     sl_method *second = new_method(scene, settings);
@@ -360,7 +360,7 @@ typedef struct {
     size_t size;
 } sample;
 
-/* A small cache with records of both classes and hidden ones. */
+/* A small cache with records of both classes and second-level ones. */
 static sample sample_new(const place *p) {
     sample s = {.scene = load_scene("scenes/cornell-glossy.json"), .settings = small_settings("splatting", 10, 10)};
     s.settings.bounces = 2;

@@ -1,4 +1,4 @@
-/* Splats and coverage, drawn tile by tile and sixteen pixels at a time, against their plain twin: the fragment program run on every
+/* Splats and coverage, drawn tile by tile and sixteen pixels at a time, against their plain counterpart: the fragment program run on every
  * pixel of the screen for every record in order. Every bit must agree. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -102,7 +102,7 @@ static void make_records(screen *s) {
     s->records[9].radius = INFINITY;
 }
 
-/* ---- the plain twin ---- */
+/* ---- the plain counterpart ---- */
 
 static float twin_weight(const screen *s, const sl_record *k, size_t i, float *turn) {
     const float a = s->pass.weights.accuracy, tolerance = s->pass.weights.front_tolerance, reach = a * k->radius;
@@ -126,7 +126,7 @@ static float twin_irradiance(const screen *s, const sl_record *k, int c, float e
     return fmaxf(fminf(value, most), 0.0f);
 }
 
-static uint64_t twin(const screen *s, float *planes) {
+static uint64_t scene_copy(const screen *s, float *planes) {
     uint64_t blended = 0;
     for (size_t k = 0; k < RECORDS; k++) {
         const sl_record *record = &s->records[k];
@@ -168,7 +168,7 @@ static void the_tiles_have_the_bits_of_the_plain_twin(void **state) {
         make_screen(&s, sizes[n][0], sizes[n][1]);
         make_records(&s);
         memset(expected, 0, sizeof expected);
-        uint64_t blended = twin(&s, expected);
+        uint64_t blended = scene_copy(&s, expected);
         assert_true(blended > (n == 0 ? 50000u : 0u));
         for (int isa = 0; isa <= (int)sl_isa_best(); isa++) {
             for (int t = 0; t < 4; t++) {

@@ -45,9 +45,9 @@ static bool connected_parts(const sl_atlas_faces *f, part_list *p) {
         while (depth) {
             uint32_t face = stack[--depth];
             for (size_t h = 3 * (size_t)face; h < 3 * (size_t)face + 3; h++) {
-                if (f->twin[h] == SL_NO_INDEX || p->of_face[f->twin[h] / 3] != SL_NO_INDEX) continue;
-                p->of_face[f->twin[h] / 3] = id;
-                stack[depth++] = f->twin[h] / 3;
+                if (f->opposite[h] == SL_NO_INDEX || p->of_face[f->opposite[h] / 3] != SL_NO_INDEX) continue;
+                p->of_face[f->opposite[h] / 3] = id;
+                stack[depth++] = f->opposite[h] / 3;
             }
         }
     }
@@ -90,10 +90,10 @@ static size_t number_unclaimed(const sl_atlas_region *r, const seed_bed *bed, si
         while (depth) {
             uint32_t face = bed->stack[--depth];
             for (size_t h = 3 * (size_t)face; h < 3 * (size_t)face + 3; h++) {
-                uint32_t twin = r->faces->twin[h];
-                if (twin == SL_NO_INDEX || r->member[twin / 3] != r->id || r->chart[twin / 3] != SL_NO_INDEX) continue;
-                r->chart[twin / 3] = id;
-                bed->stack[depth++] = twin / 3;
+                uint32_t opposite = r->faces->opposite[h];
+                if (opposite == SL_NO_INDEX || r->member[opposite / 3] != r->id || r->chart[opposite / 3] != SL_NO_INDEX) continue;
+                r->chart[opposite / 3] = id;
+                bed->stack[depth++] = opposite / 3;
             }
         }
     }

@@ -52,9 +52,9 @@ static bool gather_vertices(flattening *t, const uint32_t *of_face, uint32_t cha
     for (uint32_t i = 0; i < t->count; i++) local[t->face[i]] = i;
     for (uint32_t c = 0; c < corners; c++) up[c] = c;
     for (uint32_t c = 0; c < corners; c++) {
-        uint32_t twin = t->faces->twin[3 * t->face[c / 3] + c % 3];
-        if (twin == SL_NO_INDEX || of_face[twin / 3] != chart) continue;
-        uint32_t other = 3 * local[twin / 3] + twin % 3;
+        uint32_t opposite = t->faces->opposite[3 * t->face[c / 3] + c % 3];
+        if (opposite == SL_NO_INDEX || of_face[opposite / 3] != chart) continue;
+        uint32_t other = 3 * local[opposite / 3] + opposite % 3;
         unite(up, c, sl_atlas_next(other));
         unite(up, sl_atlas_next(c), other);
     }
@@ -67,8 +67,8 @@ static bool gather_vertices(flattening *t, const uint32_t *of_face, uint32_t cha
         }
     }
     for (uint32_t c = 0; c < corners; c++) {
-        uint32_t twin = t->faces->twin[3 * t->face[c / 3] + c % 3];
-        if (twin == SL_NO_INDEX || of_face[twin / 3] != chart) t->border[t->vertex[c]] = t->border[t->vertex[sl_atlas_next(c)]] = true;
+        uint32_t opposite = t->faces->opposite[3 * t->face[c / 3] + c % 3];
+        if (opposite == SL_NO_INDEX || of_face[opposite / 3] != chart) t->border[t->vertex[c]] = t->border[t->vertex[sl_atlas_next(c)]] = true;
     }
     sl_free(up);
     return true;

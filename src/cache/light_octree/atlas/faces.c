@@ -90,8 +90,8 @@ static half_edge *sorted_half_edges(const sl_atlas_faces *f, size_t points) {
 }
 
 static void glue(sl_atlas_faces *f, uint32_t a, uint32_t b) {
-    f->twin[a] = b;
-    f->twin[b] = a;
+    f->opposite[a] = b;
+    f->opposite[b] = a;
 }
 
 /* More than two faces at one edge: the flattest pair of those that run opposite ways, then the flattest of the rest. */
@@ -104,7 +104,7 @@ static void glue_flattest(sl_atlas_faces *f, const half_edge *e, size_t count) {
         for (size_t i = 0; i < count; i++)
             for (size_t j = i + 1; j < count; j++) {
                 uint32_t a = e[i].index, b = e[j].index;
-                if (f->twin[a] != SL_NO_INDEX || f->twin[b] != SL_NO_INDEX || f->point[a] == f->point[b]) continue;
+                if (f->opposite[a] != SL_NO_INDEX || f->opposite[b] != SL_NO_INDEX || f->point[a] == f->point[b]) continue;
                 double flatness = sl_dotd(f->normal[a / 3], f->normal[b / 3]);
                 if (flatness > best) best = flatness, left = a, right = b;
             }
@@ -117,7 +117,7 @@ static bool glue_all(sl_atlas_faces *f, size_t points) {
     size_t count = 3 * f->count;
     half_edge *sorted = sorted_half_edges(f, points);
     if (!sorted) return false;
-    memset(f->twin, 0xff, count * sizeof *f->twin);
+    memset(f->opposite, 0xff, count * sizeof *f->opposite);
     for (size_t i = 0, end; i < count; i = end) {
         for (end = i + 1; end < count && sorted[end].low == sorted[i].low && sorted[end].high == sorted[i].high;) end++;
         uint32_t a = sorted[i].index, b = sorted[end - 1].index;
@@ -149,12 +149,12 @@ sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_err
     size_t count = scene->triangle_count;
     *f = (sl_atlas_faces){.scene = scene, .count = count};
     f->point = sl_allocate(3 * count, sizeof *f->point);
-    f->twin = sl_allocate(3 * count, sizeof *f->twin);
+    f->opposite = sl_allocate(3 * count, sizeof *f->opposite);
     f->normal = sl_allocate(count, sizeof *f->normal);
     f->centre = sl_allocate(count, sizeof *f->centre);
     f->area = sl_allocate(count, sizeof *f->area);
     uint32_t *first_at = sl_allocate(scene->vertex_count, sizeof *first_at);
-    bool good = f->point && f->twin && f->normal && f->centre && f->area && first_at && weld(scene, first_at);
+    bool good = f->point && f->opposite && f->normal && f->centre && f->area && first_at && weld(scene, first_at);
     if (good) {
         for (size_t c = 0; c < 3 * count; c++) f->point[c] = first_at[scene->vertex[c % 3][c / 3]];
         for (uint32_t face = 0; face < count; face++) measure(f, face);
@@ -168,7 +168,7 @@ sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_err
 
 void sl_atlas_faces_release(sl_atlas_faces *f) {
     sl_free(f->point);
-    sl_free(f->twin);
+    sl_free(f->opposite);
     sl_free(f->normal);
     sl_free(f->centre);
     sl_free(f->area);

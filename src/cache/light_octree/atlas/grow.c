@@ -49,9 +49,9 @@ static sl_atlas_queue_entry pop(sl_atlas_queue *q) {
 
 /* The face beyond a half-edge, if it is in the region. */
 static uint32_t neighbour(const sl_atlas_region *r, uint32_t half_edge) {
-    uint32_t twin = r->faces->twin[half_edge];
-    if (twin == SL_NO_INDEX || r->member[twin / 3] != r->id) return SL_NO_INDEX;
-    return twin / 3;
+    uint32_t opposite = r->faces->opposite[half_edge];
+    if (opposite == SL_NO_INDEX || r->member[opposite / 3] != r->id) return SL_NO_INDEX;
+    return opposite / 3;
 }
 
 static sl_vec3d unit_or_zero(sl_vec3d a) {

@@ -75,8 +75,8 @@ static bool gather_borders(packing *p, const sl_atlas_faces *faces) {
         for (size_t i = 0; i < c->count; i++) {
             p->first[i] = at;
             for (size_t j = 3 * c->chart[i].first; j < 3 * (c->chart[i].first + c->chart[i].count); j++) {
-                uint32_t h = 3 * c->face[j / 3] + (uint32_t)(j % 3), twin = faces->twin[h];
-                if (twin != SL_NO_INDEX && c->of_face[twin / 3] == i) continue;
+                uint32_t h = 3 * c->face[j / 3] + (uint32_t)(j % 3), opposite = faces->opposite[h];
+                if (opposite != SL_NO_INDEX && c->of_face[opposite / 3] == i) continue;
                 if (fill) memcpy(p->segment + 4 * at, c->corner + 2 * (size_t)h, 2 * sizeof *p->segment);
                 if (fill) memcpy(p->segment + 4 * at + 2, c->corner + 2 * (size_t)sl_atlas_next(h), 2 * sizeof *p->segment);
                 at++;

@@ -14,7 +14,7 @@ typedef struct sl_atlas_faces {
     const sl_scene *scene;
     size_t count;
     uint32_t *point;     /* of each corner; corners with the same bits of position are the same point */
-    uint32_t *twin;      /* of each half-edge: the one it is glued to, which runs the other way; SL_NO_INDEX at borders */
+    uint32_t *opposite;      /* of each half-edge: the one it is glued to, which runs the other way; SL_NO_INDEX at borders */
     sl_vec3d *normal;    /* unit; (0,0,0) for slivers, whose own normal says nothing */
     sl_vec3d *centre;
     double *area;

@@ -221,7 +221,7 @@ static size_t shared_borders(const sl_atlas_charts *charts, const sl_atlas_faces
     size_t count = 0, pairs = 0;
     for (size_t c = 0; c < charts->count; c++) border[c] = 0.0;
     for (uint32_t h = 0; h < 3 * faces->count; h++) {
-        uint32_t twin = faces->twin[h], a = charts->of_face[h / 3], b = twin == SL_NO_INDEX ? SL_NO_INDEX : charts->of_face[twin / 3];
+        uint32_t opposite = faces->opposite[h], a = charts->of_face[h / 3], b = opposite == SL_NO_INDEX ? SL_NO_INDEX : charts->of_face[opposite / 3];
         if (a == b) continue;
         double length = sl_lengthd(sl_subd(sl_atlas_corner(faces, sl_atlas_next(h)), sl_atlas_corner(faces, h)));
         border[a] += length;

@@ -1,4 +1,4 @@
-#include "app/steps/stories.h"
+#include "app/steps/explanations.h"
 
 #include "app/html.h"
 
@@ -21,7 +21,7 @@ typedef struct told_term {
     float weight, contribution[3], value[3];
 } told_term;
 
-struct sl_stories {
+struct sl_explanations {
     struct {
         const char *layer, *kind;
     } kinds[KINDS_MAX];
@@ -47,7 +47,7 @@ static bool make_room(void **array, size_t *capacity, size_t count, size_t size)
     return true;
 }
 
-static uint32_t kind_of(sl_stories *s, const sl_story_term *t) {
+static uint32_t kind_of(sl_explanations *s, const sl_explanation_term *t) {
     for (uint32_t k = 0; k < s->kind_count; k++)
         if (strcmp(s->kinds[k].layer, t->layer) == 0 && strcmp(s->kinds[k].kind, t->kind) == 0) return k;
     if (s->kind_count == KINDS_MAX) return KINDS_MAX - 1;
@@ -56,7 +56,7 @@ static uint32_t kind_of(sl_stories *s, const sl_story_term *t) {
     return s->kind_count++;
 }
 
-static size_t slot_of(const sl_stories *s, uint32_t kind, uint64_t index) {
+static size_t slot_of(const sl_explanations *s, uint32_t kind, uint64_t index) {
     uint64_t h = (index * 64 + kind) * 0x9e3779b97f4a7c15u;
     for (size_t at = (size_t)(h >> 20) & (s->table_size - 1);; at = (at + 1) & (s->table_size - 1)) {
         uint32_t number = s->table[at];
@@ -65,7 +65,7 @@ static size_t slot_of(const sl_stories *s, uint32_t kind, uint64_t index) {
 }
 
 /* The table stays at most half full. */
-static bool grow_table(sl_stories *s) {
+static bool grow_table(sl_explanations *s) {
     if (2 * (s->item_count + 1) <= s->table_size) return true;
     size_t size = s->table_size ? 2 * s->table_size : 4096;
     uint32_t *table = calloc(size, sizeof *table);
@@ -76,7 +76,7 @@ static bool grow_table(sl_stories *s) {
     return true;
 }
 
-static bool find_item(sl_stories *s, const sl_story_term *t, uint32_t *number) {
+static bool find_item(sl_explanations *s, const sl_explanation_term *t, uint32_t *number) {
     if (!grow_table(s) || !make_room((void **)&s->items, &s->item_capacity, s->item_count, sizeof *s->items)) return false;
     uint32_t kind = kind_of(s, t);
     size_t slot = slot_of(s, kind, t->index);
@@ -90,19 +90,19 @@ static bool find_item(sl_stories *s, const sl_story_term *t, uint32_t *number) {
     return true;
 }
 
-static double size_of(const sl_story_term *t) {
+static double size_of(const sl_explanation_term *t) {
     return fabs(t->contribution[0]) + fabs(t->contribution[1]) + fabs(t->contribution[2]);
 }
 
-/* The terms that are shown, the largest: their places in the story, in descending order of size; of equal ones the first. */
-static size_t find_largest(const sl_story *story, size_t place[SL_STORY_TERMS_SHOWN]) {
+/* The terms that are shown, the largest: their places in the explanation, in descending order of size; of equal ones the first. */
+static size_t find_largest(const sl_explanation *explanation, size_t place[SL_EXPLANATION_TERMS_SHOWN]) {
     size_t count = 0;
-    for (size_t i = 0; i < story->count; i++) {
-        double size = size_of(&story->terms[i]);
+    for (size_t i = 0; i < explanation->count; i++) {
+        double size = size_of(&explanation->terms[i]);
         size_t at = count;
-        while (at > 0 && size > size_of(&story->terms[place[at - 1]])) at--;
-        if (at == SL_STORY_TERMS_SHOWN) continue;
-        if (count < SL_STORY_TERMS_SHOWN) count++;
+        while (at > 0 && size > size_of(&explanation->terms[place[at - 1]])) at--;
+        if (at == SL_EXPLANATION_TERMS_SHOWN) continue;
+        if (count < SL_EXPLANATION_TERMS_SHOWN) count++;
         for (size_t k = count - 1; k > at; k--) place[k] = place[k - 1];
         place[at] = i;
     }
@@ -115,7 +115,7 @@ static bool is_among(const size_t *place, size_t count, size_t i) {
     return false;
 }
 
-static bool add_term(sl_stories *s, const sl_story_term *t, double left[3]) {
+static bool add_term(sl_explanations *s, const sl_explanation_term *t, double left[3]) {
     told_term told = {.weight = (float)t->weight};
     if (!find_item(s, t, &told.item) || !make_room((void **)&s->terms, &s->term_capacity, s->term_count, sizeof *s->terms)) return false;
     for (int c = 0; c < 3; c++) {
@@ -128,14 +128,14 @@ static bool add_term(sl_stories *s, const sl_story_term *t, double left[3]) {
 }
 
 /* What is shown adds up to the pixel, too: what the page leaves out, or rounds to float, goes to the rest. */
-static bool add_story(sl_stories *s, const sl_story *story, size_t pixel) {
-    sl_story_term smaller = {.layer = "several", .kind = "smaller ones, together"};
-    double left[3] = {(double)story->pixel[0], (double)story->pixel[1], (double)story->pixel[2]};
-    size_t largest[SL_STORY_TERMS_SHOWN], shown = find_largest(story, largest);
-    bool fits = story->count == shown;
+static bool add_explanation(sl_explanations *s, const sl_explanation *explanation, size_t pixel) {
+    sl_explanation_term smaller = {.layer = "several", .kind = "smaller ones, together"};
+    double left[3] = {(double)explanation->pixel[0], (double)explanation->pixel[1], (double)explanation->pixel[2]};
+    size_t largest[SL_EXPLANATION_TERMS_SHOWN], shown = find_largest(explanation, largest);
+    bool fits = explanation->count == shown;
     s->begin[pixel] = (uint32_t)s->term_count;
-    for (size_t i = 0; i < story->count; i++) {
-        const sl_story_term *t = &story->terms[i];
+    for (size_t i = 0; i < explanation->count; i++) {
+        const sl_explanation_term *t = &explanation->terms[i];
         if (is_among(largest, shown, i)) {
             if (!add_term(s, t, left)) return false;
             continue;
@@ -151,35 +151,35 @@ static bool add_story(sl_stories *s, const sl_story *story, size_t pixel) {
 static sl_status no_memory(sl_error *error) {
     if (error) {
         error->status = SL_ERROR_RESOURCES;
-        snprintf(error->message, sizeof error->message, "not enough memory for the stories of the pixels");
+        snprintf(error->message, sizeof error->message, "not enough memory for the explanations of the pixels");
     }
     return SL_ERROR_RESOURCES;
 }
 
-sl_status sl_stories_collect(sl_method *method, const sl_image *picture, sl_stories **stories, sl_error *error) {
-    sl_stories *s = calloc(1, sizeof *s);
-    *stories = s;
+sl_status sl_explanations_collect(sl_method *method, const sl_image *picture, sl_explanations **explanations, sl_error *error) {
+    sl_explanations *s = calloc(1, sizeof *s);
+    *explanations = s;
     if (!s) return no_memory(error);
     s->pixels = (size_t)picture->width * (size_t)picture->height;
     s->begin = calloc(s->pixels + 1, sizeof *s->begin);
     s->rounding = calloc(3 * s->pixels, sizeof *s->rounding);
     sl_status status = s->begin && s->rounding ? SL_OK : no_memory(error);
     for (size_t p = 0; p < s->pixels && status == SL_OK; p++) {
-        sl_story *story;
-        status = sl_method_story(method, picture, (int)(p % (size_t)picture->width), (int)(p / (size_t)picture->width), &story, error);
-        if (status == SL_OK && !add_story(s, story, p)) status = no_memory(error);
-        if (status == SL_OK) sl_story_destroy(story);
+        sl_explanation *explanation;
+        status = sl_method_explanation(method, picture, (int)(p % (size_t)picture->width), (int)(p / (size_t)picture->width), &explanation, error);
+        if (status == SL_OK && !add_explanation(s, explanation, p)) status = no_memory(error);
+        if (status == SL_OK) sl_explanation_destroy(explanation);
     }
     if (status == SL_OK) {
         s->begin[s->pixels] = (uint32_t)s->term_count;
         return SL_OK;
     }
-    sl_stories_destroy(s);
-    *stories = NULL;
+    sl_explanations_destroy(s);
+    *explanations = NULL;
     return status;
 }
 
-void sl_stories_destroy(sl_stories *s) {
+void sl_explanations_destroy(sl_explanations *s) {
     if (!s) return;
     free(s->items);
     free(s->table);
@@ -205,7 +205,7 @@ static void put_array(FILE *out, const char *name, const void *data, size_t byte
     free(text);
 }
 
-static void put_terms(const sl_stories *s, FILE *out) {
+static void put_terms(const sl_explanations *s, FILE *out) {
     uint32_t *number = malloc((s->term_count + 1) * sizeof *number);
     float *values = malloc((FLOATS * s->term_count + 1) * sizeof *values);
     if (number && values) {
@@ -222,7 +222,7 @@ static void put_terms(const sl_stories *s, FILE *out) {
     free(values);
 }
 
-void sl_stories_put(const sl_stories *s, const sl_mark_view *view, FILE *out) {
+void sl_explanations_put(const sl_explanations *s, const sl_mark_view *view, FILE *out) {
     fputs("{\"kinds\":[", out);
     for (uint32_t k = 0; k < s->kind_count; k++) fprintf(out, "%s[\"%s\",\"%s\"]", k ? "," : "", s->kinds[k].layer, s->kinds[k].kind);
     fputs("],\n\"items\":[", out);

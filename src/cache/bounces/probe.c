@@ -1,6 +1,6 @@
 /* Where gathers will look. A coarse picture through the camera gives points that the eye sees; a few rays from each give points that
  * gathers there see; and so on from the records that those have got. */
-#include "cache/bounces/hidden.h"
+#include "cache/bounces/second_level.h"
 
 #include <string.h>
 
@@ -14,14 +14,14 @@
 
 enum { RAYS_A_SIDE = 8, RAYS = RAYS_A_SIDE * RAYS_A_SIDE };
 
-void sl_scouted_free(sl_scouted *scouted) {
-    sl_free(scouted->points);
-    *scouted = (sl_scouted){0};
+void sl_probed_free(sl_probed *probed) {
+    sl_free(probed->points);
+    *probed = (sl_probed){0};
 }
 
-static sl_status make_room(size_t count, sl_scouted *seen, sl_error *error) {
-    *seen = (sl_scouted){sl_allocate(count, sizeof *seen->points), count};
-    return seen->points ? SL_OK : sl_fail_memory(error, "places for hidden records");
+static sl_status make_room(size_t count, sl_probed *seen, sl_error *error) {
+    *seen = (sl_probed){sl_allocate(count, sizeof *seen->points), count};
+    return seen->points ? SL_OK : sl_fail_memory(error, "places for second-level records");
 }
 
 /* What sixteen rays meet, as points to gather at. */
@@ -50,10 +50,10 @@ typedef struct {
     const sl_gather_point *origins;
     size_t count, used;
     uint64_t key;
-} scout_context;
+} probe_context;
 
-static void scout_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
-    const scout_context *c = context;
+static void probe_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    const probe_context *c = context;
     const sl_gather_point *origin = &c->origins[(size_t)((uint64_t)index * c->count / c->used)];
     (void)worker;
     sl_gather_point *seen = result;
@@ -78,23 +78,23 @@ static void scout_one(void *context, size_t index, unsigned worker, void *result
     }
 }
 
-sl_status sl_scout_from(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
-                        const sl_gather_point *origins, size_t count, size_t most, uint64_t generation, sl_scouted *seen,
+sl_status sl_probe_from(const sl_scene *scene, const sl_tracer *tracer, const sl_second_settings *settings,
+                        const sl_gather_point *origins, size_t count, size_t most, uint64_t generation, sl_probed *seen,
                         sl_counters *counters, sl_error *error) {
     size_t used = count < most ? count : most;
     sl_status status = make_room(used * RAYS, seen, error);
     if (status != SL_OK) return status;
     uint64_t key = sl_random_key(settings->seed, 0x73636f7574u + generation);
-    scout_context context = {scene, tracer, origins, count, used, key};
-    const sl_batch batch = {used, scout_one, &context, seen->points, RAYS * sizeof *seen->points};
+    probe_context context = {scene, tracer, origins, count, used, key};
+    const sl_batch batch = {used, probe_one, &context, seen->points, RAYS * sizeof *seen->points};
     sl_batch_run(&batch, settings->threads, counters);
     return SL_OK;
 }
 
 /* ---- from the camera ---- */
 
-sl_status sl_scout_camera(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings, unsigned points,
-                          sl_scouted *seen, sl_counters *counters, sl_error *error) {
+sl_status sl_probe_camera(const sl_scene *scene, const sl_tracer *tracer, const sl_second_settings *settings, unsigned points,
+                          sl_probed *seen, sl_counters *counters, sl_error *error) {
     const sl_camera *camera = &scene->camera;
     double tall = sqrt((double)points / (double)settings->aspect);
     unsigned rows = tall > 1.0 ? (unsigned)tall : 1u, columns = points > rows ? points / rows : 1u;

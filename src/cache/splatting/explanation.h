@@ -1,12 +1,12 @@
 /* What made a pixel, and records as marks: for those who look on. */
-#ifndef SL_CACHE_SPLATTING_STORY_H
-#define SL_CACHE_SPLATTING_STORY_H
+#ifndef SL_CACHE_SPLATTING_EXPLANATION_H
+#define SL_CACHE_SPLATTING_EXPLANATION_H
 
 #include "cache/frame/method.h"
 #include "cache/splatting/state.h"
 
-/* See sl_method_story(). */
-sl_status sl_splat_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error);
+/* See sl_method_explanation(). */
+sl_status sl_splat_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
 /* The picture that the record nearest to the middle of the view made of its hemisphere, gathered once more; nothing without an observer. */
 void sl_splat_announce_gather(sl_splat_state *state, sl_record_cache *cache);
 /* All records, as discs as wide as they reach; nothing without an observer. */

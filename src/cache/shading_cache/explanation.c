@@ -1,6 +1,6 @@
-/* The story of a pixel: the display's sum (section on display) told vertex by vertex. A pixel lies in a leaf; what the leaf's corners hold, and what hangs on its edges where
+/* The explanation of a pixel: the display's sum (section on display) told vertex by vertex. A pixel lies in a leaf; what the leaf's corners hold, and what hangs on its edges where
  * it is a fan, adds weight x E x kd / pi, and where there is a lobe weight x L_s. */
-#include "cache/shading_cache/story.h"
+#include "cache/shading_cache/explanation.h"
 
 #include "base/math.h"
 #include "base/memory.h"
@@ -62,19 +62,19 @@ static void put_colour(float out[3], sl_rgb in) { out[0] = in.r, out[1] = in.g, 
 static void put_place(float out[3], sl_vec3 in) { out[0] = in.x, out[1] = in.y, out[2] = in.z; }
 
 /* value times factor; nothing where that is black. */
-static void add_term(sl_story_writer *writer, sl_story_term *term, const float value[3], const double factor[3]) {
+static void add_term(sl_explanation_writer *writer, sl_explanation_term *term, const float value[3], const double factor[3]) {
     bool any = false;
     for (int c = 0; c < 3; c++) {
         term->value[c] = value[c];
         term->contribution[c] = factor[c] * (double)value[c];
         any = any || term->contribution[c] != 0.0;
     }
-    if (any) sl_story_add(writer, term);
+    if (any) sl_explanation_add(writer, term);
 }
 
-static void tell_colour(sl_story_writer *writer, const char *layer, const char *kind, sl_rgb colour, const double factor[3]) {
+static void tell_colour(sl_explanation_writer *writer, const char *layer, const char *kind, sl_rgb colour, const double factor[3]) {
     float value[3];
-    sl_story_term term = {.layer = layer, .kind = kind, .weight = 1.0};
+    sl_explanation_term term = {.layer = layer, .kind = kind, .weight = 1.0};
     put_colour(value, colour);
     add_term(writer, &term, value, factor);
 }
@@ -85,13 +85,13 @@ static sl_vec3 place_of(const sl_shading_state *s, uint32_t vertex) {
 }
 
 static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint32_t vertex, double weight, const double reflectance[3],
-                        sl_story_writer *writer) {
+                        sl_explanation_writer *writer) {
     float value[6] = {0};
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     bool sampled = v->evaluated != SL_VERTEX_NEVER;
     sl_display_value(p->copy, p->lobe ? 2 : 1, vertex, value);
     const char *kind = !sampled ? "vertex between others, without samples yet" : v->borrowed ? "vertex inside something, with light from around it" : "vertex with samples";
-    sl_story_term term = {.layer = "irradiance", .kind = kind, .index = vertex, .placed = true, .weight = weight};
+    sl_explanation_term term = {.layer = "irradiance", .kind = kind, .index = vertex, .placed = true, .weight = weight};
     put_place(term.position, place_of(s, vertex));
     const double diffuse[3] = {weight * reflectance[0], weight * reflectance[1], weight * reflectance[2]}, lobe[3] = {weight, weight, weight};
     add_term(writer, &term, value, diffuse);
@@ -99,7 +99,7 @@ static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint
     if (p->lobe) add_term(writer, &term, value + 3, lobe);
 }
 
-sl_status sl_shading_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
     (void)error;
     const sl_shading_state *s = state;
     const double whole[3] = {1.0, 1.0, 1.0}, per_pi = (double)(float)(1.0 / SL_PI);

@@ -1,6 +1,6 @@
 /* What made a pixel, and patches, samples and chosen pixels as marks: for those who look on. */
-#ifndef SL_SHADING_CACHE_STORY_H
-#define SL_SHADING_CACHE_STORY_H
+#ifndef SL_SHADING_CACHE_EXPLANATION_H
+#define SL_SHADING_CACHE_EXPLANATION_H
 
 #include "cache/shading_cache/leaf_lookup.h"
 #include "cache/shading_cache/state.h"
@@ -17,8 +17,8 @@ typedef struct sl_shown_pixel {
 /* draw.c: by the functions that draw it. pixel: bottom row first. */
 void sl_display_pixel(sl_display *display, size_t pixel, sl_shown_pixel *shown);
 
-/* See sl_method_story(). */
-sl_status sl_shading_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error);
+/* See sl_method_explanation(). */
+sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
 
 /* Nothing without an observer. Chosen pixels: hits green, random ones blue, floods red. */
 void sl_shading_announce_choices(sl_shading_state *state, size_t choices);

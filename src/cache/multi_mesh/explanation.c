@@ -1,6 +1,6 @@
-/* The story of a pixel: image passes 3 and 4 told backwards. In each mesh the pixel lies in a leaf; the leaf's corners and what lies on its edges add
+/* The explanation of a pixel: image passes 3 and 4 told backwards. In each mesh the pixel lies in a leaf; the leaf's corners and what lies on its edges add
  * weight times value times what the surface reflects. */
-#include "cache/multi_mesh/story.h"
+#include "cache/multi_mesh/explanation.h"
 
 #include "base/math.h"
 #include "base/memory.h"
@@ -87,7 +87,7 @@ static size_t weigh_vertices(const sl_displayed *d, const sl_mesh_place *place, 
 
 typedef struct telling {
     sl_multi_mesh_state *s;
-    sl_story_writer *writer;
+    sl_explanation_writer *writer;
     uint32_t pixel;
 } telling;
 
@@ -107,7 +107,7 @@ static void reflectance_of(const telling *t, sl_component part, float reflectanc
 
 static void tell_vertex(const telling *t, sl_component part, const weighted_vertex *v, const float reflectance[3]) {
     const sl_mesh *mesh = t->s->part[part]->mesh;
-    sl_story_term term = {.layer = layers[part], .kind = kinds[part], .index = v->vertex, .placed = true, .weight = v->weight};
+    sl_explanation_term term = {.layer = layers[part], .kind = kinds[part], .index = v->vertex, .placed = true, .weight = v->weight};
     sl_mesh_point point;
     sl_mesh_point_of(mesh, v->vertex, &point);
     term.position[0] = point.position.x;
@@ -117,18 +117,18 @@ static void tell_vertex(const telling *t, sl_component part, const weighted_vert
         term.value[k] = mesh->value[3 * (size_t)v->vertex + (size_t)k];
         term.contribution[k] = v->weight * (double)term.value[k] * (double)reflectance[k];
     }
-    sl_story_add(t->writer, &term);
+    sl_explanation_add(t->writer, &term);
 }
 
 /* Light that is assumed until there is a mesh of it. */
 static void tell_ambient(const telling *t, const float reflectance[3]) {
     const float value[3] = {t->s->ambient.r, t->s->ambient.g, t->s->ambient.b};
-    sl_story_term term = {.layer = "indirect", .kind = "constant, before the coarse mesh is whole: irradiance", .weight = 1.0};
+    sl_explanation_term term = {.layer = "indirect", .kind = "constant, before the coarse mesh is whole: irradiance", .weight = 1.0};
     for (int k = 0; k < 3; k++) {
         term.value[k] = value[k];
         term.contribution[k] = (double)value[k] * (double)reflectance[k];
     }
-    sl_story_add(t->writer, &term);
+    sl_explanation_add(t->writer, &term);
 }
 
 static void tell_part(const telling *t, sl_component part) {
@@ -151,11 +151,11 @@ static void tell_part(const telling *t, sl_component part) {
         if (vertex[i].weight != 0.0) tell_vertex(t, part, &vertex[i], reflectance);
 }
 
-sl_status sl_multi_mesh_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
     (void)error;
     telling t = {state, writer, (uint32_t)y * (uint32_t)((sl_multi_mesh_state *)state)->settings.width + (uint32_t)x};
     if (!t.s->materials) return SL_OK; /* nothing is seen yet */
     for (int part = 0; part < SL_COMPONENTS; part++) tell_part(&t, (sl_component)part);
-    sl_story_add_layer(writer, "emission", "emitted light");
+    sl_explanation_add_layer(writer, "emission", "emitted light");
     return SL_OK;
 }

@@ -1,4 +1,4 @@
-#include "scene/twin.h"
+#include "scene/copy.h"
 
 #include <string.h>
 
@@ -31,7 +31,7 @@ static void list_moved(sl_scene *s, moved_array list[MOVED]) {
     list[n++] = (moved_array){&s->bicubics, s->bicubic_count * sizeof *s->bicubics};
 }
 
-size_t sl_scene_twin_bytes(const sl_scene *scene) {
+size_t sl_scene_copy_bytes(const sl_scene *scene) {
     sl_scene s = *scene; /* whose pointers are listed, and not followed */
     moved_array moved[MOVED];
     size_t bytes = sizeof s;
@@ -40,10 +40,10 @@ size_t sl_scene_twin_bytes(const sl_scene *scene) {
     return bytes;
 }
 
-sl_status sl_scene_twin(const sl_scene *scene, sl_scene **twin, sl_error *error) {
-    *twin = NULL;
+sl_status sl_scene_copy(const sl_scene *scene, sl_scene **scene_copy, sl_error *error) {
+    *scene_copy = NULL;
     sl_scene *t = sl_allocate(1, sizeof *t);
-    if (!t) return sl_fail_memory(error, "a twin of the scene");
+    if (!t) return sl_fail_memory(error, "a copy of the scene");
     *t = *scene;
     moved_array moved[MOVED];
     list_moved(t, moved);
@@ -56,21 +56,21 @@ sl_status sl_scene_twin(const sl_scene *scene, sl_scene **twin, sl_error *error)
         ok = own != NULL;
     }
     if (ok) {
-        *twin = t;
+        *scene_copy = t;
         return SL_OK;
     }
-    sl_scene_twin_destroy(t);
-    return sl_fail_memory(error, "a twin of the scene");
+    sl_scene_copy_destroy(t);
+    return sl_fail_memory(error, "a copy of the scene");
 }
 
-void sl_scene_twin_destroy(sl_scene *twin) {
-    if (!twin) return;
+void sl_scene_copy_destroy(sl_scene *scene_copy) {
+    if (!scene_copy) return;
     moved_array moved[MOVED];
-    list_moved(twin, moved);
+    list_moved(scene_copy, moved);
     for (int k = 0; k < MOVED; k++) {
         void *own;
         memcpy(&own, moved[k].pointer, sizeof own);
         sl_free(own);
     }
-    sl_free(twin);
+    sl_free(scene_copy);
 }

@@ -1,6 +1,6 @@
-/* The story of a pixel: Algorithm 1 and step 6 told backwards. Each record that reaches the pixel adds w E' / sum w, times albedo / pi; on
+/* The explanation of a pixel: Algorithm 1 and step 6 told backwards. Each record that reaches the pixel adds w E' / sum w, times albedo / pi; on
  * glossy pixels also what the lobe reflects of it, times ks. And marks, so that records can be seen where they are. */
-#include "cache/splatting/story.h"
+#include "cache/splatting/explanation.h"
 
 #include "base/isa.h"
 #include "base/math.h"
@@ -32,37 +32,37 @@ typedef struct {
     const float *reflectance; /* of the layer: albedo / pi, or ks; and of the mirrors before it */
 } told_record;
 
-static sl_story_term begin_term(const told_record *t, const char *layer, const char *kind) {
-    sl_story_term term = {.layer = layer, .kind = kind, .index = t->index, .placed = true, .weight = (double)t->weight};
+static sl_explanation_term begin_term(const told_record *t, const char *layer, const char *kind) {
+    sl_explanation_term term = {.layer = layer, .kind = kind, .index = t->index, .placed = true, .weight = (double)t->weight};
     put_place(term.position, t->cache->list.records[t->index].position);
     return term;
 }
 
-static void share_out(const told_record *t, const float at[3], sl_story_term *term) {
+static void share_out(const told_record *t, const float at[3], sl_explanation_term *term) {
     for (int c = 0; c < 3; c++) {
         term->value[c] = at[c];
         term->contribution[c] = (double)t->weight * (double)at[c] / (double)t->total * (double)t->reflectance[c];
     }
 }
 
-static void tell_irradiance(const told_record *t, sl_story_writer *writer) {
+static void tell_irradiance(const told_record *t, sl_explanation_writer *writer) {
     float e[3];
-    sl_story_term term = begin_term(t, "indirect", "irradiance record");
+    sl_explanation_term term = begin_term(t, "indirect", "irradiance record");
     irradiance_at(&t->cache->pass, &t->cache->list.records[t->index], t->pixel, e);
     share_out(t, e, &term);
-    sl_story_add(writer, &term);
+    sl_explanation_add(writer, &term);
 }
 
-static void tell_radiance(const told_record *t, sl_story_writer *writer) {
+static void tell_radiance(const told_record *t, sl_explanation_writer *writer) {
     const sl_record *record = &t->cache->list.records[t->index];
     const sl_record_pass *pass = &t->cache->pass;
     const sl_glossy_record glossy = {record->position, sl_frame_from_normal(record->normal),
                                      t->cache->list.coefficients + t->index * pass->coefficient_count};
     float radiance[3];
-    sl_story_term term = begin_term(t, "glossy", "radiance record");
+    sl_explanation_term term = begin_term(t, "glossy", "radiance record");
     sl_glossy_kernel_for(sl_isa_best())(&pass->glossy, &glossy, t->pixel, radiance);
     share_out(t, radiance, &term);
-    sl_story_add(writer, &term);
+    sl_explanation_add(writer, &term);
 }
 
 /* A lobe of finite order rings below 0, where the picture is black. */
@@ -73,7 +73,7 @@ static void glossy_reflectance(const sl_splat_state *s, size_t pixel, sl_rgb mir
         if (!(s->splats.glossy[c][pixel] > 0.0f)) ks[c] = 0.0f;
 }
 
-static void tell_records(const sl_splat_state *s, const sl_record_cache *cache, size_t pixel, sl_story_writer *writer) {
+static void tell_records(const sl_splat_state *s, const sl_record_cache *cache, size_t pixel, sl_explanation_writer *writer) {
     const sl_gbuffer *g = s->gbuffer;
     const float per_pi = (float)(1.0 / SL_PI);
     const sl_rgb mirrors = sl_reflections_throughput(s->reflections, pixel);
@@ -92,20 +92,20 @@ static void tell_records(const sl_splat_state *s, const sl_record_cache *cache, 
     }
 }
 
-sl_status sl_splat_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+sl_status sl_splat_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
     (void)error;
     const sl_splat_state *s = state;
     size_t pixel = (size_t)y * (size_t)s->settings.width + (size_t)x;
-    sl_story_add_layer(writer, "emission", "emitted light");
-    sl_story_add_layer(writer, "direct", "direct light");
+    sl_explanation_add_layer(writer, "emission", "emitted light");
+    sl_explanation_add_layer(writer, "direct", "direct light");
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         const sl_record_cache *cache = &s->cache[c];
         if (!cache->receivers || !cache->receives[pixel]) continue;
         if (s->splats.weight[pixel] > 0.0f) {
             tell_records(s, cache, pixel, writer);
         } else {
-            sl_story_add_layer(writer, "indirect", "mean of the pixels around, for want of a record");
-            sl_story_add_layer(writer, "glossy", "mean of the pixels around, for want of a record");
+            sl_explanation_add_layer(writer, "indirect", "mean of the pixels around, for want of a record");
+            sl_explanation_add_layer(writer, "glossy", "mean of the pixels around, for want of a record");
         }
     }
     return SL_OK;

@@ -1,12 +1,12 @@
 /* What made a pixel, and what can be seen of the meshes: for those who look on. */
-#ifndef SL_MULTI_MESH_STORY_H
-#define SL_MULTI_MESH_STORY_H
+#ifndef SL_MULTI_MESH_EXPLANATION_H
+#define SL_MULTI_MESH_EXPLANATION_H
 
 #include "cache/frame/method.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
-/* See sl_method_story(). */
-sl_status sl_multi_mesh_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error);
+/* See sl_method_explanation(). */
+sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
 
 /* marks.c: all of these do nothing without an observer. */
 

@@ -1,6 +1,6 @@
 /* What made a pixel, and what can be seen of photons and voxels: for those who look on. */
-#ifndef SL_CACHE_LIGHT_OCTREE_STORY_H
-#define SL_CACHE_LIGHT_OCTREE_STORY_H
+#ifndef SL_CACHE_LIGHT_OCTREE_EXPLANATION_H
+#define SL_CACHE_LIGHT_OCTREE_EXPLANATION_H
 
 #include "cache/frame/announce.h"
 #include "cache/photons/photons.h"
@@ -18,7 +18,7 @@ typedef struct sl_octree_told {
 } sl_octree_told;
 
 /* Adds the terms of a pixel, row 0 at the bottom. */
-void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_story_writer *writer);
+void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_explanation_writer *writer);
 
 /* These do nothing without an observer. */
 

@@ -29,17 +29,17 @@ static sl_settings small(void) {
 static size_t add_up(sl_method *method, const sl_image *picture) {
     size_t lights = 0;
     for (int pixel = 0; pixel < SIZE * SIZE; pixel++) {
-        sl_story *story;
+        sl_explanation *explanation;
         double size[3] = {1e-30, 1e-30, 1e-30};
-        assert_int_equal(sl_method_story(method, picture, pixel % SIZE, pixel / SIZE, &story, NULL), SL_OK);
-        for (size_t i = 0; i < story->count; i++) {
-            const sl_story_term *term = &story->terms[i];
+        assert_int_equal(sl_method_explanation(method, picture, pixel % SIZE, pixel / SIZE, &explanation, NULL), SL_OK);
+        for (size_t i = 0; i < explanation->count; i++) {
+            const sl_explanation_term *term = &explanation->terms[i];
             for (int c = 0; c < 3; c++) size[c] += fabs(term->contribution[c]);
             lights += term->placed;
             if (term->placed) assert_true(term->weight > 0.0 && term->weight <= 1.000001);
         }
-        for (int c = 0; c < 3; c++) assert_true(fabs(story->rounding[c]) <= 4e-6 * size[c]);
-        sl_story_destroy(story);
+        for (int c = 0; c < 3; c++) assert_true(fabs(explanation->rounding[c]) <= 4e-6 * size[c]);
+        sl_explanation_destroy(explanation);
     }
     return lights;
 }

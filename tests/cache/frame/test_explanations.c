@@ -1,4 +1,4 @@
-/* The stories of pixels: what a method says made a pixel is what made it. */
+/* The explanations of pixels: what a method says made a pixel is what made it. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -43,18 +43,18 @@ static void forget(rendered *r) {
     sl_scene_destroy(r->scene);
 }
 
-/* Contributions add up to the pixel but for the float sums' own rounding, and the story says so. */
-static void assert_adds_up(const sl_story *story, const sl_image *picture, int x, int y) {
+/* Contributions add up to the pixel but for the float sums' own rounding, and the explanation says so. */
+static void assert_adds_up(const sl_explanation *explanation, const sl_image *picture, int x, int y) {
     for (int c = 0; c < 3; c++) {
         double sum = 0.0, size = 1e-30;
-        for (size_t i = 0; i < story->count; i++) {
-            sum += story->terms[i].contribution[c];
-            size += fabs(story->terms[i].contribution[c]);
+        for (size_t i = 0; i < explanation->count; i++) {
+            sum += explanation->terms[i].contribution[c];
+            size += fabs(explanation->terms[i].contribution[c]);
         }
         float value = picture->planes[(c * HEIGHT + y) * WIDTH + x];
-        assert_true(story->pixel[c] == value);
-        assert_true((float)(sum + story->rounding[c]) == value);
-        assert_true(fabs(story->rounding[c]) <= 4e-6 * size);
+        assert_true(explanation->pixel[c] == value);
+        assert_true((float)(sum + explanation->rounding[c]) == value);
+        assert_true(fabs(explanation->rounding[c]) <= 4e-6 * size);
     }
 }
 
@@ -63,11 +63,11 @@ static size_t assert_all_add_up(const char *scene, const char *method, uint64_t 
     size_t terms = 0;
     for (int k = 0; k < 300; k++) {
         int x = (k * 31 + 7) % WIDTH, y = (k * 17 + 3) % HEIGHT;
-        sl_story *story;
-        assert_int_equal(sl_method_story(r.method, r.picture, x, y, &story, NULL), SL_OK);
-        assert_adds_up(story, r.picture, x, y);
-        terms += story->count;
-        sl_story_destroy(story);
+        sl_explanation *explanation;
+        assert_int_equal(sl_method_explanation(r.method, r.picture, x, y, &explanation, NULL), SL_OK);
+        assert_adds_up(explanation, r.picture, x, y);
+        terms += explanation->count;
+        sl_explanation_destroy(explanation);
     }
     forget(&r);
     return terms;
@@ -85,28 +85,28 @@ static void so_it_does_in_a_picture_that_was_stopped_early(void **state) {
     for (size_t m = 0; m < METHODS; m++) assert_all_add_up("scenes/cornell-glossy.json", methods[m], 4);
 }
 
-static void the_story_of_a_lamp_is_its_own_light(void **state) {
+static void the_explanation_of_a_lamp_is_its_own_light(void **state) {
     (void)state;
     for (size_t m = 0; m < METHODS; m++) {
         rendered r = render("scenes/cornell.json", methods[m], 0, NULL);
-        sl_story *story;
-        assert_int_equal(sl_method_story(r.method, r.picture, WIDTH / 2, 4, &story, NULL), SL_OK);
-        assert_int_equal(story->count, 1);
-        assert_string_equal(story->terms[0].layer, "emission");
-        sl_story_destroy(story);
+        sl_explanation *explanation;
+        assert_int_equal(sl_method_explanation(r.method, r.picture, WIDTH / 2, 4, &explanation, NULL), SL_OK);
+        assert_int_equal(explanation->count, 1);
+        assert_string_equal(explanation->terms[0].layer, "emission");
+        sl_explanation_destroy(explanation);
         forget(&r);
     }
 }
 
-static void pixels_outside_and_tracers_have_no_story(void **state) {
+static void pixels_outside_and_tracers_have_no_explanation(void **state) {
     (void)state;
     rendered r = render("scenes/cornell.json", "splatting", 2, NULL), p = render("scenes/cornell.json", "path", 1, NULL);
-    sl_story *story;
+    sl_explanation *explanation;
     sl_error error;
-    assert_int_equal(sl_method_story(r.method, r.picture, WIDTH, 0, &story, &error), SL_ERROR_USAGE);
-    assert_null(story);
-    assert_int_equal(sl_method_story(r.method, r.picture, 0, -1, &story, &error), SL_ERROR_USAGE);
-    assert_int_equal(sl_method_story(p.method, p.picture, 0, 0, &story, &error), SL_ERROR_USAGE);
+    assert_int_equal(sl_method_explanation(r.method, r.picture, WIDTH, 0, &explanation, &error), SL_ERROR_USAGE);
+    assert_null(explanation);
+    assert_int_equal(sl_method_explanation(r.method, r.picture, 0, -1, &explanation, &error), SL_ERROR_USAGE);
+    assert_int_equal(sl_method_explanation(p.method, p.picture, 0, 0, &explanation, &error), SL_ERROR_USAGE);
     forget(&r);
     forget(&p);
 }
@@ -132,8 +132,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_a_method_says_made_a_pixel_adds_up_to_it),
         cmocka_unit_test(so_it_does_in_a_picture_that_was_stopped_early),
-        cmocka_unit_test(the_story_of_a_lamp_is_its_own_light),
-        cmocka_unit_test(pixels_outside_and_tracers_have_no_story),
+        cmocka_unit_test(the_explanation_of_a_lamp_is_its_own_light),
+        cmocka_unit_test(pixels_outside_and_tracers_have_no_explanation),
         cmocka_unit_test(who_looks_on_changes_nothing_and_sees_marks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

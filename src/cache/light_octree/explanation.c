@@ -1,7 +1,7 @@
-/* The story of a pixel: R1 told backwards, by its own kernel. Around the pixel lie eight voxels; each gives the lights of one set, its
+/* The explanation of a pixel: R1 told backwards, by its own kernel. Around the pixel lie eight voxels; each gives the lights of one set, its
  * light times its trilinear weight times what the surface reflects. The kernel is linear in the lights: asked about one of them it says what that one
  * adds, and asked about a voxel that holds the constant 1, the others 0, how much that voxel weighs. */
-#include "cache/light_octree/story.h"
+#include "cache/light_octree/explanation.h"
 
 #include "base/math.h"
 #include "base/memory.h"
@@ -11,7 +11,7 @@
 
 typedef struct telling {
     const sl_octree_told *told;
-    sl_story_writer *writer;
+    sl_explanation_writer *writer;
     sl_shade_kernel *kernel;
     sl_octree_pixel *pixel;
     float throughput[3];   /* of the mirrors before it */
@@ -76,7 +76,7 @@ static void tell_light(const telling *t, int corner, const sl_shade_set *set, in
     cells.corner[0].set[0].lights = 1;
     t->kernel(&cells, SL_SHADE_LANES, t->pixel->glossy, b);
     sl_vec3 at = middle_of(t, corner);
-    sl_story_term term = {.layer = "indirect", .kind = kind, .placed = true, .position = {at.x, at.y, at.z}, .weight = weight};
+    sl_explanation_term term = {.layer = "indirect", .kind = kind, .placed = true, .position = {at.x, at.y, at.z}, .weight = weight};
     term.index = (uint64_t)(cells.corner[0].set[0].light - t->told->shading.texture->unpacked);
     bool any = false;
     for (int c = 0; c < 3; c++) {
@@ -86,7 +86,7 @@ static void tell_light(const telling *t, int corner, const sl_shade_set *set, in
         term.contribution[c] = weight * reflected * (double)t->throughput[c];
         any |= term.contribution[c] != 0.0;
     }
-    if (any) sl_story_add(t->writer, &term);
+    if (any) sl_explanation_add(t->writer, &term);
 }
 
 static void tell_voxels(const telling *t) {
@@ -106,16 +106,16 @@ static bool is_lit(const sl_octree_told *told, size_t pixel) {
     return material != SL_NO_INDEX && !sl_material_is_mirror(&told->scene->materials[material]);
 }
 
-void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_story_writer *writer) {
+void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_explanation_writer *writer) {
     sl_octree_pixel seen;
     telling t = {.told = told, .writer = writer, .kernel = sl_shade_kernel_for(sl_isa_best()), .pixel = &seen};
     if (!told->drawn) return;
-    sl_story_add_layer(writer, "emission", "emitted light");
-    sl_story_add_layer(writer, "direct", "direct light");
+    sl_explanation_add_layer(writer, "emission", "emitted light");
+    sl_explanation_add_layer(writer, "direct", "direct light");
     if (!is_lit(told, pixel)) return;
     bool looked_up = told->atlas && !sl_material_is_glossy(&told->scene->materials[told->gbuffer->material[pixel]]);
     if (!told->shading.texture || looked_up) {
-        sl_story_add_layer(writer, "indirect", looked_up ? "texel of the atlas" : told->otherwise);
+        sl_explanation_add_layer(writer, "indirect", looked_up ? "texel of the atlas" : told->otherwise);
         return;
     }
     const sl_rgb left = sl_reflections_throughput(told->reflections, pixel);
