@@ -1,6 +1,7 @@
-/* Speed against error: splatting over accuracy and size of gathers, its lower left envelope, and the path tracer on the same paths. Where
- * does the cache win, and where does it stop? Both are measured in one run, on the same pixels, in processor seconds of one thread with all
- * that a picture takes (hierarchy and tables included, reading the scene not). Drawn as SVG, both axes logarithmic. */
+/* Speed against error: splatting over accuracy and size of gathers, its lower left envelope, and the path
+ * tracer on the same paths. Where does the cache win, and where does it stop? Both are measured in one run,
+ * on the same pixels, in processor seconds of one thread with all that a picture takes (hierarchy and tables
+ * included, reading the scene not). Drawn as SVG, both axes logarithmic. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,7 +135,8 @@ static void run_path_tracer(const bench_options *o, world *w, uint32_t samples, 
         judge(w, image, t);
         sl_image_destroy(image);
     }
-    /* One more point: the reference's own noise is the path tracer's error at so many samples, and its time grows with them. */
+    /* One more point: the reference's own noise is the path tracer's error at so many samples, and its time
+     * grows with them. */
     trial last = c->trials[c->count - 1];
     last.seconds *= (double)w->reference.samples / (double)last.samples;
     last.samples = w->reference.samples;
@@ -164,7 +166,8 @@ static curve envelope_of(const curve *all) {
 
 static bench_series series_of(const curve *c, const char *name, const char *color, bool line) {
     bench_series s = {.name = name, .color = color, .line = line};
-    for (size_t i = 0; i < c->count; i++) s.point[s.count++] = (bench_point){.seconds = c->trials[i].seconds, .rel_mse = c->trials[i].rel_mse};
+    for (size_t i = 0; i < c->count; i++)
+        s.point[s.count++] = (bench_point){.seconds = c->trials[i].seconds, .rel_mse = c->trials[i].rel_mse};
     return s;
 }
 
@@ -184,9 +187,12 @@ static void envelope_rows(bench_report *r, const char *scene, const curve *envel
         const trial *t = &envelope->trials[i];
         double same_error = between(path, t->rel_mse, true), same_time = between(path, t->seconds, false);
         char faster[24], better[24];
-        bench_row(r, t->noisy ? "%s|%g|%d|%u|%zu|%.2f|%.2f|(%.2e)|%.0e|%s|%s" : "%s|%g|%d|%u|%zu|%.2f|%.2f|%.2e|%.0e|%s|%s", scene,
-                  t->accuracy, t->gather, t->samples, t->records, t->seconds, 100.0 * t->rel_rmse, t->rel_mse, t->noise,
-                  ratio_text(same_error / t->seconds, faster), ratio_text(same_time / t->rel_mse, better));
+        bench_row(r,
+                  t->noisy ? "%s|%g|%d|%u|%zu|%.2f|%.2f|(%.2e)|%.0e|%s|%s"
+                           : "%s|%g|%d|%u|%zu|%.2f|%.2f|%.2e|%.0e|%s|%s",
+                  scene, t->accuracy, t->gather, t->samples, t->records, t->seconds, 100.0 * t->rel_rmse,
+                  t->rel_mse, t->noise, ratio_text(same_error / t->seconds, faster),
+                  ratio_text(same_time / t->rel_mse, better));
     }
 }
 
@@ -208,14 +214,15 @@ static void all_rows(const bench_report *r, const char *scene, const curve *cach
         const curve *c = m ? path : cache;
         for (size_t i = 0; i < c->count; i++) {
             const trial *t = &c->trials[i];
-            fprintf(file, "%s,%g,%d,%u,%zu,%.4f,%.6f,%.4e,%.2e\n", m ? "path" : "splatting", t->accuracy, t->gather, t->samples,
-                    t->records, t->seconds, t->rel_rmse, t->rel_mse, t->noise);
+            fprintf(file, "%s,%g,%d,%u,%zu,%.4f,%.6f,%.4e,%.2e\n", m ? "path" : "splatting", t->accuracy,
+                    t->gather, t->samples, t->records, t->seconds, t->rel_rmse, t->rel_mse, t->noise);
         }
     }
     fclose(file);
 }
 
-static void draw(const bench_report *r, const char *scene, const curve *cache, const curve *envelope, const curve *path) {
+static void draw(const bench_report *r, const char *scene, const curve *cache, const curve *envelope,
+                 const curve *path) {
     static bench_series series[3];
     series[0] = series_of(cache, NULL, "#9bd", false);
     series[1] = series_of(envelope, "radiance cache splatting", "#06c", true);
@@ -234,11 +241,14 @@ static void say_where_it_ends(bench_report *r, const char *scene, const curve *e
     }
     const trial *best = envelope->count ? &envelope->trials[envelope->count - 1] : NULL;
     if (!best) return;
-    bench_say(r, "\n%s: at equal error up to %.1f times as fast as the path tracer; ahead at least down to relMSE %.1e; best reached %.1e in %.1f s\n", scene, most,
-              last, best->rel_mse, best->seconds);
+    bench_say(r,
+              "\n%s: at equal error up to %.1f times as fast as the path tracer; ahead at least down to "
+              "relMSE %.1e; best reached %.1e in %.1f s\n",
+              scene, most, last, best->rel_mse, best->seconds);
 }
 
-static void experiment(bench_report *r, const bench_options *o, const char *path_name, int size, uint32_t samples) {
+static void experiment(bench_report *r, const bench_options *o, const char *path_name, int size,
+                       uint32_t samples) {
     char scene[64];
     world w;
     bench_scene_name(path_name, scene);
@@ -264,8 +274,10 @@ int main(int argc, char **argv) {
     bench_options o = bench_options_parse(argc, argv, "build/splatting");
     bench_report r;
     bench_report_open(&r, &o, "curve");
-    bench_say(&r, "\nThe envelope over accuracy, gathers and light samples, and the path tracer on the same paths. *faster*: the path tracer's seconds at\n"
-                  "equal error over these; *better*: its squared error at equal time over this; empty beyond its measured range.\n");
+    bench_say(&r, "\nThe envelope over accuracy, gathers and light samples, and the path tracer on the same "
+                  "paths. *faster*: the path tracer's seconds at\n"
+                  "equal error over these; *better*: its squared error at equal time over this; empty beyond "
+                  "its measured range.\n");
     experiment(&r, &o, "scenes/cornell.json", 512, 128);
     experiment(&r, &o, "scenes/generated/cathedral.json", 512, 128);
     experiment(&r, &o, "scenes/generated/atrium.json", 512, 128);

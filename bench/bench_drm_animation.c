@@ -1,9 +1,11 @@
-/* Flicker: a light or an object glides along a path in front of a fixed camera, and the indirect light of each pixel ought to glide too. With
- * few photons it jumps, whenever a sample moves from one surface to another (the paper's flashing).
+/* Flicker: a light or an object glides along a path in front of a fixed camera, and the indirect light of
+ * each pixel ought to glide too. With few photons it jumps, whenever a sample moves from one surface to
+ * another (the paper's flashing).
  *
- * A frame's flicker at a pixel is |(v_t - v_(t-1)) - (r_t - r_(t-1))|, r being the same method with so many photons (24 x 24 a face, flux
- * filter) that none of them matters; so what the light's own motion changes is taken off. Beside it the second difference
- * |v_(t+1) - 2 v_t + v_(t-1)|, which needs no reference. Both in shares of the mean of r. */
+ * A frame's flicker at a pixel is |(v_t - v_(t-1)) - (r_t - r_(t-1))|, r being the same method with so many
+ * photons (24 x 24 a face, flux filter) that none of them matters; so what the light's own motion changes is
+ * taken off. Beside it the second difference |v_(t+1) - 2 v_t + v_(t-1)|, which needs no reference. Both in
+ * shares of the mean of r. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,7 +62,8 @@ static void copy_layer(const sl_image *image, float *out) {
 }
 
 /* Returns processor seconds a frame. */
-static double render(sl_scene *scene, const series *s, const variant *v, float *out, const bench_report *r, const char *picture) {
+static double render(sl_scene *scene, const series *s, const variant *v, float *out, const bench_report *r,
+                     const char *picture) {
     sl_settings settings = settings_of(s, v);
     drm_frames f;
     sl_error error;
@@ -69,7 +72,8 @@ static double render(sl_scene *scene, const series *s, const variant *v, float *
     if (sl_scene_set_time(scene, 0.0, &changes, &error) != SL_OK) bench_fail("time", &error);
     drm_frames_open(&f, scene, &settings);
     for (int t = 0; t < s->frames; t++) {
-        if (sl_scene_set_time(scene, t / frames_a_second * FRAMES / s->frames, &changes, &error) != SL_OK) bench_fail("time", &error);
+        if (sl_scene_set_time(scene, t / frames_a_second * FRAMES / s->frames, &changes, &error) != SL_OK)
+            bench_fail("time", &error);
         double from = process_ms();
         drm_frame(&f, t ? changes : 0);
         spent += 1e-3 * (process_ms() - from);
@@ -133,28 +137,39 @@ static double place_y(const drawing *d, double value) {
 }
 
 static void draw_axes(const drawing *d, const char *title) {
-    fprintf(d->file, "<text x=\"%d\" y=\"24\" text-anchor=\"middle\" font-size=\"15\">%s: mean flicker of the indirect light</text>\n",
+    fprintf(d->file,
+            "<text x=\"%d\" y=\"24\" text-anchor=\"middle\" font-size=\"15\">%s: mean flicker of the "
+            "indirect light</text>\n",
             (LEFT + RIGHT) / 2, title);
     for (int t = 0; t <= d->frames; t += d->frames / 5)
-        fprintf(d->file, "<path d=\"M%.1f %dV%d\" stroke=\"#ccc\"/><text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%d</text>\n", place_x(d, t), TOP,
-                BOTTOM, place_x(d, t), BOTTOM + 20, t);
+        fprintf(d->file,
+                "<path d=\"M%.1f %dV%d\" stroke=\"#ccc\"/><text x=\"%.1f\" y=\"%d\" "
+                "text-anchor=\"middle\">%d</text>\n",
+                place_x(d, t), TOP, BOTTOM, place_x(d, t), BOTTOM + 20, t);
     for (double decade = d->low; decade <= d->high; decade++) {
         double y = place_y(d, pow(10.0, decade));
-        fprintf(d->file, "<path d=\"M%d %.1fH%d\" stroke=\"#ccc\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%g %%</text>\n", LEFT, y, RIGHT,
-                LEFT - 6, y + 4.0, 100.0 * pow(10.0, decade));
+        fprintf(d->file,
+                "<path d=\"M%d %.1fH%d\" stroke=\"#ccc\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%g "
+                "%%</text>\n",
+                LEFT, y, RIGHT, LEFT - 6, y + 4.0, 100.0 * pow(10.0, decade));
     }
-    fprintf(d->file, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">frame</text>\n", (LEFT + RIGHT) / 2, BOTTOM + 42);
+    fprintf(d->file, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">frame</text>\n", (LEFT + RIGHT) / 2,
+            BOTTOM + 42);
 }
 
 static void draw_line(const drawing *d, const flicker *f, const char *name, const char *color, int place) {
     char command = 'M';
     fprintf(d->file, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"1.5\" d=\"", color);
-    for (int t = 1; t < d->frames; t++, command = 'L') fprintf(d->file, "%c%.1f %.1f", command, place_x(d, t), place_y(d, f->frame[t]));
-    fprintf(d->file, "\"/>\n<text x=\"%d\" y=\"%d\" fill=\"%s\">%s</text>\n", RIGHT + 10, TOP + 18 * (place + 1), color, name);
+    for (int t = 1; t < d->frames; t++, command = 'L')
+        fprintf(d->file, "%c%.1f %.1f", command, place_x(d, t), place_y(d, f->frame[t]));
+    fprintf(d->file, "\"/>\n<text x=\"%d\" y=\"%d\" fill=\"%s\">%s</text>\n", RIGHT + 10,
+            TOP + 18 * (place + 1), color, name);
 }
 
-static void draw(const bench_report *r, const char *scene, const variant *variants, const flicker *results, int count, int frames) {
-    static const char *const colors[] = {"#06c", "#c40", "#282", "#a3a", "#c90", "#088", "#444", "#e57", "#59f", "#7a0"};
+static void draw(const bench_report *r, const char *scene, const variant *variants, const flicker *results,
+                 int count, int frames) {
+    static const char *const colors[] = {"#06c", "#c40", "#282", "#a3a", "#c90",
+                                         "#088", "#444", "#e57", "#59f", "#7a0"};
     char path[700];
     snprintf(path, sizeof path, "%s/flicker-%s.svg", r->folder, scene);
     drawing d = {fopen(path, "w"), INFINITY, -INFINITY, frames};
@@ -167,11 +182,13 @@ static void draw(const bench_report *r, const char *scene, const variant *varian
         }
     }
     d.low = fmax(d.low, d.high - 4.0);
-    fprintf(d.file, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"860\" height=\"460\" font-family=\"sans-serif\" font-size=\"12\">\n"
+    fprintf(d.file, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"860\" height=\"460\" "
+                    "font-family=\"sans-serif\" font-size=\"12\">\n"
                     "<rect width=\"860\" height=\"460\" fill=\"white\"/>\n");
     draw_axes(&d, scene);
     for (int i = 0, shown = 0; i < count; i++) {
-        if (variants[i].samples == 4) draw_line(&d, &results[i], variants[i].name, colors[shown % 10], shown), shown++;
+        if (variants[i].samples == 4)
+            draw_line(&d, &results[i], variants[i].name, colors[shown % 10], shown), shown++;
     }
     fprintf(d.file, "</svg>\n");
     fclose(d.file);
@@ -184,7 +201,8 @@ static int make_variants(variant *variants) {
     static const struct {
         const char *name;
         sl_map_filter filter;
-    } kinds[] = {{"point", SL_MAP_FILTER_POINT}, {"radiance", SL_MAP_FILTER_RADIANCE}, {"flux", SL_MAP_FILTER_FLUX}};
+    } kinds[] = {
+        {"point", SL_MAP_FILTER_POINT}, {"radiance", SL_MAP_FILTER_RADIANCE}, {"flux", SL_MAP_FILTER_FLUX}};
     int count = 0;
     for (int k = 0; k < 3; k++) {
         for (int m = 0; m < 3; m++) {
@@ -196,7 +214,8 @@ static int make_variants(variant *variants) {
     return count;
 }
 
-static void write_frames(const bench_report *r, const char *scene, const variant *variants, const flicker *results, int count, int frames) {
+static void write_frames(const bench_report *r, const char *scene, const variant *variants,
+                         const flicker *results, int count, int frames) {
     char path[700];
     snprintf(path, sizeof path, "%s/drm_animation-%s-frames.csv", r->folder, scene);
     FILE *file = fopen(path, "w");
@@ -227,16 +246,20 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     if (!s.reference || !s.ours) bench_fail("frames", NULL);
     double seconds = render(scene, &s, &converged, s.reference, r, o->pictures ? name : NULL);
     s.mean = mean_of(s.reference, s.values * (size_t)s.frames);
-    bench_say(r, "\n%s: %d frames of %d x %d; the reference takes %.1f ms a frame\n", name, s.frames, s.size, s.size, 1e3 * seconds);
-    bench_table(r, name, "scene|filter|photons a face|CPU ms a frame|mean flicker %|worst frame %|largest %|second difference %|largest %|apart %");
+    bench_say(r, "\n%s: %d frames of %d x %d; the reference takes %.1f ms a frame\n", name, s.frames, s.size,
+              s.size, 1e3 * seconds);
+    bench_table(r, name,
+                "scene|filter|photons a face|CPU ms a frame|mean flicker %|worst frame %|largest %|second "
+                "difference %|largest %|apart %");
     for (int i = 0; i < count; i++) {
         const variant *v = &variants[i];
         seconds = render(scene, &s, v, s.ours, r, NULL);
         flicker *f = &results[i];
         *f = judge(&s);
         f->seconds = seconds;
-        bench_row(r, "%s|%s|%d|%.2f|%.3f|%.2f|%.1f|%.3f|%.1f|%.2f", name, v->name, v->samples * v->samples, 1e3 * f->seconds, 100.0 * f->mean,
-                  100.0 * f->worst_frame, 100.0 * f->largest, 100.0 * f->second, 100.0 * f->second_largest, 100.0 * f->apart);
+        bench_row(r, "%s|%s|%d|%.2f|%.3f|%.2f|%.1f|%.3f|%.1f|%.2f", name, v->name, v->samples * v->samples,
+                  1e3 * f->seconds, 100.0 * f->mean, 100.0 * f->worst_frame, 100.0 * f->largest,
+                  100.0 * f->second, 100.0 * f->second_largest, 100.0 * f->apart);
     }
     write_frames(r, name, variants, results, count, s.frames);
     draw(r, name, variants, results, count, s.frames);
@@ -250,7 +273,8 @@ int main(int argc, char **argv) {
     bench_options o = bench_options_parse(argc, argv, "build/direct-radiance");
     bench_report r;
     bench_report_open(&r, &o, "drm_animation");
-    bench_say(&r, "\nFlicker is what a pixel's indirect light changes by from frame to frame beyond what it ought to, in shares of the mean.\n");
+    bench_say(&r, "\nFlicker is what a pixel's indirect light changes by from frame to frame beyond what it "
+                  "ought to, in shares of the mean.\n");
     experiment(&r, &o, "scenes/moving-light.json");
     experiment(&r, &o, "scenes/moving-ball.json");
     bench_report_close(&r);

@@ -1,12 +1,12 @@
-/* How far indirect light by direct radiance maps is from the truth, and how soon it gets there: for every weight, filter and number of
- * photons, against
+/* How far indirect light by direct radiance maps is from the truth, and how soon it gets there: for every
+ * weight, filter and number of photons, against
  *
- *     A  the path tracer on the very paths that the method models: two diffuse events, and nothing between them is in the way
- *     B  the same with what is in the way: what the missing indirect shadows cost
- *     C  all paths: what further bounces and caustics would add
+ *     A  the path tracer on the very paths that the method models: two diffuse events, and nothing between
+ * them is in the way B  the same with what is in the way: what the missing indirect shadows cost C  all
+ * paths: what further bounces and caustics would add
  *
- * and what each extension buys. Only the indirect part is compared, relative to itself, at one pixel of each block that does not show a
- * mirror (common.h). Seconds are processor time of one frame with one thread. */
+ * and what each extension buys. Only the indirect part is compared, relative to itself, at one pixel of each
+ * block that does not show a mirror (common.h). Seconds are processor time of one frame with one thread. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +26,8 @@ static const struct {
 static const struct {
     const char *name;
     sl_map_filter filter;
-} filters[FILTERS] = {{"point", SL_MAP_FILTER_POINT}, {"radiance", SL_MAP_FILTER_RADIANCE}, {"flux", SL_MAP_FILTER_FLUX}};
+} filters[FILTERS] = {
+    {"point", SL_MAP_FILTER_POINT}, {"radiance", SL_MAP_FILTER_RADIANCE}, {"flux", SL_MAP_FILTER_FLUX}};
 
 typedef struct world {
     const char *name;
@@ -68,7 +69,8 @@ static void find_references(const bench_options *o, world *w, uint32_t samples) 
     sl_tracer_destroy(tracer);
 }
 
-static bool open_world(bench_report *r, const bench_options *o, const char *path, const char *name, world *w) {
+static bool open_world(bench_report *r, const bench_options *o, const char *path, const char *name,
+                       world *w) {
     *w = (world){.name = name, .size = o->brief ? 128 : 256};
     if (!bench_open_scene(r, path, &w->scene)) return false;
     if (w->scene->environment.present) { /* the method has no light from the sky */
@@ -76,7 +78,8 @@ static bool open_world(bench_report *r, const bench_options *o, const char *path
         w->scene->environment = (sl_environment){0};
         bench_say(r, "\n%s: without its sky\n", name);
     }
-    for (size_t m = 0; m < w->scene->material_count; m++) w->mirrors |= sl_material_is_mirror(&w->scene->materials[m]);
+    for (size_t m = 0; m < w->scene->material_count; m++)
+        w->mirrors |= sl_material_is_mirror(&w->scene->materials[m]);
     find_references(o, w, o->brief ? 512 : 4096);
     w->values = calloc(3 * w->pixels.count + 1, sizeof *w->values);
     if (!w->values) bench_fail("values", NULL);
@@ -146,14 +149,17 @@ static void write_trials(const bench_report *r, const world *w, const trials *al
     snprintf(path, sizeof path, "%s/drm_error-%s-all.csv", r->folder, w->name);
     FILE *file = fopen(path, "w");
     if (!file) return;
-    fprintf(file, "weight,filter,m,photons,cpu s,A relRMSE,A relMSE,A bias,A noise,B relRMSE,B relMSE,B bias,B noise,C relRMSE,C relMSE,C bias,C noise\n");
+    fprintf(file, "weight,filter,m,photons,cpu s,A relRMSE,A relMSE,A bias,A noise,B relRMSE,B relMSE,B "
+                  "bias,B noise,C relRMSE,C relMSE,C bias,C noise\n");
     for (int i = 0; i < WEIGHTS * FILTERS * COUNTS; i++) {
         int a = i / (FILTERS * COUNTS), b = i / COUNTS % FILTERS, c = i % COUNTS;
         const trial *t = &all->of[a][b][c];
         if (!all->made[a][b][c]) continue;
-        fprintf(file, "%s,%s,%d,%llu,%.5f", weights[a].name, filters[b].name, counts[c], t->photons, t->seconds);
+        fprintf(file, "%s,%s,%d,%llu,%.5f", weights[a].name, filters[b].name, counts[c], t->photons,
+                t->seconds);
         for (int k = 0; k < REFERENCES; k++)
-            fprintf(file, ",%.5f,%.4e,%.5f,%.2e", t->error[k].rel_rmse, t->error[k].rel_mse, t->error[k].bias, t->error[k].noise);
+            fprintf(file, ",%.5f,%.4e,%.5f,%.2e", t->error[k].rel_rmse, t->error[k].rel_mse, t->error[k].bias,
+                    t->error[k].noise);
         fprintf(file, "\n");
     }
     fclose(file);
@@ -161,7 +167,8 @@ static void write_trials(const bench_report *r, const world *w, const trials *al
 
 static void series_row(bench_report *r, const world *w, const trials *all, int a, int b, bool seconds) {
     char line[512];
-    int at = snprintf(line, sizeof line, "%s|%s|%s|%s", w->name, weights[a].name, filters[b].name, seconds ? "CPU ms" : "relRMSE % of A");
+    int at = snprintf(line, sizeof line, "%s|%s|%s|%s", w->name, weights[a].name, filters[b].name,
+                      seconds ? "CPU ms" : "relRMSE % of A");
     for (int c = 0; c < COUNTS; c++) {
         const trial *t = &all->of[a][b][c];
         if (!all->made[a][b][c]) at += snprintf(line + at, sizeof line - (size_t)at, "|");
@@ -196,10 +203,15 @@ static void traced(sl_radiance_map_settings *m) { m->traced_light_mirrors = true
 static void eight_bit(sl_radiance_map_settings *m) { m->eight_bit_positions = true; }
 
 static const extension extensions[] = {
-    {"the paper's: frustum, (14), radiance", paper}, {"flux weight, frustum", frustum}, {"flux weight, all faces", none},
-    {"8-bit positions", eight_bit}, {"polygon weight", polygon},
-    {"light by curved mirrors", traced}, {"visibility by blocks", blocks},
-    {"visibility by rays", rays}, {"polygon, rays", polygon_rays},
+    {"the paper's: frustum, (14), radiance", paper},
+    {"flux weight, frustum", frustum},
+    {"flux weight, all faces", none},
+    {"8-bit positions", eight_bit},
+    {"polygon weight", polygon},
+    {"light by curved mirrors", traced},
+    {"visibility by blocks", blocks},
+    {"visibility by rays", rays},
+    {"polygon, rays", polygon_rays},
 };
 
 static void extension_rows(bench_report *r, const bench_options *o, world *w, int samples) {
@@ -211,8 +223,9 @@ static void extension_rows(bench_report *r, const bench_options *o, world *w, in
         snprintf(picture, sizeof picture, "m%d-%zu", samples, i);
         trial t = try(w, &settings, r, o->pictures ? picture : NULL);
         for (int k = 0; k < REFERENCES; k++) bench_mse_text(&t.error[k], texts[k]);
-        bench_row(r, "%s|%s|%d|%llu|%.1f|%.1f|%s|%.1f|%s|%.1f|%s|%+.1f|%+.1f|%+.1f", w->name, extensions[i].name, samples, t.photons, 1e3 * t.seconds,
-                  100.0 * t.error[0].rel_rmse, texts[0], 100.0 * t.error[1].rel_rmse, texts[1], 100.0 * t.error[2].rel_rmse, texts[2],
+        bench_row(r, "%s|%s|%d|%llu|%.1f|%.1f|%s|%.1f|%s|%.1f|%s|%+.1f|%+.1f|%+.1f", w->name,
+                  extensions[i].name, samples, t.photons, 1e3 * t.seconds, 100.0 * t.error[0].rel_rmse,
+                  texts[0], 100.0 * t.error[1].rel_rmse, texts[1], 100.0 * t.error[2].rel_rmse, texts[2],
                   100.0 * t.error[0].bias, 100.0 * t.error[1].bias, 100.0 * t.error[2].bias);
     }
 }
@@ -237,7 +250,8 @@ static sl_image *draw(const sl_scene *scene, const sl_settings *settings) {
 static void write_differences(const bench_report *r, const bench_options *o, world *w) {
     static const char *const transports[2] = {"matched:direct-radiance", "full"};
     for (int k = 0; k < 2; k++) {
-        sl_settings settings = settings_of(w, 4, SL_WEIGHT_FLUX, SL_MAP_FILTER_AUTO), truth = sl_settings_default();
+        sl_settings settings = settings_of(w, 4, SL_WEIGHT_FLUX, SL_MAP_FILTER_AUTO),
+                    truth = sl_settings_default();
         sl_image *ours, *path, *difference;
         sl_comparison comparison;
         sl_error error;
@@ -252,7 +266,8 @@ static void write_differences(const bench_report *r, const bench_options *o, wor
         for (int a = 1; a < WEIGHTS; a++) {
             settings.radiance_map.weight = weights[a].weight;
             ours = draw(w->scene, &settings);
-            if (sl_image_compare(ours, path, NULL, &comparison, &difference, &error) != SL_OK) bench_fail("difference", &error);
+            if (sl_image_compare(ours, path, NULL, &comparison, &difference, &error) != SL_OK)
+                bench_fail("difference", &error);
             snprintf(what, sizeof what, "difference-%s-%s", k ? "full" : "matched", weights[a].name);
             bench_write_picture(r, w->name, what, difference);
             sl_image_destroy(difference);
@@ -265,13 +280,15 @@ static void write_differences(const bench_report *r, const bench_options *o, wor
 /* ---- the experiment ---- */
 
 static const char *const scene_paths[] = {
-    "scenes/cornell-lamp.json", "scenes/cornell-point.json", "scenes/mirror-balls.json", "scenes/generated/mirror-cave.json",
-    "bench/scenes/dull-cave.json", "scenes/generated/room.json", "scenes/generated/atrium.json", "scenes/generated/cathedral.json", "bench/scenes/sponza.json",
+    "scenes/cornell-lamp.json",          "scenes/cornell-point.json",       "scenes/mirror-balls.json",
+    "scenes/generated/mirror-cave.json", "bench/scenes/dull-cave.json",     "scenes/generated/room.json",
+    "scenes/generated/atrium.json",      "scenes/generated/cathedral.json", "bench/scenes/sponza.json",
 };
 enum { SCENES = sizeof scene_paths / sizeof *scene_paths };
 
 static const char series_header[] = "scene|weight|filter|what|m = 1|2|3|4|8|16";
-static const char extension_header[] = "scene|extension|m|photons|CPU ms|A relRMSE %|A relMSE|B relRMSE %|B relMSE|C relRMSE %|C relMSE|A bias %|B bias %|C bias %";
+static const char extension_header[] = "scene|extension|m|photons|CPU ms|A relRMSE %|A relMSE|B relRMSE %|B "
+                                       "relMSE|C relRMSE %|C relMSE|A bias %|B bias %|C bias %";
 
 static void experiment(bench_report *r, const bench_options *o, const char *path) {
     char name[64], csv[80];
@@ -281,11 +298,13 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     if (!all) bench_fail("trials", NULL);
     if (bench_wants(o, name) && open_world(r, o, path, name, &w)) {
         run_trials(o, &w, all);
-        bench_say(r, "\n%s, %d x %d, %zu pixels, %u reference samples\n", name, w.size, w.size, w.pixels.count, w.reference[0].samples);
+        bench_say(r, "\n%s, %d x %d, %zu pixels, %u reference samples\n", name, w.size, w.size,
+                  w.pixels.count, w.reference[0].samples);
         snprintf(csv, sizeof csv, "%s-series", name);
         bench_table(r, csv, series_header);
         for (int a = 0; a < WEIGHTS; a++) {
-            for (int b = a == 4 ? 0 : FILTERS - 1; b < FILTERS; b++) { /* filters side by side for the flux weight alone */
+            /* filters side by side for the flux weight alone */
+            for (int b = a == 4 ? 0 : FILTERS - 1; b < FILTERS; b++) {
                 series_row(r, &w, all, a, b, false);
                 series_row(r, &w, all, a, b, true);
             }

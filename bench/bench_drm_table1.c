@@ -1,10 +1,12 @@
-/* Table 1 of Frisvad et al. 2005: frames a second at 512 x 512 with 3 x 3 photons, everything computed again for every frame; the paper's
- * ratios between its rows beside ours, and OSMesa drawing the same passes in the same run (drm_osmesa.h).
+/* Table 1 of Frisvad et al. 2005: frames a second at 512 x 512 with 3 x 3 photons, everything computed again
+ * for every frame; the paper's ratios between its rows beside ours, and OSMesa drawing the same passes in the
+ * same run (drm_osmesa.h).
  *
- * What a frame's milliseconds are: a moved camera, light and object told to the method, one update, and the picture resolved, as R, G and B in
- * float; of OSMesa, all passes drawn and the picture read back, in float too. Nothing of either is kept from frame to frame, but in the
- * columns where the camera alone moves: then depth cube and photons stay. A column of its own has ours with emission, direct and indirect
- * light and their uncertainty as layers of the picture, which OSMesa does not make.
+ * What a frame's milliseconds are: a moved camera, light and object told to the method, one update, and the
+ * picture resolved, as R, G and B in float; of OSMesa, all passes drawn and the picture read back, in float
+ * too. Nothing of either is kept from frame to frame, but in the columns where the camera alone moves: then
+ * depth cube and photons stay. A column of its own has ours with emission, direct and indirect light and
+ * their uncertainty as layers of the picture, which OSMesa does not make.
  *
  * OSMesa learns its number of threads once a process; so each number of threads has a process of its own. */
 #define _POSIX_C_SOURCE 200809L
@@ -74,13 +76,21 @@ static drm_peer *open_peer(const sl_scene *scene, const sl_settings *settings) {
     sl_error error;
     sl_radiance_complete(&complete);
     const sl_radiance_map_options options = {.lambertian = true, .normals = true, .threads = 1};
-    if (sl_map_lights_find(scene, 1, &lights, &error) != SL_OK || sl_raster_create(scene, 1, &raster, &error) != SL_OK ||
-        sl_radiance_map_render(scene, raster, lights, &complete.radiance_map, &options, &map, &counters, &error) != SL_OK)
+    if (sl_map_lights_find(scene, 1, &lights, &error) != SL_OK ||
+        sl_raster_create(scene, 1, &raster, &error) != SL_OK ||
+        sl_radiance_map_render(scene, raster, lights, &complete.radiance_map, &options, &map, &counters,
+                               &error) != SL_OK)
         bench_fail("map", &error);
     const sl_map_light *light = &lights->light[0];
-    drm_peer_options o = {.size = SIZE, .shadow_size = complete.radiance_map.shadow_size, .samples = complete.radiance_map.samples,
-                          .map_fov = complete.radiance_map.map_fov, .map_view = map->face[0].view, .position = light->position,
-                          .direction = light->direction, .area = light->kind == SL_MAP_LIGHT_AREA, .intensity = light->intensity};
+    drm_peer_options o = {.size = SIZE,
+                          .shadow_size = complete.radiance_map.shadow_size,
+                          .samples = complete.radiance_map.samples,
+                          .map_fov = complete.radiance_map.map_fov,
+                          .map_view = map->face[0].view,
+                          .position = light->position,
+                          .direction = light->direction,
+                          .area = light->kind == SL_MAP_LIGHT_AREA,
+                          .intensity = light->intensity};
     bool fits = lights->count == 1 && map->face_count == 1;
     sl_radiance_map_destroy(map);
     sl_raster_destroy(raster);
@@ -147,7 +157,9 @@ typedef struct lane { /* all that is measured of a row */
 
 static void ours_all(void *context) { drm_frame(&((lane *)context)->frames, DRM_CHANGED_ALL); }
 static void ours_layered(void *context) { drm_frame(&((lane *)context)->layered, DRM_CHANGED_ALL); }
-static void ours_light(void *context) { drm_frame(&((lane *)context)->frames, SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA); }
+static void ours_light(void *context) {
+    drm_frame(&((lane *)context)->frames, SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA);
+}
 static void ours_camera(void *context) { drm_frame(&((lane *)context)->frames, SL_CHANGED_CAMERA); }
 
 enum { ALL, LAYERED, LIGHT, CAMERA, OURS };
@@ -207,16 +219,19 @@ static const char *number(double value, const char *unit, char text[24]) {
 
 static double fps(double ms) { return ms > 0.0 ? 1e3 / ms : 0.0; }
 
-static void print_row(bench_report *r, const table *t, int i, const lane *l, drm_timed ours[][OURS], drm_timed peer[][2]) {
+static void print_row(bench_report *r, const table *t, int i, const lane *l, drm_timed ours[][OURS],
+                      drm_timed peer[][2]) {
     const row *w = &t->row[i], *first = &t->row[0];
     double all = ours[i][ALL].ms, camera = ours[i][CAMERA].ms;
     char a[24], b[24], c[24], d[24], e[24], f[24], apart[24] = "";
     if (l->apart >= 0.0) snprintf(apart, sizeof apart, "%.2f", 100.0 * l->apart);
-    bench_row(r, "%s|%s|%s|%s|%.2f|%.1f|%.0f|%.1f|%.1f|%.1f|%s|%s|%s|%s|%s|%s", t->name, w->name, number(w->paper, "", a),
-              number(w->paper > 0.0 && first->paper > 0.0 ? first->paper / w->paper : 0.0, "", b), all / ours[0][ALL].ms, fps(all), 100.0 * ours[i][ALL].apart,
-              fps(ours[i][LAYERED].ms), fps(ours[i][LIGHT].ms), fps(camera), number(fps(peer[i][0].ms), "", c), number(fps(peer[i][1].ms), "", d),
-              number(peer[i][0].ms / all, "", e), number(peer[i][1].ms / camera, "", f),
-              l->apart >= 0.0 ? drm_way_name(l->peer.way) : "", apart);
+    bench_row(r, "%s|%s|%s|%s|%.2f|%.1f|%.0f|%.1f|%.1f|%.1f|%s|%s|%s|%s|%s|%s", t->name, w->name,
+              number(w->paper, "", a),
+              number(w->paper > 0.0 && first->paper > 0.0 ? first->paper / w->paper : 0.0, "", b),
+              all / ours[0][ALL].ms, fps(all), 100.0 * ours[i][ALL].apart, fps(ours[i][LAYERED].ms),
+              fps(ours[i][LIGHT].ms), fps(camera), number(fps(peer[i][0].ms), "", c),
+              number(fps(peer[i][1].ms), "", d), number(peer[i][0].ms / all, "", e),
+              number(peer[i][1].ms / camera, "", f), l->apart >= 0.0 ? drm_way_name(l->peer.way) : "", apart);
 }
 
 static void run_table(bench_report *r, const bench_options *o, const table *t, unsigned threads, bool peers) {
@@ -254,8 +269,10 @@ static void run_table(bench_report *r, const bench_options *o, const table *t, u
 /* ---- what a frame costs the hardware ---- */
 
 static void counter_rows(bench_report *r, const bench_options *o, const table *t) {
-    static const sl_counter shown[] = {SL_COUNT_RASTER_PASSES, SL_COUNT_TRIANGLES_SUBMITTED, SL_COUNT_FRAGMENTS_SHADED, SL_COUNT_SHADOW_LOOKUPS,
-                                       SL_COUNT_MAP_PHOTONS, SL_COUNT_PHOTON_LOOK_UPS, SL_COUNT_BYTES_READ_BACK};
+    static const sl_counter shown[] = {SL_COUNT_RASTER_PASSES,    SL_COUNT_TRIANGLES_SUBMITTED,
+                                       SL_COUNT_FRAGMENTS_SHADED, SL_COUNT_SHADOW_LOOKUPS,
+                                       SL_COUNT_MAP_PHOTONS,      SL_COUNT_PHOTON_LOOK_UPS,
+                                       SL_COUNT_BYTES_READ_BACK};
     char name[64];
     sl_scene *scene;
     bench_scene_name(t->path, name);
@@ -266,7 +283,8 @@ static void counter_rows(bench_report *r, const bench_options *o, const table *t
         int at = snprintf(line, sizeof line, "%s|%s", t->name, t->row[i].name);
         open_lane(&l, scene, &t->row[i], NULL, 1);
         for (size_t k = 0; k < sizeof shown / sizeof *shown; k++)
-            at += snprintf(line + at, sizeof line - (size_t)at, "|%llu", (unsigned long long)l.counters.value[shown[k]]);
+            at += snprintf(line + at, sizeof line - (size_t)at, "|%llu",
+                           (unsigned long long)l.counters.value[shown[k]]);
         bench_row(r, "%s", line);
         close_lane(&l);
     }
@@ -280,13 +298,19 @@ static void run_tables(bench_report *r, const bench_options *o, unsigned threads
     char csv[32];
     snprintf(csv, sizeof csv, "times-%u", threads);
     bench_say(r, "\n%u thread%s, %s; OSMesa: %s\n", threads, threads > 1 ? "s" : "",
-              threads > 1 ? "shortest frame by a clock" : "median processor time", missing ? missing : peer_name());
-    bench_table(r, csv, "scene|light|paper fps|time|ours, time|ours fps|+-%|with layers|light moves|camera moves|OSMesa fps|camera moves|ours / OSMesa|camera|"
-                        "its way|pictures apart %");
-    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) run_table(r, o, &tables[i], threads, !missing);
+              threads > 1 ? "shortest frame by a clock" : "median processor time",
+              missing ? missing : peer_name());
+    bench_table(r, csv,
+                "scene|light|paper fps|time|ours, time|ours fps|+-%|with layers|light moves|camera "
+                "moves|OSMesa fps|camera moves|ours / OSMesa|camera|"
+                "its way|pictures apart %");
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
+        run_table(r, o, &tables[i], threads, !missing);
     if (threads > 1) return;
     bench_say(r, "\nCounters of one frame in which everything has changed\n");
-    bench_table(r, "counters", "scene|light|passes|triangles|fragments|shadow look-ups|photons|photon look-ups|bytes read back");
+    bench_table(
+        r, "counters",
+        "scene|light|passes|triangles|fragments|shadow look-ups|photons|photon look-ups|bytes read back");
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) counter_rows(r, o, &tables[i]);
 }
 
@@ -308,7 +332,8 @@ int main(int argc, char **argv) {
     bench_options o = bench_options_parse(argc, argv, "build/direct-radiance");
     bench_report r;
     bench_report_open(&r, &o, "drm_table1");
-    bench_say(&r, "\n512 x 512, one frustum of 18 x 18 texels, 3 x 3 photons. *time*: a frame's, over that of the first row of the scene.\n");
+    bench_say(&r, "\n512 x 512, one frustum of 18 x 18 texels, 3 x 3 photons. *time*: a frame's, over that "
+                  "of the first row of the scene.\n");
     int failed = run_process(&r, &o, 1);
     if (!o.once) failed += run_process(&r, &o, 2);
     bench_report_close(&r);

@@ -1,5 +1,6 @@
-/* How well errors are estimated without a reference: pictures by every method and quality, their error measured against a path traced
- * reference of the same light paths, beside what probes say of them, with many seeds. The table of docs/error-estimates.md.
+/* How well errors are estimated without a reference: pictures by every method and quality, their error
+ * measured against a path traced reference of the same light paths, beside what probes say of them, with many
+ * seeds. The table of docs/error-estimates.md.
  *
  *     bench_estimates [--size N] [--spp N] [--seeds N] [SCENE ...] */
 #include <math.h>
@@ -49,8 +50,10 @@ static sl_image *render(const sl_scene *scene, const sl_settings *settings) {
     return image;
 }
 
-/* sl_comparison.rel_rmse over the pixels that show surfaces, less what the reference's noise adds. *noise: that, relative too. */
-static double measured(const sl_image *image, const sl_image *reference, const sl_image *surfaces, double *noise) {
+/* sl_comparison.rel_rmse over the pixels that show surfaces, less what the reference's noise adds. *noise:
+ * that, relative too. */
+static double measured(const sl_image *image, const sl_image *reference, const sl_image *surfaces,
+                       double *noise) {
     const sl_compare_options of_surfaces = {.mask = surfaces};
     sl_error error;
     sl_comparison c;
@@ -81,14 +84,17 @@ static void print_rows(const char *scene, const char *method, judged rows[QUALIT
     static const char *const names[QUALITIES] = {"draft", "normal", "high"};
     for (int q = 0; q < QUALITIES; q++) {
         judged *r = &rows[q];
-        printf("| %s | %s | %s | %.2f | %.2f | %.2f | %.2f | %u of %u |\n", scene, method, names[q], 100.0 * r->truth, 100.0 * r->noise,
-               100.0 * median(r->estimate, seeds), 100.0 * median(r->bound, seeds), r->held, seeds);
+        printf("| %s | %s | %s | %.2f | %.2f | %.2f | %.2f | %u of %u |\n", scene, method, names[q],
+               100.0 * r->truth, 100.0 * r->noise, 100.0 * median(r->estimate, seeds),
+               100.0 * median(r->bound, seeds), r->held, seeds);
     }
     fflush(stdout);
 }
 
-/* What --error does: may a picture that is off by `truth` be promised to be within somewhat less, or not be within somewhat more? */
-static void judge(const sl_scene *scene, const sl_settings *settings, const sl_image *image, double truth, totals *t) {
+/* What --error does: may a picture that is off by `truth` be promised to be within somewhat less, or not be
+ * within somewhat more? */
+static void judge(const sl_scene *scene, const sl_settings *settings, const sl_image *image, double truth,
+                  totals *t) {
     sl_error error;
     sl_error_probe *probe;
     sl_error_estimate e;
@@ -103,7 +109,8 @@ static void judge(const sl_scene *scene, const sl_settings *settings, const sl_i
     sl_error_probe_destroy(probe);
 }
 
-static void one_method(const options *o, const sl_scene *scene, const char *name, const char *method, totals *t) {
+static void one_method(const options *o, const sl_scene *scene, const char *name, const char *method,
+                       totals *t) {
     char transport[64];
     judged rows[QUALITIES] = {{0}};
     sl_image *images[QUALITIES];
@@ -149,7 +156,8 @@ static void one_method(const options *o, const sl_scene *scene, const char *name
 }
 
 static void one_scene(const options *o, const char *path, totals *t) {
-    static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache"};
+    static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh",
+                                          "shading-cache"};
     sl_error error;
     sl_scene *scene;
     char name[64];
@@ -162,8 +170,9 @@ static void one_scene(const options *o, const char *path, totals *t) {
 }
 
 int main(int argc, char **argv) {
-    static const char *const scenes[] = {"scenes/cornell.json", "scenes/cornell-glossy.json", "scenes/cornell-point.json",
-                                         "scenes/cornell-mirror.json", "scenes/two-rooms.json", "scenes/vase.json",
+    static const char *const scenes[] = {"scenes/cornell.json",        "scenes/cornell-glossy.json",
+                                         "scenes/cornell-point.json",  "scenes/cornell-mirror.json",
+                                         "scenes/two-rooms.json",      "scenes/vase.json",
                                          "scenes/generated/room.json", "scenes/generated/atrium.json"};
     options o = {128, 512, 20};
     totals t = {0};
@@ -174,15 +183,18 @@ int main(int argc, char **argv) {
         else if (strcmp(argv[i], "--spp") == 0) o.spp = (uint32_t)value;
         else if (strcmp(argv[i], "--seeds") == 0) o.seeds = (unsigned)(value < SEEDS_MAX ? value : SEEDS_MAX);
     }
-    printf("| scene | method | quality | measured %% | reference's noise %% | estimated %% | bound %% | bounds held |\n"
+    printf("| scene | method | quality | measured %% | reference's noise %% | estimated %% | bound %% | "
+           "bounds held |\n"
            "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: |\n");
     if (i < argc) {
         for (; i < argc; i++) one_scene(&o, argv[i], &t);
     } else {
         for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) one_scene(&o, scenes[s], &t);
     }
-    printf("\n%u of %u upper bounds and %u of them from below held. Judged by 0.95 of the true error, %u of %u pictures were promised falsely;"
+    printf("\n%u of %u upper bounds and %u of them from below held. Judged by 0.95 of the true error, %u of "
+           "%u pictures were promised falsely;"
            " by 1.25 of it %u were promised, with %.3g million samples each.\n",
-           t.held, t.estimates, t.held_below, t.false_promises, t.judged, t.accepted, t.judged ? 1e-6 * t.samples / t.judged : 0.0);
+           t.held, t.estimates, t.held_below, t.false_promises, t.judged, t.accepted,
+           t.judged ? 1e-6 * t.samples / t.judged : 0.0);
     return 0;
 }

@@ -1,6 +1,7 @@
-/* Glossy surfaces: the error of their reflections alone, L G D E, by the order of the harmonics and by accuracy. How far the finite order
- * limits them is told apart from interpolation: once more, coefficients are gathered at the very points that pixels show. The sky,
- * which gathers see behind the surfaces, is reflected by the records too, L G E, and so belongs to the reference.
+/* Glossy surfaces: the error of their reflections alone, L G D E, by the order of the harmonics and by
+ * accuracy. How far the finite order limits them is told apart from interpolation: once more, coefficients
+ * are gathered at the very points that pixels show. The sky, which gathers see behind the surfaces, is
+ * reflected by the records too, L G E, and so belongs to the reference.
  *
  * All pixels that are compared show a glossy surface; errors are relative to its reflection alone. */
 #include <math.h>
@@ -31,17 +32,26 @@ typedef struct world {
 
 /* L G D E; and of the part of the environment that gathers see, L G E. */
 static void find_reference(world *w, uint32_t samples) {
-    sl_transport bounce = {.sky_light = true, .receiver_lobes = SL_LOBE_GLOSSY, .bounce_lobes = SL_LOBE_DIFFUSE, .bounces = 1, .direct_visibility = true,
-                           .bounce_visibility = true, .filter = SL_FILTER_CENTRE};
+    sl_transport bounce = {.sky_light = true,
+                           .receiver_lobes = SL_LOBE_GLOSSY,
+                           .bounce_lobes = SL_LOBE_DIFFUSE,
+                           .bounces = 1,
+                           .direct_visibility = true,
+                           .bounce_visibility = true,
+                           .filter = SL_FILTER_CENTRE};
     bench_reference_get(w->scene, w->tracer, &bounce, &w->pixels, samples, &w->reference);
     sl_environment sky, sun;
     sl_error error;
     if (!w->scene->environment.present) return;
-    if (sl_environment_split(&w->scene->environment, SL_SKY_CONTRAST, &sky, &sun, &error) != SL_OK) bench_fail("sky", &error);
+    if (sl_environment_split(&w->scene->environment, SL_SKY_CONTRAST, &sky, &sun, &error) != SL_OK)
+        bench_fail("sky", &error);
     sl_scene under_sky = *w->scene; /* lit by nothing else */
     under_sky.environment = sky;
     under_sky.light_count = under_sky.emitter_count = 0;
-    sl_transport direct = {.sky_light = true, .direct_lobes = SL_LOBE_GLOSSY, .direct_visibility = true, .bounce_visibility = true,
+    sl_transport direct = {.sky_light = true,
+                           .direct_lobes = SL_LOBE_GLOSSY,
+                           .direct_visibility = true,
+                           .bounce_visibility = true,
                            .filter = SL_FILTER_CENTRE};
     bench_reference of_sky, sum;
     if (sky.present) {
@@ -96,11 +106,15 @@ static void reflect_at(void *context, size_t index, unsigned worker) {
     sl_counters counters = {{0}};
     sl_irradiance irradiance;
     if (!bench_pixel_surface(t->w->scene, t->w->tracer, &t->w->pixels, index, &s, &triangle)) return;
-    sl_gather_point point = {.position = s.position, .geometric_normal = s.geometric_normal, .normal = s.normal, .triangle = triangle,
+    sl_gather_point point = {.position = s.position,
+                             .geometric_normal = s.geometric_normal,
+                             .normal = s.normal,
+                             .triangle = triangle,
                              .key = sl_hash64(index + (t->key << 32))};
     sl_gather_radiance(t->gather, &point, t->scratch[worker], &irradiance, coefficients, &counters);
     uint32_t material = (uint32_t)(s.material - t->w->scene->materials);
-    sl_splat_receivers receivers = {1, 1, &s.position.x, &s.position.y, &s.position.z, &s.normal.x, &s.normal.y, &s.normal.z, &receives};
+    sl_splat_receivers receivers = {1,           1,           &s.position.x, &s.position.y, &s.position.z,
+                                    &s.normal.x, &s.normal.y, &s.normal.z,   &receives};
     sl_glossy_view view = {t->glossy, &receivers, &material, t->w->scene->camera.eye, NULL};
     sl_glossy_record record = {s.position, sl_frame_from_normal(s.normal), coefficients};
     t->kernel(&view, &record, 0, radiance);
@@ -108,7 +122,8 @@ static void reflect_at(void *context, size_t index, unsigned worker) {
     for (size_t c = 0; c < 3; c++) t->values[3 * index + c] = fmaxf(radiance[c], 0.0f) * ks[c];
 }
 
-/* Two gathers at each point, so that their noise can be taken off too: error of the truncation alone, and its bias. */
+/* Two gathers at each point, so that their noise can be taken off too: error of the truncation alone, and its
+ * bias. */
 static void truncation(const world *w, int order, double *rel_rmse, double *bias) {
     exact_task t = {.w = w};
     sl_environment sky, sun;
@@ -118,13 +133,15 @@ static void truncation(const world *w, int order, double *rel_rmse, double *bias
     sl_counters counters = {{0}};
     unsigned threads = sl_thread_count(0);
     sl_gather_settings g = sl_gather_defaults();
-    if (sl_environment_split(&w->scene->environment, SL_SKY_CONTRAST, &sky, &sun, &error) != SL_OK) bench_fail("sky", &error);
+    if (sl_environment_split(&w->scene->environment, SL_SKY_CONTRAST, &sky, &sun, &error) != SL_OK)
+        bench_fail("sky", &error);
     g.kind = SL_GATHER_RAYS;
     g.size = 96;
     g.direct = SL_DIRECT_RAYS;
     g.background = sky.present ? &sky : NULL;
     g.harmonics_order = order;
-    if (sl_gather_create(w->scene, NULL, w->tracer, &g, threads, &gather, &counters, &error) != SL_OK) bench_fail("gather", &error);
+    if (sl_gather_create(w->scene, NULL, w->tracer, &g, threads, &gather, &counters, &error) != SL_OK)
+        bench_fail("gather", &error);
     if (sl_glossy_create(w->scene, order, &glossy, &error) != SL_OK) bench_fail("lobes", &error);
     for (unsigned i = 0; i < threads; i++) {
         if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) bench_fail("scratch", &error);
@@ -158,12 +175,14 @@ static void truncation(const world *w, int order, double *rel_rmse, double *bias
 static double exponent_of(const sl_scene *scene) {
     double largest = 0.0;
     for (size_t i = 0; i < scene->material_count; i++) {
-        if (sl_material_is_glossy(&scene->materials[i])) largest = fmax(largest, (double)scene->materials[i].exponent);
+        if (sl_material_is_glossy(&scene->materials[i]))
+            largest = fmax(largest, (double)scene->materials[i].exponent);
     }
     return largest;
 }
 
-static void picture_row(bench_report *r, const bench_options *o, world *w, const char *scene, int order, double accuracy, double limit) {
+static void picture_row(bench_report *r, const bench_options *o, world *w, const char *scene, int order,
+                        double accuracy, double limit) {
     sl_settings settings = sl_settings_default();
     splat_run run;
     char mse[32];
@@ -181,9 +200,10 @@ static void picture_row(bench_report *r, const bench_options *o, world *w, const
         snprintf(what, sizeof what, "order-%d-a-%g", order, accuracy);
         bench_write_picture(r, scene, what, run.image);
     }
-    bench_row(r, "%s|%d|%g|%.2f|%.2f|%s|%+.2f|%zu|%zu|%.2f|%.2f|%.3f|%.3f|%.2f", scene, order, accuracy, 100.0 * limit, 100.0 * e.rel_rmse,
-              bench_mse_text(&e, mse), 100.0 * e.bias, run.records[0], run.records[1], run.cpu[SPLAT_RECORDS],
-              run.cpu[SPLAT_RECORDS + 1], run.cpu[SPLAT_SPLATS], run.cpu[SPLAT_SPLATS + 1], run.cpu_all);
+    bench_row(r, "%s|%d|%g|%.2f|%.2f|%s|%+.2f|%zu|%zu|%.2f|%.2f|%.3f|%.3f|%.2f", scene, order, accuracy,
+              100.0 * limit, 100.0 * e.rel_rmse, bench_mse_text(&e, mse), 100.0 * e.bias, run.records[0],
+              run.records[1], run.cpu[SPLAT_RECORDS], run.cpu[SPLAT_RECORDS + 1], run.cpu[SPLAT_SPLATS],
+              run.cpu[SPLAT_SPLATS + 1], run.cpu_all);
     splat_run_free(&run);
 }
 
@@ -194,16 +214,21 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     bench_scene_name(path, scene);
     if (!bench_wants(o, scene) || !open_world(r, o, path, size, &w)) return;
     double exponent = exponent_of(w.scene);
-    bench_say(r, "\n%s, %d x %d, Phong exponent %g: %zu glossy pixels compared. Truncation alone: coefficients gathered at the pixels themselves\n",
+    bench_say(r,
+              "\n%s, %d x %d, Phong exponent %g: %zu glossy pixels compared. Truncation alone: coefficients "
+              "gathered at the pixels themselves\n",
               scene, w.size, w.size, exponent, w.pixels.count);
     bench_table(r, scene, "scene|order|lobe error at 45 deg %|truncation relRMSE %|its bias %");
     for (int i = 0; i < ORDERS; i++) {
         double bias;
         truncation(&w, orders[i], &limits[i], &bias);
-        bench_row(r, "%s|%d|%.1f|%.2f|%+.2f", scene, orders[i], 100.0 * sl_phong_truncation(orders[i], exponent), 100.0 * limits[i], 100.0 * bias);
+        bench_row(r, "%s|%d|%.1f|%.2f|%+.2f", scene, orders[i],
+                  100.0 * sl_phong_truncation(orders[i], exponent), 100.0 * limits[i], 100.0 * bias);
     }
     snprintf(name, sizeof name, "%s-pictures", scene);
-    bench_table(r, name, "scene|order|a|truncation %|relRMSE %|relMSE|bias %|irr. rec.|rad. rec.|irr. rec. s|rad. rec. s|irr. splats s|rad. splats s|all s");
+    bench_table(r, name,
+                "scene|order|a|truncation %|relRMSE %|relMSE|bias %|irr. rec.|rad. rec.|irr. rec. s|rad. "
+                "rec. s|irr. splats s|rad. splats s|all s");
     for (int i = 0; i < ORDERS; i++) {
         for (int k = 0; k < ACCURACIES; k++) {
             bool shown = o->brief ? orders[i] == 10 && k < 2 : orders[i] == 10 || accuracies[k] == 0.25;

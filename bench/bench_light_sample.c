@@ -1,14 +1,16 @@
-/* Sampling one area light by hardware and by rays (multi-mesh caching, section on hardware sampling), on the generated room:
+/* Sampling one area light by hardware and by rays (multi-mesh caching, section on hardware sampling), on the
+ * generated room:
  *
- *   samples      N x N pixels of the light's picture, N x N jittered shadow rays in coherent packets of 16: time and error of each (paper:
- *                0.9 to 32 ms at 64 x 64; 128 x 128 pixels in the time of 16 x 16 rays)
+ *   samples      N x N pixels of the light's picture, N x N jittered shadow rays in coherent packets of 16:
+ * time and error of each (paper: 0.9 to 32 ms at 64 x 64; 128 x 128 pixels in the time of 16 x 16 rays)
  *   equal-error  how many pixels are as good as so many rays, and what both cost
- *   edge         error against the closed form: a light behind a straight edge, along the light's sides and at random angles
- *   parts        time over N (paper: 0.33 ms and 0.138 us a pixel); the share of summing and reading back (paper: 70 %); what
- *                the hardware culls
+ *   edge         error against the closed form: a light behind a straight edge, along the light's sides and
+ * at random angles parts        time over N (paper: 0.33 ms and 0.138 us a pixel); the share of summing and
+ * reading back (paper: 70 %); what the hardware culls
  *
- * Points are what the camera sees in random pixels, unless they get next to nothing from the light; errors are of those that see a part of it,
- * in units of what they would get without occluders, against 512 x 512 rays. Processor time of one thread, medians of repetitions in which all take turns.
+ * Points are what the camera sees in random pixels, unless they get next to nothing from the light; errors
+ * are of those that see a part of it, in units of what they would get without occluders, against 512 x 512
+ * rays. Processor time of one thread, medians of repetitions in which all take turns.
  *
  *     build/bench/bench_light_sample [--brief] [--out FOLDER] */
 #include <math.h>
@@ -64,7 +66,8 @@ static bench_case *add_case(bench *b, const char *name, sl_light_estimator estim
     if (estimator == SL_LIGHT_RAYS) s.rays = size;
     else s.size = s.largest = size;
     if (s.size < s.reduced) s.reduced = s.size;
-    need(sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error), name, &error);
+    need(sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error), name,
+         &error);
     need(sl_light_sample_scratch_create(c->sampling, &c->scratch, &error), name, &error);
     return c;
 }
@@ -88,7 +91,8 @@ static void choose_light(bench *b) {
         const sl_sampled_light *l = &b->lights->light[i];
         double power = 0.0;
         for (size_t t = 0; l->kind == SL_SAMPLED_AREA && t < l->triangles; t++) {
-            sl_vec3 e = sl_sub(l->corner[3 * t + 1], l->corner[3 * t]), f = sl_sub(l->corner[3 * t + 2], l->corner[3 * t]);
+            sl_vec3 e = sl_sub(l->corner[3 * t + 1], l->corner[3 * t]),
+                    f = sl_sub(l->corner[3 * t + 2], l->corner[3 * t]);
             power += (double)(sl_length(sl_cross(e, f)) * sl_rgb_mean(l->radiance));
         }
         if (power > best) b->light = i;
@@ -102,10 +106,12 @@ static void choose_points(bench *b) {
     sl_gather_point *seen = sl_allocate(ASKED, sizeof *seen);
     if (!seen) bench_fail("memory", NULL);
     size_t count = bench_visible_points(b->scene, b->tracer, ASKED, seen);
-    bench_case *probe = add_case(b, "probe", SL_LIGHT_RATIO, 64), *truth = add_case(b, "truth", SL_LIGHT_RAYS, TRUTH);
+    bench_case *probe = add_case(b, "probe", SL_LIGHT_RATIO, 64),
+               *truth = add_case(b, "truth", SL_LIGHT_RAYS, TRUTH);
     for (int pass = 0; pass < 2; pass++) {
         for (size_t i = 0; i < count && b->count < (pass ? POINTS : POINTS / 2); i++) {
-            b->point[b->count] = (sl_lit_point){seen[i].position, seen[i].normal, seen[i].geometric_normal, seen[i].triangle};
+            b->point[b->count] =
+                (sl_lit_point){seen[i].position, seen[i].normal, seen[i].geometric_normal, seen[i].triangle};
             double open = sl_light_unoccluded(&b->lights->light[b->light], &b->point[b->count]);
             if (!(open > 0.001)) continue;
             double share = take(b, probe, b->count) / open;
@@ -158,18 +164,24 @@ static void table_of_samples(bench *b, size_t first) {
     for (int r = 0; r < b->repetitions; r++) {
         for (size_t k = first; k < b->case_count; k++) time_once(b, &b->cases[k], r);
     }
-    bench_table(&b->report, "samples", "Estimator|N|samples|us, part of the light seen|us, all points|rms error|largest error");
+    bench_table(&b->report, "samples",
+                "Estimator|N|samples|us, part of the light seen|us, all points|rms error|largest error");
     for (size_t k = first; k < b->case_count; k++) {
         bench_case *c = &b->cases[k];
         c->partial_us = 1e3 * median(c->partial_ms, b->repetitions);
         c->us = 1e3 * median(c->ms, b->repetitions);
-        bench_row(&b->report, "%s|%d|%d|%.1f|%.1f|%.2e|%.2e", c->name, c->size, c->size * c->size, c->partial_us, c->us, c->rms,
-                  c->largest);
+        bench_row(&b->report, "%s|%d|%d|%.1f|%.1f|%.2e|%.2e", c->name, c->size, c->size * c->size,
+                  c->partial_us, c->us, c->rms, c->largest);
     }
-    const bench_case *window = &b->cases[first + 3], *ray = &b->cases[first + 3 * SIZES + 4]; /* 64 x 64 both */
-    bench_say(&b->report, "\nEqual density, 64 x 64: rays take %.1f times as long as pixels, at %.2f times their error. The paper: 35.6 times.\n",
+    /* 64 x 64 both */
+    const bench_case *window = &b->cases[first + 3], *ray = &b->cases[first + 3 * SIZES + 4];
+    bench_say(&b->report,
+              "\nEqual density, 64 x 64: rays take %.1f times as long as pixels, at %.2f times their error. "
+              "The paper: 35.6 times.\n",
               ray->partial_us / window->partial_us, ray->rms / window->rms);
-    bench_say(&b->report, "128 x 128 pixels take %.2f times as long as 16 x 16 rays, at 1/%.1f of their error. The paper: 1.0.\n",
+    bench_say(&b->report,
+              "128 x 128 pixels take %.2f times as long as 16 x 16 rays, at 1/%.1f of their error. The "
+              "paper: 1.0.\n",
               window[1].partial_us / ray[-2].partial_us, ray[-2].rms / window[1].rms);
 }
 
@@ -185,7 +197,9 @@ static double time_of(const bench_case *c) { return c->partial_us; }
 
 static void table_of_equal_error(bench *b, size_t first) {
     const bench_case *ray = &b->cases[first + 3 * SIZES];
-    bench_table(&b->report, "equal-error", "Rays|us|rms error|Window, ratio: N of the same error (8 or more)|us|rays take|Frustum: N|us|rays take");
+    bench_table(&b->report, "equal-error",
+                "Rays|us|rms error|Window, ratio: N of the same error (8 or more)|us|rays take|Frustum: "
+                "N|us|rays take");
     for (size_t k = 0; k < SIZES; k++) {
         double at[2][2];
         for (size_t e = 0; e < 2; e++) {
@@ -194,14 +208,15 @@ static void table_of_equal_error(bench *b, size_t first) {
             at[e][1] = between(c, ray[k].rms, time_of);
         }
         double us = ray[k].partial_us;
-        bench_row(&b->report, "%d x %d|%.1f|%.2e|%.0f|%.1f|%.2f x|%.0f|%.1f|%.2f x", ray[k].size, ray[k].size, us, ray[k].rms, at[0][0],
-                  at[0][1], us / at[0][1], at[1][0], at[1][1], us / at[1][1]);
+        bench_row(&b->report, "%d x %d|%.1f|%.2e|%.0f|%.1f|%.2f x|%.0f|%.1f|%.2f x", ray[k].size, ray[k].size,
+                  us, ray[k].rms, at[0][0], at[0][1], us / at[0][1], at[1][0], at[1][1], us / at[1][1]);
     }
 }
 
 /* ---- against the closed form ---- */
 
-/* A light of 1 x 1 at height 2 over the origin; a half plane at height 1 whose edge goes by the axis at that distance and angle. */
+/* A light of 1 x 1 at height 2 over the origin; a half plane at height 1 whose edge goes by the axis at that
+ * distance and angle. */
 static sl_scene *edge_scene(double angle, double distance, sl_vec3d *out) {
     const double c = sl_cos(angle), s = sl_sin(angle), far = 40.0;
     float p[8][3] = {{-0.5f, 2, -0.5f}, {0.5f, 2, -0.5f}, {0.5f, 2, 0.5f}, {-0.5f, 2, 0.5f}};
@@ -212,10 +227,16 @@ static sl_scene *edge_scene(double angle, double distance, sl_vec3d *out) {
         p[4 + k][2] = (float)(along[k] * s + across[k] * c);
     }
     const uint32_t index[12] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7}, material[4] = {0, 0, 1, 1};
-    const sl_material materials[2] = {{.emission = {1, 1, 1}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
-                                      {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
-    const sl_scene_parts parts = {.vertex_count = 8, .positions = p[0], .triangle_count = 4, .indices = index, .material_index = material,
-                                  .material_count = 2, .materials = materials};
+    const sl_material materials[2] = {
+        {.emission = {1, 1, 1}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
+        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
+    const sl_scene_parts parts = {.vertex_count = 8,
+                                  .positions = p[0],
+                                  .triangle_count = 4,
+                                  .indices = index,
+                                  .material_index = material,
+                                  .material_count = 2,
+                                  .materials = materials};
     sl_scene *scene;
     sl_error error = {0};
     need(sl_scene_build(&parts, &scene, &error), "edge", &error);
@@ -224,14 +245,17 @@ static sl_scene *edge_scene(double angle, double distance, sl_vec3d *out) {
 }
 
 /* What lies on the open side of the plane through the point and the edge: cut as by a second horizon. */
-static double beside_edge(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d out, double distance) {
-    sl_vec3d to_edge = sl_subd(sl_v3d(-out.x * distance, 1.0, -out.z * distance), sl_to_double(point->position));
+static double beside_edge(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d out,
+                          double distance) {
+    sl_vec3d to_edge =
+        sl_subd(sl_v3d(-out.x * distance, 1.0, -out.z * distance), sl_to_double(point->position));
     sl_vec3d along = sl_v3d(-out.z, 0.0, out.x), n = sl_crossd(along, to_edge);
     if (sl_dotd(n, out) < 0.0) n = sl_scaled(n, -1.0);
     double sum = 0.0;
     for (size_t t = 0; t < light->triangles; t++) {
         sl_vec3d corner[3];
-        for (size_t k = 0; k < 3; k++) corner[k] = sl_subd(sl_to_double(light->corner[3 * t + k]), sl_to_double(point->position));
+        for (size_t k = 0; k < 3; k++)
+            corner[k] = sl_subd(sl_to_double(light->corner[3 * t + k]), sl_to_double(point->position));
         sum += sl_lambert_triangle(corner, sl_to_double(point->normal), n);
     }
     return sum;
@@ -239,8 +263,10 @@ static double beside_edge(const sl_sampled_light *light, const sl_lit_point *poi
 
 enum { EDGES = 32, EDGE_POINTS = 24 };
 
-/* Squared errors of all cases, each in units of the open light, summed over points that see a part of it; returns how many points. */
-static size_t measure_edge(const bench *shared, double angle, uint64_t key, double *squares, double *largest) {
+/* Squared errors of all cases, each in units of the open light, summed over points that see a part of it;
+ * returns how many points. */
+static size_t measure_edge(const bench *shared, double angle, uint64_t key, double *squares,
+                           double *largest) {
     static bench b;
     sl_error error = {0};
     sl_vec3d out;
@@ -254,13 +280,18 @@ static size_t measure_edge(const bench *shared, double angle, uint64_t key, doub
     add_cases(&b);
     size_t used = 0;
     for (uint64_t i = 0; i < EDGE_POINTS; i++) {
-        sl_lit_point p = {{sl_random_unit(key, 2 * i + 1) - 0.5f, 0, sl_random_unit(key, 2 * i + 2) - 0.5f}, {0, 1, 0}, {0, 1, 0}, SL_NO_INDEX};
-        double open = sl_light_unoccluded(&b.lights->light[0], &p), truth = beside_edge(&b.lights->light[0], &p, out, distance);
+        sl_lit_point p = {{sl_random_unit(key, 2 * i + 1) - 0.5f, 0, sl_random_unit(key, 2 * i + 2) - 0.5f},
+                          {0, 1, 0},
+                          {0, 1, 0},
+                          SL_NO_INDEX};
+        double open = sl_light_unoccluded(&b.lights->light[0], &p),
+               truth = beside_edge(&b.lights->light[0], &p, out, distance);
         if (!(truth > 0.02 * open && truth < 0.98 * open)) continue;
         used++;
         for (size_t k = 0; k < b.case_count; k++) {
             bench_case *c = &b.cases[k];
-            double e = ((double)sl_light_sample_take(c->sampling, 0, &p, c->scratch, &c->counters) - truth) / open;
+            double e =
+                ((double)sl_light_sample_take(c->sampling, 0, &p, c->scratch, &c->counters) - truth) / open;
             squares[k] += e * e;
             largest[k] = fmax(largest[k], fabs(e));
         }
@@ -279,12 +310,16 @@ static void table_of_edges(bench *b, size_t first) {
     for (uint64_t k = 0; k < EDGES; k++) {
         uint64_t key = sl_random_key(31, k);
         count[0] += measure_edge(b, 0.5 * SL_PI * (double)(k % 4), key, squares[0], largest[0]);
-        count[1] += measure_edge(b, 2.0 * SL_PI * (double)sl_random_unit(key, 1000), key, squares[1], largest[1]);
+        count[1] +=
+            measure_edge(b, 2.0 * SL_PI * (double)sl_random_unit(key, 1000), key, squares[1], largest[1]);
     }
-    bench_table(&b->report, "edge", "Estimator|N|rms error, edge along the light's sides|largest|rms error, edge at random angles|largest");
+    bench_table(&b->report, "edge",
+                "Estimator|N|rms error, edge along the light's sides|largest|rms error, edge at random "
+                "angles|largest");
     for (size_t k = 0; k < 4 * SIZES; k++) {
         const bench_case *c = &b->cases[first + k];
-        bench_row(&b->report, "%s|%d|%.2e|%.2e|%.2e|%.2e", c->name, c->size, sqrt(squares[0][k] / (double)count[0]), largest[0][k],
+        bench_row(&b->report, "%s|%d|%.2e|%.2e|%.2e|%.2e", c->name, c->size,
+                  sqrt(squares[0][k] / (double)count[0]), largest[0][k],
                   sqrt(squares[1][k] / (double)count[1]), largest[1][k]);
     }
 }
@@ -305,23 +340,29 @@ static double closed_form_us(const bench *b) {
 
 static void table_of_parts(bench *b, size_t first) {
     double form[REPETITIONS], reduce[REPETITIONS];
-    bench_table(&b->report, "parts", "N|us|summing and reading back, us|its share|fixed and for each pixel: from this and the next N");
+    bench_table(
+        &b->report, "parts",
+        "N|us|summing and reading back, us|its share|fixed and for each pixel: from this and the next N");
     for (size_t k = 0; k < SIZES; k++) {
         bench_case *c = &b->cases[first + k];
-        sl_light_query q = {.sampling = c->sampling, .light = b->light, .scratch = c->scratch, .counters = &c->counters};
+        sl_light_query q = {
+            .sampling = c->sampling, .light = b->light, .scratch = c->scratch, .counters = &c->counters};
         for (int r = 0; r < b->repetitions; r++) reduce[r] = reduction_us(b, &q, c->size);
         double us = median(reduce, b->repetitions), pixels = (double)(c->size * c->size);
         const bench_case *next = k + 1 < SIZES ? c + 1 : c - 1;
         double each = (next->us - c->us) / ((double)(next->size * next->size) - pixels);
-        bench_row(&b->report, "%d|%.1f|%.2f|%.0f %%|%.1f us + %.2f ns", c->size, c->us, us, 100.0 * us / c->us, c->us - each * pixels, 1e3 * each);
+        bench_row(&b->report, "%d|%.1f|%.2f|%.0f %%|%.1f us + %.2f ns", c->size, c->us, us,
+                  100.0 * us / c->us, c->us - each * pixels, 1e3 * each);
     }
     const bench_case *c = &b->cases[first + 3]; /* 64 x 64 */
     for (int r = 0; r < b->repetitions; r++) form[r] = closed_form_us(b);
     const uint64_t *n = c->counters.value;
     double passes = (double)n[SL_COUNT_RASTER_PASSES], tested = (double)n[SL_COUNT_CLUSTERS_TESTED] / passes;
-    bench_say(&b->report, "\nThe hardware culls clusters: %.1f of %.0f are drawn, %.0f triangles submitted, %.0f rasterized. ",
-              tested - (double)n[SL_COUNT_CLUSTERS_CULLED] / passes, tested, (double)n[SL_COUNT_TRIANGLES_SUBMITTED] / passes,
-              (double)n[SL_COUNT_TRIANGLES_RASTERIZED] / passes);
+    bench_say(
+        &b->report,
+        "\nThe hardware culls clusters: %.1f of %.0f are drawn, %.0f triangles submitted, %.0f rasterized. ",
+        tested - (double)n[SL_COUNT_CLUSTERS_CULLED] / passes, tested,
+        (double)n[SL_COUNT_TRIANGLES_SUBMITTED] / passes, (double)n[SL_COUNT_TRIANGLES_RASTERIZED] / passes);
     bench_say(&b->report, "The closed form: %.2f us.\n", median(form, b->repetitions));
 }
 
@@ -337,8 +378,9 @@ int main(int argc, char **argv) {
     need(sl_sampled_lights_find(b.scene, &b.lights, &error), "lights", &error);
     choose_light(&b);
     choose_points(&b);
-    bench_say(&b.report, "The generated room, %zu triangles; %zu points, of which %zu see a part of the light.\n", b.scene->triangle_count,
-              b.count, b.partial);
+    bench_say(&b.report,
+              "The generated room, %zu triangles; %zu points, of which %zu see a part of the light.\n",
+              b.scene->triangle_count, b.count, b.partial);
     size_t first = add_cases(&b);
     table_of_samples(&b, first);
     table_of_equal_error(&b, first);

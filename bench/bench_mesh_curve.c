@@ -1,6 +1,7 @@
-/* Speed against error from the first picture on: direct diffuse, direct specular and indirect light apart and together, and the path tracer on the same
- * paths; and what the heap gains over the paper's random chain, over samples. A picture is judged whenever half as much time more has gone by; its
- * time is that of all updates before it and of drawing it once. Processor time of one thread.
+/* Speed against error from the first picture on: direct diffuse, direct specular and indirect light apart and
+ * together, and the path tracer on the same paths; and what the heap gains over the paper's random chain,
+ * over samples. A picture is judged whenever half as much time more has gone by; its time is that of all
+ * updates before it and of drawing it once. Processor time of one thread.
  *
  *     build/bench/bench_mesh_curve [--brief|--once] [--only SCENE] [--pictures] [--out FOLDER] */
 #include <math.h>
@@ -33,14 +34,18 @@ static void judge(const mesh_world *w, mesh_run *run, progress *p) {
     sl_image *image = mesh_run_picture(run, &picture);
     mesh_judge(w, image, e);
     sl_image_destroy(image);
-    uint64_t gathers = mesh_run_count(run, SL_COUNT_INDIRECT_SAMPLES), direct = mesh_run_count(run, SL_COUNT_LIGHT_SAMPLES);
-    snprintf(what, sizeof what, "%llu + %llu samples", (unsigned long long)direct, (unsigned long long)gathers);
+    uint64_t gathers = mesh_run_count(run, SL_COUNT_INDIRECT_SAMPLES),
+             direct = mesh_run_count(run, SL_COUNT_LIGHT_SAMPLES);
+    snprintf(what, sizeof what, "%llu + %llu samples", (unsigned long long)direct,
+             (unsigned long long)gathers);
     if (p->samples.count < BENCH_POINTS) p->trimmed[p->samples.count] = e[MESH_ALL].trimmed;
-    for (int part = 0; part < MESH_PARTS; part++) add(&p->part[part], run->seconds + picture, e[part].rel_mse, what);
+    for (int part = 0; part < MESH_PARTS; part++)
+        add(&p->part[part], run->seconds + picture, e[part].rel_mse, what);
     add(&p->samples, (double)(direct + gathers), e[MESH_ALL].rel_mse, what);
 }
 
-static void run_method(const bench_report *r, const bench_options *o, const mesh_world *w, sl_quality quality, sl_mesh_selection selection, progress *p) {
+static void run_method(const bench_report *r, const bench_options *o, const mesh_world *w, sl_quality quality,
+                       sl_mesh_selection selection, progress *p) {
     sl_settings s = mesh_settings(w, quality);
     mesh_run run;
     double next = 0.0;
@@ -64,7 +69,8 @@ static void run_method(const bench_report *r, const bench_options *o, const mesh
 
 /* ---- the path tracer ---- */
 
-static void run_paths(const bench_report *r, const bench_options *o, const mesh_world *w, double until, bench_series *s, double trimmed[BENCH_POINTS]) {
+static void run_paths(const bench_report *r, const bench_options *o, const mesh_world *w, double until,
+                      bench_series *s, double trimmed[BENCH_POINTS]) {
     sl_settings settings = mesh_settings(w, SL_QUALITY_NORMAL);
     sl_method *method;
     sl_image *image = NULL;
@@ -93,7 +99,8 @@ static void run_paths(const bench_report *r, const bench_options *o, const mesh_
         if (s->count < BENCH_POINTS) trimmed[s->count] = e[MESH_ALL].trimmed;
         add(s, spent, e[MESH_ALL].rel_mse, what);
     }
-    /* One more point: the reference's own noise is the path tracer's error at so many paths, and its time grows with them. */
+    /* One more point: the reference's own noise is the path tracer's error at so many paths, and its time
+     * grows with them. */
     double paths = atof(s->point[s->count - 1].what), samples = (double)w->reference[MESH_ALL].samples;
     if (samples > paths) {
         char what[64];
@@ -108,26 +115,36 @@ static void run_paths(const bench_report *r, const bench_options *o, const mesh_
 
 /* ---- a scene ---- */
 
-static void say_progress(bench_report *r, const char *name, const char *with, const progress *p, const bench_series *paths) {
+static void say_progress(bench_report *r, const char *name, const char *with, const progress *p,
+                         const bench_series *paths) {
     const bench_series *all = &p->part[MESH_ALL];
     for (size_t i = 0; i < all->count; i++) {
         const bench_point *at = &all->point[i];
         char slower[32] = "", error[32] = "";
-        double other = at->rel_mse > 0.0 ? bench_between(paths, at->rel_mse, true) : 0.0, same_time = bench_between(paths, at->seconds, false);
+        double other = at->rel_mse > 0.0 ? bench_between(paths, at->rel_mse, true) : 0.0,
+               same_time = bench_between(paths, at->seconds, false);
         if (other > 0.0) snprintf(slower, sizeof slower, "%.1f", other / at->seconds);
         if (same_time > 0.0) snprintf(error, sizeof error, "%.2e", same_time);
-        bench_row(r, "%s|%s|%s|%.2f|%.2e|%.2e|%.2e|%.2e|%.2e|%s|%s", name, with, at->what, at->seconds, at->rel_mse, p->trimmed[i], p->part[MESH_DIRECT].point[i].rel_mse,
-                  p->part[MESH_SPECULAR].point[i].rel_mse, p->part[MESH_INDIRECT].point[i].rel_mse, error, slower);
+        bench_row(r, "%s|%s|%s|%.2f|%.2e|%.2e|%.2e|%.2e|%.2e|%s|%s", name, with, at->what, at->seconds,
+                  at->rel_mse, p->trimmed[i], p->part[MESH_DIRECT].point[i].rel_mse,
+                  p->part[MESH_SPECULAR].point[i].rel_mse, p->part[MESH_INDIRECT].point[i].rel_mse, error,
+                  slower);
     }
 }
 
 /* Where one series has an error, samples of another at the same. */
-static void say_chain(bench_report *r, const char *name, const bench_series *heap, const bench_series *chain) {
+static void say_chain(bench_report *r, const char *name, const bench_series *heap,
+                      const bench_series *chain) {
     char text[1200];
-    int at = snprintf(text, sizeof text, "\n%s, samples that the chain takes over those of the heap, for the error that the heap has after so many:", name);
+    int at = snprintf(text, sizeof text,
+                      "\n%s, samples that the chain takes over those of the heap, for the error that the "
+                      "heap has after so many:",
+                      name);
     for (size_t i = 0; i < heap->count && at < (int)sizeof text - 80; i += 2) {
         double same = bench_between(chain, heap->point[i].rel_mse, true);
-        if (same > 0.0) at += snprintf(text + at, sizeof text - (size_t)at, " %.0f: %.2f;", heap->point[i].seconds, same / heap->point[i].seconds);
+        if (same > 0.0)
+            at += snprintf(text + at, sizeof text - (size_t)at, " %.0f: %.2f;", heap->point[i].seconds,
+                           same / heap->point[i].seconds);
     }
     text[at - 1] = '.';
     bench_say(r, "%s\n", text);
@@ -150,24 +167,31 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     run_method(r, o, &w, SL_QUALITY_NORMAL, SL_SELECT_CHAIN, &chain);
     const bench_series *high = &by_quality[2].part[MESH_ALL];
     run_paths(r, o, &w, high->point[high->count - 1].seconds, &paths, trimmed);
-    bench_say(r, "\n%s, %d x %d, %u reference samples at %zu pixels. *direct*, *specular*, *indirect*: their shares of relMSE, relative to the whole "
-                 "picture. *paths*: the path tracer's error in the same time; *slower*: how many times as long it takes to the same error.\n",
+    bench_say(r,
+              "\n%s, %d x %d, %u reference samples at %zu pixels. *direct*, *specular*, *indirect*: their "
+              "shares of relMSE, relative to the whole "
+              "picture. *paths*: the path tracer's error in the same time; *slower*: how many times as long "
+              "it takes to the same error.\n",
               w.name, width, height, w.reference[MESH_ALL].samples, w.pixels.count);
-    bench_table(r, w.name, "scene|with|after|s|relMSE|without the largest 0.1 %|direct|specular|indirect|paths|slower");
+    bench_table(r, w.name,
+                "scene|with|after|s|relMSE|without the largest 0.1 %|direct|specular|indirect|paths|slower");
     for (int q = 0; q < 3; q++) say_progress(r, w.name, quality_names[q], &by_quality[q], &paths);
     for (size_t i = 0; i < paths.count; i++) {
         char most[32] = "";
         if (trimmed[i] > 0.0) snprintf(most, sizeof most, "%.2e", trimmed[i]);
-        bench_row(r, "%s|paths|%s|%.2f|%.2e|%s|||||", w.name, paths.point[i].what, paths.point[i].seconds, paths.point[i].rel_mse, most);
+        bench_row(r, "%s|paths|%s|%.2f|%.2e|%s|||||", w.name, paths.point[i].what, paths.point[i].seconds,
+                  paths.point[i].rel_mse, most);
     }
     for (int part = 0; part < MESH_PARTS; part++) {
         if (!w.has[part]) continue;
         series[count] = by_quality[1].part[part];
-        series[count].name = mesh_part_names[part], series[count].color = colours[part], series[count++].line = true;
+        series[count].name = mesh_part_names[part], series[count].color = colours[part],
+        series[count++].line = true;
     }
     for (int q = 0; q < 3; q += 2) {
         series[count] = by_quality[q].part[MESH_ALL];
-        series[count].name = q ? "all, high" : "all, draft", series[count].color = q ? "#013" : "#9bd", series[count++].line = true;
+        series[count].name = q ? "all, high" : "all, draft", series[count].color = q ? "#013" : "#9bd",
+        series[count++].line = true;
     }
     series[count] = paths;
     series[count].name = "path tracer, same paths", series[count].color = "#c40", series[count++].line = true;

@@ -1,6 +1,7 @@
-/* The paper's central claim, for which it gives no number: samples of direct light that one mesh takes in which every light is sampled at every
- * vertex (--set multi-mesh.joint-mesh=1), over those of a mesh for each light, for the same error. The Cornell box with 1, 2, 4 and 8 small lights of the same
- * power together: side by side under the ceiling, so that their shadows lie apart.
+/* The paper's central claim, for which it gives no number: samples of direct light that one mesh takes in
+ * which every light is sampled at every vertex (--set multi-mesh.joint-mesh=1), over those of a mesh for each
+ * light, for the same error. The Cornell box with 1, 2, 4 and 8 small lights of the same power together: side
+ * by side under the ceiling, so that their shadows lie apart.
  *
  * Both ways are run with several thresholds of what an eye can tell; between those errors go log-log.
  *
@@ -20,21 +21,27 @@ static void write_scene(const char *path, int lights) {
     char here[512];
     FILE *file = fopen(path, "w");
     if (!file || !getcwd(here, sizeof here)) bench_fail(path, NULL);
-    fprintf(file, "{\"softlux\": 1, \"meshes\": [{\"file\": \"%s/scenes/cornell.obj\"}],\n"
-                  " \"materials\": {\"light\": {\"emission\": 0}},\n"
-                  " \"camera\": {\"eye\": [278, 273, -800], \"target\": [278, 273, 0], \"fov_deg\": 39.3},\n \"lights\": [", here);
+    fprintf(file,
+            "{\"softlux\": 1, \"meshes\": [{\"file\": \"%s/scenes/cornell.obj\"}],\n"
+            " \"materials\": {\"light\": {\"emission\": 0}},\n"
+            " \"camera\": {\"eye\": [278, 273, -800], \"target\": [278, 273, 0], \"fov_deg\": 39.3},\n "
+            "\"lights\": [",
+            here);
     for (int i = 0; i < lights; i++) {
         double angle = 2.0 * 3.14159265358979 * (i + 0.3) / lights, side = 30.0;
         double x = 278.0 + 190.0 * cos(angle), z = 279.0 + 190.0 * sin(angle);
-        fprintf(file, "%s\n  {\"type\": \"quad\", \"corner\": [%.3f, 540, %.3f], \"edge1\": [%g, 0, 0], \"edge2\": [0, 0, %g], \"power\": %.9g}", i ? "," : "",
-                x - 0.5 * side, z - 0.5 * side, side, side, 2e6 / lights);
+        fprintf(file,
+                "%s\n  {\"type\": \"quad\", \"corner\": [%.3f, 540, %.3f], \"edge1\": [%g, 0, 0], \"edge2\": "
+                "[0, 0, %g], \"power\": %.9g}",
+                i ? "," : "", x - 0.5 * side, z - 0.5 * side, side, side, 2e6 / lights);
     }
     fprintf(file, "]}\n");
     if (fclose(file) != 0) bench_fail(path, NULL);
 }
 
 /* Direct light alone is judged, and refined: coarse meshes sample each light at each vertex either way. */
-static void converge(const mesh_world *w, double scale, bool joint, bench_series *series, uint64_t *samples, bench_error *error) {
+static void converge(const mesh_world *w, double scale, bool joint, bench_series *series, uint64_t *samples,
+                     bench_error *error) {
     sl_settings s = mesh_settings(w, SL_QUALITY_NORMAL);
     mesh_run run;
     bench_error e[MESH_PARTS];
@@ -73,8 +80,9 @@ static void experiment(bench_report *r, const bench_options *o, int lights) {
         double same = bench_between(&joint, apart.point[k].rel_mse, true);
         char equal[32] = "", a[32], b[32];
         if (same > 0.0) snprintf(equal, sizeof equal, "%.2f", same / apart.point[k].seconds);
-        bench_row(r, "%d|%g|%llu|%s|%llu|%s|%.2f|%s", lights, scales[k], (unsigned long long)samples[0][k], bench_mse_text(&error[0][k], a),
-                  (unsigned long long)samples[1][k], bench_mse_text(&error[1][k], b), (double)samples[1][k] / (double)samples[0][k], equal);
+        bench_row(r, "%d|%g|%llu|%s|%llu|%s|%.2f|%s", lights, scales[k], (unsigned long long)samples[0][k],
+                  bench_mse_text(&error[0][k], a), (unsigned long long)samples[1][k],
+                  bench_mse_text(&error[1][k], b), (double)samples[1][k] / (double)samples[0][k], equal);
     }
     mesh_world_close(&w);
 }
@@ -83,7 +91,9 @@ int main(int argc, char **argv) {
     bench_options o = bench_options_parse(argc, argv, "build/multi-mesh");
     bench_report r;
     bench_report_open(&r, &o, "mesh_joint");
-    bench_table(&r, "lights", "lights|threshold|meshes apart: samples|relMSE, direct|joint: samples|relMSE, direct|joint / apart|at equal error");
+    bench_table(&r, "lights",
+                "lights|threshold|meshes apart: samples|relMSE, direct|joint: samples|relMSE, direct|joint / "
+                "apart|at equal error");
     for (int i = 0; i < LIGHT_COUNTS; i++) experiment(&r, &o, light_counts[i]);
     bench_report_close(&r);
     return 0;

@@ -1,8 +1,10 @@
-/* How far the light octree's indirect light is from the path tracer's on the same paths: over depth, lights, photons and neighbours; with each
- * remedy and without; and where the error comes from, by taking one approximation after the other away, down to the photon map itself.
+/* How far the light octree's indirect light is from the path tracer's on the same paths: over depth, lights,
+ * photons and neighbours; with each remedy and without; and where the error comes from, by taking one
+ * approximation after the other away, down to the photon map itself.
  *
- * Every picture is made from photons of two seeds, x and y: with A and B halves of the reference, mean (x-A)(y-B) is what no number of such maps
- * would average out (systematic), mean (x-y)^2 / 2 what would (random). */
+ * Every picture is made from photons of two seeds, x and y: with A and B halves of the reference, mean
+ * (x-A)(y-B) is what no number of such maps would average out (systematic), mean (x-y)^2 / 2 what would
+ * (random). */
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +24,8 @@ static void judge(const octree_world *w, trial *t) {
     size_t count = 3 * w->pixels.count;
     double both = 0.0, apart = 0.0, mean = 0.0;
     for (size_t i = 0; i < count; i++) {
-        double xa = (double)x[i] - (double)a[i], xb = (double)x[i] - (double)b[i], ya = (double)y[i] - (double)a[i], yb = (double)y[i] - (double)b[i];
+        double xa = (double)x[i] - (double)a[i], xb = (double)x[i] - (double)b[i],
+               ya = (double)y[i] - (double)a[i], yb = (double)y[i] - (double)b[i];
         both += 0.5 * (xa * yb + xb * ya);
         apart += 0.5 * (xa - ya) * (xa - ya);
         mean += 0.5 * ((double)a[i] + (double)b[i]);
@@ -32,7 +35,8 @@ static void judge(const octree_world *w, trial *t) {
     t->random = mean > 0.0 ? sqrt(apart * (double)count) / mean : 0.0;
 }
 
-static trial try(const bench_report *r, octree_world *w, const sl_light_octree_settings *settings, const char *picture) {
+static trial try(const bench_report *r, octree_world *w, const sl_light_octree_settings *settings,
+                 const char *picture) {
     trial t = {0};
     sl_octree *octree = octree_world_octree(w, settings->depth);
     for (int seed = 0; seed < OCTREE_SEEDS; seed++) {
@@ -48,8 +52,8 @@ static trial try(const bench_report *r, octree_world *w, const sl_light_octree_s
 static trial try_direct(octree_world *w, const sl_light_octree_settings *settings, octree_place place) {
     trial t = {0};
     for (int seed = 0; seed < OCTREE_SEEDS; seed++)
-        octree_direct(&w->view, &w->pixels, octree_world_octree(w, settings->depth), octree_world_photons(w, settings, seed), settings, place,
-                      w->values[seed]);
+        octree_direct(&w->view, &w->pixels, octree_world_octree(w, settings->depth),
+                      octree_world_photons(w, settings, seed), settings, place, w->values[seed]);
     judge(w, &t);
     return t;
 }
@@ -59,8 +63,9 @@ static const char header[] = "scene|what|leaves|MiB|relRMSE %|systematic %|rando
 static void row(bench_report *r, const octree_world *w, const char *what, const trial *t) {
     char size[64] = "|", text[32];
     if (t->leaves) snprintf(size, sizeof size, "%zu|%.2f", t->leaves, t->mib);
-    bench_row(r, "%s|%s|%s|%.2f|%.2f|%.2f|%+.2f|%s|%.2e", w->name, what, size, 100.0 * t->error.rel_rmse, 100.0 * t->systematic,
-              100.0 * t->random, 100.0 * t->error.bias, bench_mse_text(&t->error, text), t->error.trimmed);
+    bench_row(r, "%s|%s|%s|%.2f|%.2f|%.2f|%+.2f|%s|%.2e", w->name, what, size, 100.0 * t->error.rel_rmse,
+              100.0 * t->systematic, 100.0 * t->random, 100.0 * t->error.bias,
+              bench_mse_text(&t->error, text), t->error.trimmed);
 }
 
 static sl_light_octree_settings base(const bench_options *o) {
@@ -137,13 +142,22 @@ static void surface(sl_light_octree_settings *s) { s->lobes = SL_LOBES_SURFACE; 
 static void eight(sl_light_octree_settings *s) { s->lights = 8; }
 
 static const choice choices[] = {
-    {"default", "octree", none}, {"the paper's: whole voxels, disc, all photons, equal weights", "paper", paper}, {"area of a disc", "disc", disc},
-    {"area of a section", NULL, section}, {"photons of all normals", "accept-all", accept_all}, {"sphere, f = 1", NULL, sphere},
+    {"default", "octree", none},
+    {"the paper's: whole voxels, disc, all photons, equal weights", "paper", paper},
+    {"area of a disc", "disc", disc},
+    {"area of a section", NULL, section},
+    {"photons of all normals", "accept-all", accept_all},
+    {"sphere, f = 1", NULL, sphere},
     {"one set of lights a voxel", "whole", whole},
-    {"k photons, not k/4 to k", NULL, exactly_k}, {"photons within 60 degrees", NULL, sixty},
-    {"each voxel's own photons", "own", own}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
-    {"equal weights", NULL, unit}, {"one irradiance", "colour", colour},
-    {"irradiance on the surface", "surface", surface}, {"8 lights", NULL, eight},
+    {"k photons, not k/4 to k", NULL, exactly_k},
+    {"photons within 60 degrees", NULL, sixty},
+    {"each voxel's own photons", "own", own},
+    {"nearest voxel", "nearest", nearest},
+    {"void is dark", "void-dark", void_dark},
+    {"equal weights", NULL, unit},
+    {"one irradiance", "colour", colour},
+    {"irradiance on the surface", "surface", surface},
+    {"8 lights", NULL, eight},
 };
 
 static void remedies(bench_report *r, const bench_options *o, octree_world *w) {
@@ -194,8 +208,11 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     char table[80];
     if (!octree_world_open(r, o, path, &w)) return;
     sl_light_octree_settings s = base(o);
-    bench_say(r, "\n%s, %d x %d, %zu pixels, %u reference samples; where nothing else is said depth %d, %u thousand photons, k = %d, n = %d\n", w.name,
-              w.pixels.width, w.pixels.height, w.pixels.count, w.reference.samples, s.depth, (unsigned)(s.photons / 1000), s.neighbours, s.lights);
+    bench_say(r,
+              "\n%s, %d x %d, %zu pixels, %u reference samples; where nothing else is said depth %d, %u "
+              "thousand photons, k = %d, n = %d\n",
+              w.name, w.pixels.width, w.pixels.height, w.pixels.count, w.reference.samples, s.depth,
+              (unsigned)(s.photons / 1000), s.neighbours, s.lights);
     snprintf(table, sizeof table, "%s-remedies", w.name);
     bench_table(r, table, header);
     remedies(r, o, &w);

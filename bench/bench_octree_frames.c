@@ -1,6 +1,7 @@
-/* What the light octree takes in memory, and how fast it and its atlas make frames: at two sizes of picture, with either filter, over
- * lights a voxel, with the texture fetches that each pixel takes. The paper's graphics card made 40 frames a second at 800 x 600, 10 at
- * 1280 x 1024, and 25 to 10 for 1 to 8 lights; from the atlas 700 to 200. */
+/* What the light octree takes in memory, and how fast it and its atlas make frames: at two sizes of picture,
+ * with either filter, over lights a voxel, with the texture fetches that each pixel takes. The paper's
+ * graphics card made 40 frames a second at 800 x 600, 10 at 1280 x 1024, and 25 to 10 for 1 to 8 lights; from
+ * the atlas 700 to 200. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,11 +35,14 @@ static void memory_row(bench_report *r, const bench_options *o, const char *path
     sl_octree *octree = octree_voxels(scene, depth, 2, &unused);
     octree_light_voxels(scene, octree, tree, &settings, 2, &light);
     double leaves = (double)octree->leaf_count, bricks = 32.0 * (double)light.texture->brick_count;
-    double lights = 16.0 * (double)light.texture->width * (double)light.texture->height, dense = 256.0 * (double)(1ull << 3 * depth);
+    double lights = 16.0 * (double)light.texture->width * (double)light.texture->height,
+           dense = 256.0 * (double)(1ull << 3 * depth);
     double derived = (32.0 / 3.0 + 64.0) * leaves; /* a brick for 3 leaves, 4 lights of 16 bytes */
-    bench_row(r, "%s|%d|%zu|%zu|%.2f|%.3f|%.3f|%.3f|%.3f|%.0f|%.1f|%.1f", name, depth, octree->leaf_count, light.texture->brick_count,
-              leaves / (double)light.texture->brick_count, mebi * bricks, mebi * lights, mebi * (bricks + lights), mebi * derived, mebi * dense,
-              mebi * (double)(sl_octree_bytes(octree) + sl_voxel_lights_bytes(light.lights)), mebi * (double)sl_photon_tree_bytes(tree));
+    bench_row(r, "%s|%d|%zu|%zu|%.2f|%.3f|%.3f|%.3f|%.3f|%.0f|%.1f|%.1f", name, depth, octree->leaf_count,
+              light.texture->brick_count, leaves / (double)light.texture->brick_count, mebi * bricks,
+              mebi * lights, mebi * (bricks + lights), mebi * derived, mebi * dense,
+              mebi * (double)(sl_octree_bytes(octree) + sl_voxel_lights_bytes(light.lights)),
+              mebi * (double)sl_photon_tree_bytes(tree));
     octree_light_free(&light);
     sl_octree_destroy(octree);
     sl_photon_tree_destroy(tree);
@@ -47,9 +51,13 @@ static void memory_row(bench_report *r, const bench_options *o, const char *path
 }
 
 static void memory(bench_report *r, const bench_options *o) {
-    bench_say(r, "\nMemory in MiB with 4 lights a voxel. *derived*: 1.0 + 6.1 MiB for 100,000 leaves, in proportion; *dense*: 256 bytes for every cell. The last\n"
-                 "two are what preprocessing has beside it: leaves and sets of lights, and 150,000 photons in their tree.\n");
-    bench_table(r, "memory", "scene|depth|leaves|bricks|leaves a brick|octree|lights|both|derived|dense|leaves and sets|photons");
+    bench_say(r, "\nMemory in MiB with 4 lights a voxel. *derived*: 1.0 + 6.1 MiB for 100,000 leaves, in "
+                 "proportion; *dense*: 256 bytes for every cell. The last\n"
+                 "two are what preprocessing has beside it: leaves and sets of lights, and 150,000 photons "
+                 "in their tree.\n");
+    bench_table(
+        r, "memory",
+        "scene|depth|leaves|bricks|leaves a brick|octree|lights|both|derived|dense|leaves and sets|photons");
     memory_row(r, o, "scenes/cornell.json", 6);
     memory_row(r, o, "scenes/generated/figure.json", 6);
     memory_row(r, o, "scenes/cornell.json", 7);
@@ -72,8 +80,8 @@ static double frame(const frames *f, unsigned threads) {
     if (!f->canvas) return octree_shade_view(v, &f->shading, threads);
     v->counters = (sl_counters){{0}};
     double from = octree_seconds(threads);
-    if (sl_atlas_apply(f->canvas, v->gbuffer, v->scene, threads, v->planes[0], v->planes[1], v->planes[2], &v->counters,
-                       &error) != SL_OK)
+    if (sl_atlas_apply(f->canvas, v->gbuffer, v->scene, threads, v->planes[0], v->planes[1], v->planes[2],
+                       &v->counters, &error) != SL_OK)
         bench_fail("atlas", &error);
     return octree_seconds(threads) - from;
 }
@@ -97,15 +105,17 @@ static size_t surface_pixels(const octree_view *v) {
     return count;
 }
 
-static void frame_row(bench_report *r, const bench_options *o, const char *scene, const char *what, int lights, const frames *f,
-                      const char *paper, double *first) {
+static void frame_row(bench_report *r, const bench_options *o, const char *scene, const char *what,
+                      int lights, const frames *f, const char *paper, double *first) {
     double one = median_frame(o, f, 1), two = o->once ? 0.0 : median_frame(o, f, 2);
-    double pixels = (double)surface_pixels(f->view), fetches = (double)f->view->counters.value[SL_COUNT_TEXTURE_FETCHES] / pixels;
+    double pixels = (double)surface_pixels(f->view),
+           fetches = (double)f->view->counters.value[SL_COUNT_TEXTURE_FETCHES] / pixels;
     char clock[32] = "";
     if (two > 0.0) snprintf(clock, sizeof clock, "%.1f", 1.0 / two);
     if (*first == 0.0) *first = one;
-    bench_row(r, "%s|%s|%d|%d x %d|%.2f|%.1f|%s|%.1f|%.1f|%.2f|%s", scene, what, lights, f->view->gbuffer->width, f->view->gbuffer->height,
-              1e3 * one, 1.0 / one, clock, 1e9 * one / pixels, fetches, one / *first, paper);
+    bench_row(r, "%s|%s|%d|%d x %d|%.2f|%.1f|%s|%.1f|%.1f|%.2f|%s", scene, what, lights,
+              f->view->gbuffer->width, f->view->gbuffer->height, 1e3 * one, 1.0 / one, clock,
+              1e9 * one / pixels, fetches, one / *first, paper);
 }
 
 /* Made once for both sizes; a mesh of a million triangles takes half a minute. */
@@ -120,14 +130,16 @@ static bool is_seen(const octree_view *v, int side) {
     const sl_gbuffer *g = v->gbuffer;
     for (size_t i = 0; i < (size_t)g->width * (size_t)g->height; i++) {
         if (g->material[i] == SL_NO_INDEX) continue;
-        float cosine = sl_dot(sl_scene_geometric_normal(v->scene, g->id[i]), sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]));
+        float cosine = sl_dot(sl_scene_geometric_normal(v->scene, g->id[i]),
+                              sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]));
         if ((cosine < 0.0f) == (side == SL_ATLAS_BACK)) return true;
     }
     return false;
 }
 
 static void bake(bench_report *r, const char *scene, const frames *octree, baked *b) {
-    sl_atlas_settings settings = {.size = octree_settings().atlas_size, .gutter = 2, .bend = 75.0 / 57.29577951308232, .threads = 2};
+    sl_atlas_settings settings = {
+        .size = octree_settings().atlas_size, .gutter = 2, .bend = 75.0 / 57.29577951308232, .threads = 2};
     const sl_scene *s = octree->view->scene;
     sl_error error;
     sl_counters counters = {{0}};
@@ -143,10 +155,15 @@ static void bake(bench_report *r, const char *scene, const frames *octree, baked
     for (int side = 0; side < 2; side++) {
         bool seen = is_seen(octree->view, side);
         sides += seen;
-        if (seen && sl_atlas_bake_octree(b->canvas, (sl_atlas_side)side, s, &octree->shading, 1, &counters, &error) != SL_OK) bench_fail("atlas", &error);
+        if (seen && sl_atlas_bake_octree(b->canvas, (sl_atlas_side)side, s, &octree->shading, 1, &counters,
+                                         &error) != SL_OK)
+            bench_fail("atlas", &error);
     }
-    snprintf(b->text, sizeof b->text, "Atlas of %s: %zu charts over %.0f %% of %d x %d texels, %.2f processor s; %d sides are seen and filled in %.2f s.", scene,
-             b->atlas->chart_count, 100.0 * b->atlas->coverage, settings.size, settings.size, charts, sides, octree_seconds(1) - from);
+    snprintf(b->text, sizeof b->text,
+             "Atlas of %s: %zu charts over %.0f %% of %d x %d texels, %.2f processor s; %d sides are seen "
+             "and filled in %.2f s.",
+             scene, b->atlas->chart_count, 100.0 * b->atlas->coverage, settings.size, settings.size, charts,
+             sides, octree_seconds(1) - from);
 }
 
 static void forget(baked *b) {
@@ -155,7 +172,8 @@ static void forget(baked *b) {
     *b = (baked){0};
 }
 
-static void atlas_row(bench_report *r, const bench_options *o, const char *scene, const frames *octree, baked *b, double *first) {
+static void atlas_row(bench_report *r, const bench_options *o, const char *scene, const frames *octree,
+                      baked *b, double *first) {
     if (!b->atlas) bake(r, scene, octree, b);
     if (!b->canvas) return;
     frames f = {.view = octree->view, .canvas = b->canvas};
@@ -183,7 +201,8 @@ static void view_rows(bench_report *r, const bench_options *o, const char *scene
         settings.lights = ns[i];
         octree_light_voxels(view.scene, octree, tree, &settings, 2, &light);
         frames f = {.view = &view, .shading = sl_octree_shading_of(&settings, light.texture)};
-        frame_row(r, o, scene, "trilinear", ns[i], &f, four ? which ? "10 fps" : "14 to 40 fps" : paper[i], &first);
+        frame_row(r, o, scene, "trilinear", ns[i], &f, four ? which ? "10 fps" : "14 to 40 fps" : paper[i],
+                  &first);
         if (o->pictures && four && which == 0) octree_view_write(&view, r, scene, "trilinear");
         if (four) {
             f.shading.filter = SL_VOXEL_NEAREST;
@@ -201,11 +220,13 @@ static void view_rows(bench_report *r, const bench_options *o, const char *scene
 }
 
 static void all_frames(bench_report *r, const bench_options *o) {
-    static const char *const paths[] = {"scenes/cornell.json", "scenes/generated/room.json", "scenes/generated/atrium.json",
-                                        "scenes/generated/cathedral.json", "scenes/generated/figure.json"};
+    static const char *const paths[] = {"scenes/cornell.json", "scenes/generated/room.json",
+                                        "scenes/generated/atrium.json", "scenes/generated/cathedral.json",
+                                        "scenes/generated/figure.json"};
     enum { SCENES = sizeof paths / sizeof *paths };
     static char notes[SCENES][400];
-    bench_say(r, "\nIndirect light of a frame whose G-buffer is there: milliseconds of one processor, frames a second with one thread and with two, nanoseconds\n"
+    bench_say(r, "\nIndirect light of a frame whose G-buffer is there: milliseconds of one processor, frames "
+                 "a second with one thread and with two, nanoseconds\n"
                  "and texture fetches a pixel that shows a surface.\n");
     bench_table(r, "frames", "scene|from|n|picture|ms|fps|fps, two|ns a pixel|fetches|/ first|paper");
     for (size_t i = 0; i < SCENES; i++) {
@@ -215,7 +236,8 @@ static void all_frames(bench_report *r, const bench_options *o) {
         bench_scene_name(paths[i], name);
         if (!bench_wants(o, name) || (o->brief && i % 2 == 1)) continue;
         for (int which = 0; which < 2; which++) view_rows(r, o, name, paths[i], which, &b, &gbuffer[which]);
-        snprintf(notes[i], sizeof notes[i], "%s G-buffer of %s: %.1f and %.1f ms.", b.text, name, 1e3 * gbuffer[0], 1e3 * gbuffer[1]);
+        snprintf(notes[i], sizeof notes[i], "%s G-buffer of %s: %.1f and %.1f ms.", b.text, name,
+                 1e3 * gbuffer[0], 1e3 * gbuffer[1]);
         forget(&b);
     }
     for (size_t i = 0; i < SCENES; i++) {

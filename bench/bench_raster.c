@@ -2,18 +2,21 @@
  *
  *     build/bench/bench_raster [--threads N] [--only TEXT] [--ours] [--csv] [--brief]
  *
- * Every workload runs on ours and on OSMesa in turn: same triangles, matrices, resolution and number of threads. OSMesa gets indexed
- * triangles with shared vertices in static buffers, in one draw call a view. Its time includes reading the picture into memory
- * (glReadPixels), which ours is drawn into; the time of drawing alone stands beside it. On one thread the clock is processor time,
- * on two it is wall time (raster_measure.c says how). Shaders are compiled and memory is touched before.
+ * Every workload runs on ours and on OSMesa in turn: same triangles, matrices, resolution and number of
+ * threads. OSMesa gets indexed triangles with shared vertices in static buffers, in one draw call a view. Its
+ * time includes reading the picture into memory (glReadPixels), which ours is drawn into; the time of drawing
+ * alone stands beside it. On one thread the clock is processor time, on two it is wall time (raster_measure.c
+ * says how). Shaders are compiled and memory is touched before.
  *
- * Work that does not show is not done by ours, where OSMesa is free to leave it out too: attributes are computed once a visible
- * pixel, after the ID map. "differing" is the share of pixels in which the two pictures differ: of ID maps in any bit, of others by more
- * than rounding. Gathers differ mostly because their near plane is so close to the eye that OSMesa's window depth, z/w in float, cannot
- * tell far surfaces apart; ours keeps 1/w there.
+ * Work that does not show is not done by ours, where OSMesa is free to leave it out too: attributes are
+ * computed once a visible pixel, after the ID map. "differing" is the share of pixels in which the two
+ * pictures differ: of ID maps in any bit, of others by more than rounding. Gathers differ mostly because
+ * their near plane is so close to the eye that OSMesa's window depth, z/w in float, cannot tell far surfaces
+ * apart; ours keeps 1/w there.
  *
- * --only keeps the rows whose names hold the text, --brief leaves the scene files out, --ours leaves OSMesa out (for a profiler).
- * Without --threads it runs for one thread, then for two in a process of its own, because OSMesa learns their number once. */
+ * --only keeps the rows whose names hold the text, --brief leaves the scene files out, --ours leaves OSMesa
+ * out (for a profiler). Without --threads it runs for one thread, then for two in a process of its own,
+ * because OSMesa learns their number once. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,7 +61,8 @@ static void all_rows(measurer *m, bench_scene *room, bench_scene *file, int file
 }
 
 static void all_tables(const options *o) {
-    bench_scene room[3] = {{.name = "balls 6K", .n = 2, .gathers = true}, {.name = "balls 65K", .n = 7, .gathers = true},
+    bench_scene room[3] = {{.name = "balls 6K", .n = 2, .gathers = true},
+                           {.name = "balls 65K", .n = 7, .gathers = true},
                            {.name = "balls 963K", .n = 27}};
     bench_scene file[3] = {{.name = "room 7K", .path = "scenes/generated/room.json", .gathers = true},
                            {.name = "atrium 67K", .path = "scenes/generated/atrium.json", .gathers = true},

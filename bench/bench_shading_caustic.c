@@ -1,8 +1,9 @@
-/* A caustic that moves (the paper's last figure: a ring is moved, and five seconds later its caustic is where it belongs): the cache with a renderer for caustics, a photon
- * map of its own that is made anew after the move, beside the cache whose bidirectional paths have to find them, at equal points and at equal time.
+/* A caustic that moves (the paper's last figure: a ring is moved, and five seconds later its caustic is where
+ * it belongs): the cache with a renderer for caustics, a photon map of its own that is made anew after the
+ * move, beside the cache whose bidirectional paths have to find them, at equal points and at equal time.
  *
- * Errors are of displayed grey levels (RMS) against the bidirectional path tracer's picture, of all pixels that are judged, and of those in the caustic: where it makes the
- * picture brighter by some levels. */
+ * Errors are of displayed grey levels (RMS) against the bidirectional path tracer's picture, of all pixels
+ * that are judged, and of those in the caustic: where it makes the picture brighter by some levels. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,7 +34,8 @@ static sl_image *true_picture(const shading_world *w, uint32_t samples) {
     s.width = s.height = SIZE;
     s.threads = 1;
     s.spp = samples;
-    s.filter = SL_FILTER_BOX; /* at centres alone its light subpaths reach no pixel, and caustics want those */
+    /* at centres alone its light subpaths reach no pixel, and caustics want those */
+    s.filter = SL_FILTER_BOX;
     s.shading_cache = w->settings.shading_cache;
     if (sl_method_create(w->scene, &s, &method, &error) != SL_OK) bench_fail("bidirectional", &error);
     while (!progress.done)
@@ -46,7 +48,8 @@ static sl_image *true_picture(const shading_world *w, uint32_t samples) {
 /* In place of what the renderers say: from the disk if it is there. */
 static void judge_by_paths(shading_world *w, uint32_t samples) {
     size_t count = w->pixels.count, plane = (size_t)SIZE * SIZE;
-    uint64_t what[] = {sl_scene_hash(w->scene), SIZE, BLOCK, samples, (uint64_t)w->settings.shading_cache.path_depth};
+    uint64_t what[] = {sl_scene_hash(w->scene), SIZE, BLOCK, samples,
+                       (uint64_t)w->settings.shading_cache.path_depth};
     uint64_t hash = bench_hash(17, what, sizeof what);
     float *values = w->limit.half[0];
     if (bench_store_load("caustic", hash, 3 * count, values)) return;
@@ -57,7 +60,9 @@ static void judge_by_paths(shading_world *w, uint32_t samples) {
     bench_store_save("caustic", hash, 3 * count, values);
 }
 
-static float level(const shading_world *w, const float *rgb) { return sl_curve_level(&w->display, (sl_rgb){rgb[0], rgb[1], rgb[2]}); }
+static float level(const shading_world *w, const float *rgb) {
+    return sl_curve_level(&w->display, (sl_rgb){rgb[0], rgb[1], rgb[2]});
+}
 
 /* Of those that the world judges the ones that are brighter than without caustics. */
 static judges in_the_caustic(const shading_world *w, const float *without) {
@@ -119,7 +124,8 @@ typedef struct variant {
     bool caustics;
 } variant;
 
-/* Errors right after the move, after so many points since then, and after five seconds of one thread, what the edit takes included. */
+/* Errors right after the move, after so many points since then, and after five seconds of one thread, what
+ * the edit takes included. */
 static void row(bench_report *r, const bench_options *o, const variant *v) {
     static const double marks[MARKS] = {500, 1500, 5000, 15000};
     shading_world w;
@@ -135,7 +141,8 @@ static void row(bench_report *r, const bench_options *o, const variant *v) {
     judges caustic = judge(&w, o->brief ? 64 : 1024);
     double from = process_ms();
     shading_run_edit(&run, changes);
-    double edit = 1e-3 * (process_ms() - from), before = run.seconds, points = (double)shading_run_points(&run), updates = (double)run.updates;
+    double edit = 1e-3 * (process_ms() - from), before = run.seconds,
+           points = (double)shading_run_points(&run), updates = (double)run.updates;
     errors moved = look(&w, &run, &caustic);
     for (int k = 0; k <= MARKS; k++) snprintf(text[k], sizeof text[k], "-|-");
     bool timed = false;
@@ -143,15 +150,20 @@ static void row(bench_report *r, const bench_options *o, const variant *v) {
         shading_run_update(&run);
         double done = (double)shading_run_points(&run) - points, seconds = edit + run.seconds - before;
         errors e = {0, 0};
-        if ((next < wanted && done >= marks[next]) || (!timed && seconds >= 5.0)) e = look(&w, &run, &caustic);
-        if (next < wanted && done >= marks[next]) snprintf(text[next++], sizeof text[0], "%.1f|%.1f", e.all, e.caustic);
-        if (!timed && seconds >= 5.0) snprintf(text[MARKS], sizeof text[0], "%.1f|%.1f", e.all, e.caustic), timed = true;
+        if ((next < wanted && done >= marks[next]) || (!timed && seconds >= 5.0))
+            e = look(&w, &run, &caustic);
+        if (next < wanted && done >= marks[next])
+            snprintf(text[next++], sizeof text[0], "%.1f|%.1f", e.all, e.caustic);
+        if (!timed && seconds >= 5.0)
+            snprintf(text[MARKS], sizeof text[0], "%.1f|%.1f", e.all, e.caustic), timed = true;
         if ((double)run.updates - updates > 5000.0) break;
     }
     double done = (double)shading_run_points(&run) - points;
-    bench_row(r, "%s|%.2f|%.2f|%zu|%.1f|%.1f|%s|%s|%s|%s|%s", v->name, 1e3 * (run.seconds - before) / done, edit, caustic.pixels.count, moved.all, moved.caustic, text[0], text[1],
-              text[2], text[3], text[4]);
-    if (o->pictures) shading_run_picture(&run, r, v->caustics ? "with-caustics" : v->paths > 400 ? "many-paths" : "paths");
+    bench_row(r, "%s|%.2f|%.2f|%zu|%.1f|%.1f|%s|%s|%s|%s|%s", v->name, 1e3 * (run.seconds - before) / done,
+              edit, caustic.pixels.count, moved.all, moved.caustic, text[0], text[1], text[2], text[3],
+              text[4]);
+    if (o->pictures)
+        shading_run_picture(&run, r, v->caustics ? "with-caustics" : v->paths > 400 ? "many-paths" : "paths");
     free(caustic.pixels.index);
     free(caustic.truth.half[0]);
     shading_run_close(&run);
@@ -159,13 +171,21 @@ static void row(bench_report *r, const bench_options *o, const variant *v) {
 }
 
 int main(int argc, char **argv) {
-    static const variant variants[] = {{"caustic renderer, 100 paths", 100, true}, {"caustic renderer, 400 paths", 400, true}, {"100 paths", 100, false}, {"400 paths", 400, false}};
+    static const variant variants[] = {{"caustic renderer, 100 paths", 100, true},
+                                       {"caustic renderer, 400 paths", 400, true},
+                                       {"100 paths", 100, false},
+                                       {"400 paths", 400, false}};
     bench_options o = bench_options_parse(argc, argv, "build/shading-cache");
     bench_report r;
     bench_report_open(&r, &o, "shading_caustic");
-    bench_say(&r, "\nA polished ring is moved after %d updates; %d x %d, RMS in grey levels, of all pixels judged and of those in the caustic. Points and seconds (of one thread, the edit with\n"
-                  "its new photons included) are counted from the move.\n", o.brief ? 60 : 200, SIZE, SIZE);
-    bench_table(&r, "caustic", "who finds caustics|ms a point|edit s|pixels in it|moved: all|in it|500 points: all|in it|1,500: all|in it|5,000: all|in it|15,000: all|in it|5 s: all|in it");
+    bench_say(&r,
+              "\nA polished ring is moved after %d updates; %d x %d, RMS in grey levels, of all pixels "
+              "judged and of those in the caustic. Points and seconds (of one thread, the edit with\n"
+              "its new photons included) are counted from the move.\n",
+              o.brief ? 60 : 200, SIZE, SIZE);
+    bench_table(&r, "caustic",
+                "who finds caustics|ms a point|edit s|pixels in it|moved: all|in it|500 points: all|in "
+                "it|1,500: all|in it|5,000: all|in it|15,000: all|in it|5 s: all|in it");
     for (size_t i = 0; i < sizeof variants / sizeof variants[0]; i++) row(&r, &o, &variants[i]);
     bench_report_close(&r);
     return 0;

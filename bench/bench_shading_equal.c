@@ -1,9 +1,11 @@
-/* A view at rest: error over shaded points, and over time (the paper's figure of diffuse interreflection: what the RenderCache has after
- * 120 s the shading cache has after 10). The same sample renderers for both, the same points a batch; beside them the path tracer, pixel by pixel.
+/* A view at rest: error over shaded points, and over time (the paper's figure of diffuse interreflection:
+ * what the RenderCache has after 120 s the shading cache has after 10). The same sample renderers for both,
+ * the same points a batch; beside them the path tracer, pixel by pixel.
  *
- * Errors are those of displayed grey levels (RMS) against what the renderers say of each pixel: what both caches approach. How far that itself is from the path tracer's picture is said
- * first; no cache of these samples can be better. The sweep of the non-matching ratio (pixels a frame / points a second, in seconds) is read off the same
- * curves: the error after ten seconds. */
+ * Errors are those of displayed grey levels (RMS) against what the renderers say of each pixel: what both
+ * caches approach. How far that itself is from the path tracer's picture is said first; no cache of these
+ * samples can be better. The sweep of the non-matching ratio (pixels a frame / points a second, in seconds)
+ * is read off the same curves: the error after ten seconds. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -44,7 +46,8 @@ static void run_cache(bench_report *r, const bench_options *o, shading_world *w,
 }
 
 /* Both fills have the same points. */
-static void run_rival(bench_report *r, const bench_options *o, shading_world *w, double most, curve *narrow, curve *wide) {
+static void run_rival(bench_report *r, const bench_options *o, shading_world *w, double most, curve *narrow,
+                      curve *wide) {
     render_cache *cache = shading_rival(w, w->settings.shading_cache.points);
     sl_counters counters = {{0}};
     double next = 1.0, spent = 0.0;
@@ -84,7 +87,9 @@ static void text_of(double value, char text[24]) {
 static void equal_quality(bench_report *r, const shading_world *w, curve curves[4]) {
     static const double shares[] = {0.005, 0.01, 0.029, 0.1};
     double pixels = (double)w->settings.width * (double)w->settings.height;
-    bench_table(r, w->name, "scene|points / pixel|points|RMS levels|RenderCache needs|times|wide fill needs|times|cache s|RenderCache s|times|path tracer s|times");
+    bench_table(r, w->name,
+                "scene|points / pixel|points|RMS levels|RenderCache needs|times|wide fill needs|times|cache "
+                "s|RenderCache s|times|path tracer s|times");
     for (int i = 0; i < 4; i++) {
         double points = shares[i] * pixels, error = bench_between(&curves[0].by_points, points, false);
         if (!(error > 0.0)) continue;
@@ -94,10 +99,13 @@ static void equal_quality(bench_report *r, const shading_world *w, curve curves[
         seconds[1] = first_points(&curves[1].by_time, error);
         seconds[3] = bench_between(&curves[3].by_time, error, true);
         char text[7][24];
-        text_of(needs[0], text[0]), text_of(needs[0] / points, text[1]), text_of(needs[1], text[2]), text_of(needs[1] / points, text[3]);
-        text_of(seconds[1], text[4]), text_of(seconds[0] > 0.0 ? seconds[1] / seconds[0] : 0.0, text[5]), text_of(seconds[3], text[6]);
-        bench_row(r, "%s|%.4f|%.0f|%.2f|%s|%s|%s|%s|%.2f|%s|%s|%s|%.3g", w->name, shares[i], points, error, text[0], text[1], text[2], text[3], seconds[0], text[4],
-                  text[5], text[6], seconds[0] > 0.0 ? seconds[3] / seconds[0] : 0.0);
+        text_of(needs[0], text[0]), text_of(needs[0] / points, text[1]), text_of(needs[1], text[2]),
+            text_of(needs[1] / points, text[3]);
+        text_of(seconds[1], text[4]), text_of(seconds[0] > 0.0 ? seconds[1] / seconds[0] : 0.0, text[5]),
+            text_of(seconds[3], text[6]);
+        bench_row(r, "%s|%.4f|%.0f|%.2f|%s|%s|%s|%s|%.2f|%s|%s|%s|%.3g", w->name, shares[i], points, error,
+                  text[0], text[1], text[2], text[3], seconds[0], text[4], text[5], text[6],
+                  seconds[0] > 0.0 ? seconds[3] / seconds[0] : 0.0);
     }
 }
 
@@ -111,7 +119,9 @@ static void ratios(bench_report *r, const shading_world *w, curve curves[4]) {
         for (int k = 0; k < 3; k++) {
             const bench_series *s = &curves[k].by_points;
             double last = s->count ? s->point[s->count - 1].seconds : 0.0;
-            text_of(points >= last && points < 1.2 * last ? s->point[s->count - 1].rel_mse : bench_between(s, points, false), text[k]);
+            text_of(points >= last && points < 1.2 * last ? s->point[s->count - 1].rel_mse
+                                                          : bench_between(s, points, false),
+                    text[k]);
         }
         bench_row(r, "%s|%.0f|%.0f|%s|%s|%s", w->name, nmrs[i], points, text[0], text[1], text[2]);
     }
@@ -123,9 +133,12 @@ static void say_limit(bench_report *r, const bench_options *o, shading_world *w)
     sl_shading_transport(&w->settings, &transport);
     bench_reference_get(w->scene, w->tracer, &transport, &w->pixels, o->brief ? 256 : 4096, &truth);
     bench_error e = bench_compare(w->limit.half[0], &truth, NULL);
-    bench_say(r, "\n%s, %d x %d, %d paths and %d light samples a point, %zu pixels judged. The samples themselves: relMSE %.2e, %.1f %% RMS against %u path-traced samples.\n",
-              w->name, w->settings.width, w->settings.height, w->settings.shading_cache.indirect_samples, w->settings.shading_cache.area_samples, w->pixels.count,
-              e.rel_mse, 100.0 * e.rel_rmse, truth.samples);
+    bench_say(r,
+              "\n%s, %d x %d, %d paths and %d light samples a point, %zu pixels judged. The samples "
+              "themselves: relMSE %.2e, %.1f %% RMS against %u path-traced samples.\n",
+              w->name, w->settings.width, w->settings.height, w->settings.shading_cache.indirect_samples,
+              w->settings.shading_cache.area_samples, w->pixels.count, e.rel_mse, 100.0 * e.rel_rmse,
+              truth.samples);
     bench_reference_free(&truth);
 }
 
@@ -144,8 +157,12 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     equal_quality(r, &w, curves);
     ratios(r, &w, curves);
     bench_series drawn[4];
-    static const char *const names[4] = {"shading cache", "RenderCache", "RenderCache, wide fill", "path tracer"}, *const colors[4] = {"#06c", "#c40", "#a3a", "#282"};
-    for (int i = 0; i < 4; i++) drawn[i] = curves[i].by_time, drawn[i].name = names[i], drawn[i].color = colors[i], drawn[i].line = true;
+    static const char *const names[4] = {"shading cache", "RenderCache", "RenderCache, wide fill",
+                                         "path tracer"},
+                             *const colors[4] = {"#06c", "#c40", "#a3a", "#282"};
+    for (int i = 0; i < 4; i++)
+        drawn[i] = curves[i].by_time, drawn[i].name = names[i], drawn[i].color = colors[i],
+        drawn[i].line = true;
     bench_draw_curves(r, w.name, drawn, 4);
     bench_say(r, "\n![error over time, %s](pictures/%s-%s.svg)\n", w.name, r->name, w.name);
     shading_close(&w);

@@ -1,6 +1,8 @@
-/* Frames beside updates (the paper: 40 to 60 frames a second while samples are computed): one thread updates, another one draws the newest shading from where camera and
- * objects are by then, at 512 x 512. Where something moves, each frame is asked for another time of the scene, as fast as frames come: its delay is that from the question
- * to the picture. Beside them: frames where no update is under way, and updates that nobody looks at.
+/* Frames beside updates (the paper: 40 to 60 frames a second while samples are computed): one thread updates,
+ * another one draws the newest shading from where camera and objects are by then, at 512 x 512. Where
+ * something moves, each frame is asked for another time of the scene, as fast as frames come: its delay is
+ * that from the question to the picture. Beside them: frames where no update is under way, and updates that
+ * nobody looks at.
  *
  * By the clock: figures are worth something on a machine that has two processors for this alone. */
 #include <math.h>
@@ -15,7 +17,8 @@ enum { DELAYS_MAX = 1 << 15, WARM_UPDATES = 40 };
 typedef struct pace {
     int frames;
     double seconds, updates;
-    double delay[DELAYS_MAX], processor;   /* ms; of each frame by the clock, of all together by the processor */
+    /* ms; of each frame by the clock, of all together by the processor */
+    double delay[DELAYS_MAX], processor;
 } pace;
 
 static sl_live_state draw(sl_live *live) {
@@ -35,7 +38,8 @@ static void move(sl_live *live, double time) {
 static double time_of_show(double seconds) { return 1.0 - fabs(1.0 - fmod(seconds / 4.0, 2.0)); }
 
 /* Draws for so long, after so many updates. */
-static void watch(const shading_world *w, const sl_settings *settings, bool moves, uint64_t warm, double seconds, pace *p) {
+static void watch(const shading_world *w, const sl_settings *settings, bool moves, uint64_t warm,
+                  double seconds, pace *p) {
     sl_live *live;
     sl_error error;
     if (sl_live_start(w->scene, settings, &live, &error) != SL_OK) bench_fail("show", &error);
@@ -80,9 +84,12 @@ static void row(bench_report *r, const bench_options *o, const char *path, bool 
     sl_settings resting = w.settings;
     resting.shading_cache.updates = 1;
     watch(&w, &resting, false, 1, seconds / 4.0, &alone);
-    double rate = updates_alone(&w, warm, o->brief ? 5 : 20), frames = shown.frames, middle = median(shown.delay, shown.frames);
-    bench_row(r, "%s|%s|%.0f|%.0f|%.1f|%.1f|%.1f|%.1f|%.2f|%.2f", w.name, moves ? "moves" : "rests", frames / shown.seconds, alone.frames / alone.seconds, shown.processor / frames,
-              middle, shown.delay[(int)(0.99 * frames)], shown.delay[shown.frames - 1], shown.updates / shown.seconds, rate);
+    double rate = updates_alone(&w, warm, o->brief ? 5 : 20), frames = shown.frames,
+           middle = median(shown.delay, shown.frames);
+    bench_row(r, "%s|%s|%.0f|%.0f|%.1f|%.1f|%.1f|%.1f|%.2f|%.2f", w.name, moves ? "moves" : "rests",
+              frames / shown.seconds, alone.frames / alone.seconds, shown.processor / frames, middle,
+              shown.delay[(int)(0.99 * frames)], shown.delay[shown.frames - 1], shown.updates / shown.seconds,
+              rate);
     shading_close(&w);
 }
 
@@ -90,8 +97,11 @@ int main(int argc, char **argv) {
     bench_options o = bench_options_parse(argc, argv, "build/shading-cache");
     bench_report r;
     bench_report_open(&r, &o, "shading_live");
-    bench_say(&r, "\nFrames of 512 x 512 drawn by one thread while another one computes samples, %d paths a point. *Delay*: from the question for a frame (of another time of the scene,\n"
-                  "where something moves) to the picture, by the clock; *frame ms*: of the processor. *Alone*: frames where no update is under way, updates that nobody looks at.\n",
+    bench_say(&r,
+              "\nFrames of 512 x 512 drawn by one thread while another one computes samples, %d paths a "
+              "point. *Delay*: from the question for a frame (of another time of the scene,\n"
+              "where something moves) to the picture, by the clock; *frame ms*: of the processor. *Alone*: "
+              "frames where no update is under way, updates that nobody looks at.\n",
               o.brief ? 25 : 400);
     bench_table(&r, "live", "scene|view|frames/s|alone|frame ms|delay, median|99 %|longest|updates/s|alone");
     row(&r, &o, "scenes/generated/study.json", false);

@@ -1,8 +1,11 @@
-/* Things that move: error against time since, of the shading cache, of a RenderCache on the same sample renderers with the same points an update, and of the path
- * tracer with the time of an update. The eye walks, a chair is moved, the lamp is; then all stays, and the caches catch up. Last, the lamp jumps: updates until half
- * and nine tenths of the error that this made are gone (the paper: feedback within seconds, quality in tens of them).
+/* Things that move: error against time since, of the shading cache, of a RenderCache on the same sample
+ * renderers with the same points an update, and of the path tracer with the time of an update. The eye walks,
+ * a chair is moved, the lamp is; then all stays, and the caches catch up. Last, the lamp jumps: updates until
+ * half and nine tenths of the error that this made are gone (the paper: feedback within seconds, quality in
+ * tens of them).
  *
- * Errors are those of displayed grey levels (RMS) against what the renderers say of each pixel as things then stand. */
+ * Errors are those of displayed grey levels (RMS) against what the renderers say of each pixel as things then
+ * stand. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -40,11 +43,15 @@ static double judge(rival *v, shading_world *w) {
     return v->run ? shading_run_error(v->run) : shading_rival_error(w, v->cache, true);
 }
 
-static double points_of(const rival *v) { return v->run ? (double)shading_run_points(v->run) : (double)render_cache_costs(v->cache).samples; }
+static double points_of(const rival *v) {
+    return v->run ? (double)shading_run_points(v->run) : (double)render_cache_costs(v->cache).samples;
+}
 
 static bool is_judged(const film *f, int update) {
     int after = update - f->warm - f->moving;
-    if (after < 0) return update == f->warm - 1 || (update >= f->warm && (update - f->warm + 1) % ((f->moving + 3) / 4) == 0);
+    if (after < 0)
+        return update == f->warm - 1 ||
+               (update >= f->warm && (update - f->warm + 1) % ((f->moving + 3) / 4) == 0);
     return ((after + 1) & after) == 0 || after == f->rest - 1; /* 1, 2, 4, 8, ... updates after it */
 }
 
@@ -57,7 +64,8 @@ typedef struct judgement {
 static int play(shading_world *w, const film *f, int block, rival *v, int which, judgement *judged) {
     int count = 0;
     for (int update = 0; update < f->warm + f->moving + f->rest; update++) {
-        if (update >= f->warm && update < f->warm + f->moving) tell(v, shading_move(w, f->duration * (update - f->warm + 1) / f->moving));
+        if (update >= f->warm && update < f->warm + f->moving)
+            tell(v, shading_move(w, f->duration * (update - f->warm + 1) / f->moving));
         step(v);
         if (!is_judged(f, update) || count == JUDGED) continue;
         shading_judge(w, block);
@@ -70,7 +78,8 @@ static int play(shading_world *w, const film *f, int block, rival *v, int which,
     return count;
 }
 
-static void open_rivals(shading_world *w, const sl_settings *settings, shading_run *run, int points, rival rivals[2]) {
+static void open_rivals(shading_world *w, const sl_settings *settings, shading_run *run, int points,
+                        rival rivals[2]) {
     shading_run_open(run, w, settings, false);
     rivals[0] = (rival){.run = run};
     rivals[1] = (rival){.cache = shading_rival(w, points)};
@@ -101,11 +110,15 @@ static void motion(bench_report *r, const bench_options *o, const char *path, fi
     double path_error = shading_path_error(&w, 1, &path_seconds);
     for (int i = 0; i < count; i++) {
         const judgement *j = &judged[i];
-        const char *state = j->update < f.warm ? "before" : j->update < f.warm + f.moving ? "moving" : "after";
-        bench_row(r, "%s|%s|%d|%.0f|%.2f|%.1f|%.2f|%.2f", w.name, state, j->update - f.warm - (j->update < f.warm + f.moving ? -1 : f.moving - 1), j->points[0], j->seconds[0],
-                  j->error[0], j->seconds[1], j->error[1]);
+        const char *state = j->update < f.warm              ? "before"
+                            : j->update < f.warm + f.moving ? "moving"
+                                                            : "after";
+        bench_row(r, "%s|%s|%d|%.0f|%.2f|%.1f|%.2f|%.2f", w.name, state,
+                  j->update - f.warm - (j->update < f.warm + f.moving ? -1 : f.moving - 1), j->points[0],
+                  j->seconds[0], j->error[0], j->seconds[1], j->error[1]);
     }
-    bench_say(r, "| %s | path tracer, 1 sample a pixel | | | %.2f | %.1f | | |\n", w.name, path_seconds, path_error);
+    bench_say(r, "| %s | path tracer, 1 sample a pixel | | | %.2f | %.1f | | |\n", w.name, path_seconds,
+              path_error);
     if (o->pictures) {
         shading_run_picture(&run, r, "moved");
         shading_rival_picture(&w, rivals[1].cache, r, "moved-rendercache");
@@ -116,7 +129,8 @@ static void motion(bench_report *r, const bench_options *o, const char *path, fi
 
 /* ---- the jump ---- */
 
-/* Updates, seconds and points until that share of what the jump added to the error is gone, and the error at the end. */
+/* Updates, seconds and points until that share of what the jump added to the error is gone, and the error at
+ * the end. */
 typedef struct recovery {
     double before, jumped, last, updates[2], seconds[2], points[2];
 } recovery;
@@ -145,16 +159,20 @@ static recovery recover(shading_world *w, rival *v, int warm, int most, int bloc
 static void recovery_row(bench_report *r, const shading_world *w, const char *what, const recovery *c) {
     char text[2][64];
     for (int k = 0; k < 2; k++) {
-        if (c->updates[k] > 0.0) snprintf(text[k], sizeof text[k], "%.0f|%.0f|%.2f", c->updates[k], c->points[k], c->seconds[k]);
+        if (c->updates[k] > 0.0)
+            snprintf(text[k], sizeof text[k], "%.0f|%.0f|%.2f", c->updates[k], c->points[k], c->seconds[k]);
         else snprintf(text[k], sizeof text[k], "-|-|-");
     }
-    bench_row(r, "%s|%s|%.1f|%.1f|%s|%s|%.1f", w->name, what, c->before, c->jumped, text[0], text[1], c->last);
+    bench_row(r, "%s|%s|%.1f|%.1f|%s|%s|%.1f", w->name, what, c->before, c->jumped, text[0], text[1],
+              c->last);
 }
 
-/* The cache, and the cache without one of its parts. Where no flood adds to what is hit, twice as many are hit. */
+/* The cache, and the cache without one of its parts. Where no flood adds to what is hit, twice as many are
+ * hit. */
 enum { JUMPS = 6 };
 static const char *jump_variant(int i, sl_shading_cache_settings *c) {
-    static const char *const names[JUMPS] = {"shading cache", "no resolution drop", "no ageing", "no flood fill", "no random share", "neither: hits alone"};
+    static const char *const names[JUMPS] = {"shading cache", "no resolution drop", "no ageing",
+                                             "no flood fill", "no random share",    "neither: hits alone"};
     c->no_resolution_drop = i == 1;
     c->no_ageing = i == 2;
     c->no_flood = i == 3 || i == 5;
@@ -195,16 +213,22 @@ int main(int argc, char **argv) {
     bench_report r;
     bench_report_open(&r, &o, "shading_moving");
     film f = o.brief ? (film){0.0, 100, 16, 64} : (film){0.0, 300, 32, 256};
-    bench_say(&r, "\n%d x %d, %d paths a point. Error while things move and after they have, by updates. The RenderCache, its gaps filled widely, gets the same points an update.\n",
+    bench_say(&r,
+              "\n%d x %d, %d paths a point. Error while things move and after they have, by updates. The "
+              "RenderCache, its gaps filled widely, gets the same points an update.\n",
               o.brief ? 256 : 512, o.brief ? 256 : 512, o.brief ? 25 : PATHS);
-    bench_table(&r, "motion", "scene|when|updates|points|cache s|cache RMS levels|RenderCache s|RenderCache RMS levels");
+    bench_table(&r, "motion",
+                "scene|when|updates|points|cache s|cache RMS levels|RenderCache s|RenderCache RMS levels");
     f.duration = 1.0;
     motion(&r, &o, "scenes/generated/study-walk.json", f);
     motion(&r, &o, "scenes/generated/study-chair.json", f);
     motion(&r, &o, "scenes/generated/study-lamp.json", f);
     motion(&r, &o, "scenes/generated/pool-walk.json", f);
-    bench_say(&r, "\n256 x 256, 25 paths a point. The lamp (the chair) jumps after 100 updates: what it takes until half, and nine tenths, of what that added to the error are gone.\n");
-    bench_table(&r, "jump", "scene|cache|RMS before|after the jump|updates to 50 %|points|s|updates to 90 %|points|s|RMS then");
+    bench_say(&r, "\n256 x 256, 25 paths a point. The lamp (the chair) jumps after 100 updates: what it "
+                  "takes until half, and nine tenths, of what that added to the error are gone.\n");
+    bench_table(
+        &r, "jump",
+        "scene|cache|RMS before|after the jump|updates to 50 %|points|s|updates to 90 %|points|s|RMS then");
     jump(&r, &o, "scenes/generated/study-lamp.json");
     jump(&r, &o, "scenes/generated/study-chair.json");
     jump(&r, &o, "scenes/moving-light.json");

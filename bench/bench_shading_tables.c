@@ -1,13 +1,15 @@
-/* The paper's tables 1 and 2: what an update consists of, with one thread and with two; how fast frames are drawn while shading lags behind; and memory a
- * patch. The paper's processors took 611, 490 and 506 ms of an update of 70, 72 and 61 points for shading, and 9.5, 7.4 and 5.1 % of it for all else; frames
- * came at 45, 60 and 40 a second. Points as in the paper: 100 samples a light, 400 indirect paths. */
+/* The paper's tables 1 and 2: what an update consists of, with one thread and with two; how fast frames are
+ * drawn while shading lags behind; and memory a patch. The paper's processors took 611, 490 and 506 ms of an
+ * update of 70, 72 and 61 points for shading, and 9.5, 7.4 and 5.1 % of it for all else; frames came at 45,
+ * 60 and 40 a second. Points as in the paper: 100 samples a light, 400 indirect paths. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "shading_bench.h"
 #include "timing.h"
 
-static const char *const paths[3] = {"scenes/generated/study.json", "scenes/generated/loft.json", "scenes/generated/pool.json"};
+static const char *const paths[3] = {"scenes/generated/study.json", "scenes/generated/loft.json",
+                                     "scenes/generated/pool.json"};
 
 static double ms_of(const shading_run *run, const char *stage) {
     for (int i = 0; i < SHADING_STAGES && run->stage[i].name; i++)
@@ -52,19 +54,27 @@ static void updates_row(bench_report *r, const bench_options *o, const char *pat
     for (int i = 0; i < count; i++) shading_run_update(&run);
     points = shading_run_points(&run) - points;
     double total = 1e3 * run.seconds / count, stage[6];
-    static const char *const names[6] = {"id map", "priorities", "selection", "requests", "samples", "commit"};
+    static const char *const names[6] = {"id map",   "priorities", "selection",
+                                         "requests", "samples",    "commit"};
     for (int k = 0; k < 6; k++) stage[k] = ms_of(&run, names[k]) / count;
     double arrays = ms_of(&run, "display arrays") / count, frame = frame_ms(&run, process_ms);
-    bench_row(r, "%s|%d|%.0f|%.2f|%.2f|%.2f|%.2f|%.1f|%.2f|%.2f|%.1f|%.1f|%.2f|%.0f", w.name, early, (double)points / count, stage[0], stage[1], stage[2], stage[3], stage[4],
-              stage[5], arrays, total, 100.0 * (total - stage[4]) / total, frame, 1e3 / frame);
+    bench_row(r, "%s|%d|%.0f|%.2f|%.2f|%.2f|%.2f|%.1f|%.2f|%.2f|%.1f|%.1f|%.2f|%.0f", w.name, early,
+              (double)points / count, stage[0], stage[1], stage[2], stage[3], stage[4], stage[5], arrays,
+              total, 100.0 * (total - stage[4]) / total, frame, 1e3 / frame);
     shading_run_close(&run);
     shading_close(&w);
 }
 
 static void table_1(bench_report *r, const bench_options *o) {
-    bench_say(r, "\nTable 1: an update with one thread, milliseconds of processor time; 512 x 512, %d paths a point. *other*: what is not samples, in %% of all. Frames: what the\n"
-                 "display costs at that state, and frames a second were that all. Priorities include the picture of them that is made for whoever watches.\n", o->brief ? 100 : 400);
-    bench_table(r, "1", "scene|after updates|points|id map|priorities|selection|requests|samples|commit|display arrays|all|other %|frame ms|frames/s");
+    bench_say(r,
+              "\nTable 1: an update with one thread, milliseconds of processor time; 512 x 512, %d paths a "
+              "point. *other*: what is not samples, in %% of all. Frames: what the\n"
+              "display costs at that state, and frames a second were that all. Priorities include the "
+              "picture of them that is made for whoever watches.\n",
+              o->brief ? 100 : 400);
+    bench_table(r, "1",
+                "scene|after updates|points|id map|priorities|selection|requests|samples|commit|display "
+                "arrays|all|other %|frame ms|frames/s");
     for (int i = 0; i < 3; i++) {
         updates_row(r, o, paths[i], 3, o->brief ? 5 : 20);
         updates_row(r, o, paths[i], o->brief ? 40 : 200, o->brief ? 5 : 20);
@@ -72,9 +82,12 @@ static void table_1(bench_report *r, const bench_options *o) {
 }
 
 static void table_2(bench_report *r, const bench_options *o) {
-    bench_say(r, "\nTable 2: the same update by the clock, with one thread and with two (the paper: with one client and with eight). On a machine that is busy with other things this\n"
+    bench_say(r, "\nTable 2: the same update by the clock, with one thread and with two (the paper: with one "
+                 "client and with eight). On a machine that is busy with other things this\n"
                  "says little.\n");
-    bench_table(r, "2", "scene|points|one thread ms|two threads ms|faster|processor ms, two threads|frame ms|two threads");
+    bench_table(
+        r, "2",
+        "scene|points|one thread ms|two threads ms|faster|processor ms, two threads|frame ms|two threads");
     for (int i = 0; i < 3; i++) {
         shading_world w;
         double wall[2], spent = 0.0, frame[2], points = 0.0;
@@ -94,7 +107,8 @@ static void table_2(bench_report *r, const bench_options *o) {
             frame[t - 1] = frame_ms(&run, wall_ms);
             shading_run_close(&run);
         }
-        bench_row(r, "%s|%.0f|%.1f|%.1f|%.2f|%.1f|%.1f|%.1f", w.name, points, wall[0], wall[1], wall[0] / wall[1], spent, frame[0], frame[1]);
+        bench_row(r, "%s|%.0f|%.1f|%.1f|%.2f|%.1f|%.1f|%.1f", w.name, points, wall[0], wall[1],
+                  wall[0] / wall[1], spent, frame[0], frame[1]);
         shading_close(&w);
     }
 }
@@ -104,8 +118,9 @@ static double patches_of(const shading_run *run) {
     return 4.0 * (double)c->value[SL_COUNT_SPLITS] - (double)c->value[SL_COUNT_PATCHES_EVICTED];
 }
 
-/* Everything that stands for the scene itself is there: its primitives' patches and vertices, in both copies of the display (each edit of the camera makes the other
- * one), and the list of those that are seen. The first update asks for corners and splits nothing. */
+/* Everything that stands for the scene itself is there: its primitives' patches and vertices, in both copies
+ * of the display (each edit of the camera makes the other one), and the list of those that are seen. The
+ * first update asks for corners and splits nothing. */
 static double bytes_of_the_scene(shading_run *run) {
     resolve_once(run);
     shading_run_edit(run, SL_CHANGED_CAMERA);
@@ -132,8 +147,9 @@ static void memory_rows(bench_report *r, const bench_options *o, const char *pat
         last = patches;
         if (patches < wanted[next]) continue;
         double bytes = (double)sl_method_memory_bytes(run.method) - start, frame = frame_ms(&run, process_ms);
-        bench_row(r, "%s|%.0f|%llu|%.2f|%.2f|%.1f|%.1f|%.0f", w.name, patches, (unsigned long long)shading_run_points(&run), start / 1048576.0, bytes / 1048576.0, bytes / patches,
-                  frame, 1e3 / frame);
+        bench_row(r, "%s|%.0f|%llu|%.2f|%.2f|%.1f|%.1f|%.0f", w.name, patches,
+                  (unsigned long long)shading_run_points(&run), start / 1048576.0, bytes / 1048576.0,
+                  bytes / patches, frame, 1e3 / frame);
         next++;
     }
     shading_run_close(&run);
@@ -141,13 +157,16 @@ static void memory_rows(bench_report *r, const bench_options *o, const char *pat
 }
 
 static void memory(bench_report *r, const bench_options *o) {
-    bench_say(r, "\nMemory beyond that of the scene's own primitives, per patch that splits made: all that grows with them, both display copies and the list of visible leaves included\n"
-                 "(paper: below 200 bytes, 20,000 patches). *scene*: MiB for rays, primitives, pixels, and what stands for each primitive before any split.\n");
+    bench_say(r, "\nMemory beyond that of the scene's own primitives, per patch that splits made: all that "
+                 "grows with them, both display copies and the list of visible leaves included\n"
+                 "(paper: below 200 bytes, 20,000 patches). *scene*: MiB for rays, primitives, pixels, and "
+                 "what stands for each primitive before any split.\n");
     bench_table(r, "memory", "scene|patches|points|scene MiB|patches MiB|bytes a patch|frame ms|frames/s");
     for (int i = 0; i < 3; i++) memory_rows(r, o, paths[i]);
 }
 
-/* What a view that rests comes to hold, and an eye that walks: patches that splits have made, and those of them that are seen (paper: 20,000, beyond the geometry). */
+/* What a view that rests comes to hold, and an eye that walks: patches that splits have made, and those of
+ * them that are seen (paper: 20,000, beyond the geometry). */
 static void walk_rows(bench_report *r, const bench_options *o, const char *path) {
     shading_world w;
     shading_run run;
@@ -158,7 +177,8 @@ static void walk_rows(bench_report *r, const bench_options *o, const char *path)
     for (int i = 0; i <= 3 * steps; i++) {
         if (i % (steps / 2) == 0) {
             const char *when = i == 0 ? "rests" : i <= steps ? "walks" : "rests again";
-            bench_row(r, "%s|%s|%llu|%llu|%.0f|%.2f", w.name, when, (unsigned long long)run.updates, (unsigned long long)shading_run_points(&run), patches_of(&run),
+            bench_row(r, "%s|%s|%llu|%llu|%.0f|%.2f", w.name, when, (unsigned long long)run.updates,
+                      (unsigned long long)shading_run_points(&run), patches_of(&run),
                       (double)sl_method_memory_bytes(run.method) / 1048576.0);
         }
         if (i < steps) shading_run_edit(&run, shading_move(&w, 2.0 * (double)(i + 1) / (double)steps));
@@ -169,7 +189,8 @@ static void walk_rows(bench_report *r, const bench_options *o, const char *path)
 }
 
 static void walks(bench_report *r, const bench_options *o) {
-    bench_say(r, "\nPatches that splits have made, at rest and while the eye walks (paper: 20,000 as a rule). *MiB*: all that the cache takes, scene and display included.\n");
+    bench_say(r, "\nPatches that splits have made, at rest and while the eye walks (paper: 20,000 as a "
+                 "rule). *MiB*: all that the cache takes, scene and display included.\n");
     bench_table(r, "walks", "scene|when|updates|points|patches|MiB");
     walk_rows(r, o, "scenes/generated/study-walk.json");
     walk_rows(r, o, "scenes/generated/pool-walk.json");

@@ -1,8 +1,10 @@
-/* Table 1 of Gautron et al. 2005: how well one picture of the hemisphere tells the irradiance, at 10,000 random visible points.
+/* Table 1 of Gautron et al. 2005: how well one picture of the hemisphere tells the irradiance, at 10,000
+ * random visible points.
  *
- * Error is of two kinds: of the hemisphere (directions that the picture misses or knows only coarsely), and noise of the light
- * samples with which what is seen is lit. Two gathers of equal directions and other light samples tell them apart:
- * with E1, E2 and the reference's halves A, B, mean (E1-A)(E2-B)/r^2 is the hemisphere's squared error alone. */
+ * Error is of two kinds: of the hemisphere (directions that the picture misses or knows only coarsely), and
+ * noise of the light samples with which what is seen is lit. Two gathers of equal directions and other light
+ * samples tell them apart: with E1, E2 and the reference's halves A, B, mean (E1-A)(E2-B)/r^2 is the
+ * hemisphere's squared error alone. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,7 +57,8 @@ static void gather_one(void *context, size_t index, unsigned worker) {
 }
 
 /* The same at the first `count` points by this thread alone: processor milliseconds a gather. */
-static double gather_points(const world *w, const instrument *m, bool jitter, uint64_t key, size_t count, unsigned threads, float *values) {
+static double gather_points(const world *w, const instrument *m, bool jitter, uint64_t key, size_t count,
+                            unsigned threads, float *values) {
     sl_gather_settings s = sl_gather_defaults();
     gather_task t = {.w = w, .key = key, .values = values};
     sl_gather *gather;
@@ -68,7 +71,8 @@ static double gather_points(const world *w, const instrument *m, bool jitter, ui
     s.hit_samples = m->samples;
     s.direct = SL_DIRECT_RAYS;
     if (m->fov_deg > 0.0) s.plane_fov = (float)(m->fov_deg * SL_PI / 180.0);
-    if (sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &counters, &error) != SL_OK) bench_fail("gather", &error);
+    if (sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &counters, &error) != SL_OK)
+        bench_fail("gather", &error);
     for (unsigned i = 0; i < threads; i++) {
         if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) bench_fail("scratch", &error);
     }
@@ -95,20 +99,26 @@ static double gather_ms(const world *w, const instrument *m, float *values) {
 
 /* ---- the world and its reference ---- */
 
-enum { CHUNK = 250 }; /* points whose reference is kept together, so that what was broken off goes on from there */
+/* points whose reference is kept together, so that what was broken off goes on from there */
+enum { CHUNK = 250 };
 
 /* The reference of points [first, first + count), both halves, from the folder or made. */
 static void find_chunk(world *w, const instrument *rays, size_t first, size_t count) {
-    uint64_t numbers[] = {sl_scene_hash(w->scene), first, count, (uint64_t)rays->size}, hash = bench_hash(4, numbers, sizeof numbers);
+    uint64_t numbers[] = {sl_scene_hash(w->scene), first, count, (uint64_t)rays->size},
+             hash = bench_hash(4, numbers, sizeof numbers);
     float values[6 * CHUNK];
     if (!bench_store_load("gathers", hash, 6 * count, values)) {
         world part = *w;
         part.points = &w->points[first];
-        fprintf(stderr, "reference: points from %zu on, twice %d x %d rays ...\n", first, rays->size, rays->size);
-        for (int half = 0; half < 2; half++) gather_points(&part, rays, true, 1000 + (uint64_t)half, count, w->threads, &values[3 * count * (size_t)half]);
+        fprintf(stderr, "reference: points from %zu on, twice %d x %d rays ...\n", first, rays->size,
+                rays->size);
+        for (int half = 0; half < 2; half++)
+            gather_points(&part, rays, true, 1000 + (uint64_t)half, count, w->threads,
+                          &values[3 * count * (size_t)half]);
         bench_store_save("gathers", hash, 6 * count, values);
     }
-    for (size_t half = 0; half < 2; half++) memcpy(&w->reference[half][3 * first], &values[3 * count * half], 3 * count * sizeof *values);
+    for (size_t half = 0; half < 2; half++)
+        memcpy(&w->reference[half][3 * first], &values[3 * count * half], 3 * count * sizeof *values);
 }
 
 /* Two gathers of N x N jittered rays with light samples of their own. */
@@ -117,7 +127,8 @@ static void find_reference(world *w, int size) {
     w->reference[0] = calloc(6 * w->count, sizeof(float));
     if (!w->reference[0]) bench_fail("reference", NULL);
     w->reference[1] = w->reference[0] + 3 * w->count;
-    for (size_t first = 0; first < w->count; first += CHUNK) find_chunk(w, &rays, first, w->count - first < CHUNK ? w->count - first : CHUNK);
+    for (size_t first = 0; first < w->count; first += CHUNK)
+        find_chunk(w, &rays, first, w->count - first < CHUNK ? w->count - first : CHUNK);
     for (size_t i = 0; i < 6 * w->count; i++) w->mean += (double)w->reference[0][i] / (double)(6 * w->count);
 }
 
@@ -147,18 +158,22 @@ static void close_world(world *w) {
 /* ---- errors ---- */
 
 typedef struct gather_error {
-    double relative;    /* sqrt(mean (E-A)(E-B) / r^2): per value, as only so the borders come in the paper's order */
+    /* sqrt(mean (E-A)(E-B) / r^2): per value, as only so the borders come in the paper's order */
+    double relative;
     double hemisphere;  /* the same without the light samples' noise */
     double to_mean;     /* sqrt(mean (E-A)(E-B)) / mean r */
     double bias;        /* mean (E-r)/r */
     double excluded;    /* share of values below a thousandth of the mean */
 } gather_error;
 
-static double root(double square, double count) { return count > 0.0 && square > 0.0 ? sqrt(square / count) : 0.0; }
+static double root(double square, double count) {
+    return count > 0.0 && square > 0.0 ? sqrt(square / count) : 0.0;
+}
 
 static gather_error errors_of(const world *w, size_t points, const float *first, const float *second) {
     gather_error e = {0};
-    double relative = 0.0, hemisphere = 0.0, absolute = 0.0, bias = 0.0, used = 0.0, all = (double)(3 * points);
+    double relative = 0.0, hemisphere = 0.0, absolute = 0.0, bias = 0.0, used = 0.0,
+           all = (double)(3 * points);
     for (size_t i = 0; i < 3 * points; i++) {
         double a = (double)w->reference[0][i], b = (double)w->reference[1][i], r = 0.5 * (a + b);
         double x = (double)first[i], y = (double)second[i];
@@ -177,10 +192,12 @@ static gather_error errors_of(const world *w, size_t points, const float *first,
     return e;
 }
 
-static size_t some_points(const world *w) { return w->count < 500 ? w->count : w->count < 5000 ? 500 : w->count / 10; }
+static size_t some_points(const world *w) {
+    return w->count < 500 ? w->count : w->count < 5000 ? 500 : w->count / 10;
+}
 
-/* The hemisphere's error alone, of two gathers whose directions are equal (jitter would move them), at some of the points; and so is
- * all where there are many light samples, which are as dear as they are many. */
+/* The hemisphere's error alone, of two gathers whose directions are equal (jitter would move them), at some
+ * of the points; and so is all where there are many light samples, which are as dear as they are many. */
 static gather_error measure(const world *w, const instrument *m, double *ms) {
     size_t some = some_points(w), all = m->samples > 1 ? some : w->count;
     for (int i = 0; i < 2; i++) gather_points(w, m, false, 1 + (uint64_t)i, some, w->threads, w->gathered[i]);
@@ -192,12 +209,14 @@ static gather_error measure(const world *w, const instrument *m, double *ms) {
     return e;
 }
 
-static void error_row(bench_report *r, const char *scene, const instrument *m, const gather_error *e, double ms) {
+static void error_row(bench_report *r, const char *scene, const instrument *m, const gather_error *e,
+                      double ms) {
     char fov[16] = "";
     if (m->fov_deg > 0.0) snprintf(fov, sizeof fov, "%.2f", m->fov_deg);
     int cells = m->kind == SL_GATHER_HEMICUBE ? 3 * m->size * m->size : m->size * m->size;
-    bench_row(r, "%s|%s|%d|%s|%d|%u|%.2f|%.2f|%.2f|%+.2f|%.3f", scene, m->name, m->size, fov, cells, m->samples, 100.0 * e->relative,
-              100.0 * e->hemisphere, 100.0 * e->to_mean, 100.0 * e->bias, ms);
+    bench_row(r, "%s|%s|%d|%s|%d|%u|%.2f|%.2f|%.2f|%+.2f|%.3f", scene, m->name, m->size, fov, cells,
+              m->samples, 100.0 * e->relative, 100.0 * e->hemisphere, 100.0 * e->to_mean, 100.0 * e->bias,
+              ms);
 }
 
 /* ---- rows ---- */
@@ -213,18 +232,20 @@ static int size_of_cost(const world *w, sl_gather_kind kind, double ms) {
     return best;
 }
 
-static double row(bench_report *r, const world *w, const char *scene, const instrument *m, double *ms, double *best) {
+static double row(bench_report *r, const world *w, const char *scene, const instrument *m, double *ms,
+                  double *best) {
     gather_error e = measure(w, m, ms);
     error_row(r, scene, m, &e, *ms);
     if (m->size == 64) *best = fmin(*best, e.relative);
     return e.relative;
 }
 
-/* The paper's scenes have lights without extent, which need no samples: its rows are repeated with as many light samples as leave the
- * hemisphere's error alone to be seen. */
+/* The paper's scenes have lights without extent, which need no samples: its rows are repeated with as many
+ * light samples as leave the hemisphere's error alone to be seen. */
 enum { MANY_SAMPLES = 16 };
 
-static void plane_rows(bench_report *r, const world *w, const char *scene, double fov, uint32_t samples, double e[4], double *radial_ms, double *best) {
+static void plane_rows(bench_report *r, const world *w, const char *scene, double fov, uint32_t samples,
+                       double e[4], double *radial_ms, double *best) {
     static const char *const names[] = {"plane, plain", "plane, LC04", "plane, radial", "plane, axial"};
     static const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL};
     double ms;
@@ -235,17 +256,21 @@ static void plane_rows(bench_report *r, const world *w, const char *scene, doubl
     }
 }
 
-static void table_1(bench_report *r, const bench_options *o, const world *w, const char *scene, double *best) {
+static void table_1(bench_report *r, const bench_options *o, const world *w, const char *scene,
+                    double *best) {
     static const double fovs[] = {126.87, 140.0};
     static const uint32_t samples[] = {1, MANY_SAMPLES};
     double ms, radial_ms = 0.0, errors[2][2][4];
-    bench_table(r, scene, "scene|instrument|N|FOV|cells|light spp|relRMS %|hemisphere %|RMSE/mean %|bias %|ms");
+    bench_table(r, scene,
+                "scene|instrument|N|FOV|cells|light spp|relRMS %|hemisphere %|RMSE/mean %|bias %|ms");
     for (int s = 0; s < 2; s++) {
-        for (int f = 0; f < (o->brief ? 1 : 2); f++) plane_rows(r, w, scene, fovs[f], samples[s], errors[s][f], &radial_ms, best);
-        const instrument others[] = {{"hemicube, N = 64", SL_GATHER_HEMICUBE, 64, 0.0, SL_BORDER_RADIAL, samples[s]},
-                                     {"rays, N = 64", SL_GATHER_RAYS, 64, 0.0, SL_BORDER_RADIAL, samples[s]},
-                                     {"hemicube, as dear", SL_GATHER_HEMICUBE, 0, 0.0, SL_BORDER_RADIAL, 1},
-                                     {"rays, as dear", SL_GATHER_RAYS, 0, 0.0, SL_BORDER_RADIAL, 1}};
+        for (int f = 0; f < (o->brief ? 1 : 2); f++)
+            plane_rows(r, w, scene, fovs[f], samples[s], errors[s][f], &radial_ms, best);
+        const instrument others[] = {
+            {"hemicube, N = 64", SL_GATHER_HEMICUBE, 64, 0.0, SL_BORDER_RADIAL, samples[s]},
+            {"rays, N = 64", SL_GATHER_RAYS, 64, 0.0, SL_BORDER_RADIAL, samples[s]},
+            {"hemicube, as dear", SL_GATHER_HEMICUBE, 0, 0.0, SL_BORDER_RADIAL, 1},
+            {"rays, as dear", SL_GATHER_RAYS, 0, 0.0, SL_BORDER_RADIAL, 1}};
         for (size_t i = 0; i < (s ? 2 : 4); i++) {
             instrument m = others[i];
             if (!m.size) m.size = size_of_cost(w, m.kind, radial_ms);
@@ -256,8 +281,11 @@ static void table_1(bench_report *r, const bench_options *o, const world *w, con
         for (int f = 0; f < (o->brief ? 1 : 2); f++) {
             const double *e = errors[s][f];
             bool ordered = e[0] > e[1] && e[1] > e[2];
-            bench_say(r, "\n%s, %.2f degrees, %u light samples: plain : LC04 : radial = 1 : %.2f : %.2f (paper 1 : 0.57 : 0.32); order %s; radial / plain %s 0.6\n",
-                      scene, fovs[f], samples[s], e[1] / e[0], e[2] / e[0], ordered ? "holds" : "DOES NOT HOLD", e[2] <= 0.6 * e[0] ? "<=" : "ABOVE");
+            bench_say(r,
+                      "\n%s, %.2f degrees, %u light samples: plain : LC04 : radial = 1 : %.2f : %.2f (paper "
+                      "1 : 0.57 : 0.32); order %s; radial / plain %s 0.6\n",
+                      scene, fovs[f], samples[s], e[1] / e[0], e[2] / e[0],
+                      ordered ? "holds" : "DOES NOT HOLD", e[2] <= 0.6 * e[0] ? "<=" : "ABOVE");
         }
     }
 }
@@ -272,10 +300,12 @@ static void fov_sweep(bench_report *r, const bench_options *o, const world *w, c
         double half = 0.5 * fovs[f] * SL_PI / 180.0, sine = sl_sin(half), e[4];
         for (int i = 0; i < 4; i++) {
             instrument m = {"", SL_GATHER_PLANE, 64, fovs[f], (sl_border)i, 1};
-            for (int k = 0; k < 2; k++) gather_points(w, &m, false, 1 + (uint64_t)k, some_points(w), w->threads, w->gathered[k]);
+            for (int k = 0; k < 2; k++)
+                gather_points(w, &m, false, 1 + (uint64_t)k, some_points(w), w->threads, w->gathered[k]);
             e[i] = 100.0 * errors_of(w, some_points(w), w->gathered[0], w->gathered[1]).hemisphere;
         }
-        bench_row(r, "%s|%.2f|%.4f|%.2f|%.2f|%.2f|%.2f", scene, fovs[f], 4.0 / SL_PI * sine * sl_atan(sine), e[0], e[1], e[2], e[3]);
+        bench_row(r, "%s|%.2f|%.4f|%.2f|%.2f|%.2f|%.2f", scene, fovs[f], 4.0 / SL_PI * sine * sl_atan(sine),
+                  e[0], e[1], e[2], e[3]);
     }
 }
 
@@ -283,8 +313,10 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     char scene[64];
     world w;
     bench_scene_name(path, scene);
-    if (!bench_wants(o, scene) || !open_world(r, path, o->brief ? 100 : o->points ? o->points : points, &w)) return;
-    int size = o->brief ? 64 : 96; /* noisier than some of what it judges, but the errors' form takes that off */
+    if (!bench_wants(o, scene) || !open_world(r, path, o->brief ? 100 : o->points ? o->points : points, &w))
+        return;
+    /* noisier than some of what it judges, but the errors' form takes that off */
+    int size = o->brief ? 64 : 96;
     find_reference(&w, size);
     double noise = 0.0, used = 0.0;
     for (size_t i = 0; i < 3 * w.count; i++) {
@@ -293,11 +325,15 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
         noise += 0.25 * (a - b) * (a - b) / (mean * mean);
         used++;
     }
-    bench_say(r, "\n%s: %zu points, reference twice %d x %d rays, its noise %.2f %%; %.2f %% of the values are below a thousandth of the mean\n",
-              scene, w.count, size, size, 100.0 * root(noise, used), 100.0 * (1.0 - used / (double)(3 * w.count)));
+    bench_say(r,
+              "\n%s: %zu points, reference twice %d x %d rays, its noise %.2f %%; %.2f %% of the values are "
+              "below a thousandth of the mean\n",
+              scene, w.count, size, size, 100.0 * root(noise, used),
+              100.0 * (1.0 - used / (double)(3 * w.count)));
     double best = INFINITY;
     table_1(r, o, &w, scene, &best);
-    bench_say(r, "%s: best at N = 64: %.2f %%, %s 2 %%\n", scene, 100.0 * best, best < 0.02 ? "below" : "ABOVE");
+    bench_say(r, "%s: best at N = 64: %.2f %%, %s 2 %%\n", scene, 100.0 * best,
+              best < 0.02 ? "below" : "ABOVE");
     fov_sweep(r, o, &w, scene);
     close_world(&w);
 }

@@ -1,8 +1,10 @@
-/* Table 2 of Gautron et al. 2005: records, seconds and errors on whole scenes, and beside Radiance (Ward 1994) at equal error.
+/* Table 2 of Gautron et al. 2005: records, seconds and errors on whole scenes, and beside Radiance (Ward
+ * 1994) at equal error.
  *
- * The error is that of the method: against the path tracer on exactly the paths that splatting models, at one pixel of each block. Its
- * parts are relative to the whole picture, so that they add up. Where there is an environment, how its light is split between direct
- * and indirect part is the method's own affair, so only the whole is compared. */
+ * The error is that of the method: against the path tracer on exactly the paths that splatting models, at one
+ * pixel of each block. Its parts are relative to the whole picture, so that they add up. Where there is an
+ * environment, how its light is split between direct and indirect part is the method's own affair, so only
+ * the whole is compared. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,7 +43,8 @@ typedef struct target {
     float *values[3];
 } target;
 
-static void open_target(const sl_scene *scene, int width, int height, int block, uint32_t samples, target *t) {
+static void open_target(const sl_scene *scene, int width, int height, int block, uint32_t samples,
+                        target *t) {
     sl_tracer *tracer;
     sl_error error;
     sl_transport transport, direct;
@@ -82,13 +85,18 @@ static void errors_of(const sl_image *image, target *t, bench_error errors[3]) {
 /* ---- scenes ---- */
 
 static const char *const scene_paths[] = {
-    "scenes/generated/atrium.json",  "scenes/generated/cathedral.json", "scenes/generated/room.json",  "scenes/cornell.json",
-    "bench/scenes/sponza.json",      "bench/scenes/sponza-flat.json",   "bench/scenes/sponza-crytek.json", "bench/scenes/fzk-haus.json",
-    "bench/scenes/classroom.json",   "bench/scenes/veach-ajar.json",    "bench/scenes/map-complex.json",   "bench/scenes/living-room.json",
+    "scenes/generated/atrium.json",    "scenes/generated/cathedral.json",
+    "scenes/generated/room.json",      "scenes/cornell.json",
+    "bench/scenes/sponza.json",        "bench/scenes/sponza-flat.json",
+    "bench/scenes/sponza-crytek.json", "bench/scenes/fzk-haus.json",
+    "bench/scenes/classroom.json",     "bench/scenes/veach-ajar.json",
+    "bench/scenes/map-complex.json",   "bench/scenes/living-room.json",
 };
 
-static const setting settings_shown[] = {{"draft", SL_QUALITY_DRAFT, 0.0, 0, 0}, {"normal", SL_QUALITY_NORMAL, 0.0, 0, 0},
-                                         {"high, a 0.15", SL_QUALITY_HIGH, 0.15, 0, 0}, {"high, a 0.1", SL_QUALITY_HIGH, 0.10, 0, 0}};
+static const setting settings_shown[] = {{"draft", SL_QUALITY_DRAFT, 0.0, 0, 0},
+                                         {"normal", SL_QUALITY_NORMAL, 0.0, 0, 0},
+                                         {"high, a 0.15", SL_QUALITY_HIGH, 0.15, 0, 0},
+                                         {"high, a 0.1", SL_QUALITY_HIGH, 0.10, 0, 0}};
 
 /* Nothing where nothing was measured. */
 static const char *or_blank(double value, int digits, char text[24]) {
@@ -103,11 +111,13 @@ static void scene_row(bench_report *r, const char *scene, const setting *s, cons
     errors_of(run->image, t, errors);
     double faster = run->wall_two > 0.0 ? run->wall_one / run->wall_two : 0.0;
     double rest = run->cpu[SPLAT_SETUP] + run->cpu[SPLAT_GBUFFER] + run->cpu[SPLAT_COMPOSE];
-    bench_row(r, "%s|%s|%zu|%zu|%.2f|%.2f|%.3f|%.2f|%.2f|%s|%s|%.2f|%s|%s|%s|%.1e|%+.2f", scene, s->name, run->records[0],
-              run->records[1], run->cpu[SPLAT_DIRECT], run->cpu[SPLAT_RECORDS] + run->cpu[SPLAT_RECORDS + 1],
-              run->cpu[SPLAT_SPLATS] + run->cpu[SPLAT_SPLATS + 1], rest, run->cpu_all, or_blank(run->wall_two, 2, wall), or_blank(faster, 2, gain), 100.0 * errors[0].rel_rmse, bench_mse_text(&errors[0], whole),
-              t->parts ? bench_mse_text(&errors[1], direct) : "", t->parts ? bench_mse_text(&errors[2], indirect) : "",
-              errors[0].noise, 100.0 * errors[0].bias);
+    bench_row(r, "%s|%s|%zu|%zu|%.2f|%.2f|%.3f|%.2f|%.2f|%s|%s|%.2f|%s|%s|%s|%.1e|%+.2f", scene, s->name,
+              run->records[0], run->records[1], run->cpu[SPLAT_DIRECT],
+              run->cpu[SPLAT_RECORDS] + run->cpu[SPLAT_RECORDS + 1],
+              run->cpu[SPLAT_SPLATS] + run->cpu[SPLAT_SPLATS + 1], rest, run->cpu_all,
+              or_blank(run->wall_two, 2, wall), or_blank(faster, 2, gain), 100.0 * errors[0].rel_rmse,
+              bench_mse_text(&errors[0], whole), t->parts ? bench_mse_text(&errors[1], direct) : "",
+              t->parts ? bench_mse_text(&errors[2], indirect) : "", errors[0].noise, 100.0 * errors[0].bias);
 }
 
 /* What a record and its splat cost, and what a gather at every pixel would. */
@@ -137,15 +147,17 @@ static void note_costs(costs *c, const char *scene, const setting *s, const spla
 }
 
 static void costs_table(bench_report *r, const costs *c) {
-    bench_say(r, "\nA record and its splat, and a gather at every pixel that reflects, of which the records are a sample; *times* as long as\n"
+    bench_say(r, "\nA record and its splat, and a gather at every pixel that reflects, of which the records "
+                 "are a sample; *times* as long as\n"
                  "records and splats together (the paper: 29.7 and 47.1, beside another program)\n");
     bench_table(r, "costs", "scene|setting|ms a record|us a splat|splats %|every pixel s|times");
     for (size_t i = 0; i < c->count; i++) {
         const cost_row *row = &c->row[i];
         double every = row->gather_seconds / row->gathers * row->receivers;
         if (!(row->records > 0.0) || !(row->gathers > 0.0)) continue;
-        bench_row(r, "%s|%s|%.2f|%.2f|%.2f|%.0f|%.0f", row->scene, row->setting, 1e3 * row->gather_seconds / row->records,
-                  1e6 * row->splat_seconds / row->records, 100.0 * row->splat_seconds / row->all_seconds, every,
+        bench_row(r, "%s|%s|%.2f|%.2f|%.2f|%.0f|%.0f", row->scene, row->setting,
+                  1e3 * row->gather_seconds / row->records, 1e6 * row->splat_seconds / row->records,
+                  100.0 * row->splat_seconds / row->all_seconds, every,
                   every / (row->gather_seconds + row->splat_seconds));
     }
 }
@@ -175,12 +187,17 @@ static void whole_scene(bench_report *r, const bench_options *o, const char *pat
 }
 
 static void whole_scenes(bench_report *r, const bench_options *o) {
-    bench_say(r, "\nProcessor seconds of one thread; wall 2: of a clock with two threads, and how many times as fast those are as one; errors of the whole picture and of its two parts, in shares\n"
-                 "of the whole; in brackets where the reference's noise is over a tenth of the squared error, which is then not to be relied on.\n");
-    bench_table(r, "scenes", "scene|setting|irr. rec.|rad. rec.|direct s|records s|splats s|rest s|all s|wall 2 s|2 threads|relRMSE %|relMSE|of direct|of indirect|"
-                             "noise|bias %");
+    bench_say(r, "\nProcessor seconds of one thread; wall 2: of a clock with two threads, and how many times "
+                 "as fast those are as one; errors of the whole picture and of its two parts, in shares\n"
+                 "of the whole; in brackets where the reference's noise is over a tenth of the squared "
+                 "error, which is then not to be relied on.\n");
+    bench_table(r, "scenes",
+                "scene|setting|irr. rec.|rad. rec.|direct s|records s|splats s|rest s|all s|wall 2 s|2 "
+                "threads|relRMSE %|relMSE|of direct|of indirect|"
+                "noise|bias %");
     costs paid = {0};
-    for (size_t i = 0; i < sizeof scene_paths / sizeof *scene_paths; i++) whole_scene(r, o, scene_paths[i], &paid);
+    for (size_t i = 0; i < sizeof scene_paths / sizeof *scene_paths; i++)
+        whole_scene(r, o, scene_paths[i], &paid);
     costs_table(r, &paid);
 }
 
@@ -191,7 +208,8 @@ typedef struct peer {
     double cpu, rel_rmse, rel_mse; /* seconds, share, relMSE; 0: not known */
 } peer;
 
-/* Processor seconds on the same kind of machine, and errors measured as ours are (radiance 5.3a unless it says otherwise). */
+/* Processor seconds on the same kind of machine, and errors measured as ours are (radiance 5.3a unless it
+ * says otherwise). */
 static const peer cornell_peers[] = {
     {"Radiance .5/256 ds .2", 0.68, 0.106, 1.55e-3},   {"Radiance .5/1024 ds .1", 2.16, 0.042, 2.4e-4},
     {"Radiance .5/1024 ds .05", 6.82, 0.018, 4.8e-5},  {"Radiance .25/1024 dj 0", 7.51, 0.011, 1.8e-5},
@@ -224,7 +242,8 @@ typedef struct trial_grid {
     uint32_t samples[8];
 } trial_grid;
 
-static const trial_grid cornell_grid = {{1.2, 0.8, 0.5, 0.4, 0.3, 0.15}, {12, 14, 16, 18, 28, 44}, {1, 2, 4, 8, 16, 64}};
+static const trial_grid cornell_grid = {
+    {1.2, 0.8, 0.5, 0.4, 0.3, 0.15}, {12, 14, 16, 18, 28, 44}, {1, 2, 4, 8, 16, 64}};
 static const trial_grid cornell_brief = {{1.2, 0.5, 0.15}, {12, 28}, {1, 4, 64}};
 static const trial_grid sponza_grid = {{0.8, 0.5, 0.35, 0.25}, {12, 16, 20, 28}, {1, 2, 4}};
 
@@ -235,8 +254,10 @@ static size_t make_trials(const trial_grid *grid, trial *trials) {
             for (size_t n = 0; grid->samples[n]; n++) {
                 trial *t = &trials[count++];
                 double accuracy = grid->accuracy[a];
-                *t = (trial){.s = {NULL, accuracy < 0.3 ? SL_QUALITY_HIGH : SL_QUALITY_NORMAL, accuracy, grid->gather[g], grid->samples[n]}};
-                snprintf(t->name, sizeof t->name, "a %g N %d spp %u", accuracy, grid->gather[g], grid->samples[n]);
+                *t = (trial){.s = {NULL, accuracy < 0.3 ? SL_QUALITY_HIGH : SL_QUALITY_NORMAL, accuracy,
+                                   grid->gather[g], grid->samples[n]}};
+                snprintf(t->name, sizeof t->name, "a %g N %d spp %u", accuracy, grid->gather[g],
+                         grid->samples[n]);
             }
         }
     }
@@ -246,38 +267,47 @@ static size_t make_trials(const trial_grid *grid, trial *trials) {
 static const trial *cheapest(const trial *trials, size_t count, const peer *p) {
     const trial *best = NULL;
     for (size_t i = 0; i < count; i++) {
-        if (trials[i].rel_rmse > p->rel_rmse || (p->rel_mse > 0.0 && trials[i].rel_mse > p->rel_mse)) continue;
+        if (trials[i].rel_rmse > p->rel_rmse || (p->rel_mse > 0.0 && trials[i].rel_mse > p->rel_mse))
+            continue;
         if (!best || trials[i].cpu < best->cpu) best = &trials[i];
     }
     return best;
 }
 
-static void ratio_rows(bench_report *r, const peer *peers, size_t peer_count, const trial *trials, size_t count) {
+static void ratio_rows(bench_report *r, const peer *peers, size_t peer_count, const trial *trials,
+                       size_t count) {
     for (size_t i = 0; i < peer_count; i++) {
         const peer *p = &peers[i];
         const trial *t = cheapest(trials, count, p);
         char error[32] = "", wall[24], ratio[24];
         if (p->rel_mse > 0.0) snprintf(error, sizeof error, "%.2e", p->rel_mse);
-        if (!t) bench_row(r, "%s|%.2f|%.2f|%s|none as good|||||||", p->name, p->cpu, 100.0 * p->rel_rmse, error);
+        if (!t)
+            bench_row(r, "%s|%.2f|%.2f|%s|none as good|||||||", p->name, p->cpu, 100.0 * p->rel_rmse, error);
         else
-            bench_row(r, "%s|%.2f|%.2f|%s|%s|%llu|%.2f|%.2e|%.3f|%s|%.0f|%s", p->name, p->cpu, 100.0 * p->rel_rmse, error, t->name,
-                      t->records, 100.0 * t->rel_rmse, t->rel_mse, t->cpu, or_blank(t->wall, 3, wall), p->cpu / t->cpu,
+            bench_row(r, "%s|%.2f|%.2f|%s|%s|%llu|%.2f|%.2e|%.3f|%s|%.0f|%s", p->name, p->cpu,
+                      100.0 * p->rel_rmse, error, t->name, t->records, 100.0 * t->rel_rmse, t->rel_mse,
+                      t->cpu, or_blank(t->wall, 3, wall), p->cpu / t->cpu,
                       or_blank(t->wall > 0.0 ? p->cpu / t->wall : 0.0, 0, ratio));
     }
 }
 
-static const char ratio_header[] = "renderer|its CPU s|relRMSE %|relMSE|ours|records|relRMSE %|relMSE|CPU s|wall 2 s|CPU ratio|wall ratio";
+static const char ratio_header[] =
+    "renderer|its CPU s|relRMSE %|relMSE|ours|records|relRMSE %|relMSE|CPU s|wall 2 s|CPU ratio|wall ratio";
 
-/* Errors under the mask as the peers' were measured: relMSE with 0.01 absolute, noise taken off by two independent references. */
-static void masked_errors(const sl_image *x, const sl_image *const reference[2], const sl_image *mask, trial *t) {
+/* Errors under the mask as the peers' were measured: relMSE with 0.01 absolute, noise taken off by two
+ * independent references. */
+static void masked_errors(const sl_image *x, const sl_image *const reference[2], const sl_image *mask,
+                          trial *t) {
     static const char *const names[] = {"R", "G", "B"};
     double square = 0.0, relative = 0.0, mean = 0.0, values = 0.0;
     size_t pixels = (size_t)x->width * (size_t)x->height;
     for (int c = 0; c < 3; c++) {
-        const float *p = sl_image_channel(x, names[c]), *a = sl_image_channel(reference[0], names[c]), *b = sl_image_channel(reference[1], names[c]);
+        const float *p = sl_image_channel(x, names[c]), *a = sl_image_channel(reference[0], names[c]),
+                    *b = sl_image_channel(reference[1], names[c]);
         for (size_t i = 0; i < pixels; i++) {
             if (!(mask->planes[i] > 0.5f)) continue;
-            double product = ((double)p[i] - (double)a[i]) * ((double)p[i] - (double)b[i]), r = 0.5 * ((double)a[i] + (double)b[i]);
+            double product = ((double)p[i] - (double)a[i]) * ((double)p[i] - (double)b[i]),
+                   r = 0.5 * ((double)a[i] + (double)b[i]);
             square += product;
             relative += product / (r * r + 0.01);
             mean += r;
@@ -293,16 +323,20 @@ static void write_trials(const bench_options *o, const char *name, const trial *
     snprintf(path, sizeof path, "%s/table2-%s-trials.csv", o->folder, name);
     FILE *file = fopen(path, "w");
     if (!file) return;
-    fprintf(file, "accuracy,gather,light samples,records,relRMSE,relMSE,direct s,records s,splats s,cpu s,wall 2 s\n");
+    fprintf(
+        file,
+        "accuracy,gather,light samples,records,relRMSE,relMSE,direct s,records s,splats s,cpu s,wall 2 s\n");
     for (size_t i = 0; i < count; i++) {
         const trial *t = &trials[i];
-        fprintf(file, "%g,%d,%u,%llu,%.5f,%.4e,%.4f,%.4f,%.4f,%.4f,%.4f\n", t->s.accuracy, t->s.gather, t->s.spp, t->records, t->rel_rmse,
-                t->rel_mse, t->part[0], t->part[1], t->part[2], t->cpu, t->wall);
+        fprintf(file, "%g,%d,%u,%llu,%.5f,%.4e,%.4f,%.4f,%.4f,%.4f,%.4f\n", t->s.accuracy, t->s.gather,
+                t->s.spp, t->records, t->rel_rmse, t->rel_mse, t->part[0], t->part[1], t->part[2], t->cpu,
+                t->wall);
     }
     fclose(file);
 }
 
-static void run_trials(const bench_options *o, const char *name, const sl_scene *scene, int size, trial *trials, size_t count,
+static void run_trials(const bench_options *o, const char *name, const sl_scene *scene, int size,
+                       trial *trials, size_t count,
                        void (*judge)(const sl_image *image, void *context, trial *t), void *context) {
     for (size_t i = 0; i < count; i++) {
         sl_settings settings = settings_of(&trials[i].s, size, size);
@@ -341,7 +375,8 @@ static void beside_radiance_cornell(bench_report *r, const bench_options *o) {
     sl_scene *scene;
     cornell_judge j = {{NULL, NULL}, NULL};
     trial *trials = calloc(TRIALS_MAX, sizeof *trials);
-    if (!trials || !bench_wants(o, "cornell-measured") || !bench_open_scene(r, "bench/scenes/cornell-measured.json", &scene)) {
+    if (!trials || !bench_wants(o, "cornell-measured") ||
+        !bench_open_scene(r, "bench/scenes/cornell-measured.json", &scene)) {
         free(trials);
         return;
     }
@@ -350,7 +385,8 @@ static void beside_radiance_cornell(bench_report *r, const bench_options *o) {
         read_image(r, "../shared/refs/cornell512_mask.pfm", &j.mask)) {
         size_t count = make_trials(o->brief ? &cornell_brief : &cornell_grid, trials);
         run_trials(o, "cornell", scene, 512, trials, count, judge_cornell, &j);
-        bench_say(r, "\nCornell box, 512 x 512, direct light and one diffuse bounce, under the mask; at equal or lower error in both columns\n");
+        bench_say(r, "\nCornell box, 512 x 512, direct light and one diffuse bounce, under the mask; at "
+                     "equal or lower error in both columns\n");
         bench_table(r, "radiance-cornell", ratio_header);
         ratio_rows(r, cornell_peers, sizeof cornell_peers / sizeof *cornell_peers, trials, count);
     }
@@ -360,7 +396,8 @@ static void beside_radiance_cornell(bench_report *r, const bench_options *o) {
     free(trials);
 }
 
-/* Blocks in which a lamp shows are left out: its edges are a pixel filter's affair, and pbrt-v2 filters where we take a pixel's centre. */
+/* Blocks in which a lamp shows are left out: its edges are a pixel filter's affair, and pbrt-v2 filters where
+ * we take a pixel's centre. */
 static bool shows_lamp(const sl_image *reference, int left, int top, int block) {
     enum { LAMP = 10, MARGIN = 2 };
     size_t pixels = (size_t)reference->width * (size_t)reference->height;
@@ -368,7 +405,9 @@ static bool shows_lamp(const sl_image *reference, int left, int top, int block) 
         for (int x = left - MARGIN; x < left + block + MARGIN; x++) {
             if (x < 0 || y < 0 || x >= reference->width || y >= reference->height) continue;
             for (size_t c = 0; c < 3; c++) {
-                if (reference->planes[c * pixels + (size_t)y * (size_t)reference->width + (size_t)x] > (float)LAMP) return true;
+                if (reference->planes[c * pixels + (size_t)y * (size_t)reference->width + (size_t)x] >
+                    (float)LAMP)
+                    return true;
             }
         }
     }
@@ -409,15 +448,18 @@ static void beside_radiance_sponza(bench_report *r, const bench_options *o) {
     sl_scene *scene;
     sl_image *reference = NULL;
     trial *trials = calloc(TRIALS_MAX, sizeof *trials);
-    if (!trials || o->brief || !bench_wants(o, "sponza-flat") || !bench_open_scene(r, "bench/scenes/sponza-flat.json", &scene)) {
+    if (!trials || o->brief || !bench_wants(o, "sponza-flat") ||
+        !bench_open_scene(r, "bench/scenes/sponza-flat.json", &scene)) {
         free(trials);
         return;
     }
     if (read_image(r, "../shared/refs/sponza1000_1b_pbrt1024.pfm", &reference)) {
         size_t count = make_trials(&sponza_grid, trials);
         run_trials(o, "sponza", scene, 1000, trials, count, judge_sponza, reference);
-        bench_say(r, "\nSponza without textures, 1000 x 1000: relRMSE of the means of 20 x 20 pixels (Radiance's: against its own finest picture;\n"
-                     "ours: against pbrt-v2's 1024 samples, blocks with a lamp in them left out); our relMSE is of single pixels and holds that reference's noise of 3e-4\n");
+        bench_say(r, "\nSponza without textures, 1000 x 1000: relRMSE of the means of 20 x 20 pixels "
+                     "(Radiance's: against its own finest picture;\n"
+                     "ours: against pbrt-v2's 1024 samples, blocks with a lamp in them left out); our relMSE "
+                     "is of single pixels and holds that reference's noise of 3e-4\n");
         bench_table(r, "radiance-sponza", ratio_header);
         ratio_rows(r, sponza_peers, sizeof sponza_peers / sizeof *sponza_peers, trials, count);
     }

@@ -1,6 +1,7 @@
-/* A walk-through: at most 100 new records a frame along a fixed path of the camera, then a still camera while the picture fills. What a
- * frame costs, how far it is from the truth, and whether it is calm: with a still camera the mean change of a pixel from one frame to
- * the next must fall steadily, or records would be seen to pop up. */
+/* A walk-through: at most 100 new records a frame along a fixed path of the camera, then a still camera while
+ * the picture fills. What a frame costs, how far it is from the truth, and whether it is calm: with a still
+ * camera the mean change of a pixel from one frame to the next must fall steadily, or records would be seen
+ * to pop up. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +24,9 @@ typedef struct frame {
     double wall, cpu;          /* milliseconds */
     double error, noise;       /* relMSE; negative: not measured */
     double rel_rmse;
-    double change, largest;    /* mean and largest absolute change of a pixel since the frame before, in shares of the mean; negative: camera moved */
+    /* mean and largest absolute change of a pixel since the frame before, in shares of the mean; negative:
+     * camera moved */
+    double change, largest;
     bool moved, done;
 } frame;
 
@@ -52,10 +55,12 @@ static void place_camera(world *w, const walk *k, int number) {
     double angle = k->turn_deg * SL_PI / 180.0 * sl_sin(0.75 * SL_PI * eased);
     float cosine = (float)sl_cos(angle), sine = (float)sl_sin(angle);
     sl_vec3 arm = sl_sub(c.eye, target);
-    float eye[3] = {target.x + cosine * arm.x + sine * arm.z, target.y + arm.y * (1.0f - 0.2f * (float)t), target.z - sine * arm.x + cosine * arm.z};
+    float eye[3] = {target.x + cosine * arm.x + sine * arm.z, target.y + arm.y * (1.0f - 0.2f * (float)t),
+                    target.z - sine * arm.x + cosine * arm.z};
     const float at[3] = {target.x, target.y, target.z}, up[3] = {0.0f, 1.0f, 0.0f};
     sl_error error;
-    if (sl_scene_set_camera(w->scene, eye, at, up, c.vertical_fov, &error) != SL_OK) bench_fail("camera", &error);
+    if (sl_scene_set_camera(w->scene, eye, at, up, c.vertical_fov, &error) != SL_OK)
+        bench_fail("camera", &error);
 }
 
 /* ---- frames ---- */
@@ -158,25 +163,33 @@ static void frame_rows(bench_report *r, const world *w, const char *name, int co
     char file_name[700], a[24], b[24], c[24], d[24];
     snprintf(file_name, sizeof file_name, "%s/walk-%s-frames.csv", r->folder, name);
     FILE *file = fopen(file_name, "w");
-    if (file) fprintf(file, "frame,camera,new records,records,wall ms,cpu ms,relMSE,noise,relRMSE,mean change,largest change\n");
-    bench_table(r, name, "walk|frame|camera|new|records|wall ms|CPU ms|frames/s|relRMSE %|relMSE|mean change %|largest / mean");
+    if (file)
+        fprintf(file, "frame,camera,new records,records,wall ms,cpu ms,relMSE,noise,relRMSE,mean "
+                      "change,largest change\n");
+    bench_table(r, name,
+                "walk|frame|camera|new|records|wall ms|CPU ms|frames/s|relRMSE %|relMSE|mean change "
+                "%|largest / mean");
     for (int i = 0; i < count; i++) {
         const frame *f = &w->frames[i];
         const char *camera = i == 0 ? "first" : f->moved ? "moves" : "still";
         if (file)
-            fprintf(file, "%d,%s,%llu,%llu,%.2f,%.2f,%.4e,%.2e,%.5f,%.4e,%.4e\n", i, camera, (unsigned long long)f->new_records,
-                    (unsigned long long)f->all_records, f->wall, f->cpu, f->error, f->noise, f->rel_rmse, f->change, f->largest);
-        bool shown = f->moved ? f->error >= 0.0 || i == 0 : i < w->moving + 5 || (i - w->moving) % 20 == 0 || i == count - 1;
+            fprintf(file, "%d,%s,%llu,%llu,%.2f,%.2f,%.4e,%.2e,%.5f,%.4e,%.4e\n", i, camera,
+                    (unsigned long long)f->new_records, (unsigned long long)f->all_records, f->wall, f->cpu,
+                    f->error, f->noise, f->rel_rmse, f->change, f->largest);
+        bool shown = f->moved ? f->error >= 0.0 || i == 0
+                              : i < w->moving + 5 || (i - w->moving) % 20 == 0 || i == count - 1;
         if (!shown) continue;
-        bench_row(r, "%s|%d|%s|%llu|%llu|%.0f|%.0f|%.1f|%s|%s|%s|%s", name, i, camera, (unsigned long long)f->new_records,
-                  (unsigned long long)f->all_records, f->wall, f->cpu, 1e3 / f->wall, number(f->error < 0.0 ? -1.0 : 100.0 * f->rel_rmse, "%.2f", a),
-                  number(f->error, "%.2e", b), number(f->change < 0.0 ? -1.0 : 100.0 * f->change, "%.4f", c), number(f->largest, "%.3f", d));
+        bench_row(r, "%s|%d|%s|%llu|%llu|%.0f|%.0f|%.1f|%s|%s|%s|%s", name, i, camera,
+                  (unsigned long long)f->new_records, (unsigned long long)f->all_records, f->wall, f->cpu,
+                  1e3 / f->wall, number(f->error < 0.0 ? -1.0 : 100.0 * f->rel_rmse, "%.2f", a),
+                  number(f->error, "%.2e", b), number(f->change < 0.0 ? -1.0 : 100.0 * f->change, "%.4f", c),
+                  number(f->largest, "%.3f", d));
     }
     if (file) fclose(file);
 }
 
-/* Over windows of five frames: one frame's records may lie where little is seen. The last one alone may hold what neighbour clamping,
- * at the end of the visit, uncovers. */
+/* Over windows of five frames: one frame's records may lie where little is seen. The last one alone may hold
+ * what neighbour clamping, at the end of the visit, uncovers. */
 static void say_whether_calm(bench_report *r, const world *w, const char *name, int count) {
     enum { WINDOW = 5 };
     int rises = 0, windows = 0;
@@ -191,14 +204,18 @@ static void say_whether_calm(bench_report *r, const world *w, const char *name, 
         }
         before = sum;
     }
-    bench_say(r, "\n%s, still camera: mean change over windows of %d frames %s", name, WINDOW, rises ? "RISES" : "falls throughout");
+    bench_say(r, "\n%s, still camera: mean change over windows of %d frames %s", name, WINDOW,
+              rises ? "RISES" : "falls throughout");
     if (rises) bench_say(r, " %d times of %d, at most %.2f times", rises, windows, worst);
     bench_say(r, "; largest change of a pixel %.2f of the mean; picture complete %s\n", all_largest,
               w->frames[count - 1].done ? "at the last frame shown" : "NOT within the frames given");
 }
 
 static void experiment(bench_report *r, const bench_options *o, const walk *k) {
-    world w = {.size = o->brief ? 128 : 512, .moving = o->brief ? 12 : 60, .still = o->brief ? 40 : 240, .every = o->brief ? 6 : 10,
+    world w = {.size = o->brief ? 128 : 512,
+               .moving = o->brief ? 12 : 60,
+               .still = o->brief ? 40 : 240,
+               .every = o->brief ? 6 : 10,
                .samples = o->brief ? 512 : 4096};
     sl_settings settings = sl_settings_default();
     sl_error error;
@@ -217,12 +234,17 @@ static void experiment(bench_report *r, const bench_options *o, const walk *k) {
     w.frames = calloc((size_t)(w.moving + w.still), sizeof *w.frames);
     if (!w.previous || !w.frames) bench_fail("frames", NULL);
     int count = run_frames(r, o, k, &w);
-    bench_say(r, "\n%s: %s, %d x %d, draft, a 0.5, at most %d new records a frame; %d frames along the path, then a still camera\n", k->name, k->path,
-              w.size, w.size, RECORDS_A_FRAME, w.moving);
+    bench_say(r,
+              "\n%s: %s, %d x %d, draft, a 0.5, at most %d new records a frame; %d frames along the path, "
+              "then a still camera\n",
+              k->name, k->path, w.size, w.size, RECORDS_A_FRAME, w.moving);
     frame_rows(r, &w, k->name, count);
     double moving = mean_of(w.frames, 1, w.moving, false), still = mean_of(w.frames, w.moving, count, false);
-    bench_say(r, "\n%s: %.1f frames a second while the camera moves, %.1f while it stands and fills (processor time %.0f and %.0f ms a frame)\n", k->name,
-              1e3 / moving, 1e3 / still, mean_of(w.frames, 1, w.moving, true), mean_of(w.frames, w.moving, count, true));
+    bench_say(r,
+              "\n%s: %.1f frames a second while the camera moves, %.1f while it stands and fills (processor "
+              "time %.0f and %.0f ms a frame)\n",
+              k->name, 1e3 / moving, 1e3 / still, mean_of(w.frames, 1, w.moving, true),
+              mean_of(w.frames, w.moving, count, true));
     say_whether_calm(r, &w, k->name, count);
     free(w.previous);
     free(w.frames);

@@ -6,8 +6,9 @@
  *   common_curve.c   speed against error: envelopes, and drawings
  *   common_report.c  options, tables as Markdown and CSV, pictures
  *
- * A picture's error needs a reference with far less noise than the picture has error. For every pixel that is hours of path tracing;
- * for one pixel in sixty-four it is minutes, and tells the mean square error of the whole as well. */
+ * A picture's error needs a reference with far less noise than the picture has error. For every pixel that is
+ * hours of path tracing; for one pixel in sixty-four it is minutes, and tells the mean square error of the
+ * whole as well. */
 #ifndef SL_BENCH_COMMON_H
 #define SL_BENCH_COMMON_H
 
@@ -53,7 +54,8 @@ __attribute__((format(printf, 2, 3))) void bench_row(bench_report *r, const char
 
 /* ---- scenes ---- */
 
-/* Loads, and makes the generated ones if they are not there yet. False, having said so, where files are missing. */
+/* Loads, and makes the generated ones if they are not there yet. False, having said so, where files are
+ * missing. */
 bool bench_open_scene(bench_report *r, const char *path, sl_scene **scene);
 /* "atrium" of "scenes/generated/atrium.json". */
 void bench_scene_name(const char *path, char name[64]);
@@ -67,17 +69,21 @@ typedef struct bench_pixels {
 } bench_pixels;
 
 /* One pixel of each block x block, chosen at random and always alike. */
-void bench_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block, bench_pixels *pixels);
+void bench_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block,
+                       bench_pixels *pixels);
 /* Leaves those whose surface is glossy. */
 void bench_pixels_keep_glossy(const sl_scene *scene, const sl_tracer *tracer, bench_pixels *pixels);
 /* What a pixel's centre shows, as a point for a gather; false where that is nothing. */
-bool bench_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const bench_pixels *pixels, size_t i, sl_surface *surface,
-                         uint32_t *triangle);
+bool bench_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const bench_pixels *pixels, size_t i,
+                         sl_surface *surface, uint32_t *triangle);
 void bench_pixels_free(bench_pixels *pixels);
 /* The ray through a pixel's centre. */
-void bench_camera_ray(const sl_scene *scene, int width, int height, uint32_t pixel, sl_ray16 *rays, unsigned lane);
-/* Up to `count` points that the camera sees in random places of the film, on surfaces that reflect. Returns how many. */
-size_t bench_visible_points(const sl_scene *scene, const sl_tracer *tracer, size_t count, sl_gather_point *points);
+void bench_camera_ray(const sl_scene *scene, int width, int height, uint32_t pixel, sl_ray16 *rays,
+                      unsigned lane);
+/* Up to `count` points that the camera sees in random places of the film, on surfaces that reflect. Returns
+ * how many. */
+size_t bench_visible_points(const sl_scene *scene, const sl_tracer *tracer, size_t count,
+                            sl_gather_point *points);
 
 /* ---- references (common_store.c) ---- */
 
@@ -88,21 +94,23 @@ typedef struct bench_reference {
     float *half[2];
 } bench_reference;
 
-/* From build/references/, by what it depends on: scene, transport, pixels, samples; made where it is not there. */
-void bench_reference_get(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport, const bench_pixels *pixels,
-                         uint32_t samples, bench_reference *reference);
+/* From build/references/, by what it depends on: scene, transport, pixels, samples; made where it is not
+ * there. */
+void bench_reference_get(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport,
+                         const bench_pixels *pixels, uint32_t samples, bench_reference *reference);
 /* a + b, of the same pixels. */
 void bench_reference_sum(const bench_reference *a, const bench_reference *b, bench_reference *sum);
 void bench_reference_free(bench_reference *reference);
-/* For whatever else is worth keeping: floats under a name made of a word and a hash. False where there is nothing. */
+/* For whatever else is worth keeping: floats under a name made of a word and a hash. False where there is
+ * nothing. */
 bool bench_store_load(const char *word, uint64_t hash, size_t count, float *values);
 void bench_store_save(const char *word, uint64_t hash, size_t count, const float *values);
 uint64_t bench_hash(uint64_t hash, const void *bytes, size_t size);
 
 /* ---- errors (bench_error.c) ---- */
 
-/* x = picture; A, B = halves of the reference; r = (A + B) / 2; s = what errors are relative to. The halves are independent, so
- * mean (x-A)(x-B) is the squared error without their noise. */
+/* x = picture; A, B = halves of the reference; r = (A + B) / 2; s = what errors are relative to. The halves
+ * are independent, so mean (x-A)(x-B) is the squared error without their noise. */
 typedef struct bench_error {
     double rel_mse;        /* mean((x-A)(x-B) / (s^2 + 0.01 mean(s)^2)) */
     double rel_mse_spread; /* its standard error, over the pixels */
@@ -143,7 +151,8 @@ void bench_draw_curves(const bench_report *r, const char *scene, const bench_ser
 
 /* A PNG in the report's folder: SCENE-WHAT.png. */
 void bench_write_picture(const bench_report *r, const char *scene, const char *what, const sl_image *image);
-/* The chosen pixels' values of the layers PREFIX.R, PREFIX.G, PREFIX.B (NULL: R, G, B); false where the image has none. */
+/* The chosen pixels' values of the layers PREFIX.R, PREFIX.G, PREFIX.B (NULL: R, G, B); false where the image
+ * has none. */
 bool bench_pick(const sl_image *image, const char *prefix, const bench_pixels *pixels, float *values);
 
 #endif

@@ -26,7 +26,8 @@ bench_error bench_compare(const float *x, const bench_reference *reference, cons
     double *terms = calloc(pixels + 1, sizeof *terms);
     double mean = 0.0, square = 0.0, difference = 0.0, squares = 0.0;
     if (!terms) bench_fail("errors", NULL);
-    for (size_t i = 0; i < values; i++) mean += 0.5 * ((double)scale->half[0][i] + (double)scale->half[1][i]) / (double)values;
+    for (size_t i = 0; i < values; i++)
+        mean += 0.5 * ((double)scale->half[0][i] + (double)scale->half[1][i]) / (double)values;
     for (size_t i = 0; i < values; i++) {
         double s = 0.5 * ((double)scale->half[0][i] + (double)scale->half[1][i]), v = (double)x[i];
         double weight = 1.0 / (s * s + 0.01 * mean * mean), product = (v - (double)a[i]) * (v - (double)b[i]);

@@ -8,7 +8,8 @@
 static void set_ray(const sl_scene *scene, double x, double y, double aspect, sl_ray16 *rays, unsigned i) {
     const sl_camera *c = &scene->camera;
     double tangent = sl_tan(0.5 * (double)c->vertical_fov);
-    sl_vec3 d = sl_sub(sl_mad(sl_scale(c->right, (float)(x * tangent * aspect)), (float)(y * tangent), c->up), c->back);
+    sl_vec3 d = sl_sub(sl_mad(sl_scale(c->right, (float)(x * tangent * aspect)), (float)(y * tangent), c->up),
+                       c->back);
     d = sl_normalize_or(d, sl_neg(c->back));
     rays->origin_x[i] = c->eye.x;
     rays->origin_y[i] = c->eye.y;
@@ -21,13 +22,15 @@ static void set_ray(const sl_scene *scene, double x, double y, double aspect, sl
     rays->skip[i] = SL_NO_INDEX;
 }
 
-void bench_camera_ray(const sl_scene *scene, int width, int height, uint32_t pixel, sl_ray16 *rays, unsigned lane) {
+void bench_camera_ray(const sl_scene *scene, int width, int height, uint32_t pixel, sl_ray16 *rays,
+                      unsigned lane) {
     double x = (double)(pixel % (uint32_t)width) + 0.5, y = (double)(pixel / (uint32_t)width) + 0.5;
     set_ray(scene, 2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, (double)width / height, rays, lane);
 }
 
 /* What the first ray hits, if it is a surface that reflects and does not shine. */
-static bool sees_surface(const sl_scene *scene, const sl_tracer *tracer, const sl_ray16 *ray, sl_surface *surface, uint32_t *triangle) {
+static bool sees_surface(const sl_scene *scene, const sl_tracer *tracer, const sl_ray16 *ray,
+                         sl_surface *surface, uint32_t *triangle) {
     sl_hit16 hits;
     sl_counters counters = {{0}};
     sl_trace(tracer, ray, 1, false, &hits, &counters);
@@ -39,25 +42,28 @@ static bool sees_surface(const sl_scene *scene, const sl_tracer *tracer, const s
     return !sl_material_is_emitter(m) && (sl_material_is_diffuse(m) || sl_material_is_glossy(m));
 }
 
-/* The rasterizer snaps vertices to 1/256 of a pixel: on an edge, or where surfaces coincide, it may see another triangle than the ray,
- * which is no error of the method. What it sees of the scene's camera: */
+/* The rasterizer snaps vertices to 1/256 of a pixel: on an edge, or where surfaces coincide, it may see
+ * another triangle than the ray, which is no error of the method. What it sees of the scene's camera: */
 static sl_gbuffer *draw(const sl_scene *scene, int width, int height) {
     const sl_camera *c = &scene->camera;
     sl_frame frame = {c->right, c->up, sl_neg(c->back)};
     float top = (float)sl_tan(0.5 * (double)c->vertical_fov), right = top * (float)width / (float)height;
-    sl_view view = sl_view_pyramid(&frame, c->eye, -right, right, -top, top, width, height, 1e-5f * scene->scale);
+    sl_view view =
+        sl_view_pyramid(&frame, c->eye, -right, right, -top, top, width, height, 1e-5f * scene->scale);
     sl_raster *raster;
     sl_gbuffer *gbuffer = NULL;
     sl_counters counters = {{0}};
     sl_error error;
-    if (sl_raster_create(scene, 1, &raster, &error) != SL_OK || sl_gbuffer_create(width, height, &gbuffer, &error) != SL_OK ||
+    if (sl_raster_create(scene, 1, &raster, &error) != SL_OK ||
+        sl_gbuffer_create(width, height, &gbuffer, &error) != SL_OK ||
         sl_raster_gbuffer(raster, &view, 1, gbuffer, &counters, &error) != SL_OK)
         bench_fail("rasterizer", &error);
     sl_raster_destroy(raster);
     return gbuffer;
 }
 
-void bench_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block, bench_pixels *pixels) {
+void bench_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block,
+                       bench_pixels *pixels) {
     int across = width / block, down = height / block;
     uint64_t key = sl_random_key(5, 12);
     *pixels = (bench_pixels){.width = width, .height = height, .block = block};
@@ -72,15 +78,16 @@ void bench_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
         sl_ray16 ray;
         sl_surface surface;
         bench_camera_ray(scene, width, height, pixel, &ray, 0);
-        if (sees_surface(scene, tracer, &ray, &surface, &triangle) && gbuffer->id[(size_t)(height - 1 - y) * (size_t)width + (size_t)x] == triangle)
+        if (sees_surface(scene, tracer, &ray, &surface, &triangle) &&
+            gbuffer->id[(size_t)(height - 1 - y) * (size_t)width + (size_t)x] == triangle)
             pixels->index[pixels->count++] = pixel;
         else pixels->empty++;
     }
     sl_gbuffer_destroy(gbuffer);
 }
 
-bool bench_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const bench_pixels *pixels, size_t i, sl_surface *surface,
-                         uint32_t *triangle) {
+bool bench_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const bench_pixels *pixels, size_t i,
+                         sl_surface *surface, uint32_t *triangle) {
     sl_ray16 ray;
     bench_camera_ray(scene, pixels->width, pixels->height, pixels->index[i], &ray, 0);
     return sees_surface(scene, tracer, &ray, surface, triangle);
@@ -91,7 +98,8 @@ void bench_pixels_keep_glossy(const sl_scene *scene, const sl_tracer *tracer, be
     for (size_t i = 0; i < pixels->count; i++) {
         sl_surface surface;
         uint32_t triangle;
-        if (bench_pixel_surface(scene, tracer, pixels, i, &surface, &triangle) && sl_material_is_glossy(surface.material))
+        if (bench_pixel_surface(scene, tracer, pixels, i, &surface, &triangle) &&
+            sl_material_is_glossy(surface.material))
             pixels->index[kept++] = pixels->index[i];
     }
     pixels->count = kept;
@@ -102,19 +110,24 @@ void bench_pixels_free(bench_pixels *pixels) {
     pixels->index = NULL;
 }
 
-size_t bench_visible_points(const sl_scene *scene, const sl_tracer *tracer, size_t count, sl_gather_point *points) {
+size_t bench_visible_points(const sl_scene *scene, const sl_tracer *tracer, size_t count,
+                            sl_gather_point *points) {
     double aspect = (double)scene->film_width / (double)scene->film_height;
     uint64_t key = sl_random_key(1, 2);
     size_t found = 0;
     for (uint64_t i = 0; i < 20 * count && found < count; i++) {
-        double x = 2.0 * (double)sl_random_unit(key, 2 * i) - 1.0, y = 2.0 * (double)sl_random_unit(key, 2 * i + 1) - 1.0;
+        double x = 2.0 * (double)sl_random_unit(key, 2 * i) - 1.0,
+               y = 2.0 * (double)sl_random_unit(key, 2 * i + 1) - 1.0;
         sl_ray16 ray;
         sl_surface s;
         uint32_t triangle;
         set_ray(scene, x, y, aspect, &ray, 0);
         if (!sees_surface(scene, tracer, &ray, &s, &triangle)) continue;
-        points[found++] = (sl_gather_point){.position = s.position, .geometric_normal = s.geometric_normal, .normal = s.normal,
-                                            .triangle = triangle, .key = sl_hash64(i)};
+        points[found++] = (sl_gather_point){.position = s.position,
+                                            .geometric_normal = s.geometric_normal,
+                                            .normal = s.normal,
+                                            .triangle = triangle,
+                                            .key = sl_hash64(i)};
     }
     return found;
 }

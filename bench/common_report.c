@@ -16,13 +16,19 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
         else if (strcmp(argv[i], "--pictures") == 0) o.pictures = true;
         else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) o.only = argv[++i];
         else if (strcmp(argv[i], "--rows") == 0 && i + 1 < argc) o.rows = argv[++i];
-        else if (strcmp(argv[i], "--samples") == 0 && i + 1 < argc) o.samples = (uint32_t)strtoul(argv[++i], NULL, 10);
-        else if (strcmp(argv[i], "--points") == 0 && i + 1 < argc) o.points = (size_t)strtoul(argv[++i], NULL, 10);
+        else if (strcmp(argv[i], "--samples") == 0 && i + 1 < argc)
+            o.samples = (uint32_t)strtoul(argv[++i], NULL, 10);
+        else if (strcmp(argv[i], "--points") == 0 && i + 1 < argc)
+            o.points = (size_t)strtoul(argv[++i], NULL, 10);
         else if (strcmp(argv[i], "--size") == 0 && i + 1 < argc) o.size = atoi(argv[++i]);
-        else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc) snprintf(o.folder, sizeof o.folder, "%s", argv[++i]);
+        else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc)
+            snprintf(o.folder, sizeof o.folder, "%s", argv[++i]);
         else {
-            fprintf(stderr, "usage: %s [--brief] [--once] [--only TEXT|=NAME] [--rows TEXT] [--points N] [--size N] [--samples N]"
-                            " [--pictures] [--out FOLDER]\n", argv[0]);
+            fprintf(stderr,
+                    "usage: %s [--brief] [--once] [--only TEXT|=NAME] [--rows TEXT] [--points N] [--size N] "
+                    "[--samples N]"
+                    " [--pictures] [--out FOLDER]\n",
+                    argv[0]);
             exit(2);
         }
     }
@@ -100,7 +106,8 @@ static void write_cells(bench_report *r, const char *line, bool header) {
         const char *end = strchr(cell, '|');
         int length = end ? (int)(end - cell) : (int)strlen(cell);
         if (header) r->widths[column & 31] = length > 7 ? length : 7;
-        at += snprintf(text + at, sizeof text - (size_t)at, "| %*.*s ", column ? r->widths[column & 31] : -14, length, cell);
+        at += snprintf(text + at, sizeof text - (size_t)at, "| %*.*s ", column ? r->widths[column & 31] : -14,
+                       length, cell);
         fprintf(r->table, "%s%.*s", column ? "," : "", length, cell);
         cell = end ? end + 1 : NULL;
     }
@@ -139,7 +146,8 @@ bool bench_open_scene(bench_report *r, const char *path, sl_scene **scene) {
         bench_say(r, "skip: %s cannot be generated\n", path);
         return false;
     }
-    if (sl_scene_load_with(path, &(sl_load_options){.allow_outside = true}, scene, &error) == SL_OK) return true;
+    if (sl_scene_load_with(path, &(sl_load_options){.allow_outside = true}, scene, &error) == SL_OK)
+        return true;
     bench_say(r, "skip: %s\n", error.message);
     return false;
 }

@@ -64,7 +64,8 @@ static void trace_packet(void *context, size_t packet, unsigned worker) {
     sl_counters counters = {{0}};
     sl_ray16 rays;
     for (unsigned i = 0; i < count; i++) {
-        bench_camera_ray(t->scene, t->pixels->width, t->pixels->height, t->pixels->index[first + i], &rays, i);
+        bench_camera_ray(t->scene, t->pixels->width, t->pixels->height, t->pixels->index[first + i], &rays,
+                         i);
     }
     for (uint32_t sample = 0; sample < t->reference->samples; sample++) {
         sl_rgb radiance[SL_PACKET];
@@ -78,13 +79,14 @@ static void trace_packet(void *context, size_t packet, unsigned worker) {
     }
     for (int half = 0; half < 2; half++) {
         for (size_t i = 0; i < 3 * (size_t)count; i++)
-            t->reference->half[half][3 * first + i] = (float)(sums[half][i] / (0.5 * (double)t->reference->samples));
+            t->reference->half[half][3 * first + i] =
+                (float)(sums[half][i] / (0.5 * (double)t->reference->samples));
     }
 }
 
 static uint64_t hash_transport(uint64_t hash, const sl_transport *t) {
-    const uint32_t words[] = {t->emission, t->eye_mirrors, t->direct_lobes, t->receiver_lobes, t->bounce_lobes, t->bounces,
-                              t->direct_visibility, t->bounce_visibility};
+    const uint32_t words[] = {t->emission,     t->eye_mirrors, t->direct_lobes,      t->receiver_lobes,
+                              t->bounce_lobes, t->bounces,     t->direct_visibility, t->bounce_visibility};
     hash = bench_hash(hash, words, sizeof words);
     /* What was kept before skies could be left out stays of use. */
     const uint32_t skyless = 1;
@@ -98,8 +100,8 @@ static void allocate_reference(bench_reference *reference, size_t count, uint32_
     reference->half[1] = reference->half[0] + 3 * count;
 }
 
-void bench_reference_get(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport, const bench_pixels *pixels,
-                         uint32_t samples, bench_reference *reference) {
+void bench_reference_get(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport,
+                         const bench_pixels *pixels, uint32_t samples, bench_reference *reference) {
     uint64_t numbers[] = {sl_scene_hash(scene), (uint64_t)pixels->width, (uint64_t)pixels->height, samples};
     uint64_t hash = hash_transport(bench_hash(2, numbers, sizeof numbers), transport);
     hash = bench_hash(hash, pixels->index, pixels->count * sizeof *pixels->index);
@@ -110,7 +112,8 @@ void bench_reference_get(const sl_scene *scene, const sl_tracer *tracer, const s
     sl_path_tracer *path;
     sl_error error;
     settings.transport.filter = SL_FILTER_CENTRE;
-    if (sl_path_tracer_create(scene, tracer, &settings, &path, &error) != SL_OK) bench_fail("path tracer", &error);
+    if (sl_path_tracer_create(scene, tracer, &settings, &path, &error) != SL_OK)
+        bench_fail("path tracer", &error);
     reference_task task = {scene, path, pixels, reference};
     sl_parallel_for(sl_thread_count(0), (pixels->count + SL_PACKET - 1) / SL_PACKET, trace_packet, &task);
     sl_path_tracer_destroy(path);

@@ -1,4 +1,5 @@
-/* What the experiments on direct radiance mapping share beside common.h: frames of the method, and times of several things taken in turn. */
+/* What the experiments on direct radiance mapping share beside common.h: frames of the method, and times of
+ * several things taken in turn. */
 #ifndef SL_BENCH_DRM_H
 #define SL_BENCH_DRM_H
 
@@ -8,7 +9,8 @@ enum { DRM_CHANGED_ALL = SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS | SL_CHANGED_LIG
 
 /* ---- frames ---- */
 
-/* The paper's: a picture of 512 x 512, one frustum, 3 x 3 photons read from a map of 18 x 18 (16, rounded up to a multiple of 3). */
+/* The paper's: a picture of 512 x 512, one frustum, 3 x 3 photons read from a map of 18 x 18 (16, rounded up
+ * to a multiple of 3). */
 sl_settings drm_paper_settings(int size, sl_photon_weight weight);
 
 typedef struct drm_frames {
@@ -27,12 +29,14 @@ const float *drm_layer(const sl_image *image, const char *layer, char channel);
 
 /* ---- times ---- */
 
-/* Things that are measured beside each other take turns, so that whatever else the machine does hits all. One thread: median of processor
- * time. More: the shortest time by a clock, since whatever else runs can only add. */
+/* Things that are measured beside each other take turns, so that whatever else the machine does hits all. One
+ * thread: median of processor time. More: the shortest time by a clock, since whatever else runs can only
+ * add. */
 typedef struct drm_timed {
     void (*run)(void *context);
     void *context;
-    double ms, apart;      /* apart: half the distance of the quartiles; of more threads the median over the shortest, less 1 */
+    /* apart: half the distance of the quartiles; of more threads the median over the shortest, less 1 */
+    double ms, apart;
 } drm_timed;
 
 enum { DRM_TIMED_MAX = 32 };

@@ -20,7 +20,8 @@ struct drm_peer {
     bool face_needed[FACES];
     float near, diagonal;
     osmesa_mesh mesh, screen;
-    size_t unlit;                      /* indices before the light's own triangles, which its map does not show */
+    /* indices before the light's own triangles, which its map does not show */
+    size_t unlit;
     osmesa_target shadow, map, picture, surfaces;
     unsigned depth, map_program, gbuffer, shade[DRM_SHADINGS][2]; /* forward, deferred */
     float *map_plane[MAP_PLANES], *result;
@@ -33,7 +34,7 @@ const char *drm_way_name(drm_way way) {
     return names[way];
 }
 
-/* ---- geometry: a vertex for each material that meets there, those of the light last --------------------------------------- */
+/* ---- geometry: a vertex for each material that meets there, those of the light last ---------- */
 
 typedef struct builder {
     float *position, *normal, *colour;
@@ -77,13 +78,21 @@ static void add_triangles(builder *b, const sl_scene *s, bool lights) {
 
 static void upload(drm_peer *peer, const sl_scene *s) {
     size_t most = 3 * s->triangle_count;
-    builder b = {allocated(most, 3 * sizeof(float)), allocated(most, 3 * sizeof(float)), allocated(most, 4 * sizeof(float)),
-                 allocated(most, sizeof *b.index), allocated(s->vertex_count, sizeof *b.copy), allocated(most, sizeof *b.next),
-                 allocated(most, sizeof *b.material), 0, 0};
+    builder b = {allocated(most, 3 * sizeof(float)),
+                 allocated(most, 3 * sizeof(float)),
+                 allocated(most, 4 * sizeof(float)),
+                 allocated(most, sizeof *b.index),
+                 allocated(s->vertex_count, sizeof *b.copy),
+                 allocated(most, sizeof *b.next),
+                 allocated(most, sizeof *b.material),
+                 0,
+                 0};
     add_triangles(&b, s, false);
     peer->unlit = b.indices;
     add_triangles(&b, s, true);
-    const osmesa_stream streams[3] = {{b.position, b.vertices, 3, false}, {b.normal, b.vertices, 3, false}, {b.colour, b.vertices, 4, false}};
+    const osmesa_stream streams[3] = {{b.position, b.vertices, 3, false},
+                                      {b.normal, b.vertices, 3, false},
+                                      {b.colour, b.vertices, 4, false}};
     peer->mesh = osmesa_mesh_create(3, streams, b.indices, b.index);
     peer->screen = osmesa_mesh_create(0, NULL, 3, NULL);
     free(b.position);
@@ -95,7 +104,7 @@ static void upload(drm_peer *peer, const sl_scene *s) {
     free(b.material);
 }
 
-/* ---- programs ---------------------------------------------------------------------------------------------------------- */
+/* ---- programs -------------------------------------------------------------------------------- */
 
 static unsigned scene_or_screen_program(bool screen, const char *fragment) {
     return screen ? osmesa_program(screen_vertex, fragment) : peer_scene_program(surface_vertex, fragment);
@@ -104,15 +113,18 @@ static unsigned scene_or_screen_program(bool screen, const char *fragment) {
 static unsigned shade_program(const drm_peer *peer, drm_shading shading, bool deferred) {
     static const int weights[DRM_SHADINGS] = {[DRM_EVEN] = 11, [DRM_BOX] = 15, [DRM_DISC] = 14};
     char text[8192];
-    snprintf(text, sizeof text, "#define SHADOWS %d\n#define WEIGHT %d\n#define PHOTONS %d\n#define AREA %d\n#define DEFERRED %d\n%s%s%s%s",
-             shading != DRM_LOCAL, weights[shading], peer->options.samples * peer->options.samples, peer->options.area, deferred,
-             slope_function, light_functions, shade_functions, shade_fragment);
+    snprintf(text, sizeof text,
+             "#define SHADOWS %d\n#define WEIGHT %d\n#define PHOTONS %d\n#define AREA %d\n#define DEFERRED "
+             "%d\n%s%s%s%s",
+             shading != DRM_LOCAL, weights[shading], peer->options.samples * peer->options.samples,
+             peer->options.area, deferred, slope_function, light_functions, shade_functions, shade_fragment);
     return scene_or_screen_program(deferred, text);
 }
 
 static unsigned map_program(const drm_peer *peer) {
     char text[4096];
-    snprintf(text, sizeof text, "#define AREA %d\n%s%s%s", peer->options.area, slope_function, light_functions, map_fragment);
+    snprintf(text, sizeof text, "#define AREA %d\n%s%s%s", peer->options.area, slope_function,
+             light_functions, map_fragment);
     return scene_or_screen_program(false, text);
 }
 
@@ -129,18 +141,21 @@ static void set_light(const drm_peer *peer, unsigned program) {
     if (o->area) osmesa_uniform(program, "axis", 3, &o->direction.x);
 }
 
-/* ---- passes 1 to 3 ------------------------------------------------------------------------------------------------------ */
+/* ---- passes 1 to 3 --------------------------------------------------------------------------- */
 
 /* Faces +x -x +y -y +z -z, coordinates in cyclic order, as shade_functions look them up. */
 static void place_faces(drm_peer *peer) {
     static const sl_vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const drm_peer_options *o = &peer->options;
     for (int k = 0; k < FACES; k++) {
-        sl_vec3 x = axes[(k / 2 + 1) % 3], y = axes[(k / 2 + 2) % 3], z = sl_scale(axes[k / 2], k % 2 ? -1.0f : 1.0f);
+        sl_vec3 x = axes[(k / 2 + 1) % 3], y = axes[(k / 2 + 2) % 3],
+                z = sl_scale(axes[k / 2], k % 2 ? -1.0f : 1.0f);
         const sl_frame frame = {x, y, z};
-        float most = sl_dot(o->direction, z) + fabsf(sl_dot(o->direction, x)) + fabsf(sl_dot(o->direction, y));
+        float most =
+            sl_dot(o->direction, z) + fabsf(sl_dot(o->direction, x)) + fabsf(sl_dot(o->direction, y));
         peer->face_needed[k] = !o->area || most > 0.0f; /* some of what it sees lies before the light */
-        peer->face[k] = sl_view_pyramid(&frame, o->position, -1.0f, 1.0f, -1.0f, 1.0f, o->shadow_size, o->shadow_size, peer->near);
+        peer->face[k] = sl_view_pyramid(&frame, o->position, -1.0f, 1.0f, -1.0f, 1.0f, o->shadow_size,
+                                        o->shadow_size, peer->near);
     }
 }
 
@@ -165,13 +180,17 @@ static void draw_map(drm_peer *peer) {
     for (int k = 0; k < MAP_PLANES; k++) osmesa_read(&peer->map, k, peer->map_plane[k]);
 }
 
-/* One photon by (12) with m for w, and (13). What depends on the weight alone goes into its radiance: E = sum of radiance cos theta (...). */
+/* One photon by (12) with m for w, and (13). What depends on the weight alone goes into its radiance: E = sum
+ * of radiance cos theta (...). */
 static void take_photon(drm_peer *peer, int j, size_t texel, drm_shading shading) {
     const drm_peer_options *o = &peer->options;
-    const float *y = &peer->map_plane[0][4 * texel], *l = &peer->map_plane[1][4 * texel], *n = &peer->map_plane[2][4 * texel];
+    const float *y = &peer->map_plane[0][4 * texel], *l = &peer->map_plane[1][4 * texel],
+                *n = &peer->map_plane[2][4 * texel];
     const sl_vec3 to_light = sl_sub(o->position, sl_v3(y[0], y[1], y[2]));
-    double b = sqrt((double)sl_dot(to_light, to_light)), side = 2.0 * b * sl_tan(o->map_fov / (2.0 * o->samples));
-    double footprint = side * side, cosine = b > 0.0 ? (double)sl_dot(sl_v3(n[0], n[1], n[2]), to_light) / b : 0.0, weight = 1.0;
+    double b = sqrt((double)sl_dot(to_light, to_light)),
+           side = 2.0 * b * sl_tan(o->map_fov / (2.0 * o->samples));
+    double footprint = side * side,
+           cosine = b > 0.0 ? (double)sl_dot(sl_v3(n[0], n[1], n[2]), to_light) / b : 0.0, weight = 1.0;
     if (shading == DRM_EVEN) weight = 2.0 * SL_PI / peer->photons;
     if (shading == DRM_BOX) weight = footprint / ((double)peer->diagonal * (double)peer->diagonal);
     if (!(y[3] > 0.5f)) weight = 0.0; /* nothing there */
@@ -191,7 +210,7 @@ static void take_photons(drm_peer *peer, drm_shading shading) {
     }
 }
 
-/* ---- passes 6 to 8 ------------------------------------------------------------------------------------------------------ */
+/* ---- passes 6 to 8 --------------------------------------------------------------------------- */
 
 static void set_shading(drm_peer *peer, unsigned program, drm_shading shading) {
     set_light(peer, program);
@@ -249,10 +268,11 @@ const float *drm_peer_frame(drm_peer *peer, drm_shading shading, drm_way way, bo
     return peer->result;
 }
 
-/* ---- life --------------------------------------------------------------------------------------------------------------- */
+/* ---- life ------------------------------------------------------------------------------------ */
 
 static osmesa_target planes_target(int width, int height, int planes) {
-    return osmesa_target_create(width, height, planes, (osmesa_format[]){PLANE_RGBA32F, PLANE_RGBA32F, PLANE_RGBA32F}, true);
+    return osmesa_target_create(width, height, planes,
+                                (osmesa_format[]){PLANE_RGBA32F, PLANE_RGBA32F, PLANE_RGBA32F}, true);
 }
 
 drm_peer *drm_peer_create(const sl_scene *scene, const drm_peer_options *o) {
@@ -271,7 +291,8 @@ drm_peer *drm_peer_create(const sl_scene *scene, const drm_peer_options *o) {
     peer->map_program = map_program(peer);
     peer->gbuffer = gbuffer_program();
     for (int s = 0; s < DRM_SHADINGS; s++) {
-        for (int deferred = 0; deferred < 2; deferred++) peer->shade[s][deferred] = shade_program(peer, (drm_shading)s, deferred);
+        for (int deferred = 0; deferred < 2; deferred++)
+            peer->shade[s][deferred] = shade_program(peer, (drm_shading)s, deferred);
     }
     size_t texels = (size_t)o->map_view.width * (size_t)o->map_view.height;
     for (int k = 0; k < MAP_PLANES; k++) peer->map_plane[k] = allocated(texels, 4 * sizeof(float));

@@ -1,10 +1,12 @@
-/* OSMesa (llvmpipe) as the peer of direct radiance mapping: the same passes by OpenGL, for scenes with one light and without mirrors.
+/* OSMesa (llvmpipe) as the peer of direct radiance mapping: the same passes by OpenGL, for scenes with one
+ * light and without mirrors.
  *
- *     depth cube (six faces side by side in one plane) ── map (position, radiance, normal at once) ── read back, photons by the processor
- *     ── camera, direct and indirect light in one program, photons in uniforms ── picture read back
+ *     depth cube (six faces side by side in one plane) ── map (position, radiance, normal at once) ── read
+ * back, photons by the processor ── camera, direct and indirect light in one program, photons in uniforms ──
+ * picture read back
  *
- * Vertex and index buffers, programs and targets are made once; a frame changes nothing but matrices and uniforms. The camera's pass is tried
- * in three ways (see drm_way) and the fastest is kept. */
+ * Vertex and index buffers, programs and targets are made once; a frame changes nothing but matrices and
+ * uniforms. The camera's pass is tried in three ways (see drm_way) and the fastest is kept. */
 #ifndef SL_BENCH_DRM_OSMESA_H
 #define SL_BENCH_DRM_OSMESA_H
 
@@ -24,7 +26,9 @@ typedef enum drm_shading {
 typedef enum drm_way {
     DRM_FORWARD,     /* triangles in order */
     DRM_DEPTH_FIRST, /* depth, then what is visible: each pixel once */
-    DRM_DEFERRED,    /* positions, normals and colours, then one triangle over the screen: best for triangles smaller than pixels */
+    /* positions, normals and colours, then one triangle over the screen: best for triangles smaller than
+     * pixels */
+    DRM_DEFERRED,
     DRM_WAYS
 } drm_way;
 
@@ -47,7 +51,8 @@ typedef struct drm_peer drm_peer;
 /* After peer_start(). The scene's own camera is drawn. */
 drm_peer *drm_peer_create(const sl_scene *scene, const drm_peer_options *options);
 void drm_peer_destroy(drm_peer *peer);
-/* One frame, read back: RGBA, row 0 at the bottom; valid until the next. camera_only: depth cube and photons are those of the frame before. */
+/* One frame, read back: RGBA, row 0 at the bottom; valid until the next. camera_only: depth cube and photons
+ * are those of the frame before. */
 const float *drm_peer_frame(drm_peer *peer, drm_shading shading, drm_way way, bool camera_only);
 const char *drm_way_name(drm_way way);
 

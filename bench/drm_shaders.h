@@ -1,4 +1,5 @@
-/* OSMesa's shaders, for drm_osmesa.c alone. Those of scenes begin with raster_osmesa.c's transform, all with #defines:
+/* OSMesa's shaders, for drm_osmesa.c alone. Those of scenes begin with raster_osmesa.c's transform, all with
+ * #defines:
  *
  *     SHADOWS     light may be blocked
  *     WEIGHT      11, 14 or 15, or 0: no indirect light
@@ -19,9 +20,10 @@ static const char depth_vertex[] =
     "invariant gl_Position;\n"
     "void main() { gl_Position = to_clip(); }\n";
 static const char depth_fragment[] = "void main() {}\n";
-static const char screen_vertex[] =
-    "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
-/* beta of a receiver through p, from its geometric normal: by how much 1/w may be off within a texel, times the texels a side. */
+static const char screen_vertex[] = "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, "
+                                    "gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
+/* beta of a receiver through p, from its geometric normal: by how much 1/w may be off within a texel, times
+ * the texels a side. */
 static const char slope_function[] =
     "uniform vec3 light;\n"
     "float slope(vec3 p) {\n"
@@ -55,22 +57,24 @@ static const char light_functions[] =
     "}\n";
 
 /* The direct radiance map, passes 2a to 2c at once. */
-static const char map_fragment[] =
-    "in vec3 p, n;\n"
-    "in vec4 c;\n"
-    "layout(location = 0) out vec4 place;\n"
-    "layout(location = 1) out vec4 radiance;\n"
-    "layout(location = 2) out vec4 direction;\n"
-    "void main() {\n"
-    "    vec3 d = light - p, unit = normalize(n);\n"
-    "    float inverse_square = 1.0 / dot(d, d), inverse = sqrt(inverse_square), cosine = dot(unit, d) * inverse;\n"
-    "    place = vec4(p, 1.0);\n"
-    "    radiance = vec4(c.rgb * intensity * (0.318309886 * abs(cosine) * falloff(d, inverse_square, inverse)), 1.0);\n"
-    "    direction = vec4(cosine < 0.0 ? -unit : unit, 0.0);\n"
-    "}\n";
+static const char map_fragment[] = "in vec3 p, n;\n"
+                                   "in vec4 c;\n"
+                                   "layout(location = 0) out vec4 place;\n"
+                                   "layout(location = 1) out vec4 radiance;\n"
+                                   "layout(location = 2) out vec4 direction;\n"
+                                   "void main() {\n"
+                                   "    vec3 d = light - p, unit = normalize(n);\n"
+                                   "    float inverse_square = 1.0 / dot(d, d), inverse = "
+                                   "sqrt(inverse_square), cosine = dot(unit, d) * inverse;\n"
+                                   "    place = vec4(p, 1.0);\n"
+                                   "    radiance = vec4(c.rgb * intensity * (0.318309886 * abs(cosine) * "
+                                   "falloff(d, inverse_square, inverse)), 1.0);\n"
+                                   "    direction = vec4(cosine < 0.0 ? -unit : unit, 0.0);\n"
+                                   "}\n";
 
-/* Passes 6 and 7. `shadow` holds 1 - near/w of six faces, side by side; 1/w is linear across a face, and within a texel the receiver's own
- * plane can be off by at most beta. Photons: y and what is left of A', L_o with all that does not depend on x, n_y. */
+/* Passes 6 and 7. `shadow` holds 1 - near/w of six faces, side by side; 1/w is linear across a face, and
+ * within a texel the receiver's own plane can be off by at most beta. Photons: y and what is left of A', L_o
+ * with all that does not depend on x, n_y. */
 static const char shade_functions[] =
     "#if SHADOWS\n"
     "uniform sampler2D shadow;\n"
@@ -84,7 +88,8 @@ static const char shade_functions[] =
     "    if (f.z < 0.0) face += 1.0;\n"
     "    float size = shadow_size.x, inverse = 1.0 / abs(f.z);\n"
     "    vec2 at = min(floor((f.xy * inverse * 0.5 + 0.5) * size), size - 1.0);\n"
-    "    float stored = (1.0 - texelFetch(shadow, ivec2(int(at.x + face * size), int(at.y)), 0).r) / shadow_size.y;\n"
+    "    float stored = (1.0 - texelFetch(shadow, ivec2(int(at.x + face * size), int(at.y)), 0).r) / "
+    "shadow_size.y;\n"
     "    return inverse >= stored - slope / size * 1.00001 - shadow_size.z ? 1.0 : 0.0;\n"
     "}\n"
     "#endif\n"
@@ -97,7 +102,8 @@ static const char shade_functions[] =
     "        float square = dot(d, d), cosine = max(dot(n, d), 0.0);\n"
     "#if WEIGHT == 14\n"
     "        float area = place_of[j].w;\n"
-    "        sum += radiance_of[j].rgb * (cosine * max(-dot(normal_of[j].xyz, d), 0.0) * area / (square * (area + square)));\n"
+    "        sum += radiance_of[j].rgb * (cosine * max(-dot(normal_of[j].xyz, d), 0.0) * area / (square * "
+    "(area + square)));\n"
     "#else\n"
     "        sum += radiance_of[j].rgb * (cosine * inversesqrt(square));\n"
     "#endif\n"

@@ -1,4 +1,5 @@
-/* What the experiments on multi-mesh caching share beside common.h: the method run step by step, and how far each part of its pictures is off. */
+/* What the experiments on multi-mesh caching share beside common.h: the method run step by step, and how far
+ * each part of its pictures is off. */
 #ifndef SL_BENCH_MESH_H
 #define SL_BENCH_MESH_H
 
@@ -21,8 +22,10 @@ typedef struct mesh_world {
     float *values;
 } mesh_world;
 
-/* Parts are traced apart: direct light on the diffuse lobe, on the glossy one, one diffuse bounce. False where the scene is not there. */
-bool mesh_world_open(bench_report *r, const char *path, int width, int height, int block, uint32_t samples, mesh_world *w);
+/* Parts are traced apart: direct light on the diffuse lobe, on the glossy one, one diffuse bounce. False
+ * where the scene is not there. */
+bool mesh_world_open(bench_report *r, const char *path, int width, int height, int block, uint32_t samples,
+                     mesh_world *w);
 void mesh_world_close(mesh_world *w);
 /* Of each part, relative to the whole picture: so they add up to its error, but for what cancels. */
 void mesh_judge(const mesh_world *w, const sl_image *image, bench_error errors[MESH_PARTS]);
@@ -35,7 +38,8 @@ sl_settings mesh_settings(const mesh_world *w, sl_quality quality);
 
 typedef struct mesh_run {
     void *state;
-    double seconds;        /* of creation and updates: processor time of one thread, of more threads the clock's */
+    /* of creation and updates: processor time of one thread, of more threads the clock's */
+    double seconds;
     unsigned threads;
     bool done;
 } mesh_run;

@@ -13,7 +13,11 @@ const char *const mesh_part_names[MESH_PARTS] = {"direct diffuse", "direct specu
 static const char *const layers[MESH_ALL] = {"direct", "specular", "indirect"};
 
 static sl_transport transport_of(mesh_part part) {
-    sl_transport t = {.sky_light = true, .bounces = 1, .direct_visibility = true, .bounce_visibility = true, .filter = SL_FILTER_CENTRE};
+    sl_transport t = {.sky_light = true,
+                      .bounces = 1,
+                      .direct_visibility = true,
+                      .bounce_visibility = true,
+                      .filter = SL_FILTER_CENTRE};
     if (part == MESH_DIRECT) t.direct_lobes = SL_LOBE_DIFFUSE;
     if (part == MESH_SPECULAR) t.direct_lobes = SL_LOBE_GLOSSY;
     if (part == MESH_INDIRECT) t.receiver_lobes = t.bounce_lobes = SL_LOBE_DIFFUSE;
@@ -37,7 +41,8 @@ static void add_references(mesh_world *w) {
     }
 }
 
-bool mesh_world_open(bench_report *r, const char *path, int width, int height, int block, uint32_t samples, mesh_world *w) {
+bool mesh_world_open(bench_report *r, const char *path, int width, int height, int block, uint32_t samples,
+                     mesh_world *w) {
     sl_error error;
     memset(w, 0, sizeof *w);
     bench_scene_name(path, w->name);
@@ -49,7 +54,8 @@ bool mesh_world_open(bench_report *r, const char *path, int width, int height, i
     for (int part = 0; part < MESH_ALL; part++) {
         sl_transport transport = transport_of((mesh_part)part);
         w->has[part] = part != MESH_SPECULAR || any_glossy(w->scene);
-        if (w->has[part]) bench_reference_get(w->scene, w->tracer, &transport, &w->pixels, samples, &w->reference[part]);
+        if (w->has[part])
+            bench_reference_get(w->scene, w->tracer, &transport, &w->pixels, samples, &w->reference[part]);
     }
     w->has[MESH_ALL] = true;
     add_references(w);
@@ -102,7 +108,8 @@ void mesh_run_open(mesh_run *run, const sl_scene *scene, sl_settings *settings) 
     sl_multi_mesh_complete(settings);
     sl_multi_mesh_transport(settings, &transport);
     double from = mesh_seconds(run->threads);
-    if (sl_multi_mesh_method.create(scene, settings, &transport, &run->state, &error) != SL_OK) bench_fail("multi-mesh", &error);
+    if (sl_multi_mesh_method.create(scene, settings, &transport, &run->state, &error) != SL_OK)
+        bench_fail("multi-mesh", &error);
     run->seconds += mesh_seconds(run->threads) - from;
 }
 
@@ -132,7 +139,9 @@ sl_image *mesh_run_picture(mesh_run *run, double *seconds) {
     return image;
 }
 
-uint64_t mesh_run_count(const mesh_run *run, sl_counter counter) { return sl_multi_mesh_method.counters(run->state)->value[counter]; }
+uint64_t mesh_run_count(const mesh_run *run, sl_counter counter) {
+    return sl_multi_mesh_method.counters(run->state)->value[counter];
+}
 
 uint64_t mesh_run_drawn(const mesh_run *run) {
     return mesh_run_count(run, SL_COUNT_LIGHT_SAMPLES) - mesh_run_count(run, SL_COUNT_LIGHT_SAMPLES_SKIPPED);

@@ -1,5 +1,5 @@
-/* What the experiments on the light octree share beside common.h: its passes one by one, each with its seconds; pictures made of them; and what
- * these are compared with. */
+/* What the experiments on the light octree share beside common.h: its passes one by one, each with its
+ * seconds; pictures made of them; and what these are compared with. */
 #ifndef SL_BENCH_OCTREE_H
 #define SL_BENCH_OCTREE_H
 
@@ -15,8 +15,9 @@ sl_light_octree_settings octree_settings(void);
 /* ---- passes (octree_run.c) ---- */
 
 /* The first two parts of the preprocessing: seconds of tracing and of the tree. */
-sl_photon_tree *octree_photons(const sl_scene *scene, const sl_tracer *tracer, const sl_light_octree_settings *settings, uint64_t seed,
-                               unsigned threads, double seconds[2], sl_counters *counters);
+sl_photon_tree *octree_photons(const sl_scene *scene, const sl_tracer *tracer,
+                               const sl_light_octree_settings *settings, uint64_t seed, unsigned threads,
+                               double seconds[2], sl_counters *counters);
 sl_octree *octree_voxels(const sl_scene *scene, int depth, unsigned threads, double *seconds);
 
 typedef struct octree_light {
@@ -54,19 +55,23 @@ void octree_view_close(octree_view *view);
 double octree_shade_view(octree_view *view, const sl_octree_shading *shading, unsigned threads);
 /* Those pixels of the last picture. */
 void octree_view_pick(const octree_view *view, const bench_pixels *pixels, float *values);
-/* The last picture as SCENE-WHAT.png: at the exposure of the first picture that was written of this scene and size. */
+/* The last picture as SCENE-WHAT.png: at the exposure of the first picture that was written of this scene and
+ * size. */
 void octree_view_write(const octree_view *view, const bench_report *r, const char *scene, const char *what);
 
 /* ---- photons without an octree (octree_direct.c) ---- */
 
 typedef enum octree_place {
     OCTREE_AT_PIXEL, /* the photon map shown directly */
-    OCTREE_AT_VOXEL  /* gathered about the voxel's centroid, as the octree does; but every photon keeps its own direction */
+    OCTREE_AT_VOXEL /* gathered about the voxel's centroid, as the octree does; but every photon keeps its own
+                       direction */
 } octree_place;
 
-/* Radiance of chosen pixels from the k photons that are nearest; octree: for clipped areas, and for places. Returns processor seconds. */
-double octree_direct(const octree_view *view, const bench_pixels *pixels, const sl_octree *octree, const sl_photon_tree *tree,
-                     const sl_light_octree_settings *settings, octree_place place, float *values);
+/* Radiance of chosen pixels from the k photons that are nearest; octree: for clipped areas, and for places.
+ * Returns processor seconds. */
+double octree_direct(const octree_view *view, const bench_pixels *pixels, const sl_octree *octree,
+                     const sl_photon_tree *tree, const sl_light_octree_settings *settings, octree_place place,
+                     float *values);
 
 /* ---- worlds (octree_world.c): a view, the pixels that are judged, and their reference ---- */
 
@@ -91,7 +96,8 @@ typedef struct octree_world {
 bool octree_world_open(bench_report *r, const bench_options *o, const char *path, octree_world *w);
 void octree_world_close(octree_world *w);
 sl_octree *octree_world_octree(octree_world *w, int depth);
-const sl_photon_tree *octree_world_photons(octree_world *w, const sl_light_octree_settings *settings, int seed);
+const sl_photon_tree *octree_world_photons(octree_world *w, const sl_light_octree_settings *settings,
+                                           int seed);
 
 typedef struct octree_picture {
     double seconds;              /* of lights, textures and pixels */
@@ -100,6 +106,7 @@ typedef struct octree_picture {
 
 /* Lights the octree's voxels from those photons, and the view from them; its pixels go to `values`. */
 octree_picture octree_world_picture(octree_world *w, const sl_octree *octree, const sl_photon_tree *tree,
-                                    const sl_light_octree_settings *settings, unsigned threads, float *values);
+                                    const sl_light_octree_settings *settings, unsigned threads,
+                                    float *values);
 
 #endif

@@ -13,8 +13,8 @@ static void put_corner(const sl_scene *s, size_t t, const float w[3], cut_parts 
     float *p = parts->positions + 3 * vertex, *n = parts->normals + 3 * vertex, *uv = parts->uvs + 2 * vertex;
     for (int k = 0; k < 3; k++) {
         uint32_t v = s->vertex[k][t];
-        const float values[8] = {s->position_x[v], s->position_y[v], s->position_z[v], s->normal_x[v], s->normal_y[v], s->normal_z[v],
-                                 s->texture_u[v],  s->texture_v[v]};
+        const float values[8] = {s->position_x[v], s->position_y[v], s->position_z[v], s->normal_x[v],
+                                 s->normal_y[v],   s->normal_z[v],   s->texture_u[v],  s->texture_v[v]};
         for (int d = 0; d < 3; d++) {
             p[d] += w[k] * values[d];
             n[d] += w[k] * values[3 + d];
@@ -38,18 +38,28 @@ static void cut_triangle(const sl_scene *s, size_t t, int n, cut_parts *parts) {
     for (int j = 0; j < n; j++) {
         for (int i = 0; i + j < n; i++) {
             put_triangle(s, t, (const int[3][2]){{i, j}, {i + 1, j}, {i, j + 1}}, n, parts);
-            if (i + j + 1 < n) put_triangle(s, t, (const int[3][2]){{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}, n, parts);
+            if (i + j + 1 < n)
+                put_triangle(s, t, (const int[3][2]){{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}, n, parts);
         }
     }
 }
 
 sl_scene *octree_cut_scene(const sl_scene *s, int times) {
     size_t most = s->triangle_count << (2 * times);
-    cut_parts parts = {calloc(9 * most, sizeof(float)), calloc(9 * most, sizeof(float)), calloc(6 * most, sizeof(float)),
-                       calloc(3 * most, sizeof(uint32_t)), calloc(most, sizeof(uint32_t)), calloc(most, sizeof(uint32_t)), 0};
-    if (!parts.positions || !parts.normals || !parts.uvs || !parts.indices || !parts.material || !parts.object) bench_fail("triangles", NULL);
-    for (size_t t = 0; t < s->triangle_count; t++) { /* lamps stay: what is sampled of them is another matter */
-        cut_triangle(s, t, sl_material_is_emitter(&s->materials[s->material_index[t]]) ? 1 : 1 << times, &parts);
+    cut_parts parts = {calloc(9 * most, sizeof(float)),
+                       calloc(9 * most, sizeof(float)),
+                       calloc(6 * most, sizeof(float)),
+                       calloc(3 * most, sizeof(uint32_t)),
+                       calloc(most, sizeof(uint32_t)),
+                       calloc(most, sizeof(uint32_t)),
+                       0};
+    if (!parts.positions || !parts.normals || !parts.uvs || !parts.indices || !parts.material ||
+        !parts.object)
+        bench_fail("triangles", NULL);
+    /* lamps stay: what is sampled of them is another matter */
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        cut_triangle(s, t, sl_material_is_emitter(&s->materials[s->material_index[t]]) ? 1 : 1 << times,
+                     &parts);
     }
     sl_scene_parts whole = {.vertex_count = 3 * parts.triangles,
                             .positions = parts.positions,

@@ -15,7 +15,8 @@ typedef struct surface_area {
 static double area_of(const void *context, const sl_ellipsoid *e, unsigned worker) {
     (void)worker;
     const surface_area *s = context;
-    double area = sl_surroundings_area(s->surroundings, e, s->least_cosine, s->marks).front, disc = sl_disc_area(e);
+    double area = sl_surroundings_area(s->surroundings, e, s->least_cosine, s->marks).front,
+           disc = sl_disc_area(e);
     return area > 1e-3 * disc ? area : disc;
 }
 
@@ -25,21 +26,25 @@ static void move_to_voxel(const sl_octree *octree, sl_surface *surface) {
     if (leaf == SL_NO_INDEX) return;
     sl_vec3 normal = octree->leaf[leaf].normal;
     surface->position = octree->leaf[leaf].centroid;
-    if (sl_dot(normal, normal) > 0.0f) surface->geometric_normal = sl_dot(normal, surface->geometric_normal) < 0.0f ? sl_neg(normal) : normal;
+    if (sl_dot(normal, normal) > 0.0f)
+        surface->geometric_normal =
+            sl_dot(normal, surface->geometric_normal) < 0.0f ? sl_neg(normal) : normal;
 }
 
-static void find_surfaces(const octree_view *view, const bench_pixels *pixels, const sl_octree *octree, octree_place place,
-                          sl_surface *surfaces, sl_vec3 *to_viewer) {
+static void find_surfaces(const octree_view *view, const bench_pixels *pixels, const sl_octree *octree,
+                          octree_place place, sl_surface *surfaces, sl_vec3 *to_viewer) {
     for (size_t i = 0; i < pixels->count; i++) {
         uint32_t triangle;
         bench_pixel_surface(view->scene, view->tracer, pixels, i, &surfaces[i], &triangle);
-        to_viewer[i] = sl_normalize_or(sl_sub(view->scene->camera.eye, surfaces[i].position), surfaces[i].geometric_normal);
+        to_viewer[i] = sl_normalize_or(sl_sub(view->scene->camera.eye, surfaces[i].position),
+                                       surfaces[i].geometric_normal);
         if (place == OCTREE_AT_VOXEL) move_to_voxel(octree, &surfaces[i]);
     }
 }
 
-double octree_direct(const octree_view *view, const bench_pixels *pixels, const sl_octree *octree, const sl_photon_tree *tree,
-                     const sl_light_octree_settings *settings, octree_place place, float *values) {
+double octree_direct(const octree_view *view, const bench_pixels *pixels, const sl_octree *octree,
+                     const sl_photon_tree *tree, const sl_light_octree_settings *settings, octree_place place,
+                     float *values) {
     sl_error error;
     sl_surroundings *surroundings;
     sl_counters counters = {{0}};
@@ -50,7 +55,8 @@ double octree_direct(const octree_view *view, const bench_pixels *pixels, const 
     if (!surfaces || !to_viewer || !radiance || !marks.mark) bench_fail("surfaces", NULL);
     find_surfaces(view, pixels, octree, place, surfaces, to_viewer);
     double radius = sl_voxel_radius(octree, (size_t)settings->neighbours, sl_photon_tree_list(tree)->count);
-    if (sl_surroundings_create(view->scene, octree, radius / 16.0, 1, &surroundings, &error) != SL_OK) bench_fail("surroundings", &error);
+    if (sl_surroundings_create(view->scene, octree, radius / 16.0, 1, &surroundings, &error) != SL_OK)
+        bench_fail("surroundings", &error);
     surface_area area = {surroundings, &marks, cos(settings->acceptance)};
     sl_direct_photons photons = {.tree = tree,
                                  .neighbours = (size_t)settings->neighbours,
@@ -61,7 +67,8 @@ double octree_direct(const octree_view *view, const bench_pixels *pixels, const 
                                  .area_context = &area,
                                  .threads = 1};
     double from = octree_seconds(1);
-    if (sl_direct_photons_radiance(&photons, pixels->count, surfaces, to_viewer, radiance, NULL, &counters, &error) != SL_OK)
+    if (sl_direct_photons_radiance(&photons, pixels->count, surfaces, to_viewer, radiance, NULL, &counters,
+                                   &error) != SL_OK)
         bench_fail("photons", &error);
     double seconds = octree_seconds(1) - from;
     for (size_t i = 0; i < pixels->count; i++) {

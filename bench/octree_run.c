@@ -20,15 +20,18 @@ sl_light_octree_settings octree_settings(void) {
 
 /* ---- passes ---- */
 
-sl_photon_tree *octree_photons(const sl_scene *scene, const sl_tracer *tracer, const sl_light_octree_settings *settings, uint64_t seed,
-                               unsigned threads, double seconds[2], sl_counters *counters) {
-    sl_photon_options options = {.stored = settings->photons, .store = settings->store, .seed = seed, .threads = threads};
+sl_photon_tree *octree_photons(const sl_scene *scene, const sl_tracer *tracer,
+                               const sl_light_octree_settings *settings, uint64_t seed, unsigned threads,
+                               double seconds[2], sl_counters *counters) {
+    sl_photon_options options = {
+        .stored = settings->photons, .store = settings->store, .seed = seed, .threads = threads};
     sl_photon_list *list = NULL;
     sl_photon_tree *tree;
     sl_error error;
     double from = octree_seconds(threads);
     for (bool done = false; !done;) {
-        if (sl_photons_trace(scene, tracer, &options, 16, &list, &done, counters, &error) != SL_OK) bench_fail("photons", &error);
+        if (sl_photons_trace(scene, tracer, &options, 16, &list, &done, counters, &error) != SL_OK)
+            bench_fail("photons", &error);
     }
     seconds[0] = octree_seconds(threads) - from;
     from = octree_seconds(threads);
@@ -52,13 +55,17 @@ void octree_light_voxels(const sl_scene *scene, const sl_octree *octree, const s
     sl_counters counters = {{0}};
     double radius = settings->radius;
     double from = octree_seconds(threads);
-    if (!(radius > 0.0)) radius = sl_voxel_radius(octree, (size_t)settings->neighbours, sl_photon_tree_list(tree)->count);
+    if (!(radius > 0.0))
+        radius = sl_voxel_radius(octree, (size_t)settings->neighbours, sl_photon_tree_list(tree)->count);
     sl_voxel_light_options options = sl_octree_light_options(settings, radius);
-    if (sl_voxel_lights_create(scene, octree, octree, tree, &options, threads, &light->lights, &error) != SL_OK) bench_fail("lights", &error);
+    if (sl_voxel_lights_create(scene, octree, octree, tree, &options, threads, &light->lights, &error) !=
+        SL_OK)
+        bench_fail("lights", &error);
     sl_voxel_lights_compute(light->lights, 0, octree->leaf_count, threads, &counters);
     light->seconds[0] = octree_seconds(threads) - from;
     from = octree_seconds(threads);
-    if (sl_voxel_texture_create(octree, light->lights, octree->depth <= 7, &light->texture, &error) != SL_OK) bench_fail("texture", &error);
+    if (sl_voxel_texture_create(octree, light->lights, octree->depth <= 7, &light->texture, &error) != SL_OK)
+        bench_fail("texture", &error);
     light->seconds[1] = octree_seconds(threads) - from;
 }
 
@@ -78,11 +85,13 @@ bool octree_view_open(bench_report *r, const char *path, int width, int height, 
     if (sl_tracer_create(v->scene, 1, NULL, &v->tracer, &error) != SL_OK) bench_fail("tracer", &error);
     v->embree = octree_seconds(1) - from;
     v->view = sl_view_scene(v->scene, width, height);
-    if (sl_raster_create(v->scene, 1, &v->raster, &error) != SL_OK || sl_gbuffer_create(width, height, &v->gbuffer, &error) != SL_OK)
+    if (sl_raster_create(v->scene, 1, &v->raster, &error) != SL_OK ||
+        sl_gbuffer_create(width, height, &v->gbuffer, &error) != SL_OK)
         bench_fail("rasterizer", &error);
     for (int i = 0; i < 2; i++) { /* memory is touched first */
         from = octree_seconds(1);
-        if (sl_raster_gbuffer(v->raster, &v->view, 1, v->gbuffer, &v->counters, &error) != SL_OK) bench_fail("G-buffer", &error);
+        if (sl_raster_gbuffer(v->raster, &v->view, 1, v->gbuffer, &v->counters, &error) != SL_OK)
+            bench_fail("G-buffer", &error);
         v->gbuffer_seconds = octree_seconds(1) - from;
     }
     v->planes[0] = calloc(3 * (size_t)width * (size_t)height, sizeof(float));
@@ -104,8 +113,8 @@ double octree_shade_view(octree_view *v, const sl_octree_shading *shading, unsig
     sl_error error;
     v->counters = (sl_counters){{0}};
     double from = octree_seconds(threads);
-    if (sl_octree_shade_gbuffer(shading, v->scene, v->gbuffer, v->scene->camera.eye, threads, v->planes[0], v->planes[1], v->planes[2],
-                                &v->counters, &error) != SL_OK)
+    if (sl_octree_shade_gbuffer(shading, v->scene, v->gbuffer, v->scene->camera.eye, threads, v->planes[0],
+                                v->planes[1], v->planes[2], &v->counters, &error) != SL_OK)
         bench_fail("shading", &error);
     return octree_seconds(threads) - from;
 }
@@ -126,7 +135,8 @@ void octree_view_write(const octree_view *v, const bench_report *r, const char *
     char path[700];
     size_t width = (size_t)v->gbuffer->width, height = (size_t)v->gbuffer->height;
     double sum = 0.0, count = 0.0;
-    if (sl_image_create((int)width, (int)height, 3, NULL, &image, &error) != SL_OK) bench_fail("picture", &error);
+    if (sl_image_create((int)width, (int)height, 3, NULL, &image, &error) != SL_OK)
+        bench_fail("picture", &error);
     for (size_t i = 0; i < 3 * width * height; i++) {
         size_t k = i / (width * height), at = i % (width * height);
         float value = v->planes[k][at];

@@ -1,6 +1,7 @@
 #include "raster_bench_kernels.h"
 
-static void SL_KERNEL(triad)(float *restrict out, const float *restrict a, const float *restrict b, float s, size_t count) {
+static void SL_KERNEL(triad)(float *restrict out, const float *restrict a, const float *restrict b, float s,
+                             size_t count) {
 #pragma omp simd
     for (size_t i = 0; i < count; i++) out[i] = a[i] + s * b[i];
 }

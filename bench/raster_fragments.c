@@ -17,7 +17,7 @@ static void expect_ok(sl_status status, const sl_error *error) {
     if (status != SL_OK) bench_stop("fragments", error->message);
 }
 
-/* ---- splats: 4000 records of radiance cache splatting on a G-buffer of the room ---------------------------------------- */
+/* ---- splats: 4000 records of radiance cache splatting on a G-buffer of the room -------------- */
 
 enum { SPLATS = 4000, SUMS = 5 };
 
@@ -81,7 +81,8 @@ static void make_splats(splat_pass *p) {
     const sl_gbuffer *g = p->gbuffer;
     p->rules = (sl_record_pass){
         .gbuffer = g,
-        .receivers = {SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z, p->receives},
+        .receivers = {SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y,
+                      g->normal_z, p->receives},
         .weights = {accuracy, 1.0f / accuracy, 1e-5f * scale},
         .radii = {.accuracy = (double)accuracy},
         .kernels = sl_splat_kernels_for(sl_isa_best()),
@@ -92,10 +93,12 @@ static void make_splats(splat_pass *p) {
     };
     for (size_t i = 0; i < SPLATS; i++) make_record(p, i, sl_random_key(3, 1));
     for (int k = 0; k < SUMS; k++) p->plane[k] = bench_allocate(PIXELS, sizeof(float));
-    p->sums = (sl_splat_buffer){p->plane[0], p->plane[1], p->plane[2], p->plane[3], p->plane[4], {NULL, NULL, NULL}};
+    p->sums = (sl_splat_buffer){p->plane[0], p->plane[1], p->plane[2],
+                                p->plane[3], p->plane[4], {NULL, NULL, NULL}};
 }
 
-/* Share of the pixels where the sums of weights are apart by more than a thousandth and the change of a record at its edge. */
+/* Share of the pixels where the sums of weights are apart by more than a thousandth and the change of a
+ * record at its edge. */
 static double differing_sums(splat_pass *p, peer_pass *peer, void (*draw)(void *, unsigned, sl_counters *)) {
     sl_counters counters = {{0}};
     size_t differ = 0;
@@ -112,7 +115,9 @@ static double differing_sums(splat_pass *p, peer_pass *peer, void (*draw)(void *
     return (double)differ / PIXELS;
 }
 
-static double differing_splats(void *context, peer_pass *peer) { return differing_sums(context, peer, draw_splats); }
+static double differing_splats(void *context, peer_pass *peer) {
+    return differing_sums(context, peer, draw_splats);
+}
 
 static void free_splats(splat_pass *p) {
     for (int k = 0; k < SUMS; k++) sl_free(p->plane[k]);
@@ -122,7 +127,10 @@ static void free_splats(splat_pass *p) {
 }
 
 void bench_splats(measurer *m, bench_scene *scene) {
-    workload w = {.name = "splats, 4000 records", .wanted = wanted_splats, .ours = draw_splats, .differing = differing_splats};
+    workload w = {.name = "splats, 4000 records",
+                  .wanted = wanted_splats,
+                  .ours = draw_splats,
+                  .differing = differing_splats};
     if (!measure_wants(m, w.name)) return;
     bench_scene_open(scene);
     splat_pass *p = bench_allocate(1, sizeof *p);
@@ -140,7 +148,7 @@ void bench_splats(measurer *m, bench_scene *scene) {
     free_splats(p);
 }
 
-/* ---- Gouraud: interpolated colours behind a depth test ---------------------------------------------------- */
+/* ---- Gouraud: interpolated colours behind a depth test --------------------------------------- */
 
 typedef struct gouraud_pass {
     const bench_scene *scene;
@@ -154,7 +162,8 @@ static void draw_gouraud(void *context, unsigned threads, sl_counters *counters)
     sl_target target = {SIDE, SIDE, p->id, p->depth};
     sl_error error;
     expect_ok(sl_raster_id(p->scene->raster, &p->view, threads, &target, counters, &error), &error);
-    sl_raster_gouraud(p->scene->raster, &p->view, threads, p->id, &(sl_gouraud_pass){.channels = 3, .vertex = p->attributes, .out = p->colour}, counters);
+    sl_raster_gouraud(p->scene->raster, &p->view, threads, p->id,
+                      &(sl_gouraud_pass){.channels = 3, .vertex = p->attributes, .out = p->colour}, counters);
 }
 
 static double differing_colours(void *context, peer_pass *peer) {
@@ -177,8 +186,12 @@ static double differing_colours(void *context, peer_pass *peer) {
 static void measure_gouraud(measurer *m, workload *w, const float *xyz, const float *colours, size_t count) {
     bench_scene scene = {.name = w->name};
     bench_scene_of_triangles(&scene, xyz, colours, count);
-    gouraud_pass p = {&scene, bench_flat_view(SIDE, SIDE), bench_allocate(PIXELS, sizeof(uint32_t)), bench_allocate(PIXELS, sizeof(float)),
-                      bench_allocate(3 * PIXELS, sizeof(float)), bench_allocate(9 * count, sizeof(float))};
+    gouraud_pass p = {&scene,
+                      bench_flat_view(SIDE, SIDE),
+                      bench_allocate(PIXELS, sizeof(uint32_t)),
+                      bench_allocate(PIXELS, sizeof(float)),
+                      bench_allocate(3 * PIXELS, sizeof(float)),
+                      bench_allocate(9 * count, sizeof(float))};
     memcpy(p.attributes, colours, 9 * count * sizeof(float));
     w->context = &p;
     w->renders = 1;
@@ -197,13 +210,16 @@ static void random_colours(float *colours, size_t count, uint64_t key) {
     for (size_t i = 0; i < 9 * count; i++) colours[i] = sl_random_unit(key, i);
 }
 
-/* Each triangle covers one half of the screen, cut along a diagonal. Every one is nearer than the one before, so that a depth test alone
- * leaves nothing out; or depths are random at the corners, triangles go through each other, and no order is right. */
+/* Each triangle covers one half of the screen, cut along a diagonal. Every one is nearer than the one before,
+ * so that a depth test alone leaves nothing out; or depths are random at the corners, triangles go through
+ * each other, and no order is right. */
 typedef enum { NEARING, MIXED } fill_kind;
 
 static void fill(measurer *m, const char *name, fill_kind kind) {
     enum { LAYERS = 100 };
-    static const float corner[4][3][2] = {{{-1, -1}, {1, -1}, {1, 1}}, {{-1, -1}, {1, 1}, {-1, 1}}, {{-1, -1}, {1, -1}, {-1, 1}},
+    static const float corner[4][3][2] = {{{-1, -1}, {1, -1}, {1, 1}},
+                                          {{-1, -1}, {1, 1}, {-1, 1}},
+                                          {{-1, -1}, {1, -1}, {-1, 1}},
                                           {{1, -1}, {1, 1}, {-1, 1}}};
     workload w = {.wanted = wanted_fill, .units = 0.5 * LAYERS * PIXELS, .unit = "pixels"};
     snprintf(w.name, sizeof w.name, "%s", name);
@@ -214,7 +230,8 @@ static void fill(measurer *m, const char *name, fill_kind kind) {
         size_t t = i / 3;
         xyz[3 * i] = corner[t % 4][i % 3][0];
         xyz[3 * i + 1] = corner[t % 4][i % 3][1];
-        xyz[3 * i + 2] = kind == NEARING ? 0.9f - 1.8f * (float)t / LAYERS : 1.8f * sl_random_unit(key, i) - 0.9f;
+        xyz[3 * i + 2] =
+            kind == NEARING ? 0.9f - 1.8f * (float)t / LAYERS : 1.8f * sl_random_unit(key, i) - 0.9f;
     }
     random_colours(colours, LAYERS, sl_random_key(8, 9));
     measure_gouraud(m, &w, xyz, colours, LAYERS);
@@ -234,12 +251,17 @@ static uint32_t every_second_bit(uint32_t n) {
     return (n | n >> 8) & 0x0000ffffu;
 }
 
-/* Right triangles of eight pixels, one near each pixel, in Morton order as a well prepared mesh would have them. */
+/* Right triangles of eight pixels, one near each pixel, in Morton order as a well prepared mesh would have
+ * them. */
 void bench_small_triangles(measurer *m) {
     enum { COUNT = 1 << 20 };
-    workload w = {.name = "Gouraud, 1M triangles of 8 pixels", .wanted = wanted_small, .units = COUNT, .unit = "triangles"};
+    workload w = {.name = "Gouraud, 1M triangles of 8 pixels",
+                  .wanted = wanted_small,
+                  .units = COUNT,
+                  .unit = "triangles"};
     if (!measure_wants(m, w.name)) return;
-    float *xyz = bench_allocate(9 * (size_t)COUNT, sizeof *xyz), *colours = bench_allocate(9 * (size_t)COUNT, sizeof *colours);
+    float *xyz = bench_allocate(9 * (size_t)COUNT, sizeof *xyz),
+          *colours = bench_allocate(9 * (size_t)COUNT, sizeof *colours);
     uint64_t key = sl_random_key(8, 10);
     for (uint32_t t = 0; t < COUNT; t++) {
         float x = ((float)every_second_bit(t) + sl_random_unit(key, 8 * t)) * (1000.0f / 1024.0f);
@@ -259,7 +281,7 @@ void bench_small_triangles(measurer *m) {
     sl_free(colours);
 }
 
-/* ---- reduction --------------------------------------------------------------------------------------------------------- */
+/* ---- reduction ------------------------------------------------------------------------------- */
 
 enum { REDUCED = 256 };
 
@@ -296,8 +318,13 @@ static double differing_added_up(void *context, peer_pass *peer) {
     return (double)differ / 4.0;
 }
 
-static void measure_reduction(measurer *m, reduction_pass *p, const float *rgba, const char *name, int peer_final) {
-    workload w = {.wanted = peer_final ? wanted_reduction : 0.0, .renders = 1, .context = p, .ours = reduce, .alone = true,
+static void measure_reduction(measurer *m, reduction_pass *p, const float *rgba, const char *name,
+                              int peer_final) {
+    workload w = {.wanted = peer_final ? wanted_reduction : 0.0,
+                  .renders = 1,
+                  .context = p,
+                  .ours = reduce,
+                  .alone = true,
                   .differing = peer_final ? differing_totals : differing_added_up};
     snprintf(w.name, sizeof w.name, "%s", name);
     if (!measure_wants(m, name)) return;
@@ -305,14 +332,16 @@ static void measure_reduction(measurer *m, reduction_pass *p, const float *rgba,
     measure_row(m, &w);
 }
 
-/* The third row is what a program would rather do with OSMesa, whose pbuffer is in the processor's memory anyway. */
+/* The third row is what a program would rather do with OSMesa, whose pbuffer is in the processor's memory
+ * anyway. */
 void bench_reduction(measurer *m) {
     size_t pixels = (size_t)REDUCED * REDUCED;
     float *rgba = bench_allocate(4 * pixels, sizeof *rgba);
     reduction_pass p = {bench_allocate(4 * pixels, sizeof(float)), bench_allocate(pixels / 2, sizeof(float)),
                         bench_allocate(4 * 16 * 16, sizeof(float)), 16};
     uint64_t key = sl_random_key(8, 12);
-    for (size_t i = 0; i < 4 * pixels; i++) rgba[i] = p.planes[i % 4 * pixels + i / 4] = sl_random_unit(key, i);
+    for (size_t i = 0; i < 4 * pixels; i++)
+        rgba[i] = p.planes[i % 4 * pixels + i / 4] = sl_random_unit(key, i);
     measure_reduction(m, &p, rgba, "reduction of 256x256 RGBA32F to 16x16", 16);
     p.final = 1;
     measure_reduction(m, &p, rgba, "reduction of 256x256 RGBA32F to 1x1", 1);

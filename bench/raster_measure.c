@@ -6,12 +6,12 @@
 
 #include "timing.h"
 
-/* On one thread the medians of processor time are told, with half the distance of the quartiles. On two it is the wall that counts, and
- * there whatever else runs can only add: so it is the shortest sample, and how far the median lies above it; and what is wanted is
- * that two threads are 1.7 times as fast as one.
+/* On one thread the medians of processor time are told, with half the distance of the quartiles. On two it is
+ * the wall that counts, and there whatever else runs can only add: so it is the shortest sample, and how far
+ * the median lies above it; and what is wanted is that two threads are 1.7 times as fast as one.
  *
- * A sample is so many runs in a row that the clock's grain does not matter; samples of ours and of OSMesa take turns, so that
- * whatever else the machine does hits both. */
+ * A sample is so many runs in a row that the clock's grain does not matter; samples of ours and of OSMesa
+ * take turns, so that whatever else the machine does hits both. */
 enum { ROUNDS_MIN = 7, ROUNDS_MAX = 41, DRAWING_MIN = 3 };
 static const double sample_ms = 4.0, row_ms = 1500.0, wanted_speed_up = 1.7;
 
@@ -26,7 +26,8 @@ static void run(const workload *w, int kind, unsigned threads, sl_counters *coun
     }
 }
 
-/* On one thread, processor time: ours of this thread; OSMesa's of the process, should it have threads that it was not asked for. */
+/* On one thread, processor time: ours of this thread; OSMesa's of the process, should it have threads that it
+ * was not asked for. */
 static double now(int kind, unsigned threads) {
     if (threads > 1) return wall_ms();
     return kind == OURS || kind == OURS_ALONE ? now_ms() : process_ms();
@@ -68,7 +69,8 @@ static figures measure(const workload *w, unsigned threads) {
     double start = wall_ms();
     while (rounds < ROUNDS_MIN || (rounds < ROUNDS_MAX && wall_ms() - start < row_ms)) {
         for (int k = 0; k < KINDS; k++) {
-            if (runs[k] && (k != PEER_DRAWING || rounds < DRAWING_MIN)) ms[k][rounds] = sample(w, k, threads, runs[k]) / w->renders;
+            if (runs[k] && (k != PEER_DRAWING || rounds < DRAWING_MIN))
+                ms[k][rounds] = sample(w, k, threads, runs[k]) / w->renders;
         }
         rounds++;
     }
@@ -81,19 +83,21 @@ static figures measure(const workload *w, unsigned threads) {
     return f;
 }
 
-/* ---- the table ------------------------------------------------------------------------------------------------------- */
+/* ---- the table ------------------------------------------------------------------------------- */
 
 bool measure_wants(const measurer *m, const char *name) { return !m->only || strstr(name, m->only); }
 
 void measure_head(const measurer *m, const char *title) {
     if (m->csv) {
-        printf("workload,threads,ours ms,spread,ours on one thread ms,OSMesa ms,spread,OSMesa drawing ms,ratio,wanted,differing,"
+        printf("workload,threads,ours ms,spread,ours on one thread ms,OSMesa ms,spread,OSMesa drawing "
+               "ms,ratio,wanted,differing,"
                "units a second\n");
         return;
     }
     printf("\n%s\n%-42s %10s %5s", title, "ms a render", "ours", "+-%");
     if (m->threads > 1) printf(" %10s %8s", "one thread", "speed-up");
-    printf(" %10s %5s %10s %7s %7s  %-6s %9s\n", "OSMesa", "+-%", "drawing", "ratio", "wanted", "", "differing");
+    printf(" %10s %5s %10s %7s %7s  %-6s %9s\n", "OSMesa", "+-%", "drawing", "ratio", "wanted", "",
+           "differing");
 }
 
 static double wanted_of(const measurer *m, const workload *w) {
@@ -101,15 +105,17 @@ static double wanted_of(const measurer *m, const workload *w) {
 }
 
 static void print_csv(const measurer *m, const workload *w, const figures *f) {
-    printf("\"%s\",%u,%.5g,%.3f,%.5g,%.5g,%.3f,%.5g,%.3g,%.3g,%.3g,%.4g\n", w->name, m->threads, f->ours, f->ours_spread, f->ours_one_thread,
-           f->peer, f->peer_spread, f->peer_drawing, f->peer / f->ours, wanted_of(m, w), f->differing, 1e3 * w->units / f->ours);
+    printf("\"%s\",%u,%.5g,%.3f,%.5g,%.5g,%.3f,%.5g,%.3g,%.3g,%.3g,%.4g\n", w->name, m->threads, f->ours,
+           f->ours_spread, f->ours_one_thread, f->peer, f->peer_spread, f->peer_drawing, f->peer / f->ours,
+           wanted_of(m, w), f->differing, 1e3 * w->units / f->ours);
 }
 
 static void print_row(const measurer *m, const workload *w, const figures *f, bool missed) {
     printf("%-42s %10.4g %5.1f", w->name, f->ours, 100.0 * f->ours_spread);
     if (m->threads > 1) printf(" %10.4g %8.2f", f->ours_one_thread, f->ours_one_thread / f->ours);
     if (w->peer) {
-        printf(" %10.4g %5.1f %10.4g %7.2f", f->peer, 100.0 * f->peer_spread, f->peer_drawing, f->peer / f->ours);
+        printf(" %10.4g %5.1f %10.4g %7.2f", f->peer, 100.0 * f->peer_spread, f->peer_drawing,
+               f->peer / f->ours);
     } else {
         printf(" %10s %5s %10s %7s", "not here", "", "", "");
     }
@@ -118,7 +124,9 @@ static void print_row(const measurer *m, const workload *w, const figures *f, bo
     else printf(" %7s  %-6s", "", "");
     if (f->differing >= 0.0) printf(" %9.1e", f->differing);
     else printf(" %9s", "");
-    if (w->units > 0.0) printf("  %.4g M%s/s, OSMesa %.4g", 1e-3 * w->units / f->ours, w->unit, w->peer ? 1e-3 * w->units / f->peer : 0.0);
+    if (w->units > 0.0)
+        printf("  %.4g M%s/s, OSMesa %.4g", 1e-3 * w->units / f->ours, w->unit,
+               w->peer ? 1e-3 * w->units / f->peer : 0.0);
     printf("\n");
 }
 

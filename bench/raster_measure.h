@@ -8,13 +8,15 @@ typedef struct workload {
     char name[128];
     double wanted;       /* OSMesa's time over ours on one thread; 0: nothing is */
     double renders;      /* in one run; times are told of one */
-    double units;        /* what one render gets through (pixels, triangles), told in millions a second; 0: not told */
+    /* what one render gets through (pixels, triangles), told in millions a second; 0: not told */
+    double units;
     const char *unit;
     bool alone;          /* too small for two threads */
     void *context;
     void (*ours)(void *context, unsigned threads, sl_counters *counters);
     peer_pass *peer;     /* NULL: OSMesa is not here */
-    double (*differing)(void *context, peer_pass *peer); /* share of the words in which the two pictures differ; NULL: not told */
+    /* share of the words in which the two pictures differ; NULL: not told */
+    double (*differing)(void *context, peer_pass *peer);
 } workload;
 
 typedef struct figures {

@@ -10,7 +10,8 @@
 enum { TARGETS = 16, MAX_PLANES = OSMESA_PLANES + 1 };
 
 struct peer_pass {
-    osmesa_target target[TARGETS]; /* one for every size of view; a reduction's levels, the last being what is read */
+    /* one for every size of view; a reduction's levels, the last being what is read */
+    osmesa_target target[TARGETS];
     int targets;
     osmesa_mesh mesh;
     unsigned program, texture[3];
@@ -20,7 +21,7 @@ struct peer_pass {
     void *memory[MAX_PLANES];
 };
 
-/* ---- passes ---------------------------------------------------------------------------------------------------------- */
+/* ---- passes ---------------------------------------------------------------------------------- */
 
 static bool running;
 
@@ -42,8 +43,8 @@ static void *allocated(size_t count, size_t size) {
 }
 
 static size_t plane_bytes(const osmesa_target *target, int plane) {
-    static const size_t channels[] = {[PLANE_R32UI] = 1, [PLANE_RG32UI] = 2, [PLANE_R32F] = 1, [PLANE_RG32F] = 2,
-                                      [PLANE_RGB32F] = 3, [PLANE_RGBA32F] = 4};
+    static const size_t channels[] = {[PLANE_R32UI] = 1, [PLANE_RG32UI] = 2, [PLANE_R32F] = 1,
+                                      [PLANE_RG32F] = 2, [PLANE_RGB32F] = 3, [PLANE_RGBA32F] = 4};
     size_t pixels = (size_t)target->width * (size_t)target->height;
     return pixels * sizeof(float) * (plane < target->planes ? channels[target->format[plane]] : 1);
 }
@@ -56,7 +57,8 @@ static void add_target(peer_pass *pass, int width, int height, int planes, const
     }
 }
 
-static peer_pass *make_pass(int width, int height, int planes, const osmesa_format *formats, bool depth, bool add) {
+static peer_pass *make_pass(int width, int height, int planes, const osmesa_format *formats, bool depth,
+                            bool add) {
     peer_pass *pass = allocated(1, sizeof *pass);
     pass->depth = depth;
     pass->add = add;
@@ -78,8 +80,9 @@ static osmesa_mesh upload(const peer_mesh *m, const float *second, const float *
     return osmesa_mesh_create(count, streams, 3 * m->triangle_count, m->index);
 }
 
-/* gl_PrimitiveID sends every triangle through a stage that copies its vertices (twice the time). So each triangle gets a last (provoking)
- * vertex of its own, which carries the triangle's number: an unused one of its three, or a copy. */
+/* gl_PrimitiveID sends every triangle through a stage that copies its vertices (twice the time). So each
+ * triangle gets a last (provoking) vertex of its own, which carries the triangle's number: an unused one of
+ * its three, or a copy. */
 static osmesa_mesh upload_numbered(const peer_mesh *m) {
     size_t most = m->vertex_count + m->triangle_count, count = m->vertex_count;
     float *position = allocated(3 * most, sizeof *position), *number = allocated(most, sizeof *number);
@@ -89,7 +92,8 @@ static osmesa_mesh upload_numbered(const peer_mesh *m) {
     for (size_t t = 0; t < m->triangle_count; t++) {
         const uint32_t *v = &m->index[3 * t];
         size_t last = !used[v[2]] ? 2 : !used[v[0]] ? 0 : !used[v[1]] ? 1 : 3;
-        for (size_t k = 0; k < 3; k++) index[3 * t + k] = v[(last + 1 + k) % 3]; /* a turn, the same triangle */
+        /* a turn, the same triangle */
+        for (size_t k = 0; k < 3; k++) index[3 * t + k] = v[(last + 1 + k) % 3];
         if (last == 3) {
             memcpy(&position[3 * count], &m->position[3 * index[3 * t + 2]], 3 * sizeof *position);
             index[3 * t + 2] = (uint32_t)count++;
@@ -114,7 +118,8 @@ static void set_views(peer_pass *pass, const sl_view *views, size_t count) {
 
 static const osmesa_target *target_of(const peer_pass *pass, const sl_view *view) {
     for (int k = 0; k < pass->targets; k++) {
-        if (pass->target[k].width == view->width && pass->target[k].height == view->height) return &pass->target[k];
+        if (pass->target[k].width == view->width && pass->target[k].height == view->height)
+            return &pass->target[k];
     }
     return NULL;
 }
@@ -125,10 +130,12 @@ peer_pass *peer_ids(const peer_mesh *mesh, const sl_view *views, size_t count, b
     const osmesa_format format = PLANE_R32UI;
     peer_pass *pass = make_pass(views[0].width, views[0].height, ids ? 1 : 0, &format, true, false);
     for (size_t i = 1; i < count; i++) {
-        if (!target_of(pass, &views[i])) add_target(pass, views[i].width, views[i].height, ids ? 1 : 0, &format);
+        if (!target_of(pass, &views[i]))
+            add_target(pass, views[i].width, views[i].height, ids ? 1 : 0, &format);
     }
     pass->mesh = ids ? upload_numbered(mesh) : upload(mesh, NULL, NULL);
-    pass->program = ids ? peer_scene_program(id_vertex, id_fragment) : peer_scene_program(depth_vertex, depth_fragment);
+    pass->program =
+        ids ? peer_scene_program(id_vertex, id_fragment) : peer_scene_program(depth_vertex, depth_fragment);
     set_views(pass, views, count);
     return pass;
 }
@@ -152,7 +159,7 @@ peer_pass *peer_gouraud(const peer_mesh *mesh, const sl_view *view) {
     return pass;
 }
 
-/* ---- splats ---------------------------------------------------------------------------------------------------------- */
+/* ---- splats ---------------------------------------------------------------------------------- */
 
 enum { RECORD_TEXELS = 10 };
 
@@ -171,7 +178,8 @@ static void put_splat(float *row, const peer_splat *splat) {
     put4(row + 8, r->normal.x, r->normal.y, r->normal.z, 0.0f);
     put4(row + 12, r->irradiance.r, r->irradiance.g, r->irradiance.b, 0.0f);
     for (int c = 0; c < 3; c++) {
-        put4(row + 16 + 4 * c, r->rotational[c].x, r->rotational[c].y, r->rotational[c].z, r->rotational_length[c]);
+        put4(row + 16 + 4 * c, r->rotational[c].x, r->rotational[c].y, r->rotational[c].z,
+             r->rotational_length[c]);
         put4(row + 28 + 4 * c, r->translational[c].x, r->translational[c].y, r->translational[c].z, 0.0f);
     }
 }
@@ -193,23 +201,27 @@ static unsigned plane_texture(const sl_splat_receivers *r, const float *x, const
     return texture;
 }
 
-peer_pass *peer_splats(int width, int height, const peer_splat *splats, size_t count, const sl_weight_rules *rules,
-                       const sl_splat_receivers *receivers) {
+peer_pass *peer_splats(int width, int height, const peer_splat *splats, size_t count,
+                       const sl_weight_rules *rules, const sl_splat_receivers *receivers) {
     if (!running) return NULL;
     const osmesa_format formats[2] = {PLANE_RGBA32F, PLANE_RGBA32F};
     peer_pass *pass = make_pass(width, height, receivers ? 2 : 1, formats, false, true);
     pass->mesh = osmesa_mesh_create(0, NULL, 6 * count, NULL);
-    pass->program = receivers ? osmesa_program(splat_vertex, splat_fragment) : osmesa_program(blend_vertex, blend_fragment);
+    pass->program = receivers ? osmesa_program(splat_vertex, splat_fragment)
+                              : osmesa_program(blend_vertex, blend_fragment);
     osmesa_uniform(pass->program, "size", 2, (float[]){(float)width, (float)height});
     pass->texture[0] = splat_texture(splats, count);
     if (!receivers) return pass;
-    pass->texture[1] = plane_texture(receivers, receivers->position_x, receivers->position_y, receivers->position_z);
-    pass->texture[2] = plane_texture(receivers, receivers->normal_x, receivers->normal_y, receivers->normal_z);
-    osmesa_uniform(pass->program, "rules", 3, (float[]){rules->accuracy, rules->offset, rules->front_tolerance});
+    pass->texture[1] =
+        plane_texture(receivers, receivers->position_x, receivers->position_y, receivers->position_z);
+    pass->texture[2] =
+        plane_texture(receivers, receivers->normal_x, receivers->normal_y, receivers->normal_z);
+    osmesa_uniform(pass->program, "rules", 3,
+                   (float[]){rules->accuracy, rules->offset, rules->front_tolerance});
     return pass;
 }
 
-/* ---- reduction ------------------------------------------------------------------------------------------------------- */
+/* ---- reduction ------------------------------------------------------------------------------- */
 
 static void read_back(const peer_pass *pass, const osmesa_target *target) {
     for (int k = 0; k < target->planes; k++) osmesa_read(target, k, pass->memory[k]);
@@ -259,7 +271,7 @@ static void read_and_add(const peer_pass *pass, bool read) {
     add_up(pass->memory[0], plane_bytes(&pass->target[0], 0) / sizeof(float), pass->memory[1]);
 }
 
-/* ---- drawing --------------------------------------------------------------------------------------------------------- */
+/* ---- drawing --------------------------------------------------------------------------------- */
 
 /* OpenGL has a far plane: for views without one, z/w = 1 - 2 near/w. */
 void peer_set_view(unsigned program, const sl_view *view) {
@@ -274,7 +286,8 @@ static void begin(const peer_pass *pass) {
     static const char *const samplers[3] = {"records", "positions", "normals"};
     osmesa_draw_to(&pass->target[0]);
     osmesa_state(pass->depth, pass->add);
-    for (int k = 0; k < 3 && pass->texture[k]; k++) osmesa_input(pass->program, samplers[k], k, pass->texture[k]);
+    for (int k = 0; k < 3 && pass->texture[k]; k++)
+        osmesa_input(pass->program, samplers[k], k, pass->texture[k]);
 }
 
 static void draw(const peer_pass *pass, size_t view, bool read) {

@@ -1,5 +1,6 @@
-/* Against rays: one plane over a point, rendered, and the same directions (those of the pixels' centres) traced, sixteen at a time in blocks
- * of 4 x 4 pixels: by our tracer, and by Embree with its own triangles, both told that the rays are coherent. */
+/* Against rays: one plane over a point, rendered, and the same directions (those of the pixels' centres)
+ * traced, sixteen at a time in blocks of 4 x 4 pixels: by our tracer, and by Embree with its own triangles,
+ * both told that the rays are coherent. */
 #include <stdio.h>
 #include <string.h>
 
@@ -28,14 +29,16 @@ typedef struct rivals {
     sl_counters counters;
 } rivals;
 
-/* ---- Embree's own triangles ------------------------------------------------------------------------------------------ */
+/* ---- Embree's own triangles ------------------------------------------------------------------ */
 
 static void build_embree(rivals *r) {
     const peer_mesh *m = &r->scene->mesh;
     r->device = rtcNewDevice("threads=1");
     RTCGeometry geometry = rtcNewGeometry(r->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *position = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), m->vertex_count);
-    uint32_t *index = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), m->triangle_count);
+    float *position = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                              3 * sizeof(float), m->vertex_count);
+    uint32_t *index = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              3 * sizeof(uint32_t), m->triangle_count);
     if (!position || !index) bench_stop("Embree", "not enough memory");
     memcpy(position, m->position, 3 * sizeof(float) * m->vertex_count);
     memcpy(index, m->index, 3 * sizeof(uint32_t) * m->triangle_count);
@@ -68,7 +71,8 @@ static void fill_packet(struct RTCRayHit16 *out, const sl_ray16 *rays) {
 }
 
 static void trace_embree(rivals *r) {
-    _Alignas(64) static const int all[SL_PACKET] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
+    _Alignas(64) static const int all[SL_PACKET] = {-1, -1, -1, -1, -1, -1, -1, -1,
+                                                    -1, -1, -1, -1, -1, -1, -1, -1};
     struct RTCRayHit16 packet;
     sl_embree_query query;
     sl_embree_begin(&query, NULL);
@@ -76,12 +80,13 @@ static void trace_embree(rivals *r) {
         fill_packet(&packet, &r->rays[k]);
         sl_embree_intersect16(r->triangles, &query, all, &packet);
         for (unsigned i = 0; i < SL_PACKET; i++) {
-            r->embree[k * SL_PACKET + i] = packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? SL_NO_INDEX : packet.hit.primID[i];
+            r->embree[k * SL_PACKET + i] =
+                packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? SL_NO_INDEX : packet.hit.primID[i];
         }
     }
 }
 
-/* ---- ours ------------------------------------------------------------------------------------------------------------ */
+/* ---- ours ------------------------------------------------------------------------------------ */
 
 static void trace_ours(rivals *r) {
     sl_hit16 hits;
@@ -96,14 +101,15 @@ static void rasterize(rivals *r) {
     sl_raster_id_small(r->scene->raster, &r->view, &target, r->scratch, &r->counters);
 }
 
-/* ---- the same directions --------------------------------------------------------------------------------------------- */
+/* ---- the same directions --------------------------------------------------------------------- */
 
 static size_t pixel_of(const rivals *r, size_t packet, unsigned i) {
     size_t blocks = (size_t)r->size / 4, x = packet % blocks * 4 + i % 4, y = packet / blocks * 4 + i / 4;
     return y * (size_t)r->size + x;
 }
 
-/* Directions are 1 long along the plane's axis, so that distances are depths and begin at the same near plane. */
+/* Directions are 1 long along the plane's axis, so that distances are depths and begin at the same near
+ * plane. */
 static void aim(rivals *r, size_t point, double degrees) {
     sl_frame frame = sl_frame_from_normal(r->scene->normal[point]);
     float tangent = (float)sl_tan(degrees * SL_PI / 360.0);
@@ -128,7 +134,7 @@ static void aim(rivals *r, size_t point, double degrees) {
     }
 }
 
-/* ---- measuring ------------------------------------------------------------------------------------------------------- */
+/* ---- measuring ------------------------------------------------------------------------------- */
 
 enum { RASTER, TRACE, EMBREE, RIVALS };
 
@@ -156,7 +162,8 @@ static void measure_point(rivals *r, double sums[RIVALS]) {
 static double differing(const rivals *r) {
     double differ = 0;
     for (size_t k = 0; k < r->packets; k++) {
-        for (unsigned i = 0; i < SL_PACKET; i++) differ += r->traced[k * SL_PACKET + i] != r->id[pixel_of(r, k, i)];
+        for (unsigned i = 0; i < SL_PACKET; i++)
+            differ += r->traced[k * SL_PACKET + i] != r->id[pixel_of(r, k, i)];
     }
     return differ / (double)(r->packets * SL_PACKET);
 }
@@ -168,7 +175,8 @@ static double wanted_ratio(const bench_scene *scene, int size) {
 }
 
 static void measure_size(const measurer *m, rivals *r, int size, double degrees) {
-    double ms[RIVALS] = {0}, wanted = wanted_ratio(r->scene, size), differ = 0, points = (double)r->scene->points;
+    double ms[RIVALS] = {0}, wanted = wanted_ratio(r->scene, size), differ = 0,
+           points = (double)r->scene->points;
     r->size = size;
     r->packets = (size_t)size * (size_t)size / SL_PACKET;
     for (size_t i = 0; i < r->scene->points; i++) {
@@ -179,11 +187,11 @@ static void measure_size(const measurer *m, rivals *r, int size, double degrees)
     for (int k = 0; k < RIVALS; k++) ms[k] /= points;
     double ratio = ms[RASTER] / ms[TRACE];
     if (m->csv) {
-        printf("\"rays, %.0f degrees %dx%d, %s\",%.5g,%.5g,%.5g,%.4g,%.3g,%.3g\n", degrees, size, size, r->scene->name, ms[RASTER], ms[TRACE], ms[EMBREE],
-               ratio, wanted, differ);
+        printf("\"rays, %.0f degrees %dx%d, %s\",%.5g,%.5g,%.5g,%.4g,%.3g,%.3g\n", degrees, size, size,
+               r->scene->name, ms[RASTER], ms[TRACE], ms[EMBREE], ratio, wanted, differ);
     } else {
-        printf("%-16s %3.0f  %3dx%-3d %9.4f %9.4f %9.4f %8.2f %8.2f", r->scene->name, degrees, size, size, ms[RASTER], ms[TRACE], ms[EMBREE],
-               ratio, ms[RASTER] / ms[EMBREE]);
+        printf("%-16s %3.0f  %3dx%-3d %9.4f %9.4f %9.4f %8.2f %8.2f", r->scene->name, degrees, size, size,
+               ms[RASTER], ms[TRACE], ms[EMBREE], ratio, ms[RASTER] / ms[EMBREE]);
         if (wanted > 0.0) printf(" %7.1f  %-6s", wanted, ratio > wanted ? "missed" : "");
         else printf(" %7s  %-6s", "", "");
         printf(" %9.1e\n", differ);
@@ -199,9 +207,11 @@ static void print_head(const measurer *m) {
         printf("workload,raster ms,our rays ms,Embree ms,ratio,wanted,differing\n");
         return;
     }
-    printf("\nagainst rays: ms of processor time for one plane over a point, one thread, and the same directions traced\n%-16s %3s  %7s %9s %9s %9s %8s"
+    printf("\nagainst rays: ms of processor time for one plane over a point, one thread, and the same "
+           "directions traced\n%-16s %3s  %7s %9s %9s %9s %8s"
            " %8s %7s  %-6s %9s\n",
-           "", "fov", "pixels", "raster", "our rays", "Embree", "of ours", "of E.", "wanted", "", "differing");
+           "", "fov", "pixels", "raster", "our rays", "Embree", "of ours", "of E.", "wanted", "",
+           "differing");
 }
 
 void bench_rays(measurer *m, bench_scene *scene) {
@@ -211,10 +221,16 @@ void bench_rays(measurer *m, bench_scene *scene) {
     snprintf(name, sizeof name, "rays, %s", scene->name);
     if (m->threads > 1 || !measure_wants(m, name)) return;
     bench_scene_open(scene);
-    rivals r = {.scene = scene, .id = bench_allocate(pixels, 4), .traced = bench_allocate(pixels, 4), .embree = bench_allocate(pixels, 4),
-                .depth = bench_allocate(pixels, 4), .rays = bench_allocate(pixels / SL_PACKET, sizeof(sl_ray16))};
-    if (sl_tracer_create(scene->scene, 1, NULL, &r.tracer, &error) != SL_OK) bench_stop(scene->name, error.message);
-    if (sl_raster_scratch_create(scene->raster, LARGEST, LARGEST, &r.scratch, &error) != SL_OK) bench_stop(scene->name, error.message);
+    rivals r = {.scene = scene,
+                .id = bench_allocate(pixels, 4),
+                .traced = bench_allocate(pixels, 4),
+                .embree = bench_allocate(pixels, 4),
+                .depth = bench_allocate(pixels, 4),
+                .rays = bench_allocate(pixels / SL_PACKET, sizeof(sl_ray16))};
+    if (sl_tracer_create(scene->scene, 1, NULL, &r.tracer, &error) != SL_OK)
+        bench_stop(scene->name, error.message);
+    if (sl_raster_scratch_create(scene->raster, LARGEST, LARGEST, &r.scratch, &error) != SL_OK)
+        bench_stop(scene->name, error.message);
     build_embree(&r);
     print_head(m);
     for (int wide = 0; wide < 2; wide++) {

@@ -1,6 +1,6 @@
-/* The roofline: what the machine would need at the least. A render must read the clusters' bounds, the triangles of the clusters that
- * it did not reject, write its planes, and transform those triangles' vertices; memory and a plain vectorized loop give the two
- * times. Counters tell how much of it there was. */
+/* The roofline: what the machine would need at the least. A render must read the clusters' bounds, the
+ * triangles of the clusters that it did not reject, write its planes, and transform those triangles'
+ * vertices; memory and a plain vectorized loop give the two times. Counters tell how much of it there was. */
 #include <stdio.h>
 #include <string.h>
 
@@ -52,7 +52,8 @@ static double measure_triad(size_t count) {
     for (size_t i = 0; i < 3 * count; i++) a[i] = (float)i;
     for (int t = 0; t < TIMES; t++) {
         double start = now_ms();
-        for (size_t r = 0; r < repeat; r++) bench_kernels_best()->triad(a, a + count, a + 2 * count, 0.5f, count);
+        for (size_t r = 0; r < repeat; r++)
+            bench_kernels_best()->triad(a, a + count, a + 2 * count, 0.5f, count);
         ms[t] = (now_ms() - start) / (double)repeat;
     }
     sl_free(a);
@@ -62,13 +63,17 @@ static double measure_triad(size_t count) {
 /* Vertices a millisecond, from and to the caches. */
 static double measure_transform(void) {
     enum { COUNT = 1 << 13, REPEAT = 200, TIMES = 9 };
-    const float matrix[4][4] = {{1.1f, 0.1f, 0.2f, 0.3f}, {0.1f, 1.2f, 0.3f, 0.1f}, {0.2f, 0.1f, 1.3f, 0.2f}, {0.1f, 0.2f, 0.9f, 1.5f}};
+    const float matrix[4][4] = {{1.1f, 0.1f, 0.2f, 0.3f},
+                                {0.1f, 1.2f, 0.3f, 0.1f},
+                                {0.2f, 0.1f, 1.3f, 0.2f},
+                                {0.1f, 0.2f, 0.9f, 1.5f}};
     float *v = bench_allocate(6 * COUNT, sizeof *v);
     double ms[TIMES];
     for (int i = 0; i < 3 * COUNT; i++) v[i] = (float)(i % 1000) * 1e-3f;
     for (int t = 0; t < TIMES; t++) {
         double start = now_ms();
-        for (int r = 0; r < REPEAT; r++) bench_kernels_best()->transform(v, v + COUNT, v + 2 * COUNT, matrix, v + 3 * COUNT, COUNT);
+        for (int r = 0; r < REPEAT; r++)
+            bench_kernels_best()->transform(v, v + COUNT, v + 2 * COUNT, matrix, v + 3 * COUNT, COUNT);
         ms[t] = (now_ms() - start) / REPEAT;
     }
     sl_free(v);
@@ -78,16 +83,19 @@ static double measure_transform(void) {
 static void print_row(const row *r, double memory, double transform) {
     double memory_ms = r->bytes / memory, transform_ms = r->vertices / transform;
     double least = memory_ms > transform_ms ? memory_ms : transform_ms;
-    printf("%-42s %9.0f %8.0f %8.0f %8.1f %9.4f %9.4f %9.4g %6.1f\n", r->name, r->triangles, 1e-3 * r->triangles / r->ms,
-           1e-3 * r->held / r->ms, 1e-6 * r->bytes, memory_ms, transform_ms, r->ms, r->ms / least);
+    printf("%-42s %9.0f %8.0f %8.0f %8.1f %9.4f %9.4f %9.4g %6.1f\n", r->name, r->triangles,
+           1e-3 * r->triangles / r->ms, 1e-3 * r->held / r->ms, 1e-6 * r->bytes, memory_ms, transform_ms,
+           r->ms, r->ms / least);
 }
 
 void roofline_print(const measurer *m) {
     if (m->csv || m->threads > 1 || row_count == 0) return;
-    double memory = measure_triad((size_t)22 << 20), cache = measure_triad((size_t)1 << 15), transform = measure_transform();
-    printf("\nroofline of one thread: memory %.1f GB/s (256 MB), second cache %.1f GB/s (384 KB), plain transform %.0f million vertices/s\n",
+    double memory = measure_triad((size_t)22 << 20), cache = measure_triad((size_t)1 << 15),
+           transform = measure_transform();
+    printf("\nroofline of one thread: memory %.1f GB/s (256 MB), second cache %.1f GB/s (384 KB), plain "
+           "transform %.0f million vertices/s\n",
            1e-6 * memory, 1e-6 * cache, 1e-3 * transform);
-    printf("%-42s %9s %8s %8s %8s %9s %9s %9s %6s\n", "of one render", "triangles", "M/s", "held M/s", "MB", "memory ms", "vertex ms",
-           "ours ms", "times");
+    printf("%-42s %9s %8s %8s %8s %9s %9s %9s %6s\n", "of one render", "triangles", "M/s", "held M/s", "MB",
+           "memory ms", "vertex ms", "ours ms", "times");
     for (int i = 0; i < row_count; i++) print_row(&rows[i], memory, transform);
 }

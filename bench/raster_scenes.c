@@ -24,7 +24,7 @@ void *bench_allocate(size_t count, size_t size) {
     return memory;
 }
 
-/* ---- sharing vertices ------------------------------------------------------------------------------------------------ */
+/* ---- sharing vertices ------------------------------------------------------------------------ */
 
 static uint64_t hash_position(sl_vec3 p) {
     return sl_hash64(sl_hash64(sl_float_bits(p.x) | (uint64_t)sl_float_bits(p.y) << 32) ^ sl_float_bits(p.z));
@@ -62,7 +62,8 @@ static peer_mesh shared_vertices(const sl_scene *scene) {
         const sl_rgb *diffuse = &scene->materials[scene->material_index[t]].diffuse;
         for (size_t k = 0; k < 3; k++) {
             uint32_t from = scene->vertex[k][t];
-            uint32_t v = index[3 * t + k] = weld(&w, sl_scene_position(scene, from), sl_scene_normal(scene, from));
+            uint32_t v = index[3 * t + k] =
+                weld(&w, sl_scene_position(scene, from), sl_scene_normal(scene, from));
             memcpy(&colour[3 * v], diffuse, sizeof *diffuse);
         }
     }
@@ -74,7 +75,8 @@ static void corners_of(const peer_mesh *m, size_t triangle, sl_vec3 p[3]) {
     for (size_t k = 0; k < 3; k++) memcpy(&p[k], &m->position[3 * m->index[3 * triangle + k]], sizeof p[k]);
 }
 
-/* Winds triangles [first, end) of one convex part so that their fronts are seen from outside, or from inside. */
+/* Winds triangles [first, end) of one convex part so that their fronts are seen from outside, or from inside.
+ */
 static void wind(peer_mesh *m, size_t first, size_t end, bool outside) {
     sl_vec3 p[3], sum = {0, 0, 0};
     for (size_t t = first; t < end; t++) {
@@ -116,14 +118,15 @@ static void free_mesh(peer_mesh *m) {
     sl_free((void *)m->index);
 }
 
-/* ---- scenes ---------------------------------------------------------------------------------------------------------- */
+/* ---- scenes ---------------------------------------------------------------------------------- */
 
 static void make_raster(bench_scene *s) {
     sl_error error;
     if (sl_raster_create(s->scene, 1, &s->raster, &error) != SL_OK) bench_stop("raster", error.message);
 }
 
-/* The tests' room has vertices of its own for every triangle; here it is built anew from shared ones. each: triangles of a ball. */
+/* The tests' room has vertices of its own for every triangle; here it is built anew from shared ones. each:
+ * triangles of a ball. */
 static sl_scene *smooth_scene(sl_scene *raw, size_t each) {
     peer_mesh m = shared_vertices(raw);
     size_t walls = m.triangle_count - BALLS * each;
@@ -133,8 +136,13 @@ static sl_scene *smooth_scene(sl_scene *raw, size_t each) {
     sl_material grey = {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
     sl_camera camera;
     sl_camera_look_at(&camera, sl_v3(0.2f, 2.6f, 0.2f), sl_v3(2.2f, 1.2f, 3.0f), sl_v3(0, 1, 0), 1.3f);
-    sl_scene_parts parts = {.vertex_count = m.vertex_count, .positions = m.position, .normals = normals,
-                            .triangle_count = m.triangle_count, .indices = m.index, .material_count = 1, .materials = &grey,
+    sl_scene_parts parts = {.vertex_count = m.vertex_count,
+                            .positions = m.position,
+                            .normals = normals,
+                            .triangle_count = m.triangle_count,
+                            .indices = m.index,
+                            .material_count = 1,
+                            .materials = &grey,
                             .camera = &camera};
     sl_scene *scene;
     sl_error error;
@@ -151,7 +159,8 @@ static void put_points_on_walls(bench_scene *s) {
     for (s->points = 0; s->points < BENCH_POINTS; s->points++) {
         int axis = (int)s->points % 3, high = (int)s->points / 3 % 2;
         float p[3], n[3] = {0};
-        for (int k = 0; k < 3; k++) p[k] = random_between(key, 3 * s->points + (uint64_t)k, 0.1f, 0.9f) * size[k];
+        for (int k = 0; k < 3; k++)
+            p[k] = random_between(key, 3 * s->points + (uint64_t)k, 0.1f, 0.9f) * size[k];
         p[axis] = high ? size[axis] : 0.0f;
         n[axis] = high ? -1.0f : 1.0f;
         s->point[s->points] = sl_v3(p[0], p[1], p[2]);
@@ -172,8 +181,14 @@ static void put_points_in_sight(bench_scene *s) {
         float x = (2.0f * sl_random_unit(key, 2 * i) - 1.0f) * tangent * aspect;
         float y = (2.0f * sl_random_unit(key, 2 * i + 1) - 1.0f) * tangent;
         sl_vec3 d = sl_sub(sl_mad(sl_scale(c->right, x), y, c->up), c->back);
-        sl_ray16 ray = {.origin_x = {c->eye.x}, .origin_y = {c->eye.y}, .origin_z = {c->eye.z}, .direction_x = {d.x},
-                        .direction_y = {d.y}, .direction_z = {d.z}, .far = {INFINITY}, .skip = {SL_NO_INDEX}};
+        sl_ray16 ray = {.origin_x = {c->eye.x},
+                        .origin_y = {c->eye.y},
+                        .origin_z = {c->eye.z},
+                        .direction_x = {d.x},
+                        .direction_y = {d.y},
+                        .direction_z = {d.z},
+                        .far = {INFINITY},
+                        .skip = {SL_NO_INDEX}};
         sl_hit16 hit;
         sl_trace(tracer, &ray, 1, false, &hit, &counters);
         if (hit.triangle[0] == SL_NO_INDEX) continue;
@@ -192,7 +207,8 @@ static void open_room(bench_scene *s) {
 
 static void open_file(bench_scene *s) {
     sl_error error;
-    if (sl_scene_load_with(s->path, &(sl_load_options){.allow_outside = true}, &s->scene, &error) != SL_OK) bench_stop(s->path, error.message);
+    if (sl_scene_load_with(s->path, &(sl_load_options){.allow_outside = true}, &s->scene, &error) != SL_OK)
+        bench_stop(s->path, error.message);
     put_points_in_sight(s);
 }
 
@@ -225,16 +241,18 @@ void bench_scene_close(bench_scene *s) {
     s->scene = NULL;
 }
 
-/* ---- views ----------------------------------------------------------------------------------------------------------- */
+/* ---- views ----------------------------------------------------------------------------------- */
 
 sl_view bench_camera_view(const bench_scene *s, int width, int height) {
-    return sl_view_camera(&s->scene->camera, width, height, 1e-3f * s->scene->diagonal, 2.0f * s->scene->diagonal);
+    return sl_view_camera(&s->scene->camera, width, height, 1e-3f * s->scene->diagonal,
+                          2.0f * s->scene->diagonal);
 }
 
 sl_view bench_flat_view(int width, int height) { return flat_view(width, height); }
 
 /* A gather's: the eye is lifted a little, and as near is what cannot be told from the surface itself. */
-static sl_view pyramid_over(const bench_scene *s, size_t i, const sl_frame *frame, const float side[4], int width, int height) {
+static sl_view pyramid_over(const bench_scene *s, size_t i, const sl_frame *frame, const float side[4],
+                            int width, int height) {
     float offset = 1e-5f * s->scene->diagonal;
     sl_vec3 eye = sl_mad(s->point[i], offset, s->normal[i]);
     return sl_view_pyramid(frame, eye, side[0], side[1], side[2], side[3], width, height, 2.0f * offset);
@@ -248,8 +266,13 @@ sl_view bench_plane_view(const bench_scene *s, size_t i, int size, double degree
 
 void bench_hemicube_views(const bench_scene *s, size_t i, int size, sl_view views[5]) {
     sl_frame f = sl_frame_from_normal(s->normal[i]);
-    const sl_frame frame[5] = {f, {sl_neg(f.z), f.y, f.x}, {f.z, f.y, sl_neg(f.x)}, {f.x, sl_neg(f.z), f.y}, {f.x, f.z, sl_neg(f.y)}};
-    static const float side[5][4] = {{-1, 1, -1, 1}, {-1, 0, -1, 1}, {0, 1, -1, 1}, {-1, 1, -1, 0}, {-1, 1, 0, 1}};
+    const sl_frame frame[5] = {f,
+                               {sl_neg(f.z), f.y, f.x},
+                               {f.z, f.y, sl_neg(f.x)},
+                               {f.x, sl_neg(f.z), f.y},
+                               {f.x, f.z, sl_neg(f.y)}};
+    static const float side[5][4] = {
+        {-1, 1, -1, 1}, {-1, 0, -1, 1}, {0, 1, -1, 1}, {-1, 1, -1, 0}, {-1, 1, 0, 1}};
     for (int k = 0; k < 5; k++) {
         int width = k == 1 || k == 2 ? size / 2 : size, height = k > 2 ? size / 2 : size;
         views[k] = pyramid_over(s, i, &frame[k], side[k], width, height);

@@ -1,5 +1,5 @@
-/* What the rasterizer's benchmark draws: rooms and scene files, with vertices shared as graphics hardware likes them, a view through
- * a camera, and points on surfaces to gather at. */
+/* What the rasterizer's benchmark draws: rooms and scene files, with vertices shared as graphics hardware
+ * likes them, a view through a camera, and points on surfaces to gather at. */
 #ifndef SL_BENCH_RASTER_SCENES_H
 #define SL_BENCH_RASTER_SCENES_H
 
@@ -11,7 +11,8 @@ enum { BENCH_POINTS = 24 };
 /* name, and path or n, are set by who makes one; bench_scene_open() makes the rest. */
 typedef struct bench_scene {
     const char *name, *path;
-    int n;             /* a room of 4 x 3 x 5 with 110 balls of 12 n^2 triangles each, smooth normals; points on its walls */
+    /* a room of 4 x 3 x 5 with 110 balls of 12 n^2 triangles each, smooth normals; points on its walls */
+    int n;
     bool gathers;      /* few enough triangles for OSMesa to draw hundreds of views */
     sl_scene *scene;
     sl_raster *raster;

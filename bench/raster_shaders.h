@@ -59,14 +59,16 @@ static const char splat_vertex[] =
     "    vec2 at = vec2((c & 1) != 0 ? rect.z : rect.x, (c & 2) != 0 ? rect.w : rect.y);\n"
     "    gl_Position = vec4(at / size * 2.0 - 1.0, 0.0, 1.0);\n"
     "}\n";
-/* splat_kernels.c, line by line. k: position and R; normal; E; three rotational gradients with their lengths; three translational. */
+/* splat_kernels.c, line by line. k: position and R; normal; E; three rotational gradients with their lengths;
+ * three translational. */
 static const char splat_fragment[] =
     "flat in vec4 k[9];\n"
     "uniform sampler2D positions, normals;\n"
     "uniform vec3 rules;\n" /* a, 1/a or 0, front tolerance */
     "layout(location = 0) out vec4 sum;\n"
     "layout(location = 1) out vec4 count;\n"
-    "float extrapolate(float e, vec4 rotational, vec3 translational, vec3 turn, float turn_length, vec3 delta) {\n"
+    "float extrapolate(float e, vec4 rotational, vec3 translational, vec3 turn, float turn_length, vec3 "
+    "delta) {\n"
     "    float value = e + dot(turn, rotational.xyz) + dot(delta, translational);\n"
     "    return max(min(value, e * (1.0 + rules.x) + rotational.w * turn_length), 0.0);\n"
     "}\n"
@@ -78,11 +80,14 @@ static const char splat_fragment[] =
     "    float distance = length(delta), reach = rules.x * k[0].w;\n"
     "    float d = distance / k[0].w + length(n - k[1].xyz) * 0.70710678;\n"
     "    float s = 0.5 * dot(delta, n + k[1].xyz), front = -(0.01 * reach + rules.z);\n"
-    "    bool accepted = p.w != 0.0 && d <= rules.x && distance <= reach && s >= front && s <= 0.5 * reach + rules.z;\n"
-    "    float w = accepted ? max(1.0 / max(d, 1e-3) - rules.y, 0.0) : 0.0;\n" /* discarding costs llvmpipe a little more */
+    "    bool accepted = p.w != 0.0 && d <= rules.x && distance <= reach && s >= front && s <= 0.5 * reach + "
+    "rules.z;\n"
+    "    float w = accepted ? max(1.0 / max(d, 1e-3) - rules.y, 0.0) : 0.0;\n" /* discarding costs llvmpipe a
+                                                                                  little more */
     "    vec3 turn = cross(k[1].xyz, n);\n"
     "    float l = length(turn);\n"
-    "    sum = vec4(w * extrapolate(k[2].x, k[3], k[6].xyz, turn, l, delta), w * extrapolate(k[2].y, k[4], k[7].xyz, turn, l, delta),\n"
+    "    sum = vec4(w * extrapolate(k[2].x, k[3], k[6].xyz, turn, l, delta), w * extrapolate(k[2].y, k[4], "
+    "k[7].xyz, turn, l, delta),\n"
     "               w * extrapolate(k[2].z, k[5], k[8].xyz, turn, l, delta), w);\n"
     "    count = vec4(w > 0.0 ? 1.0 : 0.0);\n"
     "}\n";
@@ -102,8 +107,8 @@ static const char blend_fragment[] =
     "void main() { sum = vec4(1.0); }\n";
 
 /* One triangle over the whole target. */
-static const char screen_vertex[] =
-    "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
+static const char screen_vertex[] = "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, "
+                                    "gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
 static const char copy_fragment[] =
     "uniform sampler2D from;\n"
     "layout(location = 0) out vec4 same;\n"

@@ -13,7 +13,7 @@ static void expect_ok(sl_status status, const sl_error *error) {
     if (status != SL_OK) bench_stop("render", error->message);
 }
 
-/* ---- large targets, parallel inside: ID map, depth cube -------------------------------------------------------------- */
+/* ---- large targets, parallel inside: ID map, depth cube -------------------------------------- */
 
 typedef struct large_pass {
     const bench_scene *scene;
@@ -48,7 +48,11 @@ void bench_id_map(measurer *m, bench_scene *scene, int width, int height) {
     snprintf(w.name, sizeof w.name, "ID map and depth %dx%d, %s", width, height, scene->name);
     if (!measure_wants(m, w.name)) return;
     bench_scene_open(scene);
-    large_pass p = {scene, {bench_camera_view(scene, width, height)}, 1, bench_allocate(pixels, 4), bench_allocate(pixels, 4)};
+    large_pass p = {scene,
+                    {bench_camera_view(scene, width, height)},
+                    1,
+                    bench_allocate(pixels, 4),
+                    bench_allocate(pixels, 4)};
     w.context = &p;
     w.peer = peer_ids(&scene->mesh, p.view, 1, true);
     figures f = measure_row(m, &w);
@@ -67,7 +71,8 @@ void bench_depth_cube(measurer *m, bench_scene *scene) {
     large_pass p = {.scene = scene, .views = 6, .depth = bench_allocate(6 * pixels, sizeof(float))};
     const sl_scene *s = scene->scene;
     sl_vec3 middle = sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min));
-    for (int face = 0; face < 6; face++) p.view[face] = sl_view_cube_face(middle, face, SIZE, 1e-3f * s->diagonal);
+    for (int face = 0; face < 6; face++)
+        p.view[face] = sl_view_cube_face(middle, face, SIZE, 1e-3f * s->diagonal);
     w.context = &p;
     w.peer = peer_ids(&scene->mesh, p.view, 6, false);
     figures f = measure_row(m, &w);
@@ -75,7 +80,7 @@ void bench_depth_cube(measurer *m, bench_scene *scene) {
     sl_free(p.depth);
 }
 
-/* ---- G-buffer: position, normal, diffuse ------------------------------------------------------------------------------ */
+/* ---- G-buffer: position, normal, diffuse ----------------------------------------------------- */
 
 typedef struct gbuffer_pass {
     const bench_scene *scene;
@@ -99,7 +104,8 @@ static double differing_surfaces(void *context, peer_pass *peer) {
     for (size_t i = 0; i < pixels; i++) {
         sl_vec3 dp = sl_v3(position[4 * i] - g->position_x[i], position[4 * i + 1] - g->position_y[i],
                            position[4 * i + 2] - g->position_z[i]);
-        sl_vec3 dn = sl_v3(normal[4 * i] - g->normal_x[i], normal[4 * i + 1] - g->normal_y[i], normal[4 * i + 2] - g->normal_z[i]);
+        sl_vec3 dn = sl_v3(normal[4 * i] - g->normal_x[i], normal[4 * i + 1] - g->normal_y[i],
+                           normal[4 * i + 2] - g->normal_z[i]);
         differ += !(sl_length(dp) < 1e-3f * p->scene->scene->diagonal) || !(sl_length(dn) < 0.05f);
     }
     return (double)differ / (double)pixels;
@@ -107,7 +113,8 @@ static double differing_surfaces(void *context, peer_pass *peer) {
 
 void bench_gbuffer(measurer *m, bench_scene *scene) {
     enum { SIZE = 1000 };
-    workload w = {.wanted = wanted_gbuffer, .renders = 1, .ours = draw_gbuffer, .differing = differing_surfaces};
+    workload w = {
+        .wanted = wanted_gbuffer, .renders = 1, .ours = draw_gbuffer, .differing = differing_surfaces};
     snprintf(w.name, sizeof w.name, "G-buffer %dx%d, %s", SIZE, SIZE, scene->name);
     if (!measure_wants(m, w.name)) return;
     bench_scene_open(scene);
@@ -124,7 +131,7 @@ void bench_gbuffer(measurer *m, bench_scene *scene) {
     sl_gbuffer_destroy(g);
 }
 
-/* ---- gathers: many small targets, a thread each ----------------------------------------------------------------------- */
+/* ---- gathers: many small targets, a thread each ---------------------------------------------- */
 
 enum { FACES = 5, THREADS = 2 };
 

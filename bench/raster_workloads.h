@@ -5,7 +5,7 @@
 #include "raster_measure.h"
 #include "raster_scenes.h"
 
-/* ---- raster_workloads.c: what is seen -------------------------------------------------------------------------------- */
+/* ---- raster_workloads.c: what is seen -------------------------------------------------------- */
 
 void bench_id_map(measurer *m, bench_scene *scene, int width, int height);
 void bench_gbuffer(measurer *m, bench_scene *scene);
@@ -13,21 +13,22 @@ void bench_hemisphere(measurer *m, bench_scene *scene, int size);
 void bench_hemicube(measurer *m, bench_scene *scene, int size);
 void bench_depth_cube(measurer *m, bench_scene *scene);
 
-/* ---- raster_fragments.c: filling, blending, summing ------------------------------------------------------------------ */
+/* ---- raster_fragments.c: filling, blending, summing ------------------------------------------ */
 
 void bench_splats(measurer *m, bench_scene *scene);
 void bench_fill(measurer *m);
 void bench_small_triangles(measurer *m);
 void bench_reduction(measurer *m);
 
-/* ---- raster_roofline.c ----------------------------------------------------------------------------------------------- */
+/* ---- raster_roofline.c ----------------------------------------------------------------------- */
 
-/* Keeps what a row has counted until the roofline is printed. renders: in the run that was counted; pixels: written in one render,
- * eight bytes each. */
-void roofline_note(const bench_scene *scene, const char *name, const figures *f, double renders, double pixels);
+/* Keeps what a row has counted until the roofline is printed. renders: in the run that was counted; pixels:
+ * written in one render, eight bytes each. */
+void roofline_note(const bench_scene *scene, const char *name, const figures *f, double renders,
+                   double pixels);
 void roofline_print(const measurer *m);
 
-/* ---- raster_rays.c --------------------------------------------------------------------------------------------------- */
+/* ---- raster_rays.c --------------------------------------------------------------------------- */
 
 void bench_rays(measurer *m, bench_scene *scene);
 

@@ -9,8 +9,11 @@
 #include "base/random.h"
 #include "timing.h"
 
-enum { OLD = 127,           /* ages end there: a pixel that shows something never comes before one that shows nothing */
-       OLD_BY_TIME = 16,    /* time alone makes nothing older than that: gaps are worth more than pixels that are most likely right */
+/* ages end there: a pixel that shows something never comes before one that shows nothing */
+enum { OLD = 127,
+       /* time alone makes nothing older than that: gaps are worth more than pixels that are most likely
+        * right */
+       OLD_BY_TIME = 16,
        AGED_BY_CHANGE = 80, /* what a sample that found another colour adds to the ages around it */
        YOUNG = 8,           /* what is younger than that has most likely seen the change itself */
        CHANGE_REACH = 3,    /* pixels */
@@ -45,13 +48,16 @@ struct render_cache {
     render_cache_bill bill;
 };
 
-static size_t most_samples(const render_cache_settings *s) { return (size_t)s->samples + (size_t)s->samples / 4 + 16; }
+static size_t most_samples(const render_cache_settings *s) {
+    return (size_t)s->samples + (size_t)s->samples / 4 + 16;
+}
 
 /* ---- life ---- */
 
 void render_cache_destroy(render_cache *c) {
     if (!c) return;
-    void *const all[] = {c->point, c->shown, c->depth, c->kept, c->picture, c->pyramid, c->priority, c->error[0], c->error[1], c->chosen, c->request, c->sample, c->part, c->fresh};
+    void *const all[] = {c->point,    c->shown,    c->depth,  c->kept,    c->picture, c->pyramid, c->priority,
+                         c->error[0], c->error[1], c->chosen, c->request, c->sample,  c->part,    c->fresh};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) free(all[i]);
     free(c);
 }
@@ -61,14 +67,17 @@ sl_status render_cache_create(const render_cache_settings *settings, render_cach
     if (!c) return sl_fail_memory(error, "a render cache");
     c->s = *settings;
     c->pixels = (size_t)settings->width * (size_t)settings->height;
-    c->capacity = (size_t)((double)c->pixels * (settings->points_a_pixel > 0.0 ? settings->points_a_pixel : 1.5)) + GROUP;
+    c->capacity =
+        (size_t)((double)c->pixels * (settings->points_a_pixel > 0.0 ? settings->points_a_pixel : 1.5)) +
+        GROUP;
     size_t samples = most_samples(settings);
     c->point = calloc(c->capacity, sizeof *c->point);
     c->shown = calloc(c->pixels, sizeof *c->shown);
     c->depth = calloc(c->pixels, sizeof *c->depth);
     c->kept = calloc(c->pixels, sizeof *c->kept);
     c->picture = calloc(3 * c->pixels, sizeof *c->picture);
-    c->pyramid = calloc(8 * c->pixels + 64 * (size_t)(settings->width + settings->height), sizeof *c->pyramid);
+    c->pyramid =
+        calloc(8 * c->pixels + 64 * (size_t)(settings->width + settings->height), sizeof *c->pyramid);
     c->priority = calloc(c->pixels, sizeof *c->priority);
     for (int i = 0; i < 2; i++) c->error[i] = calloc((size_t)settings->width, sizeof **c->error);
     c->chosen = calloc(samples, sizeof *c->chosen);
@@ -76,8 +85,8 @@ sl_status render_cache_create(const render_cache_settings *settings, render_cach
     c->sample = calloc(samples, sizeof *c->sample);
     c->part = calloc(samples, sizeof *c->part);
     c->fresh = calloc(samples, sizeof *c->fresh);
-    if (!c->point || !c->shown || !c->depth || !c->kept || !c->picture || !c->pyramid || !c->priority || !c->error[0] || !c->error[1] || !c->chosen || !c->request ||
-        !c->sample || !c->part || !c->fresh) {
+    if (!c->point || !c->shown || !c->depth || !c->kept || !c->picture || !c->pyramid || !c->priority ||
+        !c->error[0] || !c->error[1] || !c->chosen || !c->request || !c->sample || !c->part || !c->fresh) {
         render_cache_destroy(c);
         return sl_fail_memory(error, "a render cache");
     }
@@ -101,12 +110,15 @@ typedef struct view {
 static view view_of(const render_cache *c) {
     const sl_camera *camera = &c->s.scene->camera;
     float scale = 0.5f * (float)c->s.height / (float)sl_tan(0.5 * (double)camera->vertical_fov);
-    return (view){camera->eye, camera->right, camera->up, sl_neg(camera->back), scale, scale, c->s.width, c->s.height};
+    return (view){camera->eye, camera->right, camera->up, sl_neg(camera->back),
+                  scale,       scale,         c->s.width, c->s.height};
 }
 
 static sl_vec3 on_triangle(const sl_scene *scene, uint32_t triangle, const float weight[3]) {
-    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][triangle]), b = sl_scene_position(scene, scene->vertex[1][triangle]);
-    return sl_mad(sl_mad(a, weight[0], sl_sub(b, a)), weight[1], sl_sub(sl_scene_position(scene, scene->vertex[2][triangle]), a));
+    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][triangle]),
+            b = sl_scene_position(scene, scene->vertex[1][triangle]);
+    return sl_mad(sl_mad(a, weight[0], sl_sub(b, a)), weight[1],
+                  sl_sub(sl_scene_position(scene, scene->vertex[2][triangle]), a));
 }
 
 /* The pixel that a direction goes through, and its length along the view; SL_NO_INDEX: none. */
@@ -128,7 +140,8 @@ static void project_points(render_cache *c) {
         const cached_point *p = &c->point[i];
         if (!p->used) continue;
         bool background = p->triangle == SL_NO_INDEX;
-        sl_vec3 direction = background ? sl_v3(p->place[0], p->place[1], p->place[2]) : sl_sub(on_triangle(c->s.scene, p->triangle, p->place), v.eye);
+        sl_vec3 direction = background ? sl_v3(p->place[0], p->place[1], p->place[2])
+                                       : sl_sub(on_triangle(c->s.scene, p->triangle, p->place), v.eye);
         float depth;
         uint32_t pixel = pixel_of(&v, direction, &depth);
         if (pixel == SL_NO_INDEX) continue;
@@ -148,12 +161,14 @@ typedef struct window {
 
 static window window_around(const render_cache *c, size_t pixel, int reach) {
     int x = (int)(pixel % (size_t)c->s.width), y = (int)(pixel / (size_t)c->s.width);
-    return (window){x > reach ? x - reach : 0, y > reach ? y - reach : 0, x + reach < c->s.width ? x + reach : c->s.width - 1,
+    return (window){x > reach ? x - reach : 0, y > reach ? y - reach : 0,
+                    x + reach < c->s.width ? x + reach : c->s.width - 1,
                     y + reach < c->s.height ? y + reach : c->s.height - 1};
 }
 
-/* Points of hidden surfaces come through where nearer ones leave gaps: a point goes where hardly any neighbour is as far, and most that show something are
- * nearer. Those sampled since things moved stay, they are known to be seen. */
+/* Points of hidden surfaces come through where nearer ones leave gaps: a point goes where hardly any
+ * neighbour is as far, and most that show something are nearer. Those sampled since things moved stay, they
+ * are known to be seen. */
 static void cull_by_depth(render_cache *c) {
     for (size_t i = 0; i < c->pixels; i++) {
         c->kept[i] = c->shown[i];
@@ -206,11 +221,14 @@ static void reduce_level(const float *fine, int width, int height, float *coarse
     int w = (width + 1) / 2;
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++)
-            for (size_t k = 0; k < 4; k++) coarse[4 * ((size_t)(y / 2) * (size_t)w + (size_t)(x / 2)) + k] += fine[4 * ((size_t)y * (size_t)width + (size_t)x) + k];
+            for (size_t k = 0; k < 4; k++)
+                coarse[4 * ((size_t)(y / 2) * (size_t)w + (size_t)(x / 2)) + k] +=
+                    fine[4 * ((size_t)y * (size_t)width + (size_t)x) + k];
     }
 }
 
-/* From the top down: what is empty takes its parent's average. Bilinear would be smoother; gaps are then filled by the 3x3 rule from these. */
+/* From the top down: what is empty takes its parent's average. Bilinear would be smoother; gaps are then
+ * filled by the 3x3 rule from these. */
 static void expand_level(const float *coarse, int width, int height, float *fine) {
     int w = (width + 1) / 2;
     for (int y = 0; y < height; y++) {
@@ -259,23 +277,27 @@ static void show(render_cache *c, bool wide_fill) {
             continue;
         }
         for (size_t k = 0; k < 3 && weight > 0.0f; k++) c->picture[k * c->pixels + i] = color[k] / weight;
-        for (size_t k = 0; k < 3 && wide && !(weight > 0.0f); k++) c->picture[k * c->pixels + i] = wide[4 * i + k];
+        for (size_t k = 0; k < 3 && wide && !(weight > 0.0f); k++)
+            c->picture[k * c->pixels + i] = wide[4 * i + k];
         c->priority[i] = (uint8_t)(OLD + 1 + 16 * missing - (missing == 8)); /* at most 255 */
     }
 }
 
 static void grow_older(render_cache *c) {
-    for (size_t i = 0; i < c->capacity; i++) c->point[i].age = (uint8_t)(c->point[i].age + (c->point[i].age < OLD_BY_TIME));
+    for (size_t i = 0; i < c->capacity; i++)
+        c->point[i].age = (uint8_t)(c->point[i].age + (c->point[i].age < OLD_BY_TIME));
 }
 
-/* ---- which pixels: error diffusion (Floyd and Steinberg), rows in turn from the left and from the right ---- */
+/* ---- which pixels: error diffusion (Floyd and Steinberg), rows in turn from the left and from the right
+ * ---- */
 
 static void hand_on(float *row, int width, int x, float share) {
     row[x < 0 ? 0 : x >= width ? width - 1 : x] += share;
 }
 
-/* Errors left below the last row are the next frame's above its first, so that over frames all that is wanted is chosen. A
- * frame may so have some more or less. The threshold is random: with a fixed one few samples crowd where rows begin. */
+/* Errors left below the last row are the next frame's above its first, so that over frames all that is wanted
+ * is chosen. A frame may so have some more or less. The threshold is random: with a fixed one few samples
+ * crowd where rows begin. */
 static size_t choose_pixels(render_cache *c) {
     int width = c->s.width;
     uint64_t key = sl_random_key(c->s.seed, c->bill.frames), sum = 0;
@@ -318,10 +340,12 @@ static void set_ray(const render_cache *c, const view *v, uint32_t pixel, sl_ray
 }
 
 /* What a pixel's ray meets: the point to be shaded, and its colour's parts that need no sample. */
-static void meet(const render_cache *c, const sl_ray16 *ray, const sl_hit16 *hit, unsigned lane, cached_point *p, sl_sample_request *q) {
+static void meet(const render_cache *c, const sl_ray16 *ray, const sl_hit16 *hit, unsigned lane,
+                 cached_point *p, sl_sample_request *q) {
     const sl_scene *scene = c->s.scene;
     sl_vec3 d = sl_v3(ray->direction_x[lane], ray->direction_y[lane], ray->direction_z[lane]);
-    *p = (cached_point){.triangle = hit->triangle[lane], .place = {d.x, d.y, d.z}, .used = true, .exact = true};
+    *p = (cached_point){
+        .triangle = hit->triangle[lane], .place = {d.x, d.y, d.z}, .used = true, .exact = true};
     *q = (sl_sample_request){0};
     if (p->triangle == SL_NO_INDEX) return;
     sl_surface s;
@@ -341,7 +365,8 @@ static void find_points(render_cache *c, size_t count, sl_counters *counters) {
         unsigned lanes = (unsigned)(count - first < SL_PACKET ? count - first : SL_PACKET);
         for (unsigned i = 0; i < lanes; i++) set_ray(c, &v, c->chosen[first + i], &rays, i);
         sl_trace(*c->s.tracer, &rays, lanes, false, &hits, counters);
-        for (unsigned i = 0; i < lanes; i++) meet(c, &rays, &hits, i, &c->fresh[first + i], &c->request[first + i]);
+        for (unsigned i = 0; i < lanes; i++)
+            meet(c, &rays, &hits, i, &c->fresh[first + i], &c->request[first + i]);
     }
 }
 
@@ -363,12 +388,15 @@ static void shade_points(render_cache *c, size_t count, sl_counters *counters) {
         cached_point *p = &c->fresh[i];
         sl_rgb color = {0.0f, 0.0f, 0.0f};
         if (p->triangle == SL_NO_INDEX) {
-            color = sl_environment_radiance(&c->s.scene->environment, sl_v3(p->place[0], p->place[1], p->place[2]));
+            color = sl_environment_radiance(&c->s.scene->environment,
+                                            sl_v3(p->place[0], p->place[1], p->place[2]));
         } else {
             const sl_sample *s = &c->sample[next];
             sl_rgb kd = sl_scene_diffuse(c->s.scene, p->triangle, p->place[0], p->place[1]);
-            color = sl_rgb_add(sl_rgb_mul(sl_rgb_scale(s->irradiance, (float)(1.0 / SL_PI)), kd), s->radiance);
-            color = sl_rgb_add(color, sl_scene_emission(c->s.scene, p->triangle, c->request[next].point.geometric_normal));
+            color =
+                sl_rgb_add(sl_rgb_mul(sl_rgb_scale(s->irradiance, (float)(1.0 / SL_PI)), kd), s->radiance);
+            color = sl_rgb_add(
+                color, sl_scene_emission(c->s.scene, p->triangle, c->request[next].point.geometric_normal));
             next++;
         }
         p->color[0] = color.r, p->color[1] = color.g, p->color[2] = color.b;
@@ -394,7 +422,8 @@ static size_t slot_for(render_cache *c, uint32_t pixel) {
 
 static bool looks_otherwise(const float a[3], const float b[3]) {
     float apart = 0.0f, largest = 0.0f;
-    for (int k = 0; k < 3; k++) apart = fmaxf(apart, fabsf(a[k] - b[k])), largest = fmaxf(largest, fmaxf(fabsf(a[k]), fabsf(b[k])));
+    for (int k = 0; k < 3; k++)
+        apart = fmaxf(apart, fabsf(a[k] - b[k])), largest = fmaxf(largest, fmaxf(fabsf(a[k]), fabsf(b[k])));
     return apart > color_change * largest;
 }
 
@@ -404,7 +433,8 @@ static void age_around(render_cache *c, uint32_t pixel) {
         for (int x = w.x0; x <= w.x1; x++) {
             uint32_t at = c->kept[(size_t)y * (size_t)c->s.width + (size_t)x];
             if (at == SL_NO_INDEX || c->point[at].age < YOUNG) continue;
-            c->point[at].age = (uint8_t)(c->point[at].age + AGED_BY_CHANGE < OLD ? c->point[at].age + AGED_BY_CHANGE : OLD);
+            c->point[at].age =
+                (uint8_t)(c->point[at].age + AGED_BY_CHANGE < OLD ? c->point[at].age + AGED_BY_CHANGE : OLD);
         }
     }
 }
@@ -446,7 +476,8 @@ void render_cache_frame(render_cache *c, sl_counters *counters) {
     c->bill.frames++;
 }
 
-sl_status render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels, float *values, sl_error *error) {
+sl_status render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels,
+                                 float *values, sl_error *error) {
     render_cache_settings s = *settings;
     sl_counters counters = {{0}};
     render_cache *c;
@@ -471,6 +502,9 @@ double render_cache_covered(const render_cache *c) {
 }
 
 size_t render_cache_memory_bytes(const render_cache *c) {
-    return sizeof *c + c->capacity * sizeof *c->point + c->pixels * (2 * sizeof *c->shown + sizeof *c->depth + 3 * sizeof *c->picture + sizeof *c->priority) +
-           most_samples(&c->s) * (sizeof *c->chosen + sizeof *c->request + 2 * sizeof *c->sample + sizeof *c->fresh);
+    return sizeof *c + c->capacity * sizeof *c->point +
+           c->pixels *
+               (2 * sizeof *c->shown + sizeof *c->depth + 3 * sizeof *c->picture + sizeof *c->priority) +
+           most_samples(&c->s) *
+               (sizeof *c->chosen + sizeof *c->request + 2 * sizeof *c->sample + sizeof *c->fresh);
 }

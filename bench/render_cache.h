@@ -1,5 +1,6 @@
-/* The rival of the shading cache: the RenderCache (Walter, Drettakis, Parker 1999), on the same sample renderers. It keeps shaded points instead of
- * shaded patches, throws them at each new frame's pixels, and fills the gaps.
+/* The rival of the shading cache: the RenderCache (Walter, Drettakis, Parker 1999), on the same sample
+ * renderers. It keeps shaded points instead of shaded patches, throws them at each new frame's pixels, and
+ * fills the gaps.
  *
  *   one frame:  project ── z-buffer ── depth cull ── 3x3 fill ── picture
  *                                          └── priorities ── error diffusion ── samples ── into the cache
@@ -26,7 +27,8 @@ typedef struct render_cache_settings {
 
 typedef struct render_cache_bill {
     uint64_t frames, samples, culled;
-    double project, fill, choose, render; /* processor ms of the calling thread, all frames together; render: of all threads */
+    /* processor ms of the calling thread, all frames together; render: of all threads */
+    double project, fill, choose, render;
 } render_cache_bill;
 
 sl_status render_cache_create(const render_cache_settings *settings, render_cache **cache, sl_error *error);
@@ -35,11 +37,14 @@ void render_cache_destroy(render_cache *cache);
 void render_cache_edit(render_cache *cache, unsigned changes);
 /* One frame from where everything stands now; then its samples, which the next one shows. */
 void render_cache_frame(render_cache *cache, sl_counters *counters);
-/* What the cache holds now, without another sample. wide_fill: gaps wider than 3x3 are filled from coarser and coarser averages (as its second version,
- * Walter et al. 2002, does at one coarser level); else they show what they showed before. */
+/* What the cache holds now, without another sample. wide_fill: gaps wider than 3x3 are filled from coarser
+ * and coarser averages (as its second version, Walter et al. 2002, does at one coarser level); else they show
+ * what they showed before. */
 void render_cache_show(render_cache *cache, bool wide_fill);
-/* No cache at all: what the renderers say of pixels' centres, 3 values each. Of the settings samples and points do not matter. */
-sl_status render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels, float *values, sl_error *error);
+/* No cache at all: what the renderers say of pixels' centres, 3 values each. Of the settings samples and
+ * points do not matter. */
+sl_status render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels,
+                                 float *values, sl_error *error);
 /* Radiance of the last frame: three planes, row 0 at the top. */
 const float *render_cache_picture(const render_cache *cache);
 /* Points that pixels show; 1 everywhere: no gap left. */

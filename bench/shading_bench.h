@@ -1,5 +1,6 @@
-/* What the experiments on the shading cache share beside common.h: a scene with the sample renderers that the cache itself uses, so that its rivals have the
- * same; the cache, driven update by update; errors against what those renderers say of each pixel, which is what all of them approach. */
+/* What the experiments on the shading cache share beside common.h: a scene with the sample renderers that the
+ * cache itself uses, so that its rivals have the same; the cache, driven update by update; errors against
+ * what those renderers say of each pixel, which is what all of them approach. */
 #ifndef SL_BENCH_SHADING_H
 #define SL_BENCH_SHADING_H
 
@@ -20,17 +21,21 @@ typedef struct shading_world {
     sl_display_curve display;        /* radiance to grey levels, as the cache itself reckons */
 } shading_world;
 
-/* size: of pictures; indirect: paths a point (0: no indirect light). One thread. False where the scene is not wanted, or not there. */
-bool shading_open(bench_report *r, const bench_options *o, const char *path, int size, int indirect, shading_world *w);
+/* size: of pictures; indirect: paths a point (0: no indirect light). One thread. False where the scene is not
+ * wanted, or not there. */
+bool shading_open(bench_report *r, const bench_options *o, const char *path, int size, int indirect,
+                  shading_world *w);
 void shading_close(shading_world *w);
 /* Everything goes to where it is at a time; returns SL_CHANGED_ bits. */
 unsigned shading_move(shading_world *w, double time);
 /* The limit for one pixel of each block x block, from the disk if it is there. */
 void shading_judge(shading_world *w, int block);
-/* What the renderers say of the same pixels where a caustic renderer is one of them, but without it: no caustics of mirrors on diffuse surfaces. 3 values a pixel. */
+/* What the renderers say of the same pixels where a caustic renderer is one of them, but without it: no
+ * caustics of mirrors on diffuse surfaces. 3 values a pixel. */
 void shading_limit_without_caustics(shading_world *w, float *values);
-/* Of R, G, B planes against the limit: root mean square of the difference in displayed levels, 0 to 255, over pixels and channels. What lamps are brighter than white
- * by so counts for nothing, and what shows in the dark for something. */
+/* Of R, G, B planes against the limit: root mean square of the difference in displayed levels, 0 to 255, over
+ * pixels and channels. What lamps are brighter than white by so counts for nothing, and what shows in the
+ * dark for something. */
 double shading_error(shading_world *w, const float *planes);
 
 /* ---- the cache ---- */
@@ -65,8 +70,10 @@ void shading_run_picture(shading_run *run, const bench_report *r, const char *wh
 render_cache *shading_rival(const shading_world *w, int samples);
 /* Of its picture as things are now, narrow gaps filled or wide ones, too. */
 double shading_rival_error(shading_world *w, render_cache *cache, bool wide_fill);
-void shading_rival_picture(const shading_world *w, const render_cache *cache, const bench_report *r, const char *what);
-/* The path tracer on the cache's paths, that many samples a pixel of the whole picture: its error; *seconds: of the processor. */
+void shading_rival_picture(const shading_world *w, const render_cache *cache, const bench_report *r,
+                           const char *what);
+/* The path tracer on the cache's paths, that many samples a pixel of the whole picture: its error; *seconds:
+ * of the processor. */
 double shading_path_error(shading_world *w, uint32_t samples, double *seconds);
 
 #endif

@@ -33,18 +33,26 @@ static void make_tracer(shading_world *w) {
 
 static void make_renderers(shading_world *w) {
     sl_shading_plan plan = sl_shading_plan_make(w->scene, &w->settings);
-    sl_renderer_settings s = {.scene = w->scene, .tracer = &w->tracer, .cache = w->settings.shading_cache, .seed = w->settings.seed, .threads = 1};
+    sl_renderer_settings s = {.scene = w->scene,
+                              .tracer = &w->tracer,
+                              .cache = w->settings.shading_cache,
+                              .seed = w->settings.seed,
+                              .threads = 1};
     sl_error error;
-    if (plan.direct && sl_area_renderer(&s, &w->renderer[w->renderers++], &error) != SL_OK) bench_fail("direct light", &error);
-    if (plan.indirect && sl_bidirectional_renderer(&s, &w->renderer[w->renderers++], &error) != SL_OK) bench_fail("indirect light", &error);
+    if (plan.direct && sl_area_renderer(&s, &w->renderer[w->renderers++], &error) != SL_OK)
+        bench_fail("direct light", &error);
+    if (plan.indirect && sl_bidirectional_renderer(&s, &w->renderer[w->renderers++], &error) != SL_OK)
+        bench_fail("indirect light", &error);
 }
 
-bool shading_open(bench_report *r, const bench_options *o, const char *path, int size, int indirect, shading_world *w) {
+bool shading_open(bench_report *r, const bench_options *o, const char *path, int size, int indirect,
+                  shading_world *w) {
     memset(w, 0, sizeof *w);
     bench_scene_name(path, w->name);
     if (!bench_wants(o, w->name) || !bench_open_scene(r, path, &w->scene)) return false;
     w->settings = settings_for(size, indirect);
-    w->display = (sl_display_curve){.reference = sl_rgb_mean(sl_ambient_irradiance_of_all_bounces(w->scene)) * (float)(1.0 / SL_PI)};
+    w->display = (sl_display_curve){.reference = sl_rgb_mean(sl_ambient_irradiance_of_all_bounces(w->scene)) *
+                                                 (float)(1.0 / SL_PI)};
     make_tracer(w);
     make_renderers(w);
     return true;
@@ -68,13 +76,21 @@ unsigned shading_move(shading_world *w, double time) {
     if (sl_scene_set_time(w->scene, time, &changes, &error) != SL_OK) bench_fail("time", &error);
     if (changes & SL_CHANGED_OBJECTS) make_tracer(w);
     for (int i = 0; i < w->renderers && changes; i++)
-        if (w->renderer[i].edit(w->renderer[i].state, changes, &error) != SL_OK) bench_fail("renderer", &error);
+        if (w->renderer[i].edit(w->renderer[i].state, changes, &error) != SL_OK)
+            bench_fail("renderer", &error);
     return changes;
 }
 
 static render_cache_settings rival_settings(const shading_world *w, int samples) {
-    return (render_cache_settings){.scene = w->scene, .tracer = &w->tracer, .renderer = w->renderer, .renderers = w->renderers, .width = w->settings.width,
-                                   .height = w->settings.height, .samples = samples, .threads = 1, .seed = 1};
+    return (render_cache_settings){.scene = w->scene,
+                                   .tracer = &w->tracer,
+                                   .renderer = w->renderer,
+                                   .renderers = w->renderers,
+                                   .width = w->settings.width,
+                                   .height = w->settings.height,
+                                   .samples = samples,
+                                   .threads = 1,
+                                   .seed = 1};
 }
 
 void shading_judge(shading_world *w, int block) {
@@ -82,15 +98,19 @@ void shading_judge(shading_world *w, int block) {
     forget_pixels(w);
     bench_pixels_make(w->scene, w->tracer, w->settings.width, w->settings.height, block, &w->pixels);
     size_t count = w->pixels.count;
-    w->limit = (bench_reference){.count = count, .samples = 1, .half = {calloc(3 * count + 1, sizeof(float)), NULL}};
+    w->limit =
+        (bench_reference){.count = count, .samples = 1, .half = {calloc(3 * count + 1, sizeof(float)), NULL}};
     if (!w->limit.half[0]) bench_fail("pixels", NULL);
     w->limit.half[1] = w->limit.half[0];
     const sl_shading_cache_settings *c = &w->settings.shading_cache;
-    const uint64_t what[] = {sl_scene_hash(w->scene), (uint64_t)w->settings.width, (uint64_t)c->indirect_samples, (uint64_t)c->area_samples, (uint64_t)c->area};
-    uint64_t hash = bench_hash(bench_hash(3, what, sizeof what), w->pixels.index, count * sizeof *w->pixels.index);
+    const uint64_t what[] = {sl_scene_hash(w->scene), (uint64_t)w->settings.width,
+                             (uint64_t)c->indirect_samples, (uint64_t)c->area_samples, (uint64_t)c->area};
+    uint64_t hash =
+        bench_hash(bench_hash(3, what, sizeof what), w->pixels.index, count * sizeof *w->pixels.index);
     if (bench_store_load("shading", hash, 3 * count, w->limit.half[0])) return;
     render_cache_settings s = rival_settings(w, 1);
-    if (render_cache_reference(&s, count, w->pixels.index, w->limit.half[0], &error) != SL_OK) bench_fail("reference", &error);
+    if (render_cache_reference(&s, count, w->pixels.index, w->limit.half[0], &error) != SL_OK)
+        bench_fail("reference", &error);
     bench_store_save("shading", hash, 3 * count, w->limit.half[0]);
 }
 
@@ -101,7 +121,8 @@ void shading_limit_without_caustics(shading_world *w, float *values) {
     other.renderers = 0;
     make_renderers(&other); /* they have the address of the copy's tracer, and go before it does */
     render_cache_settings s = rival_settings(&other, 1);
-    if (render_cache_reference(&s, w->pixels.count, w->pixels.index, values, &error) != SL_OK) bench_fail("reference", &error);
+    if (render_cache_reference(&s, w->pixels.count, w->pixels.index, values, &error) != SL_OK)
+        bench_fail("reference", &error);
     for (int i = 0; i < other.renderers; i++) other.renderer[i].destroy(other.renderer[i].state);
 }
 
@@ -111,7 +132,8 @@ double shading_error(shading_world *w, const float *planes) {
     for (size_t i = 0; i < w->pixels.count; i++) {
         for (size_t k = 0; k < 3; k++) {
             float shown = planes[k * pixels + w->pixels.index[i]], right = w->limit.half[0][3 * i + k];
-            double apart = (double)sl_curve_level_of(&w->display, shown) - (double)sl_curve_level_of(&w->display, right);
+            double apart =
+                (double)sl_curve_level_of(&w->display, shown) - (double)sl_curve_level_of(&w->display, right);
             sum += apart * apart / (3.0 * (double)w->pixels.count);
         }
     }
@@ -161,7 +183,9 @@ void shading_run_update(shading_run *run) {
     run->updates++;
 }
 
-uint64_t shading_run_points(const shading_run *run) { return sl_method_counters(run->method)->value[SL_COUNT_POINTS_SHADED]; }
+uint64_t shading_run_points(const shading_run *run) {
+    return sl_method_counters(run->method)->value[SL_COUNT_POINTS_SHADED];
+}
 
 static sl_image *picture_of(shading_run *run) {
     sl_image *image;
@@ -198,7 +222,8 @@ double shading_rival_error(shading_world *w, render_cache *cache, bool wide_fill
     return shading_error(w, render_cache_picture(cache));
 }
 
-void shading_rival_picture(const shading_world *w, const render_cache *cache, const bench_report *r, const char *what) {
+void shading_rival_picture(const shading_world *w, const render_cache *cache, const bench_report *r,
+                           const char *what) {
     sl_image *image;
     sl_error error;
     int size = w->settings.width;
@@ -219,7 +244,8 @@ double shading_path_error(shading_world *w, uint32_t samples, double *seconds) {
     settings.transport.filter = SL_FILTER_CENTRE;
     float *planes = calloc(3 * pixels, sizeof *planes);
     double from = process_ms();
-    if (!planes || sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK) bench_fail("path tracer", planes ? &error : NULL);
+    if (!planes || sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK)
+        bench_fail("path tracer", planes ? &error : NULL);
     for (uint32_t i = 0; i < samples; i++)
         if (sl_path_tracer_sample(path, i, &counters, &error) != SL_OK) bench_fail("path tracer", &error);
     *seconds = 1e-3 * (process_ms() - from);

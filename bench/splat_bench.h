@@ -1,4 +1,5 @@
-/* What the five experiments on radiance cache splatting share beside common.h: a picture, with the seconds of each of its parts. */
+/* What the five experiments on radiance cache splatting share beside common.h: a picture, with the seconds of
+ * each of its parts. */
 #ifndef SL_BENCH_SPLAT_H
 #define SL_BENCH_SPLAT_H
 
@@ -24,8 +25,9 @@ typedef struct splat_run {
     sl_image *image;
 } splat_run;
 
-/* Splatting. Processor time is that of one thread: two would be charged for waiting for each other too. The run of the median of three,
- * or fewer where they take long; the clock's seconds likewise. once: one run with one thread. */
+/* Splatting. Processor time is that of one thread: two would be charged for waiting for each other too. The
+ * run of the median of three, or fewer where they take long; the clock's seconds likewise. once: one run with
+ * one thread. */
 void splat_render(const sl_scene *scene, const sl_settings *settings, bool once, splat_run *run);
 void splat_run_free(splat_run *run);
 /* settings with nothing left to quality, scene or machine, as sl_method_create() makes them. */

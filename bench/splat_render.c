@@ -1,5 +1,5 @@
-/* A picture by splatting, with the seconds of its parts. It drives the method by its own interface, where its state can be seen: which
- * update belongs to which part, and the splats of each class of records apart. */
+/* A picture by splatting, with the seconds of its parts. It drives the method by its own interface, where its
+ * state can be seen: which update belongs to which part, and the splats of each class of records apart. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,7 +32,9 @@ static void splat_class(sl_splat_state *s, int class, splat_run *run) {
     sl_error error;
     double from = process_ms();
     if (!cache->receivers || cache->splatted == cache->list.count) return;
-    if (sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, &error) != SL_OK) bench_fail("splat", &error);
+    if (sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, &error) !=
+        SL_OK)
+        bench_fail("splat", &error);
     cache->splatted = cache->list.count;
     charge(run, SPLAT_SPLATS + class, from);
 }
@@ -45,7 +47,8 @@ static void render_once(const sl_scene *scene, const sl_settings *settings, spla
     memset(run, 0, sizeof *run);
     sl_splatting_method.transport(&complete, &transport);
     double began = wall_ms(), from = process_ms();
-    if (sl_splatting_method.create(scene, &complete, &transport, &state, &error) != SL_OK) bench_fail("splatting", &error);
+    if (sl_splatting_method.create(scene, &complete, &transport, &state, &error) != SL_OK)
+        bench_fail("splatting", &error);
     charge(run, SPLAT_SETUP, from);
     sl_splat_state *s = state;
     for (sl_progress progress = {0}; !progress.done;) {
@@ -96,7 +99,8 @@ void splat_render(const sl_scene *scene, const sl_settings *settings, bool once,
     double spent = 0.0;
     int count = 0;
     one.threads = 1;
-    for (; count < (once ? 1 : RUNS_MAX) && spent < long_enough; spent += all[count++].wall_one) render_once(scene, &one, &all[count]);
+    for (; count < (once ? 1 : RUNS_MAX) && spent < long_enough; spent += all[count++].wall_one)
+        render_once(scene, &one, &all[count]);
     qsort(all, (size_t)count, sizeof *all, by_cpu);
     for (int i = 0; i < count; i++) {
         if (i != count / 2) splat_run_free(&all[i]);

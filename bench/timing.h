@@ -1,5 +1,5 @@
-/* What the benchmarks share: clocks and medians. Processor time is what others on the machine disturb least; wall time is what more
- * threads are for. */
+/* What the benchmarks share: clocks and medians. Processor time is what others on the machine disturb least;
+ * wall time is what more threads are for. */
 #ifndef SL_BENCH_TIMING_H
 #define SL_BENCH_TIMING_H
 
@@ -13,7 +13,8 @@ static inline double clock_ms(clockid_t clock) {
 }
 
 static inline double now_ms(void) { return clock_ms(CLOCK_THREAD_CPUTIME_ID); } /* of this thread alone */
-static inline double process_ms(void) { return clock_ms(CLOCK_PROCESS_CPUTIME_ID); } /* of all threads together */
+/* of all threads together */
+static inline double process_ms(void) { return clock_ms(CLOCK_PROCESS_CPUTIME_ID); }
 static inline double wall_ms(void) { return clock_ms(CLOCK_MONOTONIC); }
 
 static inline int by_value(const void *a, const void *b) {

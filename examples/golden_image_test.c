@@ -1,5 +1,6 @@
-/* A golden-image test: renders a small picture and holds every bit of it against the one in a file. The first run, without that
- * file, makes it. C11 and C++: cc golden_image_test.c $(pkg-config --cflags --libs softlux) */
+/* A golden-image test: renders a small picture and holds every bit of it against the one in a file. The first
+ * run, without that file, makes it. C11 and C++: cc golden_image_test.c $(pkg-config --cflags --libs softlux)
+ */
 #include <softlux.h>
 #include <stdio.h>
 
@@ -33,7 +34,8 @@ int main(int argc, char **argv) {
     sl_comparison result;
     if (sl_image_read(argv[2], &golden, &error) != SL_OK) return fail(&error);
     if (sl_image_compare(picture, golden, NULL, &result, NULL, &error) != SL_OK) return fail(&error);
-    printf("%s: %s, relative RMSE %g\n", argv[2], result.identical ? "identical" : "different", result.rel_rmse);
+    printf("%s: %s, relative RMSE %g\n", argv[2], result.identical ? "identical" : "different",
+           result.rel_rmse);
     sl_image_destroy(golden);
     sl_image_destroy(picture);
     sl_method_destroy(method);

@@ -18,21 +18,25 @@
  *         sl_image_write(image, "cornell.exr", &error);
  *     }
  *
- * Conventions: right-handed world, y up; radiance in W/(m^2 sr), irradiance in W/m^2, per RGB channel (Rec. 709,
- * linear); angles in radians; images have row 0 at the top. A function that can fail returns an sl_status and
- * describes the failure, one line, in *error (which may be NULL); what it would have made is NULL then, what it would have reckoned 0, and all
- * else is as it was. A NULL that no comment allows is refused with SL_ERROR_USAGE by functions that return an sl_status, and must not be
- * given to the others. The library never prints, exits or aborts. The same input gives the same bits at any number of threads, with any compiler
- * and instruction set, and in any locale: numbers are read and written with a decimal point. Callers' threads have C's own floating-point
- * environment, rounding to the nearest, and keep denormals: a program linked with -ffast-math flushes them.
+ * Conventions: right-handed world, y up; radiance in W/(m^2 sr), irradiance in W/m^2, per RGB channel (Rec.
+ * 709, linear); angles in radians; images have row 0 at the top. A function that can fail returns an
+ * sl_status and describes the failure, one line, in *error (which may be NULL); what it would have made is
+ * NULL then, what it would have reckoned 0, and all else is as it was. A NULL that no comment allows is
+ * refused with SL_ERROR_USAGE by functions that return an sl_status, and must not be given to the others. The
+ * library never prints, exits or aborts. The same input gives the same bits at any number of threads, with
+ * any compiler and instruction set, and in any locale: numbers are read and written with a decimal point.
+ * Callers' threads have C's own floating-point environment, rounding to the nearest, and keep denormals: a
+ * program linked with -ffast-math flushes them.
  *
- * Threads: there is no global state. Different handles may be used from different threads at once; one handle, and a scene
- * that methods are reading, by one thread at a time (functions that take a const handle may run side by side). A
- * call spreads over as many threads of its own as the option "threads" says; where the system starts fewer, fewer do the work.
- * A caller's thread needs a stack of 256 KiB, these 128 KiB (OMP_STACKSIZE).
+ * Threads: there is no global state. Different handles may be used from different threads at once; one
+ * handle, and a scene that methods are reading, by one thread at a time (functions that take a const handle
+ * may run side by side). A call spreads over as many threads of its own as the option "threads" says; where
+ * the system starts fewer, fewer do the work. A caller's thread needs a stack of 256 KiB, these 128 KiB
+ * (OMP_STACKSIZE).
  *
- * Processes: one that forks while no call is under way may go on with every handle in the child, to the same bits at any number of threads; but a show
- * that plays (sl_live) is the parent's alone, and must not be touched, not even stopped, in the child. */
+ * Processes: one that forks while no call is under way may go on with every handle in the child, to the same
+ * bits at any number of threads; but a show that plays (sl_live) is the parent's alone, and must not be
+ * touched, not even stopped, in the child. */
 #ifndef SOFTLUX_H
 #define SOFTLUX_H
 
@@ -49,13 +53,17 @@ extern "C" {
 /** Marks what the shared library exports. */
 #define SL_API __attribute__((visibility("default")))
 
-/* ---- errors ------------------------------------------------------------------------------------------------- */
+/* ---- errors ---------------------------------------------------------------------------------- */
 
 /** The numbers are also the program's exit statuses; 1 is kept for a comparison that failed its bounds. */
 typedef enum sl_status {
     SL_OK = 0,
-    SL_ERROR_USAGE = 2,    /**< what was asked for cannot be: a NULL, a number out of range, an unknown name, functions in the wrong order */
-    SL_ERROR_INPUT = 3,    /**< a file cannot be read, or it and the pictures and scenes that were given are not what they ought to be */
+    /* *< what was asked for cannot be: a NULL, a number out of range, an unknown name, functions in the wrong
+     * order */
+    SL_ERROR_USAGE = 2,
+    /* *< a file cannot be read, or it and the pictures and scenes that were given are not what they ought to
+     * be */
+    SL_ERROR_INPUT = 3,
     SL_ERROR_OUTPUT = 4,   /**< a file cannot be written */
     SL_ERROR_RESOURCES = 5 /**< no memory, threads or descriptors; or more than the option "memory" allows */
 } sl_status;
@@ -66,14 +74,17 @@ typedef struct sl_error {
     char message[1024]; /**< one line: file, line where there is one, what was expected; no newline */
 } sl_error;
 
-/* ---- counters: the hardware's bill ------------------------------------------------------------------------------ */
+/* ---- counters: the hardware's bill ----------------------------------------------------------- */
 
-/** Deterministic: equal at any number of threads. sl_counter_name() gives the name used in JSON and metadata. */
+/** Deterministic: equal at any number of threads. sl_counter_name() gives the name used in JSON and metadata.
+ */
 typedef enum sl_counter {
     SL_COUNT_RASTER_PASSES,        /**< renders of the scene into some target */
-    SL_COUNT_RASTER_PASSES_SKIPPED, /**< ... that were not needed: no geometry or no light there, or nothing to be lit by it */
+    /* *< ... that were not needed: no geometry or no light there, or nothing to be lit by it */
+    SL_COUNT_RASTER_PASSES_SKIPPED,
     SL_COUNT_CLUSTERS_TESTED,
-    SL_COUNT_CLUSTERS_CULLED,      /**< rejected whole: outside, between pixel centres, or hidden in every tile that they touch */
+    /* *< rejected whole: outside, between pixel centres, or hidden in every tile that they touch */
+    SL_COUNT_CLUSTERS_CULLED,
     SL_COUNT_TRIANGLES_SUBMITTED,  /**< reached the transform */
     SL_COUNT_TRIANGLES_CULLED,     /**< outside the view, or covering no pixel centre */
     SL_COUNT_TRIANGLES_DROPPED,    /**< not finite */
@@ -89,9 +100,11 @@ typedef enum sl_counter {
     SL_COUNT_RECORDS,
     SL_COUNT_RECORDS_DISCARDED,    /**< speculative records found covered at commit */
     SL_COUNT_SPLATS,
-    SL_COUNT_SECOND_LEVEL_RECORDS,       /**< records that gathers see and the eye does not: more than one bounce */
+    /* *< records that gathers see and the eye does not: more than one bounce */
+    SL_COUNT_SECOND_LEVEL_RECORDS,
     SL_COUNT_SECOND_LEVEL_LOOK_UPS,      /**< points where gathers asked for their irradiance */
-    SL_COUNT_SECOND_LEVEL_MISSES,        /**< ... and no second-level record covered the point: others stood in */
+    /* *< ... and no second-level record covered the point: others stood in */
+    SL_COUNT_SECOND_LEVEL_MISSES,
     SL_COUNT_MAP_PHOTONS,          /**< sample photons of direct radiance maps */
     SL_COUNT_MAP_PHOTONS_DROPPED,  /**< ... that lie too near to the light, or hold no light */
     SL_COUNT_PHOTON_LOOK_UPS,      /**< receivers times photons that were summed */
@@ -103,7 +116,8 @@ typedef enum sl_counter {
     SL_COUNT_DIRECTIONAL_LIGHTS,   /**< virtual ones, of all voxels */
     SL_COUNT_TEXTURE_FETCHES,      /**< of the octree, its lights, and the atlas */
     SL_COUNT_LIGHT_SAMPLES,        /**< irradiance from one light at one vertex */
-    SL_COUNT_LIGHT_SAMPLES_SKIPPED, /**< ... that needed no picture: the light is turned away, below the horizon, or nothing is in between */
+    /* *< ... that needed no picture: the light is turned away, below the horizon, or nothing is in between */
+    SL_COUNT_LIGHT_SAMPLES_SKIPPED,
     SL_COUNT_COARSE_SAMPLES,       /**< vertices of the coarse mesh, which gathers see */
     SL_COUNT_INDIRECT_SAMPLES,     /**< gathers of indirect irradiance at vertices */
     SL_COUNT_SPLITS,               /**< mesh triangles or patches cut in four */
@@ -116,8 +130,11 @@ typedef enum sl_counter {
     SL_COUNT_POINTS_SHADED,        /**< vertices whose shading a sample renderer computed */
     SL_COUNT_PATCHES_EVICTED,
     SL_COUNT_CHANGES_DETECTED,     /**< vertices that were found to look otherwise than before */
-    SL_COUNT_CHANGES_SHOWN,        /**< edits of objects or lights that were found to change shading; several before the first is found are one */
-    SL_COUNT_UPDATES_TO_SHOW,      /**< ... updates from them to the pictures that show it first, the last one included: latency */
+    /* *< edits of objects or lights that were found to change shading; several before the first is found are
+     * one */
+    SL_COUNT_CHANGES_SHOWN,
+    /* *< ... updates from them to the pictures that show it first, the last one included: latency */
+    SL_COUNT_UPDATES_TO_SHOW,
     SL_COUNT_FRAMES_DISPLAYED,
     SL_COUNT_SAMPLES,              /**< path-tracer samples: pixels times samples a pixel */
     SL_COUNT_NONFINITE,            /**< samples or pixels that were NaN or infinite and were set aside */
@@ -132,7 +149,7 @@ typedef struct sl_counters {
 /** "rays", "fragments_shaded" and so on; a constant string; "unknown" where there is no such counter. */
 SL_API const char *sl_counter_name(sl_counter counter);
 
-/* ---- images ------------------------------------------------------------------------------------------------------ */
+/* ---- images ---------------------------------------------------------------------------------- */
 
 enum { SL_CHANNEL_NAME_MAX = 64, SL_METADATA_KEY_MAX = 64 };
 
@@ -148,31 +165,38 @@ typedef struct sl_image {
     int width;    /**< pixels, at least 1 */
     int height;   /**< likewise */
     int channels; /**< planes; width * height * channels is 2^31 at most */
-    char (*channel_name)[SL_CHANNEL_NAME_MAX]; /**< channels of them, NUL-terminated; owned by the image, as are the arrays below */
+    /* *< channels of them, NUL-terminated; owned by the image, as are the arrays below */
+    char (*channel_name)[SL_CHANNEL_NAME_MAX];
     float *planes;          /**< planes[channel][row][column], without gaps */
     sl_metadatum *metadata; /**< in the order in which it was set; see sl_image_set_metadata() */
     size_t metadata_count;  /**< entries of metadata */
 } sl_image;
 
-/** A black image, which the caller destroys; channel_names holds `channels` strings, or is NULL for R, G, B (or Y where channels is 1). USAGE: sizes below 1, names
- * that are missing, empty, too long or there twice. RESOURCES: too large. */
+/** A black image, which the caller destroys; channel_names holds `channels` strings, or is NULL for R, G, B
+ * (or Y where channels is 1). USAGE: sizes below 1, names that are missing, empty, too long or there twice.
+ * RESOURCES: too large. */
 SL_API sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names,
                                  sl_image **image, sl_error *error);
 /** Frees a picture and all that it owns. NULL is allowed. */
 SL_API void sl_image_destroy(sl_image *image);
-/** The plane of a named channel, height rows of width values, or NULL where there is none. It belongs to the image. */
+/** The plane of a named channel, height rows of width values, or NULL where there is none. It belongs to the
+ * image. */
 SL_API float *sl_image_channel(const sl_image *image, const char *name);
 /** Adds or replaces a metadata string; both strings are copied. USAGE: a key that is empty or too long. */
 SL_API sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error);
 /** The value of a key, which the image owns, or NULL where it has none. */
 SL_API const char *sl_image_metadata(const sl_image *image, const char *key);
-/** Reads a picture, which the caller destroys: EXR (any channels, half/float/uint, scan lines or tiles, first part, any compression that the OpenEXR library
- * has in C: with 3.1 all but DWA), PFM, Radiance HDR, PNG/JPG (decoded from sRGB to linear; metadata tell the tone, see sl_image_write_png()), recognised by content. RGB is
- * what R, G, B are in the file; a lone Y (or L) becomes R = G = B. INPUT: no such file, or none of these, or damaged. */
+/** Reads a picture, which the caller destroys: EXR (any channels, half/float/uint, scan lines or tiles, first
+ * part, any compression that the OpenEXR library has in C: with 3.1 all but DWA), PFM, Radiance HDR, PNG/JPG
+ * (decoded from sRGB to linear; metadata tell the tone, see sl_image_write_png()), recognised by content. RGB
+ * is what R, G, B are in the file; a lone Y (or L) becomes R = G = B. INPUT: no such file, or none of these,
+ * or damaged. */
 SL_API sl_status sl_image_read(const char *path, sl_image **image, sl_error *error);
-/** Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (R, G, B, or else Y), .png (see sl_tone). The file
- * appears whole or not at all: it is written beside its name and renamed. USAGE: another ending, a picture without the channels that the format
- * needs, a metadata key that EXR has a meaning of its own for (what tells its layout, and its standard attributes that are no strings). OUTPUT: it cannot be written. */
+/** Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (R, G, B, or else Y), .png
+ * (see sl_tone). The file appears whole or not at all: it is written beside its name and renamed. USAGE:
+ * another ending, a picture without the channels that the format needs, a metadata key that EXR has a meaning
+ * of its own for (what tells its layout, and its standard attributes that are no strings). OUTPUT: it cannot
+ * be written. */
 SL_API sl_status sl_image_write(const sl_image *image, const char *path, sl_error *error);
 
 /** PNG out: value * 2^exposure_stops, then the curve, then sRGB, then 8 bits rounded to nearest. */
@@ -185,36 +209,44 @@ typedef enum sl_tone_curve {
 typedef struct sl_tone {
     sl_tone_curve curve;  /**< what compresses bright values */
     float exposure_stops; /**< values are multiplied by 2 to this power */
-    bool automatic; /**< exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added. Not for golden images: twice the light, the same picture */
+    /* *< exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added. Not for
+     * golden images: twice the light, the same picture */
+    bool automatic;
 } sl_tone;
 
-/** R, G, B (or Y, where one of them is missing) as an 8-bit PNG by a tone of the caller's choice; sl_image_write() uses {0}. Appears whole or not at all. USAGE: neither channels, or
- * a tone that is none, its exposure not finite. The file tells the tone: softlux.tone, softlux.exposure (stops), softlux.exposure_automatic; "unknown" once a file that does not is read. */
+/** R, G, B (or Y, where one of them is missing) as an 8-bit PNG by a tone of the caller's choice;
+ * sl_image_write() uses {0}. Appears whole or not at all. USAGE: neither channels, or a tone that is none,
+ * its exposure not finite. The file tells the tone: softlux.tone, softlux.exposure (stops),
+ * softlux.exposure_automatic; "unknown" once a file that does not is read. */
 SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error);
-/** The same bytes for a screen: R, G, B, 3 * width * height of them, rows from the top. An automatic exposure is left in *tone, as a fixed one, so
- * that the frames that follow look alike. Fails as sl_image_write_png() does, but for the file. */
+/** The same bytes for a screen: R, G, B, 3 * width * height of them, rows from the top. An automatic exposure
+ * is left in *tone, as a fixed one, so that the frames that follow look alike. Fails as sl_image_write_png()
+ * does, but for the file. */
 SL_API sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl_error *error);
 
-/* ---- comparison ---------------------------------------------------------------------------------------------------- */
+/* ---- comparison ------------------------------------------------------------------------------ */
 
-/** x = image, r = reference, over R, G, B (or, where one of them is missing, Y three times) of the compared pixels: those whose six values are all
- * finite and whose mask, if any, is > 0.5. Sums in double in a fixed order. A ratio 0/0 is 0; another ratio to 0 (the mean
- * of a black reference) is infinite.
- * ssim (Wang et al. 2004) and flip (Andersson et al. 2020) see all pixels as neighbours, those with a value that is not
- * finite as black in both images, and average over the compared ones. Both see value * 2^exposure_stops clipped to [0,1]:
- * ssim the sRGB-encoded Rec. 709 luminance (Gaussian window of 11x11 pixels, sigma 1.5, K1 = 0.01, K2 = 0.03), flip the
- * colours. */
+/** x = image, r = reference, over R, G, B (or, where one of them is missing, Y three times) of the compared
+ * pixels: those whose six values are all finite and whose mask, if any, is > 0.5. Sums in double in a fixed
+ * order. A ratio 0/0 is 0; another ratio to 0 (the mean of a black reference) is infinite. ssim (Wang et al.
+ * 2004) and flip (Andersson et al. 2020) see all pixels as neighbours, those with a value that is not finite
+ * as black in both images, and average over the compared ones. Both see value * 2^exposure_stops clipped to
+ * [0,1]: ssim the sRGB-encoded Rec. 709 luminance (Gaussian window of 11x11 pixels, sigma 1.5, K1 = 0.01, K2
+ * = 0.03), flip the colours. */
 typedef struct sl_comparison {
     uint64_t values;      /**< how many values were compared: 3 a pixel */
     uint64_t nonfinite;   /**< NaN or infinite values under the mask, of both images together */
     uint64_t negative;    /**< values below 0 under the mask, of both images together */
-    bool identical;       /**< every bit of every R, G, B value under the mask is equal, be it finite or not */
+    /* *< every bit of every R, G, B value under the mask is equal, be it finite or not */
+    bool identical;
     double rmse;          /**< sqrt(mean (x-r)^2) */
     double rel_rmse;      /**< rmse / |mean(r)| */
     double rel_mse;       /**< mean((x-r)^2 / (r^2 + 0.01 mean(r)^2)) */
-    double rel_mse_trimmed; /**< the same without the largest 0.1 % of the terms (rounded down to a whole number) */
-    double rel_mse_noise; /**< the reference's own share of rel_mse: mean((A-B)^2 / 4 / (r^2 + ...)) where it has the layers
-                             even.* and odd.*, two independent halves (the path tracers write them), both finite; else 0 */
+    /* *< the same without the largest 0.1 % of the terms (rounded down to a whole number) */
+    double rel_mse_trimmed;
+    double rel_mse_noise; /**< the reference's own share of rel_mse: mean((A-B)^2 / 4 / (r^2 + ...)) where it
+                             has the layers even.* and odd.*, two independent halves (the path tracers write
+                             them), both finite; else 0 */
     double max_abs;       /**< max |x-r| */
     double bias;          /**< sum(x-r) / |sum(r)| */
     double ssim;          /**< mean structural similarity; 1 where equal */
@@ -229,26 +261,31 @@ typedef struct sl_compare_options {
     float exposure_stops;  /**< for ssim and flip: both images * 2^stops, clipped to [0,1], sRGB */
 } sl_compare_options;
 
-/** Tells how far a picture is from a reference. options may be NULL. INPUT: the sizes differ, a picture has neither R, G, B nor Y, or no pixel can be compared.
- * USAGE: an exposure that is not finite. If difference is not NULL it receives a picture of (x-r)/(|r| + 0.01 |mean r|) in false colour, which the caller destroys: of each pixel's
- * three values the farthest from 0; blue where too dark, red where too bright, full colour at 50 %; grey outside the mask,
- * green where a value is not finite. */
-SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *reference, const sl_compare_options *options,
-                                  sl_comparison *result, sl_image **difference, sl_error *error);
+/** Tells how far a picture is from a reference. options may be NULL. INPUT: the sizes differ, a picture has
+ * neither R, G, B nor Y, or no pixel can be compared. USAGE: an exposure that is not finite. If difference is
+ * not NULL it receives a picture of (x-r)/(|r| + 0.01 |mean r|) in false colour, which the caller destroys:
+ * of each pixel's three values the farthest from 0; blue where too dark, red where too bright, full colour at
+ * 50 %; grey outside the mask, green where a value is not finite. */
+SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *reference,
+                                  const sl_compare_options *options, sl_comparison *result,
+                                  sl_image **difference, sl_error *error);
 
-/* ---- scenes -------------------------------------------------------------------------------------------------------- */
+/* ---- scenes ---------------------------------------------------------------------------------- */
 
-/** Triangles, materials, lights, environment and camera; opaque. Immutable but for the two functions that move it. */
+/** Triangles, materials, lights, environment and camera; opaque. Immutable but for the two functions that
+ * move it. */
 typedef struct sl_scene sl_scene;
 
-/** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. The caller destroys the scene. The files that it
- * names must lie in the folder of `path` or below. INPUT: a file is missing, damaged, or beyond the limits (docs/scene-format.md). USAGE: an empty path.
- * Mesh files are read by a program of their own, softlux-import, which runs for each of them, under limits of memory and time: one that crashes it, or that it does not come
- * to the end of, is an INPUT error as other damaged ones are. The caller's signals, children, descriptors and environment stay as they are. It is where the library was
+/** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. The caller
+ * destroys the scene. The files that it names must lie in the folder of `path` or below. INPUT: a file is
+ * missing, damaged, or beyond the limits (docs/scene-format.md). USAGE: an empty path. Mesh files are read by
+ * a program of their own, softlux-import, which runs for each of them, under limits of memory and time: one
+ * that crashes it, or that it does not come to the end of, is an INPUT error as other damaged ones are. The
+ * caller's signals, children, descriptors and environment stay as they are. It is where the library was
  * installed to have it, or where the environment's SOFTLUX_IMPORTER says; RESOURCES: it is not there. */
 SL_API sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error);
-/** A camera that stands still, in place of the file's and its keyframes. What is not given is that of the file's camera, or of the framed one; an eye
- * without a target looks at the middle of the scene's box. */
+/** A camera that stands still, in place of the file's and its keyframes. What is not given is that of the
+ * file's camera, or of the framed one; an eye without a target looks at the middle of the scene's box. */
 typedef struct sl_viewpoint {
     bool has_eye;           /**< eye counts */
     bool has_target;        /**< target counts */
@@ -261,21 +298,30 @@ typedef struct sl_viewpoint {
 } sl_viewpoint;
 /** Which axis of a mesh file points up. */
 typedef enum sl_up_axis {
-    SL_UP_AUTO, /**< as the format has it; formats that do not say (STL, PLY, OFF, OBJ) are y up, but where the shape tells that they are z up */
+    /* *< as the format has it; formats that do not say (STL, PLY, OFF, OBJ) are y up, but where the shape
+     * tells that they are z up */
+    SL_UP_AUTO,
     SL_UP_Y,
     SL_UP_Z     /**< (x, y, z) becomes (x, z, -y) */
 } sl_up_axis;
 /** What loading a scene may do. {0} is what sl_scene_load() does. */
 typedef struct sl_load_options {
-    bool allow_outside; /**< files that a scene names may lie outside of its folder: absolute names, "..", symbolic links; else they are refused */
-    sl_up_axis up_axis; /**< of a mesh file that is loaded alone; a scene file says it itself ("up"), and other than AUTO is refused for one (USAGE) */
-    const sl_viewpoint *view; /**< or NULL; read while loading alone. USAGE: an eye at its target, an up vector along the view */
+    /* *< files that a scene names may lie outside of its folder: absolute names, "..", symbolic links; else
+     * they are refused */
+    bool allow_outside;
+    /* *< of a mesh file that is loaded alone; a scene file says it itself ("up"), and other than AUTO is
+     * refused for one (USAGE) */
+    sl_up_axis up_axis;
+    /* *< or NULL; read while loading alone. USAGE: an eye at its target, an up vector along the view */
+    const sl_viewpoint *view;
 } sl_load_options;
 /** The same as it is told to; options must not be NULL. */
-SL_API sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error);
+SL_API sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene,
+                                    sl_error *error);
 /** Frees a scene that no method reads any more. NULL is allowed. */
 SL_API void sl_scene_destroy(sl_scene *scene);
-/** How many lines there are about what loading had to decide or repair: a framed camera, the default light, dropped triangles, scaled reflectances. */
+/** How many lines there are about what loading had to decide or repair: a framed camera, the default light,
+ * dropped triangles, scaled reflectances. */
 SL_API size_t sl_scene_warning_count(const sl_scene *scene);
 /** One of them, without a newline, owned by the scene; NULL past the end. */
 SL_API const char *sl_scene_warning(const sl_scene *scene, size_t index);
@@ -285,20 +331,22 @@ SL_API size_t sl_scene_triangle_count(const sl_scene *scene);
 SL_API size_t sl_scene_memory_bytes(const sl_scene *scene);
 /** The size in pixels that the scene's file asks for, or 512 x 512. */
 SL_API void sl_scene_film(const sl_scene *scene, int *width, int *height);
-/** A hash of everything that can reach a pixel, the camera included: equal scenes have equal ones, on every machine. */
+/** A hash of everything that can reach a pixel, the camera included: equal scenes have equal ones, on every
+ * machine. */
 SL_API uint64_t sl_scene_hash(const sl_scene *scene);
 /** What changed between two states of a scene; a method is told so with sl_method_edit(). */
 enum { SL_CHANGED_CAMERA = 1, SL_CHANGED_OBJECTS = 2, SL_CHANGED_LIGHTS = 4 };
-/** Moves camera, objects and lights to their keyframes' state at a time. Methods that were created for the scene are then to be
- * told by sl_method_edit(), before anything else is asked of them (which is refused else); *changes (may be NULL) gets SL_CHANGED_ bits. USAGE: a time that is not finite. INPUT:
- * one at which keyframes leave no camera, or move things beyond all numbers. */
+/** Moves camera, objects and lights to their keyframes' state at a time. Methods that were created for the
+ * scene are then to be told by sl_method_edit(), before anything else is asked of them (which is refused
+ * else); *changes (may be NULL) gets SL_CHANGED_ bits. USAGE: a time that is not finite. INPUT: one at which
+ * keyframes leave no camera, or move things beyond all numbers. */
 SL_API sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error);
-/** Looks from eye to target; the up vector need not be perpendicular. USAGE: the frame is degenerate, a number not finite, or the field of view not between 0
- * and pi. */
-SL_API sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3], const float up[3],
-                                     float vertical_fov_rad, sl_error *error);
+/** Looks from eye to target; the up vector need not be perpendicular. USAGE: the frame is degenerate, a
+ * number not finite, or the field of view not between 0 and pi. */
+SL_API sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3],
+                                     const float up[3], float vertical_fov_rad, sl_error *error);
 
-/* ---- observers: every pass announces itself -------------------------------------------------------------------------- */
+/* ---- observers: every pass announces itself -------------------------------------------------- */
 
 /** What a mark is. */
 typedef enum sl_mark_kind {
@@ -320,8 +368,10 @@ typedef struct sl_mark {
 typedef struct sl_pass {
     const char *method;   /**< "splatting" */
     const char *name;     /**< "splat irradiance records" */
-    const char *source;   /**< equation, algorithm or pass of the paper, "Algorithm 1, equation (9)"; or its words for it */
-    const sl_image *buffer;      /**< what the pass made, row 0 at the top; valid during the call only; may be NULL */
+    /* *< equation, algorithm or pass of the paper, "Algorithm 1, equation (9)"; or its words for it */
+    const char *source;
+    /* *< what the pass made, row 0 at the top; valid during the call only; may be NULL */
+    const sl_image *buffer;
     const sl_counters *counters; /**< what this pass alone cost */
     const sl_mark *marks;        /**< mark_count of them, valid during the call only */
     size_t mark_count;           /**< 0 where the pass leaves none */
@@ -333,7 +383,7 @@ typedef struct sl_observer {
     void (*pass)(void *context, const sl_pass *pass); /**< must not call the method that it is told of */
 } sl_observer;
 
-/* ---- methods --------------------------------------------------------------------------------------------------------- */
+/* ---- methods --------------------------------------------------------------------------------- */
 
 /** What a method is asked for; opaque. What is not set follows the quality, the scene and the machine. */
 typedef struct sl_settings sl_settings;
@@ -342,12 +392,16 @@ typedef struct sl_settings sl_settings;
 typedef struct sl_setting {
     const char *name;     /**< "light-octree.depth", or "spp" where several methods heed it */
     const char *methods;  /**< those that do, "splatting, multi-mesh"; "": all */
-    const char *unit;     /**< what a value is: "N", "DEGREES", "WxH"; or the choices, "auto|rays|shadow-maps"; "": a flag, 0 or 1 */
+    /* *< what a value is: "N", "DEGREES", "WxH"; or the choices, "auto|rays|shadow-maps"; "": a flag, 0 or
+     * 1 */
+    const char *unit;
     const char *symbol;   /**< the paper's, "k"; or "" */
     const char *help;     /**< one line */
     double minimum;       /**< in that unit */
     double maximum;       /**< not above the minimum: there are no bounds */
-    double by_quality[3]; /**< default at draft, normal and high quality; 0 where otherwise tells, and of flags and choices: the first */
+    /* *< default at draft, normal and high quality; 0 where otherwise tells, and of flags and choices: the
+     * first */
+    double by_quality[3];
     const char *otherwise; /**< how it is chosen, "by density"; or NULL */
     bool everyday;        /**< an option of the program; the others are for experiments */
     char letter;          /**< its short form, or 0 */
@@ -360,12 +414,16 @@ SL_API const sl_setting *sl_setting_at(size_t index);
 SL_API sl_status sl_settings_create(sl_settings **settings, sl_error *error);
 /** NULL is allowed. */
 SL_API void sl_settings_destroy(sl_settings *settings);
-/** Sets one by its name or the last part of it, "method", "size", "light-octree.depth", to a value as text: "path", "640x480",
- * "6". A picture's metadata softlux.NAME, with _ for -, are such names and values. USAGE: no such name, or not such a value. */
+/** Sets one by its name or the last part of it, "method", "size", "light-octree.depth", to a value as text:
+ * "path", "640x480", "6". A picture's metadata softlux.NAME, with _ for -, are such names and values. USAGE:
+ * no such name, or not such a value. */
 SL_API sl_status sl_settings_set(sl_settings *settings, const char *name, const char *value, sl_error *error);
-/** Its value as text, cut to the room that there is, the NUL included; 0 stands for what is left open. USAGE: no such name. */
-SL_API sl_status sl_settings_get(const sl_settings *settings, const char *name, char *text, size_t room, sl_error *error);
-/** Who is told of every pass from then on, by methods that are created with these settings; or NULL. It must outlive them. */
+/** Its value as text, cut to the room that there is, the NUL included; 0 stands for what is left open. USAGE:
+ * no such name. */
+SL_API sl_status sl_settings_get(const sl_settings *settings, const char *name, char *text, size_t room,
+                                 sl_error *error);
+/** Who is told of every pass from then on, by methods that are created with these settings; or NULL. It must
+ * outlive them. */
 SL_API void sl_settings_observe(sl_settings *settings, const sl_observer *observer);
 
 /** A method at work on a scene: its caches and its picture so far; opaque. */
@@ -375,34 +433,40 @@ typedef struct sl_method sl_method;
 typedef struct sl_progress {
     uint64_t batches;  /**< done so far */
     double fraction;   /**< an estimate in [0,1] */
-    bool frame_done;   /**< with splatting.records-per-frame: the frame has what it may have; resolve it, then edit or go on refining */
+    /* *< with splatting.records-per-frame: the frame has what it may have; resolve it, then edit or go on
+     * refining */
+    bool frame_done;
     bool done;         /**< nothing left to refine; until an edit, updating again changes nothing */
 } sl_progress;
 
-/** Prepares a method for a scene: checks and completes the settings (which are copied), and computes no pixel yet. The scene must
- * outlive the method and must not change but as told to sl_method_edit(); the caller destroys the method. USAGE: an unknown method or transport, or a
- * setting out of its range. RESOURCES: the option "memory" is less than the least that it needs. */
+/** Prepares a method for a scene: checks and completes the settings (which are copied), and computes no pixel
+ * yet. The scene must outlive the method and must not change but as told to sl_method_edit(); the caller
+ * destroys the method. USAGE: an unknown method or transport, or a setting out of its range. RESOURCES: the
+ * option "memory" is less than the least that it needs. */
 SL_API sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method,
                                   sl_error *error);
 /** Frees a method; its scene stays. NULL is allowed. */
 SL_API void sl_method_destroy(sl_method *method);
-/** One more batch: a pure function of the state and the batch's number, never of time. Short: tenths of a second, so that a caller can
- * show progress and stop between batches. After a failure, which leaves *progress alone, the method can only be destroyed; all else is refused with
- * SL_ERROR_USAGE. */
+/** One more batch: a pure function of the state and the batch's number, never of time. Short: tenths of a
+ * second, so that a caller can show progress and stop between batches. After a failure, which leaves
+ * *progress alone, the method can only be destroyed; all else is refused with SL_ERROR_USAGE. */
 SL_API sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *error);
-/** The picture so far, also before the first update: R, G, B and the method's layers, with all that made it as metadata. The
- * caller destroys it. softlux.warning, where there is one, has a line for each limit of the method that shows in the picture. */
+/** The picture so far, also before the first update: R, G, B and the method's layers, with all that made it
+ * as metadata. The caller destroys it. softlux.warning, where there is one, has a line for each limit of the
+ * method that shows in the picture. */
 SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error);
-/** Tells what of the scene has changed since the method last saw it: SL_CHANGED_ bits, as sl_scene_set_time() gives them. The
- * method keeps what is still right and goes on with updates from there. After a failure it wants another edit before anything else, and then does all
- * anew. USAGE: other bits. */
+/** Tells what of the scene has changed since the method last saw it: SL_CHANGED_ bits, as sl_scene_set_time()
+ * gives them. The method keeps what is still right and goes on with updates from there. After a failure it
+ * wants another edit before anything else, and then does all anew. USAGE: other bits. */
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
 /** Whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
 SL_API bool sl_method_keeps_cache(const sl_method *method);
-/** Writes the method's cache to a file, for another run: the records of splatting, and what they took hold of. They belong to the scene (its
- * geometry, materials, lights and environment; not its camera) and to the settings that decide what is in them; a file of
- * other ones, of another version, or one that is damaged is refused with SL_ERROR_INPUT, with a line that says so, and nothing changes. With a file
- * saved from the same place, under the same "memory", nothing is gathered anew, and the picture has the same bits. The file appears whole or not at all. USAGE: the method keeps none. */
+/** Writes the method's cache to a file, for another run: the records of splatting, and what they took hold
+ * of. They belong to the scene (its geometry, materials, lights and environment; not its camera) and to the
+ * settings that decide what is in them; a file of other ones, of another version, or one that is damaged is
+ * refused with SL_ERROR_INPUT, with a line that says so, and nothing changes. With a file saved from the same
+ * place, under the same "memory", nothing is gathered anew, and the picture has the same bits. The file
+ * appears whole or not at all. USAGE: the method keeps none. */
 SL_API sl_status sl_method_save(const sl_method *method, const char *path, sl_error *error);
 /** Takes over what sl_method_save() wrote, in place of what the method has: best before the first update. */
 SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *error);
@@ -410,20 +474,24 @@ SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *e
 SL_API const sl_counters *sl_method_counters(const sl_method *method);
 /** Bytes that the method holds, its own hierarchies, caches and pictures, without the scene. */
 SL_API size_t sl_method_memory_bytes(const sl_method *method);
-/** An upper estimate, from counts alone and before anything is allocated, of what the option "memory" bounds, for these settings as they
- * stand: 32 MiB for the program itself, the scene, the hierarchies over it, the method at its largest, and its picture as it is given and
- * written. Caches that grow as they are filled count with the least that they can work with. No observer is counted. Fails as sl_method_create() does. */
-SL_API sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes, sl_error *error);
-/** One line on what the method does less than its settings ask for, so as to keep within "memory": "75000 stored
- * photons instead of 600000". Caches that are full by then are told of once they are. Owned by the method, and valid until it is called
- * again; NULL where it does all. The picture's metadata tell the settings that were used. */
+/** An upper estimate, from counts alone and before anything is allocated, of what the option "memory" bounds,
+ * for these settings as they stand: 32 MiB for the program itself, the scene, the hierarchies over it, the
+ * method at its largest, and its picture as it is given and written. Caches that grow as they are filled
+ * count with the least that they can work with. No observer is counted. Fails as sl_method_create() does. */
+SL_API sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes,
+                                       sl_error *error);
+/** One line on what the method does less than its settings ask for, so as to keep within "memory": "75000
+ * stored photons instead of 600000". Caches that are full by then are told of once they are. Owned by the
+ * method, and valid until it is called again; NULL where it does all. The picture's metadata tell the
+ * settings that were used. */
 SL_API const char *sl_method_reduction(sl_method *method);
 
 /* ---- the explanation of a pixel ---- */
 
 /** One thing that made a pixel: a record, a photon, a voxel's light, a vertex of a mesh. */
 typedef struct sl_explanation_term {
-    const char *layer;      /**< of the picture, that it adds to: "indirect", "direct", "emission"; a constant string */
+    /* *< of the picture, that it adds to: "indirect", "direct", "emission"; a constant string */
+    const char *layer;
     const char *kind;       /**< "irradiance record"; a constant string */
     uint64_t index;         /**< which one, by the method's own numbers */
     bool placed;            /**< whether position means anything */
@@ -438,114 +506,142 @@ typedef struct sl_explanation {
     float pixel[3];       /**< R, G, B of the picture */
     size_t count;         /**< terms */
     sl_explanation_term *terms; /**< in the order in which the method adds them */
-    double rounding[3];   /**< what rounding of the method's own sums, in float, has left: parts in a million */
+    /* *< what rounding of the method's own sums, in float, has left: parts in a million */
+    double rounding[3];
 } sl_explanation;
 
-/** Tells what made the pixel of column x and row y, from the top, in the picture that sl_method_resolve() gave last: the method must
- * not have been updated or edited since. The caller destroys the explanation. USAGE: the method tells none (the tracers; direct-radiance without layers), there
- * is no such picture (known by what is stamped on it), or the pixel lies outside. */
-SL_API sl_status sl_method_explanation(sl_method *method, const sl_image *picture, int x, int y, sl_explanation **explanation, sl_error *error);
+/** Tells what made the pixel of column x and row y, from the top, in the picture that sl_method_resolve()
+ * gave last: the method must not have been updated or edited since. The caller destroys the explanation.
+ * USAGE: the method tells none (the tracers; direct-radiance without layers), there is no such picture (known
+ * by what is stamped on it), or the pixel lies outside. */
+SL_API sl_status sl_method_explanation(sl_method *method, const sl_image *picture, int x, int y,
+                                       sl_explanation **explanation, sl_error *error);
 /** Frees an explanation. NULL is allowed. */
 SL_API void sl_explanation_destroy(sl_explanation *explanation);
 
 /** The names of all methods, in order; NULL past the end. */
 SL_API const char *sl_method_name(size_t index);
 
-/** What a method would do with a scene: one line for each pass that runs or is left out, and why, and for each limit of the
- * method that will show. NUL-terminated text, the caller frees it with free(). Fails as sl_method_create() does. */
-SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error);
+/** What a method would do with a scene: one line for each pass that runs or is left out, and why, and for
+ * each limit of the method that will show. NUL-terminated text, the caller frees it with free(). Fails as
+ * sl_method_create() does. */
+SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text,
+                                sl_error *error);
 
-/* ---- live: frames beside updates ----------------------------------------------------------------------------------------- */
+/* ---- live: frames beside updates ------------------------------------------------------------- */
 
-/** A method at work in a thread of its own, while the caller's thread shows what there is: the two loops of the Shading Cache. Frames never
- * wait for updates. What they show depends on the clock, as nothing else in this library does: for the same bits twice there are
- * sl_method_update() and sl_method_resolve(). */
+/** A method at work in a thread of its own, while the caller's thread shows what there is: the two loops of
+ * the Shading Cache. Frames never wait for updates. What they show depends on the clock, as nothing else in
+ * this library does: for the same bits twice there are sl_method_update() and sl_method_resolve(). */
 typedef struct sl_live sl_live;
 
 /** What a frame shows. */
 typedef struct sl_live_state {
     uint64_t frames;      /**< drawn so far, this one included */
-    uint64_t versions;    /**< how often the shading that it shows has been brought up to date: a frame is of one version whole */
+    /* *< how often the shading that it shows has been brought up to date: a frame is of one version whole */
+    uint64_t versions;
     uint64_t updates;     /**< done so far */
     double time_seconds;  /**< the scene's time that the frame shows */
-    double error_levels;  /**< how wrong what is seen seems to be, in displayed levels of 255, as the last update found it; negative: unknown */
-    uint64_t changes_shown; /**< moves whose change of light frames have shown, of methods other than the Shading Cache
-                             once their picture has been finished there; several before the first of them shows are one */
-    double change_seconds;  /**< the scene's time of the last of those moves, and of its first where it was several: what shading lags behind by, to a frame that shows one more */
-    uint64_t change_frames; /**< ... and how many frames after the first that could have shown it that was; 0: in that one */
+    /* *< how wrong what is seen seems to be, in displayed levels of 255, as the last update found it;
+     * negative: unknown */
+    double error_levels;
+    uint64_t changes_shown; /**< moves whose change of light frames have shown, of methods other than the
+                             Shading Cache once their picture has been finished there; several before the
+                             first of them shows are one */
+    /* *< the scene's time of the last of those moves, and of its first where it was several: what shading
+     * lags behind by, to a frame that shows one more */
+    double change_seconds;
+    /* *< ... and how many frames after the first that could have shown it that was; 0: in that one */
+    uint64_t change_frames;
     bool held;            /**< a move waits for shading-cache.hold */
     bool done;            /**< nothing is left to refine: updates rest until something moves */
 } sl_live_state;
 
-/** Makes a method and starts to update it, with workers of its own. Until sl_live_stop() the scene is the show's own: nobody
- * else may change it. An observer is called in the updating thread. All calls on one show come from one thread at a time. Fails as
- * sl_method_create() does. */
+/** Makes a method and starts to update it, with workers of its own. Until sl_live_stop() the scene is the
+ * show's own: nobody else may change it. An observer is called in the updating thread. All calls on one show
+ * come from one thread at a time. Fails as sl_method_create() does. */
 SL_API sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **live, sl_error *error);
-/** Stops after the update under way and releases everything; the scene stays as the updates had it last. *counters (may be NULL) gets the
- * method's, and those of the frames. NULL is allowed. */
+/** Stops after the update under way and releases everything; the scene stays as the updates had it last.
+ * *counters (may be NULL) gets the method's, and those of the frames. NULL is allowed. */
 SL_API void sl_live_stop(sl_live *live, sl_counters *counters);
-/** Moves camera, objects and lights to their keyframes' state at a time: the next frame shows it, whatever is under way (methods without
- * a display of their own, all but the Shading Cache, show it once an update has been done there, with as much light as one update makes). With shading-cache.hold the move
- * waits until what is shown is as good as that; the newest one counts. Fails as sl_scene_set_time() does, and stays where it is. */
+/** Moves camera, objects and lights to their keyframes' state at a time: the next frame shows it, whatever is
+ * under way (methods without a display of their own, all but the Shading Cache, show it once an update has
+ * been done there, with as much light as one update makes). With shading-cache.hold the move waits until what
+ * is shown is as good as that; the newest one counts. Fails as sl_scene_set_time() does, and stays where it
+ * is. */
 SL_API sl_status sl_live_move(sl_live *live, double time_seconds, sl_error *error);
 /** As sl_scene_set_camera(), whatever the keyframes say of the camera, from now on; fails likewise. */
-SL_API sl_status sl_live_look(sl_live *live, const float eye[3], const float target[3], const float up[3], float vertical_fov_rad,
-                              sl_error *error);
-/** The picture as it is now, R, G, B, drawn by the calling thread alone; *frame is the show's own, and valid until the next call.
- * state may be NULL. Black until there is anything. Fails once an update has failed. */
+SL_API sl_status sl_live_look(sl_live *live, const float eye[3], const float target[3], const float up[3],
+                              float vertical_fov_rad, sl_error *error);
+/** The picture as it is now, R, G, B, drawn by the calling thread alone; *frame is the show's own, and valid
+ * until the next call. state may be NULL. Black until there is anything. Fails once an update has failed. */
 SL_API sl_status sl_live_frame(sl_live *live, const sl_image **frame, sl_live_state *state, sl_error *error);
 
-/* ---- the error of a picture, without a reference ------------------------------------------------------------------------ */
+/* ---- the error of a picture, without a reference --------------------------------------------- */
 
-/** How far a picture is from the converged picture of the same light paths: that of --method path with the same
- * transport and pixel filter, and no noise. Judged are the pixels that show surfaces: those that show a lamp or the sky itself (not in a mirror) are in
- * neither error nor mean, unless there are no others. */
+/** How far a picture is from the converged picture of the same light paths: that of --method path with the
+ * same transport and pixel filter, and no noise. Judged are the pixels that show surfaces: those that show a
+ * lamp or the sky itself (not in a mirror) are in neither error nor mean, unless there are no others. */
 typedef struct sl_error_estimate {
-    double rel_rmse;    /**< an estimate of sl_comparison.rel_rmse over these pixels; 0 where the picture is better than the probes can tell */
-    double bound;       /**< with 95 % confidence the error is not above that; infinite where nothing can be promised */
+    /* *< an estimate of sl_comparison.rel_rmse over these pixels; 0 where the picture is better than the
+     * probes can tell */
+    double rel_rmse;
+    /* *< with 95 % confidence the error is not above that; infinite where nothing can be promised */
+    double bound;
     double least;       /**< with 95 % confidence it is not below that */
-    double resolution;  /**< the bound that a picture without any error would have by the same probes; 0 by a picture's own halves */
+    /* *< the bound that a picture without any error would have by the same probes; 0 by a picture's own
+     * halves */
+    double resolution;
     double rmse;        /**< the estimate in units of radiance */
     double mean;        /**< of the converged picture, estimated */
     double noise;       /**< rmse of the probes' own values: what one half of their samples is off by */
-    uint64_t probes;    /**< pixels that were looked at: all that are judged where a picture's own halves tell */
+    /* *< pixels that were looked at: all that are judged where a picture's own halves tell */
+    uint64_t probes;
     uint64_t samples;   /**< that the probes have traced so far, for this picture and others */
-    uint64_t nonfinite; /**< pixels of the picture with a value that is NaN or infinite: left out, and nothing is promised */
-    bool blind;         /**< light of lights without extent by way of mirrors would count, but no path from an eye finds it: the
-                             converged picture meant here is without it */
+    /* *< pixels of the picture with a value that is NaN or infinite: left out, and nothing is promised */
+    uint64_t nonfinite;
+    bool blind; /**< light of lights without extent by way of mirrors would count, but no path from an eye
+                   finds it: the converged picture meant here is without it */
 } sl_error_estimate;
 
-/** Probes: pixels of which two independent estimates p and q are path traced. E[(x - p)(x - q)] is the squared error of a
- * picture's value x there. Values that were traced once serve for any number of pictures of the scene with this size, transport and
- * filter. */
+/** Probes: pixels of which two independent estimates p and q are path traced. E[(x - p)(x - q)] is the
+ * squared error of a picture's value x there. Values that were traced once serve for any number of pictures
+ * of the scene with this size, transport and filter. */
 typedef struct sl_error_probe sl_error_probe;
 
-/** settings: of the pictures to be judged; method, transport, filter, size, seed and threads count, and what the method's light
- * paths depend on. The scene must outlive the probe and must not change. USAGE: as sl_method_create(). */
-SL_API sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settings, sl_error_probe **probe,
-                                       sl_error *error);
+/** settings: of the pictures to be judged; method, transport, filter, size, seed and threads count, and what
+ * the method's light paths depend on. The scene must outlive the probe and must not change. USAGE: as
+ * sl_method_create(). */
+SL_API sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settings,
+                                       sl_error_probe **probe, sl_error *error);
 SL_API void sl_error_probe_destroy(sl_error_probe *probe); /**< NULL is allowed */
-/** Judges a picture by about so many probes (every pixel, if there are no more), with so many samples or more for each of p and q:
- * what is there already is used, what is missing is traced. The first time every pixel (of large pictures, one of each block) is traced once besides, to choose the probes by.
- * INPUT: the picture's size is another, or it has neither R, G, B nor Y. USAGE: no probes, no samples. */
-SL_API sl_status sl_error_probe_estimate(sl_error_probe *probe, const sl_image *image, uint64_t probes, uint32_t samples,
-                                         sl_error_estimate *estimate, sl_error *error);
-/** The same with few probes, and more until it is clear whether the error is within rel_rmse: until bound <= rel_rmse; or least is not far
- * below rel_rmse, and it would take many more to tell; or the probe's counters would have more than so many rays and shadow rays. 0: a number that grows
- * as 1/rel_rmse^2. USAGE: rel_rmse is not above 0. */
-SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse, uint64_t rays,
-                                      sl_error_estimate *estimate, sl_error *error);
-/** How much of the first picture's error is left in the second, which was judged last: with 95 % confidence no less than *share (0 to 1) of it. Told by
- * the differences at the same probes, from which most of the probes' own noise falls out. INPUT: as sl_error_probe_estimate(). USAGE: none was judged. */
-SL_API sl_status sl_error_probe_left(sl_error_probe *probe, const sl_image *first, const sl_image *second, double *share, sl_error *error);
-/** The pixels that are judged, as sl_compare_options.mask takes them: 1 where a surface is seen, 0 where a lamp or the sky is. Of a box pixel any part
- * may show it. Owned by the probe. */
+/** Judges a picture by about so many probes (every pixel, if there are no more), with so many samples or more
+ * for each of p and q: what is there already is used, what is missing is traced. The first time every pixel
+ * (of large pictures, one of each block) is traced once besides, to choose the probes by. INPUT: the
+ * picture's size is another, or it has neither R, G, B nor Y. USAGE: no probes, no samples. */
+SL_API sl_status sl_error_probe_estimate(sl_error_probe *probe, const sl_image *image, uint64_t probes,
+                                         uint32_t samples, sl_error_estimate *estimate, sl_error *error);
+/** The same with few probes, and more until it is clear whether the error is within rel_rmse: until bound <=
+ * rel_rmse; or least is not far below rel_rmse, and it would take many more to tell; or the probe's counters
+ * would have more than so many rays and shadow rays. 0: a number that grows as 1/rel_rmse^2. USAGE: rel_rmse
+ * is not above 0. */
+SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse,
+                                      uint64_t rays, sl_error_estimate *estimate, sl_error *error);
+/** How much of the first picture's error is left in the second, which was judged last: with 95 % confidence
+ * no less than *share (0 to 1) of it. Told by the differences at the same probes, from which most of the
+ * probes' own noise falls out. INPUT: as sl_error_probe_estimate(). USAGE: none was judged. */
+SL_API sl_status sl_error_probe_left(sl_error_probe *probe, const sl_image *first, const sl_image *second,
+                                     double *share, sl_error *error);
+/** The pixels that are judged, as sl_compare_options.mask takes them: 1 where a surface is seen, 0 where a
+ * lamp or the sky is. Of a box pixel any part may show it. Owned by the probe. */
 SL_API const sl_image *sl_error_probe_surfaces(const sl_error_probe *probe);
 /** What tracing the probes has cost so far; owned by the probe. */
 SL_API const sl_counters *sl_error_probe_counters(const sl_error_probe *probe);
-/** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional are. mask: as sl_compare_options.mask, or
- * NULL: all pixels. INPUT: it has none, or the mask is of another size. */
-SL_API sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *mask, sl_error_estimate *estimate, sl_error *error);
+/** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional
+ * are. mask: as sl_compare_options.mask, or NULL: all pixels. INPUT: it has none, or the mask is of another
+ * size. */
+SL_API sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *mask,
+                                               sl_error_estimate *estimate, sl_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,7 +1,8 @@
-/* Makes the larger scenes: `generate DIR [SCENE...]` writes OBJ, MTL and JSON files of every scene, or of those named.
+/* Makes the larger scenes: `generate DIR [SCENE...]` writes OBJ, MTL and JSON files of every scene, or of
+ * those named.
  *
- * The files are the same, byte for byte, on every machine and with every compiler. A scene is a file in generate/; read
- * room.c first, and generate/mesh.h for the shapes that all of them are built of. */
+ * The files are the same, byte for byte, on every machine and with every compiler. A scene is a file in
+ * generate/; read room.c first, and generate/mesh.h for the shapes that all of them are built of. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Arches, walls with arched openings, groin vaults and their ribs.
  *
- * An arch of half width w is struck from two centres on the springing line, radius R = pointedness * 2 w: the left half
- * about (R - w, 0). Its natural height sqrt(R^2 - (R - w)^2) is scaled to the wanted rise. */
+ * An arch of half width w is struck from two centres on the springing line, radius R = pointedness * 2 w: the
+ * left half about (R - w, 0). Its natural height sqrt(R^2 - (R - w)^2) is scaled to the wanted rise. */
 #include "mesh.h"
 
 #include <math.h>
@@ -31,8 +31,10 @@ int gen_arch_points(const arch *a, double widen, v2 *points) {
 
 /* A rectangle that faces +z at z = depth, and its counterpart at -depth that faces -z. */
 static void two_sided(mesh *m, v2 a, v2 b, v2 c, v2 d, double depth) {
-    gen_quad(m, gen_v3(a.x, a.y, depth), gen_v3(b.x, b.y, depth), gen_v3(c.x, c.y, depth), gen_v3(d.x, d.y, depth));
-    gen_quad(m, gen_v3(b.x, b.y, -depth), gen_v3(a.x, a.y, -depth), gen_v3(d.x, d.y, -depth), gen_v3(c.x, c.y, -depth));
+    gen_quad(m, gen_v3(a.x, a.y, depth), gen_v3(b.x, b.y, depth), gen_v3(c.x, c.y, depth),
+             gen_v3(d.x, d.y, depth));
+    gen_quad(m, gen_v3(b.x, b.y, -depth), gen_v3(a.x, a.y, -depth), gen_v3(d.x, d.y, -depth),
+             gen_v3(c.x, c.y, -depth));
 }
 
 static void rectangle(mesh *m, double x0, double y0, double x1, double y1, double depth) {
@@ -67,7 +69,8 @@ void gen_arch_wall(mesh *m, const arch *a, double x0, double x1, double sill, do
     soffit(m, curve, count, sill, depth);
     if (sill > 0.0) {
         rectangle(m, -w, 0.0, w, sill, depth);
-        gen_quad(m, gen_v3(-w, sill, depth), gen_v3(w, sill, depth), gen_v3(w, sill, -depth), gen_v3(-w, sill, -depth));
+        gen_quad(m, gen_v3(-w, sill, depth), gen_v3(w, sill, depth), gen_v3(w, sill, -depth),
+                 gen_v3(-w, sill, -depth));
     }
 }
 
@@ -92,10 +95,10 @@ void gen_arch_moulding(mesh *m, const arch *a, double widen, double z, double wi
     }
 }
 
-/* ---- vaults ------------------------------------------------------------------------------------------------------ */
+/* ---- vaults ---------------------------------------------------------------------------------- */
 
-/* The height of a groin vault is the larger of two barrels' heights, so that each of its four webs bends one way only.
- * Points lie closer towards the imposts, where the arch is steep. */
+/* The height of a groin vault is the larger of two barrels' heights, so that each of its four webs bends one
+ * way only. Points lie closer towards the imposts, where the arch is steep. */
 static double towards_imposts(double u) {
     double rest = 1.0 - fabs(u);
     return copysign(1.0 - rest * rest, u);
@@ -122,7 +125,8 @@ void gen_vault(mesh *m, double a, double b, double spring, double rise, double p
 }
 
 /* A rib over the ground line from (x0,z0) to (x1,z1), hanging `rib` below the webs. */
-static void vault_rib(mesh *m, v2 from, v2 to, double spring, double rise, double pointedness, double rib, int steps) {
+static void vault_rib(mesh *m, v2 from, v2 to, double spring, double rise, double pointedness, double rib,
+                      int steps) {
     v3 path[ARCH_POINTS];
     int count = 2 * steps + 1;
     for (int i = 0; i < count; i++) {

@@ -1,5 +1,5 @@
-/* A palace courtyard, about 66,000 triangles: two storeys of arcades around a court of 24 x 11 metres that is open to the
- * sky, with galleries behind them, drapes, vases and a tiled floor; after the Sponza palace. */
+/* A palace courtyard, about 66,000 triangles: two storeys of arcades around a court of 24 x 11 metres that is
+ * open to the sky, with galleries behind them, drapes, vases and a tiled floor; after the Sponza palace. */
 #include "base/math.h"
 #include "mesh.h"
 
@@ -42,14 +42,17 @@ static void column(mesh *m, double shaft, double radius, int segments) {
     for (int i = 0; i < 8; i++) { /* leaves of the capital */
         frame before = gen_turn(m, 45.0 * i);
         double y = shaft - 0.4, r = 0.86 * radius;
-        const v3 leaf[6] = {{r, y, 0.3 * radius}, {r, y, -0.3 * radius}, {r + 0.14 * radius, y + 0.17, 0.24 * radius},
-                            {r + 0.14 * radius, y + 0.17, -0.24 * radius}, {r + 0.62 * radius, y + 0.26, 0.06 * radius},
+        const v3 leaf[6] = {{r, y, 0.3 * radius},
+                            {r, y, -0.3 * radius},
+                            {r + 0.14 * radius, y + 0.17, 0.24 * radius},
+                            {r + 0.14 * radius, y + 0.17, -0.24 * radius},
+                            {r + 0.62 * radius, y + 0.26, 0.06 * radius},
                             {r + 0.62 * radius, y + 0.26, -0.06 * radius}};
         gen_grid(m, leaf, 2, 3, 0);
         m->frame = before;
     }
-    gen_bevel_box(m, gen_v3(-1.5 * radius, shaft - 0.1, -1.5 * radius), gen_v3(1.5 * radius, shaft, 1.5 * radius),
-                  0.02);
+    gen_bevel_box(m, gen_v3(-1.5 * radius, shaft - 0.1, -1.5 * radius),
+                  gen_v3(1.5 * radius, shaft, 1.5 * radius), 0.02);
 }
 
 /* A row of bays along x from -half to half, facing +z at z = 0; columns carry it. */
@@ -65,10 +68,10 @@ static void arcade(mesh *m, double half, int bays, double floor, bool lower) {
         cut.spring = 0.0;
         frame springing = gen_move(m, 0, shaft, 0);
         gen_arch_wall(m, &cut, -0.5 * bay, 0.5 * bay, 0.0, top - shaft, wall);
-        gen_quad(m, gen_v3(-0.5 * bay, 0, -0.5 * wall), gen_v3(-open, 0, -0.5 * wall), gen_v3(-open, 0, 0.5 * wall),
-                 gen_v3(-0.5 * bay, 0, 0.5 * wall));
-        gen_quad(m, gen_v3(open, 0, -0.5 * wall), gen_v3(0.5 * bay, 0, -0.5 * wall), gen_v3(0.5 * bay, 0, 0.5 * wall),
-                 gen_v3(open, 0, 0.5 * wall));
+        gen_quad(m, gen_v3(-0.5 * bay, 0, -0.5 * wall), gen_v3(-open, 0, -0.5 * wall),
+                 gen_v3(-open, 0, 0.5 * wall), gen_v3(-0.5 * bay, 0, 0.5 * wall));
+        gen_quad(m, gen_v3(open, 0, -0.5 * wall), gen_v3(0.5 * bay, 0, -0.5 * wall),
+                 gen_v3(0.5 * bay, 0, 0.5 * wall), gen_v3(open, 0, 0.5 * wall));
         m->frame = springing;
         gen_paint(m, "archivolts", STONE);
         gen_arch_moulding(m, &a, 0.0, 0.5 * wall, 0.2, 0.06);
@@ -106,7 +109,8 @@ static void arcade(mesh *m, double half, int bays, double floor, bool lower) {
     m->frame = before;
 }
 
-/* The gallery behind a row of bays: back wall with doors, ceiling beams, ceiling, floor of the storey above. */
+/* The gallery behind a row of bays: back wall with doors, ceiling beams, ceiling, floor of the storey above.
+ */
 static void gallery_side(mesh *m, double half, int bays, double floor, double top) {
     frame before = gen_move(m, 0, floor, 0);
     double bay = 2.0 * half / bays, back = -gallery, reach = half + gallery;
@@ -117,7 +121,8 @@ static void gallery_side(mesh *m, double half, int bays, double floor, double to
         if (i % 2 == 0) {
             gen_arch_wall(m, &door, -0.5 * bay, 0.5 * bay, 0.0, top, 0.3);
             gen_paint(m, "doors", WOOD);
-            gen_quad(m, gen_v3(-0.7, 0, -0.1), gen_v3(0.7, 0, -0.1), gen_v3(0.7, 2.7, -0.1), gen_v3(-0.7, 2.7, -0.1));
+            gen_quad(m, gen_v3(-0.7, 0, -0.1), gen_v3(0.7, 0, -0.1), gen_v3(0.7, 2.7, -0.1),
+                     gen_v3(-0.7, 2.7, -0.1));
             for (int p = 0; p < 4; p++) {
                 double x = -0.55 + 0.6 * (p % 2), y = 0.2 + 1.1 * (p / 2);
                 gen_stone(m, gen_v3(x, y, -0.1), gen_v3(x + 0.5, y, -0.1), gen_v3(x + 0.5, y + 0.9, -0.1),
@@ -126,8 +131,8 @@ static void gallery_side(mesh *m, double half, int bays, double floor, double to
             gen_paint(m, "door_mouldings", STONE);
             gen_arch_moulding(m, &door, 0.0, 0.15, 0.12, 0.05);
         } else {
-            gen_panel(m, gen_v3(-0.5 * bay, 0, 0.15), gen_v3(0.5 * bay, 0, 0.15), gen_v3(0.5 * bay, top, 0.15),
-                      gen_v3(-0.5 * bay, top, 0.15), 2, 3);
+            gen_panel(m, gen_v3(-0.5 * bay, 0, 0.15), gen_v3(0.5 * bay, 0, 0.15),
+                      gen_v3(0.5 * bay, top, 0.15), gen_v3(-0.5 * bay, top, 0.15), 2, 3);
         }
         m->frame = row;
         gen_paint(m, "beams", WOOD);
@@ -156,7 +161,8 @@ static void roof(mesh *m, double half, int rows) {
     gen_paint(m, "roof", ROOF);
     const double y = storey + upper, low_z = 0.9, high_z = -gallery - 0.3, rise = 1.5;
     for (int i = 0; i < rows; i++) { /* a tile course: half-round tiles that lie side by side */
-        double x0 = -half - low_z + (2.0 * (half + low_z)) * i / rows, x1 = -half - low_z + 2.0 * (half + low_z) * (i + 1) / rows;
+        double x0 = -half - low_z + (2.0 * (half + low_z)) * i / rows,
+               x1 = -half - low_z + 2.0 * (half + low_z) * (i + 1) / rows;
         double spread = (half + gallery) / half;
         v3 grid[2 * 5];
         for (int c = 0; c < 5; c++) {
@@ -238,8 +244,8 @@ static void court_floor(mesh *m) {
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             if (i != 1 || k != 1)
-                gen_panel(m, gen_v3(x[i], 0, z[k + 1]), gen_v3(x[i + 1], 0, z[k + 1]), gen_v3(x[i + 1], 0, z[k]),
-                          gen_v3(x[i], 0, z[k]), i == 1 ? 16 : 4, k == 1 ? 8 : 4);
+                gen_panel(m, gen_v3(x[i], 0, z[k + 1]), gen_v3(x[i + 1], 0, z[k + 1]),
+                          gen_v3(x[i + 1], 0, z[k]), gen_v3(x[i], 0, z[k]), i == 1 ? 16 : 4, k == 1 ? 8 : 4);
 }
 
 static void fountain(mesh *m) {
@@ -294,18 +300,22 @@ void gen_atrium(const char *folder) {
         lanterns(&m, half, bays);
         double bay = 2.0 * half / bays;
         for (int i = 1; i < bays; i += s % 2 ? 2 : 3) /* from the upper balustrades into the court */
-            drape(&m, -half + (i + 0.5) * bay, storey + 0.9, 1.7, 2.4, RED + (uint32_t)((i / (s % 2 ? 2 : 3) + s) % 3));
+            drape(&m, -half + (i + 0.5) * bay, storey + 0.9, 1.7, 2.4,
+                  RED + (uint32_t)((i / (s % 2 ? 2 : 3) + s) % 3));
         for (int c = 0; c < 2; c++) { /* corner piers */
             double x = c ? half : -half;
             gen_paint(&m, "corner_piers", STONE);
-            if (c) gen_bevel_box(&m, gen_v3(x - 0.35, 0, -0.35), gen_v3(x + 0.35, storey + upper, 0.35), 0.04);
+            if (c)
+                gen_bevel_box(&m, gen_v3(x - 0.35, 0, -0.35), gen_v3(x + 0.35, storey + upper, 0.35), 0.04);
         }
         m.frame = before;
     }
     for (uint32_t i = 0; i < 6; i++) vase(&m, (i % 3 - 1.0) * 8.0, i < 3 ? -4.4 : 4.4, 500 + i);
     gen_write_scene(folder, "atrium", &m,
-                    "  \"lights\": [{\"type\": \"directional\", \"direction\": [-0.42, -1, -0.36], \"irradiance\": [14, 12.8, 10.6]}],\n"
+                    "  \"lights\": [{\"type\": \"directional\", \"direction\": [-0.42, -1, -0.36], "
+                    "\"irradiance\": [14, 12.8, 10.6]}],\n"
                     "  \"environment\": {\"radiance\": [0.55, 0.75, 1.1]},\n"
-                    "  \"camera\": {\"eye\": [10.4, 1.9, 1.6], \"target\": [-4, 3.1, -0.6], \"up\": [0, 1, 0], \"fov_deg\": 68}");
+                    "  \"camera\": {\"eye\": [10.4, 1.9, 1.6], \"target\": [-4, 3.1, -0.6], \"up\": [0, 1, "
+                    "0], \"fov_deg\": 68}");
     gen_mesh_free(&m);
 }

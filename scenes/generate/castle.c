@@ -1,5 +1,6 @@
-/* A castle on a hill under a picture of the sky, about 58,000 triangles: curtain walls and round towers of raised stones,
- * a gatehouse with its arch and portcullis, a keep, houses and a well in the yard, woods and hills around.
+/* A castle on a hill under a picture of the sky, about 58,000 triangles: curtain walls and round towers of
+ * raised stones, a gatehouse with its arch and portcullis, a keep, houses and a well in the yard, woods and
+ * hills around.
  *
  * The slates of the roofs are glossy (exponent 15); everything else is diffuse. The gate faces +z. */
 #include <math.h>
@@ -31,7 +32,8 @@ static const gen_material materials[MATERIALS] = {
 
 static const double half_x = 18.0, half_z = 15.0, curtain = 7.0, thick = 1.6; /* the walls */
 
-/* The hill: level at 0 where the castle stands, falling off outside, with higher hills far away and a road to the gate. */
+/* The hill: level at 0 where the castle stands, falling off outside, with higher hills far away and a road to
+ * the gate. */
 static double ground(double x, double z) {
     double r = sqrt(x * x + z * z);
     double slope = gen_smoothstep(26.0, 60.0, r), far = gen_smoothstep(60.0, 150.0, r);
@@ -49,7 +51,8 @@ static v3 terrain_point(double u, double v, const void *unused) {
 
 static v3 road_point(double u, double v, const void *unused) {
     (void)unused;
-    double z = gen_mix(half_z - 4.0, 75.0, v), x = 7.0 * sl_sin((z - half_z) * 0.05) * gen_smoothstep(half_z, 45.0, z);
+    double z = gen_mix(half_z - 4.0, 75.0, v),
+           x = 7.0 * sl_sin((z - half_z) * 0.05) * gen_smoothstep(half_z, 45.0, z);
     x += (u - 0.5) * 3.6;
     return gen_v3(x, ground(x, z) + 0.1, z);
 }
@@ -60,11 +63,14 @@ static void ashlar(mesh *m, double x0, double x1, double y0, double y1, int cour
     for (int c = 0; c < courses; c++)
         for (int i = 0; i <= stones; i++) {
             double shift = c % 2 ? 0.5 : 0.0;
-            double a = gen_clamp(x0 + (i - shift) * wide, x0, x1), b = gen_clamp(x0 + (i + 1 - shift) * wide, x0, x1);
+            double a = gen_clamp(x0 + (i - shift) * wide, x0, x1),
+                   b = gen_clamp(x0 + (i + 1 - shift) * wide, x0, x1);
             double y = y0 + c * high;
-            double up = 0.03 + 0.05 * gen_random(621, (uint32_t)(c * 64 + i), (uint32_t)(stones * 16 + courses));
+            double up =
+                0.03 + 0.05 * gen_random(621, (uint32_t)(c * 64 + i), (uint32_t)(stones * 16 + courses));
             if (b - a < 0.05) continue;
-            gen_stone(m, gen_v3(a, y, 0), gen_v3(b, y, 0), gen_v3(b, y + high, 0), gen_v3(a, y + high, 0), up);
+            gen_stone(m, gen_v3(a, y, 0), gen_v3(b, y, 0), gen_v3(b, y + high, 0), gen_v3(a, y + high, 0),
+                      up);
         }
 }
 
@@ -88,12 +94,14 @@ static void round_courses(mesh *m, double radius, double y0, double y1, int cour
             v3 up = {0, low, 0}, top = {0, high, 0};
             double raised = 0.03 + 0.05 * gen_random(631, (uint32_t)(c * 64 + i), (uint32_t)(radius * 100.0));
             gen_stone(m, gen_add(gen_scale(a, radius * foot), up), gen_add(gen_scale(b, radius * foot), up),
-                      gen_add(gen_scale(b, radius * above), top), gen_add(gen_scale(a, radius * above), top), raised);
+                      gen_add(gen_scale(b, radius * above), top), gen_add(gen_scale(a, radius * above), top),
+                      raised);
         }
 }
 
 /* A round tower with corbels, merlons and, where roof > 0, a slated cone with a flag. */
-static void tower(mesh *m, double x, double z, double radius, double height, double roof, int courses, int stones) {
+static void tower(mesh *m, double x, double z, double radius, double height, double roof, int courses,
+                  int stones) {
     frame before = gen_move(m, x, 0, z);
     gen_paint(m, "towers", STONE);
     round_courses(m, radius, -2.0, height, courses, stones);
@@ -113,7 +121,8 @@ static void tower(mesh *m, double x, double z, double radius, double height, dou
     for (int i = 0; i < count; i++) {
         frame here = gen_turn(m, 360.0 * (i + 0.5) / count);
         double half = 0.27 * 2.0 * SL_PI * radius / count;
-        gen_bevel_box(m, gen_v3(-half, height + 1.1, radius - 0.05), gen_v3(half, height + 2.0, radius + 0.42), 0.05);
+        gen_bevel_box(m, gen_v3(-half, height + 1.1, radius - 0.05),
+                      gen_v3(half, height + 2.0, radius + 0.42), 0.05);
         m->frame = here;
     }
     gen_paint(m, "arrow_slits", DARK);
@@ -138,8 +147,9 @@ static void tower(mesh *m, double x, double z, double radius, double height, dou
         v3 cloth[18];
         for (int c = 0; c < 9; c++)
             for (int row = 0; row < 2; row++)
-                cloth[row * 9 + c] = gen_v3(0.05 + 0.22 * c, y + roof + 0.9 + row * (1.0 - 0.06 * c) - 0.03 * c,
-                                            0.16 * sl_sin(0.9 * c) * c / 8.0);
+                cloth[row * 9 + c] =
+                    gen_v3(0.05 + 0.22 * c, y + roof + 0.9 + row * (1.0 - 0.06 * c) - 0.03 * c,
+                           0.16 * sl_sin(0.9 * c) * c / 8.0);
         gen_grid(m, cloth, 9, 2, 0);
     }
     m->frame = before;
@@ -168,7 +178,8 @@ static void gatehouse(mesh *m) {
     gen_quad(m, gen_v3(-3.4, 9, 2.5), gen_v3(3.4, 9, 2.5), gen_v3(3.4, 9, -2.5), gen_v3(-3.4, 9, -2.5));
     merlons(m, -3.4, 3.4, 9.0, 2.5, 4);
     gen_paint(m, "coat_of_arms", FLAG);
-    gen_stone(m, gen_v3(-0.6, 5.6, 2.5), gen_v3(0.6, 5.6, 2.5), gen_v3(0.6, 7.2, 2.5), gen_v3(-0.6, 7.2, 2.5), 0.12);
+    gen_stone(m, gen_v3(-0.6, 5.6, 2.5), gen_v3(0.6, 5.6, 2.5), gen_v3(0.6, 7.2, 2.5), gen_v3(-0.6, 7.2, 2.5),
+              0.12);
     gen_paint(m, "portcullis", IRON); /* half drawn up */
     for (int i = 0; i < 9; i++) {
         double x = -1.6 + 0.4 * i;
@@ -179,13 +190,15 @@ static void gatehouse(mesh *m) {
         gen_triangle(m, tip, gen_v3(x - 0.05, 2.3, 1.1), gen_v3(x - 0.05, 2.3, 1.0));
         gen_triangle(m, tip, gen_v3(x + 0.05, 2.3, 1.0), gen_v3(x + 0.05, 2.3, 1.1));
     }
-    for (int i = 0; i < 4; i++) gen_box(m, gen_v3(-1.68, 2.5 + 0.5 * i, 0.98), gen_v3(1.68, 2.58 + 0.5 * i, 1.12));
+    for (int i = 0; i < 4; i++)
+        gen_box(m, gen_v3(-1.68, 2.5 + 0.5 * i, 0.98), gen_v3(1.68, 2.58 + 0.5 * i, 1.12));
     m->frame = before;
     for (int side = -1; side <= 1; side += 2) tower(m, side * 4.8, half_z - 0.4, 2.3, 10.0, 5.0, 12, 16);
 }
 
 /* A house of 2 w by 2 d with a gabled roof along x. */
-static void house(mesh *m, double x, double z, double degrees, double w, double d, double eaves, uint32_t roof) {
+static void house(mesh *m, double x, double z, double degrees, double w, double d, double eaves,
+                  uint32_t roof) {
     frame before = gen_move(m, x, 0, z);
     gen_turn(m, degrees);
     double ridge = eaves + 0.9 * d;
@@ -275,7 +288,8 @@ static void well(mesh *m) {
     gen_paint(m, "well_roof", TILES);
     for (int side = 0; side < 2; side++) {
         frame here = gen_turn(m, 180.0 * side);
-        gen_panel(m, gen_v3(-1.2, 2.0, 0.9), gen_v3(1.2, 2.0, 0.9), gen_v3(1.2, 2.8, 0), gen_v3(-1.2, 2.8, 0), 4, 4);
+        gen_panel(m, gen_v3(-1.2, 2.0, 0.9), gen_v3(1.2, 2.0, 0.9), gen_v3(1.2, 2.8, 0), gen_v3(-1.2, 2.8, 0),
+                  4, 4);
         m->frame = here;
     }
     m->frame = before;
@@ -285,7 +299,8 @@ static void trees(mesh *m) {
     for (uint32_t i = 0, planted = 0; i < 400 && planted < 42; i++) {
         double angle = 2.0 * SL_PI * gen_random(641, i, 0), r = 30.0 + 60.0 * gen_random(642, i, 0);
         double x = r * sl_cos(angle), z = r * sl_sin(angle), size = 0.8 + 0.7 * gen_random(643, i, 0);
-        if ((fabs(x) < 15.0 && z > 0.0) || (z > 38.0 && x > 0.0 && x < 50.0)) continue; /* the road and the view */
+        /* the road and the view */
+        if ((fabs(x) < 15.0 && z > 0.0) || (z > 38.0 && x > 0.0 && x < 50.0)) continue;
         frame before = gen_move(m, x, ground(x, z) - 0.2, z);
         gen_paint(m, "trees", TRUNK);
         gen_rod(m, gen_v3(0, 0, 0), gen_v3(0, 2.4 * size, 0), 0.28 * size, 0.2 * size, 6);
@@ -293,21 +308,24 @@ static void trees(mesh *m) {
             gen_paint(m, "trees", FIR);
             for (int k = 0; k < 4; k++) {
                 double y = (1.3 + 1.35 * k) * size, w = (2.1 - 0.45 * k) * size;
-                const v2 skirt[] = {{0.2, y + 0.25}, {w, y}, {w, y}, {0.5 * w, y + 1.0 * size}, {0.03, y + 2.3 * size}};
+                const v2 skirt[] = {
+                    {0.2, y + 0.25}, {w, y}, {w, y}, {0.5 * w, y + 1.0 * size}, {0.03, y + 2.3 * size}};
                 gen_lathe(m, skirt, 5, 10);
             }
         } else {
             gen_paint(m, "trees", LEAVES);
-            gen_ball(m, gen_v3(0, 4.2 * size, 0), gen_v3(2.3 * size, 2.4 * size, 2.3 * size), 12, 8, 0.22, 700 + i);
+            gen_ball(m, gen_v3(0, 4.2 * size, 0), gen_v3(2.3 * size, 2.4 * size, 2.3 * size), 12, 8, 0.22,
+                     700 + i);
         }
         m->frame = before;
         planted++;
     }
 }
 
-/* ---- the sky ------------------------------------------------------------------------------------------------------- */
+/* ---- the sky --------------------------------------------------------------------------------- */
 
-/* A clear sky from zenith to horizon, clouds drawn on a plane overhead, and a sun of three degrees' radius. */
+/* A clear sky from zenith to horizon, clouds drawn on a plane overhead, and a sun of three degrees' radius.
+ */
 static v3 sky(v3 d) {
     const v3 sun = {-0.82, 0.44, 0.37};
     double up = gen_max(d.y, 0.0), towards_sun = gen_dot(d, gen_unit(sun));
@@ -315,7 +333,8 @@ static v3 sky(v3 d) {
     v3 c = gen_lerp(horizon, zenith, 1.0 - (1.0 - up) * (1.0 - up) * (1.0 - up));
     if (d.y > 0.02) {
         v3 plane = gen_scale(gen_v3(d.x, 0.0, d.z), 1.1 / (d.y + 0.12));
-        double cover = gen_smoothstep(0.05, 0.75, gen_fractal(plane, 5, 651)) * gen_smoothstep(0.02, 0.2, d.y);
+        double cover =
+            gen_smoothstep(0.05, 0.75, gen_fractal(plane, 5, 651)) * gen_smoothstep(0.02, 0.2, d.y);
         c = gen_lerp(c, gen_v3(1.35, 1.32, 1.28), 0.85 * cover);
     }
     if (d.y < 0.0) c = gen_lerp(horizon, gen_v3(0.16, 0.15, 0.11), gen_smoothstep(0.0, 0.12, -d.y));
@@ -362,8 +381,8 @@ void gen_castle(const char *folder) {
         m.frame = before;
     }
     for (int i = 0; i < 4; i++)
-        tower(&m, i & 1 ? half_x : -half_x, i & 2 ? half_z : -half_z, 3.6, i == 0 ? 15.0 : 12.0, i == 1 ? 0.0 : 7.0,
-              12, 18);
+        tower(&m, i & 1 ? half_x : -half_x, i & 2 ? half_z : -half_z, 3.6, i == 0 ? 15.0 : 12.0,
+              i == 1 ? 0.0 : 7.0, 12, 18);
     gatehouse(&m);
     keep(&m);
     house(&m, 11.5, -8.5, 0.0, 4.0, 2.6, 3.4, TILES);
@@ -374,6 +393,7 @@ void gen_castle(const char *folder) {
     write_sky(folder);
     gen_write_scene(folder, "castle", &m,
                     "  \"environment\": {\"file\": \"castle-sky.pfm\"},\n"
-                    "  \"camera\": {\"eye\": [14, 15, 60], \"target\": [0.5, 5.5, -2], \"up\": [0, 1, 0], \"fov_deg\": 46}");
+                    "  \"camera\": {\"eye\": [14, 15, 60], \"target\": [0.5, 5.5, -2], \"up\": [0, 1, 0], "
+                    "\"fov_deg\": 46}");
     gen_mesh_free(&m);
 }

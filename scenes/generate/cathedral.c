@@ -1,5 +1,6 @@
-/* A gothic church, about 80,000 triangles: a nave of six bays with a ribbed groin vault 17 metres high, aisles, an apse
- * with lancets, a rose window above it, and pews. The windows are its light: panels behind the openings.
+/* A gothic church, about 80,000 triangles: a nave of six bays with a ribbed groin vault 17 metres high,
+ * aisles, an apse with lancets, a rose window above it, and pews. The windows are its light: panels behind
+ * the openings.
  *
  * x is across, the apse lies towards -z, the entrance is at z = 0. */
 #include "base/math.h"
@@ -60,7 +61,8 @@ static void wall_shaft(mesh *m, double y0, double y1, double r) {
     gen_lathe(m, o.p, o.count, 8);
 }
 
-/* A pointed window in a wall that faces +z: the opening with mouldings, a mullion and tracery, and light behind. */
+/* A pointed window in a wall that faces +z: the opening with mouldings, a mullion and tracery, and light
+ * behind. */
 static void lancet(mesh *m, const arch *a, double x0, double x1, double sill, double top, uint32_t glass) {
     gen_paint(m, "windows_wall", STONE);
     gen_arch_wall(m, a, x0, x1, sill, top, wall);
@@ -173,7 +175,8 @@ static void aisles(mesh *m) {
             gen_turn(m, side ? -90.0 : 90.0);
             frame turned = m->frame;
             m->frame.origin = gen_v3(s * (half_nave + wall + aisle + 0.5 * wall), 0, -(b + 0.5) * bay);
-            lancet(m, &window, -0.5 * bay, 0.5 * bay, 1.6, pier_impost + aisle_rise + 0.3, b % 2 ? BLUE : CLEAR);
+            lancet(m, &window, -0.5 * bay, 0.5 * bay, 1.6, pier_impost + aisle_rise + 0.3,
+                   b % 2 ? BLUE : CLEAR);
             gen_paint(m, "aisle_shafts", SHAFT);
             gen_move(m, -0.5 * bay, 0, 0.5 * wall);
             wall_shaft(m, 0.0, pier_impost, 0.16);
@@ -184,7 +187,8 @@ static void aisles(mesh *m) {
 
 /* The ends of the aisles, and the entrance wall with its portal. */
 static void ends(mesh *m) {
-    const double outer = half_nave + wall + aisle, top = nave_impost + nave_rise + 0.4, low = pier_impost + aisle_rise + 0.3;
+    const double outer = half_nave + wall + aisle, top = nave_impost + nave_rise + 0.4,
+                 low = pier_impost + aisle_rise + 0.3;
     gen_paint(m, "end_walls", STONE);
     for (int side = 0; side < 2; side++) {
         double x0 = side ? half_nave : -outer, x1 = side ? outer : -half_nave, z = -BAYS * bay;
@@ -205,7 +209,8 @@ static void ends(mesh *m) {
     m->frame = before;
 }
 
-/* The wall above the apse's arch with the rose window: rings and twelve spokes with little arches, light behind. */
+/* The wall above the apse's arch with the rose window: rings and twelve spokes with little arches, light
+ * behind. */
 static void rose(mesh *m, double y, double radius) {
     gen_paint(m, "rose_glass", BLUE);
     frame before = gen_move(m, 0, y, -0.2);
@@ -270,9 +275,10 @@ static void round_opening(mesh *m, double x, double low, double top, double y, d
             v3 c = gen_v3(corner[i], k ? top : low, 0.0);
             for (int j = 0; j < 32; j++) {
                 v3 a = outer[j], b = outer[j + 1];
-                bool a_side = a.x * corner[i] > 0.0 && (a.y > y) == (k == 1), b_side = b.x * corner[i] > 0.0 && (b.y > y) == (k == 1);
-                bool turns = (gen_max(a.x * a.x, b.x * b.x) >= x * x - 1e-9) && (gen_min(a.x * a.x,
-                                                                                         b.x * b.x) < x * x - 1e-9);
+                bool a_side = a.x * corner[i] > 0.0 && (a.y > y) == (k == 1),
+                     b_side = b.x * corner[i] > 0.0 && (b.y > y) == (k == 1);
+                bool turns = (gen_max(a.x * a.x, b.x * b.x) >= x * x - 1e-9) &&
+                             (gen_min(a.x * a.x, b.x * b.x) < x * x - 1e-9);
                 if (a_side && b_side && turns) gen_triangle(m, a, c, b);
             }
         }
@@ -300,7 +306,8 @@ static void apse(mesh *m) {
     rose(m, 13.4, 2.5);
     gen_move(m, 0, 0, -wall);
     gen_paint(m, "conch", VAULT);
-    const double conch[3] = {r + 0.05, spring, rise + 0.05}; /* wider than the opening: nothing shows between */
+    /* wider than the opening: nothing shows between */
+    const double conch[3] = {r + 0.05, spring, rise + 0.05};
     gen_surface(m, 30, 10, GEN_FLIP, conch_point, conch);
     const arch window = {0.6, 4.4, 1.1, 0.95, 6};
     for (int i = 0; i < 5; i++) { /* five flat sides of a half decagon */
@@ -398,6 +405,7 @@ void gen_cathedral(const char *folder) {
     apse(&m);
     pews(&m);
     gen_write_scene(folder, "cathedral", &m,
-                    "  \"camera\": {\"eye\": [0.9, 2.3, -1.2], \"target\": [-0.3, 6.2, -20], \"up\": [0, 1, 0], \"fov_deg\": 66}");
+                    "  \"camera\": {\"eye\": [0.9, 2.3, -1.2], \"target\": [-0.3, 6.2, -20], \"up\": [0, 1, "
+                    "0], \"fov_deg\": 66}");
     gen_mesh_free(&m);
 }

@@ -6,16 +6,19 @@
 #include "base/math.h"
 #include "mesh.h"
 
-/* The control points of a cubic that stands for an arc: its middle two lie on the end tangents, 4/3 tan(angle / 4) radii away. For a
- * quarter turn it is off by 0.03 % of the radius, for half a turn by 2 %. */
+/* The control points of a cubic that stands for an arc: its middle two lie on the end tangents, 4/3 tan(angle
+ * / 4) radii away. For a quarter turn it is off by 0.03 % of the radius, for half a turn by 2 %. */
 int gen_revolve(const v2 curve[4], int parts, gen_bicubic *surfaces) {
     double angle = 2.0 * SL_PI / parts, handle = 4.0 / 3.0 * sl_tan(angle / 4.0);
     for (int part = 0; part < parts; part++) {
         double from = part * angle, to = (part + 1) % parts * angle;
-        const double x[4] = {sl_cos(from), sl_cos(from) - handle * sl_sin(from), sl_cos(to) + handle * sl_sin(to), sl_cos(to)};
-        const double z[4] = {-sl_sin(from), -sl_sin(from) - handle * sl_cos(from), -sl_sin(to) + handle * sl_cos(to), -sl_sin(to)};
+        const double x[4] = {sl_cos(from), sl_cos(from) - handle * sl_sin(from),
+                             sl_cos(to) + handle * sl_sin(to), sl_cos(to)};
+        const double z[4] = {-sl_sin(from), -sl_sin(from) - handle * sl_cos(from),
+                             -sl_sin(to) + handle * sl_cos(to), -sl_sin(to)};
         for (int v = 0; v < 4; v++)
-            for (int u = 0; u < 4; u++) surfaces[part].p[v][u] = gen_v3(curve[v].x * x[u], curve[v].y, curve[v].x * z[u]);
+            for (int u = 0; u < 4; u++)
+                surfaces[part].p[v][u] = gen_v3(curve[v].x * x[u], curve[v].y, curve[v].x * z[u]);
     }
     return parts;
 }

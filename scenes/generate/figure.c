@@ -1,4 +1,5 @@
-/* A statue of about 860,000 small triangles on a pedestal in a hall of ten thousand, with a lamp: 870,000 in all. */
+/* A statue of about 860,000 small triangles on a pedestal in a hall of ten thousand, with a lamp: 870,000 in
+ * all. */
 #include "mesh.h"
 #include "statue.h"
 
@@ -46,14 +47,16 @@ static void column(mesh *m, double x, double z) {
     m->frame = before;
 }
 
-/* One side of the hall, seen towards -z: three bays with arched niches between the columns, and a cornice above. */
+/* One side of the hall, seen towards -z: three bays with arched niches between the columns, and a cornice
+ * above. */
 static void side(mesh *m) {
     const arch niche = {0.75, 2.3, 0.75, 0.5, 12};
     for (int bay = -1; bay <= 1; bay++) {
         frame before = gen_move(m, bay * half * 2.0 / 3.0, 0, -half);
         gen_paint(m, "walls", WALL);
         gen_arch_wall(m, &niche, -half / 3.0, half / 3.0, 0.7, tall, 0.5);
-        gen_quad(m, gen_v3(-1.0, 0.6, -0.2), gen_v3(1.0, 0.6, -0.2), gen_v3(1.0, 3.2, -0.2), gen_v3(-1.0, 3.2, -0.2));
+        gen_quad(m, gen_v3(-1.0, 0.6, -0.2), gen_v3(1.0, 0.6, -0.2), gen_v3(1.0, 3.2, -0.2),
+                 gen_v3(-1.0, 3.2, -0.2));
         gen_paint(m, "mouldings", STONE);
         gen_arch_moulding(m, &niche, 0.0, 0.25, 0.14, 0.06);
         m->frame = before;
@@ -79,7 +82,8 @@ static void pedestal(mesh *m) {
     gen_bevel_box(m, gen_v3(-0.5, 0.3, -0.5), gen_v3(0.5, 0.82, 0.5), 0.01);
     gen_bevel_box(m, gen_v3(-0.6, 0.82, -0.6), gen_v3(0.6, 0.92, 0.6), 0.03);
     gen_paint(m, "plaque", BRONZE);
-    gen_stone(m, gen_v3(-0.3, 0.42, 0.5), gen_v3(0.3, 0.42, 0.5), gen_v3(0.3, 0.7, 0.5), gen_v3(-0.3, 0.7, 0.5), 0.015);
+    gen_stone(m, gen_v3(-0.3, 0.42, 0.5), gen_v3(0.3, 0.42, 0.5), gen_v3(0.3, 0.7, 0.5),
+              gen_v3(-0.3, 0.7, 0.5), 0.015);
     gen_paint(m, "plinth", STONE);
     outline o = {.count = 0};
     gen_to(&o, 0.47, 0.92);
@@ -120,6 +124,7 @@ void gen_figure(const char *folder) {
     gen_statue(&m, 0.00372);
     m.frame = before;
     gen_write_scene(folder, "figure", &m,
-                    "  \"camera\": {\"eye\": [1.55, 1.75, 3.1], \"target\": [0.0, 1.75, 0.0], \"up\": [0, 1, 0], \"fov_deg\": 52}");
+                    "  \"camera\": {\"eye\": [1.55, 1.75, 3.1], \"target\": [0.0, 1.75, 0.0], \"up\": [0, 1, "
+                    "0], \"fov_deg\": 52}");
     gen_mesh_free(&m);
 }

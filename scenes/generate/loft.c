@@ -1,5 +1,5 @@
-/* A bare loft of about 300 quadrilaterals, 6 x 3 x 5 metres. Its one lamp lies in a trough below the ceiling and shines at that alone: nearly all
- * that one sees is lit indirectly. */
+/* A bare loft of about 300 quadrilaterals, 6 x 3 x 5 metres. Its one lamp lies in a trough below the ceiling
+ * and shines at that alone: nearly all that one sees is lit indirectly. */
 #include "mesh.h"
 
 enum { WALL, RED, FLOOR, WOOD, TROUGH, LAMP, MATERIALS };
@@ -49,7 +49,8 @@ static void table(mesh *m, double x, double z, v3 half, double degrees) {
 
 static void shelf(mesh *m) {
     for (int i = 0; i < 2; i++) gen_box(m, gen_v3(4.0 + 1.4 * i, 0, 0.0), gen_v3(4.05 + 1.4 * i, 1.8, 0.35));
-    for (int i = 0; i < 4; i++) gen_box(m, gen_v3(4.05, 0.1 + 0.5 * i, 0.0), gen_v3(5.4, 0.13 + 0.5 * i, 0.33));
+    for (int i = 0; i < 4; i++)
+        gen_box(m, gen_v3(4.05, 0.1 + 0.5 * i, 0.0), gen_v3(5.4, 0.13 + 0.5 * i, 0.33));
 }
 
 void gen_loft(const char *folder) {
@@ -68,6 +69,7 @@ void gen_loft(const char *folder) {
     shelf(&m);
     gen_paint(&m, "boxes", TROUGH);
     gen_box(&m, gen_v3(2.3, 0.75, 2.0), gen_v3(2.6, 0.95, 2.2));
-    gen_write_scene(folder, "loft", &m, "  \"camera\": {\"eye\": [5.3, 1.6, 4.8], \"target\": [2.4, 0.9, 1.4], \"fov_deg\": 60}");
+    gen_write_scene(folder, "loft", &m,
+                    "  \"camera\": {\"eye\": [5.3, 1.6, 4.8], \"target\": [2.4, 0.9, 1.4], \"fov_deg\": 60}");
     gen_mesh_free(&m);
 }

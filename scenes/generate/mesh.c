@@ -1,5 +1,5 @@
-/* The mesh in the making: snapped positions, normals, faces in runs of one object and material, and the frame in which
- * shapes are put. */
+/* The mesh in the making: snapped positions, normals, faces in runs of one object and material, and the frame
+ * in which shapes are put. */
 #include "mesh.h"
 
 #include <math.h>
@@ -83,7 +83,8 @@ uint32_t gen_normal(mesh *m, v3 local) {
 
 /* Exact: the snapped corners lie on one line. */
 static bool is_degenerate(const mesh *m, gen_corner a, gen_corner b, gen_corner c) {
-    const int32_t *pa = m->positions[a.position], *pb = m->positions[b.position], *pc = m->positions[c.position];
+    const int32_t *pa = m->positions[a.position], *pb = m->positions[b.position],
+                  *pc = m->positions[c.position];
     int64_t u[3], v[3];
     for (int i = 0; i < 3; i++) u[i] = (int64_t)pb[i] - pa[i], v[i] = (int64_t)pc[i] - pa[i];
     return u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2] && u[0] * v[1] == u[1] * v[0];

@@ -1,4 +1,5 @@
-/* The files of a scene: NAME.obj, NAME.mtl, NAME.json. Each is written beside its name and renamed when complete. */
+/* The files of a scene: NAME.obj, NAME.mtl, NAME.json. Each is written beside its name and renamed when
+ * complete. */
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
@@ -125,7 +126,8 @@ void gen_write_scene(const char *folder, const char *name, const mesh *m, const 
                    "  \"film\": {\"width\": 1000, \"height\": 1000}\n}\n", name, json_middle);
 }
 
-/* PFM: bottom row first; a negative scale says little endian, written so whatever the machine's own order is. */
+/* PFM: bottom row first; a negative scale says little endian, written so whatever the machine's own order is.
+ */
 void gen_write_pfm(const char *folder, const char *name, const float *rgb, int width, int height) {
     char path[PATH_BYTES], beside[PATH_BYTES + 8];
     FILE *file = open_beside(folder, name, ".pfm", path, beside);

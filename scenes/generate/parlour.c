@@ -1,6 +1,7 @@
-/* A parlour in a house with thick walls, a neighbour and a lawn around it, and thin furniture: a folding screen without
- * thickness, a table of two centimetres, a lamp shade. Three scenes of the same mesh: lit through the window by a
- * portal, by sun and sky alone, and by one small bright bulb. Beside it polished metal that stands alone on a floor. */
+/* A parlour in a house with thick walls, a neighbour and a lawn around it, and thin furniture: a folding
+ * screen without thickness, a table of two centimetres, a lamp shade. Three scenes of the same mesh: lit
+ * through the window by a portal, by sun and sky alone, and by one small bright bulb. Beside it polished
+ * metal that stands alone on a floor. */
 #include "mesh.h"
 
 enum { PLASTER, FLOOR, WOOD, PAPER, LACQUER, STONE, LAWN, MATERIALS };
@@ -42,7 +43,8 @@ static void house(mesh *m) {
 
 static void outside(mesh *m) {
     gen_paint(m, "lawn", LAWN);
-    gen_panel(m, gen_v3(-12, -0.3, 14), gen_v3(18, -0.3, 14), gen_v3(18, -0.3, -12), gen_v3(-12, -0.3, -12), 6, 5);
+    gen_panel(m, gen_v3(-12, -0.3, 14), gen_v3(18, -0.3, 14), gen_v3(18, -0.3, -12), gen_v3(-12, -0.3, -12),
+              6, 5);
     gen_paint(m, "neighbour", STONE);
     gen_box(m, gen_v3(10, -0.3, -4), gen_v3(14, 5, 3));
 }
@@ -51,7 +53,8 @@ static void screen(mesh *m) {
     gen_paint(m, "screen", PAPER);
     for (int i = 0; i < 3; i++) {
         double x0 = 0.5 + 0.45 * i, z0 = i & 1 ? 1.35 : 1.1, z1 = i & 1 ? 1.1 : 1.35;
-        gen_quad(m, gen_v3(x0, 0, z0), gen_v3(x0 + 0.45, 0, z1), gen_v3(x0 + 0.45, 1.7, z1), gen_v3(x0, 1.7, z0));
+        gen_quad(m, gen_v3(x0, 0, z0), gen_v3(x0 + 0.45, 0, z1), gen_v3(x0 + 0.45, 1.7, z1),
+                 gen_v3(x0, 1.7, z0));
     }
 }
 
@@ -73,7 +76,8 @@ static void furniture(mesh *m) {
     table(m, 2.5, 1.9, gen_v3(0.7, 0.72, 0.4), 8.0, 0.03);
     table(m, 1.5, 2.4, gen_v3(0.2, 0.45, 0.2), 25.0, 0.02);
     gen_paint(m, "shelf", WOOD);
-    for (int i = 0; i < 3; i++) gen_box(m, gen_v3(2.6, 1.0 + 0.4 * i, 0.0), gen_v3(3.9, 1.015 + 0.4 * i, 0.22));
+    for (int i = 0; i < 3; i++)
+        gen_box(m, gen_v3(2.6, 1.0 + 0.4 * i, 0.0), gen_v3(3.9, 1.015 + 0.4 * i, 0.22));
     gen_paint(m, "boxes", LACQUER);
     gen_box(m, gen_v3(2.2, 0.72, 1.75), gen_v3(2.5, 0.9, 1.95));
     gen_box(m, gen_v3(3.2, 1.015, 0.03), gen_v3(3.5, 1.3, 0.19));
@@ -108,9 +112,10 @@ void gen_parlour(const char *folder) {
     write_parlour(folder, "parlour-day",
                   "  \"lights\": [{\"type\": \"directional\", \"direction\": [-0.75, -0.55, -0.2],"
                   " \"irradiance\": [30, 27, 22]}],\n  \"environment\": {\"radiance\": [2.2, 2.8, 4]}");
-    write_parlour(folder, "parlour-bulb",
-                  "  \"lights\": [{\"type\": \"quad\", \"corner\": [2.88, 1.3, 1.88], \"edge1\": [0.04, 0, 0],"
-                  " \"edge2\": [0, 0, 0.04], \"radiance\": [3000, 2700, 2100], \"two_sided\": true}]");
+    write_parlour(
+        folder, "parlour-bulb",
+        "  \"lights\": [{\"type\": \"quad\", \"corner\": [2.88, 1.3, 1.88], \"edge1\": [0.04, 0, 0],"
+        " \"edge2\": [0, 0, 0.04], \"radiance\": [3000, 2700, 2100], \"two_sided\": true}]");
     gen_mesh_free(&m);
 }
 

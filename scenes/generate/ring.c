@@ -1,5 +1,5 @@
-/* A polished ring on a table beside a book, under one small lamp: light that its inside throws back meets in a bright cusped line on the table. The ring is moved
- * from time 0 to 1. */
+/* A polished ring on a table beside a book, under one small lamp: light that its inside throws back meets in
+ * a bright cusped line on the table. The ring is moved from time 0 to 1. */
 #include "mesh.h"
 
 enum { TABLE, WALL, BOOK, METAL, MATERIALS };
@@ -12,7 +12,8 @@ static const gen_material materials[MATERIALS] = {
 };
 
 void gen_ring(const char *folder) {
-    static const v2 band[] = {{0.2, 0.0}, {0.222, 0.0}, {0.222, 0.0}, {0.222, 0.1}, {0.222, 0.1}, {0.2, 0.1}, {0.2, 0.1}, {0.2, 0.0}};
+    static const v2 band[] = {{0.2, 0.0},   {0.222, 0.0}, {0.222, 0.0}, {0.222, 0.1},
+                              {0.222, 0.1}, {0.2, 0.1},   {0.2, 0.1},   {0.2, 0.0}};
     mesh m, ring;
     gen_mesh_init(&m, materials, MATERIALS);
     gen_mesh_init(&ring, materials, MATERIALS);
@@ -31,9 +32,12 @@ void gen_ring(const char *folder) {
     gen_write_mesh(folder, "ring", &ring);
     gen_write_text(folder, "ring", ".json",
                    "{\n  \"softlux\": 1,\n  \"meshes\": [\n    {\"file\": \"ring-table.obj\"},\n"
-                   "    {\"file\": \"ring.obj\", \"keyframes\": [{\"time\": 0, \"translate\": [-0.1, 0, 0.15]}, {\"time\": 1, \"translate\": [0.3, 0, -0.1]}]}\n  ],\n"
-                   "  \"lights\": [\n    {\"type\": \"quad\", \"corner\": [0.85, 0.95, 0.05], \"edge1\": [0.085, -0.085, 0], \"edge2\": [0, 0, 0.12], \"radiance\": [300, 280, 240]}\n  ],\n"
-                   "  \"camera\": {\"eye\": [0.15, 1.25, 1.35], \"target\": [0.08, 0.0, -0.02], \"fov_deg\": 42},\n  \"film\": {\"width\": 512, \"height\": 512}\n}\n");
+                   "    {\"file\": \"ring.obj\", \"keyframes\": [{\"time\": 0, \"translate\": [-0.1, 0, "
+                   "0.15]}, {\"time\": 1, \"translate\": [0.3, 0, -0.1]}]}\n  ],\n"
+                   "  \"lights\": [\n    {\"type\": \"quad\", \"corner\": [0.85, 0.95, 0.05], \"edge1\": "
+                   "[0.085, -0.085, 0], \"edge2\": [0, 0, 0.12], \"radiance\": [300, 280, 240]}\n  ],\n"
+                   "  \"camera\": {\"eye\": [0.15, 1.25, 1.35], \"target\": [0.08, 0.0, -0.02], \"fov_deg\": "
+                   "42},\n  \"film\": {\"width\": 512, \"height\": 512}\n}\n");
     gen_mesh_free(&m);
     gen_mesh_free(&ring);
 }

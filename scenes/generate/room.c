@@ -1,8 +1,30 @@
 /* A furnished living room, about 7,000 triangles: 5 x 2.7 x 6 metres, lit by a panel in the ceiling. */
 #include "mesh.h"
 
-enum { WALL, CEILING, BOARDS, WOOD, DARK_WOOD, WHITE, SOFA, CUSHION, RUG, CERAMIC, LEAF, FRUIT, METAL, SHADE, NIGHT,
-       BOOK_RED, BOOK_BLUE, BOOK_GREEN, BOOK_OCHRE, CURTAIN, LAMP, MATERIALS };
+enum {
+    WALL,
+    CEILING,
+    BOARDS,
+    WOOD,
+    DARK_WOOD,
+    WHITE,
+    SOFA,
+    CUSHION,
+    RUG,
+    CERAMIC,
+    LEAF,
+    FRUIT,
+    METAL,
+    SHADE,
+    NIGHT,
+    BOOK_RED,
+    BOOK_BLUE,
+    BOOK_GREEN,
+    BOOK_OCHRE,
+    CURTAIN,
+    LAMP,
+    MATERIALS
+};
 
 static const gen_material materials[MATERIALS] = {
     [WALL] = {"wall", "Kd 0.74 0.7 0.62\n"},
@@ -47,10 +69,12 @@ static void wall_with_opening(mesh *m, double length, v2 low, v2 high, double de
 
 static void shell(mesh *m) {
     gen_paint(m, "ceiling", CEILING);
-    gen_quad(m, gen_v3(0, height, 0), gen_v3(width, height, 0), gen_v3(width, height, depth), gen_v3(0, height, depth));
+    gen_quad(m, gen_v3(0, height, 0), gen_v3(width, height, 0), gen_v3(width, height, depth),
+             gen_v3(0, height, depth));
     gen_paint(m, "walls", WALL);
     gen_quad(m, gen_v3(0, 0, 0), gen_v3(width, 0, 0), gen_v3(width, height, 0), gen_v3(0, height, 0));
-    gen_quad(m, gen_v3(width, 0, depth), gen_v3(0, 0, depth), gen_v3(0, height, depth), gen_v3(width, height, depth));
+    gen_quad(m, gen_v3(width, 0, depth), gen_v3(0, 0, depth), gen_v3(0, height, depth),
+             gen_v3(width, height, depth));
     frame before = gen_move(m, 0, 0, depth); /* the left wall with the window */
     gen_turn(m, 90.0);
     wall_with_opening(m, depth, (v2){2.2, 0.85}, (v2){4.0, 2.25}, 0.35);
@@ -62,7 +86,8 @@ static void shell(mesh *m) {
 
     gen_paint(m, "cornice", CEILING);
     const v3 corners[4] = {{0, height, 0}, {width, height, 0}, {width, height, depth}, {0, height, depth}};
-    outline cornice = {.count = 0}; /* seen by one who walks round clockwise with the head up: the room is on the right */
+    /* seen by one who walks round clockwise with the head up: the room is on the right */
+    outline cornice = {.count = 0};
     gen_to(&cornice, 0.0, -0.12);
     gen_sharp(&cornice, 0.02, -0.12);
     gen_arc(&cornice, 0.10, -0.10, 0.08, 0.08, 180.0, 90.0, 5);
@@ -82,9 +107,10 @@ static void shell(mesh *m) {
 
 static void floor_boards(mesh *m) {
     gen_paint(m, "floor", DARK_WOOD); /* what is seen in the joints */
-    gen_quad(m, gen_v3(0, -0.004, depth), gen_v3(width, -0.004, depth), gen_v3(width, -0.004, 0), gen_v3(0, -0.004, 0));
-    gen_quad(m, gen_v3(width, -0.004, 1.95), gen_v3(width + 0.12, -0.004, 1.95), gen_v3(width + 0.12, -0.004, 1.0),
-             gen_v3(width, -0.004, 1.0)); /* the threshold */
+    gen_quad(m, gen_v3(0, -0.004, depth), gen_v3(width, -0.004, depth), gen_v3(width, -0.004, 0),
+             gen_v3(0, -0.004, 0));
+    gen_quad(m, gen_v3(width, -0.004, 1.95), gen_v3(width + 0.12, -0.004, 1.95),
+             gen_v3(width + 0.12, -0.004, 1.0), gen_v3(width, -0.004, 1.0)); /* the threshold */
     gen_paint(m, "floor", BOARDS);
     const int rows = 20;
     for (int row = 0; row < rows; row++) {
@@ -101,7 +127,8 @@ static void window(mesh *m) {
     frame before = gen_move(m, 0, 0, depth);
     gen_turn(m, 90.0);
     gen_paint(m, "window", NIGHT);
-    gen_quad(m, gen_v3(2.2, 0.85, -0.33), gen_v3(4.0, 0.85, -0.33), gen_v3(4.0, 2.25, -0.33), gen_v3(2.2, 2.25, -0.33));
+    gen_quad(m, gen_v3(2.2, 0.85, -0.33), gen_v3(4.0, 0.85, -0.33), gen_v3(4.0, 2.25, -0.33),
+             gen_v3(2.2, 2.25, -0.33));
     gen_paint(m, "window", WHITE);
     const double bars[4] = {2.2, 2.76, 3.38, 3.94};
     for (int i = 0; i < 4; i++) gen_box(m, gen_v3(bars[i], 0.85, -0.33), gen_v3(bars[i] + 0.06, 2.25, -0.28));
@@ -124,7 +151,8 @@ static v3 curtain_point(double u, double v, const void *context) {
     double phase = u * 7.0, wave = phase - (double)(int)phase;
     double pleat = 4.0 * wave * (1.0 - wave) * ((int)phase % 2 ? 1.0 : -1.0);
     double flare = 0.035 + 0.03 * (1.0 - v);
-    return gen_v3(gen_mix(x[0], x[1], u) + 0.02 * pleat * (1.0 - v), gen_mix(0.06, 2.41, v), 0.1 + flare * pleat);
+    return gen_v3(gen_mix(x[0], x[1], u) + 0.02 * pleat * (1.0 - v), gen_mix(0.06, 2.41, v),
+                  0.1 + flare * pleat);
 }
 
 static void curtains(mesh *m) {
@@ -272,10 +300,12 @@ static void shelves(mesh *m) {
         gen_box(m, gen_v3(-w / 2, y, 0), gen_v3(w / 2, y + board, deep));
     }
     for (int level = 0; level < 5; level++) {
-        double y = 0.06 + board + level * (tall - 0.06 - board) / 5.0, x = -w / 2 + 0.02, stop = w / 2 - 0.2 * (1 + level % 3);
+        double y = 0.06 + board + level * (tall - 0.06 - board) / 5.0, x = -w / 2 + 0.02,
+               stop = w / 2 - 0.2 * (1 + level % 3);
         for (uint32_t book = 0; x < stop; book++) {
             uint32_t row = (uint32_t)level;
-            double thick = 0.03 + 0.04 * gen_random(21, row, book), high = 0.22 + 0.11 * gen_random(22, row, book);
+            double thick = 0.03 + 0.04 * gen_random(21, row, book),
+                   high = 0.22 + 0.11 * gen_random(22, row, book);
             double back = 0.03 + 0.06 * gen_random(23, row, book);
             gen_paint(m, "books", BOOK_RED + (uint32_t)(4.0 * gen_random(24, row, book)));
             gen_box(m, gen_v3(x, y, 0.02), gen_v3(x + thick - 0.002, y + high, deep - back));
@@ -315,8 +345,8 @@ static void floor_lamp(mesh *m) {
     gen_to(&o, 0.0, 1.5);
     gen_lathe(m, o.p, o.count, 14);
     gen_paint(m, "lamp_shade", SHADE);
-    v2 shade[] = {{0.24, 1.38}, {0.14, 1.72}, {0.14, 1.72}, {0.135, 1.72}, {0.135, 1.72}, {0.235, 1.38}, {0.235, 1.38},
-                  {0.24, 1.38}};
+    v2 shade[] = {{0.24, 1.38},  {0.14, 1.72},  {0.14, 1.72},  {0.135, 1.72},
+                  {0.135, 1.72}, {0.235, 1.38}, {0.235, 1.38}, {0.24, 1.38}};
     gen_lathe(m, shade, 8, 18);
     m->frame = before;
 }
@@ -384,7 +414,8 @@ void gen_room(const char *folder) {
     mesh m;
     gen_room_walls(&m);
     gen_paint(&m, "ceiling_light", LAMP);
-    gen_quad(&m, gen_v3(2.0, 2.66, 2.3), gen_v3(3.0, 2.66, 2.3), gen_v3(3.0, 2.66, 3.3), gen_v3(2.0, 2.66, 3.3));
+    gen_quad(&m, gen_v3(2.0, 2.66, 2.3), gen_v3(3.0, 2.66, 2.3), gen_v3(3.0, 2.66, 3.3),
+             gen_v3(2.0, 2.66, 3.3));
     gen_paint(&m, "ceiling_light_frame", WHITE);
     const v3 ring[4] = {{2.0, 2.66, 2.3}, {3.0, 2.66, 2.3}, {3.0, 2.66, 3.3}, {2.0, 2.66, 3.3}};
     const v2 rim[4] = {{-0.03, 0.04}, {-0.03, -0.01}, {0, -0.01}, {0, 0}};
@@ -400,6 +431,7 @@ void gen_room(const char *folder) {
     floor_lamp(&m);
     plant(&m);
     gen_write_scene(folder, "room", &m,
-                    "  \"camera\": {\"eye\": [4.55, 1.65, 5.7], \"target\": [2.0, 0.95, 1.6], \"up\": [0, 1, 0], \"fov_deg\": 58}");
+                    "  \"camera\": {\"eye\": [4.55, 1.65, 5.7], \"target\": [2.0, 0.95, 1.6], \"up\": [0, 1, "
+                    "0], \"fov_deg\": 58}");
     gen_mesh_free(&m);
 }

@@ -6,7 +6,7 @@
 
 #include "base/math.h"
 
-/* ---- grids ------------------------------------------------------------------------------------------------------- */
+/* ---- grids ----------------------------------------------------------------------------------- */
 
 typedef struct grid {
     const v3 *points;
@@ -49,7 +49,8 @@ static v3 *smooth_normals(const grid *g) {
             size_t corner[2][3];
             cell_corners(g, c, r, corner);
             for (int t = 0; t < 2; t++) {
-                v3 n = facet_normal(g->points[corner[t][0]], g->points[corner[t][1]], g->points[corner[t][2]]);
+                v3 n =
+                    facet_normal(g->points[corner[t][0]], g->points[corner[t][1]], g->points[corner[t][2]]);
                 for (int i = 0; i < 3; i++) normal[corner[t][i]] = gen_add(normal[corner[t][i]], n);
             }
         }
@@ -98,7 +99,7 @@ void gen_surface(mesh *m, int nu, int nv, unsigned flags, gen_surface_function f
     free(points);
 }
 
-/* ---- flat shapes ------------------------------------------------------------------------------------------------- */
+/* ---- flat shapes ----------------------------------------------------------------------------- */
 
 void gen_triangle(mesh *m, v3 a, v3 b, v3 c) {
     uint32_t n = gen_normal(m, facet_normal(a, b, c));
@@ -128,8 +129,9 @@ void gen_box(mesh *m, v3 l, v3 h) {
     gen_quad(m, gen_v3(l.x, l.y, l.z), gen_v3(h.x, l.y, l.z), gen_v3(h.x, l.y, h.z), gen_v3(l.x, l.y, h.z));
 }
 
-/* Each of the 8 corners is three points, one on each of the faces that meet there: corner c (bit i: high in axis i) on
- * the face across axis a is entry 3 c + a, with that face's normal, so that the bevels between look round. */
+/* Each of the 8 corners is three points, one on each of the faces that meet there: corner c (bit i: high in
+ * axis i) on the face across axis a is entry 3 c + a, with that face's normal, so that the bevels between
+ * look round. */
 typedef struct bevel { gen_corner corner[24]; v3 point[24]; v3 middle; } bevel;
 
 static void bevel_triangle(mesh *m, const bevel *b, int i, int j, int k) {
@@ -181,7 +183,7 @@ void gen_stone(mesh *m, v3 a, v3 b, v3 c, v3 d, double height) {
     for (int i = 0; i < 4; i++) gen_quad(m, base[i], base[(i + 1) % 4], top[(i + 1) % 4], top[i]);
 }
 
-/* ---- revolution and sweeps ----------------------------------------------------------------------------------------- */
+/* ---- revolution and sweeps ------------------------------------------------------------------- */
 
 /* Calls of `piece` for the stretches of a profile between its sharp edges. */
 static int piece_end(const v2 *p, int from, int count) {
@@ -199,7 +201,8 @@ void gen_lathe(mesh *m, const v2 *profile, int count, int segments) {
         for (int r = 0; r < rows; r++)
             for (int s = 0; s < segments; s++) {
                 double angle = 2.0 * SL_PI * s / segments, radius = profile[from + r].x;
-                points[r * segments + s] = gen_v3(radius * sl_cos(angle), profile[from + r].y, -radius * sl_sin(angle));
+                points[r * segments + s] =
+                    gen_v3(radius * sl_cos(angle), profile[from + r].y, -radius * sl_sin(angle));
             }
         gen_grid(m, points, segments, rows, GEN_WRAP_COLUMNS);
         free(points);
@@ -208,7 +211,12 @@ void gen_lathe(mesh *m, const v2 *profile, int count, int segments) {
 
 /* To the right of the path at point i, as long as a mitre asks for. */
 static v3 right_of_path(const v3 *path, int count, bool closed, int i, v3 normal) {
-    int before = i > 0 ? i - 1 : closed ? count - 1 : 0, after = i < count - 1 ? i + 1 : closed ? 0 : count - 1;
+    int before = i > 0    ? i - 1
+                 : closed ? count - 1
+                          : 0,
+        after = i < count - 1 ? i + 1
+                : closed      ? 0
+                              : count - 1;
     v3 in = gen_unit(gen_sub(path[i], path[before])), out = gen_unit(gen_sub(path[after], path[i]));
     if (before == i) in = out;
     if (after == i) out = in;
@@ -217,7 +225,8 @@ static v3 right_of_path(const v3 *path, int count, bool closed, int i, v3 normal
     return gen_scale(right, 1.0 / gen_max(gen_dot(right, right_in), 0.3));
 }
 
-void gen_sweep(mesh *m, const v3 *path, int path_count, v3 normal, const v2 *profile, int count, unsigned flags) {
+void gen_sweep(mesh *m, const v3 *path, int path_count, v3 normal, const v2 *profile, int count,
+               unsigned flags) {
     v3 up = gen_unit(normal);
     for (int from = 0, end; from < count; from = end) {
         end = piece_end(profile, from, count);
@@ -228,7 +237,8 @@ void gen_sweep(mesh *m, const v3 *path, int path_count, v3 normal, const v2 *pro
             v3 right = right_of_path(path, path_count, (flags & GEN_WRAP_COLUMNS) != 0, i, up);
             for (int r = 0; r < rows; r++) {
                 v2 p = profile[from + r];
-                points[r * path_count + i] = gen_add(path[i], gen_add(gen_scale(right, p.x), gen_scale(up, p.y)));
+                points[r * path_count + i] =
+                    gen_add(path[i], gen_add(gen_scale(right, p.x), gen_scale(up, p.y)));
             }
         }
         gen_grid(m, points, path_count, rows, flags);
@@ -247,7 +257,8 @@ void gen_rod(mesh *m, v3 from, v3 to, double radius_from, double radius_to, int 
                            gen_scale(moved.z, axes[i].z));
     m->frame.x = world[0], m->frame.y = world[1], m->frame.z = world[2];
     double length = gen_length(axis);
-    v2 profile[] = {{0, 0}, {radius_from, 0}, {radius_from, 0}, {radius_to, length}, {radius_to, length}, {0, length}};
+    v2 profile[] = {{0, 0},     {radius_from, 0}, {radius_from, 0}, {radius_to, length}, {radius_to, length},
+                    {0, length}};
     gen_lathe(m, profile, 6, segments);
     m->frame = before;
 }
@@ -269,7 +280,7 @@ void gen_ball(mesh *m, v3 centre, v3 radii, int segments, int rings, double roug
     free(points);
 }
 
-/* ---- profiles ---------------------------------------------------------------------------------------------------- */
+/* ---- profiles -------------------------------------------------------------------------------- */
 
 void gen_to(outline *o, double x, double y) {
     if (o->count < (int)(sizeof o->p / sizeof o->p[0])) o->p[o->count++] = (v2){x, y};
@@ -280,7 +291,8 @@ void gen_sharp(outline *o, double x, double y) {
     gen_to(o, x, y);
 }
 
-void gen_arc(outline *o, double cx, double cy, double rx, double ry, double from_deg, double to_deg, int steps) {
+void gen_arc(outline *o, double cx, double cy, double rx, double ry, double from_deg, double to_deg,
+             int steps) {
     for (int i = 0; i <= steps; i++) {
         double angle = gen_mix(from_deg, to_deg, (double)i / steps) * SL_PI / 180.0;
         gen_to(o, cx + rx * sl_cos(angle), cy + ry * sl_sin(angle));

@@ -1,5 +1,6 @@
-/* A standing robed figure with a globe in the raised hand, made of blended ellipsoids and cones: each is a signed distance, a
- * smooth minimum joins them, and layered noise cuts the folds of the cloth and the hair. */
+/* A standing robed figure with a globe in the raised hand, made of blended ellipsoids and cones: each is a
+ * signed distance, a smooth minimum joins them, and layered noise cuts the folds of the cloth and the hair.
+ */
 #include "statue.h"
 
 #include <math.h>
@@ -27,9 +28,12 @@ static double blend(double a, double b, double width) {
 static double head(v3 p) {
     double d = ellipsoid(p, gen_v3(0, 1.83, 0.03), gen_v3(0.083, 0.115, 0.098));
     d = blend(d, ellipsoid(p, gen_v3(0, 1.775, 0.06), gen_v3(0.055, 0.062, 0.06)), 0.05);           /* jaw */
-    d = blend(d, limb(p, gen_v3(0, 1.845, 0.115), gen_v3(0, 1.802, 0.142), 0.008, 0.015), 0.022);    /* nose */
-    d = blend(d, limb(p, gen_v3(-0.04, 1.857, 0.112), gen_v3(0.04, 1.857, 0.112), 0.009, 0.009), 0.02); /* brow */
-    d = blend(d, limb(p, gen_v3(-0.02, 1.768, 0.115), gen_v3(0.02, 1.768, 0.115), 0.008, 0.008), 0.012); /* lips */
+    /* nose */
+    d = blend(d, limb(p, gen_v3(0, 1.845, 0.115), gen_v3(0, 1.802, 0.142), 0.008, 0.015), 0.022);
+    /* brow */
+    d = blend(d, limb(p, gen_v3(-0.04, 1.857, 0.112), gen_v3(0.04, 1.857, 0.112), 0.009, 0.009), 0.02);
+    /* lips */
+    d = blend(d, limb(p, gen_v3(-0.02, 1.768, 0.115), gen_v3(0.02, 1.768, 0.115), 0.008, 0.008), 0.012);
     for (int side = -1; side <= 1; side += 2) { /* eyes sit in hollows */
         double hollow = ellipsoid(p, gen_v3(0.034 * side, 1.835, 0.124), gen_v3(0.02, 0.013, 0.014));
         d = -blend(-d, hollow, 0.015);
@@ -45,14 +49,21 @@ static double head(v3 p) {
 static double arms(v3 p) {
     const v3 right[3] = {{-0.19, 1.5, -0.01}, {-0.3, 1.2, 0.02}, {-0.1, 1.17, 0.24}};
     const v3 left[3] = {{0.19, 1.5, -0.01}, {0.36, 1.33, 0.06}, {0.36, 1.64, 0.2}};
-    double d = blend(limb(p, right[0], right[1], 0.068, 0.055), limb(p, right[1], right[2], 0.055, 0.034), 0.03);
-    d = gen_min(d, blend(limb(p, left[0], left[1], 0.068, 0.053), limb(p, left[1], left[2], 0.052, 0.032), 0.03));
-    for (int finger = 0; finger < 4; finger++) { /* the left hand's fingers hold the globe, the right's a book */
+    double d =
+        blend(limb(p, right[0], right[1], 0.068, 0.055), limb(p, right[1], right[2], 0.055, 0.034), 0.03);
+    d = gen_min(
+        d, blend(limb(p, left[0], left[1], 0.068, 0.053), limb(p, left[1], left[2], 0.052, 0.032), 0.03));
+    /* the left hand's fingers hold the globe, the right's a book */
+    for (int finger = 0; finger < 4; finger++) {
         double f = finger - 1.5;
-        d = blend(d, limb(p, gen_v3(0.36 + 0.018 * f, 1.66, 0.21), gen_v3(0.36 + 0.03 * f, 1.715, 0.262), 0.012, 0.01),
-                  0.02);
-        d = blend(d, limb(p, gen_v3(-0.1, 1.17 + 0.014 * f, 0.25), gen_v3(-0.03, 1.17 + 0.02 * f, 0.285), 0.011, 0.01),
-                  0.02);
+        d = blend(
+            d,
+            limb(p, gen_v3(0.36 + 0.018 * f, 1.66, 0.21), gen_v3(0.36 + 0.03 * f, 1.715, 0.262), 0.012, 0.01),
+            0.02);
+        d = blend(
+            d,
+            limb(p, gen_v3(-0.1, 1.17 + 0.014 * f, 0.25), gen_v3(-0.03, 1.17 + 0.02 * f, 0.285), 0.011, 0.01),
+            0.02);
     }
     d = blend(d, limb(p, gen_v3(-0.28, 1.22, 0.04), gen_v3(-0.3, 0.95, 0.09), 0.075, 0.04),
               0.06);     /* sleeves hang */
@@ -60,7 +71,8 @@ static double arms(v3 p) {
     return d;
 }
 
-/* Folds run downwards: noise of the direction from the axis, stretched along y, and stronger towards the hem. */
+/* Folds run downwards: noise of the direction from the axis, stretched along y, and stronger towards the hem.
+ */
 static double folds(v3 p, double depth) {
     double r = sqrt(p.x * p.x + p.z * p.z) + 1e-9;
     v3 q = gen_v3(4.2 * p.x / r, 0.9 * p.y, 4.2 * p.z / r);
@@ -86,7 +98,8 @@ double gen_statue_distance(v3 p) {
     double globe = gen_length(gen_sub(p, gen_v3(0.36, 1.79, 0.235))) - 0.082;
     globe = gen_min(globe, limb(p, gen_v3(0.36, 1.87, 0.235), gen_v3(0.36, 1.94, 0.235), 0.013, 0.008));
     v3 page = gen_sub(p, gen_v3(-0.035, 1.19, 0.24));
-    double book = gen_max(fabs(page.x + 0.25 * page.y) - 0.085, gen_max(fabs(page.y) - 0.115, fabs(page.z) - 0.022));
+    double book =
+        gen_max(fabs(page.x + 0.25 * page.y) - 0.085, gen_max(fabs(page.y) - 0.115, fabs(page.z) - 0.022));
     double d = robe(p); /* the other parts where they can matter */
     if (p.y > 0.8) d = blend(d, arms(p), 0.05);
     if (p.y > 1.42) d = blend(d, head(p), 0.03);

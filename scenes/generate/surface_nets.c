@@ -1,6 +1,7 @@
-/* The statue's surface by surface nets: a cell of the grid whose corners have different signs gets one vertex, and each
- * grid edge that changes sign gets the quadrilateral of the four cells around it. The grid is walked layer by layer
- * upwards, so that two layers are all that is kept; blocks of cells far from the surface are passed over. */
+/* The statue's surface by surface nets: a cell of the grid whose corners have different signs gets one
+ * vertex, and each grid edge that changes sign gets the quadrilateral of the four cells around it. The grid
+ * is walked layer by layer upwards, so that two layers are all that is kept; blocks of cells far from the
+ * surface are passed over. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +36,8 @@ static void find_near_blocks(net *n, int slab) {
         }
 }
 
-/* A grid point on a block's border takes the block below it; far blocks never touch the surface, so their sign is enough. */
+/* A grid point on a block's border takes the block below it; far blocks never touch the surface, so their
+ * sign is enough. */
 static void evaluate_layer(net *n, int j, double *value) {
     for (int k = 0; k <= n->nz; k++)
         for (int i = 0; i <= n->nx; i++) {
@@ -101,7 +103,8 @@ static void quad(net *n, bool reverse, gen_corner a, gen_corner b, gen_corner c,
     gen_face(n->m, a, reverse ? d : c, reverse ? c : d);
 }
 
-/* The edges that start in the lower layer: upwards, and, if there is a layer of cells below, along x and z. */
+/* The edges that start in the lower layer: upwards, and, if there is a layer of cells below, along x and z.
+ */
 static void join_vertices(net *n, int j) {
     int row = n->nx + 1, nx = n->nx;
     const gen_corner *below = n->vertex[0], *here = n->vertex[1];
@@ -141,7 +144,8 @@ void gen_statue(mesh *m, double cell) {
     for (int j = 0; j < n.ny; j++) {
         if (j > 0 && j % BLOCK == 0) {
             find_near_blocks(&n, j / BLOCK);
-            evaluate_layer(&n, j, n.value[0]); /* its points lie on the border: blocks near on this side count too */
+            /* its points lie on the border: blocks near on this side count too */
+            evaluate_layer(&n, j, n.value[0]);
         }
         evaluate_layer(&n, j + 1, n.value[1]);
         place_vertices(&n, j);

@@ -1,5 +1,6 @@
-/* What --method auto knows: scenes that were measured, and how soon each method reached an error in them. Pure arithmetic: the same rule that chooses
- * for a new scene can be tried on measured ones that were left out (bench/bench_auto.c, which also writes auto_table.h). */
+/* What --method auto knows: scenes that were measured, and how soon each method reached an error in them.
+ * Pure arithmetic: the same rule that chooses for a new scene can be tried on measured ones that were left
+ * out (bench/bench_auto.c, which also writes auto_table.h). */
 #ifndef SL_APP_AUTO_CHOICE_H
 #define SL_APP_AUTO_CHOICE_H
 
@@ -23,7 +24,9 @@ typedef enum sl_auto_candidate {
 
 /* What a scene looks like from afar. */
 typedef struct sl_auto_kind {
-    double direct, second, further, mirrored; /* shares of the mean radiance: straight from lights, by one surface, by more, thrown on surfaces by mirrors; they sum to 1 */
+    /* shares of the mean radiance: straight from lights, by one surface, by more, thrown on surfaces by
+     * mirrors; they sum to 1 */
+    double direct, second, further, mirrored;
     bool lit, glossy, mirrors, open;          /* there is light; glossy surfaces; mirrors; a sky */
     double triangles, lights;                 /* numbers */
 } sl_auto_kind;
@@ -32,12 +35,14 @@ typedef struct sl_auto_scene {
     const char *name;
     sl_auto_kind kind;
     double pixels;                                         /* of the pictures measured */
-    double seconds[SL_AUTO_CLASSES][SL_AUTO_CANDIDATES];   /* processor time until the error against all light is that of the class */
+    /* processor time until the error against all light is that of the class */
+    double seconds[SL_AUTO_CLASSES][SL_AUTO_CANDIDATES];
 } sl_auto_scene;
 
 typedef struct sl_auto_verdict {
     sl_auto_candidate best;
-    double cost[SL_AUTO_CANDIDATES]; /* expected, in units of the best; HUGE_VAL: it leaves out too much of the light */
+    /* expected, in units of the best; HUGE_VAL: it leaves out too much of the light */
+    double cost[SL_AUTO_CANDIDATES];
     const sl_auto_scene *like;       /* of the measured scenes the most similar one */
 } sl_auto_verdict;
 
@@ -47,8 +52,9 @@ double sl_auto_error_of(sl_auto_class class);
 const char *sl_auto_curve_of(sl_auto_candidate candidate);
 /* How unlike two scenes are; 0: the same. */
 double sl_auto_distance(const sl_auto_kind *a, const sl_auto_kind *b);
-/* By the measured scenes, the similar ones counting most; `left_out` (or NULL) is as if it had not been measured. error: what may be missing. */
-sl_auto_verdict sl_auto_judge(const sl_auto_scene *measured, size_t count, const sl_auto_scene *left_out, const sl_auto_kind *kind, double pixels,
-                              sl_auto_class class, double error);
+/* By the measured scenes, the similar ones counting most; `left_out` (or NULL) is as if it had not been
+ * measured. error: what may be missing. */
+sl_auto_verdict sl_auto_judge(const sl_auto_scene *measured, size_t count, const sl_auto_scene *left_out,
+                              const sl_auto_kind *kind, double pixels, sl_auto_class class, double error);
 
 #endif

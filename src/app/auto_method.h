@@ -19,12 +19,15 @@ typedef struct sl_auto_choice {
 } sl_auto_choice;
 
 /* Where the scene's light comes from, and what it is made of. */
-sl_status sl_auto_look(const sl_scene *scene, const sl_settings *settings, sl_auto_kind *kind, sl_error *error);
-/* settings: size, seed, threads and what is fixed whatever the method; its method is not looked at. A few thousand paths are traced to see
- * where the scene's light comes from: the same choice in every run and at any number of threads. */
-sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, const sl_auto_budget *budget, sl_auto_choice *choice,
-                         sl_error *error);
+sl_status sl_auto_look(const sl_scene *scene, const sl_settings *settings, sl_auto_kind *kind,
+                       sl_error *error);
+/* settings: size, seed, threads and what is fixed whatever the method; its method is not looked at. A few
+ * thousand paths are traced to see where the scene's light comes from: the same choice in every run and at
+ * any number of threads. */
+sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, const sl_auto_budget *budget,
+                         sl_auto_choice *choice, sl_error *error);
 /* Replaces the method "auto" in the settings, and says why on stderr unless quiet; other methods stay. */
-sl_status sl_auto_settle(const sl_scene *scene, const sl_auto_budget *budget, bool quiet, sl_settings *settings, sl_error *error);
+sl_status sl_auto_settle(const sl_scene *scene, const sl_auto_budget *budget, bool quiet,
+                         sl_settings *settings, sl_error *error);
 
 #endif

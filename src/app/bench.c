@@ -21,11 +21,16 @@
 enum { MOST_SCENES = 64, DEFAULT_SIZE = 192 };
 
 static const char details[] =
-    "Every method runs over its three qualities and over settings between and beyond them, each run in a process of its own, in turns; a reference for each\n"
-    "set of light paths is made by the path tracer, and kept. DIR then holds report.html (one file with everything in it), report.md,\n"
-    "results.csv, plots as SVG, the pictures, and journal.jsonl: what was measured, a line a run. Ctrl-C keeps it; the same command goes on from there.\n"
-    "Times are the processor's, of all threads together; the clock's stand beside them. A trial that crashes or does not end is a row that says so.\n\n"
-    "exit status 0, 2 usage, 3 input (no scene could be read), 4 output, 5 resources, 128 + N cut short by signal N (Ctrl-C: 130)\n\n"
+    "Every method runs over its three qualities and over settings between and beyond them, each run in a "
+    "process of its own, in turns; a reference for each\n"
+    "set of light paths is made by the path tracer, and kept. DIR then holds report.html (one file with "
+    "everything in it), report.md,\n"
+    "results.csv, plots as SVG, the pictures, and journal.jsonl: what was measured, a line a run. Ctrl-C "
+    "keeps it; the same command goes on from there.\n"
+    "Times are the processor's, of all threads together; the clock's stand beside them. A trial that crashes "
+    "or does not end is a row that says so.\n\n"
+    "exit status 0, 2 usage, 3 input (no scene could be read), 4 output, 5 resources, 128 + N cut short by "
+    "signal N (Ctrl-C: 130)\n\n"
     "example: softlux bench scenes/cornell.json -o build/report";
 
 typedef struct request {
@@ -44,7 +49,8 @@ static int complain(const sl_error *error) {
 }
 
 /* The first name in a list that is none of those known. */
-static bool check_list(const char *option, const char *list, const char *const *known, size_t count, int *status) {
+static bool check_list(const char *option, const char *list, const char *const *known, size_t count,
+                       int *status) {
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',') {
         char word[64], one[64];
         bool found = false;
@@ -66,7 +72,8 @@ static bool check_lists(const sl_bench_options *o, int *status) {
     size_t count = 0;
     for (; count < MOST && sl_method_name(count); count++) methods[count] = sl_method_name(count);
     for (int q = 0; q < SL_BENCH_QUALITIES; q++) qualities[q] = sl_bench_quality_name((sl_bench_quality)q);
-    return check_list("methods", o->methods, methods, count, status) && check_list("qualities", o->qualities, qualities, SL_BENCH_QUALITIES, status);
+    return check_list("methods", o->methods, methods, count, status) &&
+           check_list("qualities", o->qualities, qualities, SL_BENCH_QUALITIES, status);
 }
 
 static bool parse(int argc, char **argv, request *q, int *status) {
@@ -74,30 +81,54 @@ static bool parse(int argc, char **argv, request *q, int *status) {
     *q = (request){.repeats = 3, .threads = 1};
     *o = (sl_bench_options){.folder = "softlux-report", .limit = 60.0, .reference_budget = 20.0};
     const sl_option options[] = {
-        {"output", 'o', SL_OPTION_TEXT, &o->folder, NULL, "DIR", "folder of the report, made with those above it [softlux-report]", 0, 0, NULL},
-        {"methods", 'm', SL_OPTION_TEXT, &o->methods, NULL, "LIST", "which, with commas between [all]", 0, 0, NULL},
-        {"qualities", 'q', SL_OPTION_TEXT, &o->qualities, NULL, "LIST", "of draft, normal, high, and curve: what lies between and beyond [all]", 0, 0, NULL},
-        {"size", 's', SL_OPTION_SIZE, q->size, NULL, "WxH", "pixels [the scene's film, at most 192 a side]", 0, 0, NULL},
-        {"repeats", 'r', SL_OPTION_COUNT, &q->repeats, NULL, "R", "runs of what takes less than a second [3]", 1, 50, NULL},
+        {"output", 'o', SL_OPTION_TEXT, &o->folder, NULL, "DIR",
+         "folder of the report, made with those above it [softlux-report]", 0, 0, NULL},
+        {"methods", 'm', SL_OPTION_TEXT, &o->methods, NULL, "LIST", "which, with commas between [all]", 0, 0,
+         NULL},
+        {"qualities", 'q', SL_OPTION_TEXT, &o->qualities, NULL, "LIST",
+         "of draft, normal, high, and curve: what lies between and beyond [all]", 0, 0, NULL},
+        {"size", 's', SL_OPTION_SIZE, q->size, NULL, "WxH", "pixels [the scene's film, at most 192 a side]",
+         0, 0, NULL},
+        {"repeats", 'r', SL_OPTION_COUNT, &q->repeats, NULL, "R", "runs of what takes less than a second [3]",
+         1, 50, NULL},
         {"threads", 't', SL_OPTION_COUNT, &q->threads, NULL, "N", "workers of each trial [1]", 1, 256, NULL},
-        {"budget", 0, SL_OPTION_REAL, &o->budget, NULL, "SECONDS", "for a scene's trials; the rest is left out [no limit]", 0.1, 1e9, NULL},
-        {"limit", 0, SL_OPTION_REAL, &o->limit, NULL, "SECONDS", "for one trial, by the clock; then it is stopped [60]", 0.1, 1e9, NULL},
-        {"memory", 0, SL_OPTION_COUNT, &q->memory, NULL, "MB", "of addresses for one trial [no limit]", 16, 1e7, NULL},
-        {"references", 0, SL_OPTION_TEXT, &o->references, NULL, "DIR", "where reference pictures are kept [$XDG_CACHE_HOME/softlux/references]", 0, 0, NULL},
+        {"budget", 0, SL_OPTION_REAL, &o->budget, NULL, "SECONDS",
+         "for a scene's trials; the rest is left out [no limit]", 0.1, 1e9, NULL},
+        {"limit", 0, SL_OPTION_REAL, &o->limit, NULL, "SECONDS",
+         "for one trial, by the clock; then it is stopped [60]", 0.1, 1e9, NULL},
+        {"memory", 0, SL_OPTION_COUNT, &q->memory, NULL, "MB", "of addresses for one trial [no limit]", 16,
+         1e7, NULL},
+        {"references", 0, SL_OPTION_TEXT, &o->references, NULL, "DIR",
+         "where reference pictures are kept [$XDG_CACHE_HOME/softlux/references]", 0, 0, NULL},
         {"reference-budget", 0, SL_OPTION_REAL, &o->reference_budget, NULL, "SECONDS",
-         "of processor time for each reference, all runs together; its noise is to be a tenth of the smallest error told with it [20]", 0.1, 1e9, NULL},
-        {"reference-threads", 0, SL_OPTION_COUNT, &q->reference_threads, NULL, "N", "workers of the references [all processors]", 1, 256, NULL},
-        {"report-only", 0, SL_OPTION_FLAG, &o->report_only, NULL, NULL, "run no trial: the report anew, of what the last run measured", 0, 0, NULL},
-        {"references-only", 0, SL_OPTION_FLAG, &o->references_only, NULL, NULL, "make references, as good as their budget allows, and nothing else", 0, 0, NULL},
+         "of processor time for each reference, all runs together; its noise is to be a tenth of the "
+         "smallest error told with it [20]",
+         0.1, 1e9, NULL},
+        {"reference-threads", 0, SL_OPTION_COUNT, &q->reference_threads, NULL, "N",
+         "workers of the references [all processors]", 1, 256, NULL},
+        {"report-only", 0, SL_OPTION_FLAG, &o->report_only, NULL, NULL,
+         "run no trial: the report anew, of what the last run measured", 0, 0, NULL},
+        {"references-only", 0, SL_OPTION_FLAG, &o->references_only, NULL, NULL,
+         "make references, as good as their budget allows, and nothing else", 0, 0, NULL},
         {"trials-only", 0, SL_OPTION_FLAG, &o->trials_only, NULL, NULL,
-         "measure, and write no report: several of these may fill one folder, with a scene each, on a processor each", 0, 0, NULL},
-        {"allow-outside", 0, SL_OPTION_FLAG, &o->load.allow_outside, NULL, NULL, "files that scenes name may lie outside of their folders", 0, 0, NULL},
+         "measure, and write no report: several of these may fill one folder, with a scene each, on a "
+         "processor each",
+         0, 0, NULL},
+        {"allow-outside", 0, SL_OPTION_FLAG, &o->load.allow_outside, NULL, NULL,
+         "files that scenes name may lie outside of their folders", 0, 0, NULL},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print the rows as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
         {.name = NULL}};
-    const sl_command_line line = {"softlux bench SCENE... [-o DIR] [options]", "Speed against error of every method, as tables and plots.", details, options, 1,
-                                  MOST_SCENES, NULL, NULL};
-    if (!sl_options_parse(&line, argc, argv, q->scenes, &q->scene_count, status) || !check_lists(o, status)) return false;
+    const sl_command_line line = {"softlux bench SCENE... [-o DIR] [options]",
+                                  "Speed against error of every method, as tables and plots.",
+                                  details,
+                                  options,
+                                  1,
+                                  MOST_SCENES,
+                                  NULL,
+                                  NULL};
+    if (!sl_options_parse(&line, argc, argv, q->scenes, &q->scene_count, status) || !check_lists(o, status))
+        return false;
     o->repeats = (int)q->repeats;
     o->threads = (unsigned)q->threads;
     o->reference_threads = (unsigned)q->reference_threads;
@@ -118,15 +149,18 @@ typedef struct description {
 
 /* What is written besides has names that no reader of scenes takes, or that are made of the scene's hash. */
 static sl_status spare_scene(const sl_scene *scene, const char *folder, sl_error *error) {
-    static const char *const names[] = {"journal.jsonl", "report.html", "report.md", "results.csv", "scenes.csv", "tables.md"};
+    static const char *const names[] = {"journal.jsonl", "report.html", "report.md",
+                                        "results.csv",   "scenes.csv",  "tables.md"};
     sl_status status = SL_OK;
-    for (size_t i = 0; i < sizeof names / sizeof names[0] && status == SL_OK; i++) status = sl_spare_scene_in(scene, "output", folder, names[i], error);
+    for (size_t i = 0; i < sizeof names / sizeof names[0] && status == SL_OK; i++)
+        status = sl_spare_scene_in(scene, "output", folder, names[i], error);
     return status;
 }
 
 static const char refused[] = "refused: ";
 
-/* In a child, since reading a scene may start threads: what is in it; or, if the report would take the place of one of its files, that this is refused. */
+/* In a child, since reading a scene may start threads: what is in it; or, if the report would take the place
+ * of one of its files, that this is refused. */
 static bool describe_work(void *context, char **report) {
     const description *d = context;
     sl_scene *scene = NULL;
@@ -146,8 +180,9 @@ static bool describe_work(void *context, char **report) {
     }
     sl_features f = sl_scene_features(scene);
     sl_scene_film(scene, &width, &height);
-    snprintf(text, sizeof text, "%016llx %d %d %zu %d %d %d", (unsigned long long)sl_scene_hash(scene), width, height, sl_scene_triangle_count(scene),
-             f.glossy_triangles > 0, f.mirror_triangles > 0, f.environment ? 1 : 0);
+    snprintf(text, sizeof text, "%016llx %d %d %zu %d %d %d", (unsigned long long)sl_scene_hash(scene), width,
+             height, sl_scene_triangle_count(scene), f.glossy_triangles > 0, f.mirror_triangles > 0,
+             f.environment ? 1 : 0);
     *report = strdup(text);
     sl_scene_destroy(scene);
     return true;
@@ -186,8 +221,9 @@ static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_
         snprintf(error->message, sizeof error->message, "%s", end.text + strlen(refused));
         status = error->status = SL_ERROR_USAGE;
     } else if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
-    else if (sscanf(end.text, "%16s %d %d %llu %d %d %d", s->hash, &s->width, &s->height, &triangles, &glossy, &mirrors, &sky) != 7)
-         snprintf(s->trouble, sizeof s->trouble, "it told nothing of itself");
+    else if (sscanf(end.text, "%16s %d %d %llu %d %d %d", s->hash, &s->width, &s->height, &triangles, &glossy,
+                    &mirrors, &sky) != 7)
+        snprintf(s->trouble, sizeof s->trouble, "it told nothing of itself");
     s->triangles = triangles;
     s->glossy = glossy;
     s->mirrors = mirrors;
@@ -201,11 +237,13 @@ static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_
 static void tell_apart(sl_bench_results *r) {
     sl_bench_scene *last = &r->scenes[r->scene_count - 1];
     size_t same = 0, length = strlen(last->name);
-    for (size_t i = 0; i + 1 < r->scene_count; i++) same += strncmp(r->scenes[i].name, last->name, length) == 0;
+    for (size_t i = 0; i + 1 < r->scene_count; i++)
+        same += strncmp(r->scenes[i].name, last->name, length) == 0;
     if (same) snprintf(last->name + length, sizeof last->name - length, "-%zu", same + 1);
 }
 
-static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_results *r, sl_journal *journal, sl_error *error) {
+static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_results *r,
+                         sl_journal *journal, sl_error *error) {
     sl_bench_scene *s = &r->scenes[r->scene_count++];
     sl_status status = describe(o, path, s, error);
     tell_apart(r);
@@ -253,15 +291,19 @@ static void take_calibration(const sl_bench_options *o, const sl_journal *journa
     const cJSON *entry;
     int count = 0;
     for (size_t i = 0; (entry = sl_journal_at(journal, i)) && count < MOST; i++) {
-        const cJSON *w = cJSON_GetObjectItem(entry, "calibration_wall"), *c = cJSON_GetObjectItem(entry, "calibration_cpu");
-        if (!strstr(cJSON_GetObjectItem(entry, "key")->valuestring, o->program) || !cJSON_IsNumber(w) || !cJSON_IsNumber(c)) continue;
+        const cJSON *w = cJSON_GetObjectItem(entry, "calibration_wall"),
+                    *c = cJSON_GetObjectItem(entry, "calibration_cpu");
+        if (!strstr(cJSON_GetObjectItem(entry, "key")->valuestring, o->program) || !cJSON_IsNumber(w) ||
+            !cJSON_IsNumber(c))
+            continue;
         wall[count] = w->valuedouble;
         cpu[count++] = c->valuedouble;
     }
     r->calibration = sl_bench_spread_of(wall, count);
     r->unrest = sl_bench_unrest_of(wall, count);
     r->unrest_cpu = sl_bench_unrest_of(cpu, count);
-    r->share_of_processor = r->calibration.median > 0.0 ? sl_bench_spread_of(cpu, count).median / r->calibration.median : 1.0;
+    r->share_of_processor =
+        r->calibration.median > 0.0 ? sl_bench_spread_of(cpu, count).median / r->calibration.median : 1.0;
     r->noisy = r->unrest > 0.05 || r->share_of_processor < 0.9;
 }
 
@@ -302,17 +344,20 @@ static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_res
         status = measure(&q->options, q->scenes[i], r, journal, error);
         r->interrupted = sl_interrupted();
         take_calibration(&q->options, journal, r);
-        if (status == SL_OK && !q->options.trials_only && !q->options.references_only) status = write_reports(&q->options, r, error);
+        if (status == SL_OK && !q->options.trials_only && !q->options.references_only)
+            status = write_reports(&q->options, r, error);
     }
     return status;
 }
 
-static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_status status, const sl_error *error) {
+static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_status status,
+                    const sl_error *error) {
     if (status != SL_OK) return complain(error);
     size_t measured = 0;
     for (size_t i = 0; i < r->scene_count; i++) {
         measured += !r->scenes[i].trouble[0];
-        if (r->scenes[i].trouble[0] && (o->quiet || o->json)) fprintf(stderr, "softlux: %s\n", r->scenes[i].trouble);
+        if (r->scenes[i].trouble[0] && (o->quiet || o->json))
+            fprintf(stderr, "softlux: %s\n", r->scenes[i].trouble);
     }
     if (o->json) sl_report_json(r, stdout);
     else if (!o->quiet && !o->trials_only && !o->references_only) sl_report_terminal(r, stdout);

@@ -9,10 +9,12 @@ double sl_thread_seconds(void);   /* that this thread has had a processor */
 double sl_process_seconds(void);  /* that all threads have, together */
 void sl_sleep_until(double now);  /* or until Ctrl-C */
 
-/* Ctrl-C, SIGTERM and SIGHUP (unless that is ignored, as nohup has it) end nothing any more, but leave word; the second time they end the program. */
+/* Ctrl-C, SIGTERM and SIGHUP (unless that is ignored, as nohup has it) end nothing any more, but leave word;
+ * the second time they end the program. */
 void sl_watch_for_interrupt(void);
 bool sl_interrupted(void);
-/* Of work that was cut short: 128 + the signal's number. main() ends the program by that signal, so that a shell's loop ends, too. */
+/* Of work that was cut short: 128 + the signal's number. main() ends the program by that signal, so that a
+ * shell's loop ends, too. */
 int sl_interrupted_status(void);
 
 #endif

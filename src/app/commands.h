@@ -1,5 +1,6 @@
 /* The program's subcommands: each takes the arguments after its own name and returns the exit status:
- * 0, 1 (comparison failed), 2 (usage), 3 (input), 4 (output), 5 (resources), above 128 (cut short by a signal, 128 + its number). */
+ * 0, 1 (comparison failed), 2 (usage), 3 (input), 4 (output), 5 (resources), above 128 (cut short by a
+ * signal, 128 + its number). */
 #ifndef SL_APP_COMMANDS_H
 #define SL_APP_COMMANDS_H
 

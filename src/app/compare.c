@@ -13,12 +13,15 @@
 #include <string.h>
 
 static const char details[] =
-    "A is the picture x, B the reference r: EXR, PFM, Radiance HDR, PNG or JPEG files of the same size. Every metric is\n"
-    "over R, G, B of the pixels whose six values are finite and whose mask, if any, is > 0.5; sums are in double.\n"
+    "A is the picture x, B the reference r: EXR, PFM, Radiance HDR, PNG or JPEG files of the same size. "
+    "Every metric is\n"
+    "over R, G, B of the pixels whose six values are finite and whose mask, if any, is > 0.5; sums are in "
+    "double.\n"
     "\n"
     "  rmse              sqrt(mean (x-r)^2)\n"
     "  rel_rmse          rmse / |mean(r)|\n"
-    "  rel_rmse_surfaces   the same without the pixels that show light sources or sky: where a layer emission.* of A or B is\n"
+    "  rel_rmse_surfaces   the same without the pixels that show light sources or sky: where a layer "
+    "emission.* of A or B is\n"
     "                    not 0; told where there is such a layer. Lamps that are seen are most of mean(r)\n"
     "  rel_mse           mean((x-r)^2 / (r^2 + 0.01 mean(r)^2))\n"
     "  rel_mse_trimmed   the same without the largest 0.1 % of the terms\n"
@@ -26,7 +29,8 @@ static const char details[] =
     "  rel_mse_less_noise  rel_mse - rel_mse_noise: the error of A alone\n"
     "  max_abs           max |x-r|\n"
     "  bias              sum(x-r) / |sum(r)|\n"
-    "  ssim              mean structural similarity of the luminance, 11x11 Gaussian window, of both pictures times\n"
+    "  ssim              mean structural similarity of the luminance, 11x11 Gaussian window, of both "
+    "pictures times\n"
     "                    2^STOPS, clipped to [0,1], in sRGB; 1 where they are alike\n"
     "  flip              mean LDR-FLIP of the same two, 67 pixels per degree; 0 where they are alike\n"
     "  nonfinite         NaN or infinite values under the mask, of both pictures together\n"
@@ -36,16 +40,21 @@ static const char details[] =
     "  mean_image, mean_reference\n"
     "  tone_image, tone_reference  curve and exposure of 8-bit pictures, as a PNG by softlux tells them\n"
     "\n"
-    "An 8-bit picture is compared with another as it is, in linear light. A PNG whose exposure was automatic, as render's\n"
-    "is by default, shows a scene with its lamps doubled alike: a warning says so, and also where two exposures differ.\n"
-    "Radiance (EXR, PFM, HDR) is put through the PNG's own tone before they are compared; a picture of 8 bits that does\n"
+    "An 8-bit picture is compared with another as it is, in linear light. A PNG whose exposure was "
+    "automatic, as render's\n"
+    "is by default, shows a scene with its lamps doubled alike: a warning says so, and also where two "
+    "exposures differ.\n"
+    "Radiance (EXR, PFM, HDR) is put through the PNG's own tone before they are compared; a picture of 8 "
+    "bits that does\n"
     "not tell its tone is refused then. For golden images take EXR, or PNG by a fixed render --exposure.\n"
     "\n"
-    "Exit status: 0 if all bounds hold or there are none, 1 if one does not (said on stderr), 2 usage, 3 input (also: no\n"
-    "pixel to compare), 4 output, 5 not enough memory. A NaN or infinite value under the mask fails any bound. Against a\n"
+    "Exit status: 0 if all bounds hold or there are none, 1 if one does not (said on stderr), 2 usage, 3 "
+    "input (also: no\n"
+    "pixel to compare), 4 output, 5 not enough memory. A NaN or infinite value under the mask fails any "
+    "bound. Against a\n"
     "black B rel_rmse, rel_mse and bias are infinite and fail theirs; where A is black too they are 0.";
 
-/* ---- the command line ------------------------------------------------------------------------------------------ */
+/* ---- the command line ------------------------------------------------------------------------ */
 
 enum { MAX_RMSE, MAX_REL_RMSE, MAX_REL_MSE, MAX_ABS, MAX_BIAS, MIN_SSIM, MAX_FLIP, BOUNDS };
 
@@ -59,30 +68,83 @@ typedef struct compare_request {
 } compare_request;
 
 static bool parse(int argc, char **argv, compare_request *q, int *status) {
-    const sl_option options[] = {
-        {.name = "mask", .kind = SL_OPTION_TEXT, .value = &q->mask, .metavar = "FILE",
-         .help = "compare only where the first channel of this picture is > 0.5"},
-        {.name = "difference", .kind = SL_OPTION_TEXT, .value = &q->difference, .metavar = "FILE",
-         .help = "write (x-r)/(|r| + 0.01 |mean r|) in false colour: blue too dark, red too bright, full at 50 %"},
-        {.name = "exposure", .kind = SL_OPTION_REAL, .value = &q->exposure, .metavar = "STOPS", .minimum = -100,
-         .maximum = 100, .help = "both pictures times 2^STOPS for ssim and flip [0]"},
-        {.name = "identical", .kind = SL_OPTION_FLAG, .value = &q->identical, .help = "every bit of R, G, B must be equal"},
-        {.name = "max-rmse", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_RMSE], .given = &q->bounded[MAX_RMSE],
-         .metavar = "X", .maximum = HUGE_VAL, .help = "rmse must be at most X"},
-        {.name = "max-rel-rmse", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_REL_RMSE],
-         .given = &q->bounded[MAX_REL_RMSE], .metavar = "X", .maximum = HUGE_VAL, .help = "rel_rmse must be at most X"},
-        {.name = "max-rel-mse", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_REL_MSE], .given = &q->bounded[MAX_REL_MSE],
-         .metavar = "X", .maximum = HUGE_VAL, .help = "rel_mse must be at most X"},
-        {.name = "max-abs", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_ABS], .given = &q->bounded[MAX_ABS],
-         .metavar = "X", .maximum = HUGE_VAL, .help = "max_abs must be at most X"},
-        {.name = "max-bias", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_BIAS], .given = &q->bounded[MAX_BIAS],
-         .metavar = "X", .maximum = HUGE_VAL, .help = "|bias| must be at most X"},
-        {.name = "min-ssim", .kind = SL_OPTION_REAL, .value = &q->bound[MIN_SSIM], .given = &q->bounded[MIN_SSIM],
-         .metavar = "X", .minimum = -1, .maximum = 1, .help = "ssim must be at least X"},
-        {.name = "max-flip", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_FLIP], .given = &q->bounded[MAX_FLIP],
-         .metavar = "X", .maximum = HUGE_VAL, .help = "flip must be at most X"},
-        {.name = "json", .kind = SL_OPTION_FLAG, .value = &q->json, .help = "print the metrics as one JSON object"},
-        {.name = NULL}};
+    const sl_option options[] = {{.name = "mask",
+                                  .kind = SL_OPTION_TEXT,
+                                  .value = &q->mask,
+                                  .metavar = "FILE",
+                                  .help = "compare only where the first channel of this picture is > 0.5"},
+                                 {.name = "difference",
+                                  .kind = SL_OPTION_TEXT,
+                                  .value = &q->difference,
+                                  .metavar = "FILE",
+                                  .help = "write (x-r)/(|r| + 0.01 |mean r|) in false colour: blue too dark, "
+                                          "red too bright, full at 50 %"},
+                                 {.name = "exposure",
+                                  .kind = SL_OPTION_REAL,
+                                  .value = &q->exposure,
+                                  .metavar = "STOPS",
+                                  .minimum = -100,
+                                  .maximum = 100,
+                                  .help = "both pictures times 2^STOPS for ssim and flip [0]"},
+                                 {.name = "identical",
+                                  .kind = SL_OPTION_FLAG,
+                                  .value = &q->identical,
+                                  .help = "every bit of R, G, B must be equal"},
+                                 {.name = "max-rmse",
+                                  .kind = SL_OPTION_REAL,
+                                  .value = &q->bound[MAX_RMSE],
+                                  .given = &q->bounded[MAX_RMSE],
+                                  .metavar = "X",
+                                  .maximum = HUGE_VAL,
+                                  .help = "rmse must be at most X"},
+                                 {.name = "max-rel-rmse",
+                                  .kind = SL_OPTION_REAL,
+                                  .value = &q->bound[MAX_REL_RMSE],
+                                  .given = &q->bounded[MAX_REL_RMSE],
+                                  .metavar = "X",
+                                  .maximum = HUGE_VAL,
+                                  .help = "rel_rmse must be at most X"},
+                                 {.name = "max-rel-mse",
+                                  .kind = SL_OPTION_REAL,
+                                  .value = &q->bound[MAX_REL_MSE],
+                                  .given = &q->bounded[MAX_REL_MSE],
+                                  .metavar = "X",
+                                  .maximum = HUGE_VAL,
+                                  .help = "rel_mse must be at most X"},
+                                 {.name = "max-abs",
+                                  .kind = SL_OPTION_REAL,
+                                  .value = &q->bound[MAX_ABS],
+                                  .given = &q->bounded[MAX_ABS],
+                                  .metavar = "X",
+                                  .maximum = HUGE_VAL,
+                                  .help = "max_abs must be at most X"},
+                                 {.name = "max-bias",
+                                  .kind = SL_OPTION_REAL,
+                                  .value = &q->bound[MAX_BIAS],
+                                  .given = &q->bounded[MAX_BIAS],
+                                  .metavar = "X",
+                                  .maximum = HUGE_VAL,
+                                  .help = "|bias| must be at most X"},
+                                 {.name = "min-ssim",
+                                  .kind = SL_OPTION_REAL,
+                                  .value = &q->bound[MIN_SSIM],
+                                  .given = &q->bounded[MIN_SSIM],
+                                  .metavar = "X",
+                                  .minimum = -1,
+                                  .maximum = 1,
+                                  .help = "ssim must be at least X"},
+                                 {.name = "max-flip",
+                                  .kind = SL_OPTION_REAL,
+                                  .value = &q->bound[MAX_FLIP],
+                                  .given = &q->bounded[MAX_FLIP],
+                                  .metavar = "X",
+                                  .maximum = HUGE_VAL,
+                                  .help = "flip must be at most X"},
+                                 {.name = "json",
+                                  .kind = SL_OPTION_FLAG,
+                                  .value = &q->json,
+                                  .help = "print the metrics as one JSON object"},
+                                 {.name = NULL}};
     const sl_command_line line = {.usage = "softlux compare A B [options]",
                                   .summary = "Error metrics of picture A against reference B.",
                                   .details = details,
@@ -93,7 +155,7 @@ static bool parse(int argc, char **argv, compare_request *q, int *status) {
     return sl_options_parse(&line, argc, argv, q->paths, &count, status);
 }
 
-/* ---- the pictures ------------------------------------------------------------------------------------------------ */
+/* ---- the pictures ---------------------------------------------------------------------------- */
 
 typedef struct compare_pictures {
     sl_image *image, *reference, *mask, *difference;
@@ -105,15 +167,17 @@ static int complain(const char *message, sl_status status) {
 }
 
 static int check_picture(const sl_image *image, const char *path) {
-    if (sl_image_channel(image, "R") && sl_image_channel(image, "G") && sl_image_channel(image, "B")) return SL_OK;
+    if (sl_image_channel(image, "R") && sl_image_channel(image, "G") && sl_image_channel(image, "B"))
+        return SL_OK;
     fprintf(stderr, "softlux: %s: no R, G, B channels to compare\n", path);
     return SL_ERROR_INPUT;
 }
 
-static int check_size(const sl_image *image, const char *path, const sl_image *other, const char *other_path) {
+static int check_size(const sl_image *image, const char *path, const sl_image *other,
+                      const char *other_path) {
     if (image->width == other->width && image->height == other->height) return SL_OK;
-    fprintf(stderr, "softlux: pictures of different sizes: %s has %d x %d pixels, %s %d x %d\n", path, image->width,
-            image->height, other_path, other->width, other->height);
+    fprintf(stderr, "softlux: pictures of different sizes: %s has %d x %d pixels, %s %d x %d\n", path,
+            image->width, image->height, other_path, other->width, other->height);
     return SL_ERROR_INPUT;
 }
 
@@ -130,14 +194,16 @@ static int read_pictures(const compare_request *q, compare_pictures *p) {
     return status;
 }
 
-/* ---- surfaces alone ---------------------------------------------------------------------------------------------- */
+/* ---- surfaces alone -------------------------------------------------------------------------- */
 
 static bool has_emission(const sl_image *image) {
-    return sl_image_channel(image, "emission.R") && sl_image_channel(image, "emission.G") && sl_image_channel(image, "emission.B");
+    return sl_image_channel(image, "emission.R") && sl_image_channel(image, "emission.G") &&
+           sl_image_channel(image, "emission.B");
 }
 
 static bool shows_light(const sl_image *image, size_t i) {
-    return has_emission(image) && (sl_image_channel(image, "emission.R")[i] != 0.0f || sl_image_channel(image, "emission.G")[i] != 0.0f ||
+    return has_emission(image) && (sl_image_channel(image, "emission.R")[i] != 0.0f ||
+                                   sl_image_channel(image, "emission.G")[i] != 0.0f ||
                                    sl_image_channel(image, "emission.B")[i] != 0.0f);
 }
 
@@ -148,11 +214,14 @@ static double rel_rmse_of_surfaces(const compare_pictures *p) {
     size_t pixels = (size_t)p->image->width * (size_t)p->image->height, count = 0;
     double squares = 0.0, sum = 0.0;
     if (!has_emission(p->image) && !has_emission(p->reference)) return (double)NAN;
-    for (int k = 0; k < 3; k++) x[k] = sl_image_channel(p->image, names[k]), r[k] = sl_image_channel(p->reference, names[k]);
+    for (int k = 0; k < 3; k++)
+        x[k] = sl_image_channel(p->image, names[k]), r[k] = sl_image_channel(p->reference, names[k]);
     for (size_t i = 0; i < pixels; i++) {
         bool finite = true;
         for (int k = 0; k < 3; k++) finite = finite && isfinite(x[k][i]) && isfinite(r[k][i]);
-        if (!finite || (p->mask && !(p->mask->planes[i] > 0.5f)) || shows_light(p->image, i) || shows_light(p->reference, i)) continue;
+        if (!finite || (p->mask && !(p->mask->planes[i] > 0.5f)) || shows_light(p->image, i) ||
+            shows_light(p->reference, i))
+            continue;
         for (int k = 0; k < 3; k++) {
             double d = (double)x[k][i] - (double)r[k][i];
             squares += d * d;
@@ -164,7 +233,7 @@ static double rel_rmse_of_surfaces(const compare_pictures *p) {
     return squares > 0.0 ? sqrt(squares * 3.0 * (double)count) / fabs(sum) : 0.0;
 }
 
-/* ---- the answer --------------------------------------------------------------------------------------------------- */
+/* ---- the answer ------------------------------------------------------------------------------ */
 
 static void print_real(bool json, const char *name, double value) {
     if (!json) printf("%-19s %.9g\n", name, value);
@@ -178,7 +247,8 @@ static void print_count(bool json, const char *name, uint64_t value) {
 
 static void print_comparison(const sl_comparison *r, const sl_shown shown[2], double surfaces, bool json) {
     if (json) putchar('{');
-    for (int i = 0; i < 2 && (json || shown[0].is_shown || shown[1].is_shown); i++) sl_shown_print(i ? "tone_reference" : "tone_image", &shown[i], json);
+    for (int i = 0; i < 2 && (json || shown[0].is_shown || shown[1].is_shown); i++)
+        sl_shown_print(i ? "tone_reference" : "tone_image", &shown[i], json);
     print_real(json, "rmse", r->rmse);
     print_real(json, "rel_rmse", r->rel_rmse);
     if (!isnan(surfaces)) print_real(json, "rel_rmse_surfaces", surfaces);
@@ -201,13 +271,16 @@ static void print_comparison(const sl_comparison *r, const sl_shown shown[2], do
 
 /* One line on stderr for all that failed, so that a test's log says it at a glance. */
 static int check_bounds(const compare_request *q, const sl_comparison *r) {
-    static const char *const names[BOUNDS] = {"rmse", "rel_rmse", "rel_mse", "max_abs", "|bias|", "ssim", "flip"};
-    const double values[BOUNDS] = {r->rmse, r->rel_rmse, r->rel_mse, r->max_abs, fabs(r->bias), r->ssim, r->flip};
+    static const char *const names[BOUNDS] = {"rmse",   "rel_rmse", "rel_mse", "max_abs",
+                                              "|bias|", "ssim",     "flip"};
+    const double values[BOUNDS] = {r->rmse,       r->rel_rmse, r->rel_mse, r->max_abs,
+                                   fabs(r->bias), r->ssim,     r->flip};
     char failures[1024] = "";
     bool any = q->identical;
     for (int i = 0; i < BOUNDS; i++) any = any || q->bounded[i];
     if (any && r->nonfinite) {
-        snprintf(failures, sizeof failures, "; NaN or infinite values: %llu", (unsigned long long)r->nonfinite);
+        snprintf(failures, sizeof failures, "; NaN or infinite values: %llu",
+                 (unsigned long long)r->nonfinite);
     }
     if (q->identical && !r->identical) {
         size_t used = strlen(failures);
@@ -231,7 +304,9 @@ static int compare(const compare_request *q, compare_pictures *p) {
     const sl_shown shown[2] = {sl_shown_of(p->image), sl_shown_of(p->reference)};
     sl_compare_options options = {.mask = p->mask, .exposure_stops = (float)q->exposure};
     sl_status status = sl_shown_alike(&p->image, q->paths[0], &p->reference, q->paths[1], &error);
-    if (status == SL_OK) status = sl_image_compare(p->image, p->reference, &options, &result, q->difference ? &p->difference : NULL, &error);
+    if (status == SL_OK)
+        status = sl_image_compare(p->image, p->reference, &options, &result,
+                                  q->difference ? &p->difference : NULL, &error);
     sl_watch_for_interrupt(); /* a picture that is being written is written to its end */
     if (status == SL_OK && q->difference) status = sl_image_write(p->difference, q->difference, &error);
     if (status != SL_OK) return complain(error.message, status);

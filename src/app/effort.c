@@ -1,5 +1,6 @@
-/* Weights: seconds that the methods take at draft, normal and high quality in the Cornell box, two rooms and a room with a window, against the half
- * microsecond of a ray of the path tracer. Right within a factor of two. */
+/* Weights: seconds that the methods take at draft, normal and high quality in the Cornell box, two rooms and
+ * a room with a window, against the half microsecond of a ray of the path tracer. Right within a factor of
+ * two. */
 #include "app/effort.h"
 
 double sl_effort_in_rays(const sl_counters *c) {
@@ -8,6 +9,7 @@ double sl_effort_in_rays(const sl_counters *c) {
         {SL_COUNT_PHOTONS_GATHERED, 0.3}, {SL_COUNT_PHOTON_LOOK_UPS, 0.02}, {SL_COUNT_FRAGMENTS_SHADED, 0.02},
     };
     double rays = 0.0;
-    for (size_t i = 0; i < sizeof weights / sizeof weights[0]; i++) rays += weights[i].rays * (double)c->value[weights[i].counter];
+    for (size_t i = 0; i < sizeof weights / sizeof weights[0]; i++)
+        rays += weights[i].rays * (double)c->value[weights[i].counter];
     return rays;
 }

@@ -1,4 +1,5 @@
-/* The cost of a picture, by counts, which are the same on every machine, in units of one ray of a path tracer. */
+/* The cost of a picture, by counts, which are the same on every machine, in units of one ray of a path
+ * tracer. */
 #ifndef SL_APP_EFFORT_H
 #define SL_APP_EFFORT_H
 

@@ -32,7 +32,8 @@ bool sl_frame_name_fits(const char *pattern, const char *name) {
     int width;
     unsigned long long frame;
     char made[4096];
-    if (!find_number(pattern, &begin, &end, &width) || strncmp(pattern, name, (size_t)(begin - pattern)) != 0) return false;
+    if (!find_number(pattern, &begin, &end, &width) || strncmp(pattern, name, (size_t)(begin - pattern)) != 0)
+        return false;
     if (sscanf(name + (begin - pattern), "%19llu", &frame) != 1) return false;
     sl_frame_name(pattern, frame, made, sizeof made);
     return strcmp(made, name) == 0;

@@ -13,21 +13,23 @@
 static void print_scene(const sl_scene *s) {
     sl_features f = sl_scene_features(s);
     printf("triangles    %zu (%zu diffuse, %zu glossy, %zu mirror, %zu emissive, %zu textured, %zu masked)\n",
-           s->triangle_count, f.diffuse_triangles, f.glossy_triangles, f.mirror_triangles, f.emissive_triangles,
-           f.textured_triangles, f.masked_triangles);
-    if (s->bicubic_count) printf("surfaces     %zu bicubic, whose triangles are among these\n", s->bicubic_count);
-    printf("vertices     %zu\nmaterials    %zu\ntextures     %zu\nobjects      %zu\n", s->vertex_count, s->material_count,
-           s->texture_count, s->object_count);
-    printf("lights       %zu point, %zu spot, %zu directional, %zu emissive triangles, %s\n", f.point_lights, f.spot_lights,
-           f.directional_lights, f.emitters, f.environment ? "environment" : "no environment");
+           s->triangle_count, f.diffuse_triangles, f.glossy_triangles, f.mirror_triangles,
+           f.emissive_triangles, f.textured_triangles, f.masked_triangles);
+    if (s->bicubic_count)
+        printf("surfaces     %zu bicubic, whose triangles are among these\n", s->bicubic_count);
+    printf("vertices     %zu\nmaterials    %zu\ntextures     %zu\nobjects      %zu\n", s->vertex_count,
+           s->material_count, s->texture_count, s->object_count);
+    printf("lights       %zu point, %zu spot, %zu directional, %zu emissive triangles, %s\n", f.point_lights,
+           f.spot_lights, f.directional_lights, f.emitters, f.environment ? "environment" : "no environment");
     printf("box          %g %g %g .. %g %g %g, diagonal %g\n", (double)s->box_min.x, (double)s->box_min.y,
-           (double)s->box_min.z, (double)s->box_max.x, (double)s->box_max.y, (double)s->box_max.z, (double)s->diagonal);
+           (double)s->box_min.z, (double)s->box_max.x, (double)s->box_max.y, (double)s->box_max.z,
+           (double)s->diagonal);
     const sl_camera *c = &s->camera;
-    printf("camera       eye %g %g %g, looking along %g %g %g, %.4g degrees high\n", (double)c->eye.x, (double)c->eye.y,
-           (double)c->eye.z, -(double)c->back.x, -(double)c->back.y, -(double)c->back.z,
+    printf("camera       eye %g %g %g, looking along %g %g %g, %.4g degrees high\n", (double)c->eye.x,
+           (double)c->eye.y, (double)c->eye.z, -(double)c->back.x, -(double)c->back.y, -(double)c->back.z,
            (double)c->vertical_fov * 57.29577951308232);
-    printf("film         %d x %d\nanimated     %s\nhash         %016" PRIx64 "\n", s->film_width, s->film_height,
-           f.animated ? "yes" : "no", sl_scene_hash(s));
+    printf("film         %d x %d\nanimated     %s\nhash         %016" PRIx64 "\n", s->film_width,
+           s->film_height, f.animated ? "yes" : "no", sl_scene_hash(s));
 }
 
 static sl_status print_plan(const sl_scene *scene, const sl_settings *settings, sl_error *error) {
@@ -39,7 +41,8 @@ static sl_status print_plan(const sl_scene *scene, const sl_settings *settings, 
     return SL_OK;
 }
 
-/* Which method --method auto takes, whatever the one whose plan is asked for; and if that is auto, its plan. */
+/* Which method --method auto takes, whatever the one whose plan is asked for; and if that is auto, its plan.
+ */
 static sl_status print_choice(const sl_scene *scene, sl_settings *settings, sl_error *error) {
     sl_auto_budget budget = {.quality = settings->quality};
     sl_auto_choice choice;
@@ -56,9 +59,15 @@ int sl_command_info(int argc, char **argv) {
     sl_load_request reading = {0};
     sl_option options[SL_LOAD_OPTIONS + 1] = {0};
     sl_load_options_table(&reading, options);
-    const sl_command_line line = {"softlux info SCENE [options]",
-                                  "Prints what is in a scene, what loading had to repair, and which passes a method would run.",
-                                  NULL, options, 1, 1, &settings, NULL};
+    const sl_command_line line = {
+        "softlux info SCENE [options]",
+        "Prints what is in a scene, what loading had to repair, and which passes a method would run.",
+        NULL,
+        options,
+        1,
+        1,
+        &settings,
+        NULL};
     if (!sl_options_parse(&line, argc, argv, &path, &operands, &exit_status)) return exit_status;
     const sl_load_options load = sl_load_options_taken(&reading);
     sl_error error;
@@ -66,7 +75,8 @@ int sl_command_info(int argc, char **argv) {
     sl_status status = sl_scene_load_with(path, &load, &scene, &error);
     if (status == SL_OK) {
         print_scene(scene);
-        for (size_t i = 0; i < sl_scene_warning_count(scene); i++) printf("warning      %s\n", sl_scene_warning(scene, i));
+        for (size_t i = 0; i < sl_scene_warning_count(scene); i++)
+            printf("warning      %s\n", sl_scene_warning(scene, i));
         status = print_choice(scene, &settings, &error);
         if (status == SL_OK) status = print_plan(scene, &settings, &error);
         sl_scene_destroy(scene);

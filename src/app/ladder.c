@@ -1,7 +1,8 @@
-/* draft, normal and high are steps of every ladder; others stand between them, and above. Each trades time for error along the
- * settings that bound it: records and the samples of their gathers, photons and the voxels that hold them, the size of mesh
- * triangles; and always enough light samples that direct light is not what is left. Costs: what these settings take in the Cornell
- * box and in the atrium (splatting's draft, normal and high are 1, 3.6 and 18 there), and their counts where nothing was measured. */
+/* draft, normal and high are steps of every ladder; others stand between them, and above. Each trades time
+ * for error along the settings that bound it: records and the samples of their gathers, photons and the
+ * voxels that hold them, the size of mesh triangles; and always enough light samples that direct light is not
+ * what is left. Costs: what these settings take in the Cornell box and in the atrium (splatting's draft,
+ * normal and high are 1, 3.6 and 18 there), and their counts where nothing was measured. */
 #include "app/ladder.h"
 
 #include <string.h>
@@ -44,8 +45,9 @@ typedef struct map_step {
 } map_step;
 
 static const map_step map[] = {
-    {SL_QUALITY_DRAFT, 3, 1, 512, 1.0},    {SL_QUALITY_NORMAL, 6, 2, 512, 2.0},    {SL_QUALITY_HIGH, 8, 2, 512, 10.0},
-    {SL_QUALITY_HIGH, 8, 4, 1024, 40.0},   {SL_QUALITY_HIGH, 12, 6, 1024, 200.0},  {SL_QUALITY_HIGH, 16, 10, 1024, 1000.0},
+    {SL_QUALITY_DRAFT, 3, 1, 512, 1.0},    {SL_QUALITY_NORMAL, 6, 2, 512, 2.0},
+    {SL_QUALITY_HIGH, 8, 2, 512, 10.0},    {SL_QUALITY_HIGH, 8, 4, 1024, 40.0},
+    {SL_QUALITY_HIGH, 12, 6, 1024, 200.0}, {SL_QUALITY_HIGH, 16, 10, 1024, 1000.0},
 };
 
 typedef struct mesh_step {
@@ -56,9 +58,12 @@ typedef struct mesh_step {
 } mesh_step;
 
 static const mesh_step mesh[] = {
-    {SL_QUALITY_DRAFT, 2.0, 256.0, 32.0, 64, 3, 64, 1.0},  {SL_QUALITY_NORMAL, 1.4, 128.0, 22.0, 64, 4, 64, 2.0},
-    {SL_QUALITY_NORMAL, 1.0, 64.0, 16.0, 64, 4, 64, 3.0},  {SL_QUALITY_NORMAL, 0.7, 32.0, 11.0, 64, 4, 64, 6.0},
-    {SL_QUALITY_HIGH, 0.5, 16.0, 8.0, 128, 5, 64, 16.0},   {SL_QUALITY_HIGH, 0.25, 8.0, 6.0, 128, 5, 128, 40.0},
+    {SL_QUALITY_DRAFT, 2.0, 256.0, 32.0, 64, 3, 64, 1.0},
+    {SL_QUALITY_NORMAL, 1.4, 128.0, 22.0, 64, 4, 64, 2.0},
+    {SL_QUALITY_NORMAL, 1.0, 64.0, 16.0, 64, 4, 64, 3.0},
+    {SL_QUALITY_NORMAL, 0.7, 32.0, 11.0, 64, 4, 64, 6.0},
+    {SL_QUALITY_HIGH, 0.5, 16.0, 8.0, 128, 5, 64, 16.0},
+    {SL_QUALITY_HIGH, 0.25, 8.0, 6.0, 128, 5, 128, 40.0},
     {SL_QUALITY_HIGH, 0.1, 2.0, 2.0, 256, 6, 256, 200.0},
 };
 
@@ -70,8 +75,9 @@ typedef struct shading_step {
 } shading_step;
 
 static const shading_step shading[] = {
-    {SL_QUALITY_DRAFT, 0.03, 100, 64, 1.0},   {SL_QUALITY_NORMAL, 0.06, 200, 64, 4.0},  {SL_QUALITY_NORMAL, 0.12, 400, 64, 16.0},
-    {SL_QUALITY_HIGH, 0.25, 700, 128, 60.0},  {SL_QUALITY_HIGH, 0.5, 1200, 256, 200.0}, {SL_QUALITY_HIGH, 1.0, 4000, 512, 1300.0},
+    {SL_QUALITY_DRAFT, 0.03, 100, 64, 1.0},   {SL_QUALITY_NORMAL, 0.06, 200, 64, 4.0},
+    {SL_QUALITY_NORMAL, 0.12, 400, 64, 16.0}, {SL_QUALITY_HIGH, 0.25, 700, 128, 60.0},
+    {SL_QUALITY_HIGH, 0.5, 1200, 256, 200.0}, {SL_QUALITY_HIGH, 1.0, 4000, 512, 1300.0},
 };
 
 #define RUNGS(table) ((unsigned)(sizeof(table) / sizeof(table)[0]))

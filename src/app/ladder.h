@@ -6,7 +6,8 @@
 
 enum { SL_LADDER_MAX = 8 };
 
-/* How many steps, SL_LADDER_MAX at most; 0: the method refines one picture for as long as it is let (path, bidirectional). */
+/* How many steps, SL_LADDER_MAX at most; 0: the method refines one picture for as long as it is let (path,
+ * bidirectional). */
 unsigned sl_ladder_steps(const char *method);
 /* Where a quality stands on it. */
 unsigned sl_ladder_rung_of(const char *method, sl_quality quality);

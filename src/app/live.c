@@ -28,17 +28,27 @@ typedef struct show_options {
 static bool parse(int argc, char **argv, show_options *o, int *status) {
     enum { OWN = 12 };
     sl_option options[OWN + SL_LOAD_OPTIONS] = {0};
-    *o = (show_options){.tone = SL_TONE_REINHARD, .seconds = 5.0, .frames_per_second = 25.0, .settings = sl_settings_default()};
+    *o = (show_options){.tone = SL_TONE_REINHARD,
+                        .seconds = 5.0,
+                        .frames_per_second = 25.0,
+                        .settings = sl_settings_default()};
     o->settings.method = "shading-cache";
     const sl_option own[] = {
-        {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILES", "frame-%04d.png, or show.y4m, or - for such a stream [nothing is written]", 0, 0, NULL},
+        {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILES",
+         "frame-%04d.png, or show.y4m, or - for such a stream [nothing is written]", 0, 0, NULL},
         {"seconds", 0, SL_OPTION_REAL, &o->seconds, NULL, "S", "how long [5]", 1e-3, 1e9, NULL},
-        {"frames", 0, SL_OPTION_COUNT, &o->frames, NULL, "N", "or how many frames, however long they take", 1, 1e12, NULL},
-        {"at", 0, SL_OPTION_REAL, &o->at, NULL, "SECONDS", "time of the scene to begin with [0]", -1e9, 1e9, NULL},
-        {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F", "frames a second; 0: as many as can be [25]", 0, 1e4, NULL},
-        {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS", "times 2^STOPS [that of the first picture with light]", -64, 64, NULL},
-        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "clip or reinhard [reinhard]", 0, 0, "clip|reinhard"},
-        {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0, NULL},
+        {"frames", 0, SL_OPTION_COUNT, &o->frames, NULL, "N", "or how many frames, however long they take", 1,
+         1e12, NULL},
+        {"at", 0, SL_OPTION_REAL, &o->at, NULL, "SECONDS", "time of the scene to begin with [0]", -1e9, 1e9,
+         NULL},
+        {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F",
+         "frames a second; 0: as many as can be [25]", 0, 1e4, NULL},
+        {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS",
+         "times 2^STOPS [that of the first picture with light]", -64, 64, NULL},
+        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "clip or reinhard [reinhard]", 0, 0,
+         "clip|reinhard"},
+        {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0,
+         NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no report, no warnings", 0, 0, NULL},
     };
     _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
@@ -47,19 +57,24 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
     sl_load_options_table(&o->reading, options + count);
     const sl_command_line line = {
         "softlux live SCENE [-o FILES] [options]",
-        "Plays a scene's keyframes in real time: frames never wait for light, which comes from a thread of its own.",
+        "Plays a scene's keyframes in real time: frames never wait for light, which comes from a thread of "
+        "its own.",
         "The method is the shading cache where --method names no other: it alone shows what moves at once.\n"
         "What frames show depends on the clock; for the same pictures twice: softlux render --frames.\n"
         "Ctrl-C ends the show as its --seconds do: what was shown is whole, and the exit status 0.\n\n"
         "example: softlux live scenes/moving-light.json --seconds 10 -o - | ffplay -",
-        options, 1, 1, &o->settings, NULL};
+        options,
+        1,
+        1,
+        &o->settings,
+        NULL};
     int operands;
     if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
     o->load = sl_load_options_taken(&o->reading);
     return true;
 }
 
-/* ---- the display loop -------------------------------------------------------------------------------------------------------------- */
+/* ---- the display loop ------------------------------------------------------------------------ */
 
 /* Frames stand in slots of 1/fps; one that comes late for its slot stands in the one that it comes in. */
 typedef struct show {
@@ -72,7 +87,9 @@ typedef struct show {
     sl_show_report report;
 } show;
 
-static uint64_t slot_at(const show *s, double now) { return (uint64_t)((now - s->begin) * s->o->frames_per_second); }
+static uint64_t slot_at(const show *s, double now) {
+    return (uint64_t)((now - s->begin) * s->o->frames_per_second);
+}
 
 /* Waits for the next slot; returns how many there have been since the last one. */
 static uint64_t next_slot(show *s) {
@@ -90,7 +107,8 @@ static bool goes_on(const show *s) {
     return s->o->frames ? s->report.frames < s->o->frames : sl_seconds_now() - s->begin < s->o->seconds;
 }
 
-/* How long a change of light took from its move to the frame that shows it, which is drawn by now. Moves are made at the scene's time that the clock says. */
+/* How long a change of light took from its move to the frame that shows it, which is drawn by now. Moves are
+ * made at the scene's time that the clock says. */
 static void note_lag(show *s, uint64_t shown_before) {
     uint64_t more = s->report.last.changes_shown - shown_before;
     double lag = sl_seconds_now() - s->begin - (s->report.last.change_seconds - s->o->at);
@@ -114,20 +132,26 @@ static sl_status draw(show *s, const sl_image **frame, sl_error *error) {
 static sl_status one_frame(show *s, sl_error *error) {
     const sl_image *frame;
     uint64_t steps = next_slot(s);
-    double fps = s->o->frames_per_second, elapsed = fps > 0.0 ? (double)s->slot / fps : sl_seconds_now() - s->begin;
+    double fps = s->o->frames_per_second,
+           elapsed = fps > 0.0 ? (double)s->slot / fps : sl_seconds_now() - s->begin;
     sl_status status = sl_live_move(s->live, s->o->at + elapsed, error);
     if (status == SL_OK) status = draw(s, &frame, error);
-    return status == SL_OK ? sl_film_write(&s->film, frame, &s->tone, s->report.last.versions > 0, steps, error) : status;
+    return status == SL_OK
+               ? sl_film_write(&s->film, frame, &s->tone, s->report.last.versions > 0, steps, error)
+               : status;
 }
 
 /* Who looks at passes has their pictures made, and those are not in a method's account of its memory. */
-static bool are_stages_told(const show_options *o) { return !o->settings.memory_bytes && (o->json || !o->quiet); }
+static bool are_stages_told(const show_options *o) {
+    return !o->settings.memory_bytes && (o->json || !o->quiet);
+}
 
 static sl_status play(show *s, sl_scene *scene, sl_stages *stages, sl_error *error) {
     sl_settings settings = s->o->settings;
     if (are_stages_told(s->o)) settings.observer = &stages->observer;
     sl_status status = sl_live_start(scene, &settings, &s->live, error);
-    if (status == SL_OK && !s->o->quiet && *sl_live_reduction(s->live)) fprintf(stderr, "softlux: to keep within --memory: %s\n", sl_live_reduction(s->live));
+    if (status == SL_OK && !s->o->quiet && *sl_live_reduction(s->live))
+        fprintf(stderr, "softlux: to keep within --memory: %s\n", sl_live_reduction(s->live));
     s->begin = sl_seconds_now();
     while (status == SL_OK && goes_on(s)) status = one_frame(s, error);
     s->report.seconds = sl_seconds_now() - s->begin;
@@ -135,11 +159,14 @@ static sl_status play(show *s, sl_scene *scene, sl_stages *stages, sl_error *err
     return status;
 }
 
-/* ---- the command -------------------------------------------------------------------------------------------------------------------- */
+/* ---- the command ----------------------------------------------------------------------------- */
 
 static sl_status choose_method(show_options *o, const sl_scene *scene, sl_error *error) {
-    const sl_auto_budget budget = {.quality = o->settings.quality, .things_move = sl_scene_features(scene).animated};
-    return strcmp(o->settings.method, "auto") == 0 ? sl_auto_settle(scene, &budget, o->quiet, &o->settings, error) : SL_OK;
+    const sl_auto_budget budget = {.quality = o->settings.quality,
+                                   .things_move = sl_scene_features(scene).animated};
+    return strcmp(o->settings.method, "auto") == 0
+               ? sl_auto_settle(scene, &budget, o->quiet, &o->settings, error)
+               : SL_OK;
 }
 
 static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *error) {
@@ -148,10 +175,15 @@ static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *er
     int width = o->settings.width, height = o->settings.height;
     if (!width) sl_scene_film(scene, &width, &height);
     show s = {.o = o, .tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given}};
-    s.report = (sl_show_report){.scene = o->scene_path, .method = o->settings.method, .width = width, .height = height,
-                                .frames_per_second = o->frames_per_second, .stages = &stages};
+    s.report = (sl_show_report){.scene = o->scene_path,
+                                .method = o->settings.method,
+                                .width = width,
+                                .height = height,
+                                .frames_per_second = o->frames_per_second,
+                                .stages = &stages};
     sl_status status = sl_scene_set_time(scene, o->at, NULL, error);
-    if (status == SL_OK) status = sl_film_open(&s.film, o->output, width, height, o->frames_per_second, error);
+    if (status == SL_OK)
+        status = sl_film_open(&s.film, o->output, width, height, o->frames_per_second, error);
     if (status == SL_OK) status = play(&s, scene, &stages, error);
     sl_status closed = sl_film_close(&s.film, status == SL_OK, error);
     if (status == SL_OK) status = closed;
@@ -168,7 +200,8 @@ int sl_command_live(int argc, char **argv) {
     sl_scene *scene = NULL;
     sl_status status = sl_film_check(o.output, o.frames_per_second, &error);
     if (status == SL_OK && o.json && o.output && strcmp(o.output, "-") == 0) {
-        snprintf(error.message, sizeof error.message, "--json and --output -: both would go to standard output");
+        snprintf(error.message, sizeof error.message,
+                 "--json and --output -: both would go to standard output");
         status = SL_ERROR_USAGE;
     }
     if (status == SL_OK) status = sl_load_within_memory(o.scene_path, &o.load, &o.settings, &scene, &error);

@@ -29,12 +29,15 @@ static const struct {
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
 static void print_help(FILE *out) {
-    fprintf(out, "usage: softlux COMMAND ...\n\n"
-                 "Global illumination of triangle scenes on a CPU: deterministic, without a GPU.\n\ncommands:\n");
+    fprintf(out,
+            "usage: softlux COMMAND ...\n\n"
+            "Global illumination of triangle scenes on a CPU: deterministic, without a GPU.\n\ncommands:\n");
     for (size_t i = 0; i < COMMANDS; i++) fprintf(out, "  %-15s %s\n", commands[i].name, commands[i].summary);
-    fprintf(out, "\n`softlux COMMAND --help` tells more, `softlux help settings` every option of the methods; `softlux --version`\n"
+    fprintf(out, "\n`softlux COMMAND --help` tells more, `softlux help settings` every option of the "
+                 "methods; `softlux --version`\n"
                  "prints the version.\n"
-                 "Exit status: 0, 1 comparison failed, 2 usage, 3 input, 4 output, 5 resources; 128 + N where signal N (Ctrl-C: 2)\n"
+                 "Exit status: 0, 1 comparison failed, 2 usage, 3 input, 4 output, 5 resources; 128 + N "
+                 "where signal N (Ctrl-C: 2)\n"
                  "cut the work short: what was done by then is written.\n\n"
                  "example: softlux render scenes/cornell.json -o cornell.png\n");
 }
@@ -45,14 +48,17 @@ static void print_manual(void) {
     sl_print_program_manual(names, summaries, COMMANDS);
 }
 
-/* A stream that was closed leaves its number to the first file that is opened, and what is printed would go there. */
+/* A stream that was closed leaves its number to the first file that is opened, and what is printed would go
+ * there. */
 static void hold_standard_streams(void) {
     for (int stream = 0; stream < 3; stream++) {
-        if (fcntl(stream, F_GETFD) < 0) (void)!open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+        if (fcntl(stream, F_GETFD) < 0)
+            (void)!open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
     }
 }
 
-/* What was printed has to have arrived: a disk may be full. A command that failed has said its line, most likely of that. */
+/* What was printed has to have arrived: a disk may be full. A command that failed has said its line, most
+ * likely of that. */
 static int conclude(int status) {
     bool arrived = !ferror(stdout);
     if ((fflush(stdout) == 0 && arrived) || status > SL_EXIT_COMPARISON_FAILED) return status;
@@ -87,8 +93,8 @@ static int run(int argc, char **argv) {
         if (strcmp(argv[1], names[i]) == 0) return commands[i].run(argc - 2, argv + 2);
     }
     const char *near = sl_nearest_word(argv[1], names, COMMANDS);
-    fprintf(stderr, "softlux: unknown command '%s'%s%s; see softlux --help\n", argv[1], near ? "; did you mean " : "",
-            near ? near : "");
+    fprintf(stderr, "softlux: unknown command '%s'%s%s; see softlux --help\n", argv[1],
+            near ? "; did you mean " : "", near ? near : "");
     return SL_ERROR_USAGE;
 }
 

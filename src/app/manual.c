@@ -7,7 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Words as they stand: a dot or quote at a line's beginning would be a request, a backslash an escape, and a plain minus a hyphen. */
+/* Words as they stand: a dot or quote at a line's beginning would be a request, a backslash an escape, and a
+ * plain minus a hyphen. */
 static void print_text(const char *text) {
     bool line_begins = true;
     for (const char *c = text; *c; c++) {
@@ -46,7 +47,8 @@ static void print_option(char letter, const char *name, const char *unit, const 
 }
 
 static void print_exit_statuses(void) {
-    printf(".SH EXIT STATUS\n0 success, 1 a comparison or an error bound failed, 2 usage, 3 input, 4 output, 5 resources.\n"
+    printf(".SH EXIT STATUS\n0 success, 1 a comparison or an error bound failed, 2 usage, 3 input, 4 output, "
+           "5 resources.\n"
            "After a failure one line on standard error says what was expected, and where.\n");
 }
 
@@ -98,7 +100,8 @@ static void print_settings(void) {
 }
 
 void sl_print_program_manual(const char *const *names, const char *const *summaries, size_t count) {
-    print_heading("softlux", "global illumination of triangle scenes on a CPU, deterministic and without a GPU");
+    print_heading("softlux",
+                  "global illumination of triangle scenes on a CPU, deterministic and without a GPU");
     printf(".SH SYNOPSIS\nsoftlux \\fICOMMAND\\fR ...\n.SH COMMANDS\n");
     for (size_t i = 0; i < count; i++) {
         printf(".TP\n.BR softlux\\-%s (1)\n", names[i]);

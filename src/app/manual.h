@@ -1,4 +1,5 @@
-/* Manual pages, in the language of man(7), from the same tables as --help, so that the two cannot disagree. */
+/* Manual pages, in the language of man(7), from the same tables as --help, so that the two cannot disagree.
+ */
 #ifndef SL_APP_MANUAL_H
 #define SL_APP_MANUAL_H
 

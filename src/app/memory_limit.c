@@ -10,29 +10,37 @@
 
 /* Code and tables of libraries are resident, and no data. */
 static const double of_files = 16.0 * 0x1p20;
-/* Once threads run: stacks, and what allocators and Embree reserve without using it; Embree's first device alone 128 MB. */
+/* Once threads run: stacks, and what allocators and Embree reserve without using it; Embree's first device
+ * alone 128 MB. */
 static const double reserve = 192.0 * 0x1p20, reserve_of_thread = 24.0 * 0x1p20;
 
 static void limit_data(double most) {
     struct rlimit limit;
     if (SL_SANITIZED || getrlimit(RLIMIT_DATA, &limit) != 0) return;
-    limit.rlim_cur = limit.rlim_max == RLIM_INFINITY || most < (double)limit.rlim_max ? (rlim_t)most : limit.rlim_max;
+    limit.rlim_cur =
+        limit.rlim_max == RLIM_INFINITY || most < (double)limit.rlim_max ? (rlim_t)most : limit.rlim_max;
     setrlimit(RLIMIT_DATA, &limit); /* where it fails there is the method's own account */
 }
 
 static double while_rendering(const sl_settings *settings) {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    const double threads = settings->threads ? (double)settings->threads : processors > 0 ? (double)processors : 1.0;
+    const double threads = settings->threads ? (double)settings->threads
+                           : processors > 0  ? (double)processors
+                                             : 1.0;
     return (double)settings->memory_bytes + reserve + reserve_of_thread * threads;
 }
 
-sl_status sl_load_within_memory(const char *path, const sl_load_options *load, const sl_settings *settings, sl_scene **scene, sl_error *error) {
+sl_status sl_load_within_memory(const char *path, const sl_load_options *load, const sl_settings *settings,
+                                sl_scene **scene, sl_error *error) {
     if (settings->memory_bytes) limit_data(fmax((double)settings->memory_bytes - of_files, of_files));
     sl_status status = sl_scene_load_with(path, load, scene, error);
     if (settings->memory_bytes) limit_data(while_rendering(settings));
-    bool by_reader = status == SL_ERROR_INPUT && (strstr(error->message, "bad_alloc") || strstr(error->message, "llocation") || strstr(error->message, "memory"));
+    bool by_reader =
+        status == SL_ERROR_INPUT && (strstr(error->message, "bad_alloc") ||
+                                     strstr(error->message, "llocation") || strstr(error->message, "memory"));
     if (!settings->memory_bytes || (status != SL_ERROR_RESOURCES && !by_reader)) return status;
-    snprintf(error->message, sizeof error->message, "%s: %.0fM of memory are not enough to load it; give more memory", path,
+    snprintf(error->message, sizeof error->message,
+             "%s: %.0fM of memory are not enough to load it; give more memory", path,
              (double)settings->memory_bytes / 0x1p20);
     return error->status = SL_ERROR_RESOURCES;
 }

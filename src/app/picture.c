@@ -28,7 +28,8 @@ bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
     if (known && (!o->frames || sl_frame_pattern_is_good(o->output))) return true;
     error->status = SL_ERROR_USAGE;
     snprintf(error->message, sizeof error->message,
-             known ? "--output: for --frames expected a name with the frame's number in it, as frame-%%04d.png; got '%s'"
+             known ? "--output: for --frames expected a name with the frame's number in it, as "
+                     "frame-%%04d.png; got '%s'"
                    : "--output: expected a name that ends with .exr, .png or .pfm, got '%s'",
              o->output);
     return false;
@@ -53,10 +54,10 @@ static void draw_progress(double fraction, double seconds) {
     fflush(stderr);
 }
 
-/* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C. done_before: share of a
- * series that is there already. */
-sl_status sl_picture_run(const sl_render_options *o, sl_method *method, sl_progress *progress, double start, double done_before,
-                         sl_error *error) {
+/* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C.
+ * done_before: share of a series that is there already. */
+sl_status sl_picture_run(const sl_render_options *o, sl_method *method, sl_progress *progress, double start,
+                         double done_before, sl_error *error) {
     bool bar = !o->quiet && isatty(STDERR_FILENO);
     double drawn = 0.0, share = o->frames ? 1.0 / (double)o->frames : 1.0;
     sl_status status = SL_OK;
@@ -75,12 +76,16 @@ sl_status sl_picture_run(const sl_render_options *o, sl_method *method, sl_progr
 
 /* ---- writing ---- */
 
-sl_tone sl_picture_tone(const sl_render_options *o) { return (sl_tone){(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given}; }
+sl_tone sl_picture_tone(const sl_render_options *o) {
+    return (sl_tone){(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given};
+}
 
 /* Nothing of the clock goes into the file: the same picture is the same file. */
-sl_status sl_picture_write(const sl_render_options *o, const sl_image *image, const char *path, double *stops, sl_error *error) {
+sl_status sl_picture_write(const sl_render_options *o, const sl_image *image, const char *path, double *stops,
+                           sl_error *error) {
     *stops = sl_picture_is_png(path) ? sl_tone_stops(image, sl_picture_tone(o)) : 0.0;
-    return sl_picture_is_png(path) ? sl_image_write_png(image, path, sl_picture_tone(o), error) : sl_image_write(image, path, error);
+    return sl_picture_is_png(path) ? sl_image_write_png(image, path, sl_picture_tone(o), error)
+                                   : sl_image_write(image, path, error);
 }
 
 void sl_picture_add_tone(const sl_render_options *o, double stops, cJSON *json) {
@@ -104,7 +109,8 @@ void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl
                      const sl_image *image) {
     const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
     int length;
-    while (!o->quiet && (line = next_warning(&rest, &length))) fprintf(stderr, "softlux: warning: %.*s\n", length, line);
+    while (!o->quiet && (line = next_warning(&rest, &length)))
+        fprintf(stderr, "softlux: warning: %.*s\n", length, line);
     const char *reduced = sl_image_metadata(image, "softlux.concession");
     if (reduced && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", reduced);
     if (!o->quiet && (progress->done || progress->frame_done)) sl_tell_blank_picture(o, scene, image);
@@ -130,8 +136,9 @@ typedef struct written {
 } written;
 
 /* progress: NULL, or there are to be warnings. The caller destroys the picture. */
-static sl_status write_picture(const sl_render_options *o, const sl_scene *scene, sl_method *method, double start,
-                               const char *path, const sl_progress *progress, written *w, sl_error *error) {
+static sl_status write_picture(const sl_render_options *o, const sl_scene *scene, sl_method *method,
+                               double start, const char *path, const sl_progress *progress, written *w,
+                               sl_error *error) {
     sl_status status = sl_method_resolve(method, &w->image, error);
     if (status != SL_OK) return status;
     w->seconds = sl_seconds_now() - start;
@@ -139,8 +146,8 @@ static sl_status write_picture(const sl_render_options *o, const sl_scene *scene
     return sl_picture_write(o, w->image, path, &w->stops, error);
 }
 
-cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const sl_method *method, const sl_image *image,
-                       const sl_progress *progress, double seconds) {
+cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const sl_method *method,
+                       const sl_image *image, const sl_progress *progress, double seconds) {
     int width = o->settings.width, height = o->settings.height;
     if (!width) sl_scene_film(scene, &width, &height);
     cJSON *root = cJSON_CreateObject();
@@ -159,7 +166,8 @@ cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const 
     add_warnings(root, image);
     cJSON *counters = cJSON_AddObjectToObject(root, "counters");
     const sl_counters *c = sl_method_counters(method);
-    for (int i = 0; i < SL_COUNTERS; i++) cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
+    for (int i = 0; i < SL_COUNTERS; i++)
+        cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
     return root;
 }
 
@@ -173,18 +181,20 @@ void sl_picture_print_json(cJSON *root) {
 /* ---- a picture, a series ---- */
 
 /* A method, with the cache of another run where there is one. */
-static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_method **method, sl_error *error) {
+static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_method **method,
+                        sl_error *error) {
     sl_status status = sl_method_create(scene, &o->settings, method, error);
     if (status == SL_OK && (o->load_cache || o->save_cache) && !sl_method_keeps_cache(*method)) {
-        snprintf(error->message, sizeof error->message, "--%s-cache: %s keeps no cache", o->load_cache ? "load" : "save",
-                 o->settings.method);
+        snprintf(error->message, sizeof error->message, "--%s-cache: %s keeps no cache",
+                 o->load_cache ? "load" : "save", o->settings.method);
         status = error->status = SL_ERROR_USAGE;
     }
     if (status == SL_OK && o->load_cache) status = sl_method_load(*method, o->load_cache, error);
     return status;
 }
 
-static void print_picture(const sl_render_options *o, const sl_scene *scene, const sl_method *method, const sl_progress *progress, const written *w) {
+static void print_picture(const sl_render_options *o, const sl_scene *scene, const sl_method *method,
+                          const sl_progress *progress, const written *w) {
     cJSON *json = sl_picture_json(o, scene, method, w->image, progress, w->seconds);
     sl_picture_add_tone(o, w->stops, json);
     sl_picture_print_json(json);
@@ -194,7 +204,8 @@ static bool was_stopped(const sl_render_options *o, const sl_progress *progress)
     return sl_interrupted() && !progress->done && !(o->batches && progress->batches >= o->batches);
 }
 
-sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_render_end *end, sl_error *error) {
+sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_render_end *end,
+                            sl_error *error) {
     double start = sl_seconds_now();
     sl_method *method = NULL;
     sl_progress progress = {0};
@@ -217,7 +228,8 @@ sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, s
 }
 
 /* One line a frame. */
-static void print_frame(const sl_render_options *o, unsigned long long frame, const char *name, const written *w, uint64_t records, const sl_progress *progress) {
+static void print_frame(const sl_render_options *o, unsigned long long frame, const char *name,
+                        const written *w, uint64_t records, const sl_progress *progress) {
     cJSON *line = cJSON_CreateObject();
     cJSON_AddNumberToObject(line, "frame", (double)frame);
     cJSON_AddStringToObject(line, "output", name);
@@ -247,7 +259,8 @@ static sl_status render_frame(const sl_render_options *o, const sl_scene *scene,
         status = write_picture(o, scene, method, start, name, frame == 0 ? &progress : NULL, &w, error);
     }
     if (status == SL_OK && !sl_interrupted() && o->json)
-        print_frame(o, frame, name, &w, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, &progress);
+        print_frame(o, frame, name, &w, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before,
+                    &progress);
     sl_image_destroy(w.image);
     return status;
 }
@@ -261,7 +274,9 @@ sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_rende
     if (status == SL_OK) status = create(o, scene, &method, error);
     for (; status == SL_OK && frame < o->frames && !sl_interrupted(); frame++) {
         unsigned changes = 0;
-        if (frame) status = sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes, error);
+        if (frame)
+            status = sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes,
+                                       error);
         if (status == SL_OK && changes) status = sl_method_edit(method, changes, error);
         if (status == SL_OK) status = render_frame(o, scene, method, frame, begin, error);
         whole += !sl_interrupted();

@@ -1,4 +1,5 @@
-/* What `softlux render` does once it knows what is wanted: run a method and write its pictures, one or a series. */
+/* What `softlux render` does once it knows what is wanted: run a method and write its pictures, one or a
+ * series. */
 #ifndef SL_APP_PICTURE_H
 #define SL_APP_PICTURE_H
 
@@ -25,7 +26,8 @@ typedef struct sl_render_options {
     sl_load_options load;      /* points into it */
 } sl_render_options;
 
-/* Whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where the frame's number goes. */
+/* Whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where the
+ * frame's number goes. */
 bool sl_output_is_known(const sl_render_options *options, sl_error *error);
 /* Fails where the picture, the first of a series or the cache could not be written. */
 sl_status sl_output_is_open(const sl_render_options *options, sl_error *error);
@@ -37,27 +39,33 @@ typedef enum sl_render_end {
 } sl_render_end;
 
 /* One picture of the scene as it stands. *end is left alone where all is done. */
-sl_status sl_render_picture(const sl_render_options *options, const sl_scene *scene, sl_render_end *end, sl_error *error);
-/* A series: the scene at at_seconds, then a frame's time later, and so on. What the method keeps between frames it keeps. */
-sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl_render_end *end, sl_error *error);
+sl_status sl_render_picture(const sl_render_options *options, const sl_scene *scene, sl_render_end *end,
+                            sl_error *error);
+/* A series: the scene at at_seconds, then a frame's time later, and so on. What the method keeps between
+ * frames it keeps. */
+sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl_render_end *end,
+                           sl_error *error);
 
 /* ---- what pictures made in other ways share (app/target.c) ---- */
 
-/* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C; with a progress bar. */
-sl_status sl_picture_run(const sl_render_options *options, sl_method *method, sl_progress *progress, double start, double done_before,
-                         sl_error *error);
-/* Tells on stderr what the method found out on its way, and of a finished picture whether there is anything to be seen. */
+/* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C; with
+ * a progress bar. */
+sl_status sl_picture_run(const sl_render_options *options, sl_method *method, sl_progress *progress,
+                         double start, double done_before, sl_error *error);
+/* Tells on stderr what the method found out on its way, and of a finished picture whether there is anything
+ * to be seen. */
 void sl_picture_warn(const sl_render_options *options, const sl_scene *scene, const sl_progress *progress,
                      const sl_image *image);
 /* *stops: the exposure that a PNG was given. */
-sl_status sl_picture_write(const sl_render_options *options, const sl_image *image, const char *path, double *stops, sl_error *error);
+sl_status sl_picture_write(const sl_render_options *options, const sl_image *image, const char *path,
+                           double *stops, sl_error *error);
 /* Adds to --json how radiance became the 8 bits of a PNG; nothing for other formats. */
 void sl_picture_add_tone(const sl_render_options *options, double stops, cJSON *json);
 bool sl_picture_is_png(const char *path);
 sl_tone sl_picture_tone(const sl_render_options *options);
 /* What was done, for --json; printing deletes it. */
-cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method, const sl_image *image,
-                       const sl_progress *progress, double seconds);
+cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method,
+                       const sl_image *image, const sl_progress *progress, double seconds);
 void sl_picture_print_json(cJSON *json);
 
 #endif

@@ -11,27 +11,40 @@
 #include <stdio.h>
 #include <string.h>
 
-static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, const char **error_text, int *status) {
+static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, const char **error_text,
+                  int *status) {
     enum { OWN = 18 };
     sl_option options[OWN + SL_LOAD_OPTIONS] = {0};
-    *o = (sl_render_options){.tone = SL_TONE_REINHARD, .output = "out.exr", .frames_per_second = 25.0, .settings = sl_settings_default()};
+    *o = (sl_render_options){.tone = SL_TONE_REINHARD,
+                             .output = "out.exr",
+                             .frames_per_second = 25.0,
+                             .settings = sl_settings_default()};
     const sl_option own[] = {
-        {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILE", "picture to write: .exr, .png or .pfm [out.exr]", 0, 0, NULL},
-        {"load-cache", 0, SL_OPTION_TEXT, &o->load_cache, NULL, "FILE", "splatting: start with the records of another run", 0, 0, NULL},
-        {"save-cache", 0, SL_OPTION_TEXT, &o->save_cache, NULL, "FILE", "splatting: keep the records for another run", 0, 0, NULL},
+        {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILE",
+         "picture to write: .exr, .png or .pfm [out.exr]", 0, 0, NULL},
+        {"load-cache", 0, SL_OPTION_TEXT, &o->load_cache, NULL, "FILE",
+         "splatting: start with the records of another run", 0, 0, NULL},
+        {"save-cache", 0, SL_OPTION_TEXT, &o->save_cache, NULL, "FILE",
+         "splatting: keep the records for another run", 0, 0, NULL},
         {"error", 0, SL_OPTION_TEXT, error_text, NULL, "E",
          "refine until the relative RMSE is within E (0.05 or 5%), with 95 % confidence", 0, 0, NULL},
         {"time", 0, SL_OPTION_REAL, &o->time_seconds, NULL, "SECONDS",
-         "the best picture within that; with --quality or --batches: stop at the first batch that ends later", 1e-3, 1e9, NULL},
+         "the best picture within that; with --quality or --batches: stop at the first batch that ends later",
+         1e-3, 1e9, NULL},
         {"batches", 0, SL_OPTION_COUNT, &o->batches, NULL, "N", "stop after N batches", 1, 1e15, NULL},
-        {"at", 0, SL_OPTION_REAL, &o->at_seconds, at_given, "SECONDS", "time of an animated scene [0]", -1e9, 1e9, NULL},
+        {"at", 0, SL_OPTION_REAL, &o->at_seconds, at_given, "SECONDS", "time of an animated scene [0]", -1e9,
+         1e9, NULL},
         {"frames", 0, SL_OPTION_COUNT, &o->frames, NULL, "N",
-         "a series of N pictures of an animated scene; --output names the number, as frame-%04d.png", 1, 1e9, NULL},
-        {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F", "frames for each second of the scene's time [25]", 1e-3, 1e6, NULL},
-        {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS", "PNG: times 2^STOPS [automatic]", -64, 64,
+         "a series of N pictures of an animated scene; --output names the number, as frame-%04d.png", 1, 1e9,
          NULL},
-        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "PNG: clip or reinhard [reinhard]", 0, 0, "clip|reinhard"},
-        {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0, NULL},
+        {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F",
+         "frames for each second of the scene's time [25]", 1e-3, 1e6, NULL},
+        {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS",
+         "PNG: times 2^STOPS [automatic]", -64, 64, NULL},
+        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "PNG: clip or reinhard [reinhard]", 0, 0,
+         "clip|reinhard"},
+        {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0,
+         NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
     };
     _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
@@ -41,16 +54,27 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
     const sl_command_line line = {
         "softlux render SCENE [-o FILE] [options]",
         "Renders a scene: a JSON scene file, or a mesh file (OBJ, glTF, PLY, ...).",
-        "--error and --time without --quality begin with coarse settings and go on to finer ones (path and bidirectional:\n"
-        "more samples); options that are given stay as they are, and --error begins at a given --quality. The error is that\n"
-        "against a converged picture of the same light paths, estimated from path traced probe pixels: no reference is needed.\n"
-        "It is relative to the mean of the surfaces that are seen, without the pixels that show lamps or the sky themselves.\n"
-        "Where a method does not get within E its best picture is written all the same, and the exit status is 1.\n\n"
-        "Ctrl-C (SIGINT), SIGTERM and SIGHUP write what is done so far and say so by the exit status: 128 + the signal's number\n"
-        "(130 for Ctrl-C), also of a series, whose whole frames are kept. A second one ends the program at once. A picture stopped by --time can be had again, bit for bit, with the settings\n"
+        "--error and --time without --quality begin with coarse settings and go on to finer ones (path and "
+        "bidirectional:\n"
+        "more samples); options that are given stay as they are, and --error begins at a given --quality. "
+        "The error is that\n"
+        "against a converged picture of the same light paths, estimated from path traced probe pixels: no "
+        "reference is needed.\n"
+        "It is relative to the mean of the surfaces that are seen, without the pixels that show lamps or the "
+        "sky themselves.\n"
+        "Where a method does not get within E its best picture is written all the same, and the exit status "
+        "is 1.\n\n"
+        "Ctrl-C (SIGINT), SIGTERM and SIGHUP write what is done so far and say so by the exit status: 128 + "
+        "the signal's number\n"
+        "(130 for Ctrl-C), also of a series, whose whole frames are kept. A second one ends the program at "
+        "once. A picture stopped by --time can be had again, bit for bit, with the settings\n"
         "that its metadata tells, and --batches with the number in softlux.batches.\n\n"
         "example: softlux render scenes/cornell.json -q high -o cornell.exr",
-        options, 1, 1, &o->settings, &o->quality_given};
+        options,
+        1,
+        1,
+        &o->settings,
+        &o->quality_given};
     int operands;
     *at_given = false;
     *error_text = NULL;
@@ -73,19 +97,32 @@ static void print_warnings(const sl_scene *scene) {
 static bool take_error(sl_render_options *o, const char *text) {
     if (!text) return true;
     if (!sl_parse_error_share(text, &o->error)) {
-        fprintf(stderr, "softlux: --error: expected a share of 0.00001 to 10, as 0.05 or 5%%, got '%s'\n", text);
+        fprintf(stderr, "softlux: --error: expected a share of 0.00001 to 10, as 0.05 or 5%%, got '%s'\n",
+                text);
         return false;
     }
-    const char *other = o->frames ? "--frames" : o->batches ? "--batches" : o->load_cache ? "--load-cache" : o->save_cache ? "--save-cache" : NULL;
-    if (other) fprintf(stderr, "softlux: --error: a picture's settings are not known beforehand, so %s does not go with it\n", other);
+    const char *other = o->frames       ? "--frames"
+                        : o->batches    ? "--batches"
+                        : o->load_cache ? "--load-cache"
+                        : o->save_cache ? "--save-cache"
+                                        : NULL;
+    if (other)
+        fprintf(
+            stderr,
+            "softlux: --error: a picture's settings are not known beforehand, so %s does not go with it\n",
+            other);
     return !other;
 }
 
 /* A series has all its frames finished; of --time the choice of a method may make use. */
 static bool take_frames(const sl_render_options *o) {
     const bool chooses = strcmp(o->settings.method, "auto") == 0;
-    const char *other = !o->frames ? NULL : o->batches ? "--batches" : o->time_seconds > 0.0 && !chooses ? "--time" : NULL;
-    if (other) fprintf(stderr, "softlux: --frames: every frame is finished, so %s does not go with it\n", other);
+    const char *other = !o->frames                          ? NULL
+                        : o->batches                        ? "--batches"
+                        : o->time_seconds > 0.0 && !chooses ? "--time"
+                                                            : NULL;
+    if (other)
+        fprintf(stderr, "softlux: --frames: every frame is finished, so %s does not go with it\n", other);
     return !other;
 }
 
@@ -100,7 +137,8 @@ static sl_status do_things_move(const sl_render_options *o, sl_scene *scene, boo
 }
 
 static sl_status choose_method(sl_render_options *o, sl_scene *scene, sl_error *error) {
-    sl_auto_budget budget = {.error = o->error, .time_seconds = o->time_seconds, .quality = o->settings.quality};
+    sl_auto_budget budget = {
+        .error = o->error, .time_seconds = o->time_seconds, .quality = o->settings.quality};
     if (strcmp(o->settings.method, "auto") != 0) return SL_OK;
     sl_status status = do_things_move(o, scene, &budget.things_move, error);
     return status == SL_OK ? sl_auto_settle(scene, &budget, o->quiet, &o->settings, error) : status;
@@ -117,7 +155,8 @@ static sl_status render(sl_render_options *o, sl_scene *scene, sl_render_end *en
 /* A cache may be kept in the file that it came from. */
 static bool loses_nothing(const sl_render_options *o) {
     const char *const read[] = {o->load_cache}, *const others[] = {o->output};
-    return sl_is_file_of_its_own("output", o->output, read, 1) && sl_is_file_of_its_own("save-cache", o->save_cache, others, 1);
+    return sl_is_file_of_its_own("output", o->output, read, 1) &&
+           sl_is_file_of_its_own("save-cache", o->save_cache, others, 1);
 }
 
 int sl_command_render(int argc, char **argv) {
@@ -143,5 +182,7 @@ int sl_command_render(int argc, char **argv) {
     }
     sl_scene_destroy(scene);
     if (status != SL_OK) return report(&error);
-    return end == SL_RENDER_STOPPED ? sl_interrupted_status() : end == SL_RENDER_MISSED ? SL_EXIT_COMPARISON_FAILED : 0;
+    return end == SL_RENDER_STOPPED  ? sl_interrupted_status()
+           : end == SL_RENDER_MISSED ? SL_EXIT_COMPARISON_FAILED
+                                     : 0;
 }

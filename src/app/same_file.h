@@ -8,10 +8,11 @@
 
 /* False, and a line on stderr, if the option's file is one of the others. NULL is none. */
 bool sl_is_file_of_its_own(const char *option, const char *file, const char *const others[], int count);
-/* A usage error if a file to be written is one that the scene was read from, whether the command line names that or not. The file may be a pattern as
- * frame-%04d.png, of which any number counts. NULL is none. */
+/* A usage error if a file to be written is one that the scene was read from, whether the command line names
+ * that or not. The file may be a pattern as frame-%04d.png, of which any number counts. NULL is none. */
 sl_status sl_spare_scene(const sl_scene *scene, const char *option, const char *file, sl_error *error);
 /* The same for a file of that name in the option's folder. */
-sl_status sl_spare_scene_in(const sl_scene *scene, const char *option, const char *folder, const char *name, sl_error *error);
+sl_status sl_spare_scene_in(const sl_scene *scene, const char *option, const char *folder, const char *name,
+                            sl_error *error);
 
 #endif

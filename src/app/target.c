@@ -1,6 +1,7 @@
-/* Climbing a method's ladder of settings from its first step until a picture's error is within what was asked for, or the next would
- * not be done in time. Methods that refine one picture are looked at on the way, too, after numbers of batches that grow
- * geometrically. Without --time nothing here knows a clock: the same bits at any number of threads. */
+/* Climbing a method's ladder of settings from its first step until a picture's error is within what was asked
+ * for, or the next would not be done in time. Methods that refine one picture are looked at on the way, too,
+ * after numbers of batches that grow geometrically. Without --time nothing here knows a clock: the same bits
+ * at any number of threads. */
 #include "app/target.h"
 
 #include "app/clock.h"
@@ -14,16 +15,19 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A step's time is foretold from the one before; what is foretold to take more than that share of the time left is not begun. */
+/* A step's time is foretold from the one before; what is foretold to take more than that share of the time
+ * left is not begun. */
 static const double trusted_share = 0.8;
-/* A step has about 1.4 times less error than the one below; jumps reckon with more, so as not to jump too far: all steps below one together take
- * about as long as it, and one too far up takes several times that. */
+/* A step has about 1.4 times less error than the one below; jumps reckon with more, so as not to jump too
+ * far: all steps below one together take about as long as it, and one too far up takes several times that. */
 static const double error_a_step = 1.7, cost_of_a_jump = 4.5;
 /* Probes may take as many rays as a picture, and about a second's in any case. */
 static const double probe_rays_at_least = 3e6;
-/* A picture with more than this of E can hardly be promised to be within it, a perfect one not by probes that alone leave more than that. */
+/* A picture with more than this of E can hardly be promised to be within it, a perfect one not by probes that
+ * alone leave more than that. */
 static const double too_near = 0.75, hardly_promised = 0.8;
-/* Settings that are finer in all that limits the error, and leave more of it than this: the method's own limit. */
+/* Settings that are finer in all that limits the error, and leave more of it than this: the method's own
+ * limit. */
 static const double worthwhile = 0.9;
 
 typedef struct candidate {
@@ -46,7 +50,8 @@ typedef struct climb {
     sl_image *last;           /* the colours of the last step's picture, */
     unsigned last_step;
     sl_error_estimate judged; /* what this step's came to, */
-    double left;              /* and how much of the error is left at least; 0 where settings did not differ in all that limits it */
+    /* and how much of the error is left at least; 0 where settings did not differ in all that limits it */
+    double left;
     double effort_before, effort; /* of all steps before, and of this one, in rays */
     char why[160];         /* it was not within the error */
     double rung_seconds[2], rung_cost[2]; /* of the last two finished */
@@ -75,29 +80,33 @@ bool sl_parse_error_share(const char *text, double *share) {
 
 static bool is_tracer(const climb *c) { return c->steps == 0; }
 
-/* ---- what a picture's error is ------------------------------------------------------------------------------------------- */
+/* ---- what a picture's error is --------------------------------------------------------------- */
 
 /* The path tracer's own halves cannot know of light that no path from the eye finds. */
 static bool path_is_blind(const climb *c) {
     sl_features f = sl_scene_features(c->scene);
     bool full = !c->asked.transport || strcmp(c->asked.transport, "full") == 0;
-    return strcmp(c->asked.method, "path") == 0 && full && f.mirror_triangles && f.point_lights + f.spot_lights + f.directional_lights > 0;
+    return strcmp(c->asked.method, "path") == 0 && full && f.mirror_triangles &&
+           f.point_lights + f.spot_lights + f.directional_lights > 0;
 }
 
 /* Probes shall take no longer than this step's picture. */
 static uint64_t affordable_rays(const climb *c) { return (uint64_t)fmax(c->effort, probe_rays_at_least); }
 
 static sl_status judge(climb *c, const sl_image *image, sl_error_estimate *e, sl_error *error) {
-    if (!is_tracer(c)) return sl_error_probe_judge(c->probe, image, c->o->error, affordable_rays(c), e, error);
+    if (!is_tracer(c))
+        return sl_error_probe_judge(c->probe, image, c->o->error, affordable_rays(c), e, error);
     sl_status status = sl_error_estimate_from_halves(image, sl_error_probe_surfaces(c->probe), e, error);
     e->blind = path_is_blind(c);
     return status;
 }
 
 static sl_status stamp(const climb *c, sl_image *image, const sl_error_estimate *e, sl_error *error) {
-    const struct { const char *key; double value; } values[] = {
-        {"softlux.error.asked", c->o->error}, {"softlux.error.estimate", e->rel_rmse}, {"softlux.error.bound", e->bound},
-        {"softlux.error.least", e->least},    {"softlux.error.probes", (double)e->probes}, {"softlux.error.samples", (double)e->samples},
+    const struct { const char *key; double value;
+    } values[] = {
+        {"softlux.error.asked", c->o->error},        {"softlux.error.estimate", e->rel_rmse},
+        {"softlux.error.bound", e->bound},           {"softlux.error.least", e->least},
+        {"softlux.error.probes", (double)e->probes}, {"softlux.error.samples", (double)e->samples},
     };
     sl_status status = SL_OK;
     for (size_t i = 0; i < sizeof values / sizeof values[0] && status == SL_OK; i++) {
@@ -105,7 +114,8 @@ static sl_status stamp(const climb *c, sl_image *image, const sl_error_estimate 
         snprintf(text, sizeof text, "%.9g", values[i].value);
         status = sl_image_set_metadata(image, values[i].key, text, error);
     }
-    if (status == SL_OK && e->blind) status = sl_image_set_metadata(image, "softlux.error.blind", "true", error);
+    if (status == SL_OK && e->blind)
+        status = sl_image_set_metadata(image, "softlux.error.blind", "true", error);
     return status;
 }
 
@@ -121,7 +131,7 @@ static void add_json(const climb *c, cJSON *root, const sl_error_estimate *e) {
     cJSON_AddBoolToObject(object, "blind", e->blind);
 }
 
-/* ---- one step ------------------------------------------------------------------------------------------------------------ */
+/* ---- one step -------------------------------------------------------------------------------- */
 
 static void release(candidate *p) {
     sl_image_destroy(p->image);
@@ -130,15 +140,19 @@ static void release(candidate *p) {
 }
 
 static bool is_better(const climb *c, const candidate *p) {
-    if (!c->best.image || !(c->o->error > 0.0) || is_tracer(c)) return true; /* finer settings, more samples */
-    return p->estimate.rel_rmse < c->best.estimate.rel_rmse || p->estimate.bound <= c->o->error; /* mostly the same probes: bounds share their noise */
+    /* finer settings, more samples */
+    if (!c->best.image || !(c->o->error > 0.0) || is_tracer(c)) return true;
+    /* mostly the same probes: bounds share their noise */
+    return p->estimate.rel_rmse < c->best.estimate.rel_rmse || p->estimate.bound <= c->o->error;
 }
 
 static void tell(const climb *c, const candidate *p) {
     if (c->o->quiet || !isatty(STDERR_FILENO)) return;
     if (c->steps) fprintf(stderr, "step %u of %u", p->step + 1, c->steps);
     else fprintf(stderr, "%llu samples a pixel", (unsigned long long)p->progress.batches);
-    if (c->o->error > 0.0) fprintf(stderr, ": error about %.3g %%, at most %.3g %%", 100.0 * p->estimate.rel_rmse, 100.0 * p->estimate.bound);
+    if (c->o->error > 0.0)
+        fprintf(stderr, ": error about %.3g %%, at most %.3g %%", 100.0 * p->estimate.rel_rmse,
+                100.0 * p->estimate.bound);
     fprintf(stderr, "\n");
 }
 
@@ -148,8 +162,10 @@ static sl_status hold_against_last(climb *c, const sl_image *image, unsigned ste
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     sl_status status = SL_OK;
     c->left = 0.0;
-    if (c->last && c->last_step >= sl_ladder_refines_all_from(c->asked.method)) status = sl_error_probe_left(c->probe, c->last, image, &c->left, error);
-    if (status == SL_OK && !c->last) status = sl_image_create(image->width, image->height, 3, names, &c->last, error);
+    if (c->last && c->last_step >= sl_ladder_refines_all_from(c->asked.method))
+        status = sl_error_probe_left(c->probe, c->last, image, &c->left, error);
+    if (status == SL_OK && !c->last)
+        status = sl_image_create(image->width, image->height, 3, names, &c->last, error);
     for (size_t i = 0; status == SL_OK && i < 3; i++)
         memcpy(c->last->planes + i * pixels, sl_image_channel(image, names[i]), pixels * sizeof(float));
     c->last_step = step;
@@ -157,8 +173,8 @@ static sl_status hold_against_last(climb *c, const sl_image *image, unsigned ste
 }
 
 /* The picture as it is now: its error, and whether it is the best so far. */
-static sl_status consider(climb *c, const sl_render_options *o, sl_method *method, const sl_progress *progress, unsigned step,
-                          sl_error *error) {
+static sl_status consider(climb *c, const sl_render_options *o, sl_method *method,
+                          const sl_progress *progress, unsigned step, sl_error *error) {
     candidate p = {.progress = *progress, .step = step};
     sl_status status = sl_method_resolve(method, &p.image, error);
     if (status != SL_OK) return status;
@@ -170,7 +186,8 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
         if (status == SL_OK) status = stamp(c, p.image, &p.estimate, error);
         if (status == SL_OK) add_json(c, p.json, &p.estimate);
         c->reached = status == SL_OK && p.estimate.bound <= c->o->error;
-        if (status == SL_OK && c->steps && progress->done && !c->reached) status = hold_against_last(c, p.image, step, error);
+        if (status == SL_OK && c->steps && progress->done && !c->reached)
+            status = hold_against_last(c, p.image, step, error);
     }
     c->judged = p.estimate;
     if (status == SL_OK) tell(c, &p);
@@ -188,12 +205,14 @@ static uint64_t next_look(const climb *c, uint64_t batches) {
     enum { FIRST = 16, FIRST_SAMPLES = 4 };
     if (!batches) return is_tracer(c) ? FIRST_SAMPLES : FIRST;
     if (!is_tracer(c)) return 2 * batches;
-    double ratio = c->judged.bound / c->o->error, needed = 1.05 * (double)batches * ratio * ratio, most = 2.0 * (double)batches;
+    double ratio = c->judged.bound / c->o->error, needed = 1.05 * (double)batches * ratio * ratio,
+           most = 2.0 * (double)batches;
     return needed < most ? (needed > (double)batches ? (uint64_t)needed + 1 : batches + 1) : (uint64_t)most;
 }
 
 static bool refines(const climb *c) {
-    return is_tracer(c) || strcmp(c->asked.method, "multi-mesh") == 0 || strcmp(c->asked.method, "shading-cache") == 0;
+    return is_tracer(c) || strcmp(c->asked.method, "multi-mesh") == 0 ||
+           strcmp(c->asked.method, "shading-cache") == 0;
 }
 
 static sl_status climb_step(climb *c, unsigned step, sl_error *error) {
@@ -222,12 +241,13 @@ static sl_status climb_step(climb *c, unsigned step, sl_error *error) {
     return SL_OK;
 }
 
-/* ---- which one next ------------------------------------------------------------------------------------------------------ */
+/* ---- which one next -------------------------------------------------------------------------- */
 
-/* From one step: as the ladder's costs grow, which is too much, since part of a picture's time is the same on every step. From two: the
- * line through them. */
+/* From one step: as the ladder's costs grow, which is too much, since part of a picture's time is the same on
+ * every step. From two: the line through them. */
 static double foretold_seconds(const climb *c, unsigned step) {
-    double cost = sl_ladder_cost(c->asked.method, step), last = c->rung_seconds[1], by_cost = last * cost / c->rung_cost[1];
+    double cost = sl_ladder_cost(c->asked.method, step), last = c->rung_seconds[1],
+           by_cost = last * cost / c->rung_cost[1];
     if (c->finished < 2 || c->rung_cost[1] <= c->rung_cost[0]) return by_cost;
     double slope = (last - c->rung_seconds[0]) / (c->rung_cost[1] - c->rung_cost[0]);
     double foretold = last + (slope > 0.0 ? slope : 0.0) * (cost - c->rung_cost[1]);
@@ -240,7 +260,9 @@ static unsigned next_step(const climb *c, unsigned step) {
     if (c->o->error > 0.0) {
         const double most = cost_of_a_jump * sl_ladder_cost(c->asked.method, step);
         double ratio = c->judged.rel_rmse / c->o->error;
-        for (; ratio > error_a_step * error_a_step && next + 1 < c->steps && sl_ladder_cost(c->asked.method, next + 1) <= most; next++)
+        for (; ratio > error_a_step * error_a_step && next + 1 < c->steps &&
+               sl_ladder_cost(c->asked.method, next + 1) <= most;
+             next++)
             ratio /= error_a_step;
     } else {
         next = c->steps - 1;
@@ -252,18 +274,20 @@ static unsigned next_step(const climb *c, unsigned step) {
     return next > step ? next : c->steps;
 }
 
-/* ---- whether there is any use in it -------------------------------------------------------------------------------------- */
+/* ---- whether there is any use in it ---------------------------------------------------------- */
 
 static double probe_rays(const climb *c) {
     const sl_counters *probes = sl_error_probe_counters(c->probe);
     return (double)(probes->value[SL_COUNT_RAYS] + probes->value[SL_COUNT_SHADOW_RAYS]);
 }
 
-/* The picture may do, but even of a perfect one the next step's probes would not tell: their noise falls with the root of their number. Pictures
- * that take less than the probes go on all the same. */
+/* The picture may do, but even of a perfect one the next step's probes would not tell: their noise falls with
+ * the root of their number. Pictures that take less than the probes go on all the same. */
 static bool bound_cannot_follow(const climb *c, unsigned step) {
-    double next = c->effort * sl_ladder_cost(c->asked.method, step + 1) / sl_ladder_cost(c->asked.method, step);
-    double pictures = c->effort_before + c->effort, probes = probe_rays(c), ratio = c->judged.resolution / (hardly_promised * c->o->error);
+    double next =
+        c->effort * sl_ladder_cost(c->asked.method, step + 1) / sl_ladder_cost(c->asked.method, step);
+    double pictures = c->effort_before + c->effort, probes = probe_rays(c),
+           ratio = c->judged.resolution / (hardly_promised * c->o->error);
     bool may_do = c->judged.least <= too_near * c->o->error, cheap = pictures + next < probes;
     return may_do && !cheap && probes * ratio * ratio > fmax(next, probe_rays_at_least);
 }
@@ -281,15 +305,17 @@ static bool is_in_vain(climb *c, unsigned step) {
     if (c->judged.nonfinite)
         snprintf(c->why, sizeof c->why, "with values that are no numbers, for which nothing is promised");
     else if (step + 1 < c->steps && bound_cannot_follow(c, step))
-        snprintf(c->why, sizeof c->why, "and probes that take no longer than the pictures can promise no more");
+        snprintf(c->why, sizeof c->why,
+                 "and probes that take no longer than the pictures can promise no more");
     else if (step + 1 < c->steps && c->left > worthwhile && ends_above(c, step))
-        snprintf(c->why, sizeof c->why, "and with finer settings at least %d %% of the error was left", (int)(100.0 * c->left));
+        snprintf(c->why, sizeof c->why, "and with finer settings at least %d %% of the error was left",
+                 (int)(100.0 * c->left));
     else
         return false;
     return true;
 }
 
-/* ---- all together -------------------------------------------------------------------------------------------------------- */
+/* ---- all together ---------------------------------------------------------------------------- */
 
 static sl_status prepare(climb *c, sl_error *error) {
     enum { NO_END = 100000000 };
@@ -304,16 +330,21 @@ static sl_status climb_all(climb *c, sl_error *error) {
     sl_status status;
     do {
         status = climb_step(c, step, error);
-        if (status != SL_OK || !c->steps || c->reached || c->out_of_time || sl_interrupted() || is_in_vain(c, step)) break;
+        if (status != SL_OK || !c->steps || c->reached || c->out_of_time || sl_interrupted() ||
+            is_in_vain(c, step))
+            break;
         c->effort_before += c->effort;
         c->effort = 0.0;
-        snprintf(c->why, sizeof c->why, step + 1 == c->steps ? "by its finest settings" : "and finer settings would not be done in time");
+        snprintf(c->why, sizeof c->why,
+                 step + 1 == c->steps ? "by its finest settings"
+                                      : "and finer settings would not be done in time");
         step = next_step(c, step);
     } while (step < c->steps);
     return status;
 }
 
-/* By counts, so that it is the same on every machine: of the picture written, of all steps together, and of the probes. */
+/* By counts, so that it is the same on every machine: of the picture written, of all steps together, and of
+ * the probes. */
 static void add_effort(const climb *c) {
     cJSON *object = cJSON_AddObjectToObject(cJSON_GetObjectItem(c->best.json, "error"), "effort_in_rays");
     cJSON_AddNumberToObject(object, "picture", c->best.effort);
@@ -325,17 +356,23 @@ static void say_how_it_ended(const climb *c) {
     const sl_render_options *o = c->o;
     const candidate *p = &c->best;
     if (o->error > 0.0 && p->estimate.blind && !o->quiet)
-        fprintf(stderr, "softlux: warning: what mirrors throw of lights without extent is not judged: no path from the eye finds it\n");
+        fprintf(stderr, "softlux: warning: what mirrors throw of lights without extent is not judged: no "
+                        "path from the eye finds it\n");
     if (o->error > 0.0 && !c->reached)
-        fprintf(stderr, "softlux: not within %.3g %%: %s came to about %.3g %%, at most %.3g %%, %s; %s holds that\n", 100.0 * o->error,
-                o->settings.method, 100.0 * p->estimate.rel_rmse, 100.0 * p->estimate.bound,
-                sl_interrupted() ? "when it was stopped" : c->out_of_time ? "when time was up" : c->why, o->output);
+        fprintf(stderr,
+                "softlux: not within %.3g %%: %s came to about %.3g %%, at most %.3g %%, %s; %s holds that\n",
+                100.0 * o->error, o->settings.method, 100.0 * p->estimate.rel_rmse, 100.0 * p->estimate.bound,
+                sl_interrupted() ? "when it was stopped"
+                : c->out_of_time ? "when time was up"
+                                 : c->why,
+                o->output);
     else if (!p->progress.done && !o->quiet && !(o->error > 0.0))
-        fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n", (unsigned long long)p->progress.batches,
-                100.0 * p->progress.fraction, o->output);
+        fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
+                (unsigned long long)p->progress.batches, 100.0 * p->progress.fraction, o->output);
 }
 
-sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene, sl_render_end *end, sl_error *error) {
+sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene, sl_render_end *end,
+                              sl_error *error) {
     climb c = {.o = o, .scene = scene, .asked = o->settings, .start = sl_seconds_now()};
     double stops = 0.0;
     sl_watch_for_interrupt();

@@ -3,10 +3,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Bytes of the character that begins here; 0: none does (RFC 3629: no longer form than needed, no surrogates, nothing above U+10FFFF). */
+/* Bytes of the character that begins here; 0: none does (RFC 3629: no longer form than needed, no surrogates,
+ * nothing above U+10FFFF). */
 static size_t character(const unsigned char *at) {
     const unsigned char lead = *at;
-    const size_t length = lead < 0x80 ? 1 : lead >= 0xc2 && lead < 0xe0 ? 2 : lead >= 0xe0 && lead < 0xf0 ? 3 : lead >= 0xf0 && lead < 0xf5 ? 4 : 0;
+    const size_t length = lead < 0x80                   ? 1
+                          : lead >= 0xc2 && lead < 0xe0 ? 2
+                          : lead >= 0xe0 && lead < 0xf0 ? 3
+                          : lead >= 0xf0 && lead < 0xf5 ? 4
+                                                        : 0;
     for (size_t i = 1; i < length; i++) {
         if ((at[i] & 0xc0) != 0x80) return 0;
     }

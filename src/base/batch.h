@@ -1,6 +1,6 @@
-/* Batches: independent work of one kind. Item i reads the batch's context and its index alone, and writes one result of
- * fixed size; the caller commits results in the order of their indices, so that a picture has the same bits at any
- * number of workers, wherever they work. */
+/* Batches: independent work of one kind. Item i reads the batch's context and its index alone, and writes one
+ * result of fixed size; the caller commits results in the order of their indices, so that a picture has the
+ * same bits at any number of workers, wherever they work. */
 #ifndef SL_BASE_BATCH_H
 #define SL_BASE_BATCH_H
 
@@ -13,12 +13,13 @@ typedef struct sl_batch {
     size_t count;
     sl_batch_work *work;
     void *context;
-    void *results;       /* count of them, item i's at i * result_bytes; NULL: items write to places of the context */
+    /* count of them, item i's at i * result_bytes; NULL: items write to places of the context */
+    void *results;
     size_t result_bytes;
 } sl_batch;
 
-/* Computes all items on up to `threads` workers (>= 1, worker < threads) and adds what they have counted. Without memory
- * for counters of their own all items run on the caller's thread. */
+/* Computes all items on up to `threads` workers (>= 1, worker < threads) and adds what they have counted.
+ * Without memory for counters of their own all items run on the caller's thread. */
 void sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters);
 
 #endif

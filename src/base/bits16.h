@@ -1,5 +1,6 @@
-/* What plain C cannot say well about sixteen numbers: which of them are greater than a limit, at most a limit, or negative, as bits.
- * A NaN is neither. (A loop that collects bits costs more than the arithmetic that it may save.) For *_kernels.c files. */
+/* What plain C cannot say well about sixteen numbers: which of them are greater than a limit, at most a
+ * limit, or negative, as bits. A NaN is neither. (A loop that collects bits costs more than the arithmetic
+ * that it may save.) For *_kernels.c files. */
 #ifndef SL_BASE_BITS16_H
 #define SL_BASE_BITS16_H
 
@@ -18,11 +19,13 @@ static inline uint32_t sl_bits16_greater(const float *a, float limit) {
 #elif defined __AVX2__
     __m256 b = _mm256_set1_ps(limit);
     int low = _mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a), b, _CMP_GT_OQ));
-    return (uint32_t)low | (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a + 8), b, _CMP_GT_OQ)) << 8;
+    return (uint32_t)low | (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a + 8), b, _CMP_GT_OQ))
+                               << 8;
 #elif defined __SSE2__
     uint32_t bits = 0;
     __m128 b = _mm_set1_ps(limit);
-    for (int l = 0; l < 4; l++) bits |= (uint32_t)_mm_movemask_ps(_mm_cmpgt_ps(_mm_loadu_ps(a + 4 * l), b)) << (4 * l);
+    for (int l = 0; l < 4; l++)
+        bits |= (uint32_t)_mm_movemask_ps(_mm_cmpgt_ps(_mm_loadu_ps(a + 4 * l), b)) << (4 * l);
     return bits;
 #else
     uint32_t bits = 0;
@@ -38,11 +41,13 @@ static inline uint32_t sl_bits16_at_most(const float *a, float limit) {
 #elif defined __AVX2__
     __m256 b = _mm256_set1_ps(limit);
     int low = _mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a), b, _CMP_LE_OQ));
-    return (uint32_t)low | (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a + 8), b, _CMP_LE_OQ)) << 8;
+    return (uint32_t)low | (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a + 8), b, _CMP_LE_OQ))
+                               << 8;
 #elif defined __SSE2__
     uint32_t bits = 0;
     __m128 b = _mm_set1_ps(limit);
-    for (int l = 0; l < 4; l++) bits |= (uint32_t)_mm_movemask_ps(_mm_cmple_ps(_mm_loadu_ps(a + 4 * l), b)) << (4 * l);
+    for (int l = 0; l < 4; l++)
+        bits |= (uint32_t)_mm_movemask_ps(_mm_cmple_ps(_mm_loadu_ps(a + 4 * l), b)) << (4 * l);
     return bits;
 #else
     uint32_t bits = 0;
@@ -57,12 +62,15 @@ static inline uint32_t sl_bits16_negative(const int32_t *a) {
     return (uint32_t)_mm512_movepi32_mask(_mm512_loadu_si512(a));
 #elif defined __AVX2__
     int low = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_loadu_si256((const __m256i *)(const void *)a)));
-    return (uint32_t)low |
-           (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_loadu_si256((const __m256i *)(const void *)(a + 8)))) << 8;
+    return (uint32_t)low | (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(
+                               _mm256_loadu_si256((const __m256i *)(const void *)(a + 8))))
+                               << 8;
 #elif defined __SSE2__
     uint32_t bits = 0;
     for (int l = 0; l < 4; l++) {
-        bits |= (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(_mm_loadu_si128((const __m128i *)(const void *)(a + 4 * l)))) << (4 * l);
+        bits |= (uint32_t)_mm_movemask_ps(
+                    _mm_castsi128_ps(_mm_loadu_si128((const __m128i *)(const void *)(a + 4 * l))))
+                << (4 * l);
     }
     return bits;
 #else

@@ -20,7 +20,9 @@ sl_status sl_fail(sl_error *error, sl_status status, const char *format, ...) {
     return status;
 }
 
-sl_status sl_fail_null(sl_error *error, const char *expected) { return sl_fail(error, SL_ERROR_USAGE, "expected %s, got NULL", expected); }
+sl_status sl_fail_null(sl_error *error, const char *expected) {
+    return sl_fail(error, SL_ERROR_USAGE, "expected %s, got NULL", expected);
+}
 
 sl_status sl_fail_memory(sl_error *error, const char *what) {
     return sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", what);

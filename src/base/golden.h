@@ -13,7 +13,8 @@ static inline uint64_t sl_greatest_common_divisor(uint64_t a, uint64_t b) {
     return a;
 }
 
-/* `count` cells are visited as (i * step) mod count: every cell once, as step and count have no common divisor. */
+/* `count` cells are visited as (i * step) mod count: every cell once, as step and count have no common
+ * divisor. */
 static inline uint64_t sl_golden_step(uint64_t count) {
     uint64_t step = (uint64_t)(0.6180339887498949 * (double)count);
     while (step > 1 && sl_greatest_common_divisor(step, count) != 1) step--;

@@ -1,5 +1,5 @@
-/* The polynomials were fitted at Chebyshev nodes over the reduced ranges, with 50 digits; their own error is below
- * 2^-55 of the function, so what is left is rounding. */
+/* The polynomials were fitted at Chebyshev nodes over the reduced ranges, with 50 digits; their own error is
+ * below 2^-55 of the function, so what is left is rounding. */
 #include "base/math.h"
 
 #include <math.h>
@@ -27,10 +27,11 @@ static pair two_product(double a, double b) {
 
 /* ---- sine, cosine, tangent -------------------------------------------------------------------- */
 
-/* x = n pi/2 + r with |r| <= pi/4: Cody and Waite's reduction, pi/2 in parts of 33 bits, so that n times a part is
- * exact for n below 2^20. Returns n modulo 4. */
+/* x = n pi/2 + r with |r| <= pi/4: Cody and Waite's reduction, pi/2 in parts of 33 bits, so that n times a
+ * part is exact for n below 2^20. Returns n modulo 4. */
 static unsigned reduce(double x, pair *r) {
-    if (!(fabs(x) <= 1e5)) x = fmod(x, 2.0 * SL_PI); /* fmod is exact, hence the same everywhere; NaN for infinity */
+    /* fmod is exact, hence the same everywhere; NaN for infinity */
+    if (!(fabs(x) <= 1e5)) x = fmod(x, 2.0 * SL_PI);
     double rounded = x * 0x1.45f306dc9c883p-1 + 0x1.8p52;
     double n = rounded - 0x1.8p52;
     pair a = two_sum(x - n * 0x1.921fb544p+0, -(n * 0x1.0b4611a6p-34));
@@ -104,7 +105,8 @@ static const pair atan_of_eighths[9] = {
 };
 static const pair half_pi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
 
-/* atan(y/x) for 0 <= y <= x, x > 0, as atan(c) + atan((y - c x) / (x + c y)) with c the eighth nearest to y/x. */
+/* atan(y/x) for 0 <= y <= x, x > 0, as atan(c) + atan((y - c x) / (x + c y)) with c the eighth nearest to
+ * y/x. */
 static pair atan_of_ratio(double y, double x) {
     double ratio = y / x;
     int k = (int)(8.0 * ratio + 0.5);
@@ -139,7 +141,8 @@ double sl_atan2(double y, double x) {
     double angle = 0.0;
     if (larger > 0.0) {
         if (isinf(ax) && isinf(ay)) ax = ay = 1.0;
-        double scale = larger > 0x1p900 ? 0x1p-200 : larger < 0x1p-900 ? 0x1p200 : 1.0; /* no overflow in x + c y */
+        /* no overflow in x + c y */
+        double scale = larger > 0x1p900 ? 0x1p-200 : larger < 0x1p-900 ? 0x1p200 : 1.0;
         angle = first_quadrant(ay * scale, ax * scale);
     }
     if (signbit(x)) angle = 2.0 * half_pi.hi - (angle - 2.0 * half_pi.lo);
@@ -162,7 +165,8 @@ double sl_acos(double x) {
 
 static double power_of_two(int n) { return sl_double_of_bits((uint64_t)(n + 1023) << 52); }
 
-/* exp(x.hi + x.lo): x = n log 2 + r, |r| <= log(2)/2; the first part of log 2 has 40 bits, so n times it is exact. */
+/* exp(x.hi + x.lo): x = n log 2 + r, |r| <= log(2)/2; the first part of log 2 has 40 bits, so n times it is
+ * exact. */
 static double exp_of_pair(pair x) {
     if (isnan(x.hi)) return x.hi;
     if (x.hi > 710.0) return INFINITY;
@@ -181,7 +185,8 @@ static double exp_of_pair(pair x) {
     p = p * r + 0x1.5555555555557p-3;
     p = p * r + 0.5;
     int whole = (int)n, half = whole / 2;
-    return (1.0 + (r + r * r * p)) * power_of_two(half) * power_of_two(whole - half); /* only the last can round */
+    /* only the last can round */
+    return (1.0 + (r + r * r * p)) * power_of_two(half) * power_of_two(whole - half);
 }
 
 /* log x for finite x > 0, with about ten bits more than a double: x = 2^k m, m in [sqrt(1/2), sqrt(2)), and

@@ -1,6 +1,6 @@
-/* Elementary functions that give the same bits on every machine: libm's may differ between versions and CPUs, these are
- * built of + - * / and sqrt only. Error bounds are tested (tests/base/test_base_math.c) and hold for all finite arguments
- * in the stated ranges; guarded arguments are said per function. */
+/* Elementary functions that give the same bits on every machine: libm's may differ between versions and CPUs,
+ * these are built of + - * / and sqrt only. Error bounds are tested (tests/base/test_base_math.c) and hold
+ * for all finite arguments in the stated ranges; guarded arguments are said per function. */
 #ifndef SL_BASE_MATH_H
 #define SL_BASE_MATH_H
 
@@ -11,32 +11,38 @@
 
 #define SL_PI 3.14159265358979323846
 
-/* |x| <= 1e5; error at most 2 ulp (tan: 3) of max(|result|, 2^-53 |x|). Beyond, x is first reduced by fmod(x, 2 SL_PI):
- * bounded, but no longer accurate. NaN for NaN or infinite x. */
+/* |x| <= 1e5; error at most 2 ulp (tan: 3) of max(|result|, 2^-53 |x|). Beyond, x is first reduced by fmod(x,
+ * 2 SL_PI): bounded, but no longer accurate. NaN for NaN or infinite x. */
 double sl_sin(double x);
 double sl_cos(double x);
 double sl_tan(double x);
 /* All x; error at most 2 ulp. */
 double sl_atan(double x);
-/* As C's atan2, including signed zeros (0 where both are 0 and x is +0) and infinities; error at most 2 ulp. */
+/* As C's atan2, including signed zeros (0 where both are 0 and x is +0) and infinities; error at most 2 ulp.
+ */
 double sl_atan2(double y, double x);
-/* Arguments beyond [-1,1] are clamped: what rounding puts outside is meant to be 1. Error at most 4 ulp (asin), and
- * at most 1e-15 absolute (acos). */
+/* Arguments beyond [-1,1] are clamped: what rounding puts outside is meant to be 1. Error at most 4 ulp
+ * (asin), and at most 1e-15 absolute (acos). */
 double sl_asin(double x);
 double sl_acos(double x);
 /* Error at most 2 ulp; overflow to infinity, underflow to 0 (denormals kept). */
 double sl_exp(double x);
 /* x > 0: at most 2 ulp. -infinity at 0, NaN below. */
 double sl_log(double x);
-/* x >= 0; x^y = exp(y log x) with a compensated logarithm: relative error below 1e-14 for results in the normal range.
- * 0^0 = 1, 0^y = 0 for y > 0, as C's pow for infinities and NaN. NaN for x < 0 (C's pow takes whole y there). */
+/* x >= 0; x^y = exp(y log x) with a compensated logarithm: relative error below 1e-14 for results in the
+ * normal range. 0^0 = 1, 0^y = 0 for y > 0, as C's pow for infinities and NaN. NaN for x < 0 (C's pow takes
+ * whole y there). */
 double sl_pow(double x, double y);
 
-/* Whether neither is more than a hundredth of the larger away from the other; both at least 0. What was made for one may then stay. False for NaN. */
-static inline bool sl_is_much_the_same(double a, double b) { return a == b || fabs(a - b) < 0.01 * fmax(a, b); }
+/* Whether neither is more than a hundredth of the larger away from the other; both at least 0. What was made
+ * for one may then stay. False for NaN. */
+static inline bool sl_is_much_the_same(double a, double b) {
+    return a == b || fabs(a - b) < 0.01 * fmax(a, b);
+}
 
 /* ---- float versions for inner loops -----------------------------------------------------------
- * Inline, free of branches, tables and calls, so that loops over them vectorise; the same bits per lane as alone. */
+ * Inline, free of branches, tables and calls, so that loops over them vectorise; the same bits per lane as
+ * alone. */
 
 static inline uint32_t sl_float_bits(float x) {
     uint32_t bits;
@@ -78,12 +84,13 @@ static inline float sl_exp2f(float x) {
     return (1.0f + p * f) * sl_float_of_bits(exponent << 23);
 }
 
-/* log2(x) for normal x; relative error below 2e-7. -126 for x below the smallest normal number and for NaN; 128 for
- * infinity. */
+/* log2(x) for normal x; relative error below 2e-7. -126 for x below the smallest normal number and for NaN;
+ * 128 for infinity. */
 static inline float sl_log2f(float x) {
     x = x > 0x1p-126f ? x : 0x1p-126f;
     uint32_t bits = sl_float_bits(x);
-    uint32_t biased = (bits + (0x3f800000u - 0x3f3504f3u)) >> 23; /* so that 1 + f is in [sqrt(1/2), sqrt(2)) */
+    /* so that 1 + f is in [sqrt(1/2), sqrt(2)) */
+    uint32_t biased = (bits + (0x3f800000u - 0x3f3504f3u)) >> 23;
     float f = sl_float_of_bits(bits - (biased << 23) + 0x3f800000u) - 1.0f;
     float p = -0x1.b84fb6p-4f; /* log2(1 + f) / f, fitted at Chebyshev nodes */
     p = p * f + 0x1.7a63a0p-3f;
@@ -98,9 +105,9 @@ static inline float sl_log2f(float x) {
     return (float)((int32_t)biased - 127) + p * f;
 }
 
-/* x^n, the cosine power of a Phong lobe, for 0 <= x and 0 <= n: relative error below 2e-7 for results in the normal
- * range, 0 for results below it. 1 for n = 0; 0 for n > 0 and x = 0, negative or NaN; results above 2^127 are clamped
- * to it. The logarithm is taken in double, since its error is multiplied by n log x. */
+/* x^n, the cosine power of a Phong lobe, for 0 <= x and 0 <= n: relative error below 2e-7 for results in the
+ * normal range, 0 for results below it. 1 for n = 0; 0 for n > 0 and x = 0, negative or NaN; results above
+ * 2^127 are clamped to it. The logarithm is taken in double, since its error is multiplied by n log x. */
 static inline float sl_powf(float x, float n) {
     double m = x > 0.0f ? (double)x : 0.0;
     uint64_t bits = sl_double_bits(m);
@@ -113,7 +120,8 @@ static inline float sl_powf(float x, float n) {
     p = p * z + 0x1.2776c2935a8c1p-1;
     p = p * z + 0x1.ec709dc53bfcfp-1;
     p = p * z + 0x1.71547652b8251p+1;
-    double k = sl_double_of_bits(biased | 0x4330000000000000u) - (0x1p52 + 1023.0); /* to double, as a vector can */
+    /* to double, as a vector can */
+    double k = sl_double_of_bits(biased | 0x4330000000000000u) - (0x1p52 + 1023.0);
     double e = (double)n * (k + p * s);
     e = m > 0.0 ? e : -1000.0;
     e = n > 0.0f ? e : 0.0;

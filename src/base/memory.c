@@ -8,7 +8,8 @@ enum { ALIGNMENT = 64 };
 
 static void *allocate(size_t count, size_t size, size_t *rounded) {
     if (size && count > (SIZE_MAX - ALIGNMENT) / size) return NULL;
-    *rounded = (count * size + ALIGNMENT) / ALIGNMENT * ALIGNMENT; /* at least one line, so that count 0 is a valid block */
+    /* at least one line, so that count 0 is a valid block */
+    *rounded = (count * size + ALIGNMENT) / ALIGNMENT * ALIGNMENT;
     return aligned_alloc(ALIGNMENT, *rounded);
 }
 

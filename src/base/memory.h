@@ -1,4 +1,5 @@
-/* Allocation with overflow checks; 64-byte aligned, zeroed. NULL on failure or overflow; count 0 gives a valid block. */
+/* Allocation with overflow checks; 64-byte aligned, zeroed. NULL on failure or overflow; count 0 gives a
+ * valid block. */
 #ifndef SL_BASE_MEMORY_H
 #define SL_BASE_MEMORY_H
 

@@ -38,7 +38,8 @@ static void *wait_for_the_others(void *argument) {
 /* A thread that has been joined counts among the user's for a moment still. */
 static void wait_until_gone(pid_t thread) {
     enum { PATIENCE = 1000 };
-    for (int i = 0; i < PATIENCE && syscall(SYS_tgkill, getpid(), thread, 0) == 0; i++) nanosleep(&(struct timespec){0, 20000}, NULL);
+    for (int i = 0; i < PATIENCE && syscall(SYS_tgkill, getpid(), thread, 0) == 0; i++)
+        nanosleep(&(struct timespec){0, 20000}, NULL);
 }
 
 unsigned sl_threads_to_be_had(unsigned wanted) {
@@ -62,18 +63,19 @@ static void run_alone(size_t count, sl_task *task, void *context) {
     for (size_t i = 0; i < count; i++) task(context, i, 0);
 }
 
-/* ---- children of fork() -------------------------------------------------------------------------------------------------- */
+/* ---- children of fork() ---------------------------------------------------------------------- */
 
 static atomic_bool forked;
 
 static void note_fork(void) { atomic_store_explicit(&forked, true, memory_order_relaxed); }
 
-/* When the library is loaded, and not at its first loop: the process may have had a team of its own before that. */
+/* When the library is loaded, and not at its first loop: the process may have had a team of its own before
+ * that. */
 __attribute__((constructor)) static void watch_forks(void) { pthread_atfork(NULL, NULL, note_fork); }
 
 bool sl_process_was_forked(void) { return atomic_load_explicit(&forked, memory_order_relaxed); }
 
-/* ---- threads that last for one loop ---------------------------------------------------------------------------------------- */
+/* ---- threads that last for one loop ---------------------------------------------------------- */
 
 typedef struct {
     sl_task *task;
@@ -88,7 +90,8 @@ static _Thread_local bool inside_loop;
 static void *work(void *argument) {
     loop_worker *w = argument;
     inside_loop = true;
-    /* Relaxed: a stronger order would tell the thread sanitizer that a task happens after those handed out before it. */
+    /* Relaxed: a stronger order would tell the thread sanitizer that a task happens after those handed out
+     * before it. */
     for (size_t i; (i = atomic_fetch_add_explicit(w->next, 1, memory_order_relaxed)) < w->count;) {
         w->task(w->context, i, w->worker);
     }
@@ -102,23 +105,26 @@ static void run_on_own_threads(unsigned threads, size_t count, sl_task *task, vo
     pthread_t handles[THREADS_MAX];
     unsigned started = 1;
     for (unsigned i = 0; i < threads; i++) workers[i] = (loop_worker){task, context, count, &next, i};
-    while (started < threads && pthread_create(&handles[started], NULL, work, &workers[started]) == 0) started++;
+    while (started < threads && pthread_create(&handles[started], NULL, work, &workers[started]) == 0)
+        started++;
     work(&workers[0]);
     for (unsigned i = 1; i < started; i++) pthread_join(handles[i], NULL);
 }
 
-/* ---- the loop ---------------------------------------------------------------------------------------------------------------- */
+/* ---- the loop -------------------------------------------------------------------------------- */
 
 #ifndef SL_THREADS_WITHOUT_OPENMP
 
 /* Once a thread was refused, now or in another loop. */
 static atomic_bool threads_are_scarce;
 
-/* The runtime ends the process where it cannot start a thread, so a team that is larger than the last one, whose threads alone the runtime still has, is tried
- * first. It has a team for each thread that begins one. */
+/* The runtime ends the process where it cannot start a thread, so a team that is larger than the last one,
+ * whose threads alone the runtime still has, is tried first. It has a team for each thread that begins one.
+ */
 static bool can_have_team(unsigned threads) {
     static _Thread_local unsigned team = 1;
-    if (threads > team && sl_threads_to_be_had(threads - team) < threads - team) atomic_store(&threads_are_scarce, true);
+    if (threads > team && sl_threads_to_be_had(threads - team) < threads - team)
+        atomic_store(&threads_are_scarce, true);
     if (atomic_load(&threads_are_scarce)) return false;
     team = threads;
     return true;
@@ -138,10 +144,13 @@ static void run_on_threads(unsigned threads, size_t count, sl_task *task, void *
 
 #else
 
-/* The thread sanitizer does not understand the OpenMP runtime's barriers, but it does understand POSIX threads. */
+/* The thread sanitizer does not understand the OpenMP runtime's barriers, but it does understand POSIX
+ * threads. */
 static bool inside_another(void) { return inside_loop; }
 
-static void run_on_threads(unsigned threads, size_t count, sl_task *task, void *context) { run_on_own_threads(threads, count, task, context); }
+static void run_on_threads(unsigned threads, size_t count, sl_task *task, void *context) {
+    run_on_own_threads(threads, count, task, context);
+}
 
 #endif
 

@@ -4,7 +4,8 @@
 #include <locale.h>
 #include <stdio.h>
 
-/* The C locale is there from the start: asking for it makes nothing that would have to be freed, and cannot fail. */
+/* The C locale is there from the start: asking for it makes nothing that would have to be freed, and cannot
+ * fail. */
 void *sl_c_locale_begin(void) { return uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0)); }
 
 void sl_c_locale_end(void *before) { uselocale((locale_t)before); }

@@ -1,6 +1,6 @@
-/* Random numbers as a pure function of (seed, stream, index): no state, so any order of evaluation and any number of
- * threads gives the same numbers. The mixing is that of Widynski's "Squares" generator (2020, four rounds), keyed by a
- * SplitMix64 hash of seed and stream. */
+/* Random numbers as a pure function of (seed, stream, index): no state, so any order of evaluation and any
+ * number of threads gives the same numbers. The mixing is that of Widynski's "Squares" generator (2020, four
+ * rounds), keyed by a SplitMix64 hash of seed and stream. */
 #ifndef SL_BASE_RANDOM_H
 #define SL_BASE_RANDOM_H
 

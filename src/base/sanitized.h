@@ -1,5 +1,5 @@
-/* Whether the program is watched by a sanitizer of addresses or of threads, which takes several times the memory and the time, reserves terabytes of addresses, and
- * tells of crashes itself. */
+/* Whether the program is watched by a sanitizer of addresses or of threads, which takes several times the
+ * memory and the time, reserves terabytes of addresses, and tells of crashes itself. */
 #ifndef SL_BASE_SANITIZED_H
 #define SL_BASE_SANITIZED_H
 

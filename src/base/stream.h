@@ -1,5 +1,6 @@
-/* Copies that go past the caches, for planes so large that what is written is gone from the caches before anyone reads it:
- * an ordinary store would first fetch the line that it is about to overwrite. SSE2 is part of every x86-64. */
+/* Copies that go past the caches, for planes so large that what is written is gone from the caches before
+ * anyone reads it: an ordinary store would first fetch the line that it is about to overwrite. SSE2 is part
+ * of every x86-64. */
 #ifndef SL_BASE_STREAM_H
 #define SL_BASE_STREAM_H
 
@@ -11,7 +12,8 @@
 #include <emmintrin.h>
 #endif
 
-/* Whole cache lines are streamed, what is left at both ends is copied. Ends with sl_stream_end() before another thread may read. */
+/* Whole cache lines are streamed, what is left at both ends is copied. Ends with sl_stream_end() before
+ * another thread may read. */
 static inline void sl_stream_copy(void *to, const void *from, size_t bytes) {
 #ifdef __SSE2__
     uint8_t *t = to;
@@ -21,7 +23,8 @@ static inline void sl_stream_copy(void *to, const void *from, size_t bytes) {
     memcpy(t, f, head);
     for (t += head, f += head, bytes -= head; bytes >= 64; t += 64, f += 64, bytes -= 64) {
         for (int k = 0; k < 64; k += 16) {
-            _mm_stream_si128((__m128i *)(void *)(t + k), _mm_loadu_si128((const __m128i *)(const void *)(f + k)));
+            _mm_stream_si128((__m128i *)(void *)(t + k),
+                             _mm_loadu_si128((const __m128i *)(const void *)(f + k)));
         }
     }
     memcpy(t, f, bytes);

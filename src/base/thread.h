@@ -1,5 +1,6 @@
-/* A thread that runs beside the caller's, and the lock under which the two meet: for what goes on at its own pace, as samples do beside the display. Loops
- * over data are parallel.h's. POSIX threads rather than those of C11: the thread sanitizer sees through these alone. */
+/* A thread that runs beside the caller's, and the lock under which the two meet: for what goes on at its own
+ * pace, as samples do beside the display. Loops over data are parallel.h's. POSIX threads rather than those
+ * of C11: the thread sanitizer sees through these alone. */
 #ifndef SL_BASE_THREAD_H
 #define SL_BASE_THREAD_H
 
@@ -16,7 +17,8 @@ bool sl_monitor_open(sl_monitor *monitor); /* false: the machine has no more of 
 void sl_monitor_close(sl_monitor *monitor);
 static inline void sl_monitor_enter(sl_monitor *m) { pthread_mutex_lock(&m->lock); }
 static inline void sl_monitor_leave(sl_monitor *m) { pthread_mutex_unlock(&m->lock); }
-/* Inside. Gives the lock away until another thread has signalled: to be called again until what is waited for is so. */
+/* Inside. Gives the lock away until another thread has signalled: to be called again until what is waited for
+ * is so. */
 static inline void sl_monitor_wait(sl_monitor *m) { pthread_cond_wait(&m->changed, &m->lock); }
 static inline void sl_monitor_signal(sl_monitor *m) { pthread_cond_broadcast(&m->changed); }
 

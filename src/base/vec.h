@@ -1,5 +1,6 @@
-/* Small vectors and colours, in float (what the simulated hardware computes in) and in double (what sums and geometric
- * predicates need). Plain values; every operation is one rounding per component, in the order written. */
+/* Small vectors and colours, in float (what the simulated hardware computes in) and in double (what sums and
+ * geometric predicates need). Plain values; every operation is one rounding per component, in the order
+ * written. */
 #ifndef SL_BASE_VEC_H
 #define SL_BASE_VEC_H
 
@@ -47,8 +48,8 @@ static inline sl_vec3d sl_crossd(sl_vec3d a, sl_vec3d b) {
 }
 static inline double sl_lengthd(sl_vec3d a) { return sqrt(sl_dotd(a, a)); }
 
-/* The unit vector along a, computed in double so that tiny and huge vectors keep their direction; `fallback` where a has
- * no direction (zero, NaN, infinite). Without branches, for loops over lanes. */
+/* The unit vector along a, computed in double so that tiny and huge vectors keep their direction; `fallback`
+ * where a has no direction (zero, NaN, infinite). Without branches, for loops over lanes. */
 static inline sl_vec3 sl_normalize_or(sl_vec3 a, sl_vec3 fallback) {
     sl_vec3d d = sl_to_double(a);
     double length_squared = sl_dotd(d, d);
@@ -57,7 +58,8 @@ static inline sl_vec3 sl_normalize_or(sl_vec3 a, sl_vec3 fallback) {
     return sl_v3(good ? unit.x : fallback.x, good ? unit.y : fallback.y, good ? unit.z : fallback.z);
 }
 
-/* Orthonormal frame with z along a unit normal: branch-free, continuous but for n.z = 0 (Duff et al. 2017). */
+/* Orthonormal frame with z along a unit normal: branch-free, continuous but for n.z = 0 (Duff et al. 2017).
+ */
 typedef struct sl_frame {
     sl_vec3 x, y, z;
 } sl_frame;
@@ -66,7 +68,8 @@ static inline sl_frame sl_frame_from_normal(sl_vec3 n) {
     float sign = copysignf(1.0f, n.z);
     float a = -1.0f / (sign + n.z);
     float b = n.x * n.y * a;
-    return (sl_frame){sl_v3(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x), sl_v3(b, sign + n.y * n.y * a, -n.y), n};
+    return (sl_frame){sl_v3(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x),
+                      sl_v3(b, sign + n.y * n.y * a, -n.y), n};
 }
 static inline sl_vec3 sl_frame_to_world(const sl_frame *f, sl_vec3 a) {
     return sl_v3(f->x.x * a.x + f->y.x * a.y + f->z.x * a.z, f->x.y * a.x + f->y.y * a.y + f->z.y * a.z,

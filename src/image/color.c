@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-/* The standard's own constants. Its two pieces meet within 1e-7 only, so each direction names its threshold. */
+/* The standard's own constants. Its two pieces meet within 1e-7 only, so each direction names its threshold.
+ */
 static const double straight_slope = 12.92, offset = 0.055, exponent = 2.4;
 static const double linear_threshold = 0.0031308, encoded_threshold = 0.04045;
 

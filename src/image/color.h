@@ -2,8 +2,8 @@
 #ifndef SL_IMAGE_COLOR_H
 #define SL_IMAGE_COLOR_H
 
-/* Nothing is clamped: below 0 the curve's straight part goes on, above 1 its power part does. NaN gives NaN, infinity
- * itself. */
+/* Nothing is clamped: below 0 the curve's straight part goes on, above 1 its power part does. NaN gives NaN,
+ * infinity itself. */
 float sl_srgb_encode(float linear);
 float sl_srgb_decode(float encoded);
 /* table[i] = sl_srgb_decode(i / 255), for decoding whole 8-bit pictures. */

@@ -1,5 +1,5 @@
-/* Comparing a picture with a reference. The definitions are at sl_comparison in softlux.h; here is the arithmetic. All
- * sums run pixel by pixel, R G B within a pixel, in double. */
+/* Comparing a picture with a reference. The definitions are at sl_comparison in softlux.h; here is the
+ * arithmetic. All sums run pixel by pixel, R G B within a pixel, in double. */
 #include "softlux.h"
 
 #include "base/error.h"
@@ -21,17 +21,18 @@ typedef struct {
     double *terms;        /* relative squares of the compared values, then the tone-mapped pictures */
 } comparison;
 
-/* ---- what is compared --------------------------------------------------------------------------------------- */
+/* ---- what is compared ------------------------------------------------------------------------ */
 
-sl_status sl_image_colour_planes(const sl_image *image, const char *which, const float *planes[3], sl_error *error) {
+sl_status sl_image_colour_planes(const sl_image *image, const char *which, const float *planes[3],
+                                 sl_error *error) {
     if (sl_picture_planes(image, planes)) return SL_OK;
     return sl_fail(error, SL_ERROR_INPUT, "the %s has neither the channels R, G, B nor Y", which);
 }
 
 static sl_status check_size(const sl_image *image, const sl_image *other, const char *what, sl_error *error) {
     if (image->width == other->width && image->height == other->height) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "the image has %d x %d pixels, the %s has %d x %d", image->width, image->height,
-                   what, other->width, other->height);
+    return sl_fail(error, SL_ERROR_INPUT, "the image has %d x %d pixels, the %s has %d x %d", image->width,
+                   image->height, what, other->width, other->height);
 }
 
 /* Also for NaN, which differs from itself as a number. */
@@ -55,7 +56,7 @@ static void classify(comparison *c, const float *mask, sl_comparison *result) {
     }
 }
 
-/* ---- metrics of single values ------------------------------------------------------------------------------- */
+/* ---- metrics of single values ---------------------------------------------------------------- */
 
 /* a / b, with 0/0 = 0: no difference to a black reference is no relative difference. */
 static double ratio(double a, double b) { return a == 0.0 ? 0.0 : a / b; }
@@ -93,9 +94,10 @@ static void sink(double *heap, size_t count, double value) {
     heap[at] = value;
 }
 
-/* The sum of the terms without the `trimmed` largest ones. The heap holds the largest so far; its top ends as the
- * smallest term left out, and of the terms equal to it the first ones in order are left out. */
-static sl_status trimmed_sum(const double *terms, size_t count, size_t trimmed, double *sum, sl_error *error) {
+/* The sum of the terms without the `trimmed` largest ones. The heap holds the largest so far; its top ends as
+ * the smallest term left out, and of the terms equal to it the first ones in order are left out. */
+static sl_status trimmed_sum(const double *terms, size_t count, size_t trimmed, double *sum,
+                             sl_error *error) {
     double *heap = sl_allocate(trimmed, sizeof *heap), least = INFINITY;
     if (!heap) return sl_fail_memory(error, "the trimmed error");
     for (size_t i = 0; i < trimmed; i++) heap[i] = -1.0; /* below every term */
@@ -135,8 +137,9 @@ static sl_status relative_metrics(const comparison *c, sl_comparison *result, sl
     return status;
 }
 
-/* The variance of a reference that is the mean of two independent halves A and B is estimated by (A-B)^2 / 4. Against the true
- * picture the squared error is therefore smaller than measured by just that. Pixels whose halves are not finite tell nothing. */
+/* The variance of a reference that is the mean of two independent halves A and B is estimated by (A-B)^2 / 4.
+ * Against the true picture the squared error is therefore smaller than measured by just that. Pixels whose
+ * halves are not finite tell nothing. */
 static void noise_of_reference(const comparison *c, const sl_image *reference, sl_comparison *result) {
     static const char *const names[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
     double floor_squared = 0.01 * result->mean_reference * result->mean_reference, sum = 0.0;
@@ -151,7 +154,8 @@ static void noise_of_reference(const comparison *c, const sl_image *reference, s
         double term = 0.0;
         if (c->state[i] != COMPARED) continue;
         for (int channel = 0; channel < 3; channel++) {
-            double half = 0.5 * ((double)a[channel][i] - (double)b[channel][i]), r = (double)c->reference[channel][i];
+            double half = 0.5 * ((double)a[channel][i] - (double)b[channel][i]),
+                   r = (double)c->reference[channel][i];
             term += ratio(half * half, r * r + floor_squared);
         }
         if (!isfinite(term)) continue;
@@ -161,9 +165,10 @@ static void noise_of_reference(const comparison *c, const sl_image *reference, s
     result->rel_mse_noise = count ? sum / (double)count : 0.0;
 }
 
-/* ---- metrics of what is seen -------------------------------------------------------------------------------- */
+/* ---- metrics of what is seen ----------------------------------------------------------------- */
 
-/* Exposed and clipped to [0,1]. What is not finite is black, also outside the mask, where neighbours see it. */
+/* Exposed and clipped to [0,1]. What is not finite is black, also outside the mask, where neighbours see it.
+ */
 static void tone_map(const comparison *c, const float *const planes[3], double factor, double *out) {
     for (size_t channel = 0; channel < 3; channel++) {
         for (size_t i = 0; i < c->pixels; i++) {
@@ -175,7 +180,8 @@ static void tone_map(const comparison *c, const float *const planes[3], double f
     }
 }
 
-static sl_status perceptual_metrics(const comparison *c, float stops, sl_comparison *result, sl_error *error) {
+static sl_status perceptual_metrics(const comparison *c, float stops, sl_comparison *result,
+                                    sl_error *error) {
     double factor = sl_pow(2.0, (double)stops);
     double *image = c->terms, *reference = c->terms + 3 * c->pixels;
     tone_map(c, c->image, factor, image);
@@ -190,7 +196,7 @@ static sl_status perceptual_metrics(const comparison *c, float stops, sl_compari
     return status;
 }
 
-/* ---- the picture of the difference -------------------------------------------------------------------------- */
+/* ---- the picture of the difference ----------------------------------------------------------- */
 
 /* (x-r)/(|r| + 0.01 |mean r|) of the channel in which it is farthest from 0, over 50 %, in [-1,1]. */
 static double signed_difference(const comparison *c, size_t i, double floor_value) {
@@ -203,7 +209,8 @@ static double signed_difference(const comparison *c, size_t i, double floor_valu
     return farthest > 1.0 ? 1.0 : farthest < -1.0 ? -1.0 : farthest;
 }
 
-static sl_status paint_difference(const comparison *c, double mean_reference, sl_image **difference, sl_error *error) {
+static sl_status paint_difference(const comparison *c, double mean_reference, sl_image **difference,
+                                  sl_error *error) {
     sl_status status = sl_image_create(c->width, c->height, 3, NULL, difference, error);
     if (status != SL_OK) return status;
     float *r = (*difference)->planes, *g = r + c->pixels, *b = g + c->pixels;
@@ -221,13 +228,14 @@ static sl_status paint_difference(const comparison *c, double mean_reference, sl
     return SL_OK;
 }
 
-/* ---- all together ------------------------------------------------------------------------------------------- */
+/* ---- all together ---------------------------------------------------------------------------- */
 
-static sl_status compare(comparison *c, const sl_compare_options *options, sl_comparison *result, sl_image **difference,
-                         sl_error *error) {
+static sl_status compare(comparison *c, const sl_compare_options *options, sl_comparison *result,
+                         sl_image **difference, sl_error *error) {
     const sl_image *mask = options ? options->mask : NULL;
     float stops = options ? options->exposure_stops : 0.0f;
-    if (!isfinite(stops)) return sl_fail(error, SL_ERROR_USAGE, "the exposure of a comparison must be finite");
+    if (!isfinite(stops))
+        return sl_fail(error, SL_ERROR_USAGE, "the exposure of a comparison must be finite");
     c->state = sl_allocate(c->pixels, 1);
     c->terms = sl_allocate(6 * c->pixels, sizeof *c->terms);
     if (!c->state || !c->terms) return sl_fail_memory(error, "a comparison");
@@ -239,15 +247,18 @@ static sl_status compare(comparison *c, const sl_compare_options *options, sl_co
     absolute_metrics(c, result);
     sl_status status = relative_metrics(c, result, error);
     if (status == SL_OK) status = perceptual_metrics(c, stops, result, error);
-    if (status == SL_OK && difference) status = paint_difference(c, result->mean_reference, difference, error);
+    if (status == SL_OK && difference)
+        status = paint_difference(c, result->mean_reference, difference, error);
     return status;
 }
 
-sl_status sl_image_compare(const sl_image *image, const sl_image *reference, const sl_compare_options *options,
-                           sl_comparison *result, sl_image **difference, sl_error *error) {
+sl_status sl_image_compare(const sl_image *image, const sl_image *reference,
+                           const sl_compare_options *options, sl_comparison *result, sl_image **difference,
+                           sl_error *error) {
     if (difference) *difference = NULL;
     if (result) *result = (sl_comparison){0};
-    if (!image || !reference || !result) return sl_fail_null(error, "an image, a reference and a place for what is found");
+    if (!image || !reference || !result)
+        return sl_fail_null(error, "an image, a reference and a place for what is found");
     sl_status status = check_size(image, reference, "reference", error);
     if (status == SL_OK && options && options->mask) status = check_size(image, options->mask, "mask", error);
     comparison c = {.width = image->width, .height = image->height};

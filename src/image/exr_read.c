@@ -1,5 +1,6 @@
-/* Reading OpenEXR through its C library. The picture is the display window: what the data window leaves of it is black,
- * and data outside it is dropped. Chunks are decoded as they are stored, and converted to floats here. */
+/* Reading OpenEXR through its C library. The picture is the display window: what the data window leaves of it
+ * is black, and data outside it is dropped. Chunks are decoded as they are stored, and converted to floats
+ * here. */
 #include "image/formats.h"
 
 #include "base/error.h"
@@ -11,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- the library's view of the bytes --------------------------------------------------------------------------- */
+/* ---- the library's view of the bytes --------------------------------------------------------- */
 
 typedef struct exr_source {
     const sl_bytes *bytes;
@@ -31,7 +32,8 @@ static int64_t source_size(exr_const_context_t context, void *user) {
     return (int64_t)((exr_source *)user)->bytes->size;
 }
 
-/* The library reads its header in large steps and expects what there is; it checks for itself where it needs all. */
+/* The library reads its header in large steps and expects what there is; it checks for itself where it needs
+ * all. */
 static int64_t source_read(exr_const_context_t context, void *user, void *to, uint64_t count, uint64_t offset,
                            exr_stream_error_func_ptr_t report) {
     const sl_bytes *bytes = ((exr_source *)user)->bytes;
@@ -43,7 +45,7 @@ static int64_t source_read(exr_const_context_t context, void *user, void *to, ui
     return (int64_t)count;
 }
 
-/* ---- what is in the file ---------------------------------------------------------------------------------------- */
+/* ---- what is in the file --------------------------------------------------------------------- */
 
 typedef struct exr_reader {
     exr_context_t context;
@@ -65,12 +67,14 @@ bool sl_exr_recognise(const sl_bytes *bytes) {
 
 static sl_status fail_reading(const exr_reader *reader, sl_error *error) {
     exr_compression_t compression = EXR_COMPRESSION_NONE;
-    if (reader->source.starved || sl_memory_has_ended()) return sl_fail_memory(error, reader->source.bytes->path);
+    if (reader->source.starved || sl_memory_has_ended())
+        return sl_fail_memory(error, reader->source.bytes->path);
     if (reader->context) exr_get_compression(reader->context, 0, &compression);
     /* The C library learnt these late (OpenEXR 3.1 cannot read them). */
     bool dwa = compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB;
     return sl_fail(error, SL_ERROR_INPUT, "%s: %s EXR: %s", reader->source.bytes->path,
-                   dwa ? "damaged or unsupported" : "damaged", reader->source.reason[0] ? reader->source.reason : "unreadable");
+                   dwa ? "damaged or unsupported" : "damaged",
+                   reader->source.reason[0] ? reader->source.reason : "unreadable");
 }
 
 static int64_t box_width(const exr_attr_box2i_t *box) { return (int64_t)box->max.x - box->min.x + 1; }
@@ -86,8 +90,8 @@ static sl_status check_storage(exr_reader *reader, sl_error *error) {
     for (int c = 0; c < reader->channels->num_channels; c++) {
         const exr_attr_chlist_entry_t *channel = &reader->channels->entries[c];
         if (channel->x_sampling != 1 || channel->y_sampling != 1) {
-            return sl_fail(error, SL_ERROR_INPUT, "%s: channel %s is subsampled, which is not supported", path,
-                           channel->name.str);
+            return sl_fail(error, SL_ERROR_INPUT, "%s: channel %s is subsampled, which is not supported",
+                           path, channel->name.str);
         }
         if (channel->name.length >= SL_CHANNEL_NAME_MAX) {
             return sl_fail(error, SL_ERROR_INPUT, "%s: a channel's name is longer than %d bytes", path,
@@ -100,7 +104,8 @@ static sl_status check_storage(exr_reader *reader, sl_error *error) {
 static sl_status read_header(exr_reader *reader, sl_error *error) {
     if (exr_get_data_window(reader->context, 0, &reader->data) != EXR_ERR_SUCCESS ||
         exr_get_display_window(reader->context, 0, &reader->display) != EXR_ERR_SUCCESS ||
-        exr_get_channels(reader->context, 0, &reader->channels) != EXR_ERR_SUCCESS || reader->channels->num_channels < 1) {
+        exr_get_channels(reader->context, 0, &reader->channels) != EXR_ERR_SUCCESS ||
+        reader->channels->num_channels < 1) {
         return fail_reading(reader, error);
     }
     sl_status status = check_storage(reader, error);
@@ -109,16 +114,18 @@ static sl_status read_header(exr_reader *reader, sl_error *error) {
     reader->data_width = box_width(&reader->data);
     reader->data_height = box_height(&reader->data);
     if (status == SL_OK) {
-        status = sl_check_claimed_channels(reader->source.bytes, reader->data_width, reader->data_height, reader->channels->num_channels, expansion, error);
+        status = sl_check_claimed_channels(reader->source.bytes, reader->data_width, reader->data_height,
+                                           reader->channels->num_channels, expansion, error);
     }
     if (status == SL_OK) {
-        status = sl_check_claimed_channels(reader->source.bytes, box_width(&reader->display), box_height(&reader->display),
-                                           reader->channels->num_channels, expansion, error);
+        status = sl_check_claimed_channels(reader->source.bytes, box_width(&reader->display),
+                                           box_height(&reader->display), reader->channels->num_channels,
+                                           expansion, error);
     }
     return status;
 }
 
-/* ---- channels and metadata -------------------------------------------------------------------------------------- */
+/* ---- channels and metadata ------------------------------------------------------------------- */
 
 static int find_channel(const exr_attr_chlist_t *channels, const char *name) {
     for (int c = 0; c < channels->num_channels; c++) {
@@ -166,10 +173,11 @@ static sl_status create_image(exr_reader *reader, sl_error *error) {
         status = sl_fail_memory(error, path);
     } else {
         int count = order_channels(reader, names);
-        status = sl_image_create((int)box_width(&reader->display), (int)box_height(&reader->display), count, names,
-                                 &reader->image, &detail);
+        status = sl_image_create((int)box_width(&reader->display), (int)box_height(&reader->display), count,
+                                 names, &reader->image, &detail);
         if (status != SL_OK) {
-            status = sl_fail(error, status == SL_ERROR_USAGE ? SL_ERROR_INPUT : status, "%s: %s", path, detail.message);
+            status = sl_fail(error, status == SL_ERROR_USAGE ? SL_ERROR_INPUT : status, "%s: %s", path,
+                             detail.message);
         }
     }
     sl_free(names);
@@ -178,10 +186,12 @@ static sl_status create_image(exr_reader *reader, sl_error *error) {
 
 static sl_status copy_metadata(exr_reader *reader, sl_error *error) {
     int32_t count = 0;
-    if (exr_get_attribute_count(reader->context, 0, &count) != EXR_ERR_SUCCESS) return fail_reading(reader, error);
+    if (exr_get_attribute_count(reader->context, 0, &count) != EXR_ERR_SUCCESS)
+        return fail_reading(reader, error);
     for (int32_t i = 0; i < count; i++) {
         const exr_attribute_t *attribute;
-        if (exr_get_attribute_by_index(reader->context, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) != EXR_ERR_SUCCESS) {
+        if (exr_get_attribute_by_index(reader->context, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) !=
+            EXR_ERR_SUCCESS) {
             return fail_reading(reader, error);
         }
         /* "name" and "type" describe the part of the file, not the picture. */
@@ -190,17 +200,19 @@ static sl_status copy_metadata(exr_reader *reader, sl_error *error) {
             strcmp(attribute->name, "type") == 0) {
             continue;
         }
-        sl_status status = sl_image_set_metadata(reader->image, attribute->name, attribute->string->str, error);
+        sl_status status =
+            sl_image_set_metadata(reader->image, attribute->name, attribute->string->str, error);
         if (status != SL_OK) return status;
     }
     return SL_OK;
 }
 
-/* ---- pixels ------------------------------------------------------------------------------------------------------ */
+/* ---- pixels ---------------------------------------------------------------------------------- */
 
 /* IEEE 754 binary16 to binary32, exact; NaN keeps its payload. */
 static float half_to_float(uint16_t half) {
-    uint32_t sign = (uint32_t)(half & 0x8000u) << 16, exponent = (half >> 10) & 31u, mantissa = half & 1023u, bits;
+    uint32_t sign = (uint32_t)(half & 0x8000u) << 16, exponent = (half >> 10) & 31u, mantissa = half & 1023u,
+             bits;
     if (exponent == 31) {
         bits = sign | 0x7f800000u | mantissa << 13;
     } else if (exponent > 0) {
@@ -232,7 +244,8 @@ static void convert_row(float *to, const uint8_t *from, size_t first, size_t cou
 }
 
 /* Copies what of a decoded chunk, whose first pixel is (x0, y0), lies in the display window. */
-static void place_chunk(const exr_reader *reader, const exr_decode_pipeline_t *decoder, int64_t x0, int64_t y0) {
+static void place_chunk(const exr_reader *reader, const exr_decode_pipeline_t *decoder, int64_t x0,
+                        int64_t y0) {
     const sl_image *image = reader->image;
     size_t chunk_plane = (size_t)reader->chunk_width * (size_t)reader->chunk_height * 4;
     size_t plane = (size_t)image->width * (size_t)image->height;
@@ -243,8 +256,10 @@ static void place_chunk(const exr_reader *reader, const exr_decode_pipeline_t *d
         for (int32_t row = 0; row < channel->height; row++) {
             int64_t y = y0 + row - reader->display.min.y;
             if (y < 0 || y >= image->height || end <= first) continue;
-            const uint8_t *from = reader->chunk + (size_t)c * chunk_plane + (size_t)row * (size_t)channel->user_line_stride;
-            float *to = image->planes + (size_t)reader->plane[c] * plane + (size_t)(y * image->width + left + first);
+            const uint8_t *from =
+                reader->chunk + (size_t)c * chunk_plane + (size_t)row * (size_t)channel->user_line_stride;
+            float *to =
+                image->planes + (size_t)reader->plane[c] * plane + (size_t)(y * image->width + left + first);
             convert_row(to, from, (size_t)first, (size_t)(end - first), (exr_pixel_type_t)channel->data_type);
         }
     }
@@ -286,7 +301,8 @@ static bool read_tiles(exr_reader *reader, exr_decode_pipeline_t *decoder) {
     for (int64_t row = 0; row < down; row++) {
         for (int64_t column = 0; column < across; column++) {
             exr_chunk_info_t info;
-            if (exr_read_tile_chunk_info(reader->context, 0, (int)column, (int)row, 0, 0, &info) != EXR_ERR_SUCCESS ||
+            if (exr_read_tile_chunk_info(reader->context, 0, (int)column, (int)row, 0, 0, &info) !=
+                    EXR_ERR_SUCCESS ||
                 !decode_chunk(reader, &info, decoder)) {
                 return false;
             }
@@ -308,9 +324,11 @@ static sl_status read_pixels(exr_reader *reader, sl_error *error) {
         reader->chunk_width = (int32_t)reader->data_width;
         result = exr_get_scanlines_per_chunk(reader->context, 0, &reader->chunk_height);
     }
-    if (result != EXR_ERR_SUCCESS || reader->chunk_width < 1 || reader->chunk_height < 1) return fail_reading(reader, error);
+    if (result != EXR_ERR_SUCCESS || reader->chunk_width < 1 || reader->chunk_height < 1)
+        return fail_reading(reader, error);
     if (reader->chunk_width > reader->data_width) reader->chunk_width = (int32_t)reader->data_width;
-    if (tiled && reader->chunk_height > reader->data_height) reader->chunk_height = (int32_t)reader->data_height;
+    if (tiled && reader->chunk_height > reader->data_height)
+        reader->chunk_height = (int32_t)reader->data_height;
     size_t chunk_values = (size_t)reader->chunk_width * (size_t)reader->chunk_height;
     reader->chunk = sl_allocate(chunk_values * (size_t)reader->channels->num_channels, 4);
     if (!reader->chunk) return sl_fail_memory(error, reader->source.bytes->path);
@@ -326,7 +344,7 @@ static void spread_gray(const exr_reader *reader) {
     for (size_t c = 1; c < 3; c++) memcpy(planes + c * plane, planes, plane * sizeof *planes);
 }
 
-/* ---- skies --------------------------------------------------------------------------------------------------------- */
+/* ---- skies ----------------------------------------------------------------------------------- */
 
 static bool has_attribute(const exr_reader *reader, const char *name) {
     const exr_attribute_t *attribute;
@@ -336,21 +354,31 @@ static bool has_attribute(const exr_reader *reader, const char *name) {
 /* A sky that is marked as one fills its data window, wherever that lies. */
 static sl_status place_sky(exr_reader *reader, sl_error *error) {
     exr_envmap_t kind;
-    if (!has_attribute(reader, "envmap") || exr_attr_get_envmap(reader->context, 0, "envmap", &kind) != EXR_ERR_SUCCESS) return SL_OK;
-    if (kind != EXR_ENVMAP_LATLONG) return sl_fail(error, SL_ERROR_INPUT, "%s: is a cube map: expected a latitude-longitude picture", reader->source.bytes->path);
+    if (!has_attribute(reader, "envmap") ||
+        exr_attr_get_envmap(reader->context, 0, "envmap", &kind) != EXR_ERR_SUCCESS)
+        return SL_OK;
+    if (kind != EXR_ENVMAP_LATLONG)
+        return sl_fail(error, SL_ERROR_INPUT, "%s: is a cube map: expected a latitude-longitude picture",
+                       reader->source.bytes->path);
     reader->display = reader->data;
     return SL_OK;
 }
 
 static sl_status convert_sky(const exr_reader *reader, sl_error *error) {
     exr_attr_chromaticities_t c;
-    if (!has_attribute(reader, "chromaticities") || exr_attr_get_chromaticities(reader->context, 0, "chromaticities", &c) != EXR_ERR_SUCCESS) return SL_OK;
-    const sl_primaries from = {{(double)c.red_x, (double)c.red_y}, {(double)c.green_x, (double)c.green_y}, {(double)c.blue_x, (double)c.blue_y}, {(double)c.white_x, (double)c.white_y}};
+    if (!has_attribute(reader, "chromaticities") ||
+        exr_attr_get_chromaticities(reader->context, 0, "chromaticities", &c) != EXR_ERR_SUCCESS)
+        return SL_OK;
+    const sl_primaries from = {{(double)c.red_x, (double)c.red_y},
+                               {(double)c.green_x, (double)c.green_y},
+                               {(double)c.blue_x, (double)c.blue_y},
+                               {(double)c.white_x, (double)c.white_y}};
     if (reader->gray >= 0 || sl_to_rec709(reader->image, &from)) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: expected R, G and B, and chromaticities that span colours", reader->source.bytes->path);
+    return sl_fail(error, SL_ERROR_INPUT, "%s: expected R, G and B, and chromaticities that span colours",
+                   reader->source.bytes->path);
 }
 
-/* ---- the whole ----------------------------------------------------------------------------------------------------- */
+/* ---- the whole ------------------------------------------------------------------------------- */
 
 static sl_status read_picture(const sl_bytes *bytes, bool sky, sl_image **image, sl_error *error) {
     exr_reader reader = {.source = {.bytes = bytes}};
@@ -359,7 +387,8 @@ static sl_status read_picture(const sl_bytes *bytes, bool sky, sl_image **image,
     start.user_data = &reader.source;
     start.read_fn = source_read;
     start.size_fn = source_size;
-    start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION; /* a file cut short is an error, not half a picture */
+    /* a file cut short is an error, not half a picture */
+    start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     sl_status status = SL_OK;
     exr_result_t result = exr_start_read(&reader.context, bytes->path, &start);
     if (result == EXR_ERR_OUT_OF_MEMORY) reader.source.starved = true;
@@ -371,7 +400,8 @@ static sl_status read_picture(const sl_bytes *bytes, bool sky, sl_image **image,
     if (status == SL_OK) status = read_pixels(&reader, error);
     if (status == SL_OK && reader.gray >= 0) spread_gray(&reader);
     if (status == SL_OK && sky) status = convert_sky(&reader, error);
-    if (status == SL_OK && reader.source.starved) status = fail_reading(&reader, error); /* it went on, with something left out */
+    /* it went on, with something left out */
+    if (status == SL_OK && reader.source.starved) status = fail_reading(&reader, error);
     if (reader.context) exr_finish(&reader.context);
     sl_free(reader.chunk);
     sl_free(reader.plane);
@@ -380,5 +410,9 @@ static sl_status read_picture(const sl_bytes *bytes, bool sky, sl_image **image,
     return status;
 }
 
-sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) { return read_picture(bytes, false, image, error); }
-sl_status sl_exr_read_sky(const sl_bytes *bytes, sl_image **image, sl_error *error) { return read_picture(bytes, true, image, error); }
+sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) {
+    return read_picture(bytes, false, image, error);
+}
+sl_status sl_exr_read_sky(const sl_bytes *bytes, sl_image **image, sl_error *error) {
+    return read_picture(bytes, true, image, error);
+}

@@ -1,5 +1,5 @@
-/* Writing OpenEXR through its C library: 32-bit floats, ZIP-compressed scan lines, all metadata as strings. The same image
- * gives the same bytes: nothing but the image goes into the file. */
+/* Writing OpenEXR through its C library: 32-bit floats, ZIP-compressed scan lines, all metadata as strings.
+ * The same image gives the same bytes: nothing but the image goes into the file. */
 #include "image/formats.h"
 
 #include "base/error.h"
@@ -15,32 +15,36 @@ typedef struct exr_sink {
     sl_error *error;
 } exr_sink;
 
-/* It may hold its own lock while it complains, and a handler that asked it for anything would wait for ever: so its result codes
- * have to do, and it must not print. */
+/* It may hold its own lock while it complains, and a handler that asked it for anything would wait for ever:
+ * so its result codes have to do, and it must not print. */
 static void on_error(exr_const_context_t context, exr_result_t code, const char *message) {
     (void)context;
     (void)code;
     (void)message;
 }
 
-static int64_t sink_write(exr_const_context_t context, void *user, const void *from, uint64_t count, uint64_t offset,
-                          exr_stream_error_func_ptr_t report) {
+static int64_t sink_write(exr_const_context_t context, void *user, const void *from, uint64_t count,
+                          uint64_t offset, exr_stream_error_func_ptr_t report) {
     exr_sink *sink = user;
-    if (sink->status == SL_OK) sink->status = sl_output_write_at(sink->file, from, count, offset, sink->error);
+    if (sink->status == SL_OK)
+        sink->status = sl_output_write_at(sink->file, from, count, offset, sink->error);
     (void)context;
     (void)report; /* it would wait for the lock that is held while this is called */
     return sink->status == SL_OK ? (int64_t)count : -1;
 }
 
-/* ---- the header -------------------------------------------------------------------------------------------------- */
+/* ---- the header ------------------------------------------------------------------------------ */
 
 /* OpenEXR wants channels in the order of their names. */
-static int compare_names(const void *a, const void *b) { return strcmp(*(const char *const *)a, *(const char *const *)b); }
+static int compare_names(const void *a, const void *b) {
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
 
 static const char **sort_names(const sl_image *image) {
     const char **names = sl_allocate((size_t)image->channels, sizeof *names);
     for (int c = 0; names && c < image->channels; c++) names[c] = image->channel_name[c];
-    if (names) qsort(names, (size_t)image->channels, sizeof *names, compare_names); /* names are distinct, so the order is total */
+    /* names are distinct, so the order is total */
+    if (names) qsort(names, (size_t)image->channels, sizeof *names, compare_names);
     return names;
 }
 
@@ -66,19 +70,64 @@ static exr_result_t add_metadata(exr_context_t context, const sl_image *image) {
     return result;
 }
 
-/* The names that OpenEXR has a meaning for: under one of the first fifteen a string of ours would make the file unreadable; the others are its
- * standard attributes of other types (up to 3.4), which readers take for these. */
+/* The names that OpenEXR has a meaning for: under one of the first fifteen a string of ours would make the
+ * file unreadable; the others are its standard attributes of other types (up to 3.4), which readers take for
+ * these. */
 static const char *reserved_key(const sl_image *image) {
-    static const char *const reserved[] = {"channels",    "compression",        "dataWindow",        "displayWindow",
-                                           "lineOrder",   "pixelAspectRatio",   "screenWindowCenter", "screenWindowWidth",
-                                           "name",        "type",               "version",           "chunkCount",
-                                           "tiles",       "view",               "maxSamplesPerPixel",
-                                           "adoptedNeutral", "altitude", "aperture", "cameraCCTSetting", "cameraColorBalance", "cameraTintSetting", "captureRate",
-                                           "chromaticities", "deepImageState", "dwaCompressionLevel", "effectiveFocalLength", "entrancePupilOffset",
-                                           "envmap", "expTime", "focus", "framesPerSecond", "idManifest", "imageCounter", "isoSpeed", "keyCode", "latitude",
-                                           "longitude", "multiView", "nominalFocalLength", "originalDataWindow", "pinholeFocalLength", "preview",
-                                           "sensorAcquisitionRectangle", "sensorCenterOffset", "sensorOverallDimensions", "sensorPhotositePitch",
-                                           "shutterAngle", "tStop", "timeCode", "utcOffset", "whiteLuminance", "worldToCamera", "worldToNDC", "xDensity"};
+    static const char *const reserved[] = {"channels",
+                                           "compression",
+                                           "dataWindow",
+                                           "displayWindow",
+                                           "lineOrder",
+                                           "pixelAspectRatio",
+                                           "screenWindowCenter",
+                                           "screenWindowWidth",
+                                           "name",
+                                           "type",
+                                           "version",
+                                           "chunkCount",
+                                           "tiles",
+                                           "view",
+                                           "maxSamplesPerPixel",
+                                           "adoptedNeutral",
+                                           "altitude",
+                                           "aperture",
+                                           "cameraCCTSetting",
+                                           "cameraColorBalance",
+                                           "cameraTintSetting",
+                                           "captureRate",
+                                           "chromaticities",
+                                           "deepImageState",
+                                           "dwaCompressionLevel",
+                                           "effectiveFocalLength",
+                                           "entrancePupilOffset",
+                                           "envmap",
+                                           "expTime",
+                                           "focus",
+                                           "framesPerSecond",
+                                           "idManifest",
+                                           "imageCounter",
+                                           "isoSpeed",
+                                           "keyCode",
+                                           "latitude",
+                                           "longitude",
+                                           "multiView",
+                                           "nominalFocalLength",
+                                           "originalDataWindow",
+                                           "pinholeFocalLength",
+                                           "preview",
+                                           "sensorAcquisitionRectangle",
+                                           "sensorCenterOffset",
+                                           "sensorOverallDimensions",
+                                           "sensorPhotositePitch",
+                                           "shutterAngle",
+                                           "tStop",
+                                           "timeCode",
+                                           "utcOffset",
+                                           "whiteLuminance",
+                                           "worldToCamera",
+                                           "worldToNDC",
+                                           "xDensity"};
     for (size_t r = 0; r < sizeof reserved / sizeof *reserved; r++) {
         if (sl_image_metadata(image, reserved[r])) return reserved[r];
     }
@@ -87,25 +136,28 @@ static const char *reserved_key(const sl_image *image) {
 
 static exr_result_t write_header(exr_context_t context, const sl_image *image, const char *const *names) {
     int part;
-    exr_result_t result = exr_set_longname_support(context, 1); /* names of up to 255 bytes; only a version flag if unused */
+    /* names of up to 255 bytes; only a version flag if unused */
+    exr_result_t result = exr_set_longname_support(context, 1);
     if (result == EXR_ERR_SUCCESS) result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
     if (result == EXR_ERR_SUCCESS) {
-        exr_attr_box2i_t window = {.min = {.x = 0, .y = 0}, .max = {.x = image->width - 1, .y = image->height - 1}};
+        exr_attr_box2i_t window = {.min = {.x = 0, .y = 0},
+                                   .max = {.x = image->width - 1, .y = image->height - 1}};
         exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
-        result = exr_initialize_required_attr(context, 0, &window, &window, 1.0f, &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
-                                              EXR_COMPRESSION_ZIP);
+        result = exr_initialize_required_attr(context, 0, &window, &window, 1.0f, &centre, 1.0f,
+                                              EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
     }
     if (result == EXR_ERR_SUCCESS) result = add_channels(context, names, image->channels);
     if (result == EXR_ERR_SUCCESS) result = add_metadata(context, image);
     return result == EXR_ERR_SUCCESS ? exr_write_header(context) : result;
 }
 
-/* ---- pixels ------------------------------------------------------------------------------------------------------ */
+/* ---- pixels ---------------------------------------------------------------------------------- */
 
 typedef exr_result_t compress_function(exr_encode_pipeline_t *encoder);
 
-/* A chunk as long as its pixels means that it is stored and not compressed. OpenEXR 3.1's C library forgets this where the
- * compressed form happens to have just that length, and nobody could read the file; so its step is wrapped. */
+/* A chunk as long as its pixels means that it is stored and not compressed. OpenEXR 3.1's C library forgets
+ * this where the compressed form happens to have just that length, and nobody could read the file; so its
+ * step is wrapped. */
 static exr_result_t compress_or_store(exr_encode_pipeline_t *encoder) {
     compress_function *const *compress = encoder->encoding_user_data;
     exr_result_t result = (*compress)(encoder);
@@ -116,13 +168,14 @@ static exr_result_t compress_or_store(exr_encode_pipeline_t *encoder) {
     return result;
 }
 
-static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, const char *const *names, int y, exr_encode_pipeline_t *encoder,
-                                 compress_function **compress) {
+static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, const char *const *names,
+                                 int y, exr_encode_pipeline_t *encoder, compress_function **compress) {
     exr_chunk_info_t info;
     exr_result_t result = exr_write_scanline_chunk_info(context, 0, y, &info);
     if (result != EXR_ERR_SUCCESS) return result;
     bool first = encoder->channels == NULL;
-    result = first ? exr_encoding_initialize(context, 0, &info, encoder) : exr_encoding_update(context, 0, &info, encoder);
+    result = first ? exr_encoding_initialize(context, 0, &info, encoder)
+                   : exr_encoding_update(context, 0, &info, encoder);
     if (result != EXR_ERR_SUCCESS) return result;
     for (int c = 0; c < encoder->channel_count; c++) {
         exr_coding_channel_info_t *channel = &encoder->channels[c];
@@ -157,7 +210,8 @@ static exr_result_t write_pixels(exr_context_t context, const sl_image *image, c
 sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error) {
     const char *reserved = reserved_key(image);
     if (reserved) {
-        return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: '%s' has a meaning of its own in EXR and cannot be metadata",
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "cannot write %s: '%s' has a meaning of its own in EXR and cannot be metadata",
                        file->name, reserved);
     }
     exr_sink sink = {.file = file, .status = SL_OK, .error = error};
@@ -168,7 +222,8 @@ sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *er
     start.zip_level = 4; /* said, so that the bytes do not change with the library's defaults */
     exr_context_t context = NULL;
     const char **names = sort_names(image);
-    exr_result_t result = names ? exr_start_write(&context, file->name, EXR_WRITE_FILE_DIRECTLY, &start) : EXR_ERR_OUT_OF_MEMORY;
+    exr_result_t result = names ? exr_start_write(&context, file->name, EXR_WRITE_FILE_DIRECTLY, &start)
+                                : EXR_ERR_OUT_OF_MEMORY;
     if (result == EXR_ERR_SUCCESS) result = write_header(context, image, names);
     if (result == EXR_ERR_SUCCESS) result = write_pixels(context, image, names);
     sl_free(names);
@@ -177,9 +232,10 @@ sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *er
         if (result == EXR_ERR_SUCCESS) result = finished;
     }
     if (result != EXR_ERR_SUCCESS && sink.status == SL_OK) {
-        sink.status = result == EXR_ERR_OUT_OF_MEMORY ? sl_fail_memory(error, file->name)
-                                                      : sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", file->name,
-                                                                exr_get_default_error_message(result));
+        sink.status = result == EXR_ERR_OUT_OF_MEMORY
+                          ? sl_fail_memory(error, file->name)
+                          : sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", file->name,
+                                    exr_get_default_error_message(result));
     }
     return sink.status;
 }

@@ -1,10 +1,10 @@
-/* LDR-FLIP: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: a difference evaluator for
- * alternating images", 2020. How different two pictures look when one flips between them, seen from a distance at which
- * a degree is 67 pixels wide. Section numbers are the paper's.
+/* LDR-FLIP: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: a difference evaluator
+ * for alternating images", 2020. How different two pictures look when one flips between them, seen from a
+ * distance at which a degree is 67 pixels wide. Section numbers are the paper's.
  *
- * The pictures come in linear RGB; the paper's XYZ, YCxCz and L*a*b* are all relative to the D65 white, so X, Y and Z are
- * divided by white's from the start, and YCxCz is y = Y, cx = X - Y, cz = Y - Z: without its factors 116, 500, 200 and
- * offset 16, which commute with convolutions by kernels of sum 1. */
+ * The pictures come in linear RGB; the paper's XYZ, YCxCz and L*a*b* are all relative to the D65 white, so X,
+ * Y and Z are divided by white's from the start, and YCxCz is y = Y, cx = X - Y, cz = Y - Z: without its
+ * factors 116, 500, 200 and offset 16, which commute with convolutions by kernels of sum 1. */
 #include "image/metrics.h"
 
 #include "base/error.h"
@@ -15,10 +15,10 @@
 
 static const double pixels_per_degree = 67.0;
 
-/* ---- colour spaces ------------------------------------------------------------------------------------------ */
+/* ---- colour spaces --------------------------------------------------------------------------- */
 
-/* From linear Rec. 709 RGB to X, Y, Z over those of white, and back: from the primaries (0.64, 0.33), (0.30, 0.60),
- * (0.15, 0.06) and white (0.3127, 0.3290). Rows sum to 1. */
+/* From linear Rec. 709 RGB to X, Y, Z over those of white, and back: from the primaries (0.64, 0.33), (0.30,
+ * 0.60), (0.15, 0.06) and white (0.3127, 0.3290). Rows sum to 1. */
 static const double xyz_of_rgb[3][3] = {
     {0.43388734556603986, 0.3762240091374987, 0.18988864529646141},
     {0.21263900587151036, 0.71516867876775592, 0.072192315360733714},
@@ -40,7 +40,8 @@ static triple transform(const double m[3][3], triple a) {
     return b;
 }
 
-/* x^(1/3) for x in [0.0088, 1.1] to the last bits: Newton's iteration from a straight line, off by 80 % at worst. */
+/* x^(1/3) for x in [0.0088, 1.1] to the last bits: Newton's iteration from a straight line, off by 80 % at
+ * worst. */
 static double cube_root(double x) {
     double y = 0.36 + 0.68 * x;
     for (int i = 0; i < 6; i++) y = (2.0 * y + x / (y * y)) * (1.0 / 3.0);
@@ -53,12 +54,14 @@ static double lab_curve(double t) {
     return t > delta * delta * delta ? cube_root(t) : t / (3.0 * delta * delta) + 4.0 / 29.0;
 }
 
-/* L*a*b* of a linear RGB colour, with Hunt's effect (section 4.1.2): chroma looks weaker where it is darker. */
+/* L*a*b* of a linear RGB colour, with Hunt's effect (section 4.1.2): chroma looks weaker where it is darker.
+ */
 static triple hunt_adjusted_lab(triple rgb) {
     triple xyz = transform(xyz_of_rgb, rgb);
     double fx = lab_curve(xyz.v[0]), fy = lab_curve(xyz.v[1]), fz = lab_curve(xyz.v[2]);
     double lightness = 116.0 * fy - 16.0;
-    return (triple){{lightness, 0.01 * lightness * (500.0 * (fx - fy)), 0.01 * lightness * (200.0 * (fy - fz))}};
+    return (triple){
+        {lightness, 0.01 * lightness * (500.0 * (fx - fy)), 0.01 * lightness * (200.0 * (fy - fz))}};
 }
 
 /* The HyAB distance (section 4.1.3): city blocks between lightness and chroma, Euclid within chroma. */
@@ -67,18 +70,19 @@ static double hyab(triple a, triple b) {
     return fabs(a.v[0] - b.v[0]) + sqrt(da * da + db * db);
 }
 
-/* ---- kernels ------------------------------------------------------------------------------------------------ */
+/* ---- kernels --------------------------------------------------------------------------------- */
 
 enum { COLOR_RADIUS = 10, FEATURE_RADIUS = 9 };
 
 typedef struct {
     double achromatic[2 * COLOR_RADIUS + 1], red_green[2 * COLOR_RADIUS + 1];
     double blue_yellow[2][2 * COLOR_RADIUS + 1], blue_yellow_weight[2];
-    double feature_gaussian[2 * FEATURE_RADIUS + 1], edge[2 * FEATURE_RADIUS + 1], point[2 * FEATURE_RADIUS + 1];
+    double feature_gaussian[2 * FEATURE_RADIUS + 1], edge[2 * FEATURE_RADIUS + 1],
+        point[2 * FEATURE_RADIUS + 1];
 } kernels;
 
-/* A term a sqrt(pi/b) exp(-pi^2 d^2 / b) of the contrast sensitivity, d in degrees (section 4.1.1), as a Gaussian in
- * pixels. Returns the sum of the whole kernel without its factor a. */
+/* A term a sqrt(pi/b) exp(-pi^2 d^2 / b) of the contrast sensitivity, d in degrees (section 4.1.1), as a
+ * Gaussian in pixels. Returns the sum of the whole kernel without its factor a. */
 static double sensitivity_kernel(double b, double *kernel) {
     double sum = sl_gaussian_kernel(pixels_per_degree * sqrt(b / 2.0) / SL_PI, COLOR_RADIUS, true, kernel);
     return sqrt(SL_PI / b) * sum * sum;
@@ -100,7 +104,8 @@ static void make_kernels(kernels *k) {
     double narrow = 13.5 * sensitivity_kernel(0.025, k->blue_yellow[1]);
     k->blue_yellow_weight[0] = wide / (wide + narrow);
     k->blue_yellow_weight[1] = narrow / (wide + narrow);
-    double sigma = 0.5 * 0.082 * pixels_per_degree; /* section 4.2: the width of an edge that the eye detects, in degrees */
+    /* section 4.2: the width of an edge that the eye detects, in degrees */
+    double sigma = 0.5 * 0.082 * pixels_per_degree;
     sl_gaussian_kernel(sigma, FEATURE_RADIUS, true, k->feature_gaussian);
     for (int i = 0; i <= 2 * FEATURE_RADIUS; i++) {
         double d = i - FEATURE_RADIUS, g = k->feature_gaussian[i];
@@ -111,7 +116,7 @@ static void make_kernels(kernels *k) {
     balance(k->point);
 }
 
-/* ---- what one picture looks like ---------------------------------------------------------------------------- */
+/* ---- what one picture looks like ------------------------------------------------------------- */
 
 typedef struct {
     double *lab[3];      /* filtered by the contrast sensitivity, Hunt-adjusted */
@@ -137,7 +142,8 @@ static void filter_color(const workspace *w, const double *in, const double *ker
     sl_convolve(in, w->width, w->height, kernel, kernel, COLOR_RADIUS, w->scratch, out);
 }
 
-/* The length of the gradient (or of the two second derivatives): derivative along one axis, Gaussian along the other. */
+/* The length of the gradient (or of the two second derivatives): derivative along one axis, Gaussian along
+ * the other. */
 static void detect_features(const workspace *w, const double *y, const double *derivative, double *out) {
     const double *gaussian = w->kernel.feature_gaussian;
     sl_convolve(y, w->width, w->height, derivative, gaussian, FEATURE_RADIUS, w->scratch, out);
@@ -147,7 +153,8 @@ static void detect_features(const workspace *w, const double *y, const double *d
 
 static double clamp_unit(double x) { return x > 1.0 ? 1.0 : x > 0.0 ? x : 0.0; }
 
-/* Filtered y, cx, cz to L*a*b*; filtering can leave the gamut, so the colour is clamped on the way (section 4.1.1). */
+/* Filtered y, cx, cz to L*a*b*; filtering can leave the gamut, so the colour is clamped on the way
+ * (section 4.1.1). */
 static void perceive_color(const workspace *w, const appearance *a) {
     for (size_t i = 0; i < w->pixels; i++) {
         double y = a->lab[0][i];
@@ -175,16 +182,18 @@ static void perceive(const workspace *w, const double *rgb, const appearance *a)
     perceive_color(w, a);
 }
 
-/* ---- the difference ----------------------------------------------------------------------------------------- */
+/* ---- the difference -------------------------------------------------------------------------- */
 
 /* The largest colour distance, between pure green and pure blue, to the power that all distances get. */
 static double largest_color_error(double exponent) {
-    triple green = hunt_adjusted_lab((triple){{0.0, 1.0, 0.0}}), blue = hunt_adjusted_lab((triple){{0.0, 0.0, 1.0}});
+    triple green = hunt_adjusted_lab((triple){{0.0, 1.0, 0.0}}),
+           blue = hunt_adjusted_lab((triple){{0.0, 0.0, 1.0}});
     return sl_pow(hyab(green, blue), exponent);
 }
 
 /* Section 4.1.3: large distances are compressed, so that those below 0.4 of the largest take [0, 0.95]. */
-static double color_error(const appearance *a, const appearance *b, size_t i, double exponent, double largest) {
+static double color_error(const appearance *a, const appearance *b, size_t i, double exponent,
+                          double largest) {
     const double knee = 0.4 * largest, knee_value = 0.95;
     double distance = hyab((triple){{a->lab[0][i], a->lab[1][i], a->lab[2][i]}},
                            (triple){{b->lab[0][i], b->lab[1][i], b->lab[2][i]}});
@@ -193,19 +202,22 @@ static double color_error(const appearance *a, const appearance *b, size_t i, do
     return knee_value + (error - knee) / (largest - knee) * (1.0 - knee_value);
 }
 
-/* Section 4.2: the feature that differs more, edge or point; in [0,1] since each strength is at most sqrt(2). */
+/* Section 4.2: the feature that differs more, edge or point; in [0,1] since each strength is at most sqrt(2).
+ */
 static double feature_error(const appearance *a, const appearance *b, size_t i) {
     double edge = fabs(a->edge[i] - b->edge[i]), point = fabs(a->point[i] - b->point[i]);
     return sqrt(clamp_unit((edge > point ? edge : point) * sqrt(0.5)));
 }
 
 /* Section 4.3: a feature that differs raises the colour error. */
-static double mean_error(const sl_picture_pair *pictures, size_t pixels, const appearance *a, const appearance *b) {
+static double mean_error(const sl_picture_pair *pictures, size_t pixels, const appearance *a,
+                         const appearance *b) {
     const double exponent = 0.7, largest = largest_color_error(exponent);
     double sum = 0.0, count = 0.0;
     for (size_t i = 0; i < pixels; i++) {
         if (!pictures->use[i]) continue;
-        sum += clamp_unit(sl_pow(clamp_unit(color_error(a, b, i, exponent, largest)), 1.0 - feature_error(a, b, i)));
+        sum += clamp_unit(
+            sl_pow(clamp_unit(color_error(a, b, i, exponent, largest)), 1.0 - feature_error(a, b, i)));
         count += 1.0;
     }
     return sum / count;
@@ -213,12 +225,14 @@ static double mean_error(const sl_picture_pair *pictures, size_t pixels, const a
 
 sl_status sl_flip(const sl_picture_pair *pictures, double *mean, sl_error *error) {
     size_t pixels = (size_t)pictures->width * (size_t)pictures->height;
-    double *planes = sl_allocate(13 * pixels + sl_convolve_margin(pictures->width, COLOR_RADIUS), sizeof *planes);
+    double *planes =
+        sl_allocate(13 * pixels + sl_convolve_margin(pictures->width, COLOR_RADIUS), sizeof *planes);
     if (!planes) return sl_fail_memory(error, "the FLIP metric");
     appearance seen[2];
     for (size_t s = 0; s < 2; s++) {
         double *first = planes + 5 * s * pixels;
-        seen[s] = (appearance){{first, first + pixels, first + 2 * pixels}, first + 3 * pixels, first + 4 * pixels};
+        seen[s] =
+            (appearance){{first, first + pixels, first + 2 * pixels}, first + 3 * pixels, first + 4 * pixels};
     }
     workspace w = {.width = pictures->width, .height = pictures->height, .pixels = pixels};
     w.opponent = planes + 10 * pixels;

@@ -1,5 +1,5 @@
-/* The picture formats, each a pair of functions between bytes and images. Readers get the whole file: `path` names it
- * in errors only. */
+/* The picture formats, each a pair of functions between bytes and images. Readers get the whole file: `path`
+ * names it in errors only. */
 #ifndef SL_IMAGE_FORMATS_H
 #define SL_IMAGE_FORMATS_H
 
@@ -13,14 +13,16 @@ typedef struct sl_bytes {
 
 /* The whole file; data is freed with sl_free(). */
 sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error);
-/* Refuses a size that no file of so few bytes can mean, before memory is asked for. `expansion`: the most pixels that
- * a byte can hold in the format. */
-sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion, sl_error *error);
+/* Refuses a size that no file of so few bytes can mean, before memory is asked for. `expansion`: the most
+ * pixels that a byte can hold in the format. */
+sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion,
+                                sl_error *error);
 /* The same of all its channels. */
-sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels, uint64_t expansion, sl_error *error);
+sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels,
+                                    uint64_t expansion, sl_error *error);
 
-/* sl_image_read() of a latitude-longitude picture of a sky: an EXR that says so holds it in its data window, and one with primaries of its own is turned to
- * Rec. 709. Cube maps are refused. */
+/* sl_image_read() of a latitude-longitude picture of a sky: an EXR that says so holds it in its data window,
+ * and one with primaries of its own is turned to Rec. 709. Cube maps are refused. */
 sl_status sl_sky_read(const char *path, sl_image **image, sl_error *error);
 
 /* sl_image_read() of a file that is in memory already. */
@@ -39,18 +41,21 @@ bool sl_hdr_recognise(const sl_bytes *bytes);
 sl_status sl_hdr_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
 
 bool sl_png_recognise(const sl_bytes *bytes);
-sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error);
+sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba,
+                        sl_error *error);
 /* The value of a tEXt entry of a sound file, cut to `size` bytes; false where there is none. */
 bool sl_png_text(const sl_bytes *bytes, const char *key, char *value, size_t size);
 typedef struct sl_png_entry {
     const char *key, *value;
 } sl_png_entry;
 /* rgb: width * height * 3 bytes, row 0 at the top; texts: `count` tEXt entries. */
-sl_status sl_png_write(int width, int height, const uint8_t *rgb, const sl_png_entry *texts, size_t count, sl_output_file *file, sl_error *error);
+sl_status sl_png_write(int width, int height, const uint8_t *rgb, const sl_png_entry *texts, size_t count,
+                       sl_output_file *file, sl_error *error);
 
 /* JPEG, BMP and TGA through stb_image; TGA has no mark of its own, so it is what is left. */
 bool sl_jpeg_recognise(const sl_bytes *bytes);
 bool sl_jpeg_tables_are_sound(const sl_bytes *bytes);
-sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error);
+sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba,
+                        sl_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* Radiance HDR pictures: a byte of mantissa for each of R, G, B and one exponent for the three (G. Ward, "Real pixels",
- * Graphics Gems II, 1991), in rows that may be run-length coded. */
+/* Radiance HDR pictures: a byte of mantissa for each of R, G, B and one exponent for the three (G. Ward,
+ * "Real pixels", Graphics Gems II, 1991), in rows that may be run-length coded. */
 #include "image/formats.h"
 
 #include "base/error.h"
@@ -19,7 +19,7 @@ bool sl_hdr_recognise(const sl_bytes *bytes) {
            (bytes->size >= 6 && memcmp(bytes->data, "#?RGBE", 6) == 0);
 }
 
-/* ---- the header -------------------------------------------------------------------------------------------------- */
+/* ---- the header ------------------------------------------------------------------------------ */
 
 static bool next_line(hdr_reader *reader, char *line, size_t room) {
     size_t length = 0;
@@ -35,7 +35,8 @@ static bool next_line(hdr_reader *reader, char *line, size_t room) {
     return false;
 }
 
-/* Lines up to an empty one; then the size. EXPOSURE is left alone, as nearly all who write or read these files do. */
+/* Lines up to an empty one; then the size. EXPOSURE is left alone, as nearly all who write or read these
+ * files do. */
 static sl_status parse_header(hdr_reader *reader, int *width, int *height, sl_error *error) {
     const char *path = reader->bytes->path;
     char line[256];
@@ -44,18 +45,21 @@ static sl_status parse_header(hdr_reader *reader, int *width, int *height, sl_er
             return sl_fail(error, SL_ERROR_INPUT, "%s: the Radiance header does not end", path);
         }
         if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0) {
-            return sl_fail(error, SL_ERROR_INPUT, "%s: '%s' is not supported, only FORMAT=32-bit_rle_rgbe", path, line);
+            return sl_fail(error, SL_ERROR_INPUT, "%s: '%s' is not supported, only FORMAT=32-bit_rle_rgbe",
+                           path, line);
         }
     } while (line[0]);
     char end;
     if (!next_line(reader, line, sizeof line) || sscanf(line, "-Y %9d +X %9d%c", height, width, &end) != 2) {
-        return sl_fail(error, SL_ERROR_INPUT, "%s: expected '-Y height +X width' at the end of the Radiance header", path);
+        return sl_fail(error, SL_ERROR_INPUT,
+                       "%s: expected '-Y height +X width' at the end of the Radiance header", path);
     }
-    /* A run of 127 equal bytes takes two, and there are four bytes a pixel; the old coding repeats 255 times in four. */
+    /* A run of 127 equal bytes takes two, and there are four bytes a pixel; the old coding repeats 255 times
+     * in four. */
     return sl_check_claimed_size(reader->bytes, *width, *height, 64, error);
 }
 
-/* ---- rows -------------------------------------------------------------------------------------------------------- */
+/* ---- rows ------------------------------------------------------------------------------------ */
 
 static bool take(hdr_reader *reader, uint8_t *to, size_t count) {
     if (count > reader->bytes->size - reader->position) return false;
@@ -64,7 +68,8 @@ static bool take(hdr_reader *reader, uint8_t *to, size_t count) {
     return true;
 }
 
-/* Each of the four components by itself: a count above 128 repeats the next byte count - 128 times, another copies. */
+/* Each of the four components by itself: a count above 128 repeats the next byte count - 128 times, another
+ * copies. */
 static bool read_component_runs(hdr_reader *reader, size_t width, uint8_t *rgbe) {
     for (size_t component = 0; component < 4; component++) {
         for (size_t x = 0; x < width;) {
@@ -83,7 +88,8 @@ static bool read_component_runs(hdr_reader *reader, size_t width, uint8_t *rgbe)
     return true;
 }
 
-/* Flat pixels, where 1, 1, 1, n repeats the last pixel n times; several in a row are the digits of n, least first. */
+/* Flat pixels, where 1, 1, 1, n repeats the last pixel n times; several in a row are the digits of n, least
+ * first. */
 static bool read_pixel_runs(hdr_reader *reader, size_t width, uint8_t *rgbe) {
     unsigned shift = 0;
     for (size_t x = 0; x < width;) {
@@ -105,8 +111,8 @@ static bool read_pixel_runs(hdr_reader *reader, size_t width, uint8_t *rgbe) {
 
 static bool read_row(hdr_reader *reader, size_t width, uint8_t *rgbe) {
     const uint8_t *start = reader->bytes->data + reader->position;
-    bool by_component = reader->bytes->size - reader->position >= 4 && width >= 8 && width < 32768 && start[0] == 2 &&
-                        start[1] == 2 && start[2] < 128;
+    bool by_component = reader->bytes->size - reader->position >= 4 && width >= 8 && width < 32768 &&
+                        start[0] == 2 && start[1] == 2 && start[2] < 128;
     if (!by_component) return read_pixel_runs(reader, width, rgbe);
     if (((size_t)start[2] << 8 | start[3]) != width) return false;
     reader->position += 4;
@@ -120,15 +126,16 @@ static sl_status read_rows(hdr_reader *reader, sl_image *image, sl_error *error)
     sl_status status = SL_OK;
     for (size_t y = 0; y < height && status == SL_OK; y++) {
         if (!read_row(reader, width, rgbe)) {
-            status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged or cut short in row %zu of %zu", reader->bytes->path, y,
-                             height);
+            status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged or cut short in row %zu of %zu",
+                             reader->bytes->path, y, height);
             break;
         }
         for (size_t x = 0; x < width; x++) {
             const uint8_t *pixel = rgbe + 4 * x;
             /* The mantissa is a fraction of 256, the exponent has an excess of 128; ldexp() is exact. */
             float scale = pixel[3] ? ldexpf(1.0f, pixel[3] - (128 + 8)) : 0.0f;
-            for (size_t c = 0; c < 3; c++) image->planes[(c * height + y) * width + x] = (float)pixel[c] * scale;
+            for (size_t c = 0; c < 3; c++)
+                image->planes[(c * height + y) * width + x] = (float)pixel[c] * scale;
         }
     }
     sl_free(rgbe);

@@ -20,12 +20,13 @@ static const char *default_channel_name(int channels, int channel) {
 
 static sl_status check_size(int width, int height, int channels, sl_error *error) {
     if (width < 1 || height < 1 || channels < 1) {
-        return sl_fail(error, SL_ERROR_USAGE, "an image cannot be %d x %d pixels with %d channels", width, height, channels);
+        return sl_fail(error, SL_ERROR_USAGE, "an image cannot be %d x %d pixels with %d channels", width,
+                       height, channels);
     }
     uint64_t pixels = (uint64_t)width * (uint64_t)height;
     if (pixels > most_values / (uint64_t)channels) {
-        return sl_fail(error, SL_ERROR_RESOURCES, "an image of %d x %d pixels with %d channels is too large", width, height,
-                       channels);
+        return sl_fail(error, SL_ERROR_RESOURCES, "an image of %d x %d pixels with %d channels is too large",
+                       width, height, channels);
     }
     return SL_OK;
 }
@@ -34,7 +35,9 @@ static sl_status fail_nameless(int channels, sl_error *error) {
     return sl_fail(error, SL_ERROR_USAGE, "an image of %d channels needs their names", channels);
 }
 
-static int compare_names(const void *a, const void *b) { return strcmp(*(const char *const *)a, *(const char *const *)b); }
+static int compare_names(const void *a, const void *b) {
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
 
 /* Sorted, since there may be tens of thousands. */
 static sl_status check_distinct(const sl_image *image, sl_error *error) {
@@ -42,7 +45,8 @@ static sl_status check_distinct(const sl_image *image, sl_error *error) {
     if (!sorted) return sl_fail_memory(error, "an image");
     for (int c = 0; c < image->channels; c++) sorted[c] = image->channel_name[c];
     qsort(sorted, (size_t)image->channels, sizeof *sorted, compare_names);
-    for (int c = 1; c < image->channels && !twice; c++) twice = strcmp(sorted[c - 1], sorted[c]) == 0 ? sorted[c] : NULL;
+    for (int c = 1; c < image->channels && !twice; c++)
+        twice = strcmp(sorted[c - 1], sorted[c]) == 0 ? sorted[c] : NULL;
     sl_free(sorted);
     return twice ? sl_fail(error, SL_ERROR_USAGE, "two channels are called '%s'", twice) : SL_OK;
 }
@@ -53,21 +57,22 @@ static sl_status name_channels(sl_image *image, const char *const *names, sl_err
         if (!name) return fail_nameless(image->channels, error);
         size_t length = strlen(name);
         if (length == 0 || length >= SL_CHANNEL_NAME_MAX) {
-            return sl_fail(error, SL_ERROR_USAGE, "a channel name has 1 to %d bytes, '%s' has %zu", SL_CHANNEL_NAME_MAX - 1,
-                           name, length);
+            return sl_fail(error, SL_ERROR_USAGE, "a channel name has 1 to %d bytes, '%s' has %zu",
+                           SL_CHANNEL_NAME_MAX - 1, name, length);
         }
         memcpy(image->channel_name[c], name, length + 1);
     }
     return check_distinct(image, error);
 }
 
-static sl_status create(int width, int height, int channels, const char *const *channel_names, bool clear, sl_image **image,
-                        sl_error *error) {
+static sl_status create(int width, int height, int channels, const char *const *channel_names, bool clear,
+                        sl_image **image, sl_error *error) {
     if (!image) return sl_fail_null(error, "a place for an image");
     *image = NULL;
     sl_status status = check_size(width, height, channels, error);
     if (status != SL_OK) return status;
-    if (!channel_names && !default_channel_name(channels, 0)) return fail_nameless(channels, error); /* however many: before any memory is taken */
+    /* however many: before any memory is taken */
+    if (!channel_names && !default_channel_name(channels, 0)) return fail_nameless(channels, error);
     sl_image *created = sl_allocate(1, sizeof *created);
     if (!created) return sl_fail_memory(error, "an image");
     created->width = width;
@@ -75,7 +80,8 @@ static sl_status create(int width, int height, int channels, const char *const *
     created->channels = channels;
     created->channel_name = sl_allocate((size_t)channels, sizeof *created->channel_name);
     const size_t values = (size_t)width * (size_t)height * (size_t)channels;
-    created->planes = clear ? sl_allocate(values, sizeof *created->planes) : sl_allocate_unset(values, sizeof *created->planes);
+    created->planes = clear ? sl_allocate(values, sizeof *created->planes)
+                            : sl_allocate_unset(values, sizeof *created->planes);
     if (!created->channel_name || !created->planes) status = sl_fail_memory(error, "an image");
     else status = name_channels(created, channel_names, error);
     if (status != SL_OK) {
@@ -86,12 +92,13 @@ static sl_status create(int width, int height, int channels, const char *const *
     return SL_OK;
 }
 
-sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names, sl_image **image,
-                          sl_error *error) {
+sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names,
+                          sl_image **image, sl_error *error) {
     return create(width, height, channels, channel_names, true, image, error);
 }
 
-sl_status sl_image_create_unset(int width, int height, int channels, const char *const *channel_names, sl_image **image, sl_error *error) {
+sl_status sl_image_create_unset(int width, int height, int channels, const char *const *channel_names,
+                                sl_image **image, sl_error *error) {
     return create(width, height, channels, channel_names, false, image, error);
 }
 
@@ -123,8 +130,8 @@ sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *va
     if (!image || !key || !value) return sl_fail_null(error, "an image, a key and its value");
     size_t key_length = strlen(key), value_length = strlen(value);
     if (key_length == 0 || key_length >= SL_METADATA_KEY_MAX) {
-        return sl_fail(error, SL_ERROR_USAGE, "a metadata key has 1 to %d bytes, '%s' has %zu", SL_METADATA_KEY_MAX - 1, key,
-                       key_length);
+        return sl_fail(error, SL_ERROR_USAGE, "a metadata key has 1 to %d bytes, '%s' has %zu",
+                       SL_METADATA_KEY_MAX - 1, key, key_length);
     }
     char *copy = malloc(value_length + 1);
     if (!copy) return sl_fail_memory(error, "metadata");

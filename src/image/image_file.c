@@ -15,21 +15,23 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- bytes ------------------------------------------------------------------------------------------------------ */
+/* ---- bytes ----------------------------------------------------------------------------------- */
 
 static sl_status read_descriptor(int descriptor, sl_bytes *bytes, sl_error *error) {
     struct stat status;
     if (fstat(descriptor, &status) != 0) {
         return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: %s", bytes->path, strerror(errno));
     }
-    if (!S_ISREG(status.st_mode)) return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: not a file", bytes->path);
+    if (!S_ISREG(status.st_mode))
+        return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: not a file", bytes->path);
     size_t size = (size_t)status.st_size;
     bytes->data = sl_allocate(size, 1);
     if (!bytes->data) return sl_fail_memory(error, bytes->path);
     while (bytes->size < size) {
         ssize_t got = read(descriptor, bytes->data + bytes->size, size - bytes->size);
         if (got < 0 && errno == EINTR) continue;
-        if (got < 0) return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: %s", bytes->path, strerror(errno));
+        if (got < 0)
+            return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: %s", bytes->path, strerror(errno));
         if (got == 0) break;
         bytes->size += (size_t)got;
     }
@@ -39,7 +41,9 @@ static sl_status read_descriptor(int descriptor, sl_bytes *bytes, sl_error *erro
 sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error) {
     *bytes = (sl_bytes){path, NULL, 0};
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor < 0) return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "cannot read %s: %s", path, strerror(errno));
+    if (descriptor < 0)
+        return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "cannot read %s: %s", path,
+                       strerror(errno));
     sl_status status = read_descriptor(descriptor, bytes, error);
     close(descriptor);
     if (status != SL_OK) {
@@ -49,7 +53,8 @@ sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error) {
     return status;
 }
 
-sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion, sl_error *error) {
+sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion,
+                                sl_error *error) {
     const int64_t longest = 1 << 24;
     if (width < 1 || height < 1 || width > longest || height > longest) {
         return sl_fail(error, SL_ERROR_INPUT, "%s: %lld x %lld pixels is no size for a picture", bytes->path,
@@ -59,26 +64,28 @@ sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t he
     const uint64_t small = (uint64_t)1 << 20, largest = (uint64_t)1 << 29;
     uint64_t pixels = (uint64_t)width * (uint64_t)height;
     if (pixels > largest || (pixels > small && pixels / expansion > bytes->size)) {
-        return sl_fail(error, SL_ERROR_INPUT, "%s: claims %lld x %lld pixels, too many for its %zu bytes", bytes->path,
-                       (long long)width, (long long)height, bytes->size);
+        return sl_fail(error, SL_ERROR_INPUT, "%s: claims %lld x %lld pixels, too many for its %zu bytes",
+                       bytes->path, (long long)width, (long long)height, bytes->size);
     }
     return SL_OK;
 }
 
-sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels, uint64_t expansion, sl_error *error) {
+sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels,
+                                    uint64_t expansion, sl_error *error) {
     const uint64_t small = (uint64_t)1 << 22;
     sl_status status = sl_check_claimed_size(bytes, width, height, expansion, error);
     if (status != SL_OK) return status;
     uint64_t values = (uint64_t)width * (uint64_t)height * (uint64_t)channels; /* 2^29 pixels at most */
     if (values <= small || values / expansion <= bytes->size) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: claims %lld x %lld pixels of %d channels, too many for its %zu bytes", bytes->path, (long long)width,
-                   (long long)height, channels, bytes->size);
+    return sl_fail(error, SL_ERROR_INPUT,
+                   "%s: claims %lld x %lld pixels of %d channels, too many for its %zu bytes", bytes->path,
+                   (long long)width, (long long)height, channels, bytes->size);
 }
 
-/* ---- 8-bit pictures ---------------------------------------------------------------------------------------------- */
+/* ---- 8-bit pictures -------------------------------------------------------------------------- */
 
-sl_status sl_decode_texels(const char *path, const void *memory, size_t size, int *width, int *height, bool *has_alpha,
-                           uint8_t **rgba, sl_error *error) {
+sl_status sl_decode_texels(const char *path, const void *memory, size_t size, int *width, int *height,
+                           bool *has_alpha, uint8_t **rgba, sl_error *error) {
     *rgba = NULL;
     sl_bytes bytes = {path, NULL, size};
     if (memory) {
@@ -89,8 +96,9 @@ sl_status sl_decode_texels(const char *path, const void *memory, size_t size, in
         sl_status status = sl_bytes_read(path, &bytes, error);
         if (status != SL_OK) return status;
     }
-    sl_status status = sl_png_recognise(&bytes) ? sl_png_decode(&bytes, width, height, has_alpha, rgba, error)
-                                                : sl_stb_decode(&bytes, width, height, has_alpha, rgba, error);
+    sl_status status = sl_png_recognise(&bytes)
+                           ? sl_png_decode(&bytes, width, height, has_alpha, rgba, error)
+                           : sl_stb_decode(&bytes, width, height, has_alpha, rgba, error);
     sl_free(bytes.data);
     return status;
 }
@@ -100,7 +108,8 @@ static sl_status read_texels(const sl_bytes *bytes, sl_image **image, sl_error *
     int width, height;
     bool has_alpha;
     uint8_t *rgba;
-    sl_status status = sl_decode_texels(bytes->path, bytes->data, bytes->size, &width, &height, &has_alpha, &rgba, error);
+    sl_status status =
+        sl_decode_texels(bytes->path, bytes->data, bytes->size, &width, &height, &has_alpha, &rgba, error);
     if (status != SL_OK) return status;
     status = sl_image_create(width, height, has_alpha ? 4 : 3, names, image, error);
     if (status == SL_OK) {
@@ -122,7 +131,8 @@ static sl_status set_tone(const sl_bytes *bytes, sl_image *image, sl_error *erro
     sl_status status = sl_image_set_metadata(image, SL_TONE_KEY, "unknown", error);
     for (size_t i = 0; i < 3 && status == SL_OK; i++) {
         char value[32];
-        if (sl_png_recognise(bytes) && sl_png_text(bytes, keys[i], value, sizeof value)) status = sl_image_set_metadata(image, keys[i], value, error);
+        if (sl_png_recognise(bytes) && sl_png_text(bytes, keys[i], value, sizeof value))
+            status = sl_image_set_metadata(image, keys[i], value, error);
     }
     return status;
 }
@@ -136,7 +146,7 @@ static sl_status read_picture(const sl_bytes *bytes, sl_image **image, sl_error 
     return status;
 }
 
-/* ---- images ------------------------------------------------------------------------------------------------------ */
+/* ---- images ---------------------------------------------------------------------------------- */
 
 sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error) {
     *image = NULL;
@@ -144,7 +154,8 @@ sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *err
     if (sl_pfm_recognise(bytes)) return sl_pfm_read(bytes, image, error);
     if (sl_hdr_recognise(bytes)) return sl_hdr_read(bytes, image, error);
     if (sl_png_recognise(bytes) || sl_jpeg_recognise(bytes)) return read_picture(bytes, image, error);
-    return sl_fail(error, SL_ERROR_INPUT, "%s: not an EXR, PFM, Radiance HDR, PNG or JPEG picture", bytes->path);
+    return sl_fail(error, SL_ERROR_INPUT, "%s: not an EXR, PFM, Radiance HDR, PNG or JPEG picture",
+                   bytes->path);
 }
 
 typedef sl_status decoder(const sl_bytes *bytes, sl_image **image, sl_error *error);
@@ -160,17 +171,23 @@ static sl_status read_with(decoder *decode, const char *path, sl_image **image, 
     return status;
 }
 
-sl_status sl_image_read(const char *path, sl_image **image, sl_error *error) { return read_with(sl_image_decode, path, image, error); }
-
-static sl_status decode_sky(const sl_bytes *bytes, sl_image **image, sl_error *error) {
-    return sl_exr_recognise(bytes) ? sl_exr_read_sky(bytes, image, error) : sl_image_decode(bytes, image, error);
+sl_status sl_image_read(const char *path, sl_image **image, sl_error *error) {
+    return read_with(sl_image_decode, path, image, error);
 }
 
-sl_status sl_sky_read(const char *path, sl_image **image, sl_error *error) { return read_with(decode_sky, path, image, error); }
+static sl_status decode_sky(const sl_bytes *bytes, sl_image **image, sl_error *error) {
+    return sl_exr_recognise(bytes) ? sl_exr_read_sky(bytes, image, error)
+                                   : sl_image_decode(bytes, image, error);
+}
+
+sl_status sl_sky_read(const char *path, sl_image **image, sl_error *error) {
+    return read_with(decode_sky, path, image, error);
+}
 
 typedef sl_status write_function(const sl_image *image, sl_output_file *file, sl_error *error);
 
-static sl_status write_with(write_function *write_image, const sl_image *image, const char *path, sl_error *error) {
+static sl_status write_with(write_function *write_image, const sl_image *image, const char *path,
+                            sl_error *error) {
     sl_output_file file;
     sl_status status = sl_output_open(&file, path, error);
     if (status != SL_OK) return status;
@@ -189,11 +206,13 @@ sl_status sl_image_write(const sl_image *image, const char *path, sl_error *erro
     if (!image || !path) return sl_fail_null(error, "an image and the name of a file");
     if (ends_with(path, ".exr")) return write_with(sl_exr_write, image, path, error);
     if (ends_with(path, ".pfm")) return write_with(sl_pfm_write, image, path, error);
-    if (ends_with(path, ".png")) return sl_image_write_png(image, path, (sl_tone){SL_TONE_CLIP, 0.0f, false}, error);
+    if (ends_with(path, ".png"))
+        return sl_image_write_png(image, path, (sl_tone){SL_TONE_CLIP, 0.0f, false}, error);
     return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: the name must end in .exr, .pfm or .png", path);
 }
 
-static sl_status write_codes(const sl_image *image, const uint8_t *rgb, const sl_png_entry texts[3], size_t count, const char *path, sl_error *error) {
+static sl_status write_codes(const sl_image *image, const uint8_t *rgb, const sl_png_entry texts[3],
+                             size_t count, const char *path, sl_error *error) {
     sl_output_file file;
     sl_status status = sl_output_open(&file, path, error);
     if (status != SL_OK) return status;
@@ -210,7 +229,9 @@ sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone to
     if (status != SL_OK) return status;
     char stops[32];
     sl_print(stops, sizeof stops, "%.17g", sl_tone_stops(image, tone));
-    const sl_png_entry texts[3] = {{SL_TONE_KEY, sl_tone_curve_name((size_t)tone.curve)}, {SL_TONE_EXPOSURE_KEY, stops}, {SL_TONE_AUTOMATIC_KEY, "true"}};
+    const sl_png_entry texts[3] = {{SL_TONE_KEY, sl_tone_curve_name((size_t)tone.curve)},
+                                   {SL_TONE_EXPOSURE_KEY, stops},
+                                   {SL_TONE_AUTOMATIC_KEY, "true"}};
     status = write_codes(image, rgb, texts, tone.automatic ? 3 : 2, path, error);
     sl_free(rgb);
     return status;

@@ -12,7 +12,8 @@
 #include <unistd.h>
 
 static sl_status fail_writing(const char *name, int reason, sl_error *error) {
-    return sl_fail(error, sl_status_of_errno(reason, SL_ERROR_OUTPUT), "cannot write %s: %s", name, strerror(reason));
+    return sl_fail(error, sl_status_of_errno(reason, SL_ERROR_OUTPUT), "cannot write %s: %s", name,
+                   strerror(reason));
 }
 
 static void release(sl_output_file *file) {
@@ -24,19 +25,23 @@ static void release(sl_output_file *file) {
     file->descriptor = -1;
 }
 
-/* ---- files that have no name yet ---------------------------------------------------------------------------------- */
+/* ---- files that have no name yet ------------------------------------------------------------- */
 
 enum { PROC_NAME = 40 };
 
 /* By which one can be given to it: where the system tells of itself. */
-static void name_in_proc(int descriptor, char name[PROC_NAME]) { snprintf(name, PROC_NAME, "/proc/self/fd/%d", descriptor); }
+static void name_in_proc(int descriptor, char name[PROC_NAME]) {
+    snprintf(name, PROC_NAME, "/proc/self/fd/%d", descriptor);
+}
 
-/* Of such a file nothing is left if the process is killed. Not every file system has them (ext4, XFS, Btrfs and tmpfs do, NFS and FAT do not); false
- * where it cannot be had. */
+/* Of such a file nothing is left if the process is killed. Not every file system has them (ext4, XFS, Btrfs
+ * and tmpfs do, NFS and FAT do not); false where it cannot be had. */
 static bool create_unnamed(sl_output_file *file) {
 #ifdef O_TMPFILE
     const char *slash = strrchr(file->target, '/');
-    char proc[PROC_NAME], *folder = slash ? strndup(file->target, slash > file->target ? (size_t)(slash - file->target) : 1) : strdup(".");
+    char proc[PROC_NAME],
+        *folder = slash ? strndup(file->target, slash > file->target ? (size_t)(slash - file->target) : 1)
+                        : strdup(".");
     if (!folder) return false;
     file->descriptor = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
     free(folder);
@@ -57,7 +62,7 @@ static int link_to(const sl_output_file *file, const char *name) {
     return linkat(AT_FDCWD, proc, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
 }
 
-/* ---- files with a name of their own ------------------------------------------------------------------------------- */
+/* ---- files with a name of their own ---------------------------------------------------------- */
 
 /* Not mkstemp(), whose files nobody else may read whatever the umask says. */
 static int create_named(sl_output_file *file) {
@@ -96,7 +101,8 @@ static int open_target(sl_output_file *file, const char *path) {
         if (reason == 0 && exists) (void)fchmod(file->descriptor, status.st_mode & 07777);
         return reason;
     }
-    file->descriptor = open(file->target, O_WRONLY | O_CLOEXEC); /* renaming onto /dev/null would replace it */
+    /* renaming onto /dev/null would replace it */
+    file->descriptor = open(file->target, O_WRONLY | O_CLOEXEC);
     return file->descriptor < 0 ? errno : 0;
 }
 
@@ -153,7 +159,8 @@ sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, 
     return SL_OK;
 }
 
-sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t bytes, uint64_t offset, sl_error *error) {
+sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t bytes, uint64_t offset,
+                             sl_error *error) {
     const char *from = data;
     while (bytes > 0) {
         ssize_t written = pwrite(file->descriptor, from, bytes, (off_t)offset);

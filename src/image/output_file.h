@@ -1,6 +1,7 @@
-/* Files that appear whole or not at all: the bytes go to a file without a name in the target's folder, which takes the target's name only when
- * everything is on the disk. A failure, at any point, leaves what was there before, and so does the end of the process, however it is killed.
- * Where the file system knows no such files it is one beside the target, NAME.PROCESS-NUMBER.part: that one a killed process leaves, and it is in
+/* Files that appear whole or not at all: the bytes go to a file without a name in the target's folder, which
+ * takes the target's name only when everything is on the disk. A failure, at any point, leaves what was there
+ * before, and so does the end of the process, however it is killed. Where the file system knows no such files
+ * it is one beside the target, NAME.PROCESS-NUMBER.part: that one a killed process leaves, and it is in
  * nobody's way. */
 #ifndef SL_IMAGE_OUTPUT_FILE_H
 #define SL_IMAGE_OUTPUT_FILE_H
@@ -13,22 +14,26 @@ typedef struct sl_output_file {
     char *name;       /* as the caller wrote it, for messages */
     char *target;     /* with symbolic links resolved */
     bool unnamed;     /* it has no name yet */
-    char *temporary;  /* the name it has until it takes the target's, or NULL; devices and pipes are written directly */
+    /* the name it has until it takes the target's, or NULL; devices and pipes are written directly */
+    char *temporary;
     bool in_memory;   /* no file at all: the bytes stay here */
     uint8_t *memory;  /* size of them */
     uint64_t room;
 } sl_output_file;
 
-/* All failures are SL_ERROR_OUTPUT (or SL_ERROR_RESOURCES for want of memory), "cannot write PATH: reason". After a failed open nothing is to be undone; after a
- * successful one exactly one of commit and discard must follow. */
+/* All failures are SL_ERROR_OUTPUT (or SL_ERROR_RESOURCES for want of memory), "cannot write PATH: reason".
+ * After a failed open nothing is to be undone; after a successful one exactly one of commit and discard must
+ * follow. */
 sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error);
-/* Fails as opening would, so that it is known before the work; leaves no trace. Devices and pipes are not opened. */
+/* Fails as opening would, so that it is known before the work; leaves no trace. Devices and pipes are not
+ * opened. */
 sl_status sl_output_check(const char *path, sl_error *error);
 /* What is written in sequence is kept in memory; sl_output_discard() ends that. */
 void sl_output_open_memory(sl_output_file *file);
 sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error);
 /* For formats whose writer goes back; independent of the sequence. */
-sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t bytes, uint64_t offset, sl_error *error);
+sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t bytes, uint64_t offset,
+                             sl_error *error);
 /* Gives the file its name. Where it fails the file has been discarded. */
 sl_status sl_output_commit(sl_output_file *file, sl_error *error);
 void sl_output_discard(sl_output_file *file);

@@ -9,10 +9,11 @@
 
 bool sl_pfm_recognise(const sl_bytes *bytes) {
     return bytes->size >= 3 && bytes->data[0] == 'P' && (bytes->data[1] == 'F' || bytes->data[1] == 'f') &&
-           (bytes->data[2] == '\n' || bytes->data[2] == ' ' || bytes->data[2] == '\r' || bytes->data[2] == '\t');
+           (bytes->data[2] == '\n' || bytes->data[2] == ' ' || bytes->data[2] == '\r' ||
+            bytes->data[2] == '\t');
 }
 
-/* ---- reading ----------------------------------------------------------------------------------------------------- */
+/* ---- reading --------------------------------------------------------------------------------- */
 
 static bool is_space(uint8_t c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
 
@@ -47,22 +48,25 @@ static sl_status parse_header(const sl_bytes *bytes, pfm_header *header, sl_erro
     int64_t width, height;
     size_t position = 2;
     if (!next_word(bytes, &position, width_word) || !next_word(bytes, &position, height_word) ||
-        !next_word(bytes, &position, scale) || !parse_size(width_word, &width) || !parse_size(height_word, &height)) {
-        return sl_fail(error, SL_ERROR_INPUT, "%s: damaged PFM header: expected width, height and scale", bytes->path);
+        !next_word(bytes, &position, scale) || !parse_size(width_word, &width) ||
+        !parse_size(height_word, &height)) {
+        return sl_fail(error, SL_ERROR_INPUT, "%s: damaged PFM header: expected width, height and scale",
+                       bytes->path);
     }
     const char *digits = scale + (scale[0] == '-' || scale[0] == '+');
     if (strspn(digits, "0123456789.eE+-") != strlen(digits) || strpbrk(digits, "123456789") == NULL) {
-        return sl_fail(error, SL_ERROR_INPUT, "%s: damaged PFM header: the scale is '%s', expected 1.0 or -1.0", bytes->path,
-                       scale);
+        return sl_fail(error, SL_ERROR_INPUT,
+                       "%s: damaged PFM header: the scale is '%s', expected 1.0 or -1.0", bytes->path, scale);
     }
     sl_status status = sl_check_claimed_size(bytes, width, height, 1, error);
     if (status != SL_OK) return status;
-    *header = (pfm_header){bytes->data[1] == 'F' ? 3 : 1, (int)width, (int)height, scale[0] == '-', position + 1};
+    *header =
+        (pfm_header){bytes->data[1] == 'F' ? 3 : 1, (int)width, (int)height, scale[0] == '-', position + 1};
     uint64_t needed = (uint64_t)width * (uint64_t)height * (uint64_t)header->channels * 4;
     uint64_t present = bytes->size > header->data ? bytes->size - header->data : 0;
     if (present < needed) {
-        return sl_fail(error, SL_ERROR_INPUT, "%s: cut short: %llu bytes of pixels, expected %llu", bytes->path,
-                       (unsigned long long)present, (unsigned long long)needed);
+        return sl_fail(error, SL_ERROR_INPUT, "%s: cut short: %llu bytes of pixels, expected %llu",
+                       bytes->path, (unsigned long long)present, (unsigned long long)needed);
     }
     return SL_OK;
 }
@@ -86,14 +90,15 @@ sl_status sl_pfm_read(const sl_bytes *bytes, sl_image **image, sl_error *error) 
         for (size_t x = 0; x < width; x++, from += 4 * stored) {
             for (size_t c = 0; c < 3; c++) {
                 size_t source = stored == 3 ? c : 0; /* gray is R = G = B */
-                (*image)->planes[(c * height + row) * width + x] = load_float(from + 4 * source, header.little_endian);
+                (*image)->planes[(c * height + row) * width + x] =
+                    load_float(from + 4 * source, header.little_endian);
             }
         }
     }
     return SL_OK;
 }
 
-/* ---- writing ----------------------------------------------------------------------------------------------------- */
+/* ---- writing --------------------------------------------------------------------------------- */
 
 static void store_float(uint8_t *to, float value) {
     uint32_t bits;
@@ -101,15 +106,16 @@ static void store_float(uint8_t *to, float value) {
     for (int i = 0; i < 4; i++) to[i] = (uint8_t)(bits >> (8 * i));
 }
 
-static sl_status write_rows(const sl_image *image, const float *const *planes, size_t channels, sl_output_file *file,
-                            sl_error *error) {
+static sl_status write_rows(const sl_image *image, const float *const *planes, size_t channels,
+                            sl_output_file *file, sl_error *error) {
     size_t width = (size_t)image->width, row_bytes = width * channels * 4;
     uint8_t *row = sl_allocate(row_bytes, 1);
     if (!row) return sl_fail_memory(error, file->name);
     sl_status status = SL_OK;
     for (size_t y = (size_t)image->height; y-- > 0 && status == SL_OK;) {
         for (size_t x = 0; x < width; x++) {
-            for (size_t c = 0; c < channels; c++) store_float(row + 4 * (x * channels + c), planes[c][y * width + x]);
+            for (size_t c = 0; c < channels; c++)
+                store_float(row + 4 * (x * channels + c), planes[c][y * width + x]);
         }
         status = sl_output_write(file, row, row_bytes, error);
     }
@@ -118,18 +124,20 @@ static sl_status write_rows(const sl_image *image, const float *const *planes, s
 }
 
 sl_status sl_pfm_write(const sl_image *image, sl_output_file *file, sl_error *error) {
-    const float *planes[3] = {sl_image_channel(image, "R"), sl_image_channel(image, "G"), sl_image_channel(image, "B")};
+    const float *planes[3] = {sl_image_channel(image, "R"), sl_image_channel(image, "G"),
+                              sl_image_channel(image, "B")};
     size_t channels = 3;
     if (!planes[0] || !planes[1] || !planes[2]) {
         planes[0] = sl_image_channel(image, "Y");
         channels = 1;
     }
     if (!planes[0]) {
-        return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: a PFM needs the channels R, G, B or Y", file->name);
+        return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: a PFM needs the channels R, G, B or Y",
+                       file->name);
     }
     char header[64];
-    int length = snprintf(header, sizeof header, "%s\n%d %d\n-1.0\n", channels == 3 ? "PF" : "Pf", image->width,
-                          image->height);
+    int length = snprintf(header, sizeof header, "%s\n%d %d\n-1.0\n", channels == 3 ? "PF" : "Pf",
+                          image->width, image->height);
     sl_status status = sl_output_write(file, header, (size_t)length, error);
     return status == SL_OK ? write_rows(image, planes, channels, file, error) : status;
 }

@@ -1,5 +1,5 @@
-/* PNG through libpng, which reports errors by longjmp(): everything that must survive the jump lives in a struct that
- * the caller of setjmp() owns. */
+/* PNG through libpng, which reports errors by longjmp(): everything that must survive the jump lives in a
+ * struct that the caller of setjmp() owns. */
 #include "image/formats.h"
 
 #include "base/error.h"
@@ -56,9 +56,11 @@ static void on_warning(png_structp png, png_const_charp message) {
     (void)message;
 }
 
-/* ---- reading ----------------------------------------------------------------------------------------------------- */
+/* ---- reading --------------------------------------------------------------------------------- */
 
-bool sl_png_recognise(const sl_bytes *bytes) { return bytes->size >= 8 && png_sig_cmp(bytes->data, 0, 8) == 0; }
+bool sl_png_recognise(const sl_bytes *bytes) {
+    return bytes->size >= 8 && png_sig_cmp(bytes->data, 0, 8) == 0;
+}
 
 static void read_bytes(png_structp png, png_bytep to, size_t count) {
     png_work *work = png_get_io_ptr(png);
@@ -106,10 +108,12 @@ static bool decode_rows(png_work *work, sl_error *error) {
     return true;
 }
 
-sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error) {
+sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba,
+                        sl_error *error) {
     *rgba = NULL;
     png_work work = {.bytes = bytes, .status = SL_OK};
-    work.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning, &work, allocate, release);
+    work.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning, &work, allocate,
+                                        release);
     work.info = work.png ? png_create_info_struct(work.png) : NULL;
     bool done = false;
     if (work.info) done = decode_rows(&work, error);
@@ -133,9 +137,12 @@ sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *ha
     return work.status;
 }
 
-static uint32_t big_endian(const uint8_t *b) { return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3]; }
+static uint32_t big_endian(const uint8_t *b) {
+    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
+}
 
-/* A chunk is its length, its type, its data and a checksum; a tEXt's data are the key, a zero and the value. */
+/* A chunk is its length, its type, its data and a checksum; a tEXt's data are the key, a zero and the value.
+ */
 bool sl_png_text(const sl_bytes *bytes, const char *key, char *value, size_t size) {
     enum { SIGNATURE = 8, AROUND = 12 };
     const size_t key_bytes = strlen(key) + 1;
@@ -144,14 +151,16 @@ bool sl_png_text(const sl_bytes *bytes, const char *key, char *value, size_t siz
         const uint8_t *chunk = bytes->data + at, *data = chunk + 8;
         length = big_endian(chunk);
         if (length > bytes->size - AROUND - at) return false;
-        if (memcmp(chunk + 4, "tEXt", 4) != 0 || length < key_bytes || memcmp(data, key, key_bytes) != 0) continue;
-        snprintf(value, size, "%.*s", (int)(length - key_bytes < size ? length - key_bytes : size), (const char *)data + key_bytes);
+        if (memcmp(chunk + 4, "tEXt", 4) != 0 || length < key_bytes || memcmp(data, key, key_bytes) != 0)
+            continue;
+        snprintf(value, size, "%.*s", (int)(length - key_bytes < size ? length - key_bytes : size),
+                 (const char *)data + key_bytes);
         return true;
     }
     return false;
 }
 
-/* ---- writing ----------------------------------------------------------------------------------------------------- */
+/* ---- writing --------------------------------------------------------------------------------- */
 
 static void write_bytes(png_structp png, png_bytep from, size_t count) {
     png_work *work = png_get_io_ptr(png);
@@ -182,16 +191,20 @@ static bool encode_rows(png_work *work) {
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     add_texts(work);
     png_write_info(png, work->info);
-    for (png_uint_32 y = 0; y < work->height; y++) png_write_row(png, work->rgb + 3 * (size_t)work->width * y);
+    for (png_uint_32 y = 0; y < work->height; y++)
+        png_write_row(png, work->rgb + 3 * (size_t)work->width * y);
     png_write_end(png, work->info);
     return true;
 }
 
-sl_status sl_png_write(int width, int height, const uint8_t *rgb, const sl_png_entry *texts, size_t count, sl_output_file *file, sl_error *error) {
-    png_work work = {.rgb = rgb, .texts = texts, .text_count = count, .file = file, .status = SL_OK, .error = error};
+sl_status sl_png_write(int width, int height, const uint8_t *rgb, const sl_png_entry *texts, size_t count,
+                       sl_output_file *file, sl_error *error) {
+    png_work work = {
+        .rgb = rgb, .texts = texts, .text_count = count, .file = file, .status = SL_OK, .error = error};
     work.width = (png_uint_32)width;
     work.height = (png_uint_32)height;
-    work.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning, &work, allocate, release);
+    work.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning, &work, allocate,
+                                         release);
     work.info = work.png ? png_create_info_struct(work.png) : NULL;
     bool done = work.info && encode_rows(&work);
     if (work.status == SL_OK && (!work.info || work.starved)) {

@@ -1,5 +1,5 @@
-/* Structural similarity: Wang, Bovik, Sheikh, Simoncelli, "Image quality assessment: from error visibility to structural
- * similarity", 2004. */
+/* Structural similarity: Wang, Bovik, Sheikh, Simoncelli, "Image quality assessment: from error visibility to
+ * structural similarity", 2004. */
 #include "image/metrics.h"
 
 #include "base/error.h"
@@ -32,7 +32,8 @@ static double similarity(const double *const moment[MOMENTS], size_t i) {
 
 sl_status sl_ssim(const sl_picture_pair *pictures, double *mean, sl_error *error) {
     size_t pixels = (size_t)pictures->width * (size_t)pictures->height;
-    double *planes = sl_allocate((MOMENTS + 1) * pixels + sl_convolve_margin(pictures->width, RADIUS), sizeof *planes);
+    double *planes =
+        sl_allocate((MOMENTS + 1) * pixels + sl_convolve_margin(pictures->width, RADIUS), sizeof *planes);
     if (!planes) return sl_fail_memory(error, "the structural similarity");
     double *moment[MOMENTS], *scratch = planes + MOMENTS * pixels;
     for (int m = 0; m < MOMENTS; m++) moment[m] = planes + (size_t)m * pixels;

@@ -9,8 +9,10 @@
 
 #pragma GCC diagnostic ignored "-Wunused-function"
 
-/* What stb_image leaves unset (rows beyond the end of a short file) is to be 0, not what the memory held before. */
-static _Thread_local bool starved; /* stb_image, which hands no pointer of ours to these, calls a picture damaged for which it has no memory */
+/* What stb_image leaves unset (rows beyond the end of a short file) is to be 0, not what the memory held
+ * before. */
+/* stb_image, which hands no pointer of ours to these, calls a picture damaged for which it has no memory */
+static _Thread_local bool starved;
 
 static inline void *zeroed(size_t bytes) {
     void *block = calloc(1, bytes ? bytes : 1);
@@ -39,7 +41,8 @@ static inline void *resized(void *old, size_t bytes) {
 #define STBI_ASSERT(condition) ((void)(condition))
 #include <stb/stb_image.h>
 
-/* stb_image reads zeros beyond the end and calls it a picture; this stream notices that it was asked for more. */
+/* stb_image reads zeros beyond the end and calls it a picture; this stream notices that it was asked for
+ * more. */
 typedef struct watched_stream {
     const sl_bytes *bytes;
     size_t position;
@@ -49,7 +52,8 @@ typedef struct watched_stream {
 static int stream_read(void *user, char *to, int count) {
     watched_stream *stream = user;
     size_t left = stream->bytes->size - stream->position, asked = (size_t)count;
-    /* Its buffer is filled ahead of need, so a filling may come up short; anything else that does is an overrun. */
+    /* Its buffer is filled ahead of need, so a filling may come up short; anything else that does is an
+     * overrun. */
     bool ahead = asked == sizeof ((stbi__context *)NULL)->buffer_start;
     if (left == 0 || (asked > left && !ahead)) stream->overrun = true;
     if (asked > left) asked = left;
@@ -82,28 +86,33 @@ bool sl_jpeg_recognise(const sl_bytes *bytes) {
     return bytes->size >= 3 && bytes->data[0] == 0xff && bytes->data[1] == 0xd8 && bytes->data[2] == 0xff;
 }
 
-/* stb_image passes over fill bytes before the first marker, so more begins a JPEG for it than the three bytes that one has. */
+/* stb_image passes over fill bytes before the first marker, so more begins a JPEG for it than the three bytes
+ * that one has. */
 static bool is_taken_for_jpeg(const sl_bytes *bytes) {
     return bytes->size >= 2 && bytes->data[0] == 0xff && (bytes->data[1] == 0xff || bytes->data[1] == 0xd8);
 }
 
 static sl_status check_header(const sl_bytes *bytes, bool *has_alpha, sl_error *error) {
     if (is_taken_for_jpeg(bytes) && !sl_jpeg_tables_are_sound(bytes)) {
-        return sl_fail(error, SL_ERROR_INPUT, "%s: damaged JPEG: its segments or Huffman tables are broken", bytes->path);
+        return sl_fail(error, SL_ERROR_INPUT, "%s: damaged JPEG: its segments or Huffman tables are broken",
+                       bytes->path);
     }
     watched_stream stream = {bytes, 0, false};
     int width, height, channels;
     bool known = stbi_info_from_callbacks(&callbacks, &stream, &width, &height, &channels);
     if (starved) return sl_fail_memory(error, bytes->path);
     if (!known) {
-        return sl_fail(error, SL_ERROR_INPUT, "%s: not a PNG, JPEG, BMP or TGA picture, or a damaged one", bytes->path);
+        return sl_fail(error, SL_ERROR_INPUT, "%s: not a PNG, JPEG, BMP or TGA picture, or a damaged one",
+                       bytes->path);
     }
     *has_alpha = channels == 2 || channels == 4;
-    /* A JPEG spends at least a bit on each of the six blocks of 256 pixels; run-length TGAs stay far below. */
+    /* A JPEG spends at least a bit on each of the six blocks of 256 pixels; run-length TGAs stay far below.
+     */
     return sl_check_claimed_size(bytes, width, height, 512, error);
 }
 
-sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error) {
+sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba,
+                        sl_error *error) {
     *rgba = NULL;
     starved = false;
     sl_status status = check_header(bytes, has_alpha, error);
@@ -112,8 +121,11 @@ sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *ha
     int channels;
     uint8_t *texels = stbi_load_from_callbacks(&callbacks, &stream, width, height, &channels, 4);
     if (starved) status = sl_fail_memory(error, bytes->path);
-    else if (!texels) status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged picture: %s", bytes->path, stbi_failure_reason());
-    else if (stream.overrun) status = sl_fail(error, SL_ERROR_INPUT, "%s: the picture is cut short", bytes->path);
+    else if (!texels)
+        status =
+            sl_fail(error, SL_ERROR_INPUT, "%s: damaged picture: %s", bytes->path, stbi_failure_reason());
+    else if (stream.overrun)
+        status = sl_fail(error, SL_ERROR_INPUT, "%s: the picture is cut short", bytes->path);
     if (status == SL_OK) {
         size_t size = (size_t)*width * (size_t)*height * 4;
         *rgba = sl_allocate(size, 1);

@@ -22,13 +22,14 @@ bool sl_picture_planes(const sl_image *image, const float *planes[3]) {
     return gray != NULL;
 }
 
-/* Reinhard et al., "Photographic tone reproduction for digital images" (2002), equation 1 without its small constant: black
- * pixels are left out instead, so that the result scales exactly with the image. */
+/* Reinhard et al., "Photographic tone reproduction for digital images" (2002), equation 1 without its small
+ * constant: black pixels are left out instead, so that the result scales exactly with the image. */
 static double log_average_luminance(const float *const planes[3], size_t pixels) {
     double sum = 0.0;
     size_t count = 0;
     for (size_t i = 0; i < pixels; i++) {
-        double luminance = 0.2126 * (double)planes[0][i] + 0.7152 * (double)planes[1][i] + 0.0722 * (double)planes[2][i];
+        double luminance =
+            0.2126 * (double)planes[0][i] + 0.7152 * (double)planes[1][i] + 0.0722 * (double)planes[2][i];
         if (!(luminance > 0.0) || isinf(luminance)) continue;
         sum += sl_log(luminance);
         count++;
@@ -50,8 +51,8 @@ static double apply_curve(sl_tone_curve curve, double x) {
     return x * (1.0 + x / (white * white)) / (1.0 + x);
 }
 
-/* borders[i]: the linear value at which the encoded value passes from code i to code i + 1, so that rounding to the nearest
- * code is a search for the number of borders at or below a value. */
+/* borders[i]: the linear value at which the encoded value passes from code i to code i + 1, so that rounding
+ * to the nearest code is a search for the number of borders at or below a value. */
 static void find_code_borders(double borders[255]) {
     for (int i = 0; i < 255; i++) borders[i] = (double)sl_srgb_decode(((float)i + 0.5f) / 255.0f);
 }
@@ -64,7 +65,8 @@ static uint8_t nearest_code(const double borders[255], double x) {
     return (uint8_t)code;
 }
 
-static void map_planes(const float *const planes[3], size_t pixels, double exposure, sl_tone_curve curve, uint8_t *mapped) {
+static void map_planes(const float *const planes[3], size_t pixels, double exposure, sl_tone_curve curve,
+                       uint8_t *mapped) {
     double borders[255];
     find_code_borders(borders);
     for (size_t i = 0; i < pixels; i++) {
@@ -91,7 +93,9 @@ const char *sl_tone_curve_name(size_t index) {
 }
 
 static sl_status check_tone(sl_tone tone, sl_error *error) {
-    if (!isfinite(tone.exposure_stops)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite exposure, got %g", (double)tone.exposure_stops);
+    if (!isfinite(tone.exposure_stops))
+        return sl_fail(error, SL_ERROR_USAGE, "expected a finite exposure, got %g",
+                       (double)tone.exposure_stops);
     if (tone.curve == SL_TONE_CLIP || tone.curve == SL_TONE_REINHARD) return SL_OK;
     return sl_fail(error, SL_ERROR_USAGE, "there is no tone curve %d", (int)tone.curve);
 }
@@ -102,7 +106,8 @@ sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl
     sl_status status = check_tone(*tone, error);
     if (status != SL_OK) return status;
     if (!sl_picture_planes(image, planes)) {
-        return sl_fail(error, SL_ERROR_USAGE, "a PNG needs the channels R, G, B or Y, which the image does not have");
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "a PNG needs the channels R, G, B or Y, which the image does not have");
     }
     double exposure = sl_tone_exposure(image, *tone);
     if (tone->automatic) *tone = (sl_tone){tone->curve, (float)stops_of(exposure), false};
@@ -120,7 +125,8 @@ sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_err
     return status;
 }
 
-static void show(const sl_image *image, const float *const planes[3], double exposure, sl_tone_curve curve, uint8_t *codes, float *linear) {
+static void show(const sl_image *image, const float *const planes[3], double exposure, sl_tone_curve curve,
+                 uint8_t *codes, float *linear) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     float table[256];
     sl_srgb_decode_table(table);
@@ -128,7 +134,8 @@ static void show(const sl_image *image, const float *const planes[3], double exp
     for (size_t i = 0; i < 3 * pixels; i++) linear[i % 3 * pixels + i / 3] = table[codes[i]];
 }
 
-sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double stops, sl_image **displayed, sl_error *error) {
+sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double stops, sl_image **displayed,
+                          sl_error *error) {
     const float *planes[3];
     *displayed = NULL;
     if (!sl_picture_planes(image, planes)) return sl_fail(error, SL_ERROR_USAGE, "no R, G, B or Y to show");

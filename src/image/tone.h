@@ -6,22 +6,25 @@
 
 /* The planes R, G, B, or, where one of them is missing, Y three times; false where there is no Y either. */
 bool sl_picture_planes(const sl_image *image, const float *planes[3]);
-/* The factor that tone's exposure means for an image: 2^exposure_stops, times 0.18 / (log-average luminance) where it is
- * automatic. The average is over the pixels with finite positive luminance; without any it is taken as 0.18. */
+/* The factor that tone's exposure means for an image: 2^exposure_stops, times 0.18 / (log-average luminance)
+ * where it is automatic. The average is over the pixels with finite positive luminance; without any it is
+ * taken as 0.18. */
 double sl_tone_exposure(const sl_image *image, sl_tone tone);
 /* log2 of that factor, finite. */
 double sl_tone_stops(const sl_image *image, sl_tone tone);
-/* The picture that a PNG of the image shows, read back: R, G, B in linear light, after 2^stops and the curve. */
-sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double stops, sl_image **displayed, sl_error *error);
-/* The tone of 8-bit pictures, as metadata: the curve's name, or "unknown" where the file does not tell; the exposure
- * in stops; "true" where that was automatic. */
+/* The picture that a PNG of the image shows, read back: R, G, B in linear light, after 2^stops and the curve.
+ */
+sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double stops, sl_image **displayed,
+                          sl_error *error);
+/* The tone of 8-bit pictures, as metadata: the curve's name, or "unknown" where the file does not tell; the
+ * exposure in stops; "true" where that was automatic. */
 #define SL_TONE_KEY "softlux.tone"
 #define SL_TONE_EXPOSURE_KEY "softlux.exposure"
 #define SL_TONE_AUTOMATIC_KEY "softlux.exposure_automatic"
 /* "clip", "reinhard"; NULL past the end. */
 const char *sl_tone_curve_name(size_t index);
-/* *rgb gets width * height * 3 bytes, freed with sl_free(). R, G, B of the image, or its Y alone. Negative values and NaN
- * come out black, infinity white. */
+/* *rgb gets width * height * 3 bytes, freed with sl_free(). R, G, B of the image, or its Y alone. Negative
+ * values and NaN come out black, infinity white. */
 sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_error *error);
 
 #endif

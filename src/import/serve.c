@@ -39,8 +39,8 @@ static void keep_within(unsigned long processor_seconds, unsigned long long addr
 #endif
 }
 
-/* Closes descriptors that the caller did not keep from its children: a pipe of its own would not end before this
- * process does. */
+/* Closes descriptors that the caller did not keep from its children: a pipe of its own would not end before
+ * this process does. */
 static void close_what_came_along(void) {
     for (int descriptor = 3; descriptor < MOST_DESCRIPTORS; descriptor++) close(descriptor);
 }

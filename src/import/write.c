@@ -151,13 +151,15 @@ static void put_material(writer *w, const struct aiMaterial *m) {
 /* ---- meshes -------------------------------------------------------------------------------------------- */
 
 static void put_uvs(writer *w, const struct aiVector3D *uvs, unsigned count) {
-    for (unsigned v = 0; uvs && v < count; v++) put(w, (const float[2]){uvs[v].x, uvs[v].y}, 2 * sizeof(float));
+    for (unsigned v = 0; uvs && v < count; v++)
+        put(w, (const float[2]){uvs[v].x, uvs[v].y}, 2 * sizeof(float));
 }
 
 static uint32_t flags_of(const struct aiMesh *mesh) {
     uint32_t flags = (mesh->mNormals ? SL_IMPORT_NORMALS : 0u) | (mesh->mColors[0] ? SL_IMPORT_COLOURS : 0u) |
                      (mesh->mNumBones ? SL_IMPORT_BONES : 0u);
-    for (int i = 0; i < SL_IMPORT_UV_SETS; i++) flags |= mesh->mTextureCoords[i] ? (uint32_t)SL_IMPORT_UVS << i : 0u;
+    for (int i = 0; i < SL_IMPORT_UV_SETS; i++)
+        flags |= mesh->mTextureCoords[i] ? (uint32_t)SL_IMPORT_UVS << i : 0u;
     return flags;
 }
 

@@ -1,8 +1,8 @@
-/* A block's sixteen pixels as vectors of the instruction set's own width: one part with AVX-512, two (of two rows each) with
- * AVX2, four (of a row each) with SSE2, and the few things that plain C cannot say about them. (With arrays and loops instead,
- * compilers keep the edge functions in memory and the rasterizer takes half as long again; vectors wider than the machine's
- * are compared lane by lane, ten times slower.) The operators + - * & | and comparisons work on vectors lane by lane, a
- * comparison giving all ones or 0.
+/* A block's sixteen pixels as vectors of the instruction set's own width: one part with AVX-512, two (of two
+ * rows each) with AVX2, four (of a row each) with SSE2, and the few things that plain C cannot say about
+ * them. (With arrays and loops instead, compilers keep the edge functions in memory and the rasterizer takes
+ * half as long again; vectors wider than the machine's are compared lane by lane, ten times slower.) The
+ * operators + - * & | and comparisons work on vectors lane by lane, a comparison giving all ones or 0.
  *
  *      12 13 14 15     part 3          8 .. 15     part 1
  *       8  9 10 11     part 2          0 ..  7     part 0        0 .. 15   part 0
@@ -53,7 +53,8 @@ static inline sl_part_ints sl_part_x(void) { return sl_part_lane() & 3; }
 static inline sl_part_ints sl_part_y(void) { return sl_part_lane() >> 2; }
 
 static inline sl_part_ints sl_part_int(int32_t value) { return value - (sl_part_ints){0}; }
-static inline sl_part_floats sl_part_float(float value) { return value - (sl_part_floats){0}; } /* -0 as it is */
+/* -0 as it is */
+static inline sl_part_floats sl_part_float(float value) { return value - (sl_part_floats){0}; }
 
 /* b where the mask is set, else a. */
 static inline sl_part_ints sl_part_select(sl_part_ints mask, sl_part_ints a, sl_part_ints b) {
@@ -79,9 +80,10 @@ static inline uint32_t sl_part_negative(sl_part_ints a) {
 }
 enum { SL_PART_ALL = (1 << SL_PART) - 1 };
 
-/* Writes depth and id of the pixels where z wins: covered (outside >= 0) and nearer, or as near with the lower id. */
-static inline void sl_part_write(sl_part_ints outside, sl_part_floats z, sl_part_ints id, int larger_is_nearer, uint32_t *ids,
-                                 float *depths) {
+/* Writes depth and id of the pixels where z wins: covered (outside >= 0) and nearer, or as near with the
+ * lower id. */
+static inline void sl_part_write(sl_part_ints outside, sl_part_floats z, sl_part_ints id,
+                                 int larger_is_nearer, uint32_t *ids, float *depths) {
 #if defined __AVX512DQ__
     /* The ids are looked at only where depths are equal, and nothing is written where nothing wins. */
     const __m512 old = _mm512_loadu_ps(depths);
@@ -105,17 +107,24 @@ static inline void sl_part_write(sl_part_ints outside, sl_part_floats z, sl_part
 /* Four blocks side by side, as four rows of sixteen pixels. */
 static inline void sl_block_rows(const uint32_t *blocks, uint32_t *to, size_t stride) {
 #if defined __AVX512DQ__
-    sl_part_ints b0 = sl_part_load_ints(blocks), b1 = sl_part_load_ints(blocks + 16), b2 = sl_part_load_ints(blocks + 32),
-                 b3 = sl_part_load_ints(blocks + 48);
-    sl_part_ints low01 = __builtin_shufflevector(b0, b1, 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
-    sl_part_ints low23 = __builtin_shufflevector(b2, b3, 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
-    sl_part_ints high01 = __builtin_shufflevector(b0, b1, 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
-    sl_part_ints high23 = __builtin_shufflevector(b2, b3, 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
-    sl_part_store(to, __builtin_shufflevector(low01, low23, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23));
-    sl_part_store(to + stride, __builtin_shufflevector(low01, low23, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31));
-    sl_part_store(to + 2 * stride, __builtin_shufflevector(high01, high23, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23));
-    sl_part_store(to + 3 * stride,
-                  __builtin_shufflevector(high01, high23, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31));
+    sl_part_ints b0 = sl_part_load_ints(blocks), b1 = sl_part_load_ints(blocks + 16),
+                 b2 = sl_part_load_ints(blocks + 32), b3 = sl_part_load_ints(blocks + 48);
+    sl_part_ints low01 =
+        __builtin_shufflevector(b0, b1, 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
+    sl_part_ints low23 =
+        __builtin_shufflevector(b2, b3, 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
+    sl_part_ints high01 =
+        __builtin_shufflevector(b0, b1, 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
+    sl_part_ints high23 =
+        __builtin_shufflevector(b2, b3, 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
+    sl_part_store(
+        to, __builtin_shufflevector(low01, low23, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23));
+    sl_part_store(to + stride, __builtin_shufflevector(low01, low23, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26,
+                                                       27, 28, 29, 30, 31));
+    sl_part_store(to + 2 * stride, __builtin_shufflevector(high01, high23, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18,
+                                                           19, 20, 21, 22, 23));
+    sl_part_store(to + 3 * stride, __builtin_shufflevector(high01, high23, 8, 9, 10, 11, 12, 13, 14, 15, 24,
+                                                           25, 26, 27, 28, 29, 30, 31));
 #else
     for (size_t row = 0; row < 4; row++) {
         for (size_t k = 0; k < 4; k++) memcpy(to + row * stride + 4 * k, blocks + 16 * k + 4 * row, 16);

@@ -1,8 +1,9 @@
-/* Clipping: Sutherland and Hodgman 1974, plane by plane in clip space, before the division by w, so that vertices
- * behind the eye need no special case. Arithmetic and order are llvmpipe's (Mesa's draw module).
+/* Clipping: Sutherland and Hodgman 1974, plane by plane in clip space, before the division by w, so that
+ * vertices behind the eye need no special case. Arithmetic and order are llvmpipe's (Mesa's draw module).
  *
- * A new vertex is found from the end of the edge that lies nearer to the plane, whichever way the edge is walked, so
- * the two triangles that share an edge get the same new vertex, and no pixel between them is lost or drawn twice. */
+ * A new vertex is found from the end of the edge that lies nearer to the plane, whichever way the edge is
+ * walked, so the two triangles that share an edge get the same new vertex, and no pixel between them is lost
+ * or drawn twice. */
 #include <math.h>
 
 #include "raster/triangles.h"
@@ -31,9 +32,9 @@ static clip_vertex interpolate(const clip_vertex *from, const clip_vertex *to, f
                          from->z + t * (to->z - from->z), from->w + t * (to->w - from->w), -1, plane};
 }
 
-/* Where the ends are thousands of times further out than the plane, rounding can leave the new vertex visibly off
- * it; then its coordinate is taken from the plane's equation. In all other cases the interpolated value stands, as
- * in llvmpipe. */
+/* Where the ends are thousands of times further out than the plane, rounding can leave the new vertex visibly
+ * off it; then its coordinate is taken from the plane's equation. In all other cases the interpolated value
+ * stands, as in llvmpipe. */
 static void settle(const sl_pass_view *view, clip_vertex *p) {
     const float visible = 1e-4f;
     if (p->original >= 0 || !(fabsf(plane_distance(view, p->plane, p)) > visible * fabsf(p->w))) return;
@@ -47,17 +48,19 @@ static void settle(const sl_pass_view *view, clip_vertex *p) {
     }
 }
 
-/* Beside the eye, where w is almost 0 between ends before and behind, nothing is visible: later planes cut the new vertex off, and
- * what they cut from its edges shall have llvmpipe's bits. */
+/* Beside the eye, where w is almost 0 between ends before and behind, nothing is visible: later planes cut
+ * the new vertex off, and what they cut from its edges shall have llvmpipe's bits. */
 static clip_vertex cut_edge(const sl_pass_view *view, int plane, const clip_vertex *outside, float d_outside,
                             const clip_vertex *inside, float d_inside) {
-    clip_vertex p = -d_outside < d_inside ? interpolate(outside, inside, d_outside / (d_outside - d_inside), plane)
-                                          : interpolate(inside, outside, d_inside / (d_inside - d_outside), plane);
+    clip_vertex p = -d_outside < d_inside
+                        ? interpolate(outside, inside, d_outside / (d_outside - d_inside), plane)
+                        : interpolate(inside, outside, d_inside / (d_inside - d_outside), plane);
     if (fabsf(p.w) > 1e-3f * (fabsf(outside->w) + fabsf(inside->w))) settle(view, &p);
     return p;
 }
 
-static int clip_by_plane(const sl_pass_view *view, int plane, const clip_vertex *in, int count, clip_vertex *out) {
+static int clip_by_plane(const sl_pass_view *view, int plane, const clip_vertex *in, int count,
+                         clip_vertex *out) {
     int made = 0;
     const clip_vertex *p = &in[0];
     float d = plane_distance(view, plane, p);
@@ -65,8 +68,10 @@ static int clip_by_plane(const sl_pass_view *view, int plane, const clip_vertex 
         const clip_vertex *next = &in[i < count ? i : 0];
         float d_next = plane_distance(view, plane, next);
         if (d >= 0.0f && made < POLYGON_MAX) out[made++] = *p;
-        if (d >= 0.0f && d_next < 0.0f && made < POLYGON_MAX) out[made++] = cut_edge(view, plane, next, d_next, p, d);
-        if (d < 0.0f && d_next >= 0.0f && made < POLYGON_MAX) out[made++] = cut_edge(view, plane, p, d, next, d_next);
+        if (d >= 0.0f && d_next < 0.0f && made < POLYGON_MAX)
+            out[made++] = cut_edge(view, plane, next, d_next, p, d);
+        if (d < 0.0f && d_next >= 0.0f && made < POLYGON_MAX)
+            out[made++] = cut_edge(view, plane, p, d, next, d_next);
         p = next;
         d = d_next;
     }
@@ -81,23 +86,25 @@ typedef struct {
     bool finite;
 } window_vertex;
 
-/* Where coordinates differ by many orders of magnitude, rounding may leave a cut vertex a little outside; a pixel's
- * margin keeps it representable. */
+/* Where coordinates differ by many orders of magnitude, rounding may leave a cut vertex a little outside; a
+ * pixel's margin keeps it representable. */
 static float keep_near(float x, float middle, float half) {
     float low = middle - half - 1.0f, high = middle + half + 1.0f;
     return x < low ? low : x > high ? high : x;
 }
 
-static window_vertex to_window(const sl_pass_view *view, const sl_vertex_buffer *buffer, const clip_vertex *p) {
+static window_vertex to_window(const sl_pass_view *view, const sl_vertex_buffer *buffer,
+                               const clip_vertex *p) {
     window_vertex q = {.finite = p->w >= SL_LEAST_W};
     if (p->original >= 0 && buffer->code[p->original] == 0) {
         int32_t i = p->original;
-        return (window_vertex){buffer->window_x[i], buffer->window_y[i], buffer->depth[i], buffer->snapped_u[i],
-                               buffer->snapped_v[i], true};
+        return (window_vertex){buffer->window_x[i],  buffer->window_y[i],  buffer->depth[i],
+                               buffer->snapped_u[i], buffer->snapped_v[i], true};
     }
     if (!q.finite) return q;
     float oow = 1.0f / p->w;
-    float x = (p->x * oow) * view->half_width + view->offset_x, y = (p->y * oow) * view->half_height + view->offset_y;
+    float x = (p->x * oow) * view->half_width + view->offset_x,
+          y = (p->y * oow) * view->half_height + view->offset_y;
     float depth = (p->z * oow) * 0.5f + 0.5f;
     q.x = keep_near(x, view->offset_x, view->half_width);
     q.y = keep_near(y, view->offset_y, view->half_height);
@@ -114,14 +121,15 @@ static window_vertex to_window(const sl_pass_view *view, const sl_vertex_buffer 
 
 static double largest3(double a, double b, double c) { return fmax(fmax(a, b), c); }
 
-/* Of a triangle less than a pixel thin the pieces' own corners, rounded on the way and close together, span no plane worth the
- * name. The triangle's three do, if all are before the eye and not so much nearer than what is left of it that their rounding
- * errors would show there. OSMesa takes the pieces' own. */
-static bool find_span(const sl_pass_view *view, const clip_vertex triangle[3], const window_vertex *left, int count,
-                      window_vertex span[3]) {
+/* Of a triangle less than a pixel thin the pieces' own corners, rounded on the way and close together, span
+ * no plane worth the name. The triangle's three do, if all are before the eye and not so much nearer than
+ * what is left of it that their rounding errors would show there. OSMesa takes the pieces' own. */
+static bool find_span(const sl_pass_view *view, const clip_vertex triangle[3], const window_vertex *left,
+                      int count, window_vertex span[3]) {
     float largest = 0.0f;
     if (view->rule == SL_OPENGL_PLANE) return false;
-    for (int i = 0; i < count; i++) largest = left[i].finite && left[i].depth > largest ? left[i].depth : largest;
+    for (int i = 0; i < count; i++)
+        largest = left[i].finite && left[i].depth > largest ? left[i].depth : largest;
     for (int k = 0; k < 3; k++) {
         const clip_vertex *p = &triangle[k];
         if (!(p->w > 0.0f)) return false;
@@ -129,15 +137,18 @@ static bool find_span(const sl_pass_view *view, const clip_vertex triangle[3], c
         span[k].x = (p->x * oow) * view->half_width + view->offset_x;
         span[k].y = (p->y * oow) * view->half_height + view->offset_y;
         span[k].depth = view->inverse_w ? oow : (p->z * oow) * 0.5f + 0.5f;
-        if (!(fabsf(span[k].x) + fabsf(span[k].y) < 1e9f && fabsf(span[k].depth) <= 4.0f * largest)) return false;
+        if (!(fabsf(span[k].x) + fabsf(span[k].y) < 1e9f && fabsf(span[k].depth) <= 4.0f * largest))
+            return false;
     }
     double x1 = (double)span[1].x - (double)span[0].x, x2 = (double)span[2].x - (double)span[0].x;
     double y1 = (double)span[1].y - (double)span[0].y, y2 = (double)span[2].y - (double)span[0].y;
-    return fabs(x1 * y2 - x2 * y1) < fmax(largest3(fabs(x1), fabs(x2), fabs(x2 - x1)), largest3(fabs(y1), fabs(y2), fabs(y2 - y1)));
+    return fabs(x1 * y2 - x2 * y1) <
+           fmax(largest3(fabs(x1), fabs(x2), fabs(x2 - x1)), largest3(fabs(y1), fabs(y2), fabs(y2 - y1)));
 }
 
 /* span: NULL, or what the depth plane goes through. */
-static bool append(sl_batch *batch, const window_vertex *a, const window_vertex *b, const window_vertex *c, const window_vertex *span) {
+static bool append(sl_batch *batch, const window_vertex *a, const window_vertex *b, const window_vertex *c,
+                   const window_vertex *span) {
     const window_vertex *corner[3] = {a, b, c};
     for (int k = 0; k < 3; k++) {
         if (!corner[k]->finite) return false;
@@ -165,7 +176,8 @@ static bool holds_centre(const window_vertex *window, int count) {
         low_v = p->snapped_v < low_v ? p->snapped_v : low_v;
         high_v = p->snapped_v > high_v ? p->snapped_v : high_v;
     }
-    return low_u <= high_u && (low_u + 255) >> 8 <= (high_u - 1) >> 8 && (low_v + 255) >> 8 <= (high_v - 1) >> 8;
+    return low_u <= high_u && (low_u + 255) >> 8 <= (high_u - 1) >> 8 &&
+           (low_v + 255) >> 8 <= (high_v - 1) >> 8;
 }
 
 uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buffer, const uint16_t corner[3],
@@ -194,6 +206,7 @@ uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buff
     window_vertex span[3];
     const bool spanned = find_span(view, triangle, window, count, span);
     uint32_t made = 0;
-    for (int i = 2; i < count; i++) made += append(batch, &window[i - 1], &window[i], &window[0], spanned ? span : NULL);
+    for (int i = 2; i < count; i++)
+        made += append(batch, &window[i - 1], &window[i], &window[0], spanned ? span : NULL);
     return made;
 }

@@ -1,9 +1,11 @@
-/* Clipping, SL_PART triangles together in the lanes of a vector: what clip.c does to one, with the same roundings. Start there.
+/* Clipping, SL_PART triangles together in the lanes of a vector: what clip.c does to one, with the same
+ * roundings. Start there.
  *
  * Most triangles that cross a plane of the view cross just one, in one of two ways:
  *
  *             0 o                       0             o  a corner outside the plane
- *             / \                      / \            p  the edge on which the way round, from corner 0 to 1 and on,
+ *             / \                      / \            p  the edge on which the way round, from corner 0 to 1
+ * and on,
  *        ----p---q---- plane     -----p---q-----         first crosses it
  *           /     \                  /     \          q  the edge on which it crosses back
  *          1-------2              1 o       2 o
@@ -11,17 +13,19 @@
  *     1, 2 and two new ones        0 and two new ones   (whichever corner is the one alone)
  *     remain: two triangles        remain: one
  *
- * With edge p being that from corner p to the next, and [p] the new vertex on it, a polygon of c corners becomes
+ * With edge p being that from corner p to the next, and [p] the new vertex on it, a polygon of c corners
+ * becomes
  *
  *     0 .. p, [p], [q], q+1 .. c-1   if corner 0 is inside,    [p], p+1 .. q, [q]   if it is outside.
  *
- * So a corner's place follows from p and q alone, without branches: which way a triangle is cut cannot be foreseen, and that
- * is what clipping one by one spends its time on. A triangle that crosses more planes takes one after another, each lane its own.
+ * So a corner's place follows from p and q alone, without branches: which way a triangle is cut cannot be
+ * foreseen, and that is what clipping one by one spends its time on. A triangle that crosses more planes
+ * takes one after another, each lane its own.
  *
- * What is rare is left to clip.c: triangles that cross all six planes; polygons that rounding has bent, so that their edges
- * cross a plane four times; new vertices beside the eye, where w is almost 0; what would be no number; the far edge of the
- * largest target. The pieces of several triangles come out mixed, which cannot be seen in the picture: among equally near ones
- * the lowest index wins. */
+ * What is rare is left to clip.c: triangles that cross all six planes; polygons that rounding has bent, so
+ * that their edges cross a plane four times; new vertices beside the eye, where w is almost 0; what would be
+ * no number; the far edge of the largest target. The pieces of several triangles come out mixed, which cannot
+ * be seen in the picture: among equally near ones the lowest index wins. */
 #include "base/bits16.h"
 #include "raster/block.h"
 #include "raster/triangles.h"
@@ -31,7 +35,8 @@ typedef sl_part_ints ints;
 
 enum { MOST_PLANES = 5, MOST_CORNERS = 3 + MOST_PLANES };
 
-#define INLINE static inline __attribute__((always_inline)) /* so that the numbers of corners below are constants */
+#define INLINE \
+    static inline __attribute__((always_inline)) /* so that the numbers of corners below are constants */
 
 INLINE floats absolute(floats a) { return (floats)((ints)a & 0x7fffffff); }
 INLINE floats negated_if(ints mask, floats a) { return (floats)((ints)a ^ (mask & INT32_MIN)); }
@@ -62,7 +67,8 @@ typedef struct {
 } plane_form;
 
 INLINE plane_form form_of(const sl_pass_view *view, ints plane) {
-    return (plane_form){(plane & (SL_CLIP_TOP | SL_CLIP_BOTTOM)) != 0, (plane & (SL_CLIP_NEAR | SL_CLIP_FAR)) != 0,
+    return (plane_form){(plane & (SL_CLIP_TOP | SL_CLIP_BOTTOM)) != 0,
+                        (plane & (SL_CLIP_NEAR | SL_CLIP_FAR)) != 0,
                         (plane & (SL_CLIP_RIGHT | SL_CLIP_TOP | SL_CLIP_FAR)) != 0,
                         (plane == SL_CLIP_NEAR) & sl_part_int(view->inverse_w ? -1 : 0)};
 }
@@ -90,17 +96,18 @@ INLINE void take_end_if(ints mask, edge_end *to, const vertex *v, floats d) {
     to->d = sl_part_select_floats(mask, to->d, d);
 }
 
-/* The new vertex on the edge between a and b, one of which is outside: from the nearer one; where both are as near, from the
- * one inside. */
+/* The new vertex on the edge between a and b, one of which is outside: from the nearer one; where both are as
+ * near, from the one inside. */
 INLINE vertex cut_edge(const plane_form *f, const edge_end *a, const edge_end *b, ints *beside_eye) {
-    ints from_a = sl_part_select(a->d < 0.0f, absolute(a->d) <= absolute(b->d), absolute(a->d) < absolute(b->d));
+    ints from_a =
+        sl_part_select(a->d < 0.0f, absolute(a->d) <= absolute(b->d), absolute(a->d) < absolute(b->d));
     edge_end from = *b, to = *a;
     take_end_if(from_a, &from, &a->corner, a->d);
     take_end_if(from_a, &to, &b->corner, b->d);
     const vertex *v = &from.corner, *w = &to.corner;
     floats t = from.d / (from.d - to.d);
-    vertex p = {v->x + t * (w->x - v->x), v->y + t * (w->y - v->y), v->z + t * (w->z - v->z), v->w + t * (w->w - v->w),
-                sl_part_int(0)};
+    vertex p = {v->x + t * (w->x - v->x), v->y + t * (w->y - v->y), v->z + t * (w->z - v->z),
+                v->w + t * (w->w - v->w), sl_part_int(0)};
     *beside_eye = ~(absolute(p.w) > 1e-3f * (absolute(v->w) + absolute(w->w)));
     settle(f, &p);
     return p;
@@ -108,8 +115,8 @@ INLINE vertex cut_edge(const plane_form *f, const edge_end *a, const edge_end *b
 
 /* ---- polygons ---- */
 
-/* Polygons of at most n corners by a plane (0: by none, the polygon stays); at most n + 1 corners are left. Returns which are
- * doubtful. */
+/* Polygons of at most n corners by a plane (0: by none, the polygon stays); at most n + 1 corners are left.
+ * Returns which are doubtful. */
 INLINE ints clip_by_plane(const sl_pass_view *view, ints plane, const polygon *old, int n, polygon *new) {
     const plane_form form = form_of(view, plane);
     const vertex *v = old->corner;
@@ -141,7 +148,8 @@ INLINE ints clip_by_plane(const sl_pass_view *view, ints plane, const polygon *o
     const vertex new_p = cut_edge(&form, &before_p, &after_p, &p_beside);
     const vertex new_q = cut_edge(&form, &before_q, &after_q, &q_beside);
 
-    const ints place_p = sl_part_select(in[0], sl_part_int(0), p + 1), place_q = sl_part_select(in[0], q - p + 1, p + 2);
+    const ints place_p = sl_part_select(in[0], sl_part_int(0), p + 1),
+               place_q = sl_part_select(in[0], q - p + 1, p + 2);
     for (int j = 0; j <= n; j++) {
         ints from = j + sl_part_select(in[0], p, (p < j) & (q - p - 2));
         vertex *to = &new->corner[j];
@@ -180,9 +188,11 @@ INLINE floats fused(ints asked, floats a, float b, float c) {
 #endif
 }
 
-/* The triangles' own corners as in transform_kernels.c, new ones without fused operations and kept near the view. */
+/* The triangles' own corners as in transform_kernels.c, new ones without fused operations and kept near the
+ * view. */
 INLINE floats place(floats x, ints own, float half, float offset) {
-    floats low = sl_part_float(offset - half - 1.0f), high = sl_part_float(offset + half + 1.0f), at = x * half + offset;
+    floats low = sl_part_float(offset - half - 1.0f), high = sl_part_float(offset + half + 1.0f),
+           at = x * half + offset;
     at = sl_part_select_floats(at < low, at, low);
     at = sl_part_select_floats(at > high, at, high);
     return sl_part_select_floats(own, at, fused(own, x, half, offset));
@@ -205,9 +215,10 @@ INLINE window to_window(const sl_pass_view *view, const vertex *p) {
     return q;
 }
 
-/* All the corners; returns which polygons hold a pixel centre in their box. Beside the eye, and where there is no number to be had,
- * it is doubtful. */
-INLINE ints find_windows(const sl_pass_view *view, polygon *polygons, int n, window *windows, floats *largest, ints *doubtful) {
+/* All the corners; returns which polygons hold a pixel centre in their box. Beside the eye, and where there
+ * is no number to be had, it is doubtful. */
+INLINE ints find_windows(const sl_pass_view *view, polygon *polygons, int n, window *windows, floats *largest,
+                         ints *doubtful) {
     ints low_x = sl_part_int(INT32_MAX), high_x = sl_part_int(INT32_MIN), low_y = low_x, high_y = high_x;
     const float limit = (float)SL_RASTER_MAX_SIZE;
     *largest = sl_part_float(0.0f);
@@ -217,7 +228,8 @@ INLINE ints find_windows(const sl_pass_view *view, polygon *polygons, int n, win
         ints usable = p->w > 1e-30f;
         p->w = sl_part_select_floats(usable, sl_part_float(1.0f), p->w);
         windows[j] = to_window(view, p);
-        usable &= (absolute(windows[j].x) < limit) & (absolute(windows[j].y) < limit) & (absolute(windows[j].depth) < 1e30f);
+        usable &= (absolute(windows[j].x) < limit) & (absolute(windows[j].y) < limit) &
+                  (absolute(windows[j].depth) < 1e30f);
         *doubtful |= there & ~usable;
         *largest = sl_part_select_floats(there & (windows[j].depth > *largest), *largest, windows[j].depth);
         ints x = (windows[j].u + 255) >> 8, y = (windows[j].v + 255) >> 8;
@@ -243,7 +255,8 @@ static void find_thin(const corners *restrict c, int32_t *restrict thin) {
         double x0 = (double)c->x[0][l], y0 = (double)c->y[0][l];
         double x1 = (double)c->x[1][l] - x0, x2 = (double)c->x[2][l] - x0;
         double y1 = (double)c->y[1][l] - y0, y2 = (double)c->y[2][l] - y0;
-        double wide = larger(larger(fabs(x1), fabs(x2)), fabs(x2 - x1)), high = larger(larger(fabs(y1), fabs(y2)), fabs(y2 - y1));
+        double wide = larger(larger(fabs(x1), fabs(x2)), fabs(x2 - x1)),
+               high = larger(larger(fabs(y1), fabs(y2)), fabs(y2 - y1));
         thin[l] = fabs(x1 * y2 - x2 * y1) < larger(wide, high) ? -1 : 0;
     }
 }
@@ -256,7 +269,8 @@ INLINE ints find_span(const sl_pass_view *view, const vertex triangle[3], floats
         const vertex *p = &triangle[k];
         ints before = p->w > 0.0f;
         floats oow = 1.0f / sl_part_select_floats(before, sl_part_float(1.0f), p->w);
-        floats x = (p->x * oow) * view->half_width + view->offset_x, y = (p->y * oow) * view->half_height + view->offset_y;
+        floats x = (p->x * oow) * view->half_width + view->offset_x,
+               y = (p->y * oow) * view->half_height + view->offset_y;
         floats depth = view->inverse_w ? oow : (p->z * oow) * 0.5f + 0.5f;
         usable &= before & (absolute(x) + absolute(y) < 1e9f) & (absolute(depth) <= 4.0f * largest);
         memcpy(span->x[k], &x, sizeof x);
@@ -290,7 +304,8 @@ typedef struct {
     uint32_t masked; /* a bit each */
 } fetched;
 
-static void fetch(const sl_raster *r, uint32_t first, const sl_vertex_buffer *b, const uint8_t *list, uint32_t count, fetched *f) {
+static void fetch(const sl_raster *r, uint32_t first, const sl_vertex_buffer *b, const uint8_t *list,
+                  uint32_t count, fetched *f) {
     f->masked = 0;
     for (uint32_t l = 0; l < count; l++) {
         const uint32_t t = first + list[l];
@@ -328,15 +343,19 @@ static void append_masks(uint32_t masked, uint32_t bits, uint8_t *to) {
 }
 
 /* The fan's triangles (i - 1, i, 0) of the polygons that have a corner i. */
-INLINE void append_fans(const fetched *f, const window *windows, int n, ints count, ints spanned, const corners *span, sl_batch *batch) {
+INLINE void append_fans(const fetched *f, const window *windows, int n, ints count, ints spanned,
+                        const corners *span, sl_batch *batch) {
     for (int i = 2; i < n; i++) {
         const uint32_t bits = sl_part_negative(count > i), t = batch->count;
         const window *corner[3] = {&windows[i - 1], &windows[i], &windows[0]};
         for (int k = 0; k < 3; k++) {
             const window *c = corner[k];
-            pack(bits, (ints)sl_part_select_floats(spanned, c->x, sl_part_load_floats(span->x[k])), &batch->x[k][t]);
-            pack(bits, (ints)sl_part_select_floats(spanned, c->y, sl_part_load_floats(span->y[k])), &batch->y[k][t]);
-            pack(bits, (ints)sl_part_select_floats(spanned, c->depth, sl_part_load_floats(span->depth[k])), &batch->depth[k][t]);
+            pack(bits, (ints)sl_part_select_floats(spanned, c->x, sl_part_load_floats(span->x[k])),
+                 &batch->x[k][t]);
+            pack(bits, (ints)sl_part_select_floats(spanned, c->y, sl_part_load_floats(span->y[k])),
+                 &batch->y[k][t]);
+            pack(bits, (ints)sl_part_select_floats(spanned, c->depth, sl_part_load_floats(span->depth[k])),
+                 &batch->depth[k][t]);
             pack(bits, c->u, &batch->snapped_u[k][t]);
             pack(bits, c->v, &batch->snapped_v[k][t]);
         }
@@ -349,14 +368,15 @@ INLINE void append_fans(const fetched *f, const window *windows, int n, ints cou
 /* ---- the whole ---- */
 
 /* The first `count` lanes, which cross at most `planes` planes. Returns those left to clip.c. */
-INLINE uint32_t clip_part(const sl_pass_view *view, const fetched *f, uint32_t count, int planes, sl_batch *batch) {
+INLINE uint32_t clip_part(const sl_pass_view *view, const fetched *f, uint32_t count, int planes,
+                          sl_batch *batch) {
     const ints asked = sl_part_lane() < (int32_t)count;
     vertex triangle[3];
     polygon polygons[MOST_PLANES + 1];
     polygons[0].count = sl_part_int(3);
     for (int k = 0; k < 3; k++) {
-        triangle[k] = (vertex){sl_part_load_floats(f->x[k]), sl_part_load_floats(f->y[k]), sl_part_load_floats(f->z[k]),
-                               sl_part_load_floats(f->w[k]), sl_part_int(-1)};
+        triangle[k] = (vertex){sl_part_load_floats(f->x[k]), sl_part_load_floats(f->y[k]),
+                               sl_part_load_floats(f->z[k]), sl_part_load_floats(f->w[k]), sl_part_int(-1)};
         polygons[0].corner[k] = triangle[k];
     }
     ints codes = sl_part_load_ints(f->codes), doubtful = sl_part_int(0);
@@ -378,11 +398,14 @@ INLINE uint32_t clip_part(const sl_pass_view *view, const fetched *f, uint32_t c
     return sl_part_negative(asked & doubtful);
 }
 
-uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view, const sl_vertex_buffer *vertices,
-                                   const uint8_t *list, uint32_t count, sl_batch *batch);
-uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view, const sl_vertex_buffer *vertices,
-                                   const uint8_t *list, uint32_t count, sl_batch *batch) {
-    if (SL_PART == 4) return (1u << count) - 1u; /* four lanes, without fused operations, gain nothing over clip.c */
+uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view,
+                                   const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count,
+                                   sl_batch *batch);
+uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view,
+                                   const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count,
+                                   sl_batch *batch) {
+    /* four lanes, without fused operations, gain nothing over clip.c */
+    if (SL_PART == 4) return (1u << count) - 1u;
     uint32_t left = 0;
     fetched f;
     clear(&f);
@@ -391,7 +414,9 @@ uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_
         fetch(r, first, vertices, list + n, here, &f);
         int planes = 1;
         const ints codes = sl_part_load_ints(f.codes);
-        for (ints more = codes & (codes - 1); planes < MOST_PLANES && sl_part_negative(more != 0); more &= more - 1) planes++;
+        for (ints more = codes & (codes - 1); planes < MOST_PLANES && sl_part_negative(more != 0);
+             more &= more - 1)
+            planes++;
         uint32_t doubtful;
         switch (planes) {
         case 1: doubtful = clip_part(view, &f, here, 1, batch); break;

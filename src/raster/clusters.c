@@ -1,10 +1,10 @@
-/* Clusters: at most 128 triangles that lie close together, with a box and a sphere around them, so that a view can
- * reject them whole.
+/* Clusters: at most 128 triangles that lie close together, with a box and a sphere around them, so that a
+ * view can reject them whole.
  *
- * Triangles are sorted by size class, then by the Morton code of their box's centre, then by index; the sorted list
- * is cut where Morton codes differ in their highest bit (Lauterbach et al. 2009, "Fast BVH construction on GPUs")
- * until a piece fits. Large triangles are kept apart: one wall among the books on a shelf would make the shelf's box
- * as large as the room. */
+ * Triangles are sorted by size class, then by the Morton code of their box's centre, then by index; the
+ * sorted list is cut where Morton codes differ in their highest bit (Lauterbach et al. 2009, "Fast BVH
+ * construction on GPUs") until a piece fits. Large triangles are kept apart: one wall among the books on a
+ * shelf would make the shelf's box as large as the room. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,7 +30,8 @@ typedef struct {
 } box;
 
 static box box_of(const sl_raster_mesh *m) {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, squared = 0.0;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
+           squared = 0.0;
     const float *axis[3] = {m->x, m->y, m->z};
     for (int c = 0; c < 3; c++) {
         for (size_t t = 0; t < m->triangle_count; t++) {
@@ -97,7 +98,8 @@ static sorted_triangle *sort_by_code(sorted_triangle *a, sorted_triangle *b, siz
     return a; /* an even number of passes: the first array again */
 }
 
-/* First index in (first, last) whose code has the highest bit in which the ends differ; the middle if they do not. */
+/* First index in (first, last) whose code has the highest bit in which the ends differ; the middle if they do
+ * not. */
 static size_t split_position(const sorted_triangle *t, size_t first, size_t last) {
     uint64_t difference = t[first].code ^ t[last - 1].code;
     if (!difference) return first + (last - first) / 2;
@@ -142,7 +144,8 @@ static uint16_t weld(welder *w, const float p[3]) {
 }
 
 /* Box and sphere around the vertices, about one centre; rounded outwards. */
-void sl_bound_cluster(sl_raster *r, size_t cluster, const float *x, const float *y, const float *z, size_t count) {
+void sl_bound_cluster(sl_raster *r, size_t cluster, const float *x, const float *y, const float *z,
+                      size_t count) {
     const float *axis[3] = {x, y, z};
     float *centre[3] = {r->centre_x, r->centre_y, r->centre_z}, *half[3] = {r->half_x, r->half_y, r->half_z};
     double c[3];
@@ -197,7 +200,8 @@ static void add_cluster(builder *b, size_t first, size_t count) {
         r->triangles[b->clusters] = (uint32_t)count;
         r->first_vertex[b->clusters] = (uint32_t)b->vertices;
         r->vertices[b->clusters] = w.count;
-        sl_bound_cluster(r, b->clusters, r->vertex_x + b->vertices, r->vertex_y + b->vertices, r->vertex_z + b->vertices, w.count);
+        sl_bound_cluster(r, b->clusters, r->vertex_x + b->vertices, r->vertex_y + b->vertices,
+                         r->vertex_z + b->vertices, w.count);
     }
     b->clusters++;
     b->vertices += (size_t)(w.count + SL_LANES - 1) / SL_LANES * SL_LANES;
@@ -226,7 +230,8 @@ static size_t padded_to_lanes(size_t count) { return (count + SL_LANES - 1) / SL
 
 bool sl_bounds_allocate(sl_raster *r, size_t clusters) {
     bool ok = true;
-    float **bounds[7] = {&r->centre_x, &r->centre_y, &r->centre_z, &r->half_x, &r->half_y, &r->half_z, &r->radius};
+    float **bounds[7] = {&r->centre_x, &r->centre_y, &r->centre_z, &r->half_x,
+                         &r->half_y,   &r->half_z,   &r->radius};
     for (int k = 0; k < 7; k++) *bounds[k] = claim(r, &ok, padded_to_lanes(clusters), sizeof(float));
     return ok;
 }
@@ -248,7 +253,8 @@ static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
 static sorted_triangle *order_of(const sl_raster *r, sorted_triangle *a, sorted_triangle *b) {
     size_t count = r->mesh.triangle_count;
     box around = box_of(&r->mesh);
-    for (size_t t = 0; t < count; t++) a[t] = (sorted_triangle){triangle_code(&r->mesh, &around, (uint32_t)t), (uint32_t)t};
+    for (size_t t = 0; t < count; t++)
+        a[t] = (sorted_triangle){triangle_code(&r->mesh, &around, (uint32_t)t), (uint32_t)t};
     return sort_by_code(a, b, count);
 }
 
@@ -263,15 +269,20 @@ static bool build(sl_raster *r, const sorted_triangle *sorted) {
     return true;
 }
 
-static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, sl_raster **raster, sl_error *error) {
+static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, sl_raster **raster,
+                        sl_error *error) {
     *raster = NULL;
     sl_raster *r = sl_allocate(1, sizeof *r);
     sorted_triangle *a = sl_allocate(mesh->triangle_count, sizeof *a);
     sorted_triangle *b = sl_allocate(mesh->triangle_count, sizeof *b);
     bool ok = r && a && b;
     if (ok) {
-        *r = (sl_raster){.scene = scene, .mesh = *mesh, .kernels = sl_raster_kernels_best(), .memory_bytes = sizeof *r,
-                         .observer = scene ? scene->observer : NULL, .spares = sl_spares_create()};
+        *r = (sl_raster){.scene = scene,
+                         .mesh = *mesh,
+                         .kernels = sl_raster_kernels_best(),
+                         .memory_bytes = sizeof *r,
+                         .observer = scene ? scene->observer : NULL,
+                         .spares = sl_spares_create()};
         ok = r->spares && build(r, order_of(r, a, b));
     }
     sl_free(a);
@@ -286,12 +297,14 @@ static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, sl_ra
 
 sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **raster, sl_error *error) {
     (void)threads; /* the build is a few linear passes */
-    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count, scene->position_x, scene->position_y, scene->position_z,
-                           {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
+    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count,
+                           scene->position_x,   scene->position_y,
+                           scene->position_z,   {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
     return create(scene, &mesh, raster, error);
 }
 
-sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl_raster **raster, sl_error *error) {
+sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl_raster **raster,
+                                sl_error *error) {
     (void)threads;
     return create(NULL, mesh, raster, error);
 }
@@ -316,6 +329,7 @@ void sl_raster_destroy(sl_raster *r) {
 size_t sl_raster_cluster_count(const sl_raster *raster) { return raster->cluster_count; }
 size_t sl_raster_memory_bytes(const sl_raster *raster) { return raster->memory_bytes; }
 
-/* Two sorted lists of triangles, until the clusters stand: 57 to 59 bytes a triangle, of which 25 to 27 stay. */
+/* Two sorted lists of triangles, until the clusters stand: 57 to 59 bytes a triangle, of which 25 to 27 stay.
+ */
 double sl_raster_memory_need(size_t triangles) { return 1e6 + 62.0 * (double)triangles; }
 double sl_raster_memory_kept(size_t triangles) { return 1e6 + 30.0 * (double)triangles; }

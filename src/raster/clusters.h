@@ -1,4 +1,5 @@
-/* How the hardware holds the geometry: triangles that lie together, with bounds around them (clusters.c made them, once). */
+/* How the hardware holds the geometry: triangles that lie together, with bounds around them (clusters.c made
+ * them, once). */
 #ifndef SL_RASTER_CLUSTERS_H
 #define SL_RASTER_CLUSTERS_H
 
@@ -24,7 +25,8 @@ struct sl_raster {
 
     /* Positions, welded within a cluster by their bits; every cluster starts at a multiple of SL_LANES. */
     float *vertex_x, *vertex_y, *vertex_z;
-    uint16_t *corner[3];     /* cluster-local vertex of each corner, in cluster order; a group of padding at the end */
+    /* cluster-local vertex of each corner, in cluster order; a group of padding at the end */
+    uint16_t *corner[3];
     uint32_t *triangle;      /* the scene's index of each */
     uint8_t *triangle_masked;
     uint32_t *cluster_of_triangle; /* by the scene's index */
@@ -40,6 +42,7 @@ static inline sl_vec3 sl_mesh_position(const sl_raster_mesh *m, uint32_t vertex)
 /* Room for the clusters' bounds, and bounds around vertices (clusters.c). */
 bool sl_bounds_allocate(sl_raster *raster, size_t clusters);
 void sl_vertex_sources_destroy(struct sl_vertex_sources *sources);
-void sl_bound_cluster(sl_raster *raster, size_t cluster, const float *x, const float *y, const float *z, size_t count);
+void sl_bound_cluster(sl_raster *raster, size_t cluster, const float *x, const float *y, const float *z,
+                      size_t count);
 
 #endif

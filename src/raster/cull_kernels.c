@@ -1,7 +1,8 @@
 /* Culling: which clusters a view may see, and where on the screen.
  *
- * A cluster is rejected whole when its bounds lie outside a plane of the view, or between pixel centres. What is rejected
- * here would have been culled triangle by triangle: every test leaves room for the rounding of itself and of the transform. */
+ * A cluster is rejected whole when its bounds lie outside a plane of the view, or between pixel centres. What
+ * is rejected here would have been culled triangle by triangle: every test leaves room for the rounding of
+ * itself and of the transform. */
 #include <math.h>
 #include <string.h>
 
@@ -13,8 +14,10 @@ typedef struct {
 } bounds;
 
 static void load_bounds(const sl_raster *r, const sl_pass_view *view, size_t first, bounds *restrict b) {
-    const float *restrict cx = r->centre_x + first, *restrict cy = r->centre_y + first, *restrict cz = r->centre_z + first;
-    const float *restrict hx = r->half_x + first, *restrict hy = r->half_y + first, *restrict hz = r->half_z + first;
+    const float *restrict cx = r->centre_x + first, *restrict cy = r->centre_y + first,
+                          *restrict cz = r->centre_z + first;
+    const float *restrict hx = r->half_x + first, *restrict hy = r->half_y + first,
+                          *restrict hz = r->half_z + first;
 #pragma omp simd
     for (int l = 0; l < SL_LANES; l++) {
         b->x[l] = cx[l] - view->origin[0];
@@ -27,11 +30,12 @@ static void load_bounds(const sl_raster *r, const sl_pass_view *view, size_t fir
 }
 
 /* A cluster is outside a plane when its centre lies further behind it than box and sphere both reach. */
-static int32_t cull_by_planes(const bounds *restrict b, const float *restrict radius, const sl_pass_view *view,
-                              int32_t *restrict inside) {
+static int32_t cull_by_planes(const bounds *restrict b, const float *restrict radius,
+                              const sl_pass_view *view, int32_t *restrict inside) {
     for (int l = 0; l < SL_LANES; l++) inside[l] = 1;
     for (int k = 0; k < view->planes; k++) {
-        const float nx = view->plane[k][0], ny = view->plane[k][1], nz = view->plane[k][2], d = view->plane[k][3];
+        const float nx = view->plane[k][0], ny = view->plane[k][1], nz = view->plane[k][2],
+                    d = view->plane[k][3];
         const float length = view->plane_length[k];
 #pragma omp simd
         for (int l = 0; l < SL_LANES; l++) {
@@ -39,7 +43,8 @@ static int32_t cull_by_planes(const bounds *restrict b, const float *restrict ra
             float box = fabsf(nx) * b->half_x[l] + fabsf(ny) * b->half_y[l] + fabsf(nz) * b->half_z[l];
             float sphere = length * radius[l];
             float reach = box < sphere ? box : sphere;
-            float slack = 1e-5f * (fabsf(x) + fabsf(y) + fabsf(z) + fabsf(d) + reach) + 1e-37f; /* where all are denormal */
+            /* where all are denormal */
+            float slack = 1e-5f * (fabsf(x) + fabsf(y) + fabsf(z) + fabsf(d) + reach) + 1e-37f;
             inside[l] &= !(x + y + z + d < -(reach + slack));
         }
     }
@@ -48,7 +53,8 @@ static int32_t cull_by_planes(const bounds *restrict b, const float *restrict ra
     return any;
 }
 
-/* A coordinate of the clip space over a box: at the centre, its change along each half axis, and the rounding's room. */
+/* A coordinate of the clip space over a box: at the centre, its change along each half axis, and the
+ * rounding's room. */
 typedef struct {
     float centre[SL_LANES], along_x[SL_LANES], along_y[SL_LANES], along_z[SL_LANES], slack[SL_LANES];
 } clip_range;
@@ -63,14 +69,16 @@ static void clip_range_of(const bounds *restrict b, const float row[4], clip_ran
         out->along_x[l] = ax;
         out->along_y[l] = ay;
         out->along_z[l] = az;
-        out->slack[l] = 4e-6f * (fabsf(x) + fabsf(y) + fabsf(z) + fabsf(m3) + fabsf(ax) + fabsf(ay) + fabsf(az));
+        out->slack[l] =
+            4e-6f * (fabsf(x) + fabsf(y) + fabsf(z) + fabsf(m3) + fabsf(ax) + fabsf(ay) + fabsf(az));
     }
 }
 
-/* The box's corners projected: ranges of x/w, y/w and z/w, and the least w. A quotient of linear functions is largest and
- * smallest in corners where w > 0. */
+/* The box's corners projected: ranges of x/w, y/w and z/w, and the least w. A quotient of linear functions is
+ * largest and smallest in corners where w > 0. */
 typedef struct {
-    float x_low[SL_LANES], x_high[SL_LANES], y_low[SL_LANES], y_high[SL_LANES], z_low[SL_LANES], w_low[SL_LANES];
+    float x_low[SL_LANES], x_high[SL_LANES], y_low[SL_LANES], y_high[SL_LANES], z_low[SL_LANES],
+        w_low[SL_LANES];
 } projection;
 
 static inline float corner_value(const clip_range *r, const float sign[3], int l) {
@@ -88,7 +96,8 @@ static void project(const clip_range *restrict x, const clip_range *restrict y, 
         p->x_high[l] = p->y_high[l] = -INFINITY;
     }
     for (int corner = 0; corner < 8; corner++) {
-        const float sign[3] = {corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f, corner & 4 ? 1.0f : -1.0f};
+        const float sign[3] = {corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f,
+                               corner & 4 ? 1.0f : -1.0f};
 #pragma omp simd
         for (int l = 0; l < SL_LANES; l++) {
             float cw = corner_value(w, sign, l), over = 1.0f / cw;
@@ -103,7 +112,8 @@ static void project(const clip_range *restrict x, const clip_range *restrict y, 
     }
 }
 
-/* What is told of a group: the pixels whose centres lie in the projection, a bound on depth, a distance to sort by. */
+/* What is told of a group: the pixels whose centres lie in the projection, a bound on depth, a distance to
+ * sort by. */
 typedef struct {
     int32_t x0[SL_LANES], y0[SL_LANES], x1[SL_LANES], y1[SL_LANES];
     float nearest[SL_LANES], distance[SL_LANES];
@@ -112,12 +122,15 @@ typedef struct {
 static inline float pixel_of(float ndc, float half, float offset) { return ndc * half + (offset - 0.5f); }
 static inline float within(float value, float low, float high) { return most(low, least(value, high)); }
 
-/* Where the box reaches to the eye's plane or anything is not finite, the whole viewport and no bound on depth. */
+/* Where the box reaches to the eye's plane or anything is not finite, the whole viewport and no bound on
+ * depth. */
 static void place(const projection *restrict p, const clip_range *restrict x, const clip_range *restrict y,
                   const clip_range *restrict z, const clip_range *restrict w, const sl_pass_view *view,
                   footprint *restrict f) {
-    const float hx = view->half_width, hy = view->half_height, ox = view->offset_x, oy = view->offset_y, snapping = 0.01f;
-    const float left = (float)view->x0, right = (float)(view->x1 - 1), low = (float)view->y0, high = (float)(view->y1 - 1);
+    const float hx = view->half_width, hy = view->half_height, ox = view->offset_x, oy = view->offset_y,
+                snapping = 0.01f;
+    const float left = (float)view->x0, right = (float)(view->x1 - 1), low = (float)view->y0,
+                high = (float)(view->y1 - 1);
     float z_bound[SL_LANES], w_bound[SL_LANES];
     int32_t known[SL_LANES];
 #pragma omp simd
@@ -125,10 +138,14 @@ static void place(const projection *restrict p, const clip_range *restrict x, co
         float w_low = p->w_low[l] - w->slack[l];
         float over = 1.0f / (w_low > 0.0f ? w_low : 1.0f);
         float around = w->slack[l] * over; /* relative error of 1/w at its worst */
-        float margin_x = snapping + hx * (x->slack[l] * over + around * most(fabsf(p->x_low[l]), fabsf(p->x_high[l])));
-        float margin_y = snapping + hy * (y->slack[l] * over + around * most(fabsf(p->y_low[l]), fabsf(p->y_high[l])));
-        float i0 = ceilf(pixel_of(p->x_low[l], hx, ox) - margin_x), i1 = floorf(pixel_of(p->x_high[l], hx, ox) + margin_x);
-        float j0 = ceilf(pixel_of(p->y_low[l], hy, oy) - margin_y), j1 = floorf(pixel_of(p->y_high[l], hy, oy) + margin_y);
+        float margin_x =
+            snapping + hx * (x->slack[l] * over + around * most(fabsf(p->x_low[l]), fabsf(p->x_high[l])));
+        float margin_y =
+            snapping + hy * (y->slack[l] * over + around * most(fabsf(p->y_low[l]), fabsf(p->y_high[l])));
+        float i0 = ceilf(pixel_of(p->x_low[l], hx, ox) - margin_x),
+              i1 = floorf(pixel_of(p->x_high[l], hx, ox) + margin_x);
+        float j0 = ceilf(pixel_of(p->y_low[l], hy, oy) - margin_y),
+              j1 = floorf(pixel_of(p->y_high[l], hy, oy) + margin_y);
         float z_low = p->z_low[l] - (z->slack[l] * over + around * fabsf(p->z_low[l]));
         z_bound[l] = z_low * 0.5f + (0.5f - 1e-6f);
         w_bound[l] = over * 1.000001f;
@@ -145,11 +162,12 @@ static void place(const projection *restrict p, const clip_range *restrict x, co
     }
     const float *restrict bound = view->inverse_w ? w_bound : z_bound;
     const float no_bound = view->inverse_w ? INFINITY : -1.0f;
-    for (int l = 0; l < SL_LANES; l++) f->nearest[l] = known[l] && view->rule != SL_OPENGL_PLANE ? bound[l] : no_bound;
+    for (int l = 0; l < SL_LANES; l++)
+        f->nearest[l] = known[l] && view->rule != SL_OPENGL_PLANE ? bound[l] : no_bound;
 }
 
-static void append_group(const footprint *restrict f, const int32_t *restrict inside, size_t first, size_t here,
-                         sl_visible *visible) {
+static void append_group(const footprint *restrict f, const int32_t *restrict inside, size_t first,
+                         size_t here, sl_visible *visible) {
     uint32_t count = visible->count;
     for (size_t l = 0; l < here; l++) {
         visible->cluster[count] = (uint32_t)(first + l);

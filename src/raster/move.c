@@ -1,12 +1,12 @@
 /* Moved vertices: the clusters stay as they are, their vertices are read again and their bounds follow.
  *
- * No pixel can tell clusters that were moved from clusters made anew. What is drawn is decided triangle by triangle from its corners'
- * positions, which are the same bits; the depth test is a total order; and culling and occlusion leave out only what would not have been
- * drawn, however large a cluster's box has become. Only the price can tell: so where motion has scattered what was close together,
- * clusters are made anew.
+ * No pixel can tell clusters that were moved from clusters made anew. What is drawn is decided triangle by
+ * triangle from its corners' positions, which are the same bits; the depth test is a total order; and culling
+ * and occlusion leave out only what would not have been drawn, however large a cluster's box has become. Only
+ * the price can tell: so where motion has scattered what was close together, clusters are made anew.
  *
- * A cluster holds vertices by position: several of the mesh's may be one of its own, as long as all of them move alike. That is
- * checked; where motion tears them apart, clusters are made anew as well. */
+ * A cluster holds vertices by position: several of the mesh's may be one of its own, as long as all of them
+ * move alike. That is checked; where motion tears them apart, clusters are made anew as well. */
 #include <math.h>
 #include <string.h>
 
@@ -18,8 +18,9 @@
 enum { GROUP = 32 }; /* clusters of a task */
 #define SL_SCATTERED 2.0 /* the clusters' radii, together, against what they were */
 
-/* Which of the mesh's vertices a cluster's corners name: its triangles' part of `vertex`, three a triangle, begins with one vertex for each
- * of the cluster's own, in their order; then come the others that share a place with one of those. */
+/* Which of the mesh's vertices a cluster's corners name: its triangles' part of `vertex`, three a triangle,
+ * begins with one vertex for each of the cluster's own, in their order; then come the others that share a
+ * place with one of those. */
 struct sl_vertex_sources {
     uint32_t *vertex;
     uint16_t *local;   /* the cluster's vertex that it is */
@@ -40,7 +41,8 @@ static size_t tasks_of(const sl_raster *r) { return (r->cluster_count + GROUP - 
 
 typedef struct {
     uint32_t first[SL_CLUSTER_VERTICES]; /* the mesh's vertex that stands for each of the cluster's */
-    uint16_t next[SL_CLUSTER_VERTICES], head[SL_CLUSTER_VERTICES]; /* others at the same place: a list for each, of numbers + 1 */
+    /* others at the same place: a list for each, of numbers + 1 */
+    uint16_t next[SL_CLUSTER_VERTICES], head[SL_CLUSTER_VERTICES];
     uint32_t other[SL_CLUSTER_VERTICES];
     uint16_t local[SL_CLUSTER_VERTICES], others;
 } vertex_list;
@@ -94,14 +96,16 @@ static bool find_sources(sl_raster *r, unsigned threads) {
     const size_t corners = 3 * r->mesh.triangle_count;
     struct sl_vertex_sources *s = sl_allocate(1, sizeof *s);
     if (!s) return false;
-    *s = (struct sl_vertex_sources){sl_allocate(corners, sizeof *s->vertex), sl_allocate(corners, sizeof *s->local),
-                                    sl_allocate(r->cluster_count, sizeof *s->count), extent_of(r), sl_allocate(tasks_of(r), 1)};
+    *s = (struct sl_vertex_sources){
+        sl_allocate(corners, sizeof *s->vertex), sl_allocate(corners, sizeof *s->local),
+        sl_allocate(r->cluster_count, sizeof *s->count), extent_of(r), sl_allocate(tasks_of(r), 1)};
     if (!s->vertex || !s->local || !s->count || !s->torn) {
         sl_vertex_sources_destroy(s);
         return false;
     }
     r->sources = s;
-    r->memory_bytes += sizeof *s + corners * (sizeof *s->vertex + sizeof *s->local) + r->cluster_count * sizeof *s->count + tasks_of(r);
+    r->memory_bytes += sizeof *s + corners * (sizeof *s->vertex + sizeof *s->local) +
+                       r->cluster_count * sizeof *s->count + tasks_of(r);
     sl_parallel_for(threads, r->cluster_count, list_sources, r);
     return true;
 }
@@ -133,7 +137,8 @@ static bool move_cluster(sl_raster *r, size_t cluster) {
     }
     for (uint32_t n = own; n < count; n++) {
         const uint32_t v = vertex[n], l = local[n];
-        differing |= bits_that_differ(m->x[v], x[l]) | bits_that_differ(m->y[v], y[l]) | bits_that_differ(m->z[v], z[l]);
+        differing |= bits_that_differ(m->x[v], x[l]) | bits_that_differ(m->y[v], y[l]) |
+                     bits_that_differ(m->z[v], z[l]);
     }
     sl_bound_cluster(r, cluster, x, y, z, own);
     return differing == 0;
@@ -142,7 +147,8 @@ static bool move_cluster(sl_raster *r, size_t cluster) {
 static void move_group(void *context, size_t group, unsigned worker) {
     (void)worker;
     sl_raster *r = context;
-    const size_t first = group * GROUP, end = first + GROUP < r->cluster_count ? first + GROUP : r->cluster_count;
+    const size_t first = group * GROUP,
+                 end = first + GROUP < r->cluster_count ? first + GROUP : r->cluster_count;
     bool together = true;
     for (size_t c = first; c < end; c++) together = move_cluster(r, c) && together;
     r->sources->torn[group] = !together;
@@ -164,7 +170,8 @@ static bool is_scattered(const sl_raster *r) {
 
 static sl_status make_anew(sl_raster *r, unsigned threads, sl_error *error) {
     sl_raster *fresh = NULL, old = *r;
-    sl_status status = r->scene ? sl_raster_create(r->scene, threads, &fresh, error) : sl_raster_create_mesh(&r->mesh, threads, &fresh, error);
+    sl_status status = r->scene ? sl_raster_create(r->scene, threads, &fresh, error)
+                                : sl_raster_create_mesh(&r->mesh, threads, &fresh, error);
     if (status != SL_OK) return status;
     *r = *fresh;
     *fresh = old;
@@ -176,15 +183,17 @@ static sl_status make_anew(sl_raster *r, unsigned threads, sl_error *error) {
 static bool is_another_mesh(const sl_raster *r) {
     const sl_scene *s = r->scene;
     const sl_raster_mesh *m = &r->mesh;
-    return s && (s->vertex_count != m->vertex_count || s->triangle_count != m->triangle_count || s->position_x != m->x ||
-                 s->position_y != m->y || s->position_z != m->z || s->vertex[0] != m->vertex[0] || s->vertex[1] != m->vertex[1] ||
-                 s->vertex[2] != m->vertex[2]);
+    return s &&
+           (s->vertex_count != m->vertex_count || s->triangle_count != m->triangle_count ||
+            s->position_x != m->x || s->position_y != m->y || s->position_z != m->z ||
+            s->vertex[0] != m->vertex[0] || s->vertex[1] != m->vertex[1] || s->vertex[2] != m->vertex[2]);
 }
 
 sl_status sl_raster_move(sl_raster *raster, unsigned threads, sl_error *error) {
     threads = sl_thread_count(threads);
     if (is_another_mesh(raster)) return make_anew(raster, threads, error);
-    if (!raster->sources && !find_sources(raster, threads)) return sl_fail_memory(error, "the rasterizer's moving vertices");
+    if (!raster->sources && !find_sources(raster, threads))
+        return sl_fail_memory(error, "the rasterizer's moving vertices");
     sl_parallel_for(threads, tasks_of(raster), move_group, raster);
     return is_torn(raster) || is_scattered(raster) ? make_anew(raster, threads, error) : SL_OK;
 }

@@ -1,5 +1,6 @@
-/* Front to back: the visible clusters sorted by their distance, roughly, since the picture does not depend on it. One
- * counting sort over the logarithm of the distance, 16 steps an octave, whose bits a float's bits are. */
+/* Front to back: the visible clusters sorted by their distance, roughly, since the picture does not depend on
+ * it. One counting sort over the logarithm of the distance, 16 steps an octave, whose bits a float's bits
+ * are. */
 #include <string.h>
 
 #include "raster/pipeline.h"

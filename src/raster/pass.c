@@ -9,9 +9,14 @@
 
 bool sl_visible_allocate(sl_visible *v, const sl_raster *raster) {
     size_t count = raster->cluster_count + SL_LANES;
-    *v = (sl_visible){.cluster = sl_allocate(count, 4), .x0 = sl_allocate(count, 4), .y0 = sl_allocate(count, 4),
-                      .x1 = sl_allocate(count, 4), .y1 = sl_allocate(count, 4), .nearest = sl_allocate(count, 4),
-                      .distance = sl_allocate(count, 4), .order = sl_allocate(count, 4)};
+    *v = (sl_visible){.cluster = sl_allocate(count, 4),
+                      .x0 = sl_allocate(count, 4),
+                      .y0 = sl_allocate(count, 4),
+                      .x1 = sl_allocate(count, 4),
+                      .y1 = sl_allocate(count, 4),
+                      .nearest = sl_allocate(count, 4),
+                      .distance = sl_allocate(count, 4),
+                      .order = sl_allocate(count, 4)};
     return v->cluster && v->x0 && v->y0 && v->x1 && v->y1 && v->nearest && v->distance && v->order;
 }
 
@@ -20,12 +25,13 @@ void sl_visible_free(sl_visible *v) {
     for (int k = 0; k < 8; k++) sl_free(arrays[k]);
 }
 
-sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int max_height, sl_raster_scratch **scratch,
-                                   sl_error *error) {
+sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int max_height,
+                                   sl_raster_scratch **scratch, sl_error *error) {
     *scratch = NULL;
-    if (max_width < 0 || max_height < 0 || max_width > SL_RASTER_MAX_SIZE || max_height > SL_RASTER_MAX_SIZE) {
-        return sl_fail(error, SL_ERROR_USAGE, "a raster target of %d x %d pixels: at most %d each way", max_width, max_height,
-                       (int)SL_RASTER_MAX_SIZE);
+    if (max_width < 0 || max_height < 0 || max_width > SL_RASTER_MAX_SIZE ||
+        max_height > SL_RASTER_MAX_SIZE) {
+        return sl_fail(error, SL_ERROR_USAGE, "a raster target of %d x %d pixels: at most %d each way",
+                       max_width, max_height, (int)SL_RASTER_MAX_SIZE);
     }
     sl_raster_scratch *s = sl_allocate(1, sizeof *s);
     bool ok = s != NULL;
@@ -117,7 +123,8 @@ static void clip_one(const render *r, uint32_t triangle, uint32_t *tiny) {
     const sl_raster *raster = r->raster;
     sl_batch *batch = &r->scratch->batch;
     make_room(r, SL_CLIP_TRIANGLES, tiny);
-    uint16_t corner[3] = {raster->corner[0][triangle], raster->corner[1][triangle], raster->corner[2][triangle]};
+    uint16_t corner[3] = {raster->corner[0][triangle], raster->corner[1][triangle],
+                          raster->corner[2][triangle]};
     uint32_t base = batch->count, made = sl_clip_triangle(r->pass, &r->scratch->vertices, corner, batch);
     for (uint32_t n = 0; n < made; n++) {
         batch->id[base + n] = raster->triangle[triangle];
@@ -132,8 +139,10 @@ static void clip_triangles(const render *r, uint32_t first, uint32_t *tiny) {
     for (uint32_t n = 0; n < classes->clipped; n += SL_LANES) {
         const uint32_t count = classes->clipped - n < SL_LANES ? classes->clipped - n : SL_LANES;
         make_room(r, SL_CLIP_ROOM, tiny);
-        uint32_t left = r->raster->kernels->clip(r->raster, first, r->pass, &s->vertices, classes->clipped_list + n, count, &s->batch);
-        for (; left; left &= left - 1) clip_one(r, first + classes->clipped_list[n + (uint32_t)__builtin_ctz(left)], tiny);
+        uint32_t left = r->raster->kernels->clip(r->raster, first, r->pass, &s->vertices,
+                                                 classes->clipped_list + n, count, &s->batch);
+        for (; left; left &= left - 1)
+            clip_one(r, first + classes->clipped_list[n + (uint32_t)__builtin_ctz(left)], tiny);
     }
 }
 
@@ -154,8 +163,8 @@ static uint32_t draw_cluster(const render *r, uint32_t cluster) {
     return sl_fate_of(&s->classes);
 }
 
-void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, const sl_visible *visible,
-                  sl_raster_scratch *scratch, sl_cluster_fate *fate) {
+void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass,
+                  const sl_visible *visible, sl_raster_scratch *scratch, sl_cluster_fate *fate) {
     const sl_raster_kernels *kernels = raster->kernels;
     const sl_tile *tile = &scratch->tile;
     render r = {raster, view, pass, scratch};
@@ -164,14 +173,16 @@ void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_vi
     for (uint32_t i = 0; i < visible->count; i++) {
         uint32_t n = visible->order[i];
         sl_rectangle seen = {sl_larger(visible->x0[n], tile->x0), sl_larger(visible->y0[n], tile->y0),
-                             sl_smaller(visible->x1[n], tile->x1 - 1), sl_smaller(visible->y1[n], tile->y1 - 1)};
+                             sl_smaller(visible->x1[n], tile->x1 - 1),
+                             sl_smaller(visible->y1[n], tile->y1 - 1)};
         if (seen.x0 > seen.x1 || seen.y0 > seen.y1) continue;
         if (kernels->occluded(pass, tile, seen, visible->nearest[n])) continue;
         fate[n] = draw_cluster(&r, visible->cluster[n]);
     }
 }
 
-void sl_pass_count(const sl_raster *raster, const sl_visible *visible, const sl_cluster_fate *fate, sl_counters *counters) {
+void sl_pass_count(const sl_raster *raster, const sl_visible *visible, const sl_cluster_fate *fate,
+                   sl_counters *counters) {
     uint64_t drawn = 0, submitted = 0, culled = 0, dropped = 0, clipped = 0;
     for (uint32_t n = 0; n < visible->count; n++) {
         uint32_t f = fate[n];
@@ -192,8 +203,8 @@ void sl_pass_count(const sl_raster *raster, const sl_visible *visible, const sl_
     sl_count(counters, SL_COUNT_TRIANGLES_RASTERIZED, submitted - culled - dropped);
 }
 
-void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_target *target, sl_raster_scratch *scratch,
-                        sl_counters *counters) {
+void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_target *target,
+                        sl_raster_scratch *scratch, sl_counters *counters) {
     sl_pass_view pass = sl_pass_view_make(view, target->width, target->height);
     const sl_tiles tiles = sl_tiles_of(&pass);
     if (raster->observer) raster->observer->draw(raster->observer->context, raster, view, true);
@@ -201,7 +212,8 @@ void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_t
     sl_visible_sort(&scratch->visible);
     for (uint32_t n = 0; n < scratch->visible.count; n++) scratch->fate[n] = 0;
     for (int t = 0; t < tiles.columns * tiles.rows; t++) {
-        sl_tile_place(&scratch->tile, &pass, tiles.first_column + t % tiles.columns, tiles.first_row + t / tiles.columns);
+        sl_tile_place(&scratch->tile, &pass, tiles.first_column + t % tiles.columns,
+                      tiles.first_row + t / tiles.columns);
         sl_tile_draw(raster, view, &pass, &scratch->visible, scratch, scratch->fate);
         raster->kernels->copy_out(&pass, &scratch->tile, target->id, target->depth);
     }

@@ -2,20 +2,21 @@
  *
  * One render of a tile (pass.c) runs, front to back, for every cluster that the view does not reject:
  *
- *     cull        clusters: outside | between pixel centres | their rectangle on the screen   (cull_kernels.c)
- *     occlusion   clusters behind what is drawn already                                       (occlusion_kernels.c)
- *     transform   vertices -> clip space, clip codes, viewport, snapping                      (transform_kernels.c)
- *     classify    triangles: outside | not finite | to be clipped | no centre | tiny | others (classify_kernels.c)
- *     clip        Sutherland-Hodgman for those that cross a plane                     (clip.c, clip_kernels.c)
- *     set up      edge functions and depth plane of what is left                              (setup_kernels.c)
- *     rasterize   coverage, depth test, write; pixel by pixel where there is an alpha mask     (rasterize_kernels.c, alpha.c)
+ *     cull        clusters: outside | between pixel centres | their rectangle on the screen (cull_kernels.c)
+ *     occlusion   clusters behind what is drawn already (occlusion_kernels.c) transform   vertices -> clip
+ * space, clip codes, viewport, snapping                      (transform_kernels.c) classify    triangles:
+ * outside | not finite | to be clipped | no centre | tiny | others (classify_kernels.c) clip
+ * Sutherland-Hodgman for those that cross a plane                     (clip.c, clip_kernels.c) set up edge
+ * functions and depth plane of what is left                              (setup_kernels.c) rasterize
+ * coverage, depth test, write; pixel by pixel where there is an alpha mask     (rasterize_kernels.c, alpha.c)
  *
- * clusters.c made the clusters, once; view.c makes the view's constants; culling and sorting by distance (order.c) are done once a render;
- * tiles.c gives the tiles of large targets to threads, spare.c keeps their buffers from pass to pass; tile_kernels.c clears a tile and
- * copies it to the target. What comes after the picture of ids is told in resolve.h.
+ * clusters.c made the clusters, once; view.c makes the view's constants; culling and sorting by distance
+ * (order.c) are done once a render; tiles.c gives the tiles of large targets to threads, spare.c keeps their
+ * buffers from pass to pass; tile_kernels.c clears a tile and copies it to the target. What comes after the
+ * picture of ids is told in resolve.h.
  *
- * The depth test is a total order (nearer first, then lower triangle index), so the order in which clusters are
- * drawn cannot be seen in the picture: it is as if the triangles had been submitted in index order. */
+ * The depth test is a total order (nearer first, then lower triangle index), so the order in which clusters
+ * are drawn cannot be seen in the picture: it is as if the triangles had been submitted in index order. */
 #ifndef SL_RASTER_PIPELINE_H
 #define SL_RASTER_PIPELINE_H
 
@@ -36,23 +37,26 @@ typedef struct sl_visible {
 typedef struct sl_raster_kernels sl_raster_kernels;
 struct sl_raster_kernels {
     void (*cull)(const sl_raster *raster, const sl_pass_view *view, sl_visible *visible);
-    void (*transform)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, sl_vertex_buffer *out);
+    void (*transform)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view,
+                      sl_vertex_buffer *out);
     void (*classify)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, const sl_tile *tile,
                      const sl_vertex_buffer *vertices, sl_classes *classes);
-    void (*cover_tiny)(const sl_raster *raster, uint32_t cluster, const sl_tile *tile, const sl_vertex_buffer *vertices,
-                       const sl_classes *classes, sl_tiny *tiny);
-    /* Appends what is left of at most SL_LANES triangles of the cluster that starts at triangle `first`; there must be room for
-     * SL_CLIP_ROOM. Returns those left to sl_clip_triangle(), a bit each. */
-    uint32_t (*clip)(const sl_raster *raster, uint32_t first, const sl_pass_view *view, const sl_vertex_buffer *vertices,
-                     const uint8_t *list, uint32_t count, sl_batch *batch);
+    void (*cover_tiny)(const sl_raster *raster, uint32_t cluster, const sl_tile *tile,
+                       const sl_vertex_buffer *vertices, const sl_classes *classes, sl_tiny *tiny);
+    /* Appends what is left of at most SL_LANES triangles of the cluster that starts at triangle `first`;
+     * there must be room for SL_CLIP_ROOM. Returns those left to sl_clip_triangle(), a bit each. */
+    uint32_t (*clip)(const sl_raster *raster, uint32_t first, const sl_pass_view *view,
+                     const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count, sl_batch *batch);
     /* Edge functions and pixels of triangles [first, count); depth planes of [0, count). */
     void (*set_up_edges)(const sl_tile *tile, sl_batch *batch, uint32_t first);
     void (*set_up_depth)(const sl_pass_view *view, sl_batch *batch);
     /* Draws the tiny triangles, the first of the batch. */
-    void (*rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, const sl_tiny *tiny);
+    void (*rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
+                           const sl_tiny *tiny);
     /* Draws triangles [first, count) that have no mask. */
     void (*rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first);
-    /* Whether all pixels of the rectangle, which lies within the tile, show something nearer than `nearest`. */
+    /* Whether all pixels of the rectangle, which lies within the tile, show something nearer than `nearest`.
+     */
     bool (*occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
     void (*clear)(const sl_pass_view *view, const sl_tile *tile);
     /* Copies the tile's pixels into planes of the whole target (either may be NULL). */
@@ -78,27 +82,30 @@ void sl_visible_free(sl_visible *visible);
 /* Sorts the visible clusters by distance into `order` (order.c). */
 void sl_visible_sort(sl_visible *visible);
 
-/* A worker's buffers, all of them, from an earlier pass or new; what is in them is left over. NULL: no memory. Then back, NULL too. */
+/* A worker's buffers, all of them, from an earlier pass or new; what is in them is left over. NULL: no
+ * memory. Then back, NULL too. */
 struct sl_spares *sl_spares_create(void);
 void sl_spares_destroy(struct sl_spares *spares);
 sl_raster_scratch *sl_spare_take(const sl_raster *raster);
 void sl_spare_give(const sl_raster *raster, sl_raster_scratch *scratch);
 
 /* Draws triangle t of the batch, pixel by pixel, where its alpha mask is opaque (alpha.c). */
-void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, const sl_tile *tile,
-                         const sl_batch *batch, uint32_t t);
+void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass,
+                         const sl_tile *tile, const sl_batch *batch, uint32_t t);
 
-/* What happened to a visible cluster in one render: 0 if no tile drew it, else how many of its triangles fell into each
- * class (sl_fate_of), which is the same whatever tile drew it. */
+/* What happened to a visible cluster in one render: 0 if no tile drew it, else how many of its triangles fell
+ * into each class (sl_fate_of), which is the same whatever tile drew it. */
 typedef _Atomic uint32_t sl_cluster_fate;
 static inline uint32_t sl_fate_of(const sl_classes *c) {
-    return UINT32_C(1) << 31 | c->culled << 16 | c->dropped << 8 | c->clipped; /* each at most 128, and culled + clipped too */
+    /* each at most 128, and culled + clipped too */
+    return UINT32_C(1) << 31 | c->culled << 16 | c->dropped << 8 | c->clipped;
 }
 
 /* Clears and draws a tile; fate: by position in `visible`, what this tile drew is filled in. */
-void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, const sl_visible *visible,
-                  sl_raster_scratch *scratch, sl_cluster_fate *fate);
+void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass,
+                  const sl_visible *visible, sl_raster_scratch *scratch, sl_cluster_fate *fate);
 /* Counts a render. */
-void sl_pass_count(const sl_raster *raster, const sl_visible *visible, const sl_cluster_fate *fate, sl_counters *counters);
+void sl_pass_count(const sl_raster *raster, const sl_visible *visible, const sl_cluster_fate *fate,
+                   sl_counters *counters);
 
 #endif

@@ -1,4 +1,5 @@
-/* How a rasterizer works: start here. One triangle after another, one pixel after another, in the order of the pipeline:
+/* How a rasterizer works: start here. One triangle after another, one pixel after another, in the order of
+ * the pipeline:
  *
  *     1 transform    corners from the world into clip space
  *     2 clip codes   which planes of the view is a corner outside of? Triangles wholly outside one are done
@@ -7,18 +8,19 @@
  *     5 set up       the triangle's edges and its depth, as functions of the pixel
  *     6 pixels       covered? nearer than what is there? then write triangle index and depth
  *
- * The other files of this folder do the same thing fast: many triangles in the lanes of a vector, clusters of triangles
- * rejected whole, blocks of pixels, tiles for threads, near things first. All of that can be left out without one bit of
- * the picture changing; this file is what is left, and the tests hold it equal to the fast path bit by bit.
+ * The other files of this folder do the same thing fast: many triangles in the lanes of a vector, clusters of
+ * triangles rejected whole, blocks of pixels, tiles for threads, near things first. All of that can be left
+ * out without one bit of the picture changing; this file is what is left, and the tests hold it equal to the
+ * fast path bit by bit.
  *
- * Clip space. A view's matrix takes a point to (x, y, z, w), w being its distance along the line of sight. On the screen it
- * is at (x/w, y/w), the screen's edges being at -1 and 1. Seen from above, w upwards, what shows lies between two lines
- * through the eye and beyond the near plane:
+ * Clip space. A view's matrix takes a point to (x, y, z, w), w being its distance along the line of sight. On
+ * the screen it is at (x/w, y/w), the screen's edges being at -1 and 1. Seen from above, w upwards, what
+ * shows lies between two lines through the eye and beyond the near plane:
  *
- *          x = -w  \         w         /  x = w      before the division, "right of the screen" is x > w, a comparison
- *                   \        |        /              that is as good behind the eye as before it: that is why
- *                    \    shows      /               triangles are cut here, and not on the screen, where points
- *                     \      |      /                behind the eye (w < 0) come out upside down and points beside
+ *          x = -w  \         w         /  x = w      before the division, "right of the screen" is x > w, a
+ * comparison \        |        /              that is as good behind the eye as before it: that is why
+ *                    \    shows      /               triangles are cut here, and not on the screen, where
+ * points \      |      /                behind the eye (w < 0) come out upside down and points beside
  *                      \_____|_____/  near           it (w = 0) nowhere.
  *                            |
  *                 ----------eye---------- x
@@ -34,15 +36,16 @@
 typedef struct {
     float x, y, z, w;          /* clip space */
     int code;                  /* SL_CLIP_..., one bit a plane */
-    float window_x, window_y;  /* in pixels of the target, (0, 0) being the lower left pixel's lower left corner */
+    /* in pixels of the target, (0, 0) being the lower left pixel's lower left corner */
+    float window_x, window_y;
     float depth;
     int32_t u, v;              /* window, in 1/256 pixel from the first pixel's centre */
 } corner;
 
-/* ---- 1 transform ------------------------------------------------------------------------------------------------- */
+/* ---- 1 transform ----------------------------------------------------------------------------- */
 
-/* Every product and sum is rounded to float by itself, in this order: another order would move some corner by a rounding,
- * and some pixel with it. */
+/* Every product and sum is rounded to float by itself, in this order: another order would move some corner by
+ * a rounding, and some pixel with it. */
 static float times_row(const float row[4], float x, float y, float z) {
     return ((row[0] * x + row[1] * y) + row[2] * z) + row[3];
 }
@@ -55,35 +58,35 @@ static void transform(const sl_pass_view *view, sl_vec3 p, corner *c) {
     c->w = times_row(view->clip[3], x, y, z);
 }
 
-/* ---- 2 clip codes ------------------------------------------------------------------------------------------------ */
+/* ---- 2 clip codes ---------------------------------------------------------------------------- */
 
-/* NaN, infinities, and what is so large that differences would overflow: such triangles are dropped. A view with 1/w depth
- * has its near plane in z alone, and no far plane. A corner at the eye (so near that 1/w is not finite) counts as before
- * the near plane; one behind it is outside a side, but an oblique near plane (mirrors' views have them) may lie further back. */
+/* NaN, infinities, and what is so large that differences would overflow: such triangles are dropped. A view
+ * with 1/w depth has its near plane in z alone, and no far plane. A corner at the eye (so near that 1/w is
+ * not finite) counts as before the near plane; one behind it is outside a side, but an oblique near plane
+ * (mirrors' views have them) may lie further back. */
 static void find_code(const sl_pass_view *view, corner *c) {
     c->code = 0;
     if (c->x > c->w) c->code |= SL_CLIP_RIGHT;
     if (c->x + c->w < 0.0f) c->code |= SL_CLIP_LEFT;
     if (c->y > c->w) c->code |= SL_CLIP_TOP;
     if (c->y + c->w < 0.0f) c->code |= SL_CLIP_BOTTOM;
-    if ((view->inverse_w ? c->z : c->z + c->w) < 0.0f || (!c->code && !(c->w >= SL_LEAST_W))) c->code |= SL_CLIP_NEAR;
+    if ((view->inverse_w ? c->z : c->z + c->w) < 0.0f || (!c->code && !(c->w >= SL_LEAST_W)))
+        c->code |= SL_CLIP_NEAR;
     if (!view->inverse_w && c->z > c->w) c->code |= SL_CLIP_FAR;
     if (!(fabsf(c->x) + fabsf(c->y) + fabsf(c->z) + fabsf(c->w) < 0x1p60f)) c->code = SL_CLIP_INVALID;
 }
 
-/* ---- 3 viewport -------------------------------------------------------------------------------------------------- */
+/* ---- 3 viewport ------------------------------------------------------------------------------ */
 
-/* Snapping. Corners come to lie on a grid of 256 x 256 points a pixel; u and v are whole numbers, and from here on the
- * question which pixels are inside is one of integers, answered without any rounding.
+/* Snapping. Corners come to lie on a grid of 256 x 256 points a pixel; u and v are whole numbers, and from
+ * here on the question which pixels are inside is one of integers, answered without any rounding.
  *
- *      +-----------+-----------+      x  a pixel's centre, where it is sampled. Pixel (i, j) has it at (u, v) =
- *      |           |           |         (256 i, 256 j), half a pixel from the corner that window_x, window_y count from
- *      |     x     |     x     |
- *      |   (0,1)   |   (1,1)   |      .  some of the 256 x 256 points between: a corner goes to the nearest, in the middle
- *      +-----------+-----------+         of two to the even one. Two triangles that share a corner share it still.
- *      |           |           |
- *      |     x . . | . . x     |
- *      |   (0,0)   |   (1,0)   |
+ *      +-----------+-----------+      x  a pixel's centre, where it is sampled. Pixel (i, j) has it at (u, v)
+ * = |           |           |         (256 i, 256 j), half a pixel from the corner that window_x, window_y
+ * count from |     x     |     x     | |   (0,1)   |   (1,1)   |      .  some of the 256 x 256 points
+ * between: a corner goes to the nearest, in the middle
+ *      +-----------+-----------+         of two to the even one. Two triangles that share a corner share it
+ * still. |           |           | |     x . . | . . x     | |   (0,0)   |   (1,0)   |
  *      +-----------+-----------+  */
 static void to_window(const sl_pass_view *view, corner *c) {
     float oow = 1.0f / c->w;
@@ -99,10 +102,10 @@ static void to_window(const sl_pass_view *view, corner *c) {
     c->depth = view->inverse_w ? oow : z;
 }
 
-/* ---- 4 clip ------------------------------------------------------------------------------------------------------ */
+/* ---- 4 clip ---------------------------------------------------------------------------------- */
 
-/* Cutting a triangle by up to six planes leaves a polygon of up to nine corners, drawn as a fan of triangles. clip.c is
- * plain as it stands; this only hands over the corners and takes the pieces back. */
+/* Cutting a triangle by up to six planes leaves a polygon of up to nine corners, drawn as a fan of triangles.
+ * clip.c is plain as it stands; this only hands over the corners and takes the pieces back. */
 static uint32_t clip(const sl_pass_view *view, const corner c[3], corner pieces[SL_CLIP_TRIANGLES][3]) {
     const uint16_t all_three[3] = {0, 1, 2};
     sl_vertex_buffer buffer;
@@ -116,14 +119,17 @@ static uint32_t clip(const sl_pass_view *view, const corner c[3], corner pieces[
     uint32_t count = sl_clip_triangle(view, &buffer, all_three, &fan);
     for (uint32_t n = 0; n < count; n++) {
         for (int k = 0; k < 3; k++) {
-            pieces[n][k] = (corner){.window_x = fan.x[k][n], .window_y = fan.y[k][n], .depth = fan.depth[k][n],
-                                    .u = fan.snapped_u[k][n], .v = fan.snapped_v[k][n]};
+            pieces[n][k] = (corner){.window_x = fan.x[k][n],
+                                    .window_y = fan.y[k][n],
+                                    .depth = fan.depth[k][n],
+                                    .u = fan.snapped_u[k][n],
+                                    .v = fan.snapped_v[k][n]};
         }
     }
     return count;
 }
 
-/* ---- 5 set up ---------------------------------------------------------------------------------------------------- */
+/* ---- 5 set up -------------------------------------------------------------------------------- */
 
 /* Twice the area, positive for counter-clockwise corners. */
 static int64_t area_of(const corner c[3]) {
@@ -140,8 +146,8 @@ typedef struct {
     double steep_du, steep_dv, u, v, z;
 } depth_plane;
 
-/* Through the three corners before snapping, in double, told at the corner of the least depth: for 1/w that is the far end,
- * where an error would hurt most. */
+/* Through the three corners before snapping, in double, told at the corner of the least depth: for 1/w that
+ * is the far end, where an error would hurt most. */
 static depth_plane depth_through(const corner c[3], bool inverse_w) {
     double u[3], v[3];
     for (int k = 0; k < 3; k++) {
@@ -156,8 +162,10 @@ static depth_plane depth_through(const corner c[3], bool inverse_w) {
     int lowest = c[1].depth < c[0].depth ? 1 : 0;
     if (c[2].depth < c[lowest].depth) lowest = 2;
     depth_plane p = {.du = (float)du, .dv = (float)dv, .origin_u = c[lowest].u, .origin_v = c[lowest].v};
-    p.origin = (float)((double)c[0].depth + (du * ((double)p.origin_u - u[0]) + dv * ((double)p.origin_v - v[0])));
-    p.least = c[lowest].depth > 0.0f ? c[lowest].depth : 0.0f; /* of what was clipped, corners may lie outside the view */
+    p.origin =
+        (float)((double)c[0].depth + (du * ((double)p.origin_u - u[0]) + dv * ((double)p.origin_v - v[0])));
+    /* of what was clipped, corners may lie outside the view */
+    p.least = c[lowest].depth > 0.0f ? c[lowest].depth : 0.0f;
     p.most = c[0].depth > c[1].depth ? c[0].depth : c[1].depth;
     if (c[2].depth > p.most) p.most = c[2].depth;
     if (!inverse_w && p.most > 1.0f) p.most = 1.0f;
@@ -166,11 +174,14 @@ static depth_plane depth_through(const corner c[3], bool inverse_w) {
     return p;
 }
 
-/* OSMesa's way, for comparing with it bit by bit: in float, told at the target's corner, which may lie far from the triangle. */
+/* OSMesa's way, for comparing with it bit by bit: in float, told at the target's corner, which may lie far
+ * from the triangle. */
 static depth_plane opengl_depth_through(const corner c[3]) {
     const corner *p0 = area_of(c) > 0 ? &c[1] : &c[0], *p1 = area_of(c) > 0 ? &c[0] : &c[1], *p2 = &c[2];
-    float dx01 = p0->window_x - p1->window_x, dy01 = p0->window_y - p1->window_y, dz01 = p0->depth - p1->depth;
-    float dx20 = p2->window_x - p0->window_x, dy20 = p2->window_y - p0->window_y, dz20 = p2->depth - p0->depth;
+    float dx01 = p0->window_x - p1->window_x, dy01 = p0->window_y - p1->window_y,
+          dz01 = p0->depth - p1->depth;
+    float dx20 = p2->window_x - p0->window_x, dy20 = p2->window_y - p0->window_y,
+          dz20 = p2->depth - p0->depth;
     float ooa = 1.0f / (dx01 * dy20 - dy01 * dx20);
     depth_plane p = {.least = 0.0f, .most = 1.0f};
     p.du = dz01 * (dy20 * ooa) - dz20 * (dy01 * ooa);
@@ -179,18 +190,18 @@ static depth_plane opengl_depth_through(const corner c[3]) {
     return p;
 }
 
-/* ---- 6 pixels ---------------------------------------------------------------------------------------------------- */
+/* ---- 6 pixels -------------------------------------------------------------------------------- */
 
-/* The edge from P to Q has the function E(u, v) = (v_P - v_Q)(u - u_P) + (u_Q - u_P)(v - v_P): 0 on the line, positive to the
- * left of the way from P to Q. Inside the triangle all three are positive (once their signs are turned by the area's).
+/* The edge from P to Q has the function E(u, v) = (v_P - v_Q)(u - u_P) + (u_Q - u_P)(v - v_P): 0 on the line,
+ * positive to the left of the way from P to Q. Inside the triangle all three are positive (once their signs
+ * are turned by the area's).
  *
- *            2          The fill rule. A pixel's centre right on an edge, E = 0, must belong to one of the two triangles
+ *            2          The fill rule. A pixel's centre right on an edge, E = 0, must belong to one of the
+ * two triangles
  *           /|          that share the edge, never to both or none. It belongs to the triangle that has it
- *    left  / |          as a left edge (the inside lies towards larger u) or as a lowest horizontal one (the inside
- *   (owns)/  | right    lies above): of the two triangles, just one. So it is with the points of a closed mesh:
- *        /   | (not)    every pixel is drawn once in every layer.
- *       0----1
- *      lowest (owns)  */
+ *    left  / |          as a left edge (the inside lies towards larger u) or as a lowest horizontal one (the
+ * inside (owns)/  | right    lies above): of the two triangles, just one. So it is with the points of a
+ * closed mesh: /   | (not)    every pixel is drawn once in every layer. 0----1 lowest (owns)  */
 static bool covers(const corner c[3], int64_t area, int64_t u, int64_t v) {
     for (int k = 0; k < 3; k++) {
         const corner *p = &c[(k + 1) % 3], *q = &c[(k + 2) % 3];
@@ -204,15 +215,18 @@ static bool covers(const corner c[3], int64_t area, int64_t u, int64_t v) {
 
 static float depth_at(const depth_plane *p, bool opengl, int i, int j) {
     float z = opengl ? fmaf(p->dv, (float)j, fmaf(p->du, (float)i, p->origin))
-                     : (p->origin + p->dv * (float)(256 * j - p->origin_v)) + p->du * (float)(256 * i - p->origin_u);
-    if (p->steep) z = (float)(p->z + (p->steep_du * ((double)(256 * i) - p->u) + p->steep_dv * ((double)(256 * j) - p->v)));
+                     : (p->origin + p->dv * (float)(256 * j - p->origin_v)) +
+                           p->du * (float)(256 * i - p->origin_u);
+    if (p->steep)
+        z = (float)(p->z +
+                    (p->steep_du * ((double)(256 * i) - p->u) + p->steep_dv * ((double)(256 * j) - p->v)));
     z = z < p->least ? p->least : z;
     return z > p->most ? p->most : z;
 }
 
 /* A triangle's alpha mask, looked up at the pixel's perspective-correct weights. */
-static bool opaque_at(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_view *view, const sl_pass_view *pass,
-                      uint32_t t, int i, int j) {
+static bool opaque_at(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_view *view,
+                      const sl_pass_view *pass, uint32_t t, int i, int j) {
     sl_vec3 q[3];
     float w1, w2;
     if (!masks || !sl_scene_has_alpha(masks, t)) return true;
@@ -262,7 +276,7 @@ static void draw_pixels(const picture *p, uint32_t t, const corner c[3]) {
     }
 }
 
-/* ---- the whole --------------------------------------------------------------------------------------------------- */
+/* ---- the whole ------------------------------------------------------------------------------- */
 
 static void draw_triangle(const picture *p, uint32_t t) {
     corner c[3], pieces[SL_CLIP_TRIANGLES][3];
@@ -274,7 +288,8 @@ static void draw_triangle(const picture *p, uint32_t t) {
     if (all || some & SL_CLIP_INVALID) return; /* outside one plane; or not to be drawn at all */
     for (int k = 0; k < 3; k++) {
         if (!c[k].code) to_window(&p->pass, &c[k]);
-        else c[k].window_x = c[k].window_y = c[k].depth = 0.0f, c[k].u = c[k].v = 0; /* clipping finds it another place */
+        /* clipping finds it another place */
+        else c[k].window_x = c[k].window_y = c[k].depth = 0.0f, c[k].u = c[k].v = 0;
     }
     if (!some) {
         draw_pixels(p, t, c);
@@ -300,13 +315,16 @@ static void draw_all(const picture *p) {
     }
 }
 
-void sl_plain_id(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_view *view, const sl_target *target) {
-    picture p = {mesh, masks, view, sl_pass_view_make(view, target->width, target->height), target, NULL, NULL};
+void sl_plain_id(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_view *view,
+                 const sl_target *target) {
+    picture p = {mesh,   masks, view, sl_pass_view_make(view, target->width, target->height),
+                 target, NULL,  NULL};
     clear(&p);
     draw_all(&p);
 }
 
-void sl_plain_layers(const sl_raster_mesh *mesh, const sl_view *view, int width, int height, const float *number, float *sums) {
+void sl_plain_layers(const sl_raster_mesh *mesh, const sl_view *view, int width, int height,
+                     const float *number, float *sums) {
     const sl_target size = {.width = width, .height = height};
     picture p = {mesh, NULL, view, sl_pass_view_make(view, width, height), &size, number, sums};
     draw_all(&p);

@@ -1,13 +1,13 @@
 /* Rasterization: coverage, depth test and write, a block of 4 x 4 pixels at a time.
  *
- * A pixel is covered where all three edge functions are >= 0 (their fill rule is in the constants already). They are
- * exact integers, so shared edges are drawn exactly once. A pixel's depth is evaluated by itself, from the plane's
- * origin, so it does not depend on blocks, lanes or tiles. Nearer wins; equal depths go to the lower triangle
- * index. Indices are compared with their signs: the background's, -1, is the lowest, so nothing is drawn at the
- * cleared depth itself, as with GL_LESS.
+ * A pixel is covered where all three edge functions are >= 0 (their fill rule is in the constants already).
+ * They are exact integers, so shared edges are drawn exactly once. A pixel's depth is evaluated by itself,
+ * from the plane's origin, so it does not depend on blocks, lanes or tiles. Nearer wins; equal depths go to
+ * the lower triangle index. Indices are compared with their signs: the background's, -1, is the lowest, so
+ * nothing is drawn at the cleared depth itself, as with GL_LESS.
  *
- * Three kinds of triangles: tiny ones, whose coverage is known, pixel by pixel; those of at most SL_SPAN pixels each way,
- * block by block; larger ones span by span:
+ * Three kinds of triangles: tiny ones, whose coverage is known, pixel by pixel; those of at most SL_SPAN
+ * pixels each way, block by block; larger ones span by span:
  *
  *      +--------+--------+        each span of 64 x 64 pixels is
  *      |  ___/\ |        |          missed      (an edge function negative all over it)
@@ -31,12 +31,14 @@ typedef struct {
 } block_plane;
 
 static inline block_plane block_plane_of(const sl_batch *b, uint32_t t) {
-    return (block_plane){sl_part_float(b->depth_origin[t]), sl_part_float(b->depth_du[t]), sl_part_float(b->depth_dv[t]),
-                         sl_part_float(b->depth_min[t]), sl_part_float(b->depth_max[t]), sl_part_int(b->origin_u[t]),
-                         sl_part_int(b->origin_v[t]), sl_part_int((int32_t)b->id[t])};
+    return (block_plane){sl_part_float(b->depth_origin[t]), sl_part_float(b->depth_du[t]),
+                         sl_part_float(b->depth_dv[t]),     sl_part_float(b->depth_min[t]),
+                         sl_part_float(b->depth_max[t]),    sl_part_int(b->origin_u[t]),
+                         sl_part_int(b->origin_v[t]),       sl_part_int((int32_t)b->id[t])};
 }
 
-/* Depth as sl_depth_at() has it, bit by bit: a row's part, and the distance of the columns from the plane's origin. */
+/* Depth as sl_depth_at() has it, bit by bit: a row's part, and the distance of the columns from the plane's
+ * origin. */
 static inline sl_part_floats row_depth(const block_plane *p, int32_t y) {
     sl_part_ints v = (y + sl_part_y()) * SL_SUBPIXEL - p->origin_v;
     return p->origin + p->dv * __builtin_convertvector(v, sl_part_floats);
@@ -60,7 +62,8 @@ static inline sl_part_floats opengl_depth(const sl_batch *b, uint32_t t, int32_t
     return z;
 }
 
-static inline sl_part_floats steep_depth(const sl_steep_plane *steep, const block_plane *p, int32_t x, int32_t y) {
+static inline sl_part_floats steep_depth(const sl_steep_plane *steep, const block_plane *p, int32_t x,
+                                         int32_t y) {
     float depth[SL_PART];
     const sl_steep_plane plane = *steep;
 #pragma omp simd
@@ -73,12 +76,13 @@ static inline sl_part_floats steep_depth(const sl_steep_plane *steep, const bloc
 /* The largest change of an edge function within a block, at one of its corners. */
 static inline int32_t reach_of(int32_t a, int32_t b) { return (a > 0 ? 3 * a : 0) + (b > 0 ? 3 * b : 0); }
 
-/* In each row of blocks the columns [from, to] that the triangle can touch: where every edge function reaches 0 somewhere
- * in the block. With e its value in the row's first block, a block to the right adds 4 a, so that is from -e / (4 a) on for
- * a > 0, and up to e / (4 |a|) for a < 0. Rows are lanes; a hundredth of a block covers the rounding. Most of the blocks in
- * the box of a triangle that lies across it are left out so. */
+/* In each row of blocks the columns [from, to] that the triangle can touch: where every edge function reaches
+ * 0 somewhere in the block. With e its value in the row's first block, a block to the right adds 4 a, so that
+ * is from -e / (4 a) on for a > 0, and up to e / (4 |a|) for a < 0. Rows are lanes; a hundredth of a block
+ * covers the rounding. Most of the blocks in the box of a triangle that lies across it are left out so. */
 enum { EXTENT_ROWS = SL_SPAN / SL_BLOCK };
-static inline void find_extents(const int32_t a[3], const int32_t b[3], const int32_t e[3], int last, int32_t *from, int32_t *to) {
+static inline void find_extents(const int32_t a[3], const int32_t b[3], const int32_t e[3], int last,
+                                int32_t *from, int32_t *to) {
     const float slack = 0.01f, end = (float)EXTENT_ROWS + 1.0f;
     for (int first = 0; first < EXTENT_ROWS; first += SL_PART) {
         const sl_part_ints row = first + sl_part_lane();
@@ -89,7 +93,8 @@ static inline void find_extents(const int32_t a[3], const int32_t b[3], const in
                 high = sl_part_select(at < 0, high, sl_part_int(-1));
                 continue;
             }
-            sl_part_floats zero = __builtin_convertvector(at, sl_part_floats) * (-1.0f / (float)(SL_BLOCK * a[k]));
+            sl_part_floats zero =
+                __builtin_convertvector(at, sl_part_floats) * (-1.0f / (float)(SL_BLOCK * a[k]));
             zero = sl_part_select_floats(zero < -1.0f, zero, sl_part_float(-1.0f));
             zero = sl_part_select_floats(zero > end, zero, sl_part_float(end));
             if (a[k] > 0) { /* rounded up; conversion cuts towards 0 */
@@ -105,20 +110,26 @@ static inline void find_extents(const int32_t a[3], const int32_t b[3], const in
     }
 }
 
-/* Blocks [x0, x1] x [y0, y1], numbered from the tile's first; e: the edge functions at the first pixel of the first. */
-static inline __attribute__((always_inline)) void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint32_t t,
-                                                              sl_depth_rule rule, bool steep, const int32_t a[3],
-                                                              const int32_t b[3], const int32_t e[3], int x0, int y0, int x1,
+/* Blocks [x0, x1] x [y0, y1], numbered from the tile's first; e: the edge functions at the first pixel of the
+ * first. */
+static inline __attribute__((always_inline)) void draw_blocks(const sl_tile *tile, const sl_batch *batch,
+                                                              uint32_t t, sl_depth_rule rule, bool steep,
+                                                              const int32_t a[3], const int32_t b[3],
+                                                              const int32_t e[3], int x0, int y0, int x1,
                                                               int y1) {
-    const int left = tile->left + x0 * SL_BLOCK, low = tile->low + y0 * SL_BLOCK, columns = x1 - x0 + 1, rows = y1 - y0 + 1;
-    const size_t stride = (size_t)tile->blocks_x * SL_LANES, first = (size_t)(y0 * tile->blocks_x + x0) * SL_LANES;
+    const int left = tile->left + x0 * SL_BLOCK, low = tile->low + y0 * SL_BLOCK, columns = x1 - x0 + 1,
+              rows = y1 - y0 + 1;
+    const size_t stride = (size_t)tile->blocks_x * SL_LANES,
+                 first = (size_t)(y0 * tile->blocks_x + x0) * SL_LANES;
     const block_plane plane = block_plane_of(batch, t);
     const bool other = rule == SL_OPENGL_PLANE || steep;
     const sl_steep_plane steep_plane = steep ? sl_steep_plane_of(batch, t) : (sl_steep_plane){0, 0, 0, 0, 0};
     const sl_part_ints right0 = sl_part_int(SL_BLOCK * a[0]), right1 = sl_part_int(SL_BLOCK * a[1]),
                        right2 = sl_part_int(SL_BLOCK * a[2]);
-    const sl_part_floats first_column = column_distance(&plane, left), right = sl_part_float((float)(SL_BLOCK * SL_SUBPIXEL));
-    sl_part_ints row0 = e[0] + a[0] * sl_part_x() + b[0] * sl_part_y(), row1 = e[1] + a[1] * sl_part_x() + b[1] * sl_part_y();
+    const sl_part_floats first_column = column_distance(&plane, left),
+                         right = sl_part_float((float)(SL_BLOCK * SL_SUBPIXEL));
+    sl_part_ints row0 = e[0] + a[0] * sl_part_x() + b[0] * sl_part_y(),
+                 row1 = e[1] + a[1] * sl_part_x() + b[1] * sl_part_y();
     sl_part_ints row2 = e[2] + a[2] * sl_part_x() + b[2] * sl_part_y();
     int32_t from[EXTENT_ROWS], to[EXTENT_ROWS];
     const bool narrow = columns * rows < 16; /* then the extents cost more than they save */
@@ -157,27 +168,32 @@ static inline __attribute__((always_inline)) void draw_blocks(const sl_tile *til
 
 /* ---- triangles of at most a span ---- */
 
-static inline void draw_small(const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule, bool steep) {
+static inline void draw_small(const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule,
+                              bool steep) {
     const int32_t a[3] = {batch->a[0][t], batch->a[1][t], batch->a[2][t]};
     const int32_t b[3] = {batch->b[0][t], batch->b[1][t], batch->b[2][t]};
     const int32_t e[3] = {batch->e[0][t], batch->e[1][t], batch->e[2][t]};
-    draw_blocks(tile, batch, t, rule, steep, a, b, e, (batch->x0[t] - tile->left) / SL_BLOCK, (batch->y0[t] - tile->low) / SL_BLOCK,
-                (batch->x1[t] - tile->left) / SL_BLOCK, (batch->y1[t] - tile->low) / SL_BLOCK);
+    draw_blocks(tile, batch, t, rule, steep, a, b, e, (batch->x0[t] - tile->left) / SL_BLOCK,
+                (batch->y0[t] - tile->low) / SL_BLOCK, (batch->x1[t] - tile->left) / SL_BLOCK,
+                (batch->y1[t] - tile->low) / SL_BLOCK);
 }
 
 /* ---- larger triangles ---- */
 
-bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
+bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels,
+                                   float nearest);
 
-static inline void draw_span(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_wide_edges *w, sl_depth_rule rule,
-                             bool steep, sl_rectangle span) {
+static inline void draw_span(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_wide_edges *w,
+                             sl_depth_rule rule, bool steep, sl_rectangle span) {
     int bx = (span.x0 - tile->left) / SL_BLOCK, by = (span.y0 - tile->low) / SL_BLOCK;
     int x = tile->left + bx * SL_BLOCK, y = tile->low + by * SL_BLOCK;
     int32_t a[3], b[3], e[3];
     for (int k = 0; k < 3; k++) {
         int64_t at_first = w->c[k] + w->a[k] * x + w->b[k] * y;
-        int64_t least = at_first + (w->a[k] < 0 ? w->a[k] * SL_SPAN : 0) + (w->b[k] < 0 ? w->b[k] * SL_SPAN : 0);
-        int64_t most = at_first + (w->a[k] > 0 ? w->a[k] * SL_SPAN : 0) + (w->b[k] > 0 ? w->b[k] * SL_SPAN : 0);
+        int64_t least =
+            at_first + (w->a[k] < 0 ? w->a[k] * SL_SPAN : 0) + (w->b[k] < 0 ? w->b[k] * SL_SPAN : 0);
+        int64_t most =
+            at_first + (w->a[k] > 0 ? w->a[k] * SL_SPAN : 0) + (w->b[k] > 0 ? w->b[k] * SL_SPAN : 0);
         if (most < 0) return; /* missed */
         bool crosses = least < 0;
         a[k] = crosses ? (int32_t)w->a[k] : 0;
@@ -188,15 +204,16 @@ static inline void draw_span(const sl_tile *tile, const sl_batch *batch, uint32_
                 (span.y1 - tile->low) / SL_BLOCK);
 }
 
-static inline void draw_large(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule,
-                              bool steep) {
+static inline void draw_large(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
+                              uint32_t t, sl_depth_rule rule, bool steep) {
     sl_wide_edges w;
     if (!sl_widen_edges(batch, t, &w)) return;
     const int x0 = batch->x0[t], y0 = batch->y0[t], x1 = batch->x1[t], y1 = batch->y1[t];
     const float nearest = rule == SL_NEARER_IS_LARGER ? batch->depth_max[t] : batch->depth_min[t];
     for (int y = tile->low + ((y0 - tile->low) & -SL_SPAN); y <= y1; y += SL_SPAN) {
         for (int x = tile->left + ((x0 - tile->left) & -SL_SPAN); x <= x1; x += SL_SPAN) {
-            sl_rectangle span = {x > x0 ? x : x0, y > y0 ? y : y0, x + SL_SPAN - 1 < x1 ? x + SL_SPAN - 1 : x1,
+            sl_rectangle span = {x > x0 ? x : x0, y > y0 ? y : y0,
+                                 x + SL_SPAN - 1 < x1 ? x + SL_SPAN - 1 : x1,
                                  y + SL_SPAN - 1 < y1 ? y + SL_SPAN - 1 : y1};
             if (SL_KERNEL(sl_raster_occluded)(view, tile, span, nearest)) continue;
             draw_span(tile, batch, t, &w, rule, steep, span);
@@ -217,12 +234,13 @@ static inline bool fits_span(const sl_batch *batch, uint32_t t) {
 }
 
 /* By themselves, so that the others' loops do not carry their burden. */
-__attribute__((noinline)) static void draw_steep(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t t) {
+__attribute__((noinline)) static void draw_steep(const sl_pass_view *view, const sl_tile *tile,
+                                                 const sl_batch *batch, uint32_t t) {
     draw_large(view, tile, batch, t, view->rule, true);
 }
 
-static inline void draw_all(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first,
-                            sl_depth_rule rule) {
+static inline void draw_all(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
+                            uint32_t first, sl_depth_rule rule) {
     for (uint32_t t = first; t < batch->count; t++) {
         if (batch->x0[t] > batch->x1[t] || batch->y0[t] > batch->y1[t] || batch->masked[t]) continue;
         if (rule != SL_OPENGL_PLANE && batch->steep[t]) draw_steep(view, tile, batch, t);
@@ -231,8 +249,10 @@ static inline void draw_all(const sl_pass_view *view, const sl_tile *tile, const
     }
 }
 
-void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first);
-void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first) {
+void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
+                                    uint32_t first);
+void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
+                                    uint32_t first) {
     switch (view->rule) {
     case SL_NEARER_IS_SMALLER: draw_all(view, tile, batch, first, SL_NEARER_IS_SMALLER); break;
     case SL_NEARER_IS_LARGER: draw_all(view, tile, batch, first, SL_NEARER_IS_LARGER); break;
@@ -242,7 +262,8 @@ void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *til
 
 /* ---- tiny triangles ---- */
 
-static inline void draw_pixels(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_tiny *tiny, sl_depth_rule rule) {
+static inline void draw_pixels(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_tiny *tiny,
+                               sl_depth_rule rule) {
     const int32_t me = (int32_t)batch->id[t];
     for (uint32_t left = tiny->covered[t]; left; left &= left - 1) {
         int k = __builtin_ctz(left), x = tiny->x[t] + (k & 3), y = tiny->y[t] + (k >> 2);
@@ -254,29 +275,36 @@ static inline void draw_pixels(const sl_tile *tile, const sl_batch *batch, uint3
     }
 }
 
-/* The square lies across up to four blocks. Lane (i, j) of whichever of them holds the square's pixel ((i - right) mod 4, (j - up) mod 4),
- * if any: so depth and coverage, turned round by (right, up), are found once for all four.
+/* The square lies across up to four blocks. Lane (i, j) of whichever of them holds the square's pixel ((i -
+ * right) mod 4, (j - up) mod 4), if any: so depth and coverage, turned round by (right, up), are found once
+ * for all four.
  *
  *      +---------+---------+
  *      |   2 3   | 0 1     |     the pixels of one row of the square, right = 2:
  *      |   ......|....     |     lanes 2 and 3 of the left block, lanes 0 and 1 of the right one
  *      +---------+---------+
  *      |<->| right             */
-static inline void draw_square(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_tiny *tiny, sl_depth_rule rule) {
+static inline void draw_square(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_tiny *tiny,
+                               sl_depth_rule rule) {
     const int32_t x = tiny->x[t], y = tiny->y[t], right = x & (SL_BLOCK - 1), up = y & (SL_BLOCK - 1);
-    const uint32_t from_right = 0x1111u * (0xfu << right & 0xfu), from_up = 0xffffu << 4 * up & 0xffffu, all = tiny->covered[t];
+    const uint32_t from_right = 0x1111u * (0xfu << right & 0xfu), from_up = 0xffffu << 4 * up & 0xffffu,
+                   all = tiny->covered[t];
     const uint32_t in_left = all & (0x1111u * (0xfu >> right));
     const uint32_t columns = in_left << right | (all & ~in_left) >> (SL_BLOCK - right); /* within each row */
     const uint32_t turned = (columns << 4 * up | columns >> (16 - 4 * up)) & 0xffffu;
-    const uint32_t covered[4] = {turned & from_right & from_up, turned & ~from_right & from_up, turned & from_right & ~from_up,
-                                 turned & ~from_right & ~from_up};
-    const size_t first = sl_tile_index(tile, x & -SL_BLOCK, y & -SL_BLOCK), row = (size_t)tile->blocks_x * SL_LANES;
+    const uint32_t covered[4] = {turned & from_right & from_up, turned & ~from_right & from_up,
+                                 turned & from_right & ~from_up, turned & ~from_right & ~from_up};
+    const size_t first = sl_tile_index(tile, x & -SL_BLOCK, y & -SL_BLOCK),
+                 row = (size_t)tile->blocks_x * SL_LANES;
     const size_t block[4] = {first, first + SL_LANES, first + row, first + row + SL_LANES};
     const block_plane plane = block_plane_of(batch, t);
     for (int part = 0; part < SL_PARTS; part++) {
-        const sl_part_ints i = (sl_part_x() - right) & (SL_BLOCK - 1), j = (sl_part_y() + (part * SL_PART_ROWS - up)) & (SL_BLOCK - 1);
-        const sl_part_floats u = __builtin_convertvector((x + i) * SL_SUBPIXEL - plane.origin_u, sl_part_floats);
-        const sl_part_floats v = __builtin_convertvector((y + j) * SL_SUBPIXEL - plane.origin_v, sl_part_floats);
+        const sl_part_ints i = (sl_part_x() - right) & (SL_BLOCK - 1),
+                           j = (sl_part_y() + (part * SL_PART_ROWS - up)) & (SL_BLOCK - 1);
+        const sl_part_floats u =
+            __builtin_convertvector((x + i) * SL_SUBPIXEL - plane.origin_u, sl_part_floats);
+        const sl_part_floats v =
+            __builtin_convertvector((y + j) * SL_SUBPIXEL - plane.origin_v, sl_part_floats);
         const sl_part_floats z = block_depth(&plane, plane.origin + plane.dv * v, u);
         for (int k = 0; k < 4; k++) {
             const int32_t here = (int32_t)(covered[k] >> (part * SL_PART)) & SL_PART_ALL;
@@ -289,7 +317,8 @@ static inline void draw_square(const sl_tile *tile, const sl_batch *batch, uint3
 }
 
 /* Of few pixels, one by one. */
-static inline void draw_tiny(const sl_tile *tile, const sl_batch *batch, const sl_tiny *tiny, sl_depth_rule rule) {
+static inline void draw_tiny(const sl_tile *tile, const sl_batch *batch, const sl_tiny *tiny,
+                             sl_depth_rule rule) {
     for (uint32_t t = 0; t < tiny->count; t++) {
         const uint32_t covered = tiny->covered[t];
         const bool few = sl_bits16_count(covered) < 4;

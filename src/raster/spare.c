@@ -1,5 +1,6 @@
-/* Buffers of earlier passes, kept for later ones: a pass over a large target would otherwise begin by having a megabyte faulted in page by
- * page and cleared. Passes run at the same time, so each takes what it needs for itself alone and gives it back afterwards. */
+/* Buffers of earlier passes, kept for later ones: a pass over a large target would otherwise begin by having
+ * a megabyte faulted in page by page and cleared. Passes run at the same time, so each takes what it needs
+ * for itself alone and gives it back afterwards. */
 #include <stdatomic.h>
 
 #include "base/memory.h"

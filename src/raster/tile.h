@@ -18,7 +18,8 @@
 
 enum {
     SL_BLOCK = 4,          /* pixels along a block's side; also the most along a tiny triangle's */
-    SL_SPAN = 64,          /* larger triangles are drawn in pieces of 64 x 64, within which edge functions fit 32 bits */
+    /* larger triangles are drawn in pieces of 64 x 64, within which edge functions fit 32 bits */
+    SL_SPAN = 64,
     SL_TILE = 256,         /* pixels along a tile's side */
     SL_TILE_PIXELS = SL_TILE * SL_TILE
 };

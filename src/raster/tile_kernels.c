@@ -1,5 +1,5 @@
-/* The tile's planes: cleared before anything is drawn, and turned from blocks into the target's rows at the end, four blocks
- * side by side being four rows of sixteen pixels. */
+/* The tile's planes: cleared before anything is drawn, and turned from blocks into the target's rows at the
+ * end, four blocks side by side being four rows of sixteen pixels. */
 #include "raster/block.h"
 #include "raster/tile.h"
 
@@ -28,7 +28,8 @@ static void copy_plane(const sl_pass_view *view, const sl_tile *tile, const uint
         uint32_t *to = out + (size_t)y * width;
         if ((y & (SL_BLOCK - 1)) == 0 && y + SL_BLOCK <= tile->y1 && first + SL_LANES <= tile->x1) {
             int x = first;
-            for (; x + SL_LANES <= tile->x1; x += SL_LANES) sl_block_rows(plane + sl_tile_index(tile, x, y), to + x, width);
+            for (; x + SL_LANES <= tile->x1; x += SL_LANES)
+                sl_block_rows(plane + sl_tile_index(tile, x, y), to + x, width);
             for (int k = 0; k < SL_BLOCK; k++) {
                 copy_pixels(tile, plane, y + k, tile->x0, first, to + (size_t)k * width);
                 copy_pixels(tile, plane, y + k, x, tile->x1, to + (size_t)k * width);
@@ -42,7 +43,8 @@ static void copy_plane(const sl_pass_view *view, const sl_tile *tile, const uint
 }
 
 void SL_KERNEL(sl_raster_copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth);
-void SL_KERNEL(sl_raster_copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth) {
+void SL_KERNEL(sl_raster_copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id,
+                                   float *depth) {
     if (id) copy_plane(view, tile, tile->id, id);
     if (depth) copy_plane(view, tile, (const uint32_t *)(const void *)tile->depth, (uint32_t *)(void *)depth);
 }

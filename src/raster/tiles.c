@@ -1,8 +1,10 @@
-/* Large targets: tiles of 256 x 256 pixels, each owned by one thread, which draws every cluster that touches it.
+/* Large targets: tiles of 256 x 256 pixels, each owned by one thread, which draws every cluster that touches
+ * it.
  *
- * A cluster that lies across an edge is transformed in both tiles, but its triangles touch disjoint pixels there, so no
- * thread waits for another and there is nothing to merge. The tiles are the same at any number of threads, and so is what
- * each of them draws and skips. Those with most to draw come first, so that at the end threads wait for little ones. */
+ * A cluster that lies across an edge is transformed in both tiles, but its triangles touch disjoint pixels
+ * there, so no thread waits for another and there is nothing to merge. The tiles are the same at any number
+ * of threads, and so is what each of them draws and skips. Those with most to draw come first, so that at the
+ * end threads wait for little ones. */
 #include <stdlib.h>
 
 #include "base/error.h"
@@ -33,7 +35,8 @@ typedef struct {
     tiled_view *picture;
     tile_task *task;
     size_t scratches;
-    sl_raster_scratch **scratch; /* for each worker its vertices, batch and tile; and for each view what it sees */
+    /* for each worker its vertices, batch and tile; and for each view what it sees */
+    sl_raster_scratch **scratch;
 } tiled_passes;
 
 /* What the tiles of a view have to draw: the triangles of the clusters that touch them, and their pixels. */
@@ -42,12 +45,14 @@ static void weigh_tiles(const sl_raster *raster, const tiled_view *picture, tile
     const sl_visible *v = picture->visible;
     for (int n = 0; n < tiles->columns * tiles->rows; n++) {
         sl_tile tile;
-        sl_tile_place(&tile, &picture->pass, tiles->first_column + n % tiles->columns, tiles->first_row + n / tiles->columns);
+        sl_tile_place(&tile, &picture->pass, tiles->first_column + n % tiles->columns,
+                      tiles->first_row + n / tiles->columns);
         task[n] = (tile_task){(uint64_t)((tile.x1 - tile.x0) * (tile.y1 - tile.y0)) / 16, picture, (size_t)n};
     }
     for (uint32_t i = 0; i < v->count; i++) {
         for (int y = v->y0[i] / SL_TILE - tiles->first_row; y <= v->y1[i] / SL_TILE - tiles->first_row; y++) {
-            for (int x = v->x0[i] / SL_TILE - tiles->first_column; x <= v->x1[i] / SL_TILE - tiles->first_column; x++) {
+            for (int x = v->x0[i] / SL_TILE - tiles->first_column;
+                 x <= v->x1[i] / SL_TILE - tiles->first_column; x++) {
                 task[y * tiles->columns + x].work += raster->triangles[v->cluster[i]];
             }
         }
@@ -102,13 +107,15 @@ static void release(tiled_passes *p) {
 }
 
 sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_error *error) {
-    bool fits = view->width >= 1 && view->height >= 1 && view->x >= 0 && view->y >= 0 && target->width <= SL_RASTER_MAX_SIZE &&
-                target->height <= SL_RASTER_MAX_SIZE && view->width <= target->width - view->x &&
-                view->height <= target->height - view->y;
+    bool fits = view->width >= 1 && view->height >= 1 && view->x >= 0 && view->y >= 0 &&
+                target->width <= SL_RASTER_MAX_SIZE && target->height <= SL_RASTER_MAX_SIZE &&
+                view->width <= target->width - view->x && view->height <= target->height - view->y;
     if (fits) return SL_OK;
     return sl_fail(error, SL_ERROR_USAGE,
-                   "a viewport of %d x %d pixels at (%d, %d) of a raster target of %d x %d: within it, from 1 to %d each way",
-                   view->width, view->height, view->x, view->y, target->width, target->height, (int)SL_RASTER_MAX_SIZE);
+                   "a viewport of %d x %d pixels at (%d, %d) of a raster target of %d x %d: within it, from "
+                   "1 to %d each way",
+                   view->width, view->height, view->x, view->y, target->width, target->height,
+                   (int)SL_RASTER_MAX_SIZE);
 }
 
 static bool draw_pictures(tiled_passes *p, unsigned threads, sl_counters *counters) {
@@ -127,8 +134,8 @@ static bool draw_pictures(tiled_passes *p, unsigned threads, sl_counters *counte
     return ok;
 }
 
-sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *views, unsigned threads, const sl_target *targets,
-                        sl_counters *counters, sl_error *error) {
+sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *views, unsigned threads,
+                        const sl_target *targets, sl_counters *counters, sl_error *error) {
     tiled_view *pictures = sl_allocate(count, sizeof *pictures);
     if (!pictures) return sl_fail_memory(error, "a list of views");
     tiled_passes p = {.raster = raster, .pictures = count, .picture = pictures};
@@ -142,12 +149,13 @@ sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *vi
         p.tiles += (size_t)pictures[n].tiles.columns * (size_t)pictures[n].tiles.rows;
         if (raster->observer) raster->observer->draw(raster->observer->context, raster, &views[n], false);
     }
-    if (status == SL_OK && !draw_pictures(&p, threads, counters)) status = sl_fail_memory(error, "a render's planes");
+    if (status == SL_OK && !draw_pictures(&p, threads, counters))
+        status = sl_fail_memory(error, "a render's planes");
     sl_free(pictures);
     return status;
 }
 
-sl_status sl_raster_id(const sl_raster *raster, const sl_view *view, unsigned threads, const sl_target *target,
-                       sl_counters *counters, sl_error *error) {
+sl_status sl_raster_id(const sl_raster *raster, const sl_view *view, unsigned threads,
+                       const sl_target *target, sl_counters *counters, sl_error *error) {
     return sl_raster_ids(raster, 1, view, threads, target, counters, error);
 }

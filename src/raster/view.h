@@ -43,7 +43,8 @@ typedef struct sl_pass_view {
     float half_width, half_height;
     float offset_x, offset_y; /* window = ndc * half + offset: half the viewport's size plus its corner */
     int width, height;        /* of the target */
-    int x0, y0, x1, y1;       /* the pixels to draw, half-open, in the target: the viewport, or the scissor's part of it */
+    /* the pixels to draw, half-open, in the target: the viewport, or the scissor's part of it */
+    int x0, y0, x1, y1;
     bool inverse_w;
     sl_depth_rule rule;
     uint32_t skip;

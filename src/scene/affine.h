@@ -31,7 +31,8 @@ static inline sl_affine sl_affine_after(const sl_affine *a, const sl_affine *b) 
 }
 
 static inline sl_vec3d sl_affine_vector(const sl_affine *a, sl_vec3d v) {
-    return sl_v3d(a->m[0][0] * v.x + a->m[0][1] * v.y + a->m[0][2] * v.z, a->m[1][0] * v.x + a->m[1][1] * v.y + a->m[1][2] * v.z,
+    return sl_v3d(a->m[0][0] * v.x + a->m[0][1] * v.y + a->m[0][2] * v.z,
+                  a->m[1][0] * v.x + a->m[1][1] * v.y + a->m[1][2] * v.z,
                   a->m[2][0] * v.x + a->m[2][1] * v.y + a->m[2][2] * v.z);
 }
 
@@ -42,11 +43,13 @@ static inline sl_vec3d sl_affine_point(const sl_affine *a, sl_vec3d p) {
 
 static inline double sl_affine_determinant(const sl_affine *a) {
     const double(*m)[4] = a->m;
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/* What maps normals: the inverse transpose but for a positive factor, made of cofactors so that it needs no division. */
+/* What maps normals: the inverse transpose but for a positive factor, made of cofactors so that it needs no
+ * division. */
 static inline sl_affine sl_affine_normal_map(const sl_affine *a) {
     double sign = sl_affine_determinant(a) < 0.0 ? -1.0 : 1.0;
     sl_affine map = {{{0}}};

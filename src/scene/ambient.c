@@ -22,7 +22,8 @@ static double area_of(const sl_scene *s, size_t triangle) {
 }
 
 static bool in_core(const sl_scene *s, sl_vec3 p) {
-    return p.x >= s->central_min.x && p.x <= s->central_max.x && p.y >= s->central_min.y && p.y <= s->central_max.y && p.z >= s->central_min.z && p.z <= s->central_max.z;
+    return p.x >= s->central_min.x && p.x <= s->central_max.x && p.y >= s->central_min.y &&
+           p.y <= s->central_max.y && p.z >= s->central_min.z && p.z <= s->central_max.z;
 }
 
 static bool is_in_core(const sl_scene *s, size_t triangle) {
@@ -36,20 +37,25 @@ static double share_for_core(const sl_scene *s, sl_vec3 from) {
     if (in_core(s, from)) return 1.0;
     sl_vec3d low = sl_to_double(s->central_min), high = sl_to_double(s->central_max);
     double radius = 0.5 * sl_lengthd(sl_subd(high, low));
-    double distance = sl_lengthd(sl_subd(sl_to_double(from), sl_scaled(sl_addd(low, high), 0.5))), ratio = distance > 0.0 ? radius / distance : 1.0;
+    double distance = sl_lengthd(sl_subd(sl_to_double(from), sl_scaled(sl_addd(low, high), 0.5))),
+           ratio = distance > 0.0 ? radius / distance : 1.0;
     return fmin(1.0, 0.25 * ratio * ratio);
 }
 
 /* The integral of k_d over all surfaces; texture at the middles of four equal parts of each triangle. */
 static rgbd reflecting_area(const sl_scene *scene, bool core, double *area) {
-    static const float w[4][2] = {{1.0f / 3.0f, 1.0f / 3.0f}, {1.0f / 6.0f, 1.0f / 6.0f}, {2.0f / 3.0f, 1.0f / 6.0f}, {1.0f / 6.0f, 2.0f / 3.0f}};
+    static const float w[4][2] = {{1.0f / 3.0f, 1.0f / 3.0f},
+                                  {1.0f / 6.0f, 1.0f / 6.0f},
+                                  {2.0f / 3.0f, 1.0f / 6.0f},
+                                  {1.0f / 6.0f, 2.0f / 3.0f}};
     rgbd sum = {0.0, 0.0, 0.0};
     *area = 0.0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         if (core && !is_in_core(scene, t)) continue;
         double a = area_of(scene, t);
         *area += a;
-        for (int k = 0; k < 4; k++) add(&sum, sl_scene_diffuse_nearest(scene, (uint32_t)t, w[k][0], w[k][1]), 0.25 * a);
+        for (int k = 0; k < 4; k++)
+            add(&sum, sl_scene_diffuse_nearest(scene, (uint32_t)t, w[k][0], w[k][1]), 0.25 * a);
     }
     return sum;
 }
@@ -60,7 +66,8 @@ static double solid_angle_or_area(const sl_scene *scene, bool core, const sl_lig
     if (light->type == SL_LIGHT_SPOT) { /* smoothstep between the cosines: the half of what lies there */
         return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
     }
-    sl_vec3 low = core ? scene->central_min : scene->box_min, high = core ? scene->central_max : scene->box_max;
+    sl_vec3 low = core ? scene->central_min : scene->box_min,
+            high = core ? scene->central_max : scene->box_max;
     sl_vec3d size = sl_subd(sl_to_double(high), sl_to_double(low)), d = sl_to_double(light->direction);
     return fabs(d.x) * size.y * size.z + fabs(d.y) * size.z * size.x + fabs(d.z) * size.x * size.y;
 }
@@ -69,12 +76,15 @@ static rgbd power_of_lights(const sl_scene *scene, bool core) {
     rgbd power = {0.0, 0.0, 0.0};
     for (size_t i = 0; i < scene->emitter_count; i++) {
         const sl_emitter *e = &scene->emitters[i];
-        double share = !core ? 1.0 : share_for_core(scene, sl_scene_position(scene, scene->vertex[0][e->triangle]));
-        add(&power, e->radiance, share * SL_PI * (double)e->area * (double)e->opaque * (e->two_sided ? 2.0 : 1.0));
+        double share =
+            !core ? 1.0 : share_for_core(scene, sl_scene_position(scene, scene->vertex[0][e->triangle]));
+        add(&power, e->radiance,
+            share * SL_PI * (double)e->area * (double)e->opaque * (e->two_sided ? 2.0 : 1.0));
     }
     for (size_t i = 0; i < scene->light_count; i++) {
         const sl_light *light = &scene->lights[i];
-        double share = !core || light->type == SL_LIGHT_DIRECTIONAL ? 1.0 : share_for_core(scene, light->position);
+        double share =
+            !core || light->type == SL_LIGHT_DIRECTIONAL ? 1.0 : share_for_core(scene, light->position);
         add(&power, light->intensity, share * solid_angle_or_area(scene, core, light));
     }
     return power;
@@ -86,7 +96,9 @@ static rgbd environment_irradiance(const sl_environment *e) {
     if (!e->present) return sum;
     if (e->width <= 0) add(&sum, e->constant, SL_PI);
     for (int row = 0; row < e->height && e->width > 0; row++) {
-        double share = 0.5 * (sl_cos(SL_PI * row / e->height) - sl_cos(SL_PI * (row + 1) / e->height)) / e->width; /* of a texel */
+        /* of a texel */
+        double share =
+            0.5 * (sl_cos(SL_PI * row / e->height) - sl_cos(SL_PI * (row + 1) / e->height)) / e->width;
         for (int column = 0; column < e->width; column++) {
             const float *t = e->texels + 3 * ((size_t)row * (size_t)e->width + (size_t)column);
             add(&sum, (sl_rgb){t[0], t[1], t[2]}, SL_PI * share);
@@ -97,10 +109,12 @@ static rgbd environment_irradiance(const sl_environment *e) {
 
 static sl_rgb ambient_of(const sl_scene *scene, bool core, bool all_bounces) {
     double area;
-    rgbd reflecting = reflecting_area(scene, core, &area), power = power_of_lights(scene, core), sky = environment_irradiance(&scene->environment);
+    rgbd reflecting = reflecting_area(scene, core, &area), power = power_of_lights(scene, core),
+         sky = environment_irradiance(&scene->environment);
     double over = area > 0.0 && area < 1e300 ? 1.0 / area : 0.0;
     const double reflectance[3] = {reflecting.r * over, reflecting.g * over, reflecting.b * over};
-    const double direct[3] = {power.r * over, power.g * over, power.b * over}, from_sky[3] = {sky.r, sky.g, sky.b};
+    const double direct[3] = {power.r * over, power.g * over, power.b * over},
+                 from_sky[3] = {sky.r, sky.g, sky.b};
     double e[3];
     for (int k = 0; k < 3; k++) {
         double absorbed = 1.0 - fmin(reflectance[k], 0.99);
@@ -110,8 +124,9 @@ static sl_rgb ambient_of(const sl_scene *scene, bool core, bool all_bounces) {
     return (sl_rgb){(float)e[0], (float)e[1], (float)e[2]};
 }
 
-/* A plain without end would leave nothing of what lights a room on it, and the walls around a grain light it as they light all else: in a scattered scene
- * the mean of the central region counts, if it is more than that of all. */
+/* A plain without end would leave nothing of what lights a room on it, and the walls around a grain light it
+ * as they light all else: in a scattered scene the mean of the central region counts, if it is more than that
+ * of all. */
 static sl_rgb ambient(const sl_scene *scene, bool all_bounces) {
     sl_rgb all = ambient_of(scene, false, all_bounces);
     if (!sl_scene_is_scattered(scene)) return all;

@@ -1,6 +1,7 @@
-/* Indirect light before anything of it is known: rho Phi / A, mean reflectance times power of all lights over area of all surfaces. In a closed
- * cavity of one reflectance that is what one bounce brings on the average, and in a sphere what it brings everywhere. The environment adds its
- * mean over all directions, as if nothing stood before it. */
+/* Indirect light before anything of it is known: rho Phi / A, mean reflectance times power of all lights over
+ * area of all surfaces. In a closed cavity of one reflectance that is what one bounce brings on the average,
+ * and in a sphere what it brings everywhere. The environment adds its mean over all directions, as if nothing
+ * stood before it. */
 #ifndef SL_SCENE_AMBIENT_H
 #define SL_SCENE_AMBIENT_H
 

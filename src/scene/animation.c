@@ -8,15 +8,17 @@
 #include "base/memory.h"
 #include "scene/derive.h"
 
-/* ---- rotations ----------------------------------------------------------------------------------------------------------- */
+/* ---- rotations ------------------------------------------------------------------------------- */
 
 static sl_quaternion multiply(sl_quaternion a, sl_quaternion b) {
-    return (sl_quaternion){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-                           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+    return (sl_quaternion){
+        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 
 sl_quaternion sl_quaternion_from_euler(double x, double y, double z) {
-    sl_quaternion about_x = {sl_cos(0.5 * x), sl_sin(0.5 * x), 0, 0}, about_y = {sl_cos(0.5 * y), 0, sl_sin(0.5 * y), 0};
+    sl_quaternion about_x = {sl_cos(0.5 * x), sl_sin(0.5 * x), 0, 0},
+                  about_y = {sl_cos(0.5 * y), 0, sl_sin(0.5 * y), 0};
     sl_quaternion about_z = {sl_cos(0.5 * z), 0, 0, sl_sin(0.5 * z)};
     return multiply(about_z, multiply(about_y, about_x));
 }
@@ -28,7 +30,8 @@ static sl_quaternion blend(sl_quaternion a, double wa, sl_quaternion b, double w
     return (sl_quaternion){q.w / length, q.x / length, q.y / length, q.z / length};
 }
 
-/* Shoemake's spherical interpolation; nearly equal rotations are blended, where the quotient of sines loses its meaning. */
+/* Shoemake's spherical interpolation; nearly equal rotations are blended, where the quotient of sines loses
+ * its meaning. */
 sl_quaternion sl_quaternion_slerp(sl_quaternion a, sl_quaternion b, double t) {
     double cosine = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
     double side = cosine < 0.0 ? -1.0 : 1.0; /* q and -q are one rotation; the nearer one is meant */
@@ -46,11 +49,12 @@ static sl_affine placement(sl_vec3d translate, sl_quaternion q, sl_vec3d s) {
                          s.z * (1 - 2 * (q.x * q.x + q.y * q.y)), translate.z}}};
 }
 
-/* ---- between two keys ------------------------------------------------------------------------------------------------------- */
+/* ---- between two keys ------------------------------------------------------------------------ */
 
-/* The keys on both sides of a time (the same one before the first and after the last) and how far it is between them. `times` are
- * `stride` bytes apart. */
-static double between(const void *keys, size_t count, size_t stride, double time, size_t *before, size_t *after) {
+/* The keys on both sides of a time (the same one before the first and after the last) and how far it is
+ * between them. `times` are `stride` bytes apart. */
+static double between(const void *keys, size_t count, size_t stride, double time, size_t *before,
+                      size_t *after) {
     const char *base = keys;
     size_t next = 0;
     while (next < count && *(const double *)(const void *)(base + next * stride) <= time) next++;
@@ -61,13 +65,16 @@ static double between(const void *keys, size_t count, size_t stride, double time
     return *before == *after ? 0.0 : (time - start) / (end - start);
 }
 
-static sl_vec3d lerp(sl_vec3d a, sl_vec3d b, double t) { return sl_addd(sl_scaled(a, 1.0 - t), sl_scaled(b, t)); }
+static sl_vec3d lerp(sl_vec3d a, sl_vec3d b, double t) {
+    return sl_addd(sl_scaled(a, 1.0 - t), sl_scaled(b, t));
+}
 
 sl_affine sl_object_track_at(const sl_object_track *track, double time) {
     size_t before, after;
     double t = between(track->keys, track->key_count, sizeof *track->keys, time, &before, &after);
     const sl_object_key *a = &track->keys[before], *b = &track->keys[after];
-    return placement(lerp(a->translate, b->translate, t), sl_quaternion_slerp(a->rotate, b->rotate, t), lerp(a->scale, b->scale, t));
+    return placement(lerp(a->translate, b->translate, t), sl_quaternion_slerp(a->rotate, b->rotate, t),
+                     lerp(a->scale, b->scale, t));
 }
 
 /* In the turned world the same motion is U K U^-1, with U a permutation of axes, so nothing is rounded. */
@@ -79,9 +86,11 @@ static sl_affine track_in_world(const sl_animation *animation, const sl_object_t
     return sl_affine_after(&turn, &turned);
 }
 
-/* ---- objects ------------------------------------------------------------------------------------------------------------------- */
+/* ---- objects --------------------------------------------------------------------------------- */
 
-static sl_vec3 moved(const sl_affine *motion, sl_vec3 rest) { return sl_to_float(sl_affine_point(motion, sl_to_double(rest))); }
+static sl_vec3 moved(const sl_affine *motion, sl_vec3 rest) {
+    return sl_to_float(sl_affine_point(motion, sl_to_double(rest)));
+}
 
 static sl_status check_motion(const sl_scene *scene, const sl_affine *motions, double time, sl_error *error) {
     const sl_animation *a = scene->animation;
@@ -115,7 +124,8 @@ static bool move_vertices(sl_scene *s, const sl_affine *motions, const sl_affine
         if (track == SL_NO_INDEX) continue;
         sl_vec3 normal = sl_affine_unit(&normal_maps[track], a->rest_normal[v]);
         if (!(sl_dot(normal, normal) > 0.5f)) normal = a->rest_normal[v];
-        changed |= set_vector(&s->position_x[v], &s->position_y[v], &s->position_z[v], moved(&motions[track], a->rest_position[v]));
+        changed |= set_vector(&s->position_x[v], &s->position_y[v], &s->position_z[v],
+                              moved(&motions[track], a->rest_position[v]));
         changed |= set_vector(&s->normal_x[v], &s->normal_y[v], &s->normal_z[v], normal);
     }
     return changed;
@@ -128,7 +138,9 @@ static bool move_surfaces(sl_scene *s, const sl_affine *motions) {
         sl_bicubic *b = &s->bicubics[k / 16];
         uint32_t track = a->track_of_vertex[b->first_vertex];
         sl_vec3 *point = &b->point[k % 16 / 4][k % 4];
-        if (track != SL_NO_INDEX) changed |= set_vector(&point->x, &point->y, &point->z, moved(&motions[track], a->rest_control[k]));
+        if (track != SL_NO_INDEX)
+            changed |=
+                set_vector(&point->x, &point->y, &point->z, moved(&motions[track], a->rest_control[k]));
     }
     return changed;
 }
@@ -173,13 +185,14 @@ static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, s
     return SL_OK;
 }
 
-/* ---- lights and camera ------------------------------------------------------------------------------------------------------------ */
+/* ---- lights and camera ----------------------------------------------------------------------- */
 
 /* Directions turn at constant speed; opposite ones have no arc between them and flip half way. */
 static sl_vec3 between_directions(sl_vec3d a, sl_vec3d b, double t) {
     double cosine = sl_dotd(a, b), angle = sl_acos(cosine), sine = sl_sin(angle);
     if (!(sine > 1e-6)) return sl_to_float(t < 0.5 ? a : b);
-    sl_vec3d d = sl_addd(sl_scaled(a, sl_sin((1.0 - t) * angle) / sine), sl_scaled(b, sl_sin(t * angle) / sine));
+    sl_vec3d d =
+        sl_addd(sl_scaled(a, sl_sin((1.0 - t) * angle) / sine), sl_scaled(b, sl_sin(t * angle) / sine));
     return sl_normalize_or(sl_to_float(d), sl_to_float(a));
 }
 
@@ -191,7 +204,8 @@ static void move_lights(sl_scene *scene, double time, unsigned *changes) {
         const sl_light_key *a = &track->keys[before], *b = &track->keys[after];
         sl_light *light = &scene->lights[track->light];
         sl_vec3 position = sl_to_float(lerp(a->position, b->position, t));
-        sl_vec3 direction = light->type == SL_LIGHT_POINT ? light->direction : between_directions(a->direction, b->direction, t);
+        sl_vec3 direction = light->type == SL_LIGHT_POINT ? light->direction
+                                                          : between_directions(a->direction, b->direction, t);
         bool changed = set_vector(&light->position.x, &light->position.y, &light->position.z, position);
         changed |= set_vector(&light->direction.x, &light->direction.y, &light->direction.z, direction);
         if (changed) *changes |= SL_CHANGED_LIGHTS;
@@ -203,12 +217,17 @@ static sl_status camera_at(const sl_scene *scene, double time, sl_camera *camera
     *camera = scene->camera;
     if (animation->camera_key_count == 0) return SL_OK;
     size_t before, after;
-    double t = between(animation->camera_keys, animation->camera_key_count, sizeof *animation->camera_keys, time, &before, &after);
+    double t = between(animation->camera_keys, animation->camera_key_count, sizeof *animation->camera_keys,
+                       time, &before, &after);
     const sl_camera_key *a = &animation->camera_keys[before], *b = &animation->camera_keys[after];
     double fov = a->vertical_fov * (1.0 - t) + b->vertical_fov * t;
-    if (sl_camera_look_at(camera, sl_to_float(lerp(a->eye, b->eye, t)), sl_to_float(lerp(a->target, b->target, t)),
-                          sl_to_float(lerp(a->up, b->up, t)), (float)fov)) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "camera keyframes: at time %g the eye is at its target, or looks along its up vector", time);
+    if (sl_camera_look_at(camera, sl_to_float(lerp(a->eye, b->eye, t)),
+                          sl_to_float(lerp(a->target, b->target, t)), sl_to_float(lerp(a->up, b->up, t)),
+                          (float)fov))
+        return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT,
+                   "camera keyframes: at time %g the eye is at its target, or looks along its up vector",
+                   time);
 }
 
 static bool same(sl_vec3 a, sl_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
@@ -218,7 +237,7 @@ static bool same_camera(const sl_camera *a, const sl_camera *b) {
            a->vertical_fov == b->vertical_fov;
 }
 
-/* ---- the whole -------------------------------------------------------------------------------------------------------------------- */
+/* ---- the whole ------------------------------------------------------------------------------- */
 
 sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_error *error) {
     sl_camera camera;
@@ -256,7 +275,9 @@ static uint32_t *tracks_of_objects(const sl_animation *a, size_t object_count) {
     memset(tracks, 0xff, object_count * sizeof *tracks); /* SL_NO_INDEX */
     for (size_t i = 0; i < a->object_track_count; i++) {
         const sl_object_track *track = &a->object_tracks[i];
-        for (size_t k = track->first_object; k < track->first_object + (size_t)track->object_count && k < object_count; k++) tracks[k] = (uint32_t)i;
+        for (size_t k = track->first_object;
+             k < track->first_object + (size_t)track->object_count && k < object_count; k++)
+            tracks[k] = (uint32_t)i;
     }
     return tracks;
 }
@@ -281,7 +302,8 @@ sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error)
         uint32_t track = tracks[scene->object_index[t]];
         for (int c = 0; c < 3; c++) a->track_of_vertex[scene->vertex[c][t]] = track;
     }
-    for (size_t i = 0; i < scene->bicubic_count; i++) { /* all its vertices, also those that no triangle uses */
+    /* all its vertices, also those that no triangle uses */
+    for (size_t i = 0; i < scene->bicubic_count; i++) {
         const sl_bicubic *b = &scene->bicubics[i];
         uint32_t side = (uint32_t)b->steps + 1, track = tracks[scene->object_index[b->first_triangle]];
         for (uint32_t v = 0; v < side * side; v++) a->track_of_vertex[b->first_vertex + v] = track;

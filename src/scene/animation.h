@@ -1,5 +1,5 @@
-/* Keyframes of objects, lights and camera. A state is a pure function of the time: what moves is always placed from its rest
- * state, never from where it was. */
+/* Keyframes of objects, lights and camera. A state is a pure function of the time: what moves is always
+ * placed from its rest state, never from where it was. */
 #ifndef SL_SCENE_ANIMATION_H
 #define SL_SCENE_ANIMATION_H
 
@@ -60,8 +60,8 @@ sl_affine sl_object_track_at(const sl_object_track *track, double time);
 /* Whether sl_scene_set_time() would succeed, and why not; what it takes memory for is not asked. */
 sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_error *error);
 
-/* The scene takes the animation over (also where this fails: it goes with the scene), keeps the scene's state as the rest state, and moves
- * the scene to time 0. */
+/* The scene takes the animation over (also where this fails: it goes with the scene), keeps the scene's state
+ * as the rest state, and moves the scene to time 0. */
 sl_status sl_animation_attach(sl_scene *scene, sl_animation *animation, sl_error *error);
 void sl_animation_destroy(sl_animation *animation); /* NULL is allowed */
 

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "scene/derive.h"
 
-/* ---- the surface -------------------------------------------------------------------------------------------------------------- */
+/* ---- the surface ----------------------------------------------------------------------------- */
 
 /* Bernstein polynomials of degree 3, their first and second derivatives. */
 typedef struct basis {
@@ -23,7 +23,8 @@ static basis basis_at(double t) {
 static sl_vec3d combine(const sl_bicubic *b, const double along_u[4], const double along_v[4]) {
     sl_vec3d sum = {0, 0, 0};
     for (int j = 0; j < 4; j++) {
-        for (int i = 0; i < 4; i++) sum = sl_addd(sum, sl_scaled(sl_to_double(b->point[j][i]), along_u[i] * along_v[j]));
+        for (int i = 0; i < 4; i++)
+            sum = sl_addd(sum, sl_scaled(sl_to_double(b->point[j][i]), along_u[i] * along_v[j]));
     }
     return sum;
 }
@@ -47,15 +48,19 @@ static bool normalized(sl_vec3d a, double least, sl_vec3 *unit) {
 
 static double towards_the_middle(double t) { return t < 0.5 ? 1.0 : t > 0.5 ? -1.0 : 0.0; }
 
-/* N = B_u x B_v, and its change N_u d_u + N_v d_v on the way (d_u, d_v) to the middle of the surface: what N is in the limit where it is 0 itself. */
+/* N = B_u x B_v, and its change N_u d_u + N_v d_v on the way (d_u, d_v) to the middle of the surface: what N
+ * is in the limit where it is 0 itself. */
 static bool normal_here(const sl_bicubic *b, double u, double v, double size, sl_vec3 *normal) {
     basis p = basis_at(u), q = basis_at(v);
     sl_vec3d bu = combine(b, p.first, q.value), bv = combine(b, p.value, q.first);
     double smallest = 1e-7 * size; /* of a derivative: control points are floats */
     bool singular = !(sl_lengthd(bu) > smallest && sl_lengthd(bv) > smallest);
-    if (!singular && normalized(sl_crossd(bu, bv), 1e-6 * sl_lengthd(bu) * sl_lengthd(bv), normal)) return true;
-    sl_vec3d buu = combine(b, p.second, q.value), buv = combine(b, p.first, q.first), bvv = combine(b, p.value, q.second);
-    sl_vec3d nu = sl_addd(sl_crossd(buu, bv), sl_crossd(bu, buv)), nv = sl_addd(sl_crossd(buv, bv), sl_crossd(bu, bvv));
+    if (!singular && normalized(sl_crossd(bu, bv), 1e-6 * sl_lengthd(bu) * sl_lengthd(bv), normal))
+        return true;
+    sl_vec3d buu = combine(b, p.second, q.value), buv = combine(b, p.first, q.first),
+             bvv = combine(b, p.value, q.second);
+    sl_vec3d nu = sl_addd(sl_crossd(buu, bv), sl_crossd(bu, buv)),
+             nv = sl_addd(sl_crossd(buv, bv), sl_crossd(bu, bvv));
     sl_vec3d change = sl_addd(sl_scaled(nu, towards_the_middle(u)), sl_scaled(nv, towards_the_middle(v)));
     return normalized(change, 1e-6 * size * size, normal);
 }
@@ -79,9 +84,10 @@ void sl_bicubic_at(const sl_bicubic *b, double u, double v, sl_vec3 *position, s
     if (normal) *normal = normal_at(b, u, v);
 }
 
-/* ---- its tessellation ---------------------------------------------------------------------------------------------------------- */
+/* ---- its tessellation ------------------------------------------------------------------------ */
 
-void sl_bicubic_tessellate(const sl_bicubic *b, float *positions, float *normals, float *texture_coordinates, uint32_t *triangles) {
+void sl_bicubic_tessellate(const sl_bicubic *b, float *positions, float *normals, float *texture_coordinates,
+                           uint32_t *triangles) {
     uint32_t n = (uint32_t)b->steps, side = n + 1;
     for (uint32_t k = 0; k < side * side; k++) {
         double u = (double)(k % side) / (double)n, v = (double)(k / side) / (double)n;
@@ -93,7 +99,8 @@ void sl_bicubic_tessellate(const sl_bicubic *b, float *positions, float *normals
     }
     for (uint32_t k = 0; k < n * n; k++) {
         uint32_t at = b->first_vertex + k / n * side + k % n;
-        memcpy(triangles + 6 * (size_t)k, (uint32_t[6]){at, at + 1, at + side + 1, at, at + side + 1, at + side}, 6 * sizeof(uint32_t));
+        memcpy(triangles + 6 * (size_t)k,
+               (uint32_t[6]){at, at + 1, at + side + 1, at, at + side + 1, at + side}, 6 * sizeof(uint32_t));
     }
 }
 
@@ -103,9 +110,11 @@ bool sl_bicubic_has_area(const sl_bicubic *b) {
     for (int k = 0; k < b->steps * b->steps; k++) {
         double u = (double)(k % b->steps), v = (double)(k / b->steps);
         sl_vec3 p[4];
-        for (int c = 0; c < 4; c++) sl_bicubic_at(b, (u + (c == 1 || c == 2)) / n, (v + (c >= 2)) / n, &p[c], NULL);
+        for (int c = 0; c < 4; c++)
+            sl_bicubic_at(b, (u + (c == 1 || c == 2)) / n, (v + (c >= 2)) / n, &p[c], NULL);
         sl_vec3d cross;
-        if (sl_triangle_cross(p[0], p[1], p[2], &cross) || sl_triangle_cross(p[0], p[2], p[3], &cross)) return true;
+        if (sl_triangle_cross(p[0], p[1], p[2], &cross) || sl_triangle_cross(p[0], p[2], p[3], &cross))
+            return true;
     }
     return false;
 }
@@ -113,21 +122,24 @@ bool sl_bicubic_has_area(const sl_bicubic *b) {
 sl_status sl_bicubics_copy(const sl_scene_parts *parts, sl_scene *scene, sl_error *error) {
     size_t count = parts->bicubic_count, next = 0;
     if (count == 0) return SL_OK;
-    if (!(scene->bicubics = sl_allocate(count, sizeof *scene->bicubics))) return sl_fail_memory(error, "the scene's surfaces");
+    if (!(scene->bicubics = sl_allocate(count, sizeof *scene->bicubics)))
+        return sl_fail_memory(error, "the scene's surfaces");
     for (size_t i = 0; i < count; i++) {
         const sl_bicubic *b = &parts->bicubics[i];
         size_t n = b->steps > 0 ? (size_t)b->steps : 0;
         bool in_order = n > 0 && b->first_triangle >= next && b->triangle_count == 2 * n * n;
         next = (size_t)b->first_triangle + b->triangle_count;
-        bool inside = next <= parts->triangle_count && b->first_vertex + (n + 1) * (n + 1) <= parts->vertex_count && parts->normals;
-        if (!in_order || !inside) return sl_fail(error, SL_ERROR_INPUT, "bicubic surface %zu does not fit the triangles", i);
+        bool inside = next <= parts->triangle_count &&
+                      b->first_vertex + (n + 1) * (n + 1) <= parts->vertex_count && parts->normals;
+        if (!in_order || !inside)
+            return sl_fail(error, SL_ERROR_INPUT, "bicubic surface %zu does not fit the triangles", i);
         scene->bicubics[i] = *b;
     }
     scene->bicubic_count = count;
     return SL_OK;
 }
 
-/* ---- its triangles ------------------------------------------------------------------------------------------------------------ */
+/* ---- its triangles --------------------------------------------------------------------------- */
 
 sl_bicubic_cell sl_bicubic_cell_of(const sl_scene *scene, const sl_bicubic *b, uint32_t triangle) {
     uint32_t side = (uint32_t)b->steps + 1;

@@ -16,7 +16,7 @@ typedef struct reader {
     sl_error *error;
 } reader;
 
-/* ---- words -------------------------------------------------------------------------------------------------------------------- */
+/* ---- words ----------------------------------------------------------------------------------- */
 
 static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
@@ -37,8 +37,11 @@ static int word_length(const reader *r) {
 }
 
 static sl_status fail(const reader *r, const char *expected) {
-    if (!*r->at) return sl_fail(r->error, SL_ERROR_INPUT, "%s:%lu: expected %s, got the end of the file", r->path, r->line, expected);
-    return sl_fail(r->error, SL_ERROR_INPUT, "%s:%lu: expected %s, got '%.*s'", r->path, r->line, expected, word_length(r), r->at);
+    if (!*r->at)
+        return sl_fail(r->error, SL_ERROR_INPUT, "%s:%lu: expected %s, got the end of the file", r->path,
+                       r->line, expected);
+    return sl_fail(r->error, SL_ERROR_INPUT, "%s:%lu: expected %s, got '%.*s'", r->path, r->line, expected,
+                   word_length(r), r->at);
 }
 
 static sl_status read_number(reader *r, const char *expected, double *value) {
@@ -46,7 +49,8 @@ static sl_status read_number(reader *r, const char *expected, double *value) {
     char *end;
     size_t length = (size_t)word_length(r);
     *value = strtod(r->at, &end);
-    bool decimal = length && strspn(r->at, "+-.0123456789eE") >= length; /* neither hexadecimal nor "inf" nor "nan" */
+    /* neither hexadecimal nor "inf" nor "nan" */
+    bool decimal = length && strspn(r->at, "+-.0123456789eE") >= length;
     if (!decimal || end != r->at + length || !isfinite(*value)) return fail(r, expected);
     r->at = end;
     return SL_OK;
@@ -63,7 +67,7 @@ static sl_status read_whole(reader *r, const char *expected, double low, double 
     return SL_OK;
 }
 
-/* ---- surfaces ----------------------------------------------------------------------------------------------------------------- */
+/* ---- surfaces -------------------------------------------------------------------------------- */
 
 static sl_status read_point(reader *r, const sl_affine *placement, sl_vec3 *point) {
     double xyz[3];
@@ -87,9 +91,11 @@ static sl_status read_surface(reader *r, const sl_affine *placement, sl_bicubic 
     sl_status status = read_whole(r, degrees, 3, 3, &degree);
     if (status == SL_OK) status = read_whole(r, degrees, 3, 3, &degree);
     *surface = (sl_bicubic){.steps = SL_BICUBIC_STEPS};
-    for (int k = 0; k < 16 && status == SL_OK; k++) status = read_point(r, placement, &surface->point[k / 4][mirrored ? 3 - k % 4 : k % 4]);
+    for (int k = 0; k < 16 && status == SL_OK; k++)
+        status = read_point(r, placement, &surface->point[k / 4][mirrored ? 3 - k % 4 : k % 4]);
     if (status == SL_OK && !sl_bicubic_has_area(surface)) {
-        status = sl_fail(r->error, SL_ERROR_INPUT, "%s:%lu: expected a surface that has an area", r->path, before.line);
+        status = sl_fail(r->error, SL_ERROR_INPUT, "%s:%lu: expected a surface that has an area", r->path,
+                         before.line);
     }
     return status;
 }
@@ -98,7 +104,10 @@ static sl_status read_file(reader *r, const sl_affine *placement, sl_model *mode
     size_t count;
     uint32_t material, object;
     const char *slash = strrchr(r->path, '/'), *name = slash ? slash + 1 : r->path;
-    sl_material grey = {.name = (char *)(uintptr_t)name, .diffuse = sl_grey(0.5f), .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+    sl_material grey = {.name = (char *)(uintptr_t)name,
+                        .diffuse = sl_grey(0.5f),
+                        .texture = SL_NO_INDEX,
+                        .alpha_texture = SL_NO_INDEX};
     sl_status status = read_whole(r, "the number of surfaces", 1, MOST_SURFACES, &count);
     if (status == SL_OK) status = sl_model_add_material(model, &grey, &material, r->error);
     if (status == SL_OK) status = sl_model_add_object(model, name, &object, r->error);
@@ -112,13 +121,15 @@ static sl_status read_file(reader *r, const sl_affine *placement, sl_model *mode
     return *r->at ? fail(r, "the end of the file after the last surface") : SL_OK;
 }
 
-sl_status sl_bicubic_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
+sl_status sl_bicubic_file_load(const char *path, const sl_affine *placement, sl_model *model,
+                               sl_error *error) {
     char *text;
     size_t size;
     sl_status status = sl_file_read(path, &text, &size, error);
     if (status != SL_OK) return status;
     reader r = {path, text, 1, error};
-    status = memchr(text, 0, size) ? sl_fail(error, SL_ERROR_INPUT, "%s:1: expected text", path) : read_file(&r, placement, model);
+    status = memchr(text, 0, size) ? sl_fail(error, SL_ERROR_INPUT, "%s:1: expected text", path)
+                                   : read_file(&r, placement, model);
     sl_free(text);
     return status;
 }

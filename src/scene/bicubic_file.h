@@ -5,6 +5,7 @@
 #include "scene/model.h"
 
 /* One object of one grey material, both called after the file. */
-sl_status sl_bicubic_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error);
+sl_status sl_bicubic_file_load(const char *path, const sl_affine *placement, sl_model *model,
+                               sl_error *error);
 
 #endif

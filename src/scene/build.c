@@ -1,5 +1,6 @@
-/* Building a scene from plain arrays: check, repair, copy. Everything that loads or makes a scene ends here, so that nothing
- * behind this file ever meets a triangle without area, a vertex that is not finite or a normal without direction. */
+/* Building a scene from plain arrays: check, repair, copy. Everything that loads or makes a scene ends here,
+ * so that nothing behind this file ever meets a triangle without area, a vertex that is not finite or a
+ * normal without direction. */
 #include <math.h>
 #include <string.h>
 
@@ -10,10 +11,11 @@
 
 enum { FILM_DEFAULT = 512 };
 
-/* ---- surfaces, lights, sky --------------------------------------------------------------------------------------------- */
+/* ---- surfaces, lights, sky ------------------------------------------------------------------- */
 
 static sl_status copy_materials(const sl_scene_parts *parts, sl_scene *scene, sl_error *error) {
-    static const sl_material grey = {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+    static const sl_material grey = {
+        .diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
     size_t count = parts->material_count ? parts->material_count : 1;
     scene->materials = sl_allocate(count, sizeof *scene->materials);
     if (!scene->materials) return sl_fail_memory(error, "the scene's materials");
@@ -39,7 +41,8 @@ static sl_status copy_textures(const sl_scene_parts *parts, sl_scene *scene, sl_
             return sl_fail(error, SL_ERROR_INPUT, "texture '%s' is empty", from->file ? from->file : "");
         }
         size_t texels = (size_t)from->width * (size_t)from->height;
-        *to = (sl_texture){sl_string_copy(from->file), from->width, from->height, from->has_alpha, sl_allocate(texels, 4)};
+        *to = (sl_texture){sl_string_copy(from->file), from->width, from->height, from->has_alpha,
+                           sl_allocate(texels, 4)};
         scene->texture_count = i + 1;
         if (!to->file || !to->texels) return sl_fail_memory(error, "the scene's textures");
         memcpy(to->texels, from->texels, 4 * texels);
@@ -56,13 +59,16 @@ static sl_status copy_lights(const sl_scene_parts *parts, sl_scene *scene, sl_er
     if (status != SL_OK || !parts->environment) return status;
     size_t repaired = 0;
     status = sl_environment_copy(parts->environment, &scene->environment, &repaired, error);
-    if (repaired) sl_scene_warn(scene, "environment: %zu values that were negative or not finite are black", repaired);
+    if (repaired)
+        sl_scene_warn(scene, "environment: %zu values that were negative or not finite are black", repaired);
     return status;
 }
 
-/* ---- triangles --------------------------------------------------------------------------------------------------------- */
+/* ---- triangles ------------------------------------------------------------------------------- */
 
-static sl_vec3 vector_at(const float *xyz, size_t i) { return sl_v3(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]); }
+static sl_vec3 vector_at(const float *xyz, size_t i) {
+    return sl_v3(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);
+}
 
 typedef struct dropped {
     size_t out_of_range, nonfinite, without_area;
@@ -103,19 +109,28 @@ static void add_triangle(const sl_scene_parts *parts, sl_scene *s, size_t from, 
 }
 
 static void warn_of_dropped(sl_scene *scene, const dropped *lost) {
-    if (lost->out_of_range) sl_scene_warn(scene, "%zu triangles with vertex indices out of range dropped", lost->out_of_range);
-    if (lost->nonfinite) sl_scene_warn(scene, "%zu triangles with NaN or infinite vertices dropped", lost->nonfinite);
+    if (lost->out_of_range)
+        sl_scene_warn(scene, "%zu triangles with vertex indices out of range dropped", lost->out_of_range);
+    if (lost->nonfinite)
+        sl_scene_warn(scene, "%zu triangles with NaN or infinite vertices dropped", lost->nonfinite);
     if (lost->without_area) sl_scene_warn(scene, "%zu triangles without area dropped", lost->without_area);
 }
 
 static sl_status fail_without_triangles(size_t given, const dropped *lost, sl_error *error) {
-    if (!given) return sl_fail(error, SL_ERROR_INPUT, "no triangles: expected faces of three corners or more (points and lines are not drawn)");
-    return sl_fail(error, SL_ERROR_INPUT, "no triangles: expected one with an area; of %zu, %zu have NaN or infinite vertices, %zu indices out of range, and %zu no area",
+    if (!given)
+        return sl_fail(
+            error, SL_ERROR_INPUT,
+            "no triangles: expected faces of three corners or more (points and lines are not drawn)");
+    return sl_fail(error, SL_ERROR_INPUT,
+                   "no triangles: expected one with an area; of %zu, %zu have NaN or infinite vertices, %zu "
+                   "indices out of range, and %zu no area",
                    given, lost->nonfinite, lost->out_of_range, lost->without_area);
 }
 
-/* A surface's triangles follow each other, so they do after those without area, which poles are made of, are gone without a word. */
-static sl_status keep_surface(const sl_scene_parts *parts, sl_scene *s, const sl_bicubic *from, sl_bicubic *to, sl_error *error) {
+/* A surface's triangles follow each other, so they do after those without area, which poles are made of, are
+ * gone without a word. */
+static sl_status keep_surface(const sl_scene_parts *parts, sl_scene *s, const sl_bicubic *from,
+                              sl_bicubic *to, sl_error *error) {
     to->first_triangle = (uint32_t)s->triangle_count;
     dropped lost = {0};
     sl_vec3 normal;
@@ -133,10 +148,12 @@ static sl_status copy_triangles(const sl_scene_parts *parts, sl_scene *s, sl_err
     uint32_t **whole[] = {&s->vertex[0], &s->vertex[1], &s->vertex[2], &s->material_index, &s->object_index};
     float **real[] = {&s->geometric_normal_x, &s->geometric_normal_y, &s->geometric_normal_z};
     for (size_t i = 0; i < 5; i++) {
-        if (!(*whole[i] = sl_allocate(count, sizeof(uint32_t)))) return sl_fail_memory(error, "the scene's triangles");
+        if (!(*whole[i] = sl_allocate(count, sizeof(uint32_t))))
+            return sl_fail_memory(error, "the scene's triangles");
     }
     for (size_t i = 0; i < 3; i++) {
-        if (!(*real[i] = sl_allocate(count, sizeof(float)))) return sl_fail_memory(error, "the scene's triangles");
+        if (!(*real[i] = sl_allocate(count, sizeof(float))))
+            return sl_fail_memory(error, "the scene's triangles");
     }
     sl_status status = sl_bicubics_copy(parts, s, error);
     if (status != SL_OK) return status;
@@ -144,7 +161,8 @@ static sl_status copy_triangles(const sl_scene_parts *parts, sl_scene *s, sl_err
     size_t surface = 0;
     for (size_t t = 0; t < count; t++) {
         if (parts->material_index && parts->material_index[t] >= s->material_count) {
-            return sl_fail(error, SL_ERROR_INPUT, "triangle %zu names material %u of %zu", t, parts->material_index[t], s->material_count);
+            return sl_fail(error, SL_ERROR_INPUT, "triangle %zu names material %u of %zu", t,
+                           parts->material_index[t], s->material_count);
         }
         sl_vec3 normal;
         if (surface < parts->bicubic_count && t == parts->bicubics[surface].first_triangle) {
@@ -159,7 +177,7 @@ static sl_status copy_triangles(const sl_scene_parts *parts, sl_scene *s, sl_err
     return s->triangle_count ? SL_OK : fail_without_triangles(count, &lost, error);
 }
 
-/* ---- vertices ------------------------------------------------------------------------------------------------------------ */
+/* ---- vertices -------------------------------------------------------------------------------- */
 
 /* Vertices in the order of their first use, while they are being collected. */
 typedef struct vertex_list {
@@ -177,8 +195,10 @@ static bool given_normal(const sl_scene_parts *parts, uint32_t vertex, sl_vec3 *
 
 static bool same(sl_vec3 a, sl_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-/* Our vertex for a corner. With a normal of its own a vertex is shared; without, only among facets that face the same way. */
-static uint32_t vertex_for(vertex_list *list, const sl_scene_parts *parts, uint32_t source, sl_vec3 facet_normal) {
+/* Our vertex for a corner. With a normal of its own a vertex is shared; without, only among facets that face
+ * the same way. */
+static uint32_t vertex_for(vertex_list *list, const sl_scene_parts *parts, uint32_t source,
+                           sl_vec3 facet_normal) {
     uint32_t latest = list->latest[source];
     sl_vec3 normal;
     bool given = given_normal(parts, source, &normal);
@@ -191,8 +211,10 @@ static uint32_t vertex_for(vertex_list *list, const sl_scene_parts *parts, uint3
     return made;
 }
 
-/* All vertices of a surface, row by row, whether its triangles use them or not: their numbers say where on it they lie. */
-static void add_surface_vertices(vertex_list *list, const sl_scene_parts *parts, const sl_bicubic *from, sl_bicubic *to) {
+/* All vertices of a surface, row by row, whether its triangles use them or not: their numbers say where on it
+ * they lie. */
+static void add_surface_vertices(vertex_list *list, const sl_scene_parts *parts, const sl_bicubic *from,
+                                 sl_bicubic *to) {
     uint32_t side = (uint32_t)from->steps + 1;
     to->first_vertex = (uint32_t)list->count;
     for (uint32_t v = 0; v < side * side; v++) {
@@ -216,10 +238,11 @@ static void collect_vertices(vertex_list *list, const sl_scene_parts *parts, sl_
 }
 
 static sl_status allocate_vertices(sl_scene *s, size_t count, sl_error *error) {
-    float **arrays[] = {&s->position_x, &s->position_y, &s->position_z, &s->normal_x, &s->normal_y, &s->normal_z,
-                        &s->texture_u, &s->texture_v};
+    float **arrays[] = {&s->position_x, &s->position_y, &s->position_z, &s->normal_x,
+                        &s->normal_y,   &s->normal_z,   &s->texture_u,  &s->texture_v};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
-        if (!(*arrays[i] = sl_allocate(count, sizeof(float)))) return sl_fail_memory(error, "the scene's vertices");
+        if (!(*arrays[i] = sl_allocate(count, sizeof(float))))
+            return sl_fail_memory(error, "the scene's vertices");
     }
     s->vertex_count = count;
     return SL_OK;
@@ -245,10 +268,12 @@ static void fill_vertices(const sl_scene_parts *parts, const vertex_list *list, 
 /* No vertex list can be longer than its triangles have corners and its surfaces vertices. */
 static sl_status make_vertices(const sl_scene_parts *parts, sl_scene *s, sl_error *error) {
     size_t corners = 3 * s->triangle_count;
-    for (size_t i = 0; i < s->bicubic_count; i++) corners += ((size_t)s->bicubics[i].steps + 1) * ((size_t)s->bicubics[i].steps + 1);
-    if (corners >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangle corners", SL_NO_INDEX);
-    vertex_list list = {sl_allocate(parts->vertex_count, sizeof(uint32_t)), sl_allocate(corners, sizeof(uint32_t)),
-                        sl_allocate(corners, sizeof(sl_vec3)), 0};
+    for (size_t i = 0; i < s->bicubic_count; i++)
+        corners += ((size_t)s->bicubics[i].steps + 1) * ((size_t)s->bicubics[i].steps + 1);
+    if (corners >= SL_NO_INDEX)
+        return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangle corners", SL_NO_INDEX);
+    vertex_list list = {sl_allocate(parts->vertex_count, sizeof(uint32_t)),
+                        sl_allocate(corners, sizeof(uint32_t)), sl_allocate(corners, sizeof(sl_vec3)), 0};
     sl_status status = SL_OK;
     if (!list.latest || !list.source || !list.normal) {
         status = sl_fail_memory(error, "the scene's vertices");
@@ -264,19 +289,23 @@ static sl_status make_vertices(const sl_scene_parts *parts, sl_scene *s, sl_erro
     return status;
 }
 
-/* ---- objects, camera, the whole ------------------------------------------------------------------------------------------ */
+/* ---- objects, camera, the whole -------------------------------------------------------------- */
 
 static sl_status name_objects(const sl_scene_parts *parts, sl_scene *s, sl_error *error) {
     size_t count = parts->object_count ? parts->object_count : 1;
     for (size_t t = 0; t < s->triangle_count; t++) {
         if (s->object_index[t] < count) continue;
-        if (parts->object_count) return sl_fail(error, SL_ERROR_INPUT, "a triangle names object %u of %zu", s->object_index[t], count);
+        if (parts->object_count)
+            return sl_fail(error, SL_ERROR_INPUT, "a triangle names object %u of %zu", s->object_index[t],
+                           count);
         count = (size_t)s->object_index[t] + 1;
     }
-    if (!(s->object_names = sl_allocate(count, sizeof *s->object_names))) return sl_fail_memory(error, "the scene's objects");
+    if (!(s->object_names = sl_allocate(count, sizeof *s->object_names)))
+        return sl_fail_memory(error, "the scene's objects");
     s->object_count = count;
     for (size_t i = 0; i < count; i++) {
-        s->object_names[i] = sl_string_copy(parts->object_names && i < parts->object_count ? parts->object_names[i] : "");
+        s->object_names[i] =
+            sl_string_copy(parts->object_names && i < parts->object_count ? parts->object_names[i] : "");
         if (!s->object_names[i]) return sl_fail_memory(error, "the scene's objects");
     }
     return SL_OK;
@@ -293,11 +322,14 @@ static bool take_view(const sl_viewpoint *v, const sl_scene *s, sl_camera *camer
     sl_vec3d low = sl_to_double(s->box_min), high = sl_to_double(s->box_max);
     sl_vec3 middle = sl_to_float(sl_scaled(sl_addd(low, high), 0.5));
     sl_vec3 eye = v->has_eye ? sl_v3(v->eye[0], v->eye[1], v->eye[2]) : camera->eye;
-    sl_vec3 target = v->has_target ? sl_v3(v->target[0], v->target[1], v->target[2]) : v->has_eye ? middle : sl_sub(eye, camera->back);
+    sl_vec3 target = v->has_target ? sl_v3(v->target[0], v->target[1], v->target[2])
+                     : v->has_eye  ? middle
+                                   : sl_sub(eye, camera->back);
     sl_vec3 up = v->has_up ? sl_v3(v->up[0], v->up[1], v->up[2]) : sl_v3(0, 1, 0);
     float fov = v->has_fov ? v->vertical_fov_rad : camera->vertical_fov;
     if (!v->has_eye && !v->has_target) { /* looking from the origin keeps all bits of the direction */
-        bool good = sl_camera_look_at(camera, sl_v3(0, 0, 0), sl_neg(camera->back), v->has_up ? up : camera->up, fov);
+        bool good =
+            sl_camera_look_at(camera, sl_v3(0, 0, 0), sl_neg(camera->back), v->has_up ? up : camera->up, fov);
         camera->eye = eye;
         return good;
     }
@@ -308,19 +340,23 @@ static sl_status place_camera(const sl_scene_parts *parts, sl_scene *s, bool *sh
     bool inside = false;
     const sl_viewpoint *view = parts->view;
     if (parts->camera && !camera_is_valid(parts->camera)) {
-        return sl_fail(error, SL_ERROR_INPUT, "camera: expected a finite frame and a vertical field of view between 0 and 180 degrees");
+        return sl_fail(
+            error, SL_ERROR_INPUT,
+            "camera: expected a finite frame and a vertical field of view between 0 and 180 degrees");
     }
     s->camera = parts->camera ? *parts->camera : sl_camera_framed(s, &inside, shut_out);
     if (view && !take_view(view, s, &s->camera)) {
-        return sl_fail(error, SL_ERROR_USAGE, "camera: expected an eye apart from its target, an up vector not along the view "
-                                              "and a vertical field of view between 0 and 180 degrees");
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "camera: expected an eye apart from its target, an up vector not along the view "
+                       "and a vertical field of view between 0 and 180 degrees");
     }
     *shut_out = *shut_out && !(view && view->has_eye);
     if (parts->camera || (view && view->has_eye)) return SL_OK;
     sl_vec3 eye = s->camera.eye, back = s->camera.back;
     sl_scene_warn(s, "no camera: %s (eye %g %g %g, looking along %.3g %.3g %.3g, %.3g degrees)",
-                  inside ? "one is put into the room" : "the whole scene is framed from outside", (double)eye.x, (double)eye.y, (double)eye.z, -(double)back.x,
-                  -(double)back.y, -(double)back.z, (double)s->camera.vertical_fov * 57.29577951308232);
+                  inside ? "one is put into the room" : "the whole scene is framed from outside",
+                  (double)eye.x, (double)eye.y, (double)eye.z, -(double)back.x, -(double)back.y,
+                  -(double)back.z, (double)s->camera.vertical_fov * 57.29577951308232);
     return SL_OK;
 }
 

@@ -9,18 +9,21 @@
 enum { MOVED = 13 };
 
 typedef struct moved_array {
-    void *pointer;             /* where the scene keeps it, whatever it points to: read and written as bytes */
+    /* where the scene keeps it, whatever it points to: read and written as bytes */
+    void *pointer;
     size_t bytes;
 } moved_array;
 
 static size_t emissive_triangles(const sl_scene *s) {
     size_t count = 0;
-    for (size_t t = 0; t < s->triangle_count; t++) count += sl_material_is_emitter(&s->materials[s->material_index[t]]);
+    for (size_t t = 0; t < s->triangle_count; t++)
+        count += sl_material_is_emitter(&s->materials[s->material_index[t]]);
     return count;
 }
 
 static void list_moved(sl_scene *s, moved_array list[MOVED]) {
-    float **by_vertex[] = {&s->position_x, &s->position_y, &s->position_z, &s->normal_x, &s->normal_y, &s->normal_z};
+    float **by_vertex[] = {&s->position_x, &s->position_y, &s->position_z,
+                           &s->normal_x,   &s->normal_y,   &s->normal_z};
     float **by_triangle[] = {&s->geometric_normal_x, &s->geometric_normal_y, &s->geometric_normal_z};
     size_t n = 0;
     for (int k = 0; k < 6; k++) list[n++] = (moved_array){by_vertex[k], s->vertex_count * sizeof(float)};

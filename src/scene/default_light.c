@@ -31,12 +31,13 @@ static void add_sun_and_sky(sl_scene *s, const char *why) {
                       .intensity = sun_irradiance};
     s->environment.present = true;
     s->environment.constant = sky_radiance;
-    sl_scene_warn(s,
-                  "%s: a sun from the left behind the camera (%g %g %g W/m^2, along %.3g %.3g %.3g) and a sky "
-                  "(radiance %g %g %g W/(m^2 sr)) are added",
-                  why, (double)sun_irradiance.r, (double)sun_irradiance.g, (double)sun_irradiance.b,
-                  (double)sun->direction.x, (double)sun->direction.y, (double)sun->direction.z,
-                  (double)sky_radiance.r, (double)sky_radiance.g, (double)sky_radiance.b);
+    sl_scene_warn(
+        s,
+        "%s: a sun from the left behind the camera (%g %g %g W/m^2, along %.3g %.3g %.3g) and a sky "
+        "(radiance %g %g %g W/(m^2 sr)) are added",
+        why, (double)sun_irradiance.r, (double)sun_irradiance.g, (double)sun_irradiance.b,
+        (double)sun->direction.x, (double)sun->direction.y, (double)sun->direction.z, (double)sky_radiance.r,
+        (double)sky_radiance.g, (double)sky_radiance.b);
 }
 
 /* Half-way along the longest free line from the eye, and from there two thirds of the way up to the

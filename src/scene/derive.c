@@ -36,7 +36,8 @@ size_t sl_scene_derive(sl_scene *scene) {
                                           sl_scene_position(scene, scene->vertex[1][t]),
                                           sl_scene_position(scene, scene->vertex[2][t]), &cross);
         double length = has_area ? sl_lengthd(cross) : 0.0;
-        sl_vec3 normal = has_area ? sl_to_float(sl_scaled(cross, 1.0 / length)) : sl_scene_normal(scene, scene->vertex[0][t]);
+        sl_vec3 normal = has_area ? sl_to_float(sl_scaled(cross, 1.0 / length))
+                                  : sl_scene_normal(scene, scene->vertex[0][t]);
         scene->geometric_normal_x[t] = normal.x;
         scene->geometric_normal_y[t] = normal.y;
         scene->geometric_normal_z[t] = normal.z;
@@ -59,7 +60,8 @@ size_t sl_scene_derive(sl_scene *scene) {
 static void find_opaque_shares(sl_scene *scene) {
     size_t emissive = 0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
-        if (sl_material_is_emitter(&scene->materials[scene->material_index[t]])) scene->opaque_share[emissive++] = sl_scene_opaque_share(scene, (uint32_t)t);
+        if (sl_material_is_emitter(&scene->materials[scene->material_index[t]]))
+            scene->opaque_share[emissive++] = sl_scene_opaque_share(scene, (uint32_t)t);
     }
 }
 
@@ -72,11 +74,14 @@ sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error) {
     scene->emitter_of_triangle = sl_allocate(scene->triangle_count, sizeof *scene->emitter_of_triangle);
     scene->opaque_share = sl_allocate(emissive, sizeof *scene->opaque_share);
     scene->emissive_count = emissive;
-    if (!scene->emitters || !scene->emitter_of_triangle || !scene->opaque_share) return sl_fail_memory(error, "the scene's emitters");
+    if (!scene->emitters || !scene->emitter_of_triangle || !scene->opaque_share)
+        return sl_fail_memory(error, "the scene's emitters");
     find_opaque_shares(scene);
     size_t without_area = sl_scene_derive(scene);
     if (without_area) {
-        sl_scene_warn(scene, "%zu emissive triangles are too small (or too large) to have an area and give no light", without_area);
+        sl_scene_warn(scene,
+                      "%zu emissive triangles are too small (or too large) to have an area and give no light",
+                      without_area);
     }
     return SL_OK;
 }

@@ -1,7 +1,9 @@
-/* The sky: a latitude-longitude picture, every texel one constant piece of the sphere, or one constant radiance.
+/* The sky: a latitude-longitude picture, every texel one constant piece of the sphere, or one constant
+ * radiance.
  *
- * Sampling draws a texel with probability proportional to luminance times solid angle, first its row, then its column, by
- * inverting the cumulative sums; inside the texel directions are uniform. So pdf = P(texel) / solid angle of the texel. */
+ * Sampling draws a texel with probability proportional to luminance times solid angle, first its row, then
+ * its column, by inverting the cumulative sums; inside the texel directions are uniform. So pdf = P(texel) /
+ * solid angle of the texel. */
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +13,9 @@
 #include "scene/derive.h"
 
 /* Cosine of the polar angle at the upper edge of a row. */
-static double row_edge(const sl_environment *e, int row) { return sl_cos(SL_PI * (double)row / (double)e->height); }
+static double row_edge(const sl_environment *e, int row) {
+    return sl_cos(SL_PI * (double)row / (double)e->height);
+}
 
 static double texel_solid_angle(const sl_environment *e, int row) {
     return 2.0 * SL_PI / (double)e->width * (row_edge(e, row) - row_edge(e, row + 1));
@@ -22,7 +26,7 @@ static sl_rgb texel_radiance(const sl_environment *e, int row, int column) {
     return (sl_rgb){t[0], t[1], t[2]};
 }
 
-/* ---- making --------------------------------------------------------------------------------------------------------- */
+/* ---- making ---------------------------------------------------------------------------------- */
 
 static double cumulate(double *sums, int count) {
     double total = 0.0;
@@ -39,7 +43,8 @@ static void normalize_sums(double *sums, int count, double total) {
 static void make_sums(sl_environment *e) {
     for (int row = 0; row < e->height; row++) {
         double *columns = e->column_cdf + (size_t)row * (size_t)e->width;
-        for (int column = 0; column < e->width; column++) columns[column] = (double)sl_luminance(texel_radiance(e, row, column));
+        for (int column = 0; column < e->width; column++)
+            columns[column] = (double)sl_luminance(texel_radiance(e, row, column));
         double light = cumulate(columns, e->width);
         normalize_sums(columns, e->width, light);
         e->row_cdf[row] = light * texel_solid_angle(e, row);
@@ -62,8 +67,10 @@ static size_t clear_what_is_not_light(sl_environment *e, bool *any) {
     return cleared;
 }
 
-sl_status sl_environment_copy(const sl_environment *from, sl_environment *to, size_t *repaired, sl_error *error) {
-    *to = (sl_environment){.present = from->present, .constant = from->constant, .width = from->width, .height = from->height};
+sl_status sl_environment_copy(const sl_environment *from, sl_environment *to, size_t *repaired,
+                              sl_error *error) {
+    *to = (sl_environment){
+        .present = from->present, .constant = from->constant, .width = from->width, .height = from->height};
     *repaired = 0;
     if (!from->present) {
         *to = (sl_environment){0};
@@ -78,7 +85,8 @@ sl_status sl_environment_copy(const sl_environment *from, sl_environment *to, si
         return SL_OK;
     }
     if (from->width < 0 || from->height <= 0 || !from->texels) {
-        return sl_fail(error, SL_ERROR_INPUT, "environment: expected a picture, got %d x %d texels", from->width, from->height);
+        return sl_fail(error, SL_ERROR_INPUT, "environment: expected a picture, got %d x %d texels",
+                       from->width, from->height);
     }
     size_t texels = (size_t)from->width * (size_t)from->height;
     to->texels = sl_allocate(3 * texels, sizeof(float));
@@ -100,7 +108,7 @@ void sl_environment_release(sl_environment *e) {
     *e = (sl_environment){0};
 }
 
-/* ---- looking up ------------------------------------------------------------------------------------------------------- */
+/* ---- looking up ------------------------------------------------------------------------------ */
 
 static int clamp_index(double position, int count) {
     if (!(position > 0.0)) return 0;
@@ -125,7 +133,8 @@ sl_rgb sl_environment_radiance(const sl_environment *e, sl_vec3 direction) {
 static double probability(const double *sums, int i) { return i > 0 ? sums[i] - sums[i - 1] : sums[0]; }
 
 static float texel_pdf(const sl_environment *e, int row, int column) {
-    double chance = probability(e->row_cdf, row) * probability(e->column_cdf + (size_t)row * (size_t)e->width, column);
+    double chance =
+        probability(e->row_cdf, row) * probability(e->column_cdf + (size_t)row * (size_t)e->width, column);
     return (float)(chance / texel_solid_angle(e, row));
 }
 
@@ -137,7 +146,7 @@ float sl_environment_pdf(const sl_environment *e, sl_vec3 direction) {
     return texel_pdf(e, row, column);
 }
 
-/* ---- sampling ----------------------------------------------------------------------------------------------------------- */
+/* ---- sampling -------------------------------------------------------------------------------- */
 
 /* The first i with u < sums[i]; *within: where u lies in that interval, in [0,1). */
 static int invert(const double *sums, int count, double u, double *within) {
@@ -168,24 +177,27 @@ sl_vec3 sl_environment_sample(const sl_environment *e, float u1, float u2, sl_rg
     int column = invert(e->column_cdf + (size_t)row * (size_t)e->width, e->width, (double)u2, &across);
     *radiance = texel_radiance(e, row, column);
     *pdf = texel_pdf(e, row, column);
-    double top = row_edge(e, row), bottom = row_edge(e, row + 1); /* uniform in the cosine is uniform in solid angle */
+    /* uniform in the cosine is uniform in solid angle */
+    double top = row_edge(e, row), bottom = row_edge(e, row + 1);
     return direction_at(((double)column + across) / (double)e->width, top + down * (bottom - top));
 }
 
-/* ---- splitting ---------------------------------------------------------------------------------------------------------- */
+/* ---- splitting ------------------------------------------------------------------------------- */
 
 /* Mean of min(Y, limit) over the sphere, Y the luminance. */
 static double mean_below(const sl_environment *e, double limit) {
     double sum = 0.0;
     for (int row = 0; row < e->height; row++) {
         double line = 0.0;
-        for (int column = 0; column < e->width; column++) line += fmin((double)sl_luminance(texel_radiance(e, row, column)), limit);
+        for (int column = 0; column < e->width; column++)
+            line += fmin((double)sl_luminance(texel_radiance(e, row, column)), limit);
         sum += line * texel_solid_angle(e, row);
     }
     return sum / (4.0 * SL_PI);
 }
 
-/* The limit T = threshold x mean of min(Y, T): the repetition falls monotonically to it from above, since the mean is concave in T. */
+/* The limit T = threshold x mean of min(Y, T): the repetition falls monotonically to it from above, since the
+ * mean is concave in T. */
 static double sky_limit(const sl_environment *e, double threshold) {
     enum { STEPS_MAX = 64 };
     double limit = INFINITY;
@@ -197,7 +209,8 @@ static double sky_limit(const sl_environment *e, double threshold) {
     return limit;
 }
 
-/* One colour of sky and sun at every texel. The difference is what the sky leaves, so the sum is the whole but for its last bit. */
+/* One colour of sky and sun at every texel. The difference is what the sky leaves, so the sum is the whole
+ * but for its last bit. */
 static void divide_texels(const sl_environment *all, double limit, float *sky, float *sun) {
     for (size_t i = 0; i < (size_t)all->width * (size_t)all->height; i++) {
         const float *t = all->texels + 3 * i;
@@ -210,8 +223,8 @@ static void divide_texels(const sl_environment *all, double limit, float *sky, f
     }
 }
 
-sl_status sl_environment_split(const sl_environment *all, double threshold_over_mean, sl_environment *sky, sl_environment *sun,
-                               sl_error *error) {
+sl_status sl_environment_split(const sl_environment *all, double threshold_over_mean, sl_environment *sky,
+                               sl_environment *sun, sl_error *error) {
     *sky = *sun = (sl_environment){0};
     size_t repaired;
     if (!all->present || all->width == 0) return sl_environment_copy(all, sky, &repaired, error);
@@ -234,10 +247,12 @@ sl_status sl_environment_split(const sl_environment *all, double threshold_over_
     return status;
 }
 
-sl_vec3 sl_environment_texel(const sl_environment *e, int row, int column, sl_rgb *radiance, float *solid_angle) {
+sl_vec3 sl_environment_texel(const sl_environment *e, int row, int column, sl_rgb *radiance,
+                             float *solid_angle) {
     *radiance = texel_radiance(e, row, column);
     *solid_angle = (float)texel_solid_angle(e, row);
-    return direction_at(((double)column + 0.5) / (double)e->width, 0.5 * (row_edge(e, row) + row_edge(e, row + 1)));
+    return direction_at(((double)column + 0.5) / (double)e->width,
+                        0.5 * (row_edge(e, row) + row_edge(e, row + 1)));
 }
 
 double sl_environment_contrast(const sl_environment *environment) {
@@ -245,7 +260,8 @@ double sl_environment_contrast(const sl_environment *environment) {
     for (int row = 0; row < environment->height && environment->width > 0; row++) {
         double weight = sl_sin(SL_PI * (row + 0.5) / environment->height);
         for (int column = 0; column < environment->width; column++) {
-            const float *t = environment->texels + 3 * ((size_t)row * (size_t)environment->width + (size_t)column);
+            const float *t =
+                environment->texels + 3 * ((size_t)row * (size_t)environment->width + (size_t)column);
             double luminance = (double)sl_luminance((sl_rgb){t[0], t[1], t[2]});
             sum += weight * luminance;
             weights += weight;

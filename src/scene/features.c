@@ -26,7 +26,8 @@ sl_features sl_scene_features(const sl_scene *scene) {
         features.spot_lights += scene->lights[i].type == SL_LIGHT_SPOT;
         features.directional_lights += scene->lights[i].type == SL_LIGHT_DIRECTIONAL;
     }
-    features.light = scene->light_count > 0 || features.emitters > 0 || features.environment || (features.animated && features.emissive_triangles > 0);
+    features.light = scene->light_count > 0 || features.emitters > 0 || features.environment ||
+                     (features.animated && features.emissive_triangles > 0);
     return features;
 }
 

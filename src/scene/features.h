@@ -5,7 +5,8 @@
 #include "scene/scene.h"
 
 typedef struct sl_features {
-    size_t diffuse_triangles, glossy_triangles, mirror_triangles, emissive_triangles, textured_triangles, masked_triangles;
+    size_t diffuse_triangles, glossy_triangles, mirror_triangles, emissive_triangles, textured_triangles,
+        masked_triangles;
     size_t point_lights, spot_lights, directional_lights, emitters;
     bool environment, animated;
     bool light; /* of any of these, or of a lamp that has no area now: keyframes may give it one */

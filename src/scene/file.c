@@ -17,12 +17,14 @@ bool sl_file_exists(const char *path) {
 }
 
 static sl_status read_all(FILE *file, const char *path, char **data, size_t *size, sl_error *error) {
-    if (fseek(file, 0, SEEK_END) != 0) return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    if (fseek(file, 0, SEEK_END) != 0)
+        return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read: %s", path, strerror(errno));
     long length = ftell(file);
     rewind(file);
     if (length < 0) return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read: %s", path, strerror(errno));
     *data = sl_allocate((size_t)length + 1, 1);
-    if (!*data) return sl_fail(error, SL_ERROR_RESOURCES, "%s: not enough memory for %ld bytes", path, length);
+    if (!*data)
+        return sl_fail(error, SL_ERROR_RESOURCES, "%s: not enough memory for %ld bytes", path, length);
     *size = fread(*data, 1, (size_t)length, file);
     if (*size == (size_t)length) return SL_OK;
     sl_free(*data);
@@ -32,19 +34,24 @@ static sl_status read_all(FILE *file, const char *path, char **data, size_t *siz
 
 sl_status sl_file_check_size(const char *path, size_t size, sl_error *error) {
     if (size <= SL_FILE_BYTES) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file of at most %zu bytes, got %zu", path, SL_FILE_BYTES, size);
+    return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file of at most %zu bytes, got %zu", path,
+                   SL_FILE_BYTES, size);
 }
 
 sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error) {
     *data = NULL;
     *size = 0;
     struct stat about;
-    if (stat(path, &about) != 0) return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path, strerror(errno));
+    if (stat(path, &about) != 0)
+        return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path,
+                       strerror(errno));
     if (!S_ISREG(about.st_mode)) return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file", path);
     sl_status status = sl_file_check_size(path, (size_t)about.st_size, error);
     if (status != SL_OK) return status;
     FILE *file = fopen(path, "rb");
-    if (!file) return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path, strerror(errno));
+    if (!file)
+        return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path,
+                       strerror(errno));
     status = read_all(file, path, data, size, error);
     fclose(file);
     return status;
@@ -77,7 +84,8 @@ char *sl_file_folder(const char *path) {
 bool sl_file_is_below(const char *folder, const char *path) {
     char real[PATH_MAX];
     if (!folder) return true;
-    if (!realpath(path, real)) return errno != ENOMEM; /* of another file reading it will say that it does not exist */
+    /* of another file reading it will say that it does not exist */
+    if (!realpath(path, real)) return errno != ENOMEM;
     size_t length = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
     return strncmp(real, folder, length) == 0 && real[length] == '/';
 }

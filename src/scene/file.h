@@ -15,16 +15,19 @@ sl_status sl_file_check_size(const char *path, size_t size, sl_error *error);
 sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error);
 /* Whether there is a file (not a folder) that can be read. */
 bool sl_file_exists(const char *path);
-/* `name` as seen from the folder of `beside`: absolute names stay. Release with sl_free(); NULL without memory. */
+/* `name` as seen from the folder of `beside`: absolute names stay. Release with sl_free(); NULL without
+ * memory. */
 char *sl_file_beside(const char *beside, const char *name);
-/* The real path of the folder in which a file lies; release with sl_free(). NULL where there is none, or no memory. */
+/* The real path of the folder in which a file lies; release with sl_free(). NULL where there is none, or no
+ * memory. */
 char *sl_file_folder(const char *path);
-/* Whether a file lies below a folder given by its real path, symbolic links followed. Where there is no such file, or the folder is NULL: true. */
+/* Whether a file lies below a folder given by its real path, symbolic links followed. Where there is no such
+ * file, or the folder is NULL: true. */
 bool sl_file_is_below(const char *folder, const char *path);
 /* ".obj" and the like, letter case ignored. */
 bool sl_file_has_extension(const char *path, const char *extension);
-/* The one of `count` names that takes the fewest insertions, deletions and replacements to become `name`, of those that begin with it, or it with them,
- * where there are any; NULL if count is 0. */
+/* The one of `count` names that takes the fewest insertions, deletions and replacements to become `name`, of
+ * those that begin with it, or it with them, where there are any; NULL if count is 0. */
 const char *sl_nearest_name(const char *name, const char *const *names, size_t count);
 
 #endif

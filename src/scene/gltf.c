@@ -15,7 +15,8 @@ static uint32_t little_endian(const char *at) {
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* The JSON text: a .gltf file is one, a .glb file holds it as its first chunk, behind 12 bytes of header and 8 of its own. */
+/* The JSON text: a .gltf file is one, a .glb file holds it as its first chunk, behind 12 bytes of header and
+ * 8 of its own. */
 static bool find_json(const char *data, size_t size, const char **json, size_t *length) {
     *json = data;
     *length = size;
@@ -30,7 +31,9 @@ static double number_or(const cJSON *item, double otherwise) {
     return cJSON_IsNumber(item) && isfinite(item->valuedouble) ? item->valuedouble : otherwise;
 }
 
-static const cJSON *member(const cJSON *item, const char *name) { return cJSON_GetObjectItemCaseSensitive(item, name); }
+static const cJSON *member(const cJSON *item, const char *name) {
+    return cJSON_GetObjectItemCaseSensitive(item, name);
+}
 
 static void read_pair(const cJSON *list, double otherwise, double pair[2]) {
     for (int i = 0; i < 2; i++) pair[i] = number_or(cJSON_GetArrayItem(list, i), otherwise);
@@ -39,9 +42,11 @@ static void read_pair(const cJSON *list, double otherwise, double pair[2]) {
 static sl_gltf_transform read_transform(const cJSON *material) {
     const cJSON *extensions = member(material, "extensions");
     const cJSON *texture = member(member(material, "pbrMetallicRoughness"), "baseColorTexture");
-    const cJSON *diffuse = member(member(extensions, "KHR_materials_pbrSpecularGlossiness"), "diffuseTexture");
+    const cJSON *diffuse =
+        member(member(extensions, "KHR_materials_pbrSpecularGlossiness"), "diffuseTexture");
     const cJSON *from = member(member(diffuse ? diffuse : texture, "extensions"), "KHR_texture_transform");
-    sl_gltf_transform t = {.given = cJSON_IsObject(from), .rotation = number_or(member(from, "rotation"), 0.0)};
+    sl_gltf_transform t = {.given = cJSON_IsObject(from),
+                           .rotation = number_or(member(from, "rotation"), 0.0)};
     double set = number_or(member(from, "texCoord"), -1.0);
     t.set = set >= 0.0 && set < 100.0 ? (int)set : -1;
     read_pair(member(from, "offset"), 0.0, t.offset);
@@ -51,21 +56,25 @@ static sl_gltf_transform read_transform(const cJSON *material) {
 
 static void read_material(const cJSON *item, size_t i, sl_gltf *gltf) {
     const cJSON *extensions = member(item, "extensions");
-    gltf->emissive_strength[i] = number_or(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0);
+    gltf->emissive_strength[i] =
+        number_or(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0);
     gltf->unlit[i] = member(extensions, "KHR_materials_unlit") != NULL;
     gltf->base_transform[i] = read_transform(item);
 }
 
-static sl_status fill_lists(const sl_gltf_list *materials, const sl_gltf_list *cameras, sl_gltf *gltf, sl_error *error) {
+static sl_status fill_lists(const sl_gltf_list *materials, const sl_gltf_list *cameras, sl_gltf *gltf,
+                            sl_error *error) {
     gltf->material_count = materials->count;
     gltf->camera_count = cameras->count;
     gltf->emissive_strength = sl_allocate(gltf->material_count, sizeof(double));
     gltf->unlit = sl_allocate(gltf->material_count, sizeof(bool));
     gltf->base_transform = sl_allocate(gltf->material_count, sizeof(sl_gltf_transform));
     gltf->vertical_fov = sl_allocate(gltf->camera_count, sizeof(double));
-    if (!gltf->emissive_strength || !gltf->unlit || !gltf->base_transform || !gltf->vertical_fov) return sl_fail_memory(error, "a glTF file");
+    if (!gltf->emissive_strength || !gltf->unlit || !gltf->base_transform || !gltf->vertical_fov)
+        return sl_fail_memory(error, "a glTF file");
     for (size_t i = 0; i < materials->count; i++) read_material(materials->item[i], i, gltf);
-    for (size_t i = 0; i < cameras->count; i++) gltf->vertical_fov[i] = number_or(member(member(cameras->item[i], "perspective"), "yfov"), 0.0);
+    for (size_t i = 0; i < cameras->count; i++)
+        gltf->vertical_fov[i] = number_or(member(member(cameras->item[i], "perspective"), "yfov"), 0.0);
     return SL_OK;
 }
 
@@ -87,7 +96,8 @@ sl_status sl_gltf_read(const char *path, sl_model *model, sl_gltf *gltf, sl_erro
     if (status != SL_OK) return status;
     bool found = find_json(data, size, &json, &length);
     cJSON *root = found ? cJSON_ParseWithLength(json, length) : NULL;
-    if (found && !root) root = cJSON_ParseWithLength(json, length); /* it does not tell want of memory from bad text: which is bad again */
+    /* it does not tell want of memory from bad text: which is bad again */
+    if (found && !root) root = cJSON_ParseWithLength(json, length);
     if (!root && sl_memory_has_ended()) {
         status = sl_fail_memory(error, path);
     } else if (!cJSON_IsObject(root)) {

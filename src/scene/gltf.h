@@ -18,12 +18,14 @@ typedef struct sl_gltf {
     size_t material_count;
     double *emissive_strength; /* KHR_materials_emissive_strength; 1 where it is not given */
     bool *unlit;               /* KHR_materials_unlit; NULL: none is */
-    sl_gltf_transform *base_transform; /* of the base texture, or that of the diffuse colour; NULL: none has any */
+    /* of the base texture, or that of the diffuse colour; NULL: none has any */
+    sl_gltf_transform *base_transform;
     size_t camera_count;
     double *vertical_fov;      /* radians; 0: not a perspective camera */
 } sl_gltf;
 
-/* Fails where the file is no glTF 2.0, or requires an extension that is not had (compressed geometry, say). Warns of what is not had. */
+/* Fails where the file is no glTF 2.0, or requires an extension that is not had (compressed geometry, say).
+ * Warns of what is not had. */
 sl_status sl_gltf_read(const char *path, sl_model *model, sl_gltf *gltf, sl_error *error);
 void sl_gltf_release(sl_gltf *gltf);
 

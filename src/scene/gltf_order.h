@@ -12,7 +12,8 @@ typedef struct sl_gltf_list {
     const cJSON **item;
 } sl_gltf_list;
 
-/* Lists materials and cameras that the file's scene uses; both lists are to be released with sl_free(list.item), also after a failure. */
+/* Lists materials and cameras that the file's scene uses; both lists are to be released with
+ * sl_free(list.item), also after a failure. */
 sl_status sl_gltf_used(const cJSON *root, sl_gltf_list *materials, sl_gltf_list *cameras, sl_error *error);
 
 #endif

@@ -108,7 +108,8 @@ static void take_mesh(reader *r, const sl_import *in, sl_import_mesh *m) {
     m->positions = take_floats(r, 3 * (uint64_t)m->vertex_count);
     if (m->flags & SL_IMPORT_NORMALS) m->normals = take_floats(r, 3 * (uint64_t)m->vertex_count);
     for (int i = 0; i < SL_IMPORT_UV_SETS; i++) {
-        if (m->flags & (uint32_t)SL_IMPORT_UVS << i) m->uvs[i] = take_floats(r, 2 * (uint64_t)m->vertex_count);
+        if (m->flags & (uint32_t)SL_IMPORT_UVS << i)
+            m->uvs[i] = take_floats(r, 2 * (uint64_t)m->vertex_count);
     }
     m->corners = take(r, 3 * (uint64_t)m->triangle_count);
 }

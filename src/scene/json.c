@@ -11,7 +11,7 @@
 #include "base/print.h"
 #include "scene/file.h"
 
-/* ---- lines: the text and the parsed tree are walked side by side ------------------------------------------------------------ */
+/* ---- lines: the text and the parsed tree are walked side by side ----------------------------- */
 
 typedef struct walk {
     const char *at;
@@ -74,10 +74,11 @@ void sl_json_fail(sl_json *json, const cJSON *item, const char *format, ...) {
     va_start(arguments, format);
     sl_print_list(message, sizeof message, format, arguments);
     va_end(arguments);
-    json->status = sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: %s", json->path, sl_json_line(json, item), message);
+    json->status =
+        sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: %s", json->path, sl_json_line(json, item), message);
 }
 
-/* ---- the file ------------------------------------------------------------------------------------------------------------------ */
+/* ---- the file -------------------------------------------------------------------------------- */
 
 static unsigned long line_of(const char *text, const char *at) {
     unsigned long line = 1;
@@ -133,7 +134,8 @@ static const char *skip_text(const char *at) {
     return *at ? at : at - 1;
 }
 
-/* What the parser takes though it is no JSON, or takes for the end of the file: numbers as 012 and 2., commas before a closing bracket. NULL: nothing. */
+/* What the parser takes though it is no JSON, or takes for the end of the file: numbers as 012 and 2., commas
+ * before a closing bracket. NULL: nothing. */
 static const char *find_loose(const char *text) {
     for (const char *at = text; *at; at++) {
         if (*at == '"') {
@@ -146,25 +148,31 @@ static const char *find_loose(const char *text) {
             if (!end || (*end && !strchr(" \t\r\n,]}", *end))) return at;
             at = end - 1;
         } else if ((*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z')) {
-            at += strspn(at, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ") - 1; /* true, null, or what the parser refuses */
+            /* true, null, or what the parser refuses */
+            at += strspn(at, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ") - 1;
         }
     }
     return NULL;
 }
 
 static sl_status check_limits(const sl_json *json, size_t size) {
-    if (size > SL_JSON_BYTES) return sl_fail(json->error, SL_ERROR_INPUT, "%s: expected a scene file of at most %d bytes, got %zu", json->path, SL_JSON_BYTES, size);
+    if (size > SL_JSON_BYTES)
+        return sl_fail(json->error, SL_ERROR_INPUT, "%s: expected a scene file of at most %d bytes, got %zu",
+                       json->path, SL_JSON_BYTES, size);
     const char *deep = find_too_deep(json->text), *zero = find_zero(json->text);
-    if (zero) return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected strings without \\u0000", json->path, line_of(json->text, zero));
+    if (zero)
+        return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected strings without \\u0000", json->path,
+                       line_of(json->text, zero));
     if (!deep) return SL_OK;
-    return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected brackets nested at most %d deep", json->path, line_of(json->text, deep), SL_JSON_NESTING);
+    return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected brackets nested at most %d deep",
+                   json->path, line_of(json->text, deep), SL_JSON_NESTING);
 }
 
 static sl_status fail_syntax(const sl_json *json, const char *at) {
     while (*at == ' ' || *at == '\t' || *at == '\n' || *at == '\r') at++;
     int shown = (int)strcspn(at, "\r\n");
-    return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected valid JSON, got %s%.*s", json->path, line_of(json->text, at),
-                   *at ? "" : "the end of the file", shown < 40 ? shown : 40, at);
+    return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected valid JSON, got %s%.*s", json->path,
+                   line_of(json->text, at), *at ? "" : "the end of the file", shown < 40 ? shown : 40, at);
 }
 
 sl_status sl_json_open(const char *path, sl_json *json, sl_error *error) {
@@ -174,7 +182,8 @@ sl_status sl_json_open(const char *path, sl_json *json, sl_error *error) {
     if (json->status == SL_OK) json->status = check_limits(json, size);
     if (json->status != SL_OK) return json->status;
     const char *start = json->text, *end = NULL;
-    if (size >= 3 && memcmp(start, "\xef\xbb\xbf", 3) == 0) memset(json->text, ' ', 3); /* a byte order mark says nothing */
+    /* a byte order mark says nothing */
+    if (size >= 3 && memcmp(start, "\xef\xbb\xbf", 3) == 0) memset(json->text, ' ', 3);
     end = find_loose(start);
     if (end) return json->status = fail_syntax(json, end);
     json->root = strlen(start) == size ? cJSON_ParseWithOpts(start, &end, 1) : NULL;
@@ -195,7 +204,7 @@ void sl_json_close(sl_json *json) {
     json->text = NULL;
 }
 
-/* ---- keys ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- keys ------------------------------------------------------------------------------------ */
 
 static bool is_one_of(const char *name, const char *const *names, size_t count) {
     for (size_t i = 0; i < count; i++) {
@@ -204,7 +213,8 @@ static bool is_one_of(const char *name, const char *const *names, size_t count) 
     return false;
 }
 
-bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const char *const *keys, size_t count) {
+bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const char *const *keys,
+                  size_t count) {
     if (json->status != SL_OK) return false;
     if (!cJSON_IsObject(object)) {
         sl_json_fail(json, object, "expected %s to be an object { ... }", what);
@@ -225,7 +235,9 @@ bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const ch
     return true;
 }
 
-const cJSON *sl_json_get(const cJSON *object, const char *key) { return cJSON_GetObjectItemCaseSensitive(object, key); }
+const cJSON *sl_json_get(const cJSON *object, const char *key) {
+    return cJSON_GetObjectItemCaseSensitive(object, key);
+}
 
 const cJSON *sl_json_need(sl_json *json, const cJSON *object, const char *key) {
     const cJSON *item = sl_json_get(object, key);
@@ -233,7 +245,7 @@ const cJSON *sl_json_need(sl_json *json, const cJSON *object, const char *key) {
     return item;
 }
 
-/* ---- values --------------------------------------------------------------------------------------------------------------------- */
+/* ---- values ---------------------------------------------------------------------------------- */
 
 static const char *name_of(const cJSON *item) { return item->string ? item->string : "this entry"; }
 
@@ -312,7 +324,8 @@ const char *sl_json_string(sl_json *json, const cJSON *item) {
         return NULL;
     }
     if (strlen(item->valuestring) > SL_JSON_STRING) {
-        sl_json_fail(json, item, "expected '%s' to be a string of at most %d bytes, got %zu", name_of(item), SL_JSON_STRING, strlen(item->valuestring));
+        sl_json_fail(json, item, "expected '%s' to be a string of at most %d bytes, got %zu", name_of(item),
+                     SL_JSON_STRING, strlen(item->valuestring));
         return NULL;
     }
     return item->valuestring;
@@ -326,7 +339,8 @@ size_t sl_json_array(sl_json *json, const cJSON *item) {
     }
     size_t count = (size_t)cJSON_GetArraySize(item);
     if (count > SL_JSON_ENTRIES) {
-        sl_json_fail(json, item, "expected '%s' to have at most %d entries, got %zu", name_of(item), SL_JSON_ENTRIES, count);
+        sl_json_fail(json, item, "expected '%s' to have at most %d entries, got %zu", name_of(item),
+                     SL_JSON_ENTRIES, count);
         return 0;
     }
     return count;

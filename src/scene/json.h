@@ -1,5 +1,6 @@
-/* Reading JSON with errors that a person can act on: file, line, what was expected. The first error sticks: whoever reads on
- * reads nothing more, so that a reader asks for everything in order and looks at `status` once. */
+/* Reading JSON with errors that a person can act on: file, line, what was expected. The first error sticks:
+ * whoever reads on reads nothing more, so that a reader asks for everything in order and looks at `status`
+ * once. */
 #ifndef SL_SCENE_JSON_H
 #define SL_SCENE_JSON_H
 
@@ -24,12 +25,14 @@ sl_status sl_json_open(const char *path, sl_json *json, sl_error *error);
 void sl_json_close(sl_json *json);
 
 /* `path:line: message`, the line being that of the item. */
-__attribute__((format(printf, 3, 4))) void sl_json_fail(sl_json *json, const cJSON *item, const char *format, ...);
+__attribute__((format(printf, 3, 4))) void sl_json_fail(sl_json *json, const cJSON *item, const char *format,
+                                                        ...);
 /* The line on which an item (its key, where it has one) begins. */
 unsigned long sl_json_line(const sl_json *json, const cJSON *item);
 
 /* `object` must be an object with these keys only, each once. False where it is not. */
-bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const char *const *keys, size_t count);
+bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const char *const *keys,
+                  size_t count);
 #define SL_JSON_KEYS(json, object, what, ...) \
     sl_json_keys(json, object, what, (const char *const[]){__VA_ARGS__}, \
                  sizeof((const char *const[]){__VA_ARGS__}) / sizeof(const char *))
@@ -39,7 +42,8 @@ const cJSON *sl_json_get(const cJSON *object, const char *key);
 /* The same, but not giving it is an error. */
 const cJSON *sl_json_need(sl_json *json, const cJSON *object, const char *key);
 
-/* Each reads an item (NULL: nothing is read); true where it was there and right, and only then is anything written. */
+/* Each reads an item (NULL: nothing is read); true where it was there and right, and only then is anything
+ * written. */
 bool sl_json_number(sl_json *json, const cJSON *item, double low, double high, double *value);
 bool sl_json_numbers(sl_json *json, const cJSON *item, int count, double *values);
 bool sl_json_vec3(sl_json *json, const cJSON *item, sl_vec3d *value);

@@ -3,7 +3,8 @@
 
 #include "scene/scene.h"
 
-/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between; a step where they are equal. */
+/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between; a step where they are
+ * equal. */
 static float spot_falloff(const sl_light *light, float cosine) {
     if (cosine >= light->cos_inner) return 1.0f;
     if (!(cosine > light->cos_outer)) return 0.0f;
@@ -11,7 +12,8 @@ static float spot_falloff(const sl_light *light, float cosine) {
     return x * x * (3.0f - 2.0f * x);
 }
 
-bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance, sl_rgb *irradiance) {
+bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance,
+                         sl_rgb *irradiance) {
     *irradiance = light->intensity;
     if (light->type == SL_LIGHT_DIRECTIONAL) {
         *to_light = sl_neg(light->direction);
@@ -24,7 +26,8 @@ bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, fl
         *to_light = sl_to_float(sl_scaled(offset, 1.0 / length));
         *distance = (float)length;
         float strength = (float)(1.0 / squared); /* inverse square law, E = I / r^2 */
-        if (light->type == SL_LIGHT_SPOT) strength *= spot_falloff(light, -sl_dot(*to_light, light->direction));
+        if (light->type == SL_LIGHT_SPOT)
+            strength *= spot_falloff(light, -sl_dot(*to_light, light->direction));
         *irradiance = sl_rgb_scale(light->intensity, strength);
     }
     return sl_rgb_max(*irradiance) > 0.0f && sl_rgb_is_finite(*irradiance);

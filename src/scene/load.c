@@ -12,14 +12,19 @@
 static void guess_up_axis(const char *path, sl_model *model) {
     if (!sl_up_axis_is_unsaid(path) || !sl_model_stands_on_z(model)) return;
     sl_model_turn_z_up(model);
-    sl_model_warn(model, "%s: by its shape z points up, which its format does not say: turned to (x, z, -y); --up-axis y (sl_load_options) leaves it", path);
+    sl_model_warn(model,
+                  "%s: by its shape z points up, which its format does not say: turned to (x, z, -y); "
+                  "--up-axis y (sl_load_options) leaves it",
+                  path);
 }
 
-static sl_status load_mesh_alone(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error) {
+static sl_status load_mesh_alone(const char *path, const sl_load_options *options, sl_scene **scene,
+                                 sl_error *error) {
     sl_model model = {.view = options->view};
     sl_affine placement = options->up_axis == SL_UP_Z ? sl_affine_z_up() : sl_affine_identity();
     sl_error problem = {0};
-    sl_status status = sl_file_exists(path) && !options->allow_outside ? sl_model_confine(&model, path, error) : SL_OK;
+    sl_status status =
+        sl_file_exists(path) && !options->allow_outside ? sl_model_confine(&model, path, error) : SL_OK;
     if (status == SL_OK) status = sl_mesh_file_load(path, &placement, &model, error);
     if (status == SL_OK && options->up_axis == SL_UP_AUTO) guess_up_axis(path, &model);
     if (status == SL_OK) {
@@ -43,15 +48,21 @@ static bool is_scene_file(const char *path) {
     return first == '{';
 }
 
-sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error) {
+sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene,
+                             sl_error *error) {
     if (!scene || !options) return sl_fail_null(error, "a place for a scene, and options");
     *scene = NULL;
     if (!path || !*path) return sl_fail(error, SL_ERROR_USAGE, "expected the name of a scene file");
-    if (options->up_axis < SL_UP_AUTO || options->up_axis > SL_UP_Z) return sl_fail(error, SL_ERROR_USAGE, "expected an up axis of auto, y or z");
+    if (options->up_axis < SL_UP_AUTO || options->up_axis > SL_UP_Z)
+        return sl_fail(error, SL_ERROR_USAGE, "expected an up axis of auto, y or z");
     bool is_ours = is_scene_file(path);
-    if (is_ours && options->up_axis != SL_UP_AUTO) return sl_fail(error, SL_ERROR_USAGE, "%s: a scene file says itself which axis is up: expected \"up\" in it, and no --up-axis", path);
+    if (is_ours && options->up_axis != SL_UP_AUTO)
+        return sl_fail(
+            error, SL_ERROR_USAGE,
+            "%s: a scene file says itself which axis is up: expected \"up\" in it, and no --up-axis", path);
     void *before = sl_c_locale_begin();
-    sl_status status = is_ours ? sl_scene_file_load(path, options, scene, error) : load_mesh_alone(path, options, scene, error);
+    sl_status status = is_ours ? sl_scene_file_load(path, options, scene, error)
+                               : load_mesh_alone(path, options, scene, error);
     sl_c_locale_end(before);
     return status;
 }

@@ -31,7 +31,7 @@ static sl_affine to_affine(const float m[12]) {
     return made;
 }
 
-/* ---- meshes ---------------------------------------------------------------------------------------------------------------- */
+/* ---- meshes ---------------------------------------------------------------------------------- */
 
 static void copy_vertices(const importer *in, const sl_import_mesh *mesh, const sl_affine *to_world,
                           size_t first) {
@@ -96,7 +96,7 @@ static sl_status add_node(const importer *in, uint32_t index) {
     return status;
 }
 
-/* ---- lights and cameras: they stand where the node of their name stands ------------------------------------------------------- */
+/* ---- lights and cameras: they stand where the node of their name stands ---------------------- */
 
 static sl_affine placed(const importer *in, const char *name) {
     for (uint32_t i = 0; i < in->file->node_count; i++) {
@@ -158,8 +158,9 @@ static bool place_camera(const importer *in, unsigned index) {
     sl_vec3 eye = sl_to_float(sl_affine_point(&to_world, origin));
     sl_vec3 direction = sl_affine_unit(&to_world, sl_to_float(forward));
     /* Looking from the origin along the direction keeps all its bits, wherever the eye is. */
-    bool good = sl_camera_look_at(&in->model->camera, sl_neg(direction), sl_v3(0, 0, 0), sl_to_float(sl_affine_vector(&to_world, up)),
-                                  vertical_fov(in, index, from));
+    bool good =
+        sl_camera_look_at(&in->model->camera, sl_neg(direction), sl_v3(0, 0, 0),
+                          sl_to_float(sl_affine_vector(&to_world, up)), vertical_fov(in, index, from));
     in->model->camera.eye = eye;
     return good && sl_is_finite(eye);
 }
@@ -169,7 +170,8 @@ static void add_camera(const importer *in) {
         const char *name = in->file->cameras[i].name;
         in->model->has_camera = place_camera(in, i);
         if (!in->model->has_camera) {
-            sl_model_warn(in->model, "%s: camera '%s' is not a perspective camera and is left out", in->path, name);
+            sl_model_warn(in->model, "%s: camera '%s' is not a perspective camera and is left out", in->path,
+                          name);
         } else if (in->file->camera_count > 1) {
             sl_model_warn(in->model, "%s: of %u cameras '%s' is used", in->path, in->file->camera_count,
                           name);
@@ -177,7 +179,7 @@ static void add_camera(const importer *in) {
     }
 }
 
-/* ---- the file ------------------------------------------------------------------------------------------------------------------ */
+/* ---- the file -------------------------------------------------------------------------------- */
 
 sl_status sl_mesh_file_add(const char *path, const sl_import *file, const struct sl_gltf *gltf,
                            const sl_affine *placement, sl_model *model, sl_error *error) {

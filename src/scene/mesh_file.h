@@ -6,7 +6,8 @@
 #include "scene/import_reply.h"
 #include "scene/model.h"
 
-/* `placement` comes after the file's own node transforms. Objects, materials, lights and the file's first camera (if the model has none) are added. */
+/* `placement` comes after the file's own node transforms. Objects, materials, lights and the file's first
+ * camera (if the model has none) are added. */
 sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error);
 
 struct sl_gltf;

@@ -1,5 +1,6 @@
-/* From an imported file's materials to ours: MTL and its like by name, glTF's metallic-roughness by the mapping
- *     kd = base (1 - metallic), ks = 0.04 + (base - 0.04) metallic, n = clamp(2 / roughness^4 - 2, 1, 10000). */
+/* From an imported file's materials to ours: MTL and its like by name, glTF's metallic-roughness by the
+ * mapping kd = base (1 - metallic), ks = 0.04 + (base - 0.04) metallic, n = clamp(2 / roughness^4 - 2, 1,
+ * 10000). */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -27,7 +28,7 @@ static sl_rgb color_or(const source *s, sl_import_field field, sl_rgb otherwise)
     return s->material->has >> field & 1 ? (sl_rgb){c[0], c[1], c[2]} : otherwise;
 }
 
-/* ---- textures --------------------------------------------------------------------------------------------------------- */
+/* ---- textures -------------------------------------------------------------------------------- */
 
 /* An image inside the file: compressed bytes, or texels. */
 static sl_status embedded_texture(const source *s, const sl_import_texture *t, const char *name,
@@ -49,8 +50,9 @@ static void decode_blanks(char *name) {
     *to = 0;
 }
 
-/* Exporters write back slashes, %20, and folders of the machine they ran on: of the names that can be meant, the first that exists and may be
- * read; else the first that exists, and else the name as it is. Then reading it says what is wrong. */
+/* Exporters write back slashes, %20, and folders of the machine they ran on: of the names that can be meant,
+ * the first that exists and may be read; else the first that exists, and else the name as it is. Then reading
+ * it says what is wrong. */
 static char *find_texture_file(const source *s, char *name) {
     for (char *c = name; *c; c++) {
         if (*c == '\\') *c = '/';
@@ -87,19 +89,22 @@ static sl_status find_texture(const source *s, sl_import_map map, uint32_t *inde
     if (!path) return sl_fail_memory(s->error, "a file name");
     sl_error problem;
     sl_status status = sl_model_texture(s->model, path, NULL, 0, index, &problem);
-    if (status == SL_ERROR_INPUT) sl_fail(s->error, status, "%s: material '%s': texture %s", s->path, s->name, problem.message);
+    if (status == SL_ERROR_INPUT)
+        sl_fail(s->error, status, "%s: material '%s': texture %s", s->path, s->name, problem.message);
     else if (status != SL_OK) sl_fail(s->error, status, "%s", problem.message);
     sl_free(path);
     return status;
 }
 
-/* Whether a picture's colours are unit normals, as (n + 1) / 2, that mostly point away from the surface: exporters put such maps where heights are meant. */
+/* Whether a picture's colours are unit normals, as (n + 1) / 2, that mostly point away from the surface:
+ * exporters put such maps where heights are meant. */
 static bool holds_normals(const sl_texture *t) {
     const size_t texels = (size_t)t->width * (size_t)t->height;
     size_t unit = 0;
     for (size_t i = 0; i < texels; i++) {
         const uint8_t *p = t->texels + 4 * i;
-        const double x = p[0] / 127.5 - 1.0, y = p[1] / 127.5 - 1.0, z = p[2] / 127.5 - 1.0, square = x * x + y * y + z * z;
+        const double x = p[0] / 127.5 - 1.0, y = p[1] / 127.5 - 1.0, z = p[2] / 127.5 - 1.0,
+                     square = x * x + y * y + z * z;
         unit += z > 0.0 && square > 0.7 && square < 1.3 && p[2] > p[0] && p[2] > p[1];
     }
     return (double)unit > 0.9 * (double)texels;
@@ -109,7 +114,7 @@ static const sl_texture *texture_at(const source *s, uint32_t index) {
     return index == SL_NO_INDEX ? NULL : &s->model->textures[index];
 }
 
-/* ---- MTL, and whatever else has a diffuse and a specular colour ----------------------------------------------------------- */
+/* ---- MTL, and whatever else has a diffuse and a specular colour ------------------------------ */
 
 static sl_status classic_material(const source *s, sl_material *m) {
     bool is_obj = sl_file_has_extension(s->path, ".obj");
@@ -127,14 +132,16 @@ static sl_status classic_material(const source *s, sl_material *m) {
         m->specular = sl_grey(0.0f);
     }
     if (float_or(s, SL_IMPORT_OPACITY, 1.0f) < 1.0f) {
-        sl_model_warn(s->model, "%s: material '%s' is transparent, which is not modelled: it is drawn opaque", s->path, s->name);
+        sl_model_warn(s->model, "%s: material '%s' is transparent, which is not modelled: it is drawn opaque",
+                      s->path, s->name);
     }
     sl_status status = find_texture(s, SL_IMPORT_MAP_DIFFUSE, &m->texture);
     if (status == SL_OK) status = find_texture(s, SL_IMPORT_MAP_OPACITY, &m->alpha_texture);
     uint32_t heights = SL_NO_INDEX;
     if (status == SL_OK && is_obj) status = find_texture(s, SL_IMPORT_MAP_HEIGHT, &heights);
     if (heights != SL_NO_INDEX && holds_normals(texture_at(s, heights))) {
-        sl_model_warn(s->model, "%s: material '%s': its bump map holds normals, not heights, and is not used", s->path, s->name);
+        sl_model_warn(s->model, "%s: material '%s': its bump map holds normals, not heights, and is not used",
+                      s->path, s->name);
         heights = SL_NO_INDEX;
     }
     m->height_map = heights == SL_NO_INDEX ? 0 : heights + 1;
@@ -142,7 +149,7 @@ static sl_status classic_material(const source *s, sl_material *m) {
     return status;
 }
 
-/* ---- glTF ---------------------------------------------------------------------------------------------------------------- */
+/* ---- glTF ------------------------------------------------------------------------------------ */
 
 static float lerp(float a, float b, float t) { return a + (b - a) * t; }
 
@@ -162,7 +169,8 @@ static void set_roughness(sl_material *m, float roughness) {
     }
 }
 
-static void metallic_roughness(sl_material *m, sl_rgb base, sl_rgb textured_base, float metallic, float roughness) {
+static void metallic_roughness(sl_material *m, sl_rgb base, sl_rgb textured_base, float metallic,
+                               float roughness) {
     m->diffuse = sl_rgb_scale(base, 1.0f - metallic);
     m->specular = (sl_rgb){lerp(0.04f, textured_base.r, metallic), lerp(0.04f, textured_base.g, metallic),
                            lerp(0.04f, textured_base.b, metallic)};
@@ -181,7 +189,8 @@ static sl_status modulate(const source *s, float *metallic, float *roughness) {
     sl_rgb mean = sl_texture_mean_data(texture);
     *roughness *= mean.g;
     *metallic *= mean.b;
-    sl_model_warn(s->model, "%s: material '%s': metalness and roughness are those of its texture's mean", s->path, s->name);
+    sl_model_warn(s->model, "%s: material '%s': metalness and roughness are those of its texture's mean",
+                  s->path, s->name);
     return SL_OK;
 }
 
@@ -216,7 +225,8 @@ static float mean_alpha(const sl_texture *t) {
     return (float)((double)sum / (255.0 * (double)texels));
 }
 
-/* KHR_materials_pbrSpecularGlossiness: kd = diffuse (1 - max(specular)), ks = specular, roughness = 1 - glossiness. */
+/* KHR_materials_pbrSpecularGlossiness: kd = diffuse (1 - max(specular)), ks = specular, roughness = 1 -
+ * glossiness. */
 static sl_status specular_glossiness(const source *s, float glossiness, sl_material *m) {
     uint32_t index;
     m->diffuse = color_or(s, SL_IMPORT_DIFFUSE, sl_grey(1.0f));
@@ -226,7 +236,9 @@ static sl_status specular_glossiness(const source *s, float glossiness, sl_mater
     if (texture) {
         m->specular = sl_rgb_mul(m->specular, sl_texture_mean_color(texture));
         glossiness *= mean_alpha(texture);
-        sl_model_warn(s->model, "%s: material '%s': specular colour and glossiness are those of its texture's mean", s->path, s->name);
+        sl_model_warn(s->model,
+                      "%s: material '%s': specular colour and glossiness are those of its texture's mean",
+                      s->path, s->name);
     }
     m->diffuse = sl_rgb_scale(m->diffuse, 1.0f - clamp_unit(sl_rgb_max(m->specular)));
     set_roughness(m, 1.0f - clamp_unit(glossiness));
@@ -235,14 +247,17 @@ static sl_status specular_glossiness(const source *s, float glossiness, sl_mater
 
 static sl_status metallic_workflow(const source *s, sl_material *m) {
     sl_rgb base = color_or(s, SL_IMPORT_BASE, color_or(s, SL_IMPORT_DIFFUSE, sl_grey(1.0f)));
-    float metallic = float_or(s, SL_IMPORT_METALLIC, 1.0f), roughness = float_or(s, SL_IMPORT_ROUGHNESS, 1.0f);
+    float metallic = float_or(s, SL_IMPORT_METALLIC, 1.0f),
+          roughness = float_or(s, SL_IMPORT_ROUGHNESS, 1.0f);
     sl_status status = modulate(s, &metallic, &roughness);
     if (status != SL_OK) return status;
     const sl_texture *texture = texture_at(s, m->texture);
     sl_rgb textured = base;
     if (texture && metallic > 0.0f) {
         textured = sl_rgb_mul(base, sl_texture_mean_color(texture));
-        sl_model_warn(s->model, "%s: material '%s': the colour of its metal is that of its base texture's mean", s->path, s->name);
+        sl_model_warn(s->model,
+                      "%s: material '%s': the colour of its metal is that of its base texture's mean",
+                      s->path, s->name);
     }
     metallic_roughness(m, base, textured, clamp_unit(metallic), clamp_unit(roughness));
     return SL_OK;
@@ -265,10 +280,11 @@ static void warn_of_transform(const source *s) {
     const float *t = s->material->value[SL_IMPORT_UV_TRANSFORM];
     if (!(s->material->has >> SL_IMPORT_UV_TRANSFORM & 1)) return;
     if (t[0] == 0.0f && t[1] == 0.0f && t[2] == 1.0f && t[3] == 1.0f && t[4] == 0.0f) return;
-    sl_model_warn(s->model, "%s: material '%s': the texture's offset, scale and rotation are not applied", s->path, s->name);
+    sl_model_warn(s->model, "%s: material '%s': the texture's offset, scale and rotation are not applied",
+                  s->path, s->name);
 }
 
-/* ---- all of them ------------------------------------------------------------------------------------------------------------ */
+/* ---- all of them ----------------------------------------------------------------------------- */
 
 sl_status sl_mesh_materials(const char *path, const sl_import *file, const struct sl_gltf *gltf,
                             sl_model *model, sl_error *error) {
@@ -278,7 +294,8 @@ sl_status sl_mesh_materials(const char *path, const sl_import *file, const struc
         sl_material material = {.name = from->name, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
         double strength = gltf && i < gltf->material_count ? gltf->emissive_strength[i] : 1.0;
         bool unlit = gltf && gltf->unlit && i < gltf->material_count && gltf->unlit[i];
-        sl_status status = gltf ? gltf_material(&s, unlit, strength, &material) : classic_material(&s, &material);
+        sl_status status =
+            gltf ? gltf_material(&s, unlit, strength, &material) : classic_material(&s, &material);
         uint32_t index;
         if (!gltf) warn_of_transform(&s);
         if (status == SL_OK) status = sl_model_add_material(model, &material, &index, error);

@@ -44,8 +44,8 @@ static bool leaves_picture(const float *uv, size_t count) {
     return false;
 }
 
-static void check_wrapping(const char *path, const sl_import_material *material, const float *uv, size_t count,
-                           sl_model *model) {
+static void check_wrapping(const char *path, const sl_import_material *material, const float *uv,
+                           size_t count, sl_model *model) {
     int u = whole_or(material, SL_IMPORT_WRAP_U, SL_IMPORT_REPEATED);
     int v = whole_or(material, SL_IMPORT_WRAP_V, SL_IMPORT_REPEATED);
     bool repeated = u == SL_IMPORT_REPEATED && v == SL_IMPORT_REPEATED;

@@ -16,7 +16,7 @@
 #include "scene/file.h"
 #include "scene/texture.h"
 
-/* ---- lists that grow --------------------------------------------------------------------------------------------------- */
+/* ---- lists that grow ------------------------------------------------------------------------- */
 
 typedef struct column {
     void *array; /* as in sl_regrow() */
@@ -38,9 +38,12 @@ static bool make_room(const column *columns, size_t column_count, size_t used, s
 #define COLUMN(list, per_entry) {&(list), (per_entry) * sizeof *(list)}
 
 sl_status sl_model_add_vertices(sl_model *m, size_t count, uint32_t object, size_t *first, sl_error *error) {
-    const column columns[] = {COLUMN(m->positions, 3), COLUMN(m->normals, 3), COLUMN(m->uvs, 2), COLUMN(m->vertex_object, 1)};
-    if (count >= SL_NO_INDEX || m->vertex_count + count >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "more than %u vertices", SL_NO_INDEX);
-    if (!make_room(columns, 4, m->vertex_count, &m->vertex_room, count)) return sl_fail_memory(error, "the vertices");
+    const column columns[] = {COLUMN(m->positions, 3), COLUMN(m->normals, 3), COLUMN(m->uvs, 2),
+                              COLUMN(m->vertex_object, 1)};
+    if (count >= SL_NO_INDEX || m->vertex_count + count >= SL_NO_INDEX)
+        return sl_fail(error, SL_ERROR_RESOURCES, "more than %u vertices", SL_NO_INDEX);
+    if (!make_room(columns, 4, m->vertex_count, &m->vertex_room, count))
+        return sl_fail_memory(error, "the vertices");
     *first = m->vertex_count;
     m->vertex_count += count;
     for (size_t v = *first; v < m->vertex_count; v++) m->vertex_object[v] = object;
@@ -48,30 +51,37 @@ sl_status sl_model_add_vertices(sl_model *m, size_t count, uint32_t object, size
 }
 
 sl_status sl_model_add_triangles(sl_model *m, size_t count, size_t *first, sl_error *error) {
-    const column columns[] = {COLUMN(m->indices, 3), COLUMN(m->material_index, 1), COLUMN(m->object_index, 1)};
+    const column columns[] = {COLUMN(m->indices, 3), COLUMN(m->material_index, 1),
+                              COLUMN(m->object_index, 1)};
     const size_t most = (SL_NO_INDEX - 1) / 3; /* corners are counted in 32 bits */
-    if (count > most || m->triangle_count + count > most) return sl_fail(error, SL_ERROR_RESOURCES, "more than %zu triangles", most);
-    if (!make_room(columns, 3, m->triangle_count, &m->triangle_room, count)) return sl_fail_memory(error, "the triangles");
+    if (count > most || m->triangle_count + count > most)
+        return sl_fail(error, SL_ERROR_RESOURCES, "more than %zu triangles", most);
+    if (!make_room(columns, 3, m->triangle_count, &m->triangle_room, count))
+        return sl_fail_memory(error, "the triangles");
     *first = m->triangle_count;
     m->triangle_count += count;
     return SL_OK;
 }
 
-sl_status sl_model_add_bicubic(sl_model *m, const sl_bicubic *surface, uint32_t material, uint32_t object, sl_error *error) {
+sl_status sl_model_add_bicubic(sl_model *m, const sl_bicubic *surface, uint32_t material, uint32_t object,
+                               sl_error *error) {
     const column columns[] = {COLUMN(m->bicubics, 1)};
-    size_t n = (size_t)surface->steps, vertices = (n + 1) * (n + 1), triangles = 2 * n * n, first_vertex, first_triangle;
-    if (!make_room(columns, 1, m->bicubic_count, &m->bicubic_room, 1)) return sl_fail_memory(error, "the surfaces");
+    size_t n = (size_t)surface->steps, vertices = (n + 1) * (n + 1), triangles = 2 * n * n, first_vertex,
+           first_triangle;
+    if (!make_room(columns, 1, m->bicubic_count, &m->bicubic_room, 1))
+        return sl_fail_memory(error, "the surfaces");
     sl_status status = sl_model_add_vertices(m, vertices, object, &first_vertex, error);
     if (status == SL_OK) status = sl_model_add_triangles(m, triangles, &first_triangle, error);
     if (status != SL_OK) return status;
-    if (first_triangle + triangles >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangles", SL_NO_INDEX);
+    if (first_triangle + triangles >= SL_NO_INDEX)
+        return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangles", SL_NO_INDEX);
     sl_bicubic *b = &m->bicubics[m->bicubic_count++];
     *b = *surface;
     b->first_vertex = (uint32_t)first_vertex;
     b->first_triangle = (uint32_t)first_triangle;
     b->triangle_count = (uint32_t)triangles;
-    sl_bicubic_tessellate(b, m->positions + 3 * first_vertex, m->normals + 3 * first_vertex, m->uvs + 2 * first_vertex,
-                          m->indices + 3 * first_triangle);
+    sl_bicubic_tessellate(b, m->positions + 3 * first_vertex, m->normals + 3 * first_vertex,
+                          m->uvs + 2 * first_vertex, m->indices + 3 * first_triangle);
     for (size_t t = first_triangle; t < m->triangle_count; t++) {
         m->material_index[t] = material;
         m->object_index[t] = object;
@@ -112,7 +122,8 @@ static bool add_string(char ***list, size_t *count, size_t *room, const char *te
 
 sl_status sl_model_add_object(sl_model *m, const char *name, uint32_t *index, sl_error *error) {
     *index = (uint32_t)m->object_count;
-    if (!add_string(&m->object_names, &m->object_count, &m->object_room, name)) return sl_fail_memory(error, "the objects");
+    if (!add_string(&m->object_names, &m->object_count, &m->object_room, name))
+        return sl_fail_memory(error, "the objects");
     return SL_OK;
 }
 
@@ -130,8 +141,9 @@ void sl_model_warn(sl_model *m, const char *format, ...) {
 }
 
 void sl_model_clear(sl_model *m) {
-    void *plain[] = {m->positions, m->normals, m->uvs, m->vertex_object, m->indices, m->material_index, m->object_index,
-                     m->bicubics, m->lights, m->environment.texels, m->folder};
+    void *plain[] = {m->positions,      m->normals,      m->uvs,      m->vertex_object, m->indices,
+                     m->material_index, m->object_index, m->bicubics, m->lights,        m->environment.texels,
+                     m->folder};
     for (size_t i = 0; i < sizeof plain / sizeof plain[0]; i++) sl_free(plain[i]);
     for (size_t i = 0; i < m->material_count; i++) sl_free(m->materials[i].name);
     sl_free(m->materials);
@@ -146,16 +158,20 @@ void sl_model_clear(sl_model *m) {
     *m = (sl_model){0};
 }
 
-/* ---- where files may lie ---------------------------------------------------------------------------------------------------- */
+/* ---- where files may lie --------------------------------------------------------------------- */
 
 sl_status sl_model_confine(sl_model *m, const char *path, sl_error *error) {
     m->folder = sl_file_folder(path);
-    return m->folder ? SL_OK : sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: its folder cannot be read", path);
+    return m->folder ? SL_OK
+                     : sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT),
+                               "%s: its folder cannot be read", path);
 }
 
 sl_status sl_model_may_read(const sl_model *m, const char *path, sl_error *error) {
     if (sl_file_is_below(m->folder, path)) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: lies outside of the scene's folder, which --allow-outside (sl_load_options) would allow", path);
+    return sl_fail(
+        error, SL_ERROR_INPUT,
+        "%s: lies outside of the scene's folder, which --allow-outside (sl_load_options) would allow", path);
 }
 
 sl_status sl_model_note_file(sl_model *m, const char *path, sl_error *error) {
@@ -163,7 +179,7 @@ sl_status sl_model_note_file(sl_model *m, const char *path, sl_error *error) {
     return sl_fail_memory(error, "a file name");
 }
 
-/* ---- textures ---------------------------------------------------------------------------------------------------------------- */
+/* ---- textures -------------------------------------------------------------------------------- */
 
 /* An alpha channel that is opaque everywhere says nothing: then a mask is read from the luminance. */
 static bool alpha_says_something(const sl_texture *t) {
@@ -173,7 +189,8 @@ static bool alpha_says_something(const sl_texture *t) {
     return false;
 }
 
-sl_status sl_model_texture(sl_model *m, const char *path, const void *memory, size_t bytes, uint32_t *index, sl_error *error) {
+sl_status sl_model_texture(sl_model *m, const char *path, const void *memory, size_t bytes, uint32_t *index,
+                           sl_error *error) {
     for (size_t i = 0; i < m->texture_count; i++) {
         if (strcmp(m->textures[i].file, path) == 0) {
             *index = (uint32_t)i;
@@ -187,10 +204,12 @@ sl_status sl_model_texture(sl_model *m, const char *path, const void *memory, si
         if (status != SL_OK) return status;
     }
     const column columns[] = {COLUMN(m->textures, 1)};
-    if (!make_room(columns, 1, m->texture_count, &m->texture_room, 1)) return sl_fail_memory(error, "the textures");
+    if (!make_room(columns, 1, m->texture_count, &m->texture_room, 1))
+        return sl_fail_memory(error, "the textures");
     sl_texture texture = {0};
     sl_error problem;
-    sl_status status = sl_decode_texels(path, memory, bytes, &texture.width, &texture.height, &texture.has_alpha, &texture.texels, &problem);
+    sl_status status = sl_decode_texels(path, memory, bytes, &texture.width, &texture.height,
+                                        &texture.has_alpha, &texture.texels, &problem);
     if (status == SL_ERROR_RESOURCES) return sl_fail(error, status, "%s", problem.message);
     if (status != SL_OK) {
         sl_model_warn(m, "texture left out: %s", problem.message);
@@ -228,10 +247,11 @@ sl_rgb sl_texture_mean_data(const sl_texture *t) {
         for (size_t c = 0; c < 3; c++) sum[c] += t->texels[4 * i + c];
     }
     double scale = 255.0 * (double)texels;
-    return (sl_rgb){(float)((double)sum[0] / scale), (float)((double)sum[1] / scale), (float)((double)sum[2] / scale)};
+    return (sl_rgb){(float)((double)sum[0] / scale), (float)((double)sum[1] / scale),
+                    (float)((double)sum[2] / scale)};
 }
 
-/* ---- welding ------------------------------------------------------------------------------------------------------------------- */
+/* ---- welding --------------------------------------------------------------------------------- */
 
 typedef struct vertex_key {
     float value[8]; /* position, normal, texture coordinates; -0 as +0 */
@@ -267,7 +287,8 @@ static bool same_key(const vertex_key *a, const vertex_key *b) {
 sl_status sl_model_weld(sl_model *m, sl_error *error) {
     size_t slots = 16;
     while (slots < 2 * m->vertex_count) slots *= 2;
-    uint32_t *table = sl_allocate(slots, sizeof *table), *stand_in = sl_allocate(m->vertex_count, sizeof *stand_in);
+    uint32_t *table = sl_allocate(slots, sizeof *table),
+             *stand_in = sl_allocate(m->vertex_count, sizeof *stand_in);
     if (!table || !stand_in) {
         sl_free(table);
         sl_free(stand_in);
@@ -296,7 +317,7 @@ sl_status sl_model_weld(sl_model *m, sl_error *error) {
     return SL_OK;
 }
 
-/* ---- the scene ------------------------------------------------------------------------------------------------------------------- */
+/* ---- the scene ------------------------------------------------------------------------------- */
 
 /* The model's warnings before those of the build: they were found first. */
 static void pass_warnings_on(const sl_model *m, sl_scene *scene) {

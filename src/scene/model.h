@@ -1,4 +1,5 @@
-/* A scene while it is being read: lists that grow. Importers append to it; sl_model_build() welds and builds the scene. */
+/* A scene while it is being read: lists that grow. Importers append to it; sl_model_build() welds and builds
+ * the scene. */
 #ifndef SL_SCENE_MODEL_H
 #define SL_SCENE_MODEL_H
 
@@ -40,30 +41,37 @@ sl_status sl_model_confine(sl_model *model, const char *path, sl_error *error);
 /* Refuses a file outside of the model's folder: the message says how to allow it. */
 sl_status sl_model_may_read(const sl_model *model, const char *path, sl_error *error);
 
-/* Remembers a file that is there, for sl_scene.files; to be called before it is read, whatever comes of that. */
+/* Remembers a file that is there, for sl_scene.files; to be called before it is read, whatever comes of that.
+ */
 sl_status sl_model_note_file(sl_model *model, const char *path, sl_error *error);
 
 /* Room for `count` more; they are zero, and the counts are raised. The first new index in *first. */
-sl_status sl_model_add_vertices(sl_model *model, size_t count, uint32_t object, size_t *first, sl_error *error);
+sl_status sl_model_add_vertices(sl_model *model, size_t count, uint32_t object, size_t *first,
+                                sl_error *error);
 sl_status sl_model_add_triangles(sl_model *model, size_t count, size_t *first, sl_error *error);
 /* One surface with its vertices and triangles; control points and steps are given, the rest is set. */
-sl_status sl_model_add_bicubic(sl_model *model, const sl_bicubic *surface, uint32_t material, uint32_t object, sl_error *error);
+sl_status sl_model_add_bicubic(sl_model *model, const sl_bicubic *surface, uint32_t material, uint32_t object,
+                               sl_error *error);
 /* Copies; the name too. */
-sl_status sl_model_add_material(sl_model *model, const sl_material *material, uint32_t *index, sl_error *error);
+sl_status sl_model_add_material(sl_model *model, const sl_material *material, uint32_t *index,
+                                sl_error *error);
 sl_status sl_model_add_light(sl_model *model, const sl_light *light, sl_error *error);
 sl_status sl_model_add_object(sl_model *model, const char *name, uint32_t *index, sl_error *error);
 /* Lines that are there already are not told twice; beyond SL_WARNINGS_OF_READING they are counted. */
 __attribute__((format(printf, 2, 3))) void sl_model_warn(sl_model *model, const char *format, ...);
 
-/* A texture by file name (decoded once however often it is named), or from `bytes` bytes at `memory` where that is not NULL, `path` then being its
- * name. What cannot be read is a warning, and *index SL_NO_INDEX; failing is for want of memory, or where the file may not be read. */
-sl_status sl_model_texture(sl_model *model, const char *path, const void *memory, size_t bytes, uint32_t *index,
-                           sl_error *error);
-/* The mean colour (linear) and mean bytes/255 of a texture: for material constants that a texture modulates. */
+/* A texture by file name (decoded once however often it is named), or from `bytes` bytes at `memory` where
+ * that is not NULL, `path` then being its name. What cannot be read is a warning, and *index SL_NO_INDEX;
+ * failing is for want of memory, or where the file may not be read. */
+sl_status sl_model_texture(sl_model *model, const char *path, const void *memory, size_t bytes,
+                           uint32_t *index, sl_error *error);
+/* The mean colour (linear) and mean bytes/255 of a texture: for material constants that a texture modulates.
+ */
 sl_rgb sl_texture_mean_color(const sl_texture *texture);
 sl_rgb sl_texture_mean_data(const sl_texture *texture);
 
-/* Vertices of one object that agree in every bit of position, normal and texture coordinates become one, but for those of bicubic surfaces. */
+/* Vertices of one object that agree in every bit of position, normal and texture coordinates become one, but
+ * for those of bicubic surfaces. */
 sl_status sl_model_weld(sl_model *model, sl_error *error);
 /* Welds and builds; the model's warnings come first. */
 sl_status sl_model_build(sl_model *model, sl_scene **scene, sl_error *error);

@@ -10,8 +10,9 @@
 
 enum { LONGEST_NUMBER = 4000 /* the importer takes longer ones for two */ };
 
-/* Vertices, texture coordinates, normals: the numbers each may have, how many there are, and the largest index that a face
- * names, with its line. Faces may name what comes later in the file, so positive indices are judged at the end. */
+/* Vertices, texture coordinates, normals: the numbers each may have, how many there are, and the largest
+ * index that a face names, with its line. Faces may name what comes later in the file, so positive indices
+ * are judged at the end. */
 typedef struct kind {
     const char *word, *name, *lengths;
     unsigned allowed; /* bit n: n numbers */
@@ -67,11 +68,12 @@ static bool at_end_of_statement(const checker *c) { return is_line_end(peek(c)) 
 /* The word at hand, for messages. */
 static int word_length(const checker *c) {
     int length = 0;
-    while (c->at + length < c->end && !is_blank(c->at[length]) && !is_line_end(c->at[length]) && length < 40) length++;
+    while (c->at + length < c->end && !is_blank(c->at[length]) && !is_line_end(c->at[length]) && length < 40)
+        length++;
     return length;
 }
 
-/* ---- numbers --------------------------------------------------------------------------------------------------------- */
+/* ---- numbers --------------------------------------------------------------------------------- */
 
 static bool begins_with_letters(const char *at, const char *end, const char *letters) {
     for (; *letters; at++, letters++) {
@@ -82,14 +84,16 @@ static bool begins_with_letters(const char *at, const char *end, const char *let
 
 /* nan and inf with any ending pass: triangles that use them are dropped later, with a warning. */
 static bool skip_nonfinite(checker *c) {
-    if (!begins_with_letters(c->at, c->end, "nan") && !begins_with_letters(c->at, c->end, "inf")) return false;
+    if (!begins_with_letters(c->at, c->end, "nan") && !begins_with_letters(c->at, c->end, "inf"))
+        return false;
     while (c->at < c->end && !is_blank(*c->at) && !is_line_end(*c->at)) c->at++;
     return true;
 }
 
 /* 1.#INF, 1.#QNAN: infinite and NaN as an old C library printed them; any other # begins a comment. */
 static bool is_old_nonfinite(const char *at, const char *end) {
-    return begins_with_letters(at, end, "#in") || begins_with_letters(at, end, "#qnan") || begins_with_letters(at, end, "#snan");
+    return begins_with_letters(at, end, "#in") || begins_with_letters(at, end, "#qnan") ||
+           begins_with_letters(at, end, "#snan");
 }
 
 static bool skip_number(checker *c) {
@@ -136,26 +140,30 @@ static sl_status check_numbers(checker *c, kind *of) {
     for (skip_blanks(c); !at_end_of_statement(c); skip_blanks(c)) {
         checker before = *c;
         if (!skip_number(c)) {
-            return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected %s numbers for a %s, got '%.*s'", c->path, c->line, of->lengths, of->name,
-                           word_length(&before), before.at);
+            return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected %s numbers for a %s, got '%.*s'",
+                           c->path, c->line, of->lengths, of->name, word_length(&before), before.at);
         }
         ends_in_zero = is_zero(before.at, c->at);
         add_number(c, before.at);
         if (++count == 3) end_of_third = c->plain->size;
     }
     if (count > 7 || !(of->allowed >> count & 1)) {
-        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected %s numbers for a %s, got %u", c->path, c->line, of->lengths, of->name, count);
+        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected %s numbers for a %s, got %u", c->path,
+                       c->line, of->lengths, of->name, count);
     }
     if (count == 4 && ends_in_zero) {
-        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected the fourth number of a %s to be other than 0: it divides", c->path, c->line, of->name);
+        return sl_fail(c->error, SL_ERROR_INPUT,
+                       "%s:%lu: expected the fourth number of a %s to be other than 0: it divides", c->path,
+                       c->line, of->name);
     }
     if (count == 6) leave_out_colour(c, end_of_third);
-    if (count == 1) sl_text_add(c->plain, " 0", 2); /* the second may be left out, for a texture of one dimension */
+    /* the second may be left out, for a texture of one dimension */
+    if (count == 1) sl_text_add(c->plain, " 0", 2);
     of->count++;
     return SL_OK;
 }
 
-/* ---- faces -------------------------------------------------------------------------------------------------------------- */
+/* ---- faces ----------------------------------------------------------------------------------- */
 
 static sl_status check_index(checker *c, kind *of) {
     bool negative = peek(c) == '-';
@@ -167,11 +175,12 @@ static sl_status check_index(checker *c, kind *of) {
         if (value < 1000000000000ul) value = 10 * value + (unsigned long)(*c->at - '0');
     }
     if (c->at == start) {
-        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected a %s index, got '%.*s'", c->path, c->line, of->name, word_length(&before),
-                       before.at);
+        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected a %s index, got '%.*s'", c->path, c->line,
+                       of->name, word_length(&before), before.at);
     }
     if (value == 0 || (negative && value > of->count)) {
-        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: %s index %s%lu is out of range: expected 1 or more, or -1 to -%lu", c->path,
+        return sl_fail(c->error, SL_ERROR_INPUT,
+                       "%s:%lu: %s index %s%lu is out of range: expected 1 or more, or -1 to -%lu", c->path,
                        c->line, of->name, negative ? "-" : "", value, of->count);
     }
     if (!negative && value > of->largest) {
@@ -200,7 +209,8 @@ static sl_status check_corner(checker *c, unsigned *of) {
         *of |= 1u << i;
     }
     if (status != SL_OK || is_blank(peek(c)) || at_end_of_statement(c) || peek(c) == '\\') return status;
-    return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected face corners like 1, 1/2, 1//3 or 1/2/3, got '%.*s'", c->path, c->line,
+    return sl_fail(c->error, SL_ERROR_INPUT,
+                   "%s:%lu: expected face corners like 1, 1/2, 1//3 or 1/2/3, got '%.*s'", c->path, c->line,
                    word_length(c), c->at);
 }
 
@@ -215,7 +225,9 @@ static sl_status check_corners(checker *c) {
     for (; skip_blanks(c), status == SL_OK && !at_end_of_statement(c); i++) {
         status = check_corner(c, i == 0 ? &first : &other);
         if (i == 0 || status != SL_OK || other == first) continue;
-        status = sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected face corners that all have the same, as in 1/1 2/2 3/3: corner %d has other indices than the first",
+        status = sl_fail(c->error, SL_ERROR_INPUT,
+                         "%s:%lu: expected face corners that all have the same, as in 1/1 2/2 3/3: corner %d "
+                         "has other indices than the first",
                          c->path, c->line, i + 1);
     }
     if (i >= 3) return status;
@@ -223,21 +235,25 @@ static sl_status check_corners(checker *c) {
     return status;
 }
 
-/* Lines and points are not drawn, and the importer stumbles over a line of one point: they are checked alone. */
+/* Lines and points are not drawn, and the importer stumbles over a line of one point: they are checked alone.
+ */
 static sl_status check_undrawn(checker *c) {
     size_t before = c->plain->size;
     sl_status status = SL_OK;
     unsigned of;
-    for (skip_blanks(c); status == SL_OK && !at_end_of_statement(c); skip_blanks(c)) status = check_corner(c, &of);
+    for (skip_blanks(c); status == SL_OK && !at_end_of_statement(c); skip_blanks(c))
+        status = check_corner(c, &of);
     c->plain->size = before;
     return status;
 }
 
-/* ---- lines ---------------------------------------------------------------------------------------------------------------- */
+/* ---- lines ----------------------------------------------------------------------------------- */
 
 static bool starts_with(checker *c, const char *word) {
     size_t length = strlen(word);
-    if ((size_t)(c->end - c->at) <= length || memcmp(c->at, word, length) != 0 || !(is_blank(c->at[length]) || c->at[length] == '\\')) return false;
+    if ((size_t)(c->end - c->at) <= length || memcmp(c->at, word, length) != 0 ||
+        !(is_blank(c->at[length]) || c->at[length] == '\\'))
+        return false;
     c->at += length;
     return true;
 }
@@ -258,7 +274,8 @@ static sl_status check_library(checker *c) {
     skip_blanks(c);
     copy_statement(c);
     if (c->plain->size == before) return SL_OK;
-    sl_status status = sl_obj_materials_read(c->materials, line, c->plain->data + before, c->plain->size - before, c->error);
+    sl_status status =
+        sl_obj_materials_read(c->materials, line, c->plain->data + before, c->plain->size - before, c->error);
     c->plain->size = before;
     return status;
 }
@@ -270,18 +287,21 @@ static void copy_use(checker *c) {
     size_t start = c->plain->size;
     skip_blanks(c);
     copy_statement(c);
-    if (c->plain->size > start) sl_obj_materials_use(c->materials, line, c->plain->data + start, c->plain->size - start);
+    if (c->plain->size > start)
+        sl_obj_materials_use(c->materials, line, c->plain->data + start, c->plain->size - start);
     else sl_text_add(c->plain, " " SL_NAMELESS_MATERIAL, strlen(" " SL_NAMELESS_MATERIAL));
 }
 
-/* The importer takes any word that begins like v, f, l or p for it, and skips what is between cstype and end, vertices too. */
+/* The importer takes any word that begins like v, f, l or p for it, and skips what is between cstype and end,
+ * vertices too. */
 static bool is_left_out(checker *c) { return memchr("#vflp", peek(c), 5) || starts_with(c, "cstype"); }
 
 static sl_status check_statement(checker *c) {
     for (int i = 0; i < 3; i++) {
         if (starts_with(c, c->kinds[i].word)) return check_numbers(c, &c->kinds[i]);
     }
-    if (starts_with(c, "f") || starts_with(c, "fo")) return check_corners(c); /* fo is an old name of the same */
+    /* fo is an old name of the same */
+    if (starts_with(c, "f") || starts_with(c, "fo")) return check_corners(c);
     if (starts_with(c, "l") || starts_with(c, "p")) return check_undrawn(c);
     if (starts_with(c, "mtllib")) return check_library(c);
     if (starts_with(c, "usemtl")) copy_use(c);
@@ -301,15 +321,19 @@ static sl_status check_largest(const checker *c) {
     for (int i = 0; i < 3; i++) {
         const kind *k = &c->kinds[i];
         if (k->largest <= k->count) continue;
-        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: %s index %lu is out of range: the file has %lu", c->path, k->largest_line,
-                       k->name, k->largest, k->count);
+        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: %s index %lu is out of range: the file has %lu",
+                       c->path, k->largest_line, k->name, k->largest, k->count);
     }
     return SL_OK;
 }
 
 static void warn_of_short_faces(const checker *c) {
-    if (c->short_faces == 1) sl_model_warn(c->model, "%s:%lu: a face of fewer than three corners is not drawn", c->path, c->first_short);
-    else if (c->short_faces) sl_model_warn(c->model, "%s:%lu: this face and %lu more of fewer than three corners are not drawn", c->path, c->first_short, c->short_faces - 1);
+    if (c->short_faces == 1)
+        sl_model_warn(c->model, "%s:%lu: a face of fewer than three corners is not drawn", c->path,
+                      c->first_short);
+    else if (c->short_faces)
+        sl_model_warn(c->model, "%s:%lu: this face and %lu more of fewer than three corners are not drawn",
+                      c->path, c->first_short, c->short_faces - 1);
 }
 
 static sl_status conclude(checker *c) {
@@ -319,8 +343,8 @@ static sl_status conclude(checker *c) {
     return sl_obj_materials_conclude(c->materials, c->error);
 }
 
-/* Libraries come first, and after them the importer's own material: it would give the last one that it has read of to the faces before the first usemtl,
- * and that of the first usemtl where there is no library. */
+/* Libraries come first, and after them the importer's own material: it would give the last one that it has
+ * read of to the faces before the first usemtl, and that of the first usemtl where there is no library. */
 static void put_libraries_first(checker *c) {
     if (!c->faced) c->plain->size = 0; /* it would make points of the vertices, and not find their normals */
     sl_text *libraries = &c->materials->libraries;
@@ -336,10 +360,17 @@ sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_tex
     sl_status status = sl_file_read(path, &data, &size, error);
     if (status != SL_OK) return status;
     sl_obj_materials materials = {.path = path, .model = model, .texts = libraries};
-    checker c = {path, data, data + size, 1,
+    checker c = {path,
+                 data,
+                 data + size,
+                 1,
                  {{"v", "vertex", "3, 4 or 6", 1 << 3 | 1 << 4 | 1 << 6, 0, 0, 0},
                   {"vt", "texture coordinate", "1, 2 or 3", 1 << 1 | 1 << 2 | 1 << 3, 0, 0, 0},
-                  {"vn", "normal", "3", 1 << 3, 0, 0, 0}}, .model = model, .plain = plain, .materials = &materials, .error = error};
+                  {"vn", "normal", "3", 1 << 3, 0, 0, 0}},
+                 .model = model,
+                 .plain = plain,
+                 .materials = &materials,
+                 .error = error};
     c.at += sl_text_mark_bytes(data, size);
     /* The importer turns UTF-16 into UTF-8 first; such a file is left to it. */
     if (!sl_text_is_utf16(data, size)) {

@@ -1,5 +1,5 @@
-/* A look over an OBJ file before it is imported: the importer gives no line numbers, and drops vertices whose spelling it does not
- * know, so that all later indices mean others. */
+/* A look over an OBJ file before it is imported: the importer gives no line numbers, and drops vertices whose
+ * spelling it does not know, so that all later indices mean others. */
 #ifndef SL_SCENE_OBJ_CHECK_H
 #define SL_SCENE_OBJ_CHECK_H
 

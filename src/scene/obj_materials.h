@@ -1,4 +1,5 @@
-/* The materials of an OBJ file: which libraries its mtllib statements mean, what those have, and which names its usemtl statements want. */
+/* The materials of an OBJ file: which libraries its mtllib statements mean, what those have, and which names
+ * its usemtl statements want. */
 #ifndef SL_SCENE_OBJ_MATERIALS_H
 #define SL_SCENE_OBJ_MATERIALS_H
 
@@ -25,12 +26,16 @@ typedef struct sl_obj_materials {
     unsigned long readable, unreadable; /* libraries whose names are known, and not */
 } sl_obj_materials;
 
-/* What stands behind an mtllib, not empty, without blanks at its ends: one name, which may have blanks in it, or several, if there is no file of that one. A library that
- * does not exist is a warning; where none does, that beside the OBJ file and named like it is taken, if there is one. What is wrong in a library is an input error. */
-sl_status sl_obj_materials_read(sl_obj_materials *materials, unsigned long line, const char *names, size_t length, sl_error *error);
+/* What stands behind an mtllib, not empty, without blanks at its ends: one name, which may have blanks in it,
+ * or several, if there is no file of that one. A library that does not exist is a warning; where none does,
+ * that beside the OBJ file and named like it is taken, if there is one. What is wrong in a library is an
+ * input error. */
+sl_status sl_obj_materials_read(sl_obj_materials *materials, unsigned long line, const char *names,
+                                size_t length, sl_error *error);
 /* The name behind a usemtl. */
 void sl_obj_materials_use(sl_obj_materials *materials, unsigned long line, const char *name, size_t length);
-/* After the last statement: warns of the names that were used and that no library has, if there are libraries and all of them are known. */
+/* After the last statement: warns of the names that were used and that no library has, if there are libraries
+ * and all of them are known. */
 sl_status sl_obj_materials_conclude(sl_obj_materials *materials, sl_error *error);
 void sl_obj_materials_release(sl_obj_materials *materials);
 

@@ -17,7 +17,8 @@ typedef struct sl_object_places {
 sl_status sl_object_places_take(const sl_scene *scene, sl_object_places **places, sl_error *error);
 void sl_object_places_destroy(sl_object_places *places);
 /* The same scene, before and after. */
-static inline bool sl_object_has_moved(const sl_object_places *before, const sl_object_places *after, size_t object) {
+static inline bool sl_object_has_moved(const sl_object_places *before, const sl_object_places *after,
+                                       size_t object) {
     return before->hash[object] != after->hash[object];
 }
 

@@ -1,6 +1,8 @@
-/* The size in which most of a scene lies. The diagonal of the box that holds everything says little about a room that stands on a plain a million times as
- * large: any share of it that matters elsewhere is larger than the room. Half of the vertices say more, since detail is where people look. The middle is the
- * median of each coordinate, and the radius the median of the distances from there: neither moves far while fewer than half of the vertices lie elsewhere. */
+/* The size in which most of a scene lies. The diagonal of the box that holds everything says little about a
+ * room that stands on a plain a million times as large: any share of it that matters elsewhere is larger than
+ * the room. Half of the vertices say more, since detail is where people look. The middle is the median of
+ * each coordinate, and the radius the median of the distances from there: neither moves far while fewer than
+ * half of the vertices lie elsewhere. */
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -9,14 +11,17 @@
 #include "base/math.h"
 #include "scene/derive.h"
 
-/* Scenes that people make have a diagonal of 2 to 30 times that radius. Up to REACH the diagonal is the scale. */
+/* Scenes that people make have a diagonal of 2 to 30 times that radius. Up to REACH the diagonal is the
+ * scale. */
 static const double REACH = 128.0;
-/* Of an eye that stands further off the surroundings are wanted as well: a grain of dust may have most of a room's vertices, and so may a far planet. */
+/* Of an eye that stands further off the surroundings are wanted as well: a grain of dust may have most of a
+ * room's vertices, and so may a far planet. */
 static const double EYE_REACH = 4.0;
-/* Of the diagonal; below that floats as large as the whole scene do not tell the smaller part's vertices apart. */
+/* Of the diagonal; below that floats as large as the whole scene do not tell the smaller part's vertices
+ * apart. */
 static const double LEAST = 0x1p-20;
-/* What lies around the eye counts as a scene of its own where the rest is that many times as far, and nothing at all in between: most vertices may be in
- * the rest. */
+/* What lies around the eye counts as a scene of its own where the rest is that many times as far, and nothing
+ * at all in between: most vertices may be in the rest. */
 static const double GAP = 128.0;
 /* How far from the middle the central region reaches at least, in radii. */
 static const double CORE = 2.0;
@@ -51,10 +56,12 @@ static float x_of(const sample *s, uint32_t vertex) { return s->scene->position_
 static float y_of(const sample *s, uint32_t vertex) { return s->scene->position_y[vertex]; }
 static float z_of(const sample *s, uint32_t vertex) { return s->scene->position_z[vertex]; }
 static float distance_of(const sample *s, uint32_t vertex) {
-    return (float)fmin(sl_lengthd(sl_subd(sl_to_double(sl_scene_position(s->scene, vertex)), s->middle)), (double)FLT_MAX);
+    return (float)fmin(sl_lengthd(sl_subd(sl_to_double(sl_scene_position(s->scene, vertex)), s->middle)),
+                       (double)FLT_MAX);
 }
 
-/* The value with `rank` smaller ones, digit by digit from the highest: needs no memory, and does not know the vertices' order. */
+/* The value with `rank` smaller ones, digit by digit from the highest: needs no memory, and does not know the
+ * vertices' order. */
 static float ranked(const sample *s, measure *value, size_t rank) {
     uint32_t prefix = 0, known = 0;
     for (int low = 32 - DIGIT; known != UINT32_MAX; low = low > DIGIT ? low - DIGIT : 0) {
@@ -104,11 +111,13 @@ static void sort_by_distance(const sl_scene *scene, sl_vec3d eye, octaves *o) {
 /* Van Oosterom and Strackee 1983. */
 static double solid_angle(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
     double la = sl_lengthd(a), lb = sl_lengthd(b), lc = sl_lengthd(c);
-    double volume = fabs(sl_dotd(a, sl_crossd(b, c))), sum = la * lb * lc + sl_dotd(a, b) * lc + sl_dotd(b, c) * la + sl_dotd(c, a) * lb;
+    double volume = fabs(sl_dotd(a, sl_crossd(b, c))),
+           sum = la * lb * lc + sl_dotd(a, b) * lc + sl_dotd(b, c) * la + sl_dotd(c, a) * lb;
     return volume > 0.0 ? 2.0 * sl_atan2(volume, sum) : 0.0;
 }
 
-/* Whether the triangles whose corners all lie within the squared distance fill more of the directions from the eye than all others do. */
+/* Whether the triangles whose corners all lie within the squared distance fill more of the directions from
+ * the eye than all others do. */
 static bool fills_most(const sl_scene *scene, sl_vec3d eye, double squared) {
     double within = 0.0, beyond = 0.0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
@@ -123,7 +132,8 @@ static bool fills_most(const sl_scene *scene, sl_vec3d eye, double squared) {
     return within > beyond;
 }
 
-/* The squared distance to which what surrounds the eye reaches; infinite where there is no such gap behind it. */
+/* The squared distance to which what surrounds the eye reaches; infinite where there is no such gap behind
+ * it. */
 static double gap_behind(const sl_scene *scene, sl_vec3d eye) {
     octaves o;
     double last = -1.0;
@@ -160,7 +170,8 @@ static detail surroundings(const sl_scene *scene, sl_vec3d eye) {
 
 static double scale_of(const sl_scene *scene, const detail *d, sl_vec3d eye) {
     if (!(d->radius > 0.0)) return INFINITY;
-    return fmax(fmax(REACH * d->radius, EYE_REACH * sl_lengthd(sl_subd(eye, d->middle))), fmax(LEAST * (double)scene->diagonal, (double)FLT_MIN));
+    return fmax(fmax(REACH * d->radius, EYE_REACH * sl_lengthd(sl_subd(eye, d->middle))),
+                fmax(LEAST * (double)scene->diagonal, (double)FLT_MIN));
 }
 
 /* The box of the vertices within `reach` of the middle along each axis. */

@@ -12,7 +12,9 @@
 #include "scene/animation.h"
 #include "scene/derive.h"
 
-size_t sl_scene_warning_count(const sl_scene *scene) { return scene->warning_count + (scene->warnings_left_out > 0); }
+size_t sl_scene_warning_count(const sl_scene *scene) {
+    return scene->warning_count + (scene->warnings_left_out > 0);
+}
 const char *sl_scene_warning(const sl_scene *scene, size_t index) {
     if (index < scene->warning_count) return scene->warnings[index];
     return index < sl_scene_warning_count(scene) ? scene->more_warnings : NULL;
@@ -24,18 +26,25 @@ void sl_scene_film(const sl_scene *scene, int *width, int *height) {
 }
 
 static size_t animation_bytes(const sl_scene *s) {
-    const size_t a_vertex = sizeof *s->animation->track_of_vertex + sizeof *s->animation->rest_position + sizeof *s->animation->rest_normal;
-    return s->animation ? s->vertex_count * a_vertex + s->bicubic_count * 16 * sizeof *s->animation->rest_control : 0;
+    const size_t a_vertex = sizeof *s->animation->track_of_vertex + sizeof *s->animation->rest_position +
+                            sizeof *s->animation->rest_normal;
+    return s->animation
+               ? s->vertex_count * a_vertex + s->bicubic_count * 16 * sizeof *s->animation->rest_control
+               : 0;
 }
 
 size_t sl_scene_memory_bytes(const sl_scene *s) {
     const sl_environment *e = &s->environment;
-    size_t bytes = sizeof *s + s->vertex_count * 8 * sizeof(float) + s->triangle_count * (6 * sizeof(uint32_t) + 3 * sizeof(float));
-    bytes += s->bicubic_count * sizeof *s->bicubics + s->material_count * sizeof *s->materials + s->light_count * sizeof *s->lights +
+    size_t bytes = sizeof *s + s->vertex_count * 8 * sizeof(float) +
+                   s->triangle_count * (6 * sizeof(uint32_t) + 3 * sizeof(float));
+    bytes += s->bicubic_count * sizeof *s->bicubics + s->material_count * sizeof *s->materials +
+             s->light_count * sizeof *s->lights +
              s->emissive_count * (sizeof *s->emitters + sizeof *s->opaque_share) + animation_bytes(s);
-    for (size_t i = 0; i < s->texture_count; i++) bytes += sizeof *s->textures + 4 * (size_t)s->textures[i].width * (size_t)s->textures[i].height;
+    for (size_t i = 0; i < s->texture_count; i++)
+        bytes += sizeof *s->textures + 4 * (size_t)s->textures[i].width * (size_t)s->textures[i].height;
     size_t texels = (size_t)e->width * (size_t)e->height;
-    return bytes + texels * (3 * sizeof *e->texels + sizeof *e->column_cdf) + (size_t)e->height * sizeof *e->row_cdf;
+    return bytes + texels * (3 * sizeof *e->texels + sizeof *e->column_cdf) +
+           (size_t)e->height * sizeof *e->row_cdf;
 }
 
 char *sl_string_copy(const char *text) {
@@ -53,7 +62,8 @@ void sl_strings_free(char **list, size_t count) {
 
 void sl_scene_leave_out_warnings(sl_scene *scene, size_t count) {
     scene->warnings_left_out += count;
-    snprintf(scene->more_warnings, sizeof scene->more_warnings, "and %zu more of such lines", scene->warnings_left_out);
+    snprintf(scene->more_warnings, sizeof scene->more_warnings, "and %zu more of such lines",
+             scene->warnings_left_out);
 }
 
 /* Without memory for it the warning is lost, never the scene. */
@@ -71,15 +81,18 @@ void sl_scene_warn(sl_scene *scene, const char *format, ...) {
         if (*c == '\n' || *c == '\r') *c = ' ';
     }
     char *copy = sl_string_copy(line);
-    if (copy && sl_regrow(&scene->warnings, scene->warning_count, scene->warning_count + 1, sizeof *scene->warnings)) scene->warnings[scene->warning_count++] = copy;
+    if (copy &&
+        sl_regrow(&scene->warnings, scene->warning_count, scene->warning_count + 1, sizeof *scene->warnings))
+        scene->warnings[scene->warning_count++] = copy;
     else sl_free(copy);
 }
 
-/* ---- the end ------------------------------------------------------------------------------------------------------------ */
+/* ---- the end --------------------------------------------------------------------------------- */
 
 static void free_geometry(sl_scene *s) {
-    float *arrays[] = {s->position_x, s->position_y, s->position_z, s->normal_x, s->normal_y, s->normal_z, s->texture_u,
-                       s->texture_v, s->geometric_normal_x, s->geometric_normal_y, s->geometric_normal_z};
+    float *arrays[] = {s->position_x,         s->position_y,         s->position_z,        s->normal_x,
+                       s->normal_y,           s->normal_z,           s->texture_u,         s->texture_v,
+                       s->geometric_normal_x, s->geometric_normal_y, s->geometric_normal_z};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) sl_free(arrays[i]);
     for (int c = 0; c < 3; c++) sl_free(s->vertex[c]);
     sl_free(s->material_index);
@@ -109,9 +122,10 @@ void sl_scene_destroy(sl_scene *scene) {
     sl_free(scene);
 }
 
-/* ---- the hash ------------------------------------------------------------------------------------------------------------- */
+/* ---- the hash -------------------------------------------------------------------------------- */
 
-/* Words of eight bytes, each mixed into the state; the length closes, so that lists cannot run into each other. */
+/* Words of eight bytes, each mixed into the state; the length closes, so that lists cannot run into each
+ * other. */
 static void hash_bytes(uint64_t *hash, const void *data, size_t bytes) {
     const unsigned char *at = data;
     for (size_t i = 0; i < bytes; i += 8) {
@@ -122,19 +136,25 @@ static void hash_bytes(uint64_t *hash, const void *data, size_t bytes) {
     *hash = sl_hash64(*hash ^ bytes);
 }
 
-static void hash_rgb(uint64_t *hash, sl_rgb c) { hash_bytes(hash, (float[3]){c.r, c.g, c.b}, 3 * sizeof(float)); }
-static void hash_vec3(uint64_t *hash, sl_vec3 v) { hash_bytes(hash, (float[3]){v.x, v.y, v.z}, 3 * sizeof(float)); }
+static void hash_rgb(uint64_t *hash, sl_rgb c) {
+    hash_bytes(hash, (float[3]){c.r, c.g, c.b}, 3 * sizeof(float));
+}
+static void hash_vec3(uint64_t *hash, sl_vec3 v) {
+    hash_bytes(hash, (float[3]){v.x, v.y, v.z}, 3 * sizeof(float));
+}
 
 static void hash_geometry(uint64_t *hash, const sl_scene *s) {
-    const float *arrays[] = {s->position_x, s->position_y, s->position_z, s->normal_x, s->normal_y, s->normal_z,
-                             s->texture_u, s->texture_v};
-    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) hash_bytes(hash, arrays[i], s->vertex_count * sizeof(float));
+    const float *arrays[] = {s->position_x, s->position_y, s->position_z, s->normal_x,
+                             s->normal_y,   s->normal_z,   s->texture_u,  s->texture_v};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        hash_bytes(hash, arrays[i], s->vertex_count * sizeof(float));
     for (int c = 0; c < 3; c++) hash_bytes(hash, s->vertex[c], s->triangle_count * sizeof(uint32_t));
     hash_bytes(hash, s->material_index, s->triangle_count * sizeof(uint32_t));
     for (size_t i = 0; i < s->bicubic_count; i++) {
         const sl_bicubic *b = &s->bicubics[i];
         for (int k = 0; k < 16; k++) hash_vec3(hash, b->point[k / 4][k % 4]);
-        hash_bytes(hash, (uint32_t[3]){b->first_vertex, b->first_triangle, (uint32_t)b->steps}, 3 * sizeof(uint32_t));
+        hash_bytes(hash, (uint32_t[3]){b->first_vertex, b->first_triangle, (uint32_t)b->steps},
+                   3 * sizeof(uint32_t));
     }
 }
 
@@ -144,7 +164,8 @@ static void hash_material(uint64_t *hash, const sl_material *m) {
     hash_bytes(hash, &m->exponent, sizeof m->exponent);
     hash_rgb(hash, m->mirror);
     hash_rgb(hash, m->emission);
-    hash_bytes(hash, (uint32_t[3]){m->emission_two_sided, m->texture, m->alpha_texture}, 3 * sizeof(uint32_t));
+    hash_bytes(hash, (uint32_t[3]){m->emission_two_sided, m->texture, m->alpha_texture},
+               3 * sizeof(uint32_t));
     if (m->height_map == 0) return;
     hash_bytes(hash, &m->height_map, sizeof m->height_map);
     hash_bytes(hash, &m->bump_depth, sizeof m->bump_depth);

@@ -1,5 +1,5 @@
-/* The scene as everyone behind the public header sees it: triangles in structure-of-arrays form, materials, lights,
- * camera. Immutable between edits; an edit raises `version`. */
+/* The scene as everyone behind the public header sees it: triangles in structure-of-arrays form, materials,
+ * lights, camera. Immutable between edits; an edit raises `version`. */
 #ifndef SL_SCENE_SCENE_H
 #define SL_SCENE_SCENE_H
 
@@ -21,7 +21,8 @@ typedef struct sl_material {
     sl_rgb emission;      /* radiance L_e, leaving the front (counter-clockwise) side */
     bool emission_two_sided;
     uint32_t texture;     /* of kd, or SL_NO_INDEX */
-    uint32_t alpha_texture; /* alpha mask (its alpha channel, or its luminance where it has none), tested at 0.5, or SL_NO_INDEX */
+    /* alpha mask (its alpha channel, or its luminance where it has none), tested at 0.5, or SL_NO_INDEX */
+    uint32_t alpha_texture;
     uint32_t height_map;  /* 1 + the texture of heights, for shading alone (bump.h); 0: flat */
     float bump_depth;     /* from black to white, in widths of the texture: 0 to 1 */
 } sl_material;
@@ -34,7 +35,8 @@ static inline bool sl_material_is_glossy(const sl_material *m) { return sl_rgb_m
 static inline bool sl_material_is_mirror(const sl_material *m) { return sl_rgb_max(m->mirror) > 0.0f; }
 static inline bool sl_material_is_emitter(const sl_material *m) { return sl_rgb_max(m->emission) > 0.0f; }
 
-/* 8-bit sRGB RGBA, row 0 at the top; v = 0 is the bottom row as in OBJ and OpenGL; repeats in both directions. */
+/* 8-bit sRGB RGBA, row 0 at the top; v = 0 is the bottom row as in OBJ and OpenGL; repeats in both
+ * directions. */
 typedef struct sl_texture {
     char *file;
     int width, height;
@@ -42,15 +44,18 @@ typedef struct sl_texture {
     uint8_t *texels; /* 4 bytes a texel */
 } sl_texture;
 
-/* Lights without extent. Emissive triangles (sl_emitter) are the area lights; "quad" lights of a scene file become two. */
+/* Lights without extent. Emissive triangles (sl_emitter) are the area lights; "quad" lights of a scene file
+ * become two. */
 typedef enum sl_light_type { SL_LIGHT_POINT, SL_LIGHT_SPOT, SL_LIGHT_DIRECTIONAL } sl_light_type;
 
 typedef struct sl_light {
     sl_light_type type;
     sl_vec3 position;    /* point, spot */
     sl_vec3 direction;   /* unit, the way the light travels: spot axis, directional */
-    sl_rgb intensity;    /* point, spot: radiant intensity I in W/sr; directional: irradiance E in W/m^2 on a plane facing it */
-    float cos_inner, cos_outer; /* spot: full intensity inside, none outside, smoothstep of the cosine between; equal: a step */
+    /* point, spot: radiant intensity I in W/sr; directional: irradiance E in W/m^2 on a plane facing it */
+    sl_rgb intensity;
+    /* spot: full intensity inside, none outside, smoothstep of the cosine between; equal: a step */
+    float cos_inner, cos_outer;
 } sl_light;
 
 typedef struct sl_emitter {
@@ -62,21 +67,24 @@ typedef struct sl_emitter {
 } sl_emitter;
 
 /* Latitude-longitude radiance, or one constant where width is 0.
- * direction = (sin theta sin phi, cos theta, -sin theta cos phi), phi = 2 pi (u - 1/2), theta = pi v, v = 0 the top row. */
+ * direction = (sin theta sin phi, cos theta, -sin theta cos phi), phi = 2 pi (u - 1/2), theta = pi v, v = 0
+ * the top row. */
 typedef struct sl_environment {
     bool present;
     sl_rgb constant;     /* where width = 0; scale included */
     int width, height;
     float *texels;       /* RGB, scale included; each texel is one constant piece of the sky */
-    /* Sampling proportional to luminance times solid angle: cumulative sums, double, normalised to end at 1. */
+    /* Sampling proportional to luminance times solid angle: cumulative sums, double, normalised to end at 1.
+     */
     double *row_cdf;     /* height values */
     double *column_cdf;  /* height x width values */
 } sl_environment;
 
-/* A bicubic Bezier surface. The scene holds triangles of it, which is what everyone sees who does not ask for the surface itself: vertices
- * first_vertex + row * (steps + 1) + column at (u, v) = (column, row) / steps; from first_triangle on, row by row, two triangles a cell, (column, row)
- * (+1, 0) (+1, +1) and (column, row) (+1, +1) (0, +1), but for those without area (where an edge of the surface is one point): sl_bicubic_triangle()
- * in scene/bicubic.h finds them. */
+/* A bicubic Bezier surface. The scene holds triangles of it, which is what everyone sees who does not ask for
+ * the surface itself: vertices first_vertex + row * (steps + 1) + column at (u, v) = (column, row) / steps;
+ * from first_triangle on, row by row, two triangles a cell, (column, row)
+ * (+1, 0) (+1, +1) and (column, row) (+1, +1) (0, +1), but for those without area (where an edge of the
+ * surface is one point): sl_bicubic_triangle() in scene/bicubic.h finds them. */
 typedef struct sl_bicubic {
     sl_vec3 point[4][4];  /* control points as the scene stands now: point[j][i], i along u, j along v */
     uint32_t first_vertex, first_triangle, triangle_count;
@@ -104,7 +112,8 @@ struct sl_scene {
     uint32_t *vertex[3];        /* corner indices */
     uint32_t *material_index;
     uint32_t *object_index;     /* into objects */
-    float *geometric_normal_x, *geometric_normal_y, *geometric_normal_z; /* unit, by counter-clockwise winding */
+    /* unit, by counter-clockwise winding */
+    float *geometric_normal_x, *geometric_normal_y, *geometric_normal_z;
 
     size_t bicubic_count;
     sl_bicubic *bicubics;       /* in triangle order */
@@ -118,7 +127,8 @@ struct sl_scene {
     size_t emitter_count;
     sl_emitter *emitters;       /* in triangle order */
     uint32_t *emitter_of_triangle; /* triangle_count, or SL_NO_INDEX */
-    size_t emissive_count;      /* triangles of emissive materials: emitters, and what is too small (or too large) to have an area now */
+    /* triangles of emissive materials: emitters, and what is too small (or too large) to have an area now */
+    size_t emissive_count;
     float *opaque_share;        /* of each of them, in triangle order: no motion changes it */
     sl_environment environment;
 
@@ -131,18 +141,22 @@ struct sl_scene {
 
     sl_vec3 box_min, box_max;
     float diagonal;             /* of the box, > 0 */
-    /* Where most of the scene lies, if a little of it lies far apart (scale.c); else the diagonal and the box. Tolerances are shares of the scale, > 0;
-     * it is a good deal larger than the central region, which is where detail is. */
+    /* Where most of the scene lies, if a little of it lies far apart (scale.c); else the diagonal and the
+     * box. Tolerances are shares of the scale, > 0; it is a good deal larger than the central region, which
+     * is where detail is. */
     float scale;
     sl_vec3 central_min, central_max;
-    /* What they follow from: the middle, the radius that holds half of the vertices, the eye with which the scene was made or that was set since. */
+    /* What they follow from: the middle, the radius that holds half of the vertices, the eye with which the
+     * scene was made or that was set since. */
     sl_vec3d middle;
     double radius;
     sl_vec3 vantage;
 
     size_t warning_count, warnings_left_out;
     char **warnings, more_warnings[64]; /* the latter: on those that are left out */
-    size_t file_count; /* that it was read from, the ones that were named and the ones that those name; some more than once. Writing them would lose them */
+    /* that it was read from, the ones that were named and the ones that those name; some more than once.
+     * Writing them would lose them */
+    size_t file_count;
     char **files;
 };
 
@@ -153,18 +167,26 @@ static inline sl_vec3 sl_scene_normal(const sl_scene *s, uint32_t vertex) {
     return sl_v3(s->normal_x[vertex], s->normal_y[vertex], s->normal_z[vertex]);
 }
 static inline sl_vec3 sl_scene_geometric_normal(const sl_scene *s, uint32_t triangle) {
-    return sl_v3(s->geometric_normal_x[triangle], s->geometric_normal_y[triangle], s->geometric_normal_z[triangle]);
+    return sl_v3(s->geometric_normal_x[triangle], s->geometric_normal_y[triangle],
+                 s->geometric_normal_z[triangle]);
 }
-/* Has the scene a part so far from the rest that what is right for one is wrong for the other? Then rounding is reckoned by where a point is. */
+/* Has the scene a part so far from the rest that what is right for one is wrong for the other? Then rounding
+ * is reckoned by where a point is. */
 static inline bool sl_scene_is_scattered(const sl_scene *s) { return s->scale < s->diagonal; }
-static inline float sl_greatest_coordinate(sl_vec3 p) { return fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))); }
-/* The greatest coordinate by which a point there, and what is near to it, may have been rounded: of all the scene, unless it is scattered. */
+static inline float sl_greatest_coordinate(sl_vec3 p) {
+    return fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z)));
+}
+/* The greatest coordinate by which a point there, and what is near to it, may have been rounded: of all the
+ * scene, unless it is scattered. */
 static inline float sl_scene_coordinate_near(const sl_scene *s, sl_vec3 p) {
     float all = fmaxf(sl_greatest_coordinate(s->box_min), sl_greatest_coordinate(s->box_max));
     return sl_scene_is_scattered(s) ? fminf(all, sl_greatest_coordinate(p) + s->scale) : all;
 }
-/* A share of the scale by which points leave their surface, in a scattered scene no less than what rounding takes away there. */
-static inline float sl_scene_rounding(const sl_scene *s) { return sl_scene_is_scattered(s) ? 0x1p-20f : 0.0f; }
+/* A share of the scale by which points leave their surface, in a scattered scene no less than what rounding
+ * takes away there. */
+static inline float sl_scene_rounding(const sl_scene *s) {
+    return sl_scene_is_scattered(s) ? 0x1p-20f : 0.0f;
+}
 static inline float sl_scene_offset_at(const sl_scene *s, float offset, sl_vec3 p) {
     float least = sl_scene_rounding(s) * sl_greatest_coordinate(p);
     return least > offset ? least : offset;
@@ -182,43 +204,54 @@ typedef struct sl_surface {
     bool front;                 /* seen from the counter-clockwise side */
 } sl_surface;
 
-/* to_viewer need not be unit. The one place where sides, flipping and textures are decided (scene/surface.c). */
+/* to_viewer need not be unit. The one place where sides, flipping and textures are decided (scene/surface.c).
+ */
 void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float w2, sl_vec3 to_viewer,
                       sl_surface *surface);
 /* kd with texture alone; and whether the alpha mask is opaque there. */
 sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, float w2);
-/* The same with the nearest texel alone: for gathers, which see a surface through thousands of samples, each far larger than a texel. */
+/* The same with the nearest texel alone: for gathers, which see a surface through thousands of samples, each
+ * far larger than a texel. */
 sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float w1, float w2);
 bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, float w2);
-/* For who cannot ask the mask at each point of a lamp: points spread evenly over a masked triangle, as fine as its mask's texels, up to 4096 of them; where
- * each lies, and whether the mask is opaque there; and the share of them that are. 1 without a mask. */
+/* For who cannot ask the mask at each point of a lamp: points spread evenly over a masked triangle, as fine
+ * as its mask's texels, up to 4096 of them; where each lies, and whether the mask is opaque there; and the
+ * share of them that are. 1 without a mask. */
 int sl_scene_mask_points(const sl_scene *scene, uint32_t triangle);
 bool sl_scene_mask_point(const sl_scene *scene, uint32_t triangle, int index, float *w1, float *w2);
 float sl_scene_opaque_share(const sl_scene *scene, uint32_t triangle);
-bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle); /* the triangle's material has an alpha mask */
+/* the triangle's material has an alpha mask */
+bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle);
 
-/* Radiance that a triangle sends to the side on which geometric_normal points (turned to the viewer): black from behind, unless it shines on both. */
+/* Radiance that a triangle sends to the side on which geometric_normal points (turned to the viewer): black
+ * from behind, unless it shines on both. */
 sl_rgb sl_scene_emission(const sl_scene *scene, uint32_t triangle, sl_vec3 geometric_normal);
 
 /* Radiance of the environment in a unit direction; black where there is none. */
 sl_rgb sl_environment_radiance(const sl_environment *environment, sl_vec3 direction);
-/* A direction drawn proportional to luminance x solid angle from two numbers in [0,1); its radiance and pdf (1/sr). */
-sl_vec3 sl_environment_sample(const sl_environment *environment, float u1, float u2, sl_rgb *radiance, float *pdf);
+/* A direction drawn proportional to luminance x solid angle from two numbers in [0,1); its radiance and pdf
+ * (1/sr). */
+sl_vec3 sl_environment_sample(const sl_environment *environment, float u1, float u2, sl_rgb *radiance,
+                              float *pdf);
 float sl_environment_pdf(const sl_environment *environment, sl_vec3 direction);
 /* The middle of a texel (the environment is a picture), its radiance and its solid angle. */
-sl_vec3 sl_environment_texel(const sl_environment *environment, int row, int column, sl_rgb *radiance, float *solid_angle);
-/* Largest over mean luminance, the mean by solid angle: 1 for a constant sky, thousands for one with a sun in it; 1 where there is none. */
+sl_vec3 sl_environment_texel(const sl_environment *environment, int row, int column, sl_rgb *radiance,
+                             float *solid_angle);
+/* Largest over mean luminance, the mean by solid angle: 1 for a constant sky, thousands for one with a sun in
+ * it; 1 where there is none. */
 double sl_environment_contrast(const sl_environment *environment);
-/* Sky and sun, sky + sun = all: the sky is the whole, cut in proportion to at most a luminance of threshold_over_mean (> 1) times its own
- * mean, so of low contrast; the sun is the rest, some texels or none. Both with sampling tables of their own, both to be released with
- * sl_environment_release(). A part that is black is not present; a constant environment is all sky. */
-sl_status sl_environment_split(const sl_environment *all, double threshold_over_mean, sl_environment *sky, sl_environment *sun,
-                               sl_error *error);
+/* Sky and sun, sky + sun = all: the sky is the whole, cut in proportion to at most a luminance of
+ * threshold_over_mean (> 1) times its own mean, so of low contrast; the sun is the rest, some texels or none.
+ * Both with sampling tables of their own, both to be released with sl_environment_release(). A part that is
+ * black is not present; a constant environment is all sky. */
+sl_status sl_environment_split(const sl_environment *all, double threshold_over_mean, sl_environment *sky,
+                               sl_environment *sun, sl_error *error);
 void sl_environment_release(sl_environment *environment);
 
-/* Irradiance-like terms of a light without extent at p: unit direction to the light, distance (infinite for directional)
- * and the irradiance on a plane that faces it. Returns false where that is zero. */
-bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance, sl_rgb *irradiance);
+/* Irradiance-like terms of a light without extent at p: unit direction to the light, distance (infinite for
+ * directional) and the irradiance on a plane that faces it. Returns false where that is zero. */
+bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance,
+                         sl_rgb *irradiance);
 
 /* Of all that light depends on, whoever looks: geometry, materials, textures, lights, environment. */
 uint64_t sl_scene_light_hash(const sl_scene *scene);
@@ -227,10 +260,10 @@ uint64_t sl_scene_hash_of(const sl_scene *scene, uint64_t light_hash);
 
 /* ---- building (used by the importers and by tests that make scenes by hand) ---- */
 
-/* A scene from plain arrays: takes ownership of nothing, copies everything. Validates as sl_scene_load() does: drops triangles
- * with non-finite or out-of-range vertices and zero area (with a warning), computes emitters and bounds. Vertices come out in
- * the order of their first use. A corner without a normal gets its facet's geometric normal, and with it a vertex of its own, so
- * that facets stay facets. */
+/* A scene from plain arrays: takes ownership of nothing, copies everything. Validates as sl_scene_load()
+ * does: drops triangles with non-finite or out-of-range vertices and zero area (with a warning), computes
+ * emitters and bounds. Vertices come out in the order of their first use. A corner without a normal gets its
+ * facet's geometric normal, and with it a vertex of its own, so that facets stay facets. */
 typedef struct sl_scene_parts {
     size_t vertex_count;
     const float *positions;      /* xyz */
@@ -240,8 +273,11 @@ typedef struct sl_scene_parts {
     const uint32_t *indices;     /* three a triangle */
     const uint32_t *material_index; /* one a triangle, or NULL: all 0 */
     const uint32_t *object_index;   /* or NULL: all 0 */
-    size_t bicubic_count;        /* first_vertex, first_triangle and triangle_count into these arrays; all 2 steps^2 triangles, in triangle order, */
-    const sl_bicubic *bicubics;  /* vertices with normals that nothing else uses: sl_bicubic_tessellate() in scene/bicubic.h */
+    /* first_vertex, first_triangle and triangle_count into these arrays; all 2 steps^2 triangles, in triangle
+     * order, */
+    size_t bicubic_count;
+    /* vertices with normals that nothing else uses: sl_bicubic_tessellate() in scene/bicubic.h */
+    const sl_bicubic *bicubics;
     size_t material_count;
     const sl_material *materials;
     size_t texture_count;
@@ -259,7 +295,8 @@ typedef struct sl_scene_parts {
 
 sl_status sl_scene_build(const sl_scene_parts *parts, sl_scene **scene, sl_error *error);
 __attribute__((format(printf, 2, 3))) void sl_scene_warn(sl_scene *scene, const char *format, ...);
-/* Counts that many more warnings, which nobody would read. sl_scene_warn() does so beyond twice SL_WARNINGS_OF_READING. */
+/* Counts that many more warnings, which nobody would read. sl_scene_warn() does so beyond twice
+ * SL_WARNINGS_OF_READING. */
 void sl_scene_leave_out_warnings(sl_scene *scene, size_t count);
 enum { SL_WARNINGS_OF_READING = 100 /* each is compared with those before it */ };
 bool sl_camera_look_at(sl_camera *camera, sl_vec3 eye, sl_vec3 target, sl_vec3 up, float vertical_fov);

@@ -23,13 +23,14 @@ static void read_up(sl_scene_file *file, const cJSON *item) {
     }
 }
 
-/* ---- meshes ------------------------------------------------------------------------------------------------------------------ */
+/* ---- meshes ---------------------------------------------------------------------------------- */
 
 static void rename_objects(sl_scene_file *file, size_t first, const char *name) {
     for (size_t i = first; i < file->model.object_count; i++) {
         char longer[512];
         bool only = file->model.object_count - first == 1;
-        snprintf(longer, sizeof longer, "%.200s%s%.200s", name, only ? "" : "/", only ? "" : file->model.object_names[i]);
+        snprintf(longer, sizeof longer, "%.200s%s%.200s", name, only ? "" : "/",
+                 only ? "" : file->model.object_names[i]);
         size_t length = strlen(longer);
         char *copy = sl_allocate(length + 1, 1);
         if (!copy) return; /* the old name will do */
@@ -50,7 +51,8 @@ static bool wants_facets(sl_json *json, const cJSON *item) {
 
 static void load_mesh(sl_scene_file *file, const cJSON *item) {
     sl_json *json = &file->json;
-    if (!SL_JSON_KEYS(json, item, "a mesh", "file", "name", "transform", "material", "normals", "keyframes")) return;
+    if (!SL_JSON_KEYS(json, item, "a mesh", "file", "name", "transform", "material", "normals", "keyframes"))
+        return;
     const cJSON *named = sl_json_need(json, item, "file");
     const char *name = sl_json_string(json, named), *label = sl_json_string(json, sl_json_get(item, "name"));
     bool faceted = wants_facets(json, sl_json_get(item, "normals"));
@@ -62,19 +64,22 @@ static void load_mesh(sl_scene_file *file, const cJSON *item) {
         return;
     }
     sl_affine placement = sl_affine_after(&file->turn, &transform);
-    size_t first = file->model.object_count, first_vertex = file->model.vertex_count, surfaces = file->model.bicubic_count;
+    size_t first = file->model.object_count, first_vertex = file->model.vertex_count,
+           surfaces = file->model.bicubic_count;
     sl_error problem = {0};
     sl_status status = sl_model_may_read(&file->model, path, &problem);
     if (status == SL_OK) status = sl_mesh_file_load(path, &placement, &file->model, &problem);
     sl_free(path);
     if (status == SL_ERROR_INPUT) sl_json_fail(json, named, "mesh %s", problem.message);
     else if (status != SL_OK) json->status = sl_fail(json->error, status, "%s", problem.message);
-    if (faceted && file->model.bicubic_count > surfaces) sl_json_fail(json, item, "expected 'normals' other than 'faceted' for bicubic surfaces");
+    if (faceted && file->model.bicubic_count > surfaces)
+        sl_json_fail(json, item, "expected 'normals' other than 'faceted' for bicubic surfaces");
     if (json->status != SL_OK) return;
     if (label) rename_objects(file, first, label);
     size_t vertices = file->model.vertex_count - first_vertex;
     if (faceted && vertices) memset(file->model.normals + 3 * first_vertex, 0, 3 * vertices * sizeof(float));
-    sl_scene_file_object_keys(file, sl_json_get(item, "keyframes"), (uint32_t)first, (uint32_t)(file->model.object_count - first));
+    sl_scene_file_object_keys(file, sl_json_get(item, "keyframes"), (uint32_t)first,
+                              (uint32_t)(file->model.object_count - first));
 }
 
 /* All meshes, then the materials that override theirs, then the materials that meshes ask for. */
@@ -92,16 +97,18 @@ static void read_meshes(sl_scene_file *file, const cJSON *list, const cJSON *mat
     }
     sl_scene_file_materials(file, materials, list);
     i = 0;
-    for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK; item = item->next, i++) {
+    for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK;
+         item = item->next, i++) {
         const cJSON *asked = sl_json_get(item, "material");
         const char *name = sl_json_string(json, asked);
         uint32_t material = name ? sl_scene_file_material_named(file, asked, name) : 0;
-        for (size_t t = first_triangle[i]; name && t < first_triangle[i + 1]; t++) file->model.material_index[t] = material;
+        for (size_t t = first_triangle[i]; name && t < first_triangle[i + 1]; t++)
+            file->model.material_index[t] = material;
     }
     sl_free(first_triangle);
 }
 
-/* ---- the rest -------------------------------------------------------------------------------------------------------------------- */
+/* ---- the rest -------------------------------------------------------------------------------- */
 
 static void read_film(sl_scene_file *file, const cJSON *item) {
     sl_json *json = &file->json;
@@ -120,11 +127,15 @@ static void read_film(sl_scene_file *file, const cJSON *item) {
 static void read_root(sl_scene_file *file) {
     sl_json *json = &file->json;
     const cJSON *root = json->root;
-    if (!SL_JSON_KEYS(json, root, "the scene", "softlux", "up", "meshes", "materials", "lights", "environment", "camera", "film")) return;
+    if (!SL_JSON_KEYS(json, root, "the scene", "softlux", "up", "meshes", "materials", "lights",
+                      "environment", "camera", "film"))
+        return;
     double version = 0.0;
-    if (sl_json_number(json, sl_json_need(json, root, "softlux"), -1e9, 1e9, &version) && version != VERSION) {
+    if (sl_json_number(json, sl_json_need(json, root, "softlux"), -1e9, 1e9, &version) &&
+        version != VERSION) {
         char text[32];
-        sl_json_fail(json, sl_json_get(root, "softlux"), "expected version \"softlux\": %d, got %s", VERSION, sl_outside_text(version, VERSION, VERSION, text));
+        sl_json_fail(json, sl_json_get(root, "softlux"), "expected version \"softlux\": %d, got %s", VERSION,
+                     sl_outside_text(version, VERSION, VERSION, text));
     }
     read_up(file, sl_json_get(root, "up"));
     read_meshes(file, sl_json_get(root, "meshes"), sl_json_get(root, "materials"));
@@ -134,7 +145,9 @@ static void read_root(sl_scene_file *file) {
     read_film(file, sl_json_get(root, "film"));
 }
 
-static bool moves(const sl_animation *a) { return a->object_track_count || a->light_track_count || a->camera_key_count; }
+static bool moves(const sl_animation *a) {
+    return a->object_track_count || a->light_track_count || a->camera_key_count;
+}
 
 /* What the parts say together; it has no line of its own. */
 static sl_status build(sl_scene_file *file, sl_scene **scene) {
@@ -147,16 +160,20 @@ static sl_status build(sl_scene_file *file, sl_scene **scene) {
     if (status == SL_OK) return SL_OK;
     sl_scene_destroy(*scene);
     *scene = NULL;
-    return status == SL_ERROR_INPUT ? sl_fail(file->json.error, status, "%s: %s", file->json.path, problem.message)
-                                    : sl_fail(file->json.error, status, "%s", problem.message);
+    return status == SL_ERROR_INPUT
+               ? sl_fail(file->json.error, status, "%s: %s", file->json.path, problem.message)
+               : sl_fail(file->json.error, status, "%s", problem.message);
 }
 
-sl_status sl_scene_file_load(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error) {
+sl_status sl_scene_file_load(const char *path, const sl_load_options *options, sl_scene **scene,
+                             sl_error *error) {
     *scene = NULL;
-    sl_scene_file file = {.model = {.view = options->view}, .animation = sl_allocate(1, sizeof(sl_animation))};
+    sl_scene_file file = {.model = {.view = options->view},
+                          .animation = sl_allocate(1, sizeof(sl_animation))};
     if (!file.animation) return sl_fail_memory(error, "the scene file");
     sl_status opened = sl_json_open(path, &file.json, error);
-    if (opened == SL_OK && !options->allow_outside) file.json.status = sl_model_confine(&file.model, path, error);
+    if (opened == SL_OK && !options->allow_outside)
+        file.json.status = sl_model_confine(&file.model, path, error);
     if (file.json.status == SL_OK) file.json.status = sl_model_note_file(&file.model, path, error);
     if (file.json.status == SL_OK) read_root(&file);
     if (file.json.status == SL_OK) file.json.status = build(&file, scene);

@@ -6,7 +6,8 @@
 #include "scene/json.h"
 #include "scene/model.h"
 
-sl_status sl_scene_file_load(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error);
+sl_status sl_scene_file_load(const char *path, const sl_load_options *options, sl_scene **scene,
+                             sl_error *error);
 
 /* ---- between scene_file.c, scene_file_motion.c, scene_file_lights.c and scene_file_materials.c ---- */
 
@@ -24,7 +25,8 @@ double sl_scene_file_radians(double degrees);
 /* "transform" of a mesh: 16 numbers by columns, or {translate, rotate_deg, scale}. */
 sl_affine sl_scene_file_transform(sl_scene_file *file, const cJSON *item);
 /* "keyframes" of a mesh or quad light (NULL: none); of a light without extent; of the camera. */
-void sl_scene_file_object_keys(sl_scene_file *file, const cJSON *item, uint32_t first_object, uint32_t object_count);
+void sl_scene_file_object_keys(sl_scene_file *file, const cJSON *item, uint32_t first_object,
+                               uint32_t object_count);
 void sl_scene_file_light_keys(sl_scene_file *file, const cJSON *item, uint32_t light);
 void sl_scene_file_camera(sl_scene_file *file, const cJSON *item);
 

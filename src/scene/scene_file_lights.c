@@ -36,12 +36,14 @@ static bool read_position(sl_scene_file *file, const cJSON *object, sl_vec3 *pos
     return true;
 }
 
-/* ---- lights without extent --------------------------------------------------------------------------------------------------- */
+/* ---- lights without extent ------------------------------------------------------------------- */
 
 /* A point light of power P has the intensity P / (4 pi) in every direction. */
 static void read_point(sl_scene_file *file, const cJSON *item, sl_light *light) {
     sl_json *json = &file->json;
-    if (!SL_JSON_KEYS(json, item, "a point light", "type", "name", "position", "intensity", "power", "keyframes")) return;
+    if (!SL_JSON_KEYS(json, item, "a point light", "type", "name", "position", "intensity", "power",
+                      "keyframes"))
+        return;
     light->type = SL_LIGHT_POINT;
     read_position(file, item, &light->position);
     bool intensity;
@@ -53,8 +55,9 @@ static void read_point(sl_scene_file *file, const cJSON *item, sl_light *light) 
 
 static void read_spot(sl_scene_file *file, const cJSON *item, sl_light *light) {
     sl_json *json = &file->json;
-    if (!SL_JSON_KEYS(json, item, "a spot light", "type", "name", "position", "direction", "intensity", "inner_deg", "outer_deg",
-                      "keyframes")) return;
+    if (!SL_JSON_KEYS(json, item, "a spot light", "type", "name", "position", "direction", "intensity",
+                      "inner_deg", "outer_deg", "keyframes"))
+        return;
     light->type = SL_LIGHT_SPOT;
     read_position(file, item, &light->position);
     read_direction(file, item, &light->direction);
@@ -63,14 +66,18 @@ static void read_spot(sl_scene_file *file, const cJSON *item, sl_light *light) {
     sl_json_number(json, sl_json_need(json, item, "outer_deg"), 0.01, 180.0, &outer);
     double inner = outer;
     sl_json_number(json, sl_json_get(item, "inner_deg"), 0.0, 180.0, &inner);
-    if (inner > outer) sl_json_fail(json, sl_json_get(item, "inner_deg"), "expected 'inner_deg' of at most 'outer_deg', %g", outer);
+    if (inner > outer)
+        sl_json_fail(json, sl_json_get(item, "inner_deg"), "expected 'inner_deg' of at most 'outer_deg', %g",
+                     outer);
     light->cos_inner = (float)sl_cos(sl_scene_file_radians(inner));
     light->cos_outer = (float)sl_cos(sl_scene_file_radians(outer));
 }
 
 static void read_directional(sl_scene_file *file, const cJSON *item, sl_light *light) {
     sl_json *json = &file->json;
-    if (!SL_JSON_KEYS(json, item, "a directional light", "type", "name", "direction", "irradiance", "keyframes")) return;
+    if (!SL_JSON_KEYS(json, item, "a directional light", "type", "name", "direction", "irradiance",
+                      "keyframes"))
+        return;
     light->type = SL_LIGHT_DIRECTIONAL;
     read_direction(file, item, &light->direction);
     sl_json_rgb(json, sl_json_need(json, item, "irradiance"), &light->intensity);
@@ -85,8 +92,12 @@ typedef struct dark_lights {
 static void warn_of_dark(sl_scene_file *file, const dark_lights *dark) {
     if (!dark->count || file->json.status != SL_OK) return;
     unsigned long line = sl_json_line(&file->json, dark->first);
-    if (dark->count == 1) sl_model_warn(&file->model, "%s:%lu: this light gives no light and is left out", file->json.path, line);
-    else sl_model_warn(&file->model, "%s:%lu: this light and %zu more give no light and are left out", file->json.path, line, dark->count - 1);
+    if (dark->count == 1)
+        sl_model_warn(&file->model, "%s:%lu: this light gives no light and is left out", file->json.path,
+                      line);
+    else
+        sl_model_warn(&file->model, "%s:%lu: this light and %zu more give no light and are left out",
+                      file->json.path, line, dark->count - 1);
 }
 
 static void add_light(sl_scene_file *file, const cJSON *item, const sl_light *light, dark_lights *dark) {
@@ -100,7 +111,7 @@ static void add_light(sl_scene_file *file, const cJSON *item, const sl_light *li
     if (file->json.status == SL_OK) sl_scene_file_light_keys(file, sl_json_get(item, "keyframes"), index);
 }
 
-/* ---- quads: two emissive triangles ----------------------------------------------------------------------------------------------- */
+/* ---- quads: two emissive triangles ----------------------------------------------------------- */
 
 typedef struct quad {
     sl_vec3d corner, edge1, edge2;
@@ -111,26 +122,33 @@ typedef struct quad {
 /* A diffuse emitter of power P and area A leaves the radiance P / (pi A) on each side that shines. */
 static void read_quad(sl_scene_file *file, const cJSON *item, quad *q) {
     sl_json *json = &file->json;
-    if (!SL_JSON_KEYS(json, item, "a quad light", "type", "name", "corner", "edge1", "edge2", "radiance", "power", "two_sided", "keyframes")) return;
+    if (!SL_JSON_KEYS(json, item, "a quad light", "type", "name", "corner", "edge1", "edge2", "radiance",
+                      "power", "two_sided", "keyframes"))
+        return;
     sl_json_vec3(json, sl_json_need(json, item, "corner"), &q->corner);
     sl_json_vec3(json, sl_json_need(json, item, "edge1"), &q->edge1);
     sl_json_vec3(json, sl_json_need(json, item, "edge2"), &q->edge2);
     sl_json_bool(json, sl_json_get(item, "two_sided"), &q->two_sided);
     double area = sl_lengthd(sl_crossd(q->edge1, q->edge2));
-    if (!(area > 0.0) || !isfinite(area)) sl_json_fail(json, item, "expected a quad light with an area: 'edge1' and 'edge2' must span one");
+    if (!(area > 0.0) || !isfinite(area))
+        sl_json_fail(json, item, "expected a quad light with an area: 'edge1' and 'edge2' must span one");
     bool radiance;
     const cJSON *strength = one_of(json, item, "radiance", "power", &radiance);
     if (sl_json_rgb(json, strength, &q->radiance) && !radiance) {
         q->radiance = sl_rgb_scale(q->radiance, (float)(1.0 / (SL_PI * area * (q->two_sided ? 2.0 : 1.0))));
-        if (!sl_rgb_is_finite(q->radiance)) sl_json_fail(json, item, "expected a quad light whose area gives a finite radiance");
+        if (!sl_rgb_is_finite(q->radiance))
+            sl_json_fail(json, item, "expected a quad light whose area gives a finite radiance");
     }
 }
 
 static sl_status add_quad_geometry(sl_scene_file *file, const quad *q, const char *name, uint32_t *object) {
     sl_model *m = &file->model;
     sl_error *error = file->json.error;
-    sl_material material = {.name = (char *)(uintptr_t)name, .emission = q->radiance, .emission_two_sided = q->two_sided,
-                            .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+    sl_material material = {.name = (char *)(uintptr_t)name,
+                            .emission = q->radiance,
+                            .emission_two_sided = q->two_sided,
+                            .texture = SL_NO_INDEX,
+                            .alpha_texture = SL_NO_INDEX};
     uint32_t index;
     size_t vertex, triangle;
     sl_status status = sl_model_add_material(m, &material, &index, error);
@@ -140,7 +158,8 @@ static sl_status add_quad_geometry(sl_scene_file *file, const quad *q, const cha
     if (status != SL_OK) return status;
     static const unsigned along1[4] = {0, 1, 1, 0}, along2[4] = {0, 0, 1, 1}, corners[6] = {0, 1, 2, 0, 2, 3};
     for (size_t i = 0; i < 4; i++) {
-        sl_vec3d p = sl_addd(q->corner, sl_addd(sl_scaled(q->edge1, along1[i]), sl_scaled(q->edge2, along2[i])));
+        sl_vec3d p =
+            sl_addd(q->corner, sl_addd(sl_scaled(q->edge1, along1[i]), sl_scaled(q->edge2, along2[i])));
         sl_vec3 at = sl_scene_file_point(file, p);
         m->positions[3 * (vertex + i)] = at.x;
         m->positions[3 * (vertex + i) + 1] = at.y;
@@ -163,17 +182,19 @@ static void add_quad(sl_scene_file *file, const cJSON *item, size_t number) {
     if (file->json.status != SL_OK) return;
     uint32_t object = 0;
     file->json.status = add_quad_geometry(file, &q, given ? given : name, &object);
-    if (file->json.status == SL_OK) sl_scene_file_object_keys(file, sl_json_get(item, "keyframes"), object, 1);
+    if (file->json.status == SL_OK)
+        sl_scene_file_object_keys(file, sl_json_get(item, "keyframes"), object, 1);
 }
 
-/* ---- all of them -------------------------------------------------------------------------------------------------------------------- */
+/* ---- all of them ----------------------------------------------------------------------------- */
 
 void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
     static const char *const types[] = {"point", "spot", "directional", "quad"};
     sl_json *json = &file->json;
     size_t count = sl_json_array(json, list), number = 0;
     dark_lights dark = {0};
-    for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK; item = item->next, number++) {
+    for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK;
+         item = item->next, number++) {
         if (!cJSON_IsObject(item)) {
             sl_json_fail(json, item, "expected a light to be an object { ... }");
             return;
@@ -186,20 +207,23 @@ void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
         else if (strcmp(type, "spot") == 0) read_spot(file, item, &light);
         else if (strcmp(type, "directional") == 0) read_directional(file, item, &light);
         else if (strcmp(type, "quad") == 0) add_quad(file, item, number);
-        else sl_json_fail(json, sl_json_get(item, "type"), "unknown light type '%s'; expected '%s'?", type, sl_nearest_name(type, types, 4));
+        else
+            sl_json_fail(json, sl_json_get(item, "type"), "unknown light type '%s'; expected '%s'?", type,
+                         sl_nearest_name(type, types, 4));
         if (strcmp(type, "quad") != 0) add_light(file, item, &light, &dark);
     }
     warn_of_dark(file, &dark);
 }
 
-/* ---- sky -------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- sky ------------------------------------------------------------------------------------- */
 
 static void picture_sky(sl_scene_file *file, const cJSON *item, const char *name, float scale) {
     sl_json *json = &file->json;
     char *path = sl_file_beside(json->path, name);
     sl_image *image = NULL;
     sl_error problem = {0};
-    sl_status status = path ? sl_model_may_read(&file->model, path, &problem) : sl_fail_memory(&problem, "a file name");
+    sl_status status =
+        path ? sl_model_may_read(&file->model, path, &problem) : sl_fail_memory(&problem, "a file name");
     if (status == SL_OK) status = sl_model_note_file(&file->model, path, &problem);
     if (status == SL_OK) status = sl_sky_read(path, &image, &problem);
     sl_free(path);
@@ -215,7 +239,10 @@ static void picture_sky(sl_scene_file *file, const cJSON *item, const char *name
     } else {
         sl_environment *e = &file->model.environment;
         size_t texels = (size_t)image->width * (size_t)image->height;
-        *e = (sl_environment){.present = true, .width = image->width, .height = image->height, .texels = sl_allocate(3 * texels, sizeof(float))};
+        *e = (sl_environment){.present = true,
+                              .width = image->width,
+                              .height = image->height,
+                              .texels = sl_allocate(3 * texels, sizeof(float))};
         if (!e->texels) json->status = sl_fail_memory(json->error, "the environment");
         for (size_t i = 0; e->texels && i < 3 * texels; i++) e->texels[i] = plane[i % 3][i / 3] * scale;
     }
@@ -237,6 +264,8 @@ void sl_scene_file_environment(sl_scene_file *file, const cJSON *item) {
     }
     sl_rgb radiance;
     if (!sl_json_rgb(json, what, &radiance)) return;
-    file->model.environment = (sl_environment){.present = true, .constant = sl_rgb_scale(radiance, (float)scale)};
-    if (!sl_rgb_is_finite(file->model.environment.constant)) sl_json_fail(json, item, "expected radiance times scale to be finite");
+    file->model.environment =
+        (sl_environment){.present = true, .constant = sl_rgb_scale(radiance, (float)scale)};
+    if (!sl_rgb_is_finite(file->model.environment.constant))
+        sl_json_fail(json, item, "expected radiance times scale to be finite");
 }

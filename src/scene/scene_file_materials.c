@@ -7,7 +7,7 @@
 #include "scene/file.h"
 #include "scene/scene_file.h"
 
-/* ---- one material ------------------------------------------------------------------------------------------------------------ */
+/* ---- one material ---------------------------------------------------------------------------- */
 
 /* A file name, or null to take away what the mesh file says. */
 static void read_texture(sl_scene_file *file, const cJSON *item, uint32_t *texture) {
@@ -22,7 +22,8 @@ static void read_texture(sl_scene_file *file, const cJSON *item, uint32_t *textu
     if (name && !path) json->status = sl_fail_memory(json->error, "a file name");
     if (!path) return;
     sl_error problem;
-    sl_status status = sl_file_exists(path) ? sl_model_texture(&file->model, path, NULL, 0, texture, &problem) : SL_OK;
+    sl_status status =
+        sl_file_exists(path) ? sl_model_texture(&file->model, path, NULL, 0, texture, &problem) : SL_OK;
     if (!sl_file_exists(path)) sl_json_fail(json, item, "texture '%s' does not exist", path);
     else if (status == SL_ERROR_INPUT) sl_json_fail(json, item, "texture %s", problem.message);
     else if (status != SL_OK) json->status = sl_fail(json->error, status, "%s", problem.message);
@@ -40,21 +41,25 @@ static void read_heights(sl_scene_file *file, const cJSON *item, sl_material *m)
 }
 
 static void check_range(sl_json *json, const cJSON *item, sl_rgb value) {
-    if (item && sl_rgb_max(value) > 1.0f) sl_json_fail(json, item, "expected reflectance '%s' from 0 to 1", item->string);
+    if (item && sl_rgb_max(value) > 1.0f)
+        sl_json_fail(json, item, "expected reflectance '%s' from 0 to 1", item->string);
 }
 
 static void override(sl_scene_file *file, const cJSON *item, sl_material *m) {
     sl_json *json = &file->json;
-    const cJSON *diffuse = sl_json_get(item, "diffuse"), *specular = sl_json_get(item, "specular"), *mirror = sl_json_get(item, "mirror");
+    const cJSON *diffuse = sl_json_get(item, "diffuse"), *specular = sl_json_get(item, "specular"),
+                *mirror = sl_json_get(item, "mirror");
     /* A mirror has no other lobe: naming one kind of reflection takes the other away. */
     if (mirror) m->diffuse = m->specular = sl_grey(0.0f);
     else if (diffuse || specular) m->mirror = sl_grey(0.0f);
-    if (mirror && (diffuse || specular)) sl_json_fail(json, mirror, "expected either 'mirror', or 'diffuse' and 'specular'");
+    if (mirror && (diffuse || specular))
+        sl_json_fail(json, mirror, "expected either 'mirror', or 'diffuse' and 'specular'");
     if (sl_json_rgb(json, diffuse, &m->diffuse)) check_range(json, diffuse, m->diffuse);
     if (sl_json_rgb(json, specular, &m->specular)) check_range(json, specular, m->specular);
     if (sl_json_rgb(json, mirror, &m->mirror)) check_range(json, mirror, m->mirror);
     double exponent;
-    if (sl_json_number(json, sl_json_get(item, "exponent"), 0.0, SL_LARGEST_EXPONENT, &exponent)) m->exponent = (float)exponent;
+    if (sl_json_number(json, sl_json_get(item, "exponent"), 0.0, SL_LARGEST_EXPONENT, &exponent))
+        m->exponent = (float)exponent;
     sl_json_rgb(json, sl_json_get(item, "emission"), &m->emission);
     sl_json_bool(json, sl_json_get(item, "two_sided"), &m->emission_two_sided);
     read_texture(file, sl_json_get(item, "texture"), &m->texture);
@@ -62,7 +67,7 @@ static void override(sl_scene_file *file, const cJSON *item, sl_material *m) {
     read_heights(file, item, m);
 }
 
-/* ---- all of them --------------------------------------------------------------------------------------------------------------- */
+/* ---- all of them ----------------------------------------------------------------------------- */
 
 static const char **names_of(const sl_scene_file *file) {
     const char **names = sl_allocate(file->model.material_count, sizeof *names);
@@ -73,7 +78,8 @@ static const char **names_of(const sl_scene_file *file) {
 static void fail_unknown(sl_scene_file *file, const cJSON *item, const char *name) {
     const char **names = names_of(file);
     const char *nearest = names ? sl_nearest_name(name, names, file->model.material_count) : NULL;
-    if (nearest) sl_json_fail(&file->json, item, "no mesh has a material '%s'; expected '%s'?", name, nearest);
+    if (nearest)
+        sl_json_fail(&file->json, item, "no mesh has a material '%s'; expected '%s'?", name, nearest);
     else sl_json_fail(&file->json, item, "no mesh has a material '%s'", name);
     sl_free(names);
 }
@@ -97,8 +103,9 @@ static bool a_mesh_asks_for(const cJSON *meshes, const char *name) {
 
 static void read_material(sl_scene_file *file, const cJSON *item, const cJSON *meshes) {
     sl_json *json = &file->json;
-    if (!SL_JSON_KEYS(json, item, "a material", "diffuse", "specular", "exponent", "mirror", "emission", "two_sided", "texture", "alpha",
-                      "bump", "bump_depth")) return;
+    if (!SL_JSON_KEYS(json, item, "a material", "diffuse", "specular", "exponent", "mirror", "emission",
+                      "two_sided", "texture", "alpha", "bump", "bump_depth"))
+        return;
     bool found = false;
     for (size_t i = 0; i < file->model.material_count && json->status == SL_OK; i++) {
         if (strcmp(file->model.materials[i].name, item->string) != 0) continue;
@@ -110,10 +117,14 @@ static void read_material(sl_scene_file *file, const cJSON *item, const cJSON *m
         fail_unknown(file, item, item->string);
         return;
     }
-    sl_material fresh = {.name = item->string, .diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+    sl_material fresh = {.name = item->string,
+                         .diffuse = {0.5f, 0.5f, 0.5f},
+                         .texture = SL_NO_INDEX,
+                         .alpha_texture = SL_NO_INDEX};
     uint32_t index;
     override(file, item, &fresh);
-    if (json->status == SL_OK) json->status = sl_model_add_material(&file->model, &fresh, &index, json->error);
+    if (json->status == SL_OK)
+        json->status = sl_model_add_material(&file->model, &fresh, &index, json->error);
 }
 
 void sl_scene_file_materials(sl_scene_file *file, const cJSON *list, const cJSON *meshes) {
@@ -124,8 +135,10 @@ void sl_scene_file_materials(sl_scene_file *file, const cJSON *list, const cJSON
         return;
     }
     if (cJSON_GetArraySize(list) > SL_JSON_ENTRIES) {
-        sl_json_fail(json, list, "expected 'materials' to have at most %d entries, got %d", SL_JSON_ENTRIES, cJSON_GetArraySize(list));
+        sl_json_fail(json, list, "expected 'materials' to have at most %d entries, got %d", SL_JSON_ENTRIES,
+                     cJSON_GetArraySize(list));
         return;
     }
-    for (const cJSON *item = list->child; item && json->status == SL_OK; item = item->next) read_material(file, item, meshes);
+    for (const cJSON *item = list->child; item && json->status == SL_OK; item = item->next)
+        read_material(file, item, meshes);
 }

@@ -10,21 +10,26 @@
 
 double sl_scene_file_radians(double degrees) { return degrees * (SL_PI / 180.0); }
 
-sl_vec3 sl_scene_file_point(const sl_scene_file *file, sl_vec3d p) { return sl_to_float(sl_affine_vector(&file->turn, p)); }
+sl_vec3 sl_scene_file_point(const sl_scene_file *file, sl_vec3d p) {
+    return sl_to_float(sl_affine_vector(&file->turn, p));
+}
 
-/* ---- transforms ------------------------------------------------------------------------------------------------------------- */
+/* ---- transforms ------------------------------------------------------------------------------ */
 
 /* A number or three; keyframes want what a size can be, a transform only that nothing is flattened. */
 static void read_scale(sl_json *json, const cJSON *item, bool positive, sl_vec3d *scale) {
     if (!item || json->status != SL_OK) return;
     double all;
     if (cJSON_IsNumber(item)) {
-        if (sl_json_number(json, item, -(double)FLT_MAX, (double)FLT_MAX, &all)) *scale = sl_v3d(all, all, all);
+        if (sl_json_number(json, item, -(double)FLT_MAX, (double)FLT_MAX, &all))
+            *scale = sl_v3d(all, all, all);
     } else {
         sl_json_vec3(json, item, scale);
     }
-    bool some = scale->x != 0.0 && scale->y != 0.0 && scale->z != 0.0, above = scale->x > 0.0 && scale->y > 0.0 && scale->z > 0.0;
-    if (!some || (positive && !above)) sl_json_fail(json, item, "expected 'scale' to be %s", positive ? "above 0" : "other than 0");
+    bool some = scale->x != 0.0 && scale->y != 0.0 && scale->z != 0.0,
+         above = scale->x > 0.0 && scale->y > 0.0 && scale->z > 0.0;
+    if (!some || (positive && !above))
+        sl_json_fail(json, item, "expected 'scale' to be %s", positive ? "above 0" : "other than 0");
 }
 
 static void read_placement(sl_json *json, const cJSON *object, bool positive, sl_object_key *key) {
@@ -49,7 +54,8 @@ static sl_affine matrix_transform(sl_json *json, const cJSON *item) {
         for (int j = 0; j < 4; j++) a.m[i][j] = m[4 * j + i];
     }
     if (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0) {
-        sl_json_fail(json, item, "expected 'transform' by columns, its bottom row (every fourth number) 0 0 0 1");
+        sl_json_fail(json, item,
+                     "expected 'transform' by columns, its bottom row (every fourth number) 0 0 0 1");
     } else if (!(fabs(sl_affine_determinant(&a)) > 0.0)) {
         sl_json_fail(json, item, "expected 'transform' to be a matrix that can be inverted");
     }
@@ -59,13 +65,14 @@ static sl_affine matrix_transform(sl_json *json, const cJSON *item) {
 sl_affine sl_scene_file_transform(sl_scene_file *file, const cJSON *item) {
     if (!item || file->json.status != SL_OK) return sl_affine_identity();
     if (cJSON_IsArray(item)) return matrix_transform(&file->json, item);
-    if (!SL_JSON_KEYS(&file->json, item, "a transform", "translate", "rotate_deg", "scale")) return sl_affine_identity();
+    if (!SL_JSON_KEYS(&file->json, item, "a transform", "translate", "rotate_deg", "scale"))
+        return sl_affine_identity();
     sl_object_key key = {0};
     read_placement(&file->json, item, false, &key);
     return sl_object_track_at(&(sl_object_track){.key_count = 1, .keys = &key}, 0.0);
 }
 
-/* ---- keyframes ---------------------------------------------------------------------------------------------------------------- */
+/* ---- keyframes ------------------------------------------------------------------------------- */
 
 /* How many keyframes; they must be objects with these keys, and their times must rise. */
 static size_t check_keyframes(sl_json *json, const cJSON *list, const char *const *keys, size_t key_count) {
@@ -76,7 +83,9 @@ static size_t check_keyframes(sl_json *json, const cJSON *list, const char *cons
         double time = 0.0;
         if (!sl_json_keys(json, item, "a keyframe", keys, key_count)) break;
         sl_json_number(json, sl_json_need(json, item, "time"), -1e9, 1e9, &time);
-        if (!(time > last)) sl_json_fail(json, item, "expected keyframes in the order of their times, each later than the one before");
+        if (!(time > last))
+            sl_json_fail(json, item,
+                         "expected keyframes in the order of their times, each later than the one before");
         last = time;
     }
     return json->status == SL_OK ? count : 0;
@@ -103,7 +112,8 @@ static void *append(sl_json *json, void *list, size_t *count, size_t size) {
     return longer;
 }
 
-void sl_scene_file_object_keys(sl_scene_file *file, const cJSON *list, uint32_t first_object, uint32_t object_count) {
+void sl_scene_file_object_keys(sl_scene_file *file, const cJSON *list, uint32_t first_object,
+                               uint32_t object_count) {
     static const char *const keys[] = {"time", "translate", "rotate_deg", "scale"};
     sl_json *json = &file->json;
     sl_animation *a = file->animation;
@@ -144,17 +154,19 @@ void sl_scene_file_light_keys(sl_scene_file *file, const cJSON *list, uint32_t l
     for (const cJSON *item = list->child; item; item = item->next) {
         sl_vec3d v;
         sl_json_number(json, sl_json_get(item, "time"), -1e9, 1e9, &state.time);
-        if (sl_json_vec3(json, sl_json_get(item, "position"), &v)) state.position = sl_affine_vector(&file->turn, v);
+        if (sl_json_vec3(json, sl_json_get(item, "position"), &v))
+            state.position = sl_affine_vector(&file->turn, v);
         if (sl_json_vec3(json, sl_json_get(item, "direction"), &v)) {
             double length = sl_lengthd(v);
-            if (!(length > 0.0)) sl_json_fail(json, sl_json_get(item, "direction"), "expected 'direction' to be other than 0");
+            if (!(length > 0.0))
+                sl_json_fail(json, sl_json_get(item, "direction"), "expected 'direction' to be other than 0");
             else state.direction = sl_affine_vector(&file->turn, sl_scaled(v, 1.0 / length));
         }
         track->keys[track->key_count++] = state;
     }
 }
 
-/* ---- camera ------------------------------------------------------------------------------------------------------------------- */
+/* ---- camera ---------------------------------------------------------------------------------- */
 
 static void read_camera(sl_scene_file *file, const cJSON *item, sl_camera_key *key) {
     sl_json *json = &file->json;
@@ -163,24 +175,29 @@ static void read_camera(sl_scene_file *file, const cJSON *item, sl_camera_key *k
     if (sl_json_vec3(json, sl_json_get(item, "eye"), &v)) key->eye = sl_affine_vector(&file->turn, v);
     if (sl_json_vec3(json, sl_json_get(item, "target"), &v)) key->target = sl_affine_vector(&file->turn, v);
     if (sl_json_vec3(json, sl_json_get(item, "up"), &v)) key->up = sl_affine_vector(&file->turn, v);
-    if (sl_json_number(json, sl_json_get(item, "fov_deg"), 0.01, 179.0, &degrees)) key->vertical_fov = sl_scene_file_radians(degrees);
+    if (sl_json_number(json, sl_json_get(item, "fov_deg"), 0.01, 179.0, &degrees))
+        key->vertical_fov = sl_scene_file_radians(degrees);
     sl_camera check;
-    if (!sl_camera_look_at(&check, sl_to_float(key->eye), sl_to_float(key->target), sl_to_float(key->up), (float)key->vertical_fov)) {
-        sl_json_fail(json, item, "expected the camera's 'eye' apart from its 'target', and 'up' not along the view");
+    if (!sl_camera_look_at(&check, sl_to_float(key->eye), sl_to_float(key->target), sl_to_float(key->up),
+                           (float)key->vertical_fov)) {
+        sl_json_fail(json, item,
+                     "expected the camera's 'eye' apart from its 'target', and 'up' not along the view");
     }
 }
 
 void sl_scene_file_camera(sl_scene_file *file, const cJSON *item) {
     static const char *const keys[] = {"time", "eye", "target", "up", "fov_deg"};
     sl_json *json = &file->json;
-    if (!item || !SL_JSON_KEYS(json, item, "the camera", "eye", "target", "up", "fov_deg", "keyframes")) return;
+    if (!item || !SL_JSON_KEYS(json, item, "the camera", "eye", "target", "up", "fov_deg", "keyframes"))
+        return;
     sl_camera_key state = {.up = {0, 1, 0}, .vertical_fov = sl_scene_file_radians(45.0)};
     sl_json_need(json, item, "eye");
     sl_json_need(json, item, "target");
     read_camera(file, item, &state);
     if (json->status != SL_OK) return;
-    file->model.has_camera = sl_camera_look_at(&file->model.camera, sl_to_float(state.eye), sl_to_float(state.target),
-                                               sl_to_float(state.up), (float)state.vertical_fov);
+    file->model.has_camera =
+        sl_camera_look_at(&file->model.camera, sl_to_float(state.eye), sl_to_float(state.target),
+                          sl_to_float(state.up), (float)state.vertical_fov);
     const cJSON *list = sl_json_get(item, "keyframes");
     size_t count = check_keyframes(json, list, keys, 5);
     if (count == 0) return;

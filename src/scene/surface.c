@@ -1,4 +1,5 @@
-/* What a surface point is made of. Which side is seen and which way normals point is decided in surface_rules.h alone. */
+/* What a surface point is made of. Which side is seen and which way normals point is decided in
+ * surface_rules.h alone. */
 #include "scene/bump.h"
 #include "scene/surface_rules.h"
 #include "scene/texture.h"
@@ -16,18 +17,23 @@ static const sl_material *material_of(const sl_scene *scene, uint32_t triangle) 
     return &scene->materials[scene->material_index[triangle]];
 }
 
-static sl_rgb diffuse_at(const sl_scene *scene, const sl_material *material, const uint32_t corner[3], float w1, float w2) {
+static sl_rgb diffuse_at(const sl_scene *scene, const sl_material *material, const uint32_t corner[3],
+                         float w1, float w2) {
     if (material->texture == SL_NO_INDEX) return material->diffuse;
-    float u = interpolate(scene->texture_u, corner, w1, w2), v = interpolate(scene->texture_v, corner, w1, w2);
+    float u = interpolate(scene->texture_u, corner, w1, w2),
+          v = interpolate(scene->texture_v, corner, w1, w2);
     return sl_rgb_mul(material->diffuse, sl_texture_color(&scene->textures[material->texture], u, v));
 }
 
 /* What a height map changes: the normal, and where the colour is looked up. */
-static void raise(const sl_scene *scene, uint32_t triangle, const uint32_t corner[3], float w1, float w2, sl_vec3 to_viewer, sl_surface *s) {
-    float u = interpolate(scene->texture_u, corner, w1, w2), v = interpolate(scene->texture_v, corner, w1, w2);
+static void raise(const sl_scene *scene, uint32_t triangle, const uint32_t corner[3], float w1, float w2,
+                  sl_vec3 to_viewer, sl_surface *s) {
+    float u = interpolate(scene->texture_u, corner, w1, w2),
+          v = interpolate(scene->texture_v, corner, w1, w2);
     sl_bump(scene, triangle, to_viewer, &u, &v, s);
     if (s->material->texture != SL_NO_INDEX) {
-        s->diffuse = sl_rgb_mul(s->material->diffuse, sl_texture_color(&scene->textures[s->material->texture], u, v));
+        s->diffuse =
+            sl_rgb_mul(s->material->diffuse, sl_texture_color(&scene->textures[s->material->texture], u, v));
     }
 }
 
@@ -47,7 +53,8 @@ void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float 
     surface->geometric_normal = sl_scale(geometric, side);
     surface->normal = sl_shading_normal(sl_v3(interpolate(scene->normal_x, corner, w1, w2),
                                               interpolate(scene->normal_y, corner, w1, w2),
-                                              interpolate(scene->normal_z, corner, w1, w2)), surface->geometric_normal);
+                                              interpolate(scene->normal_z, corner, w1, w2)),
+                                        surface->geometric_normal);
     if (sl_material_is_bumpy(surface->material)) raise(scene, triangle, corner, w1, w2, to_viewer, surface);
 }
 
@@ -62,7 +69,8 @@ sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float 
     if (material->texture == SL_NO_INDEX) return material->diffuse;
     uint32_t corner[3];
     corners_of(scene, triangle, corner);
-    float u = interpolate(scene->texture_u, corner, w1, w2), v = interpolate(scene->texture_v, corner, w1, w2);
+    float u = interpolate(scene->texture_u, corner, w1, w2),
+          v = interpolate(scene->texture_v, corner, w1, w2);
     return sl_rgb_mul(material->diffuse, sl_texture_nearest(&scene->textures[material->texture], u, v));
 }
 
@@ -75,7 +83,8 @@ bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, floa
     if (material->alpha_texture == SL_NO_INDEX) return true;
     uint32_t corner[3];
     corners_of(scene, triangle, corner);
-    float u = interpolate(scene->texture_u, corner, w1, w2), v = interpolate(scene->texture_v, corner, w1, w2);
+    float u = interpolate(scene->texture_u, corner, w1, w2),
+          v = interpolate(scene->texture_v, corner, w1, w2);
     return sl_texture_alpha(&scene->textures[material->alpha_texture], u, v) >= 0.5f;
 }
 

@@ -7,7 +7,9 @@
 #include "base/memory.h"
 #include "scene/file.h"
 
-enum { MOST_DIGITS = 19 /* of a whole number that the importer is sure to hold: beyond 64 bits it reads 0 */ };
+enum {
+    MOST_DIGITS = 19 /* of a whole number that the importer is sure to hold: beyond 64 bits it reads 0 */
+};
 
 void sl_text_reserve(sl_text *text, size_t capacity) {
     if (capacity <= text->capacity || text->starved) return;
@@ -16,7 +18,8 @@ void sl_text_reserve(sl_text *text, size_t capacity) {
 }
 
 void sl_text_add(sl_text *text, const char *from, size_t size) {
-    if (size > text->capacity - text->size) sl_text_reserve(text, text->size + size + text->capacity / 2 + 256);
+    if (size > text->capacity - text->size)
+        sl_text_reserve(text, text->size + size + text->capacity / 2 + 256);
     if (text->starved || size == 0) return;
     memcpy(text->data + text->size, from, size);
     text->size += size;
@@ -32,7 +35,8 @@ void sl_text_prepend(sl_text *text, const sl_text *first) {
 }
 
 void sl_text_trim(sl_text *text) {
-    while (text->size && (text->data[text->size - 1] == ' ' || text->data[text->size - 1] == '\t')) text->size--;
+    while (text->size && (text->data[text->size - 1] == ' ' || text->data[text->size - 1] == '\t'))
+        text->size--;
 }
 
 sl_status sl_text_check(const sl_text *text, const char *path, sl_error *error) {
@@ -83,7 +87,9 @@ sl_status sl_text_refuse_zeros(const char *data, size_t size, const char *path, 
     return sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected text, got a byte that is zero", path, line);
 }
 
-size_t sl_text_mark_bytes(const char *data, size_t size) { return size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; }
+size_t sl_text_mark_bytes(const char *data, size_t size) {
+    return size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+}
 
 bool sl_text_is_utf16(const char *data, size_t size) {
     return size >= 2 && (memcmp(data, "\xff\xfe", 2) == 0 || memcmp(data, "\xfe\xff", 2) == 0);

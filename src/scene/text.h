@@ -25,9 +25,11 @@ void sl_text_release(sl_text *text);
 bool sl_text_is_utf16(const char *data, size_t size);
 /* The bytes of the mark with which a file in UTF-8 may begin: 3 or 0. */
 size_t sl_text_mark_bytes(const char *data, size_t size);
-/* An input error with its line, where a byte is zero: the importer takes that for a line's end, or the file's. */
+/* An input error with its line, where a byte is zero: the importer takes that for a line's end, or the
+ * file's. */
 sl_status sl_text_refuse_zeros(const char *data, size_t size, const char *path, sl_error *error);
-/* Past a decimal number, its sign included; NULL where there is none, or the importer would read another: whole parts and exponents beyond 64 bits are 0 to it. */
+/* Past a decimal number, its sign included; NULL where there is none, or the importer would read another:
+ * whole parts and exponents beyond 64 bits are 0 to it. */
 const char *sl_text_number_end(const char *at, const char *end);
 
 #endif

@@ -16,7 +16,8 @@ const uint8_t *sl_texture_nearest_texel(const sl_texture *texture, float u, floa
 sl_rgb sl_texture_texel(const sl_texture *texture, int column, int row);
 /* A height map: the mean of the three colour bytes as they stand, 0 to 1. */
 float sl_texture_height(const sl_texture *texture, float u, float v);
-/* The alpha channel, or where there is none the luminance of the bytes as they stand (a mask is data, not a colour). */
+/* The alpha channel, or where there is none the luminance of the bytes as they stand (a mask is data, not a
+ * colour). */
 float sl_texture_alpha(const sl_texture *texture, float u, float v);
 
 #endif

@@ -1,12 +1,13 @@
-/* Which light paths a method models. A method declares it once; the reference tracers take the same declaration, so the two
- * cannot drift apart. In Heckbert's notation with D Lambertian, G glossy (Phong lobe), S perfect mirror:
+/* Which light paths a method models. A method declares it once; the reference tracers take the same
+ * declaration, so the two cannot drift apart. In Heckbert's notation with D Lambertian, G glossy (Phong
+ * lobe), S perfect mirror:
  *
  *     direct     L E,  L (D|G) S* E
  *     one-bounce direct, and L D (D|G) S* E: exactly one diffuse bounce more
  *     full       everything, caustics and longer chains included
  *
- * Vertices are named from the eye: x1 is the first surface that is not a mirror (or, if eye_mirrors is off, the first
- * surface), x2 the next, and so on to the light. */
+ * Vertices are named from the eye: x1 is the first surface that is not a mirror (or, if eye_mirrors is off,
+ * the first surface), x2 the next, and so on to the light. */
 #ifndef SL_SCENE_TRANSPORT_H
 #define SL_SCENE_TRANSPORT_H
 
@@ -18,16 +19,20 @@ enum { SL_LOBE_DIFFUSE = 1, SL_LOBE_GLOSSY = 2, SL_LOBE_MIRROR = 4, SL_LOBE_ALL 
 
 typedef struct sl_transport {
     bool emission;              /* L S* E: lights, emissive surfaces and the environment as seen */
-    bool sky_light;             /* the environment lights surfaces; otherwise it is seen alone, directly and in mirrors */
+    /* the environment lights surfaces; otherwise it is seen alone, directly and in mirrors */
+    bool sky_light;
     bool eye_mirrors;           /* mirrors between the eye and x1 are followed; otherwise a mirror is black */
     unsigned direct_lobes;      /* lobes at x1 that reflect direct light; 0: no direct light */
     unsigned receiver_lobes;    /* lobes at x1 that reflect indirect light; 0: no indirect light */
-    unsigned bounce_lobes;      /* lobes at x2, x3, ...; with SL_LOBE_MIRROR mirrors there are followed (caustics, L S D) */
-    uint32_t bounces;           /* how many surfaces between x1 and the light, at most (mirrors not counted) */
+    /* lobes at x2, x3, ...; with SL_LOBE_MIRROR mirrors there are followed (caustics, L S D) */
+    unsigned bounce_lobes;
+    /* how many surfaces between x1 and the light, at most (mirrors not counted) */
+    uint32_t bounces;
     bool direct_visibility;     /* shadows between x1 and the light */
-    bool bounce_visibility;     /* between x1 and x2 (off: direct radiance mapping without indirect shadows; the reference
-                                   then gathers from every surface along the ray). x2, x3, ... and the light always
-                                   have to see each other: no method counts light through walls there */
+    bool bounce_visibility; /* between x1 and x2 (off: direct radiance mapping without indirect shadows; the
+                               reference then gathers from every surface along the ray). x2, x3, ... and the
+                               light always have to see each other: no method counts light through walls there
+                             */
     sl_pixel_filter filter;     /* SL_FILTER_BOX or SL_FILTER_CENTRE */
 } sl_transport;
 

@@ -57,7 +57,8 @@ sl_rgb sl_bsdf_value(const sl_bsdf *b, sl_vec3 to_light, unsigned lobes) {
     sl_rgb f = {0.0f, 0.0f, 0.0f};
     if (lobes & SL_LOBE_DIFFUSE) f = sl_rgb_scale(b->diffuse, per_pi);
     if ((lobes & SL_LOBE_GLOSSY) && sl_rgb_max(b->specular) > 0.0f) {
-        f = sl_rgb_add(f, sl_rgb_scale(b->specular, (b->exponent + 2.0f) * per_two_pi * phong_power(b, to_light)));
+        f = sl_rgb_add(
+            f, sl_rgb_scale(b->specular, (b->exponent + 2.0f) * per_two_pi * phong_power(b, to_light)));
     }
     return f;
 }
@@ -80,7 +81,8 @@ bool sl_bsdf_sample(const sl_bsdf *b, float lobe, float u1, float u2, sl_vec3 *t
     if (lobe < b->diffuse_share) {
         *to_light = sl_direction_around(b->normal, sqrtf(1.0f - u1), u2);
     } else {
-        *to_light = sl_direction_around(b->mirror_direction, sl_powf(1.0f - u1, 1.0f / (b->exponent + 1.0f)), u2);
+        *to_light =
+            sl_direction_around(b->mirror_direction, sl_powf(1.0f - u1, 1.0f / (b->exponent + 1.0f)), u2);
     }
     return cosine_above(b, *to_light) > 0.0f;
 }

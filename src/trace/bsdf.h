@@ -1,9 +1,10 @@
-/* Reflection of a surface that is not a mirror: Lambertian plus the modified Phong lobe (Lafortune and Willems 1994),
+/* Reflection of a surface that is not a mirror: Lambertian plus the modified Phong lobe (Lafortune and
+ * Willems 1994),
  *
  *     f = kd / pi + ks (n + 2) / (2 pi) max(0, cos alpha)^n,
  *
- * alpha between the light's direction and the viewer's mirror direction. Nothing passes through the surface: directions must
- * lie above the geometric and the shading plane. */
+ * alpha between the light's direction and the viewer's mirror direction. Nothing passes through the surface:
+ * directions must lie above the geometric and the shading plane. */
 #ifndef SL_TRACE_BSDF_H
 #define SL_TRACE_BSDF_H
 
@@ -33,8 +34,8 @@ float sl_bsdf_pdf(const sl_bsdf *bsdf, sl_vec3 to_light);
 sl_vec3 sl_reflect(sl_vec3 to_viewer, sl_vec3 normal);
 /* Unit, at that cosine with the axis, `turn` in [0,1) of the way around it. */
 sl_vec3 sl_direction_around(sl_vec3 axis, float cosine, float turn);
-/* Where a ray leaves a surface: so far above its triangle that it is above it in spite of rounding. Interpolation errs by a few units
- * in the last place of the largest coordinate involved. */
+/* Where a ray leaves a surface: so far above its triangle that it is above it in spite of rounding.
+ * Interpolation errs by a few units in the last place of the largest coordinate involved. */
 sl_vec3 sl_surface_lift(const sl_scene *scene, uint32_t triangle, const sl_surface *surface);
 /* The same for a point on an edge or a corner, whatever meets there. */
 sl_vec3 sl_surface_lift_anywhere(const sl_scene *scene, sl_vec3 position, sl_vec3 geometric_normal);

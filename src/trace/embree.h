@@ -1,5 +1,5 @@
-/* The one file that knows which Embree there is: 3 (contexts) or 4 (argument structures; the Makefile defines SL_EMBREE4).
- * A query carries a pointer of ours to the callbacks. */
+/* The one file that knows which Embree there is: 3 (contexts) or 4 (argument structures; the Makefile defines
+ * SL_EMBREE4). A query carries a pointer of ours to the callbacks. */
 #ifndef SL_TRACE_EMBREE_H
 #define SL_TRACE_EMBREE_H
 
@@ -22,9 +22,12 @@ static inline void *sl_embree_state(const void *callback_context) {
     return ((const sl_embree_query *)callback_context)->state;
 }
 
-/* The callbacks' rays: structures of n-element arrays in the order of struct RTCRay (a hit record starts with its ray). */
+/* The callbacks' rays: structures of n-element arrays in the order of struct RTCRay (a hit record starts with
+ * its ray). */
 static inline float *sl_embree_tfar(void *rays, unsigned n) { return (float *)rays + 8 * n; }
-static inline const unsigned *sl_embree_id(const void *rays, unsigned n) { return (const unsigned *)rays + 10 * n; }
+static inline const unsigned *sl_embree_id(const void *rays, unsigned n) {
+    return (const unsigned *)rays + 10 * n;
+}
 
 #ifdef SL_EMBREE4
 

@@ -48,10 +48,12 @@ float sl_emitter_importance(const sl_emitter_table *t, size_t i, sl_vec3 positio
     return t->strength[i] * cosine * cosine_emitter * over * over;
 }
 
-void sl_emitters_weigh(const sl_emitter_table *table, sl_vec3 position, sl_vec3 normal, sl_emitter_choice *choice) {
+void sl_emitters_weigh(const sl_emitter_table *table, sl_vec3 position, sl_vec3 normal,
+                       sl_emitter_choice *choice) {
     double sum = 0.0;
     choice->count = table->count <= SL_EMITTER_CHOICES_MAX ? table->count : 0;
-    for (size_t i = 0; i < choice->count; i++) choice->sums[i] = sum += (double)sl_emitter_importance(table, i, position, normal);
+    for (size_t i = 0; i < choice->count; i++)
+        choice->sums[i] = sum += (double)sl_emitter_importance(table, i, position, normal);
     if (!(sum > 0.0) || !isfinite(sum)) choice->count = 0;
 }
 

@@ -23,11 +23,12 @@ typedef struct sl_emitter_choice {
 
 sl_status sl_emitter_table_create(const sl_scene *scene, sl_emitter_table *table, sl_error *error);
 void sl_emitter_table_destroy(sl_emitter_table *table);
-/* How much an emitter can matter at a point: strength, cosines and distance of its centroid, each kept from vanishing where some
- * part of the emitter may still contribute; 0 where none can. */
+/* How much an emitter can matter at a point: strength, cosines and distance of its centroid, each kept from
+ * vanishing where some part of the emitter may still contribute; 0 where none can. */
 float sl_emitter_importance(const sl_emitter_table *table, size_t emitter, sl_vec3 position, sl_vec3 normal);
 /* Importances of all at a point with a unit normal. */
-void sl_emitters_weigh(const sl_emitter_table *table, sl_vec3 position, sl_vec3 normal, sl_emitter_choice *choice);
+void sl_emitters_weigh(const sl_emitter_table *table, sl_vec3 position, sl_vec3 normal,
+                       sl_emitter_choice *choice);
 /* The emitter that holds u, in [0,1), of the sum, and its probability. choice->count must not be 0. */
 size_t sl_emitters_choose(const sl_emitter_choice *choice, float u, float *chance);
 

@@ -1,6 +1,7 @@
-/* As many floats as the instruction set of a *_kernels.c file holds in one register, and what plain C cannot say
- * about them: which lanes of one are greater than those of another, or differ, as bits. (A loop that collects bits costs half of a
- * triangle test.) The operators + - * work on lanes as on floats, lane by lane. */
+/* As many floats as the instruction set of a *_kernels.c file holds in one register, and what plain C cannot
+ * say about them: which lanes of one are greater than those of another, or differ, as bits. (A loop that
+ * collects bits costs half of a triangle test.) The operators + - * work on lanes as on floats, lane by lane.
+ */
 #ifndef SL_TRACE_LANES_H
 #define SL_TRACE_LANES_H
 

@@ -1,6 +1,6 @@
-/* Direct light by Monte Carlo: one light is chosen in proportion to its power, then a point of it. Emissive triangles are
- * sampled uniformly by area, dA = d^2 / cos theta' d omega (Shirley, Wang and Zimmerman 1996); the sky by its own
- * distribution; lights without extent as they are. */
+/* Direct light by Monte Carlo: one light is chosen in proportion to its power, then a point of it. Emissive
+ * triangles are sampled uniformly by area, dA = d^2 / cos theta' d omega (Shirley, Wang and Zimmerman 1996);
+ * the sky by its own distribution; lights without extent as they are. */
 #include <math.h>
 
 #include "base/error.h"
@@ -18,7 +18,7 @@ struct sl_light_sampler {
     double tree_share;   /* the probability that an emitter is chosen, whichever */
 };
 
-/* ---- powers ---------------------------------------------------------------------------------------------------------- */
+/* ---- powers ---------------------------------------------------------------------------------- */
 
 static double mean(sl_rgb c) { return ((double)c.r + (double)c.g + (double)c.b) / 3.0; }
 
@@ -37,7 +37,8 @@ static double light_power(const sl_scene *scene, const sl_light *light) {
     switch (light->type) {
     case SL_LIGHT_POINT: return 4.0 * SL_PI * strength;
     case SL_LIGHT_SPOT: /* smoothstep's mean is a half; never 0, so that a step of no width still shines */
-        return 2.0 * SL_PI * strength * fmax(1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer), 1e-6);
+        return 2.0 * SL_PI * strength *
+               fmax(1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer), 1e-6);
     case SL_LIGHT_DIRECTIONAL: return strength * disc_area(scene);
     }
     return 0.0;
@@ -62,8 +63,10 @@ static double environment_power(const sl_scene *scene) {
 static void fill_powers(sl_light_sampler *sampler, bool sky_light) {
     const sl_scene *scene = sampler->scene;
     size_t i = 0;
-    for (size_t e = 0; e < scene->emitter_count; e++) sampler->chance[i++] = emitter_power(&scene->emitters[e]);
-    for (size_t l = 0; l < scene->light_count; l++) sampler->chance[i++] = light_power(scene, &scene->lights[l]);
+    for (size_t e = 0; e < scene->emitter_count; e++)
+        sampler->chance[i++] = emitter_power(&scene->emitters[e]);
+    for (size_t l = 0; l < scene->light_count; l++)
+        sampler->chance[i++] = light_power(scene, &scene->lights[l]);
     if (scene->environment.present) sampler->chance[i++] = sky_light ? environment_power(scene) : 0.0;
     for (size_t k = 0; k < i; k++) {
         if (!(sampler->chance[k] > 0.0) || !isfinite(sampler->chance[k])) sampler->chance[k] = 0.0;
@@ -106,7 +109,8 @@ sl_status sl_light_sampler_create(const sl_scene *scene, sl_light_sampler **out,
     return create(scene, true, out, error);
 }
 
-sl_status sl_light_sampler_create_for(const sl_scene *scene, const sl_transport *transport, sl_light_sampler **out, sl_error *error) {
+sl_status sl_light_sampler_create_for(const sl_scene *scene, const sl_transport *transport,
+                                      sl_light_sampler **out, sl_error *error) {
     return create(scene, transport->sky_light, out, error);
 }
 
@@ -125,7 +129,7 @@ void sl_light_sampler_destroy(sl_light_sampler *sampler) {
     sl_free(sampler);
 }
 
-/* ---- sampling -------------------------------------------------------------------------------------------------------- */
+/* ---- sampling -------------------------------------------------------------------------------- */
 
 /* The first entry whose cumulative probability exceeds u: never one that has none. */
 static size_t choose(const sl_light_sampler *sampler, double u) {
@@ -138,8 +142,10 @@ static size_t choose(const sl_light_sampler *sampler, double u) {
     return low;
 }
 
-/* Solid-angle density of a uniform point of the triangle, seen along `direction` from `distance`; 0 from the dark side. */
-static double area_pdf(const sl_scene *scene, const sl_emitter *emitter, sl_vec3d direction, double distance) {
+/* Solid-angle density of a uniform point of the triangle, seen along `direction` from `distance`; 0 from the
+ * dark side. */
+static double area_pdf(const sl_scene *scene, const sl_emitter *emitter, sl_vec3d direction,
+                       double distance) {
     sl_vec3d normal = sl_to_double(sl_scene_geometric_normal(scene, emitter->triangle));
     double cosine = -sl_dotd(normal, direction);
     if (emitter->two_sided) cosine = fabs(cosine);
@@ -148,8 +154,8 @@ static double area_pdf(const sl_scene *scene, const sl_emitter *emitter, sl_vec3
     return isfinite(pdf) ? pdf : 0.0;
 }
 
-static bool sample_emitter(const sl_scene *scene, const sl_emitter *emitter, double chance, sl_vec3 p, float u1, float u2,
-                           sl_light_sample *sample) {
+static bool sample_emitter(const sl_scene *scene, const sl_emitter *emitter, double chance, sl_vec3 p,
+                           float u1, float u2, sl_light_sample *sample) {
     /* Uniform on the triangle: (1 - sqrt u1, sqrt u1 (1 - u2), sqrt u1 u2). */
     double s = sqrt((double)u1), w1 = s * (1.0 - (double)u2), w2 = s * (double)u2;
     uint32_t t = emitter->triangle;
@@ -163,12 +169,18 @@ static bool sample_emitter(const sl_scene *scene, const sl_emitter *emitter, dou
     double pdf = chance * area_pdf(scene, emitter, sl_to_double(direction), distance);
     if (!(pdf > 0.0)) return false;
     if (sl_scene_has_alpha(scene, t) && !sl_scene_is_opaque(scene, t, (float)w1, (float)w2)) return false;
-    *sample = (sl_light_sample){direction, (float)distance, sl_rgb_scale(emitter->radiance, (float)(1.0 / pdf)), (float)pdf,
-                                (float)chance, t, (uint32_t)(emitter - scene->emitters)};
+    *sample = (sl_light_sample){direction,
+                                (float)distance,
+                                sl_rgb_scale(emitter->radiance, (float)(1.0 / pdf)),
+                                (float)pdf,
+                                (float)chance,
+                                t,
+                                (uint32_t)(emitter - scene->emitters)};
     return true;
 }
 
-bool sl_emitter_sample(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2, sl_light_sample *sample) {
+bool sl_emitter_sample(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2,
+                       sl_light_sample *sample) {
     return sl_is_finite(p) && sample_emitter(scene, &scene->emitters[emitter], 1.0, p, u1, u2, sample) &&
            sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
 }
@@ -180,18 +192,22 @@ static bool sample_light(const sl_light *light, double chance, sl_vec3 p, sl_lig
     return true;
 }
 
-static bool sample_environment(const sl_environment *environment, double chance, float u1, float u2, sl_light_sample *sample) {
+static bool sample_environment(const sl_environment *environment, double chance, float u1, float u2,
+                               sl_light_sample *sample) {
     sl_rgb radiance;
     float pdf;
     sl_vec3 direction = sl_environment_sample(environment, u1, u2, &radiance, &pdf);
     double whole_pdf = chance * (double)pdf;
     if (!(whole_pdf > 0.0)) return false;
-    *sample = (sl_light_sample){direction, INFINITY, sl_rgb_scale(radiance, (float)(1.0 / whole_pdf)), (float)whole_pdf,
-                                (float)chance, SL_NO_INDEX, SL_NO_INDEX};
+    *sample =
+        (sl_light_sample){direction,        INFINITY,      sl_rgb_scale(radiance, (float)(1.0 / whole_pdf)),
+                          (float)whole_pdf, (float)chance, SL_NO_INDEX,
+                          SL_NO_INDEX};
     return true;
 }
 
-static bool sample_entry(const sl_light_sampler *sampler, size_t i, sl_vec3 p, float u1, float u2, sl_light_sample *sample) {
+static bool sample_entry(const sl_light_sampler *sampler, size_t i, sl_vec3 p, float u1, float u2,
+                         sl_light_sample *sample) {
     const sl_scene *scene = sampler->scene;
     double chance = sampler->chance[i];
     if (!(chance > 0.0) || !sl_is_finite(p)) return false;
@@ -211,13 +227,16 @@ bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float s
 }
 
 /* The first part of the numbers leads to the tree, the rest to lights and environment as ever. */
-bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 normal, float select, float u1, float u2,
-                                sl_light_sample *sample) {
-    if (!sampler->tree || !((double)select < sampler->tree_share)) return sl_light_sampler_sample(sampler, p, select, u1, u2, sample);
+bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 normal, float select,
+                                float u1, float u2, sl_light_sample *sample) {
+    if (!sampler->tree || !((double)select < sampler->tree_share))
+        return sl_light_sampler_sample(sampler, p, select, u1, u2, sample);
     uint32_t emitter;
     float chance, within = fminf((float)((double)select / sampler->tree_share), 0x1.fffffep-1f);
-    if (!sl_is_finite(p) || !sl_light_tree_choose(sampler->tree, p, normal, within, &emitter, &chance)) return false;
-    return sample_emitter(sampler->scene, &sampler->scene->emitters[emitter], sampler->tree_share * (double)chance, p, u1, u2, sample) &&
+    if (!sl_is_finite(p) || !sl_light_tree_choose(sampler->tree, p, normal, within, &emitter, &chance))
+        return false;
+    return sample_emitter(sampler->scene, &sampler->scene->emitters[emitter],
+                          sampler->tree_share * (double)chance, p, u1, u2, sample) &&
            sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
 }
 
@@ -231,19 +250,24 @@ bool sl_light_sampler_choose(const sl_light_sampler *sampler, float *u, uint32_t
     return sampler->chance[i] > 0.0;
 }
 
-double sl_light_sampler_chance(const sl_light_sampler *sampler, uint32_t entry) { return sampler->chance[entry]; }
+double sl_light_sampler_chance(const sl_light_sampler *sampler, uint32_t entry) {
+    return sampler->chance[entry];
+}
 
-bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2, sl_light_sample *sample) {
+bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2,
+                                sl_light_sample *sample) {
     uint32_t entry;
     return sl_light_sampler_choose(sampler, &u1, &entry) && sample_entry(sampler, entry, p, u1, u2, sample);
 }
 
-float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle, float distance) {
+float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle,
+                           float distance) {
     (void)p; /* sampling by area is the same from everywhere */
     const sl_scene *scene = sampler->scene;
     if (triangle == SL_NO_INDEX) {
         if (!scene->environment.present) return 0.0f;
-        return (float)(sampler->chance[sampler->count - 1] * (double)sl_environment_pdf(&scene->environment, direction));
+        return (float)(sampler->chance[sampler->count - 1] *
+                       (double)sl_environment_pdf(&scene->environment, direction));
     }
     uint32_t emitter = scene->emitter_of_triangle[triangle];
     if (emitter == SL_NO_INDEX) return 0.0f;

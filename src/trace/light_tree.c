@@ -50,14 +50,17 @@ static void bound(const sl_light_tree *tree, node *n, sl_vec3 *extent) {
     *extent = sl_sub(high, low);
     n->centre = sl_scale(sl_add(low, high), 0.5f);
     for (uint32_t k = n->first; k < n->first + n->count; k++) {
-        float far = sl_length(sl_sub(centroid(t, tree->order[k]), n->centre)) + sqrtf(t->extent_squared[tree->order[k]]);
+        float far = sl_length(sl_sub(centroid(t, tree->order[k]), n->centre)) +
+                    sqrtf(t->extent_squared[tree->order[k]]);
         n->radius = fmaxf(n->radius, far);
     }
 }
 
 static void sort_along(const sl_light_tree *tree, const node *n, sl_vec3 extent, sorted_emitter *scratch) {
     const sl_emitter_table *t = &tree->table;
-    const float *axis = extent.x >= extent.y && extent.x >= extent.z ? t->x : extent.y >= extent.z ? t->y : t->z;
+    const float *axis = extent.x >= extent.y && extent.x >= extent.z ? t->x
+                        : extent.y >= extent.z                       ? t->y
+                                                                     : t->z;
     for (uint32_t k = 0; k < n->count; k++) {
         uint32_t e = tree->order[n->first + k];
         scratch[k] = (sorted_emitter){axis[e], e};
@@ -89,7 +92,8 @@ sl_status sl_light_tree_create(const sl_scene *scene, sl_light_tree **out, sl_er
     sorted_emitter *scratch = sl_allocate(count, sizeof *scratch);
     tree->order = sl_allocate(count, sizeof *tree->order);
     tree->nodes = sl_allocate(2 * count, sizeof *tree->nodes);
-    if (status == SL_OK && (!scratch || !tree->order || !tree->nodes)) status = sl_fail_memory(error, "the light tree");
+    if (status == SL_OK && (!scratch || !tree->order || !tree->nodes))
+        status = sl_fail_memory(error, "the light tree");
     if (status == SL_OK) {
         for (uint32_t i = 0; i < count; i++) tree->order[i] = i;
         build(tree, 0, (uint32_t)count, scratch);
@@ -111,8 +115,8 @@ void sl_light_tree_destroy(sl_light_tree *tree) {
 
 /* ---- choosing ---- */
 
-/* Strength over squared distance, from within the sphere as from its surface, times what the receiver's cosine can be at most; 0 where all
- * of the sphere lies below the horizon. */
+/* Strength over squared distance, from within the sphere as from its surface, times what the receiver's
+ * cosine can be at most; 0 where all of the sphere lies below the horizon. */
 static float importance(const node *n, sl_vec3 position, sl_vec3 normal) {
     sl_vec3 d = sl_sub(n->centre, position);
     float squared = sl_dot(d, d), inside = n->radius * n->radius, above = sl_dot(normal, d) + n->radius;
@@ -123,14 +127,17 @@ static float importance(const node *n, sl_vec3 position, sl_vec3 normal) {
 }
 
 /* Of going left; both sides 0: none. */
-static bool left_share(const sl_light_tree *tree, const node *n, sl_vec3 position, sl_vec3 normal, float *share) {
-    float left = importance(n + 1, position, normal), right = importance(&tree->nodes[n->right], position, normal);
+static bool left_share(const sl_light_tree *tree, const node *n, sl_vec3 position, sl_vec3 normal,
+                       float *share) {
+    float left = importance(n + 1, position, normal),
+          right = importance(&tree->nodes[n->right], position, normal);
     float sum = left + right;
     *share = left / sum;
     return sum > 0.0f && isfinite(sum);
 }
 
-static float leaf_weights(const sl_light_tree *tree, const node *n, sl_vec3 position, sl_vec3 normal, float weight[LEAF_EMITTERS]) {
+static float leaf_weights(const sl_light_tree *tree, const node *n, sl_vec3 position, sl_vec3 normal,
+                          float weight[LEAF_EMITTERS]) {
     float sum = 0.0f;
     for (uint32_t k = 0; k < n->count; k++) {
         sum += weight[k] = sl_emitter_importance(&tree->table, tree->order[n->first + k], position, normal);
@@ -138,7 +145,8 @@ static float leaf_weights(const sl_light_tree *tree, const node *n, sl_vec3 posi
     return sum > 0.0f && isfinite(sum) ? sum : 0.0f;
 }
 
-bool sl_light_tree_choose(const sl_light_tree *tree, sl_vec3 position, sl_vec3 normal, float u, uint32_t *emitter, float *chance) {
+bool sl_light_tree_choose(const sl_light_tree *tree, sl_vec3 position, sl_vec3 normal, float u,
+                          uint32_t *emitter, float *chance) {
     const node *n = tree->nodes;
     float way = 1.0f, share, weight[LEAF_EMITTERS];
     while (n->right) {

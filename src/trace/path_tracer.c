@@ -1,5 +1,5 @@
-/* The reference path tracer's film: pixels in tiles of 4 x 4, one packet each. Even and odd samples draw from sequences that are
- * scrambled apart, so the two halves are independent pictures. */
+/* The reference path tracer's film: pixels in tiles of 4 x 4, one packet each. Even and odd samples draw from
+ * sequences that are scrambled apart, so the two halves are independent pictures. */
 #include "base/batch.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -19,12 +19,13 @@ struct sl_path_tracer {
     sl_halves halves;
 };
 
-sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, const sl_path_settings *settings,
-                                sl_path_tracer **out, sl_error *error) {
+sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer,
+                                const sl_path_settings *settings, sl_path_tracer **out, sl_error *error) {
     *out = NULL;
     sl_pixel_filter filter = settings->transport.filter;
     if (settings->width <= 0 || settings->height <= 0) {
-        return sl_fail(error, SL_ERROR_USAGE, "a film has at least one pixel, not %d x %d", settings->width, settings->height);
+        return sl_fail(error, SL_ERROR_USAGE, "a film has at least one pixel, not %d x %d", settings->width,
+                       settings->height);
     }
     if (filter != SL_FILTER_BOX && filter != SL_FILTER_CENTRE) {
         return sl_fail(error, SL_ERROR_USAGE, "the path tracer's filter is box or centre");
@@ -35,7 +36,8 @@ sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, 
     path->settings = *settings;
     path->settings.threads = sl_thread_count(settings->threads);
     sl_status status = sl_light_sampler_create_for(scene, &settings->transport, &path->lights, error);
-    if (status == SL_OK) status = sl_halves_create(&path->halves, (size_t)settings->width * (size_t)settings->height, error);
+    if (status == SL_OK)
+        status = sl_halves_create(&path->halves, (size_t)settings->width * (size_t)settings->height, error);
     if (status != SL_OK) {
         sl_path_tracer_destroy(path);
         return status;
@@ -53,7 +55,7 @@ void sl_path_tracer_destroy(sl_path_tracer *path) {
     sl_free(path);
 }
 
-/* ---- one sample of every pixel ------------------------------------------------------------------------------------------- */
+/* ---- one sample of every pixel --------------------------------------------------------------- */
 
 typedef struct sample_pass {
     sl_path_tracer *path;
@@ -69,7 +71,8 @@ static uint64_t stream_key(const sl_path_tracer *path, unsigned half, uint64_t s
 static void sample_tile(const sample_pass *pass, size_t tile, sl_counters *counters) {
     sl_path_tracer *path = pass->path;
     int width = path->settings.width, height = path->settings.height;
-    int across = (width + TILE - 1) / TILE, left = (int)(tile % (size_t)across) * TILE, top = (int)(tile / (size_t)across) * TILE;
+    int across = (width + TILE - 1) / TILE, left = (int)(tile % (size_t)across) * TILE,
+        top = (int)(tile / (size_t)across) * TILE;
     sl_ray16 rays;
     uint64_t keys[SL_PACKET];
     size_t pixels[SL_PACKET];
@@ -91,7 +94,8 @@ static void sample_tile(const sample_pass *pass, size_t tile, sl_counters *count
 }
 
 static size_t tile_count(const sl_path_tracer *path) {
-    size_t across = ((size_t)path->settings.width + TILE - 1) / TILE, down = ((size_t)path->settings.height + TILE - 1) / TILE;
+    size_t across = ((size_t)path->settings.width + TILE - 1) / TILE,
+           down = ((size_t)path->settings.height + TILE - 1) / TILE;
     return across * down;
 }
 
@@ -102,18 +106,20 @@ static void sample_tiles(void *context, size_t task, unsigned worker, void *resu
     for (size_t tile = first; tile < end && tile < tiles; tile++) sample_tile(pass, tile, counters);
 }
 
-sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counters *counters, sl_error *error) {
+sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counters *counters,
+                                sl_error *error) {
     if (sample / SL_HALVES > UINT32_MAX) return sl_fail(error, SL_ERROR_USAGE, "too many samples a pixel");
     sample_pass pass = {path, (unsigned)(sample % SL_HALVES), (uint32_t)(sample / SL_HALVES),
                         sl_path_lens_of(path->scene, path->settings.width, path->settings.height)};
-    const sl_batch batch = {.count = (tile_count(path) + TILES_A_TASK - 1) / TILES_A_TASK, .work = sample_tiles,
+    const sl_batch batch = {.count = (tile_count(path) + TILES_A_TASK - 1) / TILES_A_TASK,
+                            .work = sample_tiles,
                             .context = &pass};
     sl_batch_run(&batch, path->settings.threads, counters);
     path->halves.samples[pass.half]++;
     return SL_OK;
 }
 
-/* ---- results ----------------------------------------------------------------------------------------------------------- */
+/* ---- results --------------------------------------------------------------------------------- */
 
 void sl_path_tracer_mean(const sl_path_tracer *path, int half, float *r, float *g, float *b) {
     sl_halves_mean(&path->halves, half, r, g, b);
@@ -123,14 +129,15 @@ size_t sl_path_tracer_memory_bytes(const sl_path_tracer *path) {
     return sizeof *path + sl_halves_memory_bytes(&path->halves);
 }
 
-void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, unsigned count, uint64_t stream,
-                             uint64_t sample, sl_rgb *radiance, sl_counters *counters) {
+void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, unsigned count,
+                             uint64_t stream, uint64_t sample, sl_rgb *radiance, sl_counters *counters) {
     uint64_t keys[SL_PACKET] = {0};
     sl_rgb found[SL_PACKET];
     /* Each lane has a stream of its own; the high bit keeps them apart from pixels. */
     for (unsigned i = 0; i < count; i++) {
         keys[i] = stream_key(path, (unsigned)(sample % SL_HALVES), (stream << 4 | i) ^ (uint64_t)1 << 62);
     }
-    sl_path_walk_radiance(&path->walk, rays, count, false, keys, (uint32_t)(sample / SL_HALVES), found, counters);
+    sl_path_walk_radiance(&path->walk, rays, count, false, keys, (uint32_t)(sample / SL_HALVES), found,
+                          counters);
     for (unsigned i = 0; i < count; i++) radiance[i] = sl_path_finite_or_black(found[i], counters);
 }

@@ -1,6 +1,7 @@
-/* A walk leaves the eye, follows mirrors to x1, and from there bounces from surface to surface. At every surface light is
- * counted twice over, by a sample of the lights and by where the next direction leads, each weighted by the power heuristic
- * (Veach and Guibas 1995) so that together they count once. Sixteen walks go in step, so that their rays go in packets. */
+/* A walk leaves the eye, follows mirrors to x1, and from there bounces from surface to surface. At every
+ * surface light is counted twice over, by a sample of the lights and by where the next direction leads, each
+ * weighted by the power heuristic (Veach and Guibas 1995) so that together they count once. Sixteen walks go
+ * in step, so that their rays go in packets. */
 #include "trace/path_walk.h"
 
 #include <math.h>
@@ -10,13 +11,15 @@
 
 enum {
     ROULETTE_AFTER = 4,         /* surfaces, in unlimited transport */
-    ROULETTE_AFTER_MIRRORS = 8, /* mirrors in a row, in any transport: two facing mirrors of reflectance 1 would not end */
+    /* mirrors in a row, in any transport: two facing mirrors of reflectance 1 would not end */
+    ROULETTE_AFTER_MIRRORS = 8,
 };
 
 typedef struct walker {
     sl_rgb radiance;       /* gathered so far */
     sl_rgb weight;         /* f cos / pdf so far, by the lobes that carry light of further surfaces */
-    sl_rgb direct_weight;  /* the same, by the lobes that reflect direct light at the last surface; black: not counted here */
+    /* the same, by the lobes that reflect direct light at the last surface; black: not counted here */
+    sl_rgb direct_weight;
     sl_vec3 origin, direction; /* of the ray under way; unit direction but for the first, which is as given */
     float near, far;
     uint32_t skip;
@@ -52,7 +55,7 @@ static float power_heuristic(float p, float q) {
     return 1.0f / (1.0f + ratio * ratio);
 }
 
-/* ---- light that the ray under way meets --------------------------------------------------------------------------------- */
+/* ---- light that the ray under way meets ------------------------------------------------------ */
 
 /* triangle: the emitter's, or SL_NO_INDEX for the environment. */
 static void meet_light(const sl_path_walk *walk, walker *w, sl_rgb emitted, uint32_t triangle, float t) {
@@ -71,7 +74,7 @@ static void meet_light(const sl_path_walk *walk, walker *w, sl_rgb emitted, uint
     w->radiance = sl_rgb_add(w->radiance, sl_rgb_mul(weight, emitted));
 }
 
-/* ---- leaving a vertex --------------------------------------------------------------------------------------------------- */
+/* ---- leaving a vertex ------------------------------------------------------------------------ */
 
 static void leave(walker *w, sl_vec3 origin, sl_vec3 direction, uint32_t triangle) {
     w->origin = origin;
@@ -93,7 +96,8 @@ static bool survives(const sl_path_walk *walk, walker *w) {
     return true;
 }
 
-static bool follow_mirror(const sl_path_walk *walk, walker *w, const sl_surface *s, sl_vec3 to_viewer, uint32_t triangle) {
+static bool follow_mirror(const sl_path_walk *walk, walker *w, const sl_surface *s, sl_vec3 to_viewer,
+                          uint32_t triangle) {
     const sl_transport *t = &walk->transport;
     if (w->at_surface ? !(t->bounce_lobes & SL_LOBE_MIRROR) : !t->eye_mirrors) return false;
     w->weight = sl_rgb_mul(w->weight, s->material->mirror);
@@ -106,7 +110,7 @@ static bool follow_mirror(const sl_path_walk *walk, walker *w, const sl_surface 
     return true;
 }
 
-/* ---- a surface ---------------------------------------------------------------------------------------------------------- */
+/* ---- a surface ------------------------------------------------------------------------------- */
 
 /* What the transport asks of the surface that was reached. */
 typedef struct surface_task {
@@ -122,15 +126,18 @@ static surface_task task_at(const sl_path_walk *walk, const walker *w) {
     unsigned reflecting = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY;
     surface_task task;
     task.direct_lobes = reflecting & (first ? t->direct_lobes : t->bounce_lobes);
-    task.next_lobes = w->surfaces < t->bounces || mirrors ? reflecting & (first ? t->receiver_lobes : t->bounce_lobes) : 0;
+    task.next_lobes =
+        w->surfaces < t->bounces || mirrors ? reflecting & (first ? t->receiver_lobes : t->bounce_lobes) : 0;
     task.shadows = first ? t->direct_visibility : true;
-    bool lights_with_extent = walk->scene->emitter_count > 0 || (walk->scene->environment.present && t->sky_light);
-    task.met_by_chance = lights_with_extent && task.direct_lobes && (!first || (t->direct_visibility && t->bounce_visibility));
+    bool lights_with_extent =
+        walk->scene->emitter_count > 0 || (walk->scene->environment.present && t->sky_light);
+    task.met_by_chance =
+        lights_with_extent && task.direct_lobes && (!first || (t->direct_visibility && t->bounce_visibility));
     return task;
 }
 
-static void queue_shadow_ray(shadow_queue *q, walker *w, sl_vec3 origin, const sl_light_sample *sample, uint32_t triangle,
-                             sl_rgb light) {
+static void queue_shadow_ray(shadow_queue *q, walker *w, sl_vec3 origin, const sl_light_sample *sample,
+                             uint32_t triangle, sl_rgb light) {
     unsigned i = q->count++;
     sl_ray16 *r = &q->rays;
     /* the light's own surface does not hide it */
@@ -140,8 +147,8 @@ static void queue_shadow_ray(shadow_queue *q, walker *w, sl_vec3 origin, const s
     q->owner[i] = w;
 }
 
-static void sample_light(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, const surface_task *task, sl_vec3 origin,
-                         uint32_t triangle, shadow_queue *queue) {
+static void sample_light(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, const surface_task *task,
+                         sl_vec3 origin, uint32_t triangle, shadow_queue *queue) {
     float point[3];
     sl_light_sample sample;
     draw(walk, w, SL_SET_LIGHT, point);
@@ -149,15 +156,16 @@ static void sample_light(const sl_path_walk *walk, walker *w, const sl_bsdf *bsd
     sl_rgb reflected = sl_bsdf_reflect(bsdf, sample.to_light, task->direct_lobes);
     if (is_black(reflected)) return;
     float share = 1.0f;
-    if (task->met_by_chance && sample.pdf > 0.0f) share = power_heuristic(sample.pdf, sl_bsdf_pdf(bsdf, sample.to_light));
+    if (task->met_by_chance && sample.pdf > 0.0f)
+        share = power_heuristic(sample.pdf, sl_bsdf_pdf(bsdf, sample.to_light));
     sl_rgb light = sl_rgb_scale(sl_rgb_mul(w->weight, sl_rgb_mul(reflected, sample.radiance)), share);
     if (task->shadows) queue_shadow_ray(queue, w, origin, &sample, triangle, light);
     else w->radiance = sl_rgb_add(w->radiance, light);
 }
 
 /* The next direction; false where the walk ends. */
-static bool bounce(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, const surface_task *task, sl_vec3 origin,
-                   uint32_t triangle) {
+static bool bounce(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, const surface_task *task,
+                   sl_vec3 origin, uint32_t triangle) {
     float point[3];
     sl_vec3 direction;
     draw(walk, w, SL_SET_DIRECTION, point);
@@ -165,10 +173,13 @@ static bool bounce(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, con
     float pdf = sl_bsdf_pdf(bsdf, direction);
     if (!(pdf > 0.0f)) return false;
     sl_rgb weight = sl_rgb_scale(w->weight, 1.0f / pdf);
-    w->direct_weight = sl_rgb_mul(weight, sl_bsdf_reflect(bsdf, direction, task->met_by_chance ? task->direct_lobes : 0));
+    w->direct_weight =
+        sl_rgb_mul(weight, sl_bsdf_reflect(bsdf, direction, task->met_by_chance ? task->direct_lobes : 0));
     w->weight = sl_rgb_mul(weight, sl_bsdf_reflect(bsdf, direction, task->next_lobes));
     if (is_black(w->weight) && is_black(w->direct_weight)) return false;
-    if (walk->transport.bounces == SL_BOUNCES_UNLIMITED && w->surfaces >= ROULETTE_AFTER && !survives(walk, w)) return false;
+    if (walk->transport.bounces == SL_BOUNCES_UNLIMITED && w->surfaces >= ROULETTE_AFTER &&
+        !survives(walk, w))
+        return false;
     w->pdf = pdf;
     w->through = w->surfaces == 0 && !walk->transport.bounce_visibility;
     w->at_surface = true;
@@ -178,8 +189,8 @@ static bool bounce(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, con
     return true;
 }
 
-static bool reach_surface(const sl_path_walk *walk, walker *w, const sl_surface *s, sl_vec3 to_viewer, uint32_t triangle,
-                          shadow_queue *queue) {
+static bool reach_surface(const sl_path_walk *walk, walker *w, const sl_surface *s, sl_vec3 to_viewer,
+                          uint32_t triangle, shadow_queue *queue) {
     if (w->at_surface) {
         if (w->surfaces == walk->transport.bounces || is_black(w->weight)) return false;
         w->surfaces++;
@@ -193,11 +204,14 @@ static bool reach_surface(const sl_path_walk *walk, walker *w, const sl_surface 
 }
 
 /* The end of the ray under way; false where the walk ends with it. */
-static bool arrive(const sl_path_walk *walk, walker *w, uint32_t triangle, float t, float w1, float w2, shadow_queue *queue) {
+static bool arrive(const sl_path_walk *walk, walker *w, uint32_t triangle, float t, float w1, float w2,
+                   shadow_queue *queue) {
     const sl_scene *scene = walk->scene;
     sl_vec3 direction = sl_normalize_or(w->direction, sl_v3(0.0f, 0.0f, 1.0f));
     if (triangle == SL_NO_INDEX) {
-        if (isinf(w->far)) meet_light(walk, w, sl_environment_radiance(&scene->environment, direction), SL_NO_INDEX, INFINITY);
+        if (isinf(w->far))
+            meet_light(walk, w, sl_environment_radiance(&scene->environment, direction), SL_NO_INDEX,
+                       INFINITY);
         return false;
     }
     sl_vec3 to_viewer = sl_neg(direction);
@@ -211,14 +225,14 @@ static bool arrive(const sl_path_walk *walk, walker *w, uint32_t triangle, float
     return reach_surface(walk, w, &surface, to_viewer, triangle, queue);
 }
 
-/* ---- packets ------------------------------------------------------------------------------------------------------------ */
+/* ---- packets --------------------------------------------------------------------------------- */
 
 static void put_ray(sl_ray16 *rays, unsigned i, const walker *w) {
     sl_ray16_set(rays, i, w->origin, w->direction, w->near, w->far, w->skip);
 }
 
-uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *first, uint64_t key, sl_hit16 *chosen,
-                                  sl_counters *counters) {
+uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *first, uint64_t key,
+                                  sl_hit16 *chosen, sl_counters *counters) {
     sl_ray16 ray = *first;
     sl_hit16 hit;
     uint32_t met = 0;
@@ -236,11 +250,12 @@ static uint32_t choose_along_ray(const sl_path_walk *walk, walker *w, sl_hit16 *
     float point[3];
     draw(walk, w, SL_SET_THROUGH - SL_SETS_A_VERTEX, point); /* of the vertex that was left */
     put_ray(&ray, 0, w);
-    return sl_path_choose_along_ray(walk->tracer, &ray, sl_random_key(w->key, (uint64_t)(point[0] * 0x1p24f)), hit, counters);
+    return sl_path_choose_along_ray(walk->tracer, &ray, sl_random_key(w->key, (uint64_t)(point[0] * 0x1p24f)),
+                                    hit, counters);
 }
 
-static void trace_walkers(const sl_path_walk *walk, walker *const *active, unsigned count, bool coherent, sl_hit16 *hits,
-                          sl_counters *counters) {
+static void trace_walkers(const sl_path_walk *walk, walker *const *active, unsigned count, bool coherent,
+                          sl_hit16 *hits, sl_counters *counters) {
     sl_ray16 rays;
     bool through = false;
     for (unsigned i = 0; i < count; i++) through |= active[i]->through;
@@ -283,8 +298,12 @@ void sl_path_walk_radiance(const sl_path_walk *walk, const sl_ray16 *rays, unsig
     shadow_queue queue;
     queue.count = 0;
     for (unsigned i = 0; i < count; i++) {
-        walkers[i] = (walker){.weight = {1.0f, 1.0f, 1.0f}, .key = key[i], .index = index, .near = rays->near[i],
-                              .far = rays->far[i], .skip = rays->skip[i]};
+        walkers[i] = (walker){.weight = {1.0f, 1.0f, 1.0f},
+                              .key = key[i],
+                              .index = index,
+                              .near = rays->near[i],
+                              .far = rays->far[i],
+                              .skip = rays->skip[i]};
         walkers[i].origin = sl_v3(rays->origin_x[i], rays->origin_y[i], rays->origin_z[i]);
         walkers[i].direction = sl_v3(rays->direction_x[i], rays->direction_y[i], rays->direction_z[i]);
         active[i] = &walkers[i];
@@ -295,7 +314,8 @@ void sl_path_walk_radiance(const sl_path_walk *walk, const sl_ray16 *rays, unsig
         unsigned left = 0;
         for (unsigned i = 0; i < alive; i++) {
             walker *w = active[i];
-            if (arrive(walk, w, hits.triangle[i], hits.t[i], hits.w1[i], hits.w2[i], &queue)) active[left++] = w;
+            if (arrive(walk, w, hits.triangle[i], hits.t[i], hits.w1[i], hits.w2[i], &queue))
+                active[left++] = w;
         }
         add_light(walk, &queue, coherent, counters);
         alive = left;

@@ -13,14 +13,17 @@ typedef struct sl_path_walk {
     sl_transport transport;
 } sl_path_walk;
 
-/* Radiance along the first count rays (near, far and skip are theirs). Ray i uses the points (key[i], ., index). */
+/* Radiance along the first count rays (near, far and skip are theirs). Ray i uses the points (key[i], .,
+ * index). */
 void sl_path_walk_radiance(const sl_path_walk *walk, const sl_ray16 *rays, unsigned count, bool coherent,
                            const uint64_t key[SL_PACKET], uint32_t index, sl_rgb radiance[SL_PACKET],
                            sl_counters *counters);
 
-/* Where nothing hides anything, every surface on the ray, the first of the packet, sends its light to the ray's start. One of the n is
- * taken, each with probability 1/n: put into lane 0. Returns n, by which its light is multiplied. */
-uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *ray, uint64_t key, sl_hit16 *hit, sl_counters *counters);
+/* Where nothing hides anything, every surface on the ray, the first of the packet, sends its light to the
+ * ray's start. One of the n is taken, each with probability 1/n: put into lane 0. Returns n, by which its
+ * light is multiplied. */
+uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *ray, uint64_t key, sl_hit16 *hit,
+                                  sl_counters *counters);
 
 /* Where the rays of a film leave: tangents of half its fields of view. */
 typedef struct sl_path_lens {
@@ -30,14 +33,23 @@ typedef struct sl_path_lens {
 
 sl_path_lens sl_path_lens_of(const sl_scene *scene, int width, int height);
 /* Ray i, through a place on the film, in pixels from its upper left corner. */
-void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, float x, float y, sl_ray16 *rays, unsigned i);
-/* Ray i, through pixel (x, y): where in it, point (key, ., index) says, if the transport's filter is the box. */
-void sl_path_camera_ray(const sl_path_walk *walk, const sl_path_lens *lens, int x, int y, uint64_t key, uint32_t index, sl_ray16 *rays,
-                        unsigned i);
+void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, float x, float y, sl_ray16 *rays,
+                      unsigned i);
+/* Ray i, through pixel (x, y): where in it, point (key, ., index) says, if the transport's filter is the box.
+ */
+void sl_path_camera_ray(const sl_path_walk *walk, const sl_path_lens *lens, int x, int y, uint64_t key,
+                        uint32_t index, sl_ray16 *rays, unsigned i);
 /* A sample that is not a number would spoil its pixel for good. */
 sl_rgb sl_path_finite_or_black(sl_rgb radiance, sl_counters *counters);
 
 /* The sets of points that a walk draws from: set 0 is for the pixel, then four a vertex. */
-enum { SL_SET_PIXEL = 0, SL_SET_LIGHT = 1, SL_SET_DIRECTION = 2, SL_SET_ROULETTE = 3, SL_SET_THROUGH = 4, SL_SETS_A_VERTEX = 4 };
+enum {
+    SL_SET_PIXEL = 0,
+    SL_SET_LIGHT = 1,
+    SL_SET_DIRECTION = 2,
+    SL_SET_ROULETTE = 3,
+    SL_SET_THROUGH = 4,
+    SL_SETS_A_VERTEX = 4
+};
 
 #endif

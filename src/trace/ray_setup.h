@@ -1,13 +1,14 @@
-/* Rays made ready for Embree and for the triangle test, sixteen at a time. Nearly all rays are usual: their numbers are finite, their directions of
- * about unit length, their origins not far from the scene. These are made ready in whole vectors; tracer.c looks at the others one by one. */
+/* Rays made ready for Embree and for the triangle test, sixteen at a time. Nearly all rays are usual: their
+ * numbers are finite, their directions of about unit length, their origins not far from the scene. These are
+ * made ready in whole vectors; tracer.c looks at the others one by one. */
 #ifndef SL_TRACE_RAY_SETUP_H
 #define SL_TRACE_RAY_SETUP_H
 
 #include "trace/embree.h"
 #include "trace/triangle_test.h"
 
-/* Across the ray a hit is decided within about 3 * 2^-24 of its distance, which a ray's start near the scene bounds by 2.5 diagonals. Near ties
- * differ by the rounding of distances, far below this. */
+/* Across the ray a hit is decided within about 3 * 2^-24 of its distance, which a ray's start near the scene
+ * bounds by 2.5 diagonals. Near ties differ by the rounding of distances, far below this. */
 #define SL_FAR_SLACK 1e-4
 
 /* Directions whose largest component lies between these are usual. */
@@ -30,7 +31,8 @@ typedef struct sl_ready_rays {
 } sl_ready_rays;
 
 /* Returns how many of the first `count` are usual. */
-typedef unsigned sl_ray_setup_usual(const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count, const sl_ready_rays *ready);
+typedef unsigned sl_ray_setup_usual(const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count,
+                                    const sl_ready_rays *ready);
 
 SL_KERNEL_VARIANTS(sl_ray_setup_usual, sl_ray_setup_usual);
 

@@ -3,11 +3,13 @@
 #include <math.h>
 
 /* Which rays are usual: -1, else 0. */
-static inline void find_usual(const sl_ray_setup *restrict setup, const sl_ray16 *restrict rays, unsigned count, int *restrict valid) {
+static inline void find_usual(const sl_ray_setup *restrict setup, const sl_ray16 *restrict rays,
+                              unsigned count, int *restrict valid) {
     _Alignas(64) double squared[SL_PACKET];
 #pragma omp simd
     for (unsigned i = 0; i < SL_PACKET; i++) {
-        double x = setup->centre.x - (double)rays->origin_x[i], y = setup->centre.y - (double)rays->origin_y[i];
+        double x = setup->centre.x - (double)rays->origin_x[i],
+               y = setup->centre.y - (double)rays->origin_y[i];
         double z = setup->centre.z - (double)rays->origin_z[i];
         squared[i] = x * x + y * y + z * z;
     }
@@ -16,7 +18,8 @@ static inline void find_usual(const sl_ray_setup *restrict setup, const sl_ray16
     for (unsigned i = 0; i < SL_PACKET; i++) near[i] = squared[i] <= setup->far_squared ? -1 : 0;
 #pragma omp simd
     for (unsigned i = 0; i < SL_PACKET; i++) {
-        float ax = fabsf(rays->direction_x[i]), ay = fabsf(rays->direction_y[i]), az = fabsf(rays->direction_z[i]);
+        float ax = fabsf(rays->direction_x[i]), ay = fabsf(rays->direction_y[i]),
+              az = fabsf(rays->direction_z[i]);
         float far = rays->far[i];
         int bounded = (ax < SL_LONGEST) & (ay < SL_LONGEST) & (az < SL_LONGEST);
         int has_direction = (ax > SL_SHORTEST) | (ay > SL_SHORTEST) | (az > SL_SHORTEST);
@@ -25,8 +28,8 @@ static inline void find_usual(const sl_ray_setup *restrict setup, const sl_ray16
     }
 }
 
-static inline void set_ends(const sl_ray_setup *restrict setup, const sl_ray16 *restrict rays, sl_ray_state *restrict s,
-                            struct RTCRay16 *restrict out) {
+static inline void set_ends(const sl_ray_setup *restrict setup, const sl_ray16 *restrict rays,
+                            sl_ray_state *restrict s, struct RTCRay16 *restrict out) {
     const double unit = setup->unit;
 #pragma omp simd
     for (unsigned i = 0; i < SL_PACKET; i++) {
@@ -35,16 +38,19 @@ static inline void set_ends(const sl_ray_setup *restrict setup, const sl_ray16 *
         s->near[i] = near;
         s->best_t[i] = far;
         double begin = (double)near, end = (double)far;
-        float tnear = (float)(begin * (1.0 - SL_FAR_SLACK) * unit), tfar = (float)((end + SL_FAR_SLACK * fabs(end) + 0x1p-22 * fabs(end)) * unit);
+        float tnear = (float)(begin * (1.0 - SL_FAR_SLACK) * unit),
+              tfar = (float)((end + SL_FAR_SLACK * fabs(end) + 0x1p-22 * fabs(end)) * unit);
         out->tnear[i] = near > 0.0f ? tnear : 0.0f;
         out->tfar[i] = far < INFINITY ? tfar : INFINITY;
     }
 }
 
-unsigned SL_KERNEL(sl_ray_setup_usual)(const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count, const sl_ready_rays *ready) {
+unsigned SL_KERNEL(sl_ray_setup_usual)(const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count,
+                                       const sl_ready_rays *ready) {
     struct RTCRay16 *restrict out = ready->rays;
     sl_ray_state *restrict s = ready->state;
-    float(*restrict o)[SL_PACKET] = ready->origin, (*restrict d)[SL_PACKET] = ready->direction, *restrict scale = ready->scale;
+    float(*restrict o)[SL_PACKET] = ready->origin,
+                    (*restrict d)[SL_PACKET] = ready->direction, *restrict scale = ready->scale;
     const float unit = (float)setup->unit;
     find_usual(setup, rays, count, ready->valid);
     set_ends(setup, rays, s, out);

@@ -2,8 +2,8 @@
 
 #include "base/random.h"
 
-/* Direction numbers v_k = m_k 2^(32-k) by the recurrence of a primitive polynomial (Bratley and Fox 1988): x + 1 with
- * m = 1, and x^2 + x + 1 with m = 1, 3. */
+/* Direction numbers v_k = m_k 2^(32-k) by the recurrence of a primitive polynomial (Bratley and Fox 1988): x
+ * + 1 with m = 1, and x^2 + x + 1 with m = 1, 3. */
 static void direction_numbers(int dimension, uint32_t v[32]) {
     if (dimension == 0) {
         v[0] = 1u << 31;
@@ -46,16 +46,19 @@ static uint32_t permute_upwards(uint32_t x, uint32_t seed) {
     return x;
 }
 
-/* Owen's nested uniform scramble of a fraction x / 2^32: each bit is flipped or not, as the bits above it say. */
+/* Owen's nested uniform scramble of a fraction x / 2^32: each bit is flipped or not, as the bits above it
+ * say. */
 static uint32_t scramble(uint32_t x, uint32_t seed) {
     return sl_van_der_corput(permute_upwards(sl_van_der_corput(x), seed));
 }
 
 static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
-void sl_sequence_point(const sl_sequence *sequence, uint64_t key, uint32_t set, uint32_t index, float point[3]) {
+void sl_sequence_point(const sl_sequence *sequence, uint64_t key, uint32_t set, uint32_t index,
+                       float point[3]) {
     uint64_t a = sl_hash64(key ^ ((uint64_t)set * 0xd1342543de82ef95u)), b = sl_hash64(a);
-    /* The same permutation of the index itself only reorders points inside every aligned block of 2^k of them. */
+    /* The same permutation of the index itself only reorders points inside every aligned block of 2^k of
+     * them. */
     uint32_t i = scramble(index, (uint32_t)a);
     point[0] = unit(scramble(sl_van_der_corput(i), (uint32_t)(a >> 32)));
     point[1] = unit(scramble(sobol(sequence, 0, i), (uint32_t)b));

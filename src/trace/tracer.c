@@ -1,6 +1,7 @@
-/* The hierarchy and its queries. One Embree user primitive a triangle; its box is inflated, since Embree's walk rounds; and
- * while a ray is under way its far end is kept a little beyond the best hit, so that near ties are still visited. The
- * answer is then a function of the ray and the set of triangles alone: the least (distance, index) among all hits. */
+/* The hierarchy and its queries. One Embree user primitive a triangle; its box is inflated, since Embree's
+ * walk rounds; and while a ray is under way its far end is kept a little beyond the best hit, so that near
+ * ties are still visited. The answer is then a function of the ray and the set of triangles alone: the least
+ * (distance, index) among all hits. */
 #include "trace/trace.h"
 
 #include <stdatomic.h>
@@ -51,7 +52,7 @@ typedef struct query_state {
     uint32_t occluded; /* occlusion queries: bit per ray */
 } query_state;
 
-/* ---- building ------------------------------------------------------------------------------------------------------ */
+/* ---- building -------------------------------------------------------------------------------- */
 
 static float least(const float v[3]) { return fminf(v[0], fminf(v[1], v[2])); }
 static float greatest(const float v[3]) { return fmaxf(v[0], fmaxf(v[1], v[2])); }
@@ -98,7 +99,8 @@ static void copy_triangles(sl_tracer *tracer, const uint32_t *order) {
             c->p[0][k] = p.x;
             c->p[1][k] = p.y;
             c->p[2][k] = p.z;
-            greatest_coordinate = fmaxf(greatest_coordinate, fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))));
+            greatest_coordinate =
+                fmaxf(greatest_coordinate, fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))));
         }
         tracer->any_alpha |= sl_scene_has_alpha(s, t);
     }
@@ -151,12 +153,12 @@ static sl_status build_hierarchy(sl_tracer *tracer, sl_error *error) {
     return SL_OK;
 }
 
-sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *embree_config, sl_tracer **out,
-                           sl_error *error) {
+sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *embree_config,
+                           sl_tracer **out, sl_error *error) {
     *out = NULL;
     if (scene->triangle_count >= SL_NO_INDEX) {
-        return sl_fail(error, SL_ERROR_RESOURCES, "a scene may have at most %u triangles, this has %zu", SL_NO_INDEX - 1,
-                       scene->triangle_count);
+        return sl_fail(error, SL_ERROR_RESOURCES, "a scene may have at most %u triangles, this has %zu",
+                       SL_NO_INDEX - 1, scene->triangle_count);
     }
     sl_tracer *tracer = sl_allocate(1, sizeof *tracer);
     if (!tracer) return sl_fail_memory(error, "the tracer");
@@ -179,12 +181,12 @@ sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *
     }
     char config[256];
     /* Embree's default, a leaf for each triangle, makes it test boxes longer than we would test triangles. */
-    snprintf(config, sizeof config, "threads=%u,object_accel_max_leaf_size=4%s%s", builders, embree_config ? "," : "",
-             embree_config ? embree_config : "");
+    snprintf(config, sizeof config, "threads=%u,object_accel_max_leaf_size=4%s%s", builders,
+             embree_config ? "," : "", embree_config ? embree_config : "");
     tracer->device = rtcNewDevice(config);
     if (!tracer->device) {
-        status = sl_fail(error, SL_ERROR_RESOURCES, "Embree could not make a device with \"%s\" (error %d)", config,
-                         (int)rtcGetDeviceError(NULL));
+        status = sl_fail(error, SL_ERROR_RESOURCES, "Embree could not make a device with \"%s\" (error %d)",
+                         config, (int)rtcGetDeviceError(NULL));
     } else {
         rtcSetDeviceMemoryMonitorFunction(tracer->device, count_memory, tracer);
         status = build_hierarchy(tracer, error);
@@ -207,13 +209,15 @@ void sl_tracer_destroy(sl_tracer *tracer) {
 
 size_t sl_tracer_memory_bytes(const sl_tracer *tracer) {
     long long embree = atomic_load(&((sl_tracer *)tracer)->embree_bytes);
-    return sizeof *tracer + tracer->scene->triangle_count * sizeof *tracer->triangles + (size_t)(embree > 0 ? embree : 0);
+    return sizeof *tracer + tracer->scene->triangle_count * sizeof *tracer->triangles +
+           (size_t)(embree > 0 ? embree : 0);
 }
 
-/* Measured: 145 to 164 bytes a triangle at 10^5 to 10^6 of them while Embree builds (of which 64 are ours), and a few megabytes of pools. */
+/* Measured: 145 to 164 bytes a triangle at 10^5 to 10^6 of them while Embree builds (of which 64 are ours),
+ * and a few megabytes of pools. */
 double sl_tracer_memory_need(size_t triangles) { return 6e6 + 168.0 * (double)triangles; }
 
-/* ---- callbacks: a triangle is proposed for some of the rays ---------------------------------------------------------- */
+/* ---- callbacks: a triangle is proposed for some of the rays ---------------------------------- */
 
 /* Whether the candidate beats what ray k has: nearer, or as near with a lower index. */
 static bool is_better(const sl_ray_state *r, unsigned k, float t, uint32_t triangle) {
@@ -247,7 +251,8 @@ static void intersect_callback(const struct RTCIntersectFunctionNArguments *argu
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
         sl_ray_state *r = &state->rays;
-        if (!is_better(r, k, c.t[i], triangle) || !is_opaque(state->tracer, triangle, c.w1[i], c.w2[i])) continue;
+        if (!is_better(r, k, c.t[i], triangle) || !is_opaque(state->tracer, triangle, c.w1[i], c.w2[i]))
+            continue;
         r->best_t[k] = c.t[i];
         r->best_w1[k] = c.w1[i];
         r->best_w2[k] = c.w2[i];
@@ -275,10 +280,11 @@ static void occluded_callback(const struct RTCOccludedFunctionNArguments *argume
     }
 }
 
-/* ---- queries ----------------------------------------------------------------------------------------------------- */
+/* ---- queries --------------------------------------------------------------------------------- */
 
-/* A ray that starts far from the scene is started nearer, at about a diagonal from the centre, so that the test's rounding
- * and Embree's stay within the boxes' inflation. Returns the new origin; *start is its distance. */
+/* A ray that starts far from the scene is started nearer, at about a diagonal from the centre, so that the
+ * test's rounding and Embree's stay within the boxes' inflation. Returns the new origin; *start is its
+ * distance. */
 static sl_vec3 start_near(const sl_tracer *tracer, sl_vec3 origin, sl_vec3d direction, double *start) {
     sl_vec3d to_centre = sl_subd(tracer->centre, sl_to_double(origin));
     double distance_squared = sl_dotd(to_centre, to_centre), diagonal = tracer->diagonal;
@@ -291,8 +297,8 @@ static sl_vec3 start_near(const sl_tracer *tracer, sl_vec3 origin, sl_vec3d dire
     return sl_to_float(sl_addd(sl_to_double(origin), sl_scaled(direction, forward)));
 }
 
-/* The power of two that brings a direction's largest component near 1, where it is far from that: Embree treats tiny
- * directions as zero. Distances are then in units of the scaled direction, exactly. */
+/* The power of two that brings a direction's largest component near 1, where it is far from that: Embree
+ * treats tiny directions as zero. Distances are then in units of the scaled direction, exactly. */
 static float direction_scale(float largest_component) {
     if (largest_component > SL_SHORTEST && largest_component < SL_LONGEST) return 1.0f;
     int exponent;
@@ -333,8 +339,10 @@ static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, st
     out->org_x[i] = o.x * unit;
     out->org_y[i] = o.y * unit;
     out->org_z[i] = o.z * unit;
-    /* It would end the process. A ray that is no nearer, although it was started near the scene, leaves it behind or passes it by. */
-    if (!(sl_greatest_coordinate(sl_v3(out->org_x[i], out->org_y[i], out->org_z[i])) < FARTHEST)) return false;
+    /* It would end the process. A ray that is no nearer, although it was started near the scene, leaves it
+     * behind or passes it by. */
+    if (!(sl_greatest_coordinate(sl_v3(out->org_x[i], out->org_y[i], out->org_z[i])) < FARTHEST))
+        return false;
     r->near[i] = near > 0.0f ? near : 0.0f;
     r->best_t[i] = far;
     r->best_triangle[i] = SL_NO_INDEX;
@@ -378,17 +386,28 @@ static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ra
         if (i < count && prepare_ray(state, rays, i, out)) valid[i] = -1, valids++;
         else clear_ray(state, i, out);
     }
-    tracer->frames(&state->rays, (const float(*)[SL_PACKET])state->origin, (const float(*)[SL_PACKET])state->direction);
+    tracer->frames(&state->rays, (const float(*)[SL_PACKET])state->origin,
+                   (const float(*)[SL_PACKET])state->direction);
     return valids;
 }
 
 static struct RTCRay one_of(const struct RTCRay16 *rays, unsigned i) {
-    return (struct RTCRay){.org_x = rays->org_x[i], .org_y = rays->org_y[i], .org_z = rays->org_z[i], .tnear = rays->tnear[i],
-                           .dir_x = rays->dir_x[i], .dir_y = rays->dir_y[i], .dir_z = rays->dir_z[i], .time = 0.0f,
-                           .tfar = rays->tfar[i], .mask = UINT32_MAX, .id = i, .flags = 0};
+    return (struct RTCRay){.org_x = rays->org_x[i],
+                           .org_y = rays->org_y[i],
+                           .org_z = rays->org_z[i],
+                           .tnear = rays->tnear[i],
+                           .dir_x = rays->dir_x[i],
+                           .dir_y = rays->dir_y[i],
+                           .dir_z = rays->dir_z[i],
+                           .time = 0.0f,
+                           .tfar = rays->tfar[i],
+                           .mask = UINT32_MAX,
+                           .id = i,
+                           .flags = 0};
 }
 
-/* Rays that go different ways are walked one by one, which is faster than as a packet; the hits are the same. */
+/* Rays that go different ways are walked one by one, which is faster than as a packet; the hits are the same.
+ */
 static void intersect_singly(const sl_tracer *tracer, sl_embree_query *query, const int valid[SL_PACKET],
                              const struct RTCRay16 *rays) {
     for (unsigned i = 0; i < SL_PACKET; i++) {
@@ -416,7 +435,8 @@ void sl_trace(const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, boo
     sl_count(counters, SL_COUNT_RAYS, count);
     unsigned valids = prepare(&state, tracer, rays, count, &packet.ray, valid);
     if (valids > 0) {
-        for (unsigned i = 0; i < SL_PACKET; i++) packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        for (unsigned i = 0; i < SL_PACKET; i++)
+            packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         sl_embree_query query;
         sl_embree_begin(&query, &state);
         if (coherent && valids > FEW_RAYS) sl_embree_intersect16(tracer->hierarchy, &query, valid, &packet);

@@ -30,9 +30,11 @@ static uint64_t cell(float a, float b, float c, float low, double extent) {
 }
 
 static uint64_t morton_code(const sl_scene *s, size_t triangle, double extent) {
-    sl_vec3 a = sl_scene_position(s, s->vertex[0][triangle]), b = sl_scene_position(s, s->vertex[1][triangle]);
+    sl_vec3 a = sl_scene_position(s, s->vertex[0][triangle]),
+            b = sl_scene_position(s, s->vertex[1][triangle]);
     sl_vec3 c = sl_scene_position(s, s->vertex[2][triangle]);
-    return spread(cell(a.x, b.x, c.x, s->box_min.x, extent)) | spread(cell(a.y, b.y, c.y, s->box_min.y, extent)) << 1 |
+    return spread(cell(a.x, b.x, c.x, s->box_min.x, extent)) |
+           spread(cell(a.y, b.y, c.y, s->box_min.y, extent)) << 1 |
            spread(cell(a.z, b.z, c.z, s->box_min.z, extent)) << 2;
 }
 

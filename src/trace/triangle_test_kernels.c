@@ -6,8 +6,9 @@ typedef struct sheared {
     _Alignas(64) float x[3][SL_PACKET], y[3][SL_PACKET], z[3][SL_PACKET];
 } sheared;
 
-/* Do the exact edge functions of entry i have one sign? Products of floats are exact in double (24 + 24 bits fit into 53), so
- * the sign of each difference is. Edges included, but not all 0: a triangle seen edge-on, which its neighbours cover. */
+/* Do the exact edge functions of entry i have one sign? Products of floats are exact in double (24 + 24 bits
+ * fit into 53), so the sign of each difference is. Edges included, but not all 0: a triangle seen edge-on,
+ * which its neighbours cover. */
 static bool is_inside_exactly(const sheared *e, unsigned i) {
     double x[3], y[3];
     for (int v = 0; v < 3; v++) {
@@ -30,20 +31,24 @@ static inline uint32_t exactly_inside(const sheared *e, uint32_t doubtful) {
     return in;
 }
 
-/* From the edge functions' signs, a bit for each ray: the rays inside for sure, and those that only the exact test can tell. */
-static inline uint32_t judge(const sheared *e, const uint32_t positive[3], const uint32_t negative[3], uint32_t active) {
+/* From the edge functions' signs, a bit for each ray: the rays inside for sure, and those that only the exact
+ * test can tell. */
+static inline uint32_t judge(const sheared *e, const uint32_t positive[3], const uint32_t negative[3],
+                             uint32_t active) {
     uint32_t outside = (positive[0] | positive[1] | positive[2]) & (negative[0] | negative[1] | negative[2]);
     uint32_t inside = (positive[0] & positive[1] & positive[2]) | (negative[0] & negative[1] & negative[2]);
     uint32_t doubtful = active & ~(outside | inside);
     return (inside & active) | (doubtful ? exactly_inside(e, doubtful) : 0);
 }
 
-/* The rays `first` to first + SL_LANES whose dominant axis is k: bits (of those in `active`) that meet the triangle.
+/* The rays `first` to first + SL_LANES whose dominant axis is k: bits (of those in `active`) that meet the
+ * triangle.
  *
- * An edge function is the difference of two products. Rounding is monotonic: where the products still differ after rounding to
- * float, they differ in the same sense before it. So floats decide, and doubles only where the rounded products are equal. */
-static inline uint32_t test_lanes(const sl_ray_state *s, const sl_triangle_corners *c, unsigned k, unsigned first,
-                                  uint32_t active, sheared *e) {
+ * An edge function is the difference of two products. Rounding is monotonic: where the products still differ
+ * after rounding to float, they differ in the same sense before it. So floats decide, and doubles only where
+ * the rounded products are equal. */
+static inline uint32_t test_lanes(const sl_ray_state *s, const sl_triangle_corners *c, unsigned k,
+                                  unsigned first, uint32_t active, sheared *e) {
     const float *p1 = c->p[k == 2 ? 0 : k + 1], *p2 = c->p[k == 0 ? 2 : k - 1], *p3 = c->p[k];
     sl_lanes o1 = sl_lanes_load(&s->origin_1[first]), o2 = sl_lanes_load(&s->origin_2[first]);
     sl_lanes o3 = sl_lanes_load(&s->origin_3[first]);
@@ -72,9 +77,9 @@ static inline uint32_t test_lanes(const sl_ray_state *s, const sl_triangle_corne
 }
 
 /* Distance and weights of entry i, which is that of ray `ray`, into entry `to`. */
-static inline __attribute__((always_inline)) void locate(const sl_ray_state *restrict s, const sheared *restrict e,
-                                                         unsigned i, unsigned ray, unsigned to,
-                                                         sl_candidates *restrict out) {
+static inline __attribute__((always_inline)) void locate(const sl_ray_state *restrict s,
+                                                         const sheared *restrict e, unsigned i, unsigned ray,
+                                                         unsigned to, sl_candidates *restrict out) {
     double x0 = (double)e->x[0][i], x1 = (double)e->x[1][i], x2 = (double)e->x[2][i];
     double y0 = (double)e->y[0][i], y1 = (double)e->y[1][i], y2 = (double)e->y[2][i];
     double u = x2 * y1 - y2 * x1, v = x0 * y2 - y0 * x2, w = x1 * y0 - y1 * x0, scale = 1.0 / ((u + v) + w);
@@ -87,13 +92,14 @@ static inline __attribute__((always_inline)) void locate(const sl_ray_state *res
 enum { LOCATED = SL_LANES < 8 ? SL_LANES : 8, FEW = 2 };
 
 /* Entries `hits`, of consecutive rays; by whole vectors where that pays. */
-static inline void locate_all(const sl_ray_state *s, const sheared *e, uint32_t hits, unsigned ray, unsigned to,
-                              sl_candidates *out) {
+static inline void locate_all(const sl_ray_state *s, const sheared *e, uint32_t hits, unsigned ray,
+                              unsigned to, sl_candidates *out) {
     for (unsigned first = 0; first < SL_LANES; first += LOCATED) {
         uint32_t some = hits >> first & ((1u << LOCATED) - 1);
         if (__builtin_popcount(some) > FEW) {
 #pragma omp simd
-            for (unsigned i = 0; i < LOCATED; i++) locate(s, e, first + i, ray + first + i, to + first + i, out);
+            for (unsigned i = 0; i < LOCATED; i++)
+                locate(s, e, first + i, ray + first + i, to + first + i, out);
             continue;
         }
         for (; some; some &= some - 1) {
@@ -126,7 +132,8 @@ static inline uint32_t test_consecutive(const sl_ray_state *s, const sl_triangle
     return all;
 }
 
-static bool test_one(const sl_ray_state *s, const sl_triangle_corners *c, unsigned ray, unsigned to, sl_candidates *out) {
+static bool test_one(const sl_ray_state *s, const sl_triangle_corners *c, unsigned ray, unsigned to,
+                     sl_candidates *out) {
     unsigned k = s->with_axis[0] >> ray & 1 ? 0 : s->with_axis[1] >> ray & 1 ? 1 : 2;
     const float *p1 = c->p[k == 2 ? 0 : k + 1], *p2 = c->p[k == 0 ? 2 : k - 1], *p3 = c->p[k];
     sheared e;
@@ -148,10 +155,11 @@ static bool test_one(const sl_ray_state *s, const sl_triangle_corners *c, unsign
     return true;
 }
 
-/* Embree hands over 1, 4, 8 or 16 rays, mostly consecutive ones; then whole registers test them. Others are tested one by
- * one: the same arithmetic, so the same bits. */
-uint32_t SL_KERNEL(sl_triangle_test)(const sl_ray_state *state, const sl_triangle_corners *corners, const int *valid,
-                                     const unsigned *id, unsigned n, sl_candidates *candidates) {
+/* Embree hands over 1, 4, 8 or 16 rays, mostly consecutive ones; then whole registers test them. Others are
+ * tested one by one: the same arithmetic, so the same bits. */
+uint32_t SL_KERNEL(sl_triangle_test)(const sl_ray_state *state, const sl_triangle_corners *corners,
+                                     const int *valid, const unsigned *id, unsigned n,
+                                     sl_candidates *candidates) {
     static const int none[SL_LANES];
     static const unsigned in_order[SL_PACKET] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     uint32_t hits = 0;

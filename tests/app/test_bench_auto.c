@@ -14,16 +14,25 @@ enum { MEASURED = sizeof measured / sizeof *measured };
 
 /* One where splatting is first, far from one where the light octree is, and path tracing second in both. */
 static void make_two(sl_auto_scene two[2]) {
-    two[0] = (sl_auto_scene){.name = "open", .kind = {.direct = 0.9, .second = 0.1, .lit = true, .triangles = 100.0, .lights = 1.0}, .pixels = 10000.0};
-    two[1] = (sl_auto_scene){.name = "hidden", .kind = {.direct = 0.1, .second = 0.1, .further = 0.8, .lit = true, .triangles = 100.0, .lights = 1.0}, .pixels = 10000.0};
+    two[0] = (sl_auto_scene){
+        .name = "open",
+        .kind = {.direct = 0.9, .second = 0.1, .lit = true, .triangles = 100.0, .lights = 1.0},
+        .pixels = 10000.0};
+    two[1] = (sl_auto_scene){
+        .name = "hidden",
+        .kind =
+            {.direct = 0.1, .second = 0.1, .further = 0.8, .lit = true, .triangles = 100.0, .lights = 1.0},
+        .pixels = 10000.0};
     for (int class = 0; class < SL_AUTO_CLASSES; class++) {
-        for (int c = 0; c < SL_AUTO_CANDIDATES; c++) two[0].seconds[class][c] = two[1].seconds[class][c] = 50.0;
+        for (int c = 0; c < SL_AUTO_CANDIDATES; c++)
+            two[0].seconds[class][c] = two[1].seconds[class][c] = 50.0;
         two[0].seconds[class][SL_AUTO_SPLATTING] = 1.0, two[0].seconds[class][SL_AUTO_PATH] = 4.0;
         two[1].seconds[class][SL_AUTO_LIGHT_OCTREE] = 10.0, two[1].seconds[class][SL_AUTO_PATH] = 30.0;
     }
 }
 
-static sl_auto_verdict judge(const sl_auto_scene *two, const sl_auto_scene *left_out, sl_auto_kind kind, double pixels) {
+static sl_auto_verdict judge(const sl_auto_scene *two, const sl_auto_scene *left_out, sl_auto_kind kind,
+                             double pixels) {
     return sl_auto_judge(two, 2, left_out, &kind, pixels, SL_AUTO_MIDDLE, 0.05);
 }
 
@@ -100,7 +109,8 @@ static void the_table_holds_measurements(void **state) {
         assert_true(s->pixels >= 1.0);
         assert_true(sl_auto_distance(&s->kind, &s->kind) == 0.0);
         for (int c = 0; c < SL_AUTO_CANDIDATES; c++) { /* a smaller error is not reached sooner */
-            assert_true(s->seconds[SL_AUTO_ROUGH][c] > 0.0 && s->seconds[SL_AUTO_ROUGH][c] <= s->seconds[SL_AUTO_MIDDLE][c]);
+            assert_true(s->seconds[SL_AUTO_ROUGH][c] > 0.0 &&
+                        s->seconds[SL_AUTO_ROUGH][c] <= s->seconds[SL_AUTO_MIDDLE][c]);
             assert_true(s->seconds[SL_AUTO_MIDDLE][c] <= s->seconds[SL_AUTO_FINE][c]);
         }
     }
@@ -108,10 +118,13 @@ static void the_table_holds_measurements(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_scene_that_was_measured_gets_what_was_first_there), cmocka_unit_test(what_is_left_out_has_no_say),
+        cmocka_unit_test(a_scene_that_was_measured_gets_what_was_first_there),
+        cmocka_unit_test(what_is_left_out_has_no_say),
         cmocka_unit_test(a_method_that_leaves_out_too_much_light_is_not_chosen),
-        cmocka_unit_test(under_a_sky_what_takes_it_for_no_light_is_not_chosen), cmocka_unit_test(larger_pictures_speak_for_caches),
-        cmocka_unit_test(without_any_measurement_paths_are_traced), cmocka_unit_test(the_table_holds_measurements),
+        cmocka_unit_test(under_a_sky_what_takes_it_for_no_light_is_not_chosen),
+        cmocka_unit_test(larger_pictures_speak_for_caches),
+        cmocka_unit_test(without_any_measurement_paths_are_traced),
+        cmocka_unit_test(the_table_holds_measurements),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

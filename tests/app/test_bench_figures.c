@@ -1,4 +1,5 @@
-/* What the report's figures are made of: the journal, errors against a noisy reference, curves and the times read from them. */
+/* What the report's figures are made of: the journal, errors against a noisy reference, curves and the times
+ * read from them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -108,9 +109,11 @@ static double noise_at(uint32_t i) {
     return (double)((i ^ (i >> 16)) >> 8) / 8388608.0 - 1.0;
 }
 
-/* Truth 1 everywhere; halves with independent noise up to 0.2, and the picture wrong by a pattern of +-`wrong`. */
+/* Truth 1 everywhere; halves with independent noise up to 0.2, and the picture wrong by a pattern of
+ * +-`wrong`. */
 static void make_pair(double wrong, sl_image **picture, sl_image **reference, sl_image **mask) {
-    static const char *const names[] = {"R", "G", "B", "even.R", "even.G", "even.B", "odd.R", "odd.G", "odd.B"};
+    static const char *const names[] = {"R",      "G",     "B",     "even.R", "even.G",
+                                        "even.B", "odd.R", "odd.G", "odd.B"};
     enum { SIZE = 64 };
     const size_t values = 3 * (size_t)SIZE * SIZE;
     sl_error error;
@@ -119,7 +122,8 @@ static void make_pair(double wrong, sl_image **picture, sl_image **reference, sl
     assert_int_equal(sl_image_create(SIZE, SIZE, 1, NULL, mask, &error), SL_OK);
     for (size_t i = 0; i < (size_t)SIZE * SIZE; i++) (*mask)->planes[i] = i % 7 ? 1.0f : 0.0f;
     for (size_t i = 0; i < values; i++) {
-        uint32_t pixel = (uint32_t)(i % ((size_t)SIZE * SIZE)); /* one noise in all channels, as that of light is */
+        /* one noise in all channels, as that of light is */
+        uint32_t pixel = (uint32_t)(i % ((size_t)SIZE * SIZE));
         double a = 1.0 + 0.2 * noise_at(pixel + 1), b = 1.0 + 0.2 * noise_at(pixel + 7000001);
         (*picture)->planes[i] = (float)(1.0 + (i & 1 ? wrong : -wrong));
         if (i % ((size_t)SIZE * SIZE) % 7 == 0) (*picture)->planes[i] = 50.0f; /* a lamp: not compared */
@@ -162,8 +166,10 @@ static void an_error_far_below_the_noise_is_only_bounded(void **state) {
 /* Var (x-A)(x-B) = 2 e^2 s^2 + s^4 for each of n values, A and B with the variance s^2. */
 static void what_noise_leaves_in_doubt_is_what_theory_says(void **state) {
     (void)state;
-    const double wrong = 0.1, variance = 0.2 * 0.2 / 3.0, values = 64.0 * 64.0 * 6.0 / 7.0; /* the channels of a pixel count as one */
-    double doubt = 2.0 * sqrt((2.0 * wrong * wrong * variance + variance * variance) / values) / (2.0 * wrong);
+    /* the channels of a pixel count as one */
+    const double wrong = 0.1, variance = 0.2 * 0.2 / 3.0, values = 64.0 * 64.0 * 6.0 / 7.0;
+    double doubt =
+        2.0 * sqrt((2.0 * wrong * wrong * variance + variance * variance) / values) / (2.0 * wrong);
     sl_bench_error e = judge(wrong);
     assert_true(e.doubt > 0.8 * doubt && e.doubt < 1.1 * doubt);
     assert_true(fabs(e.rel_rmse - wrong) < e.doubt);
@@ -173,23 +179,29 @@ static void what_noise_leaves_in_doubt_is_what_theory_says(void **state) {
 
 static void sets_of_light_paths_that_a_scene_cannot_tell_apart_share_a_reference(void **state) {
     (void)state;
-    sl_bench_scene diffuse = {.hash = "0123456789abcdef", .width = 8, .height = 8}, glossy = diffuse, mirrors = diffuse;
+    sl_bench_scene diffuse = {.hash = "0123456789abcdef", .width = 8, .height = 8}, glossy = diffuse,
+                   mirrors = diffuse;
     char a[SL_BENCH_PATH], b[SL_BENCH_PATH];
     glossy.glossy = mirrors.mirrors = true;
     assert_true(sl_reference_is_same(&mirrors, "matched:splatting", "one-bounce"));
     assert_true(sl_reference_is_same(&diffuse, "matched:multi-mesh", "one-bounce"));
-    assert_false(sl_reference_is_same(&glossy, "matched:multi-mesh", "one-bounce")); /* its receivers are diffuse */
-    assert_false(sl_reference_is_same(&mirrors, "matched:multi-mesh", "one-bounce")); /* mirrors are black to it */
+    /* its receivers are diffuse */
+    assert_false(sl_reference_is_same(&glossy, "matched:multi-mesh", "one-bounce"));
+    /* mirrors are black to it */
+    assert_false(sl_reference_is_same(&mirrors, "matched:multi-mesh", "one-bounce"));
     assert_true(sl_reference_is_same(&mirrors, "matched:light-octree", "full"));
-    assert_false(sl_reference_is_same(&diffuse, "matched:shading-cache", "full")); /* ends after some surfaces */
-    assert_false(sl_reference_is_same(&diffuse, "matched:direct-radiance", "one-bounce")); /* sees through walls */
+    /* ends after some surfaces */
+    assert_false(sl_reference_is_same(&diffuse, "matched:shading-cache", "full"));
+    /* sees through walls */
+    assert_false(sl_reference_is_same(&diffuse, "matched:direct-radiance", "one-bounce"));
     assert_false(sl_reference_is_same(&diffuse, "direct", "one-bounce"));
     sl_reference_path("folder", &diffuse, "matched:multi-mesh", a);
     sl_reference_path("folder", &diffuse, "one-bounce", b);
     assert_string_equal(a, b);
     sl_reference_path("folder", &glossy, "matched:multi-mesh", a);
     assert_string_not_equal(a, b);
-    /* Without a sky nobody leaves it out; a file kept from when nobody did under one is not taken for what leaves it out. */
+    /* Without a sky nobody leaves it out; a file kept from when nobody did under one is not taken for what
+     * leaves it out. */
     sl_bench_scene open = diffuse;
     open.sky = true;
     sl_reference_path("folder", &diffuse, "matched:direct-radiance", a);
@@ -212,8 +224,12 @@ static sl_bench_row row(const char *curve, double seconds, double error) {
 
 static void times_are_read_along_the_settings_that_pay(void **state) {
     (void)state;
-    sl_bench_row rows[] = {row("splatting", 10.0, 0.01), row("splatting", 0.1, 0.1), row("splatting", 5.0, 0.2) /* beaten */,
-                           row("path, one-bounce", 1.0, 0.1), row("path, one-bounce", 100.0, 0.01), row("path, full", 0.01, 0.001) /* another's truth */};
+    sl_bench_row rows[] = {row("splatting", 10.0, 0.01),
+                           row("splatting", 0.1, 0.1),
+                           row("splatting", 5.0, 0.2) /* beaten */,
+                           row("path, one-bounce", 1.0, 0.1),
+                           row("path, one-bounce", 100.0, 0.01),
+                           row("path, full", 0.01, 0.001) /* another's truth */};
     sl_bench_scene scene = {.rows = rows, .row_count = sizeof rows / sizeof *rows};
     sl_curve curves[SL_CURVES];
     assert_int_equal(sl_curves_of(&scene, SL_BENCH_ONE_BOUNCE, curves), 3);
@@ -247,12 +263,16 @@ static void spreads_know_their_middle_and_their_ends(void **state) {
 
 static void missing_light_is_never_told_as_no_error(void **state) {
     (void)state;
-    static const struct { double energy, missing; int digits; const char *text; } cases[] = {
-        {0.757, 0.3619, 2, "36.19 %"}, {0.828, 0.0, 2, "≥ 17.2 %"}, {0.828, 0.0, 0, "≥ 17 %"}, {1.2, 0.1, 2, "≥ 20.0 %"},
-        {0.875, 0.1249, 2, "12.49 %"}, {1.0, 0.0, 2, "0.00 %"}, {0.9999, 0.0, 2, "0.00 %"}, {0.0, 1.4, 2, "140.00 %"}};
+    static const struct { double energy, missing; int digits; const char *text;
+    } cases[] = {{0.757, 0.3619, 2, "36.19 %"}, {0.828, 0.0, 2, "≥ 17.2 %"},   {0.828, 0.0, 0, "≥ 17 %"},
+                 {1.2, 0.1, 2, "≥ 20.0 %"},     {0.875, 0.1249, 2, "12.49 %"}, {1.0, 0.0, 2, "0.00 %"},
+                 {0.9999, 0.0, 2, "0.00 %"},    {0.0, 1.4, 2, "140.00 %"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[32];
-        sl_missing_text(&(sl_bench_reference){.missing_known = true, .energy = cases[i].energy, .missing = cases[i].missing}, cases[i].digits, text);
+        sl_missing_text(&(sl_bench_reference){.missing_known = true,
+                                              .energy = cases[i].energy,
+                                              .missing = cases[i].missing},
+                        cases[i].digits, text);
         assert_string_equal(text, cases[i].text);
     }
 }

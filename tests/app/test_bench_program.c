@@ -27,8 +27,24 @@ static _Noreturn void be_the_program(const char *folder, const char *const *more
     int argc = 0, nowhere = open("/dev/null", O_WRONLY);
     snprintf(output, sizeof output, "%s/%s", base, folder);
     snprintf(references, sizeof references, "%s/references", base);
-    const char *const common[] = {"scenes/cornell.json", "-o", output, "-s", "32x32", "-m", "path,direct-radiance", "-q", "draft", "--repeats", "2",
-                                  "--reference-budget", "0.1", "--references", references, "--reference-threads", "1", "--json"};
+    const char *const common[] = {"scenes/cornell.json",
+                                  "-o",
+                                  output,
+                                  "-s",
+                                  "32x32",
+                                  "-m",
+                                  "path,direct-radiance",
+                                  "-q",
+                                  "draft",
+                                  "--repeats",
+                                  "2",
+                                  "--reference-budget",
+                                  "0.1",
+                                  "--references",
+                                  references,
+                                  "--reference-threads",
+                                  "1",
+                                  "--json"};
     for (size_t i = 0; i < sizeof common / sizeof *common; i++) argv[argc++] = strdup(common[i]);
     for (; *more; more++) argv[argc++] = strdup(*more);
     if (nowhere >= 0) dup2(nowhere, 1);
@@ -107,7 +123,8 @@ static csv parse_csv(const char *text) {
     csv c = {0};
     for (size_t row = 0; *text && row < ROWS; row++) {
         size_t field = 0;
-        for (bool last = false; !last && field < FIELDS; field++) text = take_field(text, &c.field[row][field], &last);
+        for (bool last = false; !last && field < FIELDS; field++)
+            text = take_field(text, &c.field[row][field], &last);
         if (row == 0) c.fields = field;
         assert_int_equal(field, c.fields);
         c.rows = row;
@@ -142,23 +159,28 @@ static void every_trial_is_a_row_with_its_time_and_its_errors(void **state) {
         assert_string_equal(field(&c, i, "runs"), "2");
         assert_true(strtod(field(&c, i, "cpu_seconds"), NULL) > 0.0);
         assert_true(strtod(field(&c, i, "peak_bytes"), NULL) > 1e6);
-        assert_true(strtod(field(&c, i, "matched_rel_rmse"), NULL) > 0.005 && strtod(field(&c, i, "matched_rel_rmse"), NULL) < 0.5);
+        assert_true(strtod(field(&c, i, "matched_rel_rmse"), NULL) > 0.005 &&
+                    strtod(field(&c, i, "matched_rel_rmse"), NULL) < 0.5);
     }
-    for (size_t i = 0; i < c.rows; i++) { /* what is told without the reference is near to what is found with it */
-        double told = strtod(field(&c, i, "estimate_rel_rmse"), NULL), bound = strtod(field(&c, i, "estimate_bound"), NULL);
+    /* what is told without the reference is near to what is found with it */
+    for (size_t i = 0; i < c.rows; i++) {
+        double told = strtod(field(&c, i, "estimate_rel_rmse"), NULL),
+               bound = strtod(field(&c, i, "estimate_bound"), NULL);
         double measured = strtod(field(&c, i, "whole_picture_rel_rmse"), NULL);
         assert_true(measured > 0.0 && told > 0.6 * measured && told < 1.5 * measured && bound >= told);
     }
     /* What one bounce leaves out of the Cornell box is about a third of its light. */
     assert_true(strtod(field(&c, 1, "full_bias"), NULL) < -0.1);
-    assert_true(strtod(field(&c, 2, "full_rel_rmse"), NULL) < strtod(field(&c, 2, "one-bounce_rel_rmse"), NULL));
+    assert_true(strtod(field(&c, 2, "full_rel_rmse"), NULL) <
+                strtod(field(&c, 2, "one-bounce_rel_rmse"), NULL));
     free_csv(&c);
     free(text);
 }
 
 static void the_page_holds_every_row_and_fetches_nothing(void **state) {
     (void)state;
-    char *page = file_of("whole", "report.html"), *table = file_of("whole", "results.csv"), *markdown = file_of("whole", "report.md");
+    char *page = file_of("whole", "report.html"), *table = file_of("whole", "results.csv"),
+         *markdown = file_of("whole", "report.md");
     csv c = parse_csv(table);
     assert_int_equal(c.rows, 3);
     for (size_t i = 0; i < c.rows; i++) {
@@ -166,8 +188,10 @@ static void the_page_holds_every_row_and_fetches_nothing(void **state) {
         assert_non_null(strstr(markdown, field(&c, i, "curve")));
     }
     static const char space[] = "http://www.w3.org/2000/svg";
-    for (const char *at = page; (at = strstr(at, "http")); at++) assert_memory_equal(at, space, sizeof space - 1);
-    for (const char *at = page; (at = strstr(at, "src=\"")); at++) assert_memory_equal(at, "src=\"data:image/png;base64,iVBOR", 31);
+    for (const char *at = page; (at = strstr(at, "http")); at++)
+        assert_memory_equal(at, space, sizeof space - 1);
+    for (const char *at = page; (at = strstr(at, "src=\"")); at++)
+        assert_memory_equal(at, "src=\"data:image/png;base64,iVBOR", 31);
     assert_null(strstr(page, "<script"));
     assert_null(strstr(page, "<link"));
     assert_null(strstr(page, "@import"));
@@ -181,12 +205,14 @@ static void the_page_holds_every_row_and_fetches_nothing(void **state) {
 static void what_was_measured_is_not_measured_again(void **state) {
     (void)state;
     char *before = file_of("whole", "journal.jsonl"), *rows_before = file_of("whole", "results.csv");
-    assert_int_equal(lines_of(before), 13); /* two runs, a look and an audit of each of three, and where the light comes from */
+    /* two runs, a look and an audit of each of three, and where the light comes from */
+    assert_int_equal(lines_of(before), 13);
     assert_int_equal(finish(start("whole", nothing_more)), 0);
     char *after = file_of("whole", "journal.jsonl"), *rows_after = file_of("whole", "results.csv");
     assert_string_equal(before, after);
     csv a = parse_csv(rows_before), b = parse_csv(rows_after);
-    for (size_t i = 0; i < a.rows; i++) assert_string_equal(field(&a, i, "cpu_seconds"), field(&b, i, "cpu_seconds"));
+    for (size_t i = 0; i < a.rows; i++)
+        assert_string_equal(field(&a, i, "cpu_seconds"), field(&b, i, "cpu_seconds"));
     free_csv(&a);
     free_csv(&b);
     free(before);
@@ -219,8 +245,10 @@ static void interrupted_it_goes_on_to_the_same_rows(void **state) {
     csv a = parse_csv(whole_rows), b = parse_csv(rows);
     assert_int_equal(b.rows, 3);
     for (size_t i = 0; i < a.rows; i++) {
-        static const char *const same[] = {"scene", "hash", "arguments", "end", "runs", "rays", "samples", "fragments_shaded"};
-        for (size_t k = 0; k < sizeof same / sizeof *same; k++) assert_string_equal(field(&a, i, same[k]), field(&b, i, same[k]));
+        static const char *const same[] = {"scene", "hash", "arguments", "end",
+                                           "runs",  "rays", "samples",   "fragments_shaded"};
+        for (size_t k = 0; k < sizeof same / sizeof *same; k++)
+            assert_string_equal(field(&a, i, same[k]), field(&b, i, same[k]));
     }
     free_csv(&a);
     free_csv(&b);
@@ -280,7 +308,8 @@ static bool is_there(const char *folder, const char *name) {
 /* The cheapest setting takes some tenths of a second. */
 static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **state) {
     (void)state;
-    static const char *const hurried[] = {"-m", "shading-cache", "-q", "draft,normal,high,curve", "--limit", "0.1", NULL};
+    static const char *const hurried[] = {"-m",      "shading-cache", "-q", "draft,normal,high,curve",
+                                          "--limit", "0.1",           NULL};
     assert_int_equal(finish(start("hurried", hurried)), 0);
     char *text = file_of("hurried", "results.csv"), *journal = file_of("hurried", "journal.jsonl");
     csv c = parse_csv(text);
@@ -298,8 +327,12 @@ static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **st
 
 static void two_programs_measure_and_a_third_tells(void **state) {
     (void)state;
-    static const char *const one[] = {"--trials-only", "-m", "direct-radiance", "-s", "16x16", NULL}, *const other[] = {"--trials-only", "-m", "path", "-s", "16x16", NULL};
-    static const char *const references[] = {"--references-only", "-s", "16x16", NULL}, *const report[] = {"--report-only", "-s", "16x16", NULL};
+    static const char *const one[] = {"--trials-only", "-m", "direct-radiance", "-s", "16x16", NULL},
+                             *const other[] = {"--trials-only", "-m", "path", "-s", "16x16", NULL};
+    static const char *const references[] = {"--references-only", "-s", "16x16", NULL}, *const report[] = {
+                                                                                            "--report-only",
+                                                                                            "-s", "16x16",
+                                                                                            NULL};
     pid_t a = start("shared", one), b = start("shared", other);
     assert_int_equal(finish(a), 0);
     assert_int_equal(finish(b), 0);
@@ -307,10 +340,13 @@ static void two_programs_measure_and_a_third_tells(void **state) {
     assert_int_equal(finish(start("shared", references)), 0);
     assert_false(is_there("shared", "report.html"));
     assert_int_equal(finish(start("shared", report)), 0);
-    char *text = file_of("shared", "results.csv"), *scenes = file_of("shared", "scenes.csv"), *tables = file_of("shared", "tables.md");
+    char *text = file_of("shared", "results.csv"), *scenes = file_of("shared", "scenes.csv"),
+         *tables = file_of("shared", "tables.md");
     csv c = parse_csv(text);
     assert_int_equal(c.rows, 3);
-    for (size_t i = 0; i < c.rows; i++) assert_true(strcmp(field(&c, i, "end"), "ran") == 0 && strtod(field(&c, i, "full_rel_rmse"), NULL) > 0.0);
+    for (size_t i = 0; i < c.rows; i++)
+        assert_true(strcmp(field(&c, i, "end"), "ran") == 0 &&
+                    strtod(field(&c, i, "full_rel_rmse"), NULL) > 0.0);
     assert_int_equal(lines_of(scenes), 2);
     assert_non_null(strstr(scenes, "\ncornell,"));
     assert_non_null(strstr(tables, "<!-- table goal -->"));
@@ -335,7 +371,8 @@ static int remove_folder(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_trial_without_memory_is_a_row_that_says_so), /* first: what later tests freed would be memory to it */
+        /* first: what later tests freed would be memory to it */
+        cmocka_unit_test(a_trial_without_memory_is_a_row_that_says_so),
         cmocka_unit_test(every_trial_is_a_row_with_its_time_and_its_errors),
         cmocka_unit_test(the_page_holds_every_row_and_fetches_nothing),
         cmocka_unit_test(what_was_measured_is_not_measured_again),

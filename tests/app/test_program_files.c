@@ -22,7 +22,7 @@
 #include "app/commands.h"
 #include "softlux.h"
 
-/* ---- running a command ------------------------------------------------------------------------------------------------------------ */
+/* ---- running a command ----------------------------------------------------------------------- */
 
 typedef int command(int argc, char **argv);
 
@@ -56,8 +56,10 @@ static int run_words(command *run_it, const char *line) {
     char *argv[WORDS + 1], text[2048], *rest = NULL;
     int argc = 0;
     snprintf(text, sizeof text, "%s", line);
-    for (char *word = strtok_r(text, " ", &rest); word && argc < WORDS; word = strtok_r(NULL, " ", &rest), argc++) {
-        snprintf(words[argc], WORD, "%s%s", word[0] == '%' && word[1] == '/' ? base : "", word + (word[0] == '%' && word[1] == '/'));
+    for (char *word = strtok_r(text, " ", &rest); word && argc < WORDS;
+         word = strtok_r(NULL, " ", &rest), argc++) {
+        snprintf(words[argc], WORD, "%s%s", word[0] == '%' && word[1] == '/' ? base : "",
+                 word + (word[0] == '%' && word[1] == '/'));
         argv[argc] = words[argc];
     }
     argv[argc] = NULL;
@@ -87,7 +89,8 @@ static int end_of(pid_t child) {
 
 static void expect(int status, command *run_it, const char *line) {
     int ended = end_of(start(run_it, line));
-    if (!WIFEXITED(ended) || WEXITSTATUS(ended) != status) fail_msg("%s: ended with %x, expected status %d: %s", line, (unsigned)ended, status, err);
+    if (!WIFEXITED(ended) || WEXITSTATUS(ended) != status)
+        fail_msg("%s: ended with %x, expected status %d: %s", line, (unsigned)ended, status, err);
 }
 
 static bool says(const char *text, const char *part) { return strstr(text, part) != NULL; }
@@ -106,7 +109,7 @@ static bool are_same_files(const char *a, const char *b) {
     return size[0] == size[1] && memcmp(bytes[0], bytes[1], size[0]) == 0;
 }
 
-/* ---- the same picture is the same file -------------------------------------------------------------------------------------------- */
+/* ---- the same picture is the same file ------------------------------------------------------- */
 
 static const char cornell[] = "scenes/cornell.json -s 12x12 -q draft --quiet";
 
@@ -116,7 +119,8 @@ static void two_runs_write_the_same_bytes(void **state) {
     char line[300];
     for (int i = 0; i < 3; i++) {
         for (int k = 0; k < 2; k++) {
-            snprintf(line, sizeof line, "%s -t %d -o %%/same%d.%s --save-cache %%/same%d.cache --json", cornell, k + 1, k, ends[i], k);
+            snprintf(line, sizeof line, "%s -t %d -o %%/same%d.%s --save-cache %%/same%d.cache --json",
+                     cornell, k + 1, k, ends[i], k);
             expect(0, sl_command_render, line);
             assert_true(says(out, "\"seconds\"")); /* where it belongs */
         }
@@ -136,25 +140,28 @@ static void a_picture_stopped_by_the_clock_is_the_file_of_its_batches(void **sta
     sl_image *image;
     assert_int_equal(sl_image_read(path_of("timed.exr"), &image, NULL), SL_OK);
     snprintf(batches, sizeof batches, "%.20s", sl_image_metadata(image, "softlux.batches"));
-    snprintf(line, sizeof line, "%s --spp %.20s --batches %s -o %%/counted.exr", rest, sl_image_metadata(image, "softlux.spp"), batches);
+    snprintf(line, sizeof line, "%s --spp %.20s --batches %s -o %%/counted.exr", rest,
+             sl_image_metadata(image, "softlux.spp"), batches);
     sl_image_destroy(image);
     expect(0, sl_command_render, line);
     assert_true(are_same_files("timed.exr", "counted.exr"));
 }
 
-/* ---- the tone of 8-bit pictures --------------------------------------------------------------------------------------------------- */
+/* ---- the tone of 8-bit pictures -------------------------------------------------------------- */
 
 static void write_grey(const char *name, float value, const sl_tone *tone) {
     sl_image *image;
     assert_int_equal(sl_image_create(8, 8, 3, NULL, &image, NULL), SL_OK);
     for (int i = 0; i < 3 * 64; i++) image->planes[i] = value * (1.0f + 0.01f * (float)(i % 64));
-    sl_status status = tone ? sl_image_write_png(image, path_of(name), *tone, NULL) : sl_image_write(image, path_of(name), NULL);
+    sl_status status = tone ? sl_image_write_png(image, path_of(name), *tone, NULL)
+                            : sl_image_write(image, path_of(name), NULL);
     sl_image_destroy(image);
     assert_int_equal(status, SL_OK);
 }
 
 static void write_greys(void) {
-    static const sl_tone automatic = {SL_TONE_REINHARD, 0.0f, true}, fixed = {SL_TONE_REINHARD, 1.0f, false}, other = {SL_TONE_REINHARD, 0.0f, false};
+    static const sl_tone automatic = {SL_TONE_REINHARD, 0.0f, true}, fixed = {SL_TONE_REINHARD, 1.0f, false},
+                         other = {SL_TONE_REINHARD, 0.0f, false};
     write_grey("dim.exr", 0.1f, NULL);
     write_grey("bright.exr", 0.2f, NULL);
     write_grey("dim-auto.png", 0.1f, &automatic);
@@ -221,7 +228,8 @@ static void a_rendered_png_tells_its_exposure(void **state) {
     cJSON *root = cJSON_Parse(out), *tone = cJSON_GetObjectItem(root, "tone");
     char line[300];
     assert_true(cJSON_IsTrue(cJSON_GetObjectItem(tone, "automatic")));
-    snprintf(line, sizeof line, "scenes/cornell.json -s 8x8 -m path --spp 1 --quiet -o %%/told.png --json --exposure %.9g",
+    snprintf(line, sizeof line,
+             "scenes/cornell.json -s 8x8 -m path --spp 1 --quiet -o %%/told.png --json --exposure %.9g",
              cJSON_GetNumberValue(cJSON_GetObjectItem(tone, "exposure")));
     cJSON_Delete(root);
     expect(0, sl_command_render, line);
@@ -231,35 +239,47 @@ static void a_rendered_png_tells_its_exposure(void **state) {
     assert_false(says(out, "\"tone\""));
 }
 
-/* ---- JSON --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
 static void json_is_utf_8_whatever_files_are_called(void **state) {
     (void)state;
     static const char *const names[][2] = {
-        {"\xff\xfe.pfm", "/??.pfm"}, {"a\xc3.pfm", "/a?.pfm"}, {"\xc0\xaf.pfm", "/??.pfm"}, {"\xed\xa0\x80.pfm", "/???.pfm"},
-        {"\xf4\x90\x80\x80.pfm", "/????.pfm"}, {"\xc3\xbc\xe2\x82\xac\xf0\x9f\x98\x80.pfm", "/\xc3\xbc\xe2\x82\xac\xf0\x9f\x98\x80.pfm"},
+        {"\xff\xfe.pfm", "/??.pfm"},
+        {"a\xc3.pfm", "/a?.pfm"},
+        {"\xc0\xaf.pfm", "/??.pfm"},
+        {"\xed\xa0\x80.pfm", "/???.pfm"},
+        {"\xf4\x90\x80\x80.pfm", "/????.pfm"},
+        {"\xc3\xbc\xe2\x82\xac\xf0\x9f\x98\x80.pfm", "/\xc3\xbc\xe2\x82\xac\xf0\x9f\x98\x80.pfm"},
     };
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char line[300];
-        snprintf(line, sizeof line, "scenes/cornell-point.json -s 4x4 -m path --spp 1 -t 1 --quiet --json -o %%/%s", names[i][0]);
+        snprintf(line, sizeof line,
+                 "scenes/cornell-point.json -s 4x4 -m path --spp 1 -t 1 --quiet --json -o %%/%s",
+                 names[i][0]);
         expect(0, sl_command_render, line);
         if (!says(out, names[i][1])) fail_msg("expected %s in %s", names[i][1], out);
         assert_int_equal(access(path_of(names[i][0]), F_OK), 0);
     }
-    expect(0, sl_command_render, "scenes/cornell-point.json -s 4x4 -m path --spp 1 -t 1 --quiet --json --frames 1 -o %/\xff%d.pfm");
+    expect(0, sl_command_render,
+           "scenes/cornell-point.json -s 4x4 -m path --spp 1 -t 1 --quiet --json --frames 1 -o %/\xff%d.pfm");
     assert_true(says(out, "/?0.pfm"));
 }
 
-/* ---- info --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- info ------------------------------------------------------------------------------------ */
 
-/* A wall that is a mirror fills most of the picture: what is seen in it is no caustic, and comes by a mirror all the same. */
+/* A wall that is a mirror fills most of the picture: what is seen in it is no caustic, and comes by a mirror
+ * all the same. */
 static void info_tells_what_is_seen_in_mirrors(void **state) {
     (void)state;
-    static const char mesh[] = "mtllib m.mtl\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv 2 3 -2\nv -2 3 -2\nv -2 3 2\nv 2 3 2\n"
-                               "usemtl white\nf 4 3 2 1\nf 3 4 7 8\nusemtl mirror\nf 1 2 5 6\n";
-    static const char library[] = "newmtl white\nKd 0.7 0.7 0.7\nnewmtl mirror\nKd 0 0 0\nKs 0.9 0.9 0.9\nillum 3\n";
-    static const char scene[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"m.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": 1}],"
-                                "\"camera\": {\"eye\": [0, 1.5, 1.5], \"target\": [0, 1.4, -2], \"up\": [0, 1, 0], \"fov_deg\": 60}, \"film\": {\"width\": 64, \"height\": 64}}";
+    static const char mesh[] =
+        "mtllib m.mtl\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv 2 3 -2\nv -2 3 -2\nv -2 3 2\nv 2 3 2\n"
+        "usemtl white\nf 4 3 2 1\nf 3 4 7 8\nusemtl mirror\nf 1 2 5 6\n";
+    static const char library[] =
+        "newmtl white\nKd 0.7 0.7 0.7\nnewmtl mirror\nKd 0 0 0\nKs 0.9 0.9 0.9\nillum 3\n";
+    static const char scene[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"m.obj\"}], \"lights\": "
+                                "[{\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": 1}],"
+                                "\"camera\": {\"eye\": [0, 1.5, 1.5], \"target\": [0, 1.4, -2], \"up\": [0, "
+                                "1, 0], \"fov_deg\": 60}, \"film\": {\"width\": 64, \"height\": 64}}";
     const char *const files[3][2] = {{"m.obj", mesh}, {"m.mtl", library}, {"m.json", scene}};
     int seen = -1;
     for (int i = 0; i < 3; i++) {
@@ -274,9 +294,10 @@ static void info_tells_what_is_seen_in_mirrors(void **state) {
     assert_false(says(out, "seen in them"));
 }
 
-/* ---- what cannot be written ------------------------------------------------------------------------------------------------------- */
+/* ---- what cannot be written ------------------------------------------------------------------ */
 
-/* Each has another mistake, too, which comes to light later: the scene, the picture or the method is not there. */
+/* Each has another mistake, too, which comes to light later: the scene, the picture or the method is not
+ * there. */
 static void what_cannot_be_written_is_noticed_before_the_work(void **state) {
     (void)state;
     static const struct { command *run_it; const char *line; } cases[] = {
@@ -297,7 +318,8 @@ static void what_cannot_be_written_is_noticed_before_the_work(void **state) {
     assert_int_equal(mkdir(path_of("page/report.html"), 0777), 0);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         expect(4, cases[i].run_it, cases[i].line);
-        if (!says(err, "cannot ") || strchr(err, '\n') != err + strlen(err) - 1) fail_msg("%s: %s", cases[i].line, err);
+        if (!says(err, "cannot ") || strchr(err, '\n') != err + strlen(err) - 1)
+            fail_msg("%s: %s", cases[i].line, err);
     }
 }
 
@@ -318,7 +340,7 @@ static void looking_whether_a_file_can_be_written_leaves_no_trace(void **state) 
     alarm(0);
 }
 
-/* ---- signals ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- signals --------------------------------------------------------------------------------- */
 
 /* Waits until the process handles a signal itself. */
 static void wait_for_handler(pid_t process, int signal_number) {
@@ -345,7 +367,8 @@ static void expect_kept(const char *rest, int signal_number, const char *picture
     wait_for_handler(child, SIGTERM);
     kill(child, signal_number);
     int ended = end_of(child);
-    if (!WIFEXITED(ended) || WEXITSTATUS(ended) != 128 + signal_number) fail_msg("%s: ended with %x: %s", line, (unsigned)ended, err);
+    if (!WIFEXITED(ended) || WEXITSTATUS(ended) != 128 + signal_number)
+        fail_msg("%s: ended with %x: %s", line, (unsigned)ended, err);
     assert_int_equal(access(path_of(picture), F_OK), 0);
 }
 

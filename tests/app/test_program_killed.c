@@ -1,7 +1,8 @@
-/* Killed at any moment: before whichever call that changes files a command ends, or half way through a write, each of its files is there whole, or is
- * as it was, or is not there, and the next run gives what one gives that was never killed. The same where the system refuses the call (a disk that is full or breaks),
- * which the command then says in one line. The short form tries some of these moments; with
- * SOFTLUX_EVERY_MOMENT=1 every one (tests/hard/killed.sh). */
+/* Killed at any moment: before whichever call that changes files a command ends, or half way through a write,
+ * each of its files is there whole, or is as it was, or is not there, and the next run gives what one gives
+ * that was never killed. The same where the system refuses the call (a disk that is full or breaks), which
+ * the command then says in one line. The short form tries some of these moments; with SOFTLUX_EVERY_MOMENT=1
+ * every one (tests/hard/killed.sh). */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +30,7 @@
 #include "app/commands.h"
 #include "softlux.h"
 
-/* ---- moments ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- moments --------------------------------------------------------------------------------- */
 
 typedef enum end { RUNS_TO_ITS_END, KILLED, KILLED_HALF_WAY, INTERRUPTED_TWICE, REFUSED, ENDS } end;
 
@@ -38,7 +39,8 @@ enum { MOMENTS = 4096 };
 static struct {
     atomic_long moments;
     bool tears[MOMENTS]; /* writes */
-    long appended;       /* the last of them that was to the end of a file with a name, which a journal is; -1: none */
+    /* the last of them that was to the end of a file with a name, which a journal is; -1: none */
+    long appended;
     atomic_bool came; /* the moment that was to be the last */
     char call[16];    /* what was to be called then */
 } *board;
@@ -102,7 +104,8 @@ int open(const char *path, int flags, ...) {
 
 ssize_t write(int descriptor, const void *data, size_t bytes) {
     REAL(writer, "write");
-    if (is_file(descriptor) && getpid() == plan.program && plan.how == RUNS_TO_ITS_END && (fcntl(descriptor, F_GETFL) & O_APPEND))
+    if (is_file(descriptor) && getpid() == plan.program && plan.how == RUNS_TO_ITS_END &&
+        (fcntl(descriptor, F_GETFL) & O_APPEND))
         board->appended = atomic_load(&board->moments);
     if (!is_file(descriptor) || !is_last("write", true)) return real(descriptor, data, bytes);
     if (plan.how == REFUSED) return errno = ENOSPC, -1;
@@ -132,7 +135,8 @@ static bool holds_bytes(int descriptor) {
 /* What is refused has been closed: nobody may try again. */
 int close(int descriptor) {
     REAL(of_descriptor, "close");
-    bool refused = holds_bytes(descriptor) && (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY && is_last("close", false);
+    bool refused = holds_bytes(descriptor) && (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY &&
+                   is_last("close", false);
     int result = real(descriptor);
     return refused ? errno = EDQUOT, -1 : result;
 }
@@ -153,7 +157,7 @@ int mkdir(const char *path, mode_t mode) {
     return is_last("mkdir", false) ? errno = EIO, -1 : real(path, mode);
 }
 
-/* ---- commands --------------------------------------------------------------------------------------------------------------------- */
+/* ---- commands -------------------------------------------------------------------------------- */
 
 typedef struct work {
     const char *name;
@@ -165,19 +169,52 @@ typedef struct work {
 } work;
 
 static const work works[] = {
-    {"render, EXR", sl_command_render, {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.exr"}, .over_old_files = true},
-    {"render, PNG", sl_command_render, {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.png"}, .over_old_files = true},
-    {"render, PFM", sl_command_render, {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.pfm"}, .over_old_files = true},
-    {"render, frames", sl_command_render, {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2", "--fps", "1", "--quiet", "-o", "%/a%d.pfm"},
+    {"render, EXR",
+     sl_command_render,
+     {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.exr"},
      .over_old_files = true},
-    {"render, a cache", sl_command_render, {"scenes/cornell.json", "-q", "draft", "-s", "8x8", "-t", "1", "--save-cache", "%/a.cache", "--quiet", "-o", "%/a.pfm"}, .over_old_files = true},
-    {"steps", sl_command_steps, {"scenes/cornell.json", "-m", "direct-radiance", "-q", "draft", "-s", "8x8", "-t", "1", "--reference-spp", "1", "--quiet", "-o", "%/page"}, .over_old_files = true},
-    {"live, a stream", sl_command_live, {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2", "--fps", "100", "--quiet", "-o", "%/a.y4m"},
-     .over_old_files = true, .by_the_clock = true},
-    {"live, pictures", sl_command_live, {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2", "--fps", "100", "--quiet", "-o", "%/a%d.png"},
-     .over_old_files = true, .by_the_clock = true},
-    {"bench", sl_command_bench, {"scenes/cornell-point.json", "-m", "path", "-q", "draft", "-s", "8x8", "--repeats", "1", "--reference-budget", "0.1", "--references", "%/references",
-     "--reference-threads", "1", "--quiet", "-o", "%/report"}, .by_the_clock = true, .goes_on = true},
+    {"render, PNG",
+     sl_command_render,
+     {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.png"},
+     .over_old_files = true},
+    {"render, PFM",
+     sl_command_render,
+     {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.pfm"},
+     .over_old_files = true},
+    {"render, frames",
+     sl_command_render,
+     {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2",
+      "--fps", "1", "--quiet", "-o", "%/a%d.pfm"},
+     .over_old_files = true},
+    {"render, a cache",
+     sl_command_render,
+     {"scenes/cornell.json", "-q", "draft", "-s", "8x8", "-t", "1", "--save-cache", "%/a.cache", "--quiet",
+      "-o", "%/a.pfm"},
+     .over_old_files = true},
+    {"steps",
+     sl_command_steps,
+     {"scenes/cornell.json", "-m", "direct-radiance", "-q", "draft", "-s", "8x8", "-t", "1",
+      "--reference-spp", "1", "--quiet", "-o", "%/page"},
+     .over_old_files = true},
+    {"live, a stream",
+     sl_command_live,
+     {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2",
+      "--fps", "100", "--quiet", "-o", "%/a.y4m"},
+     .over_old_files = true,
+     .by_the_clock = true},
+    {"live, pictures",
+     sl_command_live,
+     {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2",
+      "--fps", "100", "--quiet", "-o", "%/a%d.png"},
+     .over_old_files = true,
+     .by_the_clock = true},
+    {"bench",
+     sl_command_bench,
+     {"scenes/cornell-point.json", "-m", "path", "-q", "draft", "-s", "8x8", "--repeats", "1",
+      "--reference-budget", "0.1", "--references", "%/references", "--reference-threads", "1", "--quiet",
+      "-o", "%/report"},
+     .by_the_clock = true,
+     .goes_on = true},
 };
 enum { WORKS = sizeof works / sizeof works[0] };
 
@@ -185,7 +222,8 @@ static char base[] = "/tmp/softlux-killed-XXXXXX", said[64];
 
 static _Noreturn void be_the_program(const work *w, const char *folder) {
     char words[24][256], *argv[25];
-    int argc = 0, nowhere = open("/dev/null", O_WRONLY), errors = open(said, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    int argc = 0, nowhere = open("/dev/null", O_WRONLY),
+        errors = open(said, O_WRONLY | O_CREAT | O_TRUNC, 0666);
     for (; w->arguments[argc]; argc++) {
         const char *word = w->arguments[argc];
         bool is_path = word[0] == '%' && word[1] == '/';
@@ -216,7 +254,7 @@ static int run(const work *w, const char *folder, end how, long last, bool witho
     return ended;
 }
 
-/* ---- files ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- files ----------------------------------------------------------------------------------- */
 
 enum { FILES = 32, NAME = 200 };
 typedef struct listing {
@@ -233,7 +271,8 @@ static void list_below(const char *folder, const char *below, listing *l) {
         char name[NAME];
         struct stat s;
         if (e->d_name[0] == '.') continue;
-        assert_true((size_t)snprintf(name, sizeof name, "%s%s%s", below, *below ? "/" : "", e->d_name) < sizeof name);
+        assert_true((size_t)snprintf(name, sizeof name, "%s%s%s", below, *below ? "/" : "", e->d_name) <
+                    sizeof name);
         snprintf(path, sizeof path, "%s/%s", folder, name);
         assert_int_equal(stat(path, &s), 0);
         if (S_ISDIR(s.st_mode)) {
@@ -286,7 +325,7 @@ static bytes read_all(const char *folder, const char *name) {
     return b;
 }
 
-/* ---- whether they are whole ---------------------------------------------------------------------------------------------------------- */
+/* ---- whether they are whole ------------------------------------------------------------------ */
 
 static const char old_text[] = "what was there before";
 
@@ -304,8 +343,10 @@ static bool is_same_picture(const char *folder, const char *model, const char *n
         snprintf(path[i], sizeof path[i], "%s/%s", folders[i], name);
         same &= sl_image_read(path[i], &image[i], NULL) == SL_OK;
     }
-    same = same && image[0]->width == image[1]->width && image[0]->height == image[1]->height && image[0]->channels == image[1]->channels;
-    size_t values = same ? (size_t)image[0]->channels * (size_t)image[0]->width * (size_t)image[0]->height : 0;
+    same = same && image[0]->width == image[1]->width && image[0]->height == image[1]->height &&
+           image[0]->channels == image[1]->channels;
+    size_t values =
+        same ? (size_t)image[0]->channels * (size_t)image[0]->width * (size_t)image[0]->height : 0;
     same = same && (!same_pixels || memcmp(image[0]->planes, image[1]->planes, values * sizeof(float)) == 0);
     sl_image_destroy(image[0]);
     sl_image_destroy(image[1]);
@@ -314,7 +355,8 @@ static bool is_same_picture(const char *folder, const char *model, const char *n
 
 static bool is_whole_stream(const bytes *b) {
     const char *line = memchr(b->at, '\n', b->size);
-    return line && strncmp(b->at, "YUV4MPEG2 W8 H8 ", 16) == 0 && (b->size - (size_t)(line + 1 - b->at)) % (6 + 3 * 8 * 8) == 0;
+    return line && strncmp(b->at, "YUV4MPEG2 W8 H8 ", 16) == 0 &&
+           (b->size - (size_t)(line + 1 - b->at)) % (6 + 3 * 8 * 8) == 0;
 }
 
 static size_t whole_lines(const bytes *b, bool of_objects) {
@@ -330,7 +372,8 @@ static size_t whole_lines(const bytes *b, bool of_objects) {
 
 /* Of what depends on the clock at least its length in lines, and how it ends. */
 static bool is_whole_text(const char *name, const bytes *b, const bytes *model) {
-    if (ends_with(name, ".html") && (b->size < 10 || strcmp(b->at + b->size - 8, "</html>\n") != 0)) return false;
+    if (ends_with(name, ".html") && (b->size < 10 || strcmp(b->at + b->size - 8, "</html>\n") != 0))
+        return false;
     return b->size > 0 && b->at[b->size - 1] == '\n' && whole_lines(b, false) == whole_lines(model, false);
 }
 
@@ -369,7 +412,8 @@ static void put_old_files(const char *folder, const listing *whole) {
     for (size_t i = 0; i < whole->count; i++) {
         char path[512];
         const char *name = whole->name[i], *slash = strchr(name, '/');
-        if (slash) snprintf(path, sizeof path, "%s/%.*s", folder, (int)(slash - name), name), mkdir(path, 0777);
+        if (slash)
+            snprintf(path, sizeof path, "%s/%.*s", folder, (int)(slash - name), name), mkdir(path, 0777);
         snprintf(path, sizeof path, "%s/%s", folder, name);
         FILE *out = fopen(path, "w");
         assert_non_null(out);
@@ -377,7 +421,7 @@ static void put_old_files(const char *folder, const listing *whole) {
     }
 }
 
-/* ---- a trial ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- a trial --------------------------------------------------------------------------------- */
 
 typedef struct trial {
     const work *w;
@@ -389,11 +433,16 @@ typedef struct trial {
 } trial;
 
 static void explain(const trial *t, const char *what, const char *name) {
-    fail_msg("%s, ended before its file call %ld (%s)%s%s%s: %s%s", t->w->name, t->last, board->call, t->how == KILLED_HALF_WAY ? ", half way" : "",
-             t->how == INTERRUPTED_TWICE ? ", by Ctrl-C twice" : t->how == REFUSED ? ", which was refused" : "", t->over_old ? ", over old files" : "", name, what);
+    fail_msg("%s, ended before its file call %ld (%s)%s%s%s: %s%s", t->w->name, t->last, board->call,
+             t->how == KILLED_HALF_WAY ? ", half way" : "",
+             t->how == INTERRUPTED_TWICE ? ", by Ctrl-C twice"
+             : t->how == REFUSED         ? ", which was refused"
+                                         : "",
+             t->over_old ? ", over old files" : "", name, what);
 }
 
-/* Where files without a name are known, one has its second name for as long as closing and renaming take, and is whole. */
+/* Where files without a name are known, one has its second name for as long as closing and renaming take, and
+ * is whole. */
 static void look_after_the_end(const trial *t, const char *folder) {
     listing found = files_of(folder);
     for (size_t i = 0; i < found.count; i++) {
@@ -410,17 +459,20 @@ static void look_after_the_end(const trial *t, const char *folder) {
         }
     }
     for (size_t i = 0; t->over_old && i < t->whole.count; i++) {
-        if (!is_listed(&found, t->whole.name[i])) explain(t, " was there before and is not now", t->whole.name[i]);
+        if (!is_listed(&found, t->whole.name[i]))
+            explain(t, " was there before and is not now", t->whole.name[i]);
     }
 }
 
 static void look_after_the_next_run(const trial *t, const char *folder) {
     listing found = files_of(folder);
     for (size_t i = 0; i < t->whole.count; i++) {
-        if (!is_whole(t->w, folder, t->model, t->whole.name[i])) explain(t, " is not what it should be after the next run", t->whole.name[i]);
+        if (!is_whole(t->w, folder, t->model, t->whole.name[i]))
+            explain(t, " is not what it should be after the next run", t->whole.name[i]);
     }
     for (size_t i = 0; i < found.count; i++) {
-        if (!ends_with(found.name[i], ".part") && !is_listed(&t->whole, found.name[i])) explain(t, " is no file of this command, after the next run", found.name[i]);
+        if (!ends_with(found.name[i], ".part") && !is_listed(&t->whole, found.name[i]))
+            explain(t, " is no file of this command, after the next run", found.name[i]);
     }
 }
 
@@ -439,7 +491,8 @@ static void look_at_what_was_said(const trial *t, int ended) {
     if (!WIFEXITED(ended)) explain(t, "it crashed", "");
     bool minds = WEXITSTATUS(ended) != 0 || (t->w->goes_on && lines > 0);
     if (!minds && strcmp(board->call, "open") != 0) explain(t, "nobody minds", "");
-    if (minds && (lines < 1 || (lines > 1 && !t->w->goes_on) || !are_our_lines(b.at))) explain(t, b.at, "what it says is not one line: ");
+    if (minds && (lines < 1 || (lines > 1 && !t->w->goes_on) || !are_our_lines(b.at)))
+        explain(t, b.at, "what it says is not one line: ");
     free(b.at);
 }
 
@@ -452,7 +505,8 @@ static void try_it(const trial *t) {
     if (atomic_load(&board->came) && t->how == REFUSED) {
         look_at_what_was_said(t, ended);
     } else if (atomic_load(&board->came)) {
-        bool killed = WIFSIGNALED(ended) && WTERMSIG(ended) == (t->how == INTERRUPTED_TWICE ? SIGINT : SIGKILL);
+        bool killed =
+            WIFSIGNALED(ended) && WTERMSIG(ended) == (t->how == INTERRUPTED_TWICE ? SIGINT : SIGKILL);
         if (!killed) explain(t, "it did not end there", "");
     } else if (!t->w->by_the_clock) {
         explain(t, "it never came there", "");
@@ -506,7 +560,8 @@ static void try_work(const work *w) {
         t.how = KILLED_HALF_WAY, t.last = appended, t.over_old = t.without_unnamed = false;
         try_it(&t);
     }
-    if (!most) printf("result %-16s %4ld file calls, %4ld ends tried\n", w->name, moments, tried), fflush(stdout);
+    if (!most)
+        printf("result %-16s %4ld file calls, %4ld ends tried\n", w->name, moments, tried), fflush(stdout);
     remove_folder(model);
 }
 

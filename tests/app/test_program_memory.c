@@ -1,5 +1,6 @@
-/* --memory, from outside: what a command takes, as the system counts it, is not more than that, the scene's loading and what is written included.
- * What cannot be done with so little is refused, and how much is needed is said. As tests/cache/frame/test_memory_budget.c, which asks the library. */
+/* --memory, from outside: what a command takes, as the system counts it, is not more than that, the scene's
+ * loading and what is written included. What cannot be done with so little is refused, and how much is needed
+ * is said. As tests/cache/frame/test_memory_budget.c, which asks the library. */
 #define _GNU_SOURCE /* wait4() */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +22,7 @@
 #include "scene_files.h"
 #include "softlux.h"
 
-/* ---- a command in a process of its own ------------------------------------------------------------------------------------------------ */
+/* ---- a command in a process of its own ------------------------------------------------------- */
 
 typedef int command(int argc, char **argv);
 
@@ -35,7 +36,8 @@ static _Noreturn void be_the_program(command *run, char *line, int errors) {
     enum { WORDS = 64 };
     char *words[WORDS], *rest = NULL;
     int count = 0;
-    for (char *w = strtok_r(line, " ", &rest); w && count + 1 < WORDS; w = strtok_r(NULL, " ", &rest)) words[count++] = w;
+    for (char *w = strtok_r(line, " ", &rest); w && count + 1 < WORDS; w = strtok_r(NULL, " ", &rest))
+        words[count++] = w;
     words[count] = NULL;
     dup2(errors, STDERR_FILENO);
     dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
@@ -64,7 +66,7 @@ static outcome run(command *c, const char *format, ...) {
     return o;
 }
 
-/* ---- a scene ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- a scene --------------------------------------------------------------------------------- */
 
 /* Hills of 20,000 triangles below a lamp, and a tile that moves. */
 static void write_scene(void) {
@@ -74,25 +76,30 @@ static void write_scene(void) {
     assert_non_null(text);
     for (int i = 0; i < SIDE * SIDE; i++) {
         int x = i % SIDE, z = i / SIDE;
-        at += (size_t)snprintf(text + at, ROOM - at, "v %g %g %g\n", 0.1 * x, 0.02 * ((x * x + 3 * z) % 7), 0.1 * z);
+        at += (size_t)snprintf(text + at, ROOM - at, "v %g %g %g\n", 0.1 * x, 0.02 * ((x * x + 3 * z) % 7),
+                               0.1 * z);
     }
     for (int i = 0; i < (SIDE - 1) * (SIDE - 1); i++) {
         int a = i % (SIDE - 1) + i / (SIDE - 1) * SIDE + 1;
-        at += (size_t)snprintf(text + at, ROOM - at, "f %d %d %d\nf %d %d %d\n", a, a + SIDE, a + 1, a + 1, a + SIDE, a + SIDE + 1);
+        at += (size_t)snprintf(text + at, ROOM - at, "f %d %d %d\nf %d %d %d\n", a, a + SIDE, a + 1, a + 1,
+                               a + SIDE, a + SIDE + 1);
     }
     assert_true(at + 1 < ROOM);
     scene_file_text("hills.obj", text);
     scene_file_text("tile.obj", "v 0 0 0\nv 1 0 0\nv 1 0.5 1\nv 0 0.5 1\nf 4 3 2 1\n");
-    scene_file_text("hills.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"hills.obj\", \"material\": \"grey\"},"
-                                  "{\"file\": \"tile.obj\", \"name\": \"tile\", \"material\": \"grey\","
-                                  " \"keyframes\": [{\"time\": 0, \"translate\": [4, 1, 4]}, {\"time\": 1, \"translate\": [6, 1, 4]}]}],\n"
-                                  "\"materials\": {\"grey\": {\"diffuse\": 0.6}},\n\"lights\": [{\"type\": \"quad\", \"corner\": [4, 5, 4], \"edge1\": [2, 0, 0],"
-                                  " \"edge2\": [0, 0, 2], \"radiance\": [9, 9, 9]}],\n"
-                                  "\"camera\": {\"eye\": [5, 6, 14], \"target\": [5, 0, 5], \"fov_deg\": 45}}");
+    scene_file_text("hills.json",
+                    "{\"softlux\": 1, \"meshes\": [{\"file\": \"hills.obj\", \"material\": \"grey\"},"
+                    "{\"file\": \"tile.obj\", \"name\": \"tile\", \"material\": \"grey\","
+                    " \"keyframes\": [{\"time\": 0, \"translate\": [4, 1, 4]}, {\"time\": 1, \"translate\": "
+                    "[6, 1, 4]}]}],\n"
+                    "\"materials\": {\"grey\": {\"diffuse\": 0.6}},\n\"lights\": [{\"type\": \"quad\", "
+                    "\"corner\": [4, 5, 4], \"edge1\": [2, 0, 0],"
+                    " \"edge2\": [0, 0, 2], \"radiance\": [9, 9, 9]}],\n"
+                    "\"camera\": {\"eye\": [5, 6, 14], \"target\": [5, 0, 5], \"fov_deg\": 45}}");
     free(text);
 }
 
-/* ---- what may be taken ---------------------------------------------------------------------------------------------------------------- */
+/* ---- what may be taken ----------------------------------------------------------------------- */
 
 /* "needs at least 64M"; a refusal is one line, and has no doubt about it. */
 static double least_of(const char *what, const outcome *o) {
@@ -107,37 +114,45 @@ static void check_least(command *c, const char *name, const char *method, const 
     const double too_little = 44.0;
     const char *scene = scene_file_path("hills.json"), *folder = getenv("TMPDIR");
     char arguments[1024];
-    snprintf(arguments, sizeof arguments, "%s -m %s -q draft -t 2 %s -o %s/softlux-%ld-%s", scene, method, more, folder ? folder : "/tmp",
-             (long)getpid(), name);
+    snprintf(arguments, sizeof arguments, "%s -m %s -q draft -t 2 %s -o %s/softlux-%ld-%s", scene, method,
+             more, folder ? folder : "/tmp", (long)getpid(), name);
     outcome o = run(c, "%s --memory %.0fM", arguments, too_little);
     const double least = least_of(arguments, &o);
     assert_true(least > too_little);
     o = run(c, "%s --memory %.0fM", arguments, least);
     unlink(strstr(arguments, " -o ") + 4);
     if (o.status != 0) fail_msg("%s with %.0fM: status %d, %s", arguments, least, o.status, o.said);
-    if (!SL_SANITIZED && o.peak > least) fail_msg("%s takes %.1f MB of %.0f: %s", arguments, o.peak, least, o.said);
-    const bool has_less = strcmp(method, "path") != 0; /* with one sample there is nothing that could be done less */
-    if (has_less && !strstr(o.said, "to keep within --memory: ")) fail_msg("%s with %.0fM does not say what it does less", arguments, least);
+    if (!SL_SANITIZED && o.peak > least)
+        fail_msg("%s takes %.1f MB of %.0f: %s", arguments, o.peak, least, o.said);
+    /* with one sample there is nothing that could be done less */
+    const bool has_less = strcmp(method, "path") != 0;
+    if (has_less && !strstr(o.said, "to keep within --memory: "))
+        fail_msg("%s with %.0fM does not say what it does less", arguments, least);
 }
 
 static void pictures_of_every_method_stay_within_what_is_allowed(void **state) {
     (void)state;
-    for (size_t i = 0; sl_method_name(i); i++) check_least(sl_command_render, "a.exr", sl_method_name(i), "-s 256x256 --spp 1");
+    for (size_t i = 0; sl_method_name(i); i++)
+        check_least(sl_command_render, "a.exr", sl_method_name(i), "-s 256x256 --spp 1");
 }
 
 /* The scene_copy that moves, the frames, and what is written of them are in it. */
 static void shows_of_every_method_stay_within_what_is_allowed(void **state) {
     (void)state;
-    for (size_t i = 0; sl_method_name(i); i++) check_least(sl_command_live, "a.y4m", sl_method_name(i), "-s 128x128 --spp 1 --fps 8 --frames 8");
-    check_least(sl_command_live, "a.y4m", "direct-radiance", "-s 1200x1200 --fps 8 --frames 12"); /* so large that what the program has to spare hides nothing */
+    for (size_t i = 0; sl_method_name(i); i++)
+        check_least(sl_command_live, "a.y4m", sl_method_name(i), "-s 128x128 --spp 1 --fps 8 --frames 8");
+    /* so large that what the program has to spare hides nothing */
+    check_least(sl_command_live, "a.y4m", "direct-radiance", "-s 1200x1200 --fps 8 --frames 12");
 }
 
-/* What pages show of passes is not in it; that their scenes are loaded within it, and that there is an answer to too little, is. */
+/* What pages show of passes is not in it; that their scenes are loaded within it, and that there is an answer
+ * to too little, is. */
 static void pages_load_their_scene_within_what_is_allowed(void **state) {
     (void)state;
     const char *scene = scene_file_path("hills.json");
     if (SL_SANITIZED) skip(); /* nothing limits them there */
-    outcome o = run(sl_command_steps, "%s -s 16x16 -q draft -t 1 --quiet --memory 20M -o /nowhere/at/all", scene);
+    outcome o =
+        run(sl_command_steps, "%s -s 16x16 -q draft -t 1 --quiet --memory 20M -o /nowhere/at/all", scene);
     assert_int_equal(o.status, SL_ERROR_RESOURCES);
     assert_non_null(strstr(o.said, "20M of memory are not enough to load it"));
     assert_true(o.peak < 20.0 + 16.0); /* code and tables of libraries, which are no data */

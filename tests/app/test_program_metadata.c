@@ -1,4 +1,5 @@
-/* What a picture's metadata are for: `softlux render` with the settings that they tell makes the same picture again. */
+/* What a picture's metadata are for: `softlux render` with the settings that they tell makes the same picture
+ * again. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +19,8 @@ enum { WORD = 64 };
 static const char ours[] = "softlux.";
 
 static bool tells_what_came_out(const char *key) {
-    static const char *const results[] = {"version", "scene_hash", "batches", "warning", "reduction", "flux_captured", "flux_received"};
+    static const char *const results[] = {"version",   "scene_hash",    "batches",      "warning",
+                                          "reduction", "flux_captured", "flux_received"};
     if (strncmp(key, "counter.", 8) == 0 || strncmp(key, "octree.", 7) == 0) return true;
     for (size_t i = 0; i < sizeof results / sizeof *results; i++) {
         if (strcmp(key, results[i]) == 0) return true;
@@ -29,7 +31,8 @@ static bool tells_what_came_out(const char *key) {
 /* NULL: the entry tells of no setting. */
 static const sl_setting *setting_of(const sl_metadatum *m) {
     char name[WORD];
-    if (strncmp(m->key, ours, sizeof ours - 1) != 0 || tells_what_came_out(m->key + sizeof ours - 1)) return NULL;
+    if (strncmp(m->key, ours, sizeof ours - 1) != 0 || tells_what_came_out(m->key + sizeof ours - 1))
+        return NULL;
     snprintf(name, sizeof name, "%s", m->key + sizeof ours - 1);
     for (char *c = name; *c; c++) *c = *c == '_' ? '-' : *c;
     const sl_setting *setting = sl_setting_of_flag(name);
@@ -48,7 +51,7 @@ static void set(sl_settings *settings, const char *name, const char *value) {
     if (sl_settings_set(settings, name, value, &error) != SL_OK) fail_msg("%s", error.message);
 }
 
-/* ---- the same again ------------------------------------------------------------------------------------------------------------------- */
+/* ---- the same again -------------------------------------------------------------------------- */
 
 static sl_settings settings_of_line(const char *line) {
     enum { WORDS = 60 };
@@ -59,7 +62,8 @@ static sl_settings settings_of_line(const char *line) {
     const char *operand;
     int count = 0, operands, status = -1;
     snprintf(text, sizeof text, "%s", line);
-    for (char *word = strtok_r(text, " ", &rest); word && count < WORDS; word = strtok_r(NULL, " ", &rest)) words[count++] = word;
+    for (char *word = strtok_r(text, " ", &rest); word && count < WORDS; word = strtok_r(NULL, " ", &rest))
+        words[count++] = word;
     if (!sl_options_parse(&command, count, words, &operand, &operands, &status)) fail_msg("not taken");
     return settings;
 }
@@ -84,7 +88,8 @@ static void the_settings_that_a_picture_tells_make_it_again(void **state) {
     (void)state;
     static const char *const lines[] = {
         "-m splatting",
-        "-m splatting -a 0.712345678901234 --set gather=trace --set splatting.hit-samples=2 --set metric=minimum "
+        "-m splatting -a 0.712345678901234 --set gather=trace --set splatting.hit-samples=2 --set "
+        "metric=minimum "
         "--set harmonics=3 --set glossy-hits=1 --bounces 2 --seed 7",
         "-m direct-radiance",
         "-m direct-radiance -M 5 --set map=frustum --set map-fov=77.7 --set weight=15 --visibility blocks "
@@ -116,7 +121,7 @@ static void the_settings_that_a_picture_tells_make_it_again(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- all of them -------------------------------------------------------------------------------------------------------------------------- */
+/* ---- all of them ----------------------------------------------------------------------------- */
 
 /* Some value that is not the default, as text. */
 static void other_value(const sl_setting *s, char text[WORD]) {
@@ -126,7 +131,8 @@ static void other_value(const sl_setting *s, char text[WORD]) {
     else if (strcmp(s->unit, "BYTES") == 0) snprintf(text, WORD, "64M");
     else if (strcmp(s->unit, "WxH") == 0) snprintf(text, WORD, "7x5");
     else if (!*s->unit) snprintf(text, WORD, "true");
-    else if (s->minimum < s->maximum) snprintf(text, WORD, "%.0f", s->minimum > 1.0 || s->maximum > 2.0 ? s->minimum + 1.0 : 1.0);
+    else if (s->minimum < s->maximum)
+        snprintf(text, WORD, "%.0f", s->minimum > 1.0 || s->maximum > 2.0 ? s->minimum + 1.0 : 1.0);
     else snprintf(text, WORD, "3");
 }
 
@@ -149,8 +155,8 @@ static void assert_set_and_told(const sl_setting *setting, const char *method) {
 
 /* How large a picture is, and how much it took to make it, does not decide its values. */
 static bool is_apart(const sl_setting *s) {
-    return strcmp(s->name, "size") == 0 || strcmp(s->name, "threads") == 0 || strcmp(s->name, "memory") == 0 ||
-           strcmp(s->name, "method") == 0;
+    return strcmp(s->name, "size") == 0 || strcmp(s->name, "threads") == 0 ||
+           strcmp(s->name, "memory") == 0 || strcmp(s->name, "method") == 0;
 }
 
 static void every_option_is_set_by_name_and_told_by_the_pictures_of_its_methods(void **state) {

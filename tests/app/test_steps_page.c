@@ -1,5 +1,5 @@
-/* The pages of `softlux steps`, in a browser: everything is there, the slider and the pixels' explanations work by mouse and by keys, and an explanation
- * adds up to the very value that a render has. */
+/* The pages of `softlux steps`, in a browser: everything is there, the slider and the pixels' explanations
+ * work by mouse and by keys, and an explanation adds up to the very value that a render has. */
 #include "webdriver.h"
 
 #include <cjson/cJSON.h>
@@ -18,7 +18,8 @@
 
 enum { WIDTH = 48, HEIGHT = 40 };
 static const char scene_path[] = "scenes/cornell-glossy.json";
-static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh", "light-octree"};
+static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh",
+                                      "light-octree"};
 enum { METHODS = sizeof methods / sizeof methods[0] };
 
 typedef struct {
@@ -35,8 +36,9 @@ static int open_pages(void **state) {
     if (access(program, X_OK) != 0 || !mkdtemp(f.folder)) return 0;
     for (size_t i = 0; i < METHODS; i++) {
         char command[9000];
-        snprintf(command, sizeof command, "%s steps %s -m %s -s %dx%d -q draft --reference-spp 4 --quiet -o %s/%s", program, scene_path, methods[i], WIDTH, HEIGHT, f.folder,
-                 methods[i]);
+        snprintf(command, sizeof command,
+                 "%s steps %s -m %s -s %dx%d -q draft --reference-spp 4 --quiet -o %s/%s", program,
+                 scene_path, methods[i], WIDTH, HEIGHT, f.folder, methods[i]);
         if (system(command) != 0) return 1;
     }
     f.browser = browser_open(1100, 900);
@@ -71,9 +73,13 @@ static void every_picture_loads_has_a_text_and_nothing_is_fetched(void **state) 
     for (size_t i = 0; i < METHODS; i++) {
         open_page(f, methods[i]);
         assert_true(browser_number(f->browser, "return document.images.length") > 5);
-        assert_true(browser_number(f->browser, "return [...document.images].every(i => i.complete && i.naturalWidth > 0)") == 1.0);
-        assert_true(browser_number(f->browser, "return [...document.images].every(i => i.alt.length > 3)") == 1.0);
-        assert_true(browser_number(f->browser, "return performance.getEntriesByType('resource').filter(r => !r.name.startsWith('data:')).length") == 0.0);
+        assert_true(browser_number(
+                        f->browser,
+                        "return [...document.images].every(i => i.complete && i.naturalWidth > 0)") == 1.0);
+        assert_true(browser_number(f->browser, "return [...document.images].every(i => i.alt.length > 3)") ==
+                    1.0);
+        assert_true(browser_number(f->browser, "return performance.getEntriesByType('resource').filter(r => "
+                                               "!r.name.startsWith('data:')).length") == 0.0);
         assert_int_equal(browser_errors(f->browser), 0);
     }
 }
@@ -83,8 +89,11 @@ static void every_pass_is_explained(void **state) {
     need_browser(f);
     for (size_t i = 0; i < METHODS; i++) {
         open_page(f, methods[i]);
-        assert_true(browser_number(f->browser, "return document.querySelectorAll('section.step').length") > 4);
-        assert_true(browser_number(f->browser, "return [...document.querySelectorAll('section.step')].every(s => s.querySelector('.code'))") == 1.0);
+        assert_true(browser_number(f->browser, "return document.querySelectorAll('section.step').length") >
+                    4);
+        assert_true(
+            browser_number(f->browser, "return [...document.querySelectorAll('section.step')].every(s => "
+                                       "s.querySelector('.code'))") == 1.0);
         assert_true(browser_number(f->browser, "return document.querySelectorAll('math').length") > 2);
     }
 }
@@ -93,7 +102,9 @@ static void the_slider_plays_the_refinement_by_keys_and_by_mouse(void **state) {
     fixture *f = *state;
     need_browser(f);
     open_page(f, "splatting");
-    char *last = browser_text(f->browser, "document.querySelector('input').focus(); return document.querySelector('.picture img').src");
+    char *last = browser_text(
+        f->browser,
+        "document.querySelector('input').focus(); return document.querySelector('.picture img').src");
     browser_press(f->browser, KEY_HOME);
     char *first = browser_text(f->browser, "return document.querySelector('.picture img').src");
     assert_string_not_equal(first, last);
@@ -103,8 +114,10 @@ static void the_slider_plays_the_refinement_by_keys_and_by_mouse(void **state) {
     char *told = browser_text(f->browser, "return document.querySelector('output').textContent");
     assert_non_null(strstr(told, "batch 2 of"));
     assert_non_null(strstr(told, "off by"));
-    cJSON *place = browser_run(f->browser, "const s = document.querySelector('input'); s.scrollIntoView({block: 'center'}); const r = s.getBoundingClientRect(); "
-                                           "return [Math.round(r.right - 4), Math.round(r.top + r.height / 2)]");
+    cJSON *place =
+        browser_run(f->browser, "const s = document.querySelector('input'); s.scrollIntoView({block: "
+                                "'center'}); const r = s.getBoundingClientRect(); "
+                                "return [Math.round(r.right - 4), Math.round(r.top + r.height / 2)]");
     browser_click(f->browser, cJSON_GetArrayItem(place, 0)->valueint, cJSON_GetArrayItem(place, 1)->valueint);
     char *again = browser_text(f->browser, "return document.querySelector('.picture img').src");
     assert_string_equal(again, last);
@@ -139,7 +152,8 @@ static void assert_explanation_is(browser *b, const sl_image *image, int x, int 
     assert_string_equal(told, title);
     free(told);
     /* Every line says what it holds. */
-    assert_true(browser_number(b, "return [...document.querySelectorAll('.explanation tr')].slice(1, -2).every(r => r.cells[3].textContent.split(' ').length === 3)") == 1.0);
+    assert_true(browser_number(b, "return [...document.querySelectorAll('.explanation tr')].slice(1, "
+                                  "-2).every(r => r.cells[3].textContent.split(' ').length === 3)") == 1.0);
     cJSON *pixel = browser_run(b, "return JSON.parse(document.querySelector('article').dataset.explanation)");
     for (int c = 0; c < 3; c++) {
         float value = image->planes[(c * HEIGHT + y) * WIDTH + x];
@@ -158,11 +172,14 @@ static void a_pixels_explanation_by_mouse_and_keys_adds_up_to_what_a_render_has(
             char script[512];
             int x = (7 + 13 * k) % (WIDTH - 1), y = (5 + 11 * k) % (HEIGHT - 1);
             snprintf(script, sizeof script,
-                     "const p = document.querySelector('.picture img'); p.scrollIntoView({block: 'center'}); const r = p.getBoundingClientRect(); "
-                     "return [Math.round(r.left + (%d + .5) * r.width / %d), Math.round(r.top + (%d + .5) * r.height / %d)]",
+                     "const p = document.querySelector('.picture img'); p.scrollIntoView({block: 'center'}); "
+                     "const r = p.getBoundingClientRect(); "
+                     "return [Math.round(r.left + (%d + .5) * r.width / %d), Math.round(r.top + (%d + .5) * "
+                     "r.height / %d)]",
                      x, WIDTH, y, HEIGHT);
             cJSON *place = browser_run(f->browser, script);
-            browser_click(f->browser, cJSON_GetArrayItem(place, 0)->valueint, cJSON_GetArrayItem(place, 1)->valueint);
+            browser_click(f->browser, cJSON_GetArrayItem(place, 0)->valueint,
+                          cJSON_GetArrayItem(place, 1)->valueint);
             cJSON_Delete(place);
             assert_explanation_is(f->browser, image, x, y);
             browser_press(f->browser, KEY_RIGHT);
@@ -180,14 +197,17 @@ static void a_phone_needs_no_sideways_scrolling(void **state) {
     browser_resize(f->browser, 500, 800); /* as narrow as the browser's window goes */
     for (size_t i = 0; i < METHODS; i++) {
         open_page(f, methods[i]);
-        assert_true(browser_number(f->browser, "document.body.style.width = '360px'; return document.body.scrollWidth") <= 361.0);
+        assert_true(browser_number(f->browser,
+                                   "document.body.style.width = '360px'; return document.body.scrollWidth") <=
+                    361.0);
     }
 }
 
 int main(int argc, char **argv) {
     (void)argc;
     const char *slash = strrchr(argv[0], '/');
-    snprintf(program, sizeof program, "%.*s/../softlux", slash ? (int)(slash - argv[0]) : 1, slash ? argv[0] : ".");
+    snprintf(program, sizeof program, "%.*s/../softlux", slash ? (int)(slash - argv[0]) : 1,
+             slash ? argv[0] : ".");
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_picture_loads_has_a_text_and_nothing_is_fetched),
         cmocka_unit_test(every_pass_is_explained),

@@ -1,5 +1,5 @@
-/* The error bounds that base/math.h states, measured against the long double functions of libm (64 bits of mantissa on
- * x86), and every special value. */
+/* The error bounds that base/math.h states, measured against the long double functions of libm (64 bits of
+ * mantissa on x86), and every special value. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +20,8 @@ enum { POINTS = 40000 };
 /* Uniform in [0,1) with 53 bits. */
 static double unit(uint64_t stream, uint64_t i) {
     uint64_t key = sl_random_key(7, stream);
-    return ((double)(sl_random_bits(key, 2 * i) >> 5) * 0x1p26 + (double)(sl_random_bits(key, 2 * i + 1) >> 6)) *
+    return ((double)(sl_random_bits(key, 2 * i) >> 5) * 0x1p26 +
+            (double)(sl_random_bits(key, 2 * i + 1) >> 6)) *
            0x1p-53;
 }
 
@@ -30,7 +31,9 @@ static double ulp(long double value) {
     return ldexp(1.0, ilogb(v) - 52);
 }
 
-static double ulps(double got, long double truth) { return (double)(fabsl((long double)got - truth) / ulp(truth)); }
+static double ulps(double got, long double truth) {
+    return (double)(fabsl((long double)got - truth) / ulp(truth));
+}
 
 typedef double function(double);
 typedef long double truth_function(long double);
@@ -52,8 +55,10 @@ static double worst_trigonometric(function *f, truth_function *truth, double ran
     double worst = 0.0;
     for (int i = 0; i < 3 * POINTS; i++) {
         double x = range * (2.0 * unit(3, (uint64_t)i) - 1.0);
-        if (i % 3 == 1) x = (i / 3) * (SL_PI / 2.0);                             /* next to the zeros and poles */
-        if (i % 3 == 2) x = (i / 3) * (SL_PI / 4.0) * (1.0 + 0x1p-52 * (i % 5)); /* ends of the reduced range */
+        /* next to the zeros and poles */
+        if (i % 3 == 1) x = (i / 3) * (SL_PI / 2.0);
+        /* ends of the reduced range */
+        if (i % 3 == 2) x = (i / 3) * (SL_PI / 4.0) * (1.0 + 0x1p-52 * (i % 5));
         if (fabs(x) > range) continue;
         long double t = truth((long double)x);
         double scale = ulp(fmaxl(fabsl(t), 0x1p-53L * fabsl((long double)x)));
@@ -84,7 +89,8 @@ static void trigonometric_special_values(void **state) {
     assert_true(sl_sin(0x1p-1074) == 0x1p-1074 && sl_sin(1e-300) == 1e-300 && sl_tan(1e-300) == 1e-300);
     assert_true(fabs(sl_tan(SL_PI / 4.0) - 1.0) < 1e-15);
     double bad[] = {NAN, INFINITY, -INFINITY};
-    for (int i = 0; i < 3; i++) assert_true(isnan(sl_sin(bad[i])) && isnan(sl_cos(bad[i])) && isnan(sl_tan(bad[i])));
+    for (int i = 0; i < 3; i++)
+        assert_true(isnan(sl_sin(bad[i])) && isnan(sl_cos(bad[i])) && isnan(sl_tan(bad[i])));
     for (double x = 1e5; x < 1e300; x *= 1.7) {
         double s = sl_sin(x), c = sl_cos(x);
         assert_true(fabs(s) <= 1.0 && fabs(c) <= 1.0 && fabs(s * s + c * c - 1.0) < 1e-14);
@@ -105,8 +111,10 @@ static void arc_functions_keep_their_bounds(void **state) {
     for (uint64_t i = 0; i < POINTS; i++) {
         double x = 2.0 * unit(5, i) - 1.0, close = 1.0 - exp2(-53.0 * unit(6, i));
         acos_error = fmax(acos_error, (double)fabsl((long double)sl_acos(x) - acosl((long double)x)));
-        acos_error = fmax(acos_error, (double)fabsl((long double)sl_acos(-close) - acosl(-(long double)close)));
-        near_one = fmax(near_one, (double)fabsl((long double)sl_acos(close) / acosl((long double)close) - 1.0L));
+        acos_error =
+            fmax(acos_error, (double)fabsl((long double)sl_acos(-close) - acosl(-(long double)close)));
+        near_one =
+            fmax(near_one, (double)fabsl((long double)sl_acos(close) / acosl((long double)close) - 1.0L));
     }
     assert_below("acos", acos_error, 1e-15);
     assert_below("acos near 1, relative", near_one, 1e-15);
@@ -114,10 +122,12 @@ static void arc_functions_keep_their_bounds(void **state) {
 
 static void arc_special_values(void **state) {
     (void)state;
-    assert_true(sl_atan(INFINITY) == SL_PI / 2.0 && sl_atan(-INFINITY) == -SL_PI / 2.0 && isnan(sl_atan(NAN)));
+    assert_true(sl_atan(INFINITY) == SL_PI / 2.0 && sl_atan(-INFINITY) == -SL_PI / 2.0 &&
+                isnan(sl_atan(NAN)));
     assert_true(sl_atan(1.0) == SL_PI / 4.0 && signbit(sl_atan(-0.0)) && sl_atan(0x1p-1074) == 0x1p-1074);
     assert_true(sl_acos(1.0) == 0.0 && sl_acos(1.5) == 0.0 && sl_acos(1.0 + DBL_EPSILON) == 0.0);
-    assert_true(sl_acos(-1.0) == SL_PI && sl_acos(-7.0) == SL_PI && sl_acos(-INFINITY) == SL_PI && isnan(sl_acos(NAN)));
+    assert_true(sl_acos(-1.0) == SL_PI && sl_acos(-7.0) == SL_PI && sl_acos(-INFINITY) == SL_PI &&
+                isnan(sl_acos(NAN)));
     assert_true(sl_acos(0.0) == SL_PI / 2.0);
     assert_true(sl_asin(1.0) == SL_PI / 2.0 && sl_asin(2.0) == SL_PI / 2.0 && sl_asin(-2.0) == -SL_PI / 2.0);
     assert_true(signbit(sl_asin(-0.0)) && sl_asin(0.0) == 0.0 && isnan(sl_asin(NAN)));
@@ -125,8 +135,9 @@ static void arc_special_values(void **state) {
 
 static void atan2_agrees_with_c_on_every_pair_of_special_values(void **state) {
     (void)state;
-    double v[] = {0.0,      -0.0,    1.0,      -1.0,      2.5,        -2.5,     INFINITY, -INFINITY, NAN,      DBL_MAX,
-                  -DBL_MAX, DBL_MIN, -DBL_MIN, 0x1p-1074, -0x1p-1074, 0x1p-900, 0x1p900,  -0x1p901,  -0x1p-950};
+    double v[] = {0.0,        -0.0,     1.0,     -1.0,     2.5,      -2.5,     INFINITY,
+                  -INFINITY,  NAN,      DBL_MAX, -DBL_MAX, DBL_MIN,  -DBL_MIN, 0x1p-1074,
+                  -0x1p-1074, 0x1p-900, 0x1p900, -0x1p901, -0x1p-950};
     int n = (int)(sizeof v / sizeof v[0]);
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
@@ -135,14 +146,16 @@ static void atan2_agrees_with_c_on_every_pair_of_special_values(void **state) {
                 assert_true(isnan(got));
                 continue;
             }
-            if (signbit(got) != signbit(expected) || fabs(got - expected) > 2.0 * ulp((long double)expected)) {
+            if (signbit(got) != signbit(expected) ||
+                fabs(got - expected) > 2.0 * ulp((long double)expected)) {
                 fail_msg("atan2(%g, %g) = %.17g, expected %.17g", v[i], v[j], got, expected);
             }
         }
     }
     double worst = 0.0;
     for (uint64_t i = 0; i < POINTS; i++) {
-        double y = (unit(7, i) - 0.5) * exp2(40.0 * unit(8, i)), x = (unit(9, i) - 0.5) * exp2(40.0 * unit(10, i));
+        double y = (unit(7, i) - 0.5) * exp2(40.0 * unit(8, i)),
+               x = (unit(9, i) - 0.5) * exp2(40.0 * unit(10, i));
         worst = fmax(worst, ulps(sl_atan2(y, x), atan2l((long double)y, (long double)x)));
     }
     assert_below("atan2 ulp", worst, 2.0);
@@ -170,8 +183,10 @@ static void exponential_and_logarithm_special_values(void **state) {
     assert_true(sl_exp(709.78) < INFINITY && sl_exp(709.79) == INFINITY && sl_exp(1e300) == INFINITY);
     assert_true(sl_exp(-745.1) == 0x1p-1074 && sl_exp(-745.2) == 0.0 && sl_exp(-1e300) == 0.0);
     assert_true(sl_log(1.0) == 0.0 && sl_log(0.0) == -INFINITY && sl_log(-0.0) == -INFINITY);
-    assert_true(isnan(sl_log(-1.0)) && isnan(sl_log(NAN)) && isnan(sl_log(-INFINITY)) && sl_log(INFINITY) == INFINITY);
-    assert_true(sl_log(0x1p-1074) == log(0x1p-1074) && sl_log(DBL_MAX) == log(DBL_MAX) && sl_log(2.0) == log(2.0));
+    assert_true(isnan(sl_log(-1.0)) && isnan(sl_log(NAN)) && isnan(sl_log(-INFINITY)) &&
+                sl_log(INFINITY) == INFINITY);
+    assert_true(sl_log(0x1p-1074) == log(0x1p-1074) && sl_log(DBL_MAX) == log(DBL_MAX) &&
+                sl_log(2.0) == log(2.0));
 }
 
 static void power_keeps_its_bound_for_large_exponents_too(void **state) {
@@ -179,9 +194,11 @@ static void power_keeps_its_bound_for_large_exponents_too(void **state) {
     double worst = 0.0;
     for (uint64_t i = 0; i < POINTS; i++) {
         double x = exp2(200.0 * (unit(15, i) - 0.5)), y = 20.0 * (unit(16, i) - 0.5);
-        double near_one = 1.0 + (unit(17, i) - 0.5) * exp2(-40.0 * unit(18, i)); /* with exponents up to 2^45 */
+        /* with exponents up to 2^45 */
+        double near_one = 1.0 + (unit(17, i) - 0.5) * exp2(-40.0 * unit(18, i));
         double huge = 600.0 * (2.0 * unit(19, i) - 1.0) / log(near_one);
-        long double a = powl((long double)x, (long double)y), b = powl((long double)near_one, (long double)huge);
+        long double a = powl((long double)x, (long double)y),
+                    b = powl((long double)near_one, (long double)huge);
         if (a > (long double)DBL_MIN && a < (long double)DBL_MAX) {
             worst = fmax(worst, (double)fabsl((long double)sl_pow(x, y) / a - 1.0L));
         }
@@ -212,7 +229,8 @@ static void power_agrees_with_c_on_every_pair_of_special_values(void **state) {
 static void exponential_logarithm_and_arcs_are_monotonic(void **state) {
     (void)state;
     for (uint64_t i = 0; i < POINTS; i++) { /* from a point to its neighbour, where rounding could go back */
-        double e = 1400.0 * unit(20, i) - 700.0, l = exp2(200.0 * unit(21, i) - 100.0), a = 40.0 * unit(22, i) - 20.0;
+        double e = 1400.0 * unit(20, i) - 700.0, l = exp2(200.0 * unit(21, i) - 100.0),
+               a = 40.0 * unit(22, i) - 20.0;
         double step = 1.0 + 0x1p-50;
         assert_true(sl_exp(e + fabs(e) * 0x1p-50) >= sl_exp(e));
         assert_true(sl_log(l * step) >= sl_log(l));
@@ -222,7 +240,9 @@ static void exponential_logarithm_and_arcs_are_monotonic(void **state) {
 
 /* ---- float helpers ---- */
 
-static double relative(float got, long double truth) { return (double)fabsl((long double)got / truth - 1.0L); }
+static double relative(float got, long double truth) {
+    return (double)fabsl((long double)got / truth - 1.0L);
+}
 
 static void float_exponential_and_logarithm_keep_their_bounds(void **state) {
     (void)state;
@@ -234,14 +254,16 @@ static void float_exponential_and_logarithm_keep_their_bounds(void **state) {
         worst_exp = fmax(worst_exp, relative(sl_exp2f(small), exp2l((long double)small)));
         float y = (float)exp2(253.9 * unit(26, i) - 126.0), near_one = 1.0f + small;
         worst_log = fmax(worst_log, relative(sl_log2f(y), log2l((long double)y)));
-        if (near_one != 1.0f) worst_log = fmax(worst_log, relative(sl_log2f(near_one), log2l((long double)near_one)));
+        if (near_one != 1.0f)
+            worst_log = fmax(worst_log, relative(sl_log2f(near_one), log2l((long double)near_one)));
     }
     assert_below("exp2f", worst_exp, 2e-7);
     assert_below("log2f", worst_log, 2e-7);
     for (int k = -126; k <= 127; k++) {
         assert_true(sl_exp2f((float)k) == ldexpf(1.0f, k) && sl_log2f(ldexpf(1.0f, k)) == (float)k);
     }
-    assert_true(sl_exp2f(1000.0f) == 0x1p127f && sl_exp2f(-1000.0f) == 0x1p-126f && sl_exp2f(NAN) == 0x1p-126f);
+    assert_true(sl_exp2f(1000.0f) == 0x1p127f && sl_exp2f(-1000.0f) == 0x1p-126f &&
+                sl_exp2f(NAN) == 0x1p-126f);
     assert_true(sl_exp2f(INFINITY) == 0x1p127f && sl_exp2f(-INFINITY) == 0x1p-126f);
     assert_true(sl_log2f(0.0f) == -126.0f && sl_log2f(-3.0f) == -126.0f && sl_log2f(NAN) == -126.0f);
     assert_true(sl_log2f(INFINITY) == 128.0f && sl_log2f(0x1p-140f) == -126.0f);
@@ -264,7 +286,8 @@ static void float_power_special_values(void **state) {
     (void)state;
     assert_true(sl_powf(0.0f, 0.0f) == 1.0f && sl_powf(0.3f, 0.0f) == 1.0f && sl_powf(1.0f, 1e6f) == 1.0f);
     assert_true(sl_powf(0.0f, 5.0f) == 0.0f && sl_powf(-0.0f, 5.0f) == 0.0f && sl_powf(-1e-9f, 2.0f) == 0.0f);
-    assert_true(sl_powf(NAN, 2.0f) == 0.0f && sl_powf(0.5f, 1000.0f) == 0.0f && sl_powf(0.5f, 126.0f) == 0x1p-126f);
+    assert_true(sl_powf(NAN, 2.0f) == 0.0f && sl_powf(0.5f, 1000.0f) == 0.0f &&
+                sl_powf(0.5f, 126.0f) == 0x1p-126f);
     assert_true(sl_powf(0.5f, 127.0f) == 0.0f && sl_powf(0x1p-140f, 0.5f) == 0x1p-70f &&
                 sl_powf(4.0f, 100.0f) == 0x1p127f);
     float before = 0.0f;
@@ -282,7 +305,8 @@ static void sine_and_cosine_of_turns(void **state) {
         float u = (float)i / (float)(8 * POINTS), s, c;
         sl_sincos_turnf(u, &s, &c);
         long double angle = 2.0L * 3.14159265358979323846264L * (long double)u;
-        worst = fmax(worst, (double)fmaxl(fabsl((long double)s - sinl(angle)), fabsl((long double)c - cosl(angle))));
+        worst = fmax(worst,
+                     (double)fmaxl(fabsl((long double)s - sinl(angle)), fabsl((long double)c - cosl(angle))));
     }
     assert_below("sincos", worst, 2e-7);
     float sines[] = {0.0f, 1.0f, 0.0f, -1.0f, 0.0f}, cosines[] = {1.0f, 0.0f, -1.0f, 0.0f, 1.0f};
@@ -309,13 +333,14 @@ static void vectorised_loops_give_the_bits_of_single_calls(void **state) {
         volatile float one = x[i];
         float sine, cosine;
         sl_sincos_turnf(one, &sine, &cosine);
-        assert_true(power[i] == sl_powf(one, 20.0f) && log2_x[i] == sl_log2f(one) && exp2_x[i] == sl_exp2f(one));
+        assert_true(power[i] == sl_powf(one, 20.0f) && log2_x[i] == sl_log2f(one) &&
+                    exp2_x[i] == sl_exp2f(one));
         assert_true(s[i] == sine && c[i] == cosine);
     }
 }
 
-/* Compilers, their options and instruction sets must not change a bit: this number was the same for gcc and clang at -O1
- * and -O3 on baseline x86-64, AVX2 and AVX-512. */
+/* Compilers, their options and instruction sets must not change a bit: this number was the same for gcc and
+ * clang at -O1 and -O3 on baseline x86-64, AVX2 and AVX-512. */
 static void the_bits_are_the_same_everywhere(void **state) {
     (void)state;
     enum { N = 4099 };
@@ -340,9 +365,11 @@ static void the_bits_are_the_same_everywhere(void **state) {
     if (hash != 0x59d885d6f2fefdd0u) fail_msg("hash is %016llx", (unsigned long long)hash);
 }
 
-/* Three components one after the other, as vectors are written everywhere. gcc 12 merges them into vector instructions and
- * there takes double -> float -> double for nothing, unless told not to (EXACT in the Makefile). */
-static void __attribute__((noinline)) round_three(const double from[3], double scale, float rounded[3], double back[3]) {
+/* Three components one after the other, as vectors are written everywhere. gcc 12 merges them into vector
+ * instructions and there takes double -> float -> double for nothing, unless told not to (EXACT in the
+ * Makefile). */
+static void __attribute__((noinline))
+round_three(const double from[3], double scale, float rounded[3], double back[3]) {
     double x = from[0] * scale, y = from[1] * scale, z = from[2] * scale;
     rounded[0] = (float)x;
     rounded[1] = (float)y;
@@ -369,7 +396,8 @@ static void numbers_are_much_the_same_up_to_a_hundredth_of_the_larger(void **sta
     assert_true(sl_is_much_the_same(0.995, 1.0) && sl_is_much_the_same(1.0, 0.995));
     assert_false(sl_is_much_the_same(0.98, 1.0) || sl_is_much_the_same(1.0, 0.98));
     assert_false(sl_is_much_the_same(0.0, 1e-30));
-    assert_false(sl_is_much_the_same((double)NAN, 1.0) || sl_is_much_the_same(1.0, (double)NAN) || sl_is_much_the_same((double)INFINITY, 1.0));
+    assert_false(sl_is_much_the_same((double)NAN, 1.0) || sl_is_much_the_same(1.0, (double)NAN) ||
+                 sl_is_much_the_same((double)INFINITY, 1.0));
 }
 
 int main(void) {

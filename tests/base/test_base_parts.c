@@ -1,4 +1,5 @@
-/* The small parts of src/base: random numbers, vectors, parallel loops, memory, errors, instruction sets, counters. */
+/* The small parts of src/base: random numbers, vectors, parallel loops, memory, errors, instruction sets,
+ * counters. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,10 +24,12 @@
 
 /* ---- random.h ---- */
 
-/* Chi-square of `bins` equally likely bins has mean bins-1 and variance 2(bins-1); five deviations are a fault. */
+/* Chi-square of `bins` equally likely bins has mean bins-1 and variance 2(bins-1); five deviations are a
+ * fault. */
 static void assert_uniform(const uint32_t *histogram, int bins, double draws) {
     double expected = draws / bins, chi_square = 0.0;
-    for (int i = 0; i < bins; i++) chi_square += (histogram[i] - expected) * (histogram[i] - expected) / expected;
+    for (int i = 0; i < bins; i++)
+        chi_square += (histogram[i] - expected) * (histogram[i] - expected) / expected;
     double freedom = bins - 1.0;
     if (fabs(chi_square - freedom) > 5.0 * sqrt(2.0 * freedom))
         fail_msg("chi-square %g, expected %g", chi_square, freedom);
@@ -41,7 +44,8 @@ static void random_numbers_are_uniform_within_and_across_streams(void **state) {
         for (uint64_t i = 0; i < DRAWS; i++) {
             within[(int)(sl_random_unit(key, i) * BINS)]++;
             low_bits[sl_random_bits(key, i) & (BINS - 1)]++;
-            across[(int)(sl_random_unit(sl_random_key(seed, i), 0) * BINS)]++; /* the first number of many streams */
+            /* the first number of many streams */
+            across[(int)(sl_random_unit(sl_random_key(seed, i), 0) * BINS)]++;
         }
         assert_uniform(within, BINS, DRAWS);
         assert_uniform(low_bits, BINS, DRAWS);
@@ -82,7 +86,8 @@ static void streams_and_seeds_are_not_correlated(void **state) {
         uint64_t key = sl_random_key(1, k);
         assert_true(fabs(correlation(key, sl_random_key(1, k + 1), 0, N)) < bound);
         assert_true(fabs(correlation(key, sl_random_key(2, k), 0, N)) < bound);
-        assert_true(fabs(correlation(key, sl_random_key(k + 2, 1), 0, N)) < bound); /* seed and stream exchanged */
+        /* seed and stream exchanged */
+        assert_true(fabs(correlation(key, sl_random_key(k + 2, 1), 0, N)) < bound);
         assert_true(fabs(correlation(key, key, k + 1, N)) < bound);
     }
     assert_true(correlation(3, 3, 0, N) > 0.9); /* the measure sees what it should */
@@ -153,10 +158,11 @@ static void frames_are_orthonormal_for_every_normal(void **state) {
     }
     uint64_t key = sl_random_key(1, 2);
     for (uint64_t i = 0; i < 100000; i++) {
-        float small = i % 4 == 0 ? exp2f(-30.0f * sl_random_unit(key, 4 * i)) : 1.0f; /* also close to the poles */
-        sl_vec3 a =
-            sl_v3((2.0f * sl_random_unit(key, 4 * i + 1) - 1.0f) * small,
-                  (2.0f * sl_random_unit(key, 4 * i + 2) - 1.0f) * small, 2.0f * sl_random_unit(key, 4 * i + 3) - 1.0f);
+        /* also close to the poles */
+        float small = i % 4 == 0 ? exp2f(-30.0f * sl_random_unit(key, 4 * i)) : 1.0f;
+        sl_vec3 a = sl_v3((2.0f * sl_random_unit(key, 4 * i + 1) - 1.0f) * small,
+                          (2.0f * sl_random_unit(key, 4 * i + 2) - 1.0f) * small,
+                          2.0f * sl_random_unit(key, 4 * i + 3) - 1.0f);
         assert_orthonormal(sl_normalize_or(a, sl_v3(0.0f, 1.0f, 0.0f)));
     }
 }

@@ -17,7 +17,7 @@ _Noreturn void fuzz_fail(const char *what) {
     abort();
 }
 
-/* ---- files ------------------------------------------------------------------------------------------------------------- */
+/* ---- files ----------------------------------------------------------------------------------- */
 
 static char folder[128], written[FILES_MAX][32];
 static size_t written_count;
@@ -45,7 +45,8 @@ static void remember(const char *name) {
     for (size_t i = 0; i < written_count; i++) {
         if (strcmp(written[i], name) == 0) return;
     }
-    if (written_count == FILES_MAX || strlen(name) >= sizeof written[0]) fuzz_fail("too many files, or too long a name");
+    if (written_count == FILES_MAX || strlen(name) >= sizeof written[0])
+        fuzz_fail("too many files, or too long a name");
     strcpy(written[written_count++], name);
 }
 
@@ -55,7 +56,7 @@ void fuzz_write(const char *name, const void *data, size_t size) {
     remember(name);
 }
 
-/* ---- numbers ------------------------------------------------------------------------------------------------------------- */
+/* ---- numbers --------------------------------------------------------------------------------- */
 
 uint32_t fuzz_take(fuzz_bytes *bytes, unsigned count) {
     uint32_t value = 0;
@@ -78,7 +79,7 @@ uint32_t fuzz_hash(const uint8_t *data, size_t size) { /* FNV-1a */
     return hash ^ hash >> 15;
 }
 
-/* ---- what must hold ---------------------------------------------------------------------------------------------------------- */
+/* ---- what must hold -------------------------------------------------------------------------- */
 
 void fuzz_check_error(const sl_error *error) {
     if (error->status == SL_OK || !error->message[0]) fuzz_fail("an error that says nothing");
@@ -91,10 +92,13 @@ static bool is_unit(sl_vec3 n) {
 }
 
 static void check_promises(const sl_scene *s) {
-    if (s->triangle_count == 0 || s->material_count == 0 || !(s->diagonal > 0.0f)) fuzz_fail("an empty scene");
+    if (s->triangle_count == 0 || s->material_count == 0 || !(s->diagonal > 0.0f))
+        fuzz_fail("an empty scene");
     for (size_t t = 0; t < s->triangle_count; t++) {
-        if (s->material_index[t] >= s->material_count || s->object_index[t] >= s->object_count) fuzz_fail("a triangle of no material or object");
-        if (!is_unit(sl_scene_geometric_normal(s, (uint32_t)t))) fuzz_fail("a geometric normal that is no unit vector");
+        if (s->material_index[t] >= s->material_count || s->object_index[t] >= s->object_count)
+            fuzz_fail("a triangle of no material or object");
+        if (!is_unit(sl_scene_geometric_normal(s, (uint32_t)t)))
+            fuzz_fail("a geometric normal that is no unit vector");
         for (int c = 0; c < 3; c++) {
             if (s->vertex[c][t] >= s->vertex_count) fuzz_fail("a corner without a vertex");
         }
@@ -105,12 +109,15 @@ static void check_promises(const sl_scene *s) {
     }
     for (size_t i = 0; i < s->material_count; i++) {
         const sl_material *m = &s->materials[i];
-        const float sums[3] = {m->diffuse.r + m->specular.r, m->diffuse.g + m->specular.g, m->diffuse.b + m->specular.b};
+        const float sums[3] = {m->diffuse.r + m->specular.r, m->diffuse.g + m->specular.g,
+                               m->diffuse.b + m->specular.b};
         for (int c = 0; c < 3; c++) {
-            if (!(sums[c] >= 0.0f && sums[c] <= 1.0f)) fuzz_fail("a material that reflects more than it gets");
+            if (!(sums[c] >= 0.0f && sums[c] <= 1.0f))
+                fuzz_fail("a material that reflects more than it gets");
         }
         if (m->texture != SL_NO_INDEX && m->texture >= s->texture_count) fuzz_fail("a texture that is none");
-        if (m->alpha_texture != SL_NO_INDEX && m->alpha_texture >= s->texture_count) fuzz_fail("a mask that is none");
+        if (m->alpha_texture != SL_NO_INDEX && m->alpha_texture >= s->texture_count)
+            fuzz_fail("a mask that is none");
         if (m->height_map > s->texture_count) fuzz_fail("a height map that is none");
     }
 }
@@ -118,12 +125,14 @@ static void check_promises(const sl_scene *s) {
 /* Lights of 1e-6 to 1e12, rooms of 1e-3 to 1e6, not farther away than a million times their size. */
 static bool within_reason(const sl_scene *s) {
     float brightest = 0.0f, farthest = 0.0f;
-    for (size_t i = 0; i < s->emitter_count; i++) brightest = fmaxf(brightest, sl_rgb_max(s->emitters[i].radiance));
+    for (size_t i = 0; i < s->emitter_count; i++)
+        brightest = fmaxf(brightest, sl_rgb_max(s->emitters[i].radiance));
     for (size_t i = 0; i < s->light_count; i++) {
         brightest = fmaxf(brightest, sl_rgb_max(s->lights[i].intensity));
         farthest = fmaxf(farthest, sl_length(s->lights[i].position));
     }
-    for (size_t i = 0; i < 3 * (size_t)s->environment.width * (size_t)s->environment.height; i++) brightest = fmaxf(brightest, s->environment.texels[i]);
+    for (size_t i = 0; i < 3 * (size_t)s->environment.width * (size_t)s->environment.height; i++)
+        brightest = fmaxf(brightest, s->environment.texels[i]);
     brightest = fmaxf(brightest, sl_rgb_max(s->environment.constant));
     farthest = fmaxf(farthest, fmaxf(sl_length(s->box_min), sl_length(s->box_max)));
     farthest = fmaxf(farthest, sl_length(s->camera.eye));
@@ -152,7 +161,8 @@ static void draw(const sl_scene *scene, const sl_settings *settings) {
     sl_progress progress = {0};
     sl_error error = {0};
     sl_status status = sl_method_create(scene, settings, &method, &error);
-    for (int i = 0; i < DRAWN_UPDATES && status == SL_OK && !progress.done; i++) status = sl_method_update(method, &progress, &error);
+    for (int i = 0; i < DRAWN_UPDATES && status == SL_OK && !progress.done; i++)
+        status = sl_method_update(method, &progress, &error);
     if (status == SL_OK) status = sl_method_resolve(method, &image, &error);
     if (status == SL_OK) check_pixels(image, within_reason(scene));
     else fuzz_check_error(&error);

@@ -1,8 +1,10 @@
-/* The command line of every command. The first byte chooses the command, the rest are words, each behind a zero byte or a line end.
+/* The command line of every command. The first byte chooses the command, the rest are words, each behind a
+ * zero byte or a line end.
  *
- * A command that gets as far as rendering does so with what it was asked for, but for the sizes, which are put at the end as the least there
- * are. Others are stopped short of their work: by a scene that does not exist, or by one option too many. No word may name a folder. Scenes are a sound
- * one, and some that cannot be loaded. --memory is what it is but for the system's limit, which is for programs without sanitizers. */
+ * A command that gets as far as rendering does so with what it was asked for, but for the sizes, which are
+ * put at the end as the least there are. Others are stopped short of their work: by a scene that does not
+ * exist, or by one option too many. No word may name a folder. Scenes are a sound one, and some that cannot
+ * be loaded. --memory is what it is but for the system's limit, which is for programs without sanitizers. */
 #define _XOPEN_SOURCE 700
 #include "support.h"
 
@@ -15,24 +17,55 @@
 
 enum { WORDS_MAX = 48, WORD_MAX = 200, ENDS_MAX = 80 };
 
-static const char scene[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"c.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1, "
-                            "\"keyframes\": [{\"time\": 0}, {\"time\": 1, \"position\": [0.5, 1, 0]}]}], \"camera\": {\"eye\": [0, 1, 3], \"target\": [0, 0, 0]}, "
+static const char scene[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"c.obj\"}], \"lights\": [{\"type\": "
+                            "\"point\", \"position\": [0, 1, 0], \"intensity\": 1, "
+                            "\"keyframes\": [{\"time\": 0}, {\"time\": 1, \"position\": [0.5, 1, 0]}]}], "
+                            "\"camera\": {\"eye\": [0, 1, 3], \"target\": [0, 0, 0]}, "
                             "\"film\": {\"width\": 6, \"height\": 4}}";
 static const char obj[] = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 4 3 2\nf 4 2 1\n";
 
-static const char empty[] = "", no_mesh[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"none.obj\"}]}", torn[] = "{\"softlux\": 1, \"meshes\": [{\"fi",
-                  no_triangle[] = "v 0 0 0\nv 1 0 0\n", stray[] = "v 0 0 0\nf 1 2 3\n", huge_header[] = "ply\nformat ascii 1.0\nelement vertex 4000000000\nend_header\n";
+static const char empty[] = "", no_mesh[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"none.obj\"}]}",
+                  torn[] = "{\"softlux\": 1, \"meshes\": [{\"fi", no_triangle[] = "v 0 0 0\nv 1 0 0\n",
+                  stray[] = "v 0 0 0\nf 1 2 3\n",
+                  huge_header[] = "ply\nformat ascii 1.0\nelement vertex 4000000000\nend_header\n";
 /* Scenes that words may name. */
 static const struct {
     const char *name, *text;
-} scenes[] = {{"c.json", scene}, {"c.obj", obj}, {"empty.json", empty}, {"no-mesh.json", no_mesh}, {"torn.json", torn},
-              {"empty.obj", empty}, {"points.obj", no_triangle}, {"stray.obj", stray}, {"huge.ply", huge_header}};
+} scenes[] = {{"c.json", scene},           {"c.obj", obj},       {"empty.json", empty},
+              {"no-mesh.json", no_mesh},   {"torn.json", torn},  {"empty.obj", empty},
+              {"points.obj", no_triangle}, {"stray.obj", stray}, {"huge.ply", huge_header}};
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
 /* What ends a command that renders: last words win. Some only go with others. */
-static const char *const least[] = {"--size", "3x2", "--threads", "1", "--spp", "1", "--gather-size", "8", "--photons", "2", "--map-size", "4", "--cube-size", "8", "--shadow-size", "16",
-                                    "--depth", "2", "--points", "20", "--stored-photons", "100", "--indirect-samples", "2", "--area-samples", "4", "--quiet"};
-static const char *const least_of_series[] = {"--frames", "1"}, *const least_of_others[] = {"--time", "0.05"}, *const least_without_error[] = {"--batches", "2"};
+static const char *const least[] = {"--size",
+                                    "3x2",
+                                    "--threads",
+                                    "1",
+                                    "--spp",
+                                    "1",
+                                    "--gather-size",
+                                    "8",
+                                    "--photons",
+                                    "2",
+                                    "--map-size",
+                                    "4",
+                                    "--cube-size",
+                                    "8",
+                                    "--shadow-size",
+                                    "16",
+                                    "--depth",
+                                    "2",
+                                    "--points",
+                                    "20",
+                                    "--stored-photons",
+                                    "100",
+                                    "--indirect-samples",
+                                    "2",
+                                    "--area-samples",
+                                    "4",
+                                    "--quiet"};
+static const char *const least_of_series[] = {"--frames", "1"}, *const least_of_others[] = {"--time", "0.05"},
+                         *const least_without_error[] = {"--batches", "2"};
 
 static size_t add_words(char *argv[], size_t argc, const char *const *words, size_t count) {
     static char ends[ENDS_MAX][32]; /* commands may write to their words */
@@ -44,7 +77,8 @@ static size_t add_words(char *argv[], size_t argc, const char *const *words, siz
 static bool has_option(char *argv[], size_t argc, const char *name) {
     size_t length = strlen(name);
     for (size_t i = 0; i < argc; i++) {
-        if (strncmp(argv[i], name, length) == 0 && (argv[i][length] == 0 || argv[i][length] == '=')) return true;
+        if (strncmp(argv[i], name, length) == 0 && (argv[i][length] == 0 || argv[i][length] == '='))
+            return true;
     }
     return false;
 }
@@ -59,7 +93,9 @@ static size_t add_least(char *argv[], size_t argc) {
 
 /* What ends the commands is no mistake: else none would get as far as its work. */
 static void try_sound_commands(void) {
-    static const char *const sound[][6] = {{"c.json", "-o", "out.exr"}, {"c.json", "-o", "out%d.exr", "--frames", "1"}, {"c.json", "-o", "out.exr", "--memory", "1G"}};
+    static const char *const sound[][6] = {{"c.json", "-o", "out.exr"},
+                                           {"c.json", "-o", "out%d.exr", "--frames", "1"},
+                                           {"c.json", "-o", "out.exr", "--memory", "1G"}};
     for (size_t i = 0; i < sizeof sound / sizeof sound[0]; i++) {
         char *argv[WORDS_MAX + ENDS_MAX + 1];
         size_t argc = 0;
@@ -118,22 +154,26 @@ static void remove_outputs(char words[WORDS_MAX][WORD_MAX], size_t count) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static int (*const commands[])(int, char **) = {sl_command_render, sl_command_compare, sl_command_info, sl_command_live,
-                                                    sl_command_bench, sl_command_steps, sl_command_check_numerics};
+    static int (*const commands[])(int, char **) = {
+        sl_command_render, sl_command_compare, sl_command_info,          sl_command_live,
+        sl_command_bench,  sl_command_steps,   sl_command_check_numerics};
     static char words[WORDS_MAX][WORD_MAX];
     static bool ready;
     if (!ready) make_folder(), try_sound_commands();
     ready = true;
     if (size < 1) return 0;
     unsigned command = data[0] % 7;
-    bool works = data[0] / 7 % 4 == 0, renders = command == 0 && works, reads = command == 1 || (command == 2 && works);
+    bool works = data[0] / 7 % 4 == 0, renders = command == 0 && works,
+         reads = command == 1 || (command == 2 && works);
     size_t count = split(data + 1, size - 1, words), argc = 0;
     char *argv[WORDS_MAX + ENDS_MAX + 1];
     for (size_t i = 0; i < count; i++) {
-        bool hides_the_end = !renders && !reads && strcmp(words[i], "--") == 0; /* behind it no word is an option */
+        /* behind it no word is an option */
+        bool hides_the_end = !renders && !reads && strcmp(words[i], "--") == 0;
         if (!hides_the_end) argv[argc++] = words[i];
     }
-    static const char *const too_many[] = {"--no-such-option", "--no-such-option"}; /* the first may be the value of what is before it */
+    /* the first may be the value of what is before it */
+    static const char *const too_many[] = {"--no-such-option", "--no-such-option"};
     if (renders) argc = add_least(argv, argc);
     else if (!reads) argc = add_words(argv, argc, too_many, 2);
     argv[argc] = NULL;

@@ -19,7 +19,8 @@ static void check_texture(const uint8_t *data, size_t size) {
     if (status != SL_OK) fuzz_check_error(&error);
     else if (index != SL_NO_INDEX) {
         sl_rgb mean = sl_texture_mean_color(&model.textures[index]);
-        if (!(mean.r >= 0.0f && mean.r <= 1.0f && mean.b >= 0.0f && mean.b <= 1.0f)) fuzz_fail("a texture that is no reflectance");
+        if (!(mean.r >= 0.0f && mean.r <= 1.0f && mean.b >= 0.0f && mean.b <= 1.0f))
+            fuzz_fail("a texture that is no reflectance");
     } else if (!model.warning_count) fuzz_fail("a texture left out without a word");
     sl_model_clear(&model);
 }
@@ -29,12 +30,14 @@ static void compare(const sl_image *image) {
     sl_comparison result;
     sl_error error = {0};
     sl_compare_options options = {.exposure_stops = 1.0f};
-    if (sl_image_compare(image, image, &options, &result, &difference, &error) != SL_OK) fuzz_check_error(&error);
+    if (sl_image_compare(image, image, &options, &result, &difference, &error) != SL_OK)
+        fuzz_check_error(&error);
     else if (result.rmse != 0.0) fuzz_fail("a picture that differs from itself");
     sl_image_destroy(difference);
     error = (sl_error){0};
     if (sl_image_create(image->width, image->height, 3, NULL, &other, &error) != SL_OK) return;
-    for (size_t i = 0; i < 3 * (size_t)image->width * (size_t)image->height; i++) other->planes[i] = 0.25f * (float)(i % 5);
+    for (size_t i = 0; i < 3 * (size_t)image->width * (size_t)image->height; i++)
+        other->planes[i] = 0.25f * (float)(i % 5);
     difference = NULL;
     if (sl_image_compare(image, other, NULL, &result, &difference, &error) != SL_OK) fuzz_check_error(&error);
     sl_image_destroy(difference);
@@ -54,9 +57,11 @@ static void write_and_read(const sl_image *image) {
         }
         if (sl_image_read(fuzz_path(names[i]), &again, &error) != SL_OK) fuzz_fail(error.message);
         for (int c = 0; c < again->channels; c++) {
-            const float *before = sl_image_channel(image, again->channel_name[c]), *after = sl_image_channel(again, again->channel_name[c]);
+            const float *before = sl_image_channel(image, again->channel_name[c]),
+                        *after = sl_image_channel(again, again->channel_name[c]);
             size_t bytes = (size_t)image->width * (size_t)image->height * sizeof(float);
-            if (before && memcmp(before, after, bytes) != 0) fuzz_fail("a picture that is another after writing and reading");
+            if (before && memcmp(before, after, bytes) != 0)
+                fuzz_fail("a picture that is another after writing and reading");
         }
         sl_image_destroy(again);
     }

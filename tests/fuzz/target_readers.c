@@ -1,4 +1,5 @@
-/* What reads mesh files before, or instead of, the importer: surfaces, and the checks of OBJ, PLY, OFF and glTF. */
+/* What reads mesh files before, or instead of, the importer: surfaces, and the checks of OBJ, PLY, OFF and
+ * glTF. */
 #include "support.h"
 
 #include "scene/gltf.h"
@@ -28,7 +29,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_write(names[kind], data + 1, size - 1);
     sl_scene *scene = NULL;
     sl_error error = {0};
-    sl_status status = kind == 0 ? sl_scene_load(fuzz_path(names[0]), &scene, &error) : check_with(kind, &error);
+    sl_status status =
+        kind == 0 ? sl_scene_load(fuzz_path(names[0]), &scene, &error) : check_with(kind, &error);
     if (status != SL_OK) fuzz_check_error(&error);
     else if (scene) fuzz_check_scene(scene, fuzz_hash(data, size));
     sl_scene_destroy(scene);

@@ -1,5 +1,6 @@
-/* large_scene FOLDER TRIANGLES [point]: a room whose floor is a landscape of about so many triangles, as large.ply (binary) and large.json. Its lamp is a
- * square below the ceiling, or with `point` a light without extent. The same bytes on every machine. */
+/* large_scene FOLDER TRIANGLES [point]: a room whose floor is a landscape of about so many triangles, as
+ * large.ply (binary) and large.json. Its lamp is a square below the ceiling, or with `point` a light without
+ * extent. The same bytes on every machine. */
 #include <errno.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -16,7 +17,8 @@ static float wave(float x) {
 }
 
 static float ground(float x, float z) {
-    return 0.5f * wave(0.31f * x + 0.07f * z) * wave(0.27f * z) + 0.1f * wave(1.7f * x) * wave(1.3f * z + 0.4f * x) + 0.01f * wave(13.0f * x) * wave(11.0f * z);
+    return 0.5f * wave(0.31f * x + 0.07f * z) * wave(0.27f * z) +
+           0.1f * wave(1.7f * x) * wave(1.3f * z + 0.4f * x) + 0.01f * wave(13.0f * x) * wave(11.0f * z);
 }
 
 static void put(FILE *file, const void *data, size_t bytes) {
@@ -52,8 +54,11 @@ static void put_walls(FILE *file, uint32_t first) {
 static void write_mesh(const char *folder, uint32_t cells) {
     FILE *file = open_file(folder, "large.ply");
     uint32_t corners = (cells + 1) * (cells + 1);
-    fprintf(file, "ply\nformat binary_little_endian 1.0\nelement vertex %u\nproperty float x\nproperty float y\nproperty float z\n"
-                  "element face %u\nproperty list uchar uint vertex_indices\nend_header\n", corners + 8, 2 * cells * cells + 10);
+    fprintf(file,
+            "ply\nformat binary_little_endian 1.0\nelement vertex %u\nproperty float x\nproperty float "
+            "y\nproperty float z\n"
+            "element face %u\nproperty list uchar uint vertex_indices\nend_header\n",
+            corners + 8, 2 * cells * cells + 10);
     for (uint32_t row = 0; row <= cells; row++) {
         for (uint32_t column = 0; column <= cells; column++) {
             float x = side * (float)column / (float)cells, z = side * (float)row / (float)cells;
@@ -61,7 +66,10 @@ static void write_mesh(const char *folder, uint32_t cells) {
         }
     }
     for (int k = 0; k < 8; k++)
-        put(file, (float[3]){k % 4 == 1 || k % 4 == 2 ? side : 0.0f, k < 4 ? 0.0f : height, k % 4 >= 2 ? side : 0.0f}, 12);
+        put(file,
+            (float[3]){k % 4 == 1 || k % 4 == 2 ? side : 0.0f, k < 4 ? 0.0f : height,
+                       k % 4 >= 2 ? side : 0.0f},
+            12);
     for (uint32_t row = 0; row < cells; row++) {
         for (uint32_t column = 0; column < cells; column++) {
             uint32_t a = row * (cells + 1) + column, b = a + 1, c = a + cells + 1, d = c + 1;
@@ -75,12 +83,15 @@ static void write_mesh(const char *folder, uint32_t cells) {
 
 static void write_scene(const char *folder, int point) {
     FILE *file = open_file(folder, "large.json");
-    fprintf(file, "{\"softlux\": 1, \"meshes\": [{\"file\": \"large.ply\", \"material\": \"stone\"}],\n"
-                  " \"materials\": {\"stone\": {\"diffuse\": 0.6}},\n \"lights\": [%s],\n"
-                  " \"camera\": {\"eye\": [1, 3.5, 9.5], \"target\": [5.5, 0.6, 4], \"up\": [0, 1, 0], \"fov_deg\": 60},\n"
-                  " \"film\": {\"width\": 256, \"height\": 256}}\n",
+    fprintf(file,
+            "{\"softlux\": 1, \"meshes\": [{\"file\": \"large.ply\", \"material\": \"stone\"}],\n"
+            " \"materials\": {\"stone\": {\"diffuse\": 0.6}},\n \"lights\": [%s],\n"
+            " \"camera\": {\"eye\": [1, 3.5, 9.5], \"target\": [5.5, 0.6, 4], \"up\": [0, 1, 0], "
+            "\"fov_deg\": 60},\n"
+            " \"film\": {\"width\": 256, \"height\": 256}}\n",
             point ? "{\"type\": \"point\", \"position\": [5, 5, 5], \"intensity\": [40, 36, 30]}"
-                  : "{\"type\": \"quad\", \"corner\": [4.5, 5.9, 4.5], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": [40, 36, 30]}");
+                  : "{\"type\": \"quad\", \"corner\": [4.5, 5.9, 4.5], \"edge1\": [1, 0, 0], \"edge2\": [0, "
+                    "0, 1], \"radiance\": [40, 36, 30]}");
     if (fclose(file) != 0) exit(4);
 }
 

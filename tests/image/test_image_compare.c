@@ -1,5 +1,5 @@
-/* The metrics of sl_image_compare(): by hand where a hand can, against plain forms of their papers' formulas (whole 2-D
- * kernels, libm) elsewhere. */
+/* The metrics of sl_image_compare(): by hand where a hand can, against plain forms of their papers' formulas
+ * (whole 2-D kernels, libm) elsewhere. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,7 +36,8 @@ static sl_image *noise(int width, int height, uint64_t seed) {
     return image;
 }
 
-static sl_comparison compare(const sl_image *image, const sl_image *reference, const sl_compare_options *options) {
+static sl_comparison compare(const sl_image *image, const sl_image *reference,
+                             const sl_compare_options *options) {
     sl_comparison result;
     sl_error error;
     sl_status status = sl_image_compare(image, reference, options, &result, NULL, &error);
@@ -57,15 +58,16 @@ static void an_image_equals_itself_in_every_metric(void **state) {
     a->planes[6] = 1e30f;
     sl_comparison c = compare(a, a, NULL);
     assert_true(c.identical && c.values == 3 * 23 * 17 && c.nonfinite == 0 && c.negative == 2);
-    assert_true(c.rmse == 0 && c.rel_rmse == 0 && c.rel_mse == 0 && c.rel_mse_trimmed == 0 && c.max_abs == 0 &&
-                c.bias == 0);
+    assert_true(c.rmse == 0 && c.rel_rmse == 0 && c.rel_mse == 0 && c.rel_mse_trimmed == 0 &&
+                c.max_abs == 0 && c.bias == 0);
     assert_true(c.ssim == 1.0 && c.flip == 0.0 && c.mean_image == c.mean_reference);
     sl_image_destroy(a);
 }
 
 static void errors_of_two_pixels_are_those_computed_by_hand(void **state) {
     (void)state;
-    float x[] = {1.5f, 2.0f, 1.0f, 2.0f, 1.0f, 4.0f}, r[] = {1.0f, 2.0f, 1.0f, 2.0f, 1.0f, 5.0f}; /* R R G G B B */
+    /* R R G G B B */
+    float x[] = {1.5f, 2.0f, 1.0f, 2.0f, 1.0f, 4.0f}, r[] = {1.0f, 2.0f, 1.0f, 2.0f, 1.0f, 5.0f};
     sl_image *a = make(2, 1, x), *b = make(2, 1, r);
     sl_comparison c = compare(a, b, NULL);
     assert_true(c.values == 6 && !c.identical);
@@ -83,7 +85,8 @@ static void errors_of_two_pixels_are_those_computed_by_hand(void **state) {
 
 static void trimming_leaves_out_a_thousandth_of_the_terms(void **state) {
     (void)state;
-    sl_image *r = uniform(40, 50, 1.0f, 1.0f, 1.0f), *x = uniform(40, 50, 1.5f, 1.5f, 1.5f); /* 6000 values: 6 go */
+    /* 6000 values: 6 go */
+    sl_image *r = uniform(40, 50, 1.0f, 1.0f, 1.0f), *x = uniform(40, 50, 1.5f, 1.5f, 1.5f);
     double usual = 0.25 / 1.01;
     assert_near(compare(x, r, NULL).rel_mse_trimmed, usual, 1e-13); /* all terms equal: five thousand ties */
     size_t spikes[] = {0, 77, 2000, 3333, 5000, 5999};
@@ -105,8 +108,8 @@ static void a_black_reference_gives_zero_or_infinity(void **state) {
              *grey = uniform(4, 4, 0.5f, 0.5f, 0.5f);
     sl_comparison same = compare(zero, black, NULL), other = compare(grey, black, NULL);
     assert_true(!same.identical); /* the bits of -0 are others */
-    assert_true(same.rmse == 0 && same.rel_rmse == 0 && same.rel_mse == 0 && same.bias == 0 && same.flip == 0 &&
-                same.ssim == 1);
+    assert_true(same.rmse == 0 && same.rel_rmse == 0 && same.rel_mse == 0 && same.bias == 0 &&
+                same.flip == 0 && same.ssim == 1);
     assert_true(other.rmse == 0.5 && isinf(other.rel_rmse) && isinf(other.rel_mse) && isinf(other.bias));
     sl_image_destroy(black);
     sl_image_destroy(zero);
@@ -199,7 +202,8 @@ static void red_without_green_and_blue_is_no_colour(void **state) {
 
 static void halves_that_are_not_finite_tell_nothing_of_noise(void **state) {
     (void)state;
-    static const char *const names[9] = {"R", "G", "B", "even.R", "even.G", "even.B", "odd.R", "odd.G", "odd.B"};
+    static const char *const names[9] = {"R",      "G",     "B",     "even.R", "even.G",
+                                         "even.B", "odd.R", "odd.G", "odd.B"};
     sl_image *a = uniform(2, 2, 1.0f, 1.0f, 1.0f), *r;
     assert_int_equal(sl_image_create(2, 2, 9, names, &r, NULL), SL_OK);
     for (int i = 0; i < 36; i++) r->planes[i] = i < 12 ? 1.0f : i < 24 ? 1.5f : 0.5f;
@@ -219,7 +223,8 @@ static void halves_that_are_not_finite_tell_nothing_of_noise(void **state) {
 static void what_cannot_be_compared_is_an_error(void **state) {
     (void)state;
     sl_image *a = noise(8, 6, 1), *b = noise(8, 5, 1), *nan = uniform(8, 6, NAN, 0, 0), *difference = a;
-    sl_compare_options other_mask = {.mask = b}, no_exposure = {.exposure_stops = NAN}, empty = {.mask = NULL};
+    sl_compare_options other_mask = {.mask = b}, no_exposure = {.exposure_stops = NAN},
+                       empty = {.mask = NULL};
     sl_image *none = uniform(8, 6, 0, 0, 0);
     empty.mask = none;
     sl_comparison result;
@@ -271,7 +276,8 @@ static int edge(int i, int count) { return i < 0 ? 0 : i >= count ? count - 1 : 
 static double plain_luminance(const sl_image *image, double factor, int x, int y) {
     int w = image->width, n = w * image->height, i = edge(y, image->height) * w + edge(x, w);
     const float *p = image->planes;
-    return encode(0.2126 * clamp_unit((double)p[i] * factor) + 0.7152 * clamp_unit((double)p[n + i] * factor) +
+    return encode(0.2126 * clamp_unit((double)p[i] * factor) +
+                  0.7152 * clamp_unit((double)p[n + i] * factor) +
                   0.0722 * clamp_unit((double)p[2 * n + i] * factor));
 }
 
@@ -320,7 +326,8 @@ static void ssim_is_wangs_formula(void **state) {
 
 static void ssim_of_uniform_pictures_is_that_of_their_means(void **state) {
     (void)state;
-    sl_image *a = uniform(7, 5, 0.2f, 0.2f, 0.2f), *b = uniform(7, 5, 0.6f, 0.6f, 0.6f), *c = uniform(7, 5, 1, 1, 1);
+    sl_image *a = uniform(7, 5, 0.2f, 0.2f, 0.2f), *b = uniform(7, 5, 0.6f, 0.6f, 0.6f),
+             *c = uniform(7, 5, 1, 1, 1);
     double p = encode(0.2), q = encode(0.6);
     assert_near(compare(a, b, NULL).ssim, (2 * p * q + 1e-4) / (p * p + q * q + 1e-4), 1e-6);
     sl_compare_options bright = {.exposure_stops = 10.0f}; /* both are white then */
@@ -386,7 +393,8 @@ static double compress(double t) {
 
 static triple hunt_lab(triple rgb) {
     triple c = xyz_of_rgb(rgb);
-    double x = compress(c.v[0] / white.v[0]), y = compress(c.v[1] / white.v[1]), z = compress(c.v[2] / white.v[2]);
+    double x = compress(c.v[0] / white.v[0]), y = compress(c.v[1] / white.v[1]),
+           z = compress(c.v[2] / white.v[2]);
     double l = 116 * y - 16;
     return (triple){{l, 0.01 * l * 500 * (x - y), 0.01 * l * 200 * (y - z)}};
 }
@@ -417,7 +425,8 @@ static triple plain_color(const sl_image *image, int x, int y) {
     }
     for (int c = 0; c < 3; c++) sum.v[c] /= weights.v[c];
     double n = (sum.v[0] + 16) / 116;
-    triple xyz = {{(n + sum.v[1] / 500) * white.v[0], n, (n - sum.v[2] / 200) * white.v[2]}}, rgb = rgb_of_xyz(xyz);
+    triple xyz = {{(n + sum.v[1] / 500) * white.v[0], n, (n - sum.v[2] / 200) * white.v[2]}},
+           rgb = rgb_of_xyz(xyz);
     for (int c = 0; c < 3; c++) rgb.v[c] = clamp_unit(rgb.v[c]);
     return hunt_lab(rgb);
 }
@@ -446,7 +455,9 @@ static double plain_feature(const sl_image *image, int x, int y, int point) {
     return hypot(gx, gy);
 }
 
-static double distance(triple a, triple b) { return fabs(a.v[0] - b.v[0]) + hypot(a.v[1] - b.v[1], a.v[2] - b.v[2]); }
+static double distance(triple a, triple b) {
+    return fabs(a.v[0] - b.v[0]) + hypot(a.v[1] - b.v[1], a.v[2] - b.v[2]);
+}
 
 static double plain_color_error(triple a, triple b) {
     double cmax = pow(distance(hunt_lab((triple){{0, 1, 0}}), hunt_lab((triple){{0, 0, 1}})), 0.7);
@@ -488,13 +499,16 @@ static void flip_of_uniform_pictures_is_the_colour_error_alone(void **state) {
                        {{0, 1, 0}}, {{0, 0, 1}}, {{0.1, 0.6, 0.3}}};
     for (int i = 0; i < 7; i++) {
         for (int j = 0; j < 7; j++) {
-            sl_image *a = uniform(12, 10, (float)colors[i].v[0], (float)colors[i].v[1], (float)colors[i].v[2]);
-            sl_image *b = uniform(12, 10, (float)colors[j].v[0], (float)colors[j].v[1], (float)colors[j].v[2]);
+            sl_image *a =
+                uniform(12, 10, (float)colors[i].v[0], (float)colors[i].v[1], (float)colors[i].v[2]);
+            sl_image *b =
+                uniform(12, 10, (float)colors[j].v[0], (float)colors[j].v[1], (float)colors[j].v[2]);
             double got = compare(a, b, NULL).flip;
             assert_near(got, plain_color_error(hunt_lab(colors[i]), hunt_lab(colors[j])), 2e-4);
             assert_true(got >= 0.0 && got <= 1.0 && (i == j ? got == 0.0 : got > 0.0));
             if (i == 0 && j == 1)
-                assert_true(got > 0.96 && got < 0.98);          /* black and white: far apart, but not the farthest */
+                /* black and white: far apart, but not the farthest */
+                assert_true(got > 0.96 && got < 0.98);
             if (i == 4 && j == 5) assert_near(got, 1.0, 1e-12); /* green and blue are */
             sl_image_destroy(a);
             sl_image_destroy(b);
@@ -533,7 +547,8 @@ static void one_pixel_pictures_can_be_compared(void **state) {
 
 static void convolution_continues_the_edges_and_keeps_the_two_axes_apart(void **state) {
     (void)state;
-    double in[12] = {0}, out[12], scratch[12 + 16], row[5] = {1, 2, 3, 4, 5}, column[5] = {0, 10, 100, 1000, 0};
+    double in[12] = {0}, out[12], scratch[12 + 16], row[5] = {1, 2, 3, 4, 5},
+           column[5] = {0, 10, 100, 1000, 0};
     in[5] = 1.0; /* (1, 1) of 4 x 3; kernel[k] weighs the pixel at x + k - 2 */
     assert_true(sl_convolve_margin(4, 2) <= 16);
     sl_convolve(in, 4, 3, row, column, 2, scratch, out);

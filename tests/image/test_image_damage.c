@@ -1,5 +1,5 @@
-/* Damaged picture files: cut short at every length, with bytes changed, with absurd sizes. Whatever comes out, it is a picture or
- * one line that names the file; the sanitizers watch the rest. */
+/* Damaged picture files: cut short at every length, with bytes changed, with absurd sizes. Whatever comes
+ * out, it is a picture or one line that names the file; the sanitizers watch the rest. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -32,7 +32,8 @@ static sample_file write_our_own(void **state, const char *name) {
     static const char *const names[] = {"R", "G", "B", "layer.R"};
     sl_image *image;
     assert_int_equal(sl_image_create(WIDTH, HEIGHT, 4, names, &image, NULL), SL_OK);
-    for (int i = 0; i < 4 * WIDTH * HEIGHT; i++) image->planes[i] = test_value(i / (WIDTH * HEIGHT), i % WIDTH, i / WIDTH % HEIGHT);
+    for (int i = 0; i < 4 * WIDTH * HEIGHT; i++)
+        image->planes[i] = test_value(i / (WIDTH * HEIGHT), i % WIDTH, i / WIDTH % HEIGHT);
     assert_int_equal(sl_image_set_metadata(image, "softlux.method", "path", NULL), SL_OK);
     const char *path = temporary_path(state, name);
     sample_file sample = {.name = name};
@@ -51,8 +52,13 @@ static sample_file write_exr_of(void **state, const char *name, exr_compression_
     }
     const exr_test_channel channels[] = {{"B", EXR_PIXEL_HALF, half, 1}, {"G", EXR_PIXEL_FLOAT, real, 1},
                                          {"R", EXR_PIXEL_HALF, half, 1}};
-    exr_test_file file = {.width = WIDTH, .height = HEIGHT, .compression = compression, .tile_width = tile, .tile_height = tile,
-                          .channels = channels, .channel_count = 3};
+    exr_test_file file = {.width = WIDTH,
+                          .height = HEIGHT,
+                          .compression = compression,
+                          .tile_width = tile,
+                          .tile_height = tile,
+                          .channels = channels,
+                          .channel_count = 3};
     sample_file sample = {.name = name};
     write_exr(temporary_path(state, name), &file);
     sample.bytes = read_file(temporary_path(state, name), &sample.size);
@@ -61,9 +67,11 @@ static sample_file write_exr_of(void **state, const char *name, exr_compression_
 
 static sample_file write_8_bit(void **state, const char *name) {
     uint8_t rgb[WIDTH * HEIGHT * 3];
-    for (int i = 0; i < WIDTH * HEIGHT * 3; i++) rgb[i] = (uint8_t)(255.0f * test_value(i % 3, i / 3 % WIDTH, i / 3 / WIDTH));
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++)
+        rgb[i] = (uint8_t)(255.0f * test_value(i % 3, i / 3 % WIDTH, i / 3 / WIDTH));
     const char *path = temporary_path(state, name);
-    assert_true(strstr(name, "tga") ? stbi_write_tga(path, WIDTH, HEIGHT, 3, rgb) : stbi_write_bmp(path, WIDTH, HEIGHT, 3, rgb));
+    assert_true(strstr(name, "tga") ? stbi_write_tga(path, WIDTH, HEIGHT, 3, rgb)
+                                    : stbi_write_bmp(path, WIDTH, HEIGHT, 3, rgb));
     sample_file sample = {.name = name};
     sample.bytes = read_file(path, &sample.size);
     return sample;
@@ -105,11 +113,13 @@ static void free_samples(sample_file samples[SAMPLES]) {
     for (int i = 0; i < SAMPLES; i++) free(samples[i].bytes);
 }
 
-/* Reads a damaged file, as an image and as texels; checks what must hold of any answer. True if it was taken for an image. */
+/* Reads a damaged file, as an image and as texels; checks what must hold of any answer. True if it was taken
+ * for an image. */
 static bool survives(const uint8_t *bytes, size_t size) {
     sl_error error = {0};
     sl_image *image = NULL;
-    uint8_t *copy = malloc(size ? size : 1); /* of just this size, so that a sanitizer sees a step beyond it */
+    /* of just this size, so that a sanitizer sees a step beyond it */
+    uint8_t *copy = malloc(size ? size : 1);
     if (size) memcpy(copy, bytes, size);
     sl_bytes file = {.path = "damaged", .data = copy, .size = size};
     sl_status status = sl_image_decode(&file, &image, &error);
@@ -137,7 +147,8 @@ static void files_cut_short_at_any_length_are_refused(void **state) {
     for (int i = 0; i < SAMPLES; i++) {
         assert_true(survives(samples[i].bytes, samples[i].size) == (i < COMPLETE));
         for (size_t size = 0; size < samples[i].size; size++) {
-            if (survives(samples[i].bytes, size)) fail_msg("%s was taken at %zu bytes", samples[i].name, size);
+            if (survives(samples[i].bytes, size))
+                fail_msg("%s was taken at %zu bytes", samples[i].name, size);
         }
     }
     free_samples(samples);
@@ -150,11 +161,14 @@ static void textures_cut_short_are_refused(void **state) {
         int width, height;
         bool has_alpha;
         uint8_t *rgba;
-        assert_int_equal(sl_decode_texels("whole", samples[i].bytes, samples[i].size, &width, &height, &has_alpha, &rgba, NULL),
+        assert_int_equal(sl_decode_texels("whole", samples[i].bytes, samples[i].size, &width, &height,
+                                          &has_alpha, &rgba, NULL),
                          SL_OK);
         free(rgba);
         for (size_t size = 0; size < samples[i].size; size++) {
-            assert_int_not_equal(sl_decode_texels("cut", samples[i].bytes, size, &width, &height, &has_alpha, &rgba, NULL), SL_OK);
+            assert_int_not_equal(
+                sl_decode_texels("cut", samples[i].bytes, size, &width, &height, &has_alpha, &rgba, NULL),
+                SL_OK);
         }
     }
     free_samples(samples);
@@ -201,7 +215,8 @@ static void absurd_sizes_are_refused_before_memory_is_asked_for(void **state) {
     REFUSED("negative.pfm", "PF\n-3 5\n-1.0\n", "PFM header");
     REFUSED("scale.pfm", "PF\n1 1\n0\n000000000000", "the scale is '0'");
     REFUSED("huge.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 46341 +X 46341\n", "too many for its");
-    REFUSED("flipped.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+Y 4 +X 4\n", "expected '-Y height +X width'");
+    REFUSED("flipped.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+Y 4 +X 4\n",
+            "expected '-Y height +X width'");
     REFUSED("xyz.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 4 +X 4\n", "not supported");
     REFUSED("nothing.exr", "", "not an EXR, PFM, Radiance HDR, PNG or JPEG");
     REFUSED("text.exr", "hello, world", "not an EXR, PFM, Radiance HDR, PNG or JPEG");
@@ -211,10 +226,12 @@ static void absurd_sizes_are_refused_before_memory_is_asked_for(void **state) {
 static void a_huge_exr_window_is_refused(void **state) {
     static const float value[16] = {0};
     const exr_test_channel channels[] = {{"R", EXR_PIXEL_FLOAT, value, 1}};
-    const exr_attr_box2i_t displays[] = {{.min = {.x = 0, .y = 0}, .max = {.x = 46340, .y = 46340}},
-                                         {.min = {.x = -1000000000, .y = 0}, .max = {.x = 1000000000, .y = 0}}};
+    const exr_attr_box2i_t displays[] = {
+        {.min = {.x = 0, .y = 0}, .max = {.x = 46340, .y = 46340}},
+        {.min = {.x = -1000000000, .y = 0}, .max = {.x = 1000000000, .y = 0}}};
     for (int i = 0; i < 2; i++) {
-        exr_test_file file = {.width = 4, .height = 4, .display = &displays[i], .channels = channels, .channel_count = 1};
+        exr_test_file file = {
+            .width = 4, .height = 4, .display = &displays[i], .channels = channels, .channel_count = 1};
         sl_error error = {0};
         sl_image *image;
         write_exr(temporary_path(state, "window.exr"), &file);
@@ -234,7 +251,8 @@ static void the_channels_of_an_exr_count_in_its_claim(void **state) {
         snprintf(names[c], sizeof names[c], "c%04d", c);
         channels[c] = (exr_test_channel){names[c], EXR_PIXEL_FLOAT, value, 1};
     }
-    exr_test_file file = {.width = 1, .height = 1, .display = &display, .channels = channels, .channel_count = CHANNELS};
+    exr_test_file file = {
+        .width = 1, .height = 1, .display = &display, .channels = channels, .channel_count = CHANNELS};
     sl_error error = {0};
     sl_image *image;
     write_exr(temporary_path(state, "many.exr"), &file);
@@ -242,10 +260,11 @@ static void the_channels_of_an_exr_count_in_its_claim(void **state) {
     assert_non_null(strstr(error.message, "1000 channels"));
 }
 
-/* Found by fuzzing: stb_image passes over bytes of 0xff before the first marker, the check of its Huffman tables did not. This one lists 96 + 765
- * codes where there are 257 places. */
+/* Found by fuzzing: stb_image passes over bytes of 0xff before the first marker, the check of its Huffman
+ * tables did not. This one lists 96 + 765 codes where there are 257 places. */
 static void a_jpeg_behind_fill_bytes_is_checked_too(void **state) {
-    static const uint8_t start[] = {0xff, 0xff, 0xd8, 0xff, 0xc4, 0x24, 0x00, 0x00, 0, 0, 0, 0, 0, 0, 0, 0, 0, 32, 32, 32, 255, 255, 255, 0};
+    static const uint8_t start[] = {0xff, 0xff, 0xd8, 0xff, 0xc4, 0x24, 0x00, 0x00, 0,   0,   0,   0,
+                                    0,    0,    0,    0,    0,    32,   32,   32,   255, 255, 255, 0};
     uint8_t file[160] = {0}, *rgba;
     int width, height;
     bool has_alpha;
@@ -253,7 +272,9 @@ static void a_jpeg_behind_fill_bytes_is_checked_too(void **state) {
     (void)state;
     memcpy(file, start, sizeof start);
     for (size_t fill = 0; fill < 2; fill++) {
-        assert_int_equal(sl_decode_texels("t.jpg", file + fill, sizeof file - fill, &width, &height, &has_alpha, &rgba, &error), SL_ERROR_INPUT);
+        assert_int_equal(sl_decode_texels("t.jpg", file + fill, sizeof file - fill, &width, &height,
+                                          &has_alpha, &rgba, &error),
+                         SL_ERROR_INPUT);
         assert_non_null(strstr(error.message, "t.jpg: damaged JPEG"));
     }
 }

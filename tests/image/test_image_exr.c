@@ -14,7 +14,7 @@
 #include "base/random.h"
 #include "image_support.h"
 
-/* ---- our own files ----------------------------------------------------------------------------------------------- */
+/* ---- our own files --------------------------------------------------------------------------- */
 
 static sl_image *layered_image(int width, int height) {
     static const char *const names[] = {"R", "G", "B", "indirect.R", "direct.G", "Z", "A"};
@@ -35,7 +35,8 @@ static void assert_same_image(const sl_image *a, const sl_image *b) {
     for (int c = 0; c < a->channels; c++) {
         const float *other = sl_image_channel(b, a->channel_name[c]);
         assert_non_null(other);
-        assert_true(same_bits(sl_image_channel(a, a->channel_name[c]), other, (size_t)a->width * (size_t)a->height));
+        assert_true(
+            same_bits(sl_image_channel(a, a->channel_name[c]), other, (size_t)a->width * (size_t)a->height));
     }
 }
 
@@ -54,8 +55,9 @@ static void a_layered_image_comes_back_bit_for_bit(void **state) {
 }
 
 static void every_kind_of_float_survives(void **state) {
-    static const uint32_t bits[] = {0x7fc00000, 0xffc12345, 0x7f800001, 0x7f800000, 0xff800000, 0x00000001, 0x80000001,
-                                    0x007fffff, 0x80000000, 0x00000000, 0x7f7fffff, 0xff7fffff, 0x3f800001, 0x00800000};
+    static const uint32_t bits[] = {0x7fc00000, 0xffc12345, 0x7f800001, 0x7f800000, 0xff800000,
+                                    0x00000001, 0x80000001, 0x007fffff, 0x80000000, 0x00000000,
+                                    0x7f7fffff, 0xff7fffff, 0x3f800001, 0x00800000};
     enum { COUNT = sizeof bits / sizeof *bits };
     sl_image *image, *back;
     assert_int_equal(sl_image_create(COUNT, 1, 3, NULL, &image, NULL), SL_OK);
@@ -111,12 +113,15 @@ static void metadata_comes_back(void **state) {
 }
 
 static void metadata_with_a_name_of_the_format_is_refused(void **state) {
-    static const char *const keys[] = {"dataWindow", "chromaticities", "envmap", "timeCode", "preview", "multiView", "keyCode", "framesPerSecond", "focus", "tStop", "worldToNDC"};
+    static const char *const keys[] = {"dataWindow", "chromaticities", "envmap",    "timeCode",
+                                       "preview",    "multiView",      "keyCode",   "framesPerSecond",
+                                       "focus",      "tStop",          "worldToNDC"};
     sl_error error;
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
         sl_image *image = layered_image(4, 4);
         assert_int_equal(sl_image_set_metadata(image, keys[k], "x", NULL), SL_OK);
-        assert_int_equal(sl_image_write(image, temporary_path(state, "reserved.exr"), &error), SL_ERROR_USAGE);
+        assert_int_equal(sl_image_write(image, temporary_path(state, "reserved.exr"), &error),
+                         SL_ERROR_USAGE);
         assert_non_null(strstr(error.message, keys[k]));
         sl_image_destroy(image);
     }
@@ -144,7 +149,7 @@ static void the_same_image_gives_the_same_bytes(void **state) {
     free(bytes[1]);
 }
 
-/* ---- others' files ------------------------------------------------------------------------------------------------ */
+/* ---- others' files --------------------------------------------------------------------------- */
 
 enum { WIDTH = 36, HEIGHT = 44, /* whole 4x4 blocks, as the library cannot write others as B44 */
        VALUES = WIDTH * HEIGHT };
@@ -163,25 +168,37 @@ static void fill_samples(sample_data *data) {
     }
 }
 
-static float exact_half(uint16_t half) { return ldexpf((float)(1024 + (half & 1023)), (half >> 10 & 31) - 25); }
+static float exact_half(uint16_t half) {
+    return ldexpf((float)(1024 + (half & 1023)), (half >> 10 & 31) - 25);
+}
 
 static double largest_difference(const float *plane, const sample_data *data, char kind) {
     double largest = 0.0;
     for (int i = 0; i < VALUES; i++) {
-        double expected = kind == 'h' ? exact_half(data->half[i]) : kind == 'f' ? data->real[i] : (float)data->integer[i];
+        double expected = kind == 'h'   ? exact_half(data->half[i])
+                          : kind == 'f' ? data->real[i]
+                                        : (float)data->integer[i];
         largest = fmax(largest, fabs((double)plane[i] - expected));
     }
     return largest;
 }
 
-static void check_layout(void **state, exr_compression_t compression, int tile_width, int tile_height, exr_lineorder_t order,
-                         double half_error, double float_error) {
+static void check_layout(void **state, exr_compression_t compression, int tile_width, int tile_height,
+                         exr_lineorder_t order, double half_error, double float_error) {
     sample_data *data = malloc(sizeof *data);
     fill_samples(data);
-    const exr_test_channel channels[] = {{"B", EXR_PIXEL_UINT, data->integer, 1}, {"G", EXR_PIXEL_FLOAT, data->real, 1},
+    const exr_test_channel channels[] = {{"B", EXR_PIXEL_UINT, data->integer, 1},
+                                         {"G", EXR_PIXEL_FLOAT, data->real, 1},
                                          {"R", EXR_PIXEL_HALF, data->half, 1}};
-    exr_test_file file = {.left = -5, .top = 9, .width = WIDTH, .height = HEIGHT, .compression = compression,
-                          .tile_width = tile_width, .tile_height = tile_height, .order = order, .channels = channels,
+    exr_test_file file = {.left = -5,
+                          .top = 9,
+                          .width = WIDTH,
+                          .height = HEIGHT,
+                          .compression = compression,
+                          .tile_width = tile_width,
+                          .tile_height = tile_height,
+                          .order = order,
+                          .channels = channels,
                           .channel_count = 3};
     sl_error error = {0};
     sl_image *image;
@@ -201,12 +218,15 @@ static void every_compression_of_half_float_and_uint_is_read(void **state) {
     static const struct {
         exr_compression_t compression;
         double half_error, float_error; /* 0: lossless */
-    } all[] = {{EXR_COMPRESSION_NONE, 0, 0},   {EXR_COMPRESSION_RLE, 0, 0},    {EXR_COMPRESSION_ZIPS, 0, 0},
-               {EXR_COMPRESSION_ZIP, 0, 0},    {EXR_COMPRESSION_PIZ, 0, 0},    {EXR_COMPRESSION_PXR24, 0, 1e-4},
+    } all[] = {{EXR_COMPRESSION_NONE, 0, 0},   {EXR_COMPRESSION_RLE, 0, 0},
+               {EXR_COMPRESSION_ZIPS, 0, 0},   {EXR_COMPRESSION_ZIP, 0, 0},
+               {EXR_COMPRESSION_PIZ, 0, 0},    {EXR_COMPRESSION_PXR24, 0, 1e-4},
                {EXR_COMPRESSION_B44, 0.02, 0}, {EXR_COMPRESSION_B44A, 0.02, 0}};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        check_layout(state, all[i].compression, 0, 0, EXR_LINEORDER_INCREASING_Y, all[i].half_error, all[i].float_error);
-        check_layout(state, all[i].compression, 16, 8, EXR_LINEORDER_INCREASING_Y, all[i].half_error, all[i].float_error);
+        check_layout(state, all[i].compression, 0, 0, EXR_LINEORDER_INCREASING_Y, all[i].half_error,
+                     all[i].float_error);
+        check_layout(state, all[i].compression, 16, 8, EXR_LINEORDER_INCREASING_Y, all[i].half_error,
+                     all[i].float_error);
     }
 }
 
@@ -215,9 +235,10 @@ static void tiles_larger_than_the_picture_are_read(void **state) {
 }
 
 static void special_halves_are_converted_exactly(void **state) {
-    static const uint16_t halves[] = {0x0000, 0x8000, 0x0001, 0x83ff, 0x0400, 0x7bff, 0xfbff, 0x7c00, 0xfc00, 0x7e00, 0x3c01};
-    static const float expected[] = {0.0f, -0.0f, 0x1p-24f, -0x3ffp-24f, 0x1p-14f, 65504.0f, -65504.0f, INFINITY, -INFINITY,
-                                     NAN, 1.0f + 0x1p-10f};
+    static const uint16_t halves[] = {0x0000, 0x8000, 0x0001, 0x83ff, 0x0400, 0x7bff,
+                                      0xfbff, 0x7c00, 0xfc00, 0x7e00, 0x3c01};
+    static const float expected[] = {0.0f,      -0.0f,    0x1p-24f,  -0x3ffp-24f, 0x1p-14f,       65504.0f,
+                                     -65504.0f, INFINITY, -INFINITY, NAN,         1.0f + 0x1p-10f};
     enum { COUNT = sizeof halves / sizeof *halves };
     const exr_test_channel channels[] = {{"R", EXR_PIXEL_HALF, halves, 1}};
     exr_test_file file = {.width = COUNT, .height = 1, .channels = channels, .channel_count = 1};
@@ -237,8 +258,15 @@ static void the_display_window_is_the_picture(void **state) {
     const exr_attr_box2i_t display = {.min = {.x = 0, .y = 0}, .max = {.x = 3, .y = 2}};
     static const float expected[12] = {0, 0, 0, 0, 2, 3, 0, 0, 5, 6, 0, 0};
     for (int tile = 0; tile <= 2; tile++) {
-        exr_test_file file = {.left = -1, .top = 1, .width = 3, .height = 2, .display = &display, .channels = channels,
-                              .tile_width = tile, .tile_height = tile, .channel_count = 1};
+        exr_test_file file = {.left = -1,
+                              .top = 1,
+                              .width = 3,
+                              .height = 2,
+                              .display = &display,
+                              .channels = channels,
+                              .tile_width = tile,
+                              .tile_height = tile,
+                              .channel_count = 1};
         sl_image *image;
         write_exr(temporary_path(state, "windows.exr"), &file);
         assert_int_equal(sl_image_read(temporary_path(state, "windows.exr"), &image, NULL), SL_OK);
@@ -253,7 +281,8 @@ static void a_lone_luminance_becomes_gray(void **state) {
     static const float values[6] = {1, 2, 3, 4, 5, 6};
     static const char *const names[] = {"Y", "L"};
     for (int i = 0; i < 2; i++) {
-        const exr_test_channel channels[] = {{names[i], EXR_PIXEL_FLOAT, values, 1}, {"Z", EXR_PIXEL_FLOAT, values, 1}};
+        const exr_test_channel channels[] = {{names[i], EXR_PIXEL_FLOAT, values, 1},
+                                             {"Z", EXR_PIXEL_FLOAT, values, 1}};
         exr_test_file file = {.width = 3, .height = 2, .channels = channels, .channel_count = 2};
         sl_image *image;
         write_exr(temporary_path(state, "gray.exr"), &file);
@@ -269,7 +298,8 @@ static void a_lone_luminance_becomes_gray(void **state) {
 
 static void subsampled_channels_are_refused_by_name(void **state) {
     static const float values[16] = {0};
-    const exr_test_channel channels[] = {{"RY", EXR_PIXEL_FLOAT, values, 2}, {"Y", EXR_PIXEL_FLOAT, values, 1}};
+    const exr_test_channel channels[] = {{"RY", EXR_PIXEL_FLOAT, values, 2},
+                                         {"Y", EXR_PIXEL_FLOAT, values, 1}};
     exr_test_file file = {.width = 4, .height = 4, .channels = channels, .channel_count = 2};
     sl_error error;
     sl_image *image;
@@ -284,7 +314,11 @@ static void compression_beyond_the_library_is_said_to_be_unsupported(void **stat
     static const float values[16] = {1, 2, 3};
     static const char mark[] = "compression\0compression\0\1\0\0";
     const exr_test_channel channels[] = {{"R", EXR_PIXEL_FLOAT, values, 1}};
-    exr_test_file file = {.width = 4, .height = 4, .compression = EXR_COMPRESSION_ZIPS, .channels = channels, .channel_count = 1};
+    exr_test_file file = {.width = 4,
+                          .height = 4,
+                          .compression = EXR_COMPRESSION_ZIPS,
+                          .channels = channels,
+                          .channel_count = 1};
     const char *path = temporary_path(state, "dwa.exr");
     sl_error error = {0};
     sl_image *image;
@@ -292,21 +326,25 @@ static void compression_beyond_the_library_is_said_to_be_unsupported(void **stat
     write_exr(path, &file);
     uint8_t *bytes = read_file(path, &size);
     while (memcmp(bytes + at, mark, sizeof mark) != 0) at++;
-    bytes[at + sizeof mark] = EXR_COMPRESSION_DWAA; /* which these chunks are not, so every version refuses the file */
+    /* which these chunks are not, so every version refuses the file */
+    bytes[at + sizeof mark] = EXR_COMPRESSION_DWAA;
     write_file(path, bytes, size);
     assert_int_equal(sl_image_read(path, &image, &error), SL_ERROR_INPUT);
     assert_non_null(strstr(error.message, "unsupported"));
     free(bytes);
 }
 
-/* Of 40,000 each compared with each other would be 800 million comparisons, of which one takes some nanoseconds. */
+/* Of 40,000 each compared with each other would be 800 million comparisons, of which one takes some
+ * nanoseconds. */
 static void names_of_many_channels_take_no_time(void **state) {
     (void)state;
     enum { MANY = 40000, LENGTH = 40 };
     char *text = malloc((size_t)MANY * LENGTH);
     const char **names = malloc(MANY * sizeof *names);
     sl_image *image;
-    for (size_t c = 0; c < MANY; c++) snprintf(text + LENGTH * c, LENGTH, "a channel with a long name %zu", c), names[c] = text + LENGTH * c;
+    for (size_t c = 0; c < MANY; c++)
+        snprintf(text + LENGTH * c, LENGTH, "a channel with a long name %zu", c),
+            names[c] = text + LENGTH * c;
     clock_t begin = clock();
     assert_int_equal(sl_image_create(1, 1, MANY, names, &image, NULL), SL_OK);
     assert_true((double)(clock() - begin) / CLOCKS_PER_SEC < 1.0);

@@ -1,4 +1,5 @@
-/* PFM, Radiance HDR, PNG and JPEG against files made by hand or by another writer; the tone curves; whole-or-nothing. */
+/* PFM, Radiance HDR, PNG and JPEG against files made by hand or by another writer; the tone curves;
+ * whole-or-nothing. */
 #define _XOPEN_SOURCE 700
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,11 +35,13 @@ static sl_image *read_image(const char *path) {
     return image;
 }
 
-/* ---- PFM ---------------------------------------------------------------------------------------------------------- */
+/* ---- PFM ------------------------------------------------------------------------------------- */
 
 static void a_pfm_begins_with_its_bottom_row(void **state) {
-    static const uint8_t little[] = "Pf\n2 2\n-1.0\n\x00\x00\x80\x3f\x00\x00\x00\x40\x00\x00\x40\x40\x00\x00\x80\x40";
-    static const uint8_t big[] = "Pf\n2 2\n1.0\n\x3f\x80\x00\x00\x40\x00\x00\x00\x40\x40\x00\x00\x40\x80\x00\x00";
+    static const uint8_t little[] =
+        "Pf\n2 2\n-1.0\n\x00\x00\x80\x3f\x00\x00\x00\x40\x00\x00\x40\x40\x00\x00\x80\x40";
+    static const uint8_t big[] =
+        "Pf\n2 2\n1.0\n\x3f\x80\x00\x00\x40\x00\x00\x00\x40\x40\x00\x00\x40\x80\x00\x00";
     static const float expected[4] = {3, 4, 1, 2};
     for (int i = 0; i < 2; i++) {
         write_file(temporary_path(state, "gray.pfm"), i ? big : little, (i ? sizeof big : sizeof little) - 1);
@@ -50,7 +53,8 @@ static void a_pfm_begins_with_its_bottom_row(void **state) {
 }
 
 static void a_pfm_comes_back_bit_for_bit(void **state) {
-    static const uint32_t special[] = {0x7fc01234, 0xff800000, 0x7f800000, 0x00000001, 0x80000000, 0x7f7fffff};
+    static const uint32_t special[] = {0x7fc01234, 0xff800000, 0x7f800000,
+                                       0x00000001, 0x80000000, 0x7f7fffff};
     sl_image *image;
     assert_int_equal(sl_image_create(7, 5, 3, NULL, &image, NULL), SL_OK);
     for (int i = 0; i < 105; i++) image->planes[i] = test_value(i / 35, i % 7, i / 7);
@@ -65,7 +69,8 @@ static void a_pfm_comes_back_bit_for_bit(void **state) {
 }
 
 static void a_written_pfm_is_these_bytes(void **state) {
-    static const uint8_t expected[] = "PF\n1 2\n-1.0\n\0\0\x80\x40\0\0\xa0\x40\0\0\xc0\x40\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40";
+    static const uint8_t expected[] =
+        "PF\n1 2\n-1.0\n\0\0\x80\x40\0\0\xa0\x40\0\0\xc0\x40\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40";
     static const float values[6] = {1, 4, 2, 5, 3, 6}; /* R, G, B: top 1 2 3, bottom 4 5 6 */
     sl_image *image;
     size_t size;
@@ -79,12 +84,14 @@ static void a_written_pfm_is_these_bytes(void **state) {
     sl_image_destroy(image);
 }
 
-/* ---- Radiance HDR -------------------------------------------------------------------------------------------------- */
+/* ---- Radiance HDR ---------------------------------------------------------------------------- */
 
 static void a_flat_hdr_is_read_top_row_first(void **state) {
-    static const uint8_t file[] = "#?RADIANCE\n# made by hand\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=1.0\n\n-Y 2 +X 2\n"
-                                  "\x80\x40\x20\x81\x00\x00\x00\x00\xff\x01\x80\x90\x80\x00\x00\x01";
-    static const float expected[12] = {1.0f, 0.0f, 65280.0f, 0x1p-128f, 0.5f, 0.0f, 256.0f, 0.0f, 0.25f, 0.0f, 32768.0f, 0.0f};
+    static const uint8_t file[] =
+        "#?RADIANCE\n# made by hand\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=1.0\n\n-Y 2 +X 2\n"
+        "\x80\x40\x20\x81\x00\x00\x00\x00\xff\x01\x80\x90\x80\x00\x00\x01";
+    static const float expected[12] = {1.0f,   0.0f, 65280.0f, 0x1p-128f, 0.5f,     0.0f,
+                                       256.0f, 0.0f, 0.25f,    0.0f,      32768.0f, 0.0f};
     write_file(temporary_path(state, "flat.hdr"), file, sizeof file - 1);
     sl_image *image = read_image(temporary_path(state, "flat.hdr"));
     assert_true(same_bits(image->planes, expected, 12));
@@ -93,8 +100,9 @@ static void a_flat_hdr_is_read_top_row_first(void **state) {
 
 static void both_run_length_codings_of_hdr_are_read(void **state) {
     /* 8 pixels: red 128 in all, green 1..8, blue 5 six times then 6 7, exponent 129 + 7 = 2^(136-136). */
-    static const uint8_t by_component[] = "#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n\x02\x02\x00\x08\x88\x80"
-                                          "\x08\x01\x02\x03\x04\x05\x06\x07\x08\x86\x05\x02\x06\x07\x88\x88";
+    static const uint8_t by_component[] =
+        "#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n\x02\x02\x00\x08\x88\x80"
+        "\x08\x01\x02\x03\x04\x05\x06\x07\x08\x86\x05\x02\x06\x07\x88\x88";
     static const uint8_t by_pixel[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 300\n"
                                       "\x07\x08\x09\x88\x01\x01\x01\x2a\x01\x01\x01\x01\x04\x05\x06\x88";
     write_file(temporary_path(state, "runs.hdr"), by_component, sizeof by_component - 1);
@@ -116,18 +124,20 @@ static void both_run_length_codings_of_hdr_are_read(void **state) {
 static void an_hdr_of_another_writer_is_read(void **state) {
     enum { W = 40, H = 9 };
     float rgb[W * H * 3];
-    for (int i = 0; i < W * H * 3; i++) rgb[i] = ldexpf(test_value(i % 3, i / 3 % W, i / 3 / W), i / 3 % W / 4);
+    for (int i = 0; i < W * H * 3; i++)
+        rgb[i] = ldexpf(test_value(i % 3, i / 3 % W, i / 3 / W), i / 3 % W / 4);
     const char *path = temporary_path(state, "other.hdr");
     assert_true(stbi_write_hdr(path, W, H, 3, rgb));
     sl_image *image = read_image(path);
     for (int i = 0; i < W * H; i++) {
         float largest = fmaxf(fmaxf(rgb[3 * i], rgb[3 * i + 1]), rgb[3 * i + 2]);
-        for (int c = 0; c < 3; c++) assert_true(fabsf(image->planes[c * W * H + i] - rgb[3 * i + c]) <= largest / 128.0f);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabsf(image->planes[c * W * H + i] - rgb[3 * i + c]) <= largest / 128.0f);
     }
     sl_image_destroy(image);
 }
 
-/* ---- PNG and JPEG ---------------------------------------------------------------------------------------------------- */
+/* ---- PNG and JPEG ---------------------------------------------------------------------------- */
 
 static void texels_of_every_png_kind_are_decoded(void **state) {
     static const uint8_t pixels[16] = {10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150, 160};
@@ -143,7 +153,8 @@ static void texels_of_every_png_kind_are_decoded(void **state) {
         assert_int_equal(has_alpha, channels == 2 || channels == 4);
         for (int i = 0; i < 4; i++) {
             const uint8_t *stored = pixels + i * channels;
-            for (int c = 0; c < 3; c++) assert_int_equal(rgba[4 * i + c], channels >= 3 ? stored[c] : stored[0]);
+            for (int c = 0; c < 3; c++)
+                assert_int_equal(rgba[4 * i + c], channels >= 3 ? stored[c] : stored[0]);
             assert_int_equal(rgba[4 * i + 3], has_alpha ? stored[channels - 1] : 255);
         }
         free(rgba);
@@ -151,9 +162,11 @@ static void texels_of_every_png_kind_are_decoded(void **state) {
 }
 
 static void pngs_of_palettes_and_sixteen_bits_are_decoded(void **state) {
-    static const uint16_t deep[4] = {0, 0x8080, 0xffff, 0x1234}; /* linear gray for libpng: the file is 16-bit */
+    /* linear gray for libpng: the file is 16-bit */
+    static const uint16_t deep[4] = {0, 0x8080, 0xffff, 0x1234};
     static const uint8_t map[6] = {1, 2, 3, 200, 100, 50}, indices[4] = {0, 1, 1, 0};
-    png_image description = {.version = PNG_IMAGE_VERSION, .width = 4, .height = 1, .format = PNG_FORMAT_LINEAR_Y};
+    png_image description = {
+        .version = PNG_IMAGE_VERSION, .width = 4, .height = 1, .format = PNG_FORMAT_LINEAR_Y};
     const char *path = temporary_path(state, "deep.png");
     int width, height;
     bool has_alpha;
@@ -162,7 +175,10 @@ static void pngs_of_palettes_and_sixteen_bits_are_decoded(void **state) {
     assert_int_equal(sl_decode_texels(path, NULL, 0, &width, &height, &has_alpha, &rgba, NULL), SL_OK);
     for (int i = 0; i < 4; i++) assert_int_equal(rgba[4 * i], (deep[i] * 255 + 32767) / 65535);
     free(rgba);
-    png_image palette = {.version = PNG_IMAGE_VERSION, .width = 2, .height = 2, .format = PNG_FORMAT_RGB_COLORMAP,
+    png_image palette = {.version = PNG_IMAGE_VERSION,
+                         .width = 2,
+                         .height = 2,
+                         .format = PNG_FORMAT_RGB_COLORMAP,
                          .colormap_entries = 2};
     path = temporary_path(state, "palette.png");
     assert_true(png_image_write_to_file(&palette, path, 0, indices, 0, map));
@@ -233,7 +249,7 @@ static void encoding_undoes_decoding_for_every_code(void **state) {
     assert_true(isinf(sl_srgb_encode(INFINITY)) && sl_srgb_encode(-1.0f) == -12.92f);
 }
 
-/* ---- tone ------------------------------------------------------------------------------------------------------------- */
+/* ---- tone ------------------------------------------------------------------------------------ */
 
 /* libpng's own reading, without ours. */
 static void read_codes(const char *path, uint8_t *rgb, int count) {
@@ -259,7 +275,8 @@ static void check_codes(void **state, sl_tone tone, const float *values, const i
 }
 
 static void tone_curves_give_known_codes(void **state) {
-    static const float values[] = {0.0f, 1.0f, 0.5f, 0.18f, 0.0031308f, 2.0f, -1.0f, NAN, INFINITY, -INFINITY, 1e-9f, 4.0f};
+    static const float values[] = {0.0f,  1.0f, 0.5f,     0.18f,     0.0031308f, 2.0f,
+                                   -1.0f, NAN,  INFINITY, -INFINITY, 1e-9f,      4.0f};
     static const int clipped[] = {0, 255, 188, 118, 10, 255, 0, 0, 255, 0, 0, 255};
     static const int one_stop_up[] = {0, 255, 255, 162, 18, 255, 0, 0, 255, 0, 0, 255};
     static const int reinhard[] = {0, 193, 158, 109, 10, 225, 0, 0, 255, 0, 0, 255};
@@ -302,7 +319,7 @@ static void frames_after_the_first_one_keep_its_exposure(void **state) {
     sl_image_destroy(image);
 }
 
-/* ---- whole or not at all ------------------------------------------------------------------------------------------------ */
+/* ---- whole or not at all --------------------------------------------------------------------- */
 
 static int files_in(void **state) {
     int count = 0;
@@ -318,7 +335,8 @@ static void a_write_that_fails_keeps_the_old_file(void **state) {
     static const char *const channels[] = {"R", "G", "B"};
     sl_image *image;
     assert_int_equal(sl_image_create(100, 100, 3, channels, &image, NULL), SL_OK);
-    for (uint64_t i = 0; i < 30000; i++) image->planes[i] = sl_random_unit(sl_random_key(1, 2), i); /* will not compress */
+    /* will not compress */
+    for (uint64_t i = 0; i < 30000; i++) image->planes[i] = sl_random_unit(sl_random_key(1, 2), i);
     signal(SIGXFSZ, SIG_IGN);
     for (int i = 0; i < 3; i++) {
         const char *path = temporary_path(state, names[i]);

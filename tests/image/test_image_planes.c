@@ -68,7 +68,8 @@ static void metadata_is_copied_and_replaced(void **state) {
     strcpy(value, "other");
     assert_string_equal(sl_image_metadata(image, "method"), "first");
     assert_int_equal(sl_image_set_metadata(image, "seed", "", NULL), SL_OK);
-    assert_int_equal(sl_image_set_metadata(image, "method", sl_image_metadata(image, "method"), NULL), SL_OK); /* itself */
+    /* itself */
+    assert_int_equal(sl_image_set_metadata(image, "method", sl_image_metadata(image, "method"), NULL), SL_OK);
     assert_string_equal(sl_image_metadata(image, "method"), "first");
     assert_int_equal(sl_image_set_metadata(image, "method", value, NULL), SL_OK);
     assert_string_equal(sl_image_metadata(image, "method"), "other");

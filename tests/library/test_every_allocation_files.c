@@ -1,5 +1,5 @@
-/* Memory that ends anywhere while scenes and pictures are read, compared and written, caches kept, shows shown and errors estimated. As
- * tests/library/test_every_allocation.c, which does methods. */
+/* Memory that ends anywhere while scenes and pictures are read, compared and written, caches kept, shows
+ * shown and errors estimated. As tests/library/test_every_allocation.c, which does methods. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,24 +15,30 @@
 static long most; /* paths tried in each case; 0: all */
 static long faults;
 
-/* ---- scenes ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- scenes ---------------------------------------------------------------------------------- */
 
 static const char gltf[] =
     "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0, 1, 2]}],\n"
     " \"nodes\": [{\"mesh\": 0, \"name\": \"tile\"}, {\"camera\": 0, \"translation\": [0, 0, 3]},\n"
     "  {\"extensions\": {\"KHR_lights_punctual\": {\"light\": 0}}, \"translation\": [0, 1, 2]}],\n"
     " \"cameras\": [{\"type\": \"perspective\", \"perspective\": {\"yfov\": 0.8, \"znear\": 0.1}}],\n"
-    " \"extensionsUsed\": [\"KHR_lights_punctual\"], \"extensions\": {\"KHR_lights_punctual\": {\"lights\": [{\"type\": \"point\", \"intensity\": 50}]}},\n"
-    " \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorFactor\": [0.5, 0.6, 0.7, 1], \"roughnessFactor\": 0.5, \"baseColorTexture\": {\"index\": 0}}}],\n"
+    " \"extensionsUsed\": [\"KHR_lights_punctual\"], \"extensions\": {\"KHR_lights_punctual\": {\"lights\": "
+    "[{\"type\": \"point\", \"intensity\": 50}]}},\n"
+    " \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorFactor\": [0.5, 0.6, 0.7, 1], "
+    "\"roughnessFactor\": 0.5, \"baseColorTexture\": {\"index\": 0}}}],\n"
     " \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"bricks.png\"}],\n"
-    " \"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 1}, \"material\": 0}]}],\n"
-    " \"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\", \"min\": [0, 0, 0], \"max\": [0, 0, 0]},\n"
+    " \"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 1}, \"material\": "
+    "0}]}],\n"
+    " \"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\", "
+    "\"min\": [0, 0, 0], \"max\": [0, 0, 0]},\n"
     "  {\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC2\"}],\n"
     " \"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}],\n"
     " \"buffers\": [{\"byteLength\": 36, \"uri\": \"triangle.bin\"}]}\n";
 
-static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-                          "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+static const char ply[] =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement "
+    "face 1\n"
+    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
 static void write_sky(const char *name) {
     static const char *const channels[] = {"R", "G", "B"};
@@ -53,11 +59,14 @@ static void write_files(void) {
     scene_file_write("triangle.bin", corners, sizeof corners);
     scene_file_text("tile.gltf", gltf);
     scene_file_text("tile.ply", ply);
-    scene_file_text("tile.obj", "mtllib tile.mtl\nv 0 0 0\nv 1 0 0\nv 1 0.5 1\nv 0 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 4/4 3/3 2/2 1/1\n");
+    scene_file_text("tile.obj", "mtllib tile.mtl\nv 0 0 0\nv 1 0 0\nv 1 0.5 1\nv 0 0.5 1\nvt 0 0\nvt 1 0\nvt "
+                                "1 1\nvt 0 1\nusemtl m\nf 4/4 3/3 2/2 1/1\n");
     scene_file_text("tile.mtl", "newmtl m\nKd .5 .5 .5\nmap_Kd waves.jpg\n");
     for (int i = 0; i < 3; i++) write_sky((const char *const[]){"sky.exr", "sky.pfm", "sky.png"}[i]);
-    scene_file_text("all.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"tile.obj\"}, {\"file\": \"vase.bpt\", \"material\": \"m\"}],\n"
-                                "\"materials\": {\"m\": {\"bump\": \"bricks.png\", \"bump_depth\": 0.1}}, \"environment\": {\"file\": \"sky.exr\"}}");
+    scene_file_text("all.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"tile.obj\"}, {\"file\": "
+                                "\"vase.bpt\", \"material\": \"m\"}],\n"
+                                "\"materials\": {\"m\": {\"bump\": \"bricks.png\", \"bump_depth\": 0.1}}, "
+                                "\"environment\": {\"file\": \"sky.exr\"}}");
 }
 
 static void load_scene(const fault_case *c, fault_outcome *o) {
@@ -79,13 +88,17 @@ static void scenes_where_memory_ends_are_not_half_read(void **state) {
     for (size_t i = 0; i < 4; i++) {
         char name[64];
         snprintf(name, sizeof name, "loading %s", names[i]);
-        faults += try_named(&(fault_case){.name = name, .work = load_scene, .what = scene_file_path(names[i])}, most);
+        faults += try_named(
+            &(fault_case){.name = name, .work = load_scene, .what = scene_file_path(names[i])}, most);
     }
-    faults += try_named(&(fault_case){.name = "loading moving-ball.json", .work = load_scene, .what = "scenes/moving-ball.json"}, most);
+    faults += try_named(&(fault_case){.name = "loading moving-ball.json",
+                                      .work = load_scene,
+                                      .what = "scenes/moving-ball.json"},
+                        most);
     assert_int_equal(faults, 0);
 }
 
-/* ---- pictures ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- pictures -------------------------------------------------------------------------------- */
 
 static void read_picture(const fault_case *c, fault_outcome *o) {
     sl_image *image = NULL;
@@ -99,8 +112,11 @@ static sl_image *picture, *other; /* of a child */
 
 static void make_pictures(const fault_case *c) {
     (void)c;
-    if (sl_image_create(24, 16, 3, NULL, &picture, NULL) != SL_OK || sl_image_create(24, 16, 3, NULL, &other, NULL) != SL_OK) _exit(1);
-    for (int i = 0; i < 24 * 16 * 3; i++) picture->planes[i] = 0.01f * (float)(i % 101), other->planes[i] = 0.01f * (float)(i % 97);
+    if (sl_image_create(24, 16, 3, NULL, &picture, NULL) != SL_OK ||
+        sl_image_create(24, 16, 3, NULL, &other, NULL) != SL_OK)
+        _exit(1);
+    for (int i = 0; i < 24 * 16 * 3; i++)
+        picture->planes[i] = 0.01f * (float)(i % 101), other->planes[i] = 0.01f * (float)(i % 97);
     if (sl_image_set_metadata(picture, "made.by", "a test", NULL) != SL_OK) _exit(1);
 }
 
@@ -138,22 +154,28 @@ static void compare_pictures(const fault_case *c, fault_outcome *o) {
 static void pictures_where_memory_ends_are_whole_or_not_there(void **state) {
     (void)state;
     faults = 0;
-    static const char *const read[] = {"sky.exr", "sky.pfm", "sky.png", "bricks.png", "waves.jpg"}, *const written[] = {".exr", ".pfm", ".png"};
+    static const char *const read[] = {"sky.exr", "sky.pfm", "sky.png", "bricks.png", "waves.jpg"},
+                             *const written[] = {".exr", ".pfm", ".png"};
     for (size_t i = 0; i < 5; i++) {
         char name[64];
         snprintf(name, sizeof name, "reading %s", read[i]);
-        faults += try_named(&(fault_case){.name = name, .work = read_picture, .what = scene_file_path(read[i])}, most);
+        faults += try_named(
+            &(fault_case){.name = name, .work = read_picture, .what = scene_file_path(read[i])}, most);
     }
     for (size_t i = 0; i < 3; i++) {
         char name[64];
         snprintf(name, sizeof name, "writing %s", written[i]);
-        faults += try_named(&(fault_case){.name = name, .prepare = make_pictures, .work = write_picture, .what = written[i]}, most);
+        faults += try_named(
+            &(fault_case){.name = name, .prepare = make_pictures, .work = write_picture, .what = written[i]},
+            most);
     }
-    faults += try_named(&(fault_case){.name = "comparing pictures", .prepare = make_pictures, .work = compare_pictures}, most);
+    faults += try_named(
+        &(fault_case){.name = "comparing pictures", .prepare = make_pictures, .work = compare_pictures},
+        most);
     assert_int_equal(faults, 0);
 }
 
-/* ---- caches, shows, errors ------------------------------------------------------------------------------------------------------------- */
+/* ---- caches, shows, errors ------------------------------------------------------------------- */
 
 static sl_scene *scene;
 
@@ -189,8 +211,9 @@ static void save_and_load(const fault_case *c, fault_outcome *o) {
 
 static void rest_a_little(void) { nanosleep(&(struct timespec){0, 2000000}, NULL); }
 
-/* What frames show depends on the clock: only that it works, and ends. Nobody looks before the first move, so that a picture waits while something of what
- * follows it fails, which then comes before the frame; later frames come first. */
+/* What frames show depends on the clock: only that it works, and ends. Nobody looks before the first move, so
+ * that a picture waits while something of what follows it fails, which then comes before the frame; later
+ * frames come first. */
 static void show(const fault_case *c, fault_outcome *o) {
     sl_settings settings = least_settings(c->what, 8, 6);
     sl_live *live = NULL;
@@ -218,7 +241,8 @@ static void estimate(const fault_case *c, fault_outcome *o) {
     if (o->status == SL_OK) o->status = sl_error_probe_create(scene, &settings, &probe, &o->error);
     if (o->status == SL_OK) o->status = sl_error_probe_estimate(probe, image, 30, 1, &e[0], &o->error);
     if (o->status == SL_OK) o->status = sl_error_probe_judge(probe, image, 3.0, 0, &e[1], &o->error);
-    if (o->status == SL_OK) o->hash = hash_bytes(hash_bytes(0, &e[0].rel_rmse, sizeof(double)), &e[1].rel_rmse, sizeof(double));
+    if (o->status == SL_OK)
+        o->hash = hash_bytes(hash_bytes(0, &e[0].rel_rmse, sizeof(double)), &e[1].rel_rmse, sizeof(double));
     sl_error_probe_destroy(probe);
     sl_image_destroy(image);
 }
@@ -226,13 +250,18 @@ static void estimate(const fault_case *c, fault_outcome *o) {
 static void caches_shows_and_estimates_where_memory_ends_say_so(void **state) {
     (void)state;
     faults = 0;
-    faults += try_named(&(fault_case){.name = "keeping a cache", .prepare = load_for_all, .work = save_and_load}, most);
-    faults += try_named(&(fault_case){.name = "estimating errors", .prepare = load_for_all, .work = estimate}, most);
+    faults += try_named(
+        &(fault_case){.name = "keeping a cache", .prepare = load_for_all, .work = save_and_load}, most);
+    faults += try_named(&(fault_case){.name = "estimating errors", .prepare = load_for_all, .work = estimate},
+                        most);
     static const char *const methods[] = {"shading-cache", "splatting", "path"};
     for (size_t i = 0; i < 3; i++) {
         char name[64];
         snprintf(name, sizeof name, "a show of %s", methods[i]);
-        faults += try_named(&(fault_case){.name = name, .prepare = load_for_all, .work = show, .what = methods[i], .all_threads = true}, most);
+        faults += try_named(
+            &(fault_case){
+                .name = name, .prepare = load_for_all, .work = show, .what = methods[i], .all_threads = true},
+            most);
     }
     assert_int_equal(faults, 0);
 }

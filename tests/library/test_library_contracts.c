@@ -1,6 +1,8 @@
-/* What softlux.h promises of calls that ought not to be made: every function, every NULL, every number out of range, every order but the right one. The
- * status is the one that its comment names, one line says why (or no one asked), and what was to be made is NULL, 0 or as it was. Run with
- * sanitizers, too, which tell of what leaks. Files that are damaged and memory that ends are elsewhere: test_image_damage, test_every_allocation. */
+/* What softlux.h promises of calls that ought not to be made: every function, every NULL, every number out of
+ * range, every order but the right one. The status is the one that its comment names, one line says why (or
+ * no one asked), and what was to be made is NULL, 0 or as it was. Run with sanitizers, too, which tell of
+ * what leaks. Files that are damaged and memory that ends are elsewhere: test_image_damage,
+ * test_every_allocation. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,7 +44,8 @@ static void assert_one_line(const sl_error *error, sl_status status) {
 
 enum { SIDE = 6 };
 static const char box[] = "scenes/cornell.json";
-static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional"};
+static const char *const methods[] = {
+    "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional"};
 enum { METHODS = sizeof methods / sizeof methods[0] };
 
 static sl_image *picture(int width, int height, int channels, const char *const *names) {
@@ -75,7 +78,7 @@ static bool all_zero(const void *data, size_t bytes) {
 /* Memory that no result is made of: what ought to be made NULL or 0 was. */
 static void *const anything = (void *)(uintptr_t)0x5a5a5a5a5a5a5a40u;
 
-/* ---- names and numbers ------------------------------------------------------------------------------------------------------------ */
+/* ---- names and numbers ----------------------------------------------------------------------- */
 
 static void there_is_no_counter_and_no_method_past_the_last(void **state) {
     (void)state;
@@ -101,7 +104,7 @@ static void nothing_can_be_destroyed(void **state) {
     assert_true(all_zero(&counters, sizeof counters));
 }
 
-/* ---- images ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- images ---------------------------------------------------------------------------------- */
 
 static void an_image_wants_a_size_and_names(void **state) {
     (void)state;
@@ -112,7 +115,8 @@ static void an_image_wants_a_size_and_names(void **state) {
     assert_null(image);
     USAGE(sl_image_create(INT_MIN, INT_MIN, INT_MIN, NULL, &image, error));
     USAGE(sl_image_create(1, 1, 2, gap, &image, error));
-    USAGE(sl_image_create(1, 1, INT_MAX, NULL, &image, error)); /* for the names alone 128 GB would be taken */
+    /* for the names alone 128 GB would be taken */
+    USAGE(sl_image_create(1, 1, INT_MAX, NULL, &image, error));
     REFUSED(SL_ERROR_RESOURCES, sl_image_create(INT_MAX, INT_MAX, INT_MAX, NULL, &image, error));
     assert_null(image);
 }
@@ -148,7 +152,8 @@ static void a_picture_is_read_from_a_file_or_not_at_all(void **state) {
 static void a_picture_is_written_by_a_name_that_tells_how(void **state) {
     (void)state;
     static const char *const depth[] = {"Z"};
-    const sl_tone clip = {SL_TONE_CLIP, 0.0f, false}, endless = {SL_TONE_CLIP, INFINITY, false}, none = {SL_TONE_CLIP, NAN, false};
+    const sl_tone clip = {SL_TONE_CLIP, 0.0f, false}, endless = {SL_TONE_CLIP, INFINITY, false},
+                  none = {SL_TONE_CLIP, NAN, false};
     const sl_tone unknown = {(sl_tone_curve)7, 0.0f, false};
     sl_image *image = picture(2, 2, 3, NULL), *plain = picture(2, 2, 1, depth);
     const char *path = scene_file_path("unwritten.png");
@@ -179,7 +184,8 @@ static void bytes_for_a_screen_are_left_alone_where_there_are_none(void **state)
     (void)state;
     static const char *const depth[] = {"Z"};
     sl_image *image = picture(1, 1, 3, NULL), *plain = picture(1, 1, 1, depth);
-    sl_tone tone = {SL_TONE_CLIP, 0.0f, true}, none = {SL_TONE_CLIP, NAN, false}, far = {SL_TONE_CLIP, FLT_MAX, true};
+    sl_tone tone = {SL_TONE_CLIP, 0.0f, true}, none = {SL_TONE_CLIP, NAN, false},
+            far = {SL_TONE_CLIP, FLT_MAX, true};
     uint8_t bytes[3] = {7, 7, 7};
     USAGE(sl_image_srgb(NULL, &tone, bytes, error));
     USAGE(sl_image_srgb(image, NULL, bytes, error));
@@ -200,10 +206,12 @@ static void bytes_for_a_screen_are_left_alone_where_there_are_none(void **state)
 static void what_cannot_be_compared_is_not(void **state) {
     (void)state;
     static const char *const depth[] = {"Z"};
-    sl_image *image = picture(3, 3, 3, NULL), *wide = picture(4, 3, 3, NULL), *plain = picture(3, 3, 1, depth), *difference = anything;
+    sl_image *image = picture(3, 3, 3, NULL), *wide = picture(4, 3, 3, NULL),
+             *plain = picture(3, 3, 1, depth), *difference = anything;
     sl_image *mask = picture(3, 3, 1, NULL);
     sl_comparison result;
-    const sl_compare_options masked = {.mask = mask}, other_mask = {.mask = wide}, exposed = {.exposure_stops = NAN};
+    const sl_compare_options masked = {.mask = mask}, other_mask = {.mask = wide},
+                             exposed = {.exposure_stops = NAN};
     memset(&result, 1, sizeof result);
     USAGE(sl_image_compare(NULL, image, NULL, &result, &difference, error));
     assert_null(difference);
@@ -228,7 +236,7 @@ static void what_cannot_be_compared_is_not(void **state) {
     sl_image_destroy(mask);
 }
 
-/* ---- scenes ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- scenes ---------------------------------------------------------------------------------- */
 
 static void a_scene_is_loaded_from_a_file_or_not_at_all(void **state) {
     (void)state;
@@ -251,8 +259,10 @@ static void a_scene_is_loaded_from_a_file_or_not_at_all(void **state) {
     assert_null(scene);
 }
 
-static const char moving[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {\"eye\": [0, 0, 5], \"target\": [0, 0, 0], \"fov_deg\": 50, \"keyframes\": [{\"time\": 0, \"eye\": [0, 0, 5], \"target\": [0, 0, 0], "
-                             "\"fov_deg\": 50}, {\"time\": 2, \"eye\": [0, 0, -5], \"target\": [0, 0, 0], \"fov_deg\": 50}]}}";
+static const char moving[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {\"eye\": [0, 0, 5], \"target\": "
+    "[0, 0, 0], \"fov_deg\": 50, \"keyframes\": [{\"time\": 0, \"eye\": [0, 0, 5], \"target\": [0, 0, 0], "
+    "\"fov_deg\": 50}, {\"time\": 2, \"eye\": [0, 0, -5], \"target\": [0, 0, 0], \"fov_deg\": 50}]}}";
 static const char triangle[] = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
 
 static void a_scene_moves_to_times_at_which_it_can_be_seen(void **state) {
@@ -281,7 +291,8 @@ static void a_camera_has_a_frame_and_a_field_of_view(void **state) {
     (void)state;
     sl_scene *scene = load_scene(box);
     const uint64_t still = sl_scene_hash(scene);
-    const float zero[3] = {0, 0, 0}, along[3] = {0, 0, -2}, none[3] = {0, NAN, 0}, endless[3] = {0, INFINITY, 0};
+    const float zero[3] = {0, 0, 0}, along[3] = {0, 0, -2}, none[3] = {0, NAN, 0},
+                endless[3] = {0, INFINITY, 0};
     const float no_angles[] = {0.0f, -1.0f, NAN, INFINITY, 3.1415927f};
     USAGE(sl_scene_set_camera(NULL, eye, target, up, 1.0f, error));
     USAGE(sl_scene_set_camera(scene, NULL, target, up, 1.0f, error));
@@ -321,7 +332,8 @@ static void every_camera_that_is_taken_gives_numbers(void **state) {
             sl_image *image = render(scene, &settings, NULL);
             for (int i = 0; i < 3 * SIDE * SIDE; i++) {
                 const float value = image->planes[i];
-                if (!isfinite(value) || value < 0.0f) fail_msg("%s at %g radians: %g", methods[m], (double)angles[a], (double)value);
+                if (!isfinite(value) || value < 0.0f)
+                    fail_msg("%s at %g radians: %g", methods[m], (double)angles[a], (double)value);
             }
             sl_image_destroy(image);
         }
@@ -329,7 +341,7 @@ static void every_camera_that_is_taken_gives_numbers(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- settings ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- settings -------------------------------------------------------------------------------- */
 
 /* By everything that takes settings. */
 static void assert_refused(sl_scene *scene, const sl_settings *settings, sl_status wanted) {
@@ -351,7 +363,8 @@ static void assert_not_settable(const sl_setting *setting, const char *value) {
     char before[64], after[64];
     assert_int_equal(sl_settings_create(&settings, NULL), SL_OK);
     assert_int_equal(sl_settings_get(settings, setting->name, before, sizeof before, NULL), SL_OK);
-    if (sl_settings_set(settings, setting->name, value, NULL) != SL_ERROR_USAGE) fail_msg("%s may be '%s'", setting->name, value);
+    if (sl_settings_set(settings, setting->name, value, NULL) != SL_ERROR_USAGE)
+        fail_msg("%s may be '%s'", setting->name, value);
     assert_int_equal(sl_settings_get(settings, setting->name, after, sizeof after, NULL), SL_OK);
     assert_string_equal(before, after);
     sl_settings_destroy(settings);
@@ -391,7 +404,8 @@ static void fields_out_of_range_are_refused_by_whatever_takes_them(void **state)
     sl_scene_destroy(scene);
 }
 
-static void assert_rendered_with(const sl_scene *scene, const char *name, const sl_setting *setting, const char *value) {
+static void assert_rendered_with(const sl_scene *scene, const char *name, const sl_setting *setting,
+                                 const char *value) {
     sl_settings settings = least_settings(name, SIDE, SIDE);
     sl_method *method = NULL;
     sl_image *image = NULL;
@@ -406,16 +420,19 @@ static void assert_rendered_with(const sl_scene *scene, const char *name, const 
     sl_method_destroy(method);
 }
 
-static void assert_rendered_by_its_methods(const sl_scene *scene, const sl_setting *setting, const char *value) {
+static void assert_rendered_by_its_methods(const sl_scene *scene, const sl_setting *setting,
+                                           const char *value) {
     for (size_t m = 0; m < METHODS; m++) {
-        if (!*setting->methods || strstr(setting->methods, methods[m])) assert_rendered_with(scene, methods[m], setting, value);
+        if (!*setting->methods || strstr(setting->methods, methods[m]))
+            assert_rendered_with(scene, methods[m], setting, value);
     }
 }
 
 static void assert_choices_are_taken(const sl_scene *scene, const sl_setting *setting) {
     char choices[128], *rest = NULL;
     snprintf(choices, sizeof choices, "%s", setting->unit);
-    for (char *c = strtok_r(choices, "|", &rest); c; c = strtok_r(NULL, "|", &rest)) assert_rendered_by_its_methods(scene, setting, c);
+    for (char *c = strtok_r(choices, "|", &rest); c; c = strtok_r(NULL, "|", &rest))
+        assert_rendered_by_its_methods(scene, setting, c);
 }
 
 /* Of numbers the least, of what there are a few of all, and every choice. */
@@ -426,7 +443,8 @@ static void settings_within_their_range_are_taken_whole(void **state) {
     sl_scene *scene = load_scene(box);
     for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
         char value[32];
-        if (strcmp(s->name, "size") == 0 || strcmp(s->name, "memory") == 0 || strcmp(s->name, "filter") == 0) continue;
+        if (strcmp(s->name, "size") == 0 || strcmp(s->name, "memory") == 0 || strcmp(s->name, "filter") == 0)
+            continue;
         if (strchr(s->unit, '|')) assert_choices_are_taken(scene, s);
         else if (!*s->unit) assert_rendered_by_its_methods(scene, s, "1");
         for (double n = s->minimum; *s->unit && s->minimum >= 1.0 && n <= s->maximum; n++) {
@@ -456,7 +474,8 @@ static void pictures_are_as_large_as_the_header_says(void **state) {
         char *plan = NULL;
         const bool by_rays = strcmp(methods[m], "path") == 0 || strcmp(methods[m], "bidirectional") == 0;
         const int most = by_rays ? 32768 : 16384;
-        if (begin_picture(scene, methods[m], most, &error) != SL_OK) fail_msg("%s: %s", methods[m], error.message);
+        if (begin_picture(scene, methods[m], most, &error) != SL_OK)
+            fail_msg("%s: %s", methods[m], error.message);
         const sl_settings larger = least_settings(methods[m], most + 1, 1);
         assert_int_equal(sl_method_plan(scene, &larger, &plan, &error), SL_ERROR_USAGE);
         assert_non_null(strstr(error.message, by_rays ? "1 to 32768 pixels" : "1 to 16384 pixels"));
@@ -478,7 +497,8 @@ static void what_is_out_of_range_is_told_apart_from_its_bounds(void **state) {
     assert_int_equal(sl_method_plan(scene, &photons, &(char *){NULL}, &error), SL_ERROR_USAGE);
     assert_string_equal(error.message, "light-octree.stored-photons: expected 1 to 1e+09, got 1000000001");
     assert_int_equal(sl_method_plan(scene, &share, &(char *){NULL}, &error), SL_ERROR_USAGE);
-    assert_string_equal(error.message, "shading-cache.random-share: expected 0.0001 to 1, got 1.000000000001");
+    assert_string_equal(error.message,
+                        "shading-cache.random-share: expected 0.0001 to 1, got 1.000000000001");
     sl_scene_destroy(scene);
 }
 
@@ -486,7 +506,9 @@ static void methods_and_light_paths_that_do_not_exist_are_refused(void **state) 
     (void)state;
     sl_scene *scene = load_scene(box);
     static const char *const names[] = {NULL, "", "Path", "path ", "splatting, path"};
-    static const char *const transports[] = {"", "matched:", "matched:nothing", "two-bounce", "matched:path matched:path matched:path matched:path matched:path"};
+    static const char *const transports[] = {
+        "", "matched:", "matched:nothing", "two-bounce",
+        "matched:path matched:path matched:path matched:path matched:path"};
     for (int i = 0; i < 5; i++) {
         sl_settings settings = least_settings(names[i], SIDE, SIDE);
         assert_refused(scene, &settings, SL_ERROR_USAGE);
@@ -536,7 +558,8 @@ static void what_takes_settings_takes_no_null(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* More bounces than a method computes are those that it does compute, also to a tracer that is to compute the same. */
+/* More bounces than a method computes are those that it does compute, also to a tracer that is to compute the
+ * same. */
 static void a_reference_counts_the_paths_that_the_method_computes(void **state) {
     (void)state;
     sl_scene *scene = load_scene(box);
@@ -552,7 +575,7 @@ static void a_reference_counts_the_paths_that_the_method_computes(void **state) 
     sl_scene_destroy(scene);
 }
 
-/* ---- methods ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- methods --------------------------------------------------------------------------------- */
 
 static void a_method_takes_no_null(void **state) {
     (void)state;
@@ -591,7 +614,8 @@ static void a_picture_may_be_had_before_the_first_update(void **state) {
         sl_method *method = method_of(scene, methods[m]);
         sl_image *image;
         assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-        for (int i = 0; i < 3 * SIDE * SIDE; i++) assert_true(isfinite(image->planes[i]) && image->planes[i] >= 0.0f);
+        for (int i = 0; i < 3 * SIDE * SIDE; i++)
+            assert_true(isfinite(image->planes[i]) && image->planes[i] >= 0.0f);
         sl_image_destroy(image);
         assert_true(sl_method_memory_bytes(method) > 0);
         assert_null(sl_method_reduction(method));
@@ -608,7 +632,8 @@ static void progress_is_told_whole_and_stays_when_nothing_is_left(void **state) 
         sl_method *method = method_of(scene, methods[m]);
         sl_progress last = {0}, again;
         do {
-            memset(&again, 0xff, sizeof again.batches + sizeof again.fraction); /* whatever was there before */
+            /* whatever was there before */
+            memset(&again, 0xff, sizeof again.batches + sizeof again.fraction);
             again.frame_done = true;
             again.done = false;
             assert_int_equal(sl_method_update(method, &again, NULL), SL_OK);
@@ -630,12 +655,14 @@ static void a_explanation_is_of_a_pixel_of_the_last_picture(void **state) {
     for (size_t m = 0; m < METHODS; m++) {
         sl_method *method = method_of(scene, methods[m]);
         sl_explanation *explanation = anything;
-        sl_image *image, *other = picture(SIDE + 60, SIDE + 60, 3, NULL), *same = picture(SIDE, SIDE, 3, NULL);
+        sl_image *image, *other = picture(SIDE + 60, SIDE + 60, 3, NULL),
+                         *same = picture(SIDE, SIDE, 3, NULL);
         USAGE(sl_method_explanation(method, same, 1, 1, &explanation, error)); /* nothing has been resolved */
         assert_null(explanation);
         update_to_the_end(method);
         assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-        USAGE(sl_method_explanation(method, other, SIDE + 50, SIDE + 50, &explanation, error)); /* a pixel of that one, and of none that there is */
+        /* a pixel of that one, and of none that there is */
+        USAGE(sl_method_explanation(method, other, SIDE + 50, SIDE + 50, &explanation, error));
         USAGE(sl_method_explanation(method, same, 1, 1, &explanation, error)); /* nobody's */
         USAGE(sl_method_explanation(method, image, SIDE, 0, &explanation, error));
         USAGE(sl_method_explanation(method, image, 0, INT_MAX, &explanation, error));
@@ -644,7 +671,8 @@ static void a_explanation_is_of_a_pixel_of_the_last_picture(void **state) {
         if (tells) assert_int_equal(sl_method_explanation(method, image, 1, 1, &explanation, NULL), SL_OK);
         sl_explanation_destroy(explanation);
         assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-        USAGE(sl_method_explanation(method, image, 1, 1, &explanation, error)); /* which is no longer the last */
+        /* which is no longer the last */
+        USAGE(sl_method_explanation(method, image, 1, 1, &explanation, error));
         assert_null(explanation);
         sl_image_destroy(image);
         sl_image_destroy(other);
@@ -752,7 +780,8 @@ static void after_a_failed_update_a_method_can_only_be_destroyed(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* The tracers hold their rays' hierarchy, and the others more than that: nobody follows objects without memory. */
+/* The tracers hold their rays' hierarchy, and the others more than that: nobody follows objects without
+ * memory. */
 static void after_a_failed_edit_another_one_makes_all_anew(void **state) {
     (void)state;
     sl_scene *scene = load_scene(box);
@@ -764,7 +793,8 @@ static void after_a_failed_edit_another_one_makes_all_anew(void **state) {
         assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
         allocations_left = 0;
         sl_status status = sl_method_edit(method, SL_CHANGED_OBJECTS, NULL);
-        if (status == SL_OK) status = sl_method_update(method, &progress, NULL); /* direct radiance mapping puts it off until then */
+        /* direct radiance mapping puts it off until then */
+        if (status == SL_OK) status = sl_method_update(method, &progress, NULL);
         allocations_left = -1;
         assert_int_equal(status, SL_ERROR_RESOURCES);
         USAGE(sl_method_update(method, &progress, error));
@@ -774,7 +804,8 @@ static void after_a_failed_edit_another_one_makes_all_anew(void **state) {
             assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
             update_to_the_end(method);
             assert_int_equal(sl_method_resolve(method, &after, NULL), SL_OK);
-            if (strcmp(methods[m], "shading-cache") != 0) assert_true(same_picture(before, after)); /* which goes on from where it was */
+            /* which goes on from where it was */
+            if (strcmp(methods[m], "shading-cache") != 0) assert_true(same_picture(before, after));
             sl_image_destroy(after);
         }
         sl_image_destroy(before);
@@ -783,7 +814,7 @@ static void after_a_failed_edit_another_one_makes_all_anew(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- live ---------------------------------------------------------------------------------------------------------------------------- */
+/* ---- live ------------------------------------------------------------------------------------ */
 
 static void a_show_goes_on_after_what_it_refuses(void **state) {
     (void)state;
@@ -841,14 +872,15 @@ static void a_move_that_waits_is_refused_when_it_is_asked_for(void **state) {
     sl_scene_destroy(there);
 }
 
-/* ---- errors -------------------------------------------------------------------------------------------------------------------------- */
+/* ---- errors ---------------------------------------------------------------------------------- */
 
 static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
     (void)state;
     static const char *const depth[] = {"Z"};
     sl_scene *scene = load_scene(box);
     const sl_settings settings = least_settings("path", SIDE, SIDE);
-    sl_image *image = render(scene, &settings, NULL), *wide = picture(SIDE + 1, SIDE, 3, NULL), *plain = picture(SIDE, SIDE, 1, depth);
+    sl_image *image = render(scene, &settings, NULL), *wide = picture(SIDE + 1, SIDE, 3, NULL),
+             *plain = picture(SIDE, SIDE, 1, depth);
     const double no_errors[] = {0.0, -1.0, NAN};
     sl_error_probe *probe;
     sl_error_estimate e;
@@ -901,7 +933,8 @@ int main(void) {
         cmocka_unit_test(every_camera_that_is_taken_gives_numbers),
         cmocka_unit_test(no_option_takes_a_value_that_is_none_or_out_of_its_range),
         cmocka_unit_test(fields_out_of_range_are_refused_by_whatever_takes_them),
-        cmocka_unit_test(settings_within_their_range_are_taken_whole), cmocka_unit_test(pictures_are_as_large_as_the_header_says),
+        cmocka_unit_test(settings_within_their_range_are_taken_whole),
+        cmocka_unit_test(pictures_are_as_large_as_the_header_says),
         cmocka_unit_test(what_is_out_of_range_is_told_apart_from_its_bounds),
         cmocka_unit_test(methods_and_light_paths_that_do_not_exist_are_refused),
         cmocka_unit_test(what_takes_settings_takes_no_null),

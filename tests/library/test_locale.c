@@ -1,4 +1,5 @@
-/* A program whose locale has a decimal comma, as many with windows have: what the library reads and says is the same. */
+/* A program whose locale has a decimal comma, as many with windows have: what the library reads and says is
+ * the same. */
 #define _GNU_SOURCE
 #include <locale.h>
 #include <setjmp.h>
@@ -22,8 +23,10 @@ static int make_locale(void **state) {
     (void)state;
     char command[256];
     if (!mkdtemp(folder)) return -1;
-    snprintf(command, sizeof command, "localedef -f UTF-8 -i de_DE %s/de_DE.UTF-8 >%s/said 2>&1", folder, folder);
-    if (system(command) != 0) print_message("skip: there is nothing to make a locale of (Debian's package 'locales')\n");
+    snprintf(command, sizeof command, "localedef -f UTF-8 -i de_DE %s/de_DE.UTF-8 >%s/said 2>&1", folder,
+             folder);
+    if (system(command) != 0)
+        print_message("skip: there is nothing to make a locale of (Debian's package 'locales')\n");
     return setenv("LOCPATH", folder, 1);
 }
 
@@ -55,11 +58,21 @@ static void files_of_all_kinds_are_read_alike(void **state) {
     (void)state;
     char written[3][256];
     scene_file_text("m.mtl", "newmtl m\nKd 0.25 .5 0.75\nNs 1.5\n");
-    snprintf(written[0], 256, "%s", scene_file_text("m.obj", "mtllib m.mtl\nv 0.5 0 0\nv 1.25 .5 0\nv 0 1.5e-1 0\nusemtl m\nf 1 2 3\n"));
-    snprintf(written[1], 256, "%s", scene_file_text("m.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                                                             "element face 1\nproperty list uchar int vertex_indices\nend_header\n0.5 0 0\n1.25 0.5 0\n0 1.5e-1 0\n3 0 1 2\n"));
-    snprintf(written[2], 256, "%s", scene_file_text("m.off", "OFF\n3 1 0\n0.5 0 0\n1.25 0.5 0\n0 0.15 0\n3 0 1 2\n"));
-    const char *const files[] = {written[0], written[1], written[2], "scenes/vase.json", "scenes/cornell-glossy.json", "scenes/walk.json"};
+    snprintf(
+        written[0], 256, "%s",
+        scene_file_text("m.obj", "mtllib m.mtl\nv 0.5 0 0\nv 1.25 .5 0\nv 0 1.5e-1 0\nusemtl m\nf 1 2 3\n"));
+    snprintf(
+        written[1], 256, "%s",
+        scene_file_text(
+            "m.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n0.5 0 0\n1.25 0.5 0\n0 "
+            "1.5e-1 0\n3 0 1 2\n"));
+    snprintf(written[2], 256, "%s",
+             scene_file_text("m.off", "OFF\n3 1 0\n0.5 0 0\n1.25 0.5 0\n0 0.15 0\n3 0 1 2\n"));
+    const char *const files[] = {
+        written[0],        written[1], written[2], "scenes/vase.json", "scenes/cornell-glossy.json",
+        "scenes/walk.json"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         uint64_t hash = hash_of(files[i]);
         begin_comma();
@@ -73,7 +86,9 @@ static void what_is_wrong_in_a_file_is_told_with_points(void **state) {
     sl_scene *scene;
     sl_error with_points, with_commas;
     char path[256];
-    snprintf(path, sizeof path, "%s", scene_file_text("bad.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"m.obj\"}], \"materials\": {\"m\": {\"diffuse\": 1000000.5}}}"));
+    snprintf(path, sizeof path, "%s",
+             scene_file_text("bad.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"m.obj\"}], "
+                                         "\"materials\": {\"m\": {\"diffuse\": 1000000.5}}}"));
     assert_int_equal(sl_scene_load(path, &scene, &with_points), SL_ERROR_INPUT);
     begin_comma();
     assert_int_equal(sl_scene_load(path, &scene, &with_commas), SL_ERROR_INPUT);
@@ -88,7 +103,8 @@ typedef struct said {
 
 static void write_down(const sl_image *image, char *text, size_t room) {
     for (size_t i = 0, used = 0; i < image->metadata_count; i++) {
-        used += (size_t)snprintf(text + used, room - used, "%s=%s\n", image->metadata[i].key, image->metadata[i].value);
+        used += (size_t)snprintf(text + used, room - used, "%s=%s\n", image->metadata[i].key,
+                                 image->metadata[i].value);
         assert_true(used < room);
     }
 }
@@ -104,7 +120,8 @@ static said what_is_said(const char *method) {
     assert_int_equal(sl_scene_load("scenes/cornell-glossy.json", &scene, NULL), SL_OK);
     assert_int_equal(sl_method_plan(scene, &settings, &s.plan, NULL), SL_OK);
     assert_int_equal(sl_method_create(scene, &settings, &made, NULL), SL_OK);
-    for (int i = 0; i < 8 && !progress.done; i++) assert_int_equal(sl_method_update(made, &progress, NULL), SL_OK);
+    for (int i = 0; i < 8 && !progress.done; i++)
+        assert_int_equal(sl_method_update(made, &progress, NULL), SL_OK);
     assert_int_equal(sl_method_resolve(made, &image, NULL), SL_OK);
     write_down(image, s.metadata, sizeof s.metadata);
     sl_image_destroy(image);
@@ -122,7 +139,8 @@ static void plans_and_pictures_say_numbers_as_options_take_them(void **state) {
         end_comma();
         assert_string_equal(with_commas.plan, with_points.plan);
         assert_string_equal(with_commas.metadata, with_points.metadata);
-        if (strcmp(sl_method_name(m), "splatting") == 0) assert_non_null(strstr(with_commas.metadata, "softlux.accuracy=0.35\n"));
+        if (strcmp(sl_method_name(m), "splatting") == 0)
+            assert_non_null(strstr(with_commas.metadata, "softlux.accuracy=0.35\n"));
         free(with_points.plan);
         free(with_commas.plan);
     }

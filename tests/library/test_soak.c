@@ -1,5 +1,5 @@
-/* Edits and pictures again and again: what is held after many is what was held after a few. SOAK_SECONDS in the environment makes it go on for so long
- * (tests/hard/soak.sh); by itself it is over in seconds. */
+/* Edits and pictures again and again: what is held after many is what was held after a few. SOAK_SECONDS in
+ * the environment makes it go on for so long (tests/hard/soak.sh); by itself it is over in seconds. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,19 +21,26 @@
 #include "least_settings.h"
 #include "rendering.h"
 
-/* A room of two materials with a box that turns, a lamp and a point light that move, and a camera on a way. */
+/* A room of two materials with a box that turns, a lamp and a point light that move, and a camera on a way.
+ */
 static const char scene_text[] =
     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"room\", \"material\": \"white\"},"
-    " {\"file\": \"mesh.obj\", \"name\": \"box\", \"material\": \"gloss\", \"transform\": {\"scale\": 0.2, \"translate\": [0, 0, 0]},"
-    "  \"keyframes\": [{\"time\": 0, \"translate\": [0.1, -0.6, 0]}, {\"time\": 8, \"translate\": [-0.4, -0.4, 0.3]}]}],"
-    " \"materials\": {\"white\": {\"diffuse\": 0.6}, \"gloss\": {\"diffuse\": 0.3, \"specular\": 0.3, \"exponent\": 8}},"
-    " \"lights\": [{\"type\": \"quad\", \"corner\": [-0.2, 0.95, -0.2], \"edge1\": [0.4, 0, 0], \"edge2\": [0, 0, 0.4], \"radiance\": 6},"
+    " {\"file\": \"mesh.obj\", \"name\": \"box\", \"material\": \"gloss\", \"transform\": {\"scale\": 0.2, "
+    "\"translate\": [0, 0, 0]},"
+    "  \"keyframes\": [{\"time\": 0, \"translate\": [0.1, -0.6, 0]}, {\"time\": 8, \"translate\": [-0.4, "
+    "-0.4, 0.3]}]}],"
+    " \"materials\": {\"white\": {\"diffuse\": 0.6}, \"gloss\": {\"diffuse\": 0.3, \"specular\": 0.3, "
+    "\"exponent\": 8}},"
+    " \"lights\": [{\"type\": \"quad\", \"corner\": [-0.2, 0.95, -0.2], \"edge1\": [0.4, 0, 0], \"edge2\": "
+    "[0, 0, 0.4], \"radiance\": 6},"
     " {\"type\": \"point\", \"position\": [0.5, 0.4, 0.3], \"intensity\": 0.3,"
-    "  \"keyframes\": [{\"time\": 0, \"position\": [0.5, 0.4, 0.3]}, {\"time\": 8, \"position\": [-0.5, 0.2, -0.3]}]}],"
+    "  \"keyframes\": [{\"time\": 0, \"position\": [0.5, 0.4, 0.3]}, {\"time\": 8, \"position\": [-0.5, 0.2, "
+    "-0.3]}]}],"
     " \"camera\": {\"eye\": [0, 0, 0.98], \"target\": [0, -0.1, 0], \"fov_deg\": 80},"
     " \"film\": {\"width\": 24, \"height\": 24}}";
-static const char mesh_text[] = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
-                                "f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 4 3 7 8\nf 5 6 2 1\n";
+static const char mesh_text[] =
+    "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+    "f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 4 3 7 8\nf 5 6 2 1\n";
 
 typedef struct holdings {
     double bytes;      /* of the heap, in use */
@@ -66,7 +73,8 @@ static double asked_seconds(void) {
 
 static holdings take_stock(void) {
     struct mallinfo2 heap = mallinfo2();
-    return (holdings){(double)heap.uordblks + (double)heap.hblkhd, resident_pages(), entries("/proc/self/fd"), threads_left(INT_MAX)};
+    return (holdings){(double)heap.uordblks + (double)heap.hblkhd, resident_pages(), entries("/proc/self/fd"),
+                      threads_left(INT_MAX)};
 }
 
 static double seconds(void) {
@@ -81,7 +89,8 @@ static sl_settings quick(const char *method) {
     sl_settings s = least_settings(method, SIDE, SIDE);
     s.threads = 2;
     s.shading_cache.cache_limit = 0.1; /* full after a round */
-    s.shading_cache.stop_size = 4.0;   /* its patches are as small as they get after two rounds; with smaller ones they are after 150 */
+    /* its patches are as small as they get after two rounds; with smaller ones they are after 150 */
+    s.shading_cache.stop_size = 4.0;
     return s;
 }
 
@@ -90,7 +99,8 @@ static void picture(sl_method *method) {
     sl_image *image = NULL;
     sl_progress progress = {0};
     sl_status status = SL_OK;
-    for (int i = 0; i < 400 && !progress.done && status == SL_OK; i++) status = sl_method_update(method, &progress, &error);
+    for (int i = 0; i < 400 && !progress.done && status == SL_OK; i++)
+        status = sl_method_update(method, &progress, &error);
     if (status == SL_OK) status = sl_method_resolve(method, &image, &error);
     if (status != SL_OK) fail_msg("%s", error.message);
     for (size_t i = 0; i < 3 * SIDE * SIDE; i++) assert_true(isfinite(image->planes[i]));
@@ -101,7 +111,8 @@ static void picture(sl_method *method) {
 static void edit(sl_scene *scene, sl_method *method, unsigned step) {
     sl_error error;
     unsigned changes = 0;
-    const float eye[3] = {0.2f * (float)(step % PLACES) - 0.4f, 0, 0.98f}, target[3] = {0, -0.1f, 0}, up[3] = {0, 1, 0};
+    const float eye[3] = {0.2f * (float)(step % PLACES) - 0.4f, 0, 0.98f}, target[3] = {0, -0.1f, 0},
+                up[3] = {0, 1, 0};
     sl_status status = sl_scene_set_time(scene, 2.0 * (double)(step % PLACES), &changes, &error);
     if (status == SL_OK) status = sl_scene_set_camera(scene, eye, target, up, 1.4f, &error);
     if (status == SL_OK && method) status = sl_method_edit(method, changes | SL_CHANGED_CAMERA, &error);
@@ -110,14 +121,17 @@ static void edit(sl_scene *scene, sl_method *method, unsigned step) {
 
 static void assert_flat(const char *what, const holdings *early, const holdings *late) {
     int threads = threads_left(early->threads);
-    if (early->descriptors != late->descriptors) fail_msg("%s: %d descriptors, then %d", what, early->descriptors, late->descriptors);
+    if (early->descriptors != late->descriptors)
+        fail_msg("%s: %d descriptors, then %d", what, early->descriptors, late->descriptors);
     if (threads > early->threads) fail_msg("%s: %d threads, then %d", what, early->threads, threads);
-    if (late->bytes > 1.03 * early->bytes + 65536.0) fail_msg("%s: %.0f bytes of heap, then %.0f", what, early->bytes, late->bytes);
-    if (!SL_SANITIZED && late->resident > 1.02 * early->resident + 256.0) fail_msg("%s: %.0f pages resident, then %.0f", what, early->resident, late->resident);
+    if (late->bytes > 1.03 * early->bytes + 65536.0)
+        fail_msg("%s: %.0f bytes of heap, then %.0f", what, early->bytes, late->bytes);
+    if (!SL_SANITIZED && late->resident > 1.02 * early->resident + 256.0)
+        fail_msg("%s: %.0f pages resident, then %.0f", what, early->resident, late->resident);
 }
 
-/* Rounds of the same work: WARM of them, or a third of the time that was asked for, until caches and the allocator's arenas are as full as they get;
- * then as many again, or the rest of the time. */
+/* Rounds of the same work: WARM of them, or a third of the time that was asked for, until caches and the
+ * allocator's arenas are as full as they get; then as many again, or the rest of the time. */
 enum { WARM = 2 };
 
 typedef struct soak {
@@ -158,8 +172,12 @@ static void edit_for_ever(const char *name) {
     holdings late = take_stock();
     assert_flat(name, &s.early, &late);
     double now = (double)sl_method_memory_bytes(method);
-    if (now > 1.02 * held + 4096.0) fail_msg("%s says it holds %.0f bytes, then %.0f after %u rounds", name, held, now, s.round);
-    if (asked_seconds() > 0.0) print_message("%s: %u rounds of four edits and pictures, %.0f then %.0f bytes, pages %.0f then %.0f\n", name, s.round, held, now, s.early.resident, late.resident);
+    if (now > 1.02 * held + 4096.0)
+        fail_msg("%s says it holds %.0f bytes, then %.0f after %u rounds", name, held, now, s.round);
+    if (asked_seconds() > 0.0)
+        print_message(
+            "%s: %u rounds of four edits and pictures, %.0f then %.0f bytes, pages %.0f then %.0f\n", name,
+            s.round, held, now, s.early.resident, late.resident);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
 }
@@ -191,7 +209,9 @@ static void methods_that_come_and_go_leave_nothing_behind(void **state) {
     } while (next_round(&s, &warm));
     holdings late = take_stock();
     assert_flat("coming and going", &s.early, &late);
-    if (asked_seconds() > 0.0) print_message("coming and going: %u rounds of all methods, pages %.0f then %.0f\n", s.round, s.early.resident, late.resident);
+    if (asked_seconds() > 0.0)
+        print_message("coming and going: %u rounds of all methods, pages %.0f then %.0f\n", s.round,
+                      s.early.resident, late.resident);
 }
 
 static void show(const char *name) {
@@ -220,7 +240,9 @@ static void shows_that_start_and_stop_leave_nothing_behind(void **state) {
     } while (next_round(&s, &warm));
     holdings late = take_stock();
     assert_flat("shows", &s.early, &late);
-    if (asked_seconds() > 0.0) print_message("shows: %u rounds of three, pages %.0f then %.0f\n", s.round, s.early.resident, late.resident);
+    if (asked_seconds() > 0.0)
+        print_message("shows: %u rounds of three, pages %.0f then %.0f\n", s.round, s.early.resident,
+                      late.resident);
 }
 
 int main(void) {
@@ -229,6 +251,8 @@ int main(void) {
         cmocka_unit_test(methods_that_come_and_go_leave_nothing_behind),
         cmocka_unit_test(shows_that_start_and_stop_leave_nothing_behind),
     };
-    mallopt(M_ARENA_MAX, 1); /* else each of a process's first threads has one of its own, and those fill in the course of time: up to 16 MB */
+    /* else each of a process's first threads has one of its own, and those fill in the course of time: up to
+     * 16 MB */
+    mallopt(M_ARENA_MAX, 1);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

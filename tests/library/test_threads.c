@@ -1,4 +1,5 @@
-/* The library in programs that have threads of their own: two at once on two scenes, and within a parallel region. */
+/* The library in programs that have threads of their own: two at once on two scenes, and within a parallel
+ * region. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -55,8 +56,10 @@ static void two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets(voi
     (void)state;
     for (size_t m = 0; sl_method_name(m); m++) {
         const char *other = sl_method_name(m + 1) ? sl_method_name(m + 1) : sl_method_name(0);
-        job alone[2] = {{"scenes/cornell.json", sl_method_name(m), 1, NULL}, {"scenes/two-rooms.json", other, 1, NULL}};
-        job together[2] = {{"scenes/cornell.json", sl_method_name(m), 2, NULL}, {"scenes/two-rooms.json", other, 2, NULL}};
+        job alone[2] = {{"scenes/cornell.json", sl_method_name(m), 1, NULL},
+                        {"scenes/two-rooms.json", other, 1, NULL}};
+        job together[2] = {{"scenes/cornell.json", sl_method_name(m), 2, NULL},
+                           {"scenes/two-rooms.json", other, 2, NULL}};
         pthread_t thread[2];
         for (int i = 0; i < 2; i++) work(&alone[i]);
         for (int i = 0; i < 2; i++) assert_int_equal(pthread_create(&thread[i], NULL, work, &together[i]), 0);
@@ -81,7 +84,7 @@ static void in_a_parallel_region_every_thread_gets_the_same_picture(void **state
     sl_image_destroy(alone.image);
 }
 
-/* ---- little stacks ------------------------------------------------------------------------------------------------------------------- */
+/* ---- little stacks --------------------------------------------------------------------------- */
 
 enum { MAIN_STACK = 256 << 10 }; /* what softlux.h names; workers have 128 KiB */
 static const char *const stack_scenes[] = {"scenes/cornell-glossy.json", "scenes/mirror-balls.json"};
@@ -116,8 +119,9 @@ static void every_method_works_on_the_stacks_that_the_header_names(void **state)
 
 int main(int argc, char **argv) {
     if (argc > 1) return render_all_on_little_stacks(argv[1]);
-    const struct CMUnitTest tests[] = {cmocka_unit_test(two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets),
-                                       cmocka_unit_test(in_a_parallel_region_every_thread_gets_the_same_picture),
-                                       cmocka_unit_test(every_method_works_on_the_stacks_that_the_header_names)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets),
+        cmocka_unit_test(in_a_parallel_region_every_thread_gets_the_same_picture),
+        cmocka_unit_test(every_method_works_on_the_stacks_that_the_header_names)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

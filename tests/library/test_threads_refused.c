@@ -1,4 +1,5 @@
-/* A system that starts no more threads: as many as there are do the work, to the same bits, and where there is none at all the caller is told. */
+/* A system that starts no more threads: as many as there are do the work, to the same bits, and where there
+ * is none at all the caller is told. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,7 +25,7 @@
 #include "base/sanitized.h"
 #include "rendering.h"
 
-/* ---- such a system ------------------------------------------------------------------------------------------------------------------ */
+/* ---- such a system --------------------------------------------------------------------------- */
 
 static atomic_int alive, refused;
 static int most = INT_MAX;
@@ -43,7 +44,8 @@ static void *run_and_be_counted(void *context) {
     return result;
 }
 
-int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *), void *argument) {
+int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *),
+                   void *argument) {
     static int (*real)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
     if (!real) *(void **)&real = dlsym(RTLD_NEXT, "pthread_create");
     start *s = malloc(sizeof *s);
@@ -63,7 +65,7 @@ static void at_most_as_many_as_now_and(int more) {
     atomic_store(&refused, 0);
 }
 
-/* ---- what comes of it ----------------------------------------------------------------------------------------------------------------- */
+/* ---- what comes of it ------------------------------------------------------------------------ */
 
 enum { TASKS = 1000 };
 
@@ -75,7 +77,8 @@ typedef struct tasks {
 static void note(void *context, size_t index, unsigned worker) {
     tasks *t = context;
     atomic_fetch_add(&t->done[index], 1);
-    for (unsigned largest = atomic_load(&t->largest_worker); worker > largest && !atomic_compare_exchange_weak(&t->largest_worker, &largest, worker);) {}
+    for (unsigned largest = atomic_load(&t->largest_worker);
+         worker > largest && !atomic_compare_exchange_weak(&t->largest_worker, &largest, worker);) {}
 }
 
 static void loops_are_done_by_the_threads_that_there_are(void **state) {
@@ -132,10 +135,10 @@ static void with_fewer_threads_than_were_asked_for_pictures_are_the_same(void **
     sl_scene_destroy(scene);
 }
 
-/* ---- a system that counts its threads itself ---------------------------------------------------------------------------------------- */
+/* ---- a system that counts its threads itself ------------------------------------------------- */
 
-/* In this program anew, which begins with no team, by a user who has no other process: of root nothing is counted. Returns how it ended; -1: it could not be
- * tried. */
+/* In this program anew, which begins with no team, by a user who has no other process: of root nothing is
+ * counted. Returns how it ended; -1: it could not be tried. */
 static int in_a_process_with_few_threads(int threads_more, const char *work) {
     enum { NOBODY_ELSE = 61847 };
     int ended = -1;
@@ -148,7 +151,9 @@ static int in_a_process_with_few_threads(int threads_more, const char *work) {
             execl("/proc/self/exe", "test_threads_refused", work, (char *)NULL);
         _exit(77);
     }
-    return child > 0 && waitpid(child, &ended, 0) == child && !(WIFEXITED(ended) && WEXITSTATUS(ended) == 77) ? ended : -1;
+    return child > 0 && waitpid(child, &ended, 0) == child && !(WIFEXITED(ended) && WEXITSTATUS(ended) == 77)
+               ? ended
+               : -1;
 }
 
 enum { MORE = 40 };
@@ -189,7 +194,10 @@ static void ask_for_more_than_there_are(void) {
     do_all_on(2 * MORE, TASKS);
 }
 
-static const struct { const char *name; void (*run)(void); } works[] = {{"loops", loops_of_changing_size}, {"ask", ask_for_more_than_there_are}};
+static const struct {
+    const char *name;
+    void (*run)(void);
+} works[] = {{"loops", loops_of_changing_size}, {"ask", ask_for_more_than_there_are}};
 
 static void a_user_who_may_have_few_threads_has_the_work_done_by_these(void **state) {
     (void)state;

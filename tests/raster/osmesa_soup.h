@@ -1,4 +1,5 @@
-/* What the comparisons with OSMesa share: the same vertices through the same matrix, by the same rounded operations. */
+/* What the comparisons with OSMesa share: the same vertices through the same matrix, by the same rounded
+ * operations. */
 #ifndef SL_TESTS_OSMESA_SOUP_H
 #define SL_TESTS_OSMESA_SOUP_H
 
@@ -31,20 +32,24 @@ static inline void *checked_calloc(size_t count, size_t size) {
     return memory;
 }
 
-/* A vertex shader with our transform: the origin is subtracted first, then columns are added up in order, without fused
- * operations ("precise"). `declarations` and `body` carry further outputs. Inputs 0 to 2 are x, y, z. */
-static inline unsigned program_in_view(const char *declarations, const char *body, const char *fragment_shader) {
+/* A vertex shader with our transform: the origin is subtracted first, then columns are added up in order,
+ * without fused operations ("precise"). `declarations` and `body` carry further outputs. Inputs 0 to 2 are x,
+ * y, z. */
+static inline unsigned program_in_view(const char *declarations, const char *body,
+                                       const char *fragment_shader) {
     char vertex[2000], fragment[2000];
-    snprintf(vertex, sizeof vertex,
-             "#version 400 core\n"
-             "layout(location = 0) in float x; layout(location = 1) in float y; layout(location = 2) in float z;\n"
-             "uniform mat4 columns; uniform vec3 origin; %s\n"
-             "void main() {\n"
-             "    precise vec3 q = vec3(x, y, z) - origin;\n"
-             "    precise vec4 clip = ((columns[0] * q.x + columns[1] * q.y) + columns[2] * q.z) + columns[3];\n"
-             "    gl_Position = clip;\n"
-             "    %s\n"
-             "}\n", declarations, body);
+    snprintf(
+        vertex, sizeof vertex,
+        "#version 400 core\n"
+        "layout(location = 0) in float x; layout(location = 1) in float y; layout(location = 2) in float z;\n"
+        "uniform mat4 columns; uniform vec3 origin; %s\n"
+        "void main() {\n"
+        "    precise vec3 q = vec3(x, y, z) - origin;\n"
+        "    precise vec4 clip = ((columns[0] * q.x + columns[1] * q.y) + columns[2] * q.z) + columns[3];\n"
+        "    gl_Position = clip;\n"
+        "    %s\n"
+        "}\n",
+        declarations, body);
     snprintf(fragment, sizeof fragment, "#version 400 core\n%s", fragment_shader);
     return osmesa_program(vertex, fragment);
 }
@@ -53,11 +58,14 @@ static inline unsigned program_in_view(const char *declarations, const char *bod
 static inline float triangle_number(uint32_t id) { return (float)(1 + (id * 2654435761u >> 24) % 255u); }
 #define TRIANGLE_NUMBER_GLSL "float(1u + (uint(gl_PrimitiveID) * 2654435761u >> 24) % 255u)"
 
-/* Of every soup or mesh: its positions as inputs 0..2, and one more of `channels` floats a vertex (NULL: none). */
-static inline osmesa_mesh mesh_of(float *const position[3], size_t vertices, const float *attributes, int channels, size_t index_count,
-                                  const uint32_t *indices) {
-    const osmesa_stream streams[] = {{position[0], vertices, 1, false}, {position[1], vertices, 1, false},
-                                     {position[2], vertices, 1, false}, {attributes, vertices, channels, false}};
+/* Of every soup or mesh: its positions as inputs 0..2, and one more of `channels` floats a vertex (NULL:
+ * none). */
+static inline osmesa_mesh mesh_of(float *const position[3], size_t vertices, const float *attributes,
+                                  int channels, size_t index_count, const uint32_t *indices) {
+    const osmesa_stream streams[] = {{position[0], vertices, 1, false},
+                                     {position[1], vertices, 1, false},
+                                     {position[2], vertices, 1, false},
+                                     {attributes, vertices, channels, false}};
     return osmesa_mesh_create(attributes ? 4 : 3, streams, index_count, indices);
 }
 
@@ -68,8 +76,8 @@ static inline void set_view(unsigned program, const sl_view *view) {
 }
 
 /* Clears, and draws the whole mesh in the view, into its viewport of the target. */
-static inline void judge_draw(unsigned program, const osmesa_target *target, const osmesa_mesh *mesh, const sl_view *view,
-                              bool depth, bool add) {
+static inline void judge_draw(unsigned program, const osmesa_target *target, const osmesa_mesh *mesh,
+                              const sl_view *view, bool depth, bool add) {
     osmesa_clear(target);
     osmesa_viewport(view->x, view->y, view->width, view->height);
     osmesa_state(depth, add);

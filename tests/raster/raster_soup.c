@@ -11,15 +11,18 @@
 #include "base/random.h"
 #include "base/sanitized.h"
 
-const char *const soup_names[SOUP_KINDS] = {"big", "medium, 64 px", "small, 8 px", "below a pixel", "slivers", "mesh, 5 px",
-                                            "pixel centres", "1/512 ties", "partly outside", "far outside", "perspective", "near-clipped"};
+const char *const soup_names[SOUP_KINDS] = {
+    "big",           "medium, 64 px", "small, 8 px",    "below a pixel", "slivers",     "mesh, 5 px",
+    "pixel centres", "1/512 ties",    "partly outside", "far outside",   "perspective", "near-clipped"};
 
 /* A stream of numbers. */
 typedef struct dice {
     uint64_t key, next;
 } dice;
 
-static float between(dice *d, float low, float high) { return low + (high - low) * sl_random_unit(d->key, d->next++); }
+static float between(dice *d, float low, float high) {
+    return low + (high - low) * sl_random_unit(d->key, d->next++);
+}
 
 /* Of either sign, every magnitude from small to large as likely. */
 static float any_magnitude(dice *d, float small, float large) {
@@ -40,17 +43,21 @@ static void set_pixel(soup *s, size_t v, float px, float py, float z) {
     set_vertex(s, v, to_clip(px, s->view.width), to_clip(py, s->view.height), z);
 }
 
-/* ---- flat kinds: clip coordinates are the positions ------------------------------------------------------------------ */
+/* ---- flat kinds: clip coordinates are the positions ------------------------------------------ */
 
 /* One triangle with corners up to `size` pixels apart. */
 static void small_triangle(soup *s, size_t t, dice *d, float size, const float z[3]) {
-    float x = between(d, -0.5f * size, (float)s->view.width), y = between(d, -0.5f * size, (float)s->view.height);
-    for (size_t k = 0; k < 3; k++) set_pixel(s, 3 * t + k, x + between(d, 0, size), y + between(d, 0, size), z[k]);
+    float x = between(d, -0.5f * size, (float)s->view.width),
+          y = between(d, -0.5f * size, (float)s->view.height);
+    for (size_t k = 0; k < 3; k++)
+        set_pixel(s, 3 * t + k, x + between(d, 0, size), y + between(d, 0, size), z[k]);
 }
 
 /* Corners on a grid of `steps` a pixel, moved by `offset` of a step. */
-static void gridded_triangle(soup *s, size_t t, dice *d, float size, float steps, float offset, const float z[3]) {
-    float x = between(d, -0.5f * size, (float)s->view.width), y = between(d, -0.5f * size, (float)s->view.height);
+static void gridded_triangle(soup *s, size_t t, dice *d, float size, float steps, float offset,
+                             const float z[3]) {
+    float x = between(d, -0.5f * size, (float)s->view.width),
+          y = between(d, -0.5f * size, (float)s->view.height);
     for (size_t k = 0; k < 3; k++) {
         float px = floorf((x + between(d, 0, size)) * steps), py = floorf((y + between(d, 0, size)) * steps);
         set_pixel(s, 3 * t + k, (px + offset) / steps, (py + offset) / steps, z[k]);
@@ -90,12 +97,14 @@ static void flat_triangle(soup *s, soup_kind kind, size_t t, dice *d) {
     }
 }
 
-/* ---- a mesh ---------------------------------------------------------------------------------------------------------- */
+/* ---- a mesh ---------------------------------------------------------------------------------- */
 
-/* Corner (i, j) of the grid; the outer ones stay outside the screen, the inner ones move by less than half a cell. */
+/* Corner (i, j) of the grid; the outer ones stay outside the screen, the inner ones move by less than half a
+ * cell. */
 static void mesh_corner(soup *s, size_t v, uint64_t key, int i, int j, int nx, int ny) {
     uint64_t at = (uint64_t)(j * (nx + 1) + i) * 3;
-    float jitter_x = 0.45f * (2 * sl_random_unit(key, at) - 1), jitter_y = 0.45f * (2 * sl_random_unit(key, at + 1) - 1);
+    float jitter_x = 0.45f * (2 * sl_random_unit(key, at) - 1),
+          jitter_y = 0.45f * (2 * sl_random_unit(key, at + 1) - 1);
     float px = ((float)i + jitter_x) / (float)nx, py = ((float)j + jitter_y) / (float)ny;
     px = px * (float)(s->view.width + 10) - 5;
     py = py * (float)(s->view.height + 10) - 5;
@@ -107,8 +116,10 @@ static void make_mesh(soup *s, uint64_t key, int nx, int ny) {
     for (int j = 0; j < ny; j++) {
         for (int i = 0; i < nx; i++) {
             bool other = sl_random_bits(key + 2, (uint64_t)(j * nx + i)) & 1; /* which diagonal */
-            const int corner[2][6][2] = {{{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}, {{0, 0}, {1, 0}, {0, 1}, {1, 0}, {1, 1}, {0, 1}}};
-            for (int c = 0; c < 6; c++) mesh_corner(s, v++, key, i + corner[other][c][0], j + corner[other][c][1], nx, ny);
+            const int corner[2][6][2] = {{{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}},
+                                         {{0, 0}, {1, 0}, {0, 1}, {1, 0}, {1, 1}, {0, 1}}};
+            for (int c = 0; c < 6; c++)
+                mesh_corner(s, v++, key, i + corner[other][c][0], j + corner[other][c][1], nx, ny);
         }
     }
 }
@@ -124,11 +135,12 @@ static size_t mesh_size(size_t triangles, int width, int height, int *nx, int *n
     return (size_t)*nx * (size_t)*ny * 2;
 }
 
-/* ---- perspective ----------------------------------------------------------------------------------------------------- */
+/* ---- perspective ----------------------------------------------------------------------------- */
 
 /* A corner at distance `w` before (or behind) the camera, within a little more than what it sees. */
 static void perspective_vertex(soup *s, size_t v, const sl_camera *camera, float sx, float sy, float w) {
-    float tangent = tanf(0.5f * camera->vertical_fov), aspect = (float)s->view.width / (float)s->view.height, reach = fabsf(w);
+    float tangent = tanf(0.5f * camera->vertical_fov), aspect = (float)s->view.width / (float)s->view.height,
+          reach = fabsf(w);
     sl_vec3 p = sl_mad(camera->eye, -w, camera->back);
     p = sl_mad(p, sx * reach * tangent * aspect, camera->right);
     p = sl_mad(p, sy * reach * tangent, camera->up);
@@ -137,13 +149,17 @@ static void perspective_vertex(soup *s, size_t v, const sl_camera *camera, float
 
 static void perspective_triangle(soup *s, soup_kind kind, size_t t, dice *d, const sl_camera *camera) {
     bool clipped = kind == SOUP_NEAR_CLIPPED;
-    float x = between(d, -0.95f, 0.95f), y = between(d, -0.95f, 0.95f), size = clipped ? 1.0f : t % 2 ? 0.2f : 0.02f;
+    float x = between(d, -0.95f, 0.95f), y = between(d, -0.95f, 0.95f),
+          size = clipped ? 1.0f
+                 : t % 2 ? 0.2f
+                         : 0.02f;
     float w = exp2f(between(d, log2f(0.2f), log2f(20.0f)));
     for (size_t k = 0; k < 3; k++) {
         float corner_w = w * between(d, 0.7f, 1.4f);
         if (clipped) corner_w = between(d, -1.5f, 2.5f);
         else if (t % 16 == 1) corner_w = exp2f(between(d, log2f(0.2f), log2f(20.0f))); /* steep ones */
-        perspective_vertex(s, 3 * t + k, camera, x + between(d, -size, size), y + between(d, -size, size), fminf(corner_w, 20.0f));
+        perspective_vertex(s, 3 * t + k, camera, x + between(d, -size, size), y + between(d, -size, size),
+                           fminf(corner_w, 20.0f));
     }
 }
 
@@ -151,11 +167,12 @@ static sl_camera random_camera(dice *d) {
     sl_camera camera;
     sl_vec3 eye = sl_v3(between(d, -3, 3), between(d, -3, 3), between(d, -3, 3));
     sl_vec3 towards = sl_v3(between(d, -1, 1), between(d, -0.9f, 0.9f), between(d, 0.2f, 1));
-    if (!sl_camera_look_at(&camera, eye, sl_add(eye, towards), sl_v3(0, 1, 0), between(d, 0.5f, 1.8f))) fail_msg("no camera");
+    if (!sl_camera_look_at(&camera, eye, sl_add(eye, towards), sl_v3(0, 1, 0), between(d, 0.5f, 1.8f)))
+        fail_msg("no camera");
     return camera;
 }
 
-/* ---- all ------------------------------------------------------------------------------------------------------------- */
+/* ---- all ------------------------------------------------------------------------------------- */
 
 soup soup_make(soup_kind kind, uint64_t seed, size_t triangles, int width, int height) {
     soup s = {.triangles = triangles};
@@ -169,7 +186,8 @@ soup soup_make(soup_kind kind, uint64_t seed, size_t triangles, int width, int h
         assert_non_null(s.vertex[k]);
         for (size_t t = 0; t < s.triangles; t++) s.vertex[k][t] = (uint32_t)(3 * t) + (uint32_t)k;
     }
-    s.view = (sl_view){.width = width, .height = height, .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
+    s.view =
+        (sl_view){.width = width, .height = height, .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
     for (int k = 0; k < 4; k++) s.view.clip[k][k] = 1.0f;
     if (kind == SOUP_MESH) make_mesh(&s, d.key, nx, ny);
     else if (kind == SOUP_PERSPECTIVE || kind == SOUP_NEAR_CLIPPED) {
@@ -191,8 +209,12 @@ void soup_free(soup *s) {
 }
 
 sl_raster_mesh soup_mesh(const soup *s) {
-    return (sl_raster_mesh){.vertex_count = 3 * s->triangles, .triangle_count = s->triangles, .x = s->position[0], .y = s->position[1],
-                            .z = s->position[2], .vertex = {s->vertex[0], s->vertex[1], s->vertex[2]}};
+    return (sl_raster_mesh){.vertex_count = 3 * s->triangles,
+                            .triangle_count = s->triangles,
+                            .x = s->position[0],
+                            .y = s->position[1],
+                            .z = s->position[2],
+                            .vertex = {s->vertex[0], s->vertex[1], s->vertex[2]}};
 }
 
 sl_raster *soup_raster(const soup *s) {

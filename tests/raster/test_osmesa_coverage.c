@@ -1,7 +1,8 @@
-/* Which pixels a triangle covers, how deep it lies there, and which triangle wins: the same as OSMesa's, in every bit, for
- * millions of random triangles of every kind. Coverage is compared triangle by triangle, second-level ones included: each adds
- * (h, 1) to the pixels it covers, h being a small integer of its own, so that the sums are exact. Ours are drawn one by one by the plain
- * rasterizer, whose pictures are those of the fast one in every bit (test_raster_plain.c). */
+/* Which pixels a triangle covers, how deep it lies there, and which triangle wins: the same as OSMesa's, in
+ * every bit, for millions of random triangles of every kind. Coverage is compared triangle by triangle,
+ * second-level ones included: each adds (h, 1) to the pixels it covers, h being a small integer of its own,
+ * so that the sums are exact. Ours are drawn one by one by the plain rasterizer, whose pictures are those of
+ * the fast one in every bit (test_raster_plain.c). */
 #include "osmesa_soup.h"
 #include "raster/plain.h"
 
@@ -12,9 +13,9 @@ static tally tallies[SOUP_KINDS];
 
 /* Of a kind, over all sizes. */
 static const size_t how_many[SOUP_KINDS] = {
-    [SOUP_BIG] = 800,         [SOUP_MEDIUM] = 200000,        [SOUP_SMALL] = 3200000, [SOUP_SUBPIXEL] = 1000000,
-    [SOUP_SLIVER] = 40000,    [SOUP_MESH] = 400000,          [SOUP_PIXEL_CENTRES] = 200000, [SOUP_TIES] = 300000,
-    [SOUP_PARTLY_OFF] = 400,  [SOUP_FAR_OFF] = 500,          [SOUP_PERSPECTIVE] = 40000,    [SOUP_NEAR_CLIPPED] = 600,
+    [SOUP_BIG] = 800,        [SOUP_MEDIUM] = 200000, [SOUP_SMALL] = 3200000,        [SOUP_SUBPIXEL] = 1000000,
+    [SOUP_SLIVER] = 40000,   [SOUP_MESH] = 400000,   [SOUP_PIXEL_CENTRES] = 200000, [SOUP_TIES] = 300000,
+    [SOUP_PARTLY_OFF] = 400, [SOUP_FAR_OFF] = 500,   [SOUP_PERSPECTIVE] = 40000,    [SOUP_NEAR_CLIPPED] = 600,
 };
 enum { BATCH = 65536 }; /* times 255 is below 2^24: sums stay exact even where all cover one pixel */
 
@@ -33,7 +34,8 @@ static judge judge_open(const judged_size *size) {
     const osmesa_format sums = PLANE_RG32F, ids = PLANE_R32UI;
     j.sums = osmesa_target_create(size->target_width, size->target_height, 1, &sums, false);
     j.ids = osmesa_target_create(size->target_width, size->target_height, 1, &ids, true);
-    j.count_program = program_in_view("", "", "out vec2 sum; void main() { sum = vec2(" TRIANGLE_NUMBER_GLSL ", 1); }");
+    j.count_program =
+        program_in_view("", "", "out vec2 sum; void main() { sum = vec2(" TRIANGLE_NUMBER_GLSL ", 1); }");
     j.id_program = program_in_view("", "", "out uint id; void main() { id = uint(gl_PrimitiveID); }");
     j.ours_sums = checked_calloc(2 * j.pixels, 4);
     j.theirs_sums = checked_calloc(2 * j.pixels, 4);
@@ -77,17 +79,23 @@ static void compare_coverage(judge *j, const soup *s, soup_kind kind, const osme
     size_t differing = 0;
     for (size_t i = 0; i < j->pixels; i++) {
         tallies[kind].fragments += (uint64_t)j->theirs_sums[2 * i + 1];
-        if (j->ours_sums[i] == j->theirs_sums[2 * i] && j->ours_sums[j->pixels + i] == j->theirs_sums[2 * i + 1]) continue;
+        if (j->ours_sums[i] == j->theirs_sums[2 * i] &&
+            j->ours_sums[j->pixels + i] == j->theirs_sums[2 * i + 1])
+            continue;
         if (!differing++) report(j, "coverage", s, kind, i);
     }
     tallies[kind].coverage += differing;
 }
 
-static void compare_visibility(judge *j, const soup *s, soup_kind kind, const sl_raster *raster, const osmesa_mesh *mesh) {
+static void compare_visibility(judge *j, const soup *s, soup_kind kind, const sl_raster *raster,
+                               const osmesa_mesh *mesh) {
     sl_view view = s->view;
     view.corner_planes = true;
     sl_counters counters = {{0}};
-    sl_target target = {.width = j->size->target_width, .height = j->size->target_height, .id = j->ours_id, .depth = j->ours_depth};
+    sl_target target = {.width = j->size->target_width,
+                        .height = j->size->target_height,
+                        .id = j->ours_id,
+                        .depth = j->ours_depth};
     for (size_t i = 0; i < j->pixels; i++) { /* what lies outside the viewport is left as it was */
         j->ours_id[i] = SL_NO_INDEX;
         j->ours_depth[i] = 1.0f;
@@ -141,7 +149,9 @@ static void compare_size(int which) {
 
 static void square_power_of_two_agrees_in_every_bit(void **state) { (void)state, compare_size(0); }
 static void rectangle_agrees_in_every_bit(void **state) { (void)state, compare_size(1); }
-static void viewport_within_a_larger_target_agrees_in_every_bit(void **state) { (void)state, compare_size(2); }
+static void viewport_within_a_larger_target_agrees_in_every_bit(void **state) {
+    (void)state, compare_size(2);
+}
 static void odd_size_agrees_in_every_bit(void **state) { (void)state, compare_size(3); }
 static void narrow_and_tall_agrees_in_every_bit(void **state) { (void)state, compare_size(4); }
 static void single_pixel_agrees_in_every_bit(void **state) { (void)state, compare_size(5); }
@@ -150,11 +160,14 @@ static int print_table(void **state) {
     (void)state;
     char a[32], b[32];
     tally sum = {0};
-    print_message("%-16s %12s %16s %18s %12s %12s\n", "class", "triangles", "fragments", "coverage differs", "id differs", "depth differs");
+    print_message("%-16s %12s %16s %18s %12s %12s\n", "class", "triangles", "fragments", "coverage differs",
+                  "id differs", "depth differs");
     for (int kind = 0; kind <= SOUP_KINDS; kind++) {
         const tally *t = kind < SOUP_KINDS ? &tallies[kind] : &sum;
-        print_message("%-16s %12s %16s %18llu %12llu %12llu\n", kind < SOUP_KINDS ? soup_names[kind] : "all", with_commas(t->triangles, a),
-                      with_commas(t->fragments, b), (unsigned long long)t->coverage, (unsigned long long)t->id, (unsigned long long)t->depth);
+        print_message("%-16s %12s %16s %18llu %12llu %12llu\n", kind < SOUP_KINDS ? soup_names[kind] : "all",
+                      with_commas(t->triangles, a), with_commas(t->fragments, b),
+                      (unsigned long long)t->coverage, (unsigned long long)t->id,
+                      (unsigned long long)t->depth);
         if (kind == SOUP_KINDS) break;
         sum.triangles += t->triangles;
         sum.fragments += t->fragments;

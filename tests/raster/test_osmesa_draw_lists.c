@@ -1,8 +1,9 @@
-/* What OSMesa judges is what draws: the passes that every method asks for while it renders the Cornell box, a room and a cave are handed
- * to OSMesa as they come, all large ones and every fiftieth small view, and whole frames are compared. Triangle numbers and depth agree in
- * every bit, with depth told OpenGL's way (the methods' own is 1/w, which OpenGL does not store), but in lights' windows, where depths
- * may be a few steps of a float apart and are counted by themselves; Gouraud's values within the roundings of OSMesa's planes, which begin at
- * the target's corner. */
+/* What OSMesa judges is what draws: the passes that every method asks for while it renders the Cornell box, a
+ * room and a cave are handed to OSMesa as they come, all large ones and every fiftieth small view, and whole
+ * frames are compared. Triangle numbers agree in every bit, and so do depths of large views, told OpenGL's way
+ * (the methods' own is 1/w, which OpenGL does not store); in small views depths may be a few steps of a float
+ * apart and are counted by themselves; Gouraud's values within the roundings of OSMesa's planes,
+ * which begin at the target's corner. */
 #define _XOPEN_SOURCE 700
 #include "osmesa_soup.h"
 
@@ -13,12 +14,13 @@
 #include "rendering.h"
 #include "scene/scene.h"
 
-enum { EVERY = 50, WINDOW_STEPS = 8 };
+enum { EVERY = 50, DEPTH_STEPS = 8 };
 
 typedef struct tally {
     uint64_t draws, judged, pixels, id, depth, near;
 } tally;
-static const char *const view_names[SL_VIEW_KINDS] = {"camera", "pyramid", "cube face", "hemicube face", "light's window", "mirrored camera"};
+static const char *const view_names[SL_VIEW_KINDS] = {"camera",        "pyramid",        "cube face",
+                                                      "hemicube face", "light's window", "mirrored camera"};
 static tally tallies[2][SL_VIEW_KINDS]; /* large, small */
 static struct {
     uint64_t passes, pixels, differing, other_triangle;
@@ -26,10 +28,11 @@ static struct {
 } gouraud_tally;
 static bool judging; /* our own passes are not told */
 
-/* ---- one view -------------------------------------------------------------------------------------------------------- */
+/* ---- one view -------------------------------------------------------------------------------- */
 
-/* Row 2 of a view of depth 1/w is the height f above a plane that cuts, mostly the near one: z = s f - w has the same plane for OpenGL, z >= -w,
- * and keeps what is in view before the far one. A light's window has its far plane there; it gets a near one, a thousandth as far. */
+/* Row 2 of a view of depth 1/w is the height f above a plane that cuts, mostly the near one: z = s f - w has
+ * the same plane for OpenGL, z >= -w, and keeps what is in view before the far one. A light's window has its
+ * far plane there; it gets a near one, a thousandth as far. */
 static sl_view with_window_depth(const sl_view *view) {
     sl_view v = *view;
     v.corner_planes = true;
@@ -58,7 +61,8 @@ static draw_list list_of(const sl_raster_mesh *m, const sl_view *view) {
     return list;
 }
 
-static void draw_theirs(const sl_raster_mesh *m, const sl_view *view, int width, int height, uint32_t *id, float *depth) {
+static void draw_theirs(const sl_raster_mesh *m, const sl_view *view, int width, int height, uint32_t *id,
+                        float *depth) {
     const osmesa_format format = PLANE_R32UI;
     draw_list list = list_of(m, view);
     float *const position[3] = {(float *)(uintptr_t)m->x, (float *)(uintptr_t)m->y, (float *)(uintptr_t)m->z};
@@ -89,7 +93,8 @@ static void draw_ours(const sl_raster *raster, const sl_view *view, bool small, 
     sl_raster_scratch_destroy(scratch);
 }
 
-/* Depths in [0, 1] that differ; those that are at most WINDOW_STEPS of a float apart are counted in `near`, where that is given. */
+/* Depths in [0, 1] that differ; those that are at most DEPTH_STEPS of a float apart are counted in `near`,
+ * where that is given. */
 static size_t differing_depths(const float *a, const float *b, size_t count, uint64_t *near, size_t *where) {
     size_t differing = 0;
     for (size_t i = 0; i < count; i++) {
@@ -97,7 +102,7 @@ static size_t differing_depths(const float *a, const float *b, size_t count, uin
         memcpy(&p, a + i, 4);
         memcpy(&q, b + i, 4);
         if (p == q) continue;
-        if (near && p - q + WINDOW_STEPS <= 2 * WINDOW_STEPS) ++*near;
+        if (near && p - q + DEPTH_STEPS <= 2 * DEPTH_STEPS) ++*near;
         else if (!differing++) *where = i;
     }
     return differing;
@@ -120,9 +125,14 @@ static void judge_view(const sl_raster *raster, const sl_view *as_drawn, bool sm
     draw_ours(raster, &view, small, &(sl_target){width, height, ours, our_depth});
     draw_theirs(&raster->mesh, &view, width, height, theirs, their_depth);
     size_t ids = differing_words(ours, theirs, pixels, &where);
-    if (ids) print_message("%s: %zu ids of %dx%d differ, first %u, theirs %u\n", view_names[view.kind], ids, width, height, ours[where], theirs[where]);
-    size_t depths = differing_depths(our_depth, their_depth, pixels, view.kind == SL_VIEW_LIGHT ? &sum->near : NULL, &where);
-    if (depths) print_message("%s: %zu depths of %dx%d differ, first %.9g, theirs %.9g\n", view_names[view.kind], depths, width, height, (double)our_depth[where], (double)their_depth[where]);
+    if (ids)
+        print_message("%s: %zu ids of %dx%d differ, first %u, theirs %u\n", view_names[view.kind], ids, width,
+                      height, ours[where], theirs[where]);
+    size_t depths = differing_depths(our_depth, their_depth, pixels,
+                                     small || view.kind == SL_VIEW_LIGHT ? &sum->near : NULL, &where);
+    if (depths)
+        print_message("%s: %zu depths of %dx%d differ, first %.9g, theirs %.9g\n", view_names[view.kind],
+                      depths, width, height, (double)our_depth[where], (double)their_depth[where]);
     sum->judged++;
     sum->pixels += pixels;
     sum->id += ids;
@@ -131,7 +141,7 @@ static void judge_view(const sl_raster *raster, const sl_view *as_drawn, bool sm
     judging = false;
 }
 
-/* ---- Gouraud --------------------------------------------------------------------------------------------------------- */
+/* ---- Gouraud --------------------------------------------------------------------------------- */
 
 /* In double, of a value a: a / w and 1 / w are planes on the screen; x and y in pixels. */
 typedef struct screen_triangle {
@@ -143,7 +153,9 @@ static screen_triangle on_screen(const sl_raster_mesh *m, const sl_view *view, u
     screen_triangle s = {.cut = false};
     for (int k = 0; k < 3; k++) {
         uint32_t v = m->vertex[k][t];
-        double q[4] = {(double)m->x[v] - (double)view->origin.x, (double)m->y[v] - (double)view->origin.y, (double)m->z[v] - (double)view->origin.z, 1}, c[4] = {0};
+        double q[4] = {(double)m->x[v] - (double)view->origin.x, (double)m->y[v] - (double)view->origin.y,
+                       (double)m->z[v] - (double)view->origin.z, 1},
+               c[4] = {0};
         for (int i = 0; i < 4; i++) {
             for (int j = 0; j < 4; j++) c[i] += (double)view->clip[i][j] * q[j];
         }
@@ -160,17 +172,20 @@ typedef struct plane {
 } plane;
 
 static plane plane_through(const screen_triangle *s, const double value[3], double x, double y) {
-    double ax = s->x[1] - s->x[0], ay = s->y[1] - s->y[0], bx = s->x[2] - s->x[0], by = s->y[2] - s->y[0], area = ax * by - bx * ay;
+    double ax = s->x[1] - s->x[0], ay = s->y[1] - s->y[0], bx = s->x[2] - s->x[0], by = s->y[2] - s->y[0],
+           area = ax * by - bx * ay;
     double a = value[1] - value[0], b = value[2] - value[0];
     plane p = {.dx = (a * by - b * ay) / area, .dy = (b * ax - a * bx) / area};
-    double condition = (fabs(ax * by) + fabs(bx * ay)) / fabs(area), origin = fabs(p.dx * s->x[0]) + fabs(p.dy * s->y[0]) + fabs(value[0]);
+    double condition = (fabs(ax * by) + fabs(bx * ay)) / fabs(area),
+           origin = fabs(p.dx * s->x[0]) + fabs(p.dy * s->y[0]) + fabs(value[0]);
     p.at = value[0] + p.dx * (x - s->x[0]) + p.dy * (y - s->y[0]);
     p.largest = condition * (origin + fabs(p.dx) * x + fabs(p.dy) * y);
     return p;
 }
 
-/* By how much a value of OSMesa's may be off: sixteen roundings of its planes' terms, and half a step of 1/256 pixel, by which corners are
- * snapped and a pixel beside its triangle is moved. A triangle that is cut has other corners, which are better ones or about as good. */
+/* By how much a value of OSMesa's may be off: sixteen roundings of its planes' terms, and half a step of
+ * 1/256 pixel, by which corners are snapped and a pixel beside its triangle is moved. A triangle that is cut
+ * has other corners, which are better ones or about as good. */
 static double bound_of(const screen_triangle *s, const float value[3], double x, double y) {
     double over[3], inverse[3];
     for (int k = 0; k < 3; k++) {
@@ -178,17 +193,23 @@ static double bound_of(const screen_triangle *s, const float value[3], double x,
         over[k] = (double)value[k] / s->w[k];
     }
     plane numerator = plane_through(s, over, x, y), denominator = plane_through(s, inverse, x, y);
-    double a = numerator.at / denominator.at, slope = (fabs(numerator.dx - a * denominator.dx) + fabs(numerator.dy - a * denominator.dy)) / fabs(denominator.at);
-    return 16 * 0x1p-24 * (numerator.largest + fabs(a) * denominator.largest) / fabs(denominator.at) * (s->cut ? 16 : 1) + slope / 256 + 0x1p-23;
+    double a = numerator.at / denominator.at,
+           slope = (fabs(numerator.dx - a * denominator.dx) + fabs(numerator.dy - a * denominator.dy)) /
+                   fabs(denominator.at);
+    return 16 * 0x1p-24 * (numerator.largest + fabs(a) * denominator.largest) / fabs(denominator.at) *
+               (s->cut ? 16 : 1) +
+           slope / 256 + 0x1p-23;
 }
 
 static void corners_of(const sl_raster_mesh *m, const sl_gouraud_pass *pass, uint32_t t, float *value) {
     size_t channels = (size_t)pass->channels;
     if (pass->corners) pass->corners(pass->context, t, value);
-    for (size_t k = 0; k < 3 && !pass->corners; k++) memcpy(value + k * channels, pass->vertex + m->vertex[k][t] * channels, channels * sizeof *value);
+    for (size_t k = 0; k < 3 && !pass->corners; k++)
+        memcpy(value + k * channels, pass->vertex + m->vertex[k][t] * channels, channels * sizeof *value);
 }
 
-static void draw_their_values(const sl_raster_mesh *m, const sl_view *view, const sl_gouraud_pass *pass, uint32_t *id, float *rgba) {
+static void draw_their_values(const sl_raster_mesh *m, const sl_view *view, const sl_gouraud_pass *pass,
+                              uint32_t *id, float *rgba) {
     const osmesa_format formats[] = {PLANE_R32UI, PLANE_RGBA32F};
     draw_list list = list_of(m, view);
     const float *from[3] = {m->x, m->y, m->z};
@@ -199,14 +220,16 @@ static void draw_their_values(const sl_raster_mesh *m, const sl_view *view, cons
         corners_of(m, pass, list.triangle[n], corner);
         for (size_t k = 0; k < 3; k++) {
             for (int i = 0; i < 3; i++) position[i][3 * n + k] = from[i][list.index[3 * n + k]];
-            memcpy(value + 4 * (3 * n + k), corner + k * (size_t)pass->channels, (size_t)pass->channels * sizeof *value);
+            memcpy(value + 4 * (3 * n + k), corner + k * (size_t)pass->channels,
+                   (size_t)pass->channels * sizeof *value);
         }
     }
     osmesa_mesh mesh = mesh_of(position, 3 * list.count, value, 4, 0, NULL);
     osmesa_target target = osmesa_target_create(view->width, view->height, 2, formats, true);
-    unsigned program = program_in_view("layout(location = 3) in vec4 a; out vec4 value;", "value = a;",
-                                       "in vec4 value; layout(location = 0) out uint id; layout(location = 1) out vec4 colour;"
-                                       "void main() { id = uint(gl_PrimitiveID); colour = value; }");
+    unsigned program = program_in_view(
+        "layout(location = 3) in vec4 a; out vec4 value;", "value = a;",
+        "in vec4 value; layout(location = 0) out uint id; layout(location = 1) out vec4 colour;"
+        "void main() { id = uint(gl_PrimitiveID); colour = value; }");
     judge_draw(program, &target, &mesh, view, true, false);
     osmesa_read(&target, 0, id);
     osmesa_read(&target, 1, rgba);
@@ -220,29 +243,34 @@ static void draw_their_values(const sl_raster_mesh *m, const sl_view *view, cons
     free(value), free(list.triangle), free(list.index);
 }
 
-static void compare_values(const sl_raster_mesh *m, const sl_view *view, const sl_gouraud_pass *pass, size_t i, uint32_t t, const float *ours, const float *theirs) {
+static void compare_values(const sl_raster_mesh *m, const sl_view *view, const sl_gouraud_pass *pass,
+                           size_t i, uint32_t t, const float *ours, const float *theirs) {
     float value[3 * SL_GOURAUD_CHANNELS];
     size_t channels = (size_t)pass->channels, pixels = (size_t)view->width * (size_t)view->height;
     screen_triangle s = on_screen(m, view, t);
-    double x = (double)(i % (size_t)view->width) + 0.5, y = (double)(i / (size_t)view->width) + 0.5, worst = 0;
+    double x = (double)(i % (size_t)view->width) + 0.5, y = (double)(i / (size_t)view->width) + 0.5,
+           worst = 0;
     corners_of(m, pass, t, value);
     for (size_t c = 0; c < channels; c++) {
         const float at[3] = {value[c], value[channels + c], value[2 * channels + c]};
-        worst = fmax(worst, fabs((double)ours[c * pixels + i] - (double)theirs[4 * i + c]) / bound_of(&s, at, x, y));
+        worst = fmax(worst,
+                     fabs((double)ours[c * pixels + i] - (double)theirs[4 * i + c]) / bound_of(&s, at, x, y));
     }
     gouraud_tally.pixels++;
     gouraud_tally.differing += worst <= 1.0 ? 0u : 1u;
     gouraud_tally.worst = fmax(gouraud_tally.worst, worst);
 }
 
-static void judge_gouraud(void *context, const sl_raster *raster, const sl_view *as_drawn, const uint32_t *id, const sl_gouraud_pass *as_asked) {
+static void judge_gouraud(void *context, const sl_raster *raster, const sl_view *as_drawn, const uint32_t *id,
+                          const sl_gouraud_pass *as_asked) {
     (void)context;
     if (judging || raster->masked) return;
     judging = true;
     sl_view view = with_window_depth(as_drawn);
     sl_gouraud_pass pass = *as_asked;
     size_t pixels = (size_t)view.width * (size_t)view.height;
-    float *ours = checked_calloc((size_t)pass.channels * pixels, sizeof *ours), *theirs = checked_calloc(4 * pixels, sizeof *theirs);
+    float *ours = checked_calloc((size_t)pass.channels * pixels, sizeof *ours),
+          *theirs = checked_calloc(4 * pixels, sizeof *theirs);
     uint32_t *their_id = checked_calloc(pixels, sizeof *their_id);
     sl_counters counters = {{0}};
     pass.out = ours;
@@ -260,7 +288,7 @@ static void judge_gouraud(void *context, const sl_raster *raster, const sl_view 
     judging = false;
 }
 
-/* ---- methods --------------------------------------------------------------------------------------------------------- */
+/* ---- methods --------------------------------------------------------------------------------- */
 
 static void judge_draw_of(void *context, const sl_raster *raster, const sl_view *view, bool small) {
     (void)context;
@@ -277,7 +305,8 @@ static void run(sl_scene *scene, const sl_settings *settings) {
 /* Pictures over points by planes and by hemicubes, lights by shadow maps and by both kinds of windows. */
 static void run_all_on(sl_scene *scene) {
     scene->observer = &observer;
-    static const char *const methods[] = {"splatting", "splatting", "direct-radiance", "multi-mesh", "multi-mesh", "shading-cache", "light-octree"};
+    static const char *const methods[] = {"splatting",  "splatting",     "direct-radiance", "multi-mesh",
+                                          "multi-mesh", "shading-cache", "light-octree"};
     for (int n = 0; n < (int)(sizeof methods / sizeof methods[0]); n++) {
         sl_settings settings = small_settings(methods[n], 64, 48);
         settings.threads = 1;
@@ -295,10 +324,13 @@ static void run_all(const char *path) { run_all_on(load_scene(path)); }
 static sl_scene *mirror_scene(void) {
     return scene_from_text(
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],"
-        " \"materials\": {\"floor\": {\"diffuse\": [0.5, 0.6, 0.7]}, \"glass\": {\"mirror\": [0.9, 0.9, 0.9]}},"
+        " \"materials\": {\"floor\": {\"diffuse\": [0.5, 0.6, 0.7]}, \"glass\": {\"mirror\": [0.9, 0.9, "
+        "0.9]}},"
         " \"lights\": [{\"type\": \"point\", \"position\": [0.5, 1.8, 1], \"intensity\": [3, 3, 3]}],"
-        " \"camera\": {\"eye\": [0.3, 1, 3], \"target\": [0, 0.6, -1], \"fov_deg\": 50}, \"film\": {\"width\": 64, \"height\": 48}}",
-        "v -2 0 -2\nv 2 0 -2\nv 2 0 4\nv -2 0 4\nv -1 0.2 -1.5\nv 1 0.2 -1.4\nv 1 1.7 -1.4\nv -1 1.7 -1.5\nv 0.4 0 0\nv 0.9 0 0.2\nv 0.6 0.9 0.1\n"
+        " \"camera\": {\"eye\": [0.3, 1, 3], \"target\": [0, 0.6, -1], \"fov_deg\": 50}, \"film\": "
+        "{\"width\": 64, \"height\": 48}}",
+        "v -2 0 -2\nv 2 0 -2\nv 2 0 4\nv -2 0 4\nv -1 0.2 -1.5\nv 1 0.2 -1.4\nv 1 1.7 -1.4\nv -1 1.7 -1.5\nv "
+        "0.4 0 0\nv 0.9 0 0.2\nv 0.6 0.9 0.1\n"
         "usemtl floor\nf 4 3 2\nf 4 2 1\nf 9 10 11\nusemtl glass\nf 5 6 7\nf 5 7 8\n");
 }
 
@@ -347,20 +379,24 @@ static void no_kind_of_pass_is_missing(void **state) {
 static int print_table(void **state) {
     (void)state;
     uint64_t differing = gouraud_tally.differing;
-    print_message("%-24s %10s %10s %12s %10s %10s %10s\n", "pass", "drawn", "judged", "pixels", "id", "depth", "steps");
+    print_message("%-24s %10s %10s %12s %10s %10s %10s\n", "pass", "drawn", "judged", "pixels", "id", "depth",
+                  "steps");
     for (int small = 0; small < 2; small++) {
         for (int kind = 0; kind < SL_VIEW_KINDS; kind++) {
             const tally *t = &tallies[small][kind];
             if (!t->draws) continue;
-            print_message("%s %-18s %10llu %10llu %12llu %10llu %10llu %10llu\n", small ? "small" : "large", view_names[kind], (unsigned long long)t->draws,
-                          (unsigned long long)t->judged, (unsigned long long)t->pixels, (unsigned long long)t->id, (unsigned long long)t->depth,
-                          (unsigned long long)t->near);
+            print_message("%s %-18s %10llu %10llu %12llu %10llu %10llu %10llu\n", small ? "small" : "large",
+                          view_names[kind], (unsigned long long)t->draws, (unsigned long long)t->judged,
+                          (unsigned long long)t->pixels, (unsigned long long)t->id,
+                          (unsigned long long)t->depth, (unsigned long long)t->near);
             differing += t->id + t->depth;
         }
     }
-    print_message("Gouraud: %llu passes, %llu pixels, %llu differ, at most %.2g of the bound; in %llu another triangle by 1/w\n",
-                  (unsigned long long)gouraud_tally.passes, (unsigned long long)gouraud_tally.pixels, (unsigned long long)gouraud_tally.differing,
-                  gouraud_tally.worst, (unsigned long long)gouraud_tally.other_triangle);
+    print_message("Gouraud: %llu passes, %llu pixels, %llu differ, at most %.2g of the bound; in %llu "
+                  "another triangle by 1/w\n",
+                  (unsigned long long)gouraud_tally.passes, (unsigned long long)gouraud_tally.pixels,
+                  (unsigned long long)gouraud_tally.differing, gouraud_tally.worst,
+                  (unsigned long long)gouraud_tally.other_triangle);
     print_message("differing pixels: %llu\n", (unsigned long long)differing);
     osmesa_close();
     return 0;

@@ -1,5 +1,5 @@
-/* The harness over OSMesa (osmesa.h), on pictures known by hand: were it wrong, the comparisons that build on it would be
- * worth nothing. */
+/* The harness over OSMesa (osmesa.h), on pictures known by hand: were it wrong, the comparisons that build on
+ * it would be worth nothing. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,9 +19,11 @@ static void open_or_skip(void) {
     skip();
 }
 
-static const char *const straight_through = "layout(location = 0) in vec4 p; void main() { gl_Position = p; }";
+static const char *const straight_through =
+    "layout(location = 0) in vec4 p; void main() { gl_Position = p; }";
 
-/* The lower left half: pixels whose centres have x + y (in pixels of WIDTH x HEIGHT mapped to [0,1]) below 1. */
+/* The lower left half: pixels whose centres have x + y (in pixels of WIDTH x HEIGHT mapped to [0,1]) below 1.
+ */
 static const float lower_left[] = {-1, -1, 0.5f, 1, 1, -1, 0.5f, 1, -1, 1, 0.5f, 1};
 
 static bool in_lower_left(int x, int y) { return (x + 0.5) / WIDTH + (y + 0.5) / HEIGHT < 1.0; }
@@ -31,10 +33,12 @@ static void several_planes_and_depth_are_drawn_at_once(void **state) {
     open_or_skip();
     const osmesa_format formats[] = {PLANE_R32UI, PLANE_R32F, PLANE_RGB32F, PLANE_RGBA32F};
     osmesa_target target = osmesa_target_create(WIDTH, HEIGHT, 4, formats, true);
-    unsigned program = osmesa_program(straight_through,
+    unsigned program = osmesa_program(
+        straight_through,
         "layout(location = 0) out uint id; layout(location = 1) out float a; layout(location = 2) out vec3 b;"
         "layout(location = 3) out vec4 c;"
-        "void main() { id = uint(gl_PrimitiveID) + 7u; a = 1.5; b = vec3(2, 3, 4); c = vec4(gl_FragCoord.xy, 5, 6); }");
+        "void main() { id = uint(gl_PrimitiveID) + 7u; a = 1.5; b = vec3(2, 3, 4); c = vec4(gl_FragCoord.xy, "
+        "5, 6); }");
     const osmesa_stream positions = {lower_left, 3, 4, false};
     osmesa_mesh mesh = osmesa_mesh_create(1, &positions, 0, NULL);
     osmesa_clear(&target);
@@ -94,7 +98,8 @@ static void full_screen_passes_read_textures_and_planes(void **state) {
     (void)state;
     open_or_skip();
     const osmesa_format format = PLANE_RGBA32F;
-    osmesa_target first = osmesa_target_create(WIDTH, HEIGHT, 1, &format, false), second = osmesa_target_create(WIDTH, HEIGHT, 1, &format, false);
+    osmesa_target first = osmesa_target_create(WIDTH, HEIGHT, 1, &format, false),
+                  second = osmesa_target_create(WIDTH, HEIGHT, 1, &format, false);
     unsigned program = osmesa_program(
         "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0, 1); }",
         "uniform sampler2D image; uniform float scale; uniform mat4 twist; out vec4 colour;"
@@ -120,7 +125,8 @@ static void full_screen_passes_read_textures_and_planes(void **state) {
     osmesa_draw_all(program, &mesh);
     osmesa_finish();
     osmesa_read(&second, 0, back);
-    for (int i = 0; i < PIXELS; i++) for (int k = 0; k < 4; k++) assert_true(back[i][k] == 6.0f * texels[i][(k + 1) % 4]);
+    for (int i = 0; i < PIXELS; i++)
+        for (int k = 0; k < 4; k++) assert_true(back[i][k] == 6.0f * texels[i][(k + 1) % 4]);
     osmesa_texture_destroy(texture);
     osmesa_mesh_destroy(&mesh);
     osmesa_program_destroy(program);

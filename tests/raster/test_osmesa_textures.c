@@ -1,9 +1,10 @@
 /* Texture filtering, MIP maps and cube maps, ours and OSMesa's, both against evaluation in double precision:
- * ours must never be further from it, neither at most nor on average. OSMesa gets the same coordinates bit by bit (from a
- * texture, fetched), so that what is compared is filtering alone.
+ * ours must never be further from it, neither at most nor on average. OSMesa gets the same coordinates bit by
+ * bit (from a texture, fetched), so that what is compared is filtering alone.
  *
- * Everything runs twice, since llvmpipe filters bytes with weights of 8 bits unless told otherwise: as it comes, and at its most
- * accurate (GALLIVM_PERF=no_quad_lod,no_aos_sampling). It reads that once a process, so the first run is a child process. */
+ * Everything runs twice, since llvmpipe filters bytes with weights of 8 bits unless told otherwise: as it
+ * comes, and at its most accurate (GALLIVM_PERF=no_quad_lod,no_aos_sampling). It reads that once a process,
+ * so the first run is a child process. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -39,7 +40,8 @@ static void add_error(error_sum *e, double difference) {
 }
 
 static void judge(const char *what, error_sum our, error_sum their, double count) {
-    printf("  %-58s  %8.1e %8.1e   %8.1e %8.1e\n", what, our.largest, our.sum / count, their.largest, their.sum / count);
+    printf("  %-58s  %8.1e %8.1e   %8.1e %8.1e\n", what, our.largest, our.sum / count, their.largest,
+           their.sum / count);
     assert_true(our.largest <= their.largest && our.sum <= their.sum);
 }
 
@@ -73,7 +75,8 @@ static void look_up(const osmesa_texels *texels, const char *lookup, const char 
     char text[512];
     snprintf(text, sizeof text,
              "uniform sampler2D places; uniform %s image; out vec4 color;"
-             "void main() { vec4 p = texelFetch(places, ivec2(gl_FragCoord.xy), 0); color = %s; }", sampler_type, lookup);
+             "void main() { vec4 p = texelFetch(places, ivec2(gl_FragCoord.xy), 0); color = %s; }",
+             sampler_type, lookup);
     osmesa_target target = osmesa_target_create(SIDE, SIDE, 1, &format, false);
     unsigned program = osmesa_program(whole_screen, text), image = osmesa_texture_filtered(texels);
     unsigned places = osmesa_texture(SIDE, SIDE, coordinates[0]);
@@ -103,7 +106,8 @@ static void exact_bilinear(const float *texels, int width, int height, double s,
     for (int c = 0; c < 4; c++) {
         double v[4];
         for (int k = 0; k < 4; k++) {
-            v[k] = (double)texels[4 * (within(j + (k >> 1), height) * width + within(i + (k & 1), width)) + c];
+            v[k] =
+                (double)texels[4 * (within(j + (k >> 1), height) * width + within(i + (k & 1), width)) + c];
         }
         out[c] = (v[0] * (1 - fx) + v[1] * fx) * (1 - fy) + (v[2] * (1 - fx) + v[3] * fx) * fy;
     }
@@ -135,7 +139,8 @@ static void random_places(float low, float high, float levels) {
     uint64_t key = sl_random_key(99, (uint64_t)levels);
     for (uint64_t i = 0; i < COUNT; i++) {
         for (uint64_t c = 0; c < 4; c++) {
-            coordinates[i][c] = c < 2 ? random_between(key, 4 * i + c, low, high) : random_between(key, 4 * i + c, -1, levels);
+            coordinates[i][c] = c < 2 ? random_between(key, 4 * i + c, low, high)
+                                      : random_between(key, 4 * i + c, -1, levels);
         }
         for (int c = 0; c < 4; c++) columns[c][i] = coordinates[i][c];
     }
@@ -145,7 +150,8 @@ static void compare_image(const char *what, int width, int height, bool mip) {
     sl_texture_image *m = random_image(width, height, mip);
     const void *level[SL_TEXTURE_LEVELS];
     for (int l = 0; l < m->levels; l++) level[l] = m->texels + 4 * (size_t)m->first[l];
-    osmesa_texels texels = {TEXTURE_2D, TEXEL_RGBA32F, width, height, 1, m->levels, level, false, true, mip ? 2 : 0};
+    osmesa_texels texels = {TEXTURE_2D, TEXEL_RGBA32F, width, height, 1,
+                            m->levels,  level,         false, true,   mip ? 2 : 0};
     random_places(-1.5f, 2.5f, (float)m->levels);
     look_up(&texels, "textureLod(image, p.xy, p.z)", "sampler2D");
     float *const plane[4] = {ours[0], ours[1], ours[2], ours[3]};
@@ -169,7 +175,8 @@ static void bilinear_and_trilinear_float_textures(void **state) {
     compare_image("trilinear at given levels, float, 100 x 37", 100, 37, true);
 }
 
-/* The levels themselves: means over the texels' areas. OSMesa's glGenerateMipmap() filters by bilinear lookups. */
+/* The levels themselves: means over the texels' areas. OSMesa's glGenerateMipmap() filters by bilinear
+ * lookups. */
 static void generated_levels(void **state) {
     (void)state;
     open_or_skip();
@@ -185,9 +192,11 @@ static void generated_levels(void **state) {
         for (int l = 1; l < m->levels; l++) {
             osmesa_read_level(texture, l, theirs[0]);
             for (int i = 0; i < m->width[l] * m->height[l]; i++) {
-                /* The area of a texel of level l in texels of level 0; in chains of odd sizes the same, since every level is exact. */
+                /* The area of a texel of level l in texels of level 0; in chains of odd sizes the same, since
+                 * every level is exact. */
                 double x0 = (double)(i % m->width[l]) * w / m->width[l], x1 = x0 + (double)w / m->width[l];
-                double y0 = (double)(i / m->width[l]) * h / m->height[l], y1 = y0 + (double)h / m->height[l], sum[4] = {0}, area = 0;
+                double y0 = (double)(i / m->width[l]) * h / m->height[l], y1 = y0 + (double)h / m->height[l],
+                       sum[4] = {0}, area = 0;
                 if (l > 1 && (w % (1 << l) || h % (1 << l))) continue; /* later levels average averages */
                 for (int y = (int)y0; y < h && y < y1; y++) {
                     for (int x = (int)x0; x < w && x < x1; x++) {
@@ -219,8 +228,12 @@ static void exact_face_place(const float d[3], int *face, double *s, double *t) 
     *face = 2 * axis + (d[axis] < 0);
     sl_frame f = sl_cube_face_frame(*face);
     const double m = a[axis];
-    *s = ((double)d[0] * (double)f.x.x + (double)d[1] * (double)f.x.y + (double)d[2] * (double)f.x.z) / m * 0.5 + 0.5;
-    *t = ((double)d[0] * (double)f.y.x + (double)d[1] * (double)f.y.y + (double)d[2] * (double)f.y.z) / m * 0.5 + 0.5;
+    *s = ((double)d[0] * (double)f.x.x + (double)d[1] * (double)f.x.y + (double)d[2] * (double)f.x.z) / m *
+             0.5 +
+         0.5;
+    *t = ((double)d[0] * (double)f.y.x + (double)d[1] * (double)f.y.y + (double)d[2] * (double)f.y.z) / m *
+             0.5 +
+         0.5;
 }
 
 static void exact_cube(const sl_cube_map *cube, const float d[3], int level, double out[4]) {
@@ -231,7 +244,8 @@ static void exact_cube(const sl_cube_map *cube, const float d[3], int level, dou
     for (int c = 0; c < 4; c++) {
         double v[4];
         for (int k = 0; k < 4; k++) {
-            v[k] = (double)sl_cube_map_texel(cube, level, face, (int)floor(x) + (k & 1), (int)floor(y) + (k >> 1))[c];
+            v[k] = (double)sl_cube_map_texel(cube, level, face, (int)floor(x) + (k & 1),
+                                             (int)floor(y) + (k >> 1))[c];
         }
         out[c] = (v[0] * (1 - fx) + v[1] * fx) * (1 - fy) + (v[2] * (1 - fx) + v[3] * fx) * fy;
     }
@@ -253,17 +267,23 @@ static void compare_cube(const char *what, int size, bool mip, double corner) {
             float *copy = copies[6 * l + face] = malloc((size_t)n * (size_t)n * 4 * sizeof(float));
             assert_non_null(copy);
             for (int y = 0; y < n; y++) {
-                memcpy(copy + 4 * n * y, sl_cube_map_texel(cube, l, face, 0, y), (size_t)n * 4 * sizeof(float));
+                memcpy(copy + 4 * n * y, sl_cube_map_texel(cube, l, face, 0, y),
+                       (size_t)n * 4 * sizeof(float));
             }
         }
     }
-    osmesa_texels texels = {TEXTURE_CUBE, TEXEL_RGBA32F, size, size, 1, cube->levels, (const void *const *)copies, false, true, mip ? 2 : 0};
+    osmesa_texels texels = {
+        TEXTURE_CUBE, TEXEL_RGBA32F, size,       size, 1, cube->levels, (const void *const *)copies,
+        false,        true,          mip ? 2 : 0};
     for (uint64_t i = 0; i < COUNT; i++) {
         sl_vec3 d = random_direction(key, 100000 + i);
         if (corner > 0.0) { /* within that distance of a corner of the cube */
-            d = sl_v3((i & 1 ? 1.0f : -1.0f) + (float)corner * d.x, (i & 2 ? 1.0f : -1.0f) + (float)corner * d.y, (i & 4 ? 1.0f : -1.0f) + (float)corner * d.z);
+            d = sl_v3((i & 1 ? 1.0f : -1.0f) + (float)corner * d.x,
+                      (i & 2 ? 1.0f : -1.0f) + (float)corner * d.y,
+                      (i & 4 ? 1.0f : -1.0f) + (float)corner * d.z);
         }
-        const float place[4] = {d.x, d.y, d.z, mip ? random_between(key, 9000000 + i, -1, (float)cube->levels) : 0.0f};
+        const float place[4] = {d.x, d.y, d.z,
+                                mip ? random_between(key, 9000000 + i, -1, (float)cube->levels) : 0.0f};
         memcpy(coordinates[i], place, sizeof place);
         for (int c = 0; c < 4; c++) columns[c][i] = place[c];
     }
@@ -301,8 +321,8 @@ static int run(const char *setting) {
     };
     if (setting) setenv("GALLIVM_PERF", setting, 1);
     else unsetenv("GALLIVM_PERF");
-    printf("OSMesa %s\n  %-58s  ours: largest, mean  OSMesa's: largest, mean\n", setting ? setting : "as it comes",
-           "differences to double precision, of values in [0,1]");
+    printf("OSMesa %s\n  %-58s  ours: largest, mean  OSMesa's: largest, mean\n",
+           setting ? setting : "as it comes", "differences to double precision, of values in [0,1]");
     fflush(stdout);
     int failed = cmocka_run_group_tests_name("textures beside OSMesa's", tests, NULL, NULL);
     if (opened) osmesa_close();

@@ -10,7 +10,8 @@ static sl_view random_pyramid(uint64_t key, uint64_t n, sl_vec3 eye, float tange
     return sl_view_pyramid(&frame, eye, -tangent, tangent, -tangent, tangent, SIZE, SIZE, near);
 }
 
-/* Taking one triangle away must uncover just its pixels: then no other triangle claimed them, and each was drawn once. */
+/* Taking one triangle away must uncover just its pixels: then no other triangle claimed them, and each was
+ * drawn once. */
 static void assert_covered_exactly_once(const sl_raster *raster, size_t triangles, sl_view view) {
     uint32_t all[PIXELS], without[PIXELS];
     float depth[PIXELS];
@@ -52,7 +53,8 @@ static void camera_inside_a_box_sees_every_pixel_with_window_depth(void **state)
     sl_scene *scene = scene_of_triangles(xyz, count);
     sl_raster *raster = raster_of(scene);
     sl_camera camera;
-    assert_true(sl_camera_look_at(&camera, sl_v3(0.2f, 0.1f, 0.3f), sl_v3(1, -1, 0.5f), sl_v3(0, 1, 0), 1.5f));
+    assert_true(
+        sl_camera_look_at(&camera, sl_v3(0.2f, 0.1f, 0.3f), sl_v3(1, -1, 0.5f), sl_v3(0, 1, 0), 1.5f));
     assert_covered_exactly_once(raster, count, sl_view_camera(&camera, SIZE, SIZE, 0.01f, 100.0f));
     sl_raster_destroy(raster);
     sl_scene_destroy(scene);
@@ -62,7 +64,8 @@ static void plane_through_the_eyes_height_ends_at_the_horizon(void **state) {
     (void)state;
     /* A floor one below the eye, reaching far behind it; the view looks level. Depth: w = -1 / tangent. */
     const float far = 4000.0f;
-    const float xyz[18] = {-far, -1, -far, far, -1, -far, far, -1, far, -far, -1, -far, far, -1, far, -far, -1, far};
+    const float xyz[18] = {-far, -1, -far, far, -1, -far, far,  -1, far,
+                           -far, -1, -far, far, -1, far,  -far, -1, far};
     sl_scene *scene = scene_of_triangles(xyz, 2);
     sl_raster *raster = raster_of(scene);
     sl_frame frame = {sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1)};
@@ -110,8 +113,9 @@ static void vertex_at_the_eye_or_on_the_near_plane_is_harmless(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* The eye looks along a wall from just below a ceiling, and sees the room below a near plane that is level, not upright. Two corners of each
- * of the wall's triangles are above it and some behind the eye: those are not before it for that. */
+/* The eye looks along a wall from just below a ceiling, and sees the room below a near plane that is level,
+ * not upright. Two corners of each of the wall's triangles are above it and some behind the eye: those are
+ * not before it for that. */
 static void an_oblique_near_plane_keeps_triangles_that_reach_behind_the_eye(void **state) {
     (void)state;
     static float xyz[9 * 12];
@@ -141,7 +145,8 @@ static void a_view_that_meets_nothing_draws_nothing_and_some_are_found_to_meet_n
     uint64_t key = sl_random_key(41, 0);
     int nothing = 0, missed = 0;
     for (uint64_t i = 0; i < 300; i++) { /* eyes in and around the room, looking anywhere */
-        sl_vec3 eye = sl_v3(random_between(key, 4 * i, -8, 12), random_between(key, 4 * i + 1, -8, 12), random_between(key, 4 * i + 2, -8, 12));
+        sl_vec3 eye = sl_v3(random_between(key, 4 * i, -8, 12), random_between(key, 4 * i + 1, -8, 12),
+                            random_between(key, 4 * i + 2, -8, 12));
         sl_frame frame = sl_frame_from_normal(random_direction(key + 1, i));
         sl_view view = sl_view_pyramid(&frame, eye, -0.3f, 0.3f, -0.3f, 0.3f, 32, 32, 0.01f);
         uint32_t id[32 * 32];
@@ -208,13 +213,16 @@ static void every_triangle_is_accounted_for(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Corners before, beside and behind the eye, from a thousandth to a million times as far away as the view's own scale. */
+/* Corners before, beside and behind the eye, from a thousandth to a million times as far away as the view's
+ * own scale. */
 static void random_corners(uint64_t key, float *xyz, size_t triangles) {
     for (uint64_t t = 0; t < triangles; t++) {
-        sl_vec3 at = sl_v3(random_between(key, 32 * t, -2, 2), random_between(key, 32 * t + 1, -2, 2), random_between(key, 32 * t + 2, -1, 3));
+        sl_vec3 at = sl_v3(random_between(key, 32 * t, -2, 2), random_between(key, 32 * t + 1, -2, 2),
+                           random_between(key, 32 * t + 2, -1, 3));
         for (uint64_t k = 0; k < 3; k++) {
             float size = sl_random_unit(key, 32 * t + 3) < 0.7f ? 0.5f : 1e-3f;
-            if (sl_random_unit(key, 32 * t + 4 + k) < 0.01f) size = random_between(key, 32 * t + 8 + k, 10, 1e6f);
+            if (sl_random_unit(key, 32 * t + 4 + k) < 0.01f)
+                size = random_between(key, 32 * t + 8 + k, 10, 1e6f);
             float *p = &xyz[9 * t + 3 * k];
             p[0] = at.x + size * random_between(key, 32 * t + 12 + 3 * k, -1, 1);
             p[1] = at.y + size * random_between(key, 32 * t + 13 + 3 * k, -1, 1);
@@ -243,7 +251,8 @@ static void assert_same_pieces(const sl_batch *many, uint32_t id, const sl_batch
 }
 
 /* Returns how many of the cluster's triangles the kernel clipped, and adds those that it left. */
-static size_t compare_cluster(const sl_raster *raster, uint32_t cluster, const sl_pass_view *pass, sl_raster_scratch *s, size_t *left) {
+static size_t compare_cluster(const sl_raster *raster, uint32_t cluster, const sl_pass_view *pass,
+                              sl_raster_scratch *s, size_t *left) {
     size_t clipped = 0;
     uint32_t first = raster->first_triangle[cluster];
     raster->kernels->transform(raster, cluster, pass, &s->vertices);
@@ -280,22 +289,26 @@ static void clipping_many_together_gives_the_pieces_of_clipping_one_by_one(void 
         sl_raster_scratch *scratch;
         assert_int_equal(sl_raster_scratch_create(raster, SIZE, SIZE, &scratch, NULL), SL_OK);
         sl_camera camera;
-        assert_true(sl_camera_look_at(&camera, sl_v3(0.1f, 0.2f, 0.3f), sl_v3(0.5f, -0.5f, 2), sl_v3(0, 1, 0), 1.2f));
+        assert_true(
+            sl_camera_look_at(&camera, sl_v3(0.1f, 0.2f, 0.3f), sl_v3(0.5f, -0.5f, 2), sl_v3(0, 1, 0), 1.2f));
         sl_view views[4] = {random_pyramid(sl_random_key(8, seed), 0, sl_v3(0, 0, 0), 1.0f, 1e-3f),
                             random_pyramid(sl_random_key(8, seed), 1, sl_v3(0, 0, 0.5f), 0.2f, 0.5f),
-                            sl_view_camera(&camera, SIZE, SIZE, 0.05f, 3.0f), sl_view_camera(&camera, SIZE, SIZE, 0.5f, 2.0f)};
+                            sl_view_camera(&camera, SIZE, SIZE, 0.05f, 3.0f),
+                            sl_view_camera(&camera, SIZE, SIZE, 0.5f, 2.0f)};
         views[3].corner_planes = true;
         for (int n = 0; n < 4; n++) {
             sl_pass_view pass = sl_pass_view_make(&views[n], SIZE, SIZE);
             sl_tile_place(&scratch->tile, &pass, 0, 0);
-            for (uint32_t c = 0; c < raster->cluster_count; c++) clipped += compare_cluster(raster, c, &pass, scratch, &left);
+            for (uint32_t c = 0; c < raster->cluster_count; c++)
+                clipped += compare_cluster(raster, c, &pass, scratch, &left);
         }
         sl_raster_scratch_destroy(scratch);
         sl_raster_destroy(raster);
         sl_scene_destroy(scene);
     }
     assert_true(clipped > 5000 && left > 100);
-    assert_true(left < clipped / 2 || left == clipped); /* of such wild triangles many are left; by narrow vectors all */
+    /* of such wild triangles many are left; by narrow vectors all */
+    assert_true(left < clipped / 2 || left == clipped);
 }
 
 int main(void) {

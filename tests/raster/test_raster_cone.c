@@ -1,4 +1,5 @@
-/* Cone against box: no box is passed over whose triangle a ray inside the cone hits, and a narrow cone meets few. */
+/* Cone against box: no box is passed over whose triangle a ray inside the cone hits, and a narrow cone meets
+ * few. */
 #include "raster/views/cone.h"
 #include "raster_support.h"
 
@@ -8,7 +9,8 @@
 static double hit_distance(const sl_scene *s, uint32_t t, sl_vec3d origin, sl_vec3d d) {
     sl_vec3d p[3];
     for (int k = 0; k < 3; k++) p[k] = sl_to_double(sl_scene_position(s, s->vertex[k][t]));
-    sl_vec3d e1 = sl_subd(p[1], p[0]), e2 = sl_subd(p[2], p[0]), h = sl_crossd(d, e2), from = sl_subd(origin, p[0]);
+    sl_vec3d e1 = sl_subd(p[1], p[0]), e2 = sl_subd(p[2], p[0]), h = sl_crossd(d, e2),
+             from = sl_subd(origin, p[0]);
     double det = sl_dotd(e1, h);
     if (det == 0.0) return -1.0;
     double u = sl_dotd(from, h) / det;
@@ -24,7 +26,8 @@ static sl_vec3d direction_inside(const sl_cone *cone, uint64_t key, uint64_t n) 
     double cosine = 1.0 - (1.0 - least) * unit, phi = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * n + 1);
     double sine = sqrt(fmax(0.0, 1.0 - cosine * cosine));
     sl_vec3d x = sl_to_double(frame.x), y = sl_to_double(frame.y), z = sl_to_double(frame.z);
-    return sl_addd(sl_scaled(z, cosine), sl_addd(sl_scaled(x, sine * sl_cos(phi)), sl_scaled(y, sine * sl_sin(phi))));
+    return sl_addd(sl_scaled(z, cosine),
+                   sl_addd(sl_scaled(x, sine * sl_cos(phi)), sl_scaled(y, sine * sl_sin(phi))));
 }
 
 static sl_cone random_cone(const sl_scene *s, uint64_t key, uint64_t n) {
@@ -34,7 +37,8 @@ static sl_cone random_cone(const sl_scene *s, uint64_t key, uint64_t n) {
                          random_between(key, 8 * n + 3, s->box_min.y - 1, s->box_max.y + 1),
                          random_between(key, 8 * n + 4, s->box_min.z - 1, s->box_max.z + 1));
     if (n % 5 == 0) apex = sl_scene_position(s, sl_random_bits(key, 8 * n + 5) % (uint32_t)s->vertex_count);
-    sl_vec3 axis = n % 7 == 0 ? sl_v3(0, n % 2 ? 1 : -1, 0) : sl_scale(random_direction(key, 8 * n + 6), 1 + (float)(n % 3));
+    sl_vec3 axis = n % 7 == 0 ? sl_v3(0, n % 2 ? 1 : -1, 0)
+                              : sl_scale(random_direction(key, 8 * n + 6), 1 + (float)(n % 3));
     return (sl_cone){apex, axis, 1.0f - spread, length};
 }
 
@@ -76,9 +80,10 @@ static void cones_that_are_none_hold_everything(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(2, 4);
     sl_vec3 apex = sl_v3(2, 1, 2), up = sl_v3(0, 1, 0);
-    const sl_cone all[] = {{apex, {0, 0, 0}, 0.5f, 1}, {apex, up, -0.1f, 1},    {apex, up, NAN, 1},
-                           {apex, up, 0.5f, NAN},      {{NAN, 0, 0}, up, 0.5f, 1}, {apex, {0, NAN, 0}, 0.5f, 1},
-                           sl_cone_around(apex, &apex, 1)};
+    const sl_cone all[] = {
+        {apex, {0, 0, 0}, 0.5f, 1},    {apex, up, -0.1f, 1},       {apex, up, NAN, 1},
+        {apex, up, 0.5f, NAN},         {{NAN, 0, 0}, up, 0.5f, 1}, {apex, {0, NAN, 0}, 0.5f, 1},
+        sl_cone_around(apex, &apex, 1)};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         for (uint32_t t = 0; t < scene->triangle_count; t++) assert_true(meets_box_of(&all[i], scene, t));
     }

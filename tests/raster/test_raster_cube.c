@@ -1,4 +1,5 @@
-/* The faces of cubes and hemicubes: OpenGL's table, every direction in one face, and the sum of solid angles. */
+/* The faces of cubes and hemicubes: OpenGL's table, every direction in one face, and the sum of solid angles.
+ */
 #include "base/math.h"
 #include "raster_support.h"
 
@@ -20,7 +21,8 @@ static void cube_faces_are_those_of_opengls_table(void **state) {
     (void)state;
     for (uint64_t n = 0; n < 20000; n++) {
         sl_vec3d r = sl_to_double(random_direction(sl_random_key(71, 0), n));
-        const double coordinate[6][3] = {{-r.z, -r.y, r.x}, {r.z, -r.y, -r.x}, {r.x, r.z, r.y}, {r.x, -r.z, -r.y}, {r.x, -r.y, r.z}, {-r.x, -r.y, -r.z}};
+        const double coordinate[6][3] = {{-r.z, -r.y, r.x}, {r.z, -r.y, -r.x}, {r.x, r.z, r.y},
+                                         {r.x, -r.z, -r.y}, {r.x, -r.y, r.z},  {-r.x, -r.y, -r.z}};
         double largest = fmax(fabs(r.x), fmax(fabs(r.y), fabs(r.z)));
         int found = 0;
         for (int face = 0; face < 6; face++) {
@@ -31,7 +33,8 @@ static void cube_faces_are_those_of_opengls_table(void **state) {
             found += seen;
             if (!seen) continue;
             assert_true(fabs(x - sc / ma) < 1e-12 && fabs(y - tc / ma) < 1e-12);
-            assert_true(fabs(row(view.clip[3], r) - ma) < 1e-12 && fabs(row(view.clip[2], r) - (ma - 1e-3)) < 1e-9);
+            assert_true(fabs(row(view.clip[3], r) - ma) < 1e-12 &&
+                        fabs(row(view.clip[2], r) - (ma - 1e-3)) < 1e-9);
         }
         assert_int_equal(found, 1);
     }
@@ -40,7 +43,8 @@ static void cube_faces_are_those_of_opengls_table(void **state) {
 static sl_frame turned_frame(uint64_t n) {
     sl_frame f = sl_frame_from_normal(random_direction(sl_random_key(72, 0), n));
     float c = 0.6f, s = 0.8f;
-    return (sl_frame){sl_add(sl_scale(f.x, c), sl_scale(f.y, s)), sl_sub(sl_scale(f.y, c), sl_scale(f.x, s)), f.z};
+    return (sl_frame){sl_add(sl_scale(f.x, c), sl_scale(f.y, s)), sl_sub(sl_scale(f.y, c), sl_scale(f.x, s)),
+                      f.z};
 }
 
 static void every_direction_above_the_horizon_is_in_one_face_of_a_hemicube(void **state) {
@@ -86,9 +90,11 @@ static void pixels_of_a_hemicube_add_up_to_the_hemisphere(void **state) {
             scale[k] = sl_lengthd(rows[k]);
         }
         for (int i = 0; i < view.width * view.height; i++) {
-            double x = (2.0 * (i % view.width) + 1.0) / view.width - 1.0, y = (2.0 * (i / view.width) + 1.0) / view.height - 1.0;
+            double x = (2.0 * (i % view.width) + 1.0) / view.width - 1.0,
+                   y = (2.0 * (i / view.width) + 1.0) / view.height - 1.0;
             double tx = (x - shift[0]) / scale[0], ty = (y - shift[1]) / scale[1];
-            sl_vec3d d = sl_addd(z, sl_addd(sl_scaled(rows[0], tx / scale[0]), sl_scaled(rows[1], ty / scale[1])));
+            sl_vec3d d =
+                sl_addd(z, sl_addd(sl_scaled(rows[0], tx / scale[0]), sl_scaled(rows[1], ty / scale[1])));
             double r = sl_lengthd(d), omega = (2.0 / SIZE) * (2.0 / SIZE) / (r * r * r);
             angle += omega;
             projected += omega * sl_dotd(d, sl_to_double(frame.z)) / r;
@@ -107,13 +113,16 @@ static void sides_of_a_hemicube_fold_out_from_the_top(void **state) {
     for (int side = 0; side < 4; side++) {
         sl_view view = sl_view_hemicube_face(&frame, sl_v3(0, 0, 0), side + 1, 32, 1e-3f);
         for (int n = -9; n <= 9; n++) {
-            double along = n / 10.0, u = outwards[side][0] != 0 ? outwards[side][0] : along, v = outwards[side][1] != 0 ? outwards[side][1] : along;
-            sl_vec3d d = sl_addd(sl_to_double(frame.z), sl_addd(sl_scaled(sl_to_double(frame.x), u), sl_scaled(sl_to_double(frame.y), v)));
+            double along = n / 10.0, u = outwards[side][0] != 0 ? outwards[side][0] : along,
+                   v = outwards[side][1] != 0 ? outwards[side][1] : along;
+            sl_vec3d d = sl_addd(sl_to_double(frame.z), sl_addd(sl_scaled(sl_to_double(frame.x), u),
+                                                                sl_scaled(sl_to_double(frame.y), v)));
             double x, y, top_x, top_y;
             project(&top, d, &top_x, &top_y);
             project(&view, d, &x, &y);
             bool horizontal = side < 2;
-            assert_true(fabs((horizontal ? y : x) - along) < 1e-6 && fabs((horizontal ? top_y : top_x) - along) < 1e-6);
+            assert_true(fabs((horizontal ? y : x) - along) < 1e-6 &&
+                        fabs((horizontal ? top_y : top_x) - along) < 1e-6);
             /* The side's edge next to the top: its left for +x, its right for -x, and so on. */
             assert_true(fabs((horizontal ? x : y) + outwards[side][horizontal ? 0 : 1]) < 1e-6);
             assert_true(fabs((horizontal ? top_x : top_y) - outwards[side][horizontal ? 0 : 1]) < 1e-6);
@@ -129,12 +138,16 @@ static void a_closed_room_leaves_no_pixel_of_any_face_empty(void **state) {
     static uint32_t id[32 * 32];
     static float depth[32 * 32];
     for (uint64_t n = 0; n < 20; n++) {
-        sl_vec3 eye = sl_v3(random_between(sl_random_key(74, 0), 3 * n, 0.2f, 3.8f), random_between(sl_random_key(74, 0), 3 * n + 1, 0.2f, 2.8f), random_between(sl_random_key(74, 0), 3 * n + 2, 0.2f, 4.8f));
+        sl_vec3 eye = sl_v3(random_between(sl_random_key(74, 0), 3 * n, 0.2f, 3.8f),
+                            random_between(sl_random_key(74, 0), 3 * n + 1, 0.2f, 2.8f),
+                            random_between(sl_random_key(74, 0), 3 * n + 2, 0.2f, 4.8f));
         sl_frame frame = turned_frame(n);
         for (int face = 0; face < 11; face++) {
-            sl_view view = face < 6 ? sl_view_cube_face(eye, face, 32, 1e-4f) : sl_view_hemicube_face(&frame, eye, face - 6, 32, 1e-4f);
+            sl_view view = face < 6 ? sl_view_cube_face(eye, face, 32, 1e-4f)
+                                    : sl_view_hemicube_face(&frame, eye, face - 6, 32, 1e-4f);
             render_small(raster, &view, id, depth);
-            for (int i = 0; i < view.width * view.height; i++) assert_true(id[i] != SL_NO_INDEX && depth[i] > 0.0f);
+            for (int i = 0; i < view.width * view.height; i++)
+                assert_true(id[i] != SL_NO_INDEX && depth[i] > 0.0f);
         }
     }
     sl_raster_destroy(raster);

@@ -37,7 +37,8 @@ static void a_texels_own_direction_gives_that_texel_on_every_face(void **state) 
     for (int face = 0; face < 6; face++) {
         for (int i = 0; i < 64; i++) {
             float rgba[4];
-            sl_vec3 d = sl_scale(on_face(face, ((float)(i % 8) + 0.5f) / 4 - 1, ((float)(i / 8) + 0.5f) / 4 - 1), 3.0f);
+            sl_vec3 d = sl_scale(
+                on_face(face, ((float)(i % 8) + 0.5f) / 4 - 1, ((float)(i / 8) + 0.5f) / 4 - 1), 3.0f);
             sl_cube_map_sample(cube, d, 0.0f, rgba);
             assert_memory_equal(rgba, sl_cube_map_texel(cube, 0, face, i % 8, i / 8), sizeof rgba);
         }
@@ -66,17 +67,22 @@ static void a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn(void 
     sl_cube_map_build(cube, 1);
     for (int i = 0; i < 6 * PIXELS; i += 13) {
         int face = i / PIXELS, x = i % SIZE, y = i % PIXELS / SIZE;
-        sl_vec3 d = sl_normalize_or(on_face(face, ((float)x + 0.5f) * 2 / SIZE - 1, ((float)y + 0.5f) * 2 / SIZE - 1), sl_v3(0, 0, 1));
+        sl_vec3 d =
+            sl_normalize_or(on_face(face, ((float)x + 0.5f) * 2 / SIZE - 1, ((float)y + 0.5f) * 2 / SIZE - 1),
+                            sl_v3(0, 0, 1));
         float rgba[4];
         sl_cube_map_sample(cube, d, 0.0f, rgba);
         assert_near((double)rgba[0], (double)id[face][i % PIXELS], 0.01); /* the direction is rounded */
         rgba[0] = (float)id[face][i % PIXELS];
         /* The triangle that was seen lies in that direction, up to the width of a texel. */
         uint32_t triangle = (uint32_t)rgba[0];
-        sl_vec3 n = sl_scene_geometric_normal(scene, triangle), p = sl_scene_position(scene, scene->vertex[0][triangle]);
+        sl_vec3 n = sl_scene_geometric_normal(scene, triangle),
+                p = sl_scene_position(scene, scene->vertex[0][triangle]);
         float distance = sl_dot(sl_sub(p, eye), n) / sl_dot(d, n);
-        sl_vec3 hit = sl_mad(eye, distance, d), middle = sl_scale(sl_add(sl_add(p, sl_scene_position(scene, scene->vertex[1][triangle])),
-                                                                        sl_scene_position(scene, scene->vertex[2][triangle])), 1.0f / 3.0f);
+        sl_vec3 hit = sl_mad(eye, distance, d),
+                middle = sl_scale(sl_add(sl_add(p, sl_scene_position(scene, scene->vertex[1][triangle])),
+                                         sl_scene_position(scene, scene->vertex[2][triangle])),
+                                  1.0f / 3.0f);
         assert_true(distance > 0.0f && sl_length(sl_sub(hit, middle)) < 1.1f);
         assert_true(rgba[3] == 1.0f && rgba[1] == 0.0f);
     }
@@ -85,8 +91,8 @@ static void a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn(void 
     sl_scene_destroy(scene);
 }
 
-/* Walks across all twelve edges and around all eight corners: a step of length e may change the result by no more than its slope
- * (texels differ by at most 1, so 3 size e), and on the edge itself both faces agree. */
+/* Walks across all twelve edges and around all eight corners: a step of length e may change the result by no
+ * more than its slope (texels differ by at most 1, so 3 size e), and on the edge itself both faces agree. */
 static void lookups_are_continuous_over_edges_and_corners(void **state) {
     (void)state;
     for (int size = 1; size <= 9; size += 4) {
@@ -100,11 +106,14 @@ static void lookups_are_continuous_over_edges_and_corners(void **state) {
             float across = sign * (1.0f + (i % 3 ? 0.0f : random_between(key, 2 * i + 1, -e, e)));
             if (i % 3 == 2) along = i & 16 ? 1.0f - e / 2 : -1.0f + e / 2;
             float inner[4], outer[4], lod = i & 32 ? 0.5f * (float)(cube->levels - 1) : 0.0f;
-            sl_vec3 d1 = i & 4 ? on_face(face, across * (1 - e), along) : on_face(face, along, across * (1 - e));
-            sl_vec3 d2 = i & 4 ? on_face(face, across * (1 + e), along) : on_face(face, along, across * (1 + e));
+            sl_vec3 d1 =
+                i & 4 ? on_face(face, across * (1 - e), along) : on_face(face, along, across * (1 - e));
+            sl_vec3 d2 =
+                i & 4 ? on_face(face, across * (1 + e), along) : on_face(face, along, across * (1 + e));
             sl_cube_map_sample(cube, d1, lod, inner);
             sl_cube_map_sample(cube, d2, lod, outer);
-            for (int c = 0; c < 4; c++) assert_near((double)inner[c], (double)outer[c], 6.0 * (double)e * size + 2e-7);
+            for (int c = 0; c < 4; c++)
+                assert_near((double)inner[c], (double)outer[c], 6.0 * (double)e * size + 2e-7);
         }
         sl_cube_map_destroy(cube);
     }
@@ -126,7 +135,8 @@ static void borders_are_the_neighbours_texels_and_corners_the_mean_of_three(void
             for (int c = 0; c < 4; c++) assert_near((double)rgba[c], (double)border[c], 2e-6);
         }
     }
-    /* The corner (+,+,+): on face +x at s = 0, t = 0 (its s runs against z, its t against y), and so on by table 8.19. */
+    /* The corner (+,+,+): on face +x at s = 0, t = 0 (its s runs against z, its t against y), and so on by
+     * table 8.19. */
     const float *x = sl_cube_map_texel(cube, 0, 0, 0, 0), *y = sl_cube_map_texel(cube, 0, 2, N - 1, N - 1),
                 *z = sl_cube_map_texel(cube, 0, 4, N - 1, 0);
     for (int c = 0; c < 4; c++) {
@@ -142,7 +152,8 @@ static void a_constant_cube_is_constant_everywhere_at_any_level(void **state) {
     (void)state;
     sl_cube_map *cube = new_cube(12, true);
     const float color[4] = {0.1f, 3.7e5f, 1e-20f, 1.0f};
-    for (int i = 0; i < 6 * 144; i++) memcpy(sl_cube_map_texel(cube, 0, i / 144, i % 12, i / 12 % 12), color, sizeof color);
+    for (int i = 0; i < 6 * 144; i++)
+        memcpy(sl_cube_map_texel(cube, 0, i / 144, i % 12, i / 12 % 12), color, sizeof color);
     sl_cube_map_build(cube, 2);
     uint64_t key = sl_random_key(6, 0);
     for (uint64_t i = 0; i < 5000; i++) {
@@ -159,7 +170,8 @@ static void each_faces_mean_is_kept_along_the_chain(void **state) {
     assert_int_equal(cube->levels, 6);
     for (int face = 0; face < 6; face++) {
         double mean = 0.0;
-        for (int i = 0; i < 37 * 37; i++) mean += (double)sl_cube_map_texel(cube, 0, face, i % 37, i / 37)[2] / (37 * 37);
+        for (int i = 0; i < 37 * 37; i++)
+            mean += (double)sl_cube_map_texel(cube, 0, face, i % 37, i / 37)[2] / (37 * 37);
         assert_near((double)sl_cube_map_texel(cube, 5, face, 0, 0)[2], mean, 3e-7);
     }
     sl_cube_map_destroy(cube);
@@ -168,10 +180,12 @@ static void each_faces_mean_is_kept_along_the_chain(void **state) {
 static void any_direction_gives_a_defined_colour(void **state) {
     (void)state;
     sl_cube_map *cube = random_cube(5, 8);
-    const float values[] = {0.0f, -0.0f, 1.0f, -1.0f, 1e-45f, -1e-45f, 1e30f, -3.4e38f, 3.4e38f, INFINITY, -INFINITY, NAN};
+    const float values[] = {0.0f,  -0.0f,    1.0f,    -1.0f,    1e-45f,    -1e-45f,
+                            1e30f, -3.4e38f, 3.4e38f, INFINITY, -INFINITY, NAN};
     for (int i = 0; i < 12 * 12 * 12 * 2; i++) {
         float rgba[4];
-        sl_cube_map_sample(cube, sl_v3(values[i / 2 % 12], values[i / 24 % 12], values[i / 288]), i & 1 ? 0.7f : 0.0f, rgba);
+        sl_cube_map_sample(cube, sl_v3(values[i / 2 % 12], values[i / 24 % 12], values[i / 288]),
+                           i & 1 ? 0.7f : 0.0f, rgba);
         for (int c = 0; c < 4; c++) assert_true(rgba[c] >= 0.0f && rgba[c] <= 1.0f);
     }
     float zero[4], middle[4], infinite[4], diagonal[4];

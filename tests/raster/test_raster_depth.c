@@ -7,7 +7,8 @@ static void equal_depths_go_to_the_lowest_index(void **state) {
     (void)state;
     enum { SIZE = 64, COPIES = 300 };
     float xyz[COPIES * 9];
-    for (size_t t = 0; t < COPIES; t++) { /* coplanar, corners turned, so that clusters and set-up see different triangles */
+    /* coplanar, corners turned, so that clusters and set-up see different triangles */
+    for (size_t t = 0; t < COPIES; t++) {
         const float corner[3][3] = {{-1, -1, 0.25f}, {3, -1, 0.25f}, {-1, 3, 0.25f}};
         for (size_t c = 0; c < 3; c++) memcpy(&xyz[9 * t + 3 * c], corner[(c + t) % 3], sizeof corner[0]);
     }
@@ -50,7 +51,8 @@ static void nothing_is_drawn_at_the_cleared_depth(void **state) {
     sl_view view = flat_view(8, 8);
     render(raster, &view, 1, id, NULL);
     assert_int_equal(id[0], 1);
-    assert_int_equal(id[63], SL_NO_INDEX); /* the first triangle lies in the far plane: GL_LESS against a cleared 1 fails */
+    /* the first triangle lies in the far plane: GL_LESS against a cleared 1 fails */
+    assert_int_equal(id[63], SL_NO_INDEX);
     sl_raster_destroy(raster);
     sl_scene_destroy(scene);
 }

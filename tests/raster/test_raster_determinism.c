@@ -76,8 +76,8 @@ static void every_instruction_set_gives_the_same_bits(void **state) {
     free(expected);
 }
 
-/* FNV-1a of all ids and of the depths' bits: the same for every compiler and machine. Recorded from a build whose coverage
- * passed test_raster_fill; change it only when the pixels were meant to change. */
+/* FNV-1a of all ids and of the depths' bits: the same for every compiler and machine. Recorded from a build
+ * whose coverage passed test_raster_fill; change it only when the pixels were meant to change. */
 static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size) {
     const uint8_t *byte = data;
     for (size_t i = 0; i < size; i++) hash = (hash ^ byte[i]) * 0x100000001b3u;

@@ -10,7 +10,9 @@ static int64_t snapped(float ndc, int size) {
     return (int64_t)lrintf((window - 0.5f) * 256.0f);
 }
 
-static bool owns(int64_t e, int64_t a, int64_t b) { return e > 0 || (e == 0 && (a > 0 || (a == 0 && b > 0))); }
+static bool owns(int64_t e, int64_t a, int64_t b) {
+    return e > 0 || (e == 0 && (a > 0 || (a == 0 && b > 0)));
+}
 
 static bool reference_covers(const int64_t u[3], const int64_t v[3], int64_t px, int64_t py) {
     int64_t area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]);
@@ -59,7 +61,8 @@ static void assert_same_as_reference(const float *xyz, size_t count, int width, 
     reference_render(scene, width, height, expected, nearest);
     render(raster, &view, 1, got, depth);
     for (int i = 0; i < width * height; i++) {
-        if (expected[i] != got[i]) fail_msg("pixel %d,%d: %u, not %u", i % width, i / width, got[i], expected[i]);
+        if (expected[i] != got[i])
+            fail_msg("pixel %d,%d: %u, not %u", i % width, i / width, got[i], expected[i]);
     }
     sl_raster_destroy(raster);
     sl_scene_destroy(scene);
@@ -78,7 +81,8 @@ static void small(uint64_t key, uint64_t t, int size, float xy[6]) {
     float reach = 8.0f / (float)size;
     for (unsigned k = 0; k < 2; k++) {
         float centre = random_between(key, 8 * t + k, -1.0f + reach, 1.0f - reach);
-        for (unsigned c = 0; c < 3; c++) xy[2 * c + k] = centre + random_between(key, 8 * t + 2 + 2 * c + k, -reach, reach);
+        for (unsigned c = 0; c < 3; c++)
+            xy[2 * c + k] = centre + random_between(key, 8 * t + 2 + 2 * c + k, -reach, reach);
     }
 }
 
@@ -90,14 +94,16 @@ static void sliver(uint64_t key, uint64_t t, int size, float xy[6]) {
     xy[5] = xy[5] < -1.0f ? -1.0f : xy[5] > 1.0f ? 1.0f : xy[5];
 }
 
-static void on_centres(uint64_t key, uint64_t t, int size, float xy[6]) { /* vertices exactly on pixel centres */
+/* vertices exactly on pixel centres */
+static void on_centres(uint64_t key, uint64_t t, int size, float xy[6]) {
     for (unsigned k = 0; k < 6; k++) {
         int pixel = (int)(sl_random_bits(key, 8 * t + k) % (uint32_t)size);
         xy[k] = (2.0f * (float)pixel + 1.0f) / (float)size - 1.0f;
     }
 }
 
-static void on_ties(uint64_t key, uint64_t t, int size, float xy[6]) { /* half way between two snapped positions */
+/* half way between two snapped positions */
+static void on_ties(uint64_t key, uint64_t t, int size, float xy[6]) {
     for (unsigned k = 0; k < 6; k++) {
         int half = 2 * (int)(sl_random_bits(key, 8 * t + k) % (uint32_t)(size * 256)) + 1;
         xy[k] = (float)half / (float)(256 * size) - 1.0f;
@@ -147,8 +153,8 @@ static void snapping_ties_round_to_even(void **state) {
 
 /* ---- shared edges ---- */
 
-/* Draws triangles that must not overlap, twice, with rising and with falling depths: a pixel that two triangles claim
- * would go to different ones. Returns how many pixels are covered. */
+/* Draws triangles that must not overlap, twice, with rising and with falling depths: a pixel that two
+ * triangles claim would go to different ones. Returns how many pixels are covered. */
 static size_t covered_exactly_once(float *xyz, size_t count, int width, int height) {
     static uint32_t id[2][MAX_PIXELS];
     static float depth[MAX_PIXELS];
@@ -190,7 +196,8 @@ static void shared_edge_is_drawn_once(void **state) {
         size_t at = 0;
         for (int j = 0; j < GRID; j++) {
             for (int i = 0; i < GRID; i++) {
-                const float *quad[4] = {vertex[j][i], vertex[j][i + 1], vertex[j + 1][i + 1], vertex[j + 1][i]};
+                const float *quad[4] = {vertex[j][i], vertex[j][i + 1], vertex[j + 1][i + 1],
+                                        vertex[j + 1][i]};
                 const int corner[6] = {0, 1, 2, 0, 2, 3};
                 for (int c = 0; c < 6; c++, at += 3) memcpy(&xyz[at], quad[corner[c]], 2 * sizeof(float));
             }
@@ -204,7 +211,8 @@ static void fan_around_a_pixel_centre_covers_it_once(void **state) {
     enum { SIZE = 32 };
     const int spokes[] = {3, 4, 5, 8, 16, 33};
     for (size_t s = 0; s < sizeof spokes / sizeof *spokes; s++) {
-        float xyz[33 * 9] = {0}, centre[2] = {(2.0f * 13.0f + 1.0f) / SIZE - 1.0f, (2.0f * 17.0f + 1.0f) / SIZE - 1.0f};
+        float xyz[33 * 9] = {0},
+                       centre[2] = {(2.0f * 13.0f + 1.0f) / SIZE - 1.0f, (2.0f * 17.0f + 1.0f) / SIZE - 1.0f};
         for (int k = 0; k < spokes[s]; k++) {
             memcpy(&xyz[9 * k], centre, sizeof centre);
             for (int c = 0; c < 2; c++) {
@@ -239,7 +247,8 @@ static void left_and_lowest_edges_own_their_points(void **state) {
     /* Right angle at pixel (1,1)'s centre, legs of 4 pixels along x and y. */
     float low = (2.0f * 1.0f + 1.0f) / SIZE - 1.0f, high = (2.0f * 5.0f + 1.0f) / SIZE - 1.0f;
     assert_int_equal(pixels_of((const float[9]){low, low, 0, high, low, 0, low, high, 0}, SIZE, id), 10);
-    for (int y = 0; y < SIZE; y++) { /* left and lowest edges are in, the slanted right edge x + y = 6 is out */
+    /* left and lowest edges are in, the slanted right edge x + y = 6 is out */
+    for (int y = 0; y < SIZE; y++) {
         for (int x = 0; x < SIZE; x++) assert_int_equal(id[y * SIZE + x] == 0, x >= 1 && y >= 1 && x + y < 6);
     }
     /* The other half of the square owns the slanted edge, and not its right and top edges. */
@@ -252,8 +261,10 @@ static void left_and_lowest_edges_own_their_points(void **state) {
 static void triangle_between_pixel_centres_covers_nothing(void **state) {
     (void)state;
     uint32_t id[64];
-    assert_int_equal(pixels_of((const float[9]){0.01f, 0.01f, 0, 0.11f, 0.01f, 0, 0.01f, 0.11f, 0}, 8, id), 0);
-    assert_int_equal(pixels_of((const float[9]){0.01f, 0.01f, 0, 0.24f, 0.13f, 0, 0.01f, 0.24f, 0}, 8, id), 1);
+    assert_int_equal(pixels_of((const float[9]){0.01f, 0.01f, 0, 0.11f, 0.01f, 0, 0.01f, 0.11f, 0}, 8, id),
+                     0);
+    assert_int_equal(pixels_of((const float[9]){0.01f, 0.01f, 0, 0.24f, 0.13f, 0, 0.01f, 0.24f, 0}, 8, id),
+                     1);
 }
 
 static void huge_triangle_fills_the_screen(void **state) {
@@ -262,7 +273,8 @@ static void huge_triangle_fills_the_screen(void **state) {
     const float scales[] = {3.0f, 1e3f, 1e6f, 1e12f};
     for (size_t k = 0; k < 4; k++) {
         float s = scales[k];
-        assert_int_equal(pixels_of((const float[9]){-s, -s, 0, 3 * s, -s, 0, -s, 3 * s, 0}, 200, id), 200 * 200);
+        assert_int_equal(pixels_of((const float[9]){-s, -s, 0, 3 * s, -s, 0, -s, 3 * s, 0}, 200, id),
+                         200 * 200);
     }
 }
 

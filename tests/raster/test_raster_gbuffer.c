@@ -22,8 +22,9 @@ static void position_reprojects_to_its_pixel(void **state) {
         double worst = 0.0;
         for (int i = 0; i < PIXELS; i++) {
             if (g->id[i] == SL_NO_INDEX) continue;
-            sl_vec3d q = sl_subd(sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]),
-                                 sl_to_double(view->origin));
+            sl_vec3d q =
+                sl_subd(sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]),
+                        sl_to_double(view->origin));
             double w = project(view->clip[3], q);
             double x = (project(view->clip[0], q) / w + 1.0) * 0.5 * WIDTH - 0.5;
             double y = (project(view->clip[1], q) / w + 1.0) * 0.5 * HEIGHT - 0.5;
@@ -42,8 +43,9 @@ static void position_lies_at_the_depth_of_the_depth_plane(void **state) {
         const sl_gbuffer *g = f->gbuffer[n];
         for (int i = 0; i < PIXELS; i++) {
             if (g->id[i] == SL_NO_INDEX) continue;
-            sl_vec3d q = sl_subd(sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]),
-                                 sl_to_double(f->view[n].origin));
+            sl_vec3d q =
+                sl_subd(sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]),
+                        sl_to_double(f->view[n].origin));
             double ratio = project(f->view[n].clip[3], q) * (double)g->depth[i];
             assert_true(fabs(ratio - 1.0) < 0.05);
             close += fabs(ratio - 1.0) < 1e-5;
@@ -85,13 +87,16 @@ static void gouraud_of_an_affine_function_equals_its_value_at_the_position(void 
     for (uint32_t v = 0; v < f->scene->vertex_count; v++) {
         sl_vec3 p = sl_scene_position(f->scene, v);
         for (size_t k = 0; k < CHANNELS; k++) {
-            attributes[v * CHANNELS + k] = slope[k][0] * p.x + slope[k][1] * p.y + slope[k][2] * p.z + slope[k][3];
+            attributes[v * CHANNELS + k] =
+                slope[k][0] * p.x + slope[k][1] * p.y + slope[k][2] * p.z + slope[k][3];
         }
     }
     for (int n = 0; n < 4; n++) {
         const sl_gbuffer *g = f->gbuffer[n];
         sl_counters counters = {{0}};
-        sl_raster_gouraud(f->raster, &f->view[n], 2, g->id, &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out}, &counters);
+        sl_raster_gouraud(f->raster, &f->view[n], 2, g->id,
+                          &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out},
+                          &counters);
         uint64_t seen = 0;
         for (int i = 0; i < PIXELS; i++) {
             seen += g->id[i] != SL_NO_INDEX;
@@ -116,7 +121,8 @@ static void weights_stay_in_the_triangle_whatever_the_pixel(void **state) {
     static float w1[COUNT], w2[COUNT];
     for (uint32_t i = 0; i < COUNT; i++) { /* pairs that have nothing to do with each other */
         pixel[i] = sl_random_bits(key, 2 * i) % PIXELS;
-        id[i] = i % 17 == 0 ? SL_NO_INDEX : sl_random_bits(key, 2 * i + 1) % (uint32_t)f->scene->triangle_count;
+        id[i] =
+            i % 17 == 0 ? SL_NO_INDEX : sl_random_bits(key, 2 * i + 1) % (uint32_t)f->scene->triangle_count;
     }
     sl_raster_barycentrics(f->raster, &f->view[3], COUNT, pixel, id, w1, w2);
     for (int i = 0; i < COUNT; i++) {
@@ -161,17 +167,26 @@ static void flip_turns_rows_over(void **state) {
 /* A texture that is opaque on its left half only, over an opaque wall: the hole shows the wall. */
 static void alpha_mask_lets_what_is_behind_show(void **state) {
     (void)state;
-    const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0, -1, -1, 0.5f, 1, -1, 0.5f, 1, 1, 0.5f, -1, 1, 0.5f};
+    const float positions[] = {-1, -1, 0,    1, -1, 0,    1, 1, 0,    -1, 1, 0,
+                               -1, -1, 0.5f, 1, -1, 0.5f, 1, 1, 0.5f, -1, 1, 0.5f};
     const float uv[] = {0, 0, 1, 0, 1, 1, 0, 1, 0, 0, 1, 0, 1, 1, 0, 1};
     const uint32_t indices[] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7}, materials[] = {0, 0, 1, 1};
     uint8_t texels[16 * 4];
     for (int i = 0; i < 16; i++) memset(&texels[4 * i], i < 8 ? 255 : 0, 4);
     sl_texture texture = {.file = "mask", .width = 16, .height = 1, .has_alpha = true, .texels = texels};
-    sl_material material[2] = {{.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = 0},
-                               {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
-    sl_scene_parts parts = {.vertex_count = 8, .positions = positions, .texture_coordinates = uv, .triangle_count = 4,
-                            .indices = indices, .material_index = materials, .material_count = 2, .materials = material,
-                            .texture_count = 1, .textures = &texture};
+    sl_material material[2] = {
+        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = 0},
+        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
+    sl_scene_parts parts = {.vertex_count = 8,
+                            .positions = positions,
+                            .texture_coordinates = uv,
+                            .triangle_count = 4,
+                            .indices = indices,
+                            .material_index = materials,
+                            .material_count = 2,
+                            .materials = material,
+                            .texture_count = 1,
+                            .textures = &texture};
     sl_scene *scene;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
     sl_raster *raster = raster_of(scene);
@@ -196,9 +211,11 @@ static int set_up(void **state) {
     assert_true(sl_camera_look_at(&camera, sl_v3(0.5f, 1.6f, 0.4f), sl_v3(2, 1, 2.5f), sl_v3(0, 1, 0), 1.0f));
     f->view[0] = sl_view_camera(&camera, WIDTH, HEIGHT, 0.01f, 20.0f);
     assert_true(sl_camera_look_at(&camera, sl_v3(2, 1.5f, 7), sl_v3(2, 1, 2.5f), sl_v3(0, 1, 0), 1.4f));
-    f->view[1] = sl_view_camera(&camera, WIDTH, HEIGHT, 2.5f, 100.0f); /* near plane inside the room, background around */
+    /* near plane inside the room, background around */
+    f->view[1] = sl_view_camera(&camera, WIDTH, HEIGHT, 2.5f, 100.0f);
     sl_frame frame = sl_frame_from_normal(sl_v3(0, 1, 0));
-    f->view[2] = sl_view_pyramid(&frame, sl_v3(1, 1e-4f, 2), -2.7474774f, 2.7474774f, -2.7474774f, 2.7474774f, WIDTH, HEIGHT, 1e-4f);
+    f->view[2] = sl_view_pyramid(&frame, sl_v3(1, 1e-4f, 2), -2.7474774f, 2.7474774f, -2.7474774f, 2.7474774f,
+                                 WIDTH, HEIGHT, 1e-4f);
     f->view[3] = sl_view_cube_face(sl_v3(2, 1.5f, 2.5f), 3, WIDTH, 1e-3f);
     f->view[3].height = HEIGHT;
     for (int n = 0; n < 4; n++) {

@@ -1,5 +1,5 @@
-/* What breaks careless rasterizers: nothing to draw, degenerate everything, odd matrices, odd sizes, odd places. Nearly always the plain
- * opposite (raster/plain.c) says what must come out. */
+/* What breaks careless rasterizers: nothing to draw, degenerate everything, odd matrices, odd sizes, odd
+ * places. Nearly always the plain opposite (raster/plain.c) says what must come out. */
 #include <float.h>
 
 #include "base/counters.h"
@@ -29,13 +29,15 @@ static soup soup_of(size_t triangles) {
         assert_true(s.at[k] && s.vertex[k]);
         for (uint32_t t = 0; t < triangles; t++) s.vertex[k][t] = 3 * t + (uint32_t)k;
     }
-    s.mesh = (sl_raster_mesh){3 * triangles, triangles, s.at[0], s.at[1], s.at[2], {s.vertex[0], s.vertex[1], s.vertex[2]}};
+    s.mesh = (sl_raster_mesh){3 * triangles, triangles, s.at[0],
+                              s.at[1],       s.at[2],   {s.vertex[0], s.vertex[1], s.vertex[2]}};
     return s;
 }
 
 static void put(soup *s, size_t t, sl_vec3 a, sl_vec3 b, sl_vec3 c) {
     const sl_vec3 p[3] = {a, b, c};
-    for (size_t k = 0; k < 3; k++) s->at[0][3 * t + k] = p[k].x, s->at[1][3 * t + k] = p[k].y, s->at[2][3 * t + k] = p[k].z;
+    for (size_t k = 0; k < 3; k++)
+        s->at[0][3 * t + k] = p[k].x, s->at[1][3 * t + k] = p[k].y, s->at[2][3 * t + k] = p[k].z;
 }
 
 static void free_soup(soup *s) {
@@ -52,9 +54,11 @@ static soup random_soup(uint64_t key, size_t triangles) {
     for (size_t t = 0; t < triangles; t++) {
         float size = sl_exp2f(random_between(key, 16 * t, -10.0f, 0.5f)), corner[9];
         for (uint64_t k = 0; k < 9; k++) {
-            corner[k] = random_between(key, 16 * t + 1 + k % 3, -1.2f, 1.2f) + random_between(key, 16 * t + 4 + k, -size, size);
+            corner[k] = random_between(key, 16 * t + 1 + k % 3, -1.2f, 1.2f) +
+                        random_between(key, 16 * t + 4 + k, -size, size);
         }
-        put(&s, t, sl_v3(corner[0], corner[1], corner[2]), sl_v3(corner[3], corner[4], corner[5]), sl_v3(corner[6], corner[7], corner[8]));
+        put(&s, t, sl_v3(corner[0], corner[1], corner[2]), sl_v3(corner[3], corner[4], corner[5]),
+            sl_v3(corner[6], corner[7], corner[8]));
     }
     return s;
 }
@@ -89,12 +93,13 @@ static sl_target target_of(const picture *p) { return (sl_target){p->width, p->h
 static void assert_equal_pictures(const char *which, const picture *a, const picture *b) {
     for (int i = 0; i < a->width * a->height; i++) {
         if (a->id[i] == b->id[i] && memcmp(&a->depth[i], &b->depth[i], 4) == 0) continue;
-        fail_msg("%s, pixel %d,%d of %d x %d: %u at %.9g, not %u at %.9g", which, i % a->width, i / a->width, a->width, a->height, a->id[i],
-                 (double)a->depth[i], b->id[i], (double)b->depth[i]);
+        fail_msg("%s, pixel %d,%d of %d x %d: %u at %.9g, not %u at %.9g", which, i % a->width, i / a->width,
+                 a->width, a->height, a->id[i], (double)a->depth[i], b->id[i], (double)b->depth[i]);
     }
 }
 
-/* The small form, the large form on several threads, and the plain opposite: one picture, and one bill. Returns how many pixels show something. */
+/* The small form, the large form on several threads, and the plain opposite: one picture, and one bill.
+ * Returns how many pixels show something. */
 static int assert_agree(soup *s, const sl_view *view, int width, int height) {
     static const unsigned threads[] = {1, 2, 3, 7, 64};
     const sl_raster *raster = s->raster ? s->raster : raster_soup(s);
@@ -145,7 +150,8 @@ static void one_triangle_is_drawn(void **state) {
 static void memory_is_told_and_grows_with_the_mesh(void **state) {
     (void)state;
     soup none = soup_of(0), some = random_soup(sl_random_key(90, 0), 1000);
-    size_t empty = sl_raster_memory_bytes(raster_soup(&none)), full = sl_raster_memory_bytes(raster_soup(&some));
+    size_t empty = sl_raster_memory_bytes(raster_soup(&none)),
+           full = sl_raster_memory_bytes(raster_soup(&some));
     assert_true(empty > 0 && full > empty + 1000 * 3 * sizeof(uint16_t));
     free_soup(&none);
     free_soup(&some);
@@ -170,7 +176,8 @@ static void triangles_without_area_draw_nothing(void **state) {
 static void of_coincident_triangles_the_first_is_seen_everywhere(void **state) {
     (void)state;
     soup s = soup_of(3000);
-    for (size_t t = 0; t < s.triangles; t++) { /* turned and wound differently: depth is told at another corner */
+    /* turned and wound differently: depth is told at another corner */
+    for (size_t t = 0; t < s.triangles; t++) {
         sl_vec3 p[3] = {sl_v3(-0.9f, -0.9f, 0.25f), sl_v3(0.9f, -0.9f, 0.25f), sl_v3(0.0f, 0.9f, 0.25f)};
         put(&s, t, p[t % 3], p[(t + 1 + t % 2) % 3], p[(t + 2 - t % 2) % 3]);
     }
@@ -189,7 +196,8 @@ static void equal_depths_over_tiles_and_clusters_go_to_the_lowest_index(void **s
     soup s = soup_of(4000);
     uint64_t key = sl_random_key(92, 0);
     for (size_t t = 0; t < s.triangles; t++) {
-        float z = 0.25f * (float)(sl_random_bits(key, 16 * t) % 5) - 0.5f, size = t % 50 ? 0.05f : 1.5f, c[2], q[6];
+        float z = 0.25f * (float)(sl_random_bits(key, 16 * t) % 5) - 0.5f, size = t % 50 ? 0.05f : 1.5f, c[2],
+              q[6];
         for (uint64_t k = 0; k < 2; k++) c[k] = random_between(key, 16 * t + 1 + k, -1.2f, 1.2f);
         for (uint64_t k = 0; k < 6; k++) q[k] = c[k % 2] + random_between(key, 16 * t + 3 + k, -size, size);
         size_t place = s.triangles - 1 - t; /* the large ones come last, and last of all the first of them */
@@ -209,7 +217,8 @@ static void sizes_around_a_tiles_agree(void **state) {
     static const int sizes[] = {1, 2, 255, 256, 257, 511, 512, 513};
     soup s = random_soup(sl_random_key(93, 0), 600);
     for (size_t n = 0; n < 8; n++) {
-        sl_view wide = flat_view(sizes[n], 3), high = flat_view(5, sizes[n]), square = flat_view(sizes[n], sizes[7 - n]);
+        sl_view wide = flat_view(sizes[n], 3), high = flat_view(5, sizes[n]),
+                square = flat_view(sizes[n], sizes[7 - n]);
         assert_agree(&s, &wide, sizes[n], 3);
         assert_agree(&s, &high, 5, sizes[n]);
         assert_true(assert_agree(&s, &square, sizes[n], sizes[7 - n]) > 0);
@@ -242,8 +251,10 @@ static void adjacent_viewports_do_not_touch_each_other(void **state) {
     enum { WIDTH = 307, HEIGHT = 283, X = 133, Y = 141 };
     soup s = random_soup(sl_random_key(96, 0), 500);
     const sl_raster *raster = raster_soup(&s);
-    const int rect[4][4] = {{0, 0, X, Y}, {X, 0, WIDTH - X, Y}, {0, Y, X, HEIGHT - Y}, {X, Y, WIDTH - X, HEIGHT - Y}};
-    picture one_by_one = picture_of(WIDTH, HEIGHT), together = picture_of(WIDTH, HEIGHT), plain = picture_of(WIDTH, HEIGHT);
+    const int rect[4][4] = {
+        {0, 0, X, Y}, {X, 0, WIDTH - X, Y}, {0, Y, X, HEIGHT - Y}, {X, Y, WIDTH - X, HEIGHT - Y}};
+    picture one_by_one = picture_of(WIDTH, HEIGHT), together = picture_of(WIDTH, HEIGHT),
+            plain = picture_of(WIDTH, HEIGHT);
     sl_target target = target_of(&one_by_one), all[4], plain_target = target_of(&plain);
     sl_counters bill = {{0}}, whole_bill = {{0}};
     sl_view views[4];
@@ -256,7 +267,8 @@ static void adjacent_viewports_do_not_touch_each_other(void **state) {
         sl_plain_id(&s.mesh, NULL, &views[n], &plain_target);
     }
     assert_equal_pictures("one by one", &one_by_one, &plain);
-    assert_int_equal(sl_raster_ids(raster, 4, views, 3, all, &whole_bill, NULL), SL_OK); /* side by side in one target */
+    /* side by side in one target */
+    assert_int_equal(sl_raster_ids(raster, 4, views, 3, all, &whole_bill, NULL), SL_OK);
     assert_equal_pictures("all at once", &together, &plain);
     assert_memory_equal(&bill, &whole_bill, sizeof bill);
     free_picture(&one_by_one);
@@ -268,7 +280,8 @@ static void adjacent_viewports_do_not_touch_each_other(void **state) {
 static void scissors_that_leave_nothing_touch_nothing_and_count_the_same(void **state) {
     (void)state;
     soup s = random_soup(sl_random_key(97, 0), 100);
-    static const sl_scissor scissors[] = {{256, 256, 256, 300}, {5, 5, 5, 9}, {1000, 0, 1001, 1}, {9, 9, 2, 2}, {-5, -5, -1, -1}};
+    static const sl_scissor scissors[] = {
+        {256, 256, 256, 300}, {5, 5, 5, 9}, {1000, 0, 1001, 1}, {9, 9, 2, 2}, {-5, -5, -1, -1}};
     for (size_t n = 0; n < 5; n++) {
         for (int x = 0; x <= 256; x += 256) { /* where a tile begins, no tile is left */
             sl_view view = flat_view(60, 60);
@@ -285,7 +298,8 @@ static void one_plane_alone_has_the_bits_of_both(void **state) {
     soup s = random_soup(sl_random_key(98, 0), 300);
     sl_view view = flat_view(261, 67);
     picture both = picture_of(261, 67), single = picture_of(261, 67);
-    sl_target id = {261, 67, single.id, NULL}, depth = {261, 67, NULL, single.depth}, none = {261, 67, NULL, NULL};
+    sl_target id = {261, 67, single.id, NULL}, depth = {261, 67, NULL, single.depth},
+              none = {261, 67, NULL, NULL};
     sl_counters bill = render(raster_soup(&s), &view, 2, both.id, both.depth), counters = {{0}};
     assert_int_equal(sl_raster_id(s.raster, &view, 2, &id, &counters, NULL), SL_OK);
     assert_true(single.depth[0] == untouched_depth);
@@ -304,7 +318,8 @@ static void one_plane_alone_has_the_bits_of_both(void **state) {
 static void skipping_a_triangle_that_is_none_skips_none(void **state) {
     (void)state;
     soup s = random_soup(sl_random_key(99, 0), 130);
-    static const uint32_t skipped[] = {0, 129, 130, 131, 1u << 20, 0x7fffffffu, 0x80000000u, SL_NO_INDEX - 1, SL_NO_INDEX};
+    static const uint32_t skipped[] = {
+        0, 129, 130, 131, 1u << 20, 0x7fffffffu, 0x80000000u, SL_NO_INDEX - 1, SL_NO_INDEX};
     for (size_t n = 0; n < sizeof skipped / sizeof *skipped; n++) {
         sl_view view = flat_view(64, 64);
         view.skip_triangle = skipped[n];
@@ -313,7 +328,8 @@ static void skipping_a_triangle_that_is_none_skips_none(void **state) {
     free_soup(&s);
 }
 
-/* Culling by bounding spheres asks for the length of a plane's normal, whose square is 0 in float long before it is. */
+/* Culling by bounding spheres asks for the length of a plane's normal, whose square is 0 in float long before
+ * it is. */
 static void planes_of_next_to_no_length_cull_nothing_that_shows(void **state) {
     (void)state;
     soup s = random_soup(sl_random_key(100, 0), 400);
@@ -358,8 +374,10 @@ static void near_planes_from_nothing_to_beyond_everything_agree(void **state) {
     soup s = random_soup(sl_random_key(102, 0), 250);
     for (uint64_t n = 0; n < 8; n++) {
         sl_frame frame = sl_frame_from_normal(random_direction(sl_random_key(102, 1), n));
-        sl_vec3 at = sl_mesh_position(&s.mesh, (uint32_t)(7 * n)), next = sl_mesh_position(&s.mesh, (uint32_t)(7 * n) / 3 * 3 + 1);
-        const sl_vec3 eyes[3] = {at, sl_scale(sl_add(at, next), 0.5f), sl_v3(0, 0, 0)}; /* on a vertex, on an edge, between */
+        sl_vec3 at = sl_mesh_position(&s.mesh, (uint32_t)(7 * n)),
+                next = sl_mesh_position(&s.mesh, (uint32_t)(7 * n) / 3 * 3 + 1);
+        /* on a vertex, on an edge, between */
+        const sl_vec3 eyes[3] = {at, sl_scale(sl_add(at, next), 0.5f), sl_v3(0, 0, 0)};
         for (int e = 0; e < 3; e++) {
             sl_camera camera = {eyes[e], frame.x, frame.y, sl_neg(frame.z), 2.0f};
             sl_view pyramid = sl_view_pyramid(&frame, eyes[e], -5.0f, 4.0f, -3.0f, 5.0f, 70, 50, nears[n]);
@@ -412,14 +430,16 @@ static void clusters_without_finite_bounds_agree(void **state) {
             s.at[bits % 3][k == 0 ? 0 : (bits >> 8) % (3 * s.triangles)] = odd[(bits >> 40) % 8];
         }
         sl_frame frame = sl_frame_from_normal(random_direction(key, n));
-        sl_view flat = flat_view(61, 47), deep = sl_view_pyramid(&frame, sl_v3(0.1f, 0, 0), -1, 1, -1, 1, 61, 47, 1e-3f);
+        sl_view flat = flat_view(61, 47),
+                deep = sl_view_pyramid(&frame, sl_v3(0.1f, 0, 0), -1, 1, -1, 1, 61, 47, 1e-3f);
         assert_agree(&s, &flat, 61, 47);
         assert_agree(&s, &deep, 61, 47);
         free_soup(&s);
     }
 }
 
-/* A screen of squares, each with a hole, before thousands of triangles: what shows through must not be taken for hidden. */
+/* A screen of squares, each with a hole, before thousands of triangles: what shows through must not be taken
+ * for hidden. */
 static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
     (void)state;
     enum { BEHIND = 3000, COUNT = BEHIND + 2, SIZE = 270 };
@@ -428,10 +448,13 @@ static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
     assert_true(xyz && uv && indices && materials);
     uint64_t key = sl_random_key(105, 0);
     for (uint64_t t = 0; t < BEHIND; t++) {
-        float c[3] = {random_between(key, 16 * t, -1, 1), random_between(key, 16 * t + 1, -1, 1), random_between(key, 16 * t + 2, 0, 0.9f)};
-        for (uint64_t k = 0; k < 9; k++) xyz[9 * t + k] = c[k % 3] + random_between(key, 16 * t + 3 + k, -0.05f, 0.05f);
+        float c[3] = {random_between(key, 16 * t, -1, 1), random_between(key, 16 * t + 1, -1, 1),
+                      random_between(key, 16 * t + 2, 0, 0.9f)};
+        for (uint64_t k = 0; k < 9; k++)
+            xyz[9 * t + k] = c[k % 3] + random_between(key, 16 * t + 3 + k, -0.05f, 0.05f);
     }
-    const float screen[18] = {-1, -1, -0.5f, 1, -1, -0.5f, 1, 1, -0.5f, -1, -1, -0.5f, 1, 1, -0.5f, -1, 1, -0.5f};
+    const float screen[18] = {-1, -1, -0.5f, 1, -1, -0.5f, 1,  1, -0.5f,
+                              -1, -1, -0.5f, 1, 1,  -0.5f, -1, 1, -0.5f};
     const float corners[12] = {0, 0, 16, 0, 16, 16, 0, 0, 16, 16, 0, 16}; /* the mask 16 times each way */
     memcpy(xyz + 9 * BEHIND, screen, sizeof screen);
     memcpy(uv + 6 * BEHIND, corners, sizeof corners);
@@ -440,15 +463,25 @@ static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
     uint8_t texels[8 * 8 * 4];
     for (int i = 0; i < 64; i++) memset(&texels[4 * i], i % 8 < 5 && i / 8 < 5 ? 0 : 255, 4);
     sl_texture texture = {.file = "mask", .width = 8, .height = 8, .has_alpha = true, .texels = texels};
-    sl_material material[2] = {{.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
-                               {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = 0}};
-    sl_scene_parts parts = {.vertex_count = 3 * COUNT, .positions = xyz, .texture_coordinates = uv, .triangle_count = COUNT, .indices = indices,
-                            .material_index = materials, .material_count = 2, .materials = material, .texture_count = 1, .textures = &texture};
+    sl_material material[2] = {
+        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
+        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = 0}};
+    sl_scene_parts parts = {.vertex_count = 3 * COUNT,
+                            .positions = xyz,
+                            .texture_coordinates = uv,
+                            .triangle_count = COUNT,
+                            .indices = indices,
+                            .material_index = materials,
+                            .material_count = 2,
+                            .materials = material,
+                            .texture_count = 1,
+                            .textures = &texture};
     sl_scene *scene = NULL;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
     sl_raster *raster = raster_of(scene);
-    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count, scene->position_x, scene->position_y, scene->position_z,
-                           {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
+    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count,
+                           scene->position_x,   scene->position_y,
+                           scene->position_z,   {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
     sl_view view = flat_view(SIZE, SIZE);
     picture plain = picture_of(SIZE, SIZE), fast = picture_of(SIZE, SIZE);
     sl_target target = target_of(&plain);

@@ -1,5 +1,5 @@
-/* The pyramid around an area light: nothing of the light that the point can see is left out, whatever the light's size and
- * place; and it is tight. */
+/* The pyramid around an area light: nothing of the light that the point can see is left out, whatever the
+ * light's size and place; and it is tight. */
 #include "raster/views/light_view.h"
 #include "base/math.h"
 #include "raster_support.h"
@@ -22,27 +22,35 @@ static void set_quad(lamp *l, sl_vec3 centre, sl_vec3 a, sl_vec3 b) { /* shines 
 /* ---- what must hold ---- */
 
 /* The transform's arithmetic on a point relative to the eye. */
-static float clip_row(const float row[4], sl_vec3 q) { return ((row[0] * q.x + row[1] * q.y) + row[2] * q.z) + row[3]; }
+static float clip_row(const float row[4], sl_vec3 q) {
+    return ((row[0] * q.x + row[1] * q.y) + row[2] * q.z) + row[3];
+}
 
 static bool inside_all_planes(const sl_view *v, sl_vec3 q) {
-    float x = clip_row(v->clip[0], q), y = clip_row(v->clip[1], q), z = clip_row(v->clip[2], q), w = clip_row(v->clip[3], q);
+    float x = clip_row(v->clip[0], q), y = clip_row(v->clip[1], q), z = clip_row(v->clip[2], q),
+          w = clip_row(v->clip[3], q);
     return x <= w && x >= -w && y <= w && y >= -w && z >= 0.0f && w > 0.0f;
 }
 
-/* Random points, corners and points of edges of every triangle that are above the horizon and turned to the eye. */
-static int check_all_seen(const sl_light_view *view, sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light, uint64_t key) {
+/* Random points, corners and points of edges of every triangle that are above the horizon and turned to the
+ * eye. */
+static int check_all_seen(const sl_light_view *view, sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light,
+                          uint64_t key) {
     int seen = 0;
     for (size_t t = 0; t < light->triangles; t++) {
         sl_vec3d d[3];
-        for (size_t k = 0; k < 3; k++) d[k] = sl_subd(sl_to_double(light->corner[3 * t + k]), sl_to_double(eye));
+        for (size_t k = 0; k < 3; k++)
+            d[k] = sl_subd(sl_to_double(light->corner[3 * t + k]), sl_to_double(eye));
         sl_vec3d m = sl_crossd(sl_subd(d[1], d[0]), sl_subd(d[2], d[0]));
         if (!light->two_sided && !(sl_dotd(m, d[0]) < 0.0)) continue;
         for (uint64_t s = 0; s < SAMPLES; s++) {
-            double u = (double)sl_random_unit(key, 3 * s + t * 1000), v = (double)sl_random_unit(key, 3 * s + 1 + t * 1000);
+            double u = (double)sl_random_unit(key, 3 * s + t * 1000),
+                   v = (double)sl_random_unit(key, 3 * s + 1 + t * 1000);
             if (s < 3) u = s == 1, v = s == 2;
             else if (s < 20) u = s % 3 == 0 ? 0.0 : u, v = s % 3 == 1 ? 0.0 : s % 3 == 2 ? 1.0 - u : v;
             if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
-            sl_vec3d q = sl_addd(sl_scaled(d[0], 1.0 - u - v), sl_addd(sl_scaled(d[1], u), sl_scaled(d[2], v)));
+            sl_vec3d q =
+                sl_addd(sl_scaled(d[0], 1.0 - u - v), sl_addd(sl_scaled(d[1], u), sl_scaled(d[2], v)));
             if (sl_lengthd(sl_to_double(normal)) > 0.0 && !(sl_dotd(q, sl_to_double(normal)) > 0.0)) continue;
             if (!(sl_lengthd(q) > 0.0)) continue;
             seen++;
@@ -80,8 +88,10 @@ static void every_visible_point_of_a_random_light_projects_inside(void **state) 
     for (uint64_t n = 0; n < 4000; n++) {
         lamp l;
         float size = random_between(key, 16 * n, 0.01f, 2.0f);
-        sl_vec3 a = sl_scale(random_direction(key, 100000 + 4 * n), size), b = random_direction(key, 100001 + 4 * n);
-        sl_vec3 centre = sl_scale(random_direction(key, 100002 + 4 * n), random_between(key, 16 * n + 1, 0.1f, 5.0f));
+        sl_vec3 a = sl_scale(random_direction(key, 100000 + 4 * n), size),
+                b = random_direction(key, 100001 + 4 * n);
+        sl_vec3 centre =
+            sl_scale(random_direction(key, 100002 + 4 * n), random_between(key, 16 * n + 1, 0.1f, 5.0f));
         set_quad(&l, centre, a, sl_scale(b, random_between(key, 16 * n + 2, 0.01f, 2.0f)));
         l.shape.two_sided = n % 3 == 0;
         sl_vec3 eye = sl_v3(random_between(key, 16 * n + 3, -1, 1), random_between(key, 16 * n + 4, -1, 1),
@@ -97,13 +107,16 @@ static void scales_from_tiny_to_huge_stay_inside(void **state) {
     outcomes o = {0, 0, 0};
     for (uint64_t n = 0; n < 2000; n++) {
         lamp l;
-        float scale = sl_exp2f(random_between(key, 16 * n, -40.0f, 40.0f)), size = sl_exp2f(random_between(key, 16 * n + 1, -30.0f, 12.0f));
+        float scale = sl_exp2f(random_between(key, 16 * n, -40.0f, 40.0f)),
+              size = sl_exp2f(random_between(key, 16 * n + 1, -30.0f, 12.0f));
         sl_vec3 a = sl_scale(random_direction(key, 4 * n + 50000), scale * size);
-        sl_vec3 b = sl_scale(random_direction(key, 4 * n + 50001), scale * size * random_between(key, 16 * n + 2, 0.001f, 1.0f));
+        sl_vec3 b = sl_scale(random_direction(key, 4 * n + 50001),
+                             scale * size * random_between(key, 16 * n + 2, 0.001f, 1.0f));
         sl_vec3 eye = sl_scale(random_direction(key, 4 * n + 50003), n % 2 ? scale : 0.0f);
         set_quad(&l, sl_mad(eye, scale, random_direction(key, 4 * n + 50002)), a, b);
         l.shape.two_sided = true;
-        check(&l, eye, n % 4 ? sl_normalize_or(sl_sub(l.corner[0], eye), sl_v3(0, 0, 0)) : sl_v3(0, 0, 0), key + n, &o);
+        check(&l, eye, n % 4 ? sl_normalize_or(sl_sub(l.corner[0], eye), sl_v3(0, 0, 0)) : sl_v3(0, 0, 0),
+              key + n, &o);
     }
     assert_true(o.in_view > 1000);
 }
@@ -116,7 +129,8 @@ static void lights_at_the_horizon_or_nearly_touched_stay_inside(void **state) {
         lamp l;
         set_quad(&l, sl_v3(0, 0, 0), sl_v3(0.5f, 0, 0), sl_v3(0, 0.5f, 0));
         float height = sl_exp2f(random_between(key, 4 * n, -40.0f, 1.0f));
-        sl_vec3 eye = sl_v3(random_between(key, 4 * n + 1, -1, 1), random_between(key, 4 * n + 2, -1, 1), height);
+        sl_vec3 eye =
+            sl_v3(random_between(key, 4 * n + 1, -1, 1), random_between(key, 4 * n + 2, -1, 1), height);
         check(&l, eye, n % 2 ? sl_v3(0, 0, -1) : random_direction(key, 90000 + n), key + n, &o);
     }
     assert_true(o.too_wide > 300 && o.in_view > 300);
@@ -135,11 +149,16 @@ static void what_cannot_shine_on_the_point_is_hidden(void **state) {
     sl_vec3 up = sl_v3(0, 0, 1), zero = sl_v3(0, 0, 0);
     set_quad(&l, sl_v3(0, 0, 2), sl_v3(0.5f, 0, 0), sl_v3(0, -0.5f, 0)); /* shines downwards */
     assert_int_equal(sl_view_light(zero, up, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_IN_VIEW);
-    assert_int_equal(sl_view_light(zero, sl_v3(0, 0, -1), &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN); /* behind */
+    /* behind */
+    assert_int_equal(sl_view_light(zero, sl_v3(0, 0, -1), &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN);
     assert_int_equal(sl_view_light(sl_v3(0, 0, 3), up, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN);
-    assert_int_equal(sl_view_light(sl_v3(0, 0, 3), zero, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN); /* its back */
-    assert_int_equal(sl_view_light(sl_v3(5, 0, 2), sl_v3(-1, 0, 0), &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN); /* its plane */
-    assert_int_equal(sl_view_light(sl_v3(0, 0, 2), zero, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN); /* in it */
+    /* its back */
+    assert_int_equal(sl_view_light(sl_v3(0, 0, 3), zero, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN);
+    /* its plane */
+    assert_int_equal(sl_view_light(sl_v3(5, 0, 2), sl_v3(-1, 0, 0), &l.shape, 8, 8, 1e-3f, &view),
+                     SL_LIGHT_HIDDEN);
+    /* in it */
+    assert_int_equal(sl_view_light(sl_v3(0, 0, 2), zero, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN);
     assert_int_equal(sl_view_light(sl_v3(NAN, 0, 0), up, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN);
     l.shape.triangles = 0;
     assert_int_equal(sl_view_light(zero, up, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_HIDDEN);
@@ -172,7 +191,8 @@ static void the_pyramid_above_a_square_is_the_squares_own(void **state) {
     lamp l;
     sl_light_view view;
     set_quad(&l, sl_v3(0, 0, 2), sl_v3(0.6f, 0.8f, 0), sl_v3(0.8f, -0.6f, 0)); /* turned: half side 1 */
-    assert_int_equal(sl_view_light(sl_v3(0, 0, 0), sl_v3(0, 0, 1), &l.shape, 64, 64, 1e-3f, &view), SL_LIGHT_IN_VIEW);
+    assert_int_equal(sl_view_light(sl_v3(0, 0, 0), sl_v3(0, 0, 1), &l.shape, 64, 64, 1e-3f, &view),
+                     SL_LIGHT_IN_VIEW);
     assert_true(fabsf(view.right - 0.5f) < 1e-5f && fabsf(view.left + 0.5f) < 1e-5f);
     assert_true(fabsf(view.top - 0.5f) < 1e-5f && fabsf(view.bottom + 0.5f) < 1e-5f);
     assert_true(fabsf(view.nearest - 2.0f) < 1e-5f && fabsf(view.farthest - 2.0f) < 1e-5f);
@@ -184,11 +204,13 @@ static void no_side_stands_off_the_light(void **state) {
     uint64_t key = sl_random_key(41, 3);
     for (uint64_t n = 0; n < 500; n++) {
         lamp l;
-        sl_vec3 a = sl_scale(random_direction(key, 4 * n), 0.3f), b = sl_scale(random_direction(key, 4 * n + 1), 0.3f);
+        sl_vec3 a = sl_scale(random_direction(key, 4 * n), 0.3f),
+                b = sl_scale(random_direction(key, 4 * n + 1), 0.3f);
         set_quad(&l, sl_scale(random_direction(key, 4 * n + 2), 3.0f), a, b);
         l.shape.two_sided = true;
         sl_light_view view;
-        assert_int_equal(sl_view_light(sl_v3(0, 0, 0), sl_v3(0, 0, 0), &l.shape, 64, 64, 1e-3f, &view), SL_LIGHT_IN_VIEW);
+        assert_int_equal(sl_view_light(sl_v3(0, 0, 0), sl_v3(0, 0, 0), &l.shape, 64, 64, 1e-3f, &view),
+                         SL_LIGHT_IN_VIEW);
         float most[4] = {-2, -2, -2, -2}, thinnest = fminf(view.right - view.left, view.top - view.bottom);
         for (int i = 0; i < 6; i++) {
             float x = clip_row(view.view.clip[0], l.corner[i]), y = clip_row(view.view.clip[1], l.corner[i]);
@@ -208,16 +230,22 @@ static void a_window_cuts_the_light_into_the_same_pieces_from_everywhere(void **
     set_quad(&l, sl_v3(0, 0, 2), sl_v3(0.5f, 0, 0), sl_v3(0, -0.25f, 0));
     sl_frame window = {sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1)};
     for (uint64_t n = 0; n < 300; n++) {
-        sl_vec3 eye = sl_v3(random_between(key, 3 * n, -4, 4), random_between(key, 3 * n + 1, -4, 4), random_between(key, 3 * n + 2, 0, 1.8f));
+        sl_vec3 eye = sl_v3(random_between(key, 3 * n, -4, 4), random_between(key, 3 * n + 1, -4, 4),
+                            random_between(key, 3 * n + 2, 0, 1.8f));
         sl_light_view view;
-        assert_int_equal(sl_view_light_window(eye, sl_v3(0, 0, 1), &l.shape, &window, 64, 64, 1e-3f, &view), SL_LIGHT_IN_VIEW);
+        assert_int_equal(sl_view_light_window(eye, sl_v3(0, 0, 1), &l.shape, &window, 64, 64, 1e-3f, &view),
+                         SL_LIGHT_IN_VIEW);
         check_all_seen(&view, eye, sl_v3(0, 0, 1), &l.shape, key + n);
         float h = 2.0f - eye.z;
-        assert_true(fabsf(view.left * h + eye.x + 0.5f) < 2e-4f && fabsf(view.right * h + eye.x - 0.5f) < 2e-4f);
-        assert_true(fabsf(view.bottom * h + eye.y + 0.25f) < 2e-4f && fabsf(view.top * h + eye.y - 0.25f) < 2e-4f);
+        assert_true(fabsf(view.left * h + eye.x + 0.5f) < 2e-4f &&
+                    fabsf(view.right * h + eye.x - 0.5f) < 2e-4f);
+        assert_true(fabsf(view.bottom * h + eye.y + 0.25f) < 2e-4f &&
+                    fabsf(view.top * h + eye.y - 0.25f) < 2e-4f);
     }
     sl_light_view view; /* nearly in its plane and beside it */
-    assert_int_equal(sl_view_light_window(sl_v3(4, 0, 1.99f), sl_v3(0, 0, 1), &l.shape, &window, 64, 64, 1e-3f, &view), SL_LIGHT_TOO_WIDE);
+    assert_int_equal(
+        sl_view_light_window(sl_v3(4, 0, 1.99f), sl_v3(0, 0, 1), &l.shape, &window, 64, 64, 1e-3f, &view),
+        SL_LIGHT_TOO_WIDE);
 }
 
 /* More triangles than are looked at one by one: the box around a ball, seen from outside and from within. */
@@ -232,17 +260,20 @@ static void a_light_of_many_triangles_is_held_by_its_box(void **state) {
     sl_light_shape light = {corner, count, true}, sound = {corner + 3, count - 1, true};
     uint64_t key = sl_random_key(41, 5);
     for (uint64_t n = 0; n < 50; n++) {
-        sl_vec3 eye = sl_mad(shape.centre, random_between(key, n, 1.0f, 4.0f), random_direction(key, n + 1000));
+        sl_vec3 eye =
+            sl_mad(shape.centre, random_between(key, n, 1.0f, 4.0f), random_direction(key, n + 1000));
         sl_vec3 normal = random_direction(key, n + 2000);
         sl_light_view view;
         sl_light_sight sight = sl_view_light(eye, normal, &light, 64, 64, 1e-3f, &view);
         if (sight == SL_LIGHT_IN_VIEW) check_all_seen(&view, eye, normal, &sound, key + n);
     }
     sl_light_view view;
-    assert_int_equal(sl_view_light(shape.centre, sl_v3(0, 0, 0), &light, 64, 64, 1e-3f, &view), SL_LIGHT_TOO_WIDE);
+    assert_int_equal(sl_view_light(shape.centre, sl_v3(0, 0, 0), &light, 64, 64, 1e-3f, &view),
+                     SL_LIGHT_TOO_WIDE);
 }
 
-/* Rendered: an unoccluded light fills its window, and an occluder before half of it takes half of the pixels. */
+/* Rendered: an unoccluded light fills its window, and an occluder before half of it takes half of the pixels.
+ */
 static void an_occluder_before_half_of_the_light_takes_half_of_the_window(void **state) {
     (void)state;
     lamp l;
@@ -254,7 +285,8 @@ static void an_occluder_before_half_of_the_light_takes_half_of_the_window(void *
     sl_scene *scene = scene_of_triangles(xyz, 4);
     sl_raster *raster = raster_of(scene);
     sl_light_view view;
-    assert_int_equal(sl_view_light(sl_v3(0, 0, 0), sl_v3(0, 0, 1), &l.shape, 64, 64, 1e-3f, &view), SL_LIGHT_IN_VIEW);
+    assert_int_equal(sl_view_light(sl_v3(0, 0, 0), sl_v3(0, 0, 1), &l.shape, 64, 64, 1e-3f, &view),
+                     SL_LIGHT_IN_VIEW);
     static uint32_t id[64 * 64];
     static float depth[64 * 64];
     render_small(raster, &view.view, id, depth);

@@ -1,4 +1,5 @@
-/* Moved vertices: what is drawn afterwards is what a rasterizer made anew draws, and what the plain pipeline draws, bit by bit. */
+/* Moved vertices: what is drawn afterwards is what a rasterizer made anew draws, and what the plain pipeline
+ * draws, bit by bit. */
 #include "raster/pipeline.h"
 #include "raster/plain.h"
 #include "raster_support.h"
@@ -12,23 +13,29 @@ static float moved_depth[PIXELS], fresh_depth[PIXELS];
 static sl_view view_number(uint64_t n) {
     uint64_t key = sl_random_key(91, n);
     sl_frame frame = sl_frame_from_normal(random_direction(key, 0));
-    sl_vec3 eye = sl_v3(random_between(key, 100, 0.5f, 3.5f), random_between(key, 101, 0.5f, 2.5f), random_between(key, 102, 0.5f, 4.5f));
+    sl_vec3 eye = sl_v3(random_between(key, 100, 0.5f, 3.5f), random_between(key, 101, 0.5f, 2.5f),
+                        random_between(key, 102, 0.5f, 4.5f));
     if (n % 2) return sl_view_pyramid(&frame, eye, -1.5f, 2.0f, -1.0f, 1.0f, W, H, 1e-3f);
     sl_camera camera = {eye, frame.x, frame.y, sl_neg(frame.z), 1.3f};
     return sl_view_camera(&camera, W, H, 0.05f, 50.0f);
 }
 
-static void assert_same_picture(const uint32_t *id, const float *depth, const uint32_t *other_id, const float *other_depth) {
+static void assert_same_picture(const uint32_t *id, const float *depth, const uint32_t *other_id,
+                                const float *other_depth) {
     for (int i = 0; i < PIXELS; i++) {
         if (id[i] == other_id[i] && memcmp(&depth[i], &other_depth[i], 4) == 0) continue;
-        fail_msg("pixel %d,%d: %u at %.9g, not %u at %.9g", i % W, i / W, id[i], (double)depth[i], other_id[i], (double)other_depth[i]);
+        fail_msg("pixel %d,%d: %u at %.9g, not %u at %.9g", i % W, i / W, id[i], (double)depth[i],
+                 other_id[i], (double)other_depth[i]);
     }
 }
 
-/* Pictures of the moved rasterizer against one made anew. Returns triangles submitted, over those of the other. */
+/* Pictures of the moved rasterizer against one made anew. Returns triangles submitted, over those of the
+ * other. */
 static double compare_with_fresh(const sl_raster *moved, const sl_scene *scene, const sl_raster_mesh *mesh) {
     sl_raster *fresh = NULL;
-    assert_int_equal(scene ? sl_raster_create(scene, 1, &fresh, NULL) : sl_raster_create_mesh(mesh, 1, &fresh, NULL), SL_OK);
+    assert_int_equal(scene ? sl_raster_create(scene, 1, &fresh, NULL)
+                           : sl_raster_create_mesh(mesh, 1, &fresh, NULL),
+                     SL_OK);
     uint64_t submitted = 0, by_fresh = 0;
     for (uint64_t n = 0; n < VIEWS; n++) {
         sl_view view = view_number(n);
@@ -99,7 +106,8 @@ static void an_object_that_moved_is_drawn_as_if_it_had_always_been_there(void **
 
 /* By place, so that vertices that share one stay together. */
 static sl_vec3 wave(sl_vec3 p, float phase) {
-    return sl_v3(p.x + 0.15f * sinf(3.0f * p.y + phase), p.y + 0.1f * sinf(2.0f * p.z + 2.0f * phase), p.z + 0.15f * sinf(2.5f * p.x + phase));
+    return sl_v3(p.x + 0.15f * sinf(3.0f * p.y + phase), p.y + 0.1f * sinf(2.0f * p.z + 2.0f * phase),
+                 p.z + 0.15f * sinf(2.5f * p.x + phase));
 }
 
 static void a_mesh_that_deforms_is_drawn_as_if_it_were_made_anew_each_frame(void **state) {
@@ -149,7 +157,8 @@ static void make_sheet(soup *s) {
         s->z[n] = 0.1875f * (float)j;
         s->vertex[n % 3][n / 3] = (uint32_t)n;
     }
-    s->mesh = (sl_raster_mesh){3 * COUNT, COUNT, s->x, s->y, s->z, {s->vertex[0], s->vertex[1], s->vertex[2]}};
+    s->mesh =
+        (sl_raster_mesh){3 * COUNT, COUNT, s->x, s->y, s->z, {s->vertex[0], s->vertex[1], s->vertex[2]}};
     assert_int_equal(sl_raster_create_mesh(&s->mesh, 1, &s->raster, NULL), SL_OK);
 }
 
@@ -200,7 +209,9 @@ static void positions_that_become_infinite_or_nan_are_drawn_as_they_would_be_ane
             float *axis[3] = {s.x, s.y, s.z};
             axis[n % 3][sl_random_bits(key, n) % (3 * COUNT)] = odd[sl_random_bits(key, 100 + n) % 6];
         }
-        for (int k = 0; k < 3; k++) s.y[300 * frame + (size_t)k] = s.z[300 * frame + (size_t)k] = s.x[300 * frame + (size_t)k]; /* no area */
+        /* no area */
+        for (int k = 0; k < 3; k++)
+            s.y[300 * frame + (size_t)k] = s.z[300 * frame + (size_t)k] = s.x[300 * frame + (size_t)k];
         assert_int_equal(sl_raster_move(s.raster, 2, NULL), SL_OK);
         compare_with_fresh(s.raster, NULL, &s.mesh);
     }
@@ -214,7 +225,8 @@ static void clusters_that_motion_has_scattered_are_made_anew(void **state) {
     shake(&s, sl_random_key(95, 0), 0.01f);
     assert_int_equal(sl_raster_move(s.raster, 1, NULL), SL_OK);
     for (uint64_t n = 0; n < COUNT; n++) { /* each triangle as it is, to a place of its own */
-        sl_vec3 by = sl_v3(random_between(96, 3 * n, -2, 2), random_between(96, 3 * n + 1, -1, 2), random_between(96, 3 * n + 2, -2, 2));
+        sl_vec3 by = sl_v3(random_between(96, 3 * n, -2, 2), random_between(96, 3 * n + 1, -1, 2),
+                           random_between(96, 3 * n + 2, -2, 2));
         for (size_t k = 3 * n; k < 3 * n + 3; k++) s.x[k] += by.x, s.y[k] += by.y, s.z[k] += by.z;
     }
     assert_int_equal(sl_raster_move(s.raster, 1, NULL), SL_OK);

@@ -1,4 +1,5 @@
-/* The fast path against its plain opposite: the same ids and the same depths, bit by bit, whatever is drawn. */
+/* The fast path against its plain opposite: the same ids and the same depths, bit by bit, whatever is drawn.
+ */
 #include "base/math.h"
 #include "raster/plain.h"
 #include "raster_support.h"
@@ -20,14 +21,14 @@ static void fill(uint32_t *id, float *depth) {
 static void assert_same_planes(const char *which, int width, int height) {
     for (int i = 0; i < width * height; i++) {
         if (fast_id[i] == plain_id[i] && memcmp(&fast_depth[i], &plain_depth[i], 4) == 0) continue;
-        fail_msg("%s, pixel %d,%d: %u at %.9g, not %u at %.9g", which, i % width, i / width, fast_id[i], (double)fast_depth[i],
-                 plain_id[i], (double)plain_depth[i]);
+        fail_msg("%s, pixel %d,%d: %u at %.9g, not %u at %.9g", which, i % width, i / width, fast_id[i],
+                 (double)fast_depth[i], plain_id[i], (double)plain_depth[i]);
     }
 }
 
 /* Returns how many pixels show something. */
-static int assert_same(const sl_raster *raster, const sl_raster_mesh *mesh, const sl_scene *masks, const sl_view *view, int width,
-                       int height) {
+static int assert_same(const sl_raster *raster, const sl_raster_mesh *mesh, const sl_scene *masks,
+                       const sl_view *view, int width, int height) {
     assert_true(width <= MAX_SIZE && height <= MAX_SIZE);
     sl_target plain = {width, height, plain_id, plain_depth}, fast = {width, height, fast_id, fast_depth};
     sl_counters counters = {{0}};
@@ -90,13 +91,15 @@ static void make_soup(soup *s, make_triangle *make, uint64_t key) {
     for (size_t t = 0; t < s->count; t++) {
         sl_vec3 p[3];
         make(key, t, p);
-        for (size_t k = 0; k < 3; k++) s->x[3 * t + k] = p[k].x, s->y[3 * t + k] = p[k].y, s->z[3 * t + k] = p[k].z;
+        for (size_t k = 0; k < 3; k++)
+            s->x[3 * t + k] = p[k].x, s->y[3 * t + k] = p[k].y, s->z[3 * t + k] = p[k].z;
     }
     raster_soup(s);
 }
 
 static sl_vec3 in_cube(uint64_t key, uint64_t n, float size) {
-    return sl_v3(random_between(key, 3 * n, -size, size), random_between(key, 3 * n + 1, -size, size), random_between(key, 3 * n + 2, -size, size));
+    return sl_v3(random_between(key, 3 * n, -size, size), random_between(key, 3 * n + 1, -size, size),
+                 random_between(key, 3 * n + 2, -size, size));
 }
 
 static void any_size(uint64_t key, uint64_t t, sl_vec3 p[3]) { /* from a thousandth to the whole */
@@ -113,23 +116,27 @@ static void sub_pixel(uint64_t key, uint64_t t, sl_vec3 p[3]) {
 static void sliver(uint64_t key, uint64_t t, sl_vec3 p[3]) {
     p[0] = in_cube(key, 8 * t, 1.0f);
     p[1] = in_cube(key, 8 * t + 1, 1.0f);
-    float s = sl_random_unit(key, 1000000 + t), off = sl_exp2f(random_between(key, 2000000 + t, -20.0f, -6.0f));
+    float s = sl_random_unit(key, 1000000 + t),
+          off = sl_exp2f(random_between(key, 2000000 + t, -20.0f, -6.0f));
     p[2] = sl_add(sl_add(sl_scale(p[0], 1.0f - s), sl_scale(p[1], s)), in_cube(key, 8 * t + 2, off));
 }
 
 static void huge(uint64_t key, uint64_t t, sl_vec3 p[3]) {
-    for (uint64_t k = 0; k < 3; k++) p[k] = in_cube(key, 8 * t + k, sl_exp2f(random_between(key, 1000000 + 3 * t + k, -2.0f, 70.0f)));
+    for (uint64_t k = 0; k < 3; k++)
+        p[k] = in_cube(key, 8 * t + k, sl_exp2f(random_between(key, 1000000 + 3 * t + k, -2.0f, 70.0f)));
 }
 
 static void broken(uint64_t key, uint64_t t, sl_vec3 p[3]) { /* some NaN, infinite, denormal, without area */
     any_size(key, t, p);
     static const float odd[] = {NAN, INFINITY, -INFINITY, 3e38f, 1e-42f, 0.0f, -0.0f};
     float *coordinates = &p[0].x;
-    if (t % 3 == 0) coordinates[sl_random_bits(key, 3000000 + t) % 9] = odd[sl_random_bits(key, 4000000 + t) % 7];
+    if (t % 3 == 0)
+        coordinates[sl_random_bits(key, 3000000 + t) % 9] = odd[sl_random_bits(key, 4000000 + t) % 7];
     if (t % 7 == 0) p[1] = p[0];
 }
 
-static void on_the_grid(uint64_t key, uint64_t t, sl_vec3 p[3]) { /* vertices on pixel centres, depths that tie */
+/* vertices on pixel centres, depths that tie */
+static void on_the_grid(uint64_t key, uint64_t t, sl_vec3 p[3]) {
     for (uint64_t k = 0; k < 3; k++) {
         p[k].x = (2.0f * (float)(sl_random_bits(key, 16 * t + k) % 64) + 1.0f) / 64.0f - 1.0f;
         p[k].y = (2.0f * (float)(sl_random_bits(key, 16 * t + 3 + k) % 64) + 1.0f) / 64.0f - 1.0f;
@@ -151,7 +158,8 @@ static sl_view random_view(uint64_t key, uint64_t n, int width, int height) {
     sl_vec3 eye = in_cube(key, 500000 + n, 1.5f);
     sl_view view;
     if (n % 3 == 0) {
-        sl_camera camera = {eye, frame.x, frame.y, sl_neg(frame.z), random_between(key, 600000 + n, 0.2f, 2.5f)};
+        sl_camera camera = {eye, frame.x, frame.y, sl_neg(frame.z),
+                            random_between(key, 600000 + n, 0.2f, 2.5f)};
         view = sl_view_camera(&camera, width, height, n % 2 ? 0.01f : 0.5f, n % 5 ? 100.0f : 1.5f);
         view.corner_planes = n % 4 == 0;
     } else if (n % 3 == 1) {
@@ -166,7 +174,8 @@ static sl_view random_view(uint64_t key, uint64_t n, int width, int height) {
     return view;
 }
 
-/* Many views of one kind of triangles; targets from a few pixels to several tiles, viewports and scissors within. */
+/* Many views of one kind of triangles; targets from a few pixels to several tiles, viewports and scissors
+ * within. */
 static void compare(make_triangle *make, uint64_t seed, size_t count, uint64_t views, int least_seen) {
     soup s = soup_of(count);
     uint64_t key = sl_random_key(81, seed);
@@ -230,16 +239,20 @@ static void rooms_come_out_the_same(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(30, 8);
     sl_raster *raster = raster_of(scene);
-    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count, scene->position_x, scene->position_y, scene->position_z,
-                           {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
+    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count,
+                           scene->position_x,   scene->position_y,
+                           scene->position_z,   {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
     uint64_t key = sl_random_key(83, 0);
     for (uint64_t n = 0; n < 24; n++) {
         int size = n % 4 == 0 ? 300 : 64;
-        sl_vec3 eye = sl_v3(random_between(key, 3 * n, 0.1f, 3.9f), random_between(key, 3 * n + 1, 0.1f, 2.9f), random_between(key, 3 * n + 2, 0.1f, 4.9f));
+        sl_vec3 eye =
+            sl_v3(random_between(key, 3 * n, 0.1f, 3.9f), random_between(key, 3 * n + 1, 0.1f, 2.9f),
+                  random_between(key, 3 * n + 2, 0.1f, 4.9f));
         sl_frame frame = sl_frame_from_normal(random_direction(key, 1000 + n));
         float t = n % 3 ? 1.0f : 5.671282f;
         sl_view view = sl_view_pyramid(&frame, eye, -t, t, -t, t, size, size, 1e-4f);
-        assert_int_equal(assert_same(raster, &mesh, scene, &view, size, size), size * size); /* the room is closed */
+        /* the room is closed */
+        assert_int_equal(assert_same(raster, &mesh, scene, &view, size, size), size * size);
         sl_camera camera = {eye, frame.x, frame.y, sl_neg(frame.z), 1.2f};
         view = sl_view_camera(&camera, size, size, 0.01f, 50.0f);
         assert_same(raster, &mesh, scene, &view, size, size);
@@ -259,22 +272,33 @@ static void alpha_masks_come_out_the_same(void **state) {
         sl_vec3 p[3];
         any_size(key, t, p);
         memcpy(xyz + 9 * t, p, sizeof p);
-        for (uint64_t k = 0; k < 6; k++) uv[6 * t + k] = random_between(key, 5000000 + 6 * t + k, -1.0f, 2.0f);
+        for (uint64_t k = 0; k < 6; k++)
+            uv[6 * t + k] = random_between(key, 5000000 + 6 * t + k, -1.0f, 2.0f);
         for (uint32_t k = 0; k < 3; k++) indices[3 * t + k] = (uint32_t)(3 * t) + k;
         materials[t] = t % 2;
     }
-    for (uint64_t i = 0; i < 64; i++) memset(&texels[4 * i], sl_random_bits(key, 9000000 + i) % 2 ? 255 : 0, 4);
+    for (uint64_t i = 0; i < 64; i++)
+        memset(&texels[4 * i], sl_random_bits(key, 9000000 + i) % 2 ? 255 : 0, 4);
     sl_texture texture = {.file = "mask", .width = 8, .height = 8, .has_alpha = true, .texels = texels};
-    sl_material material[2] = {{.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = 0},
-                               {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
-    sl_scene_parts parts = {.vertex_count = 3 * COUNT, .positions = xyz, .texture_coordinates = uv, .triangle_count = COUNT,
-                            .indices = indices, .material_index = materials, .material_count = 2, .materials = material,
-                            .texture_count = 1, .textures = &texture};
+    sl_material material[2] = {
+        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = 0},
+        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
+    sl_scene_parts parts = {.vertex_count = 3 * COUNT,
+                            .positions = xyz,
+                            .texture_coordinates = uv,
+                            .triangle_count = COUNT,
+                            .indices = indices,
+                            .material_index = materials,
+                            .material_count = 2,
+                            .materials = material,
+                            .texture_count = 1,
+                            .textures = &texture};
     sl_scene *scene = NULL;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
     sl_raster *raster = raster_of(scene);
-    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count, scene->position_x, scene->position_y, scene->position_z,
-                           {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
+    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count,
+                           scene->position_x,   scene->position_y,
+                           scene->position_z,   {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
     int with = 0, without = 0;
     for (uint64_t n = 0; n < 40; n++) {
         sl_view view = random_view(key, n, 120, 90);
@@ -282,7 +306,8 @@ static void alpha_masks_come_out_the_same(void **state) {
         with += assert_same(raster, &mesh, scene, &view, 120 + view.x, 90);
         sl_target plain = {120 + view.x, 90, plain_id, plain_depth};
         sl_plain_id(&mesh, NULL, &view, &plain);
-        for (int i = 0; i < (120 + view.x) * 90; i++) without += plain_id[i] != SL_NO_INDEX && plain_id[i] != UNTOUCHED;
+        for (int i = 0; i < (120 + view.x) * 90; i++)
+            without += plain_id[i] != SL_NO_INDEX && plain_id[i] != UNTOUCHED;
     }
     assert_true(with < without); /* the masks do cut holes */
     sl_raster_destroy(raster);

@@ -1,4 +1,5 @@
-/* The resolution of visible pixels: the lanes against the plain forms bit by bit, and those against long double. */
+/* The resolution of visible pixels: the lanes against the plain forms bit by bit, and those against long
+ * double. */
 #include "raster_support.h"
 
 #include "raster/resolve/barycentrics.h"
@@ -29,7 +30,8 @@ static sl_view forward_view(int width, int height) {
 
 static sl_vec3 seen_point(uint64_t key, uint64_t i) {
     float z = random_between(key, 4 * i + 2, 0.5f, 20.0f);
-    return sl_v3(z * random_between(key, 4 * i, -1.2f, 1.2f), z * random_between(key, 4 * i + 1, -1.2f, 1.2f), z);
+    return sl_v3(z * random_between(key, 4 * i, -1.2f, 1.2f), z * random_between(key, 4 * i + 1, -1.2f, 1.2f),
+                 z);
 }
 
 static sl_vec3 nearby(uint64_t key, uint64_t i, sl_vec3 p, float distance) {
@@ -41,9 +43,11 @@ static void make_triangle(kind k, uint64_t i, sl_vec3 p[3]) {
     const float pixel = 2.0f / SIZE;
     for (uint64_t c = 0; c < 3; c++) p[c] = seen_point(key, 100 + c);
     if (k == SMALL) {
-        for (uint64_t c = 1; c < 3; c++) p[c] = nearby(key, c, p[0], pixel * random_between(key, 50, 0.3f, 8.0f));
+        for (uint64_t c = 1; c < 3; c++)
+            p[c] = nearby(key, c, p[0], pixel * random_between(key, 50, 0.3f, 8.0f));
     } else if (k == SLIVER) {
-        p[2] = nearby(key, 2, sl_mad(p[0], 0.5f, sl_sub(p[1], p[0])), pixel * random_between(key, 50, 0.001f, 0.3f));
+        p[2] = nearby(key, 2, sl_mad(p[0], 0.5f, sl_sub(p[1], p[0])),
+                      pixel * random_between(key, 50, 0.001f, 0.3f));
     } else if (k == NEAR) {
         p[0].z = random_between(key, 51, 1e-3f, 5e-3f);
     } else if (k == BEHIND) {
@@ -82,7 +86,8 @@ static bool exact_weights(const sl_view *view, const sl_vec3 q[3], int i, int j,
     for (int k = 0; k < 3; k++) {
         long double clip[4];
         for (int r = 0; r < 4; r++) {
-            clip[r] = (long double)view->clip[r][0] * (long double)q[k].x + (long double)view->clip[r][1] * (long double)q[k].y +
+            clip[r] = (long double)view->clip[r][0] * (long double)q[k].x +
+                      (long double)view->clip[r][1] * (long double)q[k].y +
                       (long double)view->clip[r][2] * (long double)q[k].z + (long double)view->clip[r][3];
         }
         w[k] = clip[3];
@@ -111,7 +116,8 @@ static void add_error(errors *e, double error) {
     e->pixels++;
 }
 
-/* Errors of a perspective-correct attribute in [0,1], at the pixels that the triangle covers when it is alone. */
+/* Errors of a perspective-correct attribute in [0,1], at the pixels that the triangle covers when it is
+ * alone. */
 static errors errors_of_triangle(const sl_scene *one, const sl_view *view, uint64_t key, errors total) {
     static uint32_t id[PIXELS];
     static float out[PIXELS];
@@ -122,7 +128,8 @@ static errors errors_of_triangle(const sl_scene *one, const sl_view *view, uint6
     for (int k = 0; k < 3; k++) q[k] = sl_sub(sl_scene_position(one, one->vertex[k][0]), view->origin);
     sl_counters counters = {{0}};
     render(raster, view, 1, id, NULL);
-    sl_raster_gouraud(raster, view, 1, id, &(sl_gouraud_pass){.channels = 1, .vertex = attribute, .out = out}, &counters);
+    sl_raster_gouraud(raster, view, 1, id, &(sl_gouraud_pass){.channels = 1, .vertex = attribute, .out = out},
+                      &counters);
     for (int i = 0; i < PIXELS; i++) {
         long double b[3], exact = 0;
         if (id[i] != 0 || !exact_weights(view, q, i % SIZE, i / SIZE, b)) continue;
@@ -150,8 +157,8 @@ static void attributes_are_as_accurate_as_floats_allow(void **state) {
     }
 }
 
-/* A pixel that the snapping draws beside a right triangle: half a pixel beyond its slanted edge the nearest point is half
- * way between the legs' ends, moved by the pixel's place along the edge. */
+/* A pixel that the snapping draws beside a right triangle: half a pixel beyond its slanted edge the nearest
+ * point is half way between the legs' ends, moved by the pixel's place along the edge. */
 static void a_pixel_beside_its_triangle_takes_the_nearest_point_of_the_edge(void **state) {
     (void)state;
     sl_view view = flat_view(64, 32); /* pixels are not square in clip space */
@@ -191,17 +198,19 @@ static void weights_of_a_triangle_that_is_not_finite_are_weights(void **state) {
 
 /* ---- lanes against the plain form ---- */
 
-static void plain_weights(const sl_scene *scene, const sl_view *view, uint32_t pixel, uint32_t id, float *w1, float *w2) {
+static void plain_weights(const sl_scene *scene, const sl_view *view, uint32_t pixel, uint32_t id, float *w1,
+                          float *w2) {
     sl_pass_view pass = sl_pass_view_make(view, view->width, view->height);
     sl_vec3 q[3];
     *w1 = *w2 = 0.0f;
     if (id == SL_NO_INDEX) return;
     for (int k = 0; k < 3; k++) q[k] = sl_sub(sl_scene_position(scene, scene->vertex[k][id]), view->origin);
-    sl_barycentric_weights(&pass, q, (double)(pixel % (uint32_t)view->width), (double)(pixel / (uint32_t)view->width), w1, w2);
+    sl_barycentric_weights(&pass, q, (double)(pixel % (uint32_t)view->width),
+                           (double)(pixel / (uint32_t)view->width), w1, w2);
 }
 
-static void expect_plain_weights(const sl_raster *raster, const sl_scene *scene, const sl_view *view, size_t count,
-                                 const uint32_t *pixel, const uint32_t *id) {
+static void expect_plain_weights(const sl_raster *raster, const sl_scene *scene, const sl_view *view,
+                                 size_t count, const uint32_t *pixel, const uint32_t *id) {
     float *w1 = malloc((count + 1) * sizeof *w1), *w2 = malloc((count + 1) * sizeof *w2);
     assert_true(w1 && w2);
     w1[count] = w2[count] = -7.0f;
@@ -251,7 +260,8 @@ static void lists_in_any_order_are_resolved_alike(void **state) {
         for (size_t isa = 0; isa < sizeof isas / sizeof *isas; isa++) {
             sl_raster *raster = raster_for(scenes[k], isas[isa]);
             expect_plain_weights(raster, scenes[k], &view, PIXELS, pixel, id);
-            for (size_t count = 0; count < 70; count++) expect_plain_weights(raster, scenes[k], &view, count, pixel, id);
+            for (size_t count = 0; count < 70; count++)
+                expect_plain_weights(raster, scenes[k], &view, count, pixel, id);
             sl_raster_destroy(raster);
         }
     }
@@ -261,15 +271,16 @@ static void lists_in_any_order_are_resolved_alike(void **state) {
 
 typedef enum { FACETS, SMOOTH, MIXED, LOOKS } look;
 
-/* The furnished room with two materials, one of them textured; and shading normals, some of them none, at right angles to
- * the geometric one, or zero with a sign. */
+/* The furnished room with two materials, one of them textured; and shading normals, some of them none, at
+ * right angles to the geometric one, or zero with a sign. */
 static sl_scene *dressed_room(look l) {
     sl_scene *room = furnished_room(20, 5);
     static uint8_t texels[8 * 8 * 4];
     for (uint32_t i = 0; i < sizeof texels; i++) texels[i] = (uint8_t)sl_random_bits(9, i);
     sl_texture texture = {.file = "noise", .width = 8, .height = 8, .texels = texels};
-    sl_material materials[2] = {{.diffuse = {0.5f, 0.25f, 0.75f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
-                                {.diffuse = {0.9f, 0.8f, 0.7f}, .texture = 0, .alpha_texture = SL_NO_INDEX}};
+    sl_material materials[2] = {
+        {.diffuse = {0.5f, 0.25f, 0.75f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
+        {.diffuse = {0.9f, 0.8f, 0.7f}, .texture = 0, .alpha_texture = SL_NO_INDEX}};
     size_t count = room->triangle_count;
     float *positions = malloc(count * 9 * sizeof *positions), *uv = malloc(count * 6 * sizeof *uv);
     uint32_t *indices = malloc(count * 3 * sizeof *indices), *material = malloc(count * sizeof *material);
@@ -284,9 +295,16 @@ static sl_scene *dressed_room(look l) {
             uv[6 * t + 2 * k + 1] = sl_random_unit(3, 6 * t + 2 * k + 1);
         }
     }
-    sl_scene_parts parts = {.vertex_count = 3 * count, .positions = positions, .texture_coordinates = uv, .triangle_count = count,
-                            .indices = indices, .material_index = material, .material_count = 2, .materials = materials,
-                            .texture_count = 1, .textures = &texture};
+    sl_scene_parts parts = {.vertex_count = 3 * count,
+                            .positions = positions,
+                            .texture_coordinates = uv,
+                            .triangle_count = count,
+                            .indices = indices,
+                            .material_index = material,
+                            .material_count = 2,
+                            .materials = materials,
+                            .texture_count = 1,
+                            .textures = &texture};
     sl_scene *scene = NULL;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
@@ -315,11 +333,13 @@ enum { WIDTH = 233, HEIGHT = 97 };
 static sl_view room_view(int n) {
     sl_camera camera;
     if (n == 0) {
-        assert_true(sl_camera_look_at(&camera, sl_v3(0.5f, 1.6f, 0.4f), sl_v3(2, 1, 2.5f), sl_v3(0, 1, 0), 1.0f));
+        assert_true(
+            sl_camera_look_at(&camera, sl_v3(0.5f, 1.6f, 0.4f), sl_v3(2, 1, 2.5f), sl_v3(0, 1, 0), 1.0f));
         return sl_view_camera(&camera, WIDTH, HEIGHT, 0.01f, 20.0f);
     }
     assert_true(sl_camera_look_at(&camera, sl_v3(2, 1.5f, 7), sl_v3(2, 1, 2.5f), sl_v3(0, 1, 0), 1.4f));
-    return sl_view_camera(&camera, WIDTH, HEIGHT, 2.5f, 100.0f); /* near plane inside the room, background around */
+    /* near plane inside the room, background around */
+    return sl_view_camera(&camera, WIDTH, HEIGHT, 2.5f, 100.0f);
 }
 
 static void expect_vector(const float *x, const float *y, const float *z, size_t i, sl_vec3 expected) {
@@ -340,7 +360,8 @@ static void expect_surfaces(const sl_scene *scene, const sl_view *view, const sl
         expect_vector(g->position_x, g->position_y, g->position_z, i, s.position);
         expect_vector(g->normal_x, g->normal_y, g->normal_z, i, s.normal);
         expect_vector(g->geometric_x, g->geometric_y, g->geometric_z, i, s.geometric_normal);
-        expect_vector(g->diffuse_r, g->diffuse_g, g->diffuse_b, i, sl_v3(s.diffuse.r, s.diffuse.g, s.diffuse.b));
+        expect_vector(g->diffuse_r, g->diffuse_g, g->diffuse_b, i,
+                      sl_v3(s.diffuse.r, s.diffuse.g, s.diffuse.b));
         assert_int_equal(g->material[i], material);
     }
 }
@@ -360,7 +381,8 @@ static void surfaces_are_those_of_the_scene_bit_by_bit(void **state) {
                     sl_counters counters = {{0}};
                     assert_int_equal(sl_raster_gbuffer(raster, &view, threads, g, &counters, NULL), SL_OK);
                     if (threads == 1) shaded = counters.value[SL_COUNT_FRAGMENTS_SHADED];
-                    assert_true(shaded > WIDTH * HEIGHT / 8 && counters.value[SL_COUNT_FRAGMENTS_SHADED] == shaded);
+                    assert_true(shaded > WIDTH * HEIGHT / 8 &&
+                                counters.value[SL_COUNT_FRAGMENTS_SHADED] == shaded);
                     expect_surfaces(scene, &view, g);
                 }
                 sl_gbuffer_destroy(g);
@@ -387,7 +409,11 @@ static void large_planes_hold_the_bits_of_their_parts(void **state) {
     uint32_t *id = malloc((size_t)WIDE * HIGH * sizeof *id);
     assert_true(planes && id);
     /* Few planes, not at a line's start; and no depth. */
-    sl_gbuffer few = {.width = WIDE, .height = HIGH, .id = id, .normal_y = planes + 1, .diffuse_b = planes + 1 + WIDE * HIGH};
+    sl_gbuffer few = {.width = WIDE,
+                      .height = HIGH,
+                      .id = id,
+                      .normal_y = planes + 1,
+                      .diffuse_b = planes + 1 + WIDE * HIGH};
     planes[0] = planes[1 + 2 * WIDE * HIGH] = -7.0f;
     assert_int_equal(sl_raster_gbuffer(raster, &view, 2, g, &counters, NULL), SL_OK);
     assert_int_equal(sl_raster_gbuffer(raster, &view, 1, &few, &counters, NULL), SL_OK);
@@ -429,8 +455,12 @@ static void gouraud_needs_no_scene_but_a_g_buffer_does(void **state) {
     render(raster, &view, 1, id, NULL);
     for (int i = 0; i < PIXELS; i += 13) id[i] = SL_NO_INDEX;
     sl_counters counters[2] = {{{0}}};
-    sl_raster_gouraud(raster, &view, 1, id, &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out[0]}, &counters[0]);
-    sl_raster_gouraud(raster, &view, 3, id, &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out[1]}, &counters[1]);
+    sl_raster_gouraud(raster, &view, 1, id,
+                      &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out[0]},
+                      &counters[0]);
+    sl_raster_gouraud(raster, &view, 3, id,
+                      &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out[1]},
+                      &counters[1]);
     assert_memory_equal(out[0], out[1], sizeof out[0]);
     assert_memory_equal(&counters[0], &counters[1], sizeof counters[0]);
     for (uint32_t i = 0; i < PIXELS; i++) {
@@ -438,8 +468,10 @@ static void gouraud_needs_no_scene_but_a_g_buffer_does(void **state) {
         plain_weights(scene, &view, i, id[i], &w1, &w2);
         for (uint32_t c = 0; c < CHANNELS; c++) {
             float a[3] = {0};
-            for (int k = 0; k < 3 && id[i] != SL_NO_INDEX; k++) a[k] = attributes[scene->vertex[k][id[i]] * CHANNELS + c];
-            assert_true(same_bits(out[0][c * PIXELS + i], sl_interpolate(a[0], a[1] - a[0], a[2] - a[0], w1, w2)));
+            for (int k = 0; k < 3 && id[i] != SL_NO_INDEX; k++)
+                a[k] = attributes[scene->vertex[k][id[i]] * CHANNELS + c];
+            assert_true(
+                same_bits(out[0][c * PIXELS + i], sl_interpolate(a[0], a[1] - a[0], a[2] - a[0], w1, w2)));
         }
     }
     sl_gbuffer *g = NULL;

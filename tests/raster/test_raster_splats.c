@@ -6,21 +6,24 @@
 /* ---- bounds ---- */
 
 /* Whether a ray through a point of the screen meets the part of the sphere beyond the near plane. */
-static bool ray_meets_sphere(sl_vec3d d, sl_vec3d c, double r, double near) { /* d.z = 1, camera space, z forward */
+/* d.z = 1, camera space, z forward */
+static bool ray_meets_sphere(sl_vec3d d, sl_vec3d c, double r, double near) {
     double a = sl_dotd(d, d), b = sl_dotd(d, c), k = sl_dotd(c, c) - r * r, disc = b * b - a * k;
     if (disc < 0.0) return false;
-    return (b + sqrt(disc)) / a >= near; /* the ball's farther hit lies beyond the near plane, so the near section is met or passed */
+    /* the ball's farther hit lies beyond the near plane, so the near section is met or passed */
+    return (b + sqrt(disc)) / a >= near;
 }
 
-static void check_sphere(const sl_camera *camera, int width, int height, float near, sl_vec3 centre, float radius, uint64_t key,
-                         size_t *loose) {
+static void check_sphere(const sl_camera *camera, int width, int height, float near, sl_vec3 centre,
+                         float radius, uint64_t key, size_t *loose) {
     sl_splat_rect rect = sl_sphere_bounds(camera, width, height, near, centre, radius);
     assert_true(rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= width && rect.y1 <= height);
     double tan_y = tan(0.5 * (double)camera->vertical_fov), tan_x = tan_y * width / height;
     sl_vec3d q = sl_subd(sl_to_double(centre), sl_to_double(camera->eye));
     sl_vec3d c = sl_v3d(sl_dotd(sl_to_double(camera->right), q), sl_dotd(sl_to_double(camera->up), q),
                         -sl_dotd(sl_to_double(camera->back), q));
-    /* Points on the sphere, projected: each that lies beyond near and on the screen must be inside the bounds. */
+    /* Points on the sphere, projected: each that lies beyond near and on the screen must be inside the
+     * bounds. */
     int inner_x0 = width, inner_x1 = 0;
     for (uint64_t i = 0; i < 24; i++) {
         sl_vec3d p = sl_addd(c, sl_scaled(sl_to_double(random_direction(key, i)), (double)radius * 0.999999));
@@ -33,7 +36,8 @@ static void check_sphere(const sl_camera *camera, int width, int height, float n
     }
     /* Pixel centres just outside the bounds must not see the sphere. */
     for (uint64_t i = 0; i < 8; i++) {
-        double x = (double)sl_random_unit(key, 5000 + 2 * i) * width, y = (double)sl_random_unit(key, 5001 + 2 * i) * height;
+        double x = (double)sl_random_unit(key, 5000 + 2 * i) * width,
+               y = (double)sl_random_unit(key, 5001 + 2 * i) * height;
         if (i < 2 && rect.x0 < rect.x1) x = i ? rect.x1 + 0.01 : rect.x0 - 0.01;
         if (x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1) continue;
         if (x < 0.0 || x >= width) continue;
@@ -50,11 +54,13 @@ static void bounds_are_never_smaller_than_the_sphere(void **state) {
     for (uint64_t i = 0; i < 100000; i++) {
         uint64_t key = sl_random_key(12, i);
         if (i % 100 == 0) {
-            sl_vec3 eye = sl_v3(random_between(key, 1, -3, 3), random_between(key, 2, -3, 3), random_between(key, 3, -3, 3));
-            assert_true(sl_camera_look_at(&camera, eye, sl_add(eye, random_direction(key, 40)), sl_v3(0, 1, 0),
-                                          random_between(key, 4, 0.2f, 2.8f)));
+            sl_vec3 eye = sl_v3(random_between(key, 1, -3, 3), random_between(key, 2, -3, 3),
+                                random_between(key, 3, -3, 3));
+            assert_true(sl_camera_look_at(&camera, eye, sl_add(eye, random_direction(key, 40)),
+                                          sl_v3(0, 1, 0), random_between(key, 4, 0.2f, 2.8f)));
         }
-        float reach = random_between(key, 5, 0, 1) < 0.3f ? 0.5f : 8.0f; /* many near the eye and across the near plane */
+        /* many near the eye and across the near plane */
+        float reach = random_between(key, 5, 0, 1) < 0.3f ? 0.5f : 8.0f;
         sl_vec3 centre = sl_mad(camera.eye, random_between(key, 6, 0, reach), random_direction(key, 41));
         check_sphere(&camera, 320, 200, 0.1f, centre, random_between(key, 7, 0.001f, 1.0f), key, &useful);
     }
@@ -66,7 +72,8 @@ static void bounds_are_tight(void **state) {
     sl_camera camera;
     assert_true(sl_camera_look_at(&camera, sl_v3(0, 0, 0), sl_v3(0, 0, -1), sl_v3(0, 1, 0), 1.5707963f));
     sl_splat_rect r = sl_sphere_bounds(&camera, 200, 200, 0.1f, sl_v3(0, 0, -10), 1.0f);
-    /* tan of half angle 1/sqrt(99) = 0.1005, so 10.05 pixels each way from the middle, and one pixel outwards. */
+    /* tan of half angle 1/sqrt(99) = 0.1005, so 10.05 pixels each way from the middle, and one pixel
+     * outwards. */
     assert_true(r.x0 >= 87 && r.x0 <= 88 && r.x1 >= 112 && r.x1 <= 113);
     assert_true(r.y0 >= 87 && r.y0 <= 88 && r.y1 >= 112 && r.y1 <= 113);
 }
@@ -112,7 +119,8 @@ static const sl_splat_program add_program = {.shade = add_values};
 static void make_rects(sl_splat_rect *rects) {
     uint64_t key = sl_random_key(13, 0);
     for (uint64_t i = 0; i < SPLATS; i++) {
-        int x = (int)random_between(key, 4 * i, -40, WIDTH + 10), y = (int)random_between(key, 4 * i + 1, -40, HEIGHT + 10);
+        int x = (int)random_between(key, 4 * i, -40, WIDTH + 10),
+            y = (int)random_between(key, 4 * i + 1, -40, HEIGHT + 10);
         int w = (int)random_between(key, 4 * i + 2, -3, 70), h = (int)random_between(key, 4 * i + 3, -3, 70);
         rects[i] = (sl_splat_rect){x, y, x + w, y + h};
     }
@@ -120,7 +128,8 @@ static void make_rects(sl_splat_rect *rects) {
 }
 
 static sl_splat_rect on_target(sl_splat_rect r) {
-    return (sl_splat_rect){r.x0 > 0 ? r.x0 : 0, r.y0 > 0 ? r.y0 : 0, r.x1 < WIDTH ? r.x1 : WIDTH, r.y1 < HEIGHT ? r.y1 : HEIGHT};
+    return (sl_splat_rect){r.x0 > 0 ? r.x0 : 0, r.y0 > 0 ? r.y0 : 0, r.x1 < WIDTH ? r.x1 : WIDTH,
+                           r.y1 < HEIGHT ? r.y1 : HEIGHT};
 }
 
 static void tiles_blend_in_index_order_bit_for_bit(void **state) {
@@ -135,7 +144,9 @@ static void tiles_blend_in_index_order_bit_for_bit(void **state) {
     for (int k = 0; k < 5; k++) {
         sl_counters counters = {{0}};
         memset(&got, 0, sizeof got);
-        assert_int_equal(sl_raster_splats(WIDTH, HEIGHT, SPLATS, rects, &add_program, &got, threads[k], &counters, NULL), SL_OK);
+        assert_int_equal(
+            sl_raster_splats(WIDTH, HEIGHT, SPLATS, rects, &add_program, &got, threads[k], &counters, NULL),
+            SL_OK);
         assert_memory_equal(got.plane, expected.plane, sizeof got.plane);
         assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_BLENDED], blended);
         assert_int_equal(counters.value[SL_COUNT_SPLATS], SPLATS);
@@ -151,13 +162,16 @@ static void no_splats_are_allowed(void **state) {
 
 /* ---- tiles ---- */
 
-/* A program that works in tile memory alone: each tile must come once, go once, and hold what its splats need. */
+/* A program that works in tile memory alone: each tile must come once, go once, and hold what its splats
+ * need. */
 typedef struct tile_log {
     canvas screen;
     int begun[16 * 16], ended[16 * 16]; /* by tile */
 } tile_log;
 
-static int tile_number(const sl_splat_tile *tile) { return tile->y / SL_SPLAT_TILE * 16 + tile->x / SL_SPLAT_TILE; }
+static int tile_number(const sl_splat_tile *tile) {
+    return tile->y / SL_SPLAT_TILE * 16 + tile->x / SL_SPLAT_TILE;
+}
 
 static void begin_tile(void *context, const sl_splat_tile *tile) {
     tile_log *log = context;
@@ -165,7 +179,8 @@ static void begin_tile(void *context, const sl_splat_tile *tile) {
     assert_true((uintptr_t)tile->memory % 64 == 0);
     assert_true(tile->x % SL_SPLAT_TILE == 0 && tile->y % SL_SPLAT_TILE == 0);
     assert_true(r.x0 >= tile->x && r.y0 >= tile->y && r.x0 < r.x1 && r.y0 < r.y1);
-    assert_true(r.x1 <= tile->x + SL_SPLAT_TILE && r.y1 <= tile->y + SL_SPLAT_TILE && r.x1 <= WIDTH && r.y1 <= HEIGHT);
+    assert_true(r.x1 <= tile->x + SL_SPLAT_TILE && r.y1 <= tile->y + SL_SPLAT_TILE && r.x1 <= WIDTH &&
+                r.y1 <= HEIGHT);
     log->begun[tile_number(tile)]++;
 }
 
@@ -196,10 +211,13 @@ static void a_tile_comes_and_goes_once_and_only_where_splats_are(void **state) {
         {WIDTH - 1, HEIGHT - 1, WIDTH + 9, HEIGHT + 9}, /* the last pixel */
     };
     sl_counters counters = {{0}};
-    assert_int_equal(sl_raster_splats(WIDTH, HEIGHT, sizeof rects / sizeof rects[0], rects, &program, &log, 1, &counters, NULL), SL_OK);
+    assert_int_equal(sl_raster_splats(WIDTH, HEIGHT, sizeof rects / sizeof rects[0], rects, &program, &log, 1,
+                                      &counters, NULL),
+                     SL_OK);
     for (int n = 0; n < 16 * 16; n++) {
         int x = n % 16, y = n / 16;
-        bool touched = ((x == 1 || x == 2) && (y == 1 || y == 2)) || (x == (WIDTH - 1) / SL_SPLAT_TILE && y == (HEIGHT - 1) / SL_SPLAT_TILE);
+        bool touched = ((x == 1 || x == 2) && (y == 1 || y == 2)) ||
+                       (x == (WIDTH - 1) / SL_SPLAT_TILE && y == (HEIGHT - 1) / SL_SPLAT_TILE);
         assert_int_equal(log.begun[n], touched);
         assert_int_equal(log.ended[n], touched);
     }
@@ -220,7 +238,8 @@ static void reduction_sums_squares_of_the_plane(void **state) {
     (void)state;
     enum { SIZE = 64 };
     static float plane[SIZE * SIZE], scratch[SIZE * SIZE / 2], out[SIZE * SIZE];
-    for (int i = 0; i < SIZE * SIZE; i++) plane[i] = (float)(i % 13) - 4.0f; /* sums of small integers are exact */
+    /* sums of small integers are exact */
+    for (int i = 0; i < SIZE * SIZE; i++) plane[i] = (float)(i % 13) - 4.0f;
     for (int final = 1; final <= SIZE; final *= 2) {
         sl_counters counters = {{0}};
         sl_raster_reduce(plane, SIZE, 1, final, scratch, out, &counters);
@@ -258,11 +277,14 @@ static void ping_pong(const float *plane, int size, int final, float *out) {
 static void reduction_has_the_bits_of_ping_pong_halving(void **state) {
     (void)state;
     enum { SIZE = 256 };
-    static float planes[CHANNELS * SIZE * SIZE], scratch[SIZE * SIZE / 2 + 1], out[CHANNELS * SIZE * SIZE], expected[SIZE * SIZE];
+    static float planes[CHANNELS * SIZE * SIZE], scratch[SIZE * SIZE / 2 + 1], out[CHANNELS * SIZE * SIZE],
+        expected[SIZE * SIZE];
     uint64_t key = sl_random_key(15, 0);
-    for (uint64_t i = 0; i < CHANNELS * SIZE * SIZE; i++) planes[i] = random_between(key, i, -1, 1) * (i % 5 ? 1.0f : 1e6f);
+    for (uint64_t i = 0; i < CHANNELS * SIZE * SIZE; i++)
+        planes[i] = random_between(key, i, -1, 1) * (i % 5 ? 1.0f : 1e6f);
     const float special[4] = {INFINITY, -INFINITY, NAN, 3e38f};
-    for (size_t i = 0; i < 4; i++) planes[3 * SIZE * SIZE + 1000 * i] = special[i]; /* in the last plane of the full size alone */
+    /* in the last plane of the full size alone */
+    for (size_t i = 0; i < 4; i++) planes[3 * SIZE * SIZE + 1000 * i] = special[i];
     for (int size = 1; size <= SIZE; size *= 2) {
         for (int final = 1; final <= size; final *= 2) {
             for (int channels = 1; channels <= CHANNELS; channels++) {
@@ -275,7 +297,8 @@ static void reduction_has_the_bits_of_ping_pong_halving(void **state) {
                     assert_true(same_floats(out + c * final * final, expected, (size_t)(final * final)));
                 }
                 assert_int_equal(counters.value[SL_COUNT_BYTES_READ_BACK], channels * final * final * 4);
-                assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_SHADED], (size * size - final * final) / 3);
+                assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_SHADED],
+                                 (size * size - final * final) / 3);
             }
         }
     }

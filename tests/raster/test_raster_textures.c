@@ -42,7 +42,8 @@ static void a_linear_ramp_is_reproduced_exactly_inside(void **state) {
     }
     uint64_t key = sl_random_key(1, 1);
     for (uint64_t i = 0; i < 5000; i++) {
-        float s = random_between(key, 2 * i, 0.5f / W, 1.0f - 0.5f / W), t = random_between(key, 2 * i + 1, 0.5f / H, 1.0f - 0.5f / H);
+        float s = random_between(key, 2 * i, 0.5f / W, 1.0f - 0.5f / W),
+              t = random_between(key, 2 * i + 1, 0.5f / H, 1.0f - 0.5f / H);
         float rgba[4];
         sl_texture_sample(image, s, t, 0.0f, rgba);
         double u = (double)s * W, v = (double)t * H;
@@ -65,7 +66,8 @@ static void a_texel_centre_gives_that_texel(void **state) {
                 float rgba[4], s = ((float)x + 0.5f) / (float)w, t = ((float)y + 0.5f) / (float)h;
                 const float *texel = texel_of(image, 0, x, y);
                 sl_texture_sample(image, s, t, 0.0f, rgba);
-                for (int c = 0; c < 4; c++) assert_near((double)rgba[c], (double)texel[c], 2e-6); /* s itself is rounded */
+                /* s itself is rounded */
+                for (int c = 0; c < 4; c++) assert_near((double)rgba[c], (double)texel[c], 2e-6);
             }
         }
         sl_texture_image_destroy(image);
@@ -78,7 +80,8 @@ static void beyond_the_edges_their_texels_go_on(void **state) {
     for (int x = 0; x < 4; x++) image->texels[4 * x] = (float)(x + 1);
     const struct {
         float s, clamped;
-    } cases[] = {{0.0f, 1.0f}, {1.0f, 4.0f}, {-0.125f, 1.0f}, {1.125f, 4.0f}, {5.375f, 4.0f}, {-3.375f, 1.0f}, {0.0625f, 1.0f}, {0.25f, 1.5f}};
+    } cases[] = {{0.0f, 1.0f},   {1.0f, 4.0f},    {-0.125f, 1.0f}, {1.125f, 4.0f},
+                 {5.375f, 4.0f}, {-3.375f, 1.0f}, {0.0625f, 1.0f}, {0.25f, 1.5f}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         float rgba[4];
         sl_texture_sample(image, cases[i].s, 0.3f, 0.0f, rgba);
@@ -87,8 +90,10 @@ static void beyond_the_edges_their_texels_go_on(void **state) {
     sl_texture_image_destroy(image);
 }
 
-static const float odd_values[] = {0.0f, -0.0f, 1.0f, -1.0f, 0x1p-149f, -0x1p-149f, -1e-30f, 1e-30f, 0x1.fffffep-1f, -0x1.fffffep-1f, 0x1p24f,
-                                   0x1p30f, -0x1p30f, 0x1p31f, 1e30f, -1e30f, 3.4e38f, INFINITY, -INFINITY, NAN};
+static const float odd_values[] = {0.0f,       -0.0f,   1.0f,     -1.0f,          0x1p-149f,
+                                   -0x1p-149f, -1e-30f, 1e-30f,   0x1.fffffep-1f, -0x1.fffffep-1f,
+                                   0x1p24f,    0x1p30f, -0x1p30f, 0x1p31f,        1e30f,
+                                   -1e30f,     3.4e38f, INFINITY, -INFINITY,      NAN};
 enum { ODD = sizeof odd_values / sizeof *odd_values };
 
 static void any_coordinate_gives_a_texel_of_the_texture(void **state) {
@@ -96,7 +101,8 @@ static void any_coordinate_gives_a_texel_of_the_texture(void **state) {
     sl_texture_image *image = random_image(5, 3, 9);
     for (int i = 0; i < ODD * ODD * ODD; i++) {
         float rgba[4];
-        sl_texture_sample(image, odd_values[i % ODD], odd_values[i / ODD % ODD], odd_values[i / ODD / ODD], rgba);
+        sl_texture_sample(image, odd_values[i % ODD], odd_values[i / ODD % ODD], odd_values[i / ODD / ODD],
+                          rgba);
         for (int c = 0; c < 4; c++) assert_true(rgba[c] >= 0.0f && rgba[c] <= 1.0f);
     }
     float rgba[4];
@@ -118,7 +124,8 @@ static void the_result_is_exact_filtering_rounded_once(void **state) {
         sl_texture_image *image = random_image(w, h, 4);
         uint64_t key = sl_random_key(5, (uint64_t)k);
         for (uint64_t i = 0; i < 20000; i++) {
-            float s = random_between(key, 2 * i, -0.2f, 1.2f), t = random_between(key, 2 * i + 1, -0.2f, 1.2f), rgba[4];
+            float s = random_between(key, 2 * i, -0.2f, 1.2f),
+                  t = random_between(key, 2 * i + 1, -0.2f, 1.2f), rgba[4];
             sl_texture_sample(image, s, t, 0.0f, rgba);
             long double u = within(s) * w - 0.5L, v = within(t) * h - 0.5L;
             int x = (int)floorl(u), y = (int)floorl(v);
@@ -126,7 +133,8 @@ static void the_result_is_exact_filtering_rounded_once(void **state) {
             for (int c = 0; c < 4; c++) {
                 long double sum = 0.0L;
                 for (int n = 0; n < 4; n++) {
-                    const float *texel = texel_of(image, 0, clamped(x + (n & 1), w), clamped(y + (n >> 1), h));
+                    const float *texel =
+                        texel_of(image, 0, clamped(x + (n & 1), w), clamped(y + (n >> 1), h));
                     sum += (n & 1 ? fu : 1 - fu) * (n >> 1 ? fv : 1 - fv) * (long double)texel[c];
                 }
                 assert_near((double)rgba[c], (double)sum, 0x1.00001p-25 + 1e-13); /* half an ulp below 1 */
@@ -157,7 +165,8 @@ static void a_constant_texture_is_constant_at_any_level_of_detail(void **state) 
 static double mean_of_level(const sl_texture_image *image, int level, int channel) {
     double sum = 0.0;
     size_t texels = (size_t)image->width[level] * (size_t)image->height[level];
-    for (size_t i = 0; i < texels; i++) sum += (double)image->texels[4 * ((size_t)image->first[level] + i) + (size_t)channel];
+    for (size_t i = 0; i < texels; i++)
+        sum += (double)image->texels[4 * ((size_t)image->first[level] + i) + (size_t)channel];
     return sum / (double)texels;
 }
 
@@ -172,14 +181,16 @@ static void every_level_has_the_mean_of_the_picture_whatever_its_size(void **sta
         for (int l = 0; l < levels; l++) {
             assert_int_equal(image->width[l], sizes[k][0] >> l > 1 ? sizes[k][0] >> l : 1);
             assert_int_equal(image->height[l], sizes[k][1] >> l > 1 ? sizes[k][1] >> l : 1);
-            for (int c = 0; c < 4; c++) assert_near(mean_of_level(image, l, c), mean_of_level(image, 0, c), 3e-7);
+            for (int c = 0; c < 4; c++)
+                assert_near(mean_of_level(image, l, c), mean_of_level(image, 0, c), 3e-7);
         }
         sl_texture_image_destroy(image);
     }
 }
 
-/* A ramp's mean over a texel is the ramp at its middle: so the levels of a ramp are the ramp itself. With odd sizes n the ramp is made
- * of steps that texels cut, which moves it by less than a texel's n-th part; dropping the odd row would move it by half a texel. */
+/* A ramp's mean over a texel is the ramp at its middle: so the levels of a ramp are the ramp itself. With odd
+ * sizes n the ramp is made of steps that texels cut, which moves it by less than a texel's n-th part;
+ * dropping the odd row would move it by half a texel. */
 static void a_ramp_stays_where_it_is_in_every_level(void **state) {
     (void)state;
     enum { W = 77, H = 64 };
@@ -212,8 +223,8 @@ static void the_level_read_follows_the_level_of_detail(void **state) {
     }
     const struct {
         float lod, level;
-    } cases[] = {{-5.0f, 0}, {0.0f, 0}, {0.25f, 0.25f}, {0.5f, 0.5f}, {1.5f, 1.5f}, {2.0f, 2}, {2.625f, 2.625f}, {3.0f, 3}, {9.0f, 3},
-                 {INFINITY, 3}, {NAN, 0}};
+    } cases[] = {{-5.0f, 0},       {0.0f, 0}, {0.25f, 0.25f}, {0.5f, 0.5f},  {1.5f, 1.5f}, {2.0f, 2},
+                 {2.625f, 2.625f}, {3.0f, 3}, {9.0f, 3},      {INFINITY, 3}, {NAN, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         float rgba[4];
         sl_texture_sample(image, 0.3f, 0.6f, cases[i].lod, rgba);
@@ -243,7 +254,8 @@ static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_s
     for (uint64_t i = 0; i < COUNT; i++) {
         s[i] = random_between(key, 3 * i, -2, 2);
         t[i] = random_between(key, 3 * i + 1, -2, 2);
-        lod[i] = i % 200 < 100 ? random_between(key, 3 * i + 2, -3, 8) : -1.0f; /* whole blocks without blending too */
+        /* whole blocks without blending too */
+        lod[i] = i % 200 < 100 ? random_between(key, 3 * i + 2, -3, 8) : -1.0f;
         if (i % 10 == 0) s[i] = odd_values[i / 10 % ODD];
         if (i % 10 == 1) t[i] = odd_values[i / 10 % ODD];
         if (i % 10 == 2) lod[i] = odd_values[i / 10 % ODD];
@@ -262,7 +274,8 @@ static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_s
             float rgba[4];
             sl_texture_sample(image, s[i], t[i], k % 7 ? lod[i] : 0.0f, rgba);
             for (int c = 0; c < 4; c++) {
-                if (plane[c] && !(isnan(rgba[c]) && isnan(plane[c][i]))) assert_memory_equal(&rgba[c], &plane[c][i], sizeof(float));
+                if (plane[c] && !(isnan(rgba[c]) && isnan(plane[c][i])))
+                    assert_memory_equal(&rgba[c], &plane[c][i], sizeof(float));
             }
         }
         sl_texture_image_destroy(image);
@@ -277,10 +290,12 @@ static void lookups_have_their_golden_hash(void **state) {
     sl_texture_image *image = random_image(61, 23, 12);
     for (uint64_t i = 0; i < 20000; i++) {
         float rgba[4];
-        sl_texture_sample(image, random_between(key, 3 * i, -0.2f, 1.2f), random_between(key, 3 * i + 1, -0.2f, 1.2f),
-                          random_between(key, 3 * i + 2, -1, 6), rgba);
+        sl_texture_sample(image, random_between(key, 3 * i, -0.2f, 1.2f),
+                          random_between(key, 3 * i + 1, -0.2f, 1.2f), random_between(key, 3 * i + 2, -1, 6),
+                          rgba);
         for (int c = 0; c < 4; c++) {
-            for (int bit = 0; bit < 32; bit += 8) hash = (hash ^ (sl_float_bits(rgba[c]) >> bit & 255)) * 0x100000001b3u;
+            for (int bit = 0; bit < 32; bit += 8)
+                hash = (hash ^ (sl_float_bits(rgba[c]) >> bit & 255)) * 0x100000001b3u;
         }
     }
     if (hash != golden) fail_msg("the hash is 0x%016llx", (unsigned long long)hash);

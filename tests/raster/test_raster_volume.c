@@ -8,7 +8,8 @@ static void bytes_are_fetched_exactly_and_places_beyond_are_the_nearest(void **s
     sl_volume *volume = NULL;
     assert_int_equal(sl_volume_create(W, H, D, &volume, NULL), SL_OK);
     uint64_t key = sl_random_key(1, 2);
-    for (uint64_t i = 0; i < 4 * W * H * D; i++) volume->bytes[i] = (uint8_t)(sl_random_unit(key, i) * 256.0f);
+    for (uint64_t i = 0; i < 4 * W * H * D; i++)
+        volume->bytes[i] = (uint8_t)(sl_random_unit(key, i) * 256.0f);
     for (int i = 0; i < W * H * D; i++) {
         const uint8_t *b = volume->bytes + 4 * i;
         uint32_t expected = (uint32_t)(b[0] | b[1] << 8 | b[2] << 16) | (uint32_t)b[3] << 24;

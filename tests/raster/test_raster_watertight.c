@@ -1,7 +1,8 @@
-/* No hole and no double hit, in any layer, without another rasterizer to compare with. Along the line of sight through a pixel a
- * closed surface is entered as often as it is left: so the triangles that cover the pixel, visible or hidden, are even in number
- * seen from outside and odd from inside; and front faces less back faces are 0 from outside, which also rules out that two faults
- * cancel. A convex body has just one front and one back, a height field one layer. */
+/* No hole and no double hit, in any layer, without another rasterizer to compare with. Along the line of
+ * sight through a pixel a closed surface is entered as often as it is left: so the triangles that cover the
+ * pixel, visible or hidden, are even in number seen from outside and odd from inside; and front faces less
+ * back faces are 0 from outside, which also rules out that two faults cancel. A convex body has just one
+ * front and one back, a height field one layer. */
 #include "raster/plain.h"
 #include "raster_support.h"
 
@@ -10,7 +11,7 @@
 
 #include "raster_soup.h"
 
-/* ---- meshes ---------------------------------------------------------------------------------------------------------- */
+/* ---- meshes ---------------------------------------------------------------------------------- */
 
 typedef struct mesh {
     size_t vertices, triangles;
@@ -47,9 +48,12 @@ static void add_triangle(mesh *m, uint32_t a, uint32_t b, uint32_t c) {
     m->triangles++;
 }
 
-static sl_vec3 vertex_of(const mesh *m, size_t v) { return sl_v3(m->position[0][v], m->position[1][v], m->position[2][v]); }
+static sl_vec3 vertex_of(const mesh *m, size_t v) {
+    return sl_v3(m->position[0][v], m->position[1][v], m->position[2][v]);
+}
 
-/* A grid of nu x nv cells with random diagonals; columns (and rows) close upon themselves or not. `place` gives the vertices. */
+/* A grid of nu x nv cells with random diagonals; columns (and rows) close upon themselves or not. `place`
+ * gives the vertices. */
 typedef sl_vec3 place_vertex(const void *context, uint64_t key, int i, int j);
 static mesh grid_mesh(int nu, int nv, bool closed, uint64_t key, place_vertex *place, const void *context) {
     int columns = closed ? nu : nu + 1, rows = closed ? nv : nv + 1;
@@ -60,7 +64,9 @@ static mesh grid_mesh(int nu, int nv, bool closed, uint64_t key, place_vertex *p
     for (int j = 0; j < nv; j++) {
         for (int i = 0; i < nu; i++) {
             uint32_t at[2][2];
-            for (int y = 0; y < 2; y++) for (int x = 0; x < 2; x++) at[y][x] = (uint32_t)((j + y) % rows * columns + (i + x) % columns);
+            for (int y = 0; y < 2; y++)
+                for (int x = 0; x < 2; x++)
+                    at[y][x] = (uint32_t)((j + y) % rows * columns + (i + x) % columns);
             if (sl_random_bits(key + 2, (uint64_t)(j * nu + i)) & 1) {
                 add_triangle(&m, at[0][0], at[0][1], at[1][1]);
                 add_triangle(&m, at[0][0], at[1][1], at[1][0]);
@@ -83,32 +89,40 @@ typedef struct torus {
 } torus;
 static sl_vec3 on_torus(const void *context, uint64_t key, int i, int j) {
     const torus *t = context;
-    double u = 6.283185307179586 * (i + 0.4 * (double)jitter(key, i, j, 0)) / t->nu, v = 6.283185307179586 * (j + 0.4 * (double)jitter(key, i, j, 1)) / t->nv;
+    double u = 6.283185307179586 * (i + 0.4 * (double)jitter(key, i, j, 0)) / t->nu,
+           v = 6.283185307179586 * (j + 0.4 * (double)jitter(key, i, j, 1)) / t->nv;
     double r = 0.4 + (double)t->rough * (double)jitter(key, i, j, 2), d = 1.0 + r * cos(v);
     return sl_v3((float)(d * cos(u)), (float)(r * sin(v)), (float)(d * sin(u)));
 }
 
-/* An icosahedron whose faces are cut into n^2, pushed onto the unit sphere; shared corners are welded by their edge's ends. */
+/* An icosahedron whose faces are cut into n^2, pushed onto the unit sphere; shared corners are welded by
+ * their edge's ends. */
 static mesh icosphere(int n, float rough, uint64_t key) {
     static const double g = 1.618033988749895;
-    const double corner[12][3] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-    static const int face[20][3] = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                    {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+    const double corner[12][3] = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                                  {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    static const int face[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                    {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                    {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                    {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
     enum { MOST = 64 };
     assert_true(n <= MOST);
     mesh m = mesh_create((size_t)(12 + 30 * n + 20 * n * n), (size_t)(20 * n * n));
     uint32_t ends[12], inner[12][12][MOST + 1];
     memset(inner, 0xff, sizeof inner);
-    for (int c = 0; c < 12; c++) ends[c] = add_vertex(&m, sl_v3((float)corner[c][0], (float)corner[c][1], (float)corner[c][2]));
+    for (int c = 0; c < 12; c++)
+        ends[c] = add_vertex(&m, sl_v3((float)corner[c][0], (float)corner[c][1], (float)corner[c][2]));
     for (int f = 0; f < 20; f++) {
         uint32_t grid[MOST + 1][MOST + 1]; /* [i][j]: i steps to corner 1, j to corner 2 */
         for (int i = 0; i <= n; i++) {
             for (int j = 0; i + j <= n; j++) {
                 const int step[3] = {n - i - j, i, j};
                 double p[3] = {0};
-                for (int k = 0; k < 3; k++) for (int c = 0; c < 3; c++) p[k] += corner[face[f][c]][k] * step[c] / n;
+                for (int k = 0; k < 3; k++)
+                    for (int c = 0; c < 3; c++) p[k] += corner[face[f][c]][k] * step[c] / n;
                 uint32_t *shared = NULL;
-                for (int c = 0; c < 3; c++) { /* on the edge from corner a to corner b, `step` from the lower of the two */
+                /* on the edge from corner a to corner b, `step` from the lower of the two */
+                for (int c = 0; c < 3; c++) {
                     int a = face[f][c], b = face[f][(c + 1) % 3], from = a < b ? step[(c + 1) % 3] : step[c];
                     if (step[(c + 2) % 3] == 0) shared = &inner[a < b ? a : b][a < b ? b : a][from];
                 }
@@ -126,27 +140,32 @@ static mesh icosphere(int n, float rough, uint64_t key) {
         }
     }
     for (size_t v = 0; v < m.vertices; v++) {
-        sl_vec3 p = sl_scale(sl_normalize_or(vertex_of(&m, v), sl_v3(0, 0, 1)), 1.0f + rough * (2.0f * sl_random_unit(key, v) - 1.0f));
+        sl_vec3 p = sl_scale(sl_normalize_or(vertex_of(&m, v), sl_v3(0, 0, 1)),
+                             1.0f + rough * (2.0f * sl_random_unit(key, v) - 1.0f));
         m.position[0][v] = p.x, m.position[1][v] = p.y, m.position[2][v] = p.z;
     }
     return m;
 }
 
-/* ---- counting -------------------------------------------------------------------------------------------------------- */
+/* ---- counting -------------------------------------------------------------------------------- */
 
 /* Where the pipeline snaps a vertex to, in 1/256 pixel, of a triangle that is not clipped. */
 static void snapped(const sl_view *view, sl_vec3 p, int64_t *u, int64_t *v) {
     float clip[4];
     sl_vec3 q = sl_sub(p, view->origin);
-    for (int k = 0; k < 4; k++) clip[k] = ((view->clip[k][0] * q.x + view->clip[k][1] * q.y) + view->clip[k][2] * q.z) + view->clip[k][3];
-    float over = 1.0f / clip[3], half_width = 0.5f * (float)view->width, half_height = 0.5f * (float)view->height;
-    float x = fmaf(clip[0] * over, half_width, half_width), y = fmaf(clip[1] * over, half_height, half_height);
+    for (int k = 0; k < 4; k++)
+        clip[k] =
+            ((view->clip[k][0] * q.x + view->clip[k][1] * q.y) + view->clip[k][2] * q.z) + view->clip[k][3];
+    float over = 1.0f / clip[3], half_width = 0.5f * (float)view->width,
+          half_height = 0.5f * (float)view->height;
+    float x = fmaf(clip[0] * over, half_width, half_width),
+          y = fmaf(clip[1] * over, half_height, half_height);
     *u = lrintf((x - 0.5f) * 256.0f);
     *v = lrintf((y - 0.5f) * 256.0f);
 }
 
-/* +1 counter-clockwise on the screen, -1 clockwise, by the snapped corners: a triangle seen nearly edge-on may turn over when its
- * corners are snapped, and is then part of the other side. */
+/* +1 counter-clockwise on the screen, -1 clockwise, by the snapped corners: a triangle seen nearly edge-on
+ * may turn over when its corners are snapped, and is then part of the other side. */
 static float side_of(const mesh *m, const sl_view *view, size_t t) {
     int64_t u[3], v[3];
     for (int k = 0; k < 3; k++) snapped(view, vertex_of(m, m->corner[k][t]), &u[k], &v[k]);
@@ -171,20 +190,27 @@ static layers count_layers(const mesh *m, const sl_view *view, bool sides) {
         side[t] = sides ? side_of(m, view, t) : 0.0f;
         for (size_t k = 0; k < 3; k++) index[k * m->triangles + t] = m->corner[k][t];
     }
-    sl_raster_mesh drawn = {.vertex_count = m->vertices, .triangle_count = m->triangles, .x = m->position[0], .y = m->position[1], .z = m->position[2],
+    sl_raster_mesh drawn = {.vertex_count = m->vertices,
+                            .triangle_count = m->triangles,
+                            .x = m->position[0],
+                            .y = m->position[1],
+                            .z = m->position[2],
                             .vertex = {index, index + m->triangles, index + 2 * m->triangles}};
     sl_plain_layers(&drawn, view, view->width, view->height, side, l.sides);
     free(side), free(index);
     return l;
 }
 
-/* Every pixel: count is low..high and odd or even (parity 1 or 0; 2: either), sides sum up to `sides`. Returns the layers seen. */
+/* Every pixel: count is low..high and odd or even (parity 1 or 0; 2: either), sides sum up to `sides`.
+ * Returns the layers seen. */
 static double check_layers(layers l, float low, float high, int parity, float sides) {
     double seen = 0;
     for (int i = 0; i < l.width * l.height; i++) {
         float n = l.count[i];
-        if (!(n >= low && n <= high && n == floorf(n) && l.sides[i] == sides) || (parity < 2 && (int)n % 2 != parity)) {
-            fail_msg("%g layers, sides %g, at pixel (%d, %d) of %dx%d", (double)n, (double)l.sides[i], i % l.width, i / l.width, l.width, l.height);
+        if (!(n >= low && n <= high && n == floorf(n) && l.sides[i] == sides) ||
+            (parity < 2 && (int)n % 2 != parity)) {
+            fail_msg("%g layers, sides %g, at pixel (%d, %d) of %dx%d", (double)n, (double)l.sides[i],
+                     i % l.width, i / l.width, l.width, l.height);
         }
         seen += (double)n;
     }
@@ -192,7 +218,7 @@ static double check_layers(layers l, float low, float high, int parity, float si
     return seen;
 }
 
-/* ---- views ----------------------------------------------------------------------------------------------------------- */
+/* ---- views ----------------------------------------------------------------------------------- */
 
 static const int sizes[][2] = {{257, 193}, {64, 64}, {640, 31}, {400, 400}};
 
@@ -208,7 +234,8 @@ static sl_view view_of_all(uint64_t key, uint64_t n) {
     const int *size = sizes[n % 4];
     float aspect = (float)size[0] / (float)size[1], distance = 6.0f + 6.0f * sl_random_unit(key, 9000 + n);
     float tangent = 2.4f / distance / (aspect < 1.0f ? aspect : 1.0f);
-    return view_from(sl_scale(away, distance), sl_scale(random_direction(key, n + 50), 0.1f), 2.0f * atanf(tangent), n, 0.1f);
+    return view_from(sl_scale(away, distance), sl_scale(random_direction(key, n + 50), 0.1f),
+                     2.0f * atanf(tangent), n, 0.1f);
 }
 
 static void closed_meshes_seen_from_outside_are_entered_as_often_as_left(void **state) {
@@ -217,7 +244,8 @@ static void closed_meshes_seen_from_outside_are_entered_as_often_as_left(void **
     for (uint64_t seed = 0; seed < soup_share(60); seed++) {
         uint64_t key = sl_random_key(51, seed);
         torus shape = {(int)(6 + seed % 50), (int)(5 + seed % 31), seed % 3 ? 0.1f : 0.0f};
-        mesh m = seed % 2 ? grid_mesh(shape.nu, shape.nv, true, key, on_torus, &shape) : icosphere((int)(1 + seed % 40), seed % 4 ? 0.2f : 0.9f, key);
+        mesh m = seed % 2 ? grid_mesh(shape.nu, shape.nv, true, key, on_torus, &shape)
+                          : icosphere((int)(1 + seed % 40), seed % 4 ? 0.2f : 0.9f, key);
         for (uint64_t n = 0; n < 4; n++) {
             sl_view view = view_of_all(key, n);
             seen += check_layers(count_layers(&m, &view, true), 0.0f, 1e6f, 0, 0.0f);
@@ -232,7 +260,8 @@ static void convex_bodies_have_one_front_and_one_back(void **state) {
     double seen = 0;
     for (uint64_t seed = 0; seed < soup_share(20); seed++) {
         uint64_t key = sl_random_key(52, seed);
-        mesh m = icosphere(1 + (int)seed / 3, 0.0f, key); /* few enough faces that none turns over when it is snapped */
+        /* few enough faces that none turns over when it is snapped */
+        mesh m = icosphere(1 + (int)seed / 3, 0.0f, key);
         for (uint64_t n = 0; n < 4; n++) {
             sl_view view = view_of_all(key, n);
             seen += check_layers(count_layers(&m, &view, true), 0.0f, 2.0f, 0, 0.0f);
@@ -247,9 +276,11 @@ static void closed_meshes_cut_by_the_screens_sides_stay_closed(void **state) {
     for (uint64_t seed = 0; seed < soup_share(40); seed++) {
         uint64_t key = sl_random_key(53, seed);
         torus shape = {(int)(8 + seed % 60), (int)(6 + seed % 40), 0.1f};
-        mesh m = seed % 2 ? grid_mesh(shape.nu, shape.nv, true, key, on_torus, &shape) : icosphere((int)(1 + seed % 30), 0.3f, key);
+        mesh m = seed % 2 ? grid_mesh(shape.nu, shape.nv, true, key, on_torus, &shape)
+                          : icosphere((int)(1 + seed % 30), 0.3f, key);
         for (uint64_t n = 0; n < 6; n++) {
-            sl_vec3 eye = sl_scale(random_direction(key, n), 2.2f), target = sl_scale(random_direction(key, n + 60), 1.2f);
+            sl_vec3 eye = sl_scale(random_direction(key, n), 2.2f),
+                    target = sl_scale(random_direction(key, n + 60), 1.2f);
             sl_view view = view_from(eye, target, 0.1f + 1.5f * sl_random_unit(key, 900 + n), n, 0.01f);
             check_layers(count_layers(&m, &view, false), 0.0f, 1e6f, 0, 0.0f);
         }
@@ -265,12 +296,16 @@ static void meshes_around_the_eye_cover_every_pixel_an_odd_number_of_times(void 
         float rough = seed % 2 ? 0.0f : 0.5f;
         mesh m = icosphere(1 + (int)(seed % 30), rough, key);
         for (uint64_t n = 0; n < 6; n++) {
-            sl_vec3 eye = sl_scale(random_direction(key, n), (rough > 0.0f ? 0.35f : 0.7f) * sl_random_unit(key, 800 + n)); /* the coarsest has radius 0.79 */
+            /* the coarsest has radius 0.79 */
+            sl_vec3 eye = sl_scale(random_direction(key, n),
+                                   (rough > 0.0f ? 0.35f : 0.7f) * sl_random_unit(key, 800 + n));
             sl_frame frame = sl_frame_from_normal(random_direction(key, 30 + n));
             float tangent = n % 3 ? 1.0f : 2.7474774f;
             int size = sizes[n % 4][1];
-            sl_view pyramid = sl_view_pyramid(&frame, eye, -tangent, tangent, -tangent, tangent, size, size, 1e-4f);
-            sl_view camera = view_from(eye, sl_add(eye, random_direction(key, 70 + n)), 2.0f * sl_random_unit(key, 700 + n) + 0.1f, n, 1e-3f);
+            sl_view pyramid =
+                sl_view_pyramid(&frame, eye, -tangent, tangent, -tangent, tangent, size, size, 1e-4f);
+            sl_view camera = view_from(eye, sl_add(eye, random_direction(key, 70 + n)),
+                                       2.0f * sl_random_unit(key, 700 + n) + 0.1f, n, 1e-3f);
             check_layers(count_layers(&m, &pyramid, false), 1.0f, rough > 0.0f ? 1e6f : 1.0f, 1, 0.0f);
             check_layers(count_layers(&m, &camera, false), 1.0f, rough > 0.0f ? 1e6f : 1.0f, 1, 0.0f);
         }
@@ -278,7 +313,7 @@ static void meshes_around_the_eye_cover_every_pixel_an_odd_number_of_times(void 
     }
 }
 
-/* ---- one layer ------------------------------------------------------------------------------------------------------- */
+/* ---- one layer ------------------------------------------------------------------------------- */
 
 typedef struct field {
     int nu, nv;
@@ -286,7 +321,8 @@ typedef struct field {
 } field;
 static sl_vec3 on_field(const void *context, uint64_t key, int i, int j) {
     const field *f = context;
-    float u = ((float)i + 0.3f * jitter(key, i, j, 0)) / (float)f->nu - 0.5f, v = ((float)j + 0.3f * jitter(key, i, j, 1)) / (float)f->nv - 0.5f;
+    float u = ((float)i + 0.3f * jitter(key, i, j, 0)) / (float)f->nu - 0.5f,
+          v = ((float)j + 0.3f * jitter(key, i, j, 1)) / (float)f->nv - 0.5f;
     return sl_v3(u * f->width, f->height * jitter(key, i, j, 2), v * f->depth);
 }
 
@@ -296,9 +332,11 @@ static void planar_triangulations_cover_each_pixel_exactly_once(void **state) {
         uint64_t key = sl_random_key(55, seed);
         const int *size = sizes[seed % 4];
         /* cells of 2 to 200 pixels; the screen is -1..1 */
-        field f = {(int)(2 + seed * seed % 200) * size[0] / 300 + 4, (int)(2 + seed * 7 % 200) * size[1] / 300 + 4, 5.0f, 5.0f, 0.0f};
+        field f = {(int)(2 + seed * seed % 200) * size[0] / 300 + 4,
+                   (int)(2 + seed * 7 % 200) * size[1] / 300 + 4, 5.0f, 5.0f, 0.0f};
         mesh m = grid_mesh(f.nu, f.nv, false, key, on_field, &f);
-        sl_view view = {.width = size[0], .height = size[1], .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
+        sl_view view = {
+            .width = size[0], .height = size[1], .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
         view.clip[0][0] = view.clip[1][2] = view.clip[2][1] = view.clip[3][3] = 1.0f;
         check_layers(count_layers(&m, &view, false), 1.0f, 1.0f, 1, 0.0f);
         float angle = 6.0f * sl_random_unit(key, 1);
@@ -317,8 +355,10 @@ static void height_fields_cover_each_pixel_exactly_once(void **state) {
         uint64_t key = sl_random_key(56, seed);
         field f = {(int)(3 + seed * 3), (int)(2 + seed * 2), 40.0f, 40.0f, 2.0f / (float)(3 + seed * 3)};
         mesh m = grid_mesh(f.nu, f.nv, false, key, on_field, &f);
-        sl_vec3 eye = sl_v3(0.3f, 3.0f, -0.2f), down = sl_v3(0.4f * jitter(key, 5, 5, 0), -1.0f, 0.4f * jitter(key, 5, 5, 1));
-        sl_view above = view_from(eye, sl_add(eye, down), 0.9f, seed & ~2u, 0.01f); /* no extremely wide picture */
+        sl_vec3 eye = sl_v3(0.3f, 3.0f, -0.2f),
+                down = sl_v3(0.4f * jitter(key, 5, 5, 0), -1.0f, 0.4f * jitter(key, 5, 5, 1));
+        /* no extremely wide picture */
+        sl_view above = view_from(eye, sl_add(eye, down), 0.9f, seed & ~2u, 0.01f);
         check_layers(count_layers(&m, &above, false), 1.0f, 1.0f, 1, 0.0f);
         mesh_destroy(&m);
 

@@ -1,4 +1,5 @@
-/* Keyframes: states between and beyond the keys, what is reported as changed, and that a state depends on the time alone. */
+/* Keyframes: states between and beyond the keys, what is reported as changed, and that a state depends on the
+ * time alone. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +19,8 @@ static sl_scene *load(const char *json) {
     scene_file_text("triangle.obj", triangle_obj);
     sl_scene *scene;
     sl_error error = {0};
-    if (sl_scene_load(scene_file_text("scene.json", json), &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_scene_load(scene_file_text("scene.json", json), &scene, &error) != SL_OK)
+        fail_msg("%s", error.message);
     return scene;
 }
 
@@ -32,7 +34,8 @@ static bool near(float a, double b) { return fabs((double)a - b) < 1e-5; }
 
 static void quaternions_turn_about_the_axes_in_order(void **state) {
     (void)state;
-    sl_quaternion q = sl_quaternion_from_euler(0.5 * SL_PI, 0, 0.5 * SL_PI); /* about x: y becomes z; then about z: x becomes y */
+    /* about x: y becomes z; then about z: x becomes y */
+    sl_quaternion q = sl_quaternion_from_euler(0.5 * SL_PI, 0, 0.5 * SL_PI);
     sl_object_key key = {.scale = {1, 1, 1}, .rotate = q};
     sl_affine a = sl_object_track_at(&(sl_object_track){.key_count = 1, .keys = &key}, 0.0);
     sl_vec3d x = sl_affine_vector(&a, sl_v3d(1, 0, 0)), y = sl_affine_vector(&a, sl_v3d(0, 1, 0));
@@ -44,7 +47,8 @@ static void slerp_turns_at_constant_speed_along_the_shorter_arc(void **state) {
     sl_quaternion a = sl_quaternion_from_euler(0, 0, 0), b = sl_quaternion_from_euler(0, 1.2, 0);
     sl_quaternion minus_b = {-b.w, -b.x, -b.y, -b.z};
     for (int i = 0; i <= 8; i++) {
-        sl_quaternion q = sl_quaternion_slerp(a, b, i / 8.0), other = sl_quaternion_slerp(a, minus_b, i / 8.0);
+        sl_quaternion q = sl_quaternion_slerp(a, b, i / 8.0),
+                      other = sl_quaternion_slerp(a, minus_b, i / 8.0);
         assert_true(fabs(q.y - sin(0.6 * i / 8.0)) < 1e-12 && fabs(q.w - cos(0.6 * i / 8.0)) < 1e-12);
         assert_true(fabs(q.y - other.y) < 1e-12);
     }
@@ -55,8 +59,10 @@ static void slerp_turns_at_constant_speed_along_the_shorter_arc(void **state) {
 static const char moving[] =
     "{\"softlux\": 1,\n"
     " \"meshes\": [{\"file\": \"triangle.obj\", \"name\": \"still\"},\n"
-    "   {\"file\": \"triangle.obj\", \"name\": \"mover\", \"transform\": {\"translate\": [0, 0, 5]}, \"keyframes\": [\n"
-    "     {\"time\": 1, \"translate\": [0, 0, 0]}, {\"time\": 3, \"translate\": [4, 0, 0], \"rotate_deg\": [0, 90, 0]}]}],\n"
+    "   {\"file\": \"triangle.obj\", \"name\": \"mover\", \"transform\": {\"translate\": [0, 0, 5]}, "
+    "\"keyframes\": [\n"
+    "     {\"time\": 1, \"translate\": [0, 0, 0]}, {\"time\": 3, \"translate\": [4, 0, 0], \"rotate_deg\": "
+    "[0, 90, 0]}]}],\n"
     " \"lights\": [{\"type\": \"point\", \"position\": [0, 9, 0], \"intensity\": 1}],\n"
     " \"camera\": {\"eye\": [0, 0, 20], \"target\": [0, 0, 0]}}";
 
@@ -70,11 +76,14 @@ static void objects_move_between_keys_and_rest_beyond_them(void **state) {
     assert_int_equal(at(s, 2.0), SL_CHANGED_OBJECTS);
     assert_int_equal(s->version, 1);
     /* half way: turned by 45 degrees about y, then moved by 2 */
-    assert_true(near(s->position_x[mover], 2.0 + 5.0 * sqrt(0.5)) && near(s->position_z[mover], 5.0 * sqrt(0.5)));
+    assert_true(near(s->position_x[mover], 2.0 + 5.0 * sqrt(0.5)) &&
+                near(s->position_z[mover], 5.0 * sqrt(0.5)));
     assert_true(near(s->normal_x[mover], sqrt(0.5)) && near(s->geometric_normal_x[1], sqrt(0.5)));
-    assert_true(s->geometric_normal_z[0] == 1.0f && s->position_x[s->vertex[0][0]] == 0.0f); /* the other one rests */
+    /* the other one rests */
+    assert_true(s->geometric_normal_z[0] == 1.0f && s->position_x[s->vertex[0][0]] == 0.0f);
     at(s, 3.0);
-    assert_true(near(s->position_x[mover], 9.0) && near(s->position_z[mover], 0.0) && near(s->box_max.x, 9.0));
+    assert_true(near(s->position_x[mover], 9.0) && near(s->position_z[mover], 0.0) &&
+                near(s->box_max.x, 9.0));
     assert_int_equal(at(s, 100.0), 0);
     sl_scene_destroy(s);
 }
@@ -97,14 +106,18 @@ static void a_state_depends_on_the_time_alone(void **state) {
 
 static void lights_and_camera_move_and_are_reported_by_kind(void **state) {
     (void)state;
-    sl_scene *s = load(
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
-        " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"power\": 1, \"keyframes\": [{\"time\": 0}, {\"time\": 2, \"position\": [2, 4, 6]}]},\n"
-        "  {\"type\": \"spot\", \"position\": [0, 0, 0], \"direction\": [1, 0, 0], \"outer_deg\": 30, \"intensity\": 1,\n"
-        "   \"keyframes\": [{\"time\": 0}, {\"time\": 2, \"direction\": [0, 0, 3]}]}],\n"
-        " \"camera\": {\"eye\": [0, 0, 20], \"target\": [0, 0, 0], \"fov_deg\": 40, \"keyframes\": [{\"time\": 5}, {\"time\": 6, \"eye\": [0, 0, 10], \"fov_deg\": 60}]}}");
+    sl_scene *s =
+        load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
+             " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"power\": 1, \"keyframes\": "
+             "[{\"time\": 0}, {\"time\": 2, \"position\": [2, 4, 6]}]},\n"
+             "  {\"type\": \"spot\", \"position\": [0, 0, 0], \"direction\": [1, 0, 0], \"outer_deg\": 30, "
+             "\"intensity\": 1,\n"
+             "   \"keyframes\": [{\"time\": 0}, {\"time\": 2, \"direction\": [0, 0, 3]}]}],\n"
+             " \"camera\": {\"eye\": [0, 0, 20], \"target\": [0, 0, 0], \"fov_deg\": 40, \"keyframes\": "
+             "[{\"time\": 5}, {\"time\": 6, \"eye\": [0, 0, 10], \"fov_deg\": 60}]}}");
     assert_int_equal(at(s, 1.0), SL_CHANGED_LIGHTS);
-    assert_true(s->lights[0].position.x == 1.0f && s->lights[0].position.y == 2.0f && s->lights[0].position.z == 3.0f);
+    assert_true(s->lights[0].position.x == 1.0f && s->lights[0].position.y == 2.0f &&
+                s->lights[0].position.z == 3.0f);
     assert_true(near(s->lights[1].direction.x, sqrt(0.5)) && near(s->lights[1].direction.z, sqrt(0.5)));
     assert_int_equal(at(s, 5.5), SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA);
     assert_true(s->camera.eye.z == 15.0f && near(s->camera.vertical_fov, 50.0 * SL_PI / 180.0));
@@ -114,10 +127,11 @@ static void lights_and_camera_move_and_are_reported_by_kind(void **state) {
 
 static void dark_lights_do_not_shift_the_ones_that_move(void **state) {
     (void)state;
-    sl_scene *s = load(
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
-        " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"power\": 0, \"keyframes\": [{\"time\": 0}, {\"time\": 2, \"position\": [9, 9, 9]}]},\n"
-        "  {\"type\": \"point\", \"position\": [1, 1, 1], \"power\": 1, \"keyframes\": [{\"time\": 0}, {\"time\": 2, \"position\": [3, 1, 1]}]}]}");
+    sl_scene *s = load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
+                       " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"power\": 0, "
+                       "\"keyframes\": [{\"time\": 0}, {\"time\": 2, \"position\": [9, 9, 9]}]},\n"
+                       "  {\"type\": \"point\", \"position\": [1, 1, 1], \"power\": 1, \"keyframes\": "
+                       "[{\"time\": 0}, {\"time\": 2, \"position\": [3, 1, 1]}]}]}");
     assert_int_equal(s->light_count, 1);
     assert_int_equal(at(s, 1.0), SL_CHANGED_LIGHTS);
     assert_true(s->lights[0].position.x == 2.0f && s->lights[0].position.y == 1.0f);
@@ -126,9 +140,11 @@ static void dark_lights_do_not_shift_the_ones_that_move(void **state) {
 
 static void moving_emitters_count_as_lights_and_keep_their_area(void **state) {
     (void)state;
-    sl_scene *s = load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
-                       " \"lights\": [{\"type\": \"quad\", \"corner\": [0, 2, 0], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 5,\n"
-                       "   \"keyframes\": [{\"time\": 0}, {\"time\": 1, \"translate\": [0, 3, 0], \"scale\": 2}]}]}");
+    sl_scene *s =
+        load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
+             " \"lights\": [{\"type\": \"quad\", \"corner\": [0, 2, 0], \"edge1\": [1, 0, 0], \"edge2\": [0, "
+             "0, 2], \"radiance\": 5,\n"
+             "   \"keyframes\": [{\"time\": 0}, {\"time\": 1, \"translate\": [0, 3, 0], \"scale\": 2}]}]}");
     assert_int_equal(s->emitter_count, 2);
     assert_true(near(s->emitters[0].area, 1.0));
     assert_int_equal(at(s, 1.0), SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS);
@@ -138,8 +154,9 @@ static void moving_emitters_count_as_lights_and_keep_their_area(void **state) {
 
 static void a_z_up_scene_moves_as_its_y_up_twin(void **state) {
     (void)state;
-    sl_scene *z = load("{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"triangle.obj\", \"keyframes\": [\n"
-                       " {\"time\": 0}, {\"time\": 1, \"translate\": [1, 2, 3], \"rotate_deg\": [0, 0, 90]}]}]}");
+    sl_scene *z =
+        load("{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"triangle.obj\", \"keyframes\": [\n"
+             " {\"time\": 0}, {\"time\": 1, \"translate\": [1, 2, 3], \"rotate_deg\": [0, 0, 90]}]}]}");
     at(z, 1.0);
     /* vertex (1,0,0): turned about z to (0,1,0), moved to (1,3,3); z up to y up: (x, z, -y) */
     uint32_t v = z->vertex[1][0];
@@ -150,11 +167,14 @@ static void a_z_up_scene_moves_as_its_y_up_twin(void **state) {
 
 static void what_cannot_be_shown_is_refused_and_changes_nothing(void **state) {
     (void)state;
-    sl_scene *s = load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\", \"keyframes\": [{\"time\": 0}, {\"time\": 2, \"translate\": [1, 0, 0]}]}],\n"
-                       " \"camera\": {\"eye\": [0, 0, 4], \"target\": [0, 0, 0], \"keyframes\": [{\"time\": 0}, {\"time\": 2, \"eye\": [0, 0, -4]}]}}");
+    sl_scene *s = load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\", \"keyframes\": "
+                       "[{\"time\": 0}, {\"time\": 2, \"translate\": [1, 0, 0]}]}],\n"
+                       " \"camera\": {\"eye\": [0, 0, 4], \"target\": [0, 0, 0], \"keyframes\": [{\"time\": "
+                       "0}, {\"time\": 2, \"eye\": [0, 0, -4]}]}}");
     uint64_t hash = sl_scene_hash(s), version = s->version;
     sl_error error = {0};
-    assert_int_equal(sl_scene_set_time(s, 1.0, NULL, &error), SL_ERROR_INPUT); /* the eye passes through its target */
+    /* the eye passes through its target */
+    assert_int_equal(sl_scene_set_time(s, 1.0, NULL, &error), SL_ERROR_INPUT);
     assert_non_null(strstr(error.message, "time 1"));
     assert_true(sl_scene_hash(s) == hash && s->version == version);
     assert_int_equal(sl_scene_set_time(s, (double)NAN, NULL, &error), SL_ERROR_USAGE);

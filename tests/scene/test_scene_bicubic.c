@@ -24,7 +24,8 @@ static double distance(sl_vec3 a, sl_vec3 b) { return sl_lengthd(sl_subd(sl_to_d
 
 /* A surface over [0,1]^2 whose point (i/3, j/3) is lifted. */
 static sl_bicubic hill(void) {
-    static const float height[4][4] = {{0, 0.1f, 0.4f, 0}, {0.2f, 0.9f, -0.3f, 0.1f}, {0.5f, 0, 1.1f, 0.3f}, {0, 0.7f, 0.2f, 0.6f}};
+    static const float height[4][4] = {
+        {0, 0.1f, 0.4f, 0}, {0.2f, 0.9f, -0.3f, 0.1f}, {0.5f, 0, 1.1f, 0.3f}, {0, 0.7f, 0.2f, 0.6f}};
     sl_bicubic b = {.steps = SL_BICUBIC_STEPS};
     for (int j = 0; j < 4; j++) {
         for (int i = 0; i < 4; i++) b.point[j][i] = sl_v3((float)i / 3.0f, (float)j / 3.0f, height[j][i]);
@@ -45,7 +46,8 @@ static void a_surface_passes_through_its_corners_and_lies_within_its_control_poi
     for (int k = 0; k < 400; k++) {
         sl_vec3 p;
         sl_bicubic_at(&b, (k % 20) / 19.0, (k / 20) / 19.0, &p, NULL);
-        assert_true(fabs((double)p.x - (k % 20) / 19.0) < 1e-6 && fabs((double)p.y - (k / 20) / 19.0) < 1e-6); /* linear precision */
+        /* linear precision */
+        assert_true(fabs((double)p.x - (k % 20) / 19.0) < 1e-6 && fabs((double)p.y - (k / 20) / 19.0) < 1e-6);
         assert_true(p.z > -0.3f && p.z < 1.1f);
     }
 }
@@ -99,7 +101,8 @@ static void a_normal_is_found_where_whole_derivatives_vanish(void **state) {
     (void)state;
     sl_bicubic b = hill();
     for (int k = 0; k < 16; k++) b.point[k / 4][k % 4].z = 0.0f;
-    b.point[0][1] = b.point[1][0] = b.point[1][1] = b.point[0][0]; /* no derivative at (0, 0), of first or second order */
+    /* no derivative at (0, 0), of first or second order */
+    b.point[0][1] = b.point[1][0] = b.point[1][1] = b.point[0][0];
     sl_vec3 normal;
     sl_bicubic_at(&b, 0, 0, NULL, &normal);
     assert_true(distance(normal, sl_v3(0, 0, 1)) < 1e-6);
@@ -174,7 +177,8 @@ static void surfaces_that_meet_smoothly_have_the_same_points_and_normals_there(v
 
 /* ---- files ---- */
 
-static const char flat[] = "0 0 0  1 0 0  2 0 0  3 0 0\n0 1 0  1 1 0  2 1 0  3 1 0\n0 2 0  1 2 0  2 2 0  3 2 0\n0 3 0  1 3 0  2 3 0  3 3 0\n";
+static const char flat[] = "0 0 0  1 0 0  2 0 0  3 0 0\n0 1 0  1 1 0  2 1 0  3 1 0\n0 2 0  1 2 0  2 2 0  3 2 "
+                           "0\n0 3 0  1 3 0  2 3 0  3 3 0\n";
 
 static const char *bpt(const char *text, const char *points) {
     char whole[4096];
@@ -199,7 +203,8 @@ static void assert_refused(const char *path, const char *where, const char *why)
     sl_error error = {0};
     assert_int_equal(sl_scene_load(path, &scene, &error), SL_ERROR_INPUT);
     assert_null(scene);
-    if (!strstr(error.message, where) || !strstr(error.message, why)) fail_msg("'%s' has no '%s' or no '%s'", error.message, where, why);
+    if (!strstr(error.message, where) || !strstr(error.message, why))
+        fail_msg("'%s' has no '%s' or no '%s'", error.message, where, why);
 }
 
 static void every_mistake_is_reported_with_its_line(void **state) {
@@ -227,10 +232,15 @@ static void every_mistake_is_reported_with_its_line(void **state) {
     assert_refused(bpt("1\n3 3\n", point), "surface.bpt:2:", "has an area");
     assert_refused("/nowhere/surface.bpt", "/nowhere/surface.bpt", "opened");
     bpt("1\n3 3\n1 2 x\n", "");
-    assert_refused(scene_file_text("a.json", "{\"softlux\": 1,\n \"meshes\": [\n  {\"file\": \"surface.bpt\"}]}"), "a.json:3:", "surface.bpt:3:");
+    assert_refused(
+        scene_file_text("a.json", "{\"softlux\": 1,\n \"meshes\": [\n  {\"file\": \"surface.bpt\"}]}"),
+        "a.json:3:", "surface.bpt:3:");
     bpt("1\n3 3\n", flat);
-    assert_refused(scene_file_text("a.json", "{\"softlux\": 1,\n \"meshes\": [\n  {\"file\": \"surface.bpt\", \"normals\": \"faceted\"}]}"), "a.json:3:",
-                   "faceted");
+    assert_refused(
+        scene_file_text(
+            "a.json",
+            "{\"softlux\": 1,\n \"meshes\": [\n  {\"file\": \"surface.bpt\", \"normals\": \"faceted\"}]}"),
+        "a.json:3:", "faceted");
     scene_files_remove();
 }
 
@@ -242,12 +252,14 @@ static void fronts_stay_fronts_where_a_transform_mirrors(void **state) {
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         char text[256];
         snprintf(text, sizeof text,
-                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"surface.bpt\", \"transform\": {\"translate\": [0, 0, 5], \"scale\": [%d, 1, 1]}}]}",
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"surface.bpt\", \"transform\": {\"translate\": "
+                 "[0, 0, 5], \"scale\": [%d, 1, 1]}}]}",
                  mirrored ? -2 : 2);
         sl_scene *scene = load(scene_file_text("a.json", text));
         const sl_bicubic *b = &scene->bicubics[0];
         for (uint32_t t = 0; t < scene->triangle_count; t++) {
-            assert_true(sl_scene_geometric_normal(scene, t).z > 0.99f && sl_scene_normal(scene, scene->vertex[0][t]).z > 0.99f);
+            assert_true(sl_scene_geometric_normal(scene, t).z > 0.99f &&
+                        sl_scene_normal(scene, scene->vertex[0][t]).z > 0.99f);
         }
         sl_vec3 p, n;
         sl_bicubic_at(b, 0.5, 0.5, &p, &n);
@@ -260,9 +272,11 @@ static void fronts_stay_fronts_where_a_transform_mirrors(void **state) {
 static void control_points_move_with_their_object(void **state) {
     (void)state;
     bpt("1\n3 3\n", flat);
-    sl_scene *scene = load(scene_file_text(
-        "a.json", "{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"surface.bpt\"}, {\"file\": \"surface.bpt\", \"transform\": {\"translate\": [9, 0, 0]}, "
-                  "\"keyframes\": [{\"time\": 1}, {\"time\": 3, \"translate\": [0, 0, 4], \"rotate_deg\": [0, 90, 0]}]}]}"));
+    sl_scene *scene = load(
+        scene_file_text("a.json", "{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"surface.bpt\"}, "
+                                  "{\"file\": \"surface.bpt\", \"transform\": {\"translate\": [9, 0, 0]}, "
+                                  "\"keyframes\": [{\"time\": 1}, {\"time\": 3, \"translate\": [0, 0, 4], "
+                                  "\"rotate_deg\": [0, 90, 0]}]}]}"));
     assert_int_equal(scene->bicubic_count, 2);
     sl_bicubic before[2] = {scene->bicubics[0], scene->bicubics[1]};
     uint64_t hash = sl_scene_hash(scene);
@@ -305,8 +319,14 @@ static void parts_that_contradict_their_surfaces_are_refused(void **state) {
     wrong[2].first_triangle = 1;
     wrong[3].triangle_count = 7;
     for (int i = -1; i < 4; i++) {
-        sl_scene_parts parts = {.vertex_count = V, .positions = xyz, .normals = normal, .texture_coordinates = uv,
-                                .triangle_count = 2 * N * N, .indices = index, .bicubic_count = 1, .bicubics = i < 0 ? &b : &wrong[i]};
+        sl_scene_parts parts = {.vertex_count = V,
+                                .positions = xyz,
+                                .normals = normal,
+                                .texture_coordinates = uv,
+                                .triangle_count = 2 * N * N,
+                                .indices = index,
+                                .bicubic_count = 1,
+                                .bicubics = i < 0 ? &b : &wrong[i]};
         sl_scene *scene;
         assert_int_equal(sl_scene_build(&parts, &scene, NULL), i < 0 ? SL_OK : SL_ERROR_INPUT);
         sl_scene_destroy(scene);

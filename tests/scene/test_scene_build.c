@@ -13,7 +13,8 @@
 
 static const float square[12] = {0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0};
 static const uint32_t two[6] = {0, 1, 2, 0, 2, 3};
-static const sl_material grey = {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+static const sl_material grey = {
+    .diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
 
 static sl_scene_parts square_parts(void) {
     return (sl_scene_parts){.vertex_count = 4, .positions = square, .triangle_count = 2, .indices = two};
@@ -56,7 +57,8 @@ static void a_plain_square_has_two_triangles_bounds_and_normals(void **state) {
 
 static void facets_without_normals_stay_facets(void **state) {
     (void)state;
-    static const float roof[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}; /* a corner: three facets at right angles */
+    /* a corner: three facets at right angles */
+    static const float roof[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const uint32_t faces[9] = {0, 1, 2, 0, 2, 3, 0, 3, 1};
     sl_scene_parts parts = {.vertex_count = 4, .positions = roof, .triangle_count = 3, .indices = faces};
     sl_scene *s = build(&parts);
@@ -106,7 +108,8 @@ static void tiny_and_huge_triangles_keep_a_normal(void **state) {
     for (int i = 0; i < 4; i++) {
         const float positions[9] = {0, 0, 0, sizes[i], 0, 0, 0, sizes[i], 0};
         const uint32_t face[3] = {0, 1, 2};
-        sl_scene_parts parts = {.vertex_count = 3, .positions = positions, .triangle_count = 1, .indices = face};
+        sl_scene_parts parts = {
+            .vertex_count = 3, .positions = positions, .triangle_count = 1, .indices = face};
         sl_scene *s = build(&parts);
         assert_true(s->geometric_normal_z[0] == 1.0f);
         assert_true(s->diagonal > 0.0f && isfinite(s->diagonal));
@@ -138,7 +141,8 @@ static void reflectance_above_one_is_scaled_per_channel(void **state) {
     sl_scene *s = build(&parts);
     const sl_material *got = &s->materials[0];
     assert_true(got->diffuse.r + got->specular.r <= 1.0f && got->diffuse.r > 0.499f);
-    assert_true(got->diffuse.g == 0.5f && got->specular.g == 0.5f && got->diffuse.b == 0.2f && got->specular.b == 0.3f);
+    assert_true(got->diffuse.g == 0.5f && got->specular.g == 0.5f && got->diffuse.b == 0.2f &&
+                got->specular.b == 0.3f);
     assert_true(warns_of(s, "'shiny'") && warns_of(s, "exceed 1"));
     sl_scene_destroy(s);
 }
@@ -172,7 +176,11 @@ static void unphysical_materials_and_lights_are_refused(void **state) {
     refuse(&parts, "intensity");
     light = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .intensity = {1, 1, 1}};
     refuse(&parts, "direction");
-    light = (sl_light){.type = SL_LIGHT_SPOT, .intensity = {1, 1, 1}, .direction = {0, 0, 1}, .cos_inner = 0.1f, .cos_outer = 0.5f};
+    light = (sl_light){.type = SL_LIGHT_SPOT,
+                       .intensity = {1, 1, 1},
+                       .direction = {0, 0, 1},
+                       .cos_inner = 0.1f,
+                       .cos_outer = 0.5f};
     refuse(&parts, "inner cone");
 }
 
@@ -216,7 +224,11 @@ static void emitters_whose_area_vanishes_give_no_light_and_say_so(void **state) 
     m.emission = (sl_rgb){1, 1, 1};
     const float positions[9] = {0, 0, 0, 1e-38f, 0, 0, 0, 1e-38f, 0};
     const uint32_t face[3] = {0, 1, 2};
-    sl_scene_parts parts = {.vertex_count = 3, .positions = positions, .triangle_count = 1, .indices = face, .material_count = 1,
+    sl_scene_parts parts = {.vertex_count = 3,
+                            .positions = positions,
+                            .triangle_count = 1,
+                            .indices = face,
+                            .material_count = 1,
                             .materials = &m};
     sl_scene *s = build(&parts);
     assert_int_equal(s->emitter_count, 0);
@@ -235,7 +247,8 @@ static void a_dark_scene_gets_the_stated_light_only_if_asked(void **state) {
     parts.default_light = true;
     s = build(&parts);
     assert_true(s->environment.present && s->environment.constant.g == 0.2f);
-    assert_true(s->light_count == 1 && s->lights[0].type == SL_LIGHT_DIRECTIONAL && s->lights[0].intensity.g == 3.0f);
+    assert_true(s->light_count == 1 && s->lights[0].type == SL_LIGHT_DIRECTIONAL &&
+                s->lights[0].intensity.g == 3.0f);
     assert_true(warns_of(s, "no light: a sun"));
     sl_scene_destroy(s);
     const sl_light light = {.type = SL_LIGHT_POINT, .position = {0, 0, 1}, .intensity = {1, 1, 1}};
@@ -256,7 +269,8 @@ static void a_missing_camera_frames_the_whole_box(void **state) {
         parts.film_height = films[f][1];
         sl_scene *s = build(&parts);
         assert_true(warns_of(s, "no camera"));
-        assert_true(s->camera.eye.z > s->box_max.z && s->camera.back.x > 0.3f && s->camera.back.y > 0.3f && s->camera.back.z > 0.8f);
+        assert_true(s->camera.eye.z > s->box_max.z && s->camera.back.x > 0.3f && s->camera.back.y > 0.3f &&
+                    s->camera.back.z > 0.8f);
         double up = tan(0.5 * (double)s->camera.vertical_fov), across = up * films[f][0] / films[f][1];
         for (uint32_t v = 0; v < s->vertex_count; v++) {
             sl_vec3 d = sl_sub(sl_scene_position(s, v), s->camera.eye);
@@ -305,8 +319,9 @@ static void the_hash_sees_whatever_reaches_a_pixel(void **state) {
     parts.materials = &m;
     sl_scene *s = build(&parts);
     uint64_t hash = sl_scene_hash(s);
-    float *floats[] = {&s->position_x[1], &s->normal_y[2], &s->texture_u[0], &s->materials[0].diffuse.g, &s->materials[0].exponent,
-                       &s->materials[0].emission.b, &s->environment.constant.r, &s->camera.vertical_fov};
+    float *floats[] = {&s->position_x[1],          &s->normal_y[2],           &s->texture_u[0],
+                       &s->materials[0].diffuse.g, &s->materials[0].exponent, &s->materials[0].emission.b,
+                       &s->environment.constant.r, &s->camera.vertical_fov};
     for (size_t i = 0; i < sizeof floats / sizeof floats[0]; i++) {
         float before = *floats[i];
         *floats[i] = before + 0.25f;
@@ -332,8 +347,12 @@ static void point_lights_fall_off_with_the_square_of_the_distance(void **state) 
 
 static void spot_lights_end_at_their_outer_cone(void **state) {
     (void)state;
-    sl_light light = {.type = SL_LIGHT_SPOT, .position = {0, 1, 0}, .direction = {0, -1, 0}, .intensity = {1, 1, 1},
-                      .cos_inner = 0.9f, .cos_outer = 0.7f};
+    sl_light light = {.type = SL_LIGHT_SPOT,
+                      .position = {0, 1, 0},
+                      .direction = {0, -1, 0},
+                      .intensity = {1, 1, 1},
+                      .cos_inner = 0.9f,
+                      .cos_outer = 0.7f};
     sl_vec3 to;
     float distance;
     sl_rgb e;
@@ -363,7 +382,8 @@ static void transports_are_known_by_name(void **state) {
     sl_transport t;
     assert_true(sl_transport_named("direct", &t) && t.sky_light && t.receiver_lobes == 0 && t.bounces == 0);
     assert_true(sl_transport_named("one-bounce", &t) && t.bounces == 1 && t.bounce_lobes == SL_LOBE_DIFFUSE);
-    assert_true(sl_transport_named("full", &t) && t.bounces == SL_BOUNCES_UNLIMITED && t.bounce_lobes == SL_LOBE_ALL);
+    assert_true(sl_transport_named("full", &t) && t.bounces == SL_BOUNCES_UNLIMITED &&
+                t.bounce_lobes == SL_LOBE_ALL);
     assert_false(sl_transport_named("fuller", &t));
     assert_false(sl_transport_named(NULL, &t));
 }

@@ -1,4 +1,5 @@
-/* Bump and parallax mapping: normals and colours of the raised surface, for rays and rasterizer alike; and the light octree's light on them. */
+/* Bump and parallax mapping: normals and colours of the raised surface, for rays and rasterizer alike; and
+ * the light octree's light on them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,16 +21,29 @@ enum { SIZE = 8 };
 static sl_scene *floor_with(int height(int column, int row), float depth) {
     static uint8_t texels[4 * SIZE * SIZE];
     for (int row = 0; row < SIZE; row++) {
-        for (int column = 0; column < SIZE; column++) memset(texels + 4 * (row * SIZE + column), height(column, row), 4);
+        for (int column = 0; column < SIZE; column++)
+            memset(texels + 4 * (row * SIZE + column), height(column, row), 4);
     }
     const float xyz[] = {-1, 0, 1, 1, 0, 1, 1, 0, -1, -1, 0, -1}, uv[] = {0, 0, 1, 0, 1, 1, 0, 1};
     const uint32_t corners[] = {0, 1, 2, 0, 2, 3};
     char name[] = "heights";
     const sl_texture texture = {.file = name, .width = SIZE, .height = SIZE, .texels = texels};
-    const sl_material m = {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX, .height_map = 1, .bump_depth = depth};
+    const sl_material m = {.diffuse = {0.5f, 0.5f, 0.5f},
+                           .texture = SL_NO_INDEX,
+                           .alpha_texture = SL_NO_INDEX,
+                           .height_map = 1,
+                           .bump_depth = depth};
     const sl_light light = {.type = SL_LIGHT_POINT, .position = {0, 3, 0}, .intensity = {1, 1, 1}};
-    const sl_scene_parts parts = {.vertex_count = 4, .positions = xyz, .texture_coordinates = uv, .triangle_count = 2, .indices = corners,
-                                  .material_count = 1, .materials = &m, .texture_count = 1, .textures = &texture, .light_count = 1,
+    const sl_scene_parts parts = {.vertex_count = 4,
+                                  .positions = xyz,
+                                  .texture_coordinates = uv,
+                                  .triangle_count = 2,
+                                  .indices = corners,
+                                  .material_count = 1,
+                                  .materials = &m,
+                                  .texture_count = 1,
+                                  .textures = &texture,
+                                  .light_count = 1,
                                   .lights = &light};
     sl_scene *scene;
     sl_error error;
@@ -56,7 +70,8 @@ static void a_flat_height_map_changes_no_normal(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Twenty of 255 steps a texel, eight texels a width of 2: the raised surface has a slope of 0.1 * 8 * 20 / 255. */
+/* Twenty of 255 steps a texel, eight texels a width of 2: the raised surface has a slope of 0.1 * 8 * 20 /
+ * 255. */
 static void a_ramp_tilts_the_normal_by_its_slope_seen_from_either_side(void **state) {
     (void)state;
     float slope = 0.1f * 8.0f * 20.0f / 255.0f;
@@ -65,8 +80,10 @@ static void a_ramp_tilts_the_normal_by_its_slope_seen_from_either_side(void **st
         sl_vec3 up = sl_v3(0, (float)side, 0);
         sl_surface x = surface_at(along_x, up), z = surface_at(along_z, up);
         float length = 1.0f / sqrtf(1.0f + slope * slope);
-        assert_true(fabsf(x.normal.x + (float)side * slope * length) < 1e-5f && fabsf(x.normal.y - (float)side * length) < 1e-5f);
-        assert_true(fabsf(z.normal.z + (float)side * slope * length) < 1e-5f && fabsf(z.normal.y - (float)side * length) < 1e-5f);
+        assert_true(fabsf(x.normal.x + (float)side * slope * length) < 1e-5f &&
+                    fabsf(x.normal.y - (float)side * length) < 1e-5f);
+        assert_true(fabsf(z.normal.z + (float)side * slope * length) < 1e-5f &&
+                    fabsf(z.normal.y - (float)side * length) < 1e-5f);
         assert_true(fabsf(x.normal.z) < 1e-6f && fabsf(z.normal.x) < 1e-6f);
     }
     sl_scene_destroy(along_x);
@@ -111,8 +128,10 @@ static void the_rasterizer_sees_the_same_normals_as_rays(void **state) {
     int seen = 0, tilted = 0;
     for (size_t i = 0; i < W * W; i++) {
         if (g->id[i] == SL_NO_INDEX) continue;
-        sl_vec3 p = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]), n = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]);
-        float a = g->id[i] == 0 ? 0.5f * (p.x + 1.0f) + 0.5f * (p.z - 1.0f) : 0.5f * (p.x + 1.0f); /* (1,2) of corners 0 1 2, or 0 2 3 */
+        sl_vec3 p = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
+                n = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]);
+        /* (1,2) of corners 0 1 2, or 0 2 3 */
+        float a = g->id[i] == 0 ? 0.5f * (p.x + 1.0f) + 0.5f * (p.z - 1.0f) : 0.5f * (p.x + 1.0f);
         float b = g->id[i] == 0 ? 0.5f * (1.0f - p.z) : 0.5f * (1.0f - p.z) - 0.5f * (p.x + 1.0f);
         sl_surface s;
         sl_scene_surface(scene, g->id[i], a, b, sl_sub(sl_v3(eye[0], eye[1], eye[2]), p), &s);
@@ -142,8 +161,8 @@ static void the_octrees_lobes_light_bumps_as_paths_do(void **state) {
     sl_comparison b, f;
     assert_int_equal(sl_image_compare(bumpy, truth, NULL, &b, NULL, NULL), SL_OK);
     assert_int_equal(sl_image_compare(flat, truth, NULL, &f, NULL, NULL), SL_OK);
-    print_message("relMSE less noise: %.4f with bumps, %.4f without; bias %.2f %%\n", b.rel_mse - b.rel_mse_noise, f.rel_mse - f.rel_mse_noise,
-                  100.0 * b.bias);
+    print_message("relMSE less noise: %.4f with bumps, %.4f without; bias %.2f %%\n",
+                  b.rel_mse - b.rel_mse_noise, f.rel_mse - f.rel_mse_noise, 100.0 * b.bias);
     assert_true(fabs(b.bias) < 0.05);
     assert_true(b.rel_mse - b.rel_mse_noise < 0.7 * (f.rel_mse - f.rel_mse_noise));
     sl_image_destroy(truth);

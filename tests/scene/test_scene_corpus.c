@@ -1,5 +1,5 @@
-/* A folder of real and of damaged scenes, if there is one: SOFTLUX_CORPUS, or ../shared/scenes. Every file either loads or is
- * refused with one line; the well-known scenes have the right number of triangles. */
+/* A folder of real and of damaged scenes, if there is one: SOFTLUX_CORPUS, or ../shared/scenes. Every file
+ * either loads or is refused with one line; the well-known scenes have the right number of triangles. */
 #define _XOPEN_SOURCE 700
 #include <ftw.h>
 #include <setjmp.h>
@@ -27,8 +27,8 @@ static const char *corpus(void) {
 static int loaded, refused;
 
 static bool is_mesh(const char *path) {
-    static const char *const others[] = {".png", ".jpg", ".jpeg", ".txt", ".md", ".mtl", ".bin", ".webp", ".json", ".xml", ".scn", ".exr",
-                                         ".hdr", ".ktx2", ".vert", ".frag"};
+    static const char *const others[] = {".png",  ".jpg", ".jpeg", ".txt", ".md",  ".mtl",  ".bin",  ".webp",
+                                         ".json", ".xml", ".scn",  ".exr", ".hdr", ".ktx2", ".vert", ".frag"};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         size_t length = strlen(path), wanted = strlen(others[i]);
         if (length > wanted && strcmp(path + length - wanted, others[i]) == 0) return false;
@@ -51,7 +51,8 @@ static void check_scene(const char *path, const sl_scene *s) {
     }
     for (size_t i = 0; i < s->material_count; i++) {
         const sl_material *m = &s->materials[i];
-        good = good && m->diffuse.r + m->specular.r <= 1.0f && m->diffuse.g + m->specular.g <= 1.0f && m->diffuse.b + m->specular.b <= 1.0f;
+        good = good && m->diffuse.r + m->specular.r <= 1.0f && m->diffuse.g + m->specular.g <= 1.0f &&
+               m->diffuse.b + m->specular.b <= 1.0f;
     }
     if (!good) fail_msg("%s: the scene is not what it promises", path);
 }
@@ -70,7 +71,8 @@ static int visit(const char *path, const struct stat *about, int kind, struct FT
         return 0;
     }
     refused++;
-    if (scene || status != SL_ERROR_INPUT || !error.message[0] || strchr(error.message, '\n')) fail_msg("%s: %d %s", path, status, error.message);
+    if (scene || status != SL_ERROR_INPUT || !error.message[0] || strchr(error.message, '\n'))
+        fail_msg("%s: %d %s", path, status, error.message);
     return 0;
 }
 
@@ -90,12 +92,19 @@ static void known_scenes_have_their_triangles(void **state) {
     static const struct {
         const char *file;
         size_t triangles; /* without those that have no area */
-    } known[] = {{"sponza-crytek/sponza-crytek.obj", 262267 - 1}, {"sponza-dabrovic/sponza-dabrovic.obj", 66454 - 1},
-                 {"veach-ajar/veach-ajar.obj", 23506 - 64}, {"luxcore-classroom/luxcore-classroom.obj", 111164 - 1},
-                 {"fzk-haus/fzk-haus.obj", 35906 - 4}, {"map-complex/map-complex.obj", 12389 - 21},
-                 {"godot-living-room/godot-living-room.obj", 5088 - 3573}, {"cornell-mcguire/CornellBox-Glossy.obj", 1112},
-                 {"cornell-mcguire/CornellBox-Original.obj", 36}, {"cornell-mitsuba/cornell-mitsuba.obj", 38},
-                 {"meshes/stanford-bunny.obj", 69451}, {"meshes/stanford-dragon-100k.obj", 100000}, {"meshes/spot.obj", 5856}};
+    } known[] = {{"sponza-crytek/sponza-crytek.obj", 262267 - 1},
+                 {"sponza-dabrovic/sponza-dabrovic.obj", 66454 - 1},
+                 {"veach-ajar/veach-ajar.obj", 23506 - 64},
+                 {"luxcore-classroom/luxcore-classroom.obj", 111164 - 1},
+                 {"fzk-haus/fzk-haus.obj", 35906 - 4},
+                 {"map-complex/map-complex.obj", 12389 - 21},
+                 {"godot-living-room/godot-living-room.obj", 5088 - 3573},
+                 {"cornell-mcguire/CornellBox-Glossy.obj", 1112},
+                 {"cornell-mcguire/CornellBox-Original.obj", 36},
+                 {"cornell-mitsuba/cornell-mitsuba.obj", 38},
+                 {"meshes/stanford-bunny.obj", 69451},
+                 {"meshes/stanford-dragon-100k.obj", 100000},
+                 {"meshes/spot.obj", 5856}};
     int found = 0;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
         char path[1024];
@@ -106,7 +115,8 @@ static void known_scenes_have_their_triangles(void **state) {
         sl_error error = {0};
         if (sl_scene_load(path, &scene, &error) != SL_OK) fail_msg("%s", error.message);
         if (sl_scene_triangle_count(scene) != known[i].triangles) {
-            fail_msg("%s: expected %zu triangles, got %zu", path, known[i].triangles, sl_scene_triangle_count(scene));
+            fail_msg("%s: expected %zu triangles, got %zu", path, known[i].triangles,
+                     sl_scene_triangle_count(scene));
         }
         sl_scene_destroy(scene);
         found++;

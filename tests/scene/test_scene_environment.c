@@ -29,7 +29,9 @@ static sl_environment a_day(float texels[3 * TEXELS], float sun_radiance) {
     return (sl_environment){.present = true, .width = WIDTH, .height = HEIGHT, .texels = texels};
 }
 
-static double relative(float a, float b) { return fabs((double)a - (double)b) / fmax(fabs((double)b), 1e-30); }
+static double relative(float a, float b) {
+    return fabs((double)a - (double)b) / fmax(fabs((double)b), 1e-30);
+}
 
 static void sky_and_sun_are_the_whole_and_share_no_light(void **state) {
     (void)state;
@@ -45,7 +47,8 @@ static void sky_and_sun_are_the_whole_and_share_no_light(void **state) {
             assert_true(relative(sky.texels[i] + sun.texels[i], texels[i]) < 1e-6);
             in_the_sun += sun.texels[i] > 0.0f;
         }
-        assert_int_equal(in_the_sun, 9); /* the three texels alone: the rest reaches every part of the sky untouched */
+        /* the three texels alone: the rest reaches every part of the sky untouched */
+        assert_int_equal(in_the_sun, 9);
         sl_environment_release(&sky);
         sl_environment_release(&sun);
     }
@@ -89,7 +92,8 @@ static void samples_of_the_sun_lie_in_it(void **state) {
         assert_true(pdf > 0.0f && sl_rgb_max(sl_environment_radiance(&sun, direction)) > 0.0f);
         flux += (double)(radiance.r / pdf) / 1024.0;
     }
-    double solid_angle = 3.0 * 6.283185307179586 / WIDTH * (cos(3.141592653589793 * 3 / HEIGHT) - cos(3.141592653589793 * 4 / HEIGHT));
+    double solid_angle = 3.0 * 6.283185307179586 / WIDTH *
+                         (cos(3.141592653589793 * 3 / HEIGHT) - cos(3.141592653589793 * 4 / HEIGHT));
     double cut = (double)sky.texels[3 * (3 * WIDTH + 11)];
     assert_true(fabs(flux - solid_angle * (1000.0 - cut)) < 1e-3 * flux);
     sl_environment_release(&sky);

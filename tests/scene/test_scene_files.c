@@ -1,4 +1,5 @@
-/* Scene and mesh files: what good ones give, and that each mistake is one line that names file, line and what was expected. */
+/* Scene and mesh files: what good ones give, and that each mistake is one line that names file, line and what
+ * was expected. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,9 +19,10 @@ static const char box_obj[] = "mtllib box.mtl\n"
                               "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\n"
                               "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
                               "usemtl wall\nf 1/1 2/2 3/3\nusemtl lamp\nf -4/-4 -2/-2 -1/-1\n";
-static const char box_mtl[] = "newmtl wall\nKd 0.1 0.2 0.3\nKs 0.4 0.4 0.4\nNs 25\nmap_Kd texel.png\nillum 2\n"
-                              "newmtl lamp\nKd 0 0 0\nKe 17 12 4\n"
-                              "newmtl glass\nKd 0 0 0\nKs 0.9 0.8 0.7\nillum 5\n";
+static const char box_mtl[] =
+    "newmtl wall\nKd 0.1 0.2 0.3\nKs 0.4 0.4 0.4\nNs 25\nmap_Kd texel.png\nillum 2\n"
+    "newmtl lamp\nKd 0 0 0\nKe 17 12 4\n"
+    "newmtl glass\nKd 0 0 0\nKs 0.9 0.8 0.7\nillum 5\n";
 
 static void write_box(void) {
     scene_file_text("box.obj", box_obj);
@@ -68,15 +70,18 @@ static void refuse(const char *path, const char *rest) {
     assert_null(scene);
     assert_null(strchr(error.message, '\n'));
     size_t length = strlen(path);
-    if (strncmp(error.message, path, length) != 0 || strncmp(error.message + length, rest, strlen(rest)) != 0) {
+    if (strncmp(error.message, path, length) != 0 ||
+        strncmp(error.message + length, rest, strlen(rest)) != 0) {
         fail_msg("expected '%s%s', got '%s'", path, rest, error.message);
     }
 }
 
-static void refuse_json(const char *json, const char *rest) { refuse(scene_file_text("bad.json", json), rest); }
+static void refuse_json(const char *json, const char *rest) {
+    refuse(scene_file_text("bad.json", json), rest);
+}
 static void refuse_obj(const char *obj, const char *rest) { refuse(scene_file_text("bad.obj", obj), rest); }
 
-/* ---- mesh files ----------------------------------------------------------------------------------------------------------- */
+/* ---- mesh files ------------------------------------------------------------------------------ */
 
 static void an_obj_file_alone_is_a_scene(void **state) {
     (void)state;
@@ -98,7 +103,8 @@ static void an_obj_file_alone_is_a_scene(void **state) {
 static void mtl_mirrors_are_illum_3_or_5_without_diffuse(void **state) {
     (void)state;
     write_box();
-    sl_scene *s = load(scene_file_text("glass.obj", "mtllib box.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glass\nf 1 2 3\n"));
+    sl_scene *s = load(
+        scene_file_text("glass.obj", "mtllib box.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glass\nf 1 2 3\n"));
     const sl_material *glass = material(s, "glass");
     assert_true(glass->mirror.g == 0.8f && sl_rgb_max(glass->specular) == 0.0f);
     sl_scene_destroy(s);
@@ -106,8 +112,9 @@ static void mtl_mirrors_are_illum_3_or_5_without_diffuse(void **state) {
 
 static void equal_corners_are_welded_within_an_object(void **state) {
     (void)state;
-    sl_scene *s = load(scene_file_text("quads.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvn 0 0 1\n"
-                                                    "f 1//1 2//1 3//1 4//1\nf 2//1 5//1 6//1 3//1\n"));
+    sl_scene *s =
+        load(scene_file_text("quads.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvn 0 0 1\n"
+                                          "f 1//1 2//1 3//1 4//1\nf 2//1 5//1 6//1 3//1\n"));
     assert_int_equal(sl_scene_triangle_count(s), 4);
     assert_int_equal(s->vertex_count, 6);
     sl_scene_destroy(s);
@@ -116,9 +123,11 @@ static void equal_corners_are_welded_within_an_object(void **state) {
 static void height_maps_come_from_mtl_and_scene_files(void **state) {
     (void)state;
     write_box();
-    scene_file_text("box.mtl", "newmtl wall\nKd 0.1 0.2 0.3\nmap_bump -bm 3 texel.png\nnewmtl lamp\nKd 0.5 0.5 0.5\n");
+    scene_file_text("box.mtl",
+                    "newmtl wall\nKd 0.1 0.2 0.3\nmap_bump -bm 3 texel.png\nnewmtl lamp\nKd 0.5 0.5 0.5\n");
     const char *const json[] = {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}]}",
-                                "{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"materials\": {\"wall\": {\"bump\": null}, \"lamp\": "
+                                "{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"materials\": "
+                                "{\"wall\": {\"bump\": null}, \"lamp\": "
                                 "{\"bump\": \"texel.png\", \"bump_depth\": 0.5}}}"};
     const uint32_t wall[] = {1, 0}, lamp[] = {0, 1};
     for (int k = 0; k < 2; k++) {
@@ -135,16 +144,24 @@ static void a_normal_map_is_no_height_map_and_is_told(void **state) {
     (void)state;
     sl_image *map;
     assert_int_equal(sl_image_create(2, 1, 3, NULL, &map, NULL), SL_OK);
-    for (int blue = 1; blue >= 0; blue--) { /* encoded, (0.5, 0.5, 1) and (0.7, 0.3, 0.93); or grey as bright as their blue */
-        const float texels[6] = {blue ? 0.214f : 0.85f, blue ? 0.448f : 0.85f, blue ? 0.214f : 0.85f, blue ? 0.073f : 0.85f, blue ? 1.0f : 0.85f, 0.85f};
+    /* encoded, (0.5, 0.5, 1) and (0.7, 0.3, 0.93); or grey as bright as their blue */
+    for (int blue = 1; blue >= 0; blue--) {
+        const float texels[6] = {blue ? 0.214f : 0.85f, blue ? 0.448f : 0.85f, blue ? 0.214f : 0.85f,
+                                 blue ? 0.073f : 0.85f, blue ? 1.0f : 0.85f,   0.85f};
         memcpy(map->planes, texels, sizeof texels);
         scene_file_text("n.png", "");
         assert_int_equal(sl_image_write(map, scene_file_path("n.png"), NULL), SL_OK);
-        scene_file_text("n.mtl", "newmtl a\nKd 0.3\nmap_Bump n.png\nnorm n.png\nmap_Ks n.png\nnewmtl b\nKd 0.3\nnorm n.png\n");
-        sl_scene *s = load(scene_file_text("n.obj", "mtllib n.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"));
+        scene_file_text(
+            "n.mtl",
+            "newmtl a\nKd 0.3\nmap_Bump n.png\nnorm n.png\nmap_Ks n.png\nnewmtl b\nKd 0.3\nnorm n.png\n");
+        sl_scene *s = load(scene_file_text(
+            "n.obj", "mtllib n.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"));
         assert_int_equal(material(s, "a")->height_map != 0, !blue);
-        assert_int_equal(warns_of(s, "material 'a': its bump map holds normals, not heights, and is not used"), blue);
-        assert_true(warns_of(s, "n.mtl:4: norm, a normal map, is not used") && !warns_of(s, "n.mtl:8: norm") && warns_of(s, "n.mtl:5: map_Ks, a texture of Ks, is not used"));
+        assert_int_equal(
+            warns_of(s, "material 'a': its bump map holds normals, not heights, and is not used"), blue);
+        assert_true(warns_of(s, "n.mtl:4: norm, a normal map, is not used") &&
+                    !warns_of(s, "n.mtl:8: norm") &&
+                    warns_of(s, "n.mtl:5: map_Ks, a texture of Ks, is not used"));
         sl_scene_destroy(s);
     }
     sl_image_destroy(map);
@@ -153,7 +170,8 @@ static void a_normal_map_is_no_height_map_and_is_told(void **state) {
 static void missing_textures_and_libraries_are_warnings(void **state) {
     (void)state;
     scene_file_text("lost.mtl", "newmtl a\nKd 0.3 0.3 0.3\nmap_Kd nowhere.png\n");
-    sl_scene *s = load(scene_file_text("lost.obj", "mtllib lost.mtl\nmtllib other.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"));
+    sl_scene *s = load(scene_file_text(
+        "lost.obj", "mtllib lost.mtl\nmtllib other.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"));
     assert_true(warns_of(s, "nowhere.png"));
     assert_true(warns_of(s, "lost.obj:2: material library 'other.mtl'"));
     assert_int_equal(material(s, "a")->texture, SL_NO_INDEX);
@@ -165,10 +183,13 @@ static void obj_mistakes_are_told_by_line(void **state) {
     (void)state;
     refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", ":4: vertex index 4 is out of range: the file has 3");
     refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 0\n", ":5: vertex index 0 is out of range");
-    refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n", ":4: vertex index -4 is out of range: expected 1 or more, or -1 to -3");
-    refuse_obj("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1//1 2//1 3//1\r\n", ":4: normal index 1 is out of range: the file has 0");
+    refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n",
+               ":4: vertex index -4 is out of range: expected 1 or more, or -1 to -3");
+    refuse_obj("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1//1 2//1 3//1\r\n",
+               ":4: normal index 1 is out of range: the file has 0");
     refuse_obj("v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 2");
-    refuse_obj("v 0 0 0\nv 1 zero 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 'zero'");
+    refuse_obj("v 0 0 0\nv 1 zero 0\nv 0 1 0\nf 1 2 3\n",
+               ":2: expected 3, 4 or 6 numbers for a vertex, got 'zero'");
     refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x3\n", ":4: expected a vertex index, got 'x3'");
     refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3;4\n", ":4: expected face corners like");
     refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n", ":4: vertex index");
@@ -176,9 +197,10 @@ static void obj_mistakes_are_told_by_line(void **state) {
 
 static void odd_but_good_obj_files_load(void **state) {
     (void)state;
-    const char *good[] = {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "v 0 0 0 # origin\nv\t1e0 -.0 +0.\nv 0 1 0 1.0\nf 1 2 3 \n",
-                          "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\n",
-                          "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 \\\n3\n"};
+    const char *good[] = {
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "v 0 0 0 # origin\nv\t1e0 -.0 +0.\nv 0 1 0 1.0\nf 1 2 3 \n",
+        "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 \\\n3\n"};
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         sl_scene *s = load(scene_file_text("good.obj", good[i]));
         assert_int_equal(sl_scene_triangle_count(s), 1);
@@ -208,34 +230,52 @@ static void all_groups_of_a_raw_file_are_there(void **state) {
 
 static void headers_that_announce_too_much_are_refused(void **state) {
     (void)state;
-    const char *head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                       "element face 1\nproperty list uchar int vertex_indices\n";
+    const char *head =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\n";
     char text[600];
     snprintf(text, sizeof text, "%send_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", head);
     sl_scene *s = load(scene_file_text("good.ply", text));
     assert_int_equal(sl_scene_triangle_count(s), 1);
     sl_scene_destroy(s);
     snprintf(text, sizeof text, "%send_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", head);
-    refuse(scene_file_text("range.ply", text), ": expected vertex numbers below 3: a face of mesh '' names 7");
+    refuse(scene_file_text("range.ply", text),
+           ": expected vertex numbers below 3: a face of mesh '' names 7");
     refuse(scene_file_text("cut.ply", head), ":9: expected a PLY header that ends with 'end_header'");
-    refuse(scene_file_text("type.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty flat x\nend_header\n"), ":4: expected a property type");
-    refuse(scene_file_text("long.ply", "ply\nformat ascii 1.0\nelement vertex 3000000000\nproperty float x\nend_header\n0\n"),
+    refuse(
+        scene_file_text("type.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty flat x\nend_header\n"),
+        ":4: expected a property type");
+    refuse(scene_file_text(
+               "long.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3000000000\nproperty float x\nend_header\n0\n"),
            ": expected at least 6000000000 bytes");
     refuse(scene_file_text("long.off", "OFF\n353535235358 6 0\n0 0 0\n"), ": expected at least ");
-    refuse(scene_file_text("point.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0\n 0\n3 0 1 2\n"), ":6: expected a face");
-    refuse(scene_file_text("round.off", "OFF\r\n3 2 0\r\n\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n10 0 1 2 0 1 2 0 1 2 0\r\n"), ":8: expected a face");
-    refuse(scene_file_text("beyond.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 3\n"), ":7: expected a face");
-    refuse(scene_file_text("short.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n3 0 1 2\n"), ":6: expected a face");
-    refuse(scene_file_text("bare.off", "# vertices come first\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), ":2: expected an OFF file, which begins with 'OFF'");
-    refuse(scene_file_text("binary.off", "OFF BINARY\n3 1 0\n"), ":1: expected how many vertices, faces and edges");
-    refuse(scene_file_text("edges.off", "OFF\n3 1\n0.5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), ":3: expected how many vertices, faces and edges");
+    refuse(scene_file_text("point.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0\n 0\n3 0 1 2\n"),
+           ":6: expected a face");
+    refuse(scene_file_text(
+               "round.off",
+               "OFF\r\n3 2 0\r\n\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n10 0 1 2 0 1 2 0 1 2 0\r\n"),
+           ":8: expected a face");
+    refuse(scene_file_text("beyond.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 3\n"),
+           ":7: expected a face");
+    refuse(scene_file_text("short.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n3 0 1 2\n"),
+           ":6: expected a face");
+    refuse(scene_file_text("bare.off", "# vertices come first\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+           ":2: expected an OFF file, which begins with 'OFF'");
+    refuse(scene_file_text("binary.off", "OFF BINARY\n3 1 0\n"),
+           ":1: expected how many vertices, faces and edges");
+    refuse(scene_file_text("edges.off", "OFF\n3 1\n0.5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+           ":3: expected how many vertices, faces and edges");
     refuse(scene_file_text("glued.off", "OFF3\n 1 0\n0 0 2\n1 0 0\n0 0 0\nthree\n"), ":6: expected a face");
-    refuse(scene_file_text("blank.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n \n3 0 1 2\n"), ":6: expected a face");
+    refuse(scene_file_text("blank.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n \n3 0 1 2\n"),
+           ":6: expected a face");
 }
 
 static void the_header_of_an_off_file_may_be_written_in_all_the_ways_that_people_do(void **state) {
     (void)state;
-    const char *headers[] = {"OFF\n3 1 0\n", "OFF 3 1 0\n", "OFF3 1 0\n", "# a tile\nOFF\n# its counts\n3 1 0 # no edges\n", "OFF 3\n1 0\n\n", "OFF\r\n3 1 0\r\n"};
+    const char *headers[] = {"OFF\n3 1 0\n",   "OFF 3 1 0\n",
+                             "OFF3 1 0\n",     "# a tile\nOFF\n# its counts\n3 1 0 # no edges\n",
+                             "OFF 3\n1 0\n\n", "OFF\r\n3 1 0\r\n"};
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
         char text[200];
         snprintf(text, sizeof text, "%s20 30 0\n21 30 0\n20 31 0\n3 0 1 2\n", headers[i]);
@@ -248,28 +288,36 @@ static void the_header_of_an_off_file_may_be_written_in_all_the_ways_that_people
     sl_scene_destroy(s);
 }
 
-/* ---- glTF ------------------------------------------------------------------------------------------------------------------- */
+/* ---- glTF ------------------------------------------------------------------------------------ */
 
 /* One triangle, data in the JSON: positions (0,0,0) (1,0,0) (0,1,0), indices 0 1 2. */
-#define GLTF_BUFFER \
-    "\"buffers\":[{\"byteLength\":44,\"uri\":\"data:application/octet-stream;base64," \
-    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIAAAA=\"}]," \
-    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6}]," \
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}," \
-    "{\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]," \
+#define GLTF_BUFFER                                                                                          \
+    "\"buffers\":[{\"byteLength\":44,\"uri\":\"data:application/octet-stream;base64,"                        \
+    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIAAAA=\"}],"                                      \
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6}],"  \
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0]," \
+    "\"max\":[1,1,0]},"                                                                                      \
+    "{\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}],"                            \
     "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}]"
 
 static const char lit_gltf[] =
-    "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\",\"KHR_materials_emissive_strength\"],"
-    "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"name\":\"bulb\",\"color\":[1,0.5,0.25],\"intensity\":8},"
-    "{\"type\":\"spot\",\"name\":\"beam\",\"intensity\":3,\"spot\":{\"innerConeAngle\":0.25,\"outerConeAngle\":0.5}}]}},"
+    "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\",\"KHR_materials_emissive_"
+    "strength\"],"
+    "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"name\":\"bulb\",\"color\":[1,"
+    "0.5,0.25],\"intensity\":8},"
+    "{\"type\":\"spot\",\"name\":\"beam\",\"intensity\":3,\"spot\":{\"innerConeAngle\":0.25,"
+    "\"outerConeAngle\":0.5}}]}},"
     "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.75,\"znear\":0.1}}],"
-    "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.6,0.4,1],\"metallicFactor\":0.5,\"roughnessFactor\":0.5},"
-    "\"emissiveFactor\":[1,0.5,0],\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":10}}}],"
-    "\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],\"nodes\":[{\"mesh\":0,\"scale\":[-2,1,1],\"translation\":[0,0,1]},"
+    "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.6,0.4,1],"
+    "\"metallicFactor\":0.5,\"roughnessFactor\":0.5},"
+    "\"emissiveFactor\":[1,0.5,0],\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":"
+    "10}}}],"
+    "\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],\"nodes\":[{\"mesh\":0,\"scale\":[-2,1,1],"
+    "\"translation\":[0,0,1]},"
     "{\"name\":\"eye\",\"camera\":0,\"translation\":[1,2,3]},"
     "{\"name\":\"bulb\",\"translation\":[0,4,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
-    "{\"name\":\"beam\",\"translation\":[0,5,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}}]," GLTF_BUFFER "}";
+    "{\"name\":\"beam\",\"translation\":[0,5,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}}]"
+    "," GLTF_BUFFER "}";
 
 static void gltf_gives_camera_lights_and_materials(void **state) {
     (void)state;
@@ -278,31 +326,42 @@ static void gltf_gives_camera_lights_and_materials(void **state) {
     assert_true(s->camera.eye.x == 1.0f && s->camera.eye.y == 2.0f && s->camera.eye.z == 3.0f);
     assert_true(s->camera.back.z == 1.0f && s->camera.vertical_fov == 0.75f);
     assert_int_equal(s->light_count, 2);
-    assert_true(s->lights[0].type == SL_LIGHT_POINT && s->lights[0].position.y == 4.0f && s->lights[0].intensity.g == 4.0f);
+    assert_true(s->lights[0].type == SL_LIGHT_POINT && s->lights[0].position.y == 4.0f &&
+                s->lights[0].intensity.g == 4.0f);
     assert_true(s->lights[1].type == SL_LIGHT_SPOT && s->lights[1].direction.z == -1.0f);
-    assert_true(fabs((double)s->lights[1].cos_inner - cos(0.25)) < 1e-6 && fabs((double)s->lights[1].cos_outer - cos(0.5)) < 1e-6);
+    assert_true(fabs((double)s->lights[1].cos_inner - cos(0.25)) < 1e-6 &&
+                fabs((double)s->lights[1].cos_outer - cos(0.5)) < 1e-6);
     const sl_material *m = material(s, "paint");
-    assert_true(fabsf(m->diffuse.r - 0.4f) < 1e-6f && fabsf(m->specular.r - 0.42f) < 1e-6f); /* 0.04 + (0.8 - 0.04) / 2 */
-    assert_true(fabsf(m->exponent - 30.0f) < 1e-4f);                                          /* 2 / 0.5^4 - 2 */
+    /* 0.04 + (0.8 - 0.04) / 2 */
+    assert_true(fabsf(m->diffuse.r - 0.4f) < 1e-6f && fabsf(m->specular.r - 0.42f) < 1e-6f);
+    /* 2 / 0.5^4 - 2 */
+    assert_true(fabsf(m->exponent - 30.0f) < 1e-4f);
     assert_true(m->emission.r == 10.0f && m->emission.g == 5.0f);
-    assert_true(s->geometric_normal_z[0] == 1.0f && s->box_min.x == -2.0f); /* a mirrored node keeps its front in front */
+    /* a mirrored node keeps its front in front */
+    assert_true(s->geometric_normal_z[0] == 1.0f && s->box_min.x == -2.0f);
     sl_scene_destroy(s);
 }
 
-/* A triangle with uv (0,0) (1,0) (0,1) and a picture inside the file, top row red and transparent blue, bottom row green and white.
- * glTF's v runs down from the picture's top. */
+/* A triangle with uv (0,0) (1,0) (0,1) and a picture inside the file, top row red and transparent blue,
+ * bottom row green and white. glTF's v runs down from the picture's top. */
 static const char masked_gltf[] =
-    "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":"
-    "{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0,\"roughnessFactor\":1}}],\"textures\":[{\"source\":0}],"
+    "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"name\":\"leaf\",\"alphaMode\":\"MASK\","
+    "\"pbrMetallicRoughness\":"
+    "{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0,\"roughnessFactor\":1}}],\"textures\":[{"
+    "\"source\":0}],"
     "\"images\":[{\"mimeType\":\"image/png\",\"uri\":\"data:image/png;base64,"
     "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAEUlEQVR4nGP4z8AAQUD8HwQAP9II+N0OsiwAAAAASUVORK5CYII="
     "\"}],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
     "\"buffers\":[{\"byteLength\":68,\"uri\":\"data:application/octet-stream;base64,"
     "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8="
-    "\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6},{\"buffer\":0,\"byteOffset\":44,\"byteLength\":24}],"
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]},"
-    "{\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"},{\"bufferView\":2,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"
-    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":2},\"indices\":1,\"material\":0}]}]}";
+    "\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6}"
+    ",{\"buffer\":0,\"byteOffset\":44,\"byteLength\":24}],"
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],"
+    "\"max\":[1,1,0]},"
+    "{\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"},{\"bufferView\":2,"
+    "\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":2},\"indices\":1,"
+    "\"material\":0}]}]}";
 
 static void gltf_pictures_inside_the_file_colour_and_mask(void **state) {
     (void)state;
@@ -311,39 +370,52 @@ static void gltf_pictures_inside_the_file_colour_and_mask(void **state) {
     const sl_material *leaf = material(s, "leaf");
     assert_int_equal(leaf->texture, 0);
     assert_int_equal(leaf->alpha_texture, 0);
-    sl_rgb red = sl_scene_diffuse(s, 0, 0.25f, 0.25f), green = sl_scene_diffuse(s, 0, 0.25f, 0.75f), blue = sl_scene_diffuse(s, 0, 0.75f, 0.25f);
-    assert_true(red.r > 0.9f && red.g == 0.0f && green.g > 0.9f && green.r == 0.0f && blue.b > 0.9f && blue.r == 0.0f);
-    assert_true(sl_scene_has_alpha(s, 0) && sl_scene_is_opaque(s, 0, 0.25f, 0.25f) && !sl_scene_is_opaque(s, 0, 0.75f, 0.25f));
+    sl_rgb red = sl_scene_diffuse(s, 0, 0.25f, 0.25f), green = sl_scene_diffuse(s, 0, 0.25f, 0.75f),
+           blue = sl_scene_diffuse(s, 0, 0.75f, 0.25f);
+    assert_true(red.r > 0.9f && red.g == 0.0f && green.g > 0.9f && green.r == 0.0f && blue.b > 0.9f &&
+                blue.r == 0.0f);
+    assert_true(sl_scene_has_alpha(s, 0) && sl_scene_is_opaque(s, 0, 0.25f, 0.25f) &&
+                !sl_scene_is_opaque(s, 0, 0.75f, 0.25f));
     sl_scene_destroy(s);
 }
 
 static void gltf_that_needs_what_is_not_read_is_refused(void **state) {
     (void)state;
-    refuse(scene_file_text("draco.gltf", "{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]}"),
+    refuse(scene_file_text(
+               "draco.gltf",
+               "{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]}"),
            ": requires the glTF extension KHR_draco_mesh_compression");
     refuse(scene_file_text("broken.gltf", "{\"asset\":"), ": expected a glTF file");
     refuse(scene_file_text("short.glb", "glTF\2\0\0"), ": expected a glTF file");
 }
 
-/* ---- scene files ----------------------------------------------------------------------------------------------------------------- */
+/* ---- scene files ----------------------------------------------------------------------------- */
 
 static void a_scene_file_places_and_overrides(void **state) {
     (void)state;
-    sl_scene *s = load_json(
-        "{\"softlux\": 1, \"up\": \"y\",\n"
-        " \"meshes\": [{\"file\": \"box.obj\", \"name\": \"a\", \"transform\": [2,0,0,0, 0,2,0,0, 0,0,2,0, 1,2,3,1]},\n"
-        "  {\"file\": \"box.obj\", \"material\": \"gold\", \"transform\": {\"translate\": [0,0,-1], \"rotate_deg\": [0,90,0], \"scale\": 3}}],\n"
-        " \"materials\": {\"wall\": {\"specular\": 0.25}, \"gold\": {\"mirror\": [0.9,0.7,0.3], \"two_sided\": true}},\n"
-        " \"lights\": [{\"type\": \"point\", \"position\": [0,5,0], \"power\": 12.566370614}, {\"type\": \"directional\", \"direction\": [0,-2,0], \"irradiance\": [1,2,3]},\n"
-        "  {\"type\": \"spot\", \"position\": [0,1,0], \"direction\": [0,-1,0], \"intensity\": 2, \"inner_deg\": 10, \"outer_deg\": 60},\n"
-        "  {\"type\": \"quad\", \"corner\": [0,9,0], \"edge1\": [2,0,0], \"edge2\": [0,0,3], \"power\": [6,12,18]}],\n"
-        " \"environment\": {\"radiance\": [1,2,3], \"scale\": 0.5},\n"
-        " \"camera\": {\"eye\": [0,0,9], \"target\": [0,0,0], \"fov_deg\": 60}, \"film\": {\"width\": 320, \"height\": 200}}");
+    sl_scene *s =
+        load_json("{\"softlux\": 1, \"up\": \"y\",\n"
+                  " \"meshes\": [{\"file\": \"box.obj\", \"name\": \"a\", \"transform\": [2,0,0,0, 0,2,0,0, "
+                  "0,0,2,0, 1,2,3,1]},\n"
+                  "  {\"file\": \"box.obj\", \"material\": \"gold\", \"transform\": {\"translate\": "
+                  "[0,0,-1], \"rotate_deg\": [0,90,0], \"scale\": 3}}],\n"
+                  " \"materials\": {\"wall\": {\"specular\": 0.25}, \"gold\": {\"mirror\": [0.9,0.7,0.3], "
+                  "\"two_sided\": true}},\n"
+                  " \"lights\": [{\"type\": \"point\", \"position\": [0,5,0], \"power\": 12.566370614}, "
+                  "{\"type\": \"directional\", \"direction\": [0,-2,0], \"irradiance\": [1,2,3]},\n"
+                  "  {\"type\": \"spot\", \"position\": [0,1,0], \"direction\": [0,-1,0], \"intensity\": 2, "
+                  "\"inner_deg\": 10, \"outer_deg\": 60},\n"
+                  "  {\"type\": \"quad\", \"corner\": [0,9,0], \"edge1\": [2,0,0], \"edge2\": [0,0,3], "
+                  "\"power\": [6,12,18]}],\n"
+                  " \"environment\": {\"radiance\": [1,2,3], \"scale\": 0.5},\n"
+                  " \"camera\": {\"eye\": [0,0,9], \"target\": [0,0,0], \"fov_deg\": 60}, \"film\": "
+                  "{\"width\": 320, \"height\": 200}}");
     assert_int_equal(sl_scene_triangle_count(s), 6);
     assert_true(s->box_max.x == 5.0f && s->box_max.z == 3.0f);
     assert_string_equal(s->object_names[s->object_index[0]], "a");
     const sl_material *wall = material(s, "wall"), *gold = material(s, "gold");
-    assert_true(wall->diffuse.g == 0.2f && wall->specular.g == 0.25f && wall->exponent == 25.0f); /* key by key */
+    /* key by key */
+    assert_true(wall->diffuse.g == 0.2f && wall->specular.g == 0.25f && wall->exponent == 25.0f);
     assert_true(gold->mirror.r == 0.9f && gold->emission_two_sided && sl_rgb_max(gold->diffuse) == 0.0f);
     assert_ptr_equal(&s->materials[s->material_index[2]], gold);
     assert_true(fabsf(s->geometric_normal_x[2] - 1.0f) < 1e-6f);
@@ -364,8 +436,11 @@ static void a_scene_file_places_and_overrides(void **state) {
 static void a_mesh_can_be_asked_to_be_faceted(void **state) {
     (void)state;
     scene_file_text("bent.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 1\nf 1//1 2//1 3//1\n");
-    sl_scene *smooth = load(scene_file_text("smooth.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"bent.obj\", \"normals\": \"file\"}]}"));
-    sl_scene *faceted = load(scene_file_text("faceted.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"bent.obj\", \"normals\": \"faceted\"}]}"));
+    sl_scene *smooth = load(scene_file_text(
+        "smooth.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"bent.obj\", \"normals\": \"file\"}]}"));
+    sl_scene *faceted = load(scene_file_text(
+        "faceted.json",
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"bent.obj\", \"normals\": \"faceted\"}]}"));
     assert_true(smooth->normal_x[0] > 0.7f);
     assert_true(faceted->normal_x[0] == 0.0f && faceted->normal_z[0] == 1.0f);
     sl_scene_destroy(smooth);
@@ -375,7 +450,8 @@ static void a_mesh_can_be_asked_to_be_faceted(void **state) {
 static void a_scene_file_is_known_by_its_content_too(void **state) {
     (void)state;
     write_box();
-    sl_scene *s = load(scene_file_text("scene.softlux", "\n {\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}]}"));
+    sl_scene *s =
+        load(scene_file_text("scene.softlux", "\n {\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}]}"));
     assert_int_equal(sl_scene_triangle_count(s), 2);
     sl_scene_destroy(s);
     refuse(scene_file_text("other.txt", "{\"version\": 3}"), ":1: unknown key 'version' in the scene");
@@ -383,7 +459,8 @@ static void a_scene_file_is_known_by_its_content_too(void **state) {
 
 static void z_up_is_turned_once(void **state) {
     (void)state;
-    sl_scene *s = load_json("{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"box.obj\", \"transform\": {\"translate\": [0,0,7]}}],\n"
+    sl_scene *s = load_json("{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"box.obj\", "
+                            "\"transform\": {\"translate\": [0,0,7]}}],\n"
                             " \"lights\": [{\"type\": \"point\", \"position\": [1,2,3], \"intensity\": 1}],\n"
                             " \"camera\": {\"eye\": [0,-9,1], \"target\": [0,0,1], \"up\": [0,0,1]}}");
     assert_true(s->geometric_normal_y[0] == 1.0f && s->box_min.y == 7.0f && s->box_min.z == -2.0f);
@@ -400,7 +477,8 @@ static void an_environment_picture_keeps_its_top_row_up(void **state) {
     scene_file_text("sky.pfm", "");
     assert_int_equal(sl_image_write(image, scene_file_path("sky.pfm"), NULL), SL_OK);
     sl_image_destroy(image);
-    sl_scene *s = load_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"environment\": {\"file\": \"sky.pfm\", \"scale\": 2}}");
+    sl_scene *s = load_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"environment\": "
+                            "{\"file\": \"sky.pfm\", \"scale\": 2}}");
     assert_true(sl_environment_radiance(&s->environment, sl_v3(0, 1, 0)).g == 6.0f);
     assert_true(sl_environment_radiance(&s->environment, sl_v3(0, -1, 0)).g == 1.0f);
     sl_scene_destroy(s);
@@ -409,21 +487,26 @@ static void an_environment_picture_keeps_its_top_row_up(void **state) {
 /* A sky of 2 x 1 texels: red left and green right, or what else the file says of them. */
 static const char *sky_file(const exr_test_file *from) {
     static const float red[2] = {0.9505f, 0.0f}, green[2] = {1.0f, 1.0f}, blue[2] = {1.0891f, 0.0f};
-    const exr_test_channel channels[] = {{"B", EXR_PIXEL_FLOAT, blue, 1}, {"G", EXR_PIXEL_FLOAT, green, 1}, {"R", EXR_PIXEL_FLOAT, red, 1}};
+    const exr_test_channel channels[] = {
+        {"B", EXR_PIXEL_FLOAT, blue, 1}, {"G", EXR_PIXEL_FLOAT, green, 1}, {"R", EXR_PIXEL_FLOAT, red, 1}};
     exr_test_file file = *from;
     file.width = 2, file.height = 1, file.channels = channels, file.channel_count = 3;
     write_exr(scene_file_text("sky.exr", ""), &file);
-    return "{\"softlux\": 1,\n\"meshes\": [{\"file\": \"box.obj\"}], \"environment\": {\"file\": \"sky.exr\"}}";
+    return "{\"softlux\": 1,\n\"meshes\": [{\"file\": \"box.obj\"}], \"environment\": {\"file\": "
+           "\"sky.exr\"}}";
 }
 
 static void a_sky_with_primaries_of_its_own_becomes_rec_709(void **state) {
     (void)state;
     write_box();
-    const exr_attr_chromaticities_t xyz = {1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3}, rec709 = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f}, none = {0};
+    const exr_attr_chromaticities_t xyz = {1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3},
+                                    rec709 = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f},
+                                    none = {0};
     sl_scene *s = load_json(sky_file(&(exr_test_file){.chromaticities = &xyz}));
     const float *t = s->environment.texels;
     for (int c = 0; c < 3; c++) assert_true(fabsf(t[c] - 1.0f) < 2e-3f); /* D65 is white */
-    assert_true(t[3] == 0.0f && t[4] > 1.5f && warns_of(s, "negative")); /* and a Y alone lies outside of what three lamps can do */
+    /* and a Y alone lies outside of what three lamps can do */
+    assert_true(t[3] == 0.0f && t[4] > 1.5f && warns_of(s, "negative"));
     sl_scene_destroy(s);
     s = load_json(sky_file(&(exr_test_file){.chromaticities = &rec709}));
     assert_true(s->environment.texels[0] == 0.9505f && s->environment.texels[4] == 1.0f);
@@ -437,17 +520,20 @@ static void a_sky_lies_in_its_data_window_only_if_it_says_that_it_is_one(void **
     const exr_envmap_t round = EXR_ENVMAP_LATLONG, cube = EXR_ENVMAP_CUBE;
     const exr_attr_box2i_t display = {.min = {.x = 0, .y = 0}, .max = {.x = 3, .y = 1}};
     sl_scene *s = load_json(sky_file(&(exr_test_file){.left = 2, .display = &display, .envmap = &round}));
-    assert_true(s->environment.width == 2 && s->environment.height == 1 && s->environment.texels[0] == 0.9505f);
+    assert_true(s->environment.width == 2 && s->environment.height == 1 &&
+                s->environment.texels[0] == 0.9505f);
     sl_scene_destroy(s);
     s = load_json(sky_file(&(exr_test_file){.left = 2, .display = &display}));
-    assert_true(s->environment.width == 4 && s->environment.height == 2 && s->environment.texels[0] == 0.0f && s->environment.texels[6] == 0.9505f);
+    assert_true(s->environment.width == 4 && s->environment.height == 2 && s->environment.texels[0] == 0.0f &&
+                s->environment.texels[6] == 0.9505f);
     sl_scene_destroy(s);
     refuse_json(sky_file(&(exr_test_file){.envmap = &cube}), ":2: environment: ");
 }
 
 static void reflectance_beyond_one_warns_in_a_scene_file_too(void **state) {
     (void)state;
-    sl_scene *s = load_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"materials\": {\"wall\": {\"diffuse\": 0.8, \"specular\": 0.8}}}");
+    sl_scene *s = load_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"materials\": "
+                            "{\"wall\": {\"diffuse\": 0.8, \"specular\": 0.8}}}");
     assert_true(warns_of(s, "together exceed 1"));
     assert_true(material(s, "wall")->diffuse.r == 0.5f);
     sl_scene_destroy(s);
@@ -475,11 +561,17 @@ static void scene_file_mistakes_are_told_by_line(void **state) {
         {"{" MESH "}", ":1: expected a key 'softlux' here"},
         {"{\"softlux\": 2,\n" MESH "}", ":1: expected version \"softlux\": 1, got 2"},
         {"{\"softlux\": 1.0000001,\n" MESH "}", ":1: expected version \"softlux\": 1, got 1.0000001"},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"exponent\": 1000001}}}", ":2: expected 'exponent' from 0 to 1e+06, got 1000001"},
-        {"{\"softlux\": 1,\n \"meshes\": [{\"file\": \"box.obj\\u0000.txt\"}]}", ":2: expected strings without \\u0000"},
-        {"{\"softlux\": 1, " MESH ",\n \"lights\": [{\"type\": \"directional\", \"direction\": [0,-1,0], \"irradiance\": 1,\n\"name\": 5}]}", ":3: expected 'name' to be a string"},
-        {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fov\": 80}}", ":2: unknown key 'fov' in the camera; expected 'fov_deg'?"},
-        {"{\"softlux\": 1, " MESH ",\n\"film_size\": {}}", ":2: unknown key 'film_size' in the scene; expected 'film'?"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"exponent\": 1000001}}}",
+         ":2: expected 'exponent' from 0 to 1e+06, got 1000001"},
+        {"{\"softlux\": 1,\n \"meshes\": [{\"file\": \"box.obj\\u0000.txt\"}]}",
+         ":2: expected strings without \\u0000"},
+        {"{\"softlux\": 1, " MESH ",\n \"lights\": [{\"type\": \"directional\", \"direction\": [0,-1,0], "
+                                  "\"irradiance\": 1,\n\"name\": 5}]}",
+         ":3: expected 'name' to be a string"},
+        {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fov\": 80}}",
+         ":2: unknown key 'fov' in the camera; expected 'fov_deg'?"},
+        {"{\"softlux\": 1, " MESH ",\n\"film_size\": {}}",
+         ":2: unknown key 'film_size' in the scene; expected 'film'?"},
         {"{\"softlux\": 1,\n\n\"mehses\": []}", ":3: unknown key 'mehses' in the scene; expected 'meshes'?"},
         {"{\"softlux\": 1, \"softlux\": 1}", ":1: key 'softlux' is given twice"},
         {"{\"softlux\": 1, \"up\": \"x\"}", ":1: expected 'up' to be \"y\" or \"z\""},
@@ -488,38 +580,71 @@ static void scene_file_mistakes_are_told_by_line(void **state) {
         {"{\"softlux\": 1, \"meshes\": [\n{}]}", ":2: expected a key 'file' here"},
         {"{\"softlux\": 1, \"meshes\": [\n{\"file\":\n 3}]}", ":2: expected 'file' to be a string"},
         {"{\"softlux\": 1, \"meshes\": [\n{\"file\": \"none.obj\"}]}", ":2: mesh "},
-        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"normals\": \"smooth\"}]}", ":2: expected 'normals' to be 'file' or 'faceted', got 'smooth'"},
-        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": [1,2]}]}", ":2: expected 'transform' to be an array of 16 numbers"},
-        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": {\"scale\": 0}}]}", ":2: expected 'scale' to be other than 0"},
-        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1]}]}", ":2: expected 'transform' to be a matrix"},
-        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"material\": \"wal\"}]}", ":2: no mesh has a material 'wal'; expected 'wall'?"},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\n\"walls\": {}}}", ":2: no mesh has a material 'walls'; expected 'wall'?"},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"difuse\": 1}}}", ":2: unknown key 'difuse' in a material; expected 'diffuse'?"},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"diffuse\": [1, -1, 0]}}}", ":2: expected 'diffuse' to be at least 0"},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"diffuse\": 1.5}}}", ":2: expected reflectance 'diffuse' from 0 to 1"},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"emission\": [1, 2]}}}", ":2: expected 'emission' to be an array of 3 numbers"},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"emission\": 1e999}}}", ":2: expected 'emission' to be a number"},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"texture\": \"no.png\"}}}", ":2: texture "},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"mirror\": 1, \"diffuse\": 1}}}", ":2: expected either 'mirror'"},
-        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"two_sided\": 1}}}", ":2: expected 'two_sided' to be true or false"},
-        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"pont\"}]}", ":2: unknown light type 'pont'; expected 'point'?"},
-        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"point\", \"position\": [0,0,0]}]}", ":2: expected either 'intensity' or 'power' here"},
-        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"directional\", \"direction\": [0,0,0], \"irradiance\": 1}]}", ":2: expected 'direction' to be other than 0"},
-        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"spot\", \"position\": [0,0,0], \"direction\": [0,0,1], \"intensity\": 1,\n \"inner_deg\": 50, \"outer_deg\": 40}]}",
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"normals\": \"smooth\"}]}",
+         ":2: expected 'normals' to be 'file' or 'faceted', got 'smooth'"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": [1,2]}]}",
+         ":2: expected 'transform' to be an array of 16 numbers"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": {\"scale\": 0}}]}",
+         ":2: expected 'scale' to be other than 0"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": "
+         "[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1]}]}",
+         ":2: expected 'transform' to be a matrix"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"material\": \"wal\"}]}",
+         ":2: no mesh has a material 'wal'; expected 'wall'?"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\n\"walls\": {}}}",
+         ":2: no mesh has a material 'walls'; expected 'wall'?"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"difuse\": 1}}}",
+         ":2: unknown key 'difuse' in a material; expected 'diffuse'?"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"diffuse\": [1, -1, 0]}}}",
+         ":2: expected 'diffuse' to be at least 0"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"diffuse\": 1.5}}}",
+         ":2: expected reflectance 'diffuse' from 0 to 1"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"emission\": [1, 2]}}}",
+         ":2: expected 'emission' to be an array of 3 numbers"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"emission\": 1e999}}}",
+         ":2: expected 'emission' to be a number"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"texture\": \"no.png\"}}}",
+         ":2: texture "},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"mirror\": 1, \"diffuse\": 1}}}",
+         ":2: expected either 'mirror'"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"two_sided\": 1}}}",
+         ":2: expected 'two_sided' to be true or false"},
+        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"pont\"}]}",
+         ":2: unknown light type 'pont'; expected 'point'?"},
+        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"point\", \"position\": [0,0,0]}]}",
+         ":2: expected either 'intensity' or 'power' here"},
+        {"{\"softlux\": 1, " MESH
+         ", \"lights\": [\n{\"type\": \"directional\", \"direction\": [0,0,0], \"irradiance\": 1}]}",
+         ":2: expected 'direction' to be other than 0"},
+        {"{\"softlux\": 1, " MESH
+         ", \"lights\": [\n{\"type\": \"spot\", \"position\": [0,0,0], \"direction\": [0,0,1], "
+         "\"intensity\": 1,\n \"inner_deg\": 50, \"outer_deg\": 40}]}",
          ":3: expected 'inner_deg' of at most 'outer_deg', 40"},
-        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"quad\", \"corner\": [0,0,0], \"edge1\": [1,0,0], \"edge2\": [2,0,0], \"radiance\": 1}]}",
+        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"quad\", \"corner\": [0,0,0], \"edge1\": "
+                                  "[1,0,0], \"edge2\": [2,0,0], \"radiance\": 1}]}",
          ":2: expected a quad light with an area"},
         {"{\"softlux\": 1, " MESH ", \"environment\": {\n\"file\": \"none.exr\"}}", ":2: environment: "},
-        {"{\"softlux\": 1, " MESH ", \"environment\": {\"radiance\": 1,\n\"scale\": -1}}", ":2: expected 'scale' from 0 to"},
+        {"{\"softlux\": 1, " MESH ", \"environment\": {\"radiance\": 1,\n\"scale\": -1}}",
+         ":2: expected 'scale' from 0 to"},
         {"{\"softlux\": 1, " MESH ", \"camera\": {\n\"eye\": [0,0,1]}}", ":1: expected a key 'target' here"},
-        {"{\"softlux\": 1, " MESH ",\n\"camera\": {\"eye\": [0,0,1], \"target\": [0,0,1]}}", ":2: expected the camera's 'eye' apart from its 'target'"},
-        {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fov_deg\": 180}}", ":2: expected 'fov_deg' from 0.01 to 179, got 180"},
-        {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fovdeg\": 80}}", ":2: unknown key 'fovdeg' in the camera; expected 'fov_deg'?"},
-        {"{\"softlux\": 1, " MESH ", \"film\": {\n\"width\": 0, \"height\": 5}}", ":2: expected 'width' from 1 to 65536, got 0"},
-        {"{\"softlux\": 1, " MESH ",\n\"film\": {\"width\": 1.5, \"height\": 5}}", ":2: expected 'width' and 'height' to be whole numbers"},
-        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"keyframes\": [\n{\"time\": 1},\n{\"time\": 1}]}]}", ":3: expected keyframes in the order of their times"},
-        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"keyframes\": [\n{\"time\": 1, \"scale\": -1}]}]}", ":2: expected 'scale' to be above 0"},
-        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"keyframes\": []}]}", ":2: expected at least one keyframe"},
+        {"{\"softlux\": 1, " MESH ",\n\"camera\": {\"eye\": [0,0,1], \"target\": [0,0,1]}}",
+         ":2: expected the camera's 'eye' apart from its 'target'"},
+        {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fov_deg\": 180}}",
+         ":2: expected 'fov_deg' from 0.01 to 179, got 180"},
+        {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fovdeg\": 80}}",
+         ":2: unknown key 'fovdeg' in the camera; expected 'fov_deg'?"},
+        {"{\"softlux\": 1, " MESH ", \"film\": {\n\"width\": 0, \"height\": 5}}",
+         ":2: expected 'width' from 1 to 65536, got 0"},
+        {"{\"softlux\": 1, " MESH ",\n\"film\": {\"width\": 1.5, \"height\": 5}}",
+         ":2: expected 'width' and 'height' to be whole numbers"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"keyframes\": [\n{\"time\": 1},\n{\"time\": "
+         "1}]}]}",
+         ":3: expected keyframes in the order of their times"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"keyframes\": [\n{\"time\": 1, \"scale\": "
+         "-1}]}]}",
+         ":2: expected 'scale' to be above 0"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"keyframes\": []}]}",
+         ":2: expected at least one keyframe"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) refuse_json(cases[i][0], cases[i][1]);
 }
@@ -527,7 +652,8 @@ static void scene_file_mistakes_are_told_by_line(void **state) {
 static void strings_with_brackets_do_not_mislead_the_line_count(void **state) {
     (void)state;
     write_box();
-    refuse_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"name\": \"a ] } , \\\" \\\\\"}],\n\"materials\": {\"wall\":\n{\"diffuse\": [0.1,\n0.2, \"x\"]}}}",
+    refuse_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"name\": \"a ] } , \\\" "
+                "\\\\\"}],\n\"materials\": {\"wall\":\n{\"diffuse\": [0.1,\n0.2, \"x\"]}}}",
                 ":4: expected 'diffuse' to be an array of 3 numbers");
 }
 

@@ -1,6 +1,6 @@
-/* The generator of the larger scenes: its files are promised to be the same with every compiler and on every machine, so
- * their hashes are written down here. SOFTLUX_GENERATE names the program (default build/generate); without it the tests
- * are skipped. */
+/* The generator of the larger scenes: its files are promised to be the same with every compiler and on every
+ * machine, so their hashes are written down here. SOFTLUX_GENERATE names the program (default
+ * build/generate); without it the tests are skipped. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -96,7 +96,8 @@ static void the_files_are_the_same_as_ever(void **state) {
     };
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
         uint64_t hash = hash_of(expected[i].file);
-        if (hash != expected[i].hash) print_error("%s: 0x%016llx\n", expected[i].file, (unsigned long long)hash);
+        if (hash != expected[i].hash)
+            print_error("%s: 0x%016llx\n", expected[i].file, (unsigned long long)hash);
         assert_true(hash == expected[i].hash);
     }
 }
@@ -115,7 +116,8 @@ static void the_scenes_have_the_sizes_they_promise(void **state) {
     }
 }
 
-/* A file names each vertex before it is used, has a unit normal at every corner, and no triangle without area. */
+/* A file names each vertex before it is used, has a unit normal at every corner, and no triangle without
+ * area. */
 static void every_face_has_an_area_and_unit_normals(void **state) {
     (void)state;
     (void)generator();
@@ -135,11 +137,13 @@ static void every_face_has_an_area_and_unit_normals(void **state) {
             double length_squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
             assert_true(length_squared > 0.999 && length_squared < 1.001);
         } else if (sscanf(line, "f %u//%u %u//%u %u//%u", &p[0], &q[0], &p[1], &q[1], &p[2], &q[2]) == 6) {
-            for (int i = 0; i < 3; i++) assert_true(p[i] >= 1 && p[i] <= vertices && q[i] >= 1 && q[i] <= normals);
+            for (int i = 0; i < 3; i++)
+                assert_true(p[i] >= 1 && p[i] <= vertices && q[i] >= 1 && q[i] <= normals);
             const double *a = v[p[0] - 1], *b = v[p[1] - 1], *c = v[p[2] - 1], *u = n[q[0] - 1];
             double e[3], f[3];
             for (int i = 0; i < 3; i++) e[i] = b[i] - a[i], f[i] = c[i] - a[i];
-            const double cross[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+            const double cross[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2],
+                                     e[0] * f[1] - e[1] * f[0]};
             assert_true(cross[0] != 0.0 || cross[1] != 0.0 || cross[2] != 0.0);
             wrong_side += cross[0] * u[0] + cross[1] * u[1] + cross[2] * u[2] <= 0.0;
             faces++;
@@ -175,7 +179,8 @@ static int generate_once(void **state) {
     if (!mkdtemp(folder)) return -1;
     if (access(named && *named ? named : "build/generate", X_OK) != 0) return 0; /* every test then skips */
     char arguments[160];
-    snprintf(arguments, sizeof arguments, "%s room cave mirror-cave atrium castle cathedral study loft pool ring", folder);
+    snprintf(arguments, sizeof arguments,
+             "%s room cave mirror-cave atrium castle cathedral study loft pool ring", folder);
     return run(arguments) == 0 ? 0 : -1;
 }
 

@@ -43,7 +43,8 @@ static char *repeat(const char *head, const char *entry, size_t count, const cha
     return text;
 }
 
-static void expect_repeated(const char *head, const char *entry, size_t count, const char *tail, const char *words) {
+static void expect_repeated(const char *head, const char *entry, size_t count, const char *tail,
+                            const char *words) {
     char *text = repeat(head, entry, count, tail);
     expect(text, words);
     free(text);
@@ -58,35 +59,49 @@ static void json_may_be_nested_only_so_deep(void **state) {
         for (int i = 0; i < deep; i++) text[at++] = '[';
         for (int i = 0; i < deep; i++) text[at++] = ']';
         strcpy(text + at, "}");
-        expect(text, more ? "limits.json:2: expected brackets nested at most 64 deep" : "limits.json:2: unknown key 'a'");
+        expect(text, more ? "limits.json:2: expected brackets nested at most 64 deep"
+                          : "limits.json:2: unknown key 'a'");
     }
-    expect("{\"softlux\": 1, \"[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[\\\"[[[[[\": 0}", "unknown key");
+    expect("{\"softlux\": 1, "
+           "\"[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[\\\"[[[[[\": 0}",
+           "unknown key");
 }
 
 static void lists_may_have_only_so_many_entries(void **state) {
     (void)state;
-    static const char *const lists[][3] = {{"{\"softlux\":1,\"lights\":[", "]}", "expected a light to be an object"},
-                                           {"{\"softlux\":1,\"meshes\":[", "]}", "expected a mesh to be an object"},
-                                           {"{\"softlux\":1,\"camera\":{\"eye\":[0,0,1],\"target\":[0,0,0],\"keyframes\":[", "]}}", "expected a keyframe to be an object"}};
+    static const char *const lists[][3] = {
+        {"{\"softlux\":1,\"lights\":[", "]}", "expected a light to be an object"},
+        {"{\"softlux\":1,\"meshes\":[", "]}", "expected a mesh to be an object"},
+        {"{\"softlux\":1,\"camera\":{\"eye\":[0,0,1],\"target\":[0,0,0],\"keyframes\":[", "]}}",
+         "expected a keyframe to be an object"}};
     for (size_t i = 0; i < 3; i++) {
         expect_repeated(lists[i][0], "0", SL_JSON_ENTRIES, lists[i][1], lists[i][2]);
-        expect_repeated(lists[i][0], "0", SL_JSON_ENTRIES + 1, lists[i][1], "at most 65536 entries, got 65537");
+        expect_repeated(lists[i][0], "0", SL_JSON_ENTRIES + 1, lists[i][1],
+                        "at most 65536 entries, got 65537");
     }
-    expect_repeated("{\"softlux\":1,\"materials\":{", "\"m\":0", SL_JSON_ENTRIES, "}}", "expected a material to be an object");
-    expect_repeated("{\"softlux\":1,\"materials\":{", "\"m\":0", SL_JSON_ENTRIES + 1, "}}", "at most 65536 entries, got 65537");
+    expect_repeated("{\"softlux\":1,\"materials\":{", "\"m\":0", SL_JSON_ENTRIES, "}}",
+                    "expected a material to be an object");
+    expect_repeated("{\"softlux\":1,\"materials\":{", "\"m\":0", SL_JSON_ENTRIES + 1, "}}",
+                    "at most 65536 entries, got 65537");
 }
 
-/* Neither many keys nor many lights take more than time in proportion: a minute's work were it their square. */
+/* Neither many keys nor many lights take more than time in proportion: a minute's work were it their square.
+ */
 static void as_many_as_may_be_are_read_in_time(void **state) {
     (void)state;
     expect_repeated("{\"softlux\":1,", "\"key\":0", 1000000, "}", "unknown key 'key'");
-    char *text = repeat("{\"softlux\":1,\"environment\":{\"radiance\":1},\"lights\":[{\"type\":\"quad\",\"corner\":[0,0,0],\"edge1\":[1,0,0],\"edge2\":[0,1,0],\"radiance\":1},",
-                        "{\"type\":\"point\",\"position\":[0,0,0],\"intensity\":0,\"keyframes\":[{\"time\":0}]}", SL_JSON_ENTRIES - 1, "]}");
+    char *text =
+        repeat("{\"softlux\":1,\"environment\":{\"radiance\":1},\"lights\":[{\"type\":\"quad\",\"corner\":[0,"
+               "0,0],\"edge1\":[1,0,0],\"edge2\":[0,1,0],\"radiance\":1},",
+               "{\"type\":\"point\",\"position\":[0,0,0],\"intensity\":0,\"keyframes\":[{\"time\":0}]}",
+               SL_JSON_ENTRIES - 1, "]}");
     sl_scene *scene = NULL;
     sl_error error = {0};
-    if (sl_scene_load(scene_file_text("dark.json", text), &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_scene_load(scene_file_text("dark.json", text), &scene, &error) != SL_OK)
+        fail_msg("%s", error.message);
     bool told = false;
-    for (size_t i = 0; i < sl_scene_warning_count(scene); i++) told |= strstr(sl_scene_warning(scene, i), "this light and 65534 more give no light") != NULL;
+    for (size_t i = 0; i < sl_scene_warning_count(scene); i++)
+        told |= strstr(sl_scene_warning(scene, i), "this light and 65534 more give no light") != NULL;
     assert_true(told);
     sl_scene_destroy(scene);
     free(text);
@@ -100,7 +115,8 @@ static void strings_may_be_only_so_long(void **state) {
         memset(name, 'n', SL_JSON_STRING + more);
         name[SL_JSON_STRING + more] = 0;
         sprintf(text, "{\"softlux\":1,\"meshes\":[{\"file\":\"%s\"}]}", name);
-        expect(text, more ? "expected 'file' to be a string of at most 4095 bytes, got 4096" : "limits.json:1: mesh ");
+        expect(text, more ? "expected 'file' to be a string of at most 4095 bytes, got 4096"
+                          : "limits.json:1: mesh ");
     }
     free(name);
     free(text);
@@ -125,7 +141,8 @@ static void files_may_be_only_so_large(void **state) {
         assert_int_equal(sl_scene_load(scene_file_path(names[i]), &scene, &error), SL_ERROR_INPUT);
         assert_non_null(strstr(error.message, "expected a file of at most 2147483647 bytes, got 2147483648"));
     }
-    char *text = repeat("{\"softlux\":1,\"lights\":[", " ", SL_JSON_BYTES / 2 - 16, "0]}"); /* blanks and commas: no JSON, but small enough */
+    /* blanks and commas: no JSON, but small enough */
+    char *text = repeat("{\"softlux\":1,\"lights\":[", " ", SL_JSON_BYTES / 2 - 16, "0]}");
     text[strlen(text) - 5] = ' ';
     expect(text, "expected valid JSON");
     free(text);
@@ -138,18 +155,21 @@ static void vertices_and_triangles_are_counted_in_32_bits(void **state) {
     size_t first;
     assert_int_equal(sl_model_add_vertices(&model, SL_NO_INDEX, 0, &first, &error), SL_ERROR_RESOURCES);
     assert_non_null(strstr(error.message, "more than 4294967295 vertices"));
-    assert_int_equal(sl_model_add_triangles(&model, (SL_NO_INDEX - 1) / 3 + 1, &first, &error), SL_ERROR_RESOURCES);
+    assert_int_equal(sl_model_add_triangles(&model, (SL_NO_INDEX - 1) / 3 + 1, &first, &error),
+                     SL_ERROR_RESOURCES);
     assert_non_null(strstr(error.message, "more than 1431655764 triangles"));
     assert_int_equal(sl_model_add_triangles(&model, SIZE_MAX, &first, &error), SL_ERROR_RESOURCES);
     assert_int_equal(sl_model_add_triangles(&model, 2, &first, &error), SL_OK);
-    assert_int_equal(sl_model_add_triangles(&model, (SL_NO_INDEX - 1) / 3 - 1, &first, &error), SL_ERROR_RESOURCES);
+    assert_int_equal(sl_model_add_triangles(&model, (SL_NO_INDEX - 1) / 3 - 1, &first, &error),
+                     SL_ERROR_RESOURCES);
     assert_non_null(strstr(error.message, "more than 1431655764 triangles"));
     sl_model_clear(&model);
 }
 
 static void films_may_be_only_so_wide(void **state) {
     (void)state;
-    expect("{\"softlux\":1,\"film\":{\"width\":65537,\"height\":1}}", "expected 'width' from 1 to 65536, got 65537");
+    expect("{\"softlux\":1,\"film\":{\"width\":65537,\"height\":1}}",
+           "expected 'width' from 1 to 65536, got 65537");
     expect("{\"softlux\":1,\"film\":{\"width\":65536,\"height\":65536}}", ": no triangles");
     sl_image *image = NULL;
     sl_error error = {0};

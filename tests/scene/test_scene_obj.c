@@ -1,4 +1,5 @@
-/* OBJ and MTL text: that a spelling which the importer alone reads otherwise gives the scene of the plain one, or an error with its line. */
+/* OBJ and MTL text: that a spelling which the importer alone reads otherwise gives the scene of the plain
+ * one, or an error with its line. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,7 +43,9 @@ static void refuse(const char *obj, const char *rest) {
 /* The first material of a library of one, which a triangle uses. */
 static sl_material material_of(const char *mtl) {
     scene_file_text("m.mtl", mtl);
-    sl_scene *scene = load(scene_file_text("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"));
+    sl_scene *scene = load(scene_file_text(
+        "m.obj",
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"));
     for (size_t i = 0; i < scene->material_count; i++) {
         sl_material found = scene->materials[i];
         if (strcmp(found.name, "m") != 0) continue;
@@ -54,7 +57,7 @@ static sl_material material_of(const char *mtl) {
     return (sl_material){0};
 }
 
-/* ---- geometry --------------------------------------------------------------------------------------------------------------- */
+/* ---- geometry -------------------------------------------------------------------------------- */
 
 static const char plain_quad[] = "v -0.5 0 0\nv 0.5 0 0\nv 0.5 1 0.25\nv 0 1 0\nv 9 9 9\n"
                                  "vt 0 0\nvt 0.5 0\nvt 0.5 0.75\nvt 0.25 0\nvn 0 0.6 0.8\n"
@@ -62,17 +65,19 @@ static const char plain_quad[] = "v -0.5 0 0\nv 0.5 0 0\nv 0.5 1 0.25\nv 0 1 0\n
 
 static void every_spelling_gives_the_scene_of_the_plain_one(void **state) {
     (void)state;
-    expect_same("\xef\xbb\xbf  v -.5 0 0 # 1 2\n\tv .5 0 0#x\nv +.5 1 \\\n .25 1\nv 0 2 0 2 # w\nv 9 9 9 .1 .2 .3\n"
-                " vt 0 0 # 1\nvt .5\nvt .5 .75 0\nvt .25 0\n  vn 0 .6 .8\t# up\n"
-                " o quad \n  f 1/1/1 2/2/1\\\n3/3/1 # 4/4/1\n\tf +1/01/1 3/+3/1 4/4/01\n",
-                plain_quad);
+    expect_same(
+        "\xef\xbb\xbf  v -.5 0 0 # 1 2\n\tv .5 0 0#x\nv +.5 1 \\\n .25 1\nv 0 2 0 2 # w\nv 9 9 9 .1 .2 .3\n"
+        " vt 0 0 # 1\nvt .5\nvt .5 .75 0\nvt .25 0\n  vn 0 .6 .8\t# up\n"
+        " o quad \n  f 1/1/1 2/2/1\\\n3/3/1 # 4/4/1\n\tf +1/01/1 3/+3/1 4/4/01\n",
+        plain_quad);
 }
 
 /* The same text with another end behind each of its lines. */
 static uint64_t hash_with_ends(const char *text, const char *end) {
     char changed[1024];
     size_t size = 0;
-    for (; *text; text++) size += (size_t)snprintf(changed + size, sizeof changed - size, *text == '\n' ? end : "%c", *text);
+    for (; *text; text++)
+        size += (size_t)snprintf(changed + size, sizeof changed - size, *text == '\n' ? end : "%c", *text);
     return hash_of(changed);
 }
 
@@ -81,30 +86,37 @@ static void every_kind_of_line_end_gives_the_same_scene(void **state) {
     assert_true(hash_with_ends(plain_quad, "\r\n") == hash_of(plain_quad));
     assert_true(hash_with_ends(plain_quad, "\r") == hash_of(plain_quad));
     assert_true(hash_with_ends(plain_quad, " \r\n") == hash_of(plain_quad));
-    assert_true(hash_with_ends("v .5 0 0\nv 1 \\\n 0 0\nv 0 1 0\nf 1 2 3\n", "\r\n") == hash_of("v 0.5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+    assert_true(hash_with_ends("v .5 0 0\nv 1 \\\n 0 0\nv 0 1 0\nf 1 2 3\n", "\r\n") ==
+                hash_of("v 0.5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
 }
 
 static void what_the_importer_would_skip_shifts_no_index(void **state) {
     (void)state;
-    const char *const before[] = {"# C:\\models\\\n", "\f\f", "cstype bezier\n", "# \fv 9 9 9\n", "parm u 0 1 99\n", "lod 99\n", "vp 1 2\n", "vt1 2\n", "vn1 2 3\n"};
+    const char *const before[] = {"# C:\\models\\\n", "\f\f",     "cstype bezier\n", "# \fv 9 9 9\n",
+                                  "parm u 0 1 99\n",  "lod 99\n", "vp 1 2\n",        "vt1 2\n",
+                                  "vn1 2 3\n"};
     for (size_t i = 0; i < sizeof before / sizeof before[0]; i++) {
         char text[1024];
         snprintf(text, sizeof text, "%s%s", before[i], plain_quad);
         expect_same(text, plain_quad);
     }
     expect_same("v\\\n0 0 0\nv 1 0 0\nv 0 1 0\nfo 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 # 99\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n");
+    expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 # 99\nf 1 2 3\n",
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n");
 }
 
 static void what_a_corner_leaves_out_is_not_looked_for_behind_its_slashes(void **state) {
     (void)state;
-    expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 1 0 1\nf 1//1 2//1 3//1\nf 1/ 2/ 3/\\\n\nf 2// 3// 1//#c\nf 3/1/ 2/1/ 1/1/\n",
-                "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 1 0 1\nf 1//1 2//1 3//1\nf 1 2 3\nf 2 3 1\nf 3/1 2/1 1/1\n");
+    expect_same(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 1 0 1\nf 1//1 2//1 3//1\nf 1/ 2/ 3/\\\n\nf 2// 3// 1//#c\nf "
+        "3/1/ 2/1/ 1/1/\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 1 0 1\nf 1//1 2//1 3//1\nf 1 2 3\nf 2 3 1\nf 3/1 2/1 1/1\n");
 }
 
 static void what_is_not_drawn_is_no_trouble(void **state) {
     (void)state;
-    expect_same("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 .5 .5 .5\nvn 0 0 1\np\nl 1\np 1 2 3\nf 1 2 3\nl 1//1 2\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    expect_same("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 .5 .5 .5\nvn 0 0 1\np\nl 1\np 1 2 3\nf 1 2 3\nl 1//1 2\n",
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
 }
 
 static void a_comment_right_behind_a_point_is_no_number_of_an_old_c_library(void **state) {
@@ -114,13 +126,15 @@ static void a_comment_right_behind_a_point_is_no_number_of_an_old_c_library(void
 
 static void numbers_of_an_old_c_library_that_are_not_finite_are_no_ones(void **state) {
     (void)state;
-    expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1.#IND 5 5\nf 1 2 3\nf 1 2 4\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 5 5\nf 1 2 3\nf 1 2 4\n");
+    expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1.#IND 5 5\nf 1 2 3\nf 1 2 4\n",
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 5 5\nf 1 2 3\nf 1 2 4\n");
 }
 
 static void names_keep_what_elsewhere_is_a_comment(void **state) {
     (void)state;
     scene_file_text("hash #1.mtl", "newmtl Material #25\nKd 0.1 0.2 0.3\n");
-    sl_scene *scene = load(scene_file_text("named.obj", " mtllib hash #1.mtl \nv 0 0 0\nv 1 0 0\nv 0 1 0\n usemtl Material #25 \nf 1 2 3\n"));
+    sl_scene *scene = load(scene_file_text(
+        "named.obj", " mtllib hash #1.mtl \nv 0 0 0\nv 1 0 0\nv 0 1 0\n usemtl Material #25 \nf 1 2 3\n"));
     assert_true(scene->materials[scene->material_index[0]].diffuse.g == 0.2f);
     assert_string_equal(scene->materials[scene->material_index[0]].name, "Material #25");
     sl_scene_destroy(scene);
@@ -128,26 +142,42 @@ static void names_keep_what_elsewhere_is_a_comment(void **state) {
 
 static void what_has_no_meaning_is_told_by_line(void **state) {
     (void)state;
-    refuse("v 0 0 0\nv 1 0 0 0.5 0.5\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 5");
-    refuse("v 0 0 0\n\nv 1 0 0 1 1 1 1 # alpha\nv 0 1 0\nf 1 2 3\n", ":3: expected 3, 4 or 6 numbers for a vertex, got 7");
-    refuse("v 0 0 0\nv 1 0 0 0.0\nv 0 1 0\nf 1 2 3\n", ":2: expected the fourth number of a vertex to be other than 0: it divides");
+    refuse("v 0 0 0\nv 1 0 0 0.5 0.5\nv 0 1 0\nf 1 2 3\n",
+           ":2: expected 3, 4 or 6 numbers for a vertex, got 5");
+    refuse("v 0 0 0\n\nv 1 0 0 1 1 1 1 # alpha\nv 0 1 0\nf 1 2 3\n",
+           ":3: expected 3, 4 or 6 numbers for a vertex, got 7");
+    refuse("v 0 0 0\nv 1 0 0 0.0\nv 0 1 0\nf 1 2 3\n",
+           ":2: expected the fourth number of a vertex to be other than 0: it divides");
     refuse("v 0 0 0\nv 1 0 0 b\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 'b'");
-    refuse("v 0 0 0\nv none 0 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 'none'");
-    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0 0 0\nf 1/1 2/1 3/1\n", ":4: expected 1, 2 or 3 numbers for a texture coordinate, got 4");
-    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 99\nf 1 2 3\n", ":4: vertex index 99 is out of range: the file has 3");
-    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3\n", ":5: expected face corners that all have the same, as in 1/1 2/2 3/3: corner 3 has other indices than the first");
-    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1 2//1 3//1\n", ":5: expected face corners that all have the same, as in 1/1 2/2 3/3: corner 2 has other indices than the first");
-    refuse("v 0 0 0\nv 1 0 0\nv 0 1 12345678901234567890\nf 1 2 3\n", ":3: expected 3, 4 or 6 numbers for a vertex, got '12345678901234567890'");
-    refuse("v 0 0 0\nv 1 0 1e12345678901234567890\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got '1e12345678901234567890'");
-    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1\nf 1//1 2//1 3//1\n", ":4: expected 3 numbers for a normal, got 2");
+    refuse("v 0 0 0\nv none 0 0\nv 0 1 0\nf 1 2 3\n",
+           ":2: expected 3, 4 or 6 numbers for a vertex, got 'none'");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0 0 0\nf 1/1 2/1 3/1\n",
+           ":4: expected 1, 2 or 3 numbers for a texture coordinate, got 4");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 99\nf 1 2 3\n",
+           ":4: vertex index 99 is out of range: the file has 3");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3\n",
+           ":5: expected face corners that all have the same, as in 1/1 2/2 3/3: corner 3 has other indices "
+           "than the first");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1 2//1 3//1\n",
+           ":5: expected face corners that all have the same, as in 1/1 2/2 3/3: corner 2 has other indices "
+           "than the first");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 12345678901234567890\nf 1 2 3\n",
+           ":3: expected 3, 4 or 6 numbers for a vertex, got '12345678901234567890'");
+    refuse("v 0 0 0\nv 1 0 1e12345678901234567890\nv 0 1 0\nf 1 2 3\n",
+           ":2: expected 3, 4 or 6 numbers for a vertex, got '1e12345678901234567890'");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1\nf 1//1 2//1 3//1\n",
+           ":4: expected 3 numbers for a normal, got 2");
 }
 
 static void the_longest_whole_number_is_what_it_is(void **state) {
     (void)state;
-    expect_same("v 0 0 0\nv 9999999999999999999 0 0\nv 0 000000000000000000000001e+00000000000000000000000 0\nf 1 2 3\n", "v 0 0 0\nv 1e19 0 0\nv 0 1 0\nf 1 2 3\n");
+    expect_same("v 0 0 0\nv 9999999999999999999 0 0\nv 0 000000000000000000000001e+00000000000000000000000 "
+                "0\nf 1 2 3\n",
+                "v 0 0 0\nv 1e19 0 0\nv 0 1 0\nf 1 2 3\n");
 }
 
-/* All the file is read again and again by pieces: nothing is lost where one ends, nor behind the last line end. */
+/* All the file is read again and again by pieces: nothing is lost where one ends, nor behind the last line
+ * end. */
 static void a_long_file_loses_nothing_of_what_its_copy_gains(void **state) {
     (void)state;
     enum { VERTICES = 1500000 };
@@ -162,7 +192,7 @@ static void a_long_file_loses_nothing_of_what_its_copy_gains(void **state) {
     free(text);
 }
 
-/* ---- materials -------------------------------------------------------------------------------------------------------------- */
+/* ---- materials ------------------------------------------------------------------------------- */
 
 static void expect_grey(sl_rgb colour, float value) {
     assert_true(colour.r == value && colour.g == value && colour.b == value);
@@ -196,21 +226,28 @@ static void expect_reds(const char *obj, float first, float second, float third)
     assert_int_equal(sl_scene_triangle_count(scene), 3);
     for (uint32_t t = 0; t < 3; t++) {
         int which = (int)scene->position_x[scene->vertex[0][t]];
-        float expected = which == 0 ? first : which == 1 ? second : third, found = scene->materials[scene->material_index[t]].diffuse.r;
-        if (found != expected) fail_msg("face %d: Kd %g instead of %g of\n%s", which, (double)found, (double)expected, obj);
+        float expected = which == 0   ? first
+                         : which == 1 ? second
+                                      : third,
+              found = scene->materials[scene->material_index[t]].diffuse.r;
+        if (found != expected)
+            fail_msg("face %d: Kd %g instead of %g of\n%s", which, (double)found, (double)expected, obj);
     }
     sl_scene_destroy(scene);
 }
 
 static void a_face_has_the_material_that_was_named_last_before_it(void **state) {
     (void)state;
-    static const char v[] = "v 0 0 0\nv 0 1 0\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 0 1\nv 2 0 0\nv 2 1 0\nv 2 0 1\n";
-    static const char *const of_files[] = { /* how the two libraries, and faces, follow each other */
+    static const char v[] =
+        "v 0 0 0\nv 0 1 0\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 0 1\nv 2 0 0\nv 2 1 0\nv 2 0 1\n";
+    static const char *const of_files[] = {
+        /* how the two libraries, and faces, follow each other */
         "mtllib one.mtl\nmtllib two.mtl\n%sf 1 2 3\nusemtl one\nf 4 5 6\nusemtl two\nf 7 8 9\n",
         "mtllib one.mtl two.mtl # both\n%sf 1 2 3\nusemtl one\nf 4 5 6\nusemtl two\nf 7 8 9\n",
         "mtllib missing.mtl one.mtl \\\n two.mtl\n%sf 1 2 3\nusemtl one\nf 4 5 6\nusemtl two\nf 7 8 9\n",
         "%so all\nf 1 2 3\nmtllib one.mtl\nusemtl one\nmtllib two.mtl\nf 4 5 6\nusemtl two\nf 7 8 9\n",
-        "o all\nmtllib one.mtl two.mtl\n%sf 1 2 3\nusemtl one\ng part\nf 4 5 6\no last\nusemtl two\nf 7 8 9\n"};
+        "o all\nmtllib one.mtl two.mtl\n%sf 1 2 3\nusemtl one\ng part\nf 4 5 6\no last\nusemtl two\nf 7 8 "
+        "9\n"};
     for (size_t i = 0; i < sizeof of_files / sizeof of_files[0]; i++) {
         char obj[1024];
         const char *rest = strstr(of_files[i], "%s");
@@ -271,18 +308,25 @@ static void values_of_materials_that_are_none_are_told_by_line(void **state) {
     refuse_library("newmtl m\n\nKd .5 .5\n", ":3: expected a colour: 1 or 3 numbers of at least 0, got 2");
     refuse_library("newmtl m\nKs # none\n", ":2: expected a colour: 1 or 3 numbers of at least 0, got 0");
     refuse_library("newmtl m\nKe 1 1 -1\n", ":2: expected a colour: 1 or 3 numbers of at least 0, got '-1'");
-    refuse_library("newmtl m\nKe 1 1 nan\n", ":2: expected a colour: 1 or 3 numbers of at least 0, got 'nan'");
-    refuse_library("newmtl m\nKe 12345678901234567890\n", ":2: expected a colour: 1 or 3 numbers of at least 0, got '12345678901234567890'");
-    refuse_library("newmtl m\r\nKd 1 \\\r\n1 1\r\nKe 1e-12345678901234567890\r\n", ":4: expected a colour: 1 or 3 numbers of at least 0, got '1e-12345678901234567890'");
-    refuse_library("newmtl m\nNs abc\n", ":2: expected an exponent Ns: a number from 0 to 1000000, got 'abc'");
+    refuse_library("newmtl m\nKe 1 1 nan\n",
+                   ":2: expected a colour: 1 or 3 numbers of at least 0, got 'nan'");
+    refuse_library("newmtl m\nKe 12345678901234567890\n",
+                   ":2: expected a colour: 1 or 3 numbers of at least 0, got '12345678901234567890'");
+    refuse_library("newmtl m\r\nKd 1 \\\r\n1 1\r\nKe 1e-12345678901234567890\r\n",
+                   ":4: expected a colour: 1 or 3 numbers of at least 0, got '1e-12345678901234567890'");
+    refuse_library("newmtl m\nNs abc\n",
+                   ":2: expected an exponent Ns: a number from 0 to 1000000, got 'abc'");
     refuse_library("newmtl m\nd 2\n", ":2: expected an opacity d: a number from 0 to 1, got '2'");
-    refuse_library("newmtl m\nillum\n", ":2: expected an illumination model illum: a number from 0 to 10, got ''");
-    refuse_library("newmtl m\nmap_Kd -s t.png\n", ":2: expected 1 to 3 numbers behind -s and then a file's name, got 't.png'");
+    refuse_library("newmtl m\nillum\n",
+                   ":2: expected an illumination model illum: a number from 0 to 10, got ''");
+    refuse_library("newmtl m\nmap_Kd -s t.png\n",
+                   ":2: expected 1 to 3 numbers behind -s and then a file's name, got 't.png'");
 }
 
 static void a_material_is_what_its_statements_say_however_they_are_spelled(void **state) {
     (void)state;
-    sl_material m = material_of("\xef\xbb\xbf# C:\\models\\\nKd 1 0 0\nnewmtl m\nKd 0.5 \\\n 0.25 \\\r\n0,125\nNs 0000000000000000000000020 # wide\\\nKa what\n"
+    sl_material m = material_of("\xef\xbb\xbf# C:\\models\\\nKd 1 0 0\nnewmtl m\nKd 0.5 \\\n 0.25 "
+                                "\\\r\n0,125\nNs 0000000000000000000000020 # wide\\\nKa what\n"
                                 "Ks 0.25 0.25 0.25 1\nd -halo 1\nKe 000 .5 1.e0");
     assert_true(m.diffuse.r == 0.5f && m.diffuse.g == 0.25f && m.diffuse.b == 0.125f);
     assert_true(m.emission.r == 0.0f && m.emission.g == 0.5f && m.emission.b == 1.0f);
@@ -296,7 +340,9 @@ static void an_exponent_beyond_that_of_scene_files_is_theirs(void **state) {
     assert_true(material_of("newmtl m\nNs 1000000\n").exponent == largest);
     assert_true(material_of("newmtl m\nNs 1e30\n").exponent == largest);
     assert_true(material_of("newmtl m\nNs -1.96\n").exponent == 0.0f);
-    assert_int_equal(library_warnings("newmtl m\nNs 1e30\n", "m.mtl:2: exponent Ns 1e30 is not from 0 to 1000000; cut to that"), 1);
+    assert_int_equal(library_warnings("newmtl m\nNs 1e30\n",
+                                      "m.mtl:2: exponent Ns 1e30 is not from 0 to 1000000; cut to that"),
+                     1);
 }
 
 static void a_texture_is_found_behind_its_options(void **state) {
@@ -304,8 +350,18 @@ static void a_texture_is_found_behind_its_options(void **state) {
     write_picture("t 1.png");
     scene_file_copy("scenes/bricks.png", "7");
     write_picture("t # 2.png");
-    static const char *const names[] = {"t 1.png", "-s 2 t 1.png", "-s 2 2 t 1.png", "-o 1 2 3 t 1.png", "-blendu off -mm 0 1 -clamp on -t .5\tt 1.png", "7", "-s 2 7", "-s 1 2 3 7",
-                                        "t 1.png # red", "t # 2.png", "-bm 2 \\\n t 1.png", "-imfchan r -texres 512 -type cube_top t 1.png"};
+    static const char *const names[] = {"t 1.png",
+                                        "-s 2 t 1.png",
+                                        "-s 2 2 t 1.png",
+                                        "-o 1 2 3 t 1.png",
+                                        "-blendu off -mm 0 1 -clamp on -t .5\tt 1.png",
+                                        "7",
+                                        "-s 2 7",
+                                        "-s 1 2 3 7",
+                                        "t 1.png # red",
+                                        "t # 2.png",
+                                        "-bm 2 \\\n t 1.png",
+                                        "-imfchan r -texres 512 -type cube_top t 1.png"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char mtl[256];
         snprintf(mtl, sizeof mtl, "newmtl m\nKd 1 1 1\nmap_Kd %s\n", names[i]);
@@ -316,17 +372,27 @@ static void a_texture_is_found_behind_its_options(void **state) {
 static void options_of_a_texture_that_change_it_are_told(void **state) {
     (void)state;
     write_picture("t.png");
-    assert_int_equal(library_warnings("newmtl m\nmap_Kd -s 2 2 2 -o 0 t.png\n", "m.mtl:2: the texture's option -s is not applied"), 1);
+    assert_int_equal(library_warnings("newmtl m\nmap_Kd -s 2 2 2 -o 0 t.png\n",
+                                      "m.mtl:2: the texture's option -s is not applied"),
+                     1);
     assert_int_equal(library_warnings("newmtl m\nmap_Kd -s 2 2 2 -o 0 t.png\n", " is not applied"), 1);
-    assert_int_equal(library_warnings("newmtl m\nmap_bump -bm 3 t.png\n\nmap_Kd -o 0 .5 -clamp on t.png\n", " is not applied"), 3);
-    assert_int_equal(library_warnings("newmtl m\nmap_Kd -s 1 1 1 -o 0 0 -t 0 -mm 0 1 -blendu on -clamp off -cc off -boost 0 -bm 1 t.png\n", " is not applied"), 0);
+    assert_int_equal(library_warnings("newmtl m\nmap_bump -bm 3 t.png\n\nmap_Kd -o 0 .5 -clamp on t.png\n",
+                                      " is not applied"),
+                     3);
+    assert_int_equal(library_warnings("newmtl m\nmap_Kd -s 1 1 1 -o 0 0 -t 0 -mm 0 1 -blendu on -clamp off "
+                                      "-cc off -boost 0 -bm 1 t.png\n",
+                                      " is not applied"),
+                     0);
 }
 
 static void a_material_that_no_library_has_is_told_once(void **state) {
     (void)state;
     char obj[512];
     scene_file_text("m.mtl", "newmtl m\nKd 0.5\nnewmtl a b\nKd 0.25\n");
-    snprintf(obj, sizeof obj, "%susemtl n\nf 1 2 3\nusemtl m\nf 1 2 3\nusemtl a b \nf 1 2 3\nusemtl n\nf 1 2 3\nusemtl a\nf 1 2 3\nmtllib m.mtl\n", a_triangle);
+    snprintf(obj, sizeof obj,
+             "%susemtl n\nf 1 2 3\nusemtl m\nf 1 2 3\nusemtl a b \nf 1 2 3\nusemtl n\nf 1 2 3\nusemtl a\nf 1 "
+             "2 3\nmtllib m.mtl\n",
+             a_triangle);
     assert_int_equal(warnings(obj, "m.obj:7: no material library has 'n'; it is grey"), 1);
     assert_int_equal(warnings(obj, "m.obj:15: no material library has 'a'; it is grey"), 1);
     assert_int_equal(warnings(obj, "it is grey"), 2);
@@ -339,12 +405,14 @@ static void of_very_many_warnings_the_first_hundred_are_told_and_the_others_coun
     scene_file_text("m.mtl", "newmtl m\nKd 0.5\n");
     int at = snprintf(obj, sizeof obj, "mtllib m.mtl\n%s", a_triangle);
     const int first = 8; /* line */
-    for (int i = 0; i < MANY; i++) at += snprintf(obj + at, sizeof obj - (size_t)at, "usemtl %c%d\nf 1 2 3\n", 'z' - i % 26, i);
+    for (int i = 0; i < MANY; i++)
+        at += snprintf(obj + at, sizeof obj - (size_t)at, "usemtl %c%d\nf 1 2 3\n", 'z' - i % 26, i);
     sl_scene *scene = load(scene_file_text("m.obj", obj));
     size_t count = sl_scene_warning_count(scene);
     for (int i = 0; i < 100; i++) {
         char wanted[80];
-        snprintf(wanted, sizeof wanted, "m.obj:%d: no material library has '%c%d'; it is grey", first + 2 * i, 'z' - i % 26, i);
+        snprintf(wanted, sizeof wanted, "m.obj:%d: no material library has '%c%d'; it is grey", first + 2 * i,
+                 'z' - i % 26, i);
         assert_non_null(strstr(sl_scene_warning(scene, (size_t)i), wanted));
     }
     assert_string_equal(sl_scene_warning(scene, count - 1), "and 50 more of such lines");
@@ -357,14 +425,17 @@ static void a_library_that_is_read_in_the_place_of_another_is_told(void **state)
     char obj[512];
     scene_file_text("m.mtl", "newmtl m\nKd 0.5\n");
     snprintf(obj, sizeof obj, "mtllib other.mtl\n%susemtl m\nf 1 2 3\n", a_triangle);
-    assert_int_equal(warnings(obj, "m.obj:1: material library 'other.mtl' does not exist; 'm.mtl' is read in its place"), 1);
+    assert_int_equal(
+        warnings(obj, "m.obj:1: material library 'other.mtl' does not exist; 'm.mtl' is read in its place"),
+        1);
     assert_int_equal(warnings(obj, "grey"), 0);
 }
 
 static void a_material_without_a_name_is_that_of_faces_that_name_none(void **state) {
     (void)state;
     scene_file_text("m.mtl", "newmtl \nKd 0.25\nnewmtl m\nKd 0.5\n");
-    sl_scene *scene = load(scene_file_text("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\nusemtl \nf 1 2 3\n"));
+    sl_scene *scene = load(scene_file_text(
+        "m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\nusemtl \nf 1 2 3\n"));
     expect_grey(scene->materials[scene->material_index[1]].diffuse, 0.25f);
     sl_scene_destroy(scene);
 }
@@ -379,14 +450,21 @@ static void bytes_of_zero_are_no_text(void **state) {
     assert_string_equal(error.message + strlen(path), ":3: expected text, got a byte that is zero");
     static const char mtl[] = "newmtl m\r\nKd 0.5\0\r\n";
     path = scene_file_write("zero.mtl", mtl, sizeof mtl - 1);
-    assert_int_equal(sl_scene_load(scene_file_text("m.obj", "mtllib zero.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), &scene, &error), SL_ERROR_INPUT);
+    assert_int_equal(
+        sl_scene_load(scene_file_text("m.obj", "mtllib zero.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+                      &scene, &error),
+        SL_ERROR_INPUT);
     assert_string_equal(error.message + strlen(path), ":2: expected text, got a byte that is zero");
 }
 
 static void faces_that_are_none_are_counted(void **state) {
     (void)state;
-    assert_int_equal(warnings("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 \\\n2\n", "m.obj:5: a face of fewer than three corners is not drawn"), 1);
-    assert_int_equal(warnings("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1\nf 1 2 3\nf 1 2\nf \n", "m.obj:4: this face and 2 more of fewer than three corners are not drawn"), 1);
+    assert_int_equal(warnings("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 \\\n2\n",
+                              "m.obj:5: a face of fewer than three corners is not drawn"),
+                     1);
+    assert_int_equal(warnings("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1\nf 1 2 3\nf 1 2\nf \n",
+                              "m.obj:4: this face and 2 more of fewer than three corners are not drawn"),
+                     1);
 }
 
 int main(void) {

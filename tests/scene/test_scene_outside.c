@@ -35,7 +35,8 @@ static void write_bytes(const char *name, const void *data, size_t size) {
 static void write_text(const char *name, const char *text) { write_bytes(name, text, strlen(text)); }
 
 static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
-static const uint8_t picture[] = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0, 10, 20, 30}; /* TGA, one pixel */
+/* TGA, one pixel */
+static const uint8_t picture[] = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0, 10, 20, 30};
 
 static int make_folders(void **state) {
     (void)state;
@@ -48,12 +49,15 @@ static int make_folders(void **state) {
     write_text("secret.pfm", "PF\n1 1\n-1.0\nabcdefghijkl");
     write_text("inside/mesh.obj", triangle);
     write_bytes("inside/below/inner.tga", picture, sizeof picture);
-    return symlink("../secret.obj", at("inside/link.obj")) | symlink(root, at("inside/up")) | symlink("inside/mesh.obj", at("named.obj"));
+    return symlink("../secret.obj", at("inside/link.obj")) | symlink(root, at("inside/up")) |
+           symlink("inside/mesh.obj", at("named.obj"));
 }
 
 static int remove_folders(void **state) {
-    static const char *const files[] = {"secret.obj", "secret.mtl", "secret.tga", "secret.bin", "secret.pfm", "named.obj", "inside/mesh.obj", "inside/link.obj",
-                                        "inside/up", "inside/scene.json", "inside/a.obj", "inside/a.mtl", "inside/a.gltf", "inside/t.tga", "inside/below/inner.tga"};
+    static const char *const files[] = {
+        "secret.obj",   "secret.mtl",      "secret.tga",      "secret.bin",   "secret.pfm",
+        "named.obj",    "inside/mesh.obj", "inside/link.obj", "inside/up",    "inside/scene.json",
+        "inside/a.obj", "inside/a.mtl",    "inside/a.gltf",   "inside/t.tga", "inside/below/inner.tga"};
     (void)state;
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) unlink(at(files[i]));
     rmdir(at("inside/below"));
@@ -61,7 +65,8 @@ static int remove_folders(void **state) {
     return rmdir(root);
 }
 
-/* Refused with one line that names the place, the file and the way to allow it; and allowed where that is asked for. */
+/* Refused with one line that names the place, the file and the way to allow it; and allowed where that is
+ * asked for. */
 static void expect_refusal(const char *scene_file, const char *place, const char *file) {
     sl_scene *scene = NULL;
     sl_error error = {0};
@@ -72,7 +77,9 @@ static void expect_refusal(const char *scene_file, const char *place, const char
         if (!strstr(error.message, words[i])) fail_msg("'%s' does not say '%s'", error.message, words[i]);
     }
     assert_null(strchr(error.message, '\n'));
-    if (sl_scene_load_with(at(scene_file), &(sl_load_options){.allow_outside = true}, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_scene_load_with(at(scene_file), &(sl_load_options){.allow_outside = true}, &scene, &error) !=
+        SL_OK)
+        fail_msg("%s", error.message);
     sl_scene_destroy(scene);
 }
 
@@ -92,12 +99,14 @@ static void scene_of(const char *format, const char *name) {
 static void meshes_outside_are_refused_whatever_leads_there(void **state) {
     static const char format[] = "{\"softlux\": 1,\n \"meshes\": [\n  {\"file\": \"%s\"}]}";
     (void)state;
-    const char *const names[] = {"../secret.obj", "link.obj", "up/secret.obj", "below/../../secret.obj", at("secret.obj")};
+    const char *const names[] = {"../secret.obj", "link.obj", "up/secret.obj", "below/../../secret.obj",
+                                 at("secret.obj")};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         scene_of(format, names[i]);
         expect_refusal("inside/scene.json", "inside/scene.json:3: mesh ", i == 1 ? "link.obj" : "secret.obj");
     }
-    const char *const good[] = {"mesh.obj", "./mesh.obj", "below/../mesh.obj", "../inside/mesh.obj", "up/inside/mesh.obj", at("inside/mesh.obj")};
+    const char *const good[] = {"mesh.obj",           "./mesh.obj",         "below/../mesh.obj",
+                                "../inside/mesh.obj", "up/inside/mesh.obj", at("inside/mesh.obj")};
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         scene_of(format, good[i]);
         expect_scene("inside/scene.json");
@@ -105,10 +114,14 @@ static void meshes_outside_are_refused_whatever_leads_there(void **state) {
 }
 
 static void textures_masks_and_skies_outside_are_refused(void **state) {
-    static const char *const formats[] = {"{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"n\"}],\n\"materials\": {\"n\": {\"texture\": \"%s\"}}}",
-                                          "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"n\"}],\n\"materials\": {\"n\": {\"alpha\": \"%s\"}}}",
-                                          "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"n\"}],\n\"materials\": {\"n\": {\"bump\": \"%s\"}}}",
-                                          "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n\"environment\": {\"file\": \"%s\"}}"};
+    static const char *const formats[] = {
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"n\"}],\n\"materials\": "
+        "{\"n\": {\"texture\": \"%s\"}}}",
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"n\"}],\n\"materials\": "
+        "{\"n\": {\"alpha\": \"%s\"}}}",
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"n\"}],\n\"materials\": "
+        "{\"n\": {\"bump\": \"%s\"}}}",
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n\"environment\": {\"file\": \"%s\"}}"};
     (void)state;
     for (int i = 0; i < 4; i++) {
         scene_of(formats[i], i < 3 ? "../secret.tga" : "../secret.pfm");
@@ -151,10 +164,12 @@ static void a_texture_beside_its_mesh_is_taken_whatever_folder_is_named(void **s
 
 static void buffers_of_gltf_outside_are_refused(void **state) {
     (void)state;
-    write_text("inside/a.gltf",
-               "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
-               "{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
-               "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":[{\"byteLength\":36,\"uri\":\"../secret.bin\"}]}");
+    write_text("inside/a.gltf", "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+                                "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+                                "{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":"
+                                "5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
+                                "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":[{"
+                                "\"byteLength\":36,\"uri\":\"../secret.bin\"}]}");
     expect_refusal("inside/a.gltf", "inside/a.gltf: names ", "secret.bin");
 }
 

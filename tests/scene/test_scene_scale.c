@@ -1,4 +1,5 @@
-/* The size in which most of a scene lies: for most scenes the diagonal, for a room on a plain without end the room's. */
+/* The size in which most of a scene lies: for most scenes the diagonal, for a room on a plain without end the
+ * room's. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +16,8 @@
 
 /* A closed room of 4 x 3 x 5 with a lamp, seen from within. */
 static void add_room(trace_mesh *mesh) {
-    uint32_t white = trace_mesh_material(mesh, 0.7f, 0, 1, 0, 0), lamp = trace_mesh_material(mesh, 0, 0, 1, 0, 10);
+    uint32_t white = trace_mesh_material(mesh, 0.7f, 0, 1, 0, 0),
+             lamp = trace_mesh_material(mesh, 0, 0, 1, 0, 10);
     trace_mesh_box(mesh, sl_v3(-2, 0, -2.5f), sl_v3(2, 3, 2.5f), true, white);
     trace_mesh_quad(mesh, sl_v3(-0.5f, 2.9f, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     sl_camera_look_at(&mesh->camera, sl_v3(0, 1.5f, 2), sl_v3(0, 1, 0), sl_v3(0, 1, 0), 1.0f);
@@ -89,7 +91,8 @@ static void a_grain_with_most_vertices_is_not_the_scene_for_an_eye_that_sees_the
     assert_true(s->radius < 1e-3);
     assert_true(s->scale == s->diagonal);
     sl_error error;
-    const float near[3] = {0.7f, 0.5f, -0.9995f}, grain[3] = {0.7f, 0.5f, -1}, up[3] = {0, 1, 0}, back[3] = {0, 1.5f, 2};
+    const float near[3] = {0.7f, 0.5f, -0.9995f}, grain[3] = {0.7f, 0.5f, -1}, up[3] = {0, 1, 0},
+                back[3] = {0, 1.5f, 2};
     assert_int_equal(sl_scene_set_camera(s, near, grain, up, 1.0f, &error), SL_OK);
     assert_true(sl_scene_is_scattered(s) && s->scale < 0.1f);
     assert_int_equal(sl_scene_set_camera(s, back, grain, up, 1.0f, &error), SL_OK);
@@ -103,7 +106,8 @@ static sl_scene *room_below_planets(float distance, float size) {
     trace_mesh mesh = trace_mesh_begin();
     const sl_vec3 place[3] = {sl_v3(1, 0.2f, 0), sl_v3(-0.3f, 1, 0.1f), sl_v3(0.1f, 0.3f, -1)};
     add_room(&mesh);
-    for (int i = 0; i < 3; i++) trace_mesh_sphere(&mesh, sl_scale(place[i], distance), size, 12, 0.0f, false, 0);
+    for (int i = 0; i < 3; i++)
+        trace_mesh_sphere(&mesh, sl_scale(place[i], distance), size, 12, 0.0f, false, 0);
     return trace_mesh_build(&mesh);
 }
 
@@ -121,7 +125,8 @@ static void far_planets_with_most_vertices_leave_a_room_its_scale_and_core(void 
     sl_scene_destroy(alone);
 }
 
-/* Who flies out to them sees another scene, and so does who stands in a room that fills less of what there is to see than they do. */
+/* Who flies out to them sees another scene, and so does who stands in a room that fills less of what there is
+ * to see than they do. */
 static void planets_that_the_eye_sees_more_of_are_the_scene(void **state) {
     (void)state;
     sl_error error;
@@ -147,8 +152,14 @@ static sl_scene *scattered_points(float size, bool turned, bool mirrored) {
     for (size_t k = 0; k < 100; k++) {
         size_t i = turned ? 99 - k : k;
         float p[9];
-        for (size_t c = 0; c < 9; c++) p[c] = size * (sl_random_unit(sl_random_key(5, 0), 9 * i + c) + (i % 10 == 0 ? 1000.0f * (float)i : 0.0f)) * (mirrored && c % 3 == 0 ? -1.0f : 1.0f);
-        uint32_t a = trace_mesh_vertex(&mesh, p[0], p[1], p[2]), b = trace_mesh_vertex(&mesh, p[3], p[4], p[5]), c = trace_mesh_vertex(&mesh, p[6], p[7], p[8]);
+        for (size_t c = 0; c < 9; c++)
+            p[c] =
+                size *
+                (sl_random_unit(sl_random_key(5, 0), 9 * i + c) + (i % 10 == 0 ? 1000.0f * (float)i : 0.0f)) *
+                (mirrored && c % 3 == 0 ? -1.0f : 1.0f);
+        uint32_t a = trace_mesh_vertex(&mesh, p[0], p[1], p[2]),
+                 b = trace_mesh_vertex(&mesh, p[3], p[4], p[5]),
+                 c = trace_mesh_vertex(&mesh, p[6], p[7], p[8]);
         trace_mesh_triangle(&mesh, a, b, c, white);
     }
     float x = mirrored ? -size : size;
@@ -159,10 +170,12 @@ static sl_scene *scattered_points(float size, bool turned, bool mirrored) {
 
 static void scale_knows_neither_order_nor_side_and_grows_with_the_scene(void **state) {
     (void)state;
-    sl_scene *s = scattered_points(1.0f, false, false), *turned = scattered_points(1.0f, true, false), *mirrored = scattered_points(1.0f, false, true),
+    sl_scene *s = scattered_points(1.0f, false, false), *turned = scattered_points(1.0f, true, false),
+             *mirrored = scattered_points(1.0f, false, true),
              *larger = scattered_points(1024.0f, false, false);
     assert_true(sl_scene_is_scattered(s) && s->diagonal > 1e5f && s->scale < 200.0f);
-    assert_true(turned->scale == s->scale && mirrored->scale == s->scale && larger->scale == 1024.0f * s->scale);
+    assert_true(turned->scale == s->scale && mirrored->scale == s->scale &&
+                larger->scale == 1024.0f * s->scale);
     assert_same(turned->central_min, s->central_min);
     assert_true(mirrored->central_max.x == -s->central_min.x && mirrored->central_min.y == s->central_min.y);
     assert_true(larger->central_max.z == 1024.0f * s->central_max.z);
@@ -188,7 +201,8 @@ static void half_of_the_vertices_lie_within_the_radius(void **state) {
         const float *x = axis == 0 ? s->position_x : axis == 1 ? s->position_y : s->position_z;
         double middle = axis == 0 ? s->middle.x : axis == 1 ? s->middle.y : s->middle.z;
         size_t below = 0, above = 0;
-        for (size_t v = 0; v < s->vertex_count; v++) below += (double)x[v] < middle, above += (double)x[v] > middle;
+        for (size_t v = 0; v < s->vertex_count; v++)
+            below += (double)x[v]<middle, above += (double)x[v]> middle;
         assert_true(below <= s->vertex_count / 2 && above <= s->vertex_count / 2);
     }
     sl_scene_destroy(s);
@@ -218,7 +232,8 @@ static void points_far_out_leave_their_surface_by_more_than_rounding(void **stat
     float far = sl_scene_offset_at(huge, offset, outside);
     assert_true(outside.x + far > outside.x && outside.x - far < outside.x && far < 1e-5f * huge->diagonal);
     assert_true(sl_scene_offset_at(alone, 1e-5f * alone->scale, outside) == 1e-5f * alone->scale);
-    assert_true(sl_scene_coordinate_near(huge, outside) >= 3e6f && sl_scene_coordinate_near(huge, inside) < 2.0f * huge->scale);
+    assert_true(sl_scene_coordinate_near(huge, outside) >= 3e6f &&
+                sl_scene_coordinate_near(huge, inside) < 2.0f * huge->scale);
     assert_true(sl_scene_coordinate_near(alone, inside) == 3.0f);
     sl_scene_destroy(alone);
     sl_scene_destroy(huge);

@@ -1,4 +1,5 @@
-/* Surface points and the sky: sides, normals, textures, alpha masks, directions, and sampling against its own density. */
+/* Surface points and the sky: sides, normals, textures, alpha masks, directions, and sampling against its own
+ * density. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,9 +25,16 @@ static sl_scene *build(const sl_scene_parts *parts) {
 }
 
 static sl_scene *triangle(const float *normals, const sl_material *material, sl_texture *texture) {
-    sl_scene_parts parts = {.vertex_count = 3, .positions = corners, .normals = normals, .texture_coordinates = uvs, .triangle_count = 1,
-                            .indices = face, .material_count = material ? 1 : 0, .materials = material,
-                            .texture_count = texture ? 1 : 0, .textures = texture};
+    sl_scene_parts parts = {.vertex_count = 3,
+                            .positions = corners,
+                            .normals = normals,
+                            .texture_coordinates = uvs,
+                            .triangle_count = 1,
+                            .indices = face,
+                            .material_count = material ? 1 : 0,
+                            .materials = material,
+                            .texture_count = texture ? 1 : 0,
+                            .textures = texture};
     return build(&parts);
 }
 
@@ -52,7 +60,8 @@ static void shading_normals_are_flipped_into_the_geometric_hemisphere(void **sta
     sl_scene *s = triangle(inverted, NULL, NULL);
     sl_surface p;
     sl_scene_surface(s, 0, 0.3f, 0.3f, sl_v3(0, 0, 1), &p);
-    assert_true(p.geometric_normal.z == 1.0f && fabsf(p.normal.z - 0.8f) < 1e-6f && fabsf(p.normal.x + 0.6f) < 1e-6f);
+    assert_true(p.geometric_normal.z == 1.0f && fabsf(p.normal.z - 0.8f) < 1e-6f &&
+                fabsf(p.normal.x + 0.6f) < 1e-6f);
     sl_scene_surface(s, 0, 0.3f, 0.3f, sl_v3(0, 0, -1), &p);
     assert_true(p.geometric_normal.z == -1.0f && fabsf(p.normal.z + 0.8f) < 1e-6f);
     sl_scene_destroy(s);
@@ -79,11 +88,14 @@ static void textures_are_bilinear_repeat_and_are_decoded_before_filtering(void *
     const sl_texture t = {.width = 2, .height = 2, .has_alpha = true, .texels = two_by_two};
     assert_true(sl_texture_color(&t, 0.25f, 0.25f).r == 0.0f);  /* v = 0 is the bottom row */
     assert_true(sl_texture_color(&t, 0.75f, 0.25f).r == 1.0f);
-    assert_true(fabsf(sl_texture_color(&t, 0.25f, 0.75f).r - 0.50289f) < 1e-5f); /* ((188/255 + .055)/1.055)^2.4 */
-    assert_true(fabsf(sl_texture_color(&t, 0.5f, 0.25f).r - 0.5f) < 1e-6f);      /* linear half, not sRGB half */
+    /* ((188/255 + .055)/1.055)^2.4 */
+    assert_true(fabsf(sl_texture_color(&t, 0.25f, 0.75f).r - 0.50289f) < 1e-5f);
+    /* linear half, not sRGB half */
+    assert_true(fabsf(sl_texture_color(&t, 0.5f, 0.25f).r - 0.5f) < 1e-6f);
     assert_true(fabsf(sl_texture_color(&t, 0.0f, 0.25f).r - 0.5f) < 1e-6f);      /* across the seam */
     const float places[3] = {-3.0f, 5.0f, 1024.0f};
-    for (int i = 0; i < 3; i++) assert_true(sl_texture_color(&t, 0.75f + places[i], 0.25f - places[i]).g == 1.0f);
+    for (int i = 0; i < 3; i++)
+        assert_true(sl_texture_color(&t, 0.75f + places[i], 0.25f - places[i]).g == 1.0f);
     assert_true(isfinite(sl_texture_color(&t, NAN, INFINITY).r));
     assert_true(isfinite(sl_texture_color(&t, -1e-30f, 3e38f).r));
 }
@@ -132,12 +144,16 @@ static void alpha_masks_are_tested_at_one_half(void **state) {
     sl_scene_destroy(s);
 }
 
-/* ---- the sky ------------------------------------------------------------------------------------------------------------- */
+/* ---- the sky --------------------------------------------------------------------------------- */
 
 enum { WIDTH = 16, HEIGHT = 8 };
 
 static sl_scene *scene_under(const sl_environment *environment) {
-    sl_scene_parts parts = {.vertex_count = 3, .positions = corners, .triangle_count = 1, .indices = face, .environment = environment};
+    sl_scene_parts parts = {.vertex_count = 3,
+                            .positions = corners,
+                            .triangle_count = 1,
+                            .indices = face,
+                            .environment = environment};
     return build(&parts);
 }
 
@@ -148,7 +164,8 @@ static sl_scene *scene_under_numbered_sky(void) {
         texels[3 * i + 1] = (float)i;
         texels[3 * i + 2] = (float)(i % 3);
     }
-    return scene_under(&(sl_environment){.present = true, .width = WIDTH, .height = HEIGHT, .texels = texels});
+    return scene_under(
+        &(sl_environment){.present = true, .width = WIDTH, .height = HEIGHT, .texels = texels});
 }
 
 static void directions_follow_the_stated_convention(void **state) {
@@ -158,16 +175,20 @@ static void directions_follow_the_stated_convention(void **state) {
     for (int row = 0; row < HEIGHT; row++) {
         for (int column = 0; column < WIDTH; column++) {
             double phi = 2.0 * SL_PI * ((column + 0.5) / WIDTH - 0.5), theta = SL_PI * (row + 0.5) / HEIGHT;
-            sl_vec3 d = sl_v3((float)(sin(theta) * sin(phi)), (float)cos(theta), (float)(-sin(theta) * cos(phi)));
+            sl_vec3 d =
+                sl_v3((float)(sin(theta) * sin(phi)), (float)cos(theta), (float)(-sin(theta) * cos(phi)));
             assert_true(sl_environment_radiance(e, d).g == (float)(row * WIDTH + column));
         }
     }
-    assert_true(sl_environment_radiance(e, sl_v3(0, 0, -1)).g == (float)(HEIGHT / 2 * WIDTH + WIDTH / 2)); /* the middle is ahead */
-    assert_true(isfinite(sl_environment_radiance(e, sl_v3(0, 1, 0)).g) && isfinite(sl_environment_radiance(e, sl_v3(0, -1, 0)).g));
+    /* the middle is ahead */
+    assert_true(sl_environment_radiance(e, sl_v3(0, 0, -1)).g == (float)(HEIGHT / 2 * WIDTH + WIDTH / 2));
+    assert_true(isfinite(sl_environment_radiance(e, sl_v3(0, 1, 0)).g) &&
+                isfinite(sl_environment_radiance(e, sl_v3(0, -1, 0)).g));
     sl_scene_destroy(s);
 }
 
-/* Midpoints of cells of equal solid angle, many to a texel; texel borders fall on cell borders in phi only. */
+/* Midpoints of cells of equal solid angle, many to a texel; texel borders fall on cell borders in phi only.
+ */
 static double integral_of_pdf(const sl_environment *e) {
     enum { AROUND = 256, UP = 4096 };
     double sum = 0.0;
@@ -175,7 +196,8 @@ static double integral_of_pdf(const sl_environment *e) {
         double y = 1.0 - 2.0 * (i + 0.5) / UP, sine = sqrt(1.0 - y * y);
         for (int j = 0; j < AROUND; j++) {
             double phi = 2.0 * SL_PI * ((j + 0.5) / AROUND - 0.5);
-            sum += (double)sl_environment_pdf(e, sl_v3((float)(sine * sin(phi)), (float)y, (float)(-sine * cos(phi))));
+            sum += (double)sl_environment_pdf(
+                e, sl_v3((float)(sine * sin(phi)), (float)y, (float)(-sine * cos(phi))));
         }
     }
     return sum * 4.0 * SL_PI / ((double)UP * AROUND);
@@ -192,7 +214,8 @@ static void the_density_of_sky_samples_integrates_to_one(void **state) {
     sl_scene_destroy(s);
 }
 
-/* Importance sampling with its own density must give the integral of radiance: sum of texel times solid angle. */
+/* Importance sampling with its own density must give the integral of radiance: sum of texel times solid
+ * angle. */
 static void sky_samples_estimate_the_sky_without_bias(void **state) {
     (void)state;
     sl_scene *s = scene_under_numbered_sky();
@@ -207,7 +230,8 @@ static void sky_samples_estimate_the_sky_without_bias(void **state) {
     for (int i = 0; i < samples; i++) {
         sl_rgb radiance;
         float pdf;
-        sl_vec3 d = sl_environment_sample(e, sl_random_unit(key, 2 * (uint64_t)i), sl_random_unit(key, 2 * (uint64_t)i + 1), &radiance, &pdf);
+        sl_vec3 d = sl_environment_sample(e, sl_random_unit(key, 2 * (uint64_t)i),
+                                          sl_random_unit(key, 2 * (uint64_t)i + 1), &radiance, &pdf);
         assert_true(pdf > 0.0f && isfinite(pdf) && fabsf(sl_dot(d, d) - 1.0f) < 1e-5f);
         estimate += (double)radiance.g / (double)pdf;
     }
@@ -223,9 +247,10 @@ static void samples_agree_with_radiance_and_density_of_their_direction(void **st
     for (int i = 0; i < 20000; i++) {
         sl_rgb radiance;
         float pdf;
-        sl_vec3 d = sl_environment_sample(&s->environment, sl_random_unit(key, 2 * (uint64_t)i), sl_random_unit(key, 2 * (uint64_t)i + 1),
-                                          &radiance, &pdf);
-        differ += sl_environment_radiance(&s->environment, d).g != radiance.g || sl_environment_pdf(&s->environment, d) != pdf;
+        sl_vec3 d = sl_environment_sample(&s->environment, sl_random_unit(key, 2 * (uint64_t)i),
+                                          sl_random_unit(key, 2 * (uint64_t)i + 1), &radiance, &pdf);
+        differ += sl_environment_radiance(&s->environment, d).g != radiance.g ||
+                  sl_environment_pdf(&s->environment, d) != pdf;
     }
     assert_true(differ < 20); /* those within rounding of a texel's border */
     sl_scene_destroy(s);
@@ -239,7 +264,8 @@ static void a_single_bright_texel_takes_all_samples(void **state) {
     for (int i = 0; i < 100; i++) {
         sl_rgb radiance;
         float pdf;
-        sl_vec3 d = sl_environment_sample(&s->environment, (float)i / 100.0f, (float)(99 - i) / 100.0f, &radiance, &pdf);
+        sl_vec3 d = sl_environment_sample(&s->environment, (float)i / 100.0f, (float)(99 - i) / 100.0f,
+                                          &radiance, &pdf);
         assert_true(radiance.b == 10.0f && d.y <= 1e-6f && fabsf(pdf - (float)(2.0 / SL_PI)) < 1e-5f);
     }
     sl_scene_destroy(s);

@@ -1,6 +1,7 @@
-/* Some work, again and again, with another allocation failing each time: whatever fails, the work comes to an end, says in one line that memory
- * ended (or did without, and gives the same result), loses no memory, and can be done afterwards as if nothing had been. Trials run in
- * children, since what they look for may crash. Foreign code (Assimp, Embree, OpenMP's runtime) that does not stand it is counted and told. */
+/* Some work, again and again, with another allocation failing each time: whatever fails, the work comes to an
+ * end, says in one line that memory ended (or did without, and gives the same result), loses no memory, and
+ * can be done afterwards as if nothing had been. Trials run in children, since what they look for may crash.
+ * Foreign code (Assimp, Embree, OpenMP's runtime) that does not stand it is counted and told. */
 #ifndef SL_TESTS_ALLOCATION_TRIALS_H
 #define SL_TESTS_ALLOCATION_TRIALS_H
 
@@ -35,13 +36,15 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t bytes) {
 }
 
 static uint64_t hash_image(uint64_t hash, const sl_image *image) {
-    return hash_bytes(hash, image->planes, (size_t)image->channels * (size_t)image->width * (size_t)image->height * sizeof(float));
+    return hash_bytes(hash, image->planes,
+                      (size_t)image->channels * (size_t)image->width * (size_t)image->height * sizeof(float));
 }
 
 /* The leak checker of the address sanitizer, where there is one. */
 int __lsan_do_recoverable_leak_check(void) __attribute__((weak));
 SEEN const char *__lsan_default_suppressions(void), *__lsan_default_options(void);
-SEEN const char *__lsan_default_suppressions(void) { return "leak:add_to_global_resize\n"; } /* a table of the dynamic loader */
+/* a table of the dynamic loader */
+SEEN const char *__lsan_default_suppressions(void) { return "leak:add_to_global_resize\n"; }
 SEEN const char *__lsan_default_options(void) { return "print_suppressions=0"; }
 
 /* cmocka catches what kills a program, and goes on; children are to die of it. Called before cmocka is. */
@@ -52,7 +55,7 @@ static void keep_deaths(void) {
     for (int i = 0; i < 5; i++) sigaction(deadly[i], NULL, &deaths[i]);
 }
 
-/* ---- in a child ------------------------------------------------------------------------------------------------------------------- */
+/* ---- in a child ------------------------------------------------------------------------------ */
 
 static void run_once(const fault_case *c, long failing, fault_outcome *o) {
     *o = (fault_outcome){.status = SL_OK};
@@ -64,7 +67,8 @@ static void run_once(const fault_case *c, long failing, fault_outcome *o) {
 static void complain(const fault_case *c, long index, const char *what, const char *detail) {
     const fault_path *p = &board->path[index];
     fprintf(stderr, "%s: allocation %ld (path %ld, of %s)%s: %s%s%s\n", c->name, p->first, index, p->owner,
-            all_from_there_on ? " and all after it" : "", what, detail && *detail ? ": " : "", detail ? detail : "");
+            all_from_there_on ? " and all after it" : "", what, detail && *detail ? ": " : "",
+            detail ? detail : "");
     board->faults++;
 }
 
@@ -80,23 +84,30 @@ static void try_path(const fault_case *c, long index) {
     }
     size_t length = strlen(o.error.message);
     if (o.error.status != o.status) complain(c, index, "the error's status is another", o.error.message);
-    if (o.status != SL_ERROR_RESOURCES && p->foreign) board->misnamed++; /* a library did not say what it lacked */
-    else if (o.status != SL_ERROR_RESOURCES) complain(c, index, "blames something else than memory", o.error.message);
-    if (length == 0 || strchr(o.error.message, '\n')) complain(c, index, "does not say in one line what is wrong", o.error.message);
+    /* a library did not say what it lacked */
+    if (o.status != SL_ERROR_RESOURCES && p->foreign) board->misnamed++;
+    else if (o.status != SL_ERROR_RESOURCES)
+        complain(c, index, "blames something else than memory", o.error.message);
+    if (length == 0 || strchr(o.error.message, '\n'))
+        complain(c, index, "does not say in one line what is wrong", o.error.message);
 }
 
-/* What it gives with all memory there is. A library that was refused some may have broken the heap, for whatever comes after it in this process. */
+/* What it gives with all memory there is. A library that was refused some may have broken the heap, for
+ * whatever comes after it in this process. */
 static void run_whole(const fault_case *c, long index) {
     fault_outcome o;
     run_once(c, -1, &o);
-    const char *what = o.status != SL_OK ? "fails afterwards, with memory" : o.hash != board->expected ? "another result afterwards, with memory" : NULL;
+    const char *what = o.status != SL_OK           ? "fails afterwards, with memory"
+                       : o.hash != board->expected ? "another result afterwards, with memory"
+                                                   : NULL;
     if (!what) return;
     if (!board->foreign_before) {
         complain(c, index, what, o.status != SL_OK ? o.error.message : NULL);
         return;
     }
     board->foreign++;
-    fprintf(stderr, "%s: (not ours) allocation %ld, refused to a library: %s\n", c->name, board->path[index].first, what);
+    fprintf(stderr, "%s: (not ours) allocation %ld, refused to a library: %s\n", c->name,
+            board->path[index].first, what);
 }
 
 static void become_mortal(void) {
@@ -112,12 +123,15 @@ static _Noreturn void be_recorder(const fault_case *c) {
     run_once(c, -1, &o);
     board->allocations = atomic_load(&allocation_number);
     board->expected = o.hash;
-    if (o.status != SL_OK) fprintf(stderr, "%s: fails with all memory there is: %s\n", c->name, o.error.message);
+    if (o.status != SL_OK)
+        fprintf(stderr, "%s: fails with all memory there is: %s\n", c->name, o.error.message);
     _exit(o.status == SL_OK ? 0 : 1);
 }
 
 /* A chosen subset of the paths of one kind. */
-static bool is_chosen(long index, long step, bool foreign) { return index % step == 0 && board->path[index].foreign == foreign; }
+static bool is_chosen(long index, long step, bool foreign) {
+    return index % step == 0 && board->path[index].foreign == foreign;
+}
 
 static _Noreturn void be_trier(const fault_case *c, long from, long step, bool foreign) {
     become_mortal();
@@ -134,12 +148,14 @@ static _Noreturn void be_trier(const fault_case *c, long from, long step, bool f
     }
     run_whole(c, i - 1);
     /* What foreign code loses is not ours to mend, also where everything failed after one of ours did. */
-    if (!foreign && !board->foreign_before && __lsan_do_recoverable_leak_check && __lsan_do_recoverable_leak_check()) complain(c, i - 1, "leaks, or one of those before it", NULL);
+    if (!foreign && !board->foreign_before && __lsan_do_recoverable_leak_check &&
+        __lsan_do_recoverable_leak_check())
+        complain(c, i - 1, "leaks, or one of those before it", NULL);
     atomic_store(&board->at, i);
     _exit(0);
 }
 
-/* ---- in the parent, which allocates nothing and has one thread ------------------------------------------------------------------------- */
+/* ---- in the parent, which allocates nothing and has one thread ------------------------------- */
 
 static int wait_for(pid_t child) {
     int how = 0;
@@ -157,8 +173,9 @@ static double processor_seconds(pid_t child) {
 
 typedef enum trial_end { ENDED, TURNS, WAITS } trial_end;
 
-/* However busy a machine is, a child that has something to do gets some of it: one whose processor time stands still waits for what never comes.
- * One that took a minute of it since its last path turns in a circle. Either is killed. */
+/* However busy a machine is, a child that has something to do gets some of it: one whose processor time
+ * stands still waits for what never comes. One that took a minute of it since its last path turns in a
+ * circle. Either is killed. */
 static trial_end watch(pid_t child, int *how) {
     static const double most_of_a_path = 60.0;
     enum { TICKS_A_SECOND = 100, MOST_STILL = 60 * TICKS_A_SECOND };
@@ -179,19 +196,23 @@ static trial_end watch(pid_t child, int *how) {
     }
 }
 
-/* Foreign code may die of what it is refused after one of our own allocations was; and a run later of a heap that it broke. */
+/* Foreign code may die of what it is refused after one of our own allocations was; and a run later of a heap
+ * that it broke. */
 static bool tell_death(const fault_case *c, trial_end end, int how) {
     long at = atomic_load(&board->at);
     bool foreign = board->refused_foreign || (board->foreign_before && end == ENDED && WIFSIGNALED(how));
     char what[80];
-    if (end != ENDED) snprintf(what, sizeof what, "does not end: it %s", end == WAITS ? "waits for what does not come" : "takes a minute of processor time");
+    if (end != ENDED)
+        snprintf(what, sizeof what, "does not end: it %s",
+                 end == WAITS ? "waits for what does not come" : "takes a minute of processor time");
     else if (WIFSIGNALED(how)) snprintf(what, sizeof what, "crashes with signal %d", WTERMSIG(how));
     else snprintf(what, sizeof what, "ends the process with status %d", WEXITSTATUS(how));
     if (!foreign) {
         complain(c, at, what, NULL);
     } else {
         board->foreign++;
-        fprintf(stderr, "%s: (not ours) %s %s at allocation %ld, refused\n", c->name, board->refused_owner, what, board->path[at].first);
+        fprintf(stderr, "%s: (not ours) %s %s at allocation %ld, refused\n", c->name, board->refused_owner,
+                what, board->path[at].first);
     }
     return foreign;
 }
@@ -222,8 +243,8 @@ static bool make_board(void) {
     return true;
 }
 
-/* SOFTLUX_EVERY_ALLOCATION=1: all paths are tried, foreign ones too, and with all that follow failing as well. SOFTLUX_EVERY_ALLOCATION=N, above 1: every
- * N-th call of ours, alone. Unset: `some` paths of ours. */
+/* SOFTLUX_EVERY_ALLOCATION=1: all paths are tried, foreign ones too, and with all that follow failing as
+ * well. SOFTLUX_EVERY_ALLOCATION=N, above 1: every N-th call of ours, alone. Unset: `some` paths of ours. */
 static long how_many_to_try(long some) {
     const char *text = getenv("SOFTLUX_EVERY_ALLOCATION");
     long n = text ? atol(text) : 0;
@@ -245,16 +266,20 @@ static long try_case(const fault_case *c, long most) {
     for (int all = 0; all < ways; all++) {
         all_from_there_on = all;
         for (int foreign = 0; foreign < ways; foreign++) {
-            long of_kind = foreign ? count - ours : ours, step = most && of_kind > most ? (of_kind + most - 1) / most : 1;
+            long of_kind = foreign ? count - ours : ours,
+                 step = most && of_kind > most ? (of_kind + most - 1) / most : 1;
             try_paths(c, step, foreign);
         }
     }
-    printf("result %-34s %7ld allocations, %5ld %s from %4ld places (%ld of ours); %ld tried, %ld did without, %ld times ended or spoilt by foreign code and %ld times another reason from it, %ld faults\n",
-           c->name, board->allocations, count, every_nth ? "calls chosen" : "paths", board->place_count, ours, board->trials, board->absorbed, board->foreign, board->misnamed, board->faults);
+    printf(
+        "result %-34s %7ld allocations, %5ld %s from %4ld places (%ld of ours); %ld tried, %ld did without, "
+        "%ld times ended or spoilt by foreign code and %ld times another reason from it, %ld faults\n",
+        c->name, board->allocations, count, every_nth ? "calls chosen" : "paths", board->place_count, ours,
+        board->trials, board->absorbed, board->foreign, board->misnamed, board->faults);
     return board->faults;
 }
 
-/* ---- which cases ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- which cases ----------------------------------------------------------------------------- */
 
 static const char *wanted_name; /* only those whose names hold it; NULL: all */
 static bool list_only;

@@ -1,7 +1,8 @@
-/* A test program that includes this has the allocators of the whole process in its hands: of the library, of the libraries that it uses, of
- * C++. While a window is open allocations are counted, and one that was chosen fails (or all from there on). A first run of some
- * piece of work tells which call paths allocate, and each path's first allocation is then made to fail, in children, which may crash; or every n-th
- * allocation is, whatever its path. */
+/* A test program that includes this has the allocators of the whole process in its hands: of the library, of
+ * the libraries that it uses, of C++. While a window is open allocations are counted, and one that was chosen
+ * fails (or all from there on). A first run of some piece of work tells which call paths allocate, and each
+ * path's first allocation is then made to fail, in children, which may crash; or every n-th allocation is,
+ * whatever its path. */
 #ifndef SL_TESTS_EVERY_ALLOCATION_H
 #define SL_TESTS_EVERY_ALLOCATION_H
 
@@ -21,11 +22,12 @@
 #include <unistd.h>
 #include <unwind.h>
 
-/* ---- the window ---------------------------------------------------------------------------------------------------------------- */
+/* ---- the window ------------------------------------------------------------------------------ */
 
 enum { FAULT_FRAMES = 20, FAULT_SLOTS = 1 << 16, FAULT_PATHS = FAULT_SLOTS / 2 };
 
-/* A call path that allocates (or an n-th call): which allocation was its first, and whose code asked for it. */
+/* A call path that allocates (or an n-th call): which allocation was its first, and whose code asked for it.
+ */
 typedef struct fault_path {
     uint64_t hash;
     long first;
@@ -52,7 +54,8 @@ static atomic_long allocation_number;
 static long failing_number = -1;
 static bool all_from_there_on;
 static long every_nth; /* call, whatever its path; 0: every path once */
-static bool all_threads; /* or only what the window's own thread allocates: that comes in the same order each time */
+/* or only what the window's own thread allocates: that comes in the same order each time */
+static bool all_threads;
 static _Thread_local bool opened_window;
 static _Thread_local int inside; /* of the machinery below, or of an allocator that calls another */
 
@@ -69,7 +72,7 @@ static long close_window(void) {
     return atomic_load(&allocation_number);
 }
 
-/* ---- who asks ------------------------------------------------------------------------------------------------------------------- */
+/* ---- who asks -------------------------------------------------------------------------------- */
 
 /* The frames from the allocator's caller on. */
 typedef struct fault_stack {
@@ -97,11 +100,14 @@ static const char *module_of(uintptr_t at) {
     return slash ? slash + 1 : info.dli_fname;
 }
 
-/* The first frame that is not of the languages' own libraries, which allocate for others; -1: nobody's, as where sanitizers start threads. */
+/* The first frame that is not of the languages' own libraries, which allocate for others; -1: nobody's, as
+ * where sanitizers start threads. */
 static int owner_of(const fault_stack *s) {
     for (int i = 0; i < s->count; i++) {
         const char *module = module_of(s->at[i]);
-        if (module[0] && strncmp(module, "libc.", 5) && strncmp(module, "libstdc++", 9) && strncmp(module, "libasan", 7)) return i;
+        if (module[0] && strncmp(module, "libc.", 5) && strncmp(module, "libstdc++", 9) &&
+            strncmp(module, "libasan", 7))
+            return i;
     }
     return -1;
 }
@@ -159,13 +165,14 @@ static __attribute__((no_sanitize("address", "undefined"))) bool is_refused(void
     long number = atomic_fetch_add(&allocation_number, 1);
     inside++;
     if (atomic_load(&recording)) note_path(number, caller);
-    bool refused = failing_number >= 0 && (number == failing_number || (all_from_there_on && number > failing_number));
+    bool refused =
+        failing_number >= 0 && (number == failing_number || (all_from_there_on && number > failing_number));
     if (refused) refused = note_refusal(caller);
     inside--;
     return refused;
 }
 
-/* ---- the allocators --------------------------------------------------------------------------------------------------------------- */
+/* ---- the allocators -------------------------------------------------------------------------- */
 
 #define NEXT_ONE(type, name)                                  \
     static type *real;                                        \
@@ -237,7 +244,8 @@ SEEN char *strdup(const char *text) { /* that of the address sanitizer does not 
 void *operator_new(size_t size) __asm__("_Znwm");
 void *operator_new_array(size_t size) __asm__("_Znam");
 
-static inline __attribute__((always_inline, no_sanitize("address", "undefined"))) void *new_or_throw(one_size *real, size_t size) {
+static inline __attribute__((always_inline, no_sanitize("address", "undefined"))) void *new_or_throw(
+    one_size *real, size_t size) {
     static void (*throw_bad_alloc)(void);
     if (!throw_bad_alloc) *(void **)&throw_bad_alloc = dlsym(RTLD_DEFAULT, "_ZSt17__throw_bad_allocv");
     if (is_refused(__builtin_return_address(0))) throw_bad_alloc();

@@ -1,4 +1,5 @@
-/* A test program of its own that includes this has another sl_allocate(): it fails when told to, and knows what is held. */
+/* A test program of its own that includes this has another sl_allocate(): it fails when told to, and knows
+ * what is held. */
 #ifndef SL_TESTS_FAILING_MEMORY_H
 #define SL_TESTS_FAILING_MEMORY_H
 
@@ -33,8 +34,9 @@ void sl_free(void *block) {
 
 bool sl_memory_has_ended(void) { return allocations_left == 0; }
 
-/* Calls something with room for 0, 1, 2 ... allocations until it succeeds; how often it failed. Each time it says that memory ended, and holds no more
- * than before, unless it is of those that keep what they did until then. after_failure (or NULL) looks at what is left, with all memory there is. */
+/* Calls something with room for 0, 1, 2 ... allocations until it succeeds; how often it failed. Each time it
+ * says that memory ended, and holds no more than before, unless it is of those that keep what they did until
+ * then. after_failure (or NULL) looks at what is left, with all memory there is. */
 typedef sl_status attempt(void *context);
 typedef void look(void *context);
 static inline long until_it_succeeds(attempt *call, void *context, bool keeps, look *after_failure) {

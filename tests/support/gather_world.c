@@ -63,7 +63,8 @@ void world_quad(world *w, sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3 d, uint32_t m
 }
 
 void world_box(world *w, sl_vec3 l, sl_vec3 h, bool inside, const uint32_t m[6]) {
-    sl_vec3 q[6][4] = {{{l.x, l.y, l.z}, {l.x, h.y, l.z}, {l.x, h.y, h.z}, {l.x, l.y, h.z}},  /* x low, front inside */
+    /* x low, front inside */
+    sl_vec3 q[6][4] = {{{l.x, l.y, l.z}, {l.x, h.y, l.z}, {l.x, h.y, h.z}, {l.x, l.y, h.z}},
                        {{h.x, l.y, l.z}, {h.x, l.y, h.z}, {h.x, h.y, h.z}, {h.x, h.y, l.z}},
                        {{l.x, l.y, l.z}, {l.x, l.y, h.z}, {h.x, l.y, h.z}, {h.x, l.y, l.z}},
                        {{l.x, h.y, l.z}, {h.x, h.y, l.z}, {h.x, h.y, h.z}, {l.x, h.y, h.z}},
@@ -87,7 +88,8 @@ void world_sphere(world *w, float radius, int rings, const uint32_t *materials, 
     for (int i = 0; i <= rings; i++) {
         for (int j = 0; j < sectors; j++) {
             double polar = SL_PI * i / rings, azimuth = 2.0 * SL_PI * j / sectors;
-            sl_vec3 n = sl_to_float(sl_v3d(sl_cos(polar), sl_sin(polar) * sl_cos(azimuth), sl_sin(polar) * sl_sin(azimuth)));
+            sl_vec3 n = sl_to_float(
+                sl_v3d(sl_cos(polar), sl_sin(polar) * sl_cos(azimuth), sl_sin(polar) * sl_sin(azimuth)));
             add_vertex(w, sl_scale(n, radius), sl_neg(n));
         }
     }
@@ -95,7 +97,8 @@ void world_sphere(world *w, float radius, int rings, const uint32_t *materials, 
         float x = radius * (float)sl_cos(SL_PI * (i + 0.5) / rings);
         uint32_t m = material_by_x(x, radius, materials, count);
         for (int j = 0; j < sectors; j++) {
-            uint32_t a = first + (uint32_t)(i * sectors + j), b = first + (uint32_t)(i * sectors + (j + 1) % sectors);
+            uint32_t a = first + (uint32_t)(i * sectors + j),
+                     b = first + (uint32_t)(i * sectors + (j + 1) % sectors);
             uint32_t c = a + (uint32_t)sectors, d = b + (uint32_t)sectors;
             if (i > 0) add_triangle(w, a, b, d, m);
             if (i < rings - 1) add_triangle(w, a, d, c, m);
@@ -104,22 +107,26 @@ void world_sphere(world *w, float radius, int rings, const uint32_t *materials, 
 }
 
 void world_point_light(world *w, sl_vec3 p, float intensity) {
-    w->lights[w->light_count++] = (sl_light){.type = SL_LIGHT_POINT, .position = p, .intensity = sl_grey(intensity)};
+    w->lights[w->light_count++] =
+        (sl_light){.type = SL_LIGHT_POINT, .position = p, .intensity = sl_grey(intensity)};
 }
 
 world *world_room(bool quad_light) {
     world *w = world_new();
     sl_rgb black = {0, 0, 0};
-    uint32_t red = world_material(w, (sl_rgb){0.7f, 0.15f, 0.1f}, black), green = world_material(w, (sl_rgb){0.2f, 0.6f, 0.2f}, black);
+    uint32_t red = world_material(w, (sl_rgb){0.7f, 0.15f, 0.1f}, black),
+             green = world_material(w, (sl_rgb){0.2f, 0.6f, 0.2f}, black);
     uint32_t white = world_material(w, sl_grey(0.75f), black), grey = world_material(w, sl_grey(0.4f), black);
     world_box(w, sl_v3(0, 0, 0), sl_v3(4, 3, 6), true, (uint32_t[6]){red, green, grey, white, white, white});
-    uint32_t all_white[6] = {white, white, white, white, white, white}, all_grey[6] = {grey, grey, grey, grey, grey, grey};
+    uint32_t all_white[6] = {white, white, white, white, white, white},
+             all_grey[6] = {grey, grey, grey, grey, grey, grey};
     world_box(w, sl_v3(0.6f, 0.001f, 1.0f), sl_v3(1.5f, 1.2f, 2.0f), false, all_white);
     world_box(w, sl_v3(2.3f, 0.001f, 2.4f), sl_v3(3.3f, 0.7f, 3.2f), false, all_grey);
     world_box(w, sl_v3(1.2f, 0.001f, 4.2f), sl_v3(2.0f, 1.9f, 4.9f), false, all_white);
     if (quad_light) {
         uint32_t lamp = world_material(w, sl_grey(0.2f), sl_grey(12.0f));
-        world_quad(w, sl_v3(1.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 3.5f), sl_v3(1.5f, 2.95f, 3.5f), lamp);
+        world_quad(w, sl_v3(1.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 3.5f),
+                   sl_v3(1.5f, 2.95f, 3.5f), lamp);
     } else {
         world_point_light(w, sl_v3(2.1f, 2.6f, 2.9f), 10.0f);
     }
@@ -129,10 +136,16 @@ world *world_room(bool quad_light) {
 
 void world_build(world *w) {
     sl_error error;
-    sl_scene_parts parts = {.vertex_count = w->vertices, .positions = w->positions, .normals = w->normals,
-                            .triangle_count = w->triangles, .indices = w->indices, .material_index = w->material_of,
-                            .material_count = w->material_count, .materials = w->materials,
-                            .light_count = w->light_count, .lights = w->lights,
+    sl_scene_parts parts = {.vertex_count = w->vertices,
+                            .positions = w->positions,
+                            .normals = w->normals,
+                            .triangle_count = w->triangles,
+                            .indices = w->indices,
+                            .material_index = w->material_of,
+                            .material_count = w->material_count,
+                            .materials = w->materials,
+                            .light_count = w->light_count,
+                            .lights = w->lights,
                             .environment = w->environment.present ? &w->environment : NULL};
     if (sl_scene_build(&parts, &w->scene, &error) != SL_OK) fail_msg("%s", error.message);
     if (sl_raster_create(w->scene, 1, &w->raster, &error) != SL_OK) fail_msg("%s", error.message);
@@ -142,7 +155,8 @@ void world_build(world *w) {
 gatherer gatherer_new(world *w, const sl_gather_settings *settings) {
     gatherer g = {.counters = &w->counters};
     sl_error error;
-    if (sl_gather_create(w->scene, w->raster, w->tracer, settings, 1, &g.gather, &w->counters, &error) != SL_OK) {
+    if (sl_gather_create(w->scene, w->raster, w->tracer, settings, 1, &g.gather, &w->counters, &error) !=
+        SL_OK) {
         fail_msg("%s", error.message);
     }
     assert_int_equal(sl_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
@@ -155,7 +169,8 @@ void gatherer_free(gatherer *g) {
 }
 
 sl_irradiance gather_at(gatherer *g, sl_vec3 p, sl_vec3 n, uint64_t key) {
-    sl_gather_point point = {.position = p, .geometric_normal = n, .normal = n, .triangle = SL_NO_INDEX, .key = key};
+    sl_gather_point point = {
+        .position = p, .geometric_normal = n, .normal = n, .triangle = SL_NO_INDEX, .key = key};
     sl_irradiance e;
     sl_gather_irradiance(g->gather, &point, g->scratch, &e, g->counters);
     return e;
@@ -177,5 +192,6 @@ sl_gather_point world_surface_point(const world *w, uint64_t number) {
     sl_vec3 n = sl_scene_geometric_normal(s, triangle);
     sl_surface surface;
     sl_scene_surface(s, triangle, 0.02f + 0.94f * u, 0.02f + 0.94f * v, n, &surface);
-    return (sl_gather_point){.position = surface.position, .geometric_normal = n, .normal = n, .triangle = triangle, .key = key};
+    return (sl_gather_point){
+        .position = surface.position, .geometric_normal = n, .normal = n, .triangle = triangle, .key = key};
 }

@@ -1,10 +1,16 @@
-/* Small worlds for the gather's tests: quads and spheres with their own materials, and everything that a gather needs. */
+/* Small worlds for the gather's tests: quads and spheres with their own materials, and everything that a
+ * gather needs. */
 #ifndef SL_TESTS_GATHER_WORLD_H
 #define SL_TESTS_GATHER_WORLD_H
 
 #include "cache/hemisphere/gather.h"
 
-enum { WORLD_VERTICES_MAX = 70000, WORLD_TRIANGLES_MAX = 140000, WORLD_MATERIALS_MAX = 512, WORLD_LIGHTS_MAX = 16 };
+enum {
+    WORLD_VERTICES_MAX = 70000,
+    WORLD_TRIANGLES_MAX = 140000,
+    WORLD_MATERIALS_MAX = 512,
+    WORLD_LIGHTS_MAX = 16
+};
 
 typedef struct world {
     float *positions, *normals;
@@ -32,7 +38,8 @@ void world_box(world *w, sl_vec3 low, sl_vec3 high, bool inside, const uint32_t 
 /* Fronts inside; shading normals exact. material_of_x: materials by x from -radius to radius. */
 void world_sphere(world *w, float radius, int rings, const uint32_t *materials_by_x, uint32_t count);
 void world_point_light(world *w, sl_vec3 p, float intensity);
-/* A room of 4 x 3 x 6 m with coloured walls, three boxes and one light: a point light, or a quad on the ceiling. */
+/* A room of 4 x 3 x 6 m with coloured walls, three boxes and one light: a point light, or a quad on the
+ * ceiling. */
 world *world_room(bool quad_light);
 void world_build(world *w);
 

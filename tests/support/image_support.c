@@ -71,7 +71,8 @@ static exr_result_t compress_or_store(exr_encode_pipeline_t *encoder) {
     return result;
 }
 
-static void encode(exr_context_t context, const exr_test_file *file, const exr_chunk_info_t *info, int x0, int y0) {
+static void encode(exr_context_t context, const exr_test_file *file, const exr_chunk_info_t *info, int x0,
+                   int y0) {
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
     assert_int_equal(exr_encoding_initialize(context, 0, info, &encoder), EXR_ERR_SUCCESS);
     assert_int_equal(encoder.channel_count, file->channel_count);
@@ -80,7 +81,8 @@ static void encode(exr_context_t context, const exr_test_file *file, const exr_c
         size_t bytes = value_bytes(file->channels[c].type);
         int sampling = file->channels[c].sampling > 1 ? file->channels[c].sampling : 1;
         size_t row = (size_t)(file->width / sampling);
-        channel->encode_from_ptr = (const uint8_t *)file->channels[c].data + bytes * ((size_t)(y0 / sampling) * row + (size_t)x0);
+        channel->encode_from_ptr =
+            (const uint8_t *)file->channels[c].data + bytes * ((size_t)(y0 / sampling) * row + (size_t)x0);
         channel->user_bytes_per_element = (int16_t)bytes;
         channel->user_data_type = (uint16_t)file->channels[c].type;
         channel->user_pixel_stride = (int32_t)bytes;
@@ -127,12 +129,16 @@ void write_exr(const char *path, const exr_test_file *file) {
     int part;
     assert_int_equal(exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &start), EXR_ERR_SUCCESS);
     bool tiled = file->tile_width > 0;
-    assert_int_equal(exr_add_part(context, "test", tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, &part), EXR_ERR_SUCCESS);
-    assert_int_equal(exr_initialize_required_attr(context, 0, file->display ? file->display : &data, &data, 1.0f, &centre, 1.0f,
-                                                  file->order, file->compression), EXR_ERR_SUCCESS);
+    assert_int_equal(exr_add_part(context, "test", tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, &part),
+                     EXR_ERR_SUCCESS);
+    assert_int_equal(exr_initialize_required_attr(context, 0, file->display ? file->display : &data, &data,
+                                                  1.0f, &centre, 1.0f, file->order, file->compression),
+                     EXR_ERR_SUCCESS);
     if (tiled) {
-        assert_int_equal(exr_set_tile_descriptor(context, 0, (uint32_t)file->tile_width, (uint32_t)file->tile_height,
-                                                 EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN), EXR_ERR_SUCCESS);
+        assert_int_equal(exr_set_tile_descriptor(context, 0, (uint32_t)file->tile_width,
+                                                 (uint32_t)file->tile_height, EXR_TILE_ONE_LEVEL,
+                                                 EXR_TILE_ROUND_DOWN),
+                         EXR_ERR_SUCCESS);
     }
     for (int c = 0; c < file->channel_count; c++) {
         int sampling = file->channels[c].sampling > 1 ? file->channels[c].sampling : 1;
@@ -140,8 +146,11 @@ void write_exr(const char *path, const exr_test_file *file) {
                                          EXR_PERCEPTUALLY_LOGARITHMIC, sampling, sampling), EXR_ERR_SUCCESS);
     }
     assert_int_equal(exr_attr_set_string(context, 0, "comments", "hand-made"), EXR_ERR_SUCCESS);
-    if (file->chromaticities) assert_int_equal(exr_attr_set_chromaticities(context, 0, "chromaticities", file->chromaticities), EXR_ERR_SUCCESS);
-    if (file->envmap) assert_int_equal(exr_attr_set_envmap(context, 0, "envmap", *file->envmap), EXR_ERR_SUCCESS);
+    if (file->chromaticities)
+        assert_int_equal(exr_attr_set_chromaticities(context, 0, "chromaticities", file->chromaticities),
+                         EXR_ERR_SUCCESS);
+    if (file->envmap)
+        assert_int_equal(exr_attr_set_envmap(context, 0, "envmap", *file->envmap), EXR_ERR_SUCCESS);
     assert_int_equal(exr_write_header(context), EXR_ERR_SUCCESS);
     if (tiled) encode_tiles(context, file);
     else encode_scan_lines(context, file);
@@ -155,7 +164,8 @@ float test_value(int channel, int x, int y) {
 uint16_t half_of(float value) {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    return (uint16_t)((bits >> 16 & 0x8000u) | (((bits >> 23 & 255u) - 112u) << 10 & 0x7c00u) | (bits >> 13 & 0x3ffu));
+    return (uint16_t)((bits >> 16 & 0x8000u) | (((bits >> 23 & 255u) - 112u) << 10 & 0x7c00u) |
+                      (bits >> 13 & 0x3ffu));
 }
 
 bool same_bits(const float *a, const float *b, size_t count) { return memcmp(a, b, count * sizeof *a) == 0; }

@@ -1,4 +1,5 @@
-/* As little work as every method can be asked for: where what matters is that a picture is made, not which. */
+/* As little work as every method can be asked for: where what matters is that a picture is made, not which.
+ */
 #ifndef SL_TESTS_LEAST_SETTINGS_H
 #define SL_TESTS_LEAST_SETTINGS_H
 

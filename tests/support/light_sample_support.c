@@ -25,7 +25,8 @@ void light_world_set(light_world *w, const sl_light_sample_settings *settings) {
     w->sampling = NULL;
     w->scratch = NULL;
     sl_error error = {0};
-    sl_status status = sl_light_sampling_create(w->scene, w->raster, w->tracer, w->lights, &w->settings, &w->sampling, &error);
+    sl_status status = sl_light_sampling_create(w->scene, w->raster, w->tracer, w->lights, &w->settings,
+                                                &w->sampling, &error);
     if (status != SL_OK) fail_msg("%s", error.message);
     assert_int_equal(sl_light_sample_scratch_create(w->sampling, &w->scratch, &error), SL_OK);
 }
@@ -56,7 +57,8 @@ void add_ceiling_light(trace_mesh *mesh, float x, float z, float width, float de
 }
 
 void assert_near(double value, double expected, double tolerance) {
-    if (!(fabs(value - expected) <= tolerance)) fail_msg("%.9g, expected %.9g within %.3g", value, expected, tolerance);
+    if (!(fabs(value - expected) <= tolerance))
+        fail_msg("%.9g, expected %.9g within %.3g", value, expected, tolerance);
 }
 
 double corner_form(double x, double y) {
@@ -65,5 +67,6 @@ double corner_form(double x, double y) {
 }
 
 double rectangle_form(double x0, double x1, double y0, double y1, double h) {
-    return corner_form(x1 / h, y1 / h) - corner_form(x0 / h, y1 / h) - corner_form(x1 / h, y0 / h) + corner_form(x0 / h, y0 / h);
+    return corner_form(x1 / h, y1 / h) - corner_form(x0 / h, y1 / h) - corner_form(x1 / h, y0 / h) +
+           corner_form(x0 / h, y0 / h);
 }

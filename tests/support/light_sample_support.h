@@ -1,4 +1,5 @@
-/* What the tests of single lights share: a scene with everything around it, and samples of its lights at points. */
+/* What the tests of single lights share: a scene with everything around it, and samples of its lights at
+ * points. */
 #ifndef TESTS_LIGHT_SAMPLE_SUPPORT_H
 #define TESTS_LIGHT_SAMPLE_SUPPORT_H
 
@@ -39,7 +40,8 @@ void add_ceiling_light(trace_mesh *mesh, float x, float z, float width, float de
 void assert_near(double value, double expected, double tolerance);
 #define assert_share(value, expected, tolerance) assert_near(value, expected, (tolerance) * fabs(expected))
 
-/* G = 1/(2 pi) (x/sqrt(1+x^2) atan(y/sqrt(1+x^2)) + ...): F of a rectangle x by y with a corner straight above. */
+/* G = 1/(2 pi) (x/sqrt(1+x^2) atan(y/sqrt(1+x^2)) + ...): F of a rectangle x by y with a corner straight
+ * above. */
 double corner_form(double x, double y);
 /* F of a parallel rectangle x0..x1 by y0..y1 at distance h, seen from the origin. */
 double rectangle_form(double x0, double x1, double y0, double y1, double h);

@@ -1,4 +1,5 @@
-/* See osmesa.h. SL_HAVE_OSMESA or SL_HAVE_EGL is the Makefile's finding; with neither only osmesa_open() does anything. */
+/* See osmesa.h. SL_HAVE_OSMESA or SL_HAVE_EGL is the Makefile's finding; with neither only osmesa_open() does
+ * anything. */
 #define _GNU_SOURCE /* dl_iterate_phdr() */
 #include "osmesa.h"
 
@@ -32,7 +33,7 @@ static void expect_no_error(const char *where) {
     if (error != GL_NO_ERROR) die(where, text);
 }
 
-/* ---- the context ----------------------------------------------------------------------------------------------------- */
+/* ---- the context ----------------------------------------------------------------------------- */
 
 static char renderer[256];
 
@@ -41,12 +42,22 @@ static OSMesaContext context;
 static float *front_buffer; /* making current wants a real buffer even where only targets are drawn */
 
 static const char *context_open(void) {
-    const int wanted[] = {OSMESA_FORMAT, OSMESA_RGBA, OSMESA_DEPTH_BITS, 0, OSMESA_PROFILE, OSMESA_CORE_PROFILE,
-                          OSMESA_CONTEXT_MAJOR_VERSION, 3, OSMESA_CONTEXT_MINOR_VERSION, 3, 0};
+    const int wanted[] = {OSMESA_FORMAT,
+                          OSMESA_RGBA,
+                          OSMESA_DEPTH_BITS,
+                          0,
+                          OSMESA_PROFILE,
+                          OSMESA_CORE_PROFILE,
+                          OSMESA_CONTEXT_MAJOR_VERSION,
+                          3,
+                          OSMESA_CONTEXT_MINOR_VERSION,
+                          3,
+                          0};
     context = OSMesaCreateContextAttribs(wanted, NULL);
     if (!context) return "OSMesa gives no OpenGL 3.3 context";
     front_buffer = calloc((size_t)16 * 16 * 4, sizeof *front_buffer);
-    if (!front_buffer || !OSMesaMakeCurrent(context, front_buffer, GL_FLOAT, 16, 16)) return "OSMesa's context cannot be used";
+    if (!front_buffer || !OSMesaMakeCurrent(context, front_buffer, GL_FLOAT, 16, 16))
+        return "OSMesa's context cannot be used";
     return NULL;
 }
 
@@ -62,15 +73,19 @@ static EGLContext context;
 
 static const char *context_open(void) {
     setenv("LIBGL_ALWAYS_SOFTWARE", "true", 1);
-    PFNEGLGETPLATFORMDISPLAYEXTPROC get_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC)eglGetProcAddress("eglGetPlatformDisplayEXT");
-    display = get_display ? get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL) : EGL_NO_DISPLAY;
-    if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL)) return "EGL has no surfaceless platform of Mesa";
+    PFNEGLGETPLATFORMDISPLAYEXTPROC get_display =
+        (PFNEGLGETPLATFORMDISPLAYEXTPROC)eglGetProcAddress("eglGetPlatformDisplayEXT");
+    display =
+        get_display ? get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL) : EGL_NO_DISPLAY;
+    if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL))
+        return "EGL has no surfaceless platform of Mesa";
     if (!eglBindAPI(EGL_OPENGL_API)) return "EGL has no OpenGL";
     const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
                              EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, wanted);
     if (context == EGL_NO_CONTEXT) return "EGL gives no OpenGL 3.3 context";
-    if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) return "EGL's context cannot be used";
+    if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
+        return "EGL's context cannot be used";
     return NULL;
 }
 
@@ -82,7 +97,8 @@ static int keep_loaded(struct dl_phdr_info *module, size_t size, void *data) {
 
 static void context_close(void) {
     if (display == EGL_NO_DISPLAY) return;
-    dl_iterate_phdr(keep_loaded, NULL); /* eglTerminate() unloads the driver, and lsan.supp knows its blocks by its name */
+    /* eglTerminate() unloads the driver, and lsan.supp knows its blocks by its name */
+    dl_iterate_phdr(keep_loaded, NULL);
     eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglTerminate(display);
     display = EGL_NO_DISPLAY;
@@ -98,7 +114,8 @@ static bool cpu_fuses(void) {
 #endif
 }
 
-/* The driver reads these once, at the first call; the shader cache would write to the home folder and start a thread. */
+/* The driver reads these once, at the first call; the shader cache would write to the home folder and start a
+ * thread. */
 static void set_environment(unsigned threads) {
     char text[16];
     snprintf(text, sizeof text, "%u", threads);
@@ -114,7 +131,8 @@ static const char *open_reason(unsigned threads) {
     set_environment(threads);
     const char *failure = context_open();
     if (failure) return failure;
-    snprintf(renderer, sizeof renderer, "%s, %s", (const char *)glGetString(GL_RENDERER), (const char *)glGetString(GL_VERSION));
+    snprintf(renderer, sizeof renderer, "%s, %s", (const char *)glGetString(GL_RENDERER),
+             (const char *)glGetString(GL_VERSION));
     if (strncmp(renderer, "llvmpipe", 8) != 0) return "Mesa's software driver is not llvmpipe";
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -137,16 +155,21 @@ void osmesa_close(void) { context_close(); }
 
 const char *osmesa_name(void) { return renderer; }
 
-/* ---- targets --------------------------------------------------------------------------------------------------------- */
+/* ---- targets --------------------------------------------------------------------------------- */
 
-static const struct { GLint internal; GLenum format, type; } formats_of_gl[] = {
-    [PLANE_R32UI] = {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT}, [PLANE_RG32UI] = {GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT},
-    [PLANE_R32F] = {GL_R32F, GL_RED, GL_FLOAT},                  [PLANE_RG32F] = {GL_RG32F, GL_RG, GL_FLOAT},
-    [PLANE_RGB32F] = {GL_RGB32F, GL_RGB, GL_FLOAT},              [PLANE_RGBA32F] = {GL_RGBA32F, GL_RGBA, GL_FLOAT},
+static const struct { GLint internal; GLenum format, type;
+} formats_of_gl[] = {
+    [PLANE_R32UI] = {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT},
+    [PLANE_RG32UI] = {GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT},
+    [PLANE_R32F] = {GL_R32F, GL_RED, GL_FLOAT},
+    [PLANE_RG32F] = {GL_RG32F, GL_RG, GL_FLOAT},
+    [PLANE_RGB32F] = {GL_RGB32F, GL_RGB, GL_FLOAT},
+    [PLANE_RGBA32F] = {GL_RGBA32F, GL_RGBA, GL_FLOAT},
 };
 
 /* An empty or filled texture, nearest texel. */
-static GLuint make_texture(GLint internal, GLenum format, GLenum type, int width, int height, const void *texels) {
+static GLuint make_texture(GLint internal, GLenum format, GLenum type, int width, int height,
+                           const void *texels) {
     GLuint texture;
     glGenTextures(1, &texture);
     glBindTexture(GL_TEXTURE_2D, texture);
@@ -159,7 +182,8 @@ static GLuint make_texture(GLint internal, GLenum format, GLenum type, int width
     return texture;
 }
 
-osmesa_target osmesa_target_create(int width, int height, int planes, const osmesa_format *formats, bool depth) {
+osmesa_target osmesa_target_create(int width, int height, int planes, const osmesa_format *formats,
+                                   bool depth) {
     osmesa_target target = {.width = width, .height = height, .planes = planes};
     GLenum buffers[OSMESA_PLANES];
     if (planes > OSMESA_PLANES) die("too many", "planes");
@@ -222,7 +246,7 @@ void osmesa_read_depth(const osmesa_target *target, float *depth) {
     expect_no_error("reading depth");
 }
 
-/* ---- geometry -------------------------------------------------------------------------------------------------------- */
+/* ---- geometry -------------------------------------------------------------------------------- */
 
 static GLuint make_buffer(GLenum binding, size_t bytes, const void *data) {
     GLuint buffer;
@@ -232,18 +256,23 @@ static GLuint make_buffer(GLenum binding, size_t bytes, const void *data) {
     return buffer;
 }
 
-osmesa_mesh osmesa_mesh_create(int streams, const osmesa_stream *stream, size_t index_count, const uint32_t *indices) {
+osmesa_mesh osmesa_mesh_create(int streams, const osmesa_stream *stream, size_t index_count,
+                               const uint32_t *indices) {
     osmesa_mesh mesh = {.indexed = indices != NULL, .count = index_count};
     glGenVertexArrays(1, &mesh.array);
     glBindVertexArray(mesh.array);
     for (int s = 0; s < streams; s++) {
-        mesh.buffer[s] = make_buffer(GL_ARRAY_BUFFER, stream[s].count * (size_t)stream[s].components * sizeof(float), stream[s].values);
+        mesh.buffer[s] =
+            make_buffer(GL_ARRAY_BUFFER, stream[s].count * (size_t)stream[s].components * sizeof(float),
+                        stream[s].values);
         glVertexAttribPointer((GLuint)s, stream[s].components, GL_FLOAT, GL_FALSE, 0, NULL);
         glEnableVertexAttribArray((GLuint)s);
         if (stream[s].per_instance) glVertexAttribDivisor((GLuint)s, 1);
         else if (!indices) mesh.count = stream[s].count;
     }
-    if (indices) mesh.buffer[OSMESA_STREAMS] = make_buffer(GL_ELEMENT_ARRAY_BUFFER, index_count * sizeof *indices, indices);
+    if (indices)
+        mesh.buffer[OSMESA_STREAMS] =
+            make_buffer(GL_ELEMENT_ARRAY_BUFFER, index_count * sizeof *indices, indices);
     expect_no_error("mesh");
     return mesh;
 }
@@ -254,7 +283,7 @@ void osmesa_mesh_destroy(osmesa_mesh *mesh) {
     *mesh = (osmesa_mesh){0};
 }
 
-/* ---- programs and state ---------------------------------------------------------------------------------------------- */
+/* ---- programs and state ---------------------------------------------------------------------- */
 
 static GLuint compile(GLenum kind, const char *text) {
     const char *parts[] = {strncmp(text, "#version", 8) == 0 ? "" : "#version 330 core\n", text};
@@ -270,7 +299,8 @@ static GLuint compile(GLenum kind, const char *text) {
 }
 
 unsigned osmesa_program(const char *vertex_shader, const char *fragment_shader) {
-    GLuint program = glCreateProgram(), shaders[] = {compile(GL_VERTEX_SHADER, vertex_shader), compile(GL_FRAGMENT_SHADER, fragment_shader)};
+    GLuint program = glCreateProgram(), shaders[] = {compile(GL_VERTEX_SHADER, vertex_shader),
+                                                     compile(GL_FRAGMENT_SHADER, fragment_shader)};
     for (int s = 0; s < 2; s++) glAttachShader(program, shaders[s]);
     glLinkProgram(program);
     for (int s = 0; s < 2; s++) glDeleteShader(shaders[s]);
@@ -303,7 +333,9 @@ void osmesa_uniform_array(unsigned program, const char *name, int count, const f
     glUniform4fv(uniform_location(program, name), count, values);
 }
 
-void osmesa_uniform_int(unsigned program, const char *name, int value) { glUniform1i(uniform_location(program, name), value); }
+void osmesa_uniform_int(unsigned program, const char *name, int value) {
+    glUniform1i(uniform_location(program, name), value);
+}
 
 void osmesa_uniform_matrix(unsigned program, const char *name, const float rows[4][4]) {
     glUniformMatrix4fv(uniform_location(program, name), 1, GL_TRUE, &rows[0][0]);
@@ -316,21 +348,24 @@ unsigned osmesa_texture(int width, int height, const float *rgba) {
 }
 
 static GLenum shape_of_gl(osmesa_shape shape) {
-    static const GLenum shapes[] = {[TEXTURE_2D] = GL_TEXTURE_2D, [TEXTURE_CUBE] = GL_TEXTURE_CUBE_MAP, [TEXTURE_3D] = GL_TEXTURE_3D};
+    static const GLenum shapes[] = {
+        [TEXTURE_2D] = GL_TEXTURE_2D, [TEXTURE_CUBE] = GL_TEXTURE_CUBE_MAP, [TEXTURE_3D] = GL_TEXTURE_3D};
     return shapes[shape];
 }
 
 static int half_size(int n) { return n > 1 ? n / 2 : 1; }
 
 static void give_level(const osmesa_texels *t, int level, int width, int height, int depth) {
-    GLint internal = t->texel == TEXEL_RGBA32F ? GL_RGBA32F : t->texel == TEXEL_RGBA8 ? GL_RGBA8 : GL_SRGB8_ALPHA8;
+    GLint internal = t->texel == TEXEL_RGBA32F ? GL_RGBA32F
+                     : t->texel == TEXEL_RGBA8 ? GL_RGBA8
+                                               : GL_SRGB8_ALPHA8;
     GLenum type = t->texel == TEXEL_RGBA32F ? GL_FLOAT : GL_UNSIGNED_BYTE;
     if (t->shape == TEXTURE_3D) {
         glTexImage3D(GL_TEXTURE_3D, level, internal, width, height, depth, 0, GL_RGBA, type, t->level[level]);
     } else if (t->shape == TEXTURE_CUBE) {
         for (int face = 0; face < 6; face++) {
-            glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + (GLenum)face, level, internal, width, height, 0, GL_RGBA, type,
-                         t->level[6 * level + face]);
+            glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + (GLenum)face, level, internal, width, height, 0,
+                         GL_RGBA, type, t->level[6 * level + face]);
         }
     } else {
         glTexImage2D(GL_TEXTURE_2D, level, internal, width, height, 0, GL_RGBA, type, t->level[level]);
@@ -365,7 +400,8 @@ unsigned osmesa_texture_filtered(const osmesa_texels *t) {
     return texture;
 }
 
-void osmesa_input_filtered(unsigned program, const char *sampler, int unit, osmesa_shape shape, unsigned texture) {
+void osmesa_input_filtered(unsigned program, const char *sampler, int unit, osmesa_shape shape,
+                           unsigned texture) {
     glActiveTexture(GL_TEXTURE0 + (GLenum)unit);
     glBindTexture(shape_of_gl(shape), texture);
     glActiveTexture(GL_TEXTURE0);
@@ -413,7 +449,9 @@ void osmesa_draw(unsigned program, const osmesa_mesh *mesh, size_t first, size_t
     expect_no_error("drawing");
 }
 
-void osmesa_draw_all(unsigned program, const osmesa_mesh *mesh) { osmesa_draw(program, mesh, 0, mesh->count, 0); }
+void osmesa_draw_all(unsigned program, const osmesa_mesh *mesh) {
+    osmesa_draw(program, mesh, 0, mesh->count, 0);
+}
 
 void osmesa_finish(void) { glFinish(); }
 
@@ -434,18 +472,24 @@ static void missing(void) {
 void osmesa_close(void) {}
 const char *osmesa_name(void) { return "none"; }
 
-osmesa_target osmesa_target_create(int width, int height, int planes, const osmesa_format *formats, bool depth) {
+osmesa_target osmesa_target_create(int width, int height, int planes, const osmesa_format *formats,
+                                   bool depth) {
     (void)width, (void)height, (void)planes, (void)formats, (void)depth;
     missing();
     return (osmesa_target){0};
 }
 void osmesa_target_destroy(osmesa_target *target) { (void)target, missing(); }
 void osmesa_draw_to(const osmesa_target *target) { (void)target, missing(); }
-void osmesa_viewport(int x, int y, int width, int height) { (void)x, (void)y, (void)width, (void)height, missing(); }
+void osmesa_viewport(int x, int y, int width, int height) {
+    (void)x, (void)y, (void)width, (void)height, missing();
+}
 void osmesa_clear(const osmesa_target *target) { (void)target, missing(); }
-void osmesa_read(const osmesa_target *target, int plane, void *pixels) { (void)target, (void)plane, (void)pixels, missing(); }
+void osmesa_read(const osmesa_target *target, int plane, void *pixels) {
+    (void)target, (void)plane, (void)pixels, missing();
+}
 void osmesa_read_depth(const osmesa_target *target, float *depth) { (void)target, (void)depth, missing(); }
-osmesa_mesh osmesa_mesh_create(int streams, const osmesa_stream *stream, size_t index_count, const uint32_t *indices) {
+osmesa_mesh osmesa_mesh_create(int streams, const osmesa_stream *stream, size_t index_count,
+                               const uint32_t *indices) {
     (void)streams, (void)stream, (void)index_count, (void)indices;
     missing();
     return (osmesa_mesh){0};
@@ -465,8 +509,12 @@ void osmesa_uniform_array(unsigned program, const char *name, int count, const f
     (void)program, (void)name, (void)count, (void)values;
     missing();
 }
-void osmesa_uniform_int(unsigned program, const char *name, int value) { (void)program, (void)name, (void)value, missing(); }
-void osmesa_uniform_matrix(unsigned program, const char *name, const float rows[4][4]) { (void)program, (void)name, (void)rows, missing(); }
+void osmesa_uniform_int(unsigned program, const char *name, int value) {
+    (void)program, (void)name, (void)value, missing();
+}
+void osmesa_uniform_matrix(unsigned program, const char *name, const float rows[4][4]) {
+    (void)program, (void)name, (void)rows, missing();
+}
 unsigned osmesa_texture(int width, int height, const float *rgba) {
     (void)width, (void)height, (void)rgba;
     missing();
@@ -477,10 +525,13 @@ unsigned osmesa_texture_filtered(const osmesa_texels *texels) {
     (void)texels, missing();
     return 0;
 }
-void osmesa_input_filtered(unsigned program, const char *sampler, int unit, osmesa_shape shape, unsigned texture) {
+void osmesa_input_filtered(unsigned program, const char *sampler, int unit, osmesa_shape shape,
+                           unsigned texture) {
     (void)program, (void)sampler, (void)unit, (void)shape, (void)texture, missing();
 }
-void osmesa_read_level(unsigned texture, int level, float *rgba) { (void)texture, (void)level, (void)rgba, missing(); }
+void osmesa_read_level(unsigned texture, int level, float *rgba) {
+    (void)texture, (void)level, (void)rgba, missing();
+}
 void osmesa_input(unsigned program, const char *sampler, int unit, unsigned texture) {
     (void)program, (void)sampler, (void)unit, (void)texture;
     missing();

@@ -1,11 +1,14 @@
-/* OpenGL on the CPU: Mesa's llvmpipe rasterizer, as judge of ours (tests/raster/test_osmesa_*.c) and as its rival
- * (bench/bench_raster*.c). A small harness in terms of what those need, so that they hold no OpenGL calls and build without it.
+/* OpenGL on the CPU: Mesa's llvmpipe rasterizer, as judge of ours (tests/raster/test_osmesa_*.c) and as its
+ * rival (bench/bench_raster*.c). A small harness in terms of what those need, so that they hold no OpenGL
+ * calls and build without it.
  *
- *     osmesa_open() ── osmesa_target_create() ── osmesa_draw_to() ── osmesa_clear() ── osmesa_draw(program, mesh) ── osmesa_read()
+ *     osmesa_open() ── osmesa_target_create() ── osmesa_draw_to() ── osmesa_clear() ── osmesa_draw(program,
+ * mesh) ── osmesa_read()
  *
- * llvmpipe is reached through libOSMesa, or where there is none (Mesa has dropped it with release 25.1) through EGL without a
- * surface. Where neither is installed osmesa_open() says so, and nothing else of this file may be called. Any other failure
- * (a program that does not compile, an incomplete target, a GL error) is a mistake of the caller: a message, then abort(). */
+ * llvmpipe is reached through libOSMesa, or where there is none (Mesa has dropped it with release 25.1)
+ * through EGL without a surface. Where neither is installed osmesa_open() says so, and nothing else of this
+ * file may be called. Any other failure (a program that does not compile, an incomplete target, a GL error)
+ * is a mistake of the caller: a message, then abort(). */
 #ifndef SL_TESTS_OSMESA_H
 #define SL_TESTS_OSMESA_H
 
@@ -13,17 +16,24 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Opens the context, once a process: 0 threads is rasterization on the calling thread, n is n more threads (LP_NUM_THREADS).
- * False, with the reason, where it is not installed, is not llvmpipe, or cannot agree with us in every bit because the CPU
- * has no fused multiply-add. A second call only repeats the answer. */
+/* Opens the context, once a process: 0 threads is rasterization on the calling thread, n is n more threads
+ * (LP_NUM_THREADS). False, with the reason, where it is not installed, is not llvmpipe, or cannot agree with
+ * us in every bit because the CPU has no fused multiply-add. A second call only repeats the answer. */
 bool osmesa_open(unsigned threads, const char **reason);
 void osmesa_close(void);
 /* "llvmpipe (LLVM ...)" and Mesa's version. */
 const char *osmesa_name(void);
 
-/* ---- targets: colour planes of any formats at once, and depth -------------------------------------------------------- */
+/* ---- targets: colour planes of any formats at once, and depth -------------------------------- */
 
-typedef enum osmesa_format { PLANE_R32UI, PLANE_RG32UI, PLANE_R32F, PLANE_RG32F, PLANE_RGB32F, PLANE_RGBA32F } osmesa_format;
+typedef enum osmesa_format {
+    PLANE_R32UI,
+    PLANE_RG32UI,
+    PLANE_R32F,
+    PLANE_RG32F,
+    PLANE_RGB32F,
+    PLANE_RGBA32F
+} osmesa_format;
 enum { OSMESA_PLANES = 4 };
 
 typedef struct osmesa_target {
@@ -33,7 +43,8 @@ typedef struct osmesa_target {
 } osmesa_target;
 
 /* depth: a D32F plane too. */
-osmesa_target osmesa_target_create(int width, int height, int planes, const osmesa_format *formats, bool depth);
+osmesa_target osmesa_target_create(int width, int height, int planes, const osmesa_format *formats,
+                                   bool depth);
 void osmesa_target_destroy(osmesa_target *target);
 /* What follows draws here, the whole target being the viewport. */
 void osmesa_draw_to(const osmesa_target *target);
@@ -44,7 +55,7 @@ void osmesa_clear(const osmesa_target *target);
 void osmesa_read(const osmesa_target *target, int plane, void *pixels);
 void osmesa_read_depth(const osmesa_target *target, float *depth);
 
-/* ---- geometry -------------------------------------------------------------------------------------------------------- */
+/* ---- geometry -------------------------------------------------------------------------------- */
 
 /* Input `location` = its index of the vertex shader. */
 typedef struct osmesa_stream {
@@ -61,14 +72,16 @@ typedef struct osmesa_mesh {
     size_t count; /* of indices, or vertices */
 } osmesa_mesh;
 
-/* Copies them into buffers. indices NULL: vertices in order, three a triangle. No streams: `index_count` vertices that the
- * shader makes from gl_VertexID. */
-osmesa_mesh osmesa_mesh_create(int streams, const osmesa_stream *stream, size_t index_count, const uint32_t *indices);
+/* Copies them into buffers. indices NULL: vertices in order, three a triangle. No streams: `index_count`
+ * vertices that the shader makes from gl_VertexID. */
+osmesa_mesh osmesa_mesh_create(int streams, const osmesa_stream *stream, size_t index_count,
+                               const uint32_t *indices);
 void osmesa_mesh_destroy(osmesa_mesh *mesh);
 
-/* ---- programs and state ---------------------------------------------------------------------------------------------- */
+/* ---- programs and state ---------------------------------------------------------------------- */
 
-/* GLSL, with or without its #version line (then: 330 core). Outputs go to the planes in order of their layout(location). */
+/* GLSL, with or without its #version line (then: 330 core). Outputs go to the planes in order of their
+ * layout(location). */
 unsigned osmesa_program(const char *vertex_shader, const char *fragment_shader);
 void osmesa_program_destroy(unsigned program);
 /* Uniforms by name: 1..4 floats; an int; a matrix whose rows come first, as in sl_view. */
@@ -95,17 +108,20 @@ typedef struct osmesa_texels {
 } osmesa_texels;
 unsigned osmesa_texture_filtered(const osmesa_texels *texels);
 /* Binds it to a sampler2D, samplerCube or sampler3D. */
-void osmesa_input_filtered(unsigned program, const char *sampler, int unit, osmesa_shape shape, unsigned texture);
+void osmesa_input_filtered(unsigned program, const char *sampler, int unit, osmesa_shape shape,
+                           unsigned texture);
 /* A level of a 2D texture as RGBA floats. */
 void osmesa_read_level(unsigned texture, int level, float *rgba);
 
 /* Binds a texture (a target's plane too) to a sampler2D or usampler2D of the program. */
 void osmesa_input(unsigned program, const char *sampler, int unit, unsigned texture);
 
-/* depth: GL_LESS and written; add: blending (ONE, ONE) on every plane. At first neither. Nothing is culled. */
+/* depth: GL_LESS and written; add: blending (ONE, ONE) on every plane. At first neither. Nothing is culled.
+ */
 void osmesa_state(bool depth, bool add);
-/* With a depth plane, until told otherwise: depth is drawn alone, the colour planes being left as they are; or only what lies no deeper
- * than what is there is drawn, so that with a depth pass first every pixel is shaded once. */
+/* With a depth plane, until told otherwise: depth is drawn alone, the colour planes being left as they are;
+ * or only what lies no deeper than what is there is drawn, so that with a depth pass first every pixel is
+ * shaded once. */
 typedef enum osmesa_order { ORDER_USUAL, ORDER_DEPTH_ALONE, ORDER_VISIBLE_ALONE } osmesa_order;
 void osmesa_draw_order(osmesa_order order);
 /* Draws `count` indices (or vertices) from `first` on, `instances` times (0: not instanced). */

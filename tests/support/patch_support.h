@@ -1,4 +1,5 @@
-/* What tests of patches share: scenes with their primitives and patches, whole levels of splits, and everything that must hold of any hierarchy. */
+/* What tests of patches share: scenes with their primitives and patches, whole levels of splits, and
+ * everything that must hold of any hierarchy. */
 #ifndef TESTS_PATCH_SUPPORT_H
 #define TESTS_PATCH_SUPPORT_H
 
@@ -41,7 +42,9 @@ static inline uint32_t want_root(hierarchy *h, uint32_t root) {
     return patch;
 }
 
-static inline void split(hierarchy *h, uint32_t patch) { assert_int_equal(sl_patch_split(h->patches, patch, NULL), SL_OK); }
+static inline void split(hierarchy *h, uint32_t patch) {
+    assert_int_equal(sl_patch_split(h->patches, patch, NULL), SL_OK);
+}
 
 static inline void split_levels(hierarchy *h, uint32_t patch, int levels) {
     if (levels == 0) return;
@@ -62,17 +65,21 @@ static inline sl_scene *square_scene(void) { return square_scene_of(0.0f); }
 static inline sl_scene *triangle_scene(void) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&mesh, -1, -1, 0), b = trace_mesh_vertex(&mesh, 1, -1, 0), c = trace_mesh_vertex(&mesh, -1, 1, 0);
+    uint32_t a = trace_mesh_vertex(&mesh, -1, -1, 0), b = trace_mesh_vertex(&mesh, 1, -1, 0),
+             c = trace_mesh_vertex(&mesh, -1, 1, 0);
     trace_mesh_triangle(&mesh, a, b, c, 0);
     return trace_mesh_build(&mesh);
 }
 
 /* ---- what must always hold ---- */
 
-static inline bool same_root_place(sl_root_place a, sl_root_place b) { return a.root == b.root && a.u == b.u && a.v == b.v; }
+static inline bool same_root_place(sl_root_place a, sl_root_place b) {
+    return a.root == b.root && a.u == b.u && a.v == b.v;
+}
 
-/* Parents name their children and the other way round, corners lie where places say, vertices have as many references as splits and roots have asked for them (or many),
- * no two are one, those of glossy materials have a lobe where lobes are kept and no others have, and what is counted is there. */
+/* Parents name their children and the other way round, corners lie where places say, vertices have as many
+ * references as splits and roots have asked for them (or many), no two are one, those of glossy materials
+ * have a lobe where lobes are kept and no others have, and what is counted is there. */
 static inline void assert_sound(const sl_patches *p) {
     size_t patches = 0, leaves = 0, vertices = 0;
     uint32_t *references = calloc(p->vertex_count + 1, sizeof *references);
@@ -98,7 +105,8 @@ static inline void assert_sound(const sl_patches *p) {
             assert_true(vertex < p->vertex_count);
             const sl_patch_vertex *v = &p->vertex[vertex];
             sl_root_place lies = {v->root, v->u, v->v};
-            assert_true(same_root_place(lies, sl_root_canonical(p->primitives, (sl_root_place){place.root, place.u[c], place.v[c]})));
+            assert_true(same_root_place(
+                lies, sl_root_canonical(p->primitives, (sl_root_place){place.root, place.u[c], place.v[c]})));
             if (parent == SL_NO_INDEX) references[vertex]++;
         }
         if (place.corners == 3) assert_int_equal(sl_patch_corner(p, i, 3), SL_NO_INDEX);
@@ -112,7 +120,8 @@ static inline void assert_sound(const sl_patches *p) {
         bool many = p->vertex[i].references == SL_REFERENCES_MANY && references[i] > 0;
         if (!many) assert_int_equal(p->vertex[i].references, references[i]);
         vertices += references[i] > 0;
-        bool lobe = p->lobes && references[i] > 0 && sl_material_has_lobe(sl_root_material(p->primitives, p->vertex[i].root));
+        bool lobe = p->lobes && references[i] > 0 &&
+                    sl_material_has_lobe(sl_root_material(p->primitives, p->vertex[i].root));
         if (references[i] > 0) assert_int_equal(sl_vertex_lobe(p, i) != NULL, lobe);
     }
     size_t in_table = 0;
@@ -124,10 +133,12 @@ static inline void assert_sound(const sl_patches *p) {
     size_t free_blocks = 0, free_vertices = 0;
     const uint32_t blocks[3] = {p->first_free, p->resting[0], p->resting[1]};
     for (int k = 0; k < 3; k++) {
-        for (uint32_t i = blocks[k]; i != SL_NO_INDEX; i = p->patch[i].child, free_blocks++) assert_false(sl_patch_is_alive(p, i));
+        for (uint32_t i = blocks[k]; i != SL_NO_INDEX; i = p->patch[i].child, free_blocks++)
+            assert_false(sl_patch_is_alive(p, i));
     }
     for (int lobe = 0; lobe < 2; lobe++) {
-        for (uint32_t i = p->first_free_vertex[lobe]; i != SL_NO_INDEX; i = p->vertex[i].root, free_vertices++) {
+        for (uint32_t i = p->first_free_vertex[lobe]; i != SL_NO_INDEX;
+             i = p->vertex[i].root, free_vertices++) {
             assert_int_equal(p->vertex[i].references, 0);
             assert_int_equal(sl_vertex_lobe(p, i) != NULL, lobe);
         }
@@ -139,7 +150,8 @@ static inline void assert_sound(const sl_patches *p) {
     free(references);
 }
 
-/* Of what is there, not of where it is stored: the same for any order of splits. Sums of hashes do not know an order. */
+/* Of what is there, not of where it is stored: the same for any order of splits. Sums of hashes do not know
+ * an order. */
 static inline uint64_t structure_of(const sl_patches *p) {
     uint64_t sum = 0;
     for (uint32_t i = 0; i < p->patch_count; i++) {

@@ -5,8 +5,9 @@
 #include "base/math.h"
 #include "cache/hemisphere/hemisphere_tables.h"
 
-/* An edge from a to b seen from the origin: its line's foot h, its unit direction, and the integrals of s^k / (h^2 + s^2)^2
- * along it (k = 1: j1, k = 0: j2). False where there is no edge, or the origin lies on its line. */
+/* An edge from a to b seen from the origin: its line's foot h, its unit direction, and the integrals of s^k /
+ * (h^2 + s^2)^2 along it (k = 1: j1, k = 0: j2). False where there is no edge, or the origin lies on its
+ * line. */
 typedef struct edge {
     sl_vec3d foot, along;
     double distance, angle, j1, j2;
@@ -46,19 +47,23 @@ static inline int clip_to_horizon(sl_vec3d n, const sl_vec3d *in, int count, sl_
 /* Twice the area along the normal of the shining side. */
 static inline sl_vec3d polygon_normal(const sl_vec3d *v, int count) {
     sl_vec3d sum = {0.0, 0.0, 0.0};
-    for (int i = 1; i + 1 < count; i++) sum = sl_addd(sum, sl_crossd(sl_subd(v[i], v[0]), sl_subd(v[i + 1], v[0])));
+    for (int i = 1; i + 1 < count; i++)
+        sum = sl_addd(sum, sl_crossd(sl_subd(v[i], v[0]), sl_subd(v[i + 1], v[0])));
     return sum;
 }
 
-/* Irradiance at p with unit normal n from a one-sided Lambertian polygon of radiance 1 (vertices counter-clockwise seen from its
- * shining side), clipped to the horizon, and its gradient with respect to p; gradient may be NULL. count <= 16. Lambert's formula: with
- * the corners v_i of what is left as p sees them, E = -n . sl_cell_vector(v). */
-static inline double polygon_irradiance(sl_vec3d p, sl_vec3d n, const sl_vec3d *vertices, int count, sl_vec3d *gradient) {
+/* Irradiance at p with unit normal n from a one-sided Lambertian polygon of radiance 1 (vertices
+ * counter-clockwise seen from its shining side), clipped to the horizon, and its gradient with respect to p;
+ * gradient may be NULL. count <= 16. Lambert's formula: with the corners v_i of what is left as p sees them,
+ * E = -n . sl_cell_vector(v). */
+static inline double polygon_irradiance(sl_vec3d p, sl_vec3d n, const sl_vec3d *vertices, int count,
+                                        sl_vec3d *gradient) {
     sl_vec3d relative[POLYGON_MAX], v[CLIPPED_MAX], sum = {0.0, 0.0, 0.0};
     if (gradient) *gradient = sum;
     if (count < 3 || count > POLYGON_MAX) return 0.0;
     for (int i = 0; i < count; i++) relative[i] = sl_subd(vertices[i], p);
-    if (!(sl_dotd(polygon_normal(relative, count), relative[0]) < 0.0)) return 0.0; /* seen from behind, or edge-on */
+    /* seen from behind, or edge-on */
+    if (!(sl_dotd(polygon_normal(relative, count), relative[0]) < 0.0)) return 0.0;
     int kept = clip_to_horizon(n, relative, count, v);
     for (int i = 0; gradient && i < kept; i++) {
         /* Lambert's formula wants the order that is clockwise for the receiver: each edge backwards. */

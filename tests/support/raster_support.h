@@ -20,8 +20,12 @@ static inline sl_scene *scene_of_triangles(const float *xyz, size_t count) {
     assert_non_null(indices);
     for (uint32_t i = 0; i < 3 * count; i++) indices[i] = i;
     sl_material grey = {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
-    sl_scene_parts parts = {.vertex_count = 3 * count, .positions = xyz, .triangle_count = count, .indices = indices,
-                            .material_count = 1, .materials = &grey};
+    sl_scene_parts parts = {.vertex_count = 3 * count,
+                            .positions = xyz,
+                            .triangle_count = count,
+                            .indices = indices,
+                            .material_count = 1,
+                            .materials = &grey};
     sl_scene *scene = NULL;
     sl_error error;
     if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
@@ -42,14 +46,16 @@ static inline sl_raster *raster_of(const sl_scene *scene) {
     return raster;
 }
 
-static inline sl_counters render(const sl_raster *raster, const sl_view *view, unsigned threads, uint32_t *id, float *depth) {
+static inline sl_counters render(const sl_raster *raster, const sl_view *view, unsigned threads, uint32_t *id,
+                                 float *depth) {
     sl_counters counters = {{0}};
     sl_target target = {view->width, view->height, id, depth};
     assert_int_equal(sl_raster_id(raster, view, threads, &target, &counters, NULL), SL_OK);
     return counters;
 }
 
-static inline sl_counters render_small(const sl_raster *raster, const sl_view *view, uint32_t *id, float *depth) {
+static inline sl_counters render_small(const sl_raster *raster, const sl_view *view, uint32_t *id,
+                                       float *depth) {
     sl_counters counters = {{0}};
     sl_target target = {view->width, view->height, id, depth};
     sl_raster_scratch *scratch = NULL;
@@ -65,7 +71,8 @@ static inline float random_between(uint64_t key, uint64_t index, float low, floa
 
 static inline sl_vec3 random_direction(uint64_t key, uint64_t index) {
     for (uint64_t n = 0;; n++) {
-        sl_vec3 d = sl_v3(random_between(key, index * 64 + 3 * n, -1, 1), random_between(key, index * 64 + 3 * n + 1, -1, 1),
+        sl_vec3 d = sl_v3(random_between(key, index * 64 + 3 * n, -1, 1),
+                          random_between(key, index * 64 + 3 * n + 1, -1, 1),
                           random_between(key, index * 64 + 3 * n + 2, -1, 1));
         float r = sl_length(d);
         if ((r > 0.1f && r < 1.0f) || n == 20) return sl_normalize_or(d, sl_v3(0, 0, 1));
@@ -74,9 +81,11 @@ static inline sl_vec3 random_direction(uint64_t key, uint64_t index) {
 
 /* ---- meshes, written as triangles of nine floats; return how many were added at `at` ---- */
 
-/* Each face of the box [low, high], n x n squares of two triangles, turned inwards; vertices moved by function `move` or not. */
+/* Each face of the box [low, high], n x n squares of two triangles, turned inwards; vertices moved by
+ * function `move` or not. */
 typedef sl_vec3 move_vertex(const void *context, sl_vec3 p);
-static inline size_t add_box(float *xyz, size_t at, sl_vec3 low, sl_vec3 high, int n, move_vertex *move, const void *context) {
+static inline size_t add_box(float *xyz, size_t at, sl_vec3 low, sl_vec3 high, int n, move_vertex *move,
+                             const void *context) {
     size_t count = 0;
     for (int face = 0; face < 6; face++) {
         int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -117,7 +126,8 @@ static inline sl_scene *furnished_room(int balls, int n) {
     at = add_box(xyz, 0, sl_v3(0, 0, 0), sl_v3(4, 3, 5), 8, NULL, NULL);
     uint64_t key = sl_random_key(77, 0);
     for (uint64_t b = 0; b < (uint64_t)balls; b++) {
-        ball shape = {sl_v3(random_between(key, 4 * b, 0.3f, 3.7f), random_between(key, 4 * b + 1, 0.3f, 2.7f),
+        ball shape = {sl_v3(random_between(key, 4 * b, 0.3f, 3.7f),
+                            random_between(key, 4 * b + 1, 0.3f, 2.7f),
                             random_between(key, 4 * b + 2, 0.3f, 4.7f)),
                       random_between(key, 4 * b + 3, 0.05f, 0.3f)};
         sl_vec3 half = sl_v3(0.1f, 0.1f, 0.1f);

@@ -36,7 +36,8 @@ sl_scene *scene_from_text(const char *json, const char *obj) {
     if (obj) write_text(mesh_path, obj);
     sl_error error;
     sl_scene *scene = NULL;
-    sl_status status = sl_scene_load_with(scene_path, &(sl_load_options){.allow_outside = true}, &scene, &error);
+    sl_status status =
+        sl_scene_load_with(scene_path, &(sl_load_options){.allow_outside = true}, &scene, &error);
     unlink(scene_path);
     unlink(mesh_path);
     rmdir(folder);

@@ -1,11 +1,13 @@
-/* What tests of whole pictures share: every function fails the test, with the library's message, where anything fails. */
+/* What tests of whole pictures share: every function fails the test, with the library's message, where
+ * anything fails. */
 #ifndef SL_TESTS_RENDERING_H
 #define SL_TESTS_RENDERING_H
 
 #include "cache/frame/settings.h"
 
 sl_scene *load_scene(const char *path);
-/* A scene file from text, in a temporary folder; mesh text (OBJ) may be NULL, else the scene calls it "mesh.obj". */
+/* A scene file from text, in a temporary folder; mesh text (OBJ) may be NULL, else the scene calls it
+ * "mesh.obj". */
 sl_scene *scene_from_text(const char *json, const char *obj);
 sl_settings small_settings(const char *method, int width, int height);
 /* Runs a method to its end and resolves it; counters (may be NULL) receives what it cost. */
@@ -14,8 +16,8 @@ sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters
 bool same_picture(const sl_image *a, const sl_image *b);
 /* The picture and the counters with 2, 3 and 7 threads are those with 1. */
 void assert_same_bits_with_any_threads(const sl_scene *scene, const sl_settings *settings);
-/* Threads of this process, once no more than `expected` are left, or after ten seconds. Of 4,000 threads that had been
- * joined the system still listed 5 right after their end, and none 5 ms later. */
+/* Threads of this process, once no more than `expected` are left, or after ten seconds. Of 4,000 threads that
+ * had been joined the system still listed 5 right after their end, and none 5 ms later. */
 int threads_left(int expected);
 
 #endif

@@ -34,7 +34,9 @@ const char *scene_file_write(const char *name, const void *data, size_t size) {
     return path;
 }
 
-const char *scene_file_text(const char *name, const char *text) { return scene_file_write(name, text, strlen(text)); }
+const char *scene_file_text(const char *name, const char *text) {
+    return scene_file_write(name, text, strlen(text));
+}
 
 const char *scene_file_copy(const char *from, const char *name) {
     static char bytes[1 << 20];

@@ -1,4 +1,5 @@
-/* What tests of priorities, work, change and display share: vertices with shading as if it had been computed, displays of them. */
+/* What tests of priorities, work, change and display share: vertices with shading as if it had been computed,
+ * displays of them. */
 #ifndef TESTS_SHADING_CACHE_SUPPORT_H
 #define TESTS_SHADING_CACHE_SUPPORT_H
 
@@ -21,7 +22,8 @@ static inline sl_display *display_of(const hierarchy *h, int width, int height, 
     sl_display_settings settings = {width, height, guess, 1};
     sl_display *display;
     sl_error error = {0};
-    if (sl_display_create(h->scene, h->primitives, &settings, &display, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_display_create(h->scene, h->primitives, &settings, &display, &error) != SL_OK)
+        fail_msg("%s", error.message);
     return display;
 }
 

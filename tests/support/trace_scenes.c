@@ -52,10 +52,12 @@ void trace_mesh_quad(trace_mesh *mesh, sl_vec3 corner, sl_vec3 a, sl_vec3 b, uin
 void trace_mesh_box(trace_mesh *mesh, sl_vec3 low, sl_vec3 high, bool inside, uint32_t material) {
     uint32_t v[8];
     for (int i = 0; i < 8; i++) {
-        v[i] = trace_mesh_vertex(mesh, i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
+        v[i] =
+            trace_mesh_vertex(mesh, i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
     }
     /* Counter-clockwise from outside. */
-    static const int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    static const int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                    {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
     for (int f = 0; f < 6; f++) {
         uint32_t a = v[faces[f][0]], b = v[faces[f][1]], c = v[faces[f][2]], d = v[faces[f][3]];
         if (inside) {
@@ -68,15 +70,16 @@ void trace_mesh_box(trace_mesh *mesh, sl_vec3 low, sl_vec3 high, bool inside, ui
     }
 }
 
-void trace_mesh_sphere(trace_mesh *mesh, sl_vec3 centre, float radius, unsigned rings, float bump, bool inside,
-                       uint32_t material) {
+void trace_mesh_sphere(trace_mesh *mesh, sl_vec3 centre, float radius, unsigned rings, float bump,
+                       bool inside, uint32_t material) {
     unsigned columns = 2 * rings;
     uint32_t top = trace_mesh_vertex(mesh, centre.x, centre.y + radius, centre.z);
     uint32_t first = 0;
     for (unsigned r = 1; r < rings; r++) {
         for (unsigned c = 0; c < columns; c++) {
             double theta = SL_PI * r / rings, phi = 2.0 * SL_PI * c / columns;
-            double size = (double)radius * (1.0 + (double)bump * ((double)sl_random_unit(7, r * columns + c) - 0.5));
+            double size =
+                (double)radius * (1.0 + (double)bump * ((double)sl_random_unit(7, r * columns + c) - 0.5));
             uint32_t v = trace_mesh_vertex(mesh, centre.x + (float)(size * sl_sin(theta) * sl_cos(phi)),
                                            centre.y + (float)(size * sl_cos(theta)),
                                            centre.z - (float)(size * sl_sin(theta) * sl_sin(phi)));
@@ -87,15 +90,18 @@ void trace_mesh_sphere(trace_mesh *mesh, sl_vec3 centre, float radius, unsigned 
     for (unsigned r = 0; r < rings; r++) {
         for (unsigned c = 0; c < columns; c++) {
             unsigned next = (c + 1) % columns;
-            uint32_t a = r == 0 ? top : first + (r - 1) * columns + c, b = r == 0 ? top : first + (r - 1) * columns + next;
-            uint32_t d = r == rings - 1 ? bottom : first + r * columns + c, e = r == rings - 1 ? bottom : first + r * columns + next;
+            uint32_t a = r == 0 ? top : first + (r - 1) * columns + c,
+                     b = r == 0 ? top : first + (r - 1) * columns + next;
+            uint32_t d = r == rings - 1 ? bottom : first + r * columns + c,
+                     e = r == rings - 1 ? bottom : first + r * columns + next;
             if (r > 0) trace_mesh_triangle(mesh, a, inside ? b : d, inside ? d : b, material);
             if (r < rings - 1) trace_mesh_triangle(mesh, b, inside ? e : d, inside ? d : e, material);
         }
     }
 }
 
-uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, float exponent, float mirror, float emission) {
+uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, float exponent, float mirror,
+                             float emission) {
     assert_true(mesh->material_count < 16);
     mesh->materials[mesh->material_count] =
         (sl_material){.diffuse = sl_grey(diffuse), .specular = sl_grey(specular), .exponent = exponent,
@@ -113,13 +119,20 @@ void trace_mesh_discard(trace_mesh *mesh) {
 }
 
 sl_scene *trace_mesh_build(trace_mesh *mesh) {
-    sl_scene_parts parts = {.vertex_count = mesh->vertex_count, .positions = mesh->positions,
+    sl_scene_parts parts = {.vertex_count = mesh->vertex_count,
+                            .positions = mesh->positions,
                             .texture_coordinates = mesh->texture_coordinates,
-                            .triangle_count = mesh->triangle_count, .indices = mesh->indices,
-                            .material_index = mesh->material_index, .material_count = mesh->material_count,
-                            .materials = mesh->materials, .light_count = mesh->light_count, .lights = mesh->lights,
-                            .texture_count = mesh->texture_count, .textures = mesh->textures,
-                            .environment = mesh->environment, .camera = mesh->has_camera ? &mesh->camera : NULL};
+                            .triangle_count = mesh->triangle_count,
+                            .indices = mesh->indices,
+                            .material_index = mesh->material_index,
+                            .material_count = mesh->material_count,
+                            .materials = mesh->materials,
+                            .light_count = mesh->light_count,
+                            .lights = mesh->lights,
+                            .texture_count = mesh->texture_count,
+                            .textures = mesh->textures,
+                            .environment = mesh->environment,
+                            .camera = mesh->has_camera ? &mesh->camera : NULL};
     sl_scene *scene;
     sl_error error = {0};
     sl_status status = sl_scene_build(&parts, &scene, &error);

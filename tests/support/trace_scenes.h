@@ -31,9 +31,10 @@ void trace_mesh_quad(trace_mesh *mesh, sl_vec3 corner, sl_vec3 a, sl_vec3 b, uin
 /* A closed box, fronts inside or outside. */
 void trace_mesh_box(trace_mesh *mesh, sl_vec3 low, sl_vec3 high, bool inside, uint32_t material);
 /* A closed sphere of rings x 2 rings quads, split into triangles, with bumps of relative height `bump`. */
-void trace_mesh_sphere(trace_mesh *mesh, sl_vec3 centre, float radius, unsigned rings, float bump, bool inside,
-                       uint32_t material);
-uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, float exponent, float mirror, float emission);
+void trace_mesh_sphere(trace_mesh *mesh, sl_vec3 centre, float radius, unsigned rings, float bump,
+                       bool inside, uint32_t material);
+uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, float exponent, float mirror,
+                             float emission);
 sl_scene *trace_mesh_build(trace_mesh *mesh);
 void trace_mesh_discard(trace_mesh *mesh);
 

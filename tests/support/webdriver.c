@@ -26,9 +26,11 @@ static void give_up(const char *what, const char *detail) {
 /* ---- HTTP ---- */
 
 static int connect_to(int port) {
-    struct sockaddr_in address = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port), .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    struct sockaddr_in address = {
+        .sin_family = AF_INET, .sin_port = htons((uint16_t)port), .sin_addr = {htonl(INADDR_LOOPBACK)}};
     int s = socket(AF_INET, SOCK_STREAM, 0);
-    if (s < 0 || connect(s, (struct sockaddr *)&address, sizeof address) != 0) give_up("cannot reach the driver", NULL);
+    if (s < 0 || connect(s, (struct sockaddr *)&address, sizeof address) != 0)
+        give_up("cannot reach the driver", NULL);
     return s;
 }
 
@@ -56,7 +58,8 @@ static char *receive(int s) {
         text[size] = '\0';
         if (body || !(body = strstr(text, "\r\n\r\n"))) continue;
         body += 4;
-        const char *length = strstr(text, "ontent-Length:") ? strstr(text, "ontent-Length:") : strstr(text, "ontent-length:");
+        const char *length =
+            strstr(text, "ontent-Length:") ? strstr(text, "ontent-Length:") : strstr(text, "ontent-length:");
         if (length) wanted = strtoul(length + 14, NULL, 10);
     }
     if (!body) give_up("the driver said nothing", NULL);
@@ -68,8 +71,10 @@ static char *receive(int s) {
 /* The value of the answer; aborts where it is an error. Takes the message over. */
 static cJSON *ask(const browser *b, const char *verb, const char *path, cJSON *message) {
     char *body = message ? cJSON_PrintUnformatted(message) : strdup(""), head[512];
-    int length = snprintf(head, sizeof head, "%s %s HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: %zu\r\nConnection: close\r\n\r\n", verb,
-                          path, strlen(body));
+    int length = snprintf(head, sizeof head,
+                          "%s %s HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
+                          "application/json\r\nContent-Length: %zu\r\nConnection: close\r\n\r\n",
+                          verb, path, strlen(body));
     int s = connect_to(b->port);
     send_all(s, head, (size_t)length);
     send_all(s, body, strlen(body));
@@ -118,10 +123,13 @@ static bool start_driver(browser *b) {
 static void start_session(browser *b, int width, int height) {
     char size[64];
     snprintf(size, sizeof size, "--window-size=%d,%d", width, height);
-    cJSON *message = cJSON_Parse("{\"capabilities\":{\"alwaysMatch\":{\"browserName\":\"chrome\",\"goog:loggingPrefs\":{\"browser\":\"ALL\"},"
-                                 "\"goog:chromeOptions\":{\"args\":[\"--headless=new\",\"--no-sandbox\",\"--disable-gpu\",\"--disable-dev-shm-usage\"]}}}}");
+    cJSON *message = cJSON_Parse("{\"capabilities\":{\"alwaysMatch\":{\"browserName\":\"chrome\",\"goog:"
+                                 "loggingPrefs\":{\"browser\":\"ALL\"},"
+                                 "\"goog:chromeOptions\":{\"args\":[\"--headless=new\",\"--no-sandbox\",\"--"
+                                 "disable-gpu\",\"--disable-dev-shm-usage\"]}}}}");
     cJSON *match = cJSON_GetObjectItem(cJSON_GetObjectItem(message, "capabilities"), "alwaysMatch");
-    cJSON_AddItemToArray(cJSON_GetObjectItem(cJSON_GetObjectItem(match, "goog:chromeOptions"), "args"), cJSON_CreateString(size));
+    cJSON_AddItemToArray(cJSON_GetObjectItem(cJSON_GetObjectItem(match, "goog:chromeOptions"), "args"),
+                         cJSON_CreateString(size));
     cJSON *value = ask(b, "POST", "/session", message);
     const cJSON *id = cJSON_GetObjectItem(value, "sessionId");
     snprintf(b->session, sizeof b->session, "%s", cJSON_IsString(id) ? id->valuestring : "");
@@ -194,15 +202,19 @@ char *browser_text(browser *b, const char *script) {
 void browser_click(browser *b, int x, int y) {
     char text[512];
     snprintf(text, sizeof text,
-             "{\"actions\":[{\"type\":\"pointer\",\"id\":\"mouse\",\"parameters\":{\"pointerType\":\"mouse\"},\"actions\":["
-             "{\"type\":\"pointerMove\",\"duration\":0,\"x\":%d,\"y\":%d},{\"type\":\"pointerDown\",\"button\":0},{\"type\":\"pointerUp\",\"button\":0}]}]}",
+             "{\"actions\":[{\"type\":\"pointer\",\"id\":\"mouse\",\"parameters\":{\"pointerType\":\"mouse\"}"
+             ",\"actions\":["
+             "{\"type\":\"pointerMove\",\"duration\":0,\"x\":%d,\"y\":%d},{\"type\":\"pointerDown\","
+             "\"button\":0},{\"type\":\"pointerUp\",\"button\":0}]}]}",
              x, y);
     cJSON_Delete(ask_session(b, "actions", cJSON_Parse(text)));
 }
 
 void browser_press(browser *b, const char *key) {
     char text[512];
-    snprintf(text, sizeof text, "{\"actions\":[{\"type\":\"key\",\"id\":\"keys\",\"actions\":[{\"type\":\"keyDown\",\"value\":\"%s\"},{\"type\":\"keyUp\",\"value\":\"%s\"}]}]}",
+    snprintf(text, sizeof text,
+             "{\"actions\":[{\"type\":\"key\",\"id\":\"keys\",\"actions\":[{\"type\":\"keyDown\",\"value\":"
+             "\"%s\"},{\"type\":\"keyUp\",\"value\":\"%s\"}]}]}",
              key, key);
     cJSON_Delete(ask_session(b, "actions", cJSON_Parse(text)));
 }
@@ -212,7 +224,8 @@ int browser_errors(browser *b) {
     cJSON *log = ask_session(b, "se/log", cJSON_Parse("{\"type\":\"browser\"}"));
     const cJSON *entry;
     cJSON_ArrayForEach(entry, log) {
-        const cJSON *level = cJSON_GetObjectItem(entry, "level"), *message = cJSON_GetObjectItem(entry, "message");
+        const cJSON *level = cJSON_GetObjectItem(entry, "level"),
+                    *message = cJSON_GetObjectItem(entry, "message");
         if (!cJSON_IsString(level) || strcmp(level->valuestring, "SEVERE") != 0) continue;
         fprintf(stderr, "console: %s\n", cJSON_IsString(message) ? message->valuestring : "");
         errors++;

@@ -13,7 +13,8 @@ void browser_close(browser *browser);
 void browser_resize(browser *browser, int width, int height);
 /* A file of this machine, by its absolute path. */
 void browser_go_to_file(browser *browser, const char *path);
-/* Runs the body of a function and returns what it returns; the caller frees it with cJSON_Delete(). Aborts the test where the script fails. */
+/* Runs the body of a function and returns what it returns; the caller frees it with cJSON_Delete(). Aborts
+ * the test where the script fails. */
 struct cJSON *browser_run(browser *browser, const char *script);
 double browser_number(browser *browser, const char *script);
 /* The caller frees it. */

@@ -29,7 +29,7 @@ static sl_transport transport_of(const char *name) {
     return transport;
 }
 
-/* ---- whole pictures ------------------------------------------------------------------------------------------------------ */
+/* ---- whole pictures -------------------------------------------------------------------------- */
 
 typedef struct picture {
     float planes[3][3 * PIXELS]; /* all, even, odd samples */
@@ -43,7 +43,8 @@ static picture *render_path(const sl_scene *scene, const sl_transport *transport
     sl_path_settings settings = {WIDTH, HEIGHT, 2, 11, *transport};
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
     assert_int_equal(sl_path_tracer_create(scene, tracer, &settings, &path, NULL), SL_OK);
-    for (unsigned i = 0; i < samples; i++) assert_int_equal(sl_path_tracer_sample(path, i, &counters, NULL), SL_OK);
+    for (unsigned i = 0; i < samples; i++)
+        assert_int_equal(sl_path_tracer_sample(path, i, &counters, NULL), SL_OK);
     for (int h = -1; h < 2; h++) {
         float *q = p->planes[h + 1];
         sl_path_tracer_mean(path, h, q, q + PIXELS, q + 2 * PIXELS);
@@ -53,7 +54,8 @@ static picture *render_path(const sl_scene *scene, const sl_transport *transport
     return p;
 }
 
-static picture *render_both_ways(const sl_scene *scene, const sl_bidirectional_settings *asked, unsigned samples) {
+static picture *render_both_ways(const sl_scene *scene, const sl_bidirectional_settings *asked,
+                                 unsigned samples) {
     picture *p = calloc(1, sizeof *p);
     sl_counters counters = {{0}};
     sl_tracer *tracer;
@@ -64,7 +66,8 @@ static picture *render_both_ways(const sl_scene *scene, const sl_bidirectional_s
     if (settings.threads == 0) settings.threads = 2;
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
     assert_int_equal(sl_bidirectional_create(scene, tracer, &settings, &film, NULL), SL_OK);
-    for (unsigned i = 0; i < samples; i++) assert_int_equal(sl_bidirectional_sample(film, i, &counters, NULL), SL_OK);
+    for (unsigned i = 0; i < samples; i++)
+        assert_int_equal(sl_bidirectional_sample(film, i, &counters, NULL), SL_OK);
     assert_int_equal(counters.value[SL_COUNT_NONFINITE], 0);
     for (int h = -1; h < 2; h++) {
         float *q = p->planes[h + 1];
@@ -76,8 +79,9 @@ static picture *render_both_ways(const sl_scene *scene, const sl_bidirectional_s
     return p;
 }
 
-/* Two pictures of the same: how far the means of blocks of 4 x 4 pixels are apart, over what the pictures' halves say of their noise,
- * and the difference of the whole means in standard errors. One block's noise is known badly, so all are pooled. */
+/* Two pictures of the same: how far the means of blocks of 4 x 4 pixels are apart, over what the pictures'
+ * halves say of their noise, and the difference of the whole means in standard errors. One block's noise is
+ * known badly, so all are pooled. */
 typedef struct agreement {
     double blocks; /* mean squared difference over mean squared noise: about 1 */
     double means;  /* in standard errors */
@@ -112,7 +116,8 @@ static agreement compare(const picture *a, const picture *b) {
 
 static void check_equal(const char *what, const picture *a, const picture *b) {
     agreement found = compare(a, b);
-    print_message("%-34s squared difference over noise %.2f, means %.1f standard errors apart\n", what, found.blocks, found.means);
+    print_message("%-34s squared difference over noise %.2f, means %.1f standard errors apart\n", what,
+                  found.blocks, found.means);
     if (!(found.blocks < 3.5 && found.means < 4.0)) fail_msg("%s: %g, %g", what, found.blocks, found.means);
 }
 
@@ -151,18 +156,22 @@ static void point_light_and_walls_are_those_of_the_path_tracer(void **unused) {
     check_named("scenes/cornell-point.json", true);
 }
 
-/* Mirrors seen and mirrors that throw caustics of a lamp, glossy and two-sided things, slanted shading normals, a sky. */
+/* Mirrors seen and mirrors that throw caustics of a lamp, glossy and two-sided things, slanted shading
+ * normals, a sky. */
 static sl_scene *rich_scene(bool sky_light, bool lamp_light) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0), glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 12, 0, 0);
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0), lamp = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 9.0f);
+    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0),
+             glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 12, 0, 0);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
+             lamp = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 9.0f);
     mesh.materials[wall].diffuse = (sl_rgb){0.7f, 0.5f, 0.4f};
     mesh.materials[lamp].emission_two_sided = true;
     trace_mesh_quad(&mesh, sl_v3(-3, -1, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0), wall);
     trace_mesh_quad(&mesh, sl_v3(-3, -1, -3), sl_v3(6, 0, 0), sl_v3(0, 4, 0), glossy);
     trace_mesh_quad(&mesh, sl_v3(-3, -1, -3), sl_v3(0, 4, 0), sl_v3(0, 0, 6), mirror);
     trace_mesh_sphere(&mesh, sl_v3(0.9f, -0.3f, 0.2f), 0.7f, 8, 0.3f, false, wall);
-    if (lamp_light) trace_mesh_quad(&mesh, sl_v3(-1.5f, 1.2f, 0.5f), sl_v3(0.8f, 0.2f, 0), sl_v3(0, 0, 0.8f), lamp);
+    if (lamp_light)
+        trace_mesh_quad(&mesh, sl_v3(-1.5f, 1.2f, 0.5f), sl_v3(0.8f, 0.2f, 0), sl_v3(0, 0, 0.8f), lamp);
     static float texels[3 * 8 * 4];
     for (int i = 0; i < 3 * 8 * 4; i++) texels[i] = 0.05f + (i >= 3 * 9 && i < 3 * 10 ? 6.0f : 0.0f);
     static sl_environment sky;
@@ -206,14 +215,20 @@ static void spots_and_distant_lights_are_those_of_the_path_tracer(void **unused)
         trace_mesh_box(&mesh, sl_v3(-2, -1, -2), sl_v3(2, 2.5f, 2), true, wall);
         if (kind == 1) mesh.triangle_count -= 2; /* a window, from which the light shines into the room */
         trace_mesh_sphere(&mesh, sl_v3(0.4f, -0.5f, 0), 0.5f, 10, 0.0f, false, wall);
-        mesh.lights[0] = (sl_light){.type = SL_LIGHT_SPOT, .position = {1, 2, 1}, .direction = {-0.36f, -0.8f, -0.48f},
-                                    .intensity = {30, 20, 10}, .cos_inner = 0.95f, .cos_outer = 0.8f};
+        mesh.lights[0] = (sl_light){.type = SL_LIGHT_SPOT,
+                                    .position = {1, 2, 1},
+                                    .direction = {-0.36f, -0.8f, -0.48f},
+                                    .intensity = {30, 20, 10},
+                                    .cos_inner = 0.95f,
+                                    .cos_outer = 0.8f};
         if (kind == 1) {
-            mesh.lights[0] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0.48f, -0.36f, -0.8f}, .intensity = {3, 4, 5}};
+            mesh.lights[0] = (sl_light){
+                .type = SL_LIGHT_DIRECTIONAL, .direction = {0.48f, -0.36f, -0.8f}, .intensity = {3, 4, 5}};
         }
         mesh.light_count = 1;
         mesh.has_camera = true;
-        assert_true(sl_camera_look_at(&mesh.camera, sl_v3(-1.5f, 0.8f, 1.6f), sl_v3(0, -0.2f, 0), sl_v3(0, 1, 0), 1.2f));
+        assert_true(sl_camera_look_at(&mesh.camera, sl_v3(-1.5f, 0.8f, 1.6f), sl_v3(0, -0.2f, 0),
+                                      sl_v3(0, 1, 0), 1.2f));
         sl_scene *scene = trace_mesh_build(&mesh);
         sl_transport one = transport_of("one-bounce"), full = transport_of("full");
         check_transport(kind ? "distant light, one-bounce" : "spot, one-bounce", scene, &one);
@@ -222,7 +237,8 @@ static void spots_and_distant_lights_are_those_of_the_path_tracer(void **unused)
     }
 }
 
-/* Paths that methods declare: legs without shadows, lobes left out, mirrors as black surfaces, pixel centres alone. */
+/* Paths that methods declare: legs without shadows, lobes left out, mirrors as black surfaces, pixel centres
+ * alone. */
 static void any_declared_transport_is_that_of_the_path_tracer(void **unused) {
     (void)unused;
     sl_scene *scene = rich_scene(true, true);
@@ -284,13 +300,15 @@ static void either_heuristic_and_any_choice_of_ways_gives_one_picture(void **unu
     sl_scene_destroy(scene);
 }
 
-/* ---- what the path tracer cannot find ------------------------------------------------------------------------------------ */
+/* ---- what the path tracer cannot find -------------------------------------------------------- */
 
-/* A point light above a floor, beside a flat mirror: the mirror's image of the light lights the floor too, in closed form. */
+/* A point light above a floor, beside a flat mirror: the mirror's image of the light lights the floor too, in
+ * closed form. */
 static void a_point_light_throws_caustics(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-1, -40, 0), sl_v3(0, 80, 0), sl_v3(0, 0, 40), mirror);
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.5f, 0, 1}, .intensity = {2, 2, 2}};
@@ -303,9 +321,12 @@ static void a_point_light_throws_caustics(void **unused) {
     double expected = 0.0, found = 0.0, half = 3.0 * tan(0.15);
     for (int y = 0; y < HEIGHT; y++) {
         for (int x = 0; x < WIDTH; x++) {
-            double px = 1.0 + half * (2.0 * (x + 0.5) / WIDTH - 1.0) * WIDTH / HEIGHT, py = half * (1.0 - 2.0 * (y + 0.5) / HEIGHT);
-            double real = (px - 0.5) * (px - 0.5) + py * py + 1.0, image = (px + 2.5) * (px + 2.5) + py * py + 1.0;
-            expected += 0.5 / SL_PI * 2.0 * (1.0 / (real * sqrt(real)) + 0.8 / (image * sqrt(image))) / PIXELS;
+            double px = 1.0 + half * (2.0 * (x + 0.5) / WIDTH - 1.0) * WIDTH / HEIGHT,
+                   py = half * (1.0 - 2.0 * (y + 0.5) / HEIGHT);
+            double real = (px - 0.5) * (px - 0.5) + py * py + 1.0,
+                   image = (px + 2.5) * (px + 2.5) + py * py + 1.0;
+            expected +=
+                0.5 / SL_PI * 2.0 * (1.0 / (real * sqrt(real)) + 0.8 / (image * sqrt(image))) / PIXELS;
             found += (double)p->planes[0][y * WIDTH + x] / PIXELS;
         }
     }
@@ -320,7 +341,7 @@ static void a_point_light_throws_caustics(void **unused) {
     sl_scene_destroy(scene);
 }
 
-/* ---- bits ---------------------------------------------------------------------------------------------------------------- */
+/* ---- bits ------------------------------------------------------------------------------------ */
 
 static void threads_change_no_bit(void **unused) {
     (void)unused;

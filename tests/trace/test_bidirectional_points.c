@@ -1,5 +1,5 @@
-/* Irradiance and radiance at surface points by bidirectional path tracing, where they are known in closed form, and against the path
- * tracer elsewhere. */
+/* Irradiance and radiance at surface points by bidirectional path tracing, where they are known in closed
+ * form, and against the path tracer elsewhere. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -43,9 +43,11 @@ static void close_world(world *w) {
 }
 
 /* The point of a triangle with these barycentric weights, on its front or its back. */
-static sl_bidirectional_request point_of(const sl_scene *scene, uint32_t triangle, float w1, float w2, bool front) {
+static sl_bidirectional_request point_of(const sl_scene *scene, uint32_t triangle, float w1, float w2,
+                                         bool front) {
     sl_surface s;
-    sl_scene_surface(scene, triangle, w1, w2, sl_scale(sl_scene_geometric_normal(scene, triangle), front ? 1.0f : -1.0f), &s);
+    sl_scene_surface(scene, triangle, w1, w2,
+                     sl_scale(sl_scene_geometric_normal(scene, triangle), front ? 1.0f : -1.0f), &s);
     return (sl_bidirectional_request){s.position, s.geometric_normal, s.normal, triangle, NULL};
 }
 
@@ -58,16 +60,18 @@ static sl_bidirectional_value irradiance(world *w, const sl_bidirectional_reques
 static void check(const char *what, const sl_bidirectional_value *v, double expected, double model) {
     for (int c = 0; c < 3; c++) {
         double error = sqrt(v->variance[c]);
-        if (!(error <= 0.05 * fabs(expected) + 1e-12)) fail_msg("%s: %g +- %g is too noisy for a test", what, v->mean[c], error);
+        if (!(error <= 0.05 * fabs(expected) + 1e-12))
+            fail_msg("%s: %g +- %g is too noisy for a test", what, v->mean[c], error);
         if (!(fabs(v->mean[c] - expected) <= 3.0 * error + (model + 1e-4) * fabs(expected) + 1e-12)) {
             fail_msg("%s: %.6g +- %.2g, expected %.6g", what, v->mean[c], error, expected);
         }
     }
 }
 
-/* ---- closed forms -------------------------------------------------------------------------------------------------------- */
+/* ---- closed forms ---------------------------------------------------------------------------- */
 
-/* Emission L and albedo rho everywhere: direct light pi L, after k bounces at most pi L (rho + ... + rho^k) more. */
+/* Emission L and albedo rho everywhere: direct light pi L, after k bounces at most pi L (rho + ... + rho^k)
+ * more. */
 static void furnace_irradiance_is_the_geometric_series(void **unused) {
     (void)unused;
     const double albedo = 0.6, radiance = 2.0;
@@ -77,7 +81,8 @@ static void furnace_irradiance_is_the_geometric_series(void **unused) {
             trace_mesh mesh = trace_mesh_begin();
             uint32_t wall = trace_mesh_material(&mesh, (float)albedo, 0, 0, 0, (float)radiance);
             trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
-            const sl_bidirectional_point_settings settings = {.samples = 2000, .bounces = bounces[i], .balance = balance};
+            const sl_bidirectional_point_settings settings = {
+                .samples = 2000, .bounces = bounces[i], .balance = balance};
             world w = open_world(trace_mesh_build(&mesh), &settings);
             double sum = albedo / (1.0 - albedo);
             if (bounces[i] != SL_BOUNCES_UNLIMITED) sum *= 1.0 - sl_pow(albedo, (double)bounces[i]);
@@ -100,7 +105,8 @@ static void sphere_cavity_irradiance_is_even(void **unused) {
         trace_mesh mesh = trace_mesh_begin();
         uint32_t wall = trace_mesh_material(&mesh, (float)albedo, 0, 0, 0, 0);
         trace_mesh_sphere(&mesh, sl_v3(1, 0, 0), (float)radius, 60, 0.0f, true, wall);
-        mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = positions[i], .intensity = sl_grey((float)intensity)};
+        mesh.lights[0] = (sl_light){
+            .type = SL_LIGHT_POINT, .position = positions[i], .intensity = sl_grey((float)intensity)};
         mesh.light_count = 1;
         const sl_bidirectional_point_settings settings = {.samples = 1500, .bounces = SL_BOUNCES_UNLIMITED};
         world w = open_world(trace_mesh_build(&mesh), &settings);
@@ -118,17 +124,20 @@ static void sphere_cavity_irradiance_is_even(void **unused) {
 static void light_by_way_of_mirrors_is_indirect(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 40.0f);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-1, -40, 0), sl_v3(0, 80, 0), sl_v3(0, 0, 40), mirror);
-    trace_mesh_quad(&mesh, sl_v3(0.45f, -2.0f, 0.5f), sl_v3(0, 0, 3.0f), sl_v3(0, 3.0f, 0), lamp); /* faces the mirror */
+    /* faces the mirror */
+    trace_mesh_quad(&mesh, sl_v3(0.45f, -2.0f, 0.5f), sl_v3(0, 0, 3.0f), sl_v3(0, 3.0f, 0), lamp);
     const sl_bidirectional_point_settings settings = {.samples = 20000};
     world w = open_world(trace_mesh_build(&mesh), &settings);
     sl_bidirectional_request request = point_of(w.scene, 0, 0.01f, 0.48f, true); /* between mirror and lamp */
     double dx = (double)request.position.x + 2.45, dy = (double)request.position.y, expected = 0.0;
     for (int i = 0; i < 400; i++) { /* the image at x = -2.45 faces +x */
-        double y = dy + 2.0 - 3.0 * (i % 20 + 0.5) / 20.0, z = 0.5 + 3.0 * (i / 20 + 0.5) / 20.0, r2 = dx * dx + y * y + z * z;
+        double y = dy + 2.0 - 3.0 * (i % 20 + 0.5) / 20.0, z = 0.5 + 3.0 * (i / 20 + 0.5) / 20.0,
+               r2 = dx * dx + y * y + z * z;
         expected += 0.8 * 40.0 * 9.0 / 400.0 * z * dx / (r2 * r2);
     }
     sl_bidirectional_value v = irradiance(&w, &request);
@@ -136,11 +145,13 @@ static void light_by_way_of_mirrors_is_indirect(void **unused) {
     close_world(&w);
 }
 
-/* ---- against the path tracer --------------------------------------------------------------------------------------------- */
+/* ---- against the path tracer ----------------------------------------------------------------- */
 
-/* The path tracer looks at the point along its normal; what leaves a diffuse surface without its direct light is kd E / pi. */
-static void compare_with_path_tracer(world *w, const sl_bidirectional_request *request, sl_vec3 eye, unsigned lobe, uint32_t bounces,
-                                     const sl_bidirectional_value *v, double factor) {
+/* The path tracer looks at the point along its normal; what leaves a diffuse surface without its direct light
+ * is kd E / pi. */
+static void compare_with_path_tracer(world *w, const sl_bidirectional_request *request, sl_vec3 eye,
+                                     unsigned lobe, uint32_t bounces, const sl_bidirectional_value *v,
+                                     double factor) {
     sl_path_tracer *path;
     sl_path_settings settings = {.width = 1, .height = 1, .threads = 1, .seed = 9};
     assert_true(sl_transport_named("full", &settings.transport));
@@ -178,8 +189,11 @@ static void compare_with_path_tracer(world *w, const sl_bidirectional_request *r
             mean += sums[i][c] / SL_PACKET;
             squares += sums[i][c] * sums[i][c] / SL_PACKET;
         }
-        double error = sqrt(fmax(0.0, squares - mean * mean) / (SL_PACKET - 1) + factor * factor * v->variance[c]);
-        if (!(error < 0.1 * mean)) fail_msg("triangle %u, lobe %u: %g +- %g is too noisy for a test (%g +- %g)", request->triangle, lobe, mean, error, factor * v->mean[c], factor * sqrt(v->variance[c]));
+        double error =
+            sqrt(fmax(0.0, squares - mean * mean) / (SL_PACKET - 1) + factor * factor * v->variance[c]);
+        if (!(error < 0.1 * mean))
+            fail_msg("triangle %u, lobe %u: %g +- %g is too noisy for a test (%g +- %g)", request->triangle,
+                     lobe, mean, error, factor * v->mean[c], factor * sqrt(v->variance[c]));
         if (!(fabs(factor * v->mean[c] - mean) < 4.0 * error)) {
             fail_msg("channel %d: %g, the path tracer has %g +- %g", c, factor * v->mean[c], mean, error);
         }
@@ -187,11 +201,14 @@ static void compare_with_path_tracer(world *w, const sl_bidirectional_request *r
     sl_path_tracer_destroy(path);
 }
 
-/* A ball with normals that lean off their facets, a glossy floor, a mirror; lamps, a point light and a sky. */
+/* A ball with normals that lean off their facets, a glossy floor, a mirror; lamps, a point light and a sky.
+ */
 static sl_scene *rich_scene(int lights) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0), glossy = trace_mesh_material(&mesh, 0.25f, 0.5f, 15, 0, 0);
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 9.0f);
+    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0),
+             glossy = trace_mesh_material(&mesh, 0.25f, 0.5f, 15, 0, 0);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
+             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 9.0f);
     mesh.materials[white].diffuse = (sl_rgb){0.8f, 0.6f, 0.4f};
     trace_mesh_quad(&mesh, sl_v3(-3, -1, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0), glossy);
     trace_mesh_quad(&mesh, sl_v3(-3, -1, -3), sl_v3(6, 0, 0), sl_v3(0, 4, 0), white);
@@ -200,7 +217,8 @@ static sl_scene *rich_scene(int lights) {
     trace_mesh_sphere(&mesh, sl_v3(0.6f, -0.2f, 0), 0.7f, 8, 0.2f, false, white);
     if (lights == 0) trace_mesh_quad(&mesh, sl_v3(-2.0f, 2.5f, -2.0f), sl_v3(4, 0, 0), sl_v3(0, 0, 4), lamp);
     if (lights == 1) {
-        mesh.lights[0] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0.48f, -0.6f, -0.64f}, .intensity = {3, 3, 2}};
+        mesh.lights[0] = (sl_light){
+            .type = SL_LIGHT_DIRECTIONAL, .direction = {0.48f, -0.6f, -0.64f}, .intensity = {3, 3, 2}};
         mesh.light_count = 1;
         /* The path tracer finds no caustic of such a light: no mirrors here. */
         mesh.materials[mirror].mirror = sl_grey(0.0f);
@@ -243,7 +261,8 @@ static void points_have_the_path_tracers_values(void **unused) {
 static void mirrors_reflect_all_and_diffuse_surfaces_have_no_lobe(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0),
+             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), mirror);
     trace_mesh_quad(&mesh, sl_v3(-9, -9, 4), sl_v3(0, 18, 0), sl_v3(18, 0, 0), lamp);
@@ -259,7 +278,7 @@ static void mirrors_reflect_all_and_diffuse_surfaces_have_no_lobe(void **unused)
     close_world(&w);
 }
 
-/* ---- bits ---------------------------------------------------------------------------------------------------------------- */
+/* ---- bits ------------------------------------------------------------------------------------ */
 
 typedef struct many {
     world *w;
@@ -280,7 +299,8 @@ static void values_are_the_same_bits_at_any_time_and_with_any_threads(void **unu
     for (unsigned threads = 1; threads <= 3; threads++) {
         world w = open_world(rich_scene(0), NULL);
         many m = {.w = &w};
-        for (int i = 0; i < 3; i++) assert_int_equal(sl_bidirectional_scratch_create(&m.scratch[i], NULL), SL_OK);
+        for (int i = 0; i < 3; i++)
+            assert_int_equal(sl_bidirectional_scratch_create(&m.scratch[i], NULL), SL_OK);
         for (int again = 0; again < 2; again++) {
             sl_parallel_for(threads, 12, one_of_many, &m);
             if (threads == 1 && again == 0) memcpy(expected, m.values, sizeof expected);
@@ -291,7 +311,8 @@ static void values_are_the_same_bits_at_any_time_and_with_any_threads(void **unu
     }
 }
 
-/* Nothing shines; the point touches the lamp; the lamp lies in the wall; scenes of any size, with normals at right angles to sense. */
+/* Nothing shines; the point touches the lamp; the lamp lies in the wall; scenes of any size, with normals at
+ * right angles to sense. */
 static void degenerate_points_have_finite_values(void **unused) {
     (void)unused;
     static const float sizes[] = {1e-12f, 1.0f, 1e12f};
@@ -299,19 +320,24 @@ static void degenerate_points_have_finite_values(void **unused) {
         for (int lit = 0; lit < 2; lit++) {
             float a = sizes[i];
             trace_mesh mesh = trace_mesh_begin();
-            uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0.3f, 1000, 0, 0), lamp = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, (float)lit);
+            uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0.3f, 1000, 0, 0),
+                     lamp = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, (float)lit);
             trace_mesh_box(&mesh, sl_v3(-a, -a, -a), sl_v3(a, a, a), true, wall);
             trace_mesh_quad(&mesh, sl_v3(-a, -a, a), sl_v3(0, a, 0), sl_v3(a, 0, 0), lamp);
             world w = open_world(trace_mesh_build(&mesh), NULL);
             for (uint32_t t = 0; t < w.scene->triangle_count; t++) {
                 static const float weights[][2] = {{0, 0}, {1, 0}, {0.5f, 0.5f}, {0.3f, 0.2f}};
                 for (int k = 0; k < 4; k++) {
-                    sl_bidirectional_request request = point_of(w.scene, t, weights[k][0], weights[k][1], true);
+                    sl_bidirectional_request request =
+                        point_of(w.scene, t, weights[k][0], weights[k][1], true);
                     sl_bidirectional_value v = irradiance(&w, &request), lobe;
-                    sl_bidirectional_radiance(w.points, &request, request.position, w.scratch, &lobe, &w.counters);
+                    sl_bidirectional_radiance(w.points, &request, request.position, w.scratch, &lobe,
+                                              &w.counters);
                     for (int c = 0; c < 3; c++) {
-                        assert_true(isfinite(v.mean[c]) && v.mean[c] >= 0.0 && isfinite(v.variance[c]) && v.variance[c] >= 0.0);
-                        assert_true(isfinite(lobe.mean[c]) && lobe.mean[c] >= 0.0 && isfinite(lobe.variance[c]));
+                        assert_true(isfinite(v.mean[c]) && v.mean[c] >= 0.0 && isfinite(v.variance[c]) &&
+                                    v.variance[c] >= 0.0);
+                        assert_true(isfinite(lobe.mean[c]) && lobe.mean[c] >= 0.0 &&
+                                    isfinite(lobe.variance[c]));
                         if (!lit) assert_true(v.mean[c] == 0.0);
                         if (lit && k == 3 && t < 12) assert_true(v.mean[c] > 0.0 && v.mean[c] < 4.0);
                     }

@@ -1,4 +1,5 @@
-/* The ways of making one path, and how they share it: densities worked out here from the vertices alone, and each way on its own. */
+/* The ways of making one path, and how they share it: densities worked out here from the vertices alone, and
+ * each way on its own. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -28,7 +29,7 @@ static sl_transport transport_of(const char *name) {
     return transport;
 }
 
-/* ---- a scene and what makes its paths ------------------------------------------------------------------------------------ */
+/* ---- a scene and what makes its paths -------------------------------------------------------- */
 
 typedef struct world {
     sl_scene *scene;
@@ -72,7 +73,8 @@ static void walk_both(world *w, uint32_t packet, uint64_t key[SL_PACKET], uint32
         sl_sequence_point(&w->sequence, key[i], 0, packet, point);
         float u = (2.0f * point[0] - 1.0f) * w->maker.tan_x, v = (2.0f * point[1] - 1.0f) * w->maker.tan_y;
         pdf[i] = sl_camera_pdf(&w->maker, 1.0 / sqrt(1.0 + (double)(u * u + v * v)));
-        direction[i] = sl_normalize_or(sl_sub(sl_mad(sl_scale(c->right, u), v, c->up), c->back), sl_neg(c->back));
+        direction[i] =
+            sl_normalize_or(sl_sub(sl_mad(sl_scale(c->right, u), v, c->up), c->back), sl_neg(c->back));
         eye[i] = &w->eye[i];
         light[i] = &w->light[i];
     }
@@ -80,26 +82,36 @@ static void walk_both(world *w, uint32_t packet, uint64_t key[SL_PACKET], uint32
     sl_walk_from_eye(&w->maker, SL_PACKET, c->eye, direction, pdf, key, index, eye, &w->counters);
 }
 
-/* Diffuse, glossy and mirror surfaces, shading normals off their facets; which lights, bit by bit: lamp, point, spot, distant, sky. */
+/* Diffuse, glossy and mirror surfaces, shading normals off their facets; which lights, bit by bit: lamp,
+ * point, spot, distant, sky. */
 static sl_scene *scene_lit_by(unsigned lights, bool mirrors) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0), glossy = trace_mesh_material(&mesh, 0.2f, 0.5f, 10, 0, 0);
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0), lamp = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 9.0f);
+    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0),
+             glossy = trace_mesh_material(&mesh, 0.2f, 0.5f, 10, 0, 0);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
+             lamp = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 9.0f);
     mesh.materials[lamp].emission_two_sided = lights >> 5 & 1;
     trace_mesh_quad(&mesh, sl_v3(-3, -1.2f, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0), wall);
-    trace_mesh_quad(&mesh, sl_v3(-3, -0.7f, -3.5f), sl_v3(6, 0, 0), sl_v3(0, 4, 0), mirrors ? mirror : glossy);
+    trace_mesh_quad(&mesh, sl_v3(-3, -0.7f, -3.5f), sl_v3(6, 0, 0), sl_v3(0, 4, 0),
+                    mirrors ? mirror : glossy);
     trace_mesh_sphere(&mesh, sl_v3(0.4f, 0, 0), 0.8f, 8, 0.2f, false, glossy);
     if (mirrors) trace_mesh_sphere(&mesh, sl_v3(-1.4f, 0, 0.5f), 0.5f, 8, 0.0f, false, mirror);
     if (lights & 1) trace_mesh_quad(&mesh, sl_v3(-1.5f, 2.5f, -1.5f), sl_v3(3, 0, 0), sl_v3(0, 0, 3), lamp);
     if (lights & 2) {
-        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_POINT, .position = {2, 2, 2}, .intensity = {9, 8, 7}};
+        mesh.lights[mesh.light_count++] =
+            (sl_light){.type = SL_LIGHT_POINT, .position = {2, 2, 2}, .intensity = {9, 8, 7}};
     }
     if (lights & 4) {
-        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT, .position = {-2, 2, 2}, .direction = {0.6f, -0.64f, -0.48f},
-                                                     .intensity = {30, 20, 10}, .cos_inner = 0.95f, .cos_outer = 0.7f};
+        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT,
+                                                     .position = {-2, 2, 2},
+                                                     .direction = {0.6f, -0.64f, -0.48f},
+                                                     .intensity = {30, 20, 10},
+                                                     .cos_inner = 0.95f,
+                                                     .cos_outer = 0.7f};
     }
     if (lights & 8) {
-        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, -0.8f}, .intensity = {1, 2, 3}};
+        mesh.lights[mesh.light_count++] =
+            (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, -0.8f}, .intensity = {1, 2, 3}};
     }
     static float texels[3 * 8 * 4];
     for (int i = 0; i < 3 * 8 * 4; i++) texels[i] = 0.2f + 0.1f * (float)(i / 3 % 5);
@@ -110,7 +122,7 @@ static sl_scene *scene_lit_by(unsigned lights, bool mirrors) {
     return trace_mesh_build(&mesh);
 }
 
-/* ---- densities from the vertices alone ----------------------------------------------------------------------------------- */
+/* ---- densities from the vertices alone ------------------------------------------------------- */
 
 typedef struct path {
     unsigned last; /* m */
@@ -136,15 +148,18 @@ static double per_area(const path *p, unsigned from, unsigned to, sl_vec3d norma
     return fabs(sl_dotd(w, normal)) / squared;
 }
 
-/* Per solid angle: a walk that comes from vertex `from` to `at` goes on to `to`. The rough lobes are always drawn from together. */
+/* Per solid angle: a walk that comes from vertex `from` to `at` goes on to `to`. The rough lobes are always
+ * drawn from together. */
 static double scatter(const path *p, unsigned from, unsigned at, unsigned to) {
     const sl_path_vertex *v = p->vertex[at];
     if (v->kind == SL_VERTEX_MIRROR) return 1.0;
     double unused;
-    sl_vec3d in = direction_of(p, at, from, &unused), out = direction_of(p, at, to, &unused), n = sl_to_double(v->bsdf.normal);
+    sl_vec3d in = direction_of(p, at, from, &unused), out = direction_of(p, at, to, &unused),
+             n = sl_to_double(v->bsdf.normal);
     if (sl_dotd(n, out) <= 0.0 || sl_dotd(sl_to_double(v->geometric_normal), out) <= 0.0) return 0.0;
     sl_vec3d mirrored = sl_subd(sl_scaled(n, 2.0 * sl_dotd(n, in)), in);
-    double kd = (double)sl_rgb_mean(v->bsdf.diffuse), ks = (double)sl_rgb_mean(v->bsdf.specular), e = (double)v->bsdf.exponent;
+    double kd = (double)sl_rgb_mean(v->bsdf.diffuse), ks = (double)sl_rgb_mean(v->bsdf.specular),
+           e = (double)v->bsdf.exponent;
     double cosine = fmax(sl_dotd(mirrored, out), 0.0);
     return (kd * sl_dotd(n, out) / SL_PI + ks * (e + 1.0) / (2.0 * SL_PI) * pow(cosine, e)) / (kd + ks);
 }
@@ -153,22 +168,28 @@ static double eye_density(const world *w, const path *p, unsigned i) {
     double squared;
     if (i > 1) {
         if (i == p->last && p->delta) return 0.0;
-        return scatter(p, i - 2, i - 1, i) * per_area(p, i - 1, i, sl_to_double(p->vertex[i]->geometric_normal));
+        return scatter(p, i - 2, i - 1, i) *
+               per_area(p, i - 1, i, sl_to_double(p->vertex[i]->geometric_normal));
     }
     double cosine = -sl_dotd(direction_of(p, 0, 1, &squared), sl_to_double(w->scene->camera.back));
     double film = 4.0 * (double)w->maker.tan_x * (double)w->maker.tan_y;
-    return per_area(p, 0, 1, sl_to_double(p->vertex[1]->geometric_normal)) / (film * cosine * cosine * cosine);
+    return per_area(p, 0, 1, sl_to_double(p->vertex[1]->geometric_normal)) /
+           (film * cosine * cosine * cosine);
 }
 
 static double light_density(const world *w, const path *p, unsigned i) {
     const sl_scene *scene = w->scene;
     uint32_t entry = p->vertex[p->last]->light;
     double chance = sl_light_sampler_chance(w->lights, entry), squared;
-    if (i + 2 <= p->last) return scatter(p, i + 2, i + 1, i) * per_area(p, i + 1, i, sl_to_double(p->vertex[i]->geometric_normal));
+    if (i + 2 <= p->last)
+        return scatter(p, i + 2, i + 1, i) *
+               per_area(p, i + 1, i, sl_to_double(p->vertex[i]->geometric_normal));
     const sl_emitter *emitter = entry < scene->emitter_count ? &scene->emitters[entry] : NULL;
     if (i == p->last) {
         if (emitter) return chance / (double)emitter->area;
-        return p->delta ? chance : chance * (double)sl_environment_pdf(&scene->environment, sl_to_float(p->towards_light));
+        return p->delta
+                   ? chance
+                   : chance * (double)sl_environment_pdf(&scene->environment, sl_to_float(p->towards_light));
     }
     double arriving = per_area(p, p->last, i, sl_to_double(p->vertex[i]->geometric_normal));
     if (p->infinite) return arriving / (SL_PI * w->maker.radius * w->maker.radius);
@@ -194,7 +215,8 @@ static path path_of(const world *w, const sl_connection *c) {
     return p;
 }
 
-/* p_t of every way, up to a common factor: all relative to the way of the connection, so that nothing overflows. */
+/* p_t of every way, up to a common factor: all relative to the way of the connection, so that nothing
+ * overflows. */
 static double share_of(const world *w, const sl_connection *c, bool balance, double *sum) {
     path p = path_of(w, c);
     double density[2 * SL_SUBPATH_VERTICES_MAX + 2], total = 0.0;
@@ -204,9 +226,12 @@ static double share_of(const world *w, const sl_connection *c, bool balance, dou
         for (unsigned i = 1; i <= p.last && possible; i++) {
             double made = i < t ? eye_density(w, &p, i) : light_density(w, &p, i);
             possible = made > 0.0;
-            if (possible) log_ratio += log(made) - log(i < c->t ? eye_density(w, &p, i) : light_density(w, &p, i));
+            if (possible)
+                log_ratio += log(made) - log(i < c->t ? eye_density(w, &p, i) : light_density(w, &p, i));
         }
-        if (t <= p.last && (p.vertex[t - 1]->kind == SL_VERTEX_MIRROR || p.vertex[t]->kind == SL_VERTEX_MIRROR)) possible = false;
+        if (t <= p.last &&
+            (p.vertex[t - 1]->kind == SL_VERTEX_MIRROR || p.vertex[t]->kind == SL_VERTEX_MIRROR))
+            possible = false;
         density[t] = possible ? exp((balance ? 1.0 : 2.0) * log_ratio) : 0.0;
         total += density[t];
     }
@@ -220,7 +245,8 @@ typedef struct tally {
 } tally;
 
 static void check_weight(const world *w, const sl_connection *c, tally *so_far) {
-    double weight = sl_connection_weight(&w->maker, c), sum, expected = share_of(w, c, w->maker.balance, &sum);
+    double weight = sl_connection_weight(&w->maker, c), sum,
+           expected = share_of(w, c, w->maker.balance, &sum);
     if (!(fabs(weight - expected) <= 3e-3 * expected + 1e-6)) {
         fail_msg("s = %u, t = %u: weight %g, from the densities %g", c->s, c->t, weight, expected);
     }
@@ -231,11 +257,13 @@ static void check_weight(const world *w, const sl_connection *c, tally *so_far) 
     for (unsigned i = 1; i < c->s; i++) so_far->of_mirrors += c->light[i].kind == SL_VERTEX_MIRROR;
 }
 
-static void check_weights_of_pair(const world *w, const sl_subpath *eye, const sl_subpath *light, uint32_t packet, tally *so_far) {
+static void check_weights_of_pair(const world *w, const sl_subpath *eye, const sl_subpath *light,
+                                  uint32_t packet, tally *so_far) {
     sl_connection c;
     double x, y;
     for (unsigned s = 2; s <= light->count; s++) {
-        if (light->vertex[s - 1].kind == SL_VERTEX_SURFACE && sl_connect_camera(&w->maker, light->vertex, s, &c, &x, &y)) {
+        if (light->vertex[s - 1].kind == SL_VERTEX_SURFACE &&
+            sl_connect_camera(&w->maker, light->vertex, s, &c, &x, &y)) {
             check_weight(w, &c, so_far);
         }
     }
@@ -243,13 +271,14 @@ static void check_weights_of_pair(const world *w, const sl_subpath *eye, const s
         if (sl_connect_nothing(&w->maker, eye->vertex, t, &c)) check_weight(w, &c, so_far);
         if (eye->vertex[t - 1].kind != SL_VERTEX_SURFACE) continue;
         sl_light_sample sample;
-        if (sl_light_sampler_sample(w->lights, eye->vertex[t - 1].origin, sl_random_unit(t, packet), sl_random_unit(7, packet),
-                                    sl_random_unit(8, packet), &sample) &&
+        if (sl_light_sampler_sample(w->lights, eye->vertex[t - 1].origin, sl_random_unit(t, packet),
+                                    sl_random_unit(7, packet), sl_random_unit(8, packet), &sample) &&
             sl_connect_light(&w->maker, eye->vertex, t, &sample, &c)) {
             check_weight(w, &c, so_far);
         }
         for (unsigned s = 2; s <= light->count; s++) {
-            if (light->vertex[s - 1].kind == SL_VERTEX_SURFACE && sl_connect_walks(&w->maker, eye->vertex, t, light->vertex, s, &c)) {
+            if (light->vertex[s - 1].kind == SL_VERTEX_SURFACE &&
+                sl_connect_walks(&w->maker, eye->vertex, t, light->vertex, s, &c)) {
                 check_weight(w, &c, so_far);
             }
         }
@@ -268,27 +297,30 @@ static void the_shares_of_all_ways_are_those_of_their_densities_and_sum_to_one(v
             uint64_t key[SL_PACKET];
             uint32_t index[SL_PACKET];
             walk_both(w, packet, key, index);
-            for (unsigned k = 0; k < SL_PACKET; k++) check_weights_of_pair(w, &w->eye[k], &w->light[k], packet, &so_far);
+            for (unsigned k = 0; k < SL_PACKET; k++)
+                check_weights_of_pair(w, &w->eye[k], &w->light[k], packet, &so_far);
         }
         if (i < 7) {
-            print_message("lights %2u: %u connections, up to %u vertices, mirrors on them %u\n", lights[i], so_far.checked,
-                          so_far.longest, so_far.of_mirrors);
+            print_message("lights %2u: %u connections, up to %u vertices, mirrors on them %u\n", lights[i],
+                          so_far.checked, so_far.longest, so_far.of_mirrors);
         }
         assert_true(so_far.checked > 500 && so_far.longest >= 6 && so_far.of_mirrors > 50);
         close_world(w);
     }
 }
 
-/* ---- each way on its own ------------------------------------------------------------------------------------------------- */
+/* ---- each way on its own --------------------------------------------------------------------- */
 
 enum { LAST_MAX = 4, BATCHES = 16 };
 
 typedef struct ways {
-    double alone[LAST_MAX + 1][LAST_MAX + 2][BATCHES], shared[LAST_MAX + 1][BATCHES]; /* [m][t]: mean radiance of the film */
+    /* [m][t]: mean radiance of the film */
+    double alone[LAST_MAX + 1][LAST_MAX + 2][BATCHES], shared[LAST_MAX + 1][BATCHES];
     unsigned batch;
 } ways;
 
-static void receive(void *context, unsigned lane, unsigned s, unsigned t, double x, double y, sl_rgb radiance, double weight) {
+static void receive(void *context, unsigned lane, unsigned s, unsigned t, double x, double y, sl_rgb radiance,
+                    double weight) {
     ways *all = context;
     (void)lane, (void)x, (void)y;
     unsigned last = s + t - 1;
@@ -322,7 +354,8 @@ static void gather_ways(world *w, uint32_t packets, ways *all) {
             /* Lane i's points are one sequence, the batches are its lanes. */
             all->batch = i;
             const sl_path_receiver receiver = {all, receive};
-            sl_connect_all(&w->maker, 1, &eye[i], &light[i], &light_count[i], &key[i], &index[i], &receiver, &w->counters);
+            sl_connect_all(&w->maker, 1, &eye[i], &light[i], &light_count[i], &key[i], &index[i], &receiver,
+                           &w->counters);
         }
     }
     for (int b = 0; b < BATCHES; b++) {
@@ -333,8 +366,9 @@ static void gather_ways(world *w, uint32_t packets, ways *all) {
     }
 }
 
-/* Paths of one length: every way that can make all of them has their whole light alone, and so has the weighted sum of all. A connection
- * of near vertices is noisy without its weight: a way may be off by five of its errors and is tried only where these are small. */
+/* Paths of one length: every way that can make all of them has their whole light alone, and so has the
+ * weighted sum of all. A connection of near vertices is noisy without its weight: a way may be off by five of
+ * its errors and is tried only where these are small. */
 static void check_ways(const char *what, const ways *all, bool delta) {
     unsigned tried = 0;
     for (unsigned last = 2; last <= LAST_MAX; last++) {
@@ -343,11 +377,12 @@ static void check_ways(const char *what, const ways *all, bool delta) {
         for (unsigned t = 1; t <= last + (delta ? 0 : 1); t++) {
             double error, alone = mean_of_batches(all->alone[last][t], &error);
             bool noisy = error > 0.12 * shared;
-            print_message("%s: s = %u, t = %u alone %.5f +- %.5f, all %.5f +- %.5f%s\n", what, last + 1 - t, t, alone, error, shared,
-                          shared_error, noisy ? " (noisy)" : "");
+            print_message("%s: s = %u, t = %u alone %.5f +- %.5f, all %.5f +- %.5f%s\n", what, last + 1 - t,
+                          t, alone, error, shared, shared_error, noisy ? " (noisy)" : "");
             if (noisy) continue;
             tried++;
-            if (!(fabs(alone - shared) < 5.0 * sqrt(error * error + shared_error * shared_error))) fail_msg("another mean");
+            if (!(fabs(alone - shared) < 5.0 * sqrt(error * error + shared_error * shared_error)))
+                fail_msg("another mean");
         }
         assert_true(shared_error < (SLOW ? 0.1 : 0.02) * shared);
     }
@@ -360,8 +395,8 @@ static void every_way_alone_has_all_the_light_of_its_length(void **unused) {
         const char *what;
         unsigned lights;
         bool delta;
-    } cases[] = {{"lamp", 1, false}, {"two-sided lamp", 33, false}, {"point", 2, true}, {"spot", 4, true}, {"distant light", 8, true},
-                 {"sky", 16, false}};
+    } cases[] = {{"lamp", 1, false}, {"two-sided lamp", 33, false}, {"point", 2, true},
+                 {"spot", 4, true},  {"distant light", 8, true},    {"sky", 16, false}};
     sl_transport full = transport_of("full");
     full.emission = false;
     for (int i = 0; i < 6; i++) {
@@ -374,7 +409,8 @@ static void every_way_alone_has_all_the_light_of_its_length(void **unused) {
     }
 }
 
-/* With mirrors no way can make all paths but that of hitting the lamp by chance (s = 0): it has what the sum has. */
+/* With mirrors no way can make all paths but that of hitting the lamp by chance (s = 0): it has what the sum
+ * has. */
 static void with_mirrors_all_ways_together_are_plain_path_tracing(void **unused) {
     (void)unused;
     sl_transport full = transport_of("full");
@@ -387,7 +423,8 @@ static void with_mirrors_all_ways_together_are_plain_path_tracing(void **unused)
         for (unsigned last = 2; last <= LAST_MAX; last++) {
             double error, shared_error, alone = mean_of_batches(all->alone[last][last + 1], &error);
             double shared = mean_of_batches(all->shared[last], &shared_error);
-            print_message("lights %u, %u edges: by chance %.5f +- %.5f, all %.5f +- %.5f\n", lights[i], last, alone, error, shared, shared_error);
+            print_message("lights %u, %u edges: by chance %.5f +- %.5f, all %.5f +- %.5f\n", lights[i], last,
+                          alone, error, shared, shared_error);
             assert_true(fabs(alone - shared) < 4.5 * sqrt(error * error + shared_error * shared_error));
             assert_true(error < (SLOW ? 0.3 : 0.1) * shared);
         }

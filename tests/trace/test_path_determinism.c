@@ -17,14 +17,17 @@ enum { WIDTH = 61, HEIGHT = 43, PIXELS = WIDTH * HEIGHT, SAMPLES = 6 };
 /* Diffuse, glossy and mirror surfaces, every kind of light, a bumpy ball. */
 static sl_scene *rich_scene(void) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0), glossy = trace_mesh_material(&mesh, 0.2f, 0.5f, 40, 0, 0);
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 9.0f);
+    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0),
+             glossy = trace_mesh_material(&mesh, 0.2f, 0.5f, 40, 0, 0);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
+             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 9.0f);
     trace_mesh_quad(&mesh, sl_v3(-3, -1, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0), wall);
     trace_mesh_quad(&mesh, sl_v3(-3, -1, -3), sl_v3(6, 0, 0), sl_v3(0, 4, 0), mirror);
     trace_mesh_sphere(&mesh, sl_v3(0.4f, 0, 0), 0.9f, 12, 0.2f, false, glossy);
     trace_mesh_quad(&mesh, sl_v3(-1, 2.5f, -1), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {2, 2, 2}, .intensity = {3, 2, 1}};
-    mesh.lights[1] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, -0.8f}, .intensity = {0.5f, 0.5f, 0.7f}};
+    mesh.lights[1] = (sl_light){
+        .type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, -0.8f}, .intensity = {0.5f, 0.5f, 0.7f}};
     mesh.light_count = 2;
     sl_environment sky = {.present = true, .constant = {0.1f, 0.15f, 0.3f}};
     mesh.environment = &sky;
@@ -38,7 +41,8 @@ typedef struct picture {
     sl_counters counters;
 } picture;
 
-static picture *render(const sl_scene *scene, const char *transport, unsigned threads, uint64_t seed, bool backwards) {
+static picture *render(const sl_scene *scene, const char *transport, unsigned threads, uint64_t seed,
+                       bool backwards) {
     picture *p = calloc(1, sizeof *p);
     sl_tracer *tracer;
     sl_path_tracer *path;
@@ -47,7 +51,8 @@ static picture *render(const sl_scene *scene, const char *transport, unsigned th
     assert_int_equal(sl_tracer_create(scene, threads, NULL, &tracer, NULL), SL_OK);
     assert_int_equal(sl_path_tracer_create(scene, tracer, &settings, &path, NULL), SL_OK);
     for (uint64_t i = 0; i < SAMPLES; i++) {
-        assert_int_equal(sl_path_tracer_sample(path, backwards ? SAMPLES - 1 - i : i, &p->counters, NULL), SL_OK);
+        assert_int_equal(sl_path_tracer_sample(path, backwards ? SAMPLES - 1 - i : i, &p->counters, NULL),
+                         SL_OK);
     }
     for (int half = -1; half < 2; half++) {
         float *plane = p->planes[half + 1];
@@ -83,12 +88,13 @@ static void threads_and_instruction_sets_change_no_bit(void **unused) {
     sl_scene_destroy(scene);
 }
 
-/* Another seed gives another picture, the same seed the same, in whatever order the samples are taken, up to the rounding of
- * the sums. */
+/* Another seed gives another picture, the same seed the same, in whatever order the samples are taken, up to
+ * the rounding of the sums. */
 static void the_seed_and_nothing_else_chooses_the_samples(void **unused) {
     (void)unused;
     sl_scene *scene = rich_scene();
-    picture *a = render(scene, "full", 2, 5, false), *b = render(scene, "full", 2, 6, false), *c = render(scene, "full", 2, 5, true);
+    picture *a = render(scene, "full", 2, 5, false), *b = render(scene, "full", 2, 6, false),
+            *c = render(scene, "full", 2, 5, true);
     size_t differ = 0;
     for (int i = 0; i < 3 * PIXELS; i++) {
         differ += a->planes[0][i] != b->planes[0][i];
@@ -104,7 +110,8 @@ static void the_seed_and_nothing_else_chooses_the_samples(void **unused) {
     sl_scene_destroy(scene);
 }
 
-/* The mean of all is the mean of the halves; and the halves' errors are not correlated, so that their difference is the noise. */
+/* The mean of all is the mean of the halves; and the halves' errors are not correlated, so that their
+ * difference is the noise. */
 static void the_two_halves_are_independent(void **unused) {
     (void)unused;
     sl_scene *scene = rich_scene();
@@ -119,7 +126,8 @@ static void the_two_halves_are_independent(void **unused) {
     }
     double covariance = 0.0, variance = 0.0;
     for (int i = 0; i < 3 * PIXELS; i++) {
-        assert_true(fabsf(p->planes[0][i] - 0.5f * (p->planes[1][i] + p->planes[2][i])) <= 1e-5f * p->planes[0][i]);
+        assert_true(fabsf(p->planes[0][i] - 0.5f * (p->planes[1][i] + p->planes[2][i])) <=
+                    1e-5f * p->planes[0][i]);
         double even = (double)p->planes[1][i] - mean[i], odd = (double)p->planes[2][i] - mean[i];
         covariance += even * odd;
         variance += 0.5 * (even * even + odd * odd);
@@ -131,7 +139,8 @@ static void the_two_halves_are_independent(void **unused) {
     sl_scene_destroy(scene);
 }
 
-/* Every elementary interval of area 1/32 holds one of 32 points, in the pair of dimensions that is used together. */
+/* Every elementary interval of area 1/32 holds one of 32 points, in the pair of dimensions that is used
+ * together. */
 static void pairs_are_well_spread_at_every_scale(void **unused) {
     (void)unused;
     static sl_sequence sequence;
@@ -143,7 +152,8 @@ static void pairs_are_well_spread_at_every_scale(void **unused) {
                 float p[3];
                 sl_sequence_point(&sequence, 77, set, i, p);
                 for (int d = 0; d < 3; d++) assert_true(p[d] >= 0.0f && p[d] < 1.0f);
-                uint32_t column = (uint32_t)(p[0] * (float)(1 << m)), row = (uint32_t)(p[1] * (float)(1 << (5 - m)));
+                uint32_t column = (uint32_t)(p[0] * (float)(1 << m)),
+                         row = (uint32_t)(p[1] * (float)(1 << (5 - m)));
                 hit |= 1u << (column << (5 - m) | row);
             }
             assert_int_equal(hit, UINT32_MAX);

@@ -1,5 +1,6 @@
-/* Our path tracer against other renderers' pictures and figures of the Cornell box. The box is built here from its published
- * measurements; patch means are those of Radiance (exhaustive), Cycles and pbrt, which agree within their noise. */
+/* Our path tracer against other renderers' pictures and figures of the Cornell box. The box is built here
+ * from its published measurements; patch means are those of Radiance (exhaustive), Cycles and pbrt, which
+ * agree within their noise. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -25,15 +26,18 @@ static const char mask_file[] = "../shared/refs/cornell512_mask.pfm";
 /* Corners as published, each face a quadrilateral a b c d whose front is given by the order. */
 static void add_face(trace_mesh *mesh, const float corners[12], uint32_t material) {
     uint32_t v[4];
-    for (int k = 0; k < 4; k++) v[k] = trace_mesh_vertex(mesh, corners[3 * k], corners[3 * k + 1], corners[3 * k + 2]);
+    for (int k = 0; k < 4; k++)
+        v[k] = trace_mesh_vertex(mesh, corners[3 * k], corners[3 * k + 1], corners[3 * k + 2]);
     trace_mesh_triangle(mesh, v[0], v[1], v[2], material);
     trace_mesh_triangle(mesh, v[0], v[2], v[3], material);
 }
 
 static sl_scene *cornell_box(void) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.73f, 0, 0, 0, 0), red = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
-    uint32_t green = trace_mesh_material(&mesh, 0, 0, 0, 0, 0), light = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    uint32_t white = trace_mesh_material(&mesh, 0.73f, 0, 0, 0, 0),
+             red = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    uint32_t green = trace_mesh_material(&mesh, 0, 0, 0, 0, 0),
+             light = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
     mesh.materials[red].diffuse = (sl_rgb){0.63f, 0.065f, 0.05f};
     mesh.materials[green].diffuse = (sl_rgb){0.14f, 0.45f, 0.091f};
     mesh.materials[light].emission = (sl_rgb){17.0f, 12.0f, 4.0f};
@@ -62,7 +66,8 @@ static sl_scene *cornell_box(void) {
     for (int i = 0; i < 10; i++) add_face(&mesh, boxes[i], white);
     add_face(&mesh, lamp, light);
     mesh.has_camera = true;
-    assert_true(sl_camera_look_at(&mesh.camera, sl_v3(278, 273, -800), sl_v3(278, 273, 0), sl_v3(0, 1, 0), 0.68591440f));
+    assert_true(sl_camera_look_at(&mesh.camera, sl_v3(278, 273, -800), sl_v3(278, 273, 0), sl_v3(0, 1, 0),
+                                  0.68591440f));
     return trace_mesh_build(&mesh);
 }
 
@@ -83,7 +88,8 @@ static picture render_picture(const sl_scene *scene, const char *transport) {
     assert_true(sl_transport_named(transport, &settings.transport));
     assert_int_equal(sl_tracer_create(scene, 2, NULL, &tracer, NULL), SL_OK);
     assert_int_equal(sl_path_tracer_create(scene, tracer, &settings, &path, NULL), SL_OK);
-    for (uint64_t i = 0; i < SAMPLES; i++) assert_int_equal(sl_path_tracer_sample(path, i, &p.counters, NULL), SL_OK);
+    for (uint64_t i = 0; i < SAMPLES; i++)
+        assert_int_equal(sl_path_tracer_sample(path, i, &p.counters, NULL), SL_OK);
     sl_path_tracer_mean(path, -1, p.plane[0], p.plane[1], p.plane[2]);
     for (int h = 0; h < 2; h++) sl_path_tracer_mean(path, h, p.half[h][0], p.half[h][1], p.half[h][2]);
     sl_path_tracer_destroy(path);
@@ -123,8 +129,8 @@ static const struct patch {
     {"short box, front", 310, 409, 4, {.00879, .00486, .00160}, {.01363, .00645, .00195}},
 };
 
-/* A patch agrees within four of our standard errors, estimated from the two halves over all patches of its size, and a
- * part in a hundred and fifty for their own noise. */
+/* A patch agrees within four of our standard errors, estimated from the two halves over all patches of its
+ * size, and a part in a hundred and fifty for their own noise. */
 static void check_patches(const picture *p, bool full) {
     for (size_t i = 0; i < sizeof patches / sizeof *patches; i++) {
         const struct patch *q = &patches[i];
@@ -144,7 +150,8 @@ static void check_patches(const picture *p, bool full) {
             low[c] = expected - 4.0 * error - expected / 150.0 - 1e-5;
             high[c] = expected + 4.0 * error + expected / 150.0 + 1e-5;
             if (!(mean[c] > low[c] && mean[c] < high[c])) {
-                fail_msg("%s, channel %d: %.5f, expected %.5f +- %.5f", q->name, c, mean[c], expected, high[c] - expected);
+                fail_msg("%s, channel %d: %.5f, expected %.5f +- %.5f", q->name, c, mean[c], expected,
+                         high[c] - expected);
             }
         }
     }
@@ -165,7 +172,8 @@ static float *read_pfm(const char *name, int channels) {
     for (int y = SIZE - 1; y >= 0; y--) {
         assert_int_equal(fread(row, sizeof(float) * (size_t)stored, SIZE, file), SIZE);
         for (int x = 0; x < SIZE; x++) {
-            for (int c = 0; c < channels; c++) values[c * PIXELS + y * SIZE + x] = row[stored * x + (c < stored ? c : 0)];
+            for (int c = 0; c < channels; c++)
+                values[c * PIXELS + y * SIZE + x] = row[stored * x + (c < stored ? c : 0)];
         }
     }
     fclose(file);
@@ -184,14 +192,15 @@ static void check_masked_means(const picture *p, const double expected[3]) {
             sum += (double)mask[i] * (double)p->plane[c][i];
             weight += (double)mask[i];
         }
-        print_message("masked mean, channel %d: %.6f, expected %.5f (%+.3f %%)\n", c, sum / weight, expected[c],
-                      100.0 * (sum / weight / expected[c] - 1.0));
+        print_message("masked mean, channel %d: %.6f, expected %.5f (%+.3f %%)\n", c, sum / weight,
+                      expected[c], 100.0 * (sum / weight / expected[c] - 1.0));
         assert_true(fabs(sum / weight / expected[c] - 1.0) < 0.003);
     }
     free(mask);
 }
 
-/* mean((ours - R1)(ours - R2)) cancels the references' own noise; what is left is ours, which the halves tell too. */
+/* mean((ours - R1)(ours - R2)) cancels the references' own noise; what is left is ours, which the halves tell
+ * too. */
 static void check_picture(const picture *p, const char *first, const char *second) {
     float *mask = read_pfm(mask_file, 1), *r1 = read_pfm(first, 3), *r2 = read_pfm(second, 3);
     if (mask && r1 && r2) {
@@ -199,7 +208,8 @@ static void check_picture(const picture *p, const char *first, const char *secon
         for (int c = 0; c < 3; c++) {
             for (int i = 0; i < PIXELS; i++) {
                 if (mask[i] < 0.5f) continue;
-                double b = 0.5 * (double)(r1[c * PIXELS + i] + r2[c * PIXELS + i]), a = (double)p->plane[c][i];
+                double b = 0.5 * (double)(r1[c * PIXELS + i] + r2[c * PIXELS + i]),
+                       a = (double)p->plane[c][i];
                 double d = 0.5 * (double)(p->half[0][c][i] - p->half[1][c][i]);
                 error += (a - (double)r1[c * PIXELS + i]) * (a - (double)r2[c * PIXELS + i]) / (b * b + 0.01);
                 noise += d * d / (b * b + 0.01);
@@ -223,7 +233,8 @@ static void cornell_box_with_one_bounce_agrees_with_three_renderers(void **unuse
     static const double expected[3] = {.0786, .0497, .01295};
     check_patches(&p, false);
     check_masked_means(&p, expected);
-    check_picture(&p, "../shared/refs/cornell512_1b_pbrt2048.pfm", "../shared/refs/cornell512_1b_cycles256.pfm");
+    check_picture(&p, "../shared/refs/cornell512_1b_pbrt2048.pfm",
+                  "../shared/refs/cornell512_1b_cycles256.pfm");
     assert_int_equal(p.counters.value[SL_COUNT_SAMPLES], (uint64_t)PIXELS * SAMPLES);
     assert_int_equal(p.counters.value[SL_COUNT_NONFINITE], 0);
     free_picture(&p);
@@ -237,7 +248,8 @@ static void cornell_box_with_all_bounces_agrees_with_three_renderers(void **unus
     static const double expected[3] = {.10605, .06456, .01559};
     check_patches(&p, true);
     check_masked_means(&p, expected);
-    check_picture(&p, "../shared/refs/cornell512_full_pbrt256.pfm", "../shared/refs/cornell512_full_cycles256.pfm");
+    check_picture(&p, "../shared/refs/cornell512_full_pbrt256.pfm",
+                  "../shared/refs/cornell512_full_cycles256.pfm");
     free_picture(&p);
     sl_scene_destroy(scene);
 }

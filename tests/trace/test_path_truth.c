@@ -1,5 +1,5 @@
-/* The path tracer where the answer is known in closed form. Every mean has to lie within four and a half of its own standard
- * errors, which have to be small. */
+/* The path tracer where the answer is known in closed form. Every mean has to lie within four and a half of
+ * its own standard errors, which have to be small. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -23,7 +23,8 @@ static sl_transport transport_of(const char *name) {
     return transport;
 }
 
-static measurement measure(const sl_scene *scene, sl_transport transport, sl_vec3 origin, sl_vec3 direction, unsigned samples) {
+static measurement measure(const sl_scene *scene, sl_transport transport, sl_vec3 origin, sl_vec3 direction,
+                           unsigned samples) {
     sl_tracer *tracer;
     sl_path_tracer *path;
     sl_path_settings settings = {.width = 1, .height = 1, .threads = 1, .seed = 3, .transport = transport};
@@ -61,9 +62,11 @@ static measurement measure(const sl_scene *scene, sl_transport transport, sl_vec
 
 /* model: what the scene's tessellation or the table's digits may be off by, relatively. */
 static void check(measurement m, double expected, double model) {
-    if (!(m.error <= 0.006 * fabs(expected) + 1e-12)) fail_msg("%g +- %g is too noisy for a test", m.mean, m.error);
+    if (!(m.error <= 0.006 * fabs(expected) + 1e-12))
+        fail_msg("%g +- %g is too noisy for a test", m.mean, m.error);
     double tolerance = 4.5 * m.error + (model + 2e-5) * fabs(expected);
-    if (!(fabs(m.mean - expected) <= tolerance)) fail_msg("%.6g +- %.2g, expected %.6g", m.mean, m.error, expected);
+    if (!(fabs(m.mean - expected) <= tolerance))
+        fail_msg("%.6g +- %.2g, expected %.6g", m.mean, m.error, expected);
 }
 
 static void furnace_radiance_is_the_geometric_series(void **unused) {
@@ -89,36 +92,41 @@ static void furnace_radiance_is_the_geometric_series(void **unused) {
     sl_scene_destroy(scene);
 }
 
-/* The kernel is constant inside a sphere, so light that went round once arrives evenly: E = rho Phi / (4 pi R^2), from wherever
- * the light is and wherever it is measured. */
+/* The kernel is constant inside a sphere, so light that went round once arrives evenly: E = rho Phi / (4 pi
+ * R^2), from wherever the light is and wherever it is measured. */
 static void integrating_sphere_has_constant_indirect_irradiance(void **unused) {
     (void)unused;
     const double albedo = 0.5, radius = 2.0, intensity = 3.0;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t wall = trace_mesh_material(&mesh, (float)albedo, 0, 0, 0, 0);
     trace_mesh_sphere(&mesh, sl_v3(1, 0, 0), (float)radius, 80, 0.0f, true, wall);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {1.8f, 0.4f, 0.2f}, .intensity = sl_grey((float)intensity)};
+    mesh.lights[0] = (sl_light){
+        .type = SL_LIGHT_POINT, .position = {1.8f, 0.4f, 0.2f}, .intensity = sl_grey((float)intensity)};
     mesh.light_count = 1;
     sl_scene *scene = trace_mesh_build(&mesh);
     double irradiance = albedo * 4.0 * SL_PI * intensity / (4.0 * SL_PI * radius * radius);
-    /* At the middles of three of the sphere's quadrilaterals, where the facets' normals point to the centre. */
+    /* At the middles of three of the sphere's quadrilaterals, where the facets' normals point to the centre.
+     */
     static const double rings[] = {40.5, 22.5, 61.5}, columns[] = {3.5, 77.5, 120.5};
     for (int i = 0; i < 3; i++) {
         double theta = SL_PI * rings[i] / 80.0, phi = SL_PI * columns[i] / 80.0;
-        sl_vec3 direction = sl_v3((float)(sl_sin(theta) * sl_cos(phi)), (float)sl_cos(theta), -(float)(sl_sin(theta) * sl_sin(phi)));
+        sl_vec3 direction = sl_v3((float)(sl_sin(theta) * sl_cos(phi)), (float)sl_cos(theta),
+                                  -(float)(sl_sin(theta) * sl_sin(phi)));
         sl_transport transport = transport_of("one-bounce");
         transport.direct_lobes = 0;
         check(measure(scene, transport, sl_v3(1, 0, 0), direction, 2000), albedo * irradiance / SL_PI, 2e-3);
         /* All but direct light: the series of rho. */
         transport.bounces = SL_BOUNCES_UNLIMITED;
-        check(measure(scene, transport, sl_v3(1, 0, 0), direction, 2000), albedo * irradiance / (1.0 - albedo) / SL_PI, 3e-3);
+        check(measure(scene, transport, sl_v3(1, 0, 0), direction, 2000),
+              albedo * irradiance / (1.0 - albedo) / SL_PI, 3e-3);
     }
     sl_scene_destroy(scene);
 }
 
 static sl_scene *floor_under_light(sl_vec3 corner, sl_vec3 a, sl_vec3 b, float radiance) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), light = trace_mesh_material(&mesh, 0, 0, 0, 0, radiance);
+    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
+             light = trace_mesh_material(&mesh, 0, 0, 0, 0, radiance);
     trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), floor);
     trace_mesh_quad(&mesh, corner, a, b, light);
     return trace_mesh_build(&mesh);
@@ -126,7 +134,8 @@ static sl_scene *floor_under_light(sl_vec3 corner, sl_vec3 a, sl_vec3 b, float r
 
 static void direct_light_on_a_floor_is_the_polygon_formula(void **unused) {
     (void)unused;
-    sl_scene *scene = floor_under_light(sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), 5.0f);
+    sl_scene *scene =
+        floor_under_light(sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), 5.0f);
     sl_vec3 eye = sl_v3(0.35f, 0.2f, 1.0f), down = sl_v3(0, 0, -1);
     check(measure(scene, transport_of("direct"), eye, down, 2000), 0.8 / SL_PI * 4.643140759564, 0);
     /* Nothing else is lit here, so more bounces add nothing. */
@@ -134,7 +143,8 @@ static void direct_light_on_a_floor_is_the_polygon_formula(void **unused) {
     sl_scene_destroy(scene);
     /* A vanishing light: E = L A / d^2. A light that fills the sky: E = pi L. */
     scene = floor_under_light(sl_v3(-5e-5f, -5e-5f, 2.0f), sl_v3(0, 1e-4f, 0), sl_v3(1e-4f, 0, 0), 1e8f);
-    check(measure(scene, transport_of("direct"), sl_v3(0, 0, 1), down, 64), 0.8 / SL_PI * 1e8 * 1e-8 / 4.0, 1e-4);
+    check(measure(scene, transport_of("direct"), sl_v3(0, 0, 1), down, 64), 0.8 / SL_PI * 1e8 * 1e-8 / 4.0,
+          1e-4);
     sl_scene_destroy(scene);
     scene = floor_under_light(sl_v3(-1e4f, -1e4f, 2.0f), sl_v3(0, 2e4f, 0), sl_v3(2e4f, 0, 0), 3.0f);
     check(measure(scene, transport_of("direct"), sl_v3(0, 0, 1), down, 2000), 0.8 * 3.0, 1e-4);
@@ -150,7 +160,8 @@ static void a_plane_under_a_constant_sky_reflects_its_albedo(void **unused) {
     trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), floor);
     sl_scene *scene = trace_mesh_build(&mesh);
     check(measure(scene, transport_of("full"), sl_v3(0, 0, 1), sl_v3(0.2f, 0.1f, -1), 1000), 1.4, 0);
-    check(measure(scene, transport_of("full"), sl_v3(0, 0, -1), sl_v3(0.2f, 0.1f, 1), 1000), 1.4, 0); /* both sides reflect */
+    /* both sides reflect */
+    check(measure(scene, transport_of("full"), sl_v3(0, 0, -1), sl_v3(0.2f, 0.1f, 1), 1000), 1.4, 0);
     check(measure(scene, transport_of("direct"), sl_v3(0, 0, 1), sl_v3(0, 0.1f, 1), 16), 2.0, 0);
     sl_transport unseen = transport_of("direct");
     unseen.emission = false;
@@ -161,7 +172,8 @@ static void a_plane_under_a_constant_sky_reflects_its_albedo(void **unused) {
 /* Under a sky of radiance 1 a surface shows its directional albedo. */
 static void phong_lobe_has_its_directional_albedo(void **unused) {
     (void)unused;
-    static const double albedo[] = {1.0000, 0.9659, 0.8660, 0.7071, 0.5005, 0.2712}; /* n = 20, in steps of 15 degrees */
+    /* n = 20, in steps of 15 degrees */
+    static const double albedo[] = {1.0000, 0.9659, 0.8660, 0.7071, 0.5005, 0.2712};
     trace_mesh mesh = trace_mesh_begin();
     uint32_t glossy = trace_mesh_material(&mesh, 0, 1.0f, 20.0f, 0, 0);
     sl_environment sky = {.present = true, .constant = {1, 1, 1}};
@@ -210,9 +222,11 @@ static void the_mixture_of_lobes_is_their_sum(void **unused) {
 static void mirrors_are_followed_where_the_transport_says(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0), light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0),
+             light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    /* A light that faces up, a mirror above it that faces down, a floor that only the mirror's image of the light shines on. */
+    /* A light that faces up, a mirror above it that faces down, a floor that only the mirror's image of the
+     * light shines on. */
     trace_mesh_quad(&mesh, sl_v3(3, -0.5f, 1), sl_v3(1, 0, 0), sl_v3(0, 1, 0), light);
     trace_mesh_quad(&mesh, sl_v3(-20, -20, 2), sl_v3(0, 40, 0), sl_v3(40, 0, 0), mirror);
     trace_mesh_quad(&mesh, sl_v3(-20, -20, 0), sl_v3(40, 0, 0), sl_v3(0, 40, 0), floor);
@@ -246,7 +260,8 @@ static void mirrors_are_followed_where_the_transport_says(void **unused) {
 static void a_closed_box_of_perfect_mirrors_ends(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 1.0f, 0), light = trace_mesh_material(&mesh, 0, 0, 0, 0, 2.0f);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 1.0f, 0),
+             light = trace_mesh_material(&mesh, 0, 0, 0, 0, 2.0f);
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, mirror);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, 0.999f), sl_v3(0, 2, 0), sl_v3(2, 0, 0), light);
     sl_scene *scene = trace_mesh_build(&mesh);
@@ -258,7 +273,8 @@ static void a_closed_box_of_perfect_mirrors_ends(void **unused) {
 static void direct_light_without_visibility_passes_blockers(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
+             light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     uint32_t black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
@@ -275,7 +291,8 @@ static void direct_light_without_visibility_passes_blockers(void **unused) {
 /* A floor that sees a lit ceiling, with or without a black screen between them. */
 static sl_scene *floor_and_lit_ceiling(bool screen) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    uint32_t white = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
+             black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), white);
     trace_mesh_quad(&mesh, sl_v3(-3, -3, 2), sl_v3(0, 6, 0), sl_v3(6, 0, 0), white);
     if (screen) trace_mesh_quad(&mesh, sl_v3(-50, -50, 1), sl_v3(100, 0, 0), sl_v3(0, 100, 0), black);

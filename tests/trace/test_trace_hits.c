@@ -1,4 +1,5 @@
-/* Which triangle a ray hits, and that it is the same everywhere: on every instruction set, in every company. */
+/* Which triangle a ray hits, and that it is the same everywhere: on every instruction set, in every company.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -34,8 +35,10 @@ static sl_scene *bumpy_sphere(unsigned rings, sl_vec3 centre, float radius) {
 /* Rays from inside the sphere, in turn at vertices, at points of edges and at points of triangles. */
 static ray aimed_ray(const sl_scene *scene, sl_vec3 centre, float radius, size_t i) {
     float span = radius * 0.4f;
-    sl_vec3 origin = sl_add(centre, sl_v3(span * (number(1, i) - 0.5f), span * (number(2, i) - 0.5f), span * (number(3, i) - 0.5f)));
-    uint32_t triangle = (uint32_t)(number(4, i) * (float)scene->triangle_count) % (uint32_t)scene->triangle_count;
+    sl_vec3 origin = sl_add(centre, sl_v3(span * (number(1, i) - 0.5f), span * (number(2, i) - 0.5f),
+                                          span * (number(3, i) - 0.5f)));
+    uint32_t triangle =
+        (uint32_t)(number(4, i) * (float)scene->triangle_count) % (uint32_t)scene->triangle_count;
     sl_vec3 p[3];
     for (int k = 0; k < 3; k++) p[k] = sl_scene_position(scene, scene->vertex[k][triangle]);
     sl_vec3 target = p[i % 3];
@@ -63,7 +66,8 @@ static void put_ray(sl_ray16 *packet, unsigned lane, ray r, float far) {
     packet->skip[lane] = SL_NO_INDEX;
 }
 
-static void trace_all(const sl_tracer *tracer, const ray *rays, size_t count, unsigned width, bool coherent, hit *hits) {
+static void trace_all(const sl_tracer *tracer, const ray *rays, size_t count, unsigned width, bool coherent,
+                      hit *hits) {
     sl_counters counters = {{0}};
     for (size_t first = 0; first < count; first += width) {
         unsigned n = count - first < width ? (unsigned)(count - first) : width;
@@ -71,7 +75,8 @@ static void trace_all(const sl_tracer *tracer, const ray *rays, size_t count, un
         sl_hit16 found;
         for (unsigned i = 0; i < n; i++) put_ray(&packet, i, rays[first + i], INFINITY);
         sl_trace(tracer, &packet, n, coherent, &found, &counters);
-        for (unsigned i = 0; i < n; i++) hits[first + i] = (hit){found.t[i], found.w1[i], found.w2[i], found.triangle[i]};
+        for (unsigned i = 0; i < n; i++)
+            hits[first + i] = (hit){found.t[i], found.w1[i], found.w2[i], found.triangle[i]};
     }
     assert_int_equal(counters.value[SL_COUNT_RAYS], count);
 }
@@ -121,7 +126,8 @@ static void every_instruction_set_and_packet_shape_gives_the_same_bits(void **un
 
 static void a_closed_mesh_is_never_missed_from_inside(void **unused) {
     (void)unused;
-    static const sl_vec3 centres[] = {{0, 0, 0}, {1000.0f, -3000.0f, 500.0f}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    static const sl_vec3 centres[] = {{0, 0, 0}, {1000.0f, -3000.0f, 500.0f}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0},
+                                      {0, 0, 0}};
     static const float radii[] = {1.0f, 3.0f, 1e-6f, 1e12f, 1e-15f, 1e25f};
     for (int scale = 0; scale < 6; scale++) {
         sl_scene *scene = bumpy_sphere(30, centres[scale], radii[scale]);
@@ -158,7 +164,8 @@ static hit nearest_of_all(const sl_scene *scene, ray r) {
             corners.p[2][k] = p.z;
         }
         sl_candidates c;
-        if (sl_triangle_test_baseline(&state, &corners, &valid, &id, 1, &c) && c.t[0] > 0.0f && c.t[0] < best.t) {
+        if (sl_triangle_test_baseline(&state, &corners, &valid, &id, 1, &c) && c.t[0] > 0.0f &&
+            c.t[0] < best.t) {
             best = (hit){c.t[0], c.w1[0], c.w2[0], t};
         }
     }
@@ -205,7 +212,8 @@ static void occlusion_agrees_with_the_closest_hit(void **unused) {
             for (unsigned i = 0; i < 16; i++) put_ray(&packet, i, rays[first + i], INFINITY);
             sl_trace(tracer, &packet, 16, false, &hits, &counters);
             /* The end is open: no hit at far itself, one where far is the next float. */
-            for (unsigned i = 0; i < 16; i++) packet.far[i] = i % 2 ? hits.t[i] : nextafterf(hits.t[i], INFINITY);
+            for (unsigned i = 0; i < 16; i++)
+                packet.far[i] = i % 2 ? hits.t[i] : nextafterf(hits.t[i], INFINITY);
             uint32_t expected = 0x5555;
             assert_int_equal(sl_trace_occluded(tracer, &packet, 16, c == 1, &counters), expected);
             assert_int_equal(sl_trace_occluded(tracer, &packet, 7, c == 1, &counters), expected & 0x7f);
@@ -237,7 +245,8 @@ static void equal_distances_go_to_the_lower_index(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    for (int copy = 0; copy < 20; copy++) trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
+    for (int copy = 0; copy < 20; copy++)
+        trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
     sl_scene *scene = trace_mesh_build(&mesh);
     static const char *const configs[] = {NULL, "isa=sse2", "isa=avx2"};
     for (int c = 0; c < 3; c++) {
@@ -261,11 +270,13 @@ static void slivers_are_hit_inside_their_box_or_not_at_all(void **unused) {
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     for (int i = 0; i < 2000; i++) {
         sl_vec3 a = sl_v3(number(11, (uint64_t)i), number(12, (uint64_t)i), number(13, (uint64_t)i));
-        sl_vec3 along = sl_v3(number(14, (uint64_t)i) - 0.5f, number(15, (uint64_t)i) - 0.5f, number(16, (uint64_t)i) - 0.5f);
+        sl_vec3 along = sl_v3(number(14, (uint64_t)i) - 0.5f, number(15, (uint64_t)i) - 0.5f,
+                              number(16, (uint64_t)i) - 0.5f);
         float width = i % 2 ? 1e-6f : 1e-4f;
         uint32_t v0 = trace_mesh_vertex(&mesh, a.x, a.y, a.z);
         uint32_t v1 = trace_mesh_vertex(&mesh, a.x + along.x, a.y + along.y, a.z + along.z);
-        uint32_t v2 = trace_mesh_vertex(&mesh, a.x + 0.6f * along.x + width, a.y + 0.6f * along.y, a.z + 0.6f * along.z);
+        uint32_t v2 = trace_mesh_vertex(&mesh, a.x + 0.6f * along.x + width, a.y + 0.6f * along.y,
+                                        a.z + 0.6f * along.z);
         trace_mesh_triangle(&mesh, v0, v1, v2, 0);
     }
     sl_scene *scene = trace_mesh_build(&mesh);
@@ -273,7 +284,8 @@ static void slivers_are_hit_inside_their_box_or_not_at_all(void **unused) {
     for (size_t i = 0; i < RAYS; i++) {
         uint32_t t = (uint32_t)(i % scene->triangle_count);
         sl_vec3 origin = sl_v3(3 * number(21, i) - 1, 3 * number(22, i) - 1, -1);
-        sl_vec3 a = sl_scene_position(scene, scene->vertex[0][t]), b = sl_scene_position(scene, scene->vertex[1][t]);
+        sl_vec3 a = sl_scene_position(scene, scene->vertex[0][t]),
+                b = sl_scene_position(scene, scene->vertex[1][t]);
         sl_vec3 target = sl_mad(a, number(23, i), sl_sub(b, a));
         rays[i] = (ray){origin, sl_sub(target, origin)};
         if (i % 5 == 0) rays[i] = (ray){sl_mad(a, -1.0f, sl_sub(b, a)), sl_sub(b, a)}; /* along the sliver */
@@ -292,7 +304,9 @@ static void slivers_are_hit_inside_their_box_or_not_at_all(void **unused) {
         hits++;
         sl_vec3 p = sl_mad(rays[i].origin, expected[i].t, rays[i].direction);
         for (int axis = 0; axis < 3; axis++) {
-            const float *position = axis == 0 ? scene->position_x : axis == 1 ? scene->position_y : scene->position_z;
+            const float *position = axis == 0   ? scene->position_x
+                                    : axis == 1 ? scene->position_y
+                                                : scene->position_z;
             float low = INFINITY, high = -INFINITY;
             for (int k = 0; k < 3; k++) {
                 float v = position[scene->vertex[k][expected[i].triangle]];
@@ -339,7 +353,8 @@ static void far_origins_and_extreme_directions_hit_the_same_point(void **unused)
         if (i % 4 == 0) assert_true(expected[i].t > 0.0f && expected[i].t < 1.001e30f);
         if (i % 4 == 1) assert_true(expected[i].t > 0.0f && expected[i].t < 1.001e-25f);
         /* From outside the front of the far side or an earlier wall is hit, about 1e3 or 1e6 lengths away. */
-        if (i % 4 == 2 && expected[i].triangle != SL_NO_INDEX) assert_true(fabsf(expected[i].t - 1e3f) < 10.0f);
+        if (i % 4 == 2 && expected[i].triangle != SL_NO_INDEX)
+            assert_true(fabsf(expected[i].t - 1e3f) < 10.0f);
     }
     assert_true(missed < COUNT / 8);
     free(rays);
@@ -404,8 +419,10 @@ static void rays_from_anywhere_are_traced(void **unused) {
 static void masked_texels_let_rays_through(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t leaf = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    uint8_t texels[16] = {255, 255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 255, 255, 255, 255, 0}; /* right half clear */
+    uint32_t leaf = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    /* right half clear */
+    uint8_t texels[16] = {255, 255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 255, 255, 255, 255, 0};
     mesh.textures[0] = (sl_texture){NULL, 2, 2, true, texels};
     mesh.texture_count = 1;
     mesh.materials[leaf].alpha_texture = 0;

@@ -1,5 +1,5 @@
-/* Many emitters, chosen by place: the chances are those with which they are chosen, nothing that shines is left out, and what is near is
- * chosen more often than by power. */
+/* Many emitters, chosen by place: the chances are those with which they are chosen, nothing that shines is
+ * left out, and what is near is chosen more often than by power. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -23,7 +23,8 @@ static sl_scene *ceiling_of_lamps(void) {
     for (int i = 0; i < 4; i++) light[i] = trace_mesh_material(&mesh, 0, 0, 0, 0, 2.0f + 3.0f * (float)i);
     for (int y = 0; y < ROWS; y++) {
         for (int x = 0; x < COLUMNS; x++) {
-            trace_mesh_quad(&mesh, sl_v3((float)x, (float)y, 2.0f), sl_v3(0, 0.2f, 0), sl_v3(0.2f, 0, 0), light[(x + 3 * y) % 4]);
+            trace_mesh_quad(&mesh, sl_v3((float)x, (float)y, 2.0f), sl_v3(0, 0.2f, 0), sl_v3(0.2f, 0, 0),
+                            light[(x + 3 * y) % 4]);
         }
     }
     return trace_mesh_build(&mesh);
@@ -48,7 +49,8 @@ static void chances_are_those_of_being_chosen_and_sum_to_one(void **state) {
         for (int i = 0; i < SAMPLES; i++) {
             uint32_t emitter;
             float chance;
-            assert_true(sl_light_tree_choose(tree, places[p], up, ((float)i + 0.5f) / (float)SAMPLES, &emitter, &chance));
+            assert_true(sl_light_tree_choose(tree, places[p], up, ((float)i + 0.5f) / (float)SAMPLES,
+                                             &emitter, &chance));
             float told = sl_light_tree_chance(tree, places[p], up, emitter);
             assert_true(fabsf(chance / told - 1.0f) < 1e-5f);
             times[emitter]++;
@@ -74,7 +76,9 @@ static void what_cannot_shine_on_the_receiver_is_not_chosen(void **state) {
     for (int p = 0; p < 3; p++) {
         uint32_t emitter;
         float chance;
-        for (int i = 0; i < 64; i++) assert_false(sl_light_tree_choose(tree, place[p], normal[p], (float)i / 64.0f, &emitter, &chance));
+        for (int i = 0; i < 64; i++)
+            assert_false(
+                sl_light_tree_choose(tree, place[p], normal[p], (float)i / 64.0f, &emitter, &chance));
     }
     sl_light_tree_destroy(tree);
     sl_scene_destroy(scene);
@@ -112,7 +116,8 @@ static void choice_by_place_means_the_same_and_scatters_less(void **state) {
     const sl_vec3 normals[2] = {{0, 0, 1}, {0.6f, 0, 0.8f}};
     for (int p = 0; p < 3; p++) {
         for (int n = 0; n < 2; n++) {
-            estimate power = irradiance(sampler, places[p], normals[n], false), place = irradiance(sampler, places[p], normals[n], true);
+            estimate power = irradiance(sampler, places[p], normals[n], false),
+                     place = irradiance(sampler, places[p], normals[n], true);
             assert_true(fabs(place.mean / power.mean - 1.0) < 0.01);
             assert_true(place.deviation < 0.5 * power.deviation);
         }
@@ -121,17 +126,20 @@ static void choice_by_place_means_the_same_and_scatters_less(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Positions that are not finite, on a lamp's own corner, and within its plane: a choice or none, never a NaN. */
+/* Positions that are not finite, on a lamp's own corner, and within its plane: a choice or none, never a NaN.
+ */
 static void odd_places_are_survived(void **state) {
     (void)state;
     sl_scene *scene = ceiling_of_lamps();
     sl_light_tree *tree = plant(scene);
-    const sl_vec3 places[5] = {{NAN, 0, 0}, {INFINITY, 0, 0}, {0, 0, 2.0f}, {3e30f, 0, 0}, {0.1f, 0.1f, 2.0f}};
+    const sl_vec3 places[5] = {
+        {NAN, 0, 0}, {INFINITY, 0, 0}, {0, 0, 2.0f}, {3e30f, 0, 0}, {0.1f, 0.1f, 2.0f}};
     for (int p = 0; p < 5; p++) {
         for (int i = 0; i < 64; i++) {
             uint32_t emitter = 0;
             float chance = 1.0f;
-            bool chosen = sl_light_tree_choose(tree, places[p], sl_v3(0, 0, 1), (float)i / 64.0f, &emitter, &chance);
+            bool chosen =
+                sl_light_tree_choose(tree, places[p], sl_v3(0, 0, 1), (float)i / 64.0f, &emitter, &chance);
             if (chosen) assert_true(emitter < EMITTERS && chance > 0.0f && chance <= 1.0f + 1e-5f);
         }
     }

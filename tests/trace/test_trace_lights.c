@@ -30,9 +30,10 @@ static double irradiance(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 nor
         float u[3];
         sl_light_sample s;
         sl_sequence_point(&sequence, 42, 7, i, u);
-        bool lit = kind == DRAW_TWO        ? sl_light_sampler_sample_2d(sampler, p, u[0], u[1], &s)
-                   : kind == DRAW_BY_PLACE ? sl_light_sampler_sample_at(sampler, p, normal, u[2], u[0], u[1], &s)
-                                           : sl_light_sampler_sample(sampler, p, u[2], u[0], u[1], &s);
+        bool lit = kind == DRAW_TWO ? sl_light_sampler_sample_2d(sampler, p, u[0], u[1], &s)
+                   : kind == DRAW_BY_PLACE
+                       ? sl_light_sampler_sample_at(sampler, p, normal, u[2], u[0], u[1], &s)
+                       : sl_light_sampler_sample(sampler, p, u[2], u[0], u[1], &s);
         if (!lit) continue;
         assert_true(isfinite(s.radiance.r) && s.radiance.r > 0.0f && s.distance > 0.0f && s.pdf >= 0.0f);
         assert_true(fabsf(sl_length(s.to_light) - 1.0f) < 1e-5f);
@@ -45,12 +46,14 @@ static double irradiance(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 nor
     return sum / SAMPLES;
 }
 
-static void check_irradiance(const sl_scene *scene, sl_vec3 p, sl_vec3 normal, double expected, double tolerance) {
+static void check_irradiance(const sl_scene *scene, sl_vec3 p, sl_vec3 normal, double expected,
+                             double tolerance) {
     sl_light_sampler *sampler = make_sampler(scene);
     for (draw kind = DRAW_THREE; kind < DRAWS; kind++) {
         if (kind == DRAW_BY_PLACE) assert_int_equal(sl_light_sampler_plant_tree(sampler, NULL), SL_OK);
         double e = irradiance(sampler, p, normal, kind);
-        if (!(fabs(e - expected) <= tolerance * fmax(expected, 1e-12))) fail_msg("E = %.9g, expected %.9g", e, expected);
+        if (!(fabs(e - expected) <= tolerance * fmax(expected, 1e-12)))
+            fail_msg("E = %.9g, expected %.9g", e, expected);
     }
     sl_light_sampler_destroy(sampler);
 }
@@ -71,7 +74,8 @@ static void irradiance_from_quads_is_that_of_the_polygon_formula(void **unused) 
     light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(1.2f, -0.5f, -0.6f), sl_v3(0, 0, 1.7f), sl_v3(0, 1.4f, 0), light);
     scene = trace_mesh_build(&mesh);
-    check_irradiance(scene, sl_v3(0.1f, 0.2f, 0), sl_v3(0, 0, 1), 1.338699193443, 1e-3); /* half of it below the horizon */
+    /* half of it below the horizon */
+    check_irradiance(scene, sl_v3(0.1f, 0.2f, 0), sl_v3(0, 0, 1), 1.338699193443, 1e-3);
     check_irradiance(scene, sl_v3(0.1f, 0.2f, 0), sl_v3(0.36f, 0.48f, 0.8f), 2.726858117647, 1e-3);
     sl_scene_destroy(scene);
 }
@@ -123,7 +127,8 @@ static void a_sky_picture_is_sampled_without_bias(void **unused) {
             for (int i = 0; i < W * FINE; i++) {
                 double phi = 2.0 * SL_PI * ((i + 0.5) / (W * FINE) - 0.5);
                 double x = sl_sin(theta) * sl_sin(phi), y = sl_cos(theta), z = -sl_sin(theta) * sl_cos(phi);
-                double cosine = x * (double)normals[n].x + y * (double)normals[n].y + z * (double)normals[n].z;
+                double cosine =
+                    x * (double)normals[n].x + y * (double)normals[n].y + z * (double)normals[n].z;
                 double area = sl_sin(theta) * (SL_PI / (H * FINE)) * (2.0 * SL_PI / (W * FINE));
                 if (cosine > 0.0) expected += (double)texels[3 * (j / FINE * W + i / FINE)] * cosine * area;
             }
@@ -138,10 +143,16 @@ static void lights_without_extent_are_exact_and_mix_with_the_others(void **unuse
     trace_mesh mesh = trace_mesh_begin();
     uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.35f, 0.2f, 2.0f}, .intensity = {8, 8, 8}};
-    mesh.lights[1] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, -0.8f}, .intensity = {1.5f, 1.5f, 1.5f}};
-    mesh.lights[2] = (sl_light){.type = SL_LIGHT_SPOT, .position = {0.35f, 0.2f, 4.0f}, .direction = {0, 0, -1},
-                                .intensity = {32, 32, 32}, .cos_inner = 0.9f, .cos_outer = 0.8f};
+    mesh.lights[0] =
+        (sl_light){.type = SL_LIGHT_POINT, .position = {0.35f, 0.2f, 2.0f}, .intensity = {8, 8, 8}};
+    mesh.lights[1] = (sl_light){
+        .type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, -0.8f}, .intensity = {1.5f, 1.5f, 1.5f}};
+    mesh.lights[2] = (sl_light){.type = SL_LIGHT_SPOT,
+                                .position = {0.35f, 0.2f, 4.0f},
+                                .direction = {0, 0, -1},
+                                .intensity = {32, 32, 32},
+                                .cos_inner = 0.9f,
+                                .cos_outer = 0.8f};
     mesh.light_count = 3;
     sl_environment sky = {.present = true, .constant = {0.25f, 0.25f, 0.25f}};
     mesh.environment = &sky;
@@ -154,22 +165,25 @@ static void lights_without_extent_are_exact_and_mix_with_the_others(void **unuse
 static void degenerate_questions_are_answered_with_nothing(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f), grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f),
+             grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 1), sl_v3(0, 1, 0), sl_v3(1, 0, 0), light);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 3), sl_v3(0, 1, 0), sl_v3(1, 0, 0), grey);
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0, 0, 1}, .intensity = {1, 1, 1}};
     mesh.light_count = 1;
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_light_sampler *sampler = make_sampler(scene);
-    const sl_vec3 points[] = {{0, 0, 1}, {0.5f, 0.5f, 1}, {1e30f, 0, 0}, {0.25f, 0.125f, 0.99999994f}, {NAN, 0, 0}, {INFINITY, 0, 0},
-                              {-1e-38f, 0, 1}};
+    const sl_vec3 points[] = {{0, 0, 1},   {0.5f, 0.5f, 1},  {1e30f, 0, 0},  {0.25f, 0.125f, 0.99999994f},
+                              {NAN, 0, 0}, {INFINITY, 0, 0}, {-1e-38f, 0, 1}};
     for (size_t k = 0; k < sizeof points / sizeof *points; k++) {
         for (uint32_t i = 0; i < 4096; i++) {
             sl_light_sample s;
-            float u = (float)(i & 15) / 15.0f * 0x1.fffffep-1f, v = (float)(i >> 4 & 15) / 15.0f * 0x1.fffffep-1f;
+            float u = (float)(i & 15) / 15.0f * 0x1.fffffep-1f,
+                  v = (float)(i >> 4 & 15) / 15.0f * 0x1.fffffep-1f;
             float select = (float)(i >> 8) / 15.0f * 0x1.fffffep-1f;
             if (!sl_light_sampler_sample(sampler, points[k], select, u, v, &s)) continue;
-            assert_true(sl_rgb_is_finite(s.radiance) && sl_is_finite(s.to_light) && isfinite(s.pdf) && s.distance > 0.0f);
+            assert_true(sl_rgb_is_finite(s.radiance) && sl_is_finite(s.to_light) && isfinite(s.pdf) &&
+                        s.distance > 0.0f);
         }
     }
     /* A triangle that is no emitter, and the sky where there is none, are never sampled. */

@@ -22,7 +22,8 @@ typedef struct audit {
 } audit;
 
 /* A tracer's picture tells by its own halves; another by probes on the paths that its method declares. */
-static sl_status estimate(const audit *a, const sl_scene *scene, const sl_image *picture, sl_error_estimate *e, sl_error *error) {
+static sl_status estimate(const audit *a, const sl_scene *scene, const sl_image *picture,
+                          sl_error_estimate *e, sl_error *error) {
     sl_settings settings = sl_settings_default();
     sl_error_probe *probe = NULL;
     sl_trial_settings(a->row->arguments, &settings);
@@ -49,8 +50,9 @@ static bool audit_work(void *context, char **report) {
     double from = sl_process_seconds();
     if (status == SL_OK) status = estimate(a, scene, picture, &e, &error);
     bool promised = isfinite(e.bound); /* JSON has no word for what is not */
-    snprintf(text, sizeof text, "{\"estimate\": %.9g, \"bound\": %.9g, \"promised\": %s, \"cpu_seconds\": %.4f}", e.rel_rmse, promised ? e.bound : 0.0,
-             promised ? "true" : "false", sl_process_seconds() - from);
+    snprintf(text, sizeof text,
+             "{\"estimate\": %.9g, \"bound\": %.9g, \"promised\": %s, \"cpu_seconds\": %.4f}", e.rel_rmse,
+             promised ? e.bound : 0.0, promised ? "true" : "false", sl_process_seconds() - from);
     *report = strdup(status == SL_OK ? text : error.message);
     sl_image_destroy(picture);
     sl_scene_destroy(scene);
@@ -68,7 +70,8 @@ static void take(const cJSON *entry, sl_bench_promise *p) {
     p->cpu_seconds = cJSON_GetObjectItem(result, "cpu_seconds")->valuedouble;
 }
 
-static sl_status run(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_row *row, const char *key, sl_journal *journal, sl_error *error) {
+static sl_status run(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_row *row,
+                     const char *key, sl_journal *journal, sl_error *error) {
     const sl_child_limits limits = {o->limit, 0, sl_interrupted};
     audit a = {s->path, row, s->width, s->height, o->threads, o->load};
     sl_child_end end;
@@ -86,9 +89,12 @@ sl_status sl_audits_run(const sl_bench_options *o, sl_bench_scene *s, sl_journal
         char key[1024];
         sl_bench_row *row = &s->rows[i];
         if (row->end != SL_BENCH_RAN || access(row->picture, R_OK) != 0) continue;
-        snprintf(key, sizeof key, "%s %dx%d, %s %s, %s, audit of surfaces", s->hash, s->width, s->height, SL_VERSION, o->program, row->arguments);
+        snprintf(key, sizeof key, "%s %dx%d, %s %s, %s, audit of surfaces", s->hash, s->width, s->height,
+                 SL_VERSION, o->program, row->arguments);
         if (!sl_journal_find(journal, key) && !sl_interrupted()) {
-            if (!o->quiet && isatty(STDERR_FILENO)) fprintf(stderr, "\r\033[K%s, error without a reference: %s, %s", s->name, row->curve, row->name);
+            if (!o->quiet && isatty(STDERR_FILENO))
+                fprintf(stderr, "\r\033[K%s, error without a reference: %s, %s", s->name, row->curve,
+                        row->name);
             status = run(o, s, row, key, journal, error);
         }
         if (status == SL_OK) take(sl_journal_find(journal, key), &row->promise);

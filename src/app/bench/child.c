@@ -29,7 +29,8 @@ static bool write_all(int out, const char *text) {
     return true;
 }
 
-static _Noreturn void be_child(sl_child_work *work, void *context, const sl_child_limits *limits, pid_t parent, int out) {
+static _Noreturn void be_child(sl_child_work *work, void *context, const sl_child_limits *limits,
+                               pid_t parent, int out) {
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody would read what it finds out */
     if (getppid() != parent) _exit(EXIT_FAILED);
     signal(SIGINT, SIG_IGN); /* the parent, who got it too, decides */
@@ -90,7 +91,8 @@ static void explain(int how, const sl_child_limits *limits, const report *r, sl_
     } else if (WIFSIGNALED(how)) {
         end->outcome = SL_CHILD_CRASHED;
         snprintf(end->why, sizeof end->why, "%s", strsignal(WTERMSIG(how)));
-        if (WTERMSIG(how) == SIGKILL) snprintf(end->why, sizeof end->why, "killed, most likely for want of memory");
+        if (WTERMSIG(how) == SIGKILL)
+            snprintf(end->why, sizeof end->why, "killed, most likely for want of memory");
     } else if (WEXITSTATUS(how) == EXIT_FAILED) {
         end->outcome = SL_CHILD_FAILED;
         snprintf(end->why, sizeof end->why, "%.*s", r->length ? (int)strcspn(r->text, "\n") : 27,
@@ -107,7 +109,8 @@ static sl_status fail_to_start(sl_error *error) {
     return error->status;
 }
 
-sl_status sl_child_run(sl_child_work *work, void *context, const sl_child_limits *limits, sl_child_end *end, sl_error *error) {
+sl_status sl_child_run(sl_child_work *work, void *context, const sl_child_limits *limits, sl_child_end *end,
+                       sl_error *error) {
     int ends[2], how = 0;
     *end = (sl_child_end){SL_CHILD_DONE, NULL, ""};
     if (pipe(ends) != 0) return fail_to_start(error);

@@ -1,5 +1,5 @@
-/* Work in a process of its own: it may crash, run out of memory or never end, and all that happens here is that this is told. The memory that
- * it took is its own, too, and its clock starts at zero. */
+/* Work in a process of its own: it may crash, run out of memory or never end, and all that happens here is
+ * that this is told. The memory that it took is its own, too, and its clock starts at zero. */
 #ifndef SL_APP_BENCH_CHILD_H
 #define SL_APP_BENCH_CHILD_H
 
@@ -25,10 +25,13 @@ typedef struct sl_child_end {
     char why[256]; /* where it did not end well: one line */
 } sl_child_end;
 
-/* A report to the parent, and whether all went well; where not, the report is a line that says what did not. */
+/* A report to the parent, and whether all went well; where not, the report is a line that says what did not.
+ */
 typedef bool sl_child_work(void *context, char **report);
 
-/* Runs work in a child and waits for it. The calling process must not have run a parallel loop before: OpenMP does not survive a fork. */
-sl_status sl_child_run(sl_child_work *work, void *context, const sl_child_limits *limits, sl_child_end *end, sl_error *error);
+/* Runs work in a child and waits for it. The calling process must not have run a parallel loop before: OpenMP
+ * does not survive a fork. */
+sl_status sl_child_run(sl_child_work *work, void *context, const sl_child_limits *limits, sl_child_end *end,
+                       sl_error *error);
 
 #endif

@@ -22,7 +22,9 @@ size_t sl_curves_of(const sl_bench_scene *s, sl_bench_truth truth, sl_curve curv
     size_t count = 0;
     for (size_t i = 0; i < s->row_count; i++) {
         const sl_bench_row *row = &s->rows[i];
-        if (row->end != SL_BENCH_RAN || !row->error[truth].known || row->cpu.count == 0 || !(row->cpu.median > 0.0)) continue;
+        if (row->end != SL_BENCH_RAN || !row->error[truth].known || row->cpu.count == 0 ||
+            !(row->cpu.median > 0.0))
+            continue;
         size_t k = 0;
         while (k < count && strcmp(curves[k].name, row->curve) != 0) k++;
         if (k == SL_CURVES) continue;
@@ -53,6 +55,10 @@ double sl_curve_time_to(const sl_curve *c, sl_bench_truth truth, double error) {
     return 0.0;
 }
 
-bool sl_curve_is_tracer(const sl_curve *c) { return strncmp(c->name, "path", 4) == 0 || strncmp(c->name, "bidirectional", 13) == 0; }
+bool sl_curve_is_tracer(const sl_curve *c) {
+    return strncmp(c->name, "path", 4) == 0 || strncmp(c->name, "bidirectional", 13) == 0;
+}
 
-bool sl_curve_is_peer(const sl_curve *c) { return sl_curve_is_tracer(c) || strncmp(c->name, "photons", 7) == 0; }
+bool sl_curve_is_peer(const sl_curve *c) {
+    return sl_curve_is_tracer(c) || strncmp(c->name, "photons", 7) == 0;
+}

@@ -16,8 +16,8 @@ static const double wanted_share = 0.1;
 
 static void show(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_reference *r) {
     if (o->quiet || !isatty(STDERR_FILENO)) return;
-    fprintf(stderr, "\r\033[K%s, reference %s: %llu samples, noise %.2g %%, wanted %.2g %%", s->name, r->transport, (unsigned long long)r->samples,
-            100.0 * r->noise, 100.0 * r->wanted);
+    fprintf(stderr, "\r\033[K%s, reference %s: %llu samples, noise %.2g %%, wanted %.2g %%", s->name,
+            r->transport, (unsigned long long)r->samples, 100.0 * r->noise, 100.0 * r->wanted);
     fflush(stderr);
 }
 
@@ -60,14 +60,18 @@ static bool is_used_by(const sl_bench_row *row, const char *transport) {
 /* ---- as good as they have to be ---- */
 
 /* The smallest error that would be told with this reference, and what share of it is in doubt; 0: none. */
-static double smallest_error(const sl_bench_scene *s, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask, double *doubt) {
+static double smallest_error(const sl_bench_scene *s, const sl_bench_reference *r, const sl_image *reference,
+                             const sl_image *mask, double *doubt) {
     double smallest = *doubt = 0.0;
     for (size_t i = 0; i < s->row_count; i++) {
         sl_image *picture = NULL;
         sl_bench_error e;
         sl_error error;
-        if (!is_used_by(&s->rows[i], r->transport) || sl_image_read(s->rows[i].picture, &picture, NULL) != SL_OK) continue;
-        if (sl_judge_quickly(picture, reference, mask, &e, &error) == SL_OK && e.known && e.rel_rmse > 0.0 && (smallest == 0.0 || e.rel_rmse < smallest)) {
+        if (!is_used_by(&s->rows[i], r->transport) ||
+            sl_image_read(s->rows[i].picture, &picture, NULL) != SL_OK)
+            continue;
+        if (sl_judge_quickly(picture, reference, mask, &e, &error) == SL_OK && e.known && e.rel_rmse > 0.0 &&
+            (smallest == 0.0 || e.rel_rmse < smallest)) {
             smallest = e.rel_rmse;
             *doubt = e.doubt / e.rel_rmse;
         }
@@ -83,7 +87,8 @@ static void look_at(const sl_bench_scene *s, sl_bench_reference *r, const sl_ima
     sl_error error;
     r->samples = 0;
     if (sl_image_read(r->file, &image, NULL) != SL_OK) return;
-    if (sl_reference_read(image, &r->pairs, &r->seconds) && sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
+    if (sl_reference_read(image, &r->pairs, &r->seconds) &&
+        sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
         r->samples = sl_reference_samples(r->pairs);
         r->wanted = wanted_share * smallest_error(s, r, image, mask, &r->doubt);
     }
@@ -103,7 +108,8 @@ static bool is_good_enough(const sl_bench_options *o, const sl_bench_reference *
 }
 
 /* A pair at a time: each is as long as all before it. */
-static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r, const sl_image *mask, sl_error *error) {
+static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r,
+                        const sl_image *mask, sl_error *error) {
     sl_status status = SL_OK;
     sl_reference_path(o->references, s, r->transport, r->file);
     look_at(s, r, mask);
@@ -118,15 +124,19 @@ static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_b
 /* ---- the answers ---- */
 
 /* Over the pixels that estimates judge. What is lost in the reference's noise can check none. */
-static void check_promise(sl_bench_row *row, const sl_image *picture, const sl_image *reference, const sl_image *mask) {
+static void check_promise(sl_bench_row *row, const sl_image *picture, const sl_image *reference,
+                          const sl_image *mask) {
     sl_bench_error e;
     sl_error error;
-    if (!row->promise.known || sl_judge_quickly(picture, reference, mask, &e, &error) != SL_OK || !e.known || e.lost) return;
+    if (!row->promise.known || sl_judge_quickly(picture, reference, mask, &e, &error) != SL_OK || !e.known ||
+        e.lost)
+        return;
     row->promise.measured_known = true;
     row->promise.measured = e.rel_rmse;
 }
 
-static void judge_row(sl_bench_row *row, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask) {
+static void judge_row(sl_bench_row *row, const sl_bench_reference *r, const sl_image *reference,
+                      const sl_image *mask) {
     sl_image *picture = NULL;
     if (!is_used_by(row, r->transport) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
     for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
@@ -144,7 +154,8 @@ static void judge_row(sl_bench_row *row, const sl_bench_reference *r, const sl_i
 }
 
 /* What the paths of a reference leave out of full global illumination. */
-static void compare_with_full(sl_bench_reference *r, const sl_image *reference, const sl_image *full, const sl_image *mask) {
+static void compare_with_full(sl_bench_reference *r, const sl_image *reference, const sl_image *full,
+                              const sl_image *mask) {
     const sl_compare_options options = {.mask = mask};
     sl_bench_error e;
     sl_comparison c;
@@ -152,11 +163,14 @@ static void compare_with_full(sl_bench_reference *r, const sl_image *reference, 
     sl_image *difference = NULL;
     double noise, mean, all;
     if (!full || sl_judge_quickly(reference, full, mask, &e, &error) != SL_OK || !e.known) return;
-    if (sl_judge_noise(reference, mask, &noise, &mean, &error) != SL_OK || sl_judge_noise(full, mask, &noise, &all, &error) != SL_OK) return;
+    if (sl_judge_noise(reference, mask, &noise, &mean, &error) != SL_OK ||
+        sl_judge_noise(full, mask, &noise, &all, &error) != SL_OK)
+        return;
     r->energy = all > 0.0 ? mean / all : 0.0;
     r->missing = e.rel_rmse;
     r->missing_known = true;
-    if (sl_image_compare(reference, full, &options, &c, &difference, NULL) == SL_OK) r->difference = sl_picture_text(difference, false);
+    if (sl_image_compare(reference, full, &options, &c, &difference, NULL) == SL_OK)
+        r->difference = sl_picture_text(difference, false);
     sl_image_destroy(difference);
 }
 
@@ -179,10 +193,14 @@ sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *er
     sl_image *mask = sl_reference_mask(o, s, error);
     if (!mask) return error->status;
     sl_status status = list_references(o, s) ? SL_OK : SL_ERROR_RESOURCES;
-    if (status != SL_OK) snprintf(error->message, sizeof error->message, "not enough memory for a list of references"), error->status = status;
+    if (status != SL_OK)
+        snprintf(error->message, sizeof error->message, "not enough memory for a list of references"),
+            error->status = status;
     s->pixels_compared = 0;
-    for (size_t i = 0; i < (size_t)s->width * (size_t)s->height; i++) s->pixels_compared += mask->planes[i] > 0.5f;
-    for (size_t i = 0; i < s->reference_count && status == SL_OK; i++) status = refine(o, s, &s->references[i], mask, error);
+    for (size_t i = 0; i < (size_t)s->width * (size_t)s->height; i++)
+        s->pixels_compared += mask->planes[i] > 0.5f;
+    for (size_t i = 0; i < s->reference_count && status == SL_OK; i++)
+        status = refine(o, s, &s->references[i], mask, error);
     if (status == SL_OK && !o->references_only) judge_all(s, mask);
     if (!o->quiet && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
     sl_image_destroy(mask);

@@ -27,7 +27,8 @@ static sl_status fail(sl_error *error, const char *path, const char *what) {
 static const uint64_t FIRST_HASH = 0xcbf29ce484222325u;
 
 static uint64_t hash_on(uint64_t hash, const void *bytes, size_t count) {
-    for (const unsigned char *at = bytes, *end = at + count; at < end; at++) hash = (hash ^ *at) * 0x100000001b3u;
+    for (const unsigned char *at = bytes, *end = at + count; at < end; at++)
+        hash = (hash ^ *at) * 0x100000001b3u;
     return hash;
 }
 
@@ -104,7 +105,9 @@ const cJSON *sl_journal_find(const sl_journal *j, const char *key) {
     return NULL;
 }
 
-const cJSON *sl_journal_at(const sl_journal *j, size_t index) { return index < j->count ? j->entries[index] : NULL; }
+const cJSON *sl_journal_at(const sl_journal *j, size_t index) {
+    return index < j->count ? j->entries[index] : NULL;
+}
 
 /* All of it: a disk that fills up takes a part, and says why at the next try. */
 static bool write_all(int file, const char *from, size_t bytes) {
@@ -118,7 +121,8 @@ static bool write_all(int file, const char *from, size_t bytes) {
     return true;
 }
 
-/* A line in one write, so that two programs cannot mix theirs; where that fails the line is torn, and the next begins anew. */
+/* A line in one write, so that two programs cannot mix theirs; where that fails the line is torn, and the
+ * next begins anew. */
 static bool append(sl_journal *j, const char *text) {
     size_t length = strlen(text) - 1, at = 0; /* without its last brace */
     char *line = malloc(length + SUM_BYTES + 3);

@@ -1,6 +1,7 @@
-/* What has been measured, one JSON object a line, appended as soon as it is known: whatever ends the program, this is kept, and the next run goes on
- * from here. An entry counts for the very same work only: its key holds the scene's hash, the size, the threads, the arguments and the
- * program's own fingerprint. Each line ends with the sum of what stands before, so that nothing is taken for measured that was not. */
+/* What has been measured, one JSON object a line, appended as soon as it is known: whatever ends the program,
+ * this is kept, and the next run goes on from here. An entry counts for the very same work only: its key
+ * holds the scene's hash, the size, the threads, the arguments and the program's own fingerprint. Each line
+ * ends with the sum of what stands before, so that nothing is taken for measured that was not. */
 #ifndef SL_APP_BENCH_JOURNAL_H
 #define SL_APP_BENCH_JOURNAL_H
 

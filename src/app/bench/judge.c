@@ -18,11 +18,13 @@ static sl_status find_halves(const sl_image *reference, const sl_image *mask, ha
         found = found && h->a[k] && h->b[k];
     }
     if (found) return SL_OK;
-    snprintf(error->message, sizeof error->message, "a reference without its two halves, or of another size than its mask");
+    snprintf(error->message, sizeof error->message,
+             "a reference without its two halves, or of another size than its mask");
     return error->status = SL_ERROR_INPUT;
 }
 
-sl_status sl_judge_noise(const sl_image *reference, const sl_image *mask, double *noise, double *mean, sl_error *error) {
+sl_status sl_judge_noise(const sl_image *reference, const sl_image *mask, double *noise, double *mean,
+                         sl_error *error) {
     halves h;
     double squares = 0.0, sum = 0.0, count = 0.0;
     sl_status status = find_halves(reference, mask, &h, error);
@@ -48,11 +50,13 @@ typedef struct squares {
     double deviation;            /* standard, of the first, by the noise of A and B */
 } squares;
 
-/* Var (x-A)(x-B) = 2 e^2 s^2 + s^4 where the error is e and A and B have the variance s^2; and that is what (x-R)^2 (A-B)^2 is on average. A pixel's
- * three channels count as one value, since their noise is mostly one. */
+/* Var (x-A)(x-B) = 2 e^2 s^2 + s^4 where the error is e and A and B have the variance s^2; and that is what
+ * (x-R)^2 (A-B)^2 is on average. A pixel's three channels count as one value, since their noise is mostly
+ * one. */
 static squares squared_errors(const sl_image *picture, const halves *h, const sl_image *mask) {
     static const char *const names[3] = {"R", "G", "B"};
-    const float *x[3] = {sl_image_channel(picture, names[0]), sl_image_channel(picture, names[1]), sl_image_channel(picture, names[2])};
+    const float *x[3] = {sl_image_channel(picture, names[0]), sl_image_channel(picture, names[1]),
+                         sl_image_channel(picture, names[2])};
     double product = 0.0, square = 0.0, count = 0.0, variance = 0.0;
     size_t pixels = (size_t)picture->width * (size_t)picture->height;
     for (size_t i = 0; i < pixels; i++) {
@@ -75,21 +79,25 @@ static squares squared_errors(const sl_image *picture, const halves *h, const sl
 /* Two standard deviations: 95 % confidence. */
 static const double confidence = 2.0;
 
-sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, const sl_image *mask, sl_bench_error *e, sl_error *error) {
+sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, const sl_image *mask,
+                           sl_bench_error *e, sl_error *error) {
     halves h;
     double mean;
     memset(e, 0, sizeof *e);
     sl_status status = find_halves(reference, mask, &h, error);
     if (status == SL_OK) status = sl_judge_noise(reference, mask, &e->noise, &mean, error);
-    bool alike = picture->width == mask->width && picture->height == mask->height && sl_image_channel(picture, "R") &&
-                 sl_image_channel(picture, "G") && sl_image_channel(picture, "B");
+    bool alike = picture->width == mask->width && picture->height == mask->height &&
+                 sl_image_channel(picture, "R") && sl_image_channel(picture, "G") &&
+                 sl_image_channel(picture, "B");
     if (status == SL_OK && !alike) {
-        snprintf(error->message, sizeof error->message, "a picture without R, G, B or of another size than its reference");
+        snprintf(error->message, sizeof error->message,
+                 "a picture without R, G, B or of another size than its reference");
         status = error->status = SL_ERROR_INPUT;
     }
     if (status != SL_OK || !(mean > 0.0)) return status;
     squares s = squared_errors(picture, &h, mask);
-    double doubt = confidence * s.deviation, most = sqrt(s.less_noise + doubt > 0.0 ? s.less_noise + doubt : 0.0) / mean;
+    double doubt = confidence * s.deviation,
+           most = sqrt(s.less_noise + doubt > 0.0 ? s.less_noise + doubt : 0.0) / mean;
     e->known = true;
     e->measured = sqrt(s.measured) / mean;
     e->lost = !(s.less_noise > doubt);
@@ -98,8 +106,8 @@ sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, c
     return SL_OK;
 }
 
-sl_status sl_judge(const sl_image *picture, const sl_image *reference, const sl_image *mask, sl_bench_error *e, sl_image **difference,
-                   sl_error *error) {
+sl_status sl_judge(const sl_image *picture, const sl_image *reference, const sl_image *mask,
+                   sl_bench_error *e, sl_image **difference, sl_error *error) {
     sl_comparison c;
     const sl_compare_options options = {.mask = mask};
     sl_status status = sl_judge_quickly(picture, reference, mask, e, error);

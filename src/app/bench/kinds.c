@@ -10,7 +10,8 @@
 
 /* ---- in the child ---- */
 
-static const char *const numbers[] = {"direct", "second", "further", "mirrored", "lit", "glossy", "mirrors", "open", "triangles", "lights"};
+static const char *const numbers[] = {"direct", "second",  "further", "mirrored",  "lit",
+                                      "glossy", "mirrors", "open",    "triangles", "lights"};
 enum { NUMBERS = sizeof numbers / sizeof *numbers };
 
 typedef struct look {
@@ -35,7 +36,8 @@ static bool look_work(void *context, char **report) {
         *report = strdup(error.message);
         return false;
     }
-    const double values[NUMBERS] = {k.direct, k.second, k.further, k.mirrored, k.lit, k.glossy, k.mirrors, k.open, k.triangles, k.lights};
+    const double values[NUMBERS] = {k.direct, k.second,  k.further, k.mirrored,  k.lit,
+                                    k.glossy, k.mirrors, k.open,    k.triangles, k.lights};
     cJSON *root = cJSON_CreateObject();
     for (int i = 0; i < NUMBERS; i++) cJSON_AddNumberToObject(root, numbers[i], values[i]);
     *report = cJSON_PrintUnformatted(root);
@@ -52,7 +54,8 @@ static void take(const cJSON *result, sl_bench_scene *s) {
         if (!cJSON_IsNumber(item)) return;
         v[i] = item->valuedouble;
     }
-    s->kind = (sl_auto_kind){v[0], v[1], v[2], v[3], v[4] > 0.0, v[5] > 0.0, v[6] > 0.0, v[7] > 0.0, v[8], v[9]};
+    s->kind =
+        (sl_auto_kind){v[0], v[1], v[2], v[3], v[4] > 0.0, v[5] > 0.0, v[6] > 0.0, v[7] > 0.0, v[8], v[9]};
     s->kind_known = true;
 }
 
@@ -80,8 +83,9 @@ static void put_kinds(FILE *out, const sl_bench_results *r) {
         const sl_bench_scene *s = &r->scenes[i];
         const sl_auto_kind *k = &s->kind;
         if (!s->kind_known) continue;
-        fprintf(out, "%s,%s,%d,%.4f,%.4f,%.4f,%.4f,%d,%d,%d,%d,%.0f,%.0f\n", s->name, s->hash, s->width * s->height, k->direct, k->second, k->further, k->mirrored,
-                k->lit, k->glossy, k->mirrors, k->open, k->triangles, k->lights);
+        fprintf(out, "%s,%s,%d,%.4f,%.4f,%.4f,%.4f,%d,%d,%d,%d,%.0f,%.0f\n", s->name, s->hash,
+                s->width * s->height, k->direct, k->second, k->further, k->mirrored, k->lit, k->glossy,
+                k->mirrors, k->open, k->triangles, k->lights);
     }
 }
 

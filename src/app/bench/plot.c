@@ -1,4 +1,5 @@
-/* Error over time. The line joins the settings that pay; what does not is a hollow point beside it. Each curve ends at its name. */
+/* Error over time. The line joins the settings that pay; what does not is a hollow point beside it. Each
+ * curve ends at its name. */
 #include "app/bench/plot.h"
 
 #include "app/bench/curves.h"
@@ -20,11 +21,15 @@ typedef struct label {
     double x, y, at; /* where the curve ends, and how high the name stands */
 } label;
 
-static double place(const axis *a, double value) { return a->from + (log10(value) - a->least) / (a->most - a->least) * (a->to - a->from); }
+static double place(const axis *a, double value) {
+    return a->from + (log10(value) - a->least) / (a->most - a->least) * (a->to - a->from);
+}
 
 /* Which of the five methods' and two tracers' colours. */
 static const char *class_of(const char *curve) {
-    static const char *const names[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional", "photons"};
+    static const char *const names[] = {"splatting",     "direct-radiance", "light-octree",
+                                        "multi-mesh",    "shading-cache",   "path",
+                                        "bidirectional", "photons"};
     static const char *const classes[] = {"m0", "m1", "m2", "m3", "m4", "m5", "m6", "m7"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         if (strncmp(curve, names[i], strlen(names[i])) == 0) return classes[i];
@@ -33,13 +38,24 @@ static const char *class_of(const char *curve) {
 }
 
 static void put_style(FILE *out) {
-    static const char *const light[] = {"#0065a8", "#c24e00", "#00805c", "#a63a86", "#8a6a00", "#333", "#777", "#7a4fd0"};
-    static const char *const dark[] = {"#5db4f0", "#ff9650", "#3fd6a6", "#ee96cf", "#e6c34a", "#eee", "#aaa", "#b79bff"};
-    fputs("<style>.plot text{font:12px system-ui,sans-serif;fill:#222}.plot .paper{fill:#fff}.plot .grid{stroke:#ddd}.plot .goal{stroke:#999;stroke-dasharray:6 4}"
-          ".plot .line{fill:none;stroke-width:2}.plot .lead{stroke-width:.6;stroke-dasharray:2 3}.plot .title{font-weight:600;font-size:14px}.plot .off{fill:none;opacity:.55}", out);
-    for (int i = 0; i < 8; i++) fprintf(out, ".plot .m%d{stroke:%s}.plot .f%d{fill:%s;stroke:%s}.plot text.n%d{fill:%s}", i, light[i], i, light[i], light[i], i, light[i]);
-    fputs("@media(prefers-color-scheme:dark){.plot text{fill:#ddd}.plot .paper{fill:#15171a}.plot .grid{stroke:#33373d}.plot .goal{stroke:#888}", out);
-    for (int i = 0; i < 8; i++) fprintf(out, ".plot .m%d{stroke:%s}.plot .f%d{fill:%s;stroke:%s}.plot text.n%d{fill:%s}", i, dark[i], i, dark[i], dark[i], i, dark[i]);
+    static const char *const light[] = {"#0065a8", "#c24e00", "#00805c", "#a63a86",
+                                        "#8a6a00", "#333",    "#777",    "#7a4fd0"};
+    static const char *const dark[] = {"#5db4f0", "#ff9650", "#3fd6a6", "#ee96cf",
+                                       "#e6c34a", "#eee",    "#aaa",    "#b79bff"};
+    fputs("<style>.plot text{font:12px system-ui,sans-serif;fill:#222}.plot .paper{fill:#fff}.plot "
+          ".grid{stroke:#ddd}.plot .goal{stroke:#999;stroke-dasharray:6 4}"
+          ".plot .line{fill:none;stroke-width:2}.plot .lead{stroke-width:.6;stroke-dasharray:2 3}.plot "
+          ".title{font-weight:600;font-size:14px}.plot .off{fill:none;opacity:.55}",
+          out);
+    for (int i = 0; i < 8; i++)
+        fprintf(out, ".plot .m%d{stroke:%s}.plot .f%d{fill:%s;stroke:%s}.plot text.n%d{fill:%s}", i, light[i],
+                i, light[i], light[i], i, light[i]);
+    fputs("@media(prefers-color-scheme:dark){.plot text{fill:#ddd}.plot .paper{fill:#15171a}.plot "
+          ".grid{stroke:#33373d}.plot .goal{stroke:#888}",
+          out);
+    for (int i = 0; i < 8; i++)
+        fprintf(out, ".plot .m%d{stroke:%s}.plot .f%d{fill:%s;stroke:%s}.plot text.n%d{fill:%s}", i, dark[i],
+                i, dark[i], dark[i], i, dark[i]);
     fputs("}</style>\n", out);
 }
 
@@ -65,7 +81,8 @@ static size_t find_bounds(const sl_curve *curves, size_t count, sl_bench_truth t
     x->most = y->most = -HUGE_VAL;
     for (size_t k = 0; k < count; k++) {
         for (size_t i = 0; i < curves[k].count; i++) {
-            double t = log10(curves[k].row[i]->cpu.median), e = log10(curves[k].row[i]->error[truth].rel_rmse);
+            double t = log10(curves[k].row[i]->cpu.median),
+                   e = log10(curves[k].row[i]->error[truth].rel_rmse);
             if (!isfinite(t) || !isfinite(e)) continue;
             x->least = fmin(x->least, t), x->most = fmax(x->most, t);
             y->least = fmin(y->least, e), y->most = fmax(y->most, e);
@@ -76,7 +93,9 @@ static size_t find_bounds(const sl_curve *curves, size_t count, sl_bench_truth t
     return points;
 }
 
-static bool is_on_paper(const sl_bench_row *row, sl_bench_truth truth) { return row->cpu.median > 0.0 && row->error[truth].rel_rmse > 0.0; }
+static bool is_on_paper(const sl_bench_row *row, sl_bench_truth truth) {
+    return row->cpu.median > 0.0 && row->error[truth].rel_rmse > 0.0;
+}
 
 static const char *tick_text(double value, char text[32]) {
     snprintf(text, 32, "%.12g", value);
@@ -94,11 +113,17 @@ static void put_axis(FILE *out, const axis *a, bool across, double scale) {
             double p = place(a, value);
             bool named = i == 0 || a->most - a->least < 3.5;
             if (across) {
-                fprintf(out, "<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%d\" y2=\"%d\"/>", p, p, TOP, HEIGHT - BOTTOM);
-                if (named) fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%s</text>", p, HEIGHT - BOTTOM + 17, tick_text(scale * value, text));
+                fprintf(out, "<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%d\" y2=\"%d\"/>", p, p, TOP,
+                        HEIGHT - BOTTOM);
+                if (named)
+                    fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%s</text>", p,
+                            HEIGHT - BOTTOM + 17, tick_text(scale * value, text));
             } else {
-                fprintf(out, "<line class=\"grid\" x1=\"%d\" x2=\"%d\" y1=\"%.1f\" y2=\"%.1f\"/>", LEFT, WIDTH - RIGHT, p, p);
-                if (named) fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%s %%</text>", LEFT - 6, p + 4.0, tick_text(scale * value, text));
+                fprintf(out, "<line class=\"grid\" x1=\"%d\" x2=\"%d\" y1=\"%.1f\" y2=\"%.1f\"/>", LEFT,
+                        WIDTH - RIGHT, p, p);
+                if (named)
+                    fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%s %%</text>", LEFT - 6,
+                            p + 4.0, tick_text(scale * value, text));
             }
         }
     }
@@ -110,18 +135,21 @@ static void put_goals(FILE *out, const axis *y) {
     for (int i = 0; i < 2; i++) {
         if (log10(goals[i]) < y->least || log10(goals[i]) > y->most) continue;
         double p = place(y, goals[i]);
-        fprintf(out, "<line class=\"goal\" x1=\"%d\" x2=\"%d\" y1=\"%.1f\" y2=\"%.1f\"/>\n", LEFT, WIDTH - RIGHT, p, p);
+        fprintf(out, "<line class=\"goal\" x1=\"%d\" x2=\"%d\" y1=\"%.1f\" y2=\"%.1f\"/>\n", LEFT,
+                WIDTH - RIGHT, p, p);
     }
 }
 
 /* Qualities are large, other settings small; what is only known to be less than that points down. */
-static void put_point(FILE *out, const sl_bench_row *row, sl_bench_truth truth, bool best, const char *class, double x, double y) {
+static void put_point(FILE *out, const sl_bench_row *row, sl_bench_truth truth, bool best, const char *class,
+                      double x, double y) {
     char error[32], seconds[32];
     double r = row->quality == SL_BENCH_CURVE ? 2.6 : 4.4;
     sl_error_text(&row->error[truth], error);
     sl_seconds_text(row->cpu.median, seconds);
     fprintf(out, "<g class=\"%s%s\">", best ? "f" : "off m", class + 1);
-    if (row->error[truth].lost) fprintf(out, "<path d=\"M%.1f %.1fh%.1fl%.1f %.1fz\">", x - r, y - r, 2.0 * r, -r, 2.0 * r);
+    if (row->error[truth].lost)
+        fprintf(out, "<path d=\"M%.1f %.1fh%.1fl%.1f %.1fz\">", x - r, y - r, 2.0 * r, -r, 2.0 * r);
     else fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\">", x, y, r);
     fputs("<title>", out);
     sl_put_escaped(out, row->curve);
@@ -137,7 +165,8 @@ static void put_point(FILE *out, const sl_bench_row *row, sl_bench_truth truth, 
 static label put_curve(FILE *out, const sl_curve *c, sl_bench_truth truth, const axis *x, const axis *y) {
     label end = {c->name, class_of(c->name), 0.0, 0.0, 0.0};
     bool dashed = (strstr(c->name, "one-bounce") && truth == SL_BENCH_MATCHED) || strstr(c->name, "bounces");
-    fprintf(out, "<polyline class=\"line %s\"%s points=\"", end.class, dashed ? " stroke-dasharray=\"7 4\"" : "");
+    fprintf(out, "<polyline class=\"line %s\"%s points=\"", end.class,
+            dashed ? " stroke-dasharray=\"7 4\"" : "");
     for (size_t i = 0; i < c->count; i++) {
         if (!c->best[i] || !is_on_paper(c->row[i], truth)) continue;
         end.x = place(x, c->row[i]->cpu.median);
@@ -147,7 +176,8 @@ static label put_curve(FILE *out, const sl_curve *c, sl_bench_truth truth, const
     fputs("\"/>\n", out);
     for (size_t i = 0; i < c->count; i++) {
         if (is_on_paper(c->row[i], truth))
-            put_point(out, c->row[i], truth, c->best[i], end.class, place(x, c->row[i]->cpu.median), place(y, c->row[i]->error[truth].rel_rmse));
+            put_point(out, c->row[i], truth, c->best[i], end.class, place(x, c->row[i]->cpu.median),
+                      place(y, c->row[i]->error[truth].rel_rmse));
     }
     return end;
 }
@@ -167,30 +197,38 @@ static void put_labels(FILE *out, label *labels, size_t count) {
     for (size_t i = count; i-- > 0; limit -= apart) labels[i].at = fmin(labels[i].at, limit);
     for (size_t i = 0; i < count; i++) {
         const label *l = &labels[i];
-        fprintf(out, "<line class=\"lead %s\" x1=\"%.1f\" y1=\"%.1f\" x2=\"%d\" y2=\"%.1f\"/>", l->class, l->x + 5.0, l->y, WIDTH - RIGHT + 6, l->at);
-        fprintf(out, "<text class=\"n%s\" x=\"%d\" y=\"%.1f\">", l->class + 1, WIDTH - RIGHT + 9, l->at + 4.0);
+        fprintf(out, "<line class=\"lead %s\" x1=\"%.1f\" y1=\"%.1f\" x2=\"%d\" y2=\"%.1f\"/>", l->class,
+                l->x + 5.0, l->y, WIDTH - RIGHT + 6, l->at);
+        fprintf(out, "<text class=\"n%s\" x=\"%d\" y=\"%.1f\">", l->class + 1, WIDTH - RIGHT + 9,
+                l->at + 4.0);
         sl_put_escaped(out, l->text);
         fputs("</text>\n", out);
     }
 }
 
 bool sl_plot_curves(FILE *out, const sl_bench_scene *s, sl_bench_truth truth) {
-    static const char *const against[] = {"the method's own light paths", "direct light and one diffuse bounce", "full global illumination"};
+    static const char *const against[] = {"the method's own light paths",
+                                          "direct light and one diffuse bounce", "full global illumination"};
     sl_curve curves[SL_CURVES];
     label labels[SL_CURVES];
     axis x = {.from = LEFT, .to = WIDTH - RIGHT}, y = {.from = HEIGHT - BOTTOM, .to = TOP};
     size_t count = choose_curves(s, truth, curves);
     if (find_bounds(curves, count, truth, &x, &y) < 2) return false;
-    fprintf(out, "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" height=\"%d\" role=\"img\">\n", WIDTH, HEIGHT, WIDTH,
-            HEIGHT);
+    fprintf(out,
+            "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" "
+            "height=\"%d\" role=\"img\">\n",
+            WIDTH, HEIGHT, WIDTH, HEIGHT);
     put_style(out);
-    fprintf(out, "<rect class=\"paper\" width=\"%d\" height=\"%d\"/>\n<text class=\"title\" x=\"%d\" y=\"20\">", WIDTH, HEIGHT, LEFT);
+    fprintf(out,
+            "<rect class=\"paper\" width=\"%d\" height=\"%d\"/>\n<text class=\"title\" x=\"%d\" y=\"20\">",
+            WIDTH, HEIGHT, LEFT);
     sl_put_escaped(out, s->name);
     fprintf(out, ": relative RMSE against %s</text>\n", against[truth]);
     put_axis(out, &x, true, 1.0);
     put_axis(out, &y, false, 100.0);
     put_goals(out, &y);
-    fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">processor seconds</text>\n", 0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 10);
+    fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">processor seconds</text>\n",
+            0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 10);
     for (size_t k = 0; k < count; k++) labels[k] = put_curve(out, &curves[k], truth, &x, &y);
     put_labels(out, labels, count);
     fputs("</svg>\n", out);

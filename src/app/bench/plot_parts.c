@@ -34,7 +34,8 @@ static void put_bar(FILE *out, const sl_bench_row *row, int y) {
     for (size_t i = 0; i < row->part_count; i++) {
         double width = BAR_WIDTH * row->parts[i].share;
         if (!(width > 0.0)) continue;
-        fprintf(out, "<rect class=\"p%zu\" x=\"%.1f\" y=\"%d\" width=\"%.1f\" height=\"%d\"><title>", i % 6, x, y, fmax(width - 1.0, 0.3), BAR_HEIGHT);
+        fprintf(out, "<rect class=\"p%zu\" x=\"%.1f\" y=\"%d\" width=\"%.1f\" height=\"%d\"><title>", i % 6,
+                x, y, fmax(width - 1.0, 0.3), BAR_HEIGHT);
         sl_put_escaped(out, row->parts[i].name);
         fprintf(out, ": %.1f %%</title></rect>", 100.0 * row->parts[i].share);
         put_name(out, &row->parts[i], x, y, width);
@@ -46,7 +47,9 @@ static void put_bar(FILE *out, const sl_bench_row *row, int y) {
 static void put_style(FILE *out) {
     static const char *const light[] = {"#a9cdea", "#f3c9a8", "#aedcc9", "#e3bfd9", "#e6d79b", "#ccc"};
     static const char *const dark[] = {"#2c5d85", "#8a5226", "#2b6b54", "#7a4468", "#6b5b1c", "#555"};
-    fputs("<style>.bars text{font:12px system-ui,sans-serif;fill:#222}.bars .paper{fill:#fff}.bars .title{font-weight:600;font-size:14px}.bars .in{font-size:11px}", out);
+    fputs("<style>.bars text{font:12px system-ui,sans-serif;fill:#222}.bars .paper{fill:#fff}.bars "
+          ".title{font-weight:600;font-size:14px}.bars .in{font-size:11px}",
+          out);
     for (int i = 0; i < 6; i++) fprintf(out, ".bars .p%d{fill:%s}", i, light[i]);
     fputs("@media(prefers-color-scheme:dark){.bars text{fill:#ddd}.bars .paper{fill:#15171a}", out);
     for (int i = 0; i < 6; i++) fprintf(out, ".bars .p%d{fill:%s}", i, dark[i]);
@@ -58,9 +61,14 @@ bool sl_plot_parts(FILE *out, const sl_bench_scene *s) {
     for (size_t i = 0; i < s->row_count; i++) bars += is_shown(&s->rows[i]);
     if (!bars) return false;
     int width = BAR_LEFT + BAR_WIDTH + 16, height = HEAD + bars * BAR_STEP + 8;
-    fprintf(out, "<svg class=\"bars\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" height=\"%d\" role=\"img\">\n", width, height, width, height);
+    fprintf(out,
+            "<svg class=\"bars\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" "
+            "height=\"%d\" role=\"img\">\n",
+            width, height, width, height);
     put_style(out);
-    fprintf(out, "<rect class=\"paper\" width=\"%d\" height=\"%d\"/>\n<text class=\"title\" x=\"8\" y=\"20\">", width, height);
+    fprintf(out,
+            "<rect class=\"paper\" width=\"%d\" height=\"%d\"/>\n<text class=\"title\" x=\"8\" y=\"20\">",
+            width, height);
     sl_put_escaped(out, s->name);
     fputs(": parts of a picture's processor time</text>\n", out);
     for (size_t i = 0; i < s->row_count; i++) {

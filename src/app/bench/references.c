@@ -40,8 +40,9 @@ static bool transport_of(const sl_bench_scene *s, const char *name, sl_transport
 bool sl_reference_is_same(const sl_bench_scene *s, const char *name, const char *other) {
     sl_transport a, b;
     if (!transport_of(s, name, &a) || !transport_of(s, other, &b)) return false;
-    return a.emission == b.emission && a.eye_mirrors == b.eye_mirrors && a.direct_lobes == b.direct_lobes && a.receiver_lobes == b.receiver_lobes &&
-           a.bounce_lobes == b.bounce_lobes && a.bounces == b.bounces && a.direct_visibility == b.direct_visibility &&
+    return a.emission == b.emission && a.eye_mirrors == b.eye_mirrors && a.direct_lobes == b.direct_lobes &&
+           a.receiver_lobes == b.receiver_lobes && a.bounce_lobes == b.bounce_lobes &&
+           a.bounces == b.bounces && a.direct_visibility == b.direct_visibility &&
            a.bounce_visibility == b.bounce_visibility && a.sky_light == b.sky_light;
 }
 
@@ -50,8 +51,10 @@ static bool leaves_out_the_sky(const sl_bench_scene *s, const char *transport) {
     return s->sky && transport_of(s, transport, &t) && !t.sky_light;
 }
 
-void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *transport, char path[SL_BENCH_PATH]) {
-    static const char *const plain[] = {"full", "one-bounce", "direct"}; /* whose files stand for others' of the same paths */
+void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *transport,
+                       char path[SL_BENCH_PATH]) {
+    /* whose files stand for others' of the same paths */
+    static const char *const plain[] = {"full", "one-bounce", "direct"};
     char name[SL_BENCH_NAME];
     /* Files of the plain name may be kept from when it had the sky's light in it. */
     snprintf(name, sizeof name, "%s%s", transport, leaves_out_the_sky(s, transport) ? "-skyless" : "");
@@ -61,12 +64,14 @@ void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *
     for (char *c = name; *c; c++) {
         if (*c == ':') *c = '-';
     }
-    snprintf(path, SL_BENCH_PATH, "%s/%s-%dx%d-%s-centres-%s.exr", folder, s->hash, s->width, s->height, name, SL_VERSION);
+    snprintf(path, SL_BENCH_PATH, "%s/%s-%dx%d-%s-centres-%s.exr", folder, s->hash, s->width, s->height, name,
+             SL_VERSION);
 }
 
 /* ---- how long chunks are ---- */
 
-/* As long as all before them: samples of one sequence do more than as many of two (noise falls with their number to the power of -0.65 or so). */
+/* As long as all before them: samples of one sequence do more than as many of two (noise falls with their
+ * number to the power of -0.65 or so). */
 static uint32_t chunk_samples(uint64_t chunk) {
     enum { LONGEST = 12 };
     uint64_t pair = chunk / 2;
@@ -82,7 +87,8 @@ uint64_t sl_reference_samples(uint64_t pairs) {
 static const char *const half_channels[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
 
 bool sl_reference_read(const sl_image *image, uint64_t *pairs, double *seconds) {
-    const char *count = sl_image_metadata(image, "softlux.reference.pairs"), *spent = sl_image_metadata(image, "softlux.reference.seconds");
+    const char *count = sl_image_metadata(image, "softlux.reference.pairs"),
+               *spent = sl_image_metadata(image, "softlux.reference.seconds");
     bool usable = count != NULL;
     for (int k = 0; k < 6; k++) usable = usable && sl_image_channel(image, half_channels[k / 3][k % 3]);
     *pairs = usable ? strtoull(count, NULL, 10) : 0;
@@ -100,23 +106,27 @@ typedef struct extension {
     sl_load_options load;
 } extension;
 
-/* The sums of both halves so far: planes R, G, B of the one, then of the other. An unreadable file counts as none. */
+/* The sums of both halves so far: planes R, G, B of the one, then of the other. An unreadable file counts as
+ * none. */
 static void begin(const extension *e, double *sums, uint64_t *pairs, double *seconds) {
     sl_image *image = NULL;
     size_t pixels = (size_t)e->width * (size_t)e->height;
     *pairs = 0;
     *seconds = 0.0;
     if (sl_image_read(e->path, &image, NULL) != SL_OK) return;
-    bool usable = image->width == e->width && image->height == e->height && sl_reference_read(image, pairs, seconds);
+    bool usable =
+        image->width == e->width && image->height == e->height && sl_reference_read(image, pairs, seconds);
     for (int k = 0; usable && k < 6; k++) {
         const float *from = sl_image_channel(image, half_channels[k / 3][k % 3]);
-        for (size_t i = 0; i < pixels; i++) sums[(size_t)k * pixels + i] = 0.5 * (double)from[i] * (double)sl_reference_samples(*pairs);
+        for (size_t i = 0; i < pixels; i++)
+            sums[(size_t)k * pixels + i] = 0.5 * (double)from[i] * (double)sl_reference_samples(*pairs);
     }
     if (!usable) *pairs = 0;
     sl_image_destroy(image);
 }
 
-static sl_status add_chunk(const extension *e, const sl_scene *scene, uint64_t chunk, double *sums, sl_error *error) {
+static sl_status add_chunk(const extension *e, const sl_scene *scene, uint64_t chunk, double *sums,
+                           sl_error *error) {
     sl_settings settings = sl_settings_default();
     sl_progress progress = {0};
     sl_method *method = NULL;
@@ -133,14 +143,17 @@ static sl_status add_chunk(const extension *e, const sl_scene *scene, uint64_t c
     sl_status status = sl_method_create(scene, &settings, &method, error);
     while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, error);
     if (status == SL_OK) status = sl_method_resolve(method, &image, error);
-    for (size_t i = 0; status == SL_OK && i < 3 * pixels; i++) sums[(chunk % 2) * 3 * pixels + i] += (double)settings.spp * (double)image->planes[i];
+    for (size_t i = 0; status == SL_OK && i < 3 * pixels; i++)
+        sums[(chunk % 2) * 3 * pixels + i] += (double)settings.spp * (double)image->planes[i];
     sl_image_destroy(image);
     sl_method_destroy(method);
     return status;
 }
 
-static sl_status write_reference(const extension *e, const double *sums, uint64_t pairs, double seconds, sl_error *error) {
-    static const char *const names[] = {"R", "G", "B", "even.R", "even.G", "even.B", "odd.R", "odd.G", "odd.B"};
+static sl_status write_reference(const extension *e, const double *sums, uint64_t pairs, double seconds,
+                                 sl_error *error) {
+    static const char *const names[] = {"R",      "G",     "B",     "even.R", "even.G",
+                                        "even.B", "odd.R", "odd.G", "odd.B"};
     sl_image *image = NULL;
     size_t values = 3 * (size_t)e->width * (size_t)e->height;
     char text[32];
@@ -169,9 +182,11 @@ static bool extend_work(void *context, char **report) {
     uint64_t pairs = 0;
     double seconds = 0.0, *sums = calloc(6 * (size_t)e->width * (size_t)e->height, sizeof *sums);
     char text[96];
-    sl_status status = sums ? sl_scene_load_with(e->scene_path, &e->load, &scene, &error) : SL_ERROR_RESOURCES;
+    sl_status status =
+        sums ? sl_scene_load_with(e->scene_path, &e->load, &scene, &error) : SL_ERROR_RESOURCES;
     if (status == SL_OK) begin(e, sums, &pairs, &seconds);
-    for (uint64_t i = 0; i < 2 * e->pairs && status == SL_OK; i++) status = add_chunk(e, scene, 2 * pairs + i, sums, &error);
+    for (uint64_t i = 0; i < 2 * e->pairs && status == SL_OK; i++)
+        status = add_chunk(e, scene, 2 * pairs + i, sums, &error);
     seconds += sl_process_seconds();
     if (status == SL_OK) status = write_reference(e, sums, pairs + e->pairs, seconds, &error);
     snprintf(text, sizeof text, "{\"pairs\": %" PRIu64 ", \"seconds\": %.3f}", pairs + e->pairs, seconds);
@@ -191,7 +206,8 @@ sl_status sl_reference_make_folder(const char *path, sl_error *error) {
         if (path[i] != '/' && path[i]) continue;
         snprintf(part, sizeof part, "%.*s", (int)i, path);
         if (mkdir(part, 0777) == 0 || errno == EEXIST) continue;
-        snprintf(error->message, sizeof error->message, "cannot make the folder %.900s: %s", part, strerror(errno));
+        snprintf(error->message, sizeof error->message, "cannot make the folder %.900s: %s", part,
+                 strerror(errno));
         return error->status = SL_ERROR_OUTPUT;
     }
     snprintf(part, sizeof part, "%.1000s/reference.exr", path);
@@ -202,7 +218,8 @@ static void tell_trouble(sl_bench_reference *r, const sl_child_end *end) {
     snprintf(r->trouble, sizeof r->trouble, "%s", end->why);
 }
 
-sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s, uint64_t pairs, sl_bench_reference *r, sl_error *error) {
+sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s, uint64_t pairs,
+                              sl_bench_reference *r, sl_error *error) {
     const sl_child_limits limits = {0.0, 0, sl_interrupted};
     extension e = {s->path, r->transport, r->file, s->width, s->height, o->reference_threads, pairs, o->load};
     sl_child_end end;
@@ -255,10 +272,13 @@ sl_image *sl_reference_mask(const sl_bench_options *o, const sl_bench_scene *s, 
     sl_child_end end;
     sl_reference_path(o->references, s, "surfaces", path);
     if (sl_image_read(path, &mask, NULL) == SL_OK) return mask;
-    if (sl_reference_make_folder(o->references, error) != SL_OK || sl_child_run(mask_work, &e, &limits, &end, error) != SL_OK) return NULL;
+    if (sl_reference_make_folder(o->references, error) != SL_OK ||
+        sl_child_run(mask_work, &e, &limits, &end, error) != SL_OK)
+        return NULL;
     free(end.text);
     if (end.outcome == SL_CHILD_DONE && sl_image_read(path, &mask, error) == SL_OK) return mask;
     error->status = SL_ERROR_RESOURCES;
-    if (end.outcome != SL_CHILD_DONE) snprintf(error->message, sizeof error->message, "no mask: %.200s", end.why);
+    if (end.outcome != SL_CHILD_DONE)
+        snprintf(error->message, sizeof error->message, "no mask: %.200s", end.why);
     return NULL;
 }

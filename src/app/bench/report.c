@@ -36,18 +36,23 @@ sl_status sl_report_compose(const sl_bench_results *results, const char *folder,
 /* What is in doubt by less than this share of an error goes without saying. */
 static const double silent_doubt = 0.1;
 
-static int digits_of(double percent) { return percent >= 100.0 ? 0 : percent >= 9.95 ? 1 : percent >= 0.995 ? 2 : 3; }
+static int digits_of(double percent) {
+    return percent >= 100.0 ? 0 : percent >= 9.95 ? 1 : percent >= 0.995 ? 2 : 3;
+}
 
 void sl_error_text(const sl_bench_error *e, char text[32]) {
     double percent = 100.0 * e->rel_rmse, doubt = 100.0 * e->doubt;
     if (!e->known) snprintf(text, 32, "-");
-    else if (e->lost || !(e->doubt > silent_doubt * e->rel_rmse)) snprintf(text, 32, "%s%.*f %%", e->lost ? "< " : "", digits_of(percent), percent);
+    else if (e->lost || !(e->doubt > silent_doubt * e->rel_rmse))
+        snprintf(text, 32, "%s%.*f %%", e->lost ? "< " : "", digits_of(percent), percent);
     else snprintf(text, 32, "%.*f ± %.*f %%", digits_of(percent), percent, digits_of(percent), doubt);
 }
 
 void sl_reference_text(const sl_bench_reference *r, char text[96]) {
     if (!(r->wanted > 0.0)) text[0] = '\0';
-    else snprintf(text, 96, "%.2g ± %.1g %%%s", 1000.0 * r->wanted, 1000.0 * r->wanted * r->doubt, r->noise <= r->wanted ? "" : ", noise above a tenth");
+    else
+        snprintf(text, 96, "%.2g ± %.1g %%%s", 1000.0 * r->wanted, 1000.0 * r->wanted * r->doubt,
+                 r->noise <= r->wanted ? "" : ", noise above a tenth");
 }
 
 /* No picture is nearer to another, by the root of the mean square, than their means are. */

@@ -1,4 +1,5 @@
-/* The results as files in a folder: results.csv, report.md, report.html, and plots as SVG. A file appears whole or not at all. */
+/* The results as files in a folder: results.csv, report.md, report.html, and plots as SVG. A file appears
+ * whole or not at all. */
 #ifndef SL_APP_BENCH_REPORT_H
 #define SL_APP_BENCH_REPORT_H
 
@@ -26,14 +27,17 @@ sl_status sl_report_write(const char *folder, const char *name, const char *text
 /* Writes what put prints of the results as folder/name. */
 sl_status sl_report_compose(const sl_bench_results *results, const char *folder, const char *name,
                             void (*put)(FILE *out, const sl_bench_results *results), sl_error *error);
-/* "3.2 %"; "3.2 ± 0.4 %" where more than a tenth of it is in doubt; "< 0.04 %": at most, and perhaps nothing; "-" where it is not known. */
+/* "3.2 %"; "3.2 ± 0.4 %" where more than a tenth of it is in doubt; "< 0.04 %": at most, and perhaps nothing;
+ * "-" where it is not known. */
 void sl_error_text(const sl_bench_error *error, char text[32]);
 /* How often errors told without a reference hold, as a table. */
 void sl_report_promises(FILE *out, const sl_bench_results *results);
-/* The smallest error told with a reference, and how much of the reference's noise is in it; "" where none is told. */
+/* The smallest error told with a reference, and how much of the reference's noise is in it; "" where none is
+ * told. */
 void sl_reference_text(const sl_bench_reference *reference, char text[96]);
-/* What a reference leaves out of full global illumination, with so many digits behind the point: "36.19 %"; "≥ 17.2 %", with one digit less, where the
- * estimate is below what the missing energy alone makes of it, and so lost in the references' noise. */
+/* What a reference leaves out of full global illumination, with so many digits behind the point: "36.19 %";
+ * "≥ 17.2 %", with one digit less, where the estimate is below what the missing energy alone makes of it, and
+ * so lost in the references' noise. */
 void sl_missing_text(const sl_bench_reference *reference, int digits, char text[32]);
 /* "3.1 %, at most 3.9 %", or "-". */
 void sl_promise_text(const sl_bench_promise *promise, char text[64]);

@@ -30,7 +30,8 @@ sl_bench_spread sl_bench_spread_of(double *values, int count) {
 
 double sl_bench_unrest_of(double *values, int count) {
     double median = sl_bench_spread_of(values, count).median;
-    return count >= 4 && median > 0.0 ? 0.5 * (values[count - 1 - count / 4] - values[count / 4]) / median : 0.0;
+    return count >= 4 && median > 0.0 ? 0.5 * (values[count - 1 - count / 4] - values[count / 4]) / median
+                                      : 0.0;
 }
 
 sl_bench_kept sl_bench_promises(const sl_bench_results *results, const char *method) {
@@ -41,7 +42,9 @@ sl_bench_kept sl_bench_promises(const sl_bench_results *results, const char *met
         for (size_t i = 0; i < results->scenes[s].row_count && k.made < MOST; i++) {
             const sl_bench_row *row = &results->scenes[s].rows[i];
             const sl_bench_promise *p = &row->promise;
-            if (!p->known || !p->measured_known || !(p->measured > 0.0) || (method && strcmp(row->method, method) != 0)) continue;
+            if (!p->known || !p->measured_known || !(p->measured > 0.0) ||
+                (method && strcmp(row->method, method) != 0))
+                continue;
             slack[k.made++] = p->bound / p->measured;
             k.kept += p->measured <= p->bound;
         }

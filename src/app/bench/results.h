@@ -10,14 +10,21 @@
 
 /* What a picture is held against. */
 typedef enum sl_bench_truth {
-    SL_BENCH_MATCHED,    /* the light paths that the method itself declares: what is wrong is the method's own error */
+    /* the light paths that the method itself declares: what is wrong is the method's own error */
+    SL_BENCH_MATCHED,
     SL_BENCH_ONE_BOUNCE, /* direct light and one diffuse bounce */
     SL_BENCH_FULL,       /* all of global illumination */
     SL_BENCH_TRUTHS
 } sl_bench_truth;
 
 /* Which row of a method's ladder of settings a trial is. */
-typedef enum sl_bench_quality { SL_BENCH_DRAFT, SL_BENCH_NORMAL, SL_BENCH_HIGH, SL_BENCH_CURVE, SL_BENCH_QUALITIES } sl_bench_quality;
+typedef enum sl_bench_quality {
+    SL_BENCH_DRAFT,
+    SL_BENCH_NORMAL,
+    SL_BENCH_HIGH,
+    SL_BENCH_CURVE,
+    SL_BENCH_QUALITIES
+} sl_bench_quality;
 
 typedef enum sl_bench_end {
     SL_BENCH_RAN,
@@ -37,7 +44,9 @@ typedef struct sl_bench_spread {
 typedef struct sl_bench_error {
     bool known;
     double rel_rmse; /* the reference's own noise is subtracted */
-    double doubt;    /* with 95 % confidence it is not further than that from the error against the truth: what that noise leaves of itself */
+    /* with 95 % confidence it is not further than that from the error against the truth: what that noise
+     * leaves of itself */
+    double doubt;
     double measured; /* with it */
     double noise;    /* relative RMSE of the reference itself, by its two halves */
     bool lost;       /* it cannot be told from nothing: an upper bound stands in its place */
@@ -71,7 +80,8 @@ typedef struct sl_bench_row {
     sl_bench_quality quality;
     sl_bench_end end;
     char why[256];             /* where it did not run to its end */
-    sl_bench_spread cpu, wall; /* seconds until the picture was there, reading the scene not included; cpu: of all threads */
+    /* seconds until the picture was there, reading the scene not included; cpu: of all threads */
+    sl_bench_spread cpu, wall;
     double first_picture;      /* processor seconds until a first picture could be shown; 0: not looked at */
     uint64_t peak_bytes, method_bytes; /* of the whole process; of what the method tells of itself */
     uint64_t rays, shadow_rays, records, samples, fragments;
@@ -119,7 +129,8 @@ typedef struct sl_bench_scene {
 typedef struct sl_bench_results {
     char version[32], machine[128], date[32];
     int processors, threads, repeats;
-    sl_bench_spread calibration; /* a fixed amount of arithmetic, seconds by the clock, again and again between the trials */
+    /* a fixed amount of arithmetic, seconds by the clock, again and again between the trials */
+    sl_bench_spread calibration;
     double unrest;               /* half the distance of its quartiles over its median */
     double unrest_cpu;           /* the same by the processor's time */
     double share_of_processor;   /* that the arithmetic had: less where others took turns */
@@ -133,8 +144,8 @@ void sl_bench_results_free(sl_bench_results *results);
 sl_bench_spread sl_bench_spread_of(double *values, int count);
 /* Half the distance of the quartiles over the median; 0 of fewer than four. Sorts the values. */
 double sl_bench_unrest_of(double *values, int count);
-/* Of the rows of one method, or NULL: of all: how many promise a bound that could be checked, how many of those keep it, and how far above the measured
- * error the bounds are, in the middle. */
+/* Of the rows of one method, or NULL: of all: how many promise a bound that could be checked, how many of
+ * those keep it, and how far above the measured error the bounds are, in the middle. */
 typedef struct sl_bench_kept {
     int made, kept;
     double slack;

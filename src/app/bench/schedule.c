@@ -1,5 +1,5 @@
-/* Interleaved: first the cheapest trial of every method, then the next ones, and all that as often as asked for. A machine that is slow for a minute
- * is then slow for all methods alike. */
+/* Interleaved: first the cheapest trial of every method, then the next ones, and all that as often as asked
+ * for. A machine that is slow for a minute is then slow for all methods alike. */
 #include "app/bench/schedule.h"
 
 #include "app/bench/calibration.h"
@@ -10,8 +10,10 @@
 #include <string.h>
 #include <unistd.h>
 
-static const double most_of_limit = 0.4; /* settings of a curve are some three times as dear as the one before */
-/* A trial that takes longer is not repeated, since what disturbs it lasts shorter than it does; nor looked at, where it takes yet longer. */
+/* settings of a curve are some three times as dear as the one before */
+static const double most_of_limit = 0.4;
+/* A trial that takes longer is not repeated, since what disturbs it lasts shorter than it does; nor looked
+ * at, where it takes yet longer. */
 enum { LONG_SECONDS = 1, LONG_LOOK_SECONDS = 3 };
 
 typedef struct job {
@@ -50,17 +52,20 @@ static bool add_job(job_list *l, const sl_trial *trial, size_t rank, int repeat)
 
 static int by_turn(const void *a, const void *b) {
     const job *x = a, *y = b;
-    int round_x = x->repeat < 0 ? 1 : 2 * x->repeat, round_y = y->repeat < 0 ? 1 : 2 * y->repeat; /* looks after the first round */
+    /* looks after the first round */
+    int round_x = x->repeat < 0 ? 1 : 2 * x->repeat, round_y = y->repeat < 0 ? 1 : 2 * y->repeat;
     if (round_x != round_y) return round_x < round_y ? -1 : 1;
     if (x->rank != y->rank) return x->rank < y->rank ? -1 : 1;
     return x->trial < y->trial ? -1 : x->trial > y->trial;
 }
 
 static bool is_wanted(const sl_bench_options *o, const sl_trial *t) {
-    return sl_list_names(o->methods, t->method) && sl_list_names(o->qualities, sl_bench_quality_name(t->quality));
+    return sl_list_names(o->methods, t->method) &&
+           sl_list_names(o->qualities, sl_bench_quality_name(t->quality));
 }
 
-/* Of the tracers one look is enough: they have one pass, and a first picture does not depend on how many samples follow. */
+/* Of the tracers one look is enough: they have one pass, and a first picture does not depend on how many
+ * samples follow. */
 static bool is_looked_at(const sl_trial *t) {
     bool tracer = strcmp(t->method, "path") == 0 || strcmp(t->method, "bidirectional") == 0;
     return t->quality != SL_BENCH_CURVE && (!tracer || t->quality == SL_BENCH_DRAFT);
@@ -84,8 +89,9 @@ static bool list_jobs(const sl_bench_options *o, job_list *l) {
 /* ---- the journal's entries ---- */
 
 static void key_of(const sl_bench_options *o, const sl_bench_scene *s, const job *j, char *key, size_t size) {
-    snprintf(key, size, "%s %dx%d %u threads, %s %s, %s, %s %d", s->hash, s->width, s->height, o->threads, SL_VERSION, o->program,
-             j->trial->arguments, j->repeat < 0 ? "look" : "run", j->repeat < 0 ? 0 : j->repeat);
+    snprintf(key, size, "%s %dx%d %u threads, %s %s, %s, %s %d", s->hash, s->width, s->height, o->threads,
+             SL_VERSION, o->program, j->trial->arguments, j->repeat < 0 ? "look" : "run",
+             j->repeat < 0 ? 0 : j->repeat);
 }
 
 static double number(const cJSON *object, const char *name) {
@@ -106,31 +112,40 @@ static sl_bench_end end_of(const cJSON *entry) {
 }
 
 /* What was stopped, or ran out of memory, is no answer where more is allowed now. */
-static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal, const job *j) {
+static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal,
+                               const job *j) {
     char key[1024];
     key_of(o, s, j, key, sizeof key);
     const cJSON *entry = sl_journal_find(journal, key);
     if (!entry || end_of(entry) == SL_BENCH_RAN) return entry;
     bool more_time = number(entry, "limit") > 0.0 && (o->limit <= 0.0 || o->limit > number(entry, "limit"));
-    bool more_memory = number(entry, "memory") > 0.0 && (!o->memory_bytes || (double)o->memory_bytes > number(entry, "memory"));
+    bool more_memory = number(entry, "memory") > 0.0 &&
+                       (!o->memory_bytes || (double)o->memory_bytes > number(entry, "memory"));
     return (end_of(entry) == SL_BENCH_STOPPED && more_time) || more_memory ? NULL : entry;
 }
 
-static double seconds_of(const cJSON *entry) { return number(cJSON_GetObjectItem(entry, "result"), "wall_seconds"); }
+static double seconds_of(const cJSON *entry) {
+    return number(cJSON_GetObjectItem(entry, "result"), "wall_seconds");
+}
 
-/* A cheaper setting of the same curve that the limit stopped, or that left too little of it for this one; NULL: none. */
-static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal, const sl_trial *trial) {
+/* A cheaper setting of the same curve that the limit stopped, or that left too little of it for this one;
+ * NULL: none. */
+static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_scene *s,
+                                      const sl_journal *journal, const sl_trial *trial) {
     const sl_trial *t;
     for (size_t i = 0; (t = sl_trial_at(i)) && t != trial; i++) {
         const job first = {t, 0, 0};
         const cJSON *entry = strcmp(t->curve, trial->curve) == 0 ? find_entry(o, s, journal, &first) : NULL;
-        if (entry && (end_of(entry) == SL_BENCH_STOPPED || (o->limit > 0.0 && seconds_of(entry) > most_of_limit * o->limit))) return t;
+        if (entry && (end_of(entry) == SL_BENCH_STOPPED ||
+                      (o->limit > 0.0 && seconds_of(entry) > most_of_limit * o->limit)))
+            return t;
     }
     return NULL;
 }
 
 /* Whether a job still makes sense after what its first run, and cheaper settings, were like. */
-static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal, const job *j) {
+static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal,
+                   const job *j) {
     job first = *j;
     char picture[SL_BENCH_PATH];
     first.repeat = 0;
@@ -145,7 +160,8 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
 
 /* ---- running ---- */
 
-void sl_trial_picture(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t, char path[SL_BENCH_PATH]) {
+void sl_trial_picture(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t,
+                      char path[SL_BENCH_PATH]) {
     char name[SL_BENCH_ARGUMENTS];
     size_t n = 0;
     for (const char *c = t->arguments; *c && n < sizeof name - 1; c++) {
@@ -154,11 +170,14 @@ void sl_trial_picture(const sl_bench_options *o, const sl_bench_scene *s, const 
         else if (*c == '-' && n && name[n - 1] != '_') name[n++] = '-';
     }
     name[n] = '\0';
-    snprintf(path, SL_BENCH_PATH, "%s/pictures/%s-%dx%d-%.8s-%s.exr", o->folder, s->hash, s->width, s->height, o->program, name);
+    snprintf(path, SL_BENCH_PATH, "%s/pictures/%s-%dx%d-%.8s-%s.exr", o->folder, s->hash, s->width, s->height,
+             o->program, name);
 }
 
-cJSON *sl_schedule_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key, sl_child_end *end) {
-    cJSON *entry = cJSON_CreateObject(), *result = end->outcome == SL_CHILD_DONE ? cJSON_Parse(end->text) : NULL;
+cJSON *sl_schedule_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key,
+                         sl_child_end *end) {
+    cJSON *entry = cJSON_CreateObject(),
+          *result = end->outcome == SL_CHILD_DONE ? cJSON_Parse(end->text) : NULL;
     cJSON_AddStringToObject(entry, "key", key);
     cJSON_AddStringToObject(entry, "program", o->program);
     cJSON_AddStringToObject(entry, "scene", s->path);
@@ -170,13 +189,16 @@ cJSON *sl_schedule_entry(const sl_bench_options *o, const sl_bench_scene *s, con
     return entry;
 }
 
-static sl_status run_job(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal, const job *j, sl_error *error) {
+static sl_status run_job(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal,
+                         const job *j, sl_error *error) {
     char key[1024], picture[SL_BENCH_PATH];
     const sl_child_limits limits = {o->limit, o->memory_bytes, sl_interrupted};
     sl_child_end end;
     key_of(o, s, j, key, sizeof key);
     sl_trial_picture(o, s, j->trial, picture);
-    sl_trial_run run = {j->trial, s->path, s->width, s->height, o->threads, j->repeat < 0, j->repeat == 0 ? picture : NULL, o->load};
+    sl_trial_run run = {
+        j->trial, s->path, s->width, s->height, o->threads, j->repeat < 0, j->repeat == 0 ? picture : NULL,
+        o->load};
     sl_calibration calibration = sl_calibrate();
     sl_status status = sl_child_run(sl_trial_work, &run, &limits, &end, error);
     if (status != SL_OK || end.outcome == SL_CHILD_INTERRUPTED) {
@@ -191,9 +213,12 @@ static sl_status run_job(const sl_bench_options *o, const sl_bench_scene *s, sl_
     cJSON_AddNumberToObject(entry, "calibration_cpu", calibration.cpu);
     return sl_journal_add(journal, entry, error);
 }
-_Static_assert((int)SL_BENCH_STOPPED == (int)SL_CHILD_STOPPED && (int)SL_BENCH_CRASHED == (int)SL_CHILD_CRASHED, "one order in both");
+_Static_assert((int)SL_BENCH_STOPPED == (int)SL_CHILD_STOPPED &&
+                   (int)SL_BENCH_CRASHED == (int)SL_CHILD_CRASHED,
+               "one order in both");
 
-static void show_progress(const sl_bench_options *o, const sl_bench_scene *s, const job_list *l, size_t at, double seconds) {
+static void show_progress(const sl_bench_options *o, const sl_bench_scene *s, const job_list *l, size_t at,
+                          double seconds) {
     enum { CELLS = 30 };
     char bar[CELLS + 1];
     size_t filled = l->count ? at * CELLS / l->count : CELLS;
@@ -206,7 +231,8 @@ static void show_progress(const sl_bench_options *o, const sl_bench_scene *s, co
     fflush(stderr);
 }
 
-sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal, sl_error *error) {
+sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal,
+                          sl_error *error) {
     job_list l;
     sl_status status = SL_OK;
     double from = sl_seconds_now();
@@ -267,7 +293,8 @@ static void take_result(const cJSON *result, sl_bench_row *row) {
     row->fragments = (uint64_t)number(c, sl_counter_name(SL_COUNT_FRAGMENTS_SHADED));
 }
 
-static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal, const sl_trial *t, sl_bench_row *row) {
+static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal,
+                     const sl_trial *t, sl_bench_row *row) {
     enum { MOST = 64 };
     double cpu[MOST], wall[MOST];
     int runs = 0;
@@ -279,7 +306,9 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     row->quality = t->quality;
     row->end = SL_BENCH_LEFT_OUT;
     const sl_trial *cheaper = stopped_before(o, s, journal, t);
-    if (cheaper) snprintf(row->why, sizeof row->why, "'%s' took most of the limit of seconds, and this takes longer", cheaper->name);
+    if (cheaper)
+        snprintf(row->why, sizeof row->why, "'%s' took most of the limit of seconds, and this takes longer",
+                 cheaper->name);
     else snprintf(row->why, sizeof row->why, "there was no time left for it");
     sl_trial_picture(o, s, t, row->picture);
     for (int r = -1; r < o->repeats && runs < MOST; r++) {
@@ -304,7 +333,8 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     row->wall = sl_bench_spread_of(wall, runs);
 }
 
-sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const sl_journal *journal, sl_error *error) {
+sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const sl_journal *journal,
+                           sl_error *error) {
     size_t count = 0;
     while (sl_trial_at(count)) count++;
     s->rows = calloc(count, sizeof *s->rows);
@@ -317,7 +347,9 @@ sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const s
         if (!is_wanted(o, sl_trial_at(i))) continue;
         const sl_trial *t = sl_trial_at(i);
         make_row(o, s, journal, t, &s->rows[s->row_count]);
-        bool untold = o->report_only && s->rows[s->row_count].end == SL_BENCH_LEFT_OUT && !stopped_before(o, s, journal, t); /* nobody tried it */
+        /* nobody tried it */
+        bool untold = o->report_only && s->rows[s->row_count].end == SL_BENCH_LEFT_OUT &&
+                      !stopped_before(o, s, journal, t);
         if (untold) memset(&s->rows[s->row_count], 0, sizeof *s->rows);
         else s->row_count++;
     }

@@ -11,7 +11,8 @@ typedef struct sl_bench_options {
     const char *methods, *qualities;  /* lists with commas between, or NULL: all */
     int width, height;                /* 0: as the scene says, made small */
     int repeats;
-    double budget, limit, reference_budget; /* seconds: of all trials of a scene; of one; of processor time of each reference. 0: none */
+    /* seconds: of all trials of a scene; of one; of processor time of each reference. 0: none */
+    double budget, limit, reference_budget;
     uint64_t memory_bytes;            /* of one trial; 0: none */
     unsigned threads, reference_threads; /* 0: all processors */
     bool quiet, json;
@@ -24,13 +25,19 @@ typedef struct sl_bench_options {
 
 /* Whether a comma-separated list, or NULL, names it. */
 bool sl_list_names(const char *list, const char *name);
-/* Runs what the journal does not hold yet. Returns when all is done, the budget is spent, or somebody interrupts. */
-sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_journal *journal, sl_error *error);
+/* Runs what the journal does not hold yet. Returns when all is done, the budget is spent, or somebody
+ * interrupts. */
+sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_journal *journal,
+                          sl_error *error);
 /* The rows of the scene from what the journal holds of it. */
-sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal, sl_error *error);
-/* What a child told, as the journal keeps it: key, program, scene, end, why, result. Takes the child's text. */
-cJSON *sl_schedule_entry(const sl_bench_options *options, const sl_bench_scene *scene, const char *key, sl_child_end *end);
+sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal,
+                           sl_error *error);
+/* What a child told, as the journal keeps it: key, program, scene, end, why, result. Takes the child's text.
+ */
+cJSON *sl_schedule_entry(const sl_bench_options *options, const sl_bench_scene *scene, const char *key,
+                         sl_child_end *end);
 /* Where the picture of a trial is kept. */
-void sl_trial_picture(const sl_bench_options *options, const sl_bench_scene *scene, const sl_trial *trial, char path[SL_BENCH_PATH]);
+void sl_trial_picture(const sl_bench_options *options, const sl_bench_scene *scene, const sl_trial *trial,
+                      char path[SL_BENCH_PATH]);
 
 #endif

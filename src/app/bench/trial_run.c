@@ -17,7 +17,8 @@ bool sl_trial_settings(const char *arguments, sl_settings *settings) {
     const char *operands[1];
     int count = 0, operand_count, status;
     snprintf(text, sizeof text, "%s", arguments);
-    for (char *w = strtok_r(text, " ", &rest); w && count < WORDS; w = strtok_r(NULL, " ", &rest)) words[count++] = w;
+    for (char *w = strtok_r(text, " ", &rest); w && count < WORDS; w = strtok_r(NULL, " ", &rest))
+        words[count++] = w;
     *settings = sl_settings_default();
     const sl_command_line line = {arguments, "", NULL, &none, 0, 0, settings, NULL};
     return sl_options_parse(&line, count, words, operands, &operand_count, &status);
@@ -56,7 +57,8 @@ static void add_parts(cJSON *root, stopwatch *w) {
     cJSON *parts = cJSON_AddObjectToObject(root, "parts");
     double sum = 0.0;
     for (size_t i = 0; i < w->count; i++) sum += w->pass[i].seconds;
-    for (size_t i = 0; i < w->count && sum > 0.0; i++) cJSON_AddNumberToObject(parts, w->pass[i].name, w->pass[i].seconds / sum);
+    for (size_t i = 0; i < w->count && sum > 0.0; i++)
+        cJSON_AddNumberToObject(parts, w->pass[i].name, w->pass[i].seconds / sum);
 }
 
 /* ---- the picture ---- */
@@ -68,7 +70,8 @@ typedef struct made {
     double cpu, wall, first_picture;
 } made;
 
-/* The first picture is there after the first update; showing it costs time that another run would not need: so of a look only. */
+/* The first picture is there after the first update; showing it costs time that another run would not need:
+ * so of a look only. */
 static sl_status show_first(made *m, double from, sl_error *error) {
     sl_image *first = NULL;
     sl_status status = sl_method_resolve(m->method, &first, error);
@@ -77,13 +80,15 @@ static sl_status show_first(made *m, double from, sl_error *error) {
     return status;
 }
 
-static sl_status make_picture(const sl_scene *scene, const sl_settings *settings, stopwatch *watch, made *m, sl_error *error) {
+static sl_status make_picture(const sl_scene *scene, const sl_settings *settings, stopwatch *watch, made *m,
+                              sl_error *error) {
     double wall = sl_seconds_now(), cpu = sl_process_seconds();
     watch->from = watch->last = cpu;
     sl_status status = sl_method_create(scene, settings, &m->method, error);
     while (status == SL_OK && !m->progress.done) {
         status = sl_method_update(m->method, &m->progress, error);
-        if (settings->observer && status == SL_OK && !(m->first_picture > 0.0)) status = show_first(m, cpu, error);
+        if (settings->observer && status == SL_OK && !(m->first_picture > 0.0))
+            status = show_first(m, cpu, error);
     }
     if (status == SL_OK) status = sl_method_resolve(m->method, &m->image, error);
     m->wall = sl_seconds_now() - wall;
@@ -104,7 +109,8 @@ static char *report(const sl_trial_run *run, const made *m, stopwatch *watch) {
     cJSON *counters = cJSON_AddObjectToObject(root, "counters");
     const sl_counters *c = sl_method_counters(m->method);
     for (int i = 0; i < SL_COUNTERS; i++) {
-        if (c->value[i]) cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
+        if (c->value[i])
+            cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
     }
     if (run->look) {
         cJSON_AddNumberToObject(root, "first_picture", m->first_picture);

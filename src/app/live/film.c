@@ -23,7 +23,9 @@ static bool is_stream(const char *output) { return strcmp(output, "-") == 0 || e
 sl_status sl_film_check(const char *output, double frames_per_second, sl_error *error) {
     if (!output) return SL_OK;
     if (is_stream(output)) {
-        if (!(frames_per_second > 0.0)) return fail(error, SL_ERROR_USAGE, "--output: a stream has a rate: expected --fps above 0 for '%s'", output);
+        if (!(frames_per_second > 0.0))
+            return fail(error, SL_ERROR_USAGE,
+                        "--output: a stream has a rate: expected --fps above 0 for '%s'", output);
         return strcmp(output, "-") == 0 ? SL_OK : sl_output_check(output, error);
     }
     if (ends_with(output, ".png") && sl_frame_pattern_is_good(output)) {
@@ -31,7 +33,9 @@ sl_status sl_film_check(const char *output, double frames_per_second, sl_error *
         sl_frame_name(output, 0, first, sizeof first);
         return sl_output_check(first, error);
     }
-    return fail(error, SL_ERROR_USAGE, "--output: expected frame-%%04d.png, a name that ends with .y4m, or - for a stream; got '%s'", output);
+    return fail(error, SL_ERROR_USAGE,
+                "--output: expected frame-%%04d.png, a name that ends with .y4m, or - for a stream; got '%s'",
+                output);
 }
 
 static sl_status cannot_write(const sl_film *film, sl_error *error) {
@@ -45,12 +49,14 @@ static sl_status put(sl_film *film, const void *bytes, size_t count, sl_error *e
     return fwrite(bytes, 1, count, stdout) == count ? SL_OK : cannot_write(film, error);
 }
 
-sl_status sl_film_open(sl_film *film, const char *output, int width, int height, double frames_per_second, sl_error *error) {
+sl_status sl_film_open(sl_film *film, const char *output, int width, int height, double frames_per_second,
+                       sl_error *error) {
     *film = (sl_film){.output = output, .width = width, .height = height};
     size_t bytes = 3 * (size_t)width * (size_t)height;
     film->rgb = malloc(bytes);
     film->yuv = malloc(bytes);
-    if (!film->rgb || !film->yuv) return fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", "a frame");
+    if (!film->rgb || !film->yuv)
+        return fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", "a frame");
     if (!output || !is_stream(output)) return SL_OK;
     char header[80];
     long rate = (long)(1000.0 * frames_per_second + 0.5);
@@ -61,7 +67,8 @@ sl_status sl_film_open(sl_film *film, const char *output, int width, int height,
         if (status != SL_OK) return status;
         film->opened = true;
     }
-    snprintf(header, sizeof header, "YUV4MPEG2 W%d H%d F%ld:1000 Ip A1:1 C444\n", width, height, rate > 0 ? rate : 1);
+    snprintf(header, sizeof header, "YUV4MPEG2 W%d H%d F%ld:1000 Ip A1:1 C444\n", width, height,
+             rate > 0 ? rate : 1);
     return put(film, header, strlen(header), error);
 }
 
@@ -92,12 +99,14 @@ static sl_status write_stream(sl_film *film, uint64_t times, sl_error *error) {
     return status == SL_OK && film->to_stdout && fflush(stdout) != 0 ? cannot_write(film, error) : status;
 }
 
-sl_status sl_film_write(sl_film *film, const sl_image *frame, sl_tone *tone, bool keep, uint64_t times, sl_error *error) {
+sl_status sl_film_write(sl_film *film, const sl_image *frame, sl_tone *tone, bool keep, uint64_t times,
+                        sl_error *error) {
     if (!film->output) return SL_OK;
     sl_tone used = *tone;
     sl_status status = SL_OK;
     if (film->streams || used.automatic) status = sl_image_srgb(frame, &used, film->rgb, error);
-    if (status == SL_OK) status = film->streams ? write_stream(film, times, error) : write_picture(film, frame, used, error);
+    if (status == SL_OK)
+        status = film->streams ? write_stream(film, times, error) : write_picture(film, frame, used, error);
     if (status != SL_OK) return status;
     if (keep) *tone = used;
     film->written += film->streams ? times : 1;

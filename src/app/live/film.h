@@ -5,7 +5,8 @@
 #include "image/output_file.h"
 
 typedef struct sl_film {
-    const char *output;   /* frame-%04d.png, show.y4m, or - for a stream to standard output; NULL: nothing is written */
+    /* frame-%04d.png, show.y4m, or - for a stream to standard output; NULL: nothing is written */
+    const char *output;
     int width, height;
     uint64_t written;
     bool streams;         /* else pictures */
@@ -17,9 +18,11 @@ typedef struct sl_film {
 
 /* What it could be, before anything else is done: SL_ERROR_USAGE. */
 sl_status sl_film_check(const char *output, double frames_per_second, sl_error *error);
-sl_status sl_film_open(sl_film *film, const char *output, int width, int height, double frames_per_second, sl_error *error);
+sl_status sl_film_open(sl_film *film, const char *output, int width, int height, double frames_per_second,
+                       sl_error *error);
 /* A frame, that many times in a row (once in pictures). An automatic exposure is fixed where keep says so. */
-sl_status sl_film_write(sl_film *film, const sl_image *frame, sl_tone *tone, bool keep, uint64_t times, sl_error *error);
+sl_status sl_film_write(sl_film *film, const sl_image *frame, sl_tone *tone, bool keep, uint64_t times,
+                        sl_error *error);
 /* What went well so far appears under its name; else nothing does. */
 sl_status sl_film_close(sl_film *film, bool well, sl_error *error);
 

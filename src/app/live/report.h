@@ -12,7 +12,9 @@ typedef struct sl_show_report {
     double frames_per_second;     /* wanted; 0: as many as can be */
     uint64_t frames, missed;
     double drawing, longest;      /* seconds of the drawing thread, and by the clock */
-    double lag, longest_lag;      /* seconds from moves to frames that show what they have changed: their sum over last.changes_shown, and the longest */
+    /* seconds from moves to frames that show what they have changed: their sum over last.changes_shown, and
+     * the longest */
+    double lag, longest_lag;
     sl_live_state last;
     sl_counters counters;
     const sl_stages *stages;

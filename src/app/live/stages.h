@@ -1,5 +1,5 @@
-/* How long each pass of the updates takes, by an observer that looks at the clock of the updating thread: time in which that thread had no processor, as others had it, does
- * not count. */
+/* How long each pass of the updates takes, by an observer that looks at the clock of the updating thread:
+ * time in which that thread had no processor, as others had it, does not count. */
 #ifndef SL_APP_LIVE_STAGES_H
 #define SL_APP_LIVE_STAGES_H
 

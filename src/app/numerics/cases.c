@@ -13,7 +13,9 @@ static void begin(sl_room *r) { sl_room_begin(r, &plain_cut); }
 static void scaled_down(sl_room *r) { begin(r), sl_room_move(r, 1e-4, nowhere, false); }
 static void scaled_up(sl_room *r) { begin(r), sl_room_move(r, 1e4, nowhere, false); }
 /* A room of 500 units, a million units away: a sixteenth of a unit is what a float tells apart there. */
-static void far_away(sl_room *r) { begin(r), sl_room_move(r, 100.0, (const double[3]){1e6, 1e6, -1e6}, false); }
+static void far_away(sl_room *r) {
+    begin(r), sl_room_move(r, 100.0, (const double[3]){1e6, 1e6, -1e6}, false);
+}
 static void mirrored(sl_room *r) { begin(r), sl_room_move(r, 1.0, nowhere, true); }
 
 static void reordered(sl_room *r) {
@@ -35,13 +37,15 @@ static void slivers(sl_room *r) { sl_room_begin(r, &(sl_room_cut){3, 1, 1e-6}); 
 static void twice(sl_room *r) {
     begin(r);
     for (size_t i = 0, count = r->triangle_count; i < count; i++) {
-        if (r->triangle[i].material == SL_ROOM_LAMP) continue; /* a lamp twice is twice as bright to some, and hidden to others */
+        /* a lamp twice is twice as bright to some, and hidden to others */
+        if (r->triangle[i].material == SL_ROOM_LAMP) continue;
         const size_t *c = r->triangle[i].corner;
         sl_room_triangle(r, c[0], c[1], c[2], r->triangle[i].material);
     }
 }
 
-/* The back wall's lower half is cut in three, the upper one in two: corners of one lie on edges of the other. */
+/* The back wall's lower half is cut in three, the upper one in two: corners of one lie on edges of the other.
+ */
 static void t_junctions(sl_room *r) {
     begin(r);
     for (size_t i = 0; i < r->triangle_count; i++) { /* takes the back wall out */
@@ -51,7 +55,8 @@ static void t_junctions(sl_room *r) {
         for (size_t k = i + 1; k < r->triangle_count; k++) r->triangle[k - 1] = r->triangle[k];
         r->triangle_count--, i--;
     }
-    const double low[4][3] = {{-2, 0, -2.5}, {2, 0, -2.5}, {2, 1.5, -2.5}, {-2, 1.5, -2.5}}, high[4][3] = {{-2, 1.5, -2.5}, {2, 1.5, -2.5}, {2, 3, -2.5}, {-2, 3, -2.5}};
+    const double low[4][3] = {{-2, 0, -2.5}, {2, 0, -2.5}, {2, 1.5, -2.5}, {-2, 1.5, -2.5}},
+                 high[4][3] = {{-2, 1.5, -2.5}, {2, 1.5, -2.5}, {2, 3, -2.5}, {-2, 3, -2.5}};
     sl_room_quad(r, low, SL_ROOM_WHITE, &(sl_room_cut){3, 1, 0.0});
     sl_room_quad(r, high, SL_ROOM_WHITE, &(sl_room_cut){2, 1, 0.0});
 }
@@ -70,7 +75,8 @@ static void inverted(sl_room *r) {
 /* Three faces on each edge of the box: fins that stand inside it, where nothing is seen of them. */
 static void not_manifold(sl_room *r) {
     begin(r);
-    size_t a = sl_room_vertex(r, -1.2, 0.0, -1.6), b = sl_room_vertex(r, -0.2, 1.3, -0.6), c = sl_room_vertex(r, -1.2, 1.3, -1.6), d = sl_room_vertex(r, -0.2, 0.0, -0.6);
+    size_t a = sl_room_vertex(r, -1.2, 0.0, -1.6), b = sl_room_vertex(r, -0.2, 1.3, -0.6),
+           c = sl_room_vertex(r, -1.2, 1.3, -1.6), d = sl_room_vertex(r, -0.2, 0.0, -0.6);
     sl_room_triangle(r, a, d, b, SL_ROOM_BOX);
     sl_room_triangle(r, a, b, c, SL_ROOM_BOX);
 }
@@ -81,7 +87,8 @@ static void tiny_among_large(sl_room *r) {
     begin(r);
     for (int i = 0; i < 40; i++) {
         double x = 0.2 + 0.03 * i, s = 4e-6;
-        size_t a = sl_room_vertex(r, x, 0.5, -1.0), b = sl_room_vertex(r, x + s, 0.5, -1.0), c = sl_room_vertex(r, x, 0.5 + s, -1.0);
+        size_t a = sl_room_vertex(r, x, 0.5, -1.0), b = sl_room_vertex(r, x + s, 0.5, -1.0),
+               c = sl_room_vertex(r, x, 0.5 + s, -1.0);
         sl_room_triangle(r, a, b, c, SL_ROOM_RED);
     }
 }
@@ -94,13 +101,17 @@ static void plain_below(sl_room *r, double half) {
 static void large_among_small(sl_room *r) { plain_below(r, 4e3); }
 static void huge_among_small(sl_room *r) { plain_below(r, 4e6); }
 
-/* Most of the vertices a million units away: no plain on which the room stands, but things of which it knows nothing. */
+/* Most of the vertices a million units away: no plain on which the room stands, but things of which it knows
+ * nothing. */
 static void far_planets(sl_room *r) {
     static const double place[3][3] = {{1e6, 2e5, 0}, {-3e5, 1e6, 1e5}, {1e5, 3e5, -1e6}};
     begin(r);
     for (int i = 0; i < 3; i++) {
         const double *p = place[i], s = 1e4;
-        const double side[4][3] = {{p[0] - s, p[1] - s, p[2]}, {p[0] + s, p[1] - s, p[2] + s}, {p[0] + s, p[1] + s, p[2]}, {p[0] - s, p[1] + s, p[2] - s}};
+        const double side[4][3] = {{p[0] - s, p[1] - s, p[2]},
+                                   {p[0] + s, p[1] - s, p[2] + s},
+                                   {p[0] + s, p[1] + s, p[2]},
+                                   {p[0] - s, p[1] + s, p[2] - s}};
         sl_room_quad(r, side, SL_ROOM_WHITE, &(sl_room_cut){16, 16, 0.0});
     }
 }
@@ -110,7 +121,8 @@ static void grain(sl_room *r) {
     begin(r);
     for (int i = 0; i < 200; i++) {
         double x = 0.8 + 5e-6 * (i % 20), y = 0.5 + 5e-6 * (i / 20), s = 4e-6;
-        size_t a = sl_room_vertex(r, x, y, -1.0), b = sl_room_vertex(r, x + s, y, -1.0), c = sl_room_vertex(r, x, y + s, -1.0);
+        size_t a = sl_room_vertex(r, x, y, -1.0), b = sl_room_vertex(r, x + s, y, -1.0),
+               c = sl_room_vertex(r, x, y + s, -1.0);
         sl_room_triangle(r, a, b, c, SL_ROOM_RED);
     }
 }
@@ -121,23 +133,33 @@ static void light_text(sl_room *r, const char *text) {
     begin(r);
     snprintf(r->lights, sizeof r->lights, "%s", text);
 }
-static void light_on_the_floor(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [0.8, 0, 0], \"intensity\": 1}"); }
-static void light_in_the_box(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [-0.7, 0.6, -1.1], \"intensity\": 1}"); }
-static void light_behind_the_wall(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [0, 1, -2.51], \"intensity\": 1}"); }
+static void light_on_the_floor(sl_room *r) {
+    light_text(r, "{\"type\": \"point\", \"position\": [0.8, 0, 0], \"intensity\": 1}");
+}
+static void light_in_the_box(sl_room *r) {
+    light_text(r, "{\"type\": \"point\", \"position\": [-0.7, 0.6, -1.1], \"intensity\": 1}");
+}
+static void light_behind_the_wall(sl_room *r) {
+    light_text(r, "{\"type\": \"point\", \"position\": [0, 1, -2.51], \"intensity\": 1}");
+}
 static void lamp_in_the_floor(sl_room *r) {
-    light_text(r, "{\"type\": \"quad\", \"corner\": [0.5, 0, 0], \"edge1\": [0, 0, 0.5], \"edge2\": [0.5, 0, 0], \"radiance\": 5}");
+    light_text(r, "{\"type\": \"quad\", \"corner\": [0.5, 0, 0], \"edge1\": [0, 0, 0.5], \"edge2\": [0.5, 0, "
+                  "0], \"radiance\": 5}");
 }
 static void tiny_lamp(sl_room *r) {
-    light_text(r, "{\"type\": \"quad\", \"corner\": [1, 2, 0], \"edge1\": [1e-5, 0, 0], \"edge2\": [0, 0, 1e-5], \"radiance\": 1e10}");
+    light_text(r, "{\"type\": \"quad\", \"corner\": [1, 2, 0], \"edge1\": [1e-5, 0, 0], \"edge2\": [0, 0, "
+                  "1e-5], \"radiance\": 1e10}");
 }
 static void huge_lamp(sl_room *r) {
-    light_text(r, "{\"type\": \"quad\", \"corner\": [-1e4, 2e4, -1e4], \"edge1\": [2e4, 0, 0], \"edge2\": [0, 0, 2e4], \"radiance\": 0.3}");
+    light_text(r, "{\"type\": \"quad\", \"corner\": [-1e4, 2e4, -1e4], \"edge1\": [2e4, 0, 0], \"edge2\": "
+                  "[0, 0, 2e4], \"radiance\": 0.3}");
 }
 static void a_thousand_lamps(sl_room *r) {
     begin(r);
     for (int i = 0; i < 1000; i++) {
         double x = -1.9 + 0.1 * (i % 38), z = -2.4 + 0.18 * (i / 38);
-        const double lamp[4][3] = {{x, 2.98, z}, {x + 0.02, 2.98, z}, {x + 0.02, 2.98, z + 0.02}, {x, 2.98, z + 0.02}};
+        const double lamp[4][3] = {
+            {x, 2.98, z}, {x + 0.02, 2.98, z}, {x + 0.02, 2.98, z + 0.02}, {x, 2.98, z + 0.02}};
         sl_room_quad(r, lamp, SL_ROOM_LAMP, &plain_cut);
     }
 }
@@ -176,8 +198,12 @@ static void look(sl_room *r, const double eye[3], const double target[3]) {
     memcpy(r->eye, eye, sizeof r->eye);
     memcpy(r->target, target, sizeof r->target);
 }
-static void eye_in_the_wall(sl_room *r) { look(r, (const double[3]){0, 1, -2.5}, (const double[3]){0, 1, 2}); }
-static void eye_in_a_corner(sl_room *r) { look(r, (const double[3]){-2, 0, -2.5}, (const double[3]){1, 1, 1}); }
+static void eye_in_the_wall(sl_room *r) {
+    look(r, (const double[3]){0, 1, -2.5}, (const double[3]){0, 1, 2});
+}
+static void eye_in_a_corner(sl_room *r) {
+    look(r, (const double[3]){-2, 0, -2.5}, (const double[3]){1, 1, 1});
+}
 static void eye_at_a_grain(sl_room *r) {
     grain(r);
     r->eye[0] = 0.80005, r->eye[1] = 0.50005, r->eye[2] = -0.995;
@@ -211,7 +237,8 @@ const sl_hard_case sl_hard_cases[] = {
     {"triangles of 1e6", huge_among_small, SL_EXPECT_SAME, 0.03, 0, 0, 1},
     {"far planets", far_planets, SL_EXPECT_SAME, 0.03, 0, 0, 1},
     {"light on the floor", light_on_the_floor, SL_EXPECT_TRUE, 0.05, 0, 2, 1},
-    /* A light that nobody sees takes its share of light samples all the same, and of the light that exposures are reckoned by. */
+    /* A light that nobody sees takes its share of light samples all the same, and of the light that exposures
+       are reckoned by. */
     {"light inside the box", light_in_the_box, SL_EXPECT_RESAMPLED, 0.02, 4, 4, 1},
     {"light behind the wall", light_behind_the_wall, SL_EXPECT_RESAMPLED, 0.02, 4, 4, 1},
     /* Two surfaces in one place: which of them is seen, rounding decides. */

@@ -5,16 +5,18 @@
 #include "app/numerics/room.h"
 
 typedef enum sl_expectation {
-    SL_EXPECT_SAME,     /* the picture of the plain room, made by the same samples */
+    SL_EXPECT_SAME,      /* the picture of the plain room, made by the same samples */
     SL_EXPECT_RESAMPLED, /* the same by other samples: what another seed changes counts */
-    SL_EXPECT_MIRRORED, /* likewise, left and right exchanged */
-    SL_EXPECT_SCALED,   /* the same, times `factor` */
-    SL_EXPECT_TRUE,     /* another picture, as near to the truth as that of the plain room */
-    SL_EXPECT_SOUND     /* finite, nowhere negative, the same bits with other threads: what every picture must be, and here no more */
+    SL_EXPECT_MIRRORED,  /* likewise, left and right exchanged */
+    SL_EXPECT_SCALED,    /* the same, times `factor` */
+    SL_EXPECT_TRUE,      /* another picture, as near to the truth as that of the plain room */
+    SL_EXPECT_SOUND /* finite, nowhere negative, the same bits with other threads: what every picture must be,
+                       and here no more */
 } sl_expectation;
 
-/* Differences are relative RMSE. A method's error is that against the same light paths, path traced, in the plain room; what is noise is taken off where a
- * picture tells its own (the tracers, by the halves of their samples). */
+/* Differences are relative RMSE. A method's error is that against the same light paths, path traced, in the
+ * plain room; what is noise is taken off where a picture tells its own (the tracers, by the halves of their
+ * samples). */
 typedef struct sl_hard_case {
     const char *name;
     void (*make)(sl_room *room); /* begins the room */

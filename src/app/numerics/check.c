@@ -12,7 +12,8 @@
 #include <unistd.h>
 
 enum { UPDATES_MAX = 100000, REFERENCE_SAMPLES = 256, TRACER_SAMPLES = 64 };
-/* Noise is told by halves of few samples, and not to be told exactly: what of a noisy picture's difference cannot be put down to noise. */
+/* Noise is told by halves of few samples, and not to be told exactly: what of a noisy picture's difference
+ * cannot be put down to noise. */
 static const double noise_of_noise = 0.3;
 
 typedef struct checking {
@@ -51,7 +52,8 @@ __attribute__((format(printf, 1, 2))) static verdict bad(const char *format, ...
 
 /* ---- one picture ---- */
 
-static sl_status render(const checking *c, const char *path, const char *transport, unsigned threads, uint64_t seed, sl_image **image, sl_error *error) {
+static sl_status render(const checking *c, const char *path, const char *transport, unsigned threads,
+                        uint64_t seed, sl_image **image, sl_error *error) {
     sl_scene *scene = NULL;
     sl_method *method = NULL;
     sl_progress progress = {0};
@@ -63,16 +65,19 @@ static sl_status render(const checking *c, const char *path, const char *transpo
     settings.quality = SL_QUALITY_DRAFT;
     settings.threads = threads;
     settings.seed = seed;
-    settings.radiance_map.visibility = SL_VISIBILITY_RAYS; /* the paper lets light through walls, which is not rounding's affair */
+    /* the paper lets light through walls, which is not rounding's affair */
+    settings.radiance_map.visibility = SL_VISIBILITY_RAYS;
     *image = NULL;
     double start = now_seconds();
     sl_status status = sl_scene_load(path, &scene, error);
     if (status == SL_OK) status = sl_method_create(scene, &settings, &method, error);
-    while (status == SL_OK && !progress.done && progress.batches < UPDATES_MAX && now_seconds() - start < c->seconds)
+    while (status == SL_OK && !progress.done && progress.batches < UPDATES_MAX &&
+           now_seconds() - start < c->seconds)
         status = sl_method_update(method, &progress, error);
     if (status == SL_OK && !progress.done) {
         status = error->status = SL_ERROR_RESOURCES;
-        snprintf(error->message, sizeof error->message, "not done after %.0f s and %llu batches", now_seconds() - start, (unsigned long long)progress.batches);
+        snprintf(error->message, sizeof error->message, "not done after %.0f s and %llu batches",
+                 now_seconds() - start, (unsigned long long)progress.batches);
     }
     if (status == SL_OK) status = sl_method_resolve(method, image, error);
     sl_method_destroy(method);
@@ -116,7 +121,9 @@ static const sl_known_limit *known_limit(const char *method, const char *name) {
 static verdict judged(const checking *c, const sl_hard_case *hard, double difference, double bound) {
     const sl_known_limit *known = known_limit(c->name, hard->name);
     if (known) bound = known->bound;
-    verdict v = {.good = difference <= bound || (known && known->bound == 0.0), .difference = difference, .bound = bound};
+    verdict v = {.good = difference <= bound || (known && known->bound == 0.0),
+                 .difference = difference,
+                 .bound = bound};
     snprintf(v.text, sizeof v.text, "%s", known ? known->why : v.good ? "" : "too far off");
     return v;
 }
@@ -125,13 +132,16 @@ static verdict judged(const checking *c, const sl_hard_case *hard, double differ
 static double own_noise(const sl_image *image, const sl_comparison *result) {
     sl_error error;
     sl_error_estimate own;
-    bool told = sl_image_channel(image, "even.R") && sl_error_estimate_from_halves(image, NULL, &own, &error) == SL_OK;
+    bool told = sl_image_channel(image, "even.R") &&
+                sl_error_estimate_from_halves(image, NULL, &own, &error) == SL_OK;
     return told && result->mean_reference > 0.0 ? own.rmse / result->mean_reference : 0.0;
 }
 
 /* Relative RMSE; of pictures by independent samples without their noise. */
-static double apart(const sl_image *image, const sl_image *reference, const sl_comparison *result, bool independent) {
-    double a = independent ? own_noise(image, result) : 0.0, b = independent ? own_noise(reference, result) : 0.0;
+static double apart(const sl_image *image, const sl_image *reference, const sl_comparison *result,
+                    bool independent) {
+    double a = independent ? own_noise(image, result) : 0.0,
+           b = independent ? own_noise(reference, result) : 0.0;
     return sqrt(fmax(0.0, result->rel_rmse * result->rel_rmse - a * a - b * b));
 }
 
@@ -142,28 +152,37 @@ static verdict compare(const checking *c, const sl_hard_case *hard, sl_image *im
     if (hard->expectation == SL_EXPECT_SOUND) return sound(image);
     if (hard->expectation == SL_EXPECT_MIRRORED) exchange_sides(image);
     size_t values = 3 * (size_t)image->width * (size_t)image->height;
-    for (size_t i = 0; hard->expectation == SL_EXPECT_SCALED && i < values; i++) image->planes[i] = (float)((double)image->planes[i] / hard->factor);
-    if (sl_image_compare(image, c->plain, NULL, &result, NULL, &error) != SL_OK) return bad("%.90s", error.message);
+    for (size_t i = 0; hard->expectation == SL_EXPECT_SCALED && i < values; i++)
+        image->planes[i] = (float)((double)image->planes[i] / hard->factor);
+    if (sl_image_compare(image, c->plain, NULL, &result, NULL, &error) != SL_OK)
+        return bad("%.90s", error.message);
     const bool tells = sl_image_channel(image, "even.R") != NULL;
-    const bool independent = tells && (hard->expectation == SL_EXPECT_MIRRORED || hard->expectation == SL_EXPECT_RESAMPLED);
+    const bool independent =
+        tells && (hard->expectation == SL_EXPECT_MIRRORED || hard->expectation == SL_EXPECT_RESAMPLED);
     double bound = fmax(hard->most, tells ? 0.0 : fmax(hard->noises * c->noise, hard->errors * c->error));
     if (independent) bound = fmax(bound, noise_of_noise);
     return judged(c, hard, apart(image, c->plain, &result, independent), bound);
 }
 
 /* Against the same room and light paths, path traced. */
-static verdict compare_with_truth(const checking *c, const sl_hard_case *hard, const char *path, const sl_image *image) {
+static verdict compare_with_truth(const checking *c, const sl_hard_case *hard, const char *path,
+                                  const sl_image *image) {
     char transport[64];
     sl_error error;
     sl_image *truth = NULL;
     sl_comparison result;
     snprintf(transport, sizeof transport, "matched:%s", c->name);
-    if (render(c, path, transport, 0, 2, &truth, &error) != SL_OK) return bad("path traced: %.70s", error.message);
+    if (render(c, path, transport, 0, 2, &truth, &error) != SL_OK)
+        return bad("path traced: %.70s", error.message);
     verdict v = sound(truth);
     const bool tells = sl_image_channel(image, "even.R") != NULL;
-    if (v.good && sl_image_compare(image, truth, NULL, &result, NULL, &error) != SL_OK) v = bad("%.90s", error.message);
-    else if (v.good && !(result.mean_reference > 1e-9)) v = judged(c, hard, result.rmse, 1e-6); /* no light, or hardly any */
-    else if (v.good) v = judged(c, hard, apart(image, truth, &result, true), fmax(hard->most, tells ? noise_of_noise : hard->errors * c->error));
+    if (v.good && sl_image_compare(image, truth, NULL, &result, NULL, &error) != SL_OK)
+        v = bad("%.90s", error.message);
+    /* no light, or hardly any */
+    else if (v.good && !(result.mean_reference > 1e-9)) v = judged(c, hard, result.rmse, 1e-6);
+    else if (v.good)
+        v = judged(c, hard, apart(image, truth, &result, true),
+                   fmax(hard->most, tells ? noise_of_noise : hard->errors * c->error));
     sl_image_destroy(truth);
     return v;
 }
@@ -172,10 +191,14 @@ static verdict check_files(const checking *c, const sl_hard_case *hard, const ch
     sl_error error;
     sl_image *one = NULL, *three = NULL;
     verdict v;
-    if (render(c, path, NULL, 1, 0, &one, &error) != SL_OK || render(c, path, NULL, 3, 0, &three, &error) != SL_OK) v = bad("%.90s", error.message);
+    if (render(c, path, NULL, 1, 0, &one, &error) != SL_OK ||
+        render(c, path, NULL, 3, 0, &three, &error) != SL_OK)
+        v = bad("%.90s", error.message);
     else if (!same_bits(one, three)) v = bad("other bits with three threads");
     else v = sound(one);
-    if (v.good) v = hard->expectation == SL_EXPECT_TRUE ? compare_with_truth(c, hard, path, one) : compare(c, hard, one);
+    if (v.good)
+        v = hard->expectation == SL_EXPECT_TRUE ? compare_with_truth(c, hard, path, one)
+                                                : compare(c, hard, one);
     sl_image_destroy(one);
     sl_image_destroy(three);
     return v;
@@ -186,7 +209,9 @@ static verdict check_case(const checking *c, const sl_hard_case *hard) {
     sl_error error;
     sl_room room;
     hard->make(&room);
-    verdict v = sl_room_write(&room, c->folder, path, sizeof path, &error) == SL_OK ? check_files(c, hard, path) : bad("%.90s", error.message);
+    verdict v = sl_room_write(&room, c->folder, path, sizeof path, &error) == SL_OK
+                    ? check_files(c, hard, path)
+                    : bad("%.90s", error.message);
     sl_room_end(&room);
     return v;
 }
@@ -215,21 +240,28 @@ static sl_status prepare(checking *c, sl_error *error) {
 
 /* ---- the table ---- */
 
-static bool is_wanted(const checking *c, const sl_hard_case *hard) { return !c->only || strstr(hard->name, c->only); }
+static bool is_wanted(const checking *c, const sl_hard_case *hard) {
+    return !c->only || strstr(hard->name, c->only);
+}
 
 static void print_row(const checking *c, const char *name, const verdict *v) {
     char difference[32] = "", bound[32] = "";
     if (v->difference >= 0.0) snprintf(difference, sizeof difference, "%.2g %%", 100.0 * v->difference);
     if (v->difference >= 0.0) snprintf(bound, sizeof bound, "%.2g %%", 100.0 * v->bound);
-    printf(c->markdown ? "| %s | %s | %s | %s | %s |\n" : "  %-24s %-7s %10s of %-8s %s\n", name, v->good ? "ok" : "FAILED", difference, bound, v->text);
+    printf(c->markdown ? "| %s | %s | %s | %s | %s |\n" : "  %-24s %-7s %10s of %-8s %s\n", name,
+           v->good ? "ok" : "FAILED", difference, bound, v->text);
     fflush(stdout);
 }
 
 static sl_status check_method(checking *c, size_t *failures, sl_error *error) {
     sl_status status = prepare(c, error);
     if (status == SL_OK) {
-        printf(c->markdown ? "\n### %s\n\nNoise (another seed): %.2g %%. Error (against %d samples a pixel of the same light paths): %.2g %%.\n\n| case | | off by | bound | |\n|:---|:---|---:|---:|:---|\n" : "%s (noise %.2g %%, against %d path samples a pixel %.2g %%)\n", c->name,
-               100.0 * c->noise, REFERENCE_SAMPLES, 100.0 * c->error);
+        printf(
+            c->markdown
+                ? "\n### %s\n\nNoise (another seed): %.2g %%. Error (against %d samples a pixel of the same "
+                  "light paths): %.2g %%.\n\n| case | | off by | bound | |\n|:---|:---|---:|---:|:---|\n"
+                : "%s (noise %.2g %%, against %d path samples a pixel %.2g %%)\n",
+            c->name, 100.0 * c->noise, REFERENCE_SAMPLES, 100.0 * c->error);
         for (size_t i = 0; i < sl_hard_case_count; i++) {
             if (!is_wanted(c, &sl_hard_cases[i])) continue;
             verdict v = check_case(c, &sl_hard_cases[i]);
@@ -275,18 +307,27 @@ int sl_command_check_numerics(int argc, char **argv) {
     const sl_option options[] = {
         {"method", 'm', SL_OPTION_TEXT, &c.method, NULL, "NAME", "this method alone [all]", 0, 0, NULL},
         {"only", 0, SL_OPTION_TEXT, &c.only, NULL, "TEXT", "cases whose names hold the text", 0, 0, NULL},
-        {"limit", 0, SL_OPTION_REAL, &c.seconds, NULL, "SECONDS", "that a picture may take [120]", 1e-3, 1e6, NULL},
+        {"limit", 0, SL_OPTION_REAL, &c.seconds, NULL, "SECONDS", "that a picture may take [120]", 1e-3, 1e6,
+         NULL},
         {"markdown", 0, SL_OPTION_FLAG, &c.markdown, NULL, NULL, "tables as Markdown", 0, 0, NULL},
         {"list", 0, SL_OPTION_FLAG, &c.list, NULL, NULL, "print the cases, and run none", 0, 0, NULL},
         {NULL, 0, SL_OPTION_FLAG, NULL, NULL, NULL, NULL, 0, 0, NULL}};
     const sl_command_line line = {
         "softlux check-numerics [options]",
         "Runs the methods on rooms that are hard to compute: tiny, huge, far away, badly cut, oddly lit.",
-        "Every picture must be finite, nowhere negative, and have the same bits with one thread and with three. Where a change ought to make no\n"
-        "difference (the room scaled, moved, mirrored, cut in other triangles) the picture must be the plain room's; elsewhere it must be as near to\n"
-        "the same light paths, path traced, as in the plain room. Each row tells how far off it is, and its bound: a part of the picture's mean, or\n"
-        "some times what another seed changes, or what the plain room is off by. Exit status 1 if anything fails.",
-        options, 0, 0, NULL, NULL};
+        "Every picture must be finite, nowhere negative, and have the same bits with one thread and with "
+        "three. Where a change ought to make no\n"
+        "difference (the room scaled, moved, mirrored, cut in other triangles) the picture must be the plain "
+        "room's; elsewhere it must be as near to\n"
+        "the same light paths, path traced, as in the plain room. Each row tells how far off it is, and its "
+        "bound: a part of the picture's mean, or\n"
+        "some times what another seed changes, or what the plain room is off by. Exit status 1 if anything "
+        "fails.",
+        options,
+        0,
+        0,
+        NULL,
+        NULL};
     int operands, exit_status;
     if (!sl_options_parse(&line, argc, argv, NULL, &operands, &exit_status)) return exit_status;
     for (size_t i = 0; c.list && i < sl_hard_case_count; i++) puts(sl_hard_cases[i].name);

@@ -48,7 +48,8 @@ void sl_room_quad(sl_room *r, const double corner[4][3], int material, const sl_
         for (int i = 0; i <= cut->columns; i++) {
             double u = share(i, cut->columns, cut->skew), v = (double)j / cut->rows, p[3];
             for (int c = 0; c < 3; c++)
-                p[c] = (1.0 - v) * ((1.0 - u) * corner[0][c] + u * corner[1][c]) + v * ((1.0 - u) * corner[3][c] + u * corner[2][c]);
+                p[c] = (1.0 - v) * ((1.0 - u) * corner[0][c] + u * corner[1][c]) +
+                       v * ((1.0 - u) * corner[3][c] + u * corner[2][c]);
             sl_room_vertex(r, p[0], p[1], p[2]);
         }
     }
@@ -64,7 +65,9 @@ void sl_room_quad(sl_room *r, const double corner[4][3], int material, const sl_
 /* ---- the room ---- */
 
 static void add_box(sl_room *r, const double low[3], const double high[3]) {
-    static const int side[6][4] = {{4, 5, 7, 6}, {1, 0, 2, 3}, {5, 1, 3, 7}, {0, 4, 6, 2}, {6, 7, 3, 2}, {0, 1, 5, 4}}; /* bits: x, y, z */
+    /* bits: x, y, z */
+    static const int side[6][4] = {{4, 5, 7, 6}, {1, 0, 2, 3}, {5, 1, 3, 7},
+                                   {0, 4, 6, 2}, {6, 7, 3, 2}, {0, 1, 5, 4}};
     const sl_room_cut whole = {1, 1, 0.0};
     for (int s = 0; s < 6; s++) {
         double corner[4][3];
@@ -75,17 +78,29 @@ static void add_box(sl_room *r, const double low[3], const double high[3]) {
 }
 
 void sl_room_begin(sl_room *r, const sl_room_cut *cut) {
-    static const double walls[5][4][3] = {{{-2, 0, 2.5}, {2, 0, 2.5}, {2, 0, -2.5}, {-2, 0, -2.5}},   /* floor */
-                                          {{-2, 3, -2.5}, {2, 3, -2.5}, {2, 3, 2.5}, {-2, 3, 2.5}},   /* ceiling */
-                                          {{-2, 0, -2.5}, {2, 0, -2.5}, {2, 3, -2.5}, {-2, 3, -2.5}}, /* back */
-                                          {{-2, 0, 2.5}, {-2, 0, -2.5}, {-2, 3, -2.5}, {-2, 3, 2.5}}, /* left */
-                                          {{2, 0, -2.5}, {2, 0, 2.5}, {2, 3, 2.5}, {2, 3, -2.5}}};    /* right */
+    /* floor */
+    static const double walls[5][4][3] = {{{-2, 0, 2.5}, {2, 0, 2.5}, {2, 0, -2.5}, {-2, 0, -2.5}},
+                                          /* ceiling */
+                                          {{-2, 3, -2.5}, {2, 3, -2.5}, {2, 3, 2.5}, {-2, 3, 2.5}},
+                                          /* back */
+                                          {{-2, 0, -2.5}, {2, 0, -2.5}, {2, 3, -2.5}, {-2, 3, -2.5}},
+                                          /* left */
+                                          {{-2, 0, 2.5}, {-2, 0, -2.5}, {-2, 3, -2.5}, {-2, 3, 2.5}},
+                                          /* right */
+                                          {{2, 0, -2.5}, {2, 0, 2.5}, {2, 3, 2.5}, {2, 3, -2.5}}};
     static const int of_wall[5] = {SL_ROOM_WHITE, SL_ROOM_WHITE, SL_ROOM_WHITE, SL_ROOM_RED, SL_ROOM_GREEN};
-    static const double lamp[4][3] = {{-0.4, 2.95, -0.6}, {0.4, 2.95, -0.6}, {0.4, 2.95, 0.2}, {-0.4, 2.95, 0.2}};
+    static const double lamp[4][3] = {
+        {-0.4, 2.95, -0.6}, {0.4, 2.95, -0.6}, {0.4, 2.95, 0.2}, {-0.4, 2.95, 0.2}};
     const sl_room_cut whole = {1, 1, 0.0};
-    *r = (sl_room){.eye = {0.1, 1.4, 6.0}, .target = {0.0, 1.3, -2.5}, .fov_deg = 42.0, .width = 32, .height = 24,
-                   .material = {{"white", {0.7, 0.7, 0.7}, 0, 1, 0, {0}}, {"red", {0.6, 0.1, 0.1}, 0, 1, 0, {0}},
-                                {"green", {0.1, 0.5, 0.1}, 0, 1, 0, {0}}, {"box", {0.6, 0.6, 0.5}, 0, 1, 0, {0}},
+    *r = (sl_room){.eye = {0.1, 1.4, 6.0},
+                   .target = {0.0, 1.3, -2.5},
+                   .fov_deg = 42.0,
+                   .width = 32,
+                   .height = 24,
+                   .material = {{"white", {0.7, 0.7, 0.7}, 0, 1, 0, {0}},
+                                {"red", {0.6, 0.1, 0.1}, 0, 1, 0, {0}},
+                                {"green", {0.1, 0.5, 0.1}, 0, 1, 0, {0}},
+                                {"box", {0.6, 0.6, 0.5}, 0, 1, 0, {0}},
                                 {"lamp", {0, 0, 0}, 0, 1, 0, {12, 11, 9}}}};
     for (int w = 0; w < 5; w++) sl_room_quad(r, walls[w], of_wall[w], cut);
     sl_room_quad(r, lamp, SL_ROOM_LAMP, &whole);
@@ -118,10 +133,13 @@ void sl_room_move(sl_room *r, double scale, const double by[3], bool mirrored) {
 
 static void write_mesh(const sl_room *r, FILE *out) {
     fprintf(out, "mtllib room.mtl\n");
-    for (size_t i = 0; i < r->vertex_count; i++) fprintf(out, "v %.9g %.9g %.9g\n", r->vertex[i][0], r->vertex[i][1], r->vertex[i][2]);
+    for (size_t i = 0; i < r->vertex_count; i++)
+        fprintf(out, "v %.9g %.9g %.9g\n", r->vertex[i][0], r->vertex[i][1], r->vertex[i][2]);
     for (size_t i = 0; i < r->triangle_count; i++) {
-        if (i == 0 || r->triangle[i].material != r->triangle[i - 1].material) fprintf(out, "usemtl %s\n", r->material[r->triangle[i].material].name);
-        fprintf(out, "f %zu %zu %zu\n", r->triangle[i].corner[0] + 1, r->triangle[i].corner[1] + 1, r->triangle[i].corner[2] + 1);
+        if (i == 0 || r->triangle[i].material != r->triangle[i - 1].material)
+            fprintf(out, "usemtl %s\n", r->material[r->triangle[i].material].name);
+        fprintf(out, "f %zu %zu %zu\n", r->triangle[i].corner[0] + 1, r->triangle[i].corner[1] + 1,
+                r->triangle[i].corner[2] + 1);
     }
 }
 
@@ -129,8 +147,11 @@ static void write_materials(const sl_room *r, FILE *out) {
     for (int m = 0; m < SL_ROOM_MATERIALS; m++) {
         const sl_room_material *a = &r->material[m];
         fprintf(out, "newmtl %s\n", a->name);
-        if (a->mirror > 0.0) fprintf(out, "illum 3\nKd 0 0 0\nKs %.9g %.9g %.9g\n", a->mirror, a->mirror, a->mirror);
-        else fprintf(out, "Kd %.9g %.9g %.9g\nKs %.9g %.9g %.9g\nNs %.9g\n", a->diffuse[0], a->diffuse[1], a->diffuse[2], a->specular, a->specular, a->specular, a->exponent);
+        if (a->mirror > 0.0)
+            fprintf(out, "illum 3\nKd 0 0 0\nKs %.9g %.9g %.9g\n", a->mirror, a->mirror, a->mirror);
+        else
+            fprintf(out, "Kd %.9g %.9g %.9g\nKs %.9g %.9g %.9g\nNs %.9g\n", a->diffuse[0], a->diffuse[1],
+                    a->diffuse[2], a->specular, a->specular, a->specular, a->exponent);
         fprintf(out, "Ke %.9g %.9g %.9g\n", a->emission[0], a->emission[1], a->emission[2]);
     }
 }
@@ -138,8 +159,10 @@ static void write_materials(const sl_room *r, FILE *out) {
 static void write_scene(const sl_room *r, FILE *out) {
     fprintf(out, "{\"softlux\": 1, \"meshes\": [{\"file\": \"room.obj\"}],\n");
     if (r->lights[0]) fprintf(out, " \"lights\": [%s],\n", r->lights);
-    fprintf(out, " \"camera\": {\"eye\": [%.9g, %.9g, %.9g], \"target\": [%.9g, %.9g, %.9g], \"fov_deg\": %.9g},\n", r->eye[0], r->eye[1], r->eye[2],
-            r->target[0], r->target[1], r->target[2], r->fov_deg);
+    fprintf(
+        out,
+        " \"camera\": {\"eye\": [%.9g, %.9g, %.9g], \"target\": [%.9g, %.9g, %.9g], \"fov_deg\": %.9g},\n",
+        r->eye[0], r->eye[1], r->eye[2], r->target[0], r->target[1], r->target[2], r->fov_deg);
     fprintf(out, " \"film\": {\"width\": %d, \"height\": %d}}\n", r->width, r->height);
 }
 

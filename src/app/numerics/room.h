@@ -1,4 +1,5 @@
-/* Rooms that are hard to compute: a small mesh in the making, and what is changed about it. Written as files that anybody could have written. */
+/* Rooms that are hard to compute: a small mesh in the making, and what is changed about it. Written as files
+ * that anybody could have written. */
 #ifndef SL_APP_NUMERICS_ROOM_H
 #define SL_APP_NUMERICS_ROOM_H
 
@@ -33,7 +34,8 @@ typedef struct sl_room_cut {
     double skew;       /* 0: even; else the first column takes this share of the width, and so on */
 } sl_room_cut;
 
-/* A room of 4 x 3 x 5 with a box on its floor and a lamp of .8 x .8 under its ceiling, seen from its open front. */
+/* A room of 4 x 3 x 5 with a box on its floor and a lamp of .8 x .8 under its ceiling, seen from its open
+ * front. */
 void sl_room_begin(sl_room *room, const sl_room_cut *cut);
 void sl_room_end(sl_room *room);
 /* A quadrilateral, counter-clockwise from the front, cut in parts. */

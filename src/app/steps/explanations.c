@@ -72,12 +72,14 @@ static bool grow_table(sl_explanations *s) {
     if (!table) return false;
     free(s->table);
     s->table = table, s->table_size = size;
-    for (size_t i = 0; i < s->item_count; i++) s->table[slot_of(s, s->items[i].kind, s->items[i].index)] = (uint32_t)i + 1;
+    for (size_t i = 0; i < s->item_count; i++)
+        s->table[slot_of(s, s->items[i].kind, s->items[i].index)] = (uint32_t)i + 1;
     return true;
 }
 
 static bool find_item(sl_explanations *s, const sl_explanation_term *t, uint32_t *number) {
-    if (!grow_table(s) || !make_room((void **)&s->items, &s->item_capacity, s->item_count, sizeof *s->items)) return false;
+    if (!grow_table(s) || !make_room((void **)&s->items, &s->item_capacity, s->item_count, sizeof *s->items))
+        return false;
     uint32_t kind = kind_of(s, t);
     size_t slot = slot_of(s, kind, t->index);
     if (!s->table[slot]) {
@@ -94,7 +96,8 @@ static double size_of(const sl_explanation_term *t) {
     return fabs(t->contribution[0]) + fabs(t->contribution[1]) + fabs(t->contribution[2]);
 }
 
-/* The terms that are shown, the largest: their places in the explanation, in descending order of size; of equal ones the first. */
+/* The terms that are shown, the largest: their places in the explanation, in descending order of size; of
+ * equal ones the first. */
 static size_t find_largest(const sl_explanation *explanation, size_t place[SL_EXPLANATION_TERMS_SHOWN]) {
     size_t count = 0;
     for (size_t i = 0; i < explanation->count; i++) {
@@ -117,7 +120,9 @@ static bool is_among(const size_t *place, size_t count, size_t i) {
 
 static bool add_term(sl_explanations *s, const sl_explanation_term *t, double left[3]) {
     told_term told = {.weight = (float)t->weight};
-    if (!find_item(s, t, &told.item) || !make_room((void **)&s->terms, &s->term_capacity, s->term_count, sizeof *s->terms)) return false;
+    if (!find_item(s, t, &told.item) ||
+        !make_room((void **)&s->terms, &s->term_capacity, s->term_count, sizeof *s->terms))
+        return false;
     for (int c = 0; c < 3; c++) {
         told.contribution[c] = (float)t->contribution[c];
         told.value[c] = t->value[c];
@@ -130,7 +135,8 @@ static bool add_term(sl_explanations *s, const sl_explanation_term *t, double le
 /* What is shown adds up to the pixel, too: what the page leaves out, or rounds to float, goes to the rest. */
 static bool add_explanation(sl_explanations *s, const sl_explanation *explanation, size_t pixel) {
     sl_explanation_term smaller = {.layer = "several", .kind = "smaller ones, together"};
-    double left[3] = {(double)explanation->pixel[0], (double)explanation->pixel[1], (double)explanation->pixel[2]};
+    double left[3] = {(double)explanation->pixel[0], (double)explanation->pixel[1],
+                      (double)explanation->pixel[2]};
     size_t largest[SL_EXPLANATION_TERMS_SHOWN], shown = find_largest(explanation, largest);
     bool fits = explanation->count == shown;
     s->begin[pixel] = (uint32_t)s->term_count;
@@ -151,12 +157,14 @@ static bool add_explanation(sl_explanations *s, const sl_explanation *explanatio
 static sl_status no_memory(sl_error *error) {
     if (error) {
         error->status = SL_ERROR_RESOURCES;
-        snprintf(error->message, sizeof error->message, "not enough memory for the explanations of the pixels");
+        snprintf(error->message, sizeof error->message,
+                 "not enough memory for the explanations of the pixels");
     }
     return SL_ERROR_RESOURCES;
 }
 
-sl_status sl_explanations_collect(sl_method *method, const sl_image *picture, sl_explanations **explanations, sl_error *error) {
+sl_status sl_explanations_collect(sl_method *method, const sl_image *picture, sl_explanations **explanations,
+                                  sl_error *error) {
     sl_explanations *s = calloc(1, sizeof *s);
     *explanations = s;
     if (!s) return no_memory(error);
@@ -166,7 +174,8 @@ sl_status sl_explanations_collect(sl_method *method, const sl_image *picture, sl
     sl_status status = s->begin && s->rounding ? SL_OK : no_memory(error);
     for (size_t p = 0; p < s->pixels && status == SL_OK; p++) {
         sl_explanation *explanation;
-        status = sl_method_explanation(method, picture, (int)(p % (size_t)picture->width), (int)(p / (size_t)picture->width), &explanation, error);
+        status = sl_method_explanation(method, picture, (int)(p % (size_t)picture->width),
+                                       (int)(p / (size_t)picture->width), &explanation, error);
         if (status == SL_OK && !add_explanation(s, explanation, p)) status = no_memory(error);
         if (status == SL_OK) sl_explanation_destroy(explanation);
     }
@@ -194,7 +203,8 @@ void sl_explanations_destroy(sl_explanations *s) {
 static void put_item(const item *i, const sl_mark_view *view, FILE *out) {
     double column, row;
     fprintf(out, "[%u,%llu", i->kind, (unsigned long long)i->index);
-    if (i->placed && sl_mark_project(view, i->position, &column, &row)) fprintf(out, ",%.1f,%.1f", column, row);
+    if (i->placed && sl_mark_project(view, i->position, &column, &row))
+        fprintf(out, ",%.1f,%.1f", column, row);
     else fputs(",null,null", out);
     fputc(']', out);
 }
@@ -224,7 +234,8 @@ static void put_terms(const sl_explanations *s, FILE *out) {
 
 void sl_explanations_put(const sl_explanations *s, const sl_mark_view *view, FILE *out) {
     fputs("{\"kinds\":[", out);
-    for (uint32_t k = 0; k < s->kind_count; k++) fprintf(out, "%s[\"%s\",\"%s\"]", k ? "," : "", s->kinds[k].layer, s->kinds[k].kind);
+    for (uint32_t k = 0; k < s->kind_count; k++)
+        fprintf(out, "%s[\"%s\",\"%s\"]", k ? "," : "", s->kinds[k].layer, s->kinds[k].kind);
     fputs("],\n\"items\":[", out);
     for (size_t i = 0; i < s->item_count; i++) {
         if (i) fputc(',', out);

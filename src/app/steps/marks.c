@@ -21,13 +21,19 @@ static bool within(const sl_mark_view *view, double column, double row) {
     return column > -1.0 && row > -1.0 && column < view->width + 1.0 && row < view->height + 1.0;
 }
 
-/* Something else lies in front of the mark: it may itself lie a little within the surface that it belongs to. */
+/* Something else lies in front of the mark: it may itself lie a little within the surface that it belongs to.
+ */
 static bool is_hidden(const sl_mark_view *view, const float at[3]) {
     if (!view->tracer) return false;
     sl_vec3 eye = view->camera.eye, d = sl_sub(vector(at), eye);
     float distance = sqrtf(sl_dot(d, d));
-    sl_ray16 ray = {.origin_x = {eye.x}, .origin_y = {eye.y}, .origin_z = {eye.z}, .direction_x = {d.x}, .direction_y = {d.y},
-                    .direction_z = {d.z}, .far = {1.0f - 5e-3f * view->scale / fmaxf(distance, 1e-6f * view->scale)},
+    sl_ray16 ray = {.origin_x = {eye.x},
+                    .origin_y = {eye.y},
+                    .origin_z = {eye.z},
+                    .direction_x = {d.x},
+                    .direction_y = {d.y},
+                    .direction_z = {d.z},
+                    .far = {1.0f - 5e-3f * view->scale / fmaxf(distance, 1e-6f * view->scale)},
                     .skip = {SL_NO_INDEX}};
     sl_counters unused = {0};
     return ray.far[0] > 0.0f && sl_trace_occluded(view->tracer, &ray, 1, false, &unused) != 0;
@@ -38,7 +44,8 @@ static void put_colour(FILE *out, const char *attribute, const float colour[3]) 
     float most = fmaxf(fmaxf(colour[0], colour[1]), colour[2]);
     int level[3];
     for (int c = 0; c < 3; c++)
-        level[c] = most > 0.0f && isfinite(most) ? (int)lrintf(80.0f + 175.0f * fmaxf(colour[c], 0.0f) / most) : 200;
+        level[c] =
+            most > 0.0f && isfinite(most) ? (int)lrintf(80.0f + 175.0f * fmaxf(colour[c], 0.0f) / most) : 200;
     fprintf(out, " %s=\"#%02x%02x%02x\"", attribute, level[0], level[1], level[2]);
 }
 
@@ -48,10 +55,13 @@ static void put_disc(FILE *out, const sl_mark_view *view, const sl_mark *m) {
     double column[CORNERS], row[CORNERS];
     for (int i = 0; i < CORNERS; i++) {
         double a = 6.283185307179586 * i / CORNERS;
-        sl_vec3 p = sl_add(vector(m->at), sl_frame_to_world(&frame, sl_v3(m->radius * (float)cos(a), m->radius * (float)sin(a), 0.0f)));
-        if (!sl_mark_project(view, (float[3]){p.x, p.y, p.z}, &column[i], &row[i])) return; /* reaches behind the eye */
+        sl_vec3 p = sl_add(vector(m->at), sl_frame_to_world(&frame, sl_v3(m->radius * (float)cos(a),
+                                                                          m->radius * (float)sin(a), 0.0f)));
+        /* reaches behind the eye */
+        if (!sl_mark_project(view, (float[3]){p.x, p.y, p.z}, &column[i], &row[i])) return;
     }
-    for (int i = 0; i < CORNERS; i++) fprintf(out, "%s%.1f %.1f", i ? "L" : "<path class=\"disc\" d=\"M", column[i], row[i]);
+    for (int i = 0; i < CORNERS; i++)
+        fprintf(out, "%s%.1f %.1f", i ? "L" : "<path class=\"disc\" d=\"M", column[i], row[i]);
     fputs("Z\"", out);
     put_colour(out, "stroke", m->colour);
     fputs("/>", out);
@@ -59,7 +69,8 @@ static void put_disc(FILE *out, const sl_mark_view *view, const sl_mark *m) {
 
 static void put_mark(FILE *out, const sl_mark_view *view, const sl_mark *m) {
     double column, row, to_column, to_row;
-    if (!sl_mark_project(view, m->at, &column, &row) || !within(view, column, row) || is_hidden(view, m->at)) return;
+    if (!sl_mark_project(view, m->at, &column, &row) || !within(view, column, row) || is_hidden(view, m->at))
+        return;
     switch (m->kind) {
     case SL_MARK_DISC: put_disc(out, view, m); /* and its centre */ /* fall through */
     case SL_MARK_POINT:

@@ -10,7 +10,8 @@
 #define M_FRAC(above, below) "<mfrac><mrow>" above "</mrow><mrow>" below "</mrow></mfrac>"
 #define M_SUB(base, index) "<msub><mrow>" base "</mrow><mrow>" index "</mrow></msub>"
 #define M_SUP(base, power) "<msup><mrow>" base "</mrow><mrow>" power "</mrow></msup>"
-#define M_SUBSUP(base, index, power) "<msubsup><mrow>" base "</mrow><mrow>" index "</mrow><mrow>" power "</mrow></msubsup>"
+#define M_SUBSUP(base, index, power) \
+    "<msubsup><mrow>" base "</mrow><mrow>" index "</mrow><mrow>" power "</mrow></msubsup>"
 #define M_SUM(index) "<munder><mo>&#x2211;</mo><mrow>" index "</mrow></munder>"
 #define M_SQRT(x) "<msqrt><mrow>" x "</mrow></msqrt>"
 #define M_TIMES M_O("&#x22C5;")

@@ -3,8 +3,9 @@
 #include <string.h>
 
 const sl_narrative *sl_narrative_of(const char *method) {
-    static const sl_narrative *const all[] = {&sl_splatting_narrative, &sl_direct_radiance_narrative, &sl_shading_cache_narrative,
-                                              &sl_multi_mesh_narrative, &sl_light_octree_narrative};
+    static const sl_narrative *const all[] = {&sl_splatting_narrative, &sl_direct_radiance_narrative,
+                                              &sl_shading_cache_narrative, &sl_multi_mesh_narrative,
+                                              &sl_light_octree_narrative};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
         if (strcmp(all[i]->method, method) == 0) return all[i];
     return NULL;

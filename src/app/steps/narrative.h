@@ -1,5 +1,5 @@
-/* What a page says about a method: its paper, and for each pass that the method announces a title, two or three sentences, the
- * equation, and the function that computes it. */
+/* What a page says about a method: its paper, and for each pass that the method announces a title, two or
+ * three sentences, the equation, and the function that computes it. */
 #ifndef SL_APP_STEPS_NARRATIVE_H
 #define SL_APP_STEPS_NARRATIVE_H
 
@@ -21,7 +21,8 @@ typedef struct sl_narrative_pass {
     const char *text;     /* HTML */
     const char *equation; /* MathML between <math> and </math>, or NULL */
     const char *code;     /* "sl_function(), src/folder/file.c" */
-    const char *layer;    /* of the picture, that this pass makes: without it the error would be another; or NULL */
+    /* of the picture, that this pass makes: without it the error would be another; or NULL */
+    const char *layer;
     sl_show show;
 } sl_narrative_pass;
 
@@ -32,7 +33,8 @@ typedef struct sl_narrative {
     const sl_narrative_pass *passes; /* in the order of the paper; ends with a NULL name */
 } sl_narrative;
 
-extern const sl_narrative sl_splatting_narrative, sl_direct_radiance_narrative, sl_shading_cache_narrative, sl_multi_mesh_narrative, sl_light_octree_narrative;
+extern const sl_narrative sl_splatting_narrative, sl_direct_radiance_narrative, sl_shading_cache_narrative,
+    sl_multi_mesh_narrative, sl_light_octree_narrative;
 
 /* NULL: there is none. */
 const sl_narrative *sl_narrative_of(const char *method);

@@ -13,7 +13,9 @@
 extern const char _binary_src_app_steps_page_css_start[], _binary_src_app_steps_page_css_end[];
 extern const char _binary_src_app_steps_page_js_start[], _binary_src_app_steps_page_js_end[];
 
-static void put_file(FILE *out, const char *begin, const char *end) { fwrite(begin, 1, (size_t)(end - begin), out); }
+static void put_file(FILE *out, const char *begin, const char *end) {
+    fwrite(begin, 1, (size_t)(end - begin), out);
+}
 
 static void percent_text(double rel_rmse, char text[32]) {
     if (rel_rmse < 0.0) snprintf(text, 32, "-");
@@ -56,13 +58,17 @@ static void put_figure(FILE *out, const sl_steps_run *run, const sl_step *s, siz
     const char *picture = last_picture(s, run->snapshot_count);
     bool marks = has_marks(s, run->snapshot_count);
     if (!picture && !marks) return;
-    fprintf(out, "<figure class=\"pass%s\" data-step=\"%zu\"><div class=\"frame\">", s->height > 2 * s->width ? " tall" : "", number);
+    fprintf(out, "<figure class=\"pass%s\" data-step=\"%zu\"><div class=\"frame\">",
+            s->height > 2 * s->width ? " tall" : "", number);
     const char *under = picture ? picture : run->snapshots[run->snapshot_count - 1].picture;
     fputs("<img alt=\"", out);
     sl_put_escaped(out, title_of(s));
-    fprintf(out, "%s\" width=\"%d\" height=\"%d\" src=\"data:image/png;base64,%s\">", picture ? "" : ", drawn over the picture",
-            picture ? s->width : run->width, picture ? s->height : run->height, under);
-    if (marks) fprintf(out, "<svg class=\"marks\" viewBox=\"0 0 %d %d\" aria-hidden=\"true\"></svg>", run->width, run->height);
+    fprintf(out, "%s\" width=\"%d\" height=\"%d\" src=\"data:image/png;base64,%s\">",
+            picture ? "" : ", drawn over the picture", picture ? s->width : run->width,
+            picture ? s->height : run->height, under);
+    if (marks)
+        fprintf(out, "<svg class=\"marks\" viewBox=\"0 0 %d %d\" aria-hidden=\"true\"></svg>", run->width,
+                run->height);
     fputs("</div><figcaption>", out);
     if (s->width) fprintf(out, "%d &times; %d", s->width, s->height);
     fputs("</figcaption></figure>\n", out);
@@ -75,7 +81,10 @@ static void put_worth(FILE *out, const sl_steps_run *run, const sl_step *s) {
         char without[32], with[32];
         percent_text(run->layers[i].rel_rmse, without);
         percent_text(run->snapshots[run->snapshot_count - 1].rel_rmse, with);
-        fprintf(out, "<p class=\"worth\">Without what this pass adds the picture would be off by %s; with it, it is off by %s.</p>\n", without, with);
+        fprintf(out,
+                "<p class=\"worth\">Without what this pass adds the picture would be off by %s; with it, it "
+                "is off by %s.</p>\n",
+                without, with);
     }
 }
 
@@ -114,9 +123,12 @@ static void put_errors(FILE *out, const sl_steps_run *run) {
     if (run->snapshot_count < 3) return;
     least = log(least / 1.2), greatest = log(greatest * 1.2);
     double last = log((double)run->snapshots[run->snapshot_count - 1].batches + 1.0);
-    fprintf(out, "<svg class=\"errors\" viewBox=\"0 0 %d %d\" role=\"img\" aria-label=\"error over batches\"><g font-size=\"10\" fill=\"currentColor\">"
-                 "<text x=\"0\" y=\"10\">%.3g %%</text><text x=\"0\" y=\"%d\">%.3g %%</text><text x=\"%d\" y=\"%d\" text-anchor=\"end\">batches</text></g>"
-                 "<polyline fill=\"none\" stroke=\"var(--accent)\" stroke-width=\"1.5\" points=\"",
+    fprintf(out,
+            "<svg class=\"errors\" viewBox=\"0 0 %d %d\" role=\"img\" aria-label=\"error over batches\"><g "
+            "font-size=\"10\" fill=\"currentColor\">"
+            "<text x=\"0\" y=\"10\">%.3g %%</text><text x=\"0\" y=\"%d\">%.3g %%</text><text x=\"%d\" "
+            "y=\"%d\" text-anchor=\"end\">batches</text></g>"
+            "<polyline fill=\"none\" stroke=\"var(--accent)\" stroke-width=\"1.5\" points=\"",
             WIDTH, HEIGHT, 100.0 * exp(greatest), HEIGHT - BOTTOM, 100.0 * exp(least), WIDTH, HEIGHT - 4);
     for (size_t i = 0; i < run->snapshot_count; i++) {
         const sl_snapshot *s = &run->snapshots[i];
@@ -128,15 +140,20 @@ static void put_errors(FILE *out, const sl_steps_run *run) {
 
 static void put_player(FILE *out, const sl_steps_run *run, size_t article) {
     size_t last = run->snapshot_count - 1;
-    fprintf(out, "<div class=\"stage\"><div class=\"picture frame\" tabindex=\"0\" role=\"application\" aria-label=\"The picture: arrow keys move to a pixel, whose explanation stands below\">"
-                 "<img alt=\"the picture\" width=\"%d\" height=\"%d\" src=\"data:image/png;base64,%s\">"
-                 "<svg class=\"marks\" viewBox=\"0 0 %d %d\" aria-hidden=\"true\"></svg></div>\n",
+    fprintf(out,
+            "<div class=\"stage\"><div class=\"picture frame\" tabindex=\"0\" role=\"application\" "
+            "aria-label=\"The picture: arrow keys move to a pixel, whose explanation stands below\">"
+            "<img alt=\"the picture\" width=\"%d\" height=\"%d\" src=\"data:image/png;base64,%s\">"
+            "<svg class=\"marks\" viewBox=\"0 0 %d %d\" aria-hidden=\"true\"></svg></div>\n",
             run->width, run->height, run->snapshots[last].picture, run->width, run->height);
-    fprintf(out, "<p class=\"slider\"><label for=\"slider%zu\">refinement</label> <input type=\"range\" id=\"slider%zu\" min=\"0\" max=\"%zu\" value=\"%zu\"> "
-                 "<output for=\"slider%zu\"></output></p></div>\n",
+    fprintf(out,
+            "<p class=\"slider\"><label for=\"slider%zu\">refinement</label> <input type=\"range\" "
+            "id=\"slider%zu\" min=\"0\" max=\"%zu\" value=\"%zu\"> "
+            "<output for=\"slider%zu\"></output></p></div>\n",
             article, article, last, last, article);
     put_errors(out, run);
-    fputs("<div class=\"explanation\" aria-live=\"polite\"><h3>The explanation of a pixel</h3><p class=\"hint\">Click on the picture, or move with the arrow keys on it.</p></div>\n",
+    fputs("<div class=\"explanation\" aria-live=\"polite\"><h3>The explanation of a pixel</h3><p "
+          "class=\"hint\">Click on the picture, or move with the arrow keys on it.</p></div>\n",
           out);
 }
 
@@ -145,13 +162,20 @@ static void put_reference(FILE *out, const sl_steps_run *run) {
     char noise[32], error[32];
     percent_text(run->reference_noise, noise);
     percent_text(run->snapshots[run->snapshot_count - 1].rel_rmse, error);
-    fprintf(out, "<section class=\"reference\"><h3>How far it is from the truth</h3><p>The same light paths, path traced with %" PRIu32
-                 " samples a pixel (their own noise: %s). Without that noise the picture is off by %s, relative RMSE. Blue is too dark, red too bright, full colour at 50 %%.</p>\n",
+    fprintf(out,
+            "<section class=\"reference\"><h3>How far it is from the truth</h3><p>The same light paths, path "
+            "traced with %" PRIu32
+            " samples a pixel (their own noise: %s). Without that noise the picture is off by %s, relative "
+            "RMSE. Blue is too dark, red too bright, full colour at 50 %%.</p>\n",
             run->reference_samples, noise, error);
-    const struct { const char *name, *data; } pictures[] = {{"the reference", run->reference}, {"the difference", run->difference}};
+    const struct {
+        const char *name, *data;
+    } pictures[] = {{"the reference", run->reference}, {"the difference", run->difference}};
     for (size_t i = 0; i < 2; i++) {
         if (!pictures[i].data) continue;
-        fprintf(out, "<figure><div class=\"frame\"><img alt=\"%s\" width=\"%d\" height=\"%d\" src=\"data:image/png;base64,%s\"></div><figcaption>%s</figcaption></figure>\n",
+        fprintf(out,
+                "<figure><div class=\"frame\"><img alt=\"%s\" width=\"%d\" height=\"%d\" "
+                "src=\"data:image/png;base64,%s\"></div><figcaption>%s</figcaption></figure>\n",
                 pictures[i].name, run->width, run->height, pictures[i].data, pictures[i].name);
     }
     fputs("</section>\n", out);
@@ -171,8 +195,8 @@ static void put_plan(FILE *out, const sl_steps_run *run) {
 }
 
 static void put_article(FILE *out, const sl_steps_run *run, size_t article) {
-    fprintf(out, "<article data-article=\"%zu\"><h2>%s</h2>\n<p class=\"paper\">%s</p>\n<p>%s</p>\n", article, run->narrative->method,
-            run->narrative->paper, run->narrative->introduction);
+    fprintf(out, "<article data-article=\"%zu\"><h2>%s</h2>\n<p class=\"paper\">%s</p>\n<p>%s</p>\n", article,
+            run->narrative->method, run->narrative->paper, run->narrative->introduction);
     put_player(out, run, article);
     for (size_t i = 0; i < run->recording.count; i++) put_step(out, run, &run->recording.steps[i], i);
     put_reference(out, run);
@@ -210,8 +234,8 @@ static void put_data(FILE *out, const sl_steps_run *run) {
     fprintf(out, "{\"width\":%d,\"height\":%d,\"snapshots\":[", run->width, run->height);
     for (size_t i = 0; i < run->snapshot_count; i++) {
         const sl_snapshot *s = &run->snapshots[i];
-        fprintf(out, "%s{\"batches\":%" PRIu64 ",\"error\":%.6g,\"picture\":\"%s\"}", i ? "," : "", s->batches,
-                isfinite(s->rel_rmse) ? s->rel_rmse : -1.0, s->picture);
+        fprintf(out, "%s{\"batches\":%" PRIu64 ",\"error\":%.6g,\"picture\":\"%s\"}", i ? "," : "",
+                s->batches, isfinite(s->rel_rmse) ? s->rel_rmse : -1.0, s->picture);
     }
     fputs("],\n\"steps\":[", out);
     for (size_t i = 0; i < run->recording.count; i++) {
@@ -224,8 +248,10 @@ static void put_data(FILE *out, const sl_steps_run *run) {
 }
 
 static void put_page(FILE *out, const char *scene, const sl_steps_run *runs, size_t count) {
-    fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-          "<meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n<title>", out);
+    fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+          "content=\"width=device-width, initial-scale=1\">\n"
+          "<meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n<title>",
+          out);
     for (size_t i = 0; i < count; i++) fprintf(out, "%s%s", i ? " beside " : "", runs[i].narrative->method);
     fputs(", step by step: ", out);
     sl_put_escaped(out, scene);
@@ -246,7 +272,8 @@ static void put_page(FILE *out, const char *scene, const sl_steps_run *runs, siz
     fputs("</script>\n</body>\n</html>\n", out);
 }
 
-sl_status sl_page_write(const char *folder, const char *scene, const sl_steps_run *runs, size_t count, sl_error *error) {
+sl_status sl_page_write(const char *folder, const char *scene, const sl_steps_run *runs, size_t count,
+                        sl_error *error) {
     char path[4096], *text = NULL;
     size_t size = 0;
     snprintf(path, sizeof path, "%s/index.html", folder);

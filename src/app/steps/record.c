@@ -21,8 +21,10 @@ static sl_step *find_step(sl_recording *r, const sl_pass *pass) {
 
 static sl_image *copy_of(const sl_image *image) {
     sl_image *copy = NULL;
-    if (sl_image_create(image->width, image->height, image->channels, NULL, &copy, NULL) != SL_OK) return NULL;
-    memcpy(copy->planes, image->planes, (size_t)image->width * (size_t)image->height * (size_t)image->channels * sizeof(float));
+    if (sl_image_create(image->width, image->height, image->channels, NULL, &copy, NULL) != SL_OK)
+        return NULL;
+    memcpy(copy->planes, image->planes,
+           (size_t)image->width * (size_t)image->height * (size_t)image->channels * sizeof(float));
     return copy;
 }
 

@@ -1,4 +1,5 @@
-/* The observer behind a page: keeps every pass that a method announces, and what it looked like at each snapshot. */
+/* The observer behind a page: keeps every pass that a method announces, and what it looked like at each
+ * snapshot. */
 #ifndef SL_APP_STEPS_RECORD_H
 #define SL_APP_STEPS_RECORD_H
 
@@ -8,7 +9,8 @@
 
 enum { SL_STEPS_MAX = 64, SL_SNAPSHOTS_MAX = 24, SL_MARKS_SHOWN = 700 };
 
-/* A pass as it looked at a snapshot; pictures as PNG in base 64, marks as SVG; NULL: none, or as at the snapshot before. */
+/* A pass as it looked at a snapshot; pictures as PNG in base 64, marks as SVG; NULL: none, or as at the
+ * snapshot before. */
 typedef struct sl_step_frame {
     char *picture, *marks;
 } sl_step_frame;
@@ -31,7 +33,9 @@ typedef struct sl_recording {
     sl_step steps[SL_STEPS_MAX]; /* in the order of their first announcement */
     size_t count;
     sl_counters told;     /* all costs that passes have announced */
-    sl_counters early;    /* what an unfinished pass has cost when a snapshot comes in between: the snapshot's first pass announces it ... */
+    /* what an unfinished pass has cost when a snapshot comes in between: the snapshot's first pass announces
+     * it ... */
+    sl_counters early;
     sl_counters owed;     /* ... and the next one gets it back */
     bool resolving;       /* between the two functions below */
     bool failed;          /* for want of memory or room */

@@ -20,7 +20,8 @@ static sl_status fail(sl_error *error, sl_status status, const char *what) {
 
 /* ---- the reference: the method's own light paths, path traced ---- */
 
-static sl_status trace_reference(const sl_scene *scene, const sl_steps_options *o, sl_image **reference, sl_error *error) {
+static sl_status trace_reference(const sl_scene *scene, const sl_steps_options *o, sl_image **reference,
+                                 sl_error *error) {
     char transport[64];
     snprintf(transport, sizeof transport, "matched:%s", o->settings.method);
     sl_settings settings = o->settings;
@@ -51,7 +52,8 @@ static sl_status find_truth(const sl_scene *scene, const sl_steps_options *o, tr
     *t = (truth){NULL, NULL};
     if (!o->reference_samples) return SL_OK;
     sl_status status = trace_reference(scene, o, &t->reference, error);
-    if (status == SL_OK) status = sl_image_create(t->reference->width, t->reference->height, 1, name, &t->mask, error);
+    if (status == SL_OK)
+        status = sl_image_create(t->reference->width, t->reference->height, 1, name, &t->mask, error);
     for (int i = 0; status == SL_OK && i < t->mask->width * t->mask->height; i++) t->mask->planes[i] = 1.0f;
     return status;
 }
@@ -60,11 +62,13 @@ static sl_status find_truth(const sl_scene *scene, const sl_steps_options *o, tr
 static double error_of(const sl_image *picture, const truth *t) {
     sl_bench_error e;
     sl_error ignored;
-    if (!t->mask || sl_judge_quickly(picture, t->reference, t->mask, &e, &ignored) != SL_OK || !e.known) return -1.0;
+    if (!t->mask || sl_judge_quickly(picture, t->reference, t->mask, &e, &ignored) != SL_OK || !e.known)
+        return -1.0;
     return e.rel_rmse;
 }
 
-static void keep_reference(sl_steps_run *run, const sl_steps_options *o, const sl_image *picture, const truth *t) {
+static void keep_reference(sl_steps_run *run, const sl_steps_options *o, const sl_image *picture,
+                           const truth *t) {
     sl_image *difference = NULL;
     sl_bench_error e;
     sl_error ignored;
@@ -93,7 +97,8 @@ static double error_without(sl_image *picture, const char *layer, const truth *t
         for (size_t i = 0; i < pixels; i++) whole[i] -= part[i];
     }
     double without = error_of(picture, t);
-    for (size_t c = 0; c < 3; c++) memcpy(sl_image_channel(picture, colours[c]), kept + c * pixels, pixels * sizeof *kept);
+    for (size_t c = 0; c < 3; c++)
+        memcpy(sl_image_channel(picture, colours[c]), kept + c * pixels, pixels * sizeof *kept);
     free(kept);
     return without;
 }
@@ -112,7 +117,8 @@ static void weigh_layers(sl_steps_run *run, sl_image *picture, const truth *t) {
 
 /* ---- the method ---- */
 
-static sl_status snap(sl_steps_run *run, sl_method *method, const sl_progress *progress, const truth *t, sl_image **picture, sl_error *error) {
+static sl_status snap(sl_steps_run *run, sl_method *method, const sl_progress *progress, const truth *t,
+                      sl_image **picture, sl_error *error) {
     sl_image_destroy(*picture);
     *picture = NULL;
     sl_recording_interrupt(&run->recording, sl_method_counters(method));
@@ -121,14 +127,18 @@ static sl_status snap(sl_steps_run *run, sl_method *method, const sl_progress *p
     size_t index = run->snapshot_count++;
     sl_recording_snapshot(&run->recording, index);
     sl_snapshot *s = &run->snapshots[index];
-    *s = (sl_snapshot){.batches = progress->batches, .rel_rmse = error_of(*picture, t), .counters = *sl_method_counters(method)};
+    *s = (sl_snapshot){.batches = progress->batches,
+                       .rel_rmse = error_of(*picture, t),
+                       .counters = *sl_method_counters(method)};
     s->picture = sl_picture_text(*picture, true);
-    return s->picture && !run->recording.failed ? SL_OK : fail(error, SL_ERROR_RESOURCES, "not enough memory for the page's pictures");
+    return s->picture && !run->recording.failed
+               ? SL_OK
+               : fail(error, SL_ERROR_RESOURCES, "not enough memory for the page's pictures");
 }
 
 /* Snapshots after the first batches and then ever more rarely, the last one when all is done. */
-static sl_status refine(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const truth *t, sl_image **picture,
-                        sl_error *error) {
+static sl_status refine(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const truth *t,
+                        sl_image **picture, sl_error *error) {
     sl_progress progress = {0};
     uint64_t next = 1;
     sl_status status = SL_OK;
@@ -143,7 +153,8 @@ static sl_status refine(sl_steps_run *run, const sl_steps_options *o, sl_method 
     return status;
 }
 
-static sl_status watch(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run, const truth *t, sl_error *error) {
+static sl_status watch(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run, const truth *t,
+                       sl_error *error) {
     sl_observer observer = sl_recording_observer(&run->recording);
     sl_settings settings = o->settings;
     settings.observer = &observer;
@@ -164,13 +175,20 @@ static sl_status watch(const sl_scene *scene, const sl_steps_options *o, sl_step
     return status;
 }
 
-sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run, sl_error *error) {
-    *run = (sl_steps_run){.narrative = sl_narrative_of(o->settings.method), .width = o->settings.width, .height = o->settings.height};
-    if (!run->narrative) return fail(error, SL_ERROR_USAGE, "--method: steps are told of splatting, direct-radiance, light-octree, multi-mesh and shading-cache");
+sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run,
+                              sl_error *error) {
+    *run = (sl_steps_run){.narrative = sl_narrative_of(o->settings.method),
+                          .width = o->settings.width,
+                          .height = o->settings.height};
+    if (!run->narrative)
+        return fail(error, SL_ERROR_USAGE,
+                    "--method: steps are told of splatting, direct-radiance, light-octree, multi-mesh and "
+                    "shading-cache");
     sl_tracer *tracer = NULL;
     truth t = {NULL, NULL};
     sl_status status = sl_tracer_create(scene, o->settings.threads, NULL, &tracer, error);
-    run->recording = (sl_recording){.narrative = run->narrative, .view = {scene->camera, run->width, run->height, tracer, scene->scale}};
+    run->recording = (sl_recording){.narrative = run->narrative,
+                                    .view = {scene->camera, run->width, run->height, tracer, scene->scale}};
     if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &run->plan, error);
     if (status == SL_OK) status = find_truth(scene, o, &t, error);
     if (status == SL_OK) status = watch(scene, o, run, &t, error);

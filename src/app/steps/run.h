@@ -1,4 +1,5 @@
-/* One method on one scene under the observer: its passes, snapshots of the picture with their errors, and the explanations of its pixels. */
+/* One method on one scene under the observer: its passes, snapshots of the picture with their errors, and the
+ * explanations of its pixels. */
 #ifndef SL_APP_STEPS_RUN_H
 #define SL_APP_STEPS_RUN_H
 
@@ -43,7 +44,8 @@ typedef struct sl_steps_options {
 } sl_steps_options;
 
 /* Fills *run, which the caller clears, whatever comes back. */
-sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *options, sl_steps_run *run, sl_error *error);
+sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *options, sl_steps_run *run,
+                              sl_error *error);
 void sl_steps_run_clear(sl_steps_run *run);
 
 #endif

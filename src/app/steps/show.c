@@ -40,7 +40,8 @@ static void show_ids(const float *in, size_t count, float *const out[3]) {
         uint32_t h = something ? (uint32_t)in[i] * 2654435761u : 0;
         h ^= h >> 15;
         h *= 2246822519u;
-        for (int c = 0; c < 3; c++) out[c][i] = something ? displayed(0.2f + 0.75f * (float)((h >> (8 * c)) & 255u) / 255.0f) : 0.0f;
+        for (int c = 0; c < 3; c++)
+            out[c][i] = something ? displayed(0.2f + 0.75f * (float)((h >> (8 * c)) & 255u) / 255.0f) : 0.0f;
     }
 }
 

@@ -5,7 +5,8 @@
 #include "app/steps/narrative.h"
 #include "cache/frame/settings.h"
 
-/* R, G, B in the order of the buffer, ready for a PNG without tone mapping; light excepted, which is to be tone-mapped. The caller destroys it. */
+/* R, G, B in the order of the buffer, ready for a PNG without tone mapping; light excepted, which is to be
+ * tone-mapped. The caller destroys it. */
 sl_status sl_show_buffer(const sl_image *buffer, sl_show show, sl_image **picture, sl_error *error);
 
 #endif

@@ -29,11 +29,14 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
     sl_option options[OWN + SL_LOAD_OPTIONS] = {0};
     *s = (steps_command){.folder = "steps", .reference_samples = 64, .settings = sl_settings_default()};
     const sl_option own[] = {
-        {"output", 'o', SL_OPTION_TEXT, &s->folder, NULL, "DIR", "folder for the page, index.html [steps]", 0, 0, NULL},
-        {"beside", 0, SL_OPTION_TEXT, &s->beside, NULL, "METHOD", "another method on the same scene, side by side", 0, 0, NULL},
+        {"output", 'o', SL_OPTION_TEXT, &s->folder, NULL, "DIR", "folder for the page, index.html [steps]", 0,
+         0, NULL},
+        {"beside", 0, SL_OPTION_TEXT, &s->beside, NULL, "METHOD",
+         "another method on the same scene, side by side", 0, 0, NULL},
         {"reference-spp", 0, SL_OPTION_COUNT, &s->reference_samples, NULL, "N",
          "samples a pixel of the path-traced reference; 0: no errors are told [64]", 0, 1e6, NULL},
-        {"at", 0, SL_OPTION_REAL, &s->at_seconds, NULL, "SECONDS", "time of an animated scene [0]", -1e9, 1e9, NULL},
+        {"at", 0, SL_OPTION_REAL, &s->at_seconds, NULL, "SECONDS", "time of an animated scene [0]", -1e9, 1e9,
+         NULL},
         {"quiet", 0, SL_OPTION_FLAG, &s->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
     };
     _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
@@ -43,17 +46,23 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
     const sl_command_line line = {
         "softlux steps SCENE [-m METHOD] [-o DIR] [options]",
         "Runs a method step by step: every pass as a picture, explained, in a page that needs nothing else.",
-        "On the page a slider plays the refinement, and a click on a pixel tells what made it: which records, photons, voxels or\n"
+        "On the page a slider plays the refinement, and a click on a pixel tells what made it: which "
+        "records, photons, voxels or\n"
         "vertices, with weights and values that add up to the pixel's exact value.\n\n"
         "example: softlux steps scenes/cornell.json -m splatting -o cornell-steps",
-        options, 1, 1, &s->settings, NULL};
+        options,
+        1,
+        1,
+        &s->settings,
+        NULL};
     int operands;
     if (!sl_options_parse(&line, argc, argv, &s->scene, &operands, status)) return false;
     s->load = sl_load_options_taken(&s->reading);
     return true;
 }
 
-/* 160 pixels wide, in the shape of the scene's film, where nobody asks for another: every pixel has an explanation to be told. */
+/* 160 pixels wide, in the shape of the scene's film, where nobody asks for another: every pixel has an
+ * explanation to be told. */
 static void choose_size(const sl_scene *scene, sl_settings *settings) {
     enum { WIDTH = 160 };
     if (settings->width) return;

@@ -1,17 +1,20 @@
 /* From some pixels to an estimate for all, and its bounds.
  *
- * Pixel i was chosen with probability 1/w_i, independently of the others (Poisson sampling). Those with w = 1 are known; the mean of s over
- * the rest is estimated by m = sum w s / sum w (Hajek 1971), with a variance of about
+ * Pixel i was chosen with probability 1/w_i, independently of the others (Poisson sampling). Those with w = 1
+ * are known; the mean of s over the rest is estimated by m = sum w s / sum w (Hajek 1971), with a variance of
+ * about
  *
  *     sum [ (w^2 - w) (s - m)^2 + w v ] / (sum w)^2,
  *
- * v being that of s itself by the noise of its two values. With each pixel's share of that as one degree of freedom, so that few pixels
- * with large shares count as few (Satterthwaite 1946), Student's t makes a bound of it.
+ * v being that of s itself by the noise of its two values. With each pixel's share of that as one degree of
+ * freedom, so that few pixels with large shares count as few (Satterthwaite 1946), Student's t makes a bound
+ * of it.
  *
- * Squared errors have heavy tails: where no pixel was chosen out of those that hold most of the error, nothing in the sample tells. What
- * is missed with a probability above 5 % stands for chosen pixels 3 at most (the rule of three: e^-3 = 5 %); the bound grants it three
- * times the largest square, with its weight, that was met. And an estimate below 0, which noise can make, counts as 0: a lucky draw must
- * not lower the bound. */
+ * Squared errors have heavy tails: where no pixel was chosen out of those that hold most of the error,
+ * nothing in the sample tells. What is missed with a probability above 5 % stands for chosen pixels 3 at most
+ * (the rule of three: e^-3 = 5 %); the bound grants it three times the largest square, with its weight, that
+ * was met. And an estimate below 0, which noise can make, counts as 0: a lucky draw must not lower the bound.
+ */
 #include "cache/audit/audit.h"
 
 #include "base/error.h"
@@ -38,15 +41,17 @@ static double student_95(double degrees) {
 static double square_of(double v) { return v * v; }
 static double larger(double a, double b) { return a > b ? a : b; }
 
-/* Noise that both pictures' squares share leaves with the difference: with d and d' for their differences from (p + q)/2 and l for the
- * share, Var = 2 (d' - l d)^2 s2 + (1 - l)^2 s2^2. */
-sl_audit_pixel sl_audit_pixel_beyond(const double first[3], const double second[3], double share, const double p[3], const double q[3],
-                                     double weight) {
+/* Noise that both pictures' squares share leaves with the difference: with d and d' for their differences
+ * from (p + q)/2 and l for the share, Var = 2 (d' - l d)^2 s2 + (1 - l)^2 s2^2. */
+sl_audit_pixel sl_audit_pixel_beyond(const double first[3], const double second[3], double share,
+                                     const double p[3], const double q[3], double weight) {
     sl_audit_pixel a = {.weight = weight};
     double deviation = 0.0;
     for (int c = 0; c < 3; c++) {
-        double r = 0.5 * (p[c] + q[c]), d = second[c] - r - share * (first[c] - r), s2 = 0.5 * square_of(p[c] - q[c]);
-        a.square += ((second[c] - p[c]) * (second[c] - q[c]) - share * (first[c] - p[c]) * (first[c] - q[c])) / 3.0;
+        double r = 0.5 * (p[c] + q[c]), d = second[c] - r - share * (first[c] - r),
+               s2 = 0.5 * square_of(p[c] - q[c]);
+        a.square +=
+            ((second[c] - p[c]) * (second[c] - q[c]) - share * (first[c] - p[c]) * (first[c] - q[c])) / 3.0;
         deviation += sqrt(2.0 * d * d * s2 + square_of((1.0 - share) * s2)) / 3.0;
     }
     a.square_variance = square_of(deviation);
@@ -58,7 +63,8 @@ sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const dou
     sl_audit_pixel a = {.weight = weight};
     double square_deviation = 0.0, difference_deviation = 0.0; /* a.perfect_deviation: the same for d = 0 */
     for (int c = 0; c < 3; c++) {
-        double d = x[c] - 0.5 * (p[c] + q[c]), s2 = 0.5 * square_of(p[c] - q[c]); /* s2: an estimate of p's variance */
+        /* s2: an estimate of p's variance */
+        double d = x[c] - 0.5 * (p[c] + q[c]), s2 = 0.5 * square_of(p[c] - q[c]);
         a.square += (x[c] - p[c]) * (x[c] - q[c]) / 3.0;
         a.difference += d / 3.0;
         a.noise += s2 / 3.0;
@@ -86,7 +92,8 @@ static double variance_of_square(const sl_audit_pixel *a) { return a->square_var
 static double variance_of_difference(const sl_audit_pixel *a) { return a->difference_variance; }
 
 /* population: of how many pixels those are some. */
-static estimate_of_mean weighted_mean(const sl_audit_pixel *pixels, size_t count, double population, value_of *value, value_of *variance) {
+static estimate_of_mean weighted_mean(const sl_audit_pixel *pixels, size_t count, double population,
+                                      value_of *value, value_of *variance) {
     estimate_of_mean m = {0.0, INFINITY};
     double known = 0.0, known_sum = 0.0, weights = 0.0, sum = 0.0, shares = 0.0, squared_shares = 0.0;
     for (size_t i = 0; i < count; i++) {
@@ -99,7 +106,8 @@ static estimate_of_mean weighted_mean(const sl_audit_pixel *pixels, size_t count
             known_sum += v;
         }
     }
-    double rest = population - known, rest_mean = weights > 0.0 ? sum / weights : 0.0, scale = weights > 0.0 ? rest / weights : 0.0;
+    double rest = population - known, rest_mean = weights > 0.0 ? sum / weights : 0.0,
+           scale = weights > 0.0 ? rest / weights : 0.0;
     if (!(population > 0.0)) return m;
     m.mean = (known_sum + rest * rest_mean) / population;
     if (rest > 0.0 && !(weights > 0.0)) return m;
@@ -125,14 +133,16 @@ bool sl_audit_is_positive(const sl_audit_pixel *pixels, size_t count, double pop
     return m.mean - m.spread > RULE_OF_THREE * most_unseen(pixels, count) / larger(population, 1.0);
 }
 
-/* As in a comparison: 0/0 is 0, no error of a black picture; anything else to 0 is infinite. What is not a number promises nothing. */
+/* As in a comparison: 0/0 is 0, no error of a black picture; anything else to 0 is infinite. What is not a
+ * number promises nothing. */
 static double ratio(double a, double b) {
     if (a == 0.0) return 0.0;
     double q = b > 0.0 ? a / b : INFINITY;
     return q >= 0.0 ? q : INFINITY;
 }
 
-/* Returns the bound of the mean of squares for a picture without error: the noise of the probes alone, and the rule of three over the largest. */
+/* Returns the bound of the mean of squares for a picture without error: the noise of the probes alone, and
+ * the rule of three over the largest. */
 static double perfect_square(const sl_audit_pixel *pixels, size_t count, double population) {
     double variance = 0.0, squares = 0.0, unseen = 0.0;
     for (size_t i = 0; i < count; i++) {
@@ -145,16 +155,19 @@ static double perfect_square(const sl_audit_pixel *pixels, size_t count, double 
     return (student_95(degrees) * sqrt(variance) + RULE_OF_THREE * unseen) / larger(population, 1.0);
 }
 
-void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image, sl_error_estimate *e) {
+void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image,
+                       sl_error_estimate *e) {
     double noise = 0.0, weights = 0.0;
     for (size_t i = 0; i < count; i++) {
         noise += pixels[i].weight * pixels[i].noise;
         weights += pixels[i].weight;
     }
     estimate_of_mean square = weighted_mean(pixels, count, population, the_square, variance_of_square);
-    estimate_of_mean difference = weighted_mean(pixels, count, population, the_difference, variance_of_difference);
+    estimate_of_mean difference =
+        weighted_mean(pixels, count, population, the_difference, variance_of_difference);
     double mean_square = larger(square.mean, 0.0);
-    double upper = mean_square + square.spread + RULE_OF_THREE * most_unseen(pixels, count) / larger(population, 1.0);
+    double upper =
+        mean_square + square.spread + RULE_OF_THREE * most_unseen(pixels, count) / larger(population, 1.0);
     e->mean = mean_image - difference.mean;
     e->rmse = sqrt(mean_square);
     e->noise = sqrt(noise / larger(weights, 1.0));
@@ -169,15 +182,19 @@ static bool is_finite(const float *const planes[3], size_t i) {
     return isfinite(planes[0][i]) && isfinite(planes[1][i]) && isfinite(planes[2][i]);
 }
 
-bool sl_audit_is_judged(const sl_audit_view *v, size_t i) { return (!v->mask || v->mask[i] > 0.5f) && is_finite(v->planes, i); }
+bool sl_audit_is_judged(const sl_audit_view *v, size_t i) {
+    return (!v->mask || v->mask[i] > 0.5f) && is_finite(v->planes, i);
+}
 
 sl_status sl_audit_view_of(const sl_image *image, const sl_image *mask, sl_audit_view *v, sl_error *error) {
     double sum = 0.0;
-    *v = (sl_audit_view){.mask = mask ? mask->planes : NULL, .pixels = (size_t)image->width * (size_t)image->height};
+    *v = (sl_audit_view){.mask = mask ? mask->planes : NULL,
+                         .pixels = (size_t)image->width * (size_t)image->height};
     sl_status status = sl_image_colour_planes(image, "image", v->planes, error);
     if (status != SL_OK) return status;
     if (mask && (mask->width != image->width || mask->height != image->height))
-        return sl_fail(error, SL_ERROR_INPUT, "the mask has %d x %d pixels, the image %d x %d", mask->width, mask->height, image->width, image->height);
+        return sl_fail(error, SL_ERROR_INPUT, "the mask has %d x %d pixels, the image %d x %d", mask->width,
+                       mask->height, image->width, image->height);
     for (size_t i = 0; i < v->pixels; i++) {
         v->nonfinite += !is_finite(v->planes, i);
         if (!sl_audit_is_judged(v, i)) continue;

@@ -1,10 +1,12 @@
-/* The error of a picture from values of single pixels, each known twice over: what a pixel tells, and what some tell of all. */
+/* The error of a picture from values of single pixels, each known twice over: what a pixel tells, and what
+ * some tell of all. */
 #ifndef SL_CACHE_AUDIT_AUDIT_H
 #define SL_CACHE_AUDIT_AUDIT_H
 
 #include "softlux.h"
 
-/* Means over a pixel's three values x of a picture, where two independent estimates of the true r are p and q. */
+/* Means over a pixel's three values x of a picture, where two independent estimates of the true r are p and
+ * q. */
 typedef struct sl_audit_pixel {
     double square;            /* (x - p)(x - q): an unbiased estimate of (x - r)^2, which may be negative */
     double square_variance;   /* by the noise of p and q */
@@ -12,21 +14,25 @@ typedef struct sl_audit_pixel {
     double difference_variance;
     double noise;             /* (p - q)^2 / 2, of p's and q's own error squared */
     double perfect_deviation; /* what `square` is off by, root mean square, of a picture without error */
-    double weight;            /* for how many pixels it stands: 1 over the probability that it was chosen, >= 1 */
+    /* for how many pixels it stands: 1 over the probability that it was chosen, >= 1 */
+    double weight;
     double unseen;            /* the square of all pixels for which it stands, itself not counted */
 } sl_audit_pixel;
 
 sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const double q[3], double weight);
 
-/* The same values in two pictures: what the second has of squared error beyond `share` times that of the first. */
-sl_audit_pixel sl_audit_pixel_beyond(const double first[3], const double second[3], double share, const double p[3], const double q[3],
-                                     double weight);
+/* The same values in two pictures: what the second has of squared error beyond `share` times that of the
+ * first. */
+sl_audit_pixel sl_audit_pixel_beyond(const double first[3], const double second[3], double share,
+                                     const double p[3], const double q[3], double weight);
 
 /* With 95 % confidence the mean of squares of some pixels out of `population` is above 0. */
 bool sl_audit_is_positive(const sl_audit_pixel *pixels, size_t count, double population);
 
-/* rel_rmse, bound, least, rmse, mean, noise and resolution. population: of how many pixels these are some; mean_image: of all their values. */
-void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image, sl_error_estimate *estimate);
+/* rel_rmse, bound, least, rmse, mean, noise and resolution. population: of how many pixels these are some;
+ * mean_image: of all their values. */
+void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image,
+                       sl_error_estimate *estimate);
 
 /* The judged part of a picture: the pixels whose three values are finite, of a mask's (NULL: of all). */
 typedef struct sl_audit_view {

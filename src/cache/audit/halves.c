@@ -1,5 +1,5 @@
-/* A picture that is the mean of two independent halves a and b, as the reference tracers' are, knows its own error: it has no bias, and
- * the variance of (a + b)/2 is estimated by (a - b)^2 / 4. */
+/* A picture that is the mean of two independent halves a and b, as the reference tracers' are, knows its own
+ * error: it has no bias, and the variance of (a + b)/2 is estimated by (a - b)^2 / 4. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/audit/audit.h"
@@ -12,14 +12,17 @@ static sl_status half_planes(const sl_image *image, const float *halves[2][3], s
     for (int half = 0; half < 2; half++) {
         for (int c = 0; c < 3; c++) {
             halves[half][c] = sl_image_channel(image, names[half][c]);
-            if (!halves[half][c]) return sl_fail(error, SL_ERROR_INPUT, "the image has no layer %s: only those of path and bidirectional do", names[half][c]);
+            if (!halves[half][c])
+                return sl_fail(error, SL_ERROR_INPUT,
+                               "the image has no layer %s: only those of path and bidirectional do",
+                               names[half][c]);
         }
     }
     return SL_OK;
 }
 
-/* s = ((a - b)/2)^2 for each value, which has a variance of 2 s^2 at most, were the three channels' noise one. A firefly that no pixel
- * has met may be in any. */
+/* s = ((a - b)/2)^2 for each value, which has a variance of 2 s^2 at most, were the three channels' noise
+ * one. A firefly that no pixel has met may be in any. */
 static sl_audit_pixel audit_pixel(const float *const halves[2][3], size_t i) {
     sl_audit_pixel a = {.weight = 1.0};
     for (int c = 0; c < 3; c++) {
@@ -41,7 +44,8 @@ static bool has_two_halves(const sl_image *image) {
     return !batches || strtoull(batches, NULL, 10) >= 2;
 }
 
-sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *mask, sl_error_estimate *estimate, sl_error *error) {
+sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *mask,
+                                        sl_error_estimate *estimate, sl_error *error) {
     const float *halves[2][3];
     sl_audit_view view;
     if (estimate) *estimate = (sl_error_estimate){0};
@@ -59,6 +63,7 @@ sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *m
     estimate->nonfinite = view.nonfinite;
     sl_audit_conclude(list, count, (double)count, view.mean, estimate);
     sl_free(list);
-    if (!has_two_halves(image)) estimate->rel_rmse = estimate->bound = estimate->rmse = INFINITY, estimate->least = 0.0;
+    if (!has_two_halves(image))
+        estimate->rel_rmse = estimate->bound = estimate->rmse = INFINITY, estimate->least = 0.0;
     return SL_OK;
 }

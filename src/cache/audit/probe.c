@@ -1,12 +1,15 @@
 /* Probe pixels: which ones, and what they say of a picture.
  *
- * A picture's squared error may lie in a few pixels: where a lamp's image in a mirror is off by a pixel, one pixel can hold more of it than
- * all others. So every pixel (of large pictures, one of each block) is traced once, the pilot, and pixels in which that differs much from the picture are probed with a higher
- * probability: half of the probes go by (x - pilot)^2, the other half anywhere. The pilot only chooses; the values that judge are traced
- * independently of it, and each chosen pixel counts by 1 over its probability, which keeps the estimate unbiased.
+ * A picture's squared error may lie in a few pixels: where a lamp's image in a mirror is off by a pixel, one
+ * pixel can hold more of it than all others. So every pixel (of large pictures, one of each block) is traced
+ * once, the pilot, and pixels in which that differs much from the picture are probed with a higher
+ * probability: half of the probes go by (x - pilot)^2, the other half anywhere. The pilot only chooses; the
+ * values that judge are traced independently of it, and each chosen pixel counts by 1 over its probability,
+ * which keeps the estimate unbiased.
  *
- * Each pixel has a random number of its own, and is chosen where that is below its probability (Poisson sampling with permanent
- * numbers): so that for another picture of the scene, or for more probes, mostly the same pixels are chosen, whose values are there. */
+ * Each pixel has a random number of its own, and is chosen where that is below its probability (Poisson
+ * sampling with permanent numbers): so that for another picture of the scene, or for more probes, mostly the
+ * same pixels are chosen, whose values are there. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
@@ -17,7 +20,8 @@
 
 #include <math.h>
 
-static const uint64_t probe_salt = 0x70726f6265u; /* probes must not repeat the random numbers of the picture that they judge */
+/* probes must not repeat the random numbers of the picture that they judge */
+static const uint64_t probe_salt = 0x70726f6265u;
 
 struct sl_error_probe {
     sl_probe_tracer tracer;
@@ -27,16 +31,19 @@ struct sl_error_probe {
     bool blind;
 };
 
-/* Light of a point, spot or directional light that a mirror throws on a surface (L S D): no ray from there can hit such a light. */
+/* Light of a point, spot or directional light that a mirror throws on a surface (L S D): no ray from there
+ * can hit such a light. */
 static bool is_blind(const sl_scene *scene, const sl_transport *transport) {
-    if (!(transport->bounce_lobes & SL_LOBE_MIRROR) || transport->bounces == 0 || !scene->light_count) return false;
+    if (!(transport->bounce_lobes & SL_LOBE_MIRROR) || transport->bounces == 0 || !scene->light_count)
+        return false;
     for (size_t i = 0; i < scene->material_count; i++) {
         if (sl_material_is_mirror(&scene->materials[i])) return true;
     }
     return false;
 }
 
-sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settings, sl_error_probe **out, sl_error *error) {
+sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settings, sl_error_probe **out,
+                                sl_error *error) {
     if (!out) return sl_fail_null(error, "a place for error probes");
     *out = NULL;
     sl_transport transport;
@@ -48,7 +55,8 @@ sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settin
     p->blind = is_blind(scene, &transport);
     status = sl_probe_tracer_create(&p->tracer, scene, &transport, asked.width, asked.height, asked.threads,
                                     sl_hash64(asked.seed ^ probe_salt), error);
-    if (status == SL_OK) status = sl_audit_surfaces(&p->tracer.walk, &p->tracer.lens, p->tracer.threads, &p->surfaces, error);
+    if (status == SL_OK)
+        status = sl_audit_surfaces(&p->tracer.walk, &p->tracer.lens, p->tracer.threads, &p->surfaces, error);
     if (status != SL_OK) {
         sl_error_probe_destroy(p);
         return status;
@@ -68,7 +76,7 @@ const sl_image *sl_error_probe_surfaces(const sl_error_probe *p) { return p->sur
 
 const sl_counters *sl_error_probe_counters(const sl_error_probe *p) { return &p->tracer.counters; }
 
-/* ---- which pixels -------------------------------------------------------------------------------------------------------- */
+/* ---- which pixels ---------------------------------------------------------------------------- */
 
 typedef struct audit {
     sl_error_probe *p;
@@ -85,7 +93,8 @@ static double score(const audit *a, size_t i) {
     double sum = 0.0;
     if (!sl_audit_is_judged(&a->view, i)) return 0.0;
     for (size_t c = 0; c < 3; c++) {
-        double d = (double)a->view.planes[c][i] - (double)t->pilot[c * t->blocks + sl_probe_tracer_block(t, i)];
+        double d =
+            (double)a->view.planes[c][i] - (double)t->pilot[c * t->blocks + sl_probe_tracer_block(t, i)];
         sum += d * d;
     }
     return sum / 3.0;
@@ -120,8 +129,9 @@ static sl_status audit_begin(audit *a, sl_error_probe *p, const sl_image *image,
     const sl_path_lens *lens = &p->tracer.lens;
     *a = (audit){.p = p};
     if (image->width != lens->width || image->height != lens->height)
-        return sl_fail(error, SL_ERROR_INPUT, "the image has %d x %d pixels, the probes are of one with %d x %d", image->width, image->height,
-                       lens->width, lens->height);
+        return sl_fail(error, SL_ERROR_INPUT,
+                       "the image has %d x %d pixels, the probes are of one with %d x %d", image->width,
+                       image->height, lens->width, lens->height);
     sl_status status = sl_audit_view_of(image, p->surfaces, &a->view, error);
     if (status == SL_OK) status = sl_probe_tracer_pilot(&p->tracer, error);
     if (status != SL_OK) return status;
@@ -140,14 +150,15 @@ static void audit_end(audit *a) {
     sl_free(a->pixel);
 }
 
-/* ---- what they say ------------------------------------------------------------------------------------------------------- */
+/* ---- what they say --------------------------------------------------------------------------- */
 
 static void value_of(const sl_audit_view *view, uint32_t pixel, double x[3]) {
     for (int c = 0; c < 3; c++) x[c] = (double)view->planes[c][pixel];
 }
 
 /* By those that are chosen. */
-static sl_status audit_estimate(audit *a, uint64_t probes, uint32_t samples, sl_error_estimate *e, sl_error *error) {
+static sl_status audit_estimate(audit *a, uint64_t probes, uint32_t samples, sl_error_estimate *e,
+                                sl_error *error) {
     sl_status status = sl_probe_tracer_trace(&a->p->tracer, a->chosen, a->count, samples, error);
     if (status != SL_OK) return status;
     a->p->probes = probes;
@@ -165,12 +176,14 @@ static sl_status audit_estimate(audit *a, uint64_t probes, uint32_t samples, sl_
     return SL_OK;
 }
 
-sl_status sl_error_probe_estimate(sl_error_probe *p, const sl_image *image, uint64_t probes, uint32_t samples, sl_error_estimate *estimate,
-                                  sl_error *error) {
+sl_status sl_error_probe_estimate(sl_error_probe *p, const sl_image *image, uint64_t probes, uint32_t samples,
+                                  sl_error_estimate *estimate, sl_error *error) {
     audit a;
     if (estimate) *estimate = (sl_error_estimate){0};
-    if (!p || !image || !estimate) return sl_fail_null(error, "error probes, an image and a place for an estimate");
-    if (!probes || !samples) return sl_fail(error, SL_ERROR_USAGE, "an estimate takes at least one probe and one sample of it");
+    if (!p || !image || !estimate)
+        return sl_fail_null(error, "error probes, an image and a place for an estimate");
+    if (!probes || !samples)
+        return sl_fail(error, SL_ERROR_USAGE, "an estimate takes at least one probe and one sample of it");
     sl_status status = audit_begin(&a, p, image, error);
     if (status == SL_OK) choose(&a, probes);
     if (status == SL_OK) status = audit_estimate(&a, probes, samples, estimate, error);
@@ -178,23 +191,26 @@ sl_status sl_error_probe_estimate(sl_error_probe *p, const sl_image *image, uint
     return status;
 }
 
-/* ---- until it is clear --------------------------------------------------------------------------------------------------- */
+/* ---- until it is clear ----------------------------------------------------------------------- */
 
 enum { FIRST_PROBES = 256, FIRST_SAMPLES = 16 };
 /* To tell an error from one that is a little larger takes more than to make a better picture. */
 static const double too_near = 0.75;
 
-/* Noise of the probes' own values adds its square, over the root of their number, to what the squared error is uncertain by: while it
- * is above the error asked for, twice the samples lower that fourfold for the same price as twice the probes. So it is, too, when every
- * pixel has become a probe. */
+/* Noise of the probes' own values adds its square, over the root of their number, to what the squared error
+ * is uncertain by: while it is above the error asked for, twice the samples lower that fourfold for the same
+ * price as twice the probes. So it is, too, when every pixel has become a probe. */
 static bool wants_samples(const audit *a, const sl_error_estimate *e, double rel_rmse, uint64_t probes) {
     double wanted = rel_rmse * fabs(e->mean);
     return e->noise > (e->rmse > wanted ? e->rmse : wanted) || probes / 2 >= a->p->tracer.pixels;
 }
 
-static double rays_of(const sl_counters *c) { return (double)(c->value[SL_COUNT_RAYS] + c->value[SL_COUNT_SHADOW_RAYS]); }
+static double rays_of(const sl_counters *c) {
+    return (double)(c->value[SL_COUNT_RAYS] + c->value[SL_COUNT_SHADOW_RAYS]);
+}
 
-/* In rays: what is traced already for those that are chosen, and what so many samples of each would take besides. */
+/* In rays: what is traced already for those that are chosen, and what so many samples of each would take
+ * besides. */
 static double price(const audit *a, uint32_t samples) {
     const sl_counters *c = &a->p->tracer.counters;
     double rays = rays_of(c), traced = (double)c->value[SL_COUNT_SAMPLES];
@@ -207,11 +223,13 @@ static double usual_price(const audit *a, double rel_rmse) {
     return (5e5 + 5e2 / (rel_rmse * rel_rmse)) * rays_of(c) / (double)c->value[SL_COUNT_SAMPLES];
 }
 
-sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double rel_rmse, uint64_t rays, sl_error_estimate *e, sl_error *error) {
+sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double rel_rmse, uint64_t rays,
+                               sl_error_estimate *e, sl_error *error) {
     audit a;
     if (e) *e = (sl_error_estimate){0};
     if (!p || !image || !e) return sl_fail_null(error, "error probes, an image and a place for an estimate");
-    if (!(rel_rmse > 0.0)) return sl_fail(error, SL_ERROR_USAGE, "expected an error above 0 to judge by, got %g", rel_rmse);
+    if (!(rel_rmse > 0.0))
+        return sl_fail(error, SL_ERROR_USAGE, "expected an error above 0 to judge by, got %g", rel_rmse);
     uint64_t probes = FIRST_PROBES;
     uint32_t samples = FIRST_SAMPLES;
     sl_status status = audit_begin(&a, p, image, error);
@@ -230,7 +248,7 @@ sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double 
     return status;
 }
 
-/* ---- two pictures -------------------------------------------------------------------------------------------------------- */
+/* ---- two pictures ---------------------------------------------------------------------------- */
 
 /* Whether more than `share` of the first picture's error is left in the second, which chose the pixels. */
 static bool leaves_more(audit *a, const sl_audit_view *first, double share) {
@@ -240,18 +258,22 @@ static bool leaves_more(audit *a, const sl_audit_view *first, double share) {
         value_of(first, pixel, x);
         value_of(&a->view, pixel, y);
         sl_probe_tracer_means(&a->p->tracer, pixel, p, q);
-        a->pixel[i] = sl_audit_pixel_beyond(x, y, share * share, p, q, 1.0 / probability(a, pixel, a->p->probes));
+        a->pixel[i] =
+            sl_audit_pixel_beyond(x, y, share * share, p, q, 1.0 / probability(a, pixel, a->p->probes));
     }
     return sl_audit_is_positive(a->pixel, a->count, (double)a->view.judged);
 }
 
-sl_status sl_error_probe_left(sl_error_probe *p, const sl_image *first, const sl_image *second, double *share, sl_error *error) {
+sl_status sl_error_probe_left(sl_error_probe *p, const sl_image *first, const sl_image *second, double *share,
+                              sl_error *error) {
     enum { HALVINGS = 10 };
     audit a = {0};
     sl_audit_view view;
     if (share) *share = 0.0;
-    if (!p || !first || !second || !share) return sl_fail_null(error, "error probes, two images and a place for a share");
-    if (!p->probes) return sl_fail(error, SL_ERROR_USAGE, "expected probes that have judged the second image");
+    if (!p || !first || !second || !share)
+        return sl_fail_null(error, "error probes, two images and a place for a share");
+    if (!p->probes)
+        return sl_fail(error, SL_ERROR_USAGE, "expected probes that have judged the second image");
     sl_status status = audit_begin(&a, p, second, error);
     if (status == SL_OK) status = sl_audit_view_of(first, p->surfaces, &view, error);
     if (status == SL_OK) choose(&a, p->probes);

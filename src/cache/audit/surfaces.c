@@ -1,5 +1,5 @@
-/* A lamp that is seen is hundreds of times as bright as what it lights, and any method shows it as it is: in the mean that errors are relative to it would
- * hide the surfaces. */
+/* A lamp that is seen is hundreds of times as bright as what it lights, and any method shows it as it is: in
+ * the mean that errors are relative to it would hide the surfaces. */
 #include "cache/audit/surfaces.h"
 
 #include "base/counters.h"
@@ -16,7 +16,8 @@ typedef struct looking {
 static bool shines(const sl_scene *scene, const sl_ray16 *rays, const sl_hit16 *hits, unsigned i) {
     sl_vec3 direction = sl_v3(rays->direction_x[i], rays->direction_y[i], rays->direction_z[i]);
     uint32_t triangle = hits->triangle[i];
-    if (triangle == SL_NO_INDEX) return sl_rgb_max(sl_environment_radiance(&scene->environment, direction)) > 0.0f;
+    if (triangle == SL_NO_INDEX)
+        return sl_rgb_max(sl_environment_radiance(&scene->environment, direction)) > 0.0f;
     if (scene->emitter_of_triangle[triangle] == SL_NO_INDEX) return false;
     sl_vec3 normal = sl_scene_geometric_normal(scene, triangle);
     if (sl_dot(normal, direction) > 0.0f) normal = sl_neg(normal);
@@ -28,7 +29,8 @@ static bool box_shows_light(const looking *l, int x, int y, sl_counters *counter
     sl_ray16 rays;
     sl_hit16 hits;
     for (unsigned i = 0; i < SL_PACKET; i++)
-        sl_path_lens_ray(l->walk->scene, l->lens, (float)x + (float)(i % 4) / 3.0f, (float)y + (float)(i / 4) / 3.0f, &rays, i);
+        sl_path_lens_ray(l->walk->scene, l->lens, (float)x + (float)(i % 4) / 3.0f,
+                         (float)y + (float)(i / 4) / 3.0f, &rays, i);
     sl_trace(l->walk->tracer, &rays, SL_PACKET, true, &hits, counters);
     for (unsigned i = 0; i < SL_PACKET; i++) {
         if (shines(l->walk->scene, &rays, &hits, i)) return true;
@@ -36,12 +38,15 @@ static bool box_shows_light(const looking *l, int x, int y, sl_counters *counter
     return false;
 }
 
-static void look_at_centres(const looking *l, int first, unsigned count, int y, float *out, sl_counters *counters) {
+static void look_at_centres(const looking *l, int first, unsigned count, int y, float *out,
+                            sl_counters *counters) {
     sl_ray16 rays;
     sl_hit16 hits;
-    for (unsigned i = 0; i < count; i++) sl_path_lens_ray(l->walk->scene, l->lens, (float)(first + (int)i) + 0.5f, (float)y + 0.5f, &rays, i);
+    for (unsigned i = 0; i < count; i++)
+        sl_path_lens_ray(l->walk->scene, l->lens, (float)(first + (int)i) + 0.5f, (float)y + 0.5f, &rays, i);
     sl_trace(l->walk->tracer, &rays, count, true, &hits, counters);
-    for (unsigned i = 0; i < count; i++) out[first + (int)i] = shines(l->walk->scene, &rays, &hits, i) ? 0.0f : 1.0f;
+    for (unsigned i = 0; i < count; i++)
+        out[first + (int)i] = shines(l->walk->scene, &rays, &hits, i) ? 0.0f : 1.0f;
 }
 
 static void look_at_row(void *context, size_t row, unsigned worker) {
@@ -53,11 +58,14 @@ static void look_at_row(void *context, size_t row, unsigned worker) {
     for (int x = 0; x < width; x += SL_PACKET) {
         unsigned count = width - x < SL_PACKET ? (unsigned)(width - x) : SL_PACKET;
         if (l->walk->transport.filter == SL_FILTER_CENTRE) look_at_centres(l, x, count, y, out, &counters);
-        else for (int k = x; k < x + (int)count; k++) out[k] = box_shows_light(l, k, y, &counters) ? 0.0f : 1.0f;
+        else
+            for (int k = x; k < x + (int)count; k++)
+                out[k] = box_shows_light(l, k, y, &counters) ? 0.0f : 1.0f;
     }
 }
 
-sl_status sl_audit_surfaces(const sl_path_walk *walk, const sl_path_lens *lens, unsigned threads, sl_image **surfaces, sl_error *error) {
+sl_status sl_audit_surfaces(const sl_path_walk *walk, const sl_path_lens *lens, unsigned threads,
+                            sl_image **surfaces, sl_error *error) {
     size_t pixels = (size_t)lens->width * (size_t)lens->height, seen = 0;
     sl_status status = sl_image_create(lens->width, lens->height, 1, NULL, surfaces, error);
     if (status != SL_OK) return status;

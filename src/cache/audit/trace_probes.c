@@ -1,4 +1,5 @@
-/* A value depends on the pixel and the number of its samples alone, never on what else was traced, before or beside it. */
+/* A value depends on the pixel and the number of its samples alone, never on what else was traced, before or
+ * beside it. */
 #include "cache/audit/trace_probes.h"
 
 #include "base/batch.h"
@@ -12,9 +13,12 @@
 
 enum { PACKETS_A_TASK = 16, PILOT = SL_HALVES, PILOT_PLACE, STREAMS, PILOTS_MAX = 1 << 17 };
 
-sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, const sl_transport *transport, int width, int height,
-                                 unsigned threads, uint64_t seed, sl_error *error) {
-    *t = (sl_probe_tracer){.scene = scene, .threads = sl_thread_count(threads), .seed = seed, .pixels = (size_t)width * (size_t)height,
+sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, const sl_transport *transport,
+                                 int width, int height, unsigned threads, uint64_t seed, sl_error *error) {
+    *t = (sl_probe_tracer){.scene = scene,
+                           .threads = sl_thread_count(threads),
+                           .seed = seed,
+                           .pixels = (size_t)width * (size_t)height,
                            .lens = sl_path_lens_of(scene, width, height)};
     do {
         t->block++;
@@ -43,8 +47,8 @@ void sl_probe_tracer_release(sl_probe_tracer *t) {
 }
 
 /* Sample `index` of up to sixteen pixels. */
-static void trace_packet(const sl_probe_tracer *t, const uint32_t *pixels, unsigned count, unsigned stream, uint32_t index,
-                         sl_rgb radiance[SL_PACKET], sl_counters *counters) {
+static void trace_packet(const sl_probe_tracer *t, const uint32_t *pixels, unsigned count, unsigned stream,
+                         uint32_t index, sl_rgb radiance[SL_PACKET], sl_counters *counters) {
     sl_ray16 rays;
     uint64_t keys[SL_PACKET] = {0};
     rays.skip[0] = SL_NO_INDEX;
@@ -63,7 +67,9 @@ static void for_packets(sl_probe_tracer *t, size_t count, sl_batch_work *work, v
     sl_batch_run(&(sl_batch){.count = tasks, .work = work, .context = context}, t->threads, &t->counters);
 }
 
-static unsigned packet_size(size_t first, size_t end) { return end - first < SL_PACKET ? (unsigned)(end - first) : SL_PACKET; }
+static unsigned packet_size(size_t first, size_t end) {
+    return end - first < SL_PACKET ? (unsigned)(end - first) : SL_PACKET;
+}
 
 /* ---- the pilot ---- */
 
@@ -110,7 +116,8 @@ static sl_status grow(sl_probe_tracer *t, size_t capacity, sl_error *error) {
     sl_halves larger;
     if (capacity <= t->capacity) return SL_OK;
     sl_status status = sl_halves_create(&larger, capacity, error);
-    if (status == SL_OK && (!sl_regrow(&t->pixel, t->slots, capacity, sizeof *t->pixel) || !sl_regrow(&t->samples, t->slots, capacity, sizeof *t->samples)))
+    if (status == SL_OK && (!sl_regrow(&t->pixel, t->slots, capacity, sizeof *t->pixel) ||
+                            !sl_regrow(&t->samples, t->slots, capacity, sizeof *t->samples)))
         status = sl_fail_memory(error, "error probes");
     if (status != SL_OK) {
         sl_halves_release(&larger);
@@ -118,7 +125,8 @@ static sl_status grow(sl_probe_tracer *t, size_t capacity, sl_error *error) {
     }
     for (unsigned half = 0; half < SL_HALVES; half++) {
         for (size_t c = 0; c < 3 && t->slots; c++)
-            memcpy(larger.sums[half] + c * capacity, t->halves.sums[half] + c * t->halves.pixels, t->slots * sizeof(double));
+            memcpy(larger.sums[half] + c * capacity, t->halves.sums[half] + c * t->halves.pixels,
+                   t->slots * sizeof(double));
     }
     sl_halves_release(&t->halves);
     t->halves = larger;
@@ -154,8 +162,10 @@ static void stretch_task(void *context, size_t task, unsigned worker, void *resu
         trace_slots(s, s->slots + first, packet_size(first, end), counters);
 }
 
-/* Those that have the fewest samples first, up to where the next have, and so on: all of a packet trace the same ones. */
-static void catch_up(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples, uint32_t *list) {
+/* Those that have the fewest samples first, up to where the next have, and so on: all of a packet trace the
+ * same ones. */
+static void catch_up(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples,
+                     uint32_t *list) {
     for (;;) {
         stretch s = {t, list, 0, samples, samples};
         for (size_t i = 0; i < count; i++) {
@@ -173,7 +183,8 @@ static void catch_up(sl_probe_tracer *t, const uint32_t *pixels, size_t count, u
     }
 }
 
-sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples, sl_error *error) {
+sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples,
+                                sl_error *error) {
     size_t fresh = 0;
     for (size_t i = 0; i < count; i++) fresh += t->slot[pixels[i]] == SL_NO_INDEX;
     sl_status status = grow(t, t->slots + fresh, error);
@@ -190,7 +201,8 @@ sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size
     return SL_OK;
 }
 
-double sl_probe_tracer_missing(const sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples) {
+double sl_probe_tracer_missing(const sl_probe_tracer *t, const uint32_t *pixels, size_t count,
+                               uint32_t samples) {
     double missing = 0.0;
     for (size_t i = 0; i < count; i++) {
         uint32_t slot = t->slot[pixels[i]], has = slot == SL_NO_INDEX ? 0 : t->samples[slot];

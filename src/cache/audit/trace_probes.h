@@ -1,4 +1,5 @@
-/* Path traced values of pixels, for probes: twice over, with as many samples as are asked for, each pixel traced once only. */
+/* Path traced values of pixels, for probes: twice over, with as many samples as are asked for, each pixel
+ * traced once only. */
 #ifndef SL_CACHE_AUDIT_TRACE_PROBES_H
 #define SL_CACHE_AUDIT_TRACE_PROBES_H
 
@@ -26,19 +27,22 @@ typedef struct sl_probe_tracer {
     sl_counters counters;
 } sl_probe_tracer;
 
-sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, const sl_transport *transport, int width, int height,
-                                 unsigned threads, uint64_t seed, sl_error *error);
+sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, const sl_transport *transport,
+                                 int width, int height, unsigned threads, uint64_t seed, sl_error *error);
 void sl_probe_tracer_release(sl_probe_tracer *t);
-/* One sample of a pixel in every block, independent of all others; of every pixel, unless the picture is large. */
+/* One sample of a pixel in every block, independent of all others; of every pixel, unless the picture is
+ * large. */
 sl_status sl_probe_tracer_pilot(sl_probe_tracer *t, sl_error *error);
 static inline size_t sl_probe_tracer_block(const sl_probe_tracer *t, size_t pixel) {
     size_t width = (size_t)t->lens.width, side = (size_t)t->block;
     return pixel / width / side * (size_t)t->across + pixel % width / side;
 }
 /* Each of the pixels, which differ, has at least so many samples a half afterwards. */
-sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples, sl_error *error);
+sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples,
+                                sl_error *error);
 /* Samples of both halves together that this would trace. */
-double sl_probe_tracer_missing(const sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples);
+double sl_probe_tracer_missing(const sl_probe_tracer *t, const uint32_t *pixels, size_t count,
+                               uint32_t samples);
 /* The two halves' means at a pixel that has been traced. */
 void sl_probe_tracer_means(const sl_probe_tracer *t, uint32_t pixel, double p[3], double q[3]);
 

@@ -1,5 +1,6 @@
-/* One bounce after the other. All records gather with what the bounce before has left (Jacobi's iteration, so that no order of
- * records matters), from the same points with the same random numbers: only the light of what they see changes. */
+/* One bounce after the other. All records gather with what the bounce before has left (Jacobi's iteration, so
+ * that no order of records matters), from the same points with the same random numbers: only the light of
+ * what they see changes. */
 #include "cache/bounces/second_level.h"
 
 #include <string.h>
@@ -11,19 +12,25 @@
 #include "base/parallel.h"
 
 enum { ORIGINS = 1600, SENTRIES = 64, SENTRY_GENERATION = 100 };
-/* Few look-ups of visible gathers shall miss the records; those of second-level gathers matter less, and deeper generations of probes
- * mostly look from corners into the same corners. */
+/* Few look-ups of visible gathers shall miss the records; those of second-level gathers matter less, and
+ * deeper generations of probes mostly look from corners into the same corners. */
 enum { GENERATIONS = 2 };
 static const double few_uncovered[GENERATIONS] = {0.02, 0.05};
 /* Nor more records than that, of a place full of small things: the similar ones near by will do. */
 static const size_t most_records[GENERATIONS] = {4000, 5000};
-/* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere. */
+/* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere.
+ */
 #define MANY_MISSED 0.01f
 /* More bounces would not change anything worth telling. */
 #define SMALL_CHANGE 1e-4f
 
-sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy, uint32_t bounces) {
-    sl_second_settings s = {.bounces = bounces, .gather = *visible, .aspect = 1.0f, .seed = visible->seed, .threads = 1,
+sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy,
+                                          uint32_t bounces) {
+    sl_second_settings s = {.bounces = bounces,
+                            .gather = *visible,
+                            .aspect = 1.0f,
+                            .seed = visible->seed,
+                            .threads = 1,
                             .minimum_radius = 0.02};
     /* Twice as coarse, with a sixth of the rays: a visible gather takes the mean of thousands of look-ups. */
     double coarser = 2.0 * accuracy;
@@ -53,8 +60,11 @@ static sl_cover_pass cover_pass(const sl_second_cache *cache) {
         .scratch = cache->scratch,
         .kernel = cache->kernel,
         .rules = {a, 1.0f / a, 1e-5f * cache->scene->scale},
-        .radii = {.accuracy = s->accuracy, .minimum_reach = s->minimum_radius * (double)sl_scene_central_diagonal(cache->scene),
-                  .maximum_radius = 0.1 * (double)cache->scene->diagonal, .guard = true, .gather = SL_GATHER_RAYS,
+        .radii = {.accuracy = s->accuracy,
+                  .minimum_reach = s->minimum_radius * (double)sl_scene_central_diagonal(cache->scene),
+                  .maximum_radius = 0.1 * (double)cache->scene->diagonal,
+                  .guard = true,
+                  .gather = SL_GATHER_RAYS,
                   .metric = SL_METRIC_HARMONIC},
         .covered_weight = 1.0f / (9.0f * a),
         .threads = s->threads,
@@ -74,10 +84,11 @@ static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_e
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
         if (count == 0) break;
-        status = sl_probe_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen, counters, error);
+        status = sl_probe_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen,
+                               counters, error);
         if (status == SL_OK)
-            status = sl_cover_points(&pass, &seen, few_uncovered[generation], start + most_records[generation], &cache->list,
-                                     counters, error);
+            status = sl_cover_points(&pass, &seen, few_uncovered[generation],
+                                     start + most_records[generation], &cache->list, counters, error);
         sl_probed_free(&seen);
         first = before;
     }
@@ -104,7 +115,8 @@ static void gather_again(void *context, size_t index, unsigned worker, void *res
     sl_second_tame(r);
 }
 
-/* The largest relative change of a record's mean over the channels; dark records are measured by a tenth of the average. */
+/* The largest relative change of a record's mean over the channels; dark records are measured by a tenth of
+ * the average. */
 static float largest_change(const sl_record *before, const sl_record *after, size_t count) {
     double sum = 0.0;
     float largest = 0.0f;
@@ -136,11 +148,14 @@ static sl_status next_bounce(sl_second_cache *cache, sl_counters *counters, sl_e
 
 sl_status sl_second_cache_shine(sl_second_cache *cache, sl_error *error) {
     enum { WIDE_LEAF = 64 };
-    sl_status status = sl_record_tree_build(cache->scene, &cache->list, 1.0f, SL_TREE_LANES, &cache->near, error);
-    if (status == SL_OK) status = sl_record_tree_build(cache->scene, &cache->list, 4.0f, WIDE_LEAF, &cache->wide, error);
+    sl_status status =
+        sl_record_tree_build(cache->scene, &cache->list, 1.0f, SL_TREE_LANES, &cache->near, error);
+    if (status == SL_OK)
+        status = sl_record_tree_build(cache->scene, &cache->list, 4.0f, WIDE_LEAF, &cache->wide, error);
     if (status != SL_OK) return status;
     float offset = 1e-5f * cache->scene->scale, a = (float)cache->settings.accuracy;
-    cache->field = (sl_second_field){&cache->list, &cache->near, &cache->wide, {a, 1.0f / a, offset}, cache->tracer, offset};
+    cache->field = (sl_second_field){&cache->list,          &cache->near,  &cache->wide,
+                                     {a, 1.0f / a, offset}, cache->tracer, offset};
     cache->shines = true;
     cache->report.records = cache->list.count;
     return SL_OK;
@@ -158,8 +173,10 @@ static sl_status let_light_bounce(sl_second_cache *cache, sl_counters *counters,
 
 /* ---- the camera ---- */
 
-/* A few points that gathers of this view will see, always the same ones: how many of them does no record reach? */
-static sl_status post_sentries(const sl_second_cache *cache, float *missed, sl_counters *counters, sl_error *error) {
+/* A few points that gathers of this view will see, always the same ones: how many of them does no record
+ * reach? */
+static sl_status post_sentries(const sl_second_cache *cache, float *missed, sl_counters *counters,
+                               sl_error *error) {
     const sl_second_settings *s = &cache->settings;
     sl_probed origins, seen = {0};
     sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, SENTRIES, &origins, counters, error);
@@ -174,11 +191,12 @@ static sl_status post_sentries(const sl_second_cache *cache, float *missed, sl_c
 
 /* ---- its life ---- */
 
-static sl_status make_gather(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+static sl_status make_gather(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
+                             sl_error *error) {
     unsigned threads = cache->settings.threads;
     cache->settings.gather.hidden = &cache->light;
-    sl_status status = sl_gather_create(cache->scene, raster, cache->tracer, &cache->settings.gather, threads, &cache->gather,
-                                        counters, error);
+    sl_status status = sl_gather_create(cache->scene, raster, cache->tracer, &cache->settings.gather, threads,
+                                        &cache->gather, counters, error);
     if (status != SL_OK) return status;
     cache->scratch = sl_allocate(threads, sizeof *cache->scratch);
     if (!cache->scratch) return sl_fail_memory(error, "second-level gathers");
@@ -189,15 +207,16 @@ static sl_status make_gather(sl_second_cache *cache, const sl_raster *raster, sl
 
 /* What only bounces need, once they are done. */
 static void free_gather(sl_second_cache *cache) {
-    for (unsigned i = 0; cache->scratch && i < cache->settings.threads; i++) sl_gather_scratch_destroy(cache->scratch[i]);
+    for (unsigned i = 0; cache->scratch && i < cache->settings.threads; i++)
+        sl_gather_scratch_destroy(cache->scratch[i]);
     sl_free(cache->scratch);
     sl_gather_destroy(cache->gather);
     cache->scratch = NULL;
     cache->gather = NULL;
 }
 
-sl_status sl_second_cache_blank(const sl_scene *scene, const sl_tracer *tracer, const sl_second_settings *settings,
-                                sl_second_cache **out, sl_error *error) {
+sl_status sl_second_cache_blank(const sl_scene *scene, const sl_tracer *tracer,
+                                const sl_second_settings *settings, sl_second_cache **out, sl_error *error) {
     sl_second_cache *cache = *out = sl_allocate(1, sizeof *cache);
     if (!cache) return sl_fail_memory(error, "second-level records");
     cache->scene = scene;
@@ -209,8 +228,8 @@ sl_status sl_second_cache_blank(const sl_scene *scene, const sl_tracer *tracer, 
 }
 
 sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
-                                 const sl_second_settings *settings, sl_second_cache **out, sl_counters *counters,
-                                 sl_error *error) {
+                                 const sl_second_settings *settings, sl_second_cache **out,
+                                 sl_counters *counters, sl_error *error) {
     sl_second_cache *cache;
     *out = NULL;
     sl_status status = sl_second_cache_blank(scene, tracer, settings, &cache, error);
@@ -225,7 +244,8 @@ sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster,
 }
 
 /* Again from direct light on: what the new places send to the old ones is part of every bounce. */
-static sl_status extend(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+static sl_status extend(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
+                        sl_error *error) {
     cache->shines = false;
     sl_status status = make_gather(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
@@ -236,7 +256,8 @@ static sl_status extend(sl_second_cache *cache, const sl_raster *raster, sl_coun
     return status;
 }
 
-sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
+                                 sl_error *error) {
     float missed = 0.0f;
     sl_status status = post_sentries(cache, &missed, counters, error);
     if (status != SL_OK || missed <= cache->report.missed + MANY_MISSED) return status;
@@ -256,10 +277,16 @@ const sl_second_light *sl_second_cache_light(const sl_second_cache *cache) { ret
 sl_second_report sl_second_cache_report(const sl_second_cache *cache) { return cache->report; }
 
 static size_t bytes_with_room_for(const sl_second_cache *cache, size_t records) {
-    size_t record = sizeof *cache->list.records + sizeof *cache->list.points + sizeof *cache->list.terms + sizeof *cache->list.walls;
-    return sizeof *cache + records * record + sl_record_tree_bytes(&cache->near) + sl_record_tree_bytes(&cache->wide);
+    size_t record = sizeof *cache->list.records + sizeof *cache->list.points + sizeof *cache->list.terms +
+                    sizeof *cache->list.walls;
+    return sizeof *cache + records * record + sl_record_tree_bytes(&cache->near) +
+           sl_record_tree_bytes(&cache->wide);
 }
 
-size_t sl_second_cache_bytes(const sl_second_cache *cache) { return bytes_with_room_for(cache, cache->list.capacity); }
+size_t sl_second_cache_bytes(const sl_second_cache *cache) {
+    return bytes_with_room_for(cache, cache->list.capacity);
+}
 /* Trees are built from nothing each time: their room follows from what is in them. */
-size_t sl_second_cache_bytes_in_use(const sl_second_cache *cache) { return bytes_with_room_for(cache, cache->list.count); }
+size_t sl_second_cache_bytes_in_use(const sl_second_cache *cache) {
+    return bytes_with_room_for(cache, cache->list.count);
+}

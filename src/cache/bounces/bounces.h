@@ -1,8 +1,10 @@
-/* More bounces: the light that reaches a surface after it has met others (beyond the one bounce of Gautron et al. 2005).
+/* More bounces: the light that reaches a surface after it has met others (beyond the one bounce of Gautron et
+ * al. 2005).
  *
- * A gather sees surfaces and shades them. With one bounce direct light is all that they receive; with more they receive indirect
- * light as well, and that is asked of a second cache of irradiance records: second-level ones, which lie where gathers look and not
- * where the eye looks, and which are fewer and coarser. With E^(0) = 0,
+ * A gather sees surfaces and shades them. With one bounce direct light is all that they receive; with more
+ * they receive indirect light as well, and that is asked of a second cache of irradiance records:
+ * second-level ones, which lie where gathers look and not where the eye looks, and which are fewer and
+ * coarser. With E^(0) = 0,
  *
  *     E^(b)(x) = gather at x of what is seen there, shaded with (kd / pi) (E_direct + E^(b-1)),
  *
@@ -33,25 +35,30 @@ typedef struct sl_second_settings {
 } sl_second_settings;
 
 /* What goes with gathers of this kind and size and with visible records of this accuracy. */
-sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy, uint32_t bounces);
+sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy,
+                                          uint32_t bounces);
 
 typedef struct sl_second_cache sl_second_cache;
-/* Finds the places, gathers at them, and lets the light bounce. Scene, raster (NULL but for shadow maps) and tracer must
- * outlive it. */
+/* Finds the places, gathers at them, and lets the light bounce. Scene, raster (NULL but for shadow maps) and
+ * tracer must outlive it. */
 sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
-                                 const sl_second_settings *settings, sl_second_cache **cache, sl_counters *counters,
+                                 const sl_second_settings *settings, sl_second_cache **cache,
+                                 sl_counters *counters, sl_error *error);
+/* The camera has moved: if gathers will now look where there are no records, such are made, and the light
+ * bounces once more. */
+sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                                  sl_error *error);
-/* The camera has moved: if gathers will now look where there are no records, such are made, and the light bounces once more. */
-sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error);
 void sl_second_cache_destroy(sl_second_cache *cache);
 /* E^(bounces - 1), for sl_gather_settings.hidden; lives as long as the cache. */
 const sl_second_light *sl_second_cache_light(const sl_second_cache *cache);
 /* To a file and from it. The reader's file has been checked to be of this scene and of these settings. */
 void sl_second_cache_write(const sl_second_cache *cache, sl_cache_writer *writer);
-sl_status sl_second_cache_read(const sl_scene *scene, const sl_tracer *tracer, const sl_second_settings *settings,
-                               sl_cache_reader *reader, sl_second_cache **cache, sl_error *error);
+sl_status sl_second_cache_read(const sl_scene *scene, const sl_tracer *tracer,
+                               const sl_second_settings *settings, sl_cache_reader *reader,
+                               sl_second_cache **cache, sl_error *error);
 size_t sl_second_cache_bytes(const sl_second_cache *cache);
-/* The same without room for more records: read from a file they are as many bytes as they were when they were made. */
+/* The same without room for more records: read from a file they are as many bytes as they were when they were
+ * made. */
 size_t sl_second_cache_bytes_in_use(const sl_second_cache *cache);
 
 typedef struct sl_second_report {

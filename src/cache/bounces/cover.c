@@ -1,6 +1,7 @@
-/* Points that no second-level record covers get one: traversal.c of the visible records once more, over points instead of pixels. A
- * record's place and reach do not depend on the other records and coverage only grows; so candidates are gathered many at a time
- * and committed in order, and the records are those of a visit one by one. */
+/* Points that no second-level record covers get one: traversal.c of the visible records once more, over
+ * points instead of pixels. A record's place and reach do not depend on the other records and coverage only
+ * grows; so candidates are gathered many at a time and committed in order, and the records are those of a
+ * visit one by one. */
 #include "cache/bounces/second_level.h"
 
 #include <string.h>
@@ -24,8 +25,10 @@ void sl_second_list_free(sl_second_list *list) {
 
 sl_status sl_second_list_reserve(sl_second_list *list, size_t capacity, sl_error *error) {
     if (capacity <= list->capacity) return SL_OK;
-    if (!sl_regrow(&list->records, list->count, capacity, sizeof *list->records) || !sl_regrow(&list->points, list->count, capacity, sizeof *list->points) ||
-        !sl_regrow(&list->terms, list->count, capacity, sizeof *list->terms) || !sl_regrow(&list->walls, list->count, capacity, sizeof *list->walls))
+    if (!sl_regrow(&list->records, list->count, capacity, sizeof *list->records) ||
+        !sl_regrow(&list->points, list->count, capacity, sizeof *list->points) ||
+        !sl_regrow(&list->terms, list->count, capacity, sizeof *list->terms) ||
+        !sl_regrow(&list->walls, list->count, capacity, sizeof *list->walls))
         return sl_fail_memory(error, "second-level records");
     list->capacity = capacity;
     return SL_OK;
@@ -40,7 +43,8 @@ typedef struct {
     size_t known;               /* records that weight[] knows of */
     size_t count;
     uint32_t triangle[CHUNK];
-    float position_x[CHUNK], position_y[CHUNK], position_z[CHUNK], normal_x[CHUNK], normal_y[CHUNK], normal_z[CHUNK];
+    float position_x[CHUNK], position_y[CHUNK], position_z[CHUNK], normal_x[CHUNK], normal_y[CHUNK],
+        normal_z[CHUNK];
     float weight[CHUNK];
     const sl_gather_point *point[CHUNK];
 } chunk;
@@ -89,8 +93,9 @@ static size_t fill_chunk(chunk *c, const sl_probed *points, uint64_t *next, uint
 
 /* ---- gathering ---- */
 
-/* A record that R_min makes reach further than what it sees would bear has no use for its gradient: it would say more about the
- * nearest surfaces than about the way to them, and the bounces between two such records in a corner would not die away. */
+/* A record that R_min makes reach further than what it sees would bear has no use for its gradient: it would
+ * say more about the nearest surfaces than about the way to them, and the bounces between two such records in
+ * a corner would not die away. */
 void sl_second_tame(sl_record *record) {
     if (record->own_radius > record->minimum_radius) return;
     for (int c = 0; c < 3; c++) record->translational[c] = sl_v3(0.0f, 0.0f, 0.0f);
@@ -112,12 +117,13 @@ static void gather_one(void *context, size_t index, unsigned worker, void *resul
     const sl_cover_pass *pass = b->pass;
     sl_irradiance irradiance;
     sl_gather_irradiance(pass->gather, b->points[index], pass->scratch[worker], &irradiance, counters);
-    if (irradiance.back_share > 0.5f && irradiance.harmonic_mean < 1e-3f * sl_scene_central_diagonal(pass->scene))
+    if (irradiance.back_share > 0.5f &&
+        irradiance.harmonic_mean < 1e-3f * sl_scene_central_diagonal(pass->scene))
         irradiance.harmonic_mean = irradiance.nearest = 0.0f; /* within an intersection of surfaces */
     out->record = sl_record_make(b->points[index], &irradiance, &pass->radii, 0.0f);
     sl_second_tame(&out->record);
-    sl_second_walls_find(pass->scene, pass->tracer, b->points[index], pass->rules.accuracy, &out->record, &out->walls,
-                         counters);
+    sl_second_walls_find(pass->scene, pass->tracer, b->points[index], pass->rules.accuracy, &out->record,
+                         &out->walls, counters);
 }
 
 static sl_status commit(chunk *c, const size_t *members, const candidate *candidates, size_t count,
@@ -139,9 +145,10 @@ static sl_status commit(chunk *c, const size_t *members, const candidate *candid
     return SL_OK;
 }
 
-/* Uncovered points of the chunk get records, in order. *batch_size follows the waste and changes nothing else. */
-static sl_status cover_chunk(chunk *c, sl_second_list *list, size_t *batch_size, size_t *uncovered, sl_counters *counters,
-                             sl_error *error) {
+/* Uncovered points of the chunk get records, in order. *batch_size follows the waste and changes nothing
+ * else. */
+static sl_status cover_chunk(chunk *c, sl_second_list *list, size_t *batch_size, size_t *uncovered,
+                             sl_counters *counters, sl_error *error) {
     const sl_gather_point *points[LARGEST_BATCH];
     size_t members[LARGEST_BATCH];
     candidate *candidates = sl_allocate(LARGEST_BATCH, sizeof *candidates);
@@ -167,8 +174,8 @@ static sl_status cover_chunk(chunk *c, sl_second_list *list, size_t *batch_size,
 }
 
 /* The points come in an order that makes every chunk a fair sample of them all. */
-sl_status sl_cover_points(const sl_cover_pass *pass, const sl_probed *points, double few_uncovered, size_t most_records,
-                          sl_second_list *list, sl_counters *counters, sl_error *error) {
+sl_status sl_cover_points(const sl_cover_pass *pass, const sl_probed *points, double few_uncovered,
+                          size_t most_records, sl_second_list *list, sl_counters *counters, sl_error *error) {
     sl_record_tree tree = {0};
     chunk *c = sl_allocate(1, sizeof *c);
     uint64_t next = 0, at = 0, step = points->count ? sl_golden_step(points->count) : 1;
@@ -195,7 +202,8 @@ sl_status sl_cover_points(const sl_cover_pass *pass, const sl_probed *points, do
     return status;
 }
 
-float sl_share_out_of_reach(const sl_second_field *field, sl_look_up_kernel *kernel, const sl_probed *points) {
+float sl_share_out_of_reach(const sl_second_field *field, sl_look_up_kernel *kernel,
+                            const sl_probed *points) {
     sl_second_sums sums;
     size_t asked = 0, missed = 0;
     for (size_t i = 0; i < points->count; i++) {

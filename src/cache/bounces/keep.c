@@ -3,7 +3,8 @@
 
 #include "base/memory.h"
 
-_Static_assert(sizeof(sl_record) % 4 == 0 && sizeof(sl_second_walls) % 4 == 0, "records consist of 32-bit words");
+_Static_assert(sizeof(sl_record) % 4 == 0 && sizeof(sl_second_walls) % 4 == 0,
+               "records consist of 32-bit words");
 enum {
     RECORD_WORDS = sizeof(sl_record) / 4,
     WALL_WORDS = sizeof(sl_second_walls) / 4,
@@ -66,8 +67,9 @@ static sl_status read_records(sl_cache_reader *r, sl_second_cache *cache, sl_err
     return status;
 }
 
-sl_status sl_second_cache_read(const sl_scene *scene, const sl_tracer *tracer, const sl_second_settings *settings,
-                               sl_cache_reader *reader, sl_second_cache **out, sl_error *error) {
+sl_status sl_second_cache_read(const sl_scene *scene, const sl_tracer *tracer,
+                               const sl_second_settings *settings, sl_cache_reader *reader,
+                               sl_second_cache **out, sl_error *error) {
     sl_second_cache *cache;
     *out = NULL;
     sl_status status = sl_second_cache_blank(scene, tracer, settings, &cache, error);

@@ -1,7 +1,8 @@
 /* Irradiance at many points at once, and at the few that no second-level record covers.
  *
- * Such a point takes what the most similar record around says, one that it sees: beyond their reach records promise nothing, and light
- * must not come through walls. A point that sees none of the most similar ones stays dark. */
+ * Such a point takes what the most similar record around says, one that it sees: beyond their reach records
+ * promise nothing, and light must not come through walls. A point that sees none of the most similar ones
+ * stays dark. */
 #include "cache/bounces/second_level.h"
 
 #include <string.h>
@@ -14,7 +15,8 @@ float sl_second_weight(const sl_second_list *list, size_t record, sl_vec3 positi
     const sl_record_terms *k = &list->terms[record];
     float squared = sl_record_squared_distance(k, position.x, position.y, position.z);
     if (!(k->reach_squared - squared >= 0.0f)) return 0.0f;
-    float w = sl_record_weight_at(k, squared, position.x, position.y, position.z, normal.x, normal.y, normal.z);
+    float w =
+        sl_record_weight_at(k, squared, position.x, position.y, position.z, normal.x, normal.y, normal.z);
     if (!(w > 0.0f) || !list->records[record].behind_a_wall) return w;
     const sl_second_walls *walls = &list->walls[record];
     sl_vec3 d = sl_sub(position, k->position);
@@ -34,22 +36,25 @@ static void set_segment(sl_ray16 *rays, unsigned i, sl_vec3 from, sl_vec3 to, ui
     sl_ray16_set(rays, i, from, sl_sub(to, from), 0.0f, 1.0f, skip);
 }
 
-/* Both ends are lifted, so that a convex surface does not stand between its own points; nothing may be in the way up either. */
+/* Both ends are lifted, so that a convex surface does not stand between its own points; nothing may be in the
+ * way up either. */
 static bool sees(const lost_point *p, const sl_record_terms *k) {
-    float offset = p->field->offset, lift = 0.15f * sl_length(sl_sub(p->position, k->position)) + 2.0f * offset;
+    float offset = p->field->offset,
+          lift = 0.15f * sl_length(sl_sub(p->position, k->position)) + 2.0f * offset;
     sl_vec3 above = sl_mad(p->position, lift, p->normal), above_record = sl_mad(k->position, lift, k->normal);
     sl_ray16 rays;
     sl_vec3 across = sl_sub(above_record, above);
     if (!(sl_dot(across, across) > 0.0f)) return true;
     memset(&rays, 0, sizeof rays);
-    set_segment(&rays, 0, above, above_record, SL_NO_INDEX); /* the point's own triangle may stand before what lies behind it */
+    /* the point's own triangle may stand before what lies behind it */
+    set_segment(&rays, 0, above, above_record, SL_NO_INDEX);
     set_segment(&rays, 1, sl_mad(p->position, offset, p->normal), above, p->triangle);
     set_segment(&rays, 2, sl_mad(k->position, offset, k->normal), above_record, SL_NO_INDEX);
     return sl_trace_occluded(p->field->tracer, &rays, 3, false, p->counters) == 0;
 }
 
-/* The most similar records of a leaf, the most similar first: by distance, and by how they face. Not by the D of (2), which in units of
- * their radii holds large records far away for near. */
+/* The most similar records of a leaf, the most similar first: by distance, and by how they face. Not by the D
+ * of (2), which in units of their radii holds large records far away for near. */
 enum { TRIES = 6 };
 typedef struct {
     const sl_record_terms *terms[TRIES];
@@ -86,9 +91,11 @@ static similar_records most_similar(const lost_point *p, const sl_record_tree *t
     return similar;
 }
 
-static sl_rgb irradiance_of_lost(const sl_second_field *field, const sl_second_points *points, size_t i, sl_counters *counters) {
+static sl_rgb irradiance_of_lost(const sl_second_field *field, const sl_second_points *points, size_t i,
+                                 sl_counters *counters) {
     const lost_point p = {field, sl_v3(points->position_x[i], points->position_y[i], points->position_z[i]),
-                          sl_v3(points->normal_x[i], points->normal_y[i], points->normal_z[i]), points->triangle[i], counters};
+                          sl_v3(points->normal_x[i], points->normal_y[i], points->normal_z[i]),
+                          points->triangle[i], counters};
     const sl_record_tree *const trees[] = {field->near, field->wide};
     sl_count(counters, SL_COUNT_SECOND_LEVEL_MISSES, 1);
     for (int t = 0; t < 2; t++) {
@@ -104,8 +111,8 @@ static sl_rgb irradiance_of_lost(const sl_second_field *field, const sl_second_p
 
 /* ---- all points ---- */
 
-void sl_second_look_up(const sl_second_field *field, sl_look_up_kernel *kernel, const sl_second_points *points, float *r, float *g,
-                       float *b, sl_counters *counters) {
+void sl_second_look_up(const sl_second_field *field, sl_look_up_kernel *kernel,
+                       const sl_second_points *points, float *r, float *g, float *b, sl_counters *counters) {
     sl_second_sums sums;
     uint64_t looked_up = 0;
     for (size_t first = 0; first < points->count; first += SL_LOOK_UP_MAX) {

@@ -1,6 +1,7 @@
-/* (1) of Gautron et al. 2005 at points instead of pixels: E(p) = sum of w_k E'_k over sum of w_k, for the records that reach p.
- * Sixteen records are weighed together; what the few that count say is added one after the other, in the order of their
- * indices, so that the sums have the same bits however the records are spread over the tree. */
+/* (1) of Gautron et al. 2005 at points instead of pixels: E(p) = sum of w_k E'_k over sum of w_k, for the
+ * records that reach p. Sixteen records are weighed together; what the few that count say is added one after
+ * the other, in the order of their indices, so that the sums have the same bits however the records are
+ * spread over the tree. */
 #include "cache/bounces/second_level.h"
 
 #include "base/bits16.h"
@@ -9,8 +10,8 @@ typedef struct {
     float x, y, z, nx, ny, nz;
 } look_up_point;
 
-static inline uint32_t weigh(const sl_tree_block *restrict block, const sl_weight_rules *rules, const look_up_point *p,
-                             float *restrict w) {
+static inline uint32_t weigh(const sl_tree_block *restrict block, const sl_weight_rules *rules,
+                             const look_up_point *p, float *restrict w) {
     const float px = p->x, py = p->y, pz = p->z, nx = p->nx, ny = p->ny, nz = p->nz;
     float distance[SL_TREE_LANES], slack[SL_TREE_LANES];
 #pragma omp simd
@@ -39,8 +40,8 @@ typedef struct {
     float r, g, b, weight;
 } sums;
 
-static inline void add_block(const sl_second_field *field, const sl_tree_block *block, const look_up_point *p, bool without_light,
-                             sums *sum) {
+static inline void add_block(const sl_second_field *field, const sl_tree_block *block, const look_up_point *p,
+                             bool without_light, sums *sum) {
     float w[SL_TREE_LANES];
     const sl_second_list *list = field->list;
     for (uint32_t bits = weigh(block, &field->rules, p, w), l = 0; bits; bits >>= 1, l++) {
@@ -48,7 +49,8 @@ static inline void add_block(const sl_second_field *field, const sl_tree_block *
         uint32_t record = block->record[l] & ~SL_TREE_WALLS;
         const sl_record_terms *k = &list->terms[record];
         const sl_record_offsets o = sl_record_offsets_at(k, p->x, p->y, p->z, p->nx, p->ny, p->nz);
-        if ((block->record[l] & SL_TREE_WALLS) && sl_wall_stands_between(&list->walls[record], o.x, o.y, o.z)) continue;
+        if ((block->record[l] & SL_TREE_WALLS) && sl_wall_stands_between(&list->walls[record], o.x, o.y, o.z))
+            continue;
         sum->weight += w[l];
         if (without_light) continue;
         float turn = sl_record_turn(&o);
@@ -58,8 +60,8 @@ static inline void add_block(const sl_second_field *field, const sl_tree_block *
     }
 }
 
-void SL_KERNEL(sl_look_up)(const sl_second_field *field, const sl_second_points *points, size_t first, size_t count,
-                           bool without_light, sl_second_sums *out) {
+void SL_KERNEL(sl_look_up)(const sl_second_field *field, const sl_second_points *points, size_t first,
+                           size_t count, bool without_light, sl_second_sums *out) {
     const sl_record_tree *tree = field->near;
     for (size_t i = 0; i < count; i++) {
         const size_t k = first + i;

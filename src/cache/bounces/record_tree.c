@@ -1,5 +1,5 @@
-/* An octree over the records' spheres. Leaves are cells of space with the records that reach into them, sixteen side by side, ready
- * for the look-up. */
+/* An octree over the records' spheres. Leaves are cells of space with the records that reach into them,
+ * sixteen side by side, ready for the look-up. */
 #include "cache/bounces/second_level.h"
 
 #include <string.h>
@@ -77,14 +77,15 @@ static bool make_leaf(builder *b, size_t node, size_t from, size_t count) {
     t->nodes[node] = (sl_tree_node){(uint32_t)t->block_count, (uint32_t)blocks};
     for (size_t i = 0; i < blocks; i++) {
         size_t left = count - i * SL_TREE_LANES;
-        fill_block(b, b->stack + from + i * SL_TREE_LANES, left < SL_TREE_LANES ? left : (size_t)SL_TREE_LANES,
-                   &t->blocks[t->block_count++]);
+        fill_block(b, b->stack + from + i * SL_TREE_LANES,
+                   left < SL_TREE_LANES ? left : (size_t)SL_TREE_LANES, &t->blocks[t->block_count++]);
     }
     return true;
 }
 
 static sl_vec3 corner_of(sl_vec3 low, float half, unsigned child) {
-    return sl_v3(low.x + (child & 1u ? half : 0.0f), low.y + (child & 2u ? half : 0.0f), low.z + (child & 4u ? half : 0.0f));
+    return sl_v3(low.x + (child & 1u ? half : 0.0f), low.y + (child & 2u ? half : 0.0f),
+                 low.z + (child & 4u ? half : 0.0f));
 }
 
 /* The node's list is stack[from .. from + count). */
@@ -116,8 +117,8 @@ static bool build(builder *b, size_t node, size_t from, size_t count, sl_vec3 lo
     return true;
 }
 
-sl_status sl_record_tree_build(const sl_scene *scene, const sl_second_list *list, float widen, size_t leaf_records,
-                               sl_record_tree *tree, sl_error *error) {
+sl_status sl_record_tree_build(const sl_scene *scene, const sl_second_list *list, float widen,
+                               size_t leaf_records, sl_record_tree *tree, sl_error *error) {
     sl_vec3 extent = sl_sub(scene->box_max, scene->box_min);
     float side = extent.x > extent.y ? extent.x : extent.y;
     side = 1.001f * (side > extent.z ? side : extent.z);

@@ -1,6 +1,8 @@
-/* Pass 6: direct light of receivers, (5) for points and spots and (9) for area lights, each a point with an intensity by direction:
+/* Pass 6: direct light of receivers, (5) for points and spots and (9) for area lights, each a point with an
+ * intensity by direction:
  *
- *     L_o = sum over lights f_r I cos theta / r^2 V,    I = Phi / 4 pi (3); Phi cos theta' / pi of an area light, from (6) and (7)
+ *     L_o = sum over lights f_r I cos theta / r^2 V,    I = Phi / 4 pi (3); Phi cos theta' / pi of an area
+ * light, from (6) and (7)
  *
  * V from the shadow cubes. */
 #include "base/counters.h"
@@ -13,15 +15,21 @@
 #include <string.h>
 
 static sl_light_source source_of(const sl_map_light *light, const sl_map_light_point *point) {
-    static const sl_source_kind kinds[] = {[SL_MAP_LIGHT_POINT] = SL_SOURCE_POINT, [SL_MAP_LIGHT_SPOT] = SL_SOURCE_SPOT,
-                                           [SL_MAP_LIGHT_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL, [SL_MAP_LIGHT_AREA] = SL_SOURCE_AREA};
-    return (sl_light_source){.kind = kinds[light->kind], .position = point->position, .direction = light->direction,
-                             .cos_inner = light->cos_inner, .cos_outer = light->cos_outer, .colour = point->intensity};
+    static const sl_source_kind kinds[] = {[SL_MAP_LIGHT_POINT] = SL_SOURCE_POINT,
+                                           [SL_MAP_LIGHT_SPOT] = SL_SOURCE_SPOT,
+                                           [SL_MAP_LIGHT_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL,
+                                           [SL_MAP_LIGHT_AREA] = SL_SOURCE_AREA};
+    return (sl_light_source){.kind = kinds[light->kind],
+                             .position = point->position,
+                             .direction = light->direction,
+                             .cos_inner = light->cos_inner,
+                             .cos_outer = light->cos_outer,
+                             .colour = point->intensity};
 }
 
 /* cos theta / r^2, and cos theta' of an area light or the edge of a spot. */
-static void arrive(const sl_direct_light *d, const sl_light_points *points, const sl_map_light *light, const sl_light_source *source,
-                   sl_arrivals *arrivals) {
+static void arrive(const sl_direct_light *d, const sl_light_points *points, const sl_map_light *light,
+                   const sl_light_source *source, sl_arrivals *arrivals) {
     d->kernels.light.arrive(points, source, arrivals);
     if (light->kind == SL_MAP_LIGHT_AREA && light->two_sided) {
         sl_light_source back = *source;
@@ -35,8 +43,10 @@ static void arrive(const sl_direct_light *d, const sl_light_points *points, cons
 /* An area light's point stands for a part of its area, as large as the point's share of the intensity. */
 static sl_lobe_target target_of(const sl_map_light *light, const sl_map_light_point *point) {
     const bool parallel = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
-    sl_lobe_target target = {.towards = parallel ? sl_neg(light->direction) : point->position, .direction = parallel};
-    const float whole = sl_rgb_max(light->intensity), share = whole > 0.0f ? sl_rgb_max(point->intensity) / whole : 0.0f;
+    sl_lobe_target target = {.towards = parallel ? sl_neg(light->direction) : point->position,
+                             .direction = parallel};
+    const float whole = sl_rgb_max(light->intensity),
+                share = whole > 0.0f ? sl_rgb_max(point->intensity) / whole : 0.0f;
     if (light->kind != SL_MAP_LIGHT_AREA || !(share <= 1.0f)) return target;
     target.normal = light->direction;
     target.extent = light->area * share * (float)(0.25 / SL_PI);
@@ -44,19 +54,21 @@ static sl_lobe_target target_of(const sl_map_light *light, const sl_map_light_po
     return target;
 }
 
-static void add_light_point(const sl_direct_light *d, const sl_receiver_tile *tile, bool glossy, size_t index, sl_tile_light *light,
-                            sl_counters *counters) {
+static void add_light_point(const sl_direct_light *d, const sl_receiver_tile *tile, bool glossy, size_t index,
+                            sl_tile_light *light, sl_counters *counters) {
     const sl_map_light_point *point = &d->pass->lights->point[index];
     const sl_map_light *of = &d->pass->lights->light[point->light];
     const sl_light_points points = sl_receiver_tile_points(tile);
     const sl_light_source source = source_of(of, point);
     sl_arrivals arrivals;
-    const bool parallel = of->kind == SL_MAP_LIGHT_DIRECTIONAL; /* it has no distance, and stands on nothing */
+    /* it has no distance, and stands on nothing */
+    const bool parallel = of->kind == SL_MAP_LIGHT_DIRECTIONAL;
     float lit[SL_TILE_PIXELS];
     arrive(d, &points, of, &source, &arrivals);
-    if (!d->kernels.reached(tile->padded, arrivals.weight, parallel ? INFINITY : d->largest_weight, lit)) return;
-    sl_shadow_cubes_lit(d->pass->cubes, index, tile->count, tile->x, tile->y, tile->z, tile->geometric_x, tile->geometric_y,
-                        tile->geometric_z, lit, counters);
+    if (!d->kernels.reached(tile->padded, arrivals.weight, parallel ? INFINITY : d->largest_weight, lit))
+        return;
+    sl_shadow_cubes_lit(d->pass->cubes, index, tile->count, tile->x, tile->y, tile->z, tile->geometric_x,
+                        tile->geometric_y, tile->geometric_z, lit, counters);
     float (*e)[SL_TILE_PIXELS] = light->irradiance, (*l)[SL_TILE_PIXELS] = light->lobe;
     d->kernels.where(tile->padded, lit, arrivals.weight);
     d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, e[0], e[1], e[2]);
@@ -72,14 +84,16 @@ static void add_light_point(const sl_direct_light *d, const sl_receiver_tile *ti
 
 sl_direct_light sl_direct_light_of(const sl_light_pass *pass) {
     double nearest = 1e-6 * (double)pass->scene->scale;
-    return (sl_direct_light){pass, (float)fmin(1.0 / (nearest * nearest), 1e30), sl_receiver_kernels_for(sl_isa_best())};
+    return (sl_direct_light){pass, (float)fmin(1.0 / (nearest * nearest), 1e30),
+                             sl_receiver_kernels_for(sl_isa_best())};
 }
 
-void sl_direct_light_tile(const sl_direct_light *d, const sl_receiver_tile *tile, bool glossy, const sl_tile_target *to,
-                          sl_counters *counters) {
+void sl_direct_light_tile(const sl_direct_light *d, const sl_receiver_tile *tile, bool glossy,
+                          const sl_tile_target *to, sl_counters *counters) {
     sl_tile_light light;
     memset(&light, 0, glossy ? sizeof light : sizeof light.irradiance);
-    for (size_t p = 0; p < d->pass->lights->point_count; p++) add_light_point(d, tile, glossy, p, &light, counters);
+    for (size_t p = 0; p < d->pass->lights->point_count; p++)
+        add_light_point(d, tile, glossy, p, &light, counters);
     d->kernels.reflect_to(tile, &light, glossy, to->width, to->direct);
 }
 
@@ -93,14 +107,16 @@ static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy,
     sl_direct_light_tile(&p->light, tile, glossy, &p->to, counters);
 }
 
-sl_status sl_light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture, sl_counters *counters,
-                            sl_error *error) {
+sl_status sl_light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
+                            sl_counters *counters, sl_error *error) {
     if (pass->lights->point_count == 0) return SL_OK;
     float *const *direct = picture->direct;
-    picture_pass p = {sl_direct_light_of(pass), {.width = receivers->width, .direct = {direct[0], direct[1], direct[2]}}};
+    picture_pass p = {sl_direct_light_of(pass),
+                      {.width = receivers->width, .direct = {direct[0], direct[1], direct[2]}}};
     sl_receiver_kinds kinds;
     sl_status status = sl_receiver_kinds_find(pass->scene, sl_grey(0.0f), &kinds, error);
-    if (status == SL_OK) status = sl_receiver_tiles_run(receivers, &kinds, pass->threads, light_tile, &p, counters, error);
+    if (status == SL_OK)
+        status = sl_receiver_tiles_run(receivers, &kinds, pass->threads, light_tile, &p, counters, error);
     sl_receiver_kinds_release(&kinds);
     return status;
 }
@@ -133,25 +149,37 @@ typedef struct {
 } drawing;
 
 /* A picture of the side, without its lower half (half > 0) or its upper one (half < 0). */
-static sl_view view_of_side(const drawing *d, const sl_map_light_point *point, const sl_shadow_cube *cube, int side, int half,
-                            const float clearance[2]) {
+static sl_view view_of_side(const drawing *d, const sl_map_light_point *point, const sl_shadow_cube *cube,
+                            int side, int half, const float clearance[2]) {
     const sl_map_light *light = &d->lights->light[point->light];
     double reach = (double)cube->tangent * (double)cube->size / (double)(cube->size - 2);
     bool back = side == SL_LIGHT_BACK || half < 0;
-    sl_light_picture picture = {point->position, sl_light_side(&cube->frame, side), -reach, reach, -reach, reach, cube->size, cube->size,
-                                back, clearance[back]};
+    sl_light_picture picture = {point->position,
+                                sl_light_side(&cube->frame, side),
+                                -reach,
+                                reach,
+                                -reach,
+                                reach,
+                                cube->size,
+                                cube->size,
+                                back,
+                                clearance[back]};
     sl_view view = sl_light_picture_view(d->scene, light, &picture);
-    if (half) view.scissor = (sl_scissor){0, half > 0 ? cube->size / 2 : 0, cube->size, half > 0 ? cube->size : cube->size / 2};
+    if (half)
+        view.scissor = (sl_scissor){0, half > 0 ? cube->size / 2 : 0, cube->size,
+                                    half > 0 ? cube->size : cube->size / 2};
     return view;
 }
 
-static void propose(const drawing *d, const sl_view *view, int side, bool shines, side_pass *pass, size_t *count) {
+static void propose(const drawing *d, const sl_view *view, int side, bool shines, side_pass *pass,
+                    size_t *count) {
     if (shines && sl_raster_meets(d->raster, view)) pass[(*count)++] = (side_pass){*view, side};
     else sl_count(d->counters, SL_COUNT_RASTER_PASSES_SKIPPED, 1);
 }
 
 /* An area light's front and back see what lies on their own sides only. */
-static size_t passes_of(const drawing *d, const sl_map_light_point *point, const sl_shadow_cube *cube, side_pass pass[PASSES_MAX]) {
+static size_t passes_of(const drawing *d, const sl_map_light_point *point, const sl_shadow_cube *cube,
+                        side_pass pass[PASSES_MAX]) {
     const sl_map_light *light = &d->lights->light[point->light];
     bool area = light->kind == SL_MAP_LIGHT_AREA;
     float clearance[2] = {0};
@@ -159,7 +187,8 @@ static size_t passes_of(const drawing *d, const sl_map_light_point *point, const
     for (int back = 0; back < 2 && area; back++)
         clearance[back] = sl_map_light_clearance(d->scene, d->lights, point->light, point->position, back);
     for (int side = 0; side < SL_LIGHT_SIDES; side++) {
-        bool halves = area && side != SL_LIGHT_AHEAD && side != SL_LIGHT_BACK, shines = sl_light_shines_on(light, side);
+        bool halves = area && side != SL_LIGHT_AHEAD && side != SL_LIGHT_BACK,
+             shines = sl_light_shines_on(light, side);
         sl_view view = view_of_side(d, point, cube, side, halves ? 1 : 0, clearance);
         propose(d, &view, side, shines, pass, &count);
         if (!halves || !light->two_sided) continue;
@@ -186,7 +215,8 @@ static void clear_other_half(const sl_shadow_cube *cube, const side_pass *pass) 
     const size_t width = (size_t)cube->size, half = width / 2;
     float *picture = cube->depth + cube->start[pass->side];
     if (drawn->y0 > 0) memset(picture, 0, half * width * sizeof *picture);
-    else if (drawn->y1 == (int)half) memset(picture + half * width, 0, (width - half) * width * sizeof *picture);
+    else if (drawn->y1 == (int)half)
+        memset(picture + half * width, 0, (width - half) * width * sizeof *picture);
 }
 
 static void give_picture(sl_shadow_cube *cube, int side, size_t *next) {
@@ -196,8 +226,8 @@ static void give_picture(sl_shadow_cube *cube, int side, size_t *next) {
     cube->mask[side] = -1;
 }
 
-static sl_status draw_cube(sl_shadow_cubes *cubes, const drawing *d, const sl_map_light_point *point, sl_shadow_cube *cube,
-                           sl_error *error) {
+static sl_status draw_cube(sl_shadow_cubes *cubes, const drawing *d, const sl_map_light_point *point,
+                           sl_shadow_cube *cube, sl_error *error) {
     side_pass pass[PASSES_MAX];
     sl_view views[PASSES_MAX];
     sl_target targets[PASSES_MAX];
@@ -212,7 +242,8 @@ static sl_status draw_cube(sl_shadow_cubes *cubes, const drawing *d, const sl_ma
     return passes ? sl_raster_ids(d->raster, passes, views, d->threads, targets, d->counters, error) : SL_OK;
 }
 
-static sl_status draw_parallel(sl_shadow_cubes *cubes, const drawing *d, const sl_map_light *light, sl_shadow_cube *cube, sl_error *error) {
+static sl_status draw_parallel(sl_shadow_cubes *cubes, const drawing *d, const sl_map_light *light,
+                               sl_shadow_cube *cube, sl_error *error) {
     sl_parallel_picture p = sl_parallel_picture_of(d->scene, light);
     sl_view view = sl_parallel_view(&p, cube->size, cube->size);
     size_t pictures = 0, texels = (size_t)cube->size * (size_t)cube->size;
@@ -235,7 +266,8 @@ static sl_status draw_parallel(sl_shadow_cubes *cubes, const drawing *d, const s
 
 static bool is_dark(sl_rgb intensity) { return !(sl_rgb_max(intensity) > 0.0f); }
 
-/* Points of one light share its texels: n x n of them have 1 / n each. And all together have no more than fits. */
+/* Points of one light share its texels: n x n of them have 1 / n each. And all together have no more than
+ * fits. */
 static int size_of(const sl_map_lights *lights, uint32_t light, int size) {
     size_t points = 0;
     double texels = 6.0 * (double)size * (double)size, divisor = 1.0, all;
@@ -262,11 +294,15 @@ static sl_status draw_all(sl_shadow_cubes *cubes, const drawing *d, int size, sl
         const sl_map_light_point *point = &d->lights->point[i];
         const sl_map_light *light = &d->lights->light[point->light];
         sl_shadow_cube *cube = &cubes->cube[i];
-        *cube = (sl_shadow_cube){.size = size_of(d->lights, point->light, size), .eye = point->position,
-                                 .frame = sl_light_frame(light), .tangent = tangent_of(light), .rounding = rounding};
+        *cube = (sl_shadow_cube){.size = size_of(d->lights, point->light, size),
+                                 .eye = point->position,
+                                 .frame = sl_light_frame(light),
+                                 .tangent = tangent_of(light),
+                                 .rounding = rounding};
         sl_status status = SL_OK;
         if (is_dark(point->intensity) || !sl_is_finite(point->position)) {
-            sl_count(d->counters, SL_COUNT_RASTER_PASSES_SKIPPED, light->kind == SL_MAP_LIGHT_DIRECTIONAL ? 1 : SL_LIGHT_SIDES);
+            sl_count(d->counters, SL_COUNT_RASTER_PASSES_SKIPPED,
+                     light->kind == SL_MAP_LIGHT_DIRECTIONAL ? 1 : SL_LIGHT_SIDES);
             if (!allocate(cubes, cube, 0)) status = sl_fail_memory(error, "a depth cube");
         } else {
             status = light->kind == SL_MAP_LIGHT_DIRECTIONAL ? draw_parallel(cubes, d, light, cube, error)
@@ -277,17 +313,21 @@ static sl_status draw_all(sl_shadow_cubes *cubes, const drawing *d, int size, sl
     return SL_OK;
 }
 
-sl_status sl_shadow_cubes_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights, int size, unsigned threads,
-                                 sl_shadow_cubes **out, sl_counters *counters, sl_error *error) {
+sl_status sl_shadow_cubes_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
+                                 int size, unsigned threads, sl_shadow_cubes **out, sl_counters *counters,
+                                 sl_error *error) {
     *out = NULL;
     if (size < SMALLEST || size > LARGEST)
-        return sl_fail(error, SL_ERROR_USAGE, "depth cubes have %d to %d texels a side, not %d", (int)SMALLEST, (int)LARGEST, size);
+        return sl_fail(error, SL_ERROR_USAGE, "depth cubes have %d to %d texels a side, not %d",
+                       (int)SMALLEST, (int)LARGEST, size);
     drawing d = {scene, raster, lights, threads, counters};
     sl_shadow_cubes *cubes = sl_allocate(1, sizeof *cubes);
     if (!cubes) return sl_fail_memory(error, "the depth cubes");
-    *cubes = (sl_shadow_cubes){.count = lights->point_count, .cube = sl_allocate(lights->point_count, sizeof *cubes->cube),
+    *cubes = (sl_shadow_cubes){.count = lights->point_count,
+                               .cube = sl_allocate(lights->point_count, sizeof *cubes->cube),
                                .lit = sl_shadow_cube_kernel_for(sl_isa_best())};
-    sl_status status = cubes->cube ? draw_all(cubes, &d, size, error) : sl_fail_memory(error, "the depth cubes");
+    sl_status status =
+        cubes->cube ? draw_all(cubes, &d, size, error) : sl_fail_memory(error, "the depth cubes");
     if (status != SL_OK) sl_shadow_cubes_destroy(cubes);
     else *out = cubes;
     return status;
@@ -306,8 +346,9 @@ size_t sl_shadow_cubes_bytes(const sl_shadow_cubes *cubes) {
 
 /* ---- looking up ---- */
 
-void sl_shadow_cubes_lit(const sl_shadow_cubes *cubes, size_t light_point, size_t count, const float *px, const float *py, const float *pz,
-                         const float *nx, const float *ny, const float *nz, float *lit, sl_counters *counters) {
+void sl_shadow_cubes_lit(const sl_shadow_cubes *cubes, size_t light_point, size_t count, const float *px,
+                         const float *py, const float *pz, const float *nx, const float *ny, const float *nz,
+                         float *lit, sl_counters *counters) {
     if (!cubes) return;
     for (size_t i = 0; i < count; i += SL_SHADOW_BLOCK) {
         size_t block = count - i < SL_SHADOW_BLOCK ? count - i : SL_SHADOW_BLOCK, wanted = 0;

@@ -1,10 +1,11 @@
-/* One frame of Direct Radiance Mapping, in the order of the paper: what the lights see is drawn and kept (the direct radiance map), samples of
- * it are photons that light the scene a second time, and every point seen sums them:
+/* One frame of Direct Radiance Mapping, in the order of the paper: what the lights see is drawn and kept (the
+ * direct radiance map), samples of it are photons that light the scene a second time, and every point seen
+ * sums them:
  *
  *     L_o = L_e + direct (5), (9) + indirect (10),    (10): L_r = sum over photons f_r L_o cos theta dw'
  *
- * The steps call the parts; an equation's number stands beside the step that computes it. Everything is computed again for every frame in
- * which it has changed. */
+ * The steps call the parts; an equation's number stands beside the step that computes it. Everything is
+ * computed again for every frame in which it has changed. */
 #include "cache/direct_radiance/direct_radiance.h"
 
 #include "base/error.h"
@@ -34,10 +35,12 @@ sl_status sl_radiance_place(sl_radiance_state *s, sl_error *error) {
     sl_tracer_destroy(s->tracer);
     s->planar = NULL;
     s->tracer = NULL;
-    sl_status status = s->raster ? sl_raster_move(s->raster, threads, error) : sl_raster_create(s->scene, threads, &s->raster, error);
+    sl_status status = s->raster ? sl_raster_move(s->raster, threads, error)
+                                 : sl_raster_create(s->scene, threads, &s->raster, error);
     if (status == SL_OK) status = sl_mirrors_find(s->scene, PLANAR_MIRRORS_MAX, &s->planar, error);
     if (status == SL_OK) {
-        s->plan = sl_radiance_plan_make(s->scene, &s->settings, s->planar->count > 0, sl_has_curved_mirrors(s->scene, s->planar));
+        s->plan = sl_radiance_plan_make(s->scene, &s->settings, s->planar->count > 0,
+                                        sl_has_curved_mirrors(s->scene, s->planar));
         if (s->plan.tracer) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     }
     if (status == SL_OK && s->plan.curved && s->settings.radiance_map.mirror_light == SL_MIRROR_LIGHT_TRICK)
@@ -63,18 +66,20 @@ void sl_radiance_darken(sl_radiance_state *s) {
     s->lit = false;
 }
 
-/* Lights are points with an intensity by direction: Phi / 4 pi (3), of area lights Phi cos theta / pi (6), (7). */
+/* Lights are points with an intensity by direction: Phi / 4 pi (3), of area lights Phi cos theta / pi (6),
+ * (7). */
 static sl_status find_lights(sl_radiance_state *s, sl_error *error) {
     const int divided = s->settings.radiance_map.emitter_samples;
     sl_status status = sl_map_lights_find(s->scene, divided, &s->lights, error);
     if (status != SL_OK || !s->plan.shadows) return status;
-    return sl_map_lights_find_openings(s->scene, s->raster, (unsigned)divided, s->settings.threads, s->lights, &s->openings, &s->counters,
-                                       error);
+    return sl_map_lights_find_openings(s->scene, s->raster, (unsigned)divided, s->settings.threads, s->lights,
+                                       &s->openings, &s->counters, error);
 }
 
 static sl_status draw_depth_cubes(sl_radiance_state *s, sl_error *error) {
     const int size = s->settings.radiance_map.shadow_size;
-    sl_status status = sl_shadow_cubes_render(s->scene, s->raster, s->lights, size, s->settings.threads, &s->cubes, &s->counters, error);
+    sl_status status = sl_shadow_cubes_render(s->scene, s->raster, s->lights, size, s->settings.threads,
+                                              &s->cubes, &s->counters, error);
     sl_announce_pass(&s->announcer, "depth cubes", "shadows in (5), (9)");
     return status;
 }
@@ -91,7 +96,8 @@ static sl_status draw_map(sl_radiance_state *s, sl_error *error) {
     sl_status status = sl_map_lights_by_point(s->lights, &s->divided, error);
     const sl_map_lights *lights = s->divided ? s->divided : s->lights;
     if (status == SL_OK)
-        status = sl_radiance_map_render(s->scene, s->raster, lights, &s->settings.radiance_map, &options, &s->map, &s->counters, error);
+        status = sl_radiance_map_render(s->scene, s->raster, lights, &s->settings.radiance_map, &options,
+                                        &s->map, &s->counters, error);
     if (status == SL_OK) sl_radiance_announce_map(s);
     return status;
 }
@@ -99,7 +105,8 @@ static sl_status draw_map(sl_radiance_state *s, sl_error *error) {
 /* ---- Sampling: M photons of the map, each with its footprint (12), (13) (pass 3) ---- */
 
 static sl_status take_photons(sl_radiance_state *s, sl_error *error) {
-    sl_status status = sl_map_photons_take(s->scene, s->map, &s->settings.radiance_map, &s->photons, &s->counters, error);
+    sl_status status =
+        sl_map_photons_take(s->scene, s->map, &s->settings.radiance_map, &s->photons, &s->counters, error);
     if (status == SL_OK) sl_announce_photons(&s->announcer, s->photons);
     return status;
 }
@@ -118,8 +125,10 @@ sl_light_pass sl_radiance_lighting(const sl_radiance_state *s) {
 
 /* With visibility no light arrives that ought not to. */
 static sl_status report_map(sl_radiance_state *s, sl_error *error) {
-    s->report = (sl_map_report){.captured = sl_radiance_maps_captured(s->map), .received = NAN,
-                                .way = sl_radiance_map_mean_way(s->map), .diagonal = (double)s->scene->diagonal,
+    s->report = (sl_map_report){.captured = sl_radiance_maps_captured(s->map),
+                                .received = NAN,
+                                .way = sl_radiance_map_mean_way(s->map),
+                                .diagonal = (double)s->scene->diagonal,
                                 .openings = s->openings};
     if (s->settings.radiance_map.visibility != SL_VISIBILITY_NONE) return SL_OK;
     sl_light_pass light = sl_radiance_lighting(s);
@@ -149,13 +158,16 @@ static sl_status draw_environment_cubes(sl_radiance_state *s, const sl_light_pas
                            .cube_size = m->cube_size,
                            .reflections = m->reflections,
                            .indirect = m->mirror_light == SL_MIRROR_LIGHT_FULL};
-    return s->plan.curved ? sl_curved_mirrors_render(&pass, s->receivers, &s->curved, &s->counters, error) : SL_OK;
+    return s->plan.curved ? sl_curved_mirrors_render(&pass, s->receivers, &s->curved, &s->counters, error)
+                          : SL_OK;
 }
 
-/* The paper's trick: cubes without indirect light, and curved mirrors that receive it as if they were diffuse. */
+/* The paper's trick: cubes without indirect light, and curved mirrors that receive it as if they were
+ * diffuse. */
 sl_light_pass sl_radiance_indirect_lighting(const sl_radiance_state *s) {
     sl_light_pass light = sl_radiance_lighting(s);
-    if (s->plan.curved && s->settings.radiance_map.mirror_light == SL_MIRROR_LIGHT_TRICK) light.trick_albedo = s->trick_albedo;
+    if (s->plan.curved && s->settings.radiance_map.mirror_light == SL_MIRROR_LIGHT_TRICK)
+        light.trick_albedo = s->trick_albedo;
     return light;
 }
 
@@ -197,23 +209,27 @@ static sl_status draw_passes(sl_radiance_state *s, sl_error *error) {
     announce_light(s, "direct light", "(5), (9)", s->layers.direct[0]);
     const sl_light_pass of_photons = sl_radiance_indirect_lighting(s); /* (10), weights (11), (14), (15) */
     if (status == SL_OK && s->photons)
-        status = sl_light_indirectly(&of_photons, s->receivers, &picture, s->layers.spread, &s->counters, error);
+        status =
+            sl_light_indirectly(&of_photons, s->receivers, &picture, s->layers.spread, &s->counters, error);
     announce_light(s, "indirect light", "(10)", s->layers.indirect[0]);
     if (status == SL_OK && s->plan.curved) {
         status = draw_environment_cubes(s, &light, error);
         if (status == SL_OK)
-            sl_curved_mirrors_reflect(s->curved, s->receivers, threads, s->layers.emission, s->layers.direct, s->layers.indirect, &s->counters);
+            sl_curved_mirrors_reflect(s->curved, s->receivers, threads, s->layers.emission, s->layers.direct,
+                                      s->layers.indirect, &s->counters);
         announce_light(s, "curved mirrors", "environment cubes", s->layers.direct[0]);
     }
     return status;
 }
 
 bool sl_radiance_in_strips(const sl_radiance_state *s) {
-    return !s->announcer.observer && (s->settings.radiance_map.visibility == SL_VISIBILITY_NONE || !s->photons);
+    return !s->announcer.observer &&
+           (s->settings.radiance_map.visibility == SL_VISIBILITY_NONE || !s->photons);
 }
 
 /* The same for a few rows at a time, in the cache of one thread. */
-sl_status sl_radiance_draw_image(const sl_radiance_state *s, sl_image **image, sl_counters *counters, sl_error *error) {
+sl_status sl_radiance_draw_image(const sl_radiance_state *s, sl_image **image, sl_counters *counters,
+                                 sl_error *error) {
     const sl_light_pass light = sl_radiance_indirect_lighting(s);
     const sl_strip_pass pass = {.raster = s->raster,
                                 .outline = s->receivers,
@@ -228,9 +244,9 @@ sl_status sl_radiance_draw(sl_radiance_state *s, sl_error *error) {
     const sl_radiance_map_settings *m = &s->settings.radiance_map;
     const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     const bool strips = sl_radiance_in_strips(s);
-    sl_status status = (strips ? sl_receivers_outline : sl_receivers_render)(s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL,
-                                                                             m->reflections, s->settings.threads, &s->receivers,
-                                                                             &s->counters, error);
+    sl_status status = (strips ? sl_receivers_outline : sl_receivers_render)(
+        s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL, m->reflections, s->settings.threads,
+        &s->receivers, &s->counters, error);
     if (status != SL_OK) return status;
     if (!strips) return draw_passes(s, error);
     const sl_light_pass light = sl_radiance_lighting(s);

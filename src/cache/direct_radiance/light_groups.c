@@ -30,13 +30,14 @@ static sl_vec3 first_corner(const sl_scene *s, uint32_t emitter) {
     return sl_scene_position(s, s->vertex[0][s->emitters[emitter].triangle]);
 }
 
-/* In b's plane all of a lies, since they share a corner and their normals agree; the distance keeps long chains from drifting. */
+/* In b's plane all of a lies, since they share a corner and their normals agree; the distance keeps long
+ * chains from drifting. */
 static bool one_light(const sl_scene *s, uint32_t a, uint32_t b) {
     uint32_t t = s->emitters[a].triangle, u = s->emitters[b].triangle;
     sl_vec3 n = sl_scene_geometric_normal(s, t), m = sl_scene_geometric_normal(s, u);
     float height = sl_dot(m, sl_sub(first_corner(s, a), first_corner(s, b)));
-    return s->object_index[t] == s->object_index[u] && s->material_index[t] == s->material_index[u] && sl_dot(n, m) > 1.0f - 1e-6f &&
-           height < 1e-5f * s->scale && height > -1e-5f * s->scale;
+    return s->object_index[t] == s->object_index[u] && s->material_index[t] == s->material_index[u] &&
+           sl_dot(n, m) > 1.0f - 1e-6f && height < 1e-5f * s->scale && height > -1e-5f * s->scale;
 }
 
 static uint32_t root_of(uint32_t *parent, uint32_t i) {
@@ -57,14 +58,17 @@ static void unite_around(const sl_scene *s, const corner *c, size_t count, uint3
     for (size_t i = 0; i < count; i++) {
         uint32_t root = root_of(parent, c[i].emitter);
         size_t k = 0;
-        while (k < groups && root != root_of(parent, seen[k]) && !one_light(s, root, root_of(parent, seen[k]))) k++;
+        while (k < groups && root != root_of(parent, seen[k]) &&
+               !one_light(s, root, root_of(parent, seen[k])))
+            k++;
         if (k == groups) seen[groups++] = root;
         else unite(parent, root, root_of(parent, seen[k]));
     }
 }
 
 static bool shines(const sl_emitter *e) {
-    return e->area > 0.0f && e->opaque > 0.0f && sl_rgb_max(e->radiance) > 0.0f && sl_rgb_is_finite(sl_rgb_scale(e->radiance, e->area));
+    return e->area > 0.0f && e->opaque > 0.0f && sl_rgb_max(e->radiance) > 0.0f &&
+           sl_rgb_is_finite(sl_rgb_scale(e->radiance, e->area));
 }
 
 static size_t list_corners(const sl_scene *s, corner *list) {
@@ -95,7 +99,9 @@ sl_status sl_emitters_group(const sl_scene *scene, uint32_t *group, size_t *grou
     if (ok) find_groups(scene, list, parent, seen);
     for (uint32_t e = 0; ok && e < count; e++) {
         uint32_t root = root_of(parent, e);
-        group[e] = !shines(&scene->emitters[e]) ? SL_NO_INDEX : root == e ? (uint32_t)(*groups)++ : group[root];
+        group[e] = !shines(&scene->emitters[e]) ? SL_NO_INDEX
+                   : root == e                  ? (uint32_t)(*groups)++
+                                                : group[root];
     }
     sl_free(list);
     sl_free(parent);
@@ -124,7 +130,8 @@ typedef struct {
 /* A turn of the normal by a right angle counts as much as a way of half the scene. */
 static double feature(const merging *m, uint32_t i, int k) {
     const sl_light_seed *s = &m->seed[i];
-    const float value[FEATURES] = {s->position.x, s->position.y, s->position.z, s->normal.x, s->normal.y, s->normal.z};
+    const float value[FEATURES] = {s->position.x, s->position.y, s->position.z,
+                                   s->normal.x,   s->normal.y,   s->normal.z};
     return (double)value[k] * (k < 3 ? m->over_size : 0.35);
 }
 
@@ -200,7 +207,8 @@ static size_t number(const merging *m, size_t seeds, uint32_t *cluster, uint32_t
     size_t count = 0;
     for (size_t c = 0; c < m->count; c++) {
         renumbered[c] = SL_NO_INDEX;
-        for (size_t i = 0; i < m->cluster[c].count; i++) cluster[m->order[m->cluster[c].first + i]] = (uint32_t)c;
+        for (size_t i = 0; i < m->cluster[c].count; i++)
+            cluster[m->order[m->cluster[c].first + i]] = (uint32_t)c;
     }
     for (size_t i = 0; i < seeds; i++) {
         uint32_t c = cluster[i];
@@ -210,13 +218,16 @@ static size_t number(const merging *m, size_t seeds, uint32_t *cluster, uint32_t
     return count;
 }
 
-sl_status sl_light_seeds_merge(const sl_light_seed *seed, size_t count, size_t most, float size, uint32_t *cluster, size_t *clusters,
-                               sl_error *error) {
+sl_status sl_light_seeds_merge(const sl_light_seed *seed, size_t count, size_t most, float size,
+                               uint32_t *cluster, size_t *clusters, sl_error *error) {
     *clusters = count;
     for (size_t i = 0; i < count; i++) cluster[i] = (uint32_t)i;
     if (count <= most) return SL_OK;
-    merging m = {.seed = seed, .over_size = 1.0 / (double)size, .order = sl_allocate(count, sizeof *m.order),
-                 .aside = sl_allocate(count, sizeof *m.aside), .cluster = sl_allocate(most, sizeof *m.cluster)};
+    merging m = {.seed = seed,
+                 .over_size = 1.0 / (double)size,
+                 .order = sl_allocate(count, sizeof *m.order),
+                 .aside = sl_allocate(count, sizeof *m.aside),
+                 .cluster = sl_allocate(most, sizeof *m.cluster)};
     uint32_t *renumbered = sl_allocate(most, sizeof *renumbered);
     bool ok = m.order && m.aside && m.cluster && renumbered;
     if (ok) {

@@ -56,12 +56,15 @@ static bool axes_along(const sl_map_light *light, sl_vec3 edge, rectangle *r) {
 static double area_of(const rectangle *r) { return (r->right - r->left) * (r->top - r->bottom); }
 
 /* The least rectangle around a convex shape has a side along one of the shape's edges. */
-static bool least_rectangle(const sl_scene *s, const sl_map_light *light, const uint32_t *emitter, rectangle *least) {
+static bool least_rectangle(const sl_scene *s, const sl_map_light *light, const uint32_t *emitter,
+                            rectangle *least) {
     bool found = false;
     for (size_t i = 0; i < light->count && 3 * i < EDGES_TRIED; i++) {
         for (int k = 0; k < 3; k++) {
             rectangle r = {0};
-            if (!axes_along(light, sl_sub(corner_of(s, emitter[i], (k + 1) % 3), corner_of(s, emitter[i], k)), &r)) continue;
+            if (!axes_along(light, sl_sub(corner_of(s, emitter[i], (k + 1) % 3), corner_of(s, emitter[i], k)),
+                            &r))
+                continue;
             bound(s, light, emitter, &r);
             if (!isfinite(area_of(&r)) || (found && !(area_of(&r) < area_of(least) * (1.0 - 1e-6)))) continue;
             *least = r;
@@ -94,7 +97,8 @@ typedef struct {
 
 static void add_polygon(const plane_point *p, int count, double radiance, cell_share *sum) {
     for (int i = 1; i + 1 < count; i++) {
-        double area = 0.5 * fabs((p[i].x - p[0].x) * (p[i + 1].y - p[0].y) - (p[i + 1].x - p[0].x) * (p[i].y - p[0].y));
+        double area =
+            0.5 * fabs((p[i].x - p[0].x) * (p[i + 1].y - p[0].y) - (p[i + 1].x - p[0].x) * (p[i].y - p[0].y));
         sum->flux += radiance * area;
         sum->x += radiance * area * (p[0].x + p[i].x + p[i + 1].x) / 3.0;
         sum->y += radiance * area * (p[0].y + p[i].y + p[i + 1].y) / 3.0;
@@ -106,12 +110,15 @@ bool sl_map_light_mask_point(const sl_scene *scene, uint32_t triangle, int index
     if (!sl_scene_mask_point(scene, triangle, index, &w1, &w2)) return false;
     const double w[3] = {1.0 - (double)w1 - (double)w2, (double)w1, (double)w2};
     *at = (sl_vec3d){0};
-    for (int k = 0; k < 3; k++) *at = sl_addd(*at, sl_scaled(sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])), w[k]));
+    for (int k = 0; k < 3; k++)
+        *at =
+            sl_addd(*at, sl_scaled(sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])), w[k]));
     return true;
 }
 
 /* Point by point: what a mask leaves is no polygon. */
-static void add_masked(const sl_scene *s, const sl_emitter *e, const rectangle *r, const rectangle *cell, cell_share *sum) {
+static void add_masked(const sl_scene *s, const sl_emitter *e, const rectangle *r, const rectangle *cell,
+                       cell_share *sum) {
     const int count = sl_scene_mask_points(s, e->triangle);
     const double flux = (double)sl_rgb_mean(e->radiance) * (double)e->area / count;
     for (int i = 0; i < count; i++) {
@@ -125,7 +132,8 @@ static void add_masked(const sl_scene *s, const sl_emitter *e, const rectangle *
     }
 }
 
-static cell_share share_of_cell(const sl_scene *s, const sl_map_light *light, const uint32_t *emitter, const rectangle *r, const rectangle *cell) {
+static cell_share share_of_cell(const sl_scene *s, const sl_map_light *light, const uint32_t *emitter,
+                                const rectangle *r, const rectangle *cell) {
     cell_share sum = {0};
     for (size_t i = 0; i < light->count; i++) {
         const sl_emitter *e = &s->emitters[emitter[i]];
@@ -154,7 +162,8 @@ static rectangle cell_of(const rectangle *r, int n, int column, int row) {
     return cell;
 }
 
-size_t sl_map_light_divide(const sl_scene *scene, const sl_map_light *light, const uint32_t *emitter, int n, sl_map_light_point *point) {
+size_t sl_map_light_divide(const sl_scene *scene, const sl_map_light *light, const uint32_t *emitter, int n,
+                           sl_map_light_point *point) {
     rectangle r = {0};
     double total = 0.0;
     size_t count = 0;
@@ -165,7 +174,8 @@ size_t sl_map_light_divide(const sl_scene *scene, const sl_map_light *light, con
         cell_share part = share_of_cell(scene, light, emitter, &r, &cell);
         if (!(part.flux > 0.0)) continue;
         sl_vec3d middle = sl_addd(sl_scaled(r.x, part.x / part.flux), sl_scaled(r.y, part.y / part.flux));
-        point[count++] = (sl_map_light_point){.position = sl_to_float(sl_addd(r.origin, middle)), .intensity = sl_grey((float)part.flux)};
+        point[count++] = (sl_map_light_point){.position = sl_to_float(sl_addd(r.origin, middle)),
+                                              .intensity = sl_grey((float)part.flux)};
         total += (double)(float)part.flux;
     }
     for (size_t i = 0; i < count; i++)
@@ -173,7 +183,12 @@ size_t sl_map_light_divide(const sl_scene *scene, const sl_map_light *light, con
     return count > 0 ? count : 1;
 }
 
-enum { SIZE = 16, TEXELS = SIZE * SIZE, PLACES = 4 /* each way in a cell */, FINEST = 8 /* lights of more points a side have them everywhere */ };
+enum {
+    SIZE = 16,
+    TEXELS = SIZE * SIZE,
+    PLACES = 4 /* each way in a cell */,
+    FINEST = 8 /* lights of more points a side have them everywhere */
+};
 
 /* A picture's tangent: 127 degrees, and 4/5 of a Lambertian emitter's flux. */
 static const double REACH = 2.0;
@@ -189,29 +204,43 @@ typedef struct {
     float *depth; /* of one picture */
 } looking;
 
-/* Share of what shines ahead of a place, or back, that gets farther than `near`. Flux by texel is cos^4 of the angle off the axis. */
-static sl_status look(const looking *l, const sl_map_light_point *place, bool back, double near, double *open, sl_error *error) {
+/* Share of what shines ahead of a place, or back, that gets farther than `near`. Flux by texel is cos^4 of
+ * the angle off the axis. */
+static sl_status look(const looking *l, const sl_map_light_point *place, bool back, double near, double *open,
+                      sl_error *error) {
     const sl_map_light *light = &l->lights->light[place->light];
     const sl_frame frame = sl_light_frame(light);
-    const sl_light_picture picture = {place->position, sl_light_side(&frame, back ? SL_LIGHT_BACK : SL_LIGHT_AHEAD), -REACH, REACH,
-                                      -REACH, REACH, SIZE, SIZE, back,
-                                      sl_map_light_clearance(l->scene, l->lights, place->light, place->position, back)};
+    const sl_light_picture picture = {
+        place->position,
+        sl_light_side(&frame, back ? SL_LIGHT_BACK : SL_LIGHT_AHEAD),
+        -REACH,
+        REACH,
+        -REACH,
+        REACH,
+        SIZE,
+        SIZE,
+        back,
+        sl_map_light_clearance(l->scene, l->lights, place->light, place->position, back)};
     const sl_view view = sl_light_picture_view(l->scene, light, &picture);
     const sl_target target = {SIZE, SIZE, NULL, l->depth};
     double sum = 0.0, all = 0.0;
     sl_status status = sl_raster_id(l->raster, &view, l->threads, &target, l->counters, error);
     for (int i = 0; i < TEXELS; i++) {
-        const double x = REACH * ((2.0 * (i % SIZE) + 1.0) / SIZE - 1.0), y = REACH * ((2.0 * (i / SIZE) + 1.0) / SIZE - 1.0);
-        const double squared = 1.0 + x * x + y * y, weight = 1.0 / (squared * squared), inverse = (double)l->depth[i];
+        const double x = REACH * ((2.0 * (i % SIZE) + 1.0) / SIZE - 1.0),
+                     y = REACH * ((2.0 * (i / SIZE) + 1.0) / SIZE - 1.0);
+        const double squared = 1.0 + x * x + y * y, weight = 1.0 / (squared * squared),
+                     inverse = (double)l->depth[i];
         all += weight;
-        if (squared > near * near * inverse * inverse) sum += weight; /* reciprocal depth: 0 where nothing is */
+        /* reciprocal depth: 0 where nothing is */
+        if (squared > near * near * inverse * inverse) sum += weight;
     }
     *open = sum / all;
     return status;
 }
 
 /* Of both sides where both shine. */
-static sl_status openness(const looking *l, const sl_map_light_point *place, double near, double *open, sl_error *error) {
+static sl_status openness(const looking *l, const sl_map_light_point *place, double near, double *open,
+                          sl_error *error) {
     double behind = 0.0;
     sl_status status = look(l, place, false, near, open, error);
     if (status != SL_OK || !l->lights->light[place->light].two_sided) return status;
@@ -226,7 +255,9 @@ static double squared_distance(sl_vec3 a, sl_vec3 b) { return (double)sl_dot(sl_
 static size_t owner_of(const sl_map_lights *lights, size_t first, size_t end, sl_vec3 position) {
     size_t best = first;
     for (size_t i = first + 1; i < end; i++) {
-        if (squared_distance(lights->point[i].position, position) < squared_distance(lights->point[best].position, position)) best = i;
+        if (squared_distance(lights->point[i].position, position) <
+            squared_distance(lights->point[best].position, position))
+            best = i;
     }
     return best;
 }
@@ -237,9 +268,10 @@ typedef struct {
     double open;
 } candidate;
 
-/* The place whose view is most like the cell's, the one nearer to its middle of two; moves the point there. */
-static void settle(sl_map_light_point *point, double side, const candidate *places, size_t count, size_t owner, double own,
-                   sl_light_openings *found) {
+/* The place whose view is most like the cell's, the one nearer to its middle of two; moves the point there.
+ */
+static void settle(sl_map_light_point *point, double side, const candidate *places, size_t count,
+                   size_t owner, double own, sl_light_openings *found) {
     double flux = 0.0, open = 0.0, least = INFINITY;
     const candidate *best = NULL;
     for (size_t i = 0; i < count; i++) {
@@ -254,8 +286,9 @@ static void settle(sl_map_light_point *point, double side, const candidate *plac
     if (open < SHUT || (own >= ALIKE * open && own * ALIKE <= open)) return;
     for (size_t i = 0; i < count; i++) {
         if (places[i].owner != owner || places[i].open < 0.5 * open) continue;
-        const double ratio = places[i].open / open, cost = fabs(ratio > 1.0 ? ratio - 1.0 : 1.0 / ratio - 1.0) +
-                                                           0.25 * squared_distance(places[i].at.position, point->position) / (side * side);
+        const double ratio = places[i].open / open,
+                     cost = fabs(ratio > 1.0 ? ratio - 1.0 : 1.0 / ratio - 1.0) +
+                            0.25 * squared_distance(places[i].at.position, point->position) / (side * side);
         if (cost < least) best = &places[i];
         least = cost < least ? cost : least;
     }
@@ -266,21 +299,24 @@ static void settle(sl_map_light_point *point, double side, const candidate *plac
 }
 
 /* Points [first, end) of a light whose cells are `side` wide. */
-static sl_status examine(const looking *l, unsigned subdivision, size_t first, size_t end, double side, const double *own,
-                         sl_map_lights *lights, sl_light_openings *found, sl_error *error) {
+static sl_status examine(const looking *l, unsigned subdivision, size_t first, size_t end, double side,
+                         const double *own, sl_map_lights *lights, sl_light_openings *found,
+                         sl_error *error) {
     const uint32_t index = lights->point[first].light;
     const sl_map_light *light = &lights->light[index];
     const int n = (int)subdivision * PLACES;
     sl_map_light_point *fine = sl_allocate((size_t)(n * n), sizeof *fine);
     candidate *places = sl_allocate((size_t)(n * n), sizeof *places);
     sl_status status = fine && places ? SL_OK : sl_fail_memory(error, "places of an area light");
-    size_t count = status == SL_OK ? sl_map_light_divide(l->scene, light, lights->emitter + light->first, n, fine) : 0;
+    size_t count =
+        status == SL_OK ? sl_map_light_divide(l->scene, light, lights->emitter + light->first, n, fine) : 0;
     for (size_t i = 0; i < count && status == SL_OK; i++) {
         fine[i].light = index;
         places[i] = (candidate){fine[i], owner_of(lights, first, end, fine[i].position), 0.0};
         status = openness(l, &places[i].at, 0.5 * side, &places[i].open, error);
     }
-    sl_map_light_point *moved = sl_allocate(end - first, sizeof *moved); /* owners are told by where points stood */
+    /* owners are told by where points stood */
+    sl_map_light_point *moved = sl_allocate(end - first, sizeof *moved);
     if (status == SL_OK && !moved) status = sl_fail_memory(error, "points of an area light");
     for (size_t i = first; i < end && status == SL_OK; i++) {
         moved[i - first] = lights->point[i];
@@ -301,8 +337,8 @@ static void follow(sl_map_lights *lights, size_t first, size_t end) {
     light->intensity = lights->point[first].intensity;
 }
 
-static sl_status visit(const looking *l, unsigned subdivision, size_t first, size_t end, sl_map_lights *lights,
-                       sl_light_openings *found, sl_error *error) {
+static sl_status visit(const looking *l, unsigned subdivision, size_t first, size_t end,
+                       sl_map_lights *lights, sl_light_openings *found, sl_error *error) {
     const sl_map_light *light = &lights->light[lights->point[first].light];
     const double side = sqrt((double)light->area / (double)(end - first));
     double own[FINEST * FINEST], wide = 0.0;
@@ -312,7 +348,8 @@ static sl_status visit(const looking *l, unsigned subdivision, size_t first, siz
     found->points += end - first;
     for (size_t i = first; i < end && status == SL_OK; i++) {
         status = openness(l, &lights->point[i], side, &wide, error);
-        if (status == SL_OK && wide < ALIKE) status = openness(l, &lights->point[i], 0.5 * side, &own[i - first], error);
+        if (status == SL_OK && wide < ALIKE)
+            status = openness(l, &lights->point[i], 0.5 * side, &own[i - first], error);
         else own[i - first] = 1.0;
         near = near || wide < 1.0;
     }
@@ -322,13 +359,16 @@ static sl_status visit(const looking *l, unsigned subdivision, size_t first, siz
     return status;
 }
 
-sl_status sl_map_lights_find_openings(const sl_scene *scene, const sl_raster *raster, unsigned subdivision, unsigned threads,
-                                      sl_map_lights *lights, sl_light_openings *found, sl_counters *counters, sl_error *error) {
+sl_status sl_map_lights_find_openings(const sl_scene *scene, const sl_raster *raster, unsigned subdivision,
+                                      unsigned threads, sl_map_lights *lights, sl_light_openings *found,
+                                      sl_counters *counters, sl_error *error) {
     *found = (sl_light_openings){0};
     looking l = {scene, raster, lights, threads, counters, sl_allocate(TEXELS, sizeof *l.depth)};
     sl_status status = l.depth ? SL_OK : sl_fail_memory(error, "a view from a light");
     for (size_t first = 0, end; first < lights->point_count && status == SL_OK; first = end) {
-        for (end = first + 1; end < lights->point_count && lights->point[end].light == lights->point[first].light;) end++;
+        for (end = first + 1;
+             end < lights->point_count && lights->point[end].light == lights->point[first].light;)
+            end++;
         status = visit(&l, subdivision, first, end, lights, found, error);
     }
     sl_free(l.depth);

@@ -8,7 +8,8 @@
 
 /* ---- what a light gives ---- */
 
-/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between; a step where they are equal. */
+/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between; a step where they are
+ * equal. */
 static float falloff(const sl_map_light *light, float cosine) {
     if (cosine >= light->cos_inner) return 1.0f;
     if (!(cosine > light->cos_outer)) return 0.0f;
@@ -20,7 +21,8 @@ sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction) {
     float cosine = sl_dot(light->direction, direction);
     switch (light->kind) {
     case SL_MAP_LIGHT_SPOT: return sl_rgb_scale(light->intensity, falloff(light, cosine));
-    case SL_MAP_LIGHT_AREA: return sl_rgb_scale(light->intensity, cosine > 0.0f ? cosine : light->two_sided ? -cosine : 0.0f);
+    case SL_MAP_LIGHT_AREA:
+        return sl_rgb_scale(light->intensity, cosine > 0.0f ? cosine : light->two_sided ? -cosine : 0.0f);
     default: return light->intensity;
     }
 }
@@ -29,13 +31,16 @@ sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction) {
 static double directions_of(const sl_map_light *light) {
     switch (light->kind) {
     case SL_MAP_LIGHT_POINT: return 4.0 * SL_PI;
-    case SL_MAP_LIGHT_SPOT: return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
+    case SL_MAP_LIGHT_SPOT:
+        return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
     case SL_MAP_LIGHT_AREA: return light->two_sided ? 2.0 * SL_PI : SL_PI;
     default: return 1.0;
     }
 }
 
-sl_rgb sl_map_light_flux(const sl_map_light *light) { return sl_rgb_scale(light->intensity, (float)directions_of(light)); }
+sl_rgb sl_map_light_flux(const sl_map_light *light) {
+    return sl_rgb_scale(light->intensity, (float)directions_of(light));
+}
 
 /* ---- seeds: lights before any are merged ---- */
 
@@ -53,9 +58,13 @@ typedef struct {
 enum { KIND_TWO_SIDED = SL_MAP_LIGHT_AREA + 1 };
 
 static sl_map_light light_of(const sl_light *l) {
-    static const sl_map_light_kind kinds[] = {[SL_LIGHT_POINT] = SL_MAP_LIGHT_POINT, [SL_LIGHT_SPOT] = SL_MAP_LIGHT_SPOT,
+    static const sl_map_light_kind kinds[] = {[SL_LIGHT_POINT] = SL_MAP_LIGHT_POINT,
+                                              [SL_LIGHT_SPOT] = SL_MAP_LIGHT_SPOT,
                                               [SL_LIGHT_DIRECTIONAL] = SL_MAP_LIGHT_DIRECTIONAL};
-    sl_map_light light = {.kind = kinds[l->type], .intensity = l->intensity, .cos_inner = l->cos_inner, .cos_outer = l->cos_outer};
+    sl_map_light light = {.kind = kinds[l->type],
+                          .intensity = l->intensity,
+                          .cos_inner = l->cos_inner,
+                          .cos_outer = l->cos_outer};
     if (l->type != SL_LIGHT_DIRECTIONAL) light.position = l->position;
     if (l->type != SL_LIGHT_POINT) light.direction = l->direction;
     return light;
@@ -63,7 +72,8 @@ static sl_map_light light_of(const sl_light *l) {
 
 /* Emitters of different colours are weighed by their mean. */
 static double power_of(const sl_emitter *e) {
-    return (e->two_sided ? 2.0 : 1.0) * (double)sl_rgb_mean(e->radiance) * (double)e->area * (double)e->opaque;
+    return (e->two_sided ? 2.0 : 1.0) * (double)sl_rgb_mean(e->radiance) * (double)e->area *
+           (double)e->opaque;
 }
 
 /* Of what its mask leaves. */
@@ -82,7 +92,8 @@ static sl_vec3d middle_of_masked(const sl_scene *s, uint32_t triangle) {
 static sl_vec3d middle_of(const sl_scene *s, uint32_t triangle) {
     sl_vec3d sum = {0};
     if (sl_scene_has_alpha(s, triangle)) return middle_of_masked(s, triangle);
-    for (int k = 0; k < 3; k++) sum = sl_addd(sum, sl_to_double(sl_scene_position(s, s->vertex[k][triangle])));
+    for (int k = 0; k < 3; k++)
+        sum = sl_addd(sum, sl_to_double(sl_scene_position(s, s->vertex[k][triangle])));
     return sl_scaled(sum, 1.0 / 3.0);
 }
 
@@ -93,7 +104,8 @@ static void add_to_seed(finding *f, uint32_t emitter) {
     f->seed[i].kind = e->two_sided ? KIND_TWO_SIDED : SL_MAP_LIGHT_AREA;
     f->seed[i].power += power;
     f->centre[i] = sl_addd(f->centre[i], sl_scaled(middle_of(f->scene, e->triangle), power));
-    f->normal[i] = sl_addd(f->normal[i], sl_scaled(sl_to_double(sl_scene_geometric_normal(f->scene, e->triangle)), power));
+    f->normal[i] = sl_addd(f->normal[i],
+                           sl_scaled(sl_to_double(sl_scene_geometric_normal(f->scene, e->triangle)), power));
 }
 
 static void sow(finding *f) {
@@ -101,20 +113,23 @@ static void sow(finding *f) {
     for (size_t i = 0; i < s->light_count; i++) {
         sl_map_light light = light_of(&s->lights[i]);
         double power = (double)sl_rgb_mean(light.intensity) * directions_of(&light);
-        f->seed[i] = (sl_light_seed){(int)light.kind, power > 0.0 ? power : 0.0, light.position, light.direction};
+        f->seed[i] =
+            (sl_light_seed){(int)light.kind, power > 0.0 ? power : 0.0, light.position, light.direction};
     }
     for (uint32_t e = 0; e < s->emitter_count; e++) {
         if (f->group[e] != SL_NO_INDEX) add_to_seed(f, e);
     }
     for (size_t i = s->light_count; i < f->seeds; i++) {
         f->seed[i].position = sl_to_float(sl_scaled(f->centre[i], 1.0 / f->seed[i].power));
-        f->seed[i].normal = sl_normalize_or(sl_to_float(sl_scaled(f->normal[i], 1.0 / f->seed[i].power)), sl_v3(0, 0, 1));
+        f->seed[i].normal =
+            sl_normalize_or(sl_to_float(sl_scaled(f->normal[i], 1.0 / f->seed[i].power)), sl_v3(0, 0, 1));
     }
 }
 
 /* ---- lights without extent ---- */
 
-/* The merged light stands in the middle by flux, shines as widely as its widest part, and has the flux of both. */
+/* The merged light stands in the middle by flux, shines as widely as its widest part, and has the flux of
+ * both. */
 static void merge_light(finding *f, size_t index) {
     const sl_light_seed *seed = &f->seed[index];
     sl_map_light part = light_of(&f->scene->lights[index]), *into = &f->out->light[f->cluster[index]];
@@ -127,7 +142,8 @@ static void merge_light(finding *f, size_t index) {
     share = *weight + seed->power > 0.0 ? seed->power / (*weight + seed->power) : 0.0;
     sl_rgb flux = sl_rgb_add(sl_map_light_flux(into), sl_map_light_flux(&part));
     into->position = sl_mad(into->position, (float)share, sl_sub(part.position, into->position));
-    into->direction = sl_normalize_or(sl_mad(into->direction, (float)share, sl_sub(part.direction, into->direction)), into->direction);
+    into->direction = sl_normalize_or(
+        sl_mad(into->direction, (float)share, sl_sub(part.direction, into->direction)), into->direction);
     into->cos_inner = part.cos_inner < into->cos_inner ? part.cos_inner : into->cos_inner;
     into->cos_outer = part.cos_outer < into->cos_outer ? part.cos_outer : into->cos_outer;
     double directions = directions_of(into);
@@ -138,7 +154,8 @@ static void merge_light(finding *f, size_t index) {
 /* ---- area lights ---- */
 
 static uint32_t light_of_emitter(const finding *f, uint32_t emitter) {
-    return f->group[emitter] == SL_NO_INDEX ? SL_NO_INDEX : f->cluster[f->scene->light_count + f->group[emitter]];
+    return f->group[emitter] == SL_NO_INDEX ? SL_NO_INDEX
+                                            : f->cluster[f->scene->light_count + f->group[emitter]];
 }
 
 static void add_emitter(finding *f, uint32_t emitter, uint32_t light) {
@@ -161,7 +178,8 @@ static void place_area_light(const finding *f, sl_map_light *l) {
         double power = power_of(e);
         sum += power;
         area += (double)e->area;
-        intensity = sl_addd(intensity, sl_scaled(sl_v3d(e->radiance.r, e->radiance.g, e->radiance.b), (double)e->area * (double)e->opaque));
+        intensity = sl_addd(intensity, sl_scaled(sl_v3d(e->radiance.r, e->radiance.g, e->radiance.b),
+                                                 (double)e->area * (double)e->opaque));
         centre = sl_addd(centre, sl_scaled(middle_of(f->scene, e->triangle), power));
         normal = sl_addd(normal, sl_scaled(sl_to_double(n), power));
         if (power > most) strongest = n;
@@ -174,14 +192,16 @@ static void place_area_light(const finding *f, sl_map_light *l) {
     l->direction = sl_lengthd(normal) > 1e-3 ? sl_normalize_or(sl_to_float(normal), strongest) : strongest;
 }
 
-float sl_map_light_clearance(const sl_scene *scene, const sl_map_lights *lights, size_t light, sl_vec3 eye, bool back) {
+float sl_map_light_clearance(const sl_scene *scene, const sl_map_lights *lights, size_t light, sl_vec3 eye,
+                             bool back) {
     const sl_map_light *l = &lights->light[light];
     sl_vec3d n = sl_scaled(sl_to_double(l->direction), back ? -1.0 : 1.0), o = sl_to_double(eye);
     double most = 0.0;
     for (size_t i = 0; i < l->count; i++) {
         uint32_t triangle = scene->emitters[lights->emitter[l->first + i]].triangle;
         for (int k = 0; k < 3; k++) {
-            double height = sl_dotd(n, sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])), o));
+            double height =
+                sl_dotd(n, sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])), o));
             most = height > most ? height : most;
         }
     }
@@ -224,14 +244,16 @@ static void gather_emitters(finding *f) {
 static sl_status divide(finding *f, int n, sl_error *error) {
     sl_map_lights *out = f->out;
     size_t most = 0;
-    for (size_t i = 0; i < out->count; i++) most += out->light[i].kind == SL_MAP_LIGHT_AREA ? (size_t)n * (size_t)n : 1;
+    for (size_t i = 0; i < out->count; i++)
+        most += out->light[i].kind == SL_MAP_LIGHT_AREA ? (size_t)n * (size_t)n : 1;
     out->point = sl_allocate(most, sizeof *out->point);
     if (!out->point) return sl_fail_memory(error, "the lights' points");
     for (size_t i = 0; i < out->count; i++) {
         const sl_map_light *l = &out->light[i];
         sl_map_light_point *point = out->point + out->point_count;
         size_t count = 1;
-        if (l->kind == SL_MAP_LIGHT_AREA) count = sl_map_light_divide(f->scene, l, out->emitter + l->first, n, point);
+        if (l->kind == SL_MAP_LIGHT_AREA)
+            count = sl_map_light_divide(f->scene, l, out->emitter + l->first, n, point);
         else *point = (sl_map_light_point){.position = l->position, .intensity = l->intensity};
         for (size_t k = 0; k < count; k++) point[k].light = (uint32_t)i;
         out->point_count += count;
@@ -248,7 +270,8 @@ static sl_status merge(finding *f, sl_error *error) {
     f->normal = sl_allocate(f->seeds, sizeof *f->normal);
     if (!f->seed || !f->cluster || !f->centre || !f->normal) return sl_fail_memory(error, "the lights");
     sow(f);
-    return sl_light_seeds_merge(f->seed, f->seeds, SL_MAP_LIGHTS_MAX, sl_scene_central_diagonal(f->scene), f->cluster, &f->clusters, error);
+    return sl_light_seeds_merge(f->seed, f->seeds, SL_MAP_LIGHTS_MAX, sl_scene_central_diagonal(f->scene),
+                                f->cluster, &f->clusters, error);
 }
 
 static sl_status make(finding *f, int subdivision, sl_error *error) {
@@ -258,22 +281,30 @@ static sl_status make(finding *f, int subdivision, sl_error *error) {
     out->light = sl_allocate(out->count, sizeof *out->light);
     out->emitter = sl_allocate(s->emitter_count, sizeof *out->emitter);
     f->weight = sl_allocate(out->count, sizeof *f->weight);
-    if (s->emitter_count) out->light_of_triangle = sl_allocate(s->triangle_count, sizeof *out->light_of_triangle);
+    if (s->emitter_count)
+        out->light_of_triangle = sl_allocate(s->triangle_count, sizeof *out->light_of_triangle);
     if (!out->light || !out->emitter || !f->weight || (s->emitter_count && !out->light_of_triangle))
         return sl_fail_memory(error, "the lights");
     for (size_t i = 0; i < out->count; i++) f->weight[i] = -1.0;
-    for (size_t t = 0; out->light_of_triangle && t < s->triangle_count; t++) out->light_of_triangle[t] = SL_NO_INDEX;
+    for (size_t t = 0; out->light_of_triangle && t < s->triangle_count; t++)
+        out->light_of_triangle[t] = SL_NO_INDEX;
     for (size_t i = 0; i < s->light_count; i++) merge_light(f, i);
     gather_emitters(f);
     return divide(f, subdivision, error);
 }
 
-sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_lights **lights, sl_error *error) {
+sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_lights **lights,
+                             sl_error *error) {
     *lights = NULL;
     if (subdivision < 1 || subdivision > 64)
-        return sl_fail(error, SL_ERROR_USAGE, "area lights are divided into 1 x 1 to 64 x 64 points, not %d x %d", subdivision, subdivision);
-    finding f = {.scene = scene, .out = sl_allocate(1, sizeof *f.out), .group = sl_allocate(scene->emitter_count, sizeof *f.group)};
-    sl_status status = f.out && f.group ? sl_emitters_group(scene, f.group, &f.groups, error) : sl_fail_memory(error, "the lights");
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "area lights are divided into 1 x 1 to 64 x 64 points, not %d x %d", subdivision,
+                       subdivision);
+    finding f = {.scene = scene,
+                 .out = sl_allocate(1, sizeof *f.out),
+                 .group = sl_allocate(scene->emitter_count, sizeof *f.group)};
+    sl_status status = f.out && f.group ? sl_emitters_group(scene, f.group, &f.groups, error)
+                                        : sl_fail_memory(error, "the lights");
     if (status == SL_OK) status = merge(&f, error);
     if (status == SL_OK) status = make(&f, subdivision, error);
     sl_free(f.group);
@@ -343,8 +374,8 @@ sl_frame sl_light_side(const sl_frame *f, int side) {
     }
 }
 
-/* Of a spot: nearest to its axis are the middles of the sides' upper edges, at 45 degrees, and the back's corners, at
- * acos(-1/sqrt 3); a little more, for rounding. */
+/* Of a spot: nearest to its axis are the middles of the sides' upper edges, at 45 degrees, and the back's
+ * corners, at acos(-1/sqrt 3); a little more, for rounding. */
 bool sl_light_shines_on(const sl_map_light *light, int side) {
     static const float nearest[3] = {2.0f, 0.7071070f, -0.5773500f};
     if (light->kind == SL_MAP_LIGHT_AREA) return side != SL_LIGHT_BACK || light->two_sided;
@@ -353,8 +384,8 @@ bool sl_light_shines_on(const sl_map_light *light, int side) {
 }
 
 sl_view sl_light_picture_view(const sl_scene *scene, const sl_map_light *light, const sl_light_picture *p) {
-    sl_view view = sl_view_pyramid(&p->frame, p->eye, (float)p->left, (float)p->right, (float)p->bottom, (float)p->top, p->width,
-                                   p->height, 1e-5f * scene->scale);
+    sl_view view = sl_view_pyramid(&p->frame, p->eye, (float)p->left, (float)p->right, (float)p->bottom,
+                                   (float)p->top, p->width, p->height, 1e-5f * scene->scale);
     if (light->kind != SL_MAP_LIGHT_AREA) return view;
     /* An oblique near plane: 1/w depth has no use for the row (mirror.h), and the sides keep w positive. */
     sl_vec3 n = p->back ? sl_neg(light->direction) : light->direction;
@@ -366,12 +397,15 @@ sl_view sl_light_picture_view(const sl_scene *scene, const sl_map_light *light, 
     return view;
 }
 
-static float reach_along(sl_vec3 axis, sl_vec3 half) { return fabsf(axis.x * half.x) + fabsf(axis.y * half.y) + fabsf(axis.z * half.z); }
+static float reach_along(sl_vec3 axis, sl_vec3 half) {
+    return fabsf(axis.x * half.x) + fabsf(axis.y * half.y) + fabsf(axis.z * half.z);
+}
 
 sl_parallel_picture sl_parallel_picture_of(const sl_scene *scene, const sl_map_light *light) {
     sl_vec3 half = sl_scale(sl_sub(scene->box_max, scene->box_min), 0.5f);
     float margin = 1e-3f * scene->diagonal;
-    sl_parallel_picture p = {.centre = sl_add(scene->box_min, half), .frame = sl_frame_from_normal(light->direction)};
+    sl_parallel_picture p = {.centre = sl_add(scene->box_min, half),
+                             .frame = sl_frame_from_normal(light->direction)};
     p.reach_x = reach_along(p.frame.x, half) + margin;
     p.reach_y = reach_along(p.frame.y, half) + margin;
     p.reach_z = reach_along(p.frame.z, half) + margin;
@@ -385,7 +419,11 @@ static void set_row(float row[4], sl_vec3 axis, float reach) {
 }
 
 sl_view sl_parallel_view(const sl_parallel_picture *p, int width, int height) {
-    sl_view view = {.origin = p->centre, .width = width, .height = height, .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
+    sl_view view = {.origin = p->centre,
+                    .width = width,
+                    .height = height,
+                    .depth = SL_DEPTH_WINDOW,
+                    .skip_triangle = SL_NO_INDEX};
     set_row(view.clip[0], p->frame.x, p->reach_x);
     set_row(view.clip[1], p->frame.y, p->reach_y);
     set_row(view.clip[2], p->frame.z, p->reach_z);

@@ -38,15 +38,20 @@ static sl_planned_face *next_face(planning *p, sl_error *error) {
     return &p->face[p->count];
 }
 
-static void skip(planning *p, int passes) { sl_count(p->counters, SL_COUNT_RASTER_PASSES_SKIPPED, (uint64_t)passes); }
+static void skip(planning *p, int passes) {
+    sl_count(p->counters, SL_COUNT_RASTER_PASSES_SKIPPED, (uint64_t)passes);
+}
 
 static size_t texels_of(const sl_map_face *f) { return (size_t)f->width * (size_t)f->height; }
 
 /* The light's own picture in a mirror. */
-static sl_status plan_mirrored(planning *p, const sl_map_light *light, const sl_planned_face *of, uint32_t mirror, sl_error *error) {
+static sl_status plan_mirrored(planning *p, const sl_map_light *light, const sl_planned_face *of,
+                               uint32_t mirror, sl_error *error) {
     sl_planned_face *next = next_face(p, error), mirrored;
     if (!next) return SL_ERROR_RESOURCES;
-    if (!sl_map_face_in_mirror(p->scene, p->options->mirrors, &p->mirror_triangles, mirror, light, &p->shape, of, &mirrored)) return SL_OK;
+    if (!sl_map_face_in_mirror(p->scene, p->options->mirrors, &p->mirror_triangles, mirror, light, &p->shape,
+                               of, &mirrored))
+        return SL_OK;
     if (!sl_raster_meets(p->raster, &mirrored.through) || !sl_raster_meets(p->raster, &mirrored.face.view)) {
         skip(p, 1);
         return SL_OK;
@@ -60,7 +65,8 @@ static sl_status plan_mirrored(planning *p, const sl_map_light *light, const sl_
 
 /* Where the paper aims its light. */
 static sl_vec3 aim_of(const sl_scene *s, const sl_map_light *light) {
-    return sl_normalize_or(sl_sub(sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min)), light->position), sl_v3(0, -1, 0));
+    return sl_normalize_or(sl_sub(sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min)), light->position),
+                           sl_v3(0, -1, 0));
 }
 
 static bool is_dark(const sl_map_light *light) {
@@ -74,7 +80,8 @@ static sl_status plan_light(planning *p, uint32_t index, sl_error *error) {
     float clearance[2] = {0};
     for (int back = 0; back < 2 && light->kind == SL_MAP_LIGHT_AREA; back++)
         clearance[back] = sl_map_light_clearance(p->scene, p->lights, index, light->position, back);
-    int dark = 0, count = sl_light_faces(p->scene, light, &p->shape, aim_of(p->scene, light), clearance, face, &dark);
+    int dark = 0,
+        count = sl_light_faces(p->scene, light, &p->shape, aim_of(p->scene, light), clearance, face, &dark);
     skip(p, is_dark(light) ? dark + count : dark);
     if (is_dark(light)) return SL_OK;
     for (int f = 0; f < count; f++) {
@@ -91,7 +98,8 @@ static sl_status plan_light(planning *p, uint32_t index, sl_error *error) {
     }
     sl_status status = SL_OK;
     for (uint32_t m = 0; p->options->mirrors && m < p->options->mirrors->count; m++) {
-        for (int f = 0; f < count && status == SL_OK; f++) status = plan_mirrored(p, light, &face[f], m, error);
+        for (int f = 0; f < count && status == SL_OK; f++)
+            status = plan_mirrored(p, light, &face[f], m, error);
     }
     return status;
 }
@@ -101,7 +109,8 @@ static sl_status plan_light(planning *p, uint32_t index, sl_error *error) {
 static bool mirror_is_seen(const planning *p, const sl_planned_face *f) {
     const uint32_t *seen = p->stencil + f->stencil;
     for (size_t i = 0; i < texels_of(&f->face); i++) {
-        if (seen[i] != SL_NO_INDEX && p->options->mirrors->of_triangle[seen[i]] == f->face.mirror) return true;
+        if (seen[i] != SL_NO_INDEX && p->options->mirrors->of_triangle[seen[i]] == f->face.mirror)
+            return true;
     }
     return false;
 }
@@ -112,16 +121,20 @@ static sl_status draw_stencils(planning *p, sl_error *error) {
     sl_view *views = sl_allocate(p->count, sizeof *views);
     sl_target *targets = sl_allocate(p->count, sizeof *targets);
     p->stencil = sl_allocate(p->stencil_texels, sizeof *p->stencil);
-    sl_status status = views && targets && p->stencil ? SL_OK : sl_fail_memory(error, "a radiance map's mirrors");
+    sl_status status =
+        views && targets && p->stencil ? SL_OK : sl_fail_memory(error, "a radiance map's mirrors");
     for (size_t f = 0; f < p->count && status == SL_OK; f++) {
         const sl_planned_face *face = &p->face[f];
         if (face->face.mirror == SL_NO_INDEX) continue;
         views[count] = face->through;
         targets[count++] = (sl_target){face->face.width, face->face.height, p->stencil + face->stencil, NULL};
     }
-    if (status == SL_OK) status = sl_map_triangles_draw(p->raster, count, views, targets, p->options->threads, p->counters, error);
+    if (status == SL_OK)
+        status =
+            sl_map_triangles_draw(p->raster, count, views, targets, p->options->threads, p->counters, error);
     for (size_t f = 0; f < p->count && status == SL_OK; f++) {
-        if (p->face[f].face.mirror == SL_NO_INDEX || mirror_is_seen(p, &p->face[f])) p->face[kept++] = p->face[f];
+        if (p->face[f].face.mirror == SL_NO_INDEX || mirror_is_seen(p, &p->face[f]))
+            p->face[kept++] = p->face[f];
         else skip(p, 1);
     }
     if (status == SL_OK) p->count = kept;
@@ -143,13 +156,14 @@ static bool allocate_vectors(float *plane[3], size_t texels) {
     return plane[0] && plane[1] && plane[2];
 }
 
-static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_options *options, bool traced, sl_error *error) {
+static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_options *options, bool traced,
+                                 sl_error *error) {
     size_t n = map->texels;
     map->triangle = sl_allocate(n, sizeof *map->triangle);
     map->block_angle = sl_allocate(n, sizeof *map->block_angle);
     map->path = sl_allocate(n, sizeof *map->path);
-    bool ok = map->triangle && map->block_angle && map->path && allocate_vectors(map->position, n) && allocate_vectors(map->color, n) &&
-              allocate_vectors(map->geometric, n);
+    bool ok = map->triangle && map->block_angle && map->path && allocate_vectors(map->position, n) &&
+              allocate_vectors(map->color, n) && allocate_vectors(map->geometric, n);
     if (options->normals) ok = ok && allocate_vectors(map->normal, n);
     if (traced) {
         map->spread = sl_allocate(n, sizeof *map->spread);
@@ -159,8 +173,8 @@ static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_opt
 }
 
 static bool same_texels(const sl_map_face *a, const sl_map_face *b) {
-    return a->left == b->left && a->right == b->right && a->bottom == b->bottom && a->top == b->top && a->width == b->width &&
-           a->height == b->height;
+    return a->left == b->left && a->right == b->right && a->bottom == b->bottom && a->top == b->top &&
+           a->width == b->width && a->height == b->height;
 }
 
 static void measure_texels(sl_radiance_map *map, const sl_map_face *f, bool parallel) {
@@ -180,11 +194,14 @@ static void measure_faces(sl_radiance_map *map) {
         const sl_map_face *face = &map->face[f];
         bool parallel = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
         size_t like = f > SL_LIGHT_FACES_MAX ? f - SL_LIGHT_FACES_MAX : 0;
-        while (like < f && (parallel || map->lights->light[map->face[like].light].kind == SL_MAP_LIGHT_DIRECTIONAL ||
-                            !same_texels(&map->face[like], face)))
+        while (like < f &&
+               (parallel || map->lights->light[map->face[like].light].kind == SL_MAP_LIGHT_DIRECTIONAL ||
+                !same_texels(&map->face[like], face)))
             like++;
         if (like == f) measure_texels(map, face, parallel);
-        else memcpy(map->block_angle + face->first, map->block_angle + map->face[like].first, texels_of(face) * sizeof *map->block_angle);
+        else
+            memcpy(map->block_angle + face->first, map->block_angle + map->face[like].first,
+                   texels_of(face) * sizeof *map->block_angle);
     }
 }
 
@@ -203,11 +220,13 @@ static sl_status make_map(const planning *p, sl_radiance_map *map, bool traced, 
     return status;
 }
 
-static sl_status render(planning *p, const sl_radiance_map_settings *settings, sl_radiance_map *map, sl_error *error) {
+static sl_status render(planning *p, const sl_radiance_map_settings *settings, sl_radiance_map *map,
+                        sl_error *error) {
     bool traced = settings->traced_light_mirrors && p->options->tracer;
     sl_status status = plan(p, error);
     if (status == SL_OK) status = make_map(p, map, traced, error);
-    sl_map_drawing drawing = {p->scene, p->raster, settings, p->options, p->face, p->stencil, map, p->counters};
+    sl_map_drawing drawing = {p->scene, p->raster,  settings, p->options,
+                              p->face,  p->stencil, map,      p->counters};
     if (status == SL_OK) status = sl_map_pictures_draw(&drawing, error);
     if (status == SL_OK && traced) status = sl_map_trace_mirrors(&drawing, error);
     return status;
@@ -216,21 +235,30 @@ static sl_status render(planning *p, const sl_radiance_map_settings *settings, s
 static sl_status check(const sl_radiance_map_settings *s, sl_error *error) {
     enum { LARGEST = 4096 };
     if (s->samples >= 1 && s->samples <= LARGEST && s->map_size >= 1 && s->map_size <= LARGEST) return SL_OK;
-    return sl_fail(error, SL_ERROR_USAGE, "a radiance map of %d texels and %d samples a side: from 1 to %d each", s->map_size, s->samples,
-                   (int)LARGEST);
+    return sl_fail(error, SL_ERROR_USAGE,
+                   "a radiance map of %d texels and %d samples a side: from 1 to %d each", s->map_size,
+                   s->samples, (int)LARGEST);
 }
 
 sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
-                                 const sl_radiance_map_settings *settings, const sl_radiance_map_options *options, sl_radiance_map **out,
+                                 const sl_radiance_map_settings *settings,
+                                 const sl_radiance_map_options *options, sl_radiance_map **out,
                                  sl_counters *counters, sl_error *error) {
     *out = NULL;
     sl_status status = check(settings, error);
     if (status != SL_OK) return status;
-    planning p = {.scene = scene, .raster = raster, .lights = lights, .options = options, .shape = sl_face_shape_of(settings),
+    planning p = {.scene = scene,
+                  .raster = raster,
+                  .lights = lights,
+                  .options = options,
+                  .shape = sl_face_shape_of(settings),
                   .counters = counters};
     sl_radiance_map *map = sl_allocate(1, sizeof *map);
     if (!map) return sl_fail_memory(error, "a radiance map");
-    *map = (sl_radiance_map){.lights = lights, .lambertian = options->lambertian, .shape = settings->shape, .fov = settings->map_fov};
+    *map = (sl_radiance_map){.lights = lights,
+                             .lambertian = options->lambertian,
+                             .shape = settings->shape,
+                             .fov = settings->map_fov};
     status = render(&p, settings, map, error);
     sl_mirror_triangles_free(&p.mirror_triangles);
     sl_free(p.face);
@@ -242,7 +270,8 @@ sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster,
 
 void sl_radiance_map_destroy(sl_radiance_map *map) {
     if (!map) return;
-    float *const *planes[] = {map->position, map->color, map->normal, map->geometric, map->arrival, map->carried};
+    float *const *planes[] = {map->position,  map->color,   map->normal,
+                              map->geometric, map->arrival, map->carried};
     for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) {
         for (int k = 0; k < 3; k++) sl_free(planes[i][k]);
     }

@@ -1,16 +1,17 @@
-/* The direct radiance map, passes 2a to 2c: pictures taken from the lights, of what they light directly. They tell, texel by texel, where
- * light is reflected (positions), how much (radiance, or where materials are not Lambertian their true colour) and in which
- * directions (normals).
+/* The direct radiance map, passes 2a to 2c: pictures taken from the lights, of what they light directly. They
+ * tell, texel by texel, where light is reflected (positions), how much (radiance, or where materials are not
+ * Lambertian their true colour) and in which directions (normals).
  *
  *      light
- *       /|\          a face: w x w texels, or w x ceil(w/2) for the sides of a hemicube, cut into m x m blocks; each block's
- *      / | \         middle is a sample, and each sample stands for the block's solid angle
+ *       /|\          a face: w x w texels, or w x ceil(w/2) for the sides of a hemicube, cut into m x m
+ * blocks; each block's / | \         middle is a sample, and each sample stands for the block's solid angle
  *     +--+--+
- *     |  y  |  n_y   Psi = rho I dOmega / pi is finite wherever y lies and however the surface is tilted there
+ *     |  y  |  n_y   Psi = rho I dOmega / pi is finite wherever y lies and however the surface is tilted
+ * there
  *     +-----+
  *
- * Planar mirrors near the light show it again: the light's mirror image takes pictures of its own, cut to the mirror; y is real, and
- * b = |y - L'| is the whole way. */
+ * Planar mirrors near the light show it again: the light's mirror image takes pictures of its own, cut to the
+ * mirror; y is real, and b = |y - L'| is the whole way. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_MAP_H
 #define SL_CACHE_DIRECT_RADIANCE_MAP_H
 
@@ -25,8 +26,10 @@ typedef struct sl_map_face {
     sl_vec3 eye;                     /* the light, or its image L' */
     sl_rgb reflectance;              /* of the mirror; 1 without */
     sl_view view;
-    sl_frame frame;                  /* x right, y up, z the way it looks; mirrored along with a mirror's picture */
-    double left, right, bottom, top; /* of the picture plane: at distance 1 along z; directional: in world units around eye */
+    /* x right, y up, z the way it looks; mirrored along with a mirror's picture */
+    sl_frame frame;
+    /* of the picture plane: at distance 1 along z; directional: in world units around eye */
+    double left, right, bottom, top;
     int width, height;               /* texels */
     int columns, rows;               /* blocks: width / columns = height / rows = w / m texels each way */
     size_t first;                    /* its first texel in the planes, row 0 at the bottom */
@@ -39,16 +42,21 @@ typedef struct sl_radiance_map {
     size_t texels;                   /* of all faces together; the planes hold so many values */
     uint32_t *triangle;              /* SL_NO_INDEX: nothing there (coverage 0) */
     float *position[3];
-    float *color[3];                 /* Lambertian scenes: L_o, W/(m^2 sr), as it leaves: mirrors on the light's way have had their share;
-                                        others: true colour, kd with its texture, and nothing else */
-    float *normal[3];                /* shading normals turned to the light; NULL where no weight or material asks for them */
+    float *color[3]; /* Lambertian scenes: L_o, W/(m^2 sr), as it leaves: mirrors on the light's way have had
+                        their share; others: true colour, kd with its texture, and nothing else */
+    /* shading normals turned to the light; NULL where no weight or material asks for them */
+    float *normal[3];
     float *geometric[3];             /* geometric ones, likewise turned; always there, as they decide sides */
-    float *block_angle;              /* per texel: solid angle in sr (directional: area in m^2) of the texel itself */
-    float *path;                     /* per texel: b, the way from the light; of traced mirrors the unfolded one */
-    float *spread;                   /* per texel: NULL, or of traced light: the area perpendicular to the light's arrival that the texel
-                                        stands for, instead of b^2 dOmega; 0 where the light came straight */
-    float *arrival[3];               /* beside spread: unit, at y towards where its light comes from; NULL without */
-    float *carried[3];               /* beside spread: the reflectances of the traced mirrors on the way, multiplied; NULL without */
+    /* per texel: solid angle in sr (directional: area in m^2) of the texel itself */
+    float *block_angle;
+    /* per texel: b, the way from the light; of traced mirrors the unfolded one */
+    float *path;
+    float *spread; /* per texel: NULL, or of traced light: the area perpendicular to the light's arrival that
+                      the texel stands for, instead of b^2 dOmega; 0 where the light came straight */
+    /* beside spread: unit, at y towards where its light comes from; NULL without */
+    float *arrival[3];
+    /* beside spread: the reflectances of the traced mirrors on the way, multiplied; NULL without */
+    float *carried[3];
     bool lambertian;                 /* color holds L_o */
     bool mirrored_light;             /* some faces are images in mirrors */
     sl_map_shape shape;              /* as asked for */
@@ -59,29 +67,34 @@ typedef struct sl_radiance_map_options {
     const sl_mirrors *mirrors;       /* planar mirrors, or NULL */
     bool lambertian;                 /* no surface is glossy: radiance instead of true colour */
     bool normals;                    /* pass 2c */
-    const struct sl_tracer *tracer;  /* for settings->traced_light_mirrors; NULL: curved mirrors in a light's view stay dark */
+    /* for settings->traced_light_mirrors; NULL: curved mirrors in a light's view stay dark */
+    const struct sl_tracer *tracer;
     unsigned threads;
 } sl_radiance_map_options;
 
-/* Takes the pictures. settings are complete. Faces that are dark, faces that meet no geometry, and all of lights without flux are skipped
- * and counted as such. What lies lower than an area light's own triangles reach is not in its pictures. Lights that shine into one
- * hemisphere have hemicubes where cubes are asked for; directional lights one parallel picture, whatever is asked for. */
+/* Takes the pictures. settings are complete. Faces that are dark, faces that meet no geometry, and all of
+ * lights without flux are skipped and counted as such. What lies lower than an area light's own triangles
+ * reach is not in its pictures. Lights that shine into one hemisphere have hemicubes where cubes are asked
+ * for; directional lights one parallel picture, whatever is asked for. */
 sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
-                                 const sl_radiance_map_settings *settings, const sl_radiance_map_options *options, sl_radiance_map **map,
+                                 const sl_radiance_map_settings *settings,
+                                 const sl_radiance_map_options *options, sl_radiance_map **map,
                                  sl_counters *counters, sl_error *error);
 void sl_radiance_map_destroy(sl_radiance_map *map);
 size_t sl_radiance_map_bytes(const sl_radiance_map *map);
-/* Share of a light's flux that leaves inside its map's faces, hit or not: 1 for a cube around a point; 0.554 for one 90 degree frustum
- * of an area light. */
+/* Share of a light's flux that leaves inside its map's faces, hit or not: 1 for a cube around a point; 0.554
+ * for one 90 degree frustum of an area light. */
 double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light);
 
-/* The part of space, and of a surface, for which one sample of a light's picture stands: (12), (13), and what they should be. */
+/* The part of space, and of a surface, for which one sample of a light's picture stands: (12), (13), and what
+ * they should be. */
 
-/* Exact solid angle of the rectangle [x0,x1] x [y0,y1] of a picture plane at distance 1: atan(x y / sqrt(1 + x^2 + y^2)) at
- * its corners, with alternating signs. Those of a picture's parts add up
- * to 4 asin(sin^2(fov/2)), those of a cube's six faces to 4 pi. */
+/* Exact solid angle of the rectangle [x0,x1] x [y0,y1] of a picture plane at distance 1: atan(x y / sqrt(1 +
+ * x^2 + y^2)) at its corners, with alternating signs. Those of a picture's parts add up to 4
+ * asin(sin^2(fov/2)), those of a cube's six faces to 4 pi. */
 double sl_rectangle_solid_angle(double x0, double y0, double x1, double y1);
-/* (12) as printed but with the number m of samples a side where the paper has its texels: (2 b tan(fov / 2m))^2. */
+/* (12) as printed but with the number m of samples a side where the paper has its texels: (2 b tan(fov /
+ * 2m))^2. */
 double sl_printed_footprint(double b, double fov, int m);
 /* (13): A' / cos alpha; infinite at grazing incidence, 0 below. */
 double sl_printed_tilted_footprint(double footprint, double cos_alpha);
@@ -107,38 +120,47 @@ typedef struct sl_face_shape {
 } sl_face_shape;
 
 sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings);
-/* A light's faces, without views; at most SL_LIGHT_FACES_MAX. aim: unit; where a point light's frustum or hemicube looks. Faces that are
- * dark all over (behind, outside a cone) are not among them; *dark says how many. A directional light has one face, which needs the scene. */
-int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_face_shape *shape, sl_vec3 aim, const float clearance[2],
-                   sl_planned_face *face, int *dark);
-/* Texels a side of a block in a directional light's picture, of `texels` in others': it holds the whole scene, and the sun
- * that falls through a window is a small part of it. 8 times as many, up to 512 a side of the picture. */
+/* A light's faces, without views; at most SL_LIGHT_FACES_MAX. aim: unit; where a point light's frustum or
+ * hemicube looks. Faces that are dark all over (behind, outside a cone) are not among them; *dark says how
+ * many. A directional light has one face, which needs the scene. */
+int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_face_shape *shape, sl_vec3 aim,
+                   const float clearance[2], sl_planned_face *face, int *dark);
+/* Texels a side of a block in a directional light's picture, of `texels` in others': it holds the whole
+ * scene, and the sun that falls through a window is a small part of it. 8 times as many, up to 512 a side of
+ * the picture. */
 int sl_parallel_texels(int samples, int texels);
 /* Returns the view that draws a face. */
 sl_view sl_map_face_view(const sl_scene *scene, const sl_map_light *light, const sl_planned_face *planned);
-/* A face of directional light is as deep as the scene's box looks from there, and begins that far before the box. */
+/* A face of directional light is as deep as the scene's box looks from there, and begins that far before the
+ * box. */
 float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face);
 
 /* Planar mirrors in a light's view: the light's image L' behind the mirror takes pictures of its own.
  *
- *        L                 The picture is one of L's own, cut to the rectangle around the mirror, and reflected: every
- *         \    y           texel sees y along the unfolded way from L', within the solid angle in which L sees it by way
- *       ___\__/___         of the mirror (a plane mirror keeps solid angles). Texels in which L does not see the mirror
- *           \/   mirror    itself (something stands before it, or it ends) are empty: a first pass, the stencil, tells. */
+ *        L                 The picture is one of L's own, cut to the rectangle around the mirror, and
+ * reflected: every \    y           texel sees y along the unfolded way from L', within the solid angle in
+ * which L sees it by way
+ *       ___\__/___         of the mirror (a plane mirror keeps solid angles). Texels in which L does not see
+ * the mirror
+ *           \/   mirror    itself (something stands before it, or it ends) are empty: a first pass, the
+ * stencil, tells. */
 
-/* The triangles of each mirror, mirror after mirror: mirror m's are triangle[first[m]] to triangle[first[m + 1]]. */
+/* The triangles of each mirror, mirror after mirror: mirror m's are triangle[first[m]] to triangle[first[m +
+ * 1]]. */
 typedef struct sl_mirror_triangles {
     size_t *first;
     uint32_t *triangle;
 } sl_mirror_triangles;
 
-sl_status sl_mirror_triangles_list(const sl_scene *scene, const sl_mirrors *mirrors, sl_mirror_triangles *list, sl_error *error);
+sl_status sl_mirror_triangles_list(const sl_scene *scene, const sl_mirrors *mirrors,
+                                   sl_mirror_triangles *list, sl_error *error);
 void sl_mirror_triangles_free(sl_mirror_triangles *list);
 
-/* The face that `of` sees in mirror m; false where the mirror lies outside of it, or the light in the mirror's plane. Blocks are about as
- * large as the picture's own, and at least half as many each way. */
-bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirror_triangles *list, uint32_t mirror,
-                           const sl_map_light *light, const sl_face_shape *shape, const sl_planned_face *of, sl_planned_face *mirrored);
+/* The face that `of` sees in mirror m; false where the mirror lies outside of it, or the light in the
+ * mirror's plane. Blocks are about as large as the picture's own, and at least half as many each way. */
+bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirror_triangles *list,
+                           uint32_t mirror, const sl_map_light *light, const sl_face_shape *shape,
+                           const sl_planned_face *of, sl_planned_face *mirrored);
 
 /* Passes 2a to 2c: the faces' triangles, and what they are resolved to. */
 
@@ -153,30 +175,36 @@ typedef struct sl_map_drawing {
     sl_counters *counters;
 } sl_map_drawing;
 
-/* sl_raster_ids() for any number of small views, some at a time: each view of a call takes a tile's memory. */
-sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_view *views, const sl_target *targets, unsigned threads,
-                                sl_counters *counters, sl_error *error);
+/* sl_raster_ids() for any number of small views, some at a time: each view of a call takes a tile's memory.
+ */
+sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_view *views,
+                                const sl_target *targets, unsigned threads, sl_counters *counters,
+                                sl_error *error);
 
-/* Draws all faces and resolves their pictures in one pass with multiple render targets. No shadows are looked up: what the light
- * sees is lit. */
+/* Draws all faces and resolves their pictures in one pass with multiple render targets. No shadows are looked
+ * up: what the light sees is lit. */
 sl_status sl_map_pictures_draw(const sl_map_drawing *drawing, sl_error *error);
 
-/* Light at a texel: it arrives along `arrival` (unit, at y towards it) with irradiance `facing` on a plane that faces it. */
+/* Light at a texel: it arrives along `arrival` (unit, at y towards it) with irradiance `facing` on a plane
+ * that faces it. */
 typedef struct sl_texel_light {
     sl_vec3 arrival;
     sl_rgb facing;
     float way;
 } sl_texel_light;
 /* Writes texel i of the pictures. */
-void sl_map_texel_write(const sl_map_drawing *drawing, size_t i, const sl_surface *surface, const sl_texel_light *light);
+void sl_map_texel_write(const sl_map_drawing *drawing, size_t i, const sl_surface *surface,
+                        const sl_texel_light *light);
 
-/* The direction in which a ray of the face's picture left the light itself: of mirrors' faces before the mirror. */
+/* The direction in which a ray of the face's picture left the light itself: of mirrors' faces before the
+ * mirror. */
 sl_vec3 sl_map_face_departure(const sl_map_drawing *drawing, const sl_map_face *face, sl_vec3 direction);
 
 /* Curved mirrors in a light's view: no picture shows what lies at the end of such a way, so it is traced. */
 
-/* Texels that show a mirror which is no planar one are given what their ray meets by way of mirrors: its end point, the light that
- * arrives there, and the area over which the texel's light is spread. Needs options->tracer, and the map's planes for it. */
+/* Texels that show a mirror which is no planar one are given what their ray meets by way of mirrors: its end
+ * point, the light that arrives there, and the area over which the texel's light is spread. Needs
+ * options->tracer, and the map's planes for it. */
 sl_status sl_map_trace_mirrors(const sl_map_drawing *drawing, sl_error *error);
 
 /* Texels of the direct radiance map, read as what photons are made of: their flux Psi = rho I dOmega / pi, in
@@ -192,46 +220,57 @@ typedef struct sl_map_texel {
     double cos_alpha;    /* of the geometric normal; >= SL_TEXEL_COS_MIN */
     double footprint;    /* A' = b^2 dOmega of the texel */
     double arriving[3];  /* I dOmega, W, less what mirrors kept */
-    double flux[3];      /* Psi = L_o A of the texel, W/sr. Maps of true colour: W, still to be reflected by the material */
-    double luminance;    /* of Psi, in maps of true colour of what the material reflects in all directions: weight of means; > 0 */
+    /* Psi = L_o A of the texel, W/sr. Maps of true colour: W, still to be reflected by the material */
+    double flux[3];
+    /* of Psi, in maps of true colour of what the material reflects in all directions: weight of means; > 0 */
+    double luminance;
     double color[3];     /* the map's: L_o, or kd */
     const sl_material *material;
     uint32_t object;
 } sl_map_texel;
 
-/* Psi never has cos alpha in a denominator (L_o has the same cosine): so this guards 0/0 alone, and turns nothing that could be seen. */
+/* Psi never has cos alpha in a denominator (L_o has the same cosine): so this guards 0/0 alone, and turns
+ * nothing that could be seen. */
 #define SL_TEXEL_COS_MIN 1e-6
-/* A group's area is the sum of A' / max(cos alpha, that): not larger than its texels' would be at that angle. */
+/* A group's area is the sum of A' / max(cos alpha, that): not larger than its texels' would be at that angle.
+ */
 #define SL_GROUP_COS_MIN 0.02
 /* Photons nearer to their light than that share of the diagonal of the scene's central region are dropped. */
 #define SL_PHOTON_NEAREST_LIGHT 1e-4
 
-/* False where there is nothing to reflect light (coverage 0), no light, or the light is too near; then *texel is not written whole.
- * color: instead of the texel's own in the map; or NULL. */
-bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const sl_map_face *face, int column, int row,
-                       const double *color, sl_map_texel *texel);
+/* False where there is nothing to reflect light (coverage 0), no light, or the light is too near; then *texel
+ * is not written whole. color: instead of the texel's own in the map; or NULL. */
+bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const sl_map_face *face, int column,
+                       int row, const double *color, sl_map_texel *texel);
 /* Its index in the planes. */
 static inline size_t sl_map_texel_index(const sl_map_face *face, int column, int row) {
     return face->first + (size_t)row * (size_t)face->width + (size_t)column;
 }
-/* A ray of the picture: towards texel coordinates (column, row), where texel (0, 0) is the square from 0 to 1. Not of unit length. */
-void sl_map_face_ray(const sl_map_face *face, bool directional, double column, double row, sl_vec3d *origin, sl_vec3d *direction);
+/* A ray of the picture: towards texel coordinates (column, row), where texel (0, 0) is the square from 0
+ * to 1. Not of unit length. */
+void sl_map_face_ray(const sl_map_face *face, bool directional, double column, double row, sl_vec3d *origin,
+                     sl_vec3d *direction);
 
-static inline double sl_luminance_of(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
+static inline double sl_luminance_of(const double c[3]) {
+    return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
 
-/* Sample photons: what pass 3 takes from the direct radiance map. A photon is a piece of directly lit surface; a receiver (the paper's
- * importon) adds up what all of them send. */
+/* Sample photons: what pass 3 takes from the direct radiance map. A photon is a piece of directly lit
+ * surface; a receiver (the paper's importon) adds up what all of them send. */
 
 /* 64 bytes: what a fragment program would hold in four registers. */
 typedef struct sl_map_photon {
     sl_vec3 position;     /* y */
-    float footprint;      /* A' = b^2 dOmega, m^2 perpendicular to the light: (12) corrected. Of a flux group: A cos alpha */
-    sl_rgb flux;          /* Psi = rho I dOmega / pi = L_o A, W/sr. With lobes: I dOmega, the material is the lobe's */
+    /* A' = b^2 dOmega, m^2 perpendicular to the light: (12) corrected. Of a flux group: A cos alpha */
+    float footprint;
+    /* Psi = rho I dOmega / pi = L_o A, W/sr. With lobes: I dOmega, the material is the lobe's */
+    sl_rgb flux;
     float cos_alpha;      /* at y, towards the light; > 0 */
     sl_vec3 normal;       /* n_y, unit, on the lit side: the geometric one, which decides sides */
-    float printed_area;   /* (13) with (12), for the printed weights: A of (14); its A' is printed_area * cos_alpha */
-    sl_rgb radiance;      /* for the printed weights: L_o, or with lobes the irradiance that is reflected; of a group, the share that it has in its
-                             sample's mean */
+    /* (13) with (12), for the printed weights: A of (14); its A' is printed_area * cos_alpha */
+    float printed_area;
+    sl_rgb radiance; /* for the printed weights: L_o, or with lobes the irradiance that is reflected; of a
+                        group, the share that it has in its sample's mean */
     uint32_t object;
 } sl_map_photon;
 
@@ -243,8 +282,8 @@ typedef struct sl_photon_lobe {
     sl_vec3 normal;           /* unit, shading */
 } sl_photon_lobe;
 
-/* The corners of a photon's footprint on its tangent plane, in turn; count 0 where they do not all meet it in front of the light, or a ray
- * is longer than 4 b: then the flux weight stands in. */
+/* The corners of a photon's footprint on its tangent plane, in turn; count 0 where they do not all meet it in
+ * front of the light, or a ray is longer than 4 b: then the flux weight stands in. */
 typedef struct sl_photon_quad {
     int count; /* 0 or 4 */
     sl_vec3 corner[4];
@@ -258,15 +297,19 @@ typedef struct sl_map_photons {
     sl_photon_lobe *lobe;    /* NULL where all surfaces are Lambertian */
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
     size_t first_of_light[SL_MAP_POINTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
-    size_t samples_of_light[SL_MAP_POINTS_MAX];   /* M: a sample may have no photon, or a few groups of them */
-    size_t dropped;          /* samples without a photon: nearer to the light than 1e-4 of the diagonal of the scene's central region, or without light */
+    /* M: a sample may have no photon, or a few groups of them */
+    size_t samples_of_light[SL_MAP_POINTS_MAX];
+    /* samples without a photon: nearer to the light than 1e-4 of the diagonal of the scene's central region,
+     * or without light */
+    size_t dropped;
     float nearest;           /* r below which a photon gives nothing: 1e-6 of the scene's scale */
     float box_diagonal;      /* ||B_max - B_min|| of (15) */
 } sl_map_photons;
 
 /* settings are complete. A pure function of scene and map: nothing outlives a frame. */
-sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map, const sl_radiance_map_settings *settings,
-                              sl_map_photons **photons, sl_counters *counters, sl_error *error);
+sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
+                              const sl_radiance_map_settings *settings, sl_map_photons **photons,
+                              sl_counters *counters, sl_error *error);
 void sl_map_photons_destroy(sl_map_photons *photons);
 size_t sl_map_photons_bytes(const sl_map_photons *photons);
 
@@ -278,7 +321,8 @@ typedef struct sl_texel_rectangle {
 } sl_texel_rectangle;
 
 static inline sl_texel_rectangle sl_texel_rectangle_join(sl_texel_rectangle a, sl_texel_rectangle b) {
-    return (sl_texel_rectangle){fmin(a.left, b.left), fmin(a.bottom, b.bottom), fmax(a.right, b.right), fmax(a.top, b.top)};
+    return (sl_texel_rectangle){fmin(a.left, b.left), fmin(a.bottom, b.bottom), fmax(a.right, b.right),
+                                fmax(a.top, b.top)};
 }
 
 typedef struct sl_photon_sample {
@@ -313,21 +357,27 @@ static inline double sl_printed_radiance(const sl_radiance_map *map, const sl_ma
 }
 
 /* `times` a texel: its flux and footprint scaled, all else as it stands. */
-sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_texel *texel, double times, sl_texel_rectangle rectangle);
+sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_texel *texel, double times,
+                                    sl_texel_rectangle rectangle);
 /* Appends the sample; nothing where it holds no light, or where a float cannot hold it. */
 void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photon_sample *sample);
 
-/* The regular sample of the block whose lower left texel that is; color (or NULL) stands in for its texel's. */
-void sl_photon_at_point(sl_photon_list *list, const sl_map_face *face, int column, int row, const double *color);
+/* The regular sample of the block whose lower left texel that is; color (or NULL) stands in for its texel's.
+ */
+void sl_photon_at_point(sl_photon_list *list, const sl_map_face *face, int column, int row,
+                        const double *color);
 
-/* The ways to take samples. Each appends the photons of a light's faces, which lie side by side in the map. */
-typedef sl_status sl_take_photons(sl_photon_list *list, const sl_map_face *face, size_t face_count, sl_error *error);
+/* The ways to take samples. Each appends the photons of a light's faces, which lie side by side in the map.
+ */
+typedef sl_status sl_take_photons(sl_photon_list *list, const sl_map_face *face, size_t face_count,
+                                  sl_error *error);
 sl_take_photons sl_photons_at_points;            /* photons.c */
 sl_take_photons sl_photons_of_filtered_radiance; /* photon_groups.c */
 sl_take_photons sl_photons_of_groups;            /* photon_groups.c */
 
 /* The footprint's corners on the sample's tangent plane. */
-void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *sample, sl_photon_quad *quad);
+void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *sample,
+                         sl_photon_quad *quad);
 
 /* Several texels as one photon for each surface that they show. */
 
@@ -351,8 +401,8 @@ typedef struct sl_photon_groups {
 } sl_photon_groups;
 
 /* Adds a texel. block: the solid angle for which printed weights take a photon. */
-void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, int column, int row, double block,
-                          sl_photon_groups *groups);
+void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, int column, int row,
+                          double block, sl_photon_groups *groups);
 /* Appends the groups' photons, and empties the groups; false where there were none. */
 bool sl_photon_groups_finish(sl_photon_list *list, const sl_map_face *face, sl_photon_groups *groups);
 

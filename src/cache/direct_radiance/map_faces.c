@@ -6,7 +6,8 @@
 
 sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings) {
     int m = settings->samples > 1 ? settings->samples : 1;
-    int texels = settings->map_size > m ? (settings->map_size + m - 1) / m : 1; /* w is rounded up to a multiple of m */
+    /* w is rounded up to a multiple of m */
+    int texels = settings->map_size > m ? (settings->map_size + m - 1) / m : 1;
     return (sl_face_shape){settings->shape, settings->map_fov, m, texels};
 }
 
@@ -22,11 +23,21 @@ typedef struct {
 
 static void add(face_list *list, const sl_frame *frame, double reach, int rows, bool back) {
     int m = list->shape->samples, k = list->shape->texels;
-    list->face[list->count++] = (sl_planned_face){
-        .face = {.mirror = SL_NO_INDEX, .eye = list->light->position, .reflectance = {1, 1, 1}, .frame = *frame, .left = -reach,
-                 .right = reach, .bottom = reach - 2.0 * reach * (double)rows / (double)m, .top = reach, .width = m * k, .height = rows * k,
-                 .columns = m, .rows = rows},
-        .back = back, .clearance = list->clearance[back]};
+    list->face[list->count++] =
+        (sl_planned_face){.face = {.mirror = SL_NO_INDEX,
+                                   .eye = list->light->position,
+                                   .reflectance = {1, 1, 1},
+                                   .frame = *frame,
+                                   .left = -reach,
+                                   .right = reach,
+                                   .bottom = reach - 2.0 * reach * (double)rows / (double)m,
+                                   .top = reach,
+                                   .width = m * k,
+                                   .height = rows * k,
+                                   .columns = m,
+                                   .rows = rows},
+                          .back = back,
+                          .clearance = list->clearance[back]};
 }
 
 static void add_side(face_list *list, const sl_frame *frame, int side, int rows, bool back) {
@@ -35,14 +46,17 @@ static void add_side(face_list *list, const sl_frame *frame, int side, int rows,
     else list->dark++;
 }
 
-/* One whole face ahead and the upper halves of four; where m is odd their middle blocks reach below the horizon. */
+/* One whole face ahead and the upper halves of four; where m is odd their middle blocks reach below the
+ * horizon. */
 static void add_hemicube(face_list *list, const sl_frame *frame, bool back) {
     int m = list->shape->samples;
-    for (int side = SL_LIGHT_AHEAD; side < SL_LIGHT_BACK; side++) add_side(list, frame, side, side ? (m + 1) / 2 : m, back);
+    for (int side = SL_LIGHT_AHEAD; side < SL_LIGHT_BACK; side++)
+        add_side(list, frame, side, side ? (m + 1) / 2 : m, back);
 }
 
 static void add_cube(face_list *list, const sl_frame *frame) {
-    for (int side = 0; side < SL_LIGHT_SIDES; side++) add_side(list, frame, side, list->shape->samples, false);
+    for (int side = 0; side < SL_LIGHT_SIDES; side++)
+        add_side(list, frame, side, list->shape->samples, false);
 }
 
 /* ---- shapes ---- */
@@ -55,7 +69,9 @@ static sl_map_shape shape_for(const sl_map_light *light, sl_map_shape asked) {
     case SL_MAP_AUTO:
         if (light->kind == SL_MAP_LIGHT_AREA) return SL_MAP_HEMICUBE;
         if (light->kind != SL_MAP_LIGHT_SPOT) return SL_MAP_CUBE;
-        return light->cos_outer >= WIDEST_CONE ? SL_MAP_FRUSTUM : light->cos_outer >= 0.0f ? SL_MAP_HEMICUBE : SL_MAP_CUBE;
+        return light->cos_outer >= WIDEST_CONE ? SL_MAP_FRUSTUM
+               : light->cos_outer >= 0.0f      ? SL_MAP_HEMICUBE
+                                               : SL_MAP_CUBE;
     case SL_MAP_CUBE: /* what an area light lights is one hemisphere, or two */
         return light->kind == SL_MAP_LIGHT_AREA ? SL_MAP_HEMICUBE : SL_MAP_CUBE;
     default: return asked;
@@ -97,8 +113,8 @@ static void add_parallel(face_list *list, const sl_scene *scene) {
     f->top = (double)p.reach_y;
 }
 
-int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_face_shape *shape, sl_vec3 aim, const float clearance[2],
-                   sl_planned_face *face, int *dark) {
+int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_face_shape *shape, sl_vec3 aim,
+                   const float clearance[2], sl_planned_face *face, int *dark) {
     face_list list = {light, shape, clearance, face, 0, 0};
     sl_map_shape form = shape_for(light, shape->shape);
     sl_frame frame = frame_of(light, form, aim);
@@ -132,7 +148,11 @@ static void set_row(float row[4], sl_vec3 axis, double low, double high) {
 
 static sl_view parallel_view(const sl_scene *scene, const sl_map_face *f) {
     double depth = (double)sl_parallel_depth(scene, f);
-    sl_view view = {.origin = f->eye, .width = f->width, .height = f->height, .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
+    sl_view view = {.origin = f->eye,
+                    .width = f->width,
+                    .height = f->height,
+                    .depth = SL_DEPTH_WINDOW,
+                    .skip_triangle = SL_NO_INDEX};
     set_row(view.clip[0], f->frame.x, f->left, f->right);
     set_row(view.clip[1], f->frame.y, f->bottom, f->top);
     set_row(view.clip[2], f->frame.z, depth, 3.0 * depth);
@@ -143,13 +163,15 @@ static sl_view parallel_view(const sl_scene *scene, const sl_map_face *f) {
 sl_view sl_map_face_view(const sl_scene *scene, const sl_map_light *light, const sl_planned_face *planned) {
     const sl_map_face *f = &planned->face;
     if (light->kind == SL_MAP_LIGHT_DIRECTIONAL) return parallel_view(scene, f);
-    sl_light_picture picture = {f->eye, f->frame, f->left, f->right, f->bottom, f->top, f->width, f->height, planned->back, planned->clearance};
+    sl_light_picture picture = {f->eye, f->frame, f->left,   f->right,      f->bottom,
+                                f->top, f->width, f->height, planned->back, planned->clearance};
     return sl_light_picture_view(scene, light, &picture);
 }
 
 /* ---- which triangles ---- */
 
-sl_status sl_mirror_triangles_list(const sl_scene *scene, const sl_mirrors *mirrors, sl_mirror_triangles *list, sl_error *error) {
+sl_status sl_mirror_triangles_list(const sl_scene *scene, const sl_mirrors *mirrors,
+                                   sl_mirror_triangles *list, sl_error *error) {
     size_t count = mirrors ? mirrors->count : 0, next = 0;
     *list = (sl_mirror_triangles){sl_allocate(count + 2, sizeof *list->first), NULL};
     if (!list->first) return sl_fail_memory(error, "the mirrors' triangles");
@@ -161,7 +183,8 @@ sl_status sl_mirror_triangles_list(const sl_scene *scene, const sl_mirrors *mirr
     list->triangle = sl_allocate(next, sizeof *list->triangle);
     if (!list->triangle) return sl_fail_memory(error, "the mirrors' triangles");
     for (uint32_t t = 0; count && t < scene->triangle_count; t++) {
-        if (mirrors->of_triangle[t] != SL_NO_INDEX) list->triangle[list->first[mirrors->of_triangle[t] + 1]++] = t;
+        if (mirrors->of_triangle[t] != SL_NO_INDEX)
+            list->triangle[list->first[mirrors->of_triangle[t] + 1]++] = t;
     }
     return SL_OK; /* first[m + 1] has run from the beginning of m's to their end */
 }
@@ -205,7 +228,8 @@ static projected project(const sl_map_face *f, bool parallel, sl_vec3 p) {
                        parallel ? 1.0 : sl_dotd(d, sl_to_double(f->frame.z))};
 }
 
-static void include_triangle(const sl_scene *s, uint32_t t, const sl_map_face *f, bool parallel, rectangle *r) {
+static void include_triangle(const sl_scene *s, uint32_t t, const sl_map_face *f, bool parallel,
+                             rectangle *r) {
     projected a[CORNERS_MAX], b[CORNERS_MAX];
     for (int k = 0; k < 3; k++) a[k] = project(f, parallel, sl_scene_position(s, s->vertex[k][t]));
     int count = cut(a, 3, 0, 0, 1, 1e-6 * (double)s->scale, b);
@@ -222,9 +246,11 @@ static void include_triangle(const sl_scene *s, uint32_t t, const sl_map_face *f
     }
 }
 
-static rectangle rectangle_around(const sl_scene *s, const sl_mirror_triangles *list, uint32_t mirror, const sl_map_face *f, bool parallel) {
+static rectangle rectangle_around(const sl_scene *s, const sl_mirror_triangles *list, uint32_t mirror,
+                                  const sl_map_face *f, bool parallel) {
     rectangle r = {INFINITY, -INFINITY, INFINITY, -INFINITY};
-    for (size_t i = list->first[mirror]; i < list->first[mirror + 1]; i++) include_triangle(s, list->triangle[i], f, parallel, &r);
+    for (size_t i = list->first[mirror]; i < list->first[mirror + 1]; i++)
+        include_triangle(s, list->triangle[i], f, parallel, &r);
     return r;
 }
 
@@ -256,15 +282,17 @@ static sl_vec3 reflect_direction(const sl_plane *plane, sl_vec3 v) {
 }
 
 static sl_frame reflect_frame(const sl_plane *plane, const sl_frame *f) {
-    return (sl_frame){reflect_direction(plane, f->x), reflect_direction(plane, f->y), reflect_direction(plane, f->z)};
+    return (sl_frame){reflect_direction(plane, f->x), reflect_direction(plane, f->y),
+                      reflect_direction(plane, f->z)};
 }
 
-/* Parallel light leaves a mirror in one direction too, ever higher above its plane: so the height serves as depth, and the plane itself is
- * the near plane. */
-static bool parallel_in_mirror(const sl_scene *s, const sl_plane *plane, double offset, const sl_view *view, const sl_map_face *f,
-                               sl_view *mirrored) {
+/* Parallel light leaves a mirror in one direction too, ever higher above its plane: so the height serves as
+ * depth, and the plane itself is the near plane. */
+static bool parallel_in_mirror(const sl_scene *s, const sl_plane *plane, double offset, const sl_view *view,
+                               const sl_map_face *f, sl_view *mirrored) {
     double rise = sl_dotd(plane->normal, sl_to_double(f->frame.z)), side = rise > 0.0 ? 1.0 : -1.0;
-    double eye = side * (sl_dotd(plane->normal, sl_to_double(f->eye)) - plane->distance), over = 2.0 / (2.0 * (double)s->diagonal);
+    double eye = side * (sl_dotd(plane->normal, sl_to_double(f->eye)) - plane->distance),
+           over = 2.0 / (2.0 * (double)s->diagonal);
     if (!(fabs(rise) > 1e-6)) return false;
     *mirrored = *view;
     mirrored->origin = f->eye;
@@ -281,8 +309,9 @@ static bool parallel_in_mirror(const sl_scene *s, const sl_plane *plane, double 
     return true;
 }
 
-bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirror_triangles *list, uint32_t mirror,
-                           const sl_map_light *light, const sl_face_shape *shape, const sl_planned_face *of, sl_planned_face *out) {
+bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirror_triangles *list,
+                           uint32_t mirror, const sl_map_light *light, const sl_face_shape *shape,
+                           const sl_planned_face *of, sl_planned_face *out) {
     const sl_plane *plane = &mirrors->plane[mirror];
     bool parallel = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
     *out = *of;
@@ -291,9 +320,11 @@ bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, con
     if (!cut_to(&out->face, &r, shape)) return false;
     out->through = sl_map_face_view(scene, light, out);
     out->face.mirror = mirror;
-    out->face.reflectance = scene->materials[scene->material_index[list->triangle[list->first[mirror]]]].mirror;
+    out->face.reflectance =
+        scene->materials[scene->material_index[list->triangle[list->first[mirror]]]].mirror;
     out->face.eye = sl_to_float(sl_plane_reflect(plane, sl_to_double(of->face.eye)));
     out->face.frame = reflect_frame(plane, &of->face.frame);
-    if (parallel) return parallel_in_mirror(scene, plane, mirrors->offset, &out->through, &out->face, &out->face.view);
+    if (parallel)
+        return parallel_in_mirror(scene, plane, mirrors->offset, &out->through, &out->face, &out->face.view);
     return sl_view_mirrored(&out->through, plane, mirrors->offset, &out->face.view);
 }

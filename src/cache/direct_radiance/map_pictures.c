@@ -27,7 +27,8 @@ static void write_position(const sl_map_drawing *d, size_t i, const sl_surface *
     sl_radiance_map *map = d->map;
     sl_vec3 p = s->position;
     if (d->settings->eight_bit_positions) {
-        p = sl_v3(eight_bits(p.x, scene->box_min.x, scene->box_max.x), eight_bits(p.y, scene->box_min.y, scene->box_max.y),
+        p = sl_v3(eight_bits(p.x, scene->box_min.x, scene->box_max.x),
+                  eight_bits(p.y, scene->box_min.y, scene->box_max.y),
                   eight_bits(p.z, scene->box_min.z, scene->box_max.z));
     }
     map->position[0][i] = p.x;
@@ -44,7 +45,8 @@ static void write_color(const sl_map_drawing *d, size_t i, const sl_surface *s, 
     sl_rgb color = s->diffuse;
     if (d->map->lambertian) {
         float cosine = sl_dot(s->normal, light->arrival);
-        float scale = (float)(1.0 / SL_PI) * (cosine > 0.0f && sl_dot(s->geometric_normal, light->arrival) > 0.0f ? cosine : 0.0f);
+        float scale = (float)(1.0 / SL_PI) *
+                      (cosine > 0.0f && sl_dot(s->geometric_normal, light->arrival) > 0.0f ? cosine : 0.0f);
         color = sl_rgb_scale(sl_rgb_mul(color, light->facing), scale);
         if (!sl_rgb_is_finite(color)) color = sl_grey(0.0f);
     }
@@ -80,8 +82,10 @@ static sl_texel_light light_at(const sl_map_drawing *d, const sl_map_face *face,
     double squared = sl_dotd(way, way), length = sqrt(squared);
     if (!(squared > 0.0) || !isfinite(squared)) return (sl_texel_light){face->frame.z, {0, 0, 0}, 0.0f};
     sl_vec3 direction = sl_to_float(sl_scaled(way, 1.0 / length));
-    sl_rgb intensity = sl_rgb_mul(sl_map_light_intensity(light, sl_map_face_departure(d, face, direction)), face->reflectance);
-    return (sl_texel_light){sl_neg(direction), sl_rgb_scale(intensity, (float)(1.0 / squared)), (float)length};
+    sl_rgb intensity = sl_rgb_mul(sl_map_light_intensity(light, sl_map_face_departure(d, face, direction)),
+                                  face->reflectance);
+    return (sl_texel_light){sl_neg(direction), sl_rgb_scale(intensity, (float)(1.0 / squared)),
+                            (float)length};
 }
 
 /* ---- one face ---- */
@@ -113,7 +117,8 @@ static void resolve_face(void *context, size_t index, unsigned worker) {
     for (size_t first = 0; first < texels; first += PIXELS) {
         size_t count = texels - first < PIXELS ? texels - first : PIXELS;
         for (size_t i = 0; i < count; i++) pixel[i] = (uint32_t)(first + i);
-        sl_raster_barycentrics(d->raster, &face->view, count, pixel, d->map->triangle + face->first + first, w1, w2);
+        sl_raster_barycentrics(d->raster, &face->view, count, pixel, d->map->triangle + face->first + first,
+                               w1, w2);
         for (size_t i = 0; i < count; i++) {
             size_t texel = face->first + first + i;
             if (d->map->triangle[texel] == SL_NO_INDEX) continue;
@@ -130,15 +135,18 @@ static void apply_stencil(const sl_map_drawing *d, const sl_map_face *face, cons
     size_t texels = (size_t)face->width * (size_t)face->height;
     for (size_t i = 0; i < texels; i++) {
         uint32_t seen = d->stencil[planned->stencil + i];
-        if (seen == SL_NO_INDEX || d->options->mirrors->of_triangle[seen] != face->mirror) d->map->triangle[face->first + i] = SL_NO_INDEX;
+        if (seen == SL_NO_INDEX || d->options->mirrors->of_triangle[seen] != face->mirror)
+            d->map->triangle[face->first + i] = SL_NO_INDEX;
     }
 }
 
-sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_view *views, const sl_target *targets, unsigned threads,
-                                sl_counters *counters, sl_error *error) {
+sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_view *views,
+                                const sl_target *targets, unsigned threads, sl_counters *counters,
+                                sl_error *error) {
     sl_status status = SL_OK;
     for (size_t i = 0; i < count && status == SL_OK; i += VIEWS)
-        status = sl_raster_ids(raster, count - i < VIEWS ? count - i : VIEWS, views + i, threads, targets + i, counters, error);
+        status = sl_raster_ids(raster, count - i < VIEWS ? count - i : VIEWS, views + i, threads, targets + i,
+                               counters, error);
     return status;
 }
 
@@ -149,9 +157,12 @@ static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
     sl_status status = views && targets ? SL_OK : sl_fail_memory(error, "a radiance map's faces");
     for (size_t f = 0; f < map->face_count && status == SL_OK; f++) {
         views[f] = map->face[f].view;
-        targets[f] = (sl_target){map->face[f].width, map->face[f].height, map->triangle + map->face[f].first, NULL};
+        targets[f] =
+            (sl_target){map->face[f].width, map->face[f].height, map->triangle + map->face[f].first, NULL};
     }
-    if (status == SL_OK) status = sl_map_triangles_draw(d->raster, map->face_count, views, targets, d->options->threads, d->counters, error);
+    if (status == SL_OK)
+        status = sl_map_triangles_draw(d->raster, map->face_count, views, targets, d->options->threads,
+                                       d->counters, error);
     for (size_t f = 0; f < map->face_count && status == SL_OK; f++) {
         if (map->face[f].mirror != SL_NO_INDEX) apply_stencil(d, &map->face[f], &d->planned[f]);
     }
@@ -177,9 +188,10 @@ sl_status sl_map_pictures_draw(const sl_map_drawing *d, sl_error *error) {
     return status;
 }
 
-/* A texel's light leaves as a narrow pyramid. Its middle ray gives the end point y, its four corner rays what becomes of its cross-section:
- * a convex mirror spreads it, a concave one draws it together. Where all five end by way of mirrors, the corner rays' last legs are cut with
- * y's tangent plane; the quad's area, seen along the middle ray, is the spread that takes the place of b^2 dOmega. */
+/* A texel's light leaves as a narrow pyramid. Its middle ray gives the end point y, its four corner rays what
+ * becomes of its cross-section: a convex mirror spreads it, a concave one draws it together. Where all five
+ * end by way of mirrors, the corner rays' last legs are cut with y's tangent plane; the quad's area, seen
+ * along the middle ray, is the spread that takes the place of b^2 dOmega. */
 
 enum { RAYS = 5, LEGS_MAX = 9 };
 
@@ -201,16 +213,22 @@ static void aim(const sl_map_face *f, int column, int row, leg way[RAYS]) {
     static const double place[RAYS][2] = {{0.5, 0.5}, {0, 0}, {1, 0}, {1, 1}, {0, 1}};
     double wide = (f->right - f->left) / (double)f->width, high = (f->top - f->bottom) / (double)f->height;
     for (int k = 0; k < RAYS; k++) {
-        float x = (float)(f->left + wide * ((double)column + place[k][0])), y = (float)(f->bottom + high * ((double)row + place[k][1]));
+        float x = (float)(f->left + wide * ((double)column + place[k][0])),
+              y = (float)(f->bottom + high * ((double)row + place[k][1]));
         sl_vec3 direction = sl_normalize_or(sl_frame_to_world(&f->frame, sl_v3(x, y, 1.0f)), f->frame.z);
-        way[k] = (leg){.origin = f->eye, .direction = direction, .carried = {1, 1, 1}, .from = SL_NO_INDEX, .going = true};
+        way[k] = (leg){.origin = f->eye,
+                       .direction = direction,
+                       .carried = {1, 1, 1},
+                       .from = SL_NO_INDEX,
+                       .going = true};
     }
 }
 
 /* Reflected about the shading normal; about the geometric one where that would lead into the mirror. */
 static sl_vec3 reflect(sl_vec3 d, const sl_surface *s) {
     sl_vec3 r = sl_mad(d, -2.0f * sl_dot(d, s->normal), s->normal);
-    if (!(sl_dot(r, s->geometric_normal) > 0.0f)) r = sl_mad(d, -2.0f * sl_dot(d, s->geometric_normal), s->geometric_normal);
+    if (!(sl_dot(r, s->geometric_normal) > 0.0f))
+        r = sl_mad(d, -2.0f * sl_dot(d, s->geometric_normal), s->geometric_normal);
     return sl_normalize_or(r, s->geometric_normal);
 }
 
@@ -248,7 +266,8 @@ static void follow(const sl_map_drawing *d, leg way[RAYS], sl_counters *counters
         }
         if (!count) return;
         sl_trace(d->options->tracer, &rays, count, false, &hits, counters);
-        for (unsigned i = 0; i < count; i++) arrive(d->scene, hits.triangle[i], hits.t[i], hits.w1[i], hits.w2[i], &way[which[i]]);
+        for (unsigned i = 0; i < count; i++)
+            arrive(d->scene, hits.triangle[i], hits.t[i], hits.w1[i], hits.w2[i], &way[which[i]]);
     }
 }
 
@@ -262,21 +281,25 @@ static bool meet(const leg *way, sl_vec3d y, sl_vec3d n, sl_vec3d *p) {
     return way->arrived && slope < -1e-4 && t > 0.0 && isfinite(t);
 }
 
-/* Perpendicular to the middle ray. Of four corners or three; without as many (the texel lies across the mirror's rim), as if the mirrors
- * were flat. Never so small that radiance would grow without bound where light is focused. */
+/* Perpendicular to the middle ray. Of four corners or three; without as many (the texel lies across the
+ * mirror's rim), as if the mirrors were flat. Never so small that radiance would grow without bound where
+ * light is focused. */
 static float spread_of(const leg way[RAYS], const sl_surface *end, double angle) {
     sl_vec3d y = sl_to_double(end->position), n = sl_to_double(end->geometric_normal), corner[4];
-    double flat = way[0].way * way[0].way * angle, cosine = fabs(sl_dotd(n, sl_to_double(way[0].direction))), area;
+    double flat = way[0].way * way[0].way * angle, cosine = fabs(sl_dotd(n, sl_to_double(way[0].direction))),
+           area;
     bool met[4];
     int count = 0;
-    for (int k = 0; k < 4; k++) count += met[k] = meet(&way[k + 1], y, n, &corner[k]) && way[k + 1].mirrors == way[0].mirrors;
+    for (int k = 0; k < 4; k++)
+        count += met[k] = meet(&way[k + 1], y, n, &corner[k]) && way[k + 1].mirrors == way[0].mirrors;
     if (count == 4) {
         area = 0.5 * sl_lengthd(sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1])));
     } else if (count == 3) {
         int missing = 0;
         while (met[missing]) missing++;
         sl_vec3d a = corner[(missing + 2) % 4];
-        area = sl_lengthd(sl_crossd(sl_subd(corner[(missing + 1) % 4], a), sl_subd(corner[(missing + 3) % 4], a)));
+        area = sl_lengthd(
+            sl_crossd(sl_subd(corner[(missing + 1) % 4], a), sl_subd(corner[(missing + 3) % 4], a)));
     } else {
         return (float)flat;
     }
@@ -288,11 +311,13 @@ static float spread_of(const leg way[RAYS], const sl_surface *end, double angle)
 
 static bool shows_curved_mirror(const sl_map_drawing *d, size_t i) {
     uint32_t t = d->map->triangle[i];
-    if (t == SL_NO_INDEX || !sl_material_is_mirror(&d->scene->materials[d->scene->material_index[t]])) return false;
+    if (t == SL_NO_INDEX || !sl_material_is_mirror(&d->scene->materials[d->scene->material_index[t]]))
+        return false;
     return !d->options->mirrors || d->options->mirrors->of_triangle[t] == SL_NO_INDEX;
 }
 
-static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, sl_vec3 departure, const leg way[RAYS]) {
+static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, sl_vec3 departure,
+                      const leg way[RAYS]) {
     sl_radiance_map *map = d->map;
     const sl_map_light *light = &map->lights->light[f->light];
     sl_surface end;
@@ -300,7 +325,8 @@ static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, s
     float spread = spread_of(way, &end, (double)map->block_angle[i]);
     if (!(spread > 0.0f) || !isfinite(spread)) return;
     sl_rgb carried = sl_rgb_mul(sl_map_light_intensity(light, departure), way[0].carried);
-    sl_texel_light arriving = {sl_neg(way[0].direction), sl_rgb_scale(carried, map->block_angle[i] / spread), (float)way[0].way};
+    sl_texel_light arriving = {sl_neg(way[0].direction), sl_rgb_scale(carried, map->block_angle[i] / spread),
+                               (float)way[0].way};
     map->triangle[i] = way[0].triangle;
     map->spread[i] = spread;
     map->arrival[0][i] = arriving.arrival.x;
@@ -317,7 +343,8 @@ typedef struct {
     sl_counters *counters; /* by face */
 } tracing;
 
-/* Faces of planar mirrors show what light meets after that one; curved mirrors in them are not followed, nor those of parallel light. */
+/* Faces of planar mirrors show what light meets after that one; curved mirrors in them are not followed, nor
+ * those of parallel light. */
 static void trace_face(void *context, size_t index, unsigned worker) {
     (void)worker;
     const tracing *t = context;

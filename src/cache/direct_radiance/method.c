@@ -15,7 +15,9 @@ void sl_radiance_announce_map(sl_radiance_state *s) {
     const struct {
         const char *name;
         float *const *plane;
-    } pictures[] = {{"map of positions", map->position}, {map->lambertian ? "map of radiance" : "map of true colour", map->color}, {"map of normals", map->normal}};
+    } pictures[] = {{"map of positions", map->position},
+                    {map->lambertian ? "map of radiance" : "map of true colour", map->color},
+                    {"map of normals", map->normal}};
     for (size_t i = 0; i < sizeof pictures / sizeof pictures[0]; i++) {
         if (!pictures[i].plane[0]) continue;
         const float *const planes[3] = {pictures[i].plane[0], pictures[i].plane[1], pictures[i].plane[2]};
@@ -24,13 +26,17 @@ void sl_radiance_announce_map(sl_radiance_state *s) {
 }
 
 void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons) {
-    sl_mark *marks = sl_announcing(announcer) && photons->count ? sl_allocate(photons->count, sizeof *marks) : NULL;
+    sl_mark *marks =
+        sl_announcing(announcer) && photons->count ? sl_allocate(photons->count, sizeof *marks) : NULL;
     if (!marks) return;
     for (size_t j = 0; j < photons->count; j++) {
         const sl_map_photon *p = &photons->photon[j];
-        marks[j] = (sl_mark){.kind = SL_MARK_POINT, .at = {p->position.x, p->position.y, p->position.z}, .colour = {p->flux.r, p->flux.g, p->flux.b}};
+        marks[j] = (sl_mark){.kind = SL_MARK_POINT,
+                             .at = {p->position.x, p->position.y, p->position.z},
+                             .colour = {p->flux.r, p->flux.g, p->flux.b}};
     }
-    sl_announce_marks(announcer, "sample photons", "samples of the direct radiance map", marks, photons->count);
+    sl_announce_marks(announcer, "sample photons", "samples of the direct radiance map", marks,
+                      photons->count);
     sl_free(marks);
 }
 
@@ -51,18 +57,23 @@ static void explanation_destroy(sl_radiance_explanation *explanation) {
     sl_free(explanation);
 }
 
-static sl_status explanation_create(const sl_light_pass *light, const sl_raster *raster, const sl_view *view, const sl_mirrors *planar,
-                                   int reflections, sl_radiance_explanation **out, sl_error *error) {
+static sl_status explanation_create(const sl_light_pass *light, const sl_raster *raster, const sl_view *view,
+                                    const sl_mirrors *planar, int reflections, sl_radiance_explanation **out,
+                                    sl_error *error) {
     sl_counters ignored = {{0}};
     sl_radiance_explanation *explanation = sl_allocate(1, sizeof *explanation);
     *out = NULL;
     if (!explanation) return sl_fail_memory(error, "the explanation of pixels");
     *explanation = (sl_radiance_explanation){.light = *light};
-    sl_status status = sl_receivers_render(light->scene, raster, view, planar, reflections, light->threads, &explanation->receivers, &ignored, error);
-    if (status == SL_OK) status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &explanation->kinds, error);
+    sl_status status = sl_receivers_render(light->scene, raster, view, planar, reflections, light->threads,
+                                           &explanation->receivers, &ignored, error);
+    if (status == SL_OK)
+        status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &explanation->kinds, error);
     if (status == SL_OK && light->photons && light->photons->count) {
         status = sl_photon_sums_create(&explanation->light, &explanation->sums, error);
-        if (status == SL_OK) status = sl_photon_sums_see(explanation->sums, explanation->receivers, &explanation->kinds, &ignored, error);
+        if (status == SL_OK)
+            status = sl_photon_sums_see(explanation->sums, explanation->receivers, &explanation->kinds,
+                                        &ignored, error);
     }
     if (status != SL_OK) explanation_destroy(explanation);
     else *out = explanation;
@@ -70,7 +81,9 @@ static sl_status explanation_create(const sl_light_pass *light, const sl_raster 
 }
 
 static size_t explanation_bytes(const sl_radiance_explanation *explanation) {
-    return explanation ? sizeof *explanation + (explanation->receivers ? sl_receivers_bytes(explanation->receivers) : 0) : 0;
+    return explanation ? sizeof *explanation +
+                             (explanation->receivers ? sl_receivers_bytes(explanation->receivers) : 0)
+                       : 0;
 }
 
 typedef struct {
@@ -82,8 +95,13 @@ typedef struct {
 static void tell_photon(void *context, size_t photon, float weight, const float radiance[3]) {
     const telling *t = context;
     const sl_map_photon *p = &t->explanation->light.photons->photon[photon];
-    sl_explanation_term term = {.layer = "indirect", .kind = "photon of the map", .index = photon, .placed = true, .weight = (double)weight,
-                          .position = {p->position.x, p->position.y, p->position.z}, .value = {p->flux.r, p->flux.g, p->flux.b}};
+    sl_explanation_term term = {.layer = "indirect",
+                                .kind = "photon of the map",
+                                .index = photon,
+                                .placed = true,
+                                .weight = (double)weight,
+                                .position = {p->position.x, p->position.y, p->position.z},
+                                .value = {p->flux.r, p->flux.g, p->flux.b}};
     for (int c = 0; c < 3; c++) {
         const float *throughput = t->explanation->receivers->throughput[c];
         term.contribution[c] = (double)radiance[c] * (throughput ? (double)throughput[t->pixel] : 1.0);
@@ -110,16 +128,19 @@ static void tell_tile(void *context, const sl_receiver_tile *tile, bool glossy, 
     }
 }
 
-static void explanation_tell(const sl_radiance_explanation *explanation, int x, int y, sl_explanation_writer *writer) {
+static void explanation_tell(const sl_radiance_explanation *explanation, int x, int y,
+                             sl_explanation_writer *writer) {
     const sl_receivers *r = explanation->receivers;
     telling t = {explanation, (size_t)y * (size_t)r->width + (size_t)x, writer};
     sl_counters ignored = {{0}};
     sl_explanation_add_layer(writer, "emission", "emitted light");
     sl_explanation_add_layer(writer, "direct", "direct light");
     uint32_t material = r->gbuffer->material[t.pixel];
-    bool mirror = material != SL_NO_INDEX && sl_material_is_mirror(&explanation->light.scene->materials[material]);
+    bool mirror =
+        material != SL_NO_INDEX && sl_material_is_mirror(&explanation->light.scene->materials[material]);
     if (mirror) sl_explanation_add_layer(writer, "indirect", "what a curved mirror shows");
-    else if (explanation->sums) sl_receiver_tiles_strip(r, &explanation->kinds, y - y % SL_TILE_HEIGHT, tell_tile, &t, &ignored);
+    else if (explanation->sums)
+        sl_receiver_tiles_strip(r, &explanation->kinds, y - y % SL_TILE_HEIGHT, tell_tile, &t, &ignored);
 }
 
 /* ---- frames ---- */
@@ -147,14 +168,15 @@ static void radiance_destroy(void *state) {
     sl_free(s);
 }
 
-static sl_status radiance_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
-                                 sl_error *error) {
+static sl_status radiance_create(const sl_scene *scene, const sl_settings *settings,
+                                 const sl_transport *transport, void **state, sl_error *error) {
     (void)transport; /* its own: sl_radiance_transport() */
     sl_radiance_state *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "direct radiance mapping");
     s->scene = scene;
     s->settings = *settings;
-    s->announcer = (sl_announcer){.observer = settings->observer, .method = "direct-radiance", .counters = &s->counters};
+    s->announcer =
+        (sl_announcer){.observer = settings->observer, .method = "direct-radiance", .counters = &s->counters};
     sl_status status = sl_radiance_place(s, error);
     if (status != SL_OK) {
         radiance_destroy(s);
@@ -181,7 +203,8 @@ static sl_status radiance_update(void *state, sl_progress *progress, sl_error *e
 static sl_status give_picture(sl_radiance_state *s, sl_image **image, sl_error *error) {
     sl_counters ignored = {{0}};
     if (!sl_radiance_in_strips(s))
-        return sl_radiance_compose(&s->layers, s->receivers, !s->settings.radiance_map.without_layers, s->settings.threads, image, error);
+        return sl_radiance_compose(&s->layers, s->receivers, !s->settings.radiance_map.without_layers,
+                                   s->settings.threads, image, error);
     if (!s->image) return sl_radiance_draw_image(s, image, &ignored, error);
     *image = s->image;
     s->image = NULL;
@@ -193,8 +216,10 @@ static sl_status radiance_resolve(void *state, sl_image **image, sl_error *error
     sl_progress ignored;
     sl_status status = s->drawn ? SL_OK : radiance_update(s, &ignored, error);
     if (status == SL_OK) status = give_picture(s, image, error);
-    if (status == SL_OK && s->map) status = sl_map_report_stamp(&s->report, s->settings.radiance_map.weight, *image, error);
-    if (status == SL_OK && s->plan.environment) status = sl_warn(*image, error, "the sky is seen, but lights nothing");
+    if (status == SL_OK && s->map)
+        status = sl_map_report_stamp(&s->report, s->settings.radiance_map.weight, *image, error);
+    if (status == SL_OK && s->plan.environment)
+        status = sl_warn(*image, error, "the sky is seen, but lights nothing");
     return status;
 }
 
@@ -208,11 +233,15 @@ static sl_status radiance_edit(void *state, unsigned changes, sl_error *error) {
         s->placed = false; /* and planned anew */
         sl_report_points_follow(s->points);
     }
-    if (s->placed && (changes & SL_CHANGED_LIGHTS)) s->plan.shadows = sl_radiance_has_shadows(s->scene, &s->settings); /* they may have left a convex room */
+    /* they may have left a convex room */
+    if (s->placed && (changes & SL_CHANGED_LIGHTS))
+        s->plan.shadows = sl_radiance_has_shadows(s->scene, &s->settings);
     return SL_OK;
 }
 
-static const sl_counters *radiance_counters(const void *state) { return &((const sl_radiance_state *)state)->counters; }
+static const sl_counters *radiance_counters(const void *state) {
+    return &((const sl_radiance_state *)state)->counters;
+}
 
 static size_t radiance_memory_bytes(const void *state) {
     const sl_radiance_state *s = state;
@@ -230,11 +259,13 @@ static size_t radiance_memory_bytes(const void *state) {
     return bytes;
 }
 
-static sl_status radiance_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
+static sl_status radiance_explanation(void *state, int x, int y, sl_explanation_writer *writer,
+                                      sl_error *error) {
     sl_radiance_state *s = state;
     const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status = SL_OK;
-    if (!s->drawn || s->settings.radiance_map.without_layers) return sl_fail(error, SL_ERROR_USAGE, "a pixel is explained in a picture with its layers");
+    if (!s->drawn || s->settings.radiance_map.without_layers)
+        return sl_fail(error, SL_ERROR_USAGE, "a pixel is explained in a picture with its layers");
     if (!s->explanation) {
         const sl_light_pass light = sl_radiance_indirect_lighting(s);
         status = explanation_create(&light, s->raster, &view, s->plan.planar ? s->planar : NULL,

@@ -26,7 +26,8 @@ bool sl_has_curved_mirrors(const sl_scene *scene, const sl_mirrors *planar) {
 
 /* ---- in sight ---- */
 
-static void mark_seen(const sl_scene *scene, const sl_mirrors *planar, const sl_receivers *seen, bool *wanted) {
+static void mark_seen(const sl_scene *scene, const sl_mirrors *planar, const sl_receivers *seen,
+                      bool *wanted) {
     const sl_gbuffer *g = seen->gbuffer;
     const size_t pixels = (size_t)seen->width * (size_t)seen->height;
     uint32_t before = SL_NO_INDEX; /* mostly a pixel shows what its neighbour shows */
@@ -50,7 +51,8 @@ static sl_vec3 middle_of(const sl_mirror_object *o) {
     return sl_to_float(sl_scaled(sum, 0.5));
 }
 
-static void find_boxes(const sl_scene *scene, const sl_mirrors *planar, const bool *wanted, sl_mirror_objects *objects) {
+static void find_boxes(const sl_scene *scene, const sl_mirrors *planar, const bool *wanted,
+                       sl_mirror_objects *objects) {
     for (uint32_t o = 0; o < scene->object_count; o++) objects->cube_of[o] = SL_NO_INDEX;
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
         const uint32_t o = scene->object_index[t];
@@ -60,19 +62,20 @@ static void find_boxes(const sl_scene *scene, const sl_mirrors *planar, const bo
     for (uint32_t o = 0; o < scene->object_count; o++) {
         if (objects->cube_of[o] == SL_NO_INDEX) continue;
         objects->cube_of[o] = (uint32_t)objects->count;
-        objects->object[objects->count++] = (sl_mirror_object){.object = o, .low = {FLT_MAX, FLT_MAX, FLT_MAX},
-                                                               .high = {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
+        objects->object[objects->count++] = (sl_mirror_object){
+            .object = o, .low = {FLT_MAX, FLT_MAX, FLT_MAX}, .high = {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
     }
     for (uint32_t t = 0; objects->count && t < scene->triangle_count; t++) {
         const uint32_t cube = objects->cube_of[scene->object_index[t]];
         if (cube == SL_NO_INDEX || !sl_is_curved_mirror(scene, planar, t)) continue;
-        for (int k = 0; k < 3; k++) enclose(&objects->object[cube], sl_scene_position(scene, scene->vertex[k][t]));
+        for (int k = 0; k < 3; k++)
+            enclose(&objects->object[cube], sl_scene_position(scene, scene->vertex[k][t]));
     }
     for (size_t n = 0; n < objects->count; n++) objects->object[n].centre = middle_of(&objects->object[n]);
 }
 
-sl_status sl_mirror_objects_find(const sl_scene *scene, const sl_mirrors *planar, const sl_receivers *seen, sl_mirror_objects *objects,
-                                 sl_error *error) {
+sl_status sl_mirror_objects_find(const sl_scene *scene, const sl_mirrors *planar, const sl_receivers *seen,
+                                 sl_mirror_objects *objects, sl_error *error) {
     *objects = (sl_mirror_objects){.count = 0};
     if (!has_mirror_material(scene)) return SL_OK;
     bool *wanted = sl_allocate(scene->object_count, sizeof *wanted), any = !seen;
@@ -99,7 +102,8 @@ void sl_mirror_objects_release(sl_mirror_objects *objects) {
 static bool lies_within(const sl_scene *scene, uint32_t t, const sl_mirror_object *o) {
     for (int k = 0; k < 3; k++) {
         sl_vec3 p = sl_scene_position(scene, scene->vertex[k][t]);
-        bool inside = p.x >= o->low.x && p.x <= o->high.x && p.y >= o->low.y && p.y <= o->high.y && p.z >= o->low.z && p.z <= o->high.z;
+        bool inside = p.x >= o->low.x && p.x <= o->high.x && p.y >= o->low.y && p.y <= o->high.y &&
+                      p.z >= o->low.z && p.z <= o->high.z;
         if (!inside) return false;
     }
     return true;
@@ -108,7 +112,8 @@ static bool lies_within(const sl_scene *scene, uint32_t t, const sl_mirror_objec
 void sl_mirror_object_mark(const sl_scene *scene, const sl_mirror_object *object, uint8_t *left_out) {
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
         left_out[t] = scene->object_index[t] == object->object &&
-                      sl_material_is_mirror(&scene->materials[scene->material_index[t]]) && lies_within(scene, t, object);
+                      sl_material_is_mirror(&scene->materials[scene->material_index[t]]) &&
+                      lies_within(scene, t, object);
     }
 }
 
@@ -162,7 +167,8 @@ static void look_up(const reflecting *r, look_ups *l) {
     for (int p = 0; l->count && p < SL_CUBE_PARTS; p++) {
         const sl_cube_map *map = r->mirrors->cube[l->cube].part[p];
         if (!map) continue;
-        sl_cube_map_sample_many(map, l->count, l->x, l->y, l->z, NULL, (float *const[4]){seen[0], seen[1], seen[2], NULL});
+        sl_cube_map_sample_many(map, l->count, l->x, l->y, l->z, NULL,
+                                (float *const[4]){seen[0], seen[1], seen[2], NULL});
         for (size_t i = 0; i < l->count; i++) {
             const sl_rgb ks = scene->materials[r->receivers->gbuffer->material[l->pixel[i]]].mirror;
             r->plane[p][0][l->pixel[i]] += ks.r * seen[0][i];
@@ -191,8 +197,9 @@ static void reflect_row(void *context, size_t y, unsigned worker) {
     if (count) r->looked_up += count;
 }
 
-void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receivers *receivers, unsigned threads, float *const emission[3],
-                               float *const direct[3], float *const indirect[3], sl_counters *counters) {
+void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receivers *receivers,
+                               unsigned threads, float *const emission[3], float *const direct[3],
+                               float *const indirect[3], sl_counters *counters) {
     if (!mirrors) return;
     reflecting r = {.mirrors = mirrors, .receivers = receivers, .plane = {emission, direct, indirect}};
     uint64_t parts = 0;

@@ -1,5 +1,5 @@
-/* Pass 4: environment cubes of curved mirrors. Each face is a picture of the scene like the camera's, planar mirrors included,
- * lit by the same passes. */
+/* Pass 4: environment cubes of curved mirrors. Each face is a picture of the scene like the camera's, planar
+ * mirrors included, lit by the same passes. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -45,7 +45,8 @@ static bool allocate_planes(face_planes *f, size_t pixels) {
     return f->memory != NULL;
 }
 
-/* The pixel shows a mirror that nothing tells about: a curved one, or a planar one beyond the nesting limit. */
+/* The pixel shows a mirror that nothing tells about: a curved one, or a planar one beyond the nesting limit.
+ */
 static bool is_unknown_mirror(const sl_scene *scene, uint32_t id) {
     return id != SL_NO_INDEX && sl_material_is_mirror(&scene->materials[scene->material_index[id]]);
 }
@@ -58,7 +59,8 @@ static void set_pixel(const face_planes *f, size_t i, sl_rgb value) {
     }
 }
 
-/* Times the planar mirrors on the way. A mirror that is not known keeps the factor by which it will show the cube's mean. */
+/* Times the planar mirrors on the way. A mirror that is not known keeps the factor by which it will show the
+ * cube's mean. */
 static void finish_pixels(const cubes_pass *g, const sl_receivers *r, const face_planes *f) {
     const size_t pixels = (size_t)r->width * (size_t)r->height;
     const sl_scene *scene = g->pass->scene;
@@ -73,7 +75,8 @@ static void finish_pixels(const cubes_pass *g, const sl_receivers *r, const face
     }
 }
 
-static sl_status light_face(const cubes_pass *g, const sl_receivers *r, const face_planes *f, sl_counters *counters, sl_error *error) {
+static sl_status light_face(const cubes_pass *g, const sl_receivers *r, const face_planes *f,
+                            sl_counters *counters, sl_error *error) {
     sl_light_pass light = *g->pass->light;
     sl_lit_picture picture;
     light.threads = 1;
@@ -82,7 +85,8 @@ static sl_status light_face(const cubes_pass *g, const sl_receivers *r, const fa
     memcpy(picture.indirect, f->plane[SL_CUBE_INDIRECT], sizeof picture.indirect);
     sl_add_emission(g->pass->scene, r, 1, f->plane[SL_CUBE_EMISSION], counters);
     sl_status status = sl_light_directly(&light, r, &picture, counters, error);
-    if (status == SL_OK && g->pass->indirect) status = sl_light_indirectly(&light, r, &picture, NULL, counters, error);
+    if (status == SL_OK && g->pass->indirect)
+        status = sl_light_indirectly(&light, r, &picture, NULL, counters, error);
     if (status != SL_OK) return status;
     finish_pixels(g, r, f);
     return SL_OK;
@@ -96,15 +100,19 @@ static void keep_face(sl_environment_cube *cube, int face, int size, const face_
     }
 }
 
-static sl_status make_face(const cubes_pass *g, size_t number, int face, sl_counters *counters, sl_error *error) {
+static sl_status make_face(const cubes_pass *g, size_t number, int face, sl_counters *counters,
+                           sl_error *error) {
     const sl_mirror_pass *pass = g->pass;
     const int size = pass->cube_size;
-    sl_view view = sl_view_cube_face(g->objects->object[number].centre, face, size, 1e-5f * pass->scene->scale);
+    sl_view view =
+        sl_view_cube_face(g->objects->object[number].centre, face, size, 1e-5f * pass->scene->scale);
     sl_receivers *r = NULL;
     face_planes planes;
     view.left_out = g->left_out[number - g->first];
-    if (!allocate_planes(&planes, (size_t)size * (size_t)size)) return sl_fail_memory(error, "a face of an environment cube");
-    sl_status status = sl_receivers_render(pass->scene, pass->raster, &view, pass->planar, pass->reflections, 1, &r, counters, error);
+    if (!allocate_planes(&planes, (size_t)size * (size_t)size))
+        return sl_fail_memory(error, "a face of an environment cube");
+    sl_status status = sl_receivers_render(pass->scene, pass->raster, &view, pass->planar, pass->reflections,
+                                           1, &r, counters, error);
     if (status == SL_OK) status = light_face(g, r, &planes, counters, error);
     if (status == SL_OK) keep_face(&g->cube[number], face, size, &planes);
     sl_receivers_destroy(r);
@@ -115,7 +123,8 @@ static sl_status make_face(const cubes_pass *g, size_t number, int face, sl_coun
 static void make_face_task(void *context, size_t index, unsigned worker) {
     (void)worker;
     cubes_pass *g = context;
-    g->status[index] = make_face(g, g->first + index / FACES, (int)(index % FACES), &g->counters[index], &g->error[index]);
+    g->status[index] =
+        make_face(g, g->first + index / FACES, (int)(index % FACES), &g->counters[index], &g->error[index]);
 }
 
 /* ---- one cube, when its faces are there ---- */
@@ -182,15 +191,18 @@ static void complete_cube_task(void *context, size_t index, unsigned worker) {
 
 /* ---- all cubes ---- */
 
-static sl_status create_cubes(const sl_mirror_pass *pass, size_t count, sl_environment_cube **cubes, sl_error *error) {
+static sl_status create_cubes(const sl_mirror_pass *pass, size_t count, sl_environment_cube **cubes,
+                              sl_error *error) {
     const sl_scene *scene = pass->scene;
     const bool shines = scene->emitter_count > 0 || scene->environment.present;
-    const bool wanted[SL_CUBE_PARTS] = {[SL_CUBE_EMISSION] = shines, [SL_CUBE_DIRECT] = true, [SL_CUBE_INDIRECT] = pass->indirect};
+    const bool wanted[SL_CUBE_PARTS] = {
+        [SL_CUBE_EMISSION] = shines, [SL_CUBE_DIRECT] = true, [SL_CUBE_INDIRECT] = pass->indirect};
     *cubes = sl_allocate(count, sizeof **cubes);
     if (!*cubes) return sl_fail_memory(error, "environment cubes");
     for (size_t n = 0; n < count; n++) {
         for (int p = 0; p < SL_CUBE_PARTS; p++) {
-            sl_status status = wanted[p] ? sl_cube_map_create(pass->cube_size, false, &(*cubes)[n].part[p], error) : SL_OK;
+            sl_status status =
+                wanted[p] ? sl_cube_map_create(pass->cube_size, false, &(*cubes)[n].part[p], error) : SL_OK;
             if (status != SL_OK) return status;
         }
     }
@@ -200,7 +212,8 @@ static sl_status create_cubes(const sl_mirror_pass *pass, size_t count, sl_envir
 static sl_status make_together(cubes_pass *g, size_t count, sl_counters *counters, sl_error *error) {
     const unsigned threads = sl_thread_count(g->pass->light->threads);
     memset(g->counters, 0, sizeof g->counters);
-    for (size_t n = 0; n < count; n++) sl_mirror_object_mark(g->pass->scene, &g->objects->object[g->first + n], g->left_out[n]);
+    for (size_t n = 0; n < count; n++)
+        sl_mirror_object_mark(g->pass->scene, &g->objects->object[g->first + n], g->left_out[n]);
     sl_parallel_for(threads, count * FACES, make_face_task, g);
     for (size_t i = 0; i < count * FACES; i++) {
         if (g->status[i] != SL_OK && error) *error = g->error[i];
@@ -211,8 +224,8 @@ static sl_status make_together(cubes_pass *g, size_t count, sl_counters *counter
     return SL_OK;
 }
 
-static sl_status make_cubes(const sl_mirror_pass *pass, const sl_mirror_objects *objects, sl_environment_cube **cubes,
-                            sl_counters *counters, sl_error *error) {
+static sl_status make_cubes(const sl_mirror_pass *pass, const sl_mirror_objects *objects,
+                            sl_environment_cube **cubes, sl_counters *counters, sl_error *error) {
     sl_status status = create_cubes(pass, objects->count, cubes, error);
     cubes_pass *g = sl_allocate(1, sizeof *g);
     bool ok = g != NULL;
@@ -228,21 +241,23 @@ static sl_status make_cubes(const sl_mirror_pass *pass, const sl_mirror_objects 
     }
     for (size_t first = 0; status == SL_OK && first < objects->count; first += TOGETHER) {
         g->first = first;
-        status = make_together(g, objects->count - first < TOGETHER ? objects->count - first : TOGETHER, counters, error);
+        status = make_together(g, objects->count - first < TOGETHER ? objects->count - first : TOGETHER,
+                               counters, error);
     }
     for (size_t n = 0; g && n < TOGETHER; n++) sl_free(g->left_out[n]);
     sl_free(g);
     return status;
 }
 
-sl_status sl_curved_mirrors_render(const sl_mirror_pass *pass, const sl_receivers *seen, sl_curved_mirrors **mirrors, sl_counters *counters,
-                                   sl_error *error) {
+sl_status sl_curved_mirrors_render(const sl_mirror_pass *pass, const sl_receivers *seen,
+                                   sl_curved_mirrors **mirrors, sl_counters *counters, sl_error *error) {
     *mirrors = NULL;
     sl_curved_mirrors *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "the curved mirrors");
     *m = (sl_curved_mirrors){.scene = pass->scene, .planar = pass->planar};
     sl_status status = sl_mirror_objects_find(pass->scene, pass->planar, seen, &m->objects, error);
-    if (status == SL_OK && m->objects.count) status = make_cubes(pass, &m->objects, &m->cube, counters, error);
+    if (status == SL_OK && m->objects.count)
+        status = make_cubes(pass, &m->objects, &m->cube, counters, error);
     if (status == SL_OK && m->objects.count) *mirrors = m;
     else sl_curved_mirrors_destroy(m);
     return status;

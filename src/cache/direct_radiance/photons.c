@@ -1,4 +1,5 @@
-/* Pass 3: regular samples of the direct radiance map, and what they have in common with the other ways to take them. */
+/* Pass 3: regular samples of the direct radiance map, and what they have in common with the other ways to
+ * take them. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -12,32 +13,38 @@ double sl_block_angle(const sl_radiance_map *map, const sl_map_face *face, int c
     double angle = 0.0;
     int texels = sl_block_texels(face);
     for (int y = row; y < row + texels; y++) {
-        for (int x = column; x < column + texels; x++) angle += (double)map->block_angle[sl_map_texel_index(face, x, y)];
+        for (int x = column; x < column + texels; x++)
+            angle += (double)map->block_angle[sl_map_texel_index(face, x, y)];
     }
     return angle;
 }
 
-/* Photon (i, k) of m x m is the texel at ((i + 1/2) / m, (k + 1/2) / m). With an even number of texels a block that is a texel's corner:
- * the lower left of the four around it is taken. It stands for the whole block, whose solid angle is the texels' together:
- * with the texel's own, the photons would hold m^2 / w^2 of the light. */
-void sl_photon_at_point(sl_photon_list *list, const sl_map_face *face, int column, int row, const double *color) {
+/* Photon (i, k) of m x m is the texel at ((i + 1/2) / m, (k + 1/2) / m). With an even number of texels a
+ * block that is a texel's corner: the lower left of the four around it is taken. It stands for the whole
+ * block, whose solid angle is the texels' together: with the texel's own, the photons would hold m^2 / w^2 of
+ * the light. */
+void sl_photon_at_point(sl_photon_list *list, const sl_map_face *face, int column, int row,
+                        const double *color) {
     int texels = sl_block_texels(face), x = column + (texels - 1) / 2, y = row + (texels - 1) / 2;
     size_t before = list->photons->count;
     sl_map_texel t;
     if (sl_map_texel_read(list->scene, list->map, face, x, y, color, &t)) {
         double own = (double)list->map->block_angle[sl_map_texel_index(face, x, y)];
         const sl_texel_rectangle block = {column, row, column + texels, row + texels};
-        sl_photon_sample sample = sl_photon_of_texel(list, &t, sl_block_angle(list->map, face, column, row) / own, block);
+        sl_photon_sample sample =
+            sl_photon_of_texel(list, &t, sl_block_angle(list->map, face, column, row) / own, block);
         sl_photon_add(list, face, &sample);
     }
     if (list->photons->count == before) list->photons->dropped++;
 }
 
-sl_status sl_photons_at_points(sl_photon_list *list, const sl_map_face *face, size_t face_count, sl_error *error) {
+sl_status sl_photons_at_points(sl_photon_list *list, const sl_map_face *face, size_t face_count,
+                               sl_error *error) {
     (void)error;
     for (const sl_map_face *f = face; f < face + face_count; f++) {
         for (int k = 0; k < f->rows; k++) {
-            for (int i = 0; i < f->columns; i++) sl_photon_at_point(list, f, i * sl_block_texels(f), k * sl_block_texels(f), NULL);
+            for (int i = 0; i < f->columns; i++)
+                sl_photon_at_point(list, f, i * sl_block_texels(f), k * sl_block_texels(f), NULL);
         }
     }
     return SL_OK;
@@ -63,7 +70,8 @@ static size_t count_blocks(const sl_map_face *face, size_t face_count) {
 }
 
 /* Room for the most that the samples can be: four groups a block. */
-static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_map_photons **photons, sl_error *error) {
+static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_map_photons **photons,
+                        sl_error *error) {
     sl_map_photons *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "sample photons");
     p->photon = sl_allocate(room, sizeof *p->photon);
@@ -78,10 +86,12 @@ static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_
     return SL_OK;
 }
 
-sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map, const sl_radiance_map_settings *settings,
-                              sl_map_photons **photons, sl_counters *counters, sl_error *error) {
+sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
+                              const sl_radiance_map_settings *settings, sl_map_photons **photons,
+                              sl_counters *counters, sl_error *error) {
     bool quads = settings->weight == SL_WEIGHT_POLYGON;
-    sl_status status = create(map, quads, SL_PHOTON_GROUPS * count_blocks(map->face, map->face_count), photons, error);
+    sl_status status =
+        create(map, quads, SL_PHOTON_GROUPS * count_blocks(map->face, map->face_count), photons, error);
     if (status != SL_OK) return status;
     sl_map_photons *p = *photons;
     p->nearest = (float)(NEAREST_RECEIVER * (double)scene->scale);
@@ -92,7 +102,8 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
     size_t face = 0;
     for (size_t light = 0; light < SL_MAP_POINTS_MAX && status == SL_OK; light++) {
         p->first_of_light[light] = p->count;
-        if (face == map->face_count || map->face[face].light != light) continue; /* no pictures of that light were needed */
+        /* no pictures of that light were needed */
+        if (face == map->face_count || map->face[face].light != light) continue;
         size_t faces = faces_of_light(map, face);
         p->samples_of_light[light] = count_blocks(map->face + face, faces);
         status = take(&list, map->face + face, faces, error);
@@ -119,7 +130,8 @@ void sl_map_photons_destroy(sl_map_photons *photons) {
 
 size_t sl_map_photons_bytes(const sl_map_photons *photons) {
     if (!photons) return 0;
-    size_t each = sizeof *photons->photon + (photons->lobe ? sizeof *photons->lobe : 0) + (photons->quad ? sizeof *photons->quad : 0);
+    size_t each = sizeof *photons->photon + (photons->lobe ? sizeof *photons->lobe : 0) +
+                  (photons->quad ? sizeof *photons->quad : 0);
     return sizeof *photons + photons->room * each;
 }
 
@@ -139,10 +151,12 @@ static bool make_unit(sl_vec3d *a) {
     return is_finite(*a);
 }
 
-void sl_map_face_ray(const sl_map_face *face, bool directional, double column, double row, sl_vec3d *origin, sl_vec3d *direction) {
+void sl_map_face_ray(const sl_map_face *face, bool directional, double column, double row, sl_vec3d *origin,
+                     sl_vec3d *direction) {
     double u = face->left + (face->right - face->left) * (column / (double)face->width);
     double v = face->bottom + (face->top - face->bottom) * (row / (double)face->height);
-    sl_vec3d x = sl_to_double(face->frame.x), y = sl_to_double(face->frame.y), z = sl_to_double(face->frame.z);
+    sl_vec3d x = sl_to_double(face->frame.x), y = sl_to_double(face->frame.y),
+             z = sl_to_double(face->frame.z);
     sl_vec3d aside = sl_addd(sl_scaled(x, u), sl_scaled(y, v)), eye = sl_to_double(face->eye);
     *origin = directional ? sl_addd(eye, aside) : eye;
     *direction = directional ? z : sl_addd(z, aside);
@@ -167,14 +181,17 @@ static bool find_way(const sl_radiance_map *map, const sl_map_face *face, size_t
     return t->footprint > 0.0 && isfinite(t->footprint) && t->way >= 0.0;
 }
 
-/* The direction in which the texel's light left the light. Its image in a mirror shines as it does itself: the mirror's plane lies halfway
- * between. What came by curved mirrors left along the picture's ray, and arrives from somewhere else. */
-static sl_vec3 as_it_left(const sl_radiance_map *map, const sl_map_face *face, size_t i, const sl_map_texel *t) {
+/* The direction in which the texel's light left the light. Its image in a mirror shines as it does itself:
+ * the mirror's plane lies halfway between. What came by curved mirrors left along the picture's ray, and
+ * arrives from somewhere else. */
+static sl_vec3 as_it_left(const sl_radiance_map *map, const sl_map_face *face, size_t i,
+                          const sl_map_texel *t) {
     const sl_map_light *light = &map->lights->light[face->light];
     sl_vec3d direction = sl_scaled(t->to_light, -1.0), origin;
     if (map->spread && map->spread[i] > 0.0f) {
         size_t texel = i - face->first, width = (size_t)face->width;
-        sl_map_face_ray(face, false, (double)(texel % width) + 0.5, (double)(texel / width) + 0.5, &origin, &direction);
+        sl_map_face_ray(face, false, (double)(texel % width) + 0.5, (double)(texel / width) + 0.5, &origin,
+                        &direction);
     }
     sl_vec3d across = sl_subd(sl_to_double(light->position), sl_to_double(face->eye));
     if (face->mirror != SL_NO_INDEX && make_unit(&across)) {
@@ -187,10 +204,12 @@ static sl_vec3 as_it_left(const sl_radiance_map *map, const sl_map_face *face, s
 static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_map_texel *t) {
     const sl_map_light *light = &map->lights->light[face->light];
     bool by_direction = light->kind == SL_MAP_LIGHT_SPOT || light->kind == SL_MAP_LIGHT_AREA;
-    sl_rgb intensity = by_direction ? sl_map_light_intensity(light, as_it_left(map, face, i, t)) : light->intensity;
+    sl_rgb intensity =
+        by_direction ? sl_map_light_intensity(light, as_it_left(map, face, i, t)) : light->intensity;
     intensity = sl_rgb_mul(intensity, face->reflectance);
     if (map->spread && map->spread[i] > 0.0f) {
-        intensity = sl_rgb_mul(intensity, (sl_rgb){map->carried[0][i], map->carried[1][i], map->carried[2][i]});
+        intensity =
+            sl_rgb_mul(intensity, (sl_rgb){map->carried[0][i], map->carried[1][i], map->carried[2][i]});
     }
     const double c[3] = {(double)intensity.r, (double)intensity.g, (double)intensity.b};
     bool any = false;
@@ -202,9 +221,10 @@ static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, s
     return any;
 }
 
-/* Psi = L_o A = rho I dOmega / pi cos_s / cos_alpha, where cos_s is the shading normal's cosine, in L_o, and cos_alpha the geometric
- * one's, in A: 1 to another on facets. On rounded silhouettes the quotient can be huge. No surface sends on more than arrives:
- * pi Psi <= I dOmega bounds it, in all channels by one factor, so that the hue stays. */
+/* Psi = L_o A = rho I dOmega / pi cos_s / cos_alpha, where cos_s is the shading normal's cosine, in L_o, and
+ * cos_alpha the geometric one's, in A: 1 to another on facets. On rounded silhouettes the quotient can be
+ * huge. No surface sends on more than arrives: pi Psi <= I dOmega bounds it, in all channels by one factor,
+ * so that the hue stays. */
 static void find_flux(const sl_radiance_map *map, sl_map_texel *t) {
     double share = 1.0, reflected[3];
     if (map->lambertian) {
@@ -230,14 +250,15 @@ static void find_flux(const sl_radiance_map *map, sl_map_texel *t) {
     t->luminance = sl_luminance_of(reflected);
 }
 
-bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const sl_map_face *face, int column, int row,
-                       const double *color, sl_map_texel *t) {
+bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const sl_map_face *face, int column,
+                       int row, const double *color, sl_map_texel *t) {
     size_t i = sl_map_texel_index(face, column, row);
     if (map->triangle[i] == SL_NO_INDEX) return false;
     t->position = plane_at(map->position, i);
     if (!is_finite(t->position) || !find_way(map, face, i, t)) return false;
     bool directional = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
-    if (!directional && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_central_diagonal(scene)) return false;
+    if (!directional && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_central_diagonal(scene))
+        return false;
 
     t->normal = plane_at(map->geometric, i);
     if (!make_unit(&t->normal)) return false;
@@ -263,7 +284,8 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
 static sl_rgb rgb_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
 
 /* The material without the texture, which the map's true colour has. */
-static void find_lobe(const sl_radiance_map *map, const sl_map_texel *t, double diffuse[3], double specular[3], double *exponent) {
+static void find_lobe(const sl_radiance_map *map, const sl_map_texel *t, double diffuse[3],
+                      double specular[3], double *exponent) {
     if (map->lambertian) return;
     const sl_rgb s = t->material->specular;
     const double ks[3] = {(double)s.r, (double)s.g, (double)s.b};
@@ -274,9 +296,16 @@ static void find_lobe(const sl_radiance_map *map, const sl_map_texel *t, double 
     *exponent = (double)t->material->exponent;
 }
 
-sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_texel *t, double times, sl_texel_rectangle rectangle) {
-    sl_photon_sample s = {.position = t->position, .normal = t->normal, .shading = t->shading, .to_light = t->to_light,
-                          .cos_alpha = t->cos_alpha, .footprint = times * t->footprint, .way = t->way, .object = t->object,
+sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_texel *t, double times,
+                                    sl_texel_rectangle rectangle) {
+    sl_photon_sample s = {.position = t->position,
+                          .normal = t->normal,
+                          .shading = t->shading,
+                          .to_light = t->to_light,
+                          .cos_alpha = t->cos_alpha,
+                          .footprint = times * t->footprint,
+                          .way = t->way,
+                          .object = t->object,
                           .rectangle = rectangle};
     for (int k = 0; k < 3; k++) {
         s.flux[k] = times * t->flux[k];
@@ -298,13 +327,13 @@ static double printed_area(const sl_photon_list *list, const sl_map_face *face, 
 }
 
 static bool photon_is_sound(const sl_map_photon *p) {
-    return sl_is_finite(p->position) && sl_is_finite(p->normal) && sl_rgb_is_finite(p->flux) && sl_rgb_is_finite(p->radiance) &&
-           isfinite(p->printed_area) && isfinite(p->footprint) && p->footprint > 0.0f && p->cos_alpha > 0.0f &&
-           sl_rgb_max(p->flux) > 0.0f;
+    return sl_is_finite(p->position) && sl_is_finite(p->normal) && sl_rgb_is_finite(p->flux) &&
+           sl_rgb_is_finite(p->radiance) && isfinite(p->printed_area) && isfinite(p->footprint) &&
+           p->footprint > 0.0f && p->cos_alpha > 0.0f && sl_rgb_max(p->flux) > 0.0f;
 }
 
-/* Texels of several surfaces in one photon have a mean plane that may pass close to the light, where the polygon is far smaller than what
- * they cover: its radiance would be that much too large. */
+/* Texels of several surfaces in one photon have a mean plane that may pass close to the light, where the
+ * polygon is far smaller than what they cover: its radiance would be that much too large. */
 static bool holds_surface(const sl_photon_quad *quad, const sl_photon_sample *s) {
     return 2.0 * (double)quad->area * s->cos_alpha >= s->footprint;
 }
@@ -313,26 +342,35 @@ void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photo
     sl_map_photons *photons = list->photons;
     if (photons->count == photons->room) return;
     sl_map_photon *photon = &photons->photon[photons->count];
-    *photon = (sl_map_photon){.position = sl_to_float(s->position), .footprint = (float)s->footprint, .flux = rgb_of(s->flux),
-                              .cos_alpha = (float)fmin(s->cos_alpha, 1.0), .normal = sl_to_float(s->normal),
-                              .printed_area = (float)printed_area(list, face, s), .radiance = rgb_of(s->radiance), .object = s->object};
+    *photon = (sl_map_photon){.position = sl_to_float(s->position),
+                              .footprint = (float)s->footprint,
+                              .flux = rgb_of(s->flux),
+                              .cos_alpha = (float)fmin(s->cos_alpha, 1.0),
+                              .normal = sl_to_float(s->normal),
+                              .printed_area = (float)printed_area(list, face, s),
+                              .radiance = rgb_of(s->radiance),
+                              .object = s->object};
     if (!photon_is_sound(photon)) return;
     if (photons->lobe) {
-        photons->lobe[photons->count] = (sl_photon_lobe){rgb_of(s->diffuse), rgb_of(s->specular), (float)s->exponent,
-                                                         sl_to_float(s->to_light), sl_to_float(s->shading)};
+        photons->lobe[photons->count] =
+            (sl_photon_lobe){rgb_of(s->diffuse), rgb_of(s->specular), (float)s->exponent,
+                             sl_to_float(s->to_light), sl_to_float(s->shading)};
     }
     if (photons->quad) {
         sl_photon_quad *quad = &photons->quad[photons->count];
         sl_photon_quad_find(list->map, face, s, quad);
         if (!holds_surface(quad, s)) *quad = (sl_photon_quad){0};
-        quad->depth = sqrtf(quad->area) * (s->bent ? 0.05f : 1e-4f); /* 0.09 of the radius, as in visibility.c; or rounding */
+        /* 0.09 of the radius, as in visibility.c; or rounding */
+        quad->depth = sqrtf(quad->area) * (s->bent ? 0.05f : 1e-4f);
     }
     photons->count++;
 }
 
-/* The polygon that a photon stands for: where the corner rays of its part of the picture meet its tangent plane. */
+/* The polygon that a photon stands for: where the corner rays of its part of the picture meet its tangent
+ * plane. */
 
-/* A corner farther from the light than so many times b is not that surface any more; of parallel light, one that is so many widths away. */
+/* A corner farther from the light than so many times b is not that surface any more; of parallel light, one
+ * that is so many widths away. */
 #define LONGEST_RAY 4.0
 
 typedef struct corner_rays {
@@ -343,7 +381,8 @@ typedef struct corner_rays {
 } corner_rays;
 
 static bool meet_plane(const corner_rays *rays, sl_vec3d origin, sl_vec3d direction, sl_vec3d *corner) {
-    double towards = sl_dotd(direction, rays->normal), way = sl_dotd(sl_subd(rays->point, origin), rays->normal);
+    double towards = sl_dotd(direction, rays->normal),
+           way = sl_dotd(sl_subd(rays->point, origin), rays->normal);
     double t = way / towards; /* may be infinite or NaN */
     if (!(towards < 0.0) || !isfinite(t)) return false;
     *corner = sl_addd(origin, sl_scaled(direction, t));
@@ -351,22 +390,26 @@ static bool meet_plane(const corner_rays *rays, sl_vec3d origin, sl_vec3d direct
     return t > 0.0 && t * sl_lengthd(direction) <= rays->longest;
 }
 
-void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *s, sl_photon_quad *quad) {
+void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *s,
+                         sl_photon_quad *quad) {
     *quad = (sl_photon_quad){0};
     bool directional = sl_face_is_directional(map, face);
     const sl_texel_rectangle *r = &s->rectangle;
     if (!(r->left < r->right) || !(r->bottom < r->top)) return;
     double width = (face->right - face->left) / face->width * (r->right - r->left);
     double height = (face->top - face->bottom) / face->height * (r->top - r->bottom);
-    corner_rays rays = {s->position, s->normal, LONGEST_RAY * s->way, fmax(fabs(width), fabs(height)), directional};
-    const double column[4] = {r->left, r->right, r->right, r->left}, row[4] = {r->bottom, r->bottom, r->top, r->top};
+    corner_rays rays = {s->position, s->normal, LONGEST_RAY * s->way, fmax(fabs(width), fabs(height)),
+                        directional};
+    const double column[4] = {r->left, r->right, r->right, r->left},
+                 row[4] = {r->bottom, r->bottom, r->top, r->top};
     sl_vec3d corner[4];
     for (int c = 0; c < 4; c++) {
         sl_vec3d origin, direction;
         sl_map_face_ray(face, directional, column[c], row[c], &origin, &direction);
         if (!meet_plane(&rays, origin, direction, &corner[c])) return;
     }
-    /* Twice the area, along the normal where the corners turn counter-clockwise; a mirrored picture turns them round. */
+    /* Twice the area, along the normal where the corners turn counter-clockwise; a mirrored picture turns
+     * them round. */
     sl_vec3d twice = sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1]));
     double area = 0.5 * sl_lengthd(twice);
     if (!(area > 0.0) || !isfinite(area) || !((float)area > 0.0f)) return;

@@ -1,6 +1,7 @@
-/* Passes 5 to 8 at once, four rows of the picture after another. What the hardware keeps in targets as large as the picture (a G-buffer of
- * fourteen planes, ten of light) is here as large as a strip, which one thread resolves, lights and composes while it is in its cache: out of it
- * goes nothing but the picture. Each pixel's arithmetic is that of the passes one by one, and so are its bits. */
+/* Passes 5 to 8 at once, four rows of the picture after another. What the hardware keeps in targets as large
+ * as the picture (a G-buffer of fourteen planes, ten of light) is here as large as a strip, which one thread
+ * resolves, lights and composes while it is in its cache: out of it goes nothing but the picture. Each
+ * pixel's arithmetic is that of the passes one by one, and so are its bits. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -12,7 +13,8 @@
 
 #include <string.h>
 
-/* APART: floats between planes, lest at widths that are powers of two the same pixel of all of them fell into the same lines of the cache. */
+/* APART: floats between planes, lest at widths that are powers of two the same pixel of all of them fell into
+ * the same lines of the cache. */
 enum { SURFACE_PLANES = 13, LIGHT_PLANES = 10, APART = 112 };
 
 /* A thread's part of the picture. */
@@ -45,9 +47,9 @@ typedef struct {
 
 static void set_planes(const drawing *d, strip *s) {
     sl_gbuffer *g = &s->gbuffer;
-    float **const surface[SURFACE_PLANES - 1] = {&g->position_x,  &g->position_y,  &g->position_z,  &g->normal_x,
-                                                 &g->normal_y,    &g->normal_z,    &g->geometric_x, &g->geometric_y,
-                                                 &g->geometric_z, &g->diffuse_r,   &g->diffuse_g,   &g->diffuse_b};
+    float **const surface[SURFACE_PLANES - 1] = {
+        &g->position_x,  &g->position_y,  &g->position_z,  &g->normal_x,  &g->normal_y,  &g->normal_z,
+        &g->geometric_x, &g->geometric_y, &g->geometric_z, &g->diffuse_r, &g->diffuse_g, &g->diffuse_b};
     for (size_t k = 0; k < SURFACE_PLANES - 1; k++) *surface[k] = s->surface + k * d->room;
     g->material = (uint32_t *)(void *)(s->surface + (SURFACE_PLANES - 1) * d->room);
     s->target = (sl_tile_target){.width = d->outline->width};
@@ -115,7 +117,8 @@ static void light_directly(void *context, const sl_receiver_tile *tile, bool glo
     sl_direct_light_tile(&p->drawing->direct, tile, glossy, p->target, counters);
 }
 
-static void light_indirectly(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+static void light_indirectly(void *context, const sl_receiver_tile *tile, bool glossy,
+                             sl_counters *counters) {
     const tile_program *p = context;
     sl_indirect_light_tile(p->drawing->sums, tile, glossy, p->target, counters);
 }
@@ -136,7 +139,9 @@ static void light_strip(const drawing *d, const strip *s, const sl_receivers *ro
         return;
     }
     if (direct) sl_receiver_tiles_strip(rows, &d->kinds, 0, light_directly, &program, counters);
-    if (indirect) sl_receiver_tiles_strip(rows, d->trick ? &d->tricked : &d->kinds, 0, light_indirectly, &program, counters);
+    if (indirect)
+        sl_receiver_tiles_strip(rows, d->trick ? &d->tricked : &d->kinds, 0, light_indirectly, &program,
+                                counters);
 }
 
 static void draw_strip(void *context, size_t index, unsigned worker) {
@@ -145,13 +150,16 @@ static void draw_strip(void *context, size_t index, unsigned worker) {
     sl_counters *counters = &d->counters[index];
     const sl_receivers rows = rows_of(d, s, index);
     const size_t width = (size_t)rows.width, pixels = width * (size_t)rows.height;
-    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, sl_resolver_run(d->resolver, worker, (size_t)rows.first_row * width, pixels, &s->gbuffer));
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED,
+             sl_resolver_run(d->resolver, worker, (size_t)rows.first_row * width, pixels, &s->gbuffer));
     memset(s->light, 0, (s->shines ? LIGHT_PLANES : LIGHT_PLANES - 3) * d->room * sizeof *s->light);
     s->shines = d->pass->curved != NULL; /* which may show what shines */
-    for (size_t y = 0; y < (size_t)rows.height; y++) s->shines |= sl_emission_add_row(&d->emission, &rows, y, s->layers.emission);
+    for (size_t y = 0; y < (size_t)rows.height; y++)
+        s->shines |= sl_emission_add_row(&d->emission, &rows, y, s->layers.emission);
     if (!d->emission.none) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, pixels);
     light_strip(d, s, &rows, counters);
-    sl_curved_mirrors_reflect(d->pass->curved, &rows, 1, s->layers.emission, s->layers.direct, s->layers.indirect, counters);
+    sl_curved_mirrors_reflect(d->pass->curved, &rows, 1, s->layers.emission, s->layers.direct,
+                              s->layers.indirect, counters);
     sl_radiance_compose_rows(&s->layers, &rows, 0, (size_t)rows.height, d->image);
 }
 
@@ -160,23 +168,30 @@ static void draw_strip(void *context, size_t index, unsigned worker) {
 static sl_status prepare(drawing *d, size_t strips, sl_error *error) {
     const sl_light_pass *light = d->pass->light;
     const sl_receivers *all = d->outline;
-    sl_status status = sl_resolver_create(d->pass->raster, all->path_count, all->view, all->path, all->gbuffer->id, d->workers,
-                                          &d->resolver, error);
+    sl_status status = sl_resolver_create(d->pass->raster, all->path_count, all->view, all->path,
+                                          all->gbuffer->id, d->workers, &d->resolver, error);
     if (status == SL_OK) status = sl_receiver_kinds_find(light->scene, sl_grey(0.0f), &d->kinds, error);
     d->trick = sl_rgb_max(light->trick_albedo) > 0.0f;
-    if (status == SL_OK && d->trick) status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &d->tricked, error);
-    if (status == SL_OK && light->photons && light->photons->count) status = sl_photon_sums_create(light, &d->sums, error);
+    if (status == SL_OK && d->trick)
+        status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &d->tricked, error);
+    if (status == SL_OK && light->photons && light->photons->count)
+        status = sl_photon_sums_create(light, &d->sums, error);
     if (status != SL_OK) return status;
     d->counters = sl_allocate(strips, sizeof *d->counters);
     if (!d->counters || !allocate_workers(d)) return sl_fail_memory(error, "the picture");
     return sl_radiance_picture_create(all->width, all->height, d->pass->layers, &d->image, error);
 }
 
-sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, sl_counters *counters, sl_error *error) {
+sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, sl_counters *counters,
+                                  sl_error *error) {
     const sl_receivers *all = pass->outline;
     const size_t strips = (size_t)((all->height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
-    drawing d = {.pass = pass, .outline = all, .emission = sl_emission_of(pass->light->scene, all), .direct = sl_direct_light_of(pass->light),
-                 .workers = sl_thread_count(pass->light->threads), .room = SL_TILE_HEIGHT * (size_t)all->width + APART};
+    drawing d = {.pass = pass,
+                 .outline = all,
+                 .emission = sl_emission_of(pass->light->scene, all),
+                 .direct = sl_direct_light_of(pass->light),
+                 .workers = sl_thread_count(pass->light->threads),
+                 .room = SL_TILE_HEIGHT * (size_t)all->width + APART};
     sl_status status = prepare(&d, strips, error);
     if (status == SL_OK) {
         sl_parallel_for(d.workers, strips, draw_strip, &d);
@@ -191,30 +206,38 @@ sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, s
 
 enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, SPREAD = 12, LAYERS };
 
-static const char *const layer_names[LAYERS] = {"R",        "G",        "B",          "emission.R", "emission.G", "emission.B", "direct.R",
-                                                "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B", "spread.Y"};
+static const char *const layer_names[LAYERS] = {
+    "R",        "G",        "B",          "emission.R", "emission.G", "emission.B", "direct.R",
+    "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B", "spread.Y"};
 
 sl_status sl_radiance_picture_create(int width, int height, bool layers, sl_image **image, sl_error *error) {
     return sl_image_create_unset(width, height, layers ? LAYERS : EMISSION, layer_names, image, error);
 }
 
 /* Rows count from the bottom, as on the hardware; images have row 0 at the top. */
-static void compose_row(const sl_radiance_layers *layers, const sl_receivers *r, size_t row, sl_compose_kernel *compose, sl_image *image) {
+static void compose_row(const sl_radiance_layers *layers, const sl_receivers *r, size_t row,
+                        sl_compose_kernel *compose, sl_image *image) {
     size_t width = (size_t)image->width, height = (size_t)image->height, pixels = width * height;
     size_t from = row * width, to = (height - 1 - (size_t)r->first_row - row) * width;
     bool all = image->channels == LAYERS;
     for (size_t k = 0; k < 3; k++) {
         float *out = image->planes + k * pixels + to;
-        const sl_compose_row channel = {width, r->throughput[k] ? r->throughput[k] + from : NULL, layers->emission[k] + from,
-                                        layers->direct[k] + from, layers->indirect[k] + from,
-                                        {out + PICTURE * pixels, all ? out + EMISSION * pixels : NULL, all ? out + DIRECT * pixels : NULL,
+        const sl_compose_row channel = {width,
+                                        r->throughput[k] ? r->throughput[k] + from : NULL,
+                                        layers->emission[k] + from,
+                                        layers->direct[k] + from,
+                                        layers->indirect[k] + from,
+                                        {out + PICTURE * pixels, all ? out + EMISSION * pixels : NULL,
+                                         all ? out + DIRECT * pixels : NULL,
                                          all ? out + INDIRECT * pixels : NULL}};
         compose(&channel);
     }
-    for (size_t x = 0; x < width && all; x++) image->planes[SPREAD * pixels + to + x] = sl_picture_value(layers->spread[from + x]);
+    for (size_t x = 0; x < width && all; x++)
+        image->planes[SPREAD * pixels + to + x] = sl_picture_value(layers->spread[from + x]);
 }
 
-void sl_radiance_compose_rows(const sl_radiance_layers *layers, const sl_receivers *r, size_t first, size_t end, sl_image *image) {
+void sl_radiance_compose_rows(const sl_radiance_layers *layers, const sl_receivers *r, size_t first,
+                              size_t end, sl_image *image) {
     sl_compose_kernel *compose = sl_compose_kernel_for(sl_isa_best());
     for (size_t row = first; row < end; row++) compose_row(layers, r, row, compose, image);
 }
@@ -231,8 +254,8 @@ static void compose_one(void *context, size_t row, unsigned worker) {
     sl_radiance_compose_rows(c->layers, c->receivers, row, row + 1, c->image);
 }
 
-sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, bool all, unsigned threads, sl_image **image,
-                              sl_error *error) {
+sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, bool all,
+                              unsigned threads, sl_image **image, sl_error *error) {
     sl_status status = sl_radiance_picture_create(receivers->width, receivers->height, all, image, error);
     if (status != SL_OK) return status;
     composing c = {layers, receivers, *image};
@@ -252,7 +275,8 @@ sl_rgb sl_environment_mean(const sl_environment *environment) {
         double of_row[3] = {0.0, 0.0, 0.0};
         float angle = 0.0f;
         for (int column = 0; column < environment->width; column++) {
-            const float *texel = environment->texels + 3 * ((size_t)row * (size_t)environment->width + (size_t)column);
+            const float *texel =
+                environment->texels + 3 * ((size_t)row * (size_t)environment->width + (size_t)column);
             for (int k = 0; k < 3; k++) of_row[k] += (double)texel[k];
         }
         sl_rgb unused;
@@ -282,7 +306,8 @@ static sl_rgb background_at(const sl_emission *e, const sl_receivers *r, size_t 
     const sl_environment *environment = &e->scene->environment;
     if (!environment->present || environment->width == 0) return e->mean;
     size_t path = r->path ? r->path[pixel] : 0;
-    return sl_environment_radiance(environment, sl_view_direction(&r->view[path], (double)x + 0.5, (double)(r->first_row + (int)y) + 0.5));
+    return sl_environment_radiance(environment, sl_view_direction(&r->view[path], (double)x + 0.5,
+                                                                  (double)(r->first_row + (int)y) + 0.5));
 }
 
 static bool is_dark(const sl_emission *e, uint32_t material) {
@@ -328,7 +353,8 @@ static bool ends_in_a_mirror(const sl_receivers *r) {
 sl_emission sl_emission_of(const sl_scene *scene, const sl_receivers *picture) {
     const bool sky = scene->environment.present;
     bool wanted = sky && (scene->environment.width == 0 || ends_in_a_mirror(picture));
-    return (sl_emission){scene, wanted ? sl_environment_mean(&scene->environment) : sl_grey(0.0f), !sky && scene->emitter_count == 0};
+    return (sl_emission){scene, wanted ? sl_environment_mean(&scene->environment) : sl_grey(0.0f),
+                         !sky && scene->emitter_count == 0};
 }
 
 typedef struct {
@@ -343,8 +369,8 @@ static void emit_row(void *context, size_t y, unsigned worker) {
     (void)sl_emission_add_row(&e->of, e->receivers, y, e->emission);
 }
 
-void sl_add_emission(const sl_scene *scene, const sl_receivers *receivers, unsigned threads, float *const emission[3],
-                     sl_counters *counters) {
+void sl_add_emission(const sl_scene *scene, const sl_receivers *receivers, unsigned threads,
+                     float *const emission[3], sl_counters *counters) {
     emitting e = {sl_emission_of(scene, receivers), receivers, emission};
     if (e.of.none) return;
     sl_parallel_for(sl_thread_count(threads), (size_t)receivers->height, emit_row, &e);

@@ -11,11 +11,14 @@ void sl_radiance_complete(sl_settings *settings) {
     /* Whole texels to a sample, and at least two each way. */
     if (m->map_size < 2 * m->samples) m->map_size = 2 * m->samples;
     m->map_size = (m->map_size + m->samples - 1) / m->samples * m->samples;
-    if (m->weight == SL_WEIGHT_AUTO) m->weight = settings->quality == SL_QUALITY_HIGH ? SL_WEIGHT_POLYGON : SL_WEIGHT_FLUX;
+    if (m->weight == SL_WEIGHT_AUTO)
+        m->weight = settings->quality == SL_QUALITY_HIGH ? SL_WEIGHT_POLYGON : SL_WEIGHT_FLUX;
     if (m->filter == SL_MAP_FILTER_AUTO) m->filter = SL_MAP_FILTER_FLUX;
 }
 
-static bool weighs_facing(sl_photon_weight weight) { return weight != SL_WEIGHT_EVEN && weight != SL_WEIGHT_BOX; }
+static bool weighs_facing(sl_photon_weight weight) {
+    return weight != SL_WEIGHT_EVEN && weight != SL_WEIGHT_BOX;
+}
 
 static bool has_receivers(const sl_features *f) {
     bool light = f->point_lights || f->spot_lights || f->directional_lights || f->emitters;
@@ -24,29 +27,34 @@ static bool has_receivers(const sl_features *f) {
 
 bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings) {
     const sl_features f = sl_scene_features(scene);
-    return has_receivers(&f) && !settings->radiance_map.local_light_only && sl_scene_shadow_casters(scene) != SL_NO_SHADOWS;
+    return has_receivers(&f) && !settings->radiance_map.local_light_only &&
+           sl_scene_shadow_casters(scene) != SL_NO_SHADOWS;
 }
 
-sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings, bool planar, bool curved) {
+sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings, bool planar,
+                                       bool curved) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     const sl_features f = sl_scene_features(scene);
-    const bool receivers = has_receivers(&f), indirect = receivers && !m->local_light_only && !m->direct_light_only;
+    const bool receivers = has_receivers(&f),
+               indirect = receivers && !m->local_light_only && !m->direct_light_only;
     return (sl_radiance_plan){
         .receivers = receivers,
         .shadows = sl_radiance_has_shadows(scene, settings),
         .map = indirect,
         .glossy = f.glossy_triangles > 0,
-        .normals = indirect && (f.glossy_triangles > 0 || weighs_facing(m->weight) || m->filter == SL_MAP_FILTER_FLUX),
+        .normals = indirect &&
+                   (f.glossy_triangles > 0 || weighs_facing(m->weight) || m->filter == SL_MAP_FILTER_FLUX),
         .planar = planar,
         .curved = curved,
-        .tracer = indirect && (m->visibility != SL_VISIBILITY_NONE || (m->traced_light_mirrors && f.mirror_triangles)),
+        .tracer = indirect &&
+                  (m->visibility != SL_VISIBILITY_NONE || (m->traced_light_mirrors && f.mirror_triangles)),
         .environment = f.environment,
     };
 }
 
-/* L S* E, L D S* E, L D D S* E: exactly two events that are not mirrors. Light by way of mirrors (L S D) is computed where the mirrors are
- * planar, but is no part of the declaration: a path tracer cannot find it from a light without extent. The sky
- * is seen, directly and in mirrors, but lights nothing. */
+/* L S* E, L D S* E, L D D S* E: exactly two events that are not mirrors. Light by way of mirrors (L S D) is
+ * computed where the mirrors are planar, but is no part of the declaration: a path tracer cannot find it from
+ * a light without extent. The sky is seen, directly and in mirrors, but lights nothing. */
 void sl_radiance_transport(const sl_settings *settings, sl_transport *transport) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     *transport = (sl_transport){
@@ -65,21 +73,29 @@ void sl_radiance_transport(const sl_settings *settings, sl_transport *transport)
 
 /* ---- in words ---- */
 
-static const char *const weight_words[] = {"by quality",          "(14) of the photon's flux, put right", "the photon's footprint as a polygon",
-                                           "point to point",      "(11)",                                 "(14) as printed",
+static const char *const weight_words[] = {"by quality",
+                                           "(14) of the photon's flux, put right",
+                                           "the photon's footprint as a polygon",
+                                           "point to point",
+                                           "(11)",
+                                           "(14) as printed",
                                            "(15) as printed"};
-static const char *const filter_words[] = {"by default", "the texel at each sample", "radiance from a MIP level", "the flux of all texels, in groups"};
+static const char *const filter_words[] = {"by default", "the texel at each sample",
+                                           "radiance from a MIP level", "the flux of all texels, in groups"};
 
-static const char *why_cubes(const sl_scene *scene, const sl_radiance_plan *p, const sl_radiance_map_settings *m) {
-    static const char *const words[] = {[SL_NO_SHADOWS] = "nothing can stand before a light: it is convex, with its lights inside",
-                                        [SL_SHADOWS_OF_WALLS] = "of every light: it is convex, but a light shines from outside",
-                                        [SL_SHADOWS_OF_SURFACES] = "of every light: surfaces can stand before others"};
+static const char *why_cubes(const sl_scene *scene, const sl_radiance_plan *p,
+                             const sl_radiance_map_settings *m) {
+    static const char *const words[] = {
+        [SL_NO_SHADOWS] = "nothing can stand before a light: it is convex, with its lights inside",
+        [SL_SHADOWS_OF_WALLS] = "of every light: it is convex, but a light shines from outside",
+        [SL_SHADOWS_OF_SURFACES] = "of every light: surfaces can stand before others"};
     if (m->local_light_only) return "local light only";
     return p->receivers ? words[sl_scene_shadow_casters(scene)] : "nothing is lit";
 }
 
 /* Tells what the paper leaves out, as far as the scene has it. */
-static void write_limits(const sl_scene *scene, const sl_radiance_plan *p, const sl_radiance_map_settings *m, sl_plan_writer *writer) {
+static void write_limits(const sl_scene *scene, const sl_radiance_plan *p, const sl_radiance_map_settings *m,
+                         sl_plan_writer *writer) {
     if (p->environment) sl_plan_limit(writer, "the environment is seen, but lights nothing");
     if (!p->map) return;
     sl_plan_limit(writer, "one bounce: light reflected more often is not there");
@@ -93,18 +109,25 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
     sl_radiance_plan p = sl_radiance_plan_make(scene, settings, false, false);
     size_t point_like = f.point_lights + f.spot_lights + f.directional_lights;
     sl_plan_pass(writer, p.shadows, "depth cubes", "%s", why_cubes(scene, &p, m));
-    sl_plan_pass(writer, p.map, "direct radiance maps", "%zu lights without extent, %zu emissive triangles; %d x %d texels a face",
-                 point_like, f.emitters, m->map_size, m->map_size);
+    sl_plan_pass(writer, p.map, "direct radiance maps",
+                 "%zu lights without extent, %zu emissive triangles; %d x %d texels a face", point_like,
+                 f.emitters, m->map_size, m->map_size);
     sl_plan_pass(writer, p.map && p.glossy, "map of true colour", "%zu glossy triangles", f.glossy_triangles);
-    sl_plan_pass(writer, p.map && p.normals, "map of normals", "%s", p.normals ? "materials or weights ask for them" : "nothing asks for them");
-    sl_plan_pass(writer, p.map, "sample photons", "%d x %d a face, %s", m->samples, m->samples, filter_words[m->filter]);
-    sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);
-    sl_plan_pass(writer, f.mirror_triangles > 0, "mirrors", "%zu mirror triangles: planar ones by the mirrored scene, curved ones by cubes of %d",
+    sl_plan_pass(writer, p.map && p.normals, "map of normals", "%s",
+                 p.normals ? "materials or weights ask for them" : "nothing asks for them");
+    sl_plan_pass(writer, p.map, "sample photons", "%d x %d a face, %s", m->samples, m->samples,
+                 filter_words[m->filter]);
+    sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
+                 scene->triangle_count);
+    sl_plan_pass(writer, f.mirror_triangles > 0, "mirrors",
+                 "%zu mirror triangles: planar ones by the mirrored scene, curved ones by cubes of %d",
                  f.mirror_triangles, m->cube_size);
-    sl_plan_pass(writer, p.receivers, "direct light", "each area light from %d x %d of its points", m->emitter_samples, m->emitter_samples);
+    sl_plan_pass(writer, p.receivers, "direct light", "each area light from %d x %d of its points",
+                 m->emitter_samples, m->emitter_samples);
     sl_plan_pass(writer, p.map, "indirect light", "weight: %s", weight_words[m->weight]);
     sl_plan_pass(writer, p.map && m->visibility != SL_VISIBILITY_NONE, "visibility of photons", "%s",
-                 m->visibility == SL_VISIBILITY_NONE ? "the paper has none: no indirect shadows" : "shadow rays");
+                 m->visibility == SL_VISIBILITY_NONE ? "the paper has none: no indirect shadows"
+                                                     : "shadow rays");
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
                  f.environment ? ", environment" : "");
     write_limits(scene, &p, m, writer);
@@ -126,49 +149,69 @@ static plane plane_of(const sl_scene *scene, size_t triangle) {
                    .tolerance = 1e-6 * (double)scene->scale};
 }
 
-static unsigned side_of(double height, double tolerance) { return height > tolerance ? IN_FRONT : height < -tolerance ? BEHIND : 0; }
+static unsigned side_of(double height, double tolerance) {
+    return height > tolerance ? IN_FRONT : height < -tolerance ? BEHIND : 0;
+}
 
 static unsigned sides_of_vertices(const sl_scene *scene, const plane *p) {
     unsigned sides = 0;
     for (uint32_t v = 0; v < scene->vertex_count && sides != BOTH; v++)
-        sides |= side_of(sl_dotd(p->normal, sl_subd(sl_to_double(sl_scene_position(scene, v)), p->point)), p->tolerance);
+        sides |= side_of(sl_dotd(p->normal, sl_subd(sl_to_double(sl_scene_position(scene, v)), p->point)),
+                         p->tolerance);
     return sides;
 }
 
 /* A directional light stands as far away as can be, on the side from which it comes. */
 static unsigned side_of_light(const sl_light *light, const plane *p) {
-    if (light->type == SL_LIGHT_DIRECTIONAL) return side_of(-sl_dotd(p->normal, sl_to_double(light->direction)), 1e-6);
+    if (light->type == SL_LIGHT_DIRECTIONAL)
+        return side_of(-sl_dotd(p->normal, sl_to_double(light->direction)), 1e-6);
     return side_of(sl_dotd(p->normal, sl_subd(sl_to_double(light->position), p->point)), p->tolerance);
 }
 
-/* Every plane has all vertices and all lights on one side of it, so no straight line from a light, or from one point of the surface to another, meets it in
- * between. A single pair of lamp and wall fails the test, and rightly so: a lamp has a back. */
+/* Every plane has all vertices and all lights on one side of it, so no straight line from a light, or from
+ * one point of the surface to another, meets it in between. A single pair of lamp and wall fails the test,
+ * and rightly so: a lamp has a back. */
 sl_shadow_casters sl_scene_shadow_casters(const sl_scene *scene) {
     enum { TESTS_AT_MOST = 1 << 24 };
     bool outside = false;
-    if (scene->triangle_count * (scene->vertex_count + scene->light_count) > TESTS_AT_MOST) return SL_SHADOWS_OF_SURFACES;
+    if (scene->triangle_count * (scene->vertex_count + scene->light_count) > TESTS_AT_MOST)
+        return SL_SHADOWS_OF_SURFACES;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         const plane p = plane_of(scene, t);
         const unsigned sides = sides_of_vertices(scene, &p);
         if (sides == BOTH) return SL_SHADOWS_OF_SURFACES;
-        for (size_t i = 0; i < scene->light_count && !outside; i++) outside = (sides | side_of_light(&scene->lights[i], &p)) == BOTH;
+        for (size_t i = 0; i < scene->light_count && !outside; i++)
+            outside = (sides | side_of_light(&scene->lights[i], &p)) == BOTH;
     }
     return outside ? SL_SHADOWS_OF_WALLS : SL_NO_SHADOWS;
 }
 
 /* ---- memory: pictures from the lights, for the most part ---- */
 
-/* A picture has the order of receivers 4 and 13 layers; drawn pass by pass (visibility) 120 more; mirrors tell of two ways a pixel. A texel of a map: 22 planes
- * and the rasterizer's 6. A photon: itself, its lobe, its polygon, and the weights of a reordering. Texels of a depth cube are there twice while it is drawn. */
-enum { FACES = 6, LAYERS = 13, A_PIXEL = 8, BY_PASSES = 120, OF_MIRRORS = 140, A_TEXEL = 28 * 4, A_PHOTON = 512, A_THREAD = 2000000, CURVED = 8 };
+/* A picture has the order of receivers 4 and 13 layers; drawn pass by pass (visibility) 120 more; mirrors
+ * tell of two ways a pixel. A texel of a map: 22 planes and the rasterizer's 6. A photon: itself, its lobe,
+ * its polygon, and the weights of a reordering. Texels of a depth cube are there twice while it is drawn. */
+enum {
+    FACES = 6,
+    LAYERS = 13,
+    A_PIXEL = 8,
+    BY_PASSES = 120,
+    OF_MIRRORS = 140,
+    A_TEXEL = 28 * 4,
+    A_PHOTON = 512,
+    A_THREAD = 2000000,
+    CURVED = 8
+};
 
 static double smaller(double a, double b) { return a < b ? a : b; }
 
-/* Maps are taken from no more than SL_MAP_LIGHTS_MAX lights, and from no more points of them than SL_MAP_POINTS_MAX. */
+/* Maps are taken from no more than SL_MAP_LIGHTS_MAX lights, and from no more points of them than
+ * SL_MAP_POINTS_MAX. */
 static double light_points(const sl_scene *scene, const sl_radiance_map_settings *m, double *lights) {
     *lights = smaller(sl_need_lights(scene), SL_MAP_LIGHTS_MAX);
     const double n = m->emitter_samples;
-    double points = smaller((double)scene->light_count, SL_MAP_LIGHTS_MAX) + n * n * smaller(sl_need_emitters(scene), SL_MAP_LIGHTS_MAX);
+    double points = smaller((double)scene->light_count, SL_MAP_LIGHTS_MAX) +
+                    n * n * smaller(sl_need_emitters(scene), SL_MAP_LIGHTS_MAX);
     return points;
 }
 
@@ -183,23 +226,32 @@ sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settin
     const sl_features f = sl_scene_features(scene);
     double lights, points = light_points(scene, m, &lights);
     const double cube = (double)m->shadow_size * m->shadow_size * FACES * sizeof(float);
-    const double curved = f.mirror_triangles ? CURVED * 3.0 * FACES * 16.0 * (double)m->cube_size * m->cube_size : 0.0;
+    const double curved =
+        f.mirror_triangles ? CURVED * 3.0 * FACES * 16.0 * (double)m->cube_size * m->cube_size : 0.0;
     const double layers = m->without_layers ? 3.0 : LAYERS, triangles = (double)scene->triangle_count;
     const bool rays = m->visibility != SL_VISIBILITY_NONE || m->traced_light_mirrors;
-    /* Where light comes by planar mirrors each light has a picture more for each of them; a few at most count. */
+    /* Where light comes by planar mirrors each light has a picture more for each of them; a few at most
+     * count. */
     const double pictures = smaller(points, SL_MAP_POINTS_MAX) * (f.mirror_triangles ? 3.0 : 1.0);
     const double suns = smaller((double)f.directional_lights, SL_MAP_LIGHTS_MAX);
-    return (sl_memory_need){.hierarchies = rays ? sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count)
-                                                : sl_raster_memory_need(scene->triangle_count),
-                            .caches = points * cube + map_bytes(m, pictures, suns) + curved + sl_need_of_threads(settings, A_THREAD) + 8.0 * triangles + 4e6,
-                            .picture = sl_need_of_pixels(settings, A_PIXEL + 4.0 * layers + (m->visibility != SL_VISIBILITY_NONE ? BY_PASSES : 0) +
-                                                                       (f.mirror_triangles ? OF_MIRRORS : 0))};
+    return (sl_memory_need){
+        .hierarchies =
+            rays ? sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count)
+                 : sl_raster_memory_need(scene->triangle_count),
+        .caches = points * cube + map_bytes(m, pictures, suns) + curved +
+                  sl_need_of_threads(settings, A_THREAD) + 8.0 * triangles + 4e6,
+        .picture = sl_need_of_pixels(settings, A_PIXEL + 4.0 * layers +
+                                                   (m->visibility != SL_VISIBILITY_NONE ? BY_PASSES : 0) +
+                                                   (f.mirror_triangles ? OF_MIRRORS : 0))};
 }
 
-const sl_reduction sl_radiance_reductions[] = {{"sample photons a side of a map's face", offsetof(sl_settings, radiance_map.samples), SL_REDUCE_INT, 2.0},
-                                                 {"texels a side of a map's face", offsetof(sl_settings, radiance_map.map_size), SL_REDUCE_INT, 4.0},
-                                                 {"texels a side of a depth cube", offsetof(sl_settings, radiance_map.shadow_size), SL_REDUCE_INT, 64.0},
-                                                 {"texels a side of a mirror's cube", offsetof(sl_settings, radiance_map.cube_size), SL_REDUCE_INT, 16.0},
-                                                 {"points a side of an area light", offsetof(sl_settings, radiance_map.emitter_samples), SL_REDUCE_INT, 1.0},
-                                                 {"no layers", offsetof(sl_settings, radiance_map.without_layers), SL_REDUCE_FLAG, 0.0},
-                                                 {NULL, 0, SL_REDUCE_INT, 0.0}};
+const sl_reduction sl_radiance_reductions[] = {
+    {"sample photons a side of a map's face", offsetof(sl_settings, radiance_map.samples), SL_REDUCE_INT,
+     2.0},
+    {"texels a side of a map's face", offsetof(sl_settings, radiance_map.map_size), SL_REDUCE_INT, 4.0},
+    {"texels a side of a depth cube", offsetof(sl_settings, radiance_map.shadow_size), SL_REDUCE_INT, 64.0},
+    {"texels a side of a mirror's cube", offsetof(sl_settings, radiance_map.cube_size), SL_REDUCE_INT, 16.0},
+    {"points a side of an area light", offsetof(sl_settings, radiance_map.emitter_samples), SL_REDUCE_INT,
+     1.0},
+    {"no layers", offsetof(sl_settings, radiance_map.without_layers), SL_REDUCE_FLAG, 0.0},
+    {NULL, 0, SL_REDUCE_INT, 0.0}};

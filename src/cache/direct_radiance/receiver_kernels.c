@@ -1,4 +1,5 @@
-/* Loops over a tile's lanes: receivers fetched, photons summed by (10), lobes, light that leaves, and the picture's rows. */
+/* Loops over a tile's lanes: receivers fetched, photons summed by (10), lobes, light that leaves, and the
+ * picture's rows. */
 #include "cache/direct_radiance/receivers.h"
 #include "cache/frame/picture_value.h"
 
@@ -25,8 +26,9 @@ void SL_KERNEL(sl_receivers_prepare)(sl_receiver_tile *t) {
 }
 
 /* The same on the way from the G-buffer. */
-static inline void fetch_normals(const float *restrict in_gx, const float *restrict in_gy, const float *restrict in_gz,
-                                 const float *restrict in_nx, const float *restrict in_ny, const float *restrict in_nz, size_t to,
+static inline void fetch_normals(const float *restrict in_gx, const float *restrict in_gy,
+                                 const float *restrict in_gz, const float *restrict in_nx,
+                                 const float *restrict in_ny, const float *restrict in_nz, size_t to,
                                  sl_receiver_tile *restrict t) {
 #pragma omp simd
     for (size_t i = 0; i < SL_TILE_WIDTH; i++) {
@@ -41,8 +43,9 @@ static inline void fetch_normals(const float *restrict in_gx, const float *restr
     }
 }
 
-static inline void fetch_rest(const float *restrict x, const float *restrict y, const float *restrict z, const float *restrict r,
-                              const float *restrict g, const float *restrict b, size_t to, sl_receiver_tile *restrict t) {
+static inline void fetch_rest(const float *restrict x, const float *restrict y, const float *restrict z,
+                              const float *restrict r, const float *restrict g, const float *restrict b,
+                              size_t to, sl_receiver_tile *restrict t) {
 #pragma omp simd
     for (size_t i = 0; i < SL_TILE_WIDTH; i++) {
         t->x[to + i] = x[i];
@@ -54,7 +57,8 @@ static inline void fetch_rest(const float *restrict x, const float *restrict y, 
     }
 }
 
-void SL_KERNEL(sl_receivers_fetch_rows)(const float *const plane[SL_TILE_PLANES], size_t width, sl_receiver_tile *t) {
+void SL_KERNEL(sl_receivers_fetch_rows)(const float *const plane[SL_TILE_PLANES], size_t width,
+                                        sl_receiver_tile *t) {
     for (size_t row = 0; row < SL_TILE_HEIGHT; row++) {
         const float *from[SL_TILE_PLANES];
         for (size_t k = 0; k < SL_TILE_PLANES; k++) from[k] = plane[k] + t->pixel[0] + row * width;
@@ -63,7 +67,8 @@ void SL_KERNEL(sl_receivers_fetch_rows)(const float *const plane[SL_TILE_PLANES]
     }
 }
 
-bool SL_KERNEL(sl_receivers_survey)(const uint32_t *material, uint32_t first, uint32_t width, uint32_t *restrict pixel) {
+bool SL_KERNEL(sl_receivers_survey)(const uint32_t *material, uint32_t first, uint32_t width,
+                                    uint32_t *restrict pixel) {
     const uint32_t all = material[first];
     uint32_t differences = 0;
     for (uint32_t row = 0; row < SL_TILE_HEIGHT; row++) {
@@ -80,7 +85,8 @@ bool SL_KERNEL(sl_receivers_survey)(const uint32_t *material, uint32_t first, ui
 
 /* ---- light that arrives ---- */
 
-bool SL_KERNEL(sl_receivers_reached)(size_t count, const float *restrict weight, float largest, float *restrict lit) {
+bool SL_KERNEL(sl_receivers_reached)(size_t count, const float *restrict weight, float largest,
+                                     float *restrict lit) {
     uint32_t any = 0;
 #pragma omp simd reduction(| : any)
     for (size_t i = 0; i < count; i++) {
@@ -98,7 +104,8 @@ void SL_KERNEL(sl_receivers_where)(size_t count, const float *restrict b, float 
 
 /* ---- light that leaves ---- */
 
-static inline void reflect(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, int channel, float *restrict out) {
+static inline void reflect(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, int channel,
+                           float *restrict out) {
     const float *restrict kd = t->diffuse[channel], *restrict ks = t->specular[channel];
     const float *restrict e = light->irradiance[channel], *restrict l = light->lobe[channel];
     const size_t count = t->padded;
@@ -109,8 +116,8 @@ static inline void reflect(const sl_receiver_tile *t, const sl_tile_light *light
     for (size_t i = 0; i < count; i++) out[i] += ks[i] * l[i];
 }
 
-void SL_KERNEL(sl_receivers_reflect_to)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, int width,
-                                        float *const planes[3]) {
+void SL_KERNEL(sl_receivers_reflect_to)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy,
+                                        int width, float *const planes[3]) {
     float radiance[SL_TILE_PIXELS];
     for (int c = 0; c < 3; c++) {
         reflect(t, light, glossy, c, radiance);
@@ -124,16 +131,19 @@ void SL_KERNEL(sl_receivers_reflect_to)(const sl_receiver_tile *t, const sl_tile
     }
 }
 
-void SL_KERNEL(sl_receivers_spread)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, float *plane) {
+void SL_KERNEL(sl_receivers_spread)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy,
+                                    float *plane) {
     float radiance[3][SL_TILE_PIXELS], spread[SL_TILE_PIXELS];
     for (int c = 0; c < 3; c++) reflect(t, light, glossy, c, radiance[c]);
     const size_t padded = t->padded;
 #pragma omp simd
-    for (size_t i = 0; i < padded; i++) spread[i] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
+    for (size_t i = 0; i < padded; i++)
+        spread[i] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
     for (size_t i = 0; i < t->count; i++) plane[t->pixel[i]] = spread[i];
 }
 
-void SL_KERNEL(sl_receivers_combine)(size_t count, bool glossy, const sl_tile_light half[2], const float share[2], sl_tile_light *sum) {
+void SL_KERNEL(sl_receivers_combine)(size_t count, bool glossy, const sl_tile_light half[2],
+                                     const float share[2], sl_tile_light *sum) {
     const float of_even = share[0], of_odd = share[1];
     for (int c = 0; c < 3; c++) {
         const float *restrict even = half[0].irradiance[c], *restrict odd = half[1].irradiance[c];
@@ -148,14 +158,19 @@ void SL_KERNEL(sl_receivers_combine)(size_t count, bool glossy, const sl_tile_li
     }
 }
 
-/* (10): sums over photons. Photons pass one after another over the lanes of a tile, each of which has two accumulators a channel, for
- * even and for odd photons: the order of every pixel's sums is the photons' own. */
+/* (10): sums over photons. Photons pass one after another over the lanes of a tile, each of which has two
+ * accumulators a channel, for even and for odd photons: the order of every pixel's sums is the photons' own.
+ */
 
-static inline sl_vec3 receiver(const sl_receiver_tile *t, size_t i) { return sl_v3(t->x[i], t->y[i], t->z[i]); }
+static inline sl_vec3 receiver(const sl_receiver_tile *t, size_t i) {
+    return sl_v3(t->x[i], t->y[i], t->z[i]);
+}
 static inline sl_vec3 geometric(const sl_receiver_tile *t, size_t i) {
     return sl_v3(t->geometric_x[i], t->geometric_y[i], t->geometric_z[i]);
 }
-static inline sl_vec3 shading(const sl_receiver_tile *t, size_t i) { return sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]); }
+static inline sl_vec3 shading(const sl_receiver_tile *t, size_t i) {
+    return sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]);
+}
 
 /* One photon on all lanes; cosine is a constant where this is inlined. */
 static inline void add_photon(const sl_receiver_tile *t, const sl_photon_registers *photon, bool cosine,
@@ -173,8 +188,8 @@ static inline void add_photon(const sl_receiver_tile *t, const sl_photon_registe
     }
 }
 
-void SL_KERNEL(sl_photons_sum)(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count, bool cosine,
-                               sl_tile_light half[2]) {
+void SL_KERNEL(sl_photons_sum)(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count,
+                               bool cosine, sl_tile_light half[2]) {
     if (cosine) {
         for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], true, half[j % 2].irradiance);
     } else {
@@ -184,25 +199,30 @@ void SL_KERNEL(sl_photons_sum)(const sl_receiver_tile *tile, const sl_photon_reg
 
 /* ---- one photon, for those who have more to do with its weight ---- */
 
-void SL_KERNEL(sl_photon_weigh)(const sl_receiver_tile *t, const sl_photon_registers *photon, bool cosine, float *restrict weight) {
+void SL_KERNEL(sl_photon_weigh)(const sl_receiver_tile *t, const sl_photon_registers *photon, bool cosine,
+                                float *restrict weight) {
     const sl_photon_registers p = *photon;
     const size_t count = t->padded;
     if (cosine) {
 #pragma omp simd
-        for (size_t i = 0; i < count; i++) weight[i] = sl_cosine_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
+        for (size_t i = 0; i < count; i++)
+            weight[i] = sl_cosine_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
     } else {
 #pragma omp simd
-        for (size_t i = 0; i < count; i++) weight[i] = sl_disc_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
+        for (size_t i = 0; i < count; i++)
+            weight[i] = sl_disc_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
     }
 }
 
-void SL_KERNEL(sl_photon_polygon)(const sl_receiver_tile *t, const sl_photon_registers *photon, const sl_photon_polygon *polygon,
-                                  const float *restrict pi, float *restrict weight) {
+void SL_KERNEL(sl_photon_polygon)(const sl_receiver_tile *t, const sl_photon_registers *photon,
+                                  const sl_photon_polygon *polygon, const float *restrict pi,
+                                  float *restrict weight) {
     const sl_photon_registers p = *photon;
     const sl_photon_polygon q = *polygon;
     const size_t count = t->padded;
 #pragma omp simd
-    for (size_t i = 0; i < count; i++) weight[i] = sl_polygon_weight(&p, &q, receiver(t, i), geometric(t, i), pi[i]);
+    for (size_t i = 0; i < count; i++)
+        weight[i] = sl_polygon_weight(&p, &q, receiver(t, i), geometric(t, i), pi[i]);
 }
 
 void SL_KERNEL(sl_receivers_multiply)(size_t count, const float *restrict b, float *restrict a) {
@@ -210,11 +230,12 @@ void SL_KERNEL(sl_receivers_multiply)(size_t count, const float *restrict b, flo
     for (size_t i = 0; i < count; i++) a[i] *= b[i];
 }
 
-/* Modified Phong lobes, on either side: (cos alpha)^n between a lobe's axis and the line between receiver and light. */
+/* Modified Phong lobes, on either side: (cos alpha)^n between a lobe's axis and the line between receiver and
+ * light. */
 
 /* A photon's lobe stands along the mirrored direction of its light. */
-void SL_KERNEL(sl_photon_lobe_power)(const sl_receiver_tile *t, const sl_photon_registers *photon, const sl_lobe_registers *lobe,
-                                     float *restrict power) {
+void SL_KERNEL(sl_photon_lobe_power)(const sl_receiver_tile *t, const sl_photon_registers *photon,
+                                     const sl_lobe_registers *lobe, float *restrict power) {
     const sl_lobe_registers l = *lobe;
     const float px = photon->x, py = photon->y, pz = photon->z;
     const size_t count = t->padded;
@@ -225,13 +246,15 @@ void SL_KERNEL(sl_photon_lobe_power)(const sl_receiver_tile *t, const sl_photon_
     }
 }
 
-/* A receiver's stands along the mirrored direction of the eye. Photons and the points of area lights stand for discs of area A: a sharp lobe
- * would show each of them as a spot. With a^2 = A cos theta' / (pi r^2), the disc's angular radius, the lobe's mean over it is
+/* A receiver's stands along the mirrored direction of the eye. Photons and the points of area lights stand
+ * for discs of area A: a sharp lobe would show each of them as a spot. With a^2 = A cos theta' / (pi r^2),
+ * the disc's angular radius, the lobe's mean over it is
  *
- *     a wider lobe where n a^2 is small: near its axis cos^n is a Gaussian of variance 1 / n, the disc adds a^2 / 4, so
- *         n' = n / (1 + n a^2 / 4),    scaled by (n' + 2) / (n + 2) to keep its integral
- *     the disc itself with a rim where n a^2 is large: 2 / ((n + 2) a^2) where the axis meets it, and at a distance rho from its middle
- *         falling to 0 while rho^2 pi / A goes from 1 - w to 1 + w, w^2 = 12 / (n a^2): the same integral and variance, without a tail
+ *     a wider lobe where n a^2 is small: near its axis cos^n is a Gaussian of variance 1 / n, the disc adds
+ * a^2 / 4, so n' = n / (1 + n a^2 / 4),    scaled by (n' + 2) / (n + 2) to keep its integral the disc itself
+ * with a rim where n a^2 is large: 2 / ((n + 2) a^2) where the axis meets it, and at a distance rho from its
+ * middle falling to 0 while rho^2 pi / A goes from 1 - w to 1 + w, w^2 = 12 / (n a^2): the same integral and
+ * variance, without a tail
  *
  * and a blend of both where n a^2 is from 6 to 24. */
 static inline float squared_radius(float extent, float there, float squared) {
@@ -250,13 +273,16 @@ static inline float place_on_disc(sl_vec3 d, sl_vec3 axis, sl_vec3 normal, float
 }
 
 static inline float rimmed_disc(float n, float a, float place) {
-    float sharpness = n * a > 6.0f ? n * a : 6.0f, rim = sqrtf(12.0f / sharpness), inside = (1.0f + rim - place) / (2.0f * rim);
+    float sharpness = n * a > 6.0f ? n * a : 6.0f, rim = sqrtf(12.0f / sharpness),
+          inside = (1.0f + rim - place) / (2.0f * rim);
     return 2.0f * n / ((n + 2.0f) * sharpness) * (inside > 0.0f ? (inside < 1.0f ? inside : 1.0f) : 0.0f);
 }
 
-void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, const sl_lobe_target *target, float *restrict power) {
+void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, const sl_lobe_target *target,
+                                       float *restrict power) {
     const sl_vec3 p = target->towards, m = target->normal;
-    const float keep = target->direction ? 0.0f : 1.0f, extent = target->extent, behind = target->two_sided ? 1.0f : 0.0f;
+    const float keep = target->direction ? 0.0f : 1.0f, extent = target->extent,
+                behind = target->two_sided ? 1.0f : 0.0f;
     const size_t count = t->padded;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
@@ -264,10 +290,13 @@ void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, const sl_lobe_
         sl_vec3 axis = {t->mirrored_x[i], t->mirrored_y[i], t->mirrored_z[i]};
         float squared = d.x * d.x + d.y * d.y + d.z * d.z, along = axis.x * d.x + axis.y * d.y + axis.z * d.z;
         float n = t->exponent[i], there = -(m.x * d.x + m.y * d.y + m.z * d.z);
-        float a = squared_radius(extent, there > 0.0f ? there : -behind * there, squared), wide = n / (1.0f + 0.25f * n * a);
-        float share = (n * a - 6.0f) * (1.0f / 18.0f), disc = share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
+        float a = squared_radius(extent, there > 0.0f ? there : -behind * there, squared),
+              wide = n / (1.0f + 0.25f * n * a);
+        float share = (n * a - 6.0f) * (1.0f / 18.0f),
+              disc = share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
         float lobe = (wide + 2.0f) / (n + 2.0f) * sl_lobe_power(along, squared, wide);
-        power[i] = along > 0.0f ? lobe + disc * (rimmed_disc(n, a, place_on_disc(d, axis, m, extent)) - lobe) : 0.0f;
+        power[i] =
+            along > 0.0f ? lobe + disc * (rimmed_disc(n, a, place_on_disc(d, axis, m, extent)) - lobe) : 0.0f;
     }
 }
 
@@ -276,7 +305,8 @@ void SL_KERNEL(sl_receiver_mirror_eye)(sl_receiver_tile *t) {
     const size_t count = t->padded;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
-        sl_vec3 x = sl_v3(t->x[i], t->y[i], t->z[i]), n = sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]);
+        sl_vec3 x = sl_v3(t->x[i], t->y[i], t->z[i]),
+                n = sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]);
         sl_vec3 to_eye = sl_normalize_or(sl_sub(sl_v3(mx[i], my[i], mz[i]), x), n);
         /* In double before it is rounded, so that high exponents see a unit vector. */
         sl_vec3 mirrored = sl_normalize_or(sl_sub(sl_scale(n, 2.0f * sl_dot(n, to_eye)), to_eye), n);
@@ -293,13 +323,15 @@ static inline float value(float v) {
 }
 
 void SL_KERNEL(sl_compose_row)(const sl_compose_row *row) {
-    const float *restrict emission = row->emission, *restrict direct = row->direct, *restrict indirect = row->indirect;
+    const float *restrict emission = row->emission, *restrict direct = row->direct,
+                          *restrict indirect = row->indirect;
     const float *restrict throughput = row->throughput;
     float *restrict picture = row->out[0];
     const size_t width = row->width;
     if (!throughput && !row->out[1]) {
 #pragma omp simd
-        for (size_t x = 0; x < width; x++) picture[x] = value(value(emission[x]) + value(direct[x]) + value(indirect[x]));
+        for (size_t x = 0; x < width; x++)
+            picture[x] = value(value(emission[x]) + value(direct[x]) + value(indirect[x]));
         return;
     }
     float *restrict e = row->out[1], *restrict d = row->out[2], *restrict i = row->out[3];
@@ -314,7 +346,8 @@ void SL_KERNEL(sl_compose_row)(const sl_compose_row *row) {
     } else if (!row->out[1]) {
 #pragma omp simd
         for (size_t x = 0; x < width; x++)
-            picture[x] = value(value(throughput[x] * emission[x]) + value(throughput[x] * direct[x]) + value(throughput[x] * indirect[x]));
+            picture[x] = value(value(throughput[x] * emission[x]) + value(throughput[x] * direct[x]) +
+                               value(throughput[x] * indirect[x]));
     } else {
 #pragma omp simd
         for (size_t x = 0; x < width; x++) {

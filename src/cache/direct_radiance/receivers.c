@@ -1,6 +1,6 @@
-/* The camera's G-buffer with what planar mirrors show in it (passes 5 and 6). The scene is drawn again as seen from the eye's
- * mirror image where the stencil has the mirror's pixels; positions and normals are never unfolded, so shadow and photon look-ups stay in
- * world space, and only the eye differs from path to path. */
+/* The camera's G-buffer with what planar mirrors show in it (passes 5 and 6). The scene is drawn again as
+ * seen from the eye's mirror image where the stencil has the mirror's pixels; positions and normals are never
+ * unfolded, so shadow and photon look-ups stay in world space, and only the eye differs from path to path. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -12,8 +12,8 @@
 
 /* ---- without a mirror ---- */
 
-static sl_status outline_plainly(const sl_raster *raster, const sl_view *view, unsigned threads, sl_receivers *r, sl_counters *counters,
-                                 sl_error *error) {
+static sl_status outline_plainly(const sl_raster *raster, const sl_view *view, unsigned threads,
+                                 sl_receivers *r, sl_counters *counters, sl_error *error) {
     r->path_count = 1;
     r->eye[0] = view->origin;
     r->view = sl_allocate(1, sizeof *r->view);
@@ -26,11 +26,13 @@ static sl_status outline_plainly(const sl_raster *raster, const sl_view *view, u
 /* ---- with mirrors ---- */
 
 /* The product of k_s along each path; a path comes after the one that it prolongs. */
-static void throughputs_of(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirrored_image *image, sl_rgb *throughput) {
+static void throughputs_of(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirrored_image *image,
+                           sl_rgb *throughput) {
     throughput[0] = sl_grey(1.0f);
     for (size_t p = 1; p < image->path_count; p++) {
         const sl_mirror_path *path = &image->paths[p];
-        throughput[p] = sl_rgb_mul(throughput[path->before], scene->materials[mirrors->material[path->mirror]].mirror);
+        throughput[p] =
+            sl_rgb_mul(throughput[path->before], scene->materials[mirrors->material[path->mirror]].mirror);
     }
 }
 
@@ -52,8 +54,9 @@ static void spread_row(void *context, size_t row, unsigned worker) {
     }
 }
 
-static sl_status spread_throughput(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirrored_image *image, unsigned threads,
-                                   sl_receivers *r, sl_error *error) {
+static sl_status spread_throughput(const sl_scene *scene, const sl_mirrors *mirrors,
+                                   const sl_mirrored_image *image, unsigned threads, sl_receivers *r,
+                                   sl_error *error) {
     const size_t pixels = (size_t)r->width * (size_t)r->height;
     if (image->path_count == 1) return SL_OK;
     for (int k = 0; k < 3; k++) {
@@ -67,11 +70,12 @@ static sl_status spread_throughput(const sl_scene *scene, const sl_mirrors *mirr
     return SL_OK;
 }
 
-static sl_status outline_mirrored(const sl_scene *scene, const sl_raster *raster, const sl_view *view, int reflections, unsigned threads,
-                                  sl_receivers *r, sl_counters *counters, sl_error *error) {
+static sl_status outline_mirrored(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
+                                  int reflections, unsigned threads, sl_receivers *r, sl_counters *counters,
+                                  sl_error *error) {
     sl_mirrored_image *image = NULL;
-    sl_status status = sl_raster_mirrored(raster, view, r->mirrors, reflections, threads, r->gbuffer->id, r->gbuffer->depth, &image,
-                                               counters, error);
+    sl_status status = sl_raster_mirrored(raster, view, r->mirrors, reflections, threads, r->gbuffer->id,
+                                          r->gbuffer->depth, &image, counters, error);
     if (status != SL_OK) return status;
     r->path_count = image->path_count;
     r->path = image->path;
@@ -103,23 +107,29 @@ static sl_status create_outline(int width, int height, bool depth, sl_gbuffer **
     return SL_OK;
 }
 
-/* The G-buffer of an earlier frame of the same kind, or a new one: all of it is written anew in either case. */
-static sl_status ready_gbuffer(sl_receivers *earlier, int width, int height, bool whole, bool depth, sl_gbuffer **gbuffer, sl_error *error) {
+/* The G-buffer of an earlier frame of the same kind, or a new one: all of it is written anew in either case.
+ */
+static sl_status ready_gbuffer(sl_receivers *earlier, int width, int height, bool whole, bool depth,
+                               sl_gbuffer **gbuffer, sl_error *error) {
     sl_gbuffer *g = earlier ? earlier->gbuffer : NULL;
-    if (!g || g->width != width || g->height != height || (g->position_x != NULL) != whole || (g->depth != NULL) != (whole || depth))
-        return whole ? sl_gbuffer_create(width, height, gbuffer, error) : create_outline(width, height, depth, gbuffer, error);
+    if (!g || g->width != width || g->height != height || (g->position_x != NULL) != whole ||
+        (g->depth != NULL) != (whole || depth))
+        return whole ? sl_gbuffer_create(width, height, gbuffer, error)
+                     : create_outline(width, height, depth, gbuffer, error);
     *gbuffer = g;
     earlier->gbuffer = NULL;
     return SL_OK;
 }
 
-static sl_status outline(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
-                         unsigned threads, bool whole, sl_receivers **receivers, sl_counters *counters, sl_error *error) {
+static sl_status outline(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
+                         const sl_mirrors *mirrors, int reflections, unsigned threads, bool whole,
+                         sl_receivers **receivers, sl_counters *counters, sl_error *error) {
     sl_receivers *r = sl_allocate(1, sizeof *r), *earlier = *receivers;
     const bool mirrored = mirrors && mirrors->count > 0 && reflections > 0;
     *receivers = NULL;
-    sl_status status = r ? ready_gbuffer(earlier, view->width, view->height, whole, mirrored, &r->gbuffer, error)
-                         : sl_fail_memory(error, "the receivers");
+    sl_status status =
+        r ? ready_gbuffer(earlier, view->width, view->height, whole, mirrored, &r->gbuffer, error)
+          : sl_fail_memory(error, "the receivers");
     sl_receivers_destroy(earlier);
     if (!r) return status;
     r->width = view->width;
@@ -134,14 +144,17 @@ static sl_status outline(const sl_scene *scene, const sl_raster *raster, const s
     return status;
 }
 
-sl_status sl_receivers_outline(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
-                               int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error) {
+sl_status sl_receivers_outline(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
+                               const sl_mirrors *mirrors, int reflections, unsigned threads,
+                               sl_receivers **receivers, sl_counters *counters, sl_error *error) {
     return outline(scene, raster, view, mirrors, reflections, threads, false, receivers, counters, error);
 }
 
-sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
-                              int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error) {
-    sl_status status = outline(scene, raster, view, mirrors, reflections, threads, true, receivers, counters, error);
+sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
+                              const sl_mirrors *mirrors, int reflections, unsigned threads,
+                              sl_receivers **receivers, sl_counters *counters, sl_error *error) {
+    sl_status status =
+        outline(scene, raster, view, mirrors, reflections, threads, true, receivers, counters, error);
     if (status != SL_OK) return status;
     const sl_receivers *r = *receivers;
     status = sl_raster_resolve(raster, r->path_count, r->view, r->path, threads, r->gbuffer, counters, error);
@@ -163,13 +176,15 @@ void sl_receivers_destroy(sl_receivers *r) {
 
 size_t sl_receivers_bytes(const sl_receivers *r) {
     enum { PLANES = 15, PLANE_BYTES = 4 };
-    size_t pixels = (size_t)r->width * (size_t)r->height, bytes = sizeof *r + sizeof *r->gbuffer + r->path_count * sizeof *r->view;
+    size_t pixels = (size_t)r->width * (size_t)r->height,
+           bytes = sizeof *r + sizeof *r->gbuffer + r->path_count * sizeof *r->view;
     bytes += pixels * PLANE_BYTES * (r->gbuffer->position_x ? (size_t)PLANES : r->gbuffer->depth ? 2u : 1u);
     for (int k = 0; k < 3; k++) bytes += r->throughput[k] ? pixels * sizeof *r->throughput[k] : 0;
     return bytes + (r->path ? pixels : 0);
 }
 
-sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_receiver_kinds *kinds, sl_error *error) {
+sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_receiver_kinds *kinds,
+                                 sl_error *error) {
     *kinds = (sl_receiver_kinds){.scene = scene, .trick_albedo = trick_albedo};
     kinds->of_material = sl_allocate(scene->material_count + 1, sizeof *kinds->of_material);
     if (!kinds->of_material) return sl_fail_memory(error, "kinds of receivers");
@@ -202,10 +217,12 @@ sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gb
 
 /* Rows as they stand where every pixel is there, one by one otherwise. */
 void sl_receiver_tile_fetch(const sl_gbuffer *g, const sl_receiver_kernels *kernels, sl_receiver_tile *t) {
-    const float *const from[SL_TILE_PLANES] = {g->position_x,  g->position_y, g->position_z, g->geometric_x, g->geometric_y, g->geometric_z,
-                                               g->normal_x,    g->normal_y,   g->normal_z,   g->diffuse_r,   g->diffuse_g,   g->diffuse_b};
-    float *const to[SL_TILE_PLANES] = {t->x,        t->y,        t->z,        t->geometric_x, t->geometric_y, t->geometric_z,
-                                       t->normal_x, t->normal_y, t->normal_z, t->diffuse[0],  t->diffuse[1],  t->diffuse[2]};
+    const float *const from[SL_TILE_PLANES] = {g->position_x,  g->position_y,  g->position_z, g->geometric_x,
+                                               g->geometric_y, g->geometric_z, g->normal_x,   g->normal_y,
+                                               g->normal_z,    g->diffuse_r,   g->diffuse_g,  g->diffuse_b};
+    float *const to[SL_TILE_PLANES] = {t->x,           t->y,           t->z,          t->geometric_x,
+                                       t->geometric_y, t->geometric_z, t->normal_x,   t->normal_y,
+                                       t->normal_z,    t->diffuse[0],  t->diffuse[1], t->diffuse[2]};
     t->padded = (t->count + SL_TILE_LANES - 1) / SL_TILE_LANES * SL_TILE_LANES;
     if (t->whole) {
         kernels->fetch_rows(from, (size_t)g->width, t);
@@ -225,14 +242,16 @@ static void set_trick(const sl_receivers *receivers, const sl_receiver_kinds *ki
     for (size_t i = 0; i < t->count; i++) {
         if (sl_receiver_kind_at(kinds, g, t->pixel[i]) != SL_RECEIVER_MIRROR) continue;
         if (planar && planar->of_triangle[g->id[t->pixel[i]]] != SL_NO_INDEX) continue;
-        sl_rgb albedo = sl_rgb_mul(kinds->scene->materials[g->material[t->pixel[i]]].mirror, kinds->trick_albedo);
+        sl_rgb albedo =
+            sl_rgb_mul(kinds->scene->materials[g->material[t->pixel[i]]].mirror, kinds->trick_albedo);
         t->diffuse[0][i] = albedo.r * (float)(1.0 / SL_PI);
         t->diffuse[1][i] = albedo.g * (float)(1.0 / SL_PI);
         t->diffuse[2][i] = albedo.b * (float)(1.0 / SL_PI);
     }
 }
 
-static void set_lobes(const sl_receivers *receivers, const sl_scene *scene, const sl_receiver_kernels *kernels, sl_receiver_tile *t) {
+static void set_lobes(const sl_receivers *receivers, const sl_scene *scene,
+                      const sl_receiver_kernels *kernels, sl_receiver_tile *t) {
     for (size_t i = 0; i < t->padded; i++) {
         size_t pixel = t->pixel[i < t->count ? i : 0];
         const sl_material *m = &scene->materials[receivers->gbuffer->material[pixel]];
@@ -252,8 +271,8 @@ static bool receives(sl_receiver_kind kind, bool glossy) {
 }
 
 /* Most tiles show one material: all pixels, if they are wanted. */
-static bool list_all(const sl_gbuffer *g, const sl_receiver_kinds *kinds, const sl_receiver_kernels *kernels, bool glossy, int x0, int y0,
-                     sl_receiver_tile *t, bool *mirrors) {
+static bool list_all(const sl_gbuffer *g, const sl_receiver_kinds *kinds, const sl_receiver_kernels *kernels,
+                     bool glossy, int x0, int y0, sl_receiver_tile *t, bool *mirrors) {
     const uint32_t first = (uint32_t)y0 * (uint32_t)g->width + (uint32_t)x0;
     if (x0 + SL_TILE_WIDTH > g->width || y0 + SL_TILE_HEIGHT > g->height) return false;
     if (!kernels->survey(g->material, first, (uint32_t)g->width, t->pixel)) return false;
@@ -263,8 +282,8 @@ static bool list_all(const sl_gbuffer *g, const sl_receiver_kinds *kinds, const 
     return true;
 }
 
-static void list_wanted(const sl_gbuffer *g, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0, sl_receiver_tile *t,
-                        bool *mirrors) {
+static void list_wanted(const sl_gbuffer *g, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0,
+                        sl_receiver_tile *t, bool *mirrors) {
     const int x1 = x0 + SL_TILE_WIDTH < g->width ? x0 + SL_TILE_WIDTH : g->width;
     const int y1 = y0 + SL_TILE_HEIGHT < g->height ? y0 + SL_TILE_HEIGHT : g->height;
     for (int y = y0; y < y1; y++) {
@@ -278,12 +297,13 @@ static void list_wanted(const sl_gbuffer *g, const sl_receiver_kinds *kinds, boo
     }
 }
 
-static void fill_tile(const sl_receivers *receivers, const sl_receiver_kinds *kinds, const sl_receiver_kernels *kernels, bool glossy,
-                      int x0, int y0, sl_receiver_tile *t) {
+static void fill_tile(const sl_receivers *receivers, const sl_receiver_kinds *kinds,
+                      const sl_receiver_kernels *kernels, bool glossy, int x0, int y0, sl_receiver_tile *t) {
     const sl_gbuffer *g = receivers->gbuffer;
     bool mirrors = false;
     t->count = 0;
-    if (!list_all(g, kinds, kernels, glossy, x0, y0, t, &mirrors)) list_wanted(g, kinds, glossy, x0, y0, t, &mirrors);
+    if (!list_all(g, kinds, kernels, glossy, x0, y0, t, &mirrors))
+        list_wanted(g, kinds, glossy, x0, y0, t, &mirrors);
     t->whole = t->count == SL_TILE_PIXELS;
     if (t->count == 0) return;
     sl_receiver_tile_fetch(g, kernels, t);
@@ -298,8 +318,8 @@ sl_light_points sl_receiver_tile_points(const sl_receiver_tile *t) {
 
 /* ---- all tiles ---- */
 
-void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_kinds *kinds, int y0, sl_tile_program *program, void *context,
-                             sl_counters *counters) {
+void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_kinds *kinds, int y0,
+                             sl_tile_program *program, void *context, sl_counters *counters) {
     const sl_receiver_kernels kernels = sl_receiver_kernels_for(sl_isa_best());
     sl_receiver_tile tile;
     for (int x = 0; x < receivers->width; x += SL_TILE_WIDTH) {
@@ -323,11 +343,13 @@ typedef struct {
 static void run_strip(void *context, size_t index, unsigned worker) {
     (void)worker;
     const strips *s = context;
-    sl_receiver_tiles_strip(s->receivers, s->kinds, (int)index * SL_TILE_HEIGHT, s->program, s->context, &s->counters[index]);
+    sl_receiver_tiles_strip(s->receivers, s->kinds, (int)index * SL_TILE_HEIGHT, s->program, s->context,
+                            &s->counters[index]);
 }
 
-sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds, unsigned threads,
-                                sl_tile_program *program, void *context, sl_counters *counters, sl_error *error) {
+sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds,
+                                unsigned threads, sl_tile_program *program, void *context,
+                                sl_counters *counters, sl_error *error) {
     size_t count = (size_t)((receivers->height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
     strips s = {receivers, kinds, program, context, sl_allocate(count, sizeof *s.counters)};
     if (!s.counters) return sl_fail_memory(error, "light on receivers");

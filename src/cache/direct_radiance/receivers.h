@@ -1,5 +1,5 @@
-/* The surfaces that a picture shows, pixel by pixel, ready to be lit: the camera's view, with what planar mirrors show in it, or a face of a curved
- * mirror's environment cube. */
+/* The surfaces that a picture shows, pixel by pixel, ready to be lit: the camera's view, with what planar
+ * mirrors show in it, or a face of a curved mirror's environment cube. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_RECEIVERS_H
 #define SL_CACHE_DIRECT_RADIANCE_RECEIVERS_H
 
@@ -15,37 +15,55 @@
 
 typedef struct sl_receivers {
     int width, height;
-    int first_row;               /* of rows of a larger picture: where they begin in it; views are always those of the whole */
-    sl_gbuffer *gbuffer;         /* unmirrored positions and normals, turned to where they are seen from; row 0 at the bottom */
-    float *throughput[3];        /* product of the planar mirrors' reflectances on the way; NULL: no mirror in view, 1 everywhere */
-    uint8_t *path;               /* which of eye[] and view[] each pixel is seen from; NULL: all from the first */
+    /* of rows of a larger picture: where they begin in it; views are always those of the whole */
+    int first_row;
+    /* unmirrored positions and normals, turned to where they are seen from; row 0 at the bottom */
+    sl_gbuffer *gbuffer;
+    /* product of the planar mirrors' reflectances on the way; NULL: no mirror in view, 1 everywhere */
+    float *throughput[3];
+    /* which of eye[] and view[] each pixel is seen from; NULL: all from the first */
+    uint8_t *path;
     size_t path_count;           /* 1 without mirrors in view */
     sl_vec3 eye[SL_MIRROR_PATHS]; /* the eye and its mirror images */
     sl_view *view;               /* and the views that they draw: path_count */
-    const sl_mirrors *mirrors;   /* those that were followed: what still shows one of them lies beyond the nesting limit; NULL: none */
+    /* those that were followed: what still shows one of them lies beyond the nesting limit; NULL: none */
+    const sl_mirrors *mirrors;
 } sl_receivers;
 
-/* Passes 5 and 6's geometry: view, and up to `reflections` planar mirrors one behind another (mirrors may be NULL). Views may be cameras,
- * pyramids or a cube's faces. The mirrors must outlive what is made of them. *receivers: NULL, or those of an earlier frame, which are then
- * replaced: fresh memory costs as much as a small scene. */
-sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
-                              int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error);
-/* Finds the triangle that each pixel shows, and by way of which mirrors: all but the G-buffer's resolution, for picture.c. Of the G-buffer there are
- * the id plane, and with mirrors the depth. */
-sl_status sl_receivers_outline(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
-                               int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error);
+/* Passes 5 and 6's geometry: view, and up to `reflections` planar mirrors one behind another (mirrors may be
+ * NULL). Views may be cameras, pyramids or a cube's faces. The mirrors must outlive what is made of them.
+ * *receivers: NULL, or those of an earlier frame, which are then replaced: fresh memory costs as much as a
+ * small scene. */
+sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
+                              const sl_mirrors *mirrors, int reflections, unsigned threads,
+                              sl_receivers **receivers, sl_counters *counters, sl_error *error);
+/* Finds the triangle that each pixel shows, and by way of which mirrors: all but the G-buffer's resolution,
+ * for picture.c. Of the G-buffer there are the id plane, and with mirrors the depth. */
+sl_status sl_receivers_outline(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
+                               const sl_mirrors *mirrors, int reflections, unsigned threads,
+                               sl_receivers **receivers, sl_counters *counters, sl_error *error);
 void sl_receivers_destroy(sl_receivers *receivers);
 size_t sl_receivers_bytes(const sl_receivers *receivers);
 
-static inline sl_vec3 sl_receiver_eye(const sl_receivers *r, size_t pixel) { return r->eye[r->path ? r->path[pixel] : 0]; }
+static inline sl_vec3 sl_receiver_eye(const sl_receivers *r, size_t pixel) {
+    return r->eye[r->path ? r->path[pixel] : 0];
+}
 
-/* Receivers (the paper's importons) side by side in lanes: a picture is lit tile by tile, and of a tile only the pixels that reflect.
+/* Receivers (the paper's importons) side by side in lanes: a picture is lit tile by tile, and of a tile only
+ * the pixels that reflect.
  *
- * Thirty-two by four pixels: rays of neighbours stay together, blocks of 4 x 4 stay whole, and a tile's positions and normals
- * stay in the nearest cache while all photons pass over them. */
+ * Thirty-two by four pixels: rays of neighbours stay together, blocks of 4 x 4 stay whole, and a tile's
+ * positions and normals stay in the nearest cache while all photons pass over them. */
 
-enum { SL_TILE_WIDTH = 32, SL_TILE_HEIGHT = 4, SL_TILE_PIXELS = SL_TILE_WIDTH * SL_TILE_HEIGHT, SL_TILE_LANES = 16, SL_TILE_PLANES = 12 };
-_Static_assert((int)SL_TILE_PIXELS == (int)SL_LIGHT_BLOCK, "a tile is what the loops over lights take at once");
+enum {
+    SL_TILE_WIDTH = 32,
+    SL_TILE_HEIGHT = 4,
+    SL_TILE_PIXELS = SL_TILE_WIDTH * SL_TILE_HEIGHT,
+    SL_TILE_LANES = 16,
+    SL_TILE_PLANES = 12
+};
+_Static_assert((int)SL_TILE_PIXELS == (int)SL_LIGHT_BLOCK,
+               "a tile is what the loops over lights take at once");
 
 /* A pixel's reflection of light that falls on it. */
 typedef enum sl_receiver_kind {
@@ -57,7 +75,9 @@ typedef enum sl_receiver_kind {
 
 typedef struct sl_receiver_tile {
     size_t count;  /* lanes in use */
-    size_t padded; /* rounded up to SL_TILE_LANES: loops run over whole vectors; lanes beyond have no normals, and so get no light */
+    /* rounded up to SL_TILE_LANES: loops run over whole vectors; lanes beyond have no normals, and so get no
+     * light */
+    size_t padded;
     bool whole;    /* all pixels of a tile that lies in the picture whole, row by row */
     uint32_t pixel[SL_TILE_PIXELS];
     _Alignas(64) float x[SL_TILE_PIXELS], y[SL_TILE_PIXELS], z[SL_TILE_PIXELS];
@@ -84,7 +104,8 @@ typedef struct sl_receiver_kinds {
 } sl_receiver_kinds;
 
 /* trick_albedo: 0 leaves mirrors out. */
-sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_receiver_kinds *kinds, sl_error *error);
+sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_receiver_kinds *kinds,
+                                 sl_error *error);
 void sl_receiver_kinds_release(sl_receiver_kinds *kinds);
 
 sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer *gbuffer, size_t pixel);
@@ -92,16 +113,19 @@ sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
 
 /* Lights a tile that has pixels to be lit. Costs are counted apart for every strip of tiles. */
 typedef void sl_tile_program(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters);
-/* Diffuse pixels of a tile first, then glossy ones; strips of tiles are shared out to threads. Counts the fragments. */
+/* Diffuse pixels of a tile first, then glossy ones; strips of tiles are shared out to threads. Counts the
+ * fragments. */
 /* A strip of tiles from row y0 on, by this thread. */
-void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_kinds *kinds, int y0, sl_tile_program *program, void *context,
-                             sl_counters *counters);
-sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds, unsigned threads,
-                                sl_tile_program *program, void *context, sl_counters *counters, sl_error *error);
+void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_kinds *kinds, int y0,
+                             sl_tile_program *program, void *context, sl_counters *counters);
+sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds,
+                                unsigned threads, sl_tile_program *program, void *context,
+                                sl_counters *counters, sl_error *error);
 
-/* E_j(x): what photon j at y sends to receiver x. d = y - x, r = |d|; cos = (n_x . d)+ / r and cos' = (-n_y . d)+ / r are the cosines at
- * the receiver and at the photon. Psi: the photon's flux, W/sr; L_o: its radiance, Psi = L_o A; A': its footprint perpendicular to the
- * light, alpha: the angle at which the light falls there, A = A' / cos alpha. M, diagonal: see sl_weight_terms. Numbers are the paper's.
+/* E_j(x): what photon j at y sends to receiver x. d = y - x, r = |d|; cos = (n_x . d)+ / r and cos' = (-n_y .
+ * d)+ / r are the cosines at the receiver and at the photon. Psi: the photon's flux, W/sr; L_o: its radiance,
+ * Psi = L_o A; A': its footprint perpendicular to the light, alpha: the angle at which the light falls there,
+ * A = A' / cos alpha. M, diagonal: see sl_weight_terms. Numbers are the paper's.
  *
  *     weight       E_j                                form     colour                  a            b
  *     flux         Psi cos cos' / (r^2 + A / pi)      disc     Psi cos alpha           cos alpha    A' / pi
@@ -110,19 +134,21 @@ sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver
  *     even, (11)   L_o cos 2 pi / M                   cosine   L_o 2 pi / M
  *     box, (15)    L_o cos A' / diagonal^2            cosine   L_o A' / diagonal^2
  *
- * The default is flux, which is (14) put right: a disc of area A that faces x across r has the cosine-weighted solid angle
- * A / (r^2 + A / pi); where (14) has A alone, a surface all around x gives it L_o instead of pi L_o. In (14) and (15) A and A' are the
- * printed ones, by (13) and (12). The two forms that the weights have in common, with a and b as above (flux without cos alpha as a
- * divisor of its own):
+ * The default is flux, which is (14) put right: a disc of area A that faces x across r has the
+ * cosine-weighted solid angle A / (r^2 + A / pi); where (14) has A alone, a surface all around x gives it L_o
+ * instead of pi L_o. In (14) and (15) A and A' are the printed ones, by (13) and (12). The two forms that the
+ * weights have in common, with a and b as above (flux without cos alpha as a divisor of its own):
  *
  *                            (n_x . d)+ (-n_y . d)+
  *     disc    E_j = colour  ------------------------ ,
  *                               r^2 (a r^2 + b)
  *
- *     cosine  E_j = colour  (n_x . d)+ / r ,                          neither distance nor the photon's facing
+ *     cosine  E_j = colour  (n_x . d)+ / r ,                          neither distance nor the photon's
+ * facing
  *
- * and a third one, the photon's footprint as a polygon. What does not depend on x is computed once a frame and uploaded as
- * three registers a photon. The plain form and the lanes of the kernels are the functions of this page: they have the same bits. */
+ * and a third one, the photon's footprint as a polygon. What does not depend on x is computed once a frame
+ * and uploaded as three registers a photon. The plain form and the lanes of the kernels are the functions of
+ * this page: they have the same bits. */
 
 /* Three vectors of four floats. */
 typedef struct sl_photon_registers {
@@ -131,21 +157,27 @@ typedef struct sl_photon_registers {
     float nx, ny, nz, nearest; /* nearest: square of the distance below which the photon gives nothing */
 } sl_photon_registers;
 
-static inline bool sl_weight_is_cosine(sl_photon_weight weight) { return weight == SL_WEIGHT_EVEN || weight == SL_WEIGHT_BOX; }
+static inline bool sl_weight_is_cosine(sl_photon_weight weight) {
+    return weight == SL_WEIGHT_EVEN || weight == SL_WEIGHT_BOX;
+}
 /* The printed weights are of L_o, the others of the flux Psi. */
-static inline bool sl_weight_is_printed(sl_photon_weight weight) { return sl_weight_is_cosine(weight) || weight == SL_WEIGHT_DISC; }
+static inline bool sl_weight_is_printed(sl_photon_weight weight) {
+    return sl_weight_is_cosine(weight) || weight == SL_WEIGHT_DISC;
+}
 
 /* Terms of a weight that all photons share. */
 typedef struct sl_weight_terms {
     float nearest_squared;
     float per_sample;   /* (11): 2 pi / M, M of the photon's light */
     float per_diagonal; /* (15): 1 / diagonal^2 */
-    float unit;         /* a power of two near 1 / diagonal^2: the denominators of tiny and huge scenes stay within floats */
+    /* a power of two near 1 / diagonal^2: the denominators of tiny and huge scenes stay within floats */
+    float unit;
 } sl_weight_terms;
 
-/* The j-indexed values of a photon. Of the polygon weight: those of the flux weight, which stands in for it. A photon that is not finite
- * gets no colour. */
-static inline sl_photon_registers sl_photon_registers_of(const sl_map_photon *photon, sl_photon_weight weight, sl_weight_terms terms) {
+/* The j-indexed values of a photon. Of the polygon weight: those of the flux weight, which stands in for it.
+ * A photon that is not finite gets no colour. */
+static inline sl_photon_registers sl_photon_registers_of(const sl_map_photon *photon, sl_photon_weight weight,
+                                                         sl_weight_terms terms) {
     const float area = photon->printed_area;
     sl_rgb colour = sl_weight_is_printed(weight) ? photon->radiance : photon->flux;
     float a = 0.0f, b = 1.0f, scale = 1.0f;
@@ -157,7 +189,8 @@ static inline sl_photon_registers sl_photon_registers_of(const sl_map_photon *ph
     } else if (weight == SL_WEIGHT_BOX) {
         scale = area * photon->cos_alpha * terms.per_diagonal; /* A' = A cos alpha */
     } else if (weight == SL_WEIGHT_DISC) {
-        a = area > 0.0f ? 1.0f / area : 0.0f; /* L_o cos cos' A / (A + r^2); A may be infinite: L_o cos cos' */
+        /* L_o cos cos' A / (A + r^2); A may be infinite: L_o cos cos' */
+        a = area > 0.0f ? 1.0f / area : 0.0f;
         scale = area > 0.0f ? 1.0f : 0.0f;
     } else {
         a = scale = photon->cos_alpha;
@@ -169,30 +202,39 @@ static inline sl_photon_registers sl_photon_registers_of(const sl_map_photon *ph
         scale *= terms.unit;
     }
     sl_rgb c = sl_rgb_scale(colour, scale);
-    bool good = sl_rgb_is_finite(c) && isfinite(a) && isfinite(b) && sl_is_finite(photon->position) && sl_is_finite(photon->normal);
+    bool good = sl_rgb_is_finite(c) && isfinite(a) && isfinite(b) && sl_is_finite(photon->position) &&
+                sl_is_finite(photon->normal);
     if (!good) return (sl_photon_registers){.b = 1.0f, .nearest = terms.nearest_squared};
-    return (sl_photon_registers){photon->position.x, photon->position.y, photon->position.z, a, c.r, c.g, c.b, b,
-                                 photon->normal.x,   photon->normal.y,   photon->normal.z,   terms.nearest_squared};
+    return (sl_photon_registers){
+        photon->position.x, photon->position.y, photon->position.z,   a, c.r, c.g, c.b, b, photon->normal.x,
+        photon->normal.y,   photon->normal.z,   terms.nearest_squared};
 }
 
-/* The two forms, without the colour. geometric: the receiver's geometric normal; normal: its shading normal. 0 below either horizon,
- * at distances that are too small or beyond floats, and for all that is not a number. */
-static inline float sl_disc_weight(const sl_photon_registers *p, sl_vec3 x, sl_vec3 geometric, sl_vec3 normal) {
+/* The two forms, without the colour. geometric: the receiver's geometric normal; normal: its shading normal.
+ * 0 below either horizon, at distances that are too small or beyond floats, and for all that is not a number.
+ */
+static inline float sl_disc_weight(const sl_photon_registers *p, sl_vec3 x, sl_vec3 geometric,
+                                   sl_vec3 normal) {
     float dx = p->x - x.x, dy = p->y - x.y, dz = p->z - x.z;
     float squared = dx * dx + dy * dy + dz * dz;
     float above = geometric.x * dx + geometric.y * dy + geometric.z * dz;
-    float here = normal.x * dx + normal.y * dy + normal.z * dz, there = -(p->nx * dx + p->ny * dy + p->nz * dz);
+    float here = normal.x * dx + normal.y * dy + normal.z * dz,
+          there = -(p->nx * dx + p->ny * dy + p->nz * dz);
     float below = squared * (p->a * squared + p->b);
-    bool lit = (above > 0.0f) & (here > 0.0f) & (there > 0.0f) & (squared > p->nearest) & (below >= 0x1p-126f) & (below <= 0x1p126f);
+    bool lit = (above > 0.0f) & (here > 0.0f) & (there > 0.0f) & (squared > p->nearest) &
+               (below >= 0x1p-126f) & (below <= 0x1p126f);
     float value = here * there / (lit ? below : 1.0f);
     return lit ? value : 0.0f;
 }
 
-static inline float sl_cosine_weight(const sl_photon_registers *p, sl_vec3 x, sl_vec3 geometric, sl_vec3 normal) {
+static inline float sl_cosine_weight(const sl_photon_registers *p, sl_vec3 x, sl_vec3 geometric,
+                                     sl_vec3 normal) {
     float dx = p->x - x.x, dy = p->y - x.y, dz = p->z - x.z;
     float squared = dx * dx + dy * dy + dz * dz;
-    float above = geometric.x * dx + geometric.y * dy + geometric.z * dz, here = normal.x * dx + normal.y * dy + normal.z * dz;
-    bool lit = (above > 0.0f) & (here > 0.0f) & (squared > p->nearest) & (squared >= 0x1p-126f) & (squared <= 0x1p126f);
+    float above = geometric.x * dx + geometric.y * dy + geometric.z * dz,
+          here = normal.x * dx + normal.y * dy + normal.z * dz;
+    bool lit = (above > 0.0f) & (here > 0.0f) & (squared > p->nearest) & (squared >= 0x1p-126f) &
+               (squared <= 0x1p126f);
     float value = here / sqrtf(lit ? squared : 1.0f);
     return lit ? value : 0.0f;
 }
@@ -205,11 +247,12 @@ typedef struct sl_photon_polygon {
     sl_polygon_light triangle[2];
 } sl_photon_polygon;
 
-/* Pi / A_q, where the receiver is before the polygon and some of that above the receiver's plane. pi: Lambert's formula, above the
- * shading normal's horizon. A polygon is the tangent plane of what it stands for: of a curved sheet it juts out over the sheet's other side.
- * What faces it from as close as the plane is to the sheet, or sees corners and not the middle from nearby, is that other side. */
-static inline float sl_polygon_weight(const sl_photon_registers *p, const sl_photon_polygon *polygon, sl_vec3 x, sl_vec3 geometric,
-                                      float pi) {
+/* Pi / A_q, where the receiver is before the polygon and some of that above the receiver's plane. pi:
+ * Lambert's formula, above the shading normal's horizon. A polygon is the tangent plane of what it stands
+ * for: of a curved sheet it juts out over the sheet's other side. What faces it from as close as the plane is
+ * to the sheet, or sees corners and not the middle from nearby, is that other side. */
+static inline float sl_polygon_weight(const sl_photon_registers *p, const sl_photon_polygon *polygon,
+                                      sl_vec3 x, sl_vec3 geometric, float pi) {
     float dx = p->x - x.x, dy = p->y - x.y, dz = p->z - x.z;
     float squared = dx * dx + dy * dy + dz * dz, there = -(p->nx * dx + p->ny * dy + p->nz * dz);
     float middle = geometric.x * dx + geometric.y * dy + geometric.z * dz;
@@ -227,13 +270,15 @@ static inline float sl_polygon_weight(const sl_photon_registers *p, const sl_pho
 
 /* ---- all photons of a frame ---- */
 
-/* The directions into which a photon with a lobe sends its flux: the light's direction mirrored, and the colour of the lobe. */
+/* The directions into which a photon with a lobe sends its flux: the light's direction mirrored, and the
+ * colour of the lobe. */
 typedef struct sl_lobe_registers {
     float x, y, z, exponent;
     sl_rgb colour;
 } sl_lobe_registers;
 
-/* Power of the cosine between a lobe's axis (unit) and the direction d of length r: 0 beyond a right angle. */
+/* Power of the cosine between a lobe's axis (unit) and the direction d of length r: 0 beyond a right angle.
+ */
 static inline float sl_lobe_power(float along, float squared, float exponent) {
     float cosine = along / sqrtf(squared > 0.0f ? squared : 1.0f);
     float power = sl_powf(cosine < 1.0f ? cosine : 1.0f, exponent);
@@ -244,43 +289,56 @@ typedef enum sl_weight_form { SL_FORM_DISC, SL_FORM_COSINE, SL_FORM_POLYGON } sl
 
 sl_weight_terms sl_weight_terms_of(const sl_map_photons *photons, size_t photon);
 /* A photon as it is looked up: with SL_FORM_POLYGON the colour is the flux, to be multiplied by Pi / A_q. */
-sl_weight_form sl_photon_load(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_photon_registers *registers);
-/* Of photons with lobes: the record whose flux and radiance are those of the lobe's diffuse part, and the lobe. */
-sl_map_photon sl_photon_with_lobe(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_lobe_registers *lobe);
+sl_weight_form sl_photon_load(const sl_map_photons *photons, size_t photon, sl_photon_weight weight,
+                              sl_photon_registers *registers);
+/* Of photons with lobes: the record whose flux and radiance are those of the lobe's diffuse part, and the
+ * lobe. */
+sl_map_photon sl_photon_with_lobe(const sl_map_photons *photons, size_t photon, sl_photon_weight weight,
+                                  sl_lobe_registers *lobe);
 void sl_photon_polygon_of(const sl_map_photons *photons, size_t photon, sl_photon_polygon *polygon);
 
-/* The fragment programs of passes 6 and 7: loops over a tile's receivers that are compiled for every instruction set. */
+/* The fragment programs of passes 6 and 7: loops over a tile's receivers that are compiled for every
+ * instruction set. */
 
 /* kd to kd / pi; lanes without a sound normal get none, and so no light. */
 typedef void sl_prepare_kernel(sl_receiver_tile *tile);
-/* A whole tile, prepared: rows of 12 planes of that width (positions, geometric and shading normals, kd) from pixel[0] on. */
-typedef void sl_fetch_rows_kernel(const float *const plane[SL_TILE_PLANES], size_t width, sl_receiver_tile *tile);
-/* Does a tile of the picture (one that lies in it whole) show one material? Then pixel gets all of its pixels. */
+/* A whole tile, prepared: rows of 12 planes of that width (positions, geometric and shading normals, kd) from
+ * pixel[0] on. */
+typedef void sl_fetch_rows_kernel(const float *const plane[SL_TILE_PLANES], size_t width,
+                                  sl_receiver_tile *tile);
+/* Does a tile of the picture (one that lies in it whole) show one material? Then pixel gets all of its
+ * pixels. */
 typedef bool sl_survey_kernel(const uint32_t *material, uint32_t first, uint32_t width, uint32_t *pixel);
 /* Radiance that leaves towards the eye. */
-typedef void sl_reflect_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float (*radiance)[SL_TILE_PIXELS]);
+typedef void sl_reflect_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
+                               float (*radiance)[SL_TILE_PIXELS]);
 
 /* The same, added to three planes of that width. */
-typedef void sl_reflect_to_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, int width, float *const planes[3]);
+typedef void sl_reflect_to_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
+                                  int width, float *const planes[3]);
 /* Its luminance's absolute value, into a plane. */
-typedef void sl_reflect_spread_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float *plane);
+typedef void sl_reflect_spread_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
+                                      float *plane);
 /* lit_i: 1 where 0 < weight_i <= largest, else 0. Is any? */
 typedef bool sl_reached_kernel(size_t count, const float *weight, float largest, float *lit);
 /* a_i = b_i > 0 ? a_i : 0 */
 typedef void sl_where_kernel(size_t count, const float *b, float *a);
 
 /* share[0] half[0] + share[1] half[1] */
-typedef void sl_combine_kernel(size_t count, bool glossy, const sl_tile_light half[2], const float share[2], sl_tile_light *sum);
+typedef void sl_combine_kernel(size_t count, bool glossy, const sl_tile_light half[2], const float share[2],
+                               sl_tile_light *sum);
 
-/* (10) over Lambertian photons in index order: adds the even ones to the irradiance of half[0], the odd ones to that of half[1]. */
-typedef void sl_photon_sum_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count, bool cosine,
-                                  sl_tile_light half[2]);
+/* (10) over Lambertian photons in index order: adds the even ones to the irradiance of half[0], the odd ones
+ * to that of half[1]. */
+typedef void sl_photon_sum_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photons,
+                                  size_t count, bool cosine, sl_tile_light half[2]);
 /* One photon's weight, or its polygon's where pi (its Pi by Lambert's formula) is given. */
-typedef void sl_photon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, bool cosine, float *weight);
-typedef void sl_polygon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_photon_polygon *polygon,
-                                     const float *pi, float *weight);
-/* Where a receiver's lobe looks: a point, or a direction. What has an area is a disc of that normal, seen from its front or from both
- * sides; extent: area / (4 pi), else 0. */
+typedef void sl_photon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon,
+                                    bool cosine, float *weight);
+typedef void sl_polygon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon,
+                                     const sl_photon_polygon *polygon, const float *pi, float *weight);
+/* Where a receiver's lobe looks: a point, or a direction. What has an area is a disc of that normal, seen
+ * from its front or from both sides; extent: area / (4 pi), else 0. */
 typedef struct sl_lobe_target {
     sl_vec3 towards;
     bool direction;
@@ -289,10 +347,12 @@ typedef struct sl_lobe_target {
     bool two_sided;
 } sl_lobe_target;
 
-/* Cosine powers: of a photon's lobe towards the receivers; of the receivers' lobes towards what lights them. */
-typedef void sl_photon_lobe_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_lobe_registers *lobe,
-                                   float *power);
-typedef void sl_receiver_lobe_kernel(const sl_receiver_tile *tile, const sl_lobe_target *target, float *power);
+/* Cosine powers: of a photon's lobe towards the receivers; of the receivers' lobes towards what lights them.
+ */
+typedef void sl_photon_lobe_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon,
+                                   const sl_lobe_registers *lobe, float *power);
+typedef void sl_receiver_lobe_kernel(const sl_receiver_tile *tile, const sl_lobe_target *target,
+                                     float *power);
 /* The mirrored directions of the eye, from where the eye is, which they replace. */
 typedef void sl_mirror_eye_kernel(sl_receiver_tile *tile);
 /* a_i *= b_i */
@@ -346,7 +406,8 @@ static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
 }
 
 /* Fills the lanes from the tile's count and pixels; not what glossy receivers have besides. */
-void sl_receiver_tile_fetch(const sl_gbuffer *gbuffer, const sl_receiver_kernels *kernels, sl_receiver_tile *tile);
+void sl_receiver_tile_fetch(const sl_gbuffer *gbuffer, const sl_receiver_kernels *kernels,
+                            sl_receiver_tile *tile);
 
 /* Pass 8's loop over a row of pixels, compiled for every instruction set. */
 
@@ -355,17 +416,21 @@ typedef struct sl_compose_row {
     size_t width;
     const float *throughput;                   /* of planar mirrors; NULL: 1 */
     const float *emission, *direct, *indirect;
-    float *out[4];                             /* the picture; emission, direct and indirect light with the throughput, or NULL */
+    /* the picture; emission, direct and indirect light with the throughput, or NULL */
+    float *out[4];
 } sl_compose_row;
 
 typedef void sl_compose_kernel(const sl_compose_row *row);
 SL_KERNEL_VARIANTS(sl_compose_kernel, sl_compose_row);
 
-static inline sl_compose_kernel *sl_compose_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_compose_row); }
+static inline sl_compose_kernel *sl_compose_kernel_for(sl_isa isa) {
+    return SL_KERNEL_OF(isa, sl_compose_row);
+}
 
 /* Visibility carried from blocks of pixels to pixels: the loops over lanes, in sight_kernels.c. */
 
-/* Visibility of 32 photons from a tile's receivers, a bit each, and the four blocks around each of its pixels. */
+/* Visibility of 32 photons from a tile's receivers, a bit each, and the four blocks around each of its
+ * pixels. */
 enum { SL_SIGHT_PHOTONS = 32, SL_SIGHT_BLOCKS = 4 };
 typedef struct sl_tile_sight {
     _Alignas(64) uint32_t wanted[SL_TILE_PIXELS];   /* light would arrive */
@@ -380,12 +445,12 @@ typedef struct sl_block_planes {
     float *value[SL_BLOCK_PLANES];
 } sl_block_planes;
 
-typedef void sl_sight_fit_kernel(const sl_receiver_tile *tile, const sl_block_planes *planes, const float *reach_squared,
-                                 float offset_squared, sl_tile_sight *around);
-/* Of a word of every block's answers: seen is what the blocks that fit and know agree on, unsure the rest. A block has answers for the
- * photons that would send light to its pixel. */
-typedef void sl_sight_agree_kernel(size_t count, const uint32_t *known, const uint32_t *seen, size_t words, size_t word,
-                                   sl_tile_sight *around);
+typedef void sl_sight_fit_kernel(const sl_receiver_tile *tile, const sl_block_planes *planes,
+                                 const float *reach_squared, float offset_squared, sl_tile_sight *around);
+/* Of a word of every block's answers: seen is what the blocks that fit and know agree on, unsure the rest. A
+ * block has answers for the photons that would send light to its pixel. */
+typedef void sl_sight_agree_kernel(size_t count, const uint32_t *known, const uint32_t *seen, size_t words,
+                                   size_t word, sl_tile_sight *around);
 /* wanted: adds the bit of a photon where its weight is more than 0. */
 typedef void sl_sight_want_kernel(size_t count, unsigned bit, const float *weight, sl_tile_sight *around);
 /* 1 or 0, by one bit. */

@@ -13,11 +13,13 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { TILES = 16, POINTS = TILES * SL_TILE_PIXELS / 2 }; /* each point is two receivers, one on either side */
+/* each point is two receivers, one on either side */
+enum { TILES = 16, POINTS = TILES * SL_TILE_PIXELS / 2 };
 
 /* (15) is of no use in scenes so many times as large as the light's way. */
 static const double LARGEST_SCENE = 10.0;
-/* A frustum that misses half of the light is worth a line; in a room without anything in it 1 arrives, with two boxes 1.07. */
+/* A frustum that misses half of the light is worth a line; in a room without anything in it 1 arrives, with
+ * two boxes 1.07. */
 static const double LEAST_CAPTURED = 0.5, MOST_RECEIVED = 1.25;
 
 /* ---- how much of the lights' flux the maps hold ---- */
@@ -26,7 +28,8 @@ double sl_radiance_maps_captured(const sl_radiance_map *map) {
     double held = 0.0, flux = 0.0;
     for (uint32_t l = 0; l < map->lights->count; l++) {
         const sl_map_light *light = &map->lights->light[l];
-        double watts = light->kind == SL_MAP_LIGHT_DIRECTIONAL ? 0.0 : (double)sl_rgb_mean(sl_map_light_flux(light));
+        double watts =
+            light->kind == SL_MAP_LIGHT_DIRECTIONAL ? 0.0 : (double)sl_rgb_mean(sl_map_light_flux(light));
         if (!(watts > 0.0) || !isfinite(watts)) continue;
         flux += watts;
         held += watts * sl_radiance_map_captured(map, l);
@@ -63,7 +66,8 @@ static double area_of(const sl_scene *s, uint32_t t) {
     sl_vec3d a = sl_to_double(sl_scene_position(s, s->vertex[0][t]));
     sl_vec3d b = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[1][t])), a);
     sl_vec3d c = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[2][t])), a);
-    double x = b.y * c.z - b.z * c.y, y = b.z * c.x - b.x * c.z, z = b.x * c.y - b.y * c.x, area = 0.5 * sqrt(x * x + y * y + z * z);
+    double x = b.y * c.z - b.z * c.y, y = b.z * c.x - b.x * c.z, z = b.x * c.y - b.y * c.x,
+           area = 0.5 * sqrt(x * x + y * y + z * z);
     return isfinite(area) ? area : 0.0;
 }
 
@@ -72,8 +76,9 @@ static double receiving_area(const sl_scene *s, uint32_t t) {
     return sl_material_is_diffuse(m) || sl_material_is_glossy(m) ? area_of(s, t) : 0.0;
 }
 
-/* Uniform over a triangle, from two numbers in [0,1): along it the point's place among those of the same triangle, across it
- * multiples of the golden ratio, so that a wall of two triangles is covered as evenly as a mesh of thousands. */
+/* Uniform over a triangle, from two numbers in [0,1): along it the point's place among those of the same
+ * triangle, across it multiples of the golden ratio, so that a wall of two triangles is covered as evenly as
+ * a mesh of thousands. */
 static report_point point_in(uint32_t triangle, double area, double along, size_t index) {
     double across = (double)index * 0.61803398874989485, side = sqrt(along);
     across -= floor(across);
@@ -94,10 +99,12 @@ static void spread(const sl_scene *scene, sl_report_points *points) {
     for (uint32_t t = 0; t < scene->triangle_count && total > 0.0; t++) {
         double area = receiving_area(scene, t);
         for (; next < POINTS && ((double)next + 0.5) * points->share < before + area; next++)
-            points->point[next] = point_in(t, area, (((double)next + 0.5) * points->share - before) / area, next);
+            points->point[next] =
+                point_in(t, area, (((double)next + 0.5) * points->share - before) / area, next);
         before += area;
     }
-    for (size_t k = next; k < POINTS; k++) points->point[k] = k ? points->point[k - 1] : (report_point){0}; /* rounding of the sums */
+    /* rounding of the sums */
+    for (size_t k = next; k < POINTS; k++) points->point[k] = k ? points->point[k - 1] : (report_point){0};
 }
 
 sl_status sl_report_points_spread(const sl_scene *scene, sl_report_points **points, sl_error *error) {
@@ -136,7 +143,8 @@ static void fill(const sl_report_points *points, size_t tile_index, sl_receiver_
         const report_point *r = &points->point[tile_index * (SL_TILE_PIXELS / 2) + i];
         sl_vec3 corner[3], n = sl_scene_geometric_normal(s, r->triangle);
         for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(s, s->vertex[c][r->triangle]);
-        sl_vec3 p = sl_mad(sl_mad(corner[0], r->w1, sl_sub(corner[1], corner[0])), r->w2, sl_sub(corner[2], corner[0]));
+        sl_vec3 p = sl_mad(sl_mad(corner[0], r->w1, sl_sub(corner[1], corner[0])), r->w2,
+                           sl_sub(corner[2], corner[0]));
         put_receiver(tile, 2 * i, p, n);
         put_receiver(tile, 2 * i + 1, p, sl_neg(n));
     }
@@ -160,7 +168,9 @@ static void receive_tile(void *context, size_t index, unsigned worker) {
     for (size_t i = 0; i < SL_TILE_PIXELS; i++) {
         const report_point *p = &r->points->point[index * (SL_TILE_PIXELS / 2) + i / 2];
         sl_rgb e = {light.irradiance[0][i], light.irradiance[1][i], light.irradiance[2][i]};
-        if (p->area > 0.0) sum += (double)sl_luminance(e) * r->points->share * (area_of(r->points->scene, p->triangle) / p->area);
+        if (p->area > 0.0)
+            sum += (double)sl_luminance(e) * r->points->share *
+                   (area_of(r->points->scene, p->triangle) / p->area);
     }
     r->arriving[index] = sum;
 }
@@ -170,14 +180,16 @@ static double reflected_flux(const sl_map_photons *photons) {
     double sum = 0.0;
     for (size_t j = 0; j < photons->count; j++) {
         sl_rgb flux = photons->photon[j].flux;
-        if (photons->lobe) flux = sl_rgb_mul(flux, sl_rgb_add(photons->lobe[j].diffuse, photons->lobe[j].specular));
+        if (photons->lobe)
+            flux = sl_rgb_mul(flux, sl_rgb_add(photons->lobe[j].diffuse, photons->lobe[j].specular));
         double watts = (double)sl_luminance(flux) * (photons->lobe ? 1.0 : SL_PI);
         sum += isfinite(watts) ? watts : 0.0;
     }
     return sum;
 }
 
-sl_status sl_flux_received(const sl_light_pass *pass, sl_report_points *points, double *received, sl_error *error) {
+sl_status sl_flux_received(const sl_light_pass *pass, sl_report_points *points, double *received,
+                           sl_error *error) {
     *received = NAN;
     double sent = pass->photons ? reflected_flux(pass->photons) : 0.0, sum = 0.0;
     if (!(sent > 0.0) || !(points->share > 0.0)) return SL_OK;
@@ -197,9 +209,12 @@ sl_status sl_flux_received(const sl_light_pass *pass, sl_report_points *points, 
 
 void sl_map_report_warning(const sl_map_report *report, sl_photon_weight weight, char *text, size_t size) {
     text[0] = '\0';
-    if (weight != SL_WEIGHT_BOX || !(report->way > 0.0) || report->diagonal <= LARGEST_SCENE * report->way) return;
-    sl_print(text, size, "weight 15 divides by the scene's diagonal squared, which is %.3g times the light's mean way of %.3g: next to no "
-                         "indirect light; weight flux does not depend on the scene's size",
+    if (weight != SL_WEIGHT_BOX || !(report->way > 0.0) || report->diagonal <= LARGEST_SCENE * report->way)
+        return;
+    sl_print(text, size,
+             "weight 15 divides by the scene's diagonal squared, which is %.3g times the light's mean way of "
+             "%.3g: next to no "
+             "indirect light; weight flux does not depend on the scene's size",
              report->diagonal / report->way, report->way);
 }
 
@@ -216,26 +231,38 @@ static sl_status warn_of_lights(const sl_map_report *report, sl_image *image, sl
     const sl_light_openings *o = &report->openings;
     sl_status status = SL_OK;
     if (are_many(o->moved, o->points))
-        status = sl_warn(image, error, "area lights stand close behind bars or frames: %zu of %zu points of theirs were moved to where light gets out, "
-                                       "and few points cast rough shadows; --emitter-samples 8 takes more", o->moved, o->points);
+        status = sl_warn(image, error,
+                         "area lights stand close behind bars or frames: %zu of %zu points of theirs were "
+                         "moved to where light gets out, "
+                         "and few points cast rough shadows; --emitter-samples 8 takes more",
+                         o->moved, o->points);
     if (status == SL_OK && are_many(o->shut, o->points))
-        status = sl_warn(image, error, "area lights are shut in: from %zu of %zu points of theirs next to no light gets farther than the light is "
-                                       "wide", o->shut, o->points);
+        status = sl_warn(image, error,
+                         "area lights are shut in: from %zu of %zu points of theirs next to no light gets "
+                         "farther than the light is "
+                         "wide",
+                         o->shut, o->points);
     return status;
 }
 
 static sl_status warn_of_flux(const sl_map_report *report, sl_image *image, sl_error *error) {
     sl_status status = SL_OK;
     if (report->captured < LEAST_CAPTURED)
-        status = sl_warn(image, error, "the maps hold %.0f %% of the lights' flux, and no indirect light comes from the rest; --set direct-radiance.map=cube holds all",
+        status = sl_warn(image, error,
+                         "the maps hold %.0f %% of the lights' flux, and no indirect light comes from the "
+                         "rest; --set direct-radiance.map=cube holds all",
                          100.0 * report->captured);
     if (status == SL_OK && report->received > MOST_RECEIVED)
-        status = sl_warn(image, error, "indirect light passes through walls and furniture: what is reflected arrives %.2g times; --visibility rays "
-                                       "stops it", report->received);
+        status = sl_warn(image, error,
+                         "indirect light passes through walls and furniture: what is reflected arrives %.2g "
+                         "times; --visibility rays "
+                         "stops it",
+                         report->received);
     return status;
 }
 
-sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weight, sl_image *image, sl_error *error) {
+sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weight, sl_image *image,
+                              sl_error *error) {
     char text[256];
     sl_map_report_warning(report, weight, text, sizeof text);
     sl_status status = stamp_share(image, "softlux.flux_captured", report->captured, error);
@@ -246,12 +273,16 @@ sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weig
     return status;
 }
 
-/* ---- the share of a light's flux that leaves inside its map's pictures, in closed form for points and areas ---- */
+/* ---- the share of a light's flux that leaves inside its map's pictures, in closed form for points and areas
+ * ---- */
 
-/* Form factor of a face towards a plane at its eye: Lambert's formula, of a rectangle that lies above the plane. */
+/* Form factor of a face towards a plane at its eye: Lambert's formula, of a rectangle that lies above the
+ * plane. */
 static double cosine_share(const sl_map_face *f, sl_vec3 normal) {
-    const sl_vec3d n = {(double)sl_dot(normal, f->frame.x), (double)sl_dot(normal, f->frame.y), (double)sl_dot(normal, f->frame.z)};
-    const sl_vec3d corner[4] = {{f->left, f->bottom, 1}, {f->right, f->bottom, 1}, {f->right, f->top, 1}, {f->left, f->top, 1}};
+    const sl_vec3d n = {(double)sl_dot(normal, f->frame.x), (double)sl_dot(normal, f->frame.y),
+                        (double)sl_dot(normal, f->frame.z)};
+    const sl_vec3d corner[4] = {
+        {f->left, f->bottom, 1}, {f->right, f->bottom, 1}, {f->right, f->top, 1}, {f->left, f->top, 1}};
     double sum = 0.0;
     for (int k = 0; k < 4; k++) {
         const sl_vec3d a = corner[k], b = corner[(k + 1) % 4];
@@ -267,9 +298,11 @@ static double spot_flux(const sl_map_light *light, const sl_map_face *f) {
     enum { CELLS = 96 };
     double sum = 0.0, wide = (f->right - f->left) / CELLS, high = (f->top - f->bottom) / CELLS;
     for (int i = 0; i < CELLS * CELLS; i++) {
-        double x = f->left + wide * (0.5 + (double)(i % CELLS)), y = f->bottom + high * (0.5 + (double)(i / CELLS));
+        double x = f->left + wide * (0.5 + (double)(i % CELLS)),
+               y = f->bottom + high * (0.5 + (double)(i / CELLS));
         double squared = 1.0 + x * x + y * y, inverse = 1.0 / sqrt(squared);
-        sl_vec3 d = sl_frame_to_world(&f->frame, sl_v3((float)(x * inverse), (float)(y * inverse), (float)inverse));
+        sl_vec3 d =
+            sl_frame_to_world(&f->frame, sl_v3((float)(x * inverse), (float)(y * inverse), (float)inverse));
         sum += (double)sl_rgb_mean(sl_map_light_intensity(light, d)) * wide * high * inverse / squared;
     }
     return sum;
@@ -279,18 +312,22 @@ static double spot_flux(const sl_map_light *light, const sl_map_face *f) {
 static bool holds_cone(const sl_map_light *light, const sl_map_face *face, int count, int dark) {
     double c = (double)light->cos_outer, reach = face->right;
     bool ahead = sl_dot(face->frame.z, light->direction) > 0.999999f;
-    if (count == 1 && dark == 0) return ahead && c > 0.0 && 1.0 - c * c <= reach * reach * c * c * (1.0 + 1e-6);
+    if (count == 1 && dark == 0)
+        return ahead && c > 0.0 && 1.0 - c * c <= reach * reach * c * c * (1.0 + 1e-6);
     return count + dark == SL_LIGHT_SIDES || (ahead && c >= 0.0); /* a cube; a hemicube */
 }
 
-static double share_of(const sl_map_light *light, const sl_planned_face *face, int count, int dark, double flux) {
+static double share_of(const sl_map_light *light, const sl_planned_face *face, int count, int dark,
+                       double flux) {
     double sum = 0.0;
     if (light->kind == SL_MAP_LIGHT_SPOT && holds_cone(light, &face->face, count, dark)) return 1.0;
     for (int i = 0; i < count; i++) {
         const sl_map_face *f = &face[i].face;
-        sum += light->kind == SL_MAP_LIGHT_POINT  ? sl_rectangle_solid_angle(f->left, f->bottom, f->right, f->top) / (4.0 * SL_PI)
-               : light->kind == SL_MAP_LIGHT_AREA ? cosine_share(f, light->direction) / (light->two_sided ? 2.0 : 1.0)
-                                                  : spot_flux(light, f) / flux;
+        sum += light->kind == SL_MAP_LIGHT_POINT
+                   ? sl_rectangle_solid_angle(f->left, f->bottom, f->right, f->top) / (4.0 * SL_PI)
+               : light->kind == SL_MAP_LIGHT_AREA
+                   ? cosine_share(f, light->direction) / (light->two_sided ? 2.0 : 1.0)
+                   : spot_flux(light, f) / flux;
     }
     return sum < 1.0 ? sum : 1.0;
 }

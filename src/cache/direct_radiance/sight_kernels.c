@@ -1,14 +1,13 @@
 /* Look-ups in a depth cube, for many receivers at once.
  *
- * Reciprocal planar depth is linear across a picture: with the receiver P seen from the light and its normal n, both in the picture's axes,
- * the receiver's plane has at the tangents (a, b)
- *     1/z = (n_x a + n_y b + n_z) / n . P.
- * So between P and the middle of a texel that lies da, db beside it, 1/z differs by at most
- *     beta = (|n_x da| + |n_y db|) / |n . P|,
- * exactly so if what the texel holds is the receiver's own plane. The receiver is lit if 1/z >= stored - beta, less what rounding makes.
- * With the nearest texel alone, da and db are at most half a texel of 2/N: beta = (|n_x| + |n_y|) / (N |n . P|). Here the four texels
- * around are asked, each with its own beta, and their answers blended by distance (percentage-closer filtering; Reeves, Salesin and
- * Cook 1987). */
+ * Reciprocal planar depth is linear across a picture: with the receiver P seen from the light and its normal
+ * n, both in the picture's axes, the receiver's plane has at the tangents (a, b) 1/z = (n_x a + n_y b + n_z)
+ * / n . P. So between P and the middle of a texel that lies da, db beside it, 1/z differs by at most beta =
+ * (|n_x da| + |n_y db|) / |n . P|, exactly so if what the texel holds is the receiver's own plane. The
+ * receiver is lit if 1/z >= stored - beta, less what rounding makes. With the nearest texel alone, da and db
+ * are at most half a texel of 2/N: beta = (|n_x| + |n_y|) / (N |n . P|). Here the four texels around are
+ * asked, each with its own beta, and their answers blended by distance (percentage-closer filtering; Reeves,
+ * Salesin and Cook 1987). */
 #include "cache/direct_radiance/lights.h"
 #include "cache/direct_radiance/receivers.h"
 
@@ -18,12 +17,15 @@
 typedef struct {
     int32_t texel[SL_SHADOW_BLOCK];                    /* lower left of the four */
     float across[SL_SHADOW_BLOCK], up[SL_SHADOW_BLOCK]; /* place between the four, in [0,1] */
-    float depth[SL_SHADOW_BLOCK];                      /* of the receiver, in the units stored, with room for rounding */
-    float change_x[SL_SHADOW_BLOCK], change_y[SL_SHADOW_BLOCK]; /* of its plane, from texel to texel, not negative */
+    /* of the receiver, in the units stored, with room for rounding */
+    float depth[SL_SHADOW_BLOCK];
+    /* of its plane, from texel to texel, not negative */
+    float change_x[SL_SHADOW_BLOCK], change_y[SL_SHADOW_BLOCK];
     float dark[SL_SHADOW_BLOCK];                       /* shares of the texels that hide it */
 } places;
 
-/* The texel whose middle lies at or below a continuous coordinate, so that the next one exists too; 0 for NaN. */
+/* The texel whose middle lies at or below a continuous coordinate, so that the next one exists too; 0 for
+ * NaN. */
 static inline float cell(float position, float last) {
     position = position > 0.0f ? position : 0.0f;
     position = position < last ? position : last;
@@ -34,11 +36,12 @@ static inline float fraction(float f) { return f > 0.0f ? (f < 1.0f ? f : 1.0f) 
 
 static inline float not_zero(float v) { return v > 1e-30f ? v : 1e-30f; }
 
-static void locate_on_cube(const sl_shadow_cube *map, size_t count, const float *restrict px, const float *restrict py,
-                           const float *restrict pz, const float *restrict nx, const float *restrict ny, const float *restrict nz,
-                           places *out) {
+static void locate_on_cube(const sl_shadow_cube *map, size_t count, const float *restrict px,
+                           const float *restrict py, const float *restrict pz, const float *restrict nx,
+                           const float *restrict ny, const float *restrict nz, places *out) {
     const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
-    const float size = (float)map->size, half = 0.5f * (size - 2.0f) / map->tangent, middle = 0.5f * size - 0.5f, last = size - 2.0f;
+    const float size = (float)map->size, half = 0.5f * (size - 2.0f) / map->tangent,
+                middle = 0.5f * size - 0.5f, last = size - 2.0f;
     const float tangent = 2.0f * map->tangent / (size - 2.0f), rounding = map->rounding;
     const int32_t width = map->size;
     const int32_t *restrict start = map->start, *restrict mask = map->mask;
@@ -48,7 +51,8 @@ static void locate_on_cube(const sl_shadow_cube *map, size_t count, const float 
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float dx = px[i] - eye.x, dy = py[i] - eye.y, dz = pz[i] - eye.z;
-        float x = ex.x * dx + ex.y * dy + ex.z * dz, y = ey.x * dx + ey.y * dy + ey.z * dz, z = ez.x * dx + ez.y * dy + ez.z * dz;
+        float x = ex.x * dx + ex.y * dy + ex.z * dz, y = ey.x * dx + ey.y * dy + ey.z * dz,
+              z = ez.x * dx + ez.y * dy + ez.z * dz;
         float a = ex.x * nx[i] + ex.y * ny[i] + ex.z * nz[i], b = ey.x * nx[i] + ey.y * ny[i] + ey.z * nz[i],
               c = ez.x * nx[i] + ez.y * ny[i] + ez.z * nz[i];
         float ax = fabsf(x), ay = fabsf(y), az = fabsf(z);
@@ -66,19 +70,22 @@ static void locate_on_cube(const sl_shadow_cube *map, size_t count, const float 
         up[i] = fraction(row - below);
         change_x[i] = cx * (1.0f + 1e-5f);
         change_y[i] = cy * (1.0f + 1e-5f);
-        /* Rounded are the position, by a few units of its own size, and the unit normal, whose error a long way multiplies. */
+        /* Rounded are the position, by a few units of its own size, and the unit normal, whose error a long
+         * way multiplies. */
         depth[i] = over + (over * 1e-6f + facing * (rounding * over + 3e-7f)) + (cx + cy) * 4e-4f;
     }
 }
 
 /* The same with depth instead of its reciprocal: a plane changes by n_x / n_z across. */
-static void locate_in_parallel(const sl_shadow_cube *map, size_t count, const float *restrict px, const float *restrict py,
-                               const float *restrict pz, const float *restrict nx, const float *restrict ny, const float *restrict nz,
-                               places *out) {
+static void locate_in_parallel(const sl_shadow_cube *map, size_t count, const float *restrict px,
+                               const float *restrict py, const float *restrict pz, const float *restrict nx,
+                               const float *restrict ny, const float *restrict nz, places *out) {
     const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
     const float size = (float)map->size, middle = 0.5f * size - 0.5f, last = size - 2.0f;
-    const float scale_x = 0.5f * size / map->reach_x, scale_y = 0.5f * size / map->reach_y, scale_z = 0.5f / map->reach_z;
-    const float step_x = scale_z / scale_x, step_y = scale_z / scale_y, rounding = map->rounding * scale_z + 3e-7f;
+    const float scale_x = 0.5f * size / map->reach_x, scale_y = 0.5f * size / map->reach_y,
+                scale_z = 0.5f / map->reach_z;
+    const float step_x = scale_z / scale_x, step_y = scale_z / scale_y,
+                rounding = map->rounding * scale_z + 3e-7f;
     const int32_t width = map->size, start = map->start[0], mask = map->mask[0];
     int32_t *restrict texel = out->texel;
     float *restrict across = out->across, *restrict up = out->up, *restrict depth = out->depth;
@@ -86,7 +93,8 @@ static void locate_in_parallel(const sl_shadow_cube *map, size_t count, const fl
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float dx = px[i] - eye.x, dy = py[i] - eye.y, dz = pz[i] - eye.z;
-        float x = ex.x * dx + ex.y * dy + ex.z * dz, y = ey.x * dx + ey.y * dy + ey.z * dz, z = ez.x * dx + ez.y * dy + ez.z * dz;
+        float x = ex.x * dx + ex.y * dy + ex.z * dz, y = ey.x * dx + ey.y * dy + ey.z * dz,
+              z = ez.x * dx + ez.y * dy + ez.z * dz;
         float a = ex.x * nx[i] + ex.y * ny[i] + ex.z * nz[i], b = ey.x * nx[i] + ey.y * ny[i] + ey.z * nz[i],
               c = ez.x * nx[i] + ez.y * ny[i] + ez.z * nz[i];
         float column = x * scale_x + middle, row = y * scale_y + middle, facing = 1.0f / not_zero(fabsf(c));
@@ -118,7 +126,8 @@ static void compare(const sl_shadow_cube *map, size_t count, places *at) {
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float right = across[i], left = 1.0f - right, above = up[i], below = 1.0f - above;
-        float to_left = right * change_x[i], to_right = left * change_x[i], down = above * change_y[i], upward = below * change_y[i];
+        float to_left = right * change_x[i], to_right = left * change_x[i], down = above * change_y[i],
+              upward = below * change_y[i];
         float z = depth[i];
         float dark = lower[2 * i] > z + (to_left + down) ? left * below : 0.0f;
         dark += lower[2 * i + 1] > z + (to_right + down) ? right * below : 0.0f;
@@ -130,26 +139,33 @@ static void compare(const sl_shadow_cube *map, size_t count, places *at) {
 
 /* ---- corners ---- */
 
-/* Returns the change of texel k's depth along a row or a column (place: k's in it), told from its neighbour on the far side of the receiver, which
- * lies `away` texels from k's middle: the near side is where the surface may end. */
+/* Returns the change of texel k's depth along a row or a column (place: k's in it), told from its neighbour
+ * on the far side of the receiver, which lies `away` texels from k's middle: the near side is where the
+ * surface may end. */
 static float slope_at(const float *stored, int32_t k, int32_t step, int32_t place, int32_t size, float away) {
     bool back = place > 0 && (away > 0.0f || place + 1 == size);
     return back ? stored[k] - stored[k - step] : stored[k + step] - stored[k];
 }
 
-/* Does the receiver, `right` and `above` texels from the middle of texel k, lie before the plane of what that one holds? Not asked of what
- * lies more than four texels' sizes before it: that is no corner. Nor where the receiver's own plane, seen at a grazing angle, rises as much
- * from texel to texel: there facets are too narrow to tell their planes. */
-static bool lies_before(const sl_shadow_cube *map, const places *at, size_t i, int32_t k, float right, float above) {
+/* Does the receiver, `right` and `above` texels from the middle of texel k, lie before the plane of what that
+ * one holds? Not asked of what lies more than four texels' sizes before it: that is no corner. Nor where the
+ * receiver's own plane, seen at a grazing angle, rises as much from texel to texel: there facets are too
+ * narrow to tell their planes. */
+static bool lies_before(const sl_shadow_cube *map, const places *at, size_t i, int32_t k, float right,
+                        float above) {
     const float *stored = map->depth;
-    const int32_t size = map->size, place = k - (int32_t)sl_shadow_zeros(size), column = place % size, row = place / size % size;
-    const float texel = map->directional ? (map->reach_x > map->reach_y ? map->reach_x : map->reach_y) / (map->reach_z * (float)size)
+    const int32_t size = map->size, place = k - (int32_t)sl_shadow_zeros(size), column = place % size,
+                  row = place / size % size;
+    const float texel = map->directional ? (map->reach_x > map->reach_y ? map->reach_x : map->reach_y) /
+                                               (map->reach_z * (float)size)
                                          : 2.0f * map->tangent / (float)(size - 2) * stored[k];
     const float excess = stored[k] - at->depth[i];
     if (excess <= at->change_x[i] + at->change_y[i]) return true;
     if (excess > 4.0f * texel) return false;
-    float slope_x = slope_at(stored, k, 1, column, size, right), slope_y = slope_at(stored, k, size, row, size, above);
-    float there = stored[k] + slope_x * right + slope_y * above, room = 0.02f * (fabsf(slope_x) + fabsf(slope_y));
+    float slope_x = slope_at(stored, k, 1, column, size, right),
+          slope_y = slope_at(stored, k, size, row, size, above);
+    float there = stored[k] + slope_x * right + slope_y * above,
+          room = 0.02f * (fabsf(slope_x) + fabsf(slope_y));
     return there <= at->depth[i] + room;
 }
 
@@ -177,8 +193,9 @@ static bool some_are_dark_in_part(size_t count, const places *at) {
     return any != 0;
 }
 
-void SL_KERNEL(sl_shadow_cube_lit)(const sl_shadow_cube *cube, size_t count, const float *px, const float *py, const float *pz,
-                                   const float *nx, const float *ny, const float *nz, float *lit) {
+void SL_KERNEL(sl_shadow_cube_lit)(const sl_shadow_cube *cube, size_t count, const float *px, const float *py,
+                                   const float *pz, const float *nx, const float *ny, const float *nz,
+                                   float *lit) {
     places at;
     if (cube->directional) locate_in_parallel(cube, count, px, py, pz, nx, ny, nz, &at);
     else locate_on_cube(cube, count, px, py, pz, nx, ny, nz, &at);
@@ -199,16 +216,22 @@ void SL_KERNEL(sl_shadow_cube_lit)(const sl_shadow_cube *cube, size_t count, con
 
 /* ---- photons seen from blocks of pixels ----
  *
- * A block's answers are carried to the pixels around, as a joint bilateral filter would: as far as they lie on one
- * surface. Where the blocks disagree a shadow's edge passes between them, and the pixels there are left to ask themselves. */
+ * A block's answers are carried to the pixels around, as a joint bilateral filter would: as far as they lie
+ * on one surface. Where the blocks disagree a shadow's edge passes between them, and the pixels there are
+ * left to ask themselves. */
 
-/* A block fits where both points lie near each other's tangent plane (within 6 degrees of it, seen from one another),
- * their normals agree (within 25 degrees), and they are not farther apart than a tenth of the way to the eye. */
-void SL_KERNEL(sl_sight_fit)(const sl_receiver_tile *t, const sl_block_planes *planes, const float *restrict reach_squared,
-                             float offset_squared, sl_tile_sight *around) {
-    const float *restrict x = planes->value[0], *restrict y = planes->value[1], *restrict z = planes->value[2];
-    const float *restrict gx = planes->value[3], *restrict gy = planes->value[4], *restrict gz = planes->value[5];
-    const float *restrict nx = planes->value[6], *restrict ny = planes->value[7], *restrict nz = planes->value[8];
+/* A block fits where both points lie near each other's tangent plane (within 6 degrees of it, seen from one
+ * another), their normals agree (within 25 degrees), and they are not farther apart than a tenth of the way
+ * to the eye. */
+void SL_KERNEL(sl_sight_fit)(const sl_receiver_tile *t, const sl_block_planes *planes,
+                             const float *restrict reach_squared, float offset_squared,
+                             sl_tile_sight *around) {
+    const float *restrict x = planes->value[0], *restrict y = planes->value[1],
+                          *restrict z = planes->value[2];
+    const float *restrict gx = planes->value[3], *restrict gy = planes->value[4],
+                          *restrict gz = planes->value[5];
+    const float *restrict nx = planes->value[6], *restrict ny = planes->value[7],
+                          *restrict nz = planes->value[8];
     const size_t count = t->padded;
     for (int k = 0; k < SL_SIGHT_BLOCKS; k++) {
         const int32_t *restrict block = around->block[k];
@@ -216,7 +239,8 @@ void SL_KERNEL(sl_sight_fit)(const sl_receiver_tile *t, const sl_block_planes *p
 #pragma omp simd
         for (size_t i = 0; i < count; i++) {
             int32_t b = block[i];
-            float ex = x[b] - t->x[i], ey = y[b] - t->y[i], ez = z[b] - t->z[i], squared = ex * ex + ey * ey + ez * ez;
+            float ex = x[b] - t->x[i], ey = y[b] - t->y[i], ez = z[b] - t->z[i],
+                  squared = ex * ex + ey * ey + ez * ez;
             float here = t->geometric_x[i] * ex + t->geometric_y[i] * ey + t->geometric_z[i] * ez;
             float there = gx[b] * ex + gy[b] * ey + gz[b] * ez, limit = 0.01f * squared + offset_squared;
             float agree = t->normal_x[i] * nx[b] + t->normal_y[i] * ny[b] + t->normal_z[i] * nz[b];
@@ -228,8 +252,8 @@ void SL_KERNEL(sl_sight_fit)(const sl_receiver_tile *t, const sl_block_planes *p
     }
 }
 
-void SL_KERNEL(sl_sight_agree)(size_t count, const uint32_t *restrict known, const uint32_t *restrict seen, size_t words, size_t word,
-                               sl_tile_sight *around) {
+void SL_KERNEL(sl_sight_agree)(size_t count, const uint32_t *restrict known, const uint32_t *restrict seen,
+                               size_t words, size_t word, sl_tile_sight *around) {
     uint32_t *restrict lit = around->seen, *restrict unsure = around->unsure;
     const int32_t stride = (int32_t)words, first = (int32_t)word;
 #pragma omp simd
@@ -246,14 +270,16 @@ void SL_KERNEL(sl_sight_agree)(size_t count, const uint32_t *restrict known, con
     }
 }
 
-void SL_KERNEL(sl_sight_want)(size_t count, unsigned bit, const float *restrict weight, sl_tile_sight *around) {
+void SL_KERNEL(sl_sight_want)(size_t count, unsigned bit, const float *restrict weight,
+                              sl_tile_sight *around) {
     uint32_t *restrict wanted = around->wanted;
     const uint32_t mask = 1u << bit;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) wanted[i] |= weight[i] > 0.0f ? mask : 0u;
 }
 
-void SL_KERNEL(sl_sight_tell)(size_t count, const sl_tile_sight *around, unsigned bit, float *restrict visible) {
+void SL_KERNEL(sl_sight_tell)(size_t count, const sl_tile_sight *around, unsigned bit,
+                              float *restrict visible) {
     const uint32_t *restrict seen = around->seen;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) visible[i] = seen[i] >> bit & 1u ? 1.0f : 0.0f;

@@ -31,16 +31,20 @@ static bool by_blocks(const sl_sight *s) { return s->pass->visibility == SL_VISI
 
 /* ---- rays ---- */
 
-/* A photon that stands for several texels lies at their mean, which on a curved surface is a little inside. Within a group normals
- * differ by at most 20 degrees: the mean is at most 0.09 of the footprint's radius deep. */
+/* A photon that stands for several texels lies at their mean, which on a curved surface is a little inside.
+ * Within a group normals differ by at most 20 degrees: the mean is at most 0.09 of the footprint's radius
+ * deep. */
 static sl_vec3 ray_end(const sl_map_photon *p, float offset) {
-    float area = p->cos_alpha > 0.0f ? p->footprint / p->cos_alpha : 0.0f, lift = 0.1f * sqrtf(area * (float)(1.0 / SL_PI));
+    float area = p->cos_alpha > 0.0f ? p->footprint / p->cos_alpha : 0.0f,
+          lift = 0.1f * sqrtf(area * (float)(1.0 / SL_PI));
     return sl_mad(p->position, lift > offset && isfinite(lift) ? lift : offset, p->normal);
 }
 
-static void set_ray(const sl_sight *s, const sl_receiver_tile *t, size_t i, sl_vec3 end, unsigned k, sl_ray16 *rays) {
+static void set_ray(const sl_sight *s, const sl_receiver_tile *t, size_t i, sl_vec3 end, unsigned k,
+                    sl_ray16 *rays) {
     sl_vec3 p = sl_v3(t->x[i], t->y[i], t->z[i]);
-    sl_vec3 origin = sl_mad(p, sl_scene_offset_at(s->pass->scene, s->offset, p), sl_v3(t->geometric_x[i], t->geometric_y[i], t->geometric_z[i]));
+    sl_vec3 origin = sl_mad(p, sl_scene_offset_at(s->pass->scene, s->offset, p),
+                            sl_v3(t->geometric_x[i], t->geometric_y[i], t->geometric_z[i]));
     sl_ray16_set(rays, k, origin, sl_sub(end, origin), 0.0f, 0.9999f, s->receivers->gbuffer->id[t->pixel[i]]);
 }
 
@@ -59,15 +63,16 @@ static void flush(const sl_sight *s, packet *p, uint32_t *seen, sl_counters *cou
     p->count = 0;
 }
 
-/* The k-th lane of a whole tile, squares of 4 x 4 pixels one after another: neighbours' rays meet the same triangles. */
+/* The k-th lane of a whole tile, squares of 4 x 4 pixels one after another: neighbours' rays meet the same
+ * triangles. */
 static size_t lane_in_squares(const sl_receiver_tile *tile, size_t k) {
     return tile->whole ? k / BLOCK % BLOCK * SL_TILE_WIDTH + k / (BLOCK * BLOCK) * BLOCK + k % BLOCK : k;
 }
 _Static_assert((int)BLOCK == (int)SL_TILE_HEIGHT, "a tile is a row of squares");
 
 /* A ray for every bit of what is unsure; adds to what is seen. */
-static void ask(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count, const uint32_t *unsure, uint32_t *seen,
-                sl_counters *counters) {
+static void ask(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count,
+                const uint32_t *unsure, uint32_t *seen, sl_counters *counters) {
     packet p = {.count = 0};
     uint32_t any = 0;
     for (size_t i = 0; i < tile->count; i++) any |= unsure[i];
@@ -85,7 +90,8 @@ static void ask(const sl_sight *s, const sl_receiver_tile *tile, size_t first, s
 }
 
 /* Marks the photons that would send light to each receiver. */
-static void find_wanted(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count, sl_tile_sight *around) {
+static void find_wanted(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count,
+                        sl_tile_sight *around) {
     float weight[SL_TILE_PIXELS];
     memset(around->wanted, 0, sizeof around->wanted);
     for (unsigned bit = 0; bit < count; bit++) {
@@ -95,8 +101,8 @@ static void find_wanted(const sl_sight *s, const sl_receiver_tile *tile, size_t 
 }
 
 /* Traces a ray for each photon and receiver. */
-static void see_by_rays(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count, sl_tile_sight *around,
-                        sl_counters *counters) {
+static void see_by_rays(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count,
+                        sl_tile_sight *around, sl_counters *counters) {
     find_wanted(s, tile, first, count, around);
     memset(around->seen, 0, sizeof around->seen);
     ask(s, tile, first, count, around->wanted, around->seen, counters);
@@ -123,8 +129,9 @@ typedef struct {
 } block_pass;
 
 static void keep_planes(sl_sight *s, const sl_receiver_tile *t, const uint32_t *block) {
-    const float *from[SL_BLOCK_PLANES] = {t->x,           t->y,        t->z,        t->geometric_x, t->geometric_y,
-                                          t->geometric_z, t->normal_x, t->normal_y, t->normal_z};
+    const float *from[SL_BLOCK_PLANES] = {t->x,           t->y,           t->z,
+                                          t->geometric_x, t->geometric_y, t->geometric_z,
+                                          t->normal_x,    t->normal_y,    t->normal_z};
     for (int p = 0; p < SL_BLOCK_PLANES; p++) {
         for (size_t i = 0; i < t->count; i++) s->planes.value[p][block[i]] = from[p][i];
     }
@@ -135,8 +142,10 @@ static size_t photons_of_word(const sl_sight *s, size_t word) {
     return left < SL_SIGHT_PHOTONS ? left : SL_SIGHT_PHOTONS;
 }
 
-/* Pixels that stand for 32 x 4 blocks, squares of 4 x 4 blocks one after another; block: which they stand for. */
-static void list_blocks(const block_pass *b, int x0, int y0, sl_receiver_tile *tile, uint32_t block[SL_TILE_PIXELS]) {
+/* Pixels that stand for 32 x 4 blocks, squares of 4 x 4 blocks one after another; block: which they stand
+ * for. */
+static void list_blocks(const block_pass *b, int x0, int y0, sl_receiver_tile *tile,
+                        uint32_t block[SL_TILE_PIXELS]) {
     sl_sight *s = b->sight;
     for (int k = 0; k < SL_TILE_PIXELS; k++) {
         int x = x0 + k / (BLOCK * BLOCK) * BLOCK + k % BLOCK, y = y0 + k / BLOCK % BLOCK;
@@ -166,7 +175,8 @@ static void trace_blocks(void *context, size_t index, unsigned worker) {
     keep_planes(s, &tile, block);
     sl_tile_sight of_blocks;
     for (size_t word = 0; word < s->words; word++) {
-        see_by_rays(s, &tile, word * SL_SIGHT_PHOTONS, photons_of_word(s, word), &of_blocks, &b->counters[index]);
+        see_by_rays(s, &tile, word * SL_SIGHT_PHOTONS, photons_of_word(s, word), &of_blocks,
+                    &b->counters[index]);
         for (size_t i = 0; i < tile.count; i++) {
             s->known[block[i] * s->words + word] = of_blocks.wanted[i];
             s->seen[block[i] * s->words + word] = of_blocks.seen[i];
@@ -181,7 +191,8 @@ static sl_status make_blocks(sl_sight *s, block_pass *pass, sl_counters *counter
     s->words = (photons + SL_SIGHT_PHOTONS - 1) / SL_SIGHT_PHOTONS;
     size_t blocks = (size_t)s->columns * (size_t)s->rows;
     size_t tasks = (size_t)(tiles_across(s) * ((s->rows + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT));
-    if (blocks * s->words > INT32_MAX) return sl_fail_memory(error, "visibility of photons"); /* lanes index by 32 bits */
+    /* lanes index by 32 bits */
+    if (blocks * s->words > INT32_MAX) return sl_fail_memory(error, "visibility of photons");
     s->pixel = sl_allocate(blocks, sizeof *s->pixel);
     s->plane_memory = sl_allocate(blocks, SL_BLOCK_PLANES * sizeof *s->plane_memory);
     s->known = sl_allocate(blocks, s->words * sizeof *s->known);
@@ -197,15 +208,17 @@ static sl_status make_blocks(sl_sight *s, block_pass *pass, sl_counters *counter
 
 /* ---- a frame's ---- */
 
-sl_status sl_sight_create(const sl_light_pass *pass, const sl_receivers *receivers, const sl_receiver_kinds *kinds,
-                          sl_weigh_photon *weigh, const void *context, sl_sight **sight, sl_counters *counters, sl_error *error) {
+sl_status sl_sight_create(const sl_light_pass *pass, const sl_receivers *receivers,
+                          const sl_receiver_kinds *kinds, sl_weigh_photon *weigh, const void *context,
+                          sl_sight **sight, sl_counters *counters, sl_error *error) {
     sl_sight *s = *sight = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "visibility of photons");
     *s = (sl_sight){.pass = pass, .receivers = receivers, .offset = 1e-5f * pass->scene->scale,
                     .kernels = sl_sight_kernels_for(sl_isa_best()), .weigh = weigh, .context = context,
                     .end = sl_allocate(pass->photons->count, sizeof *s->end)};
     if (!s->end) return sl_fail_memory(error, "visibility of photons");
-    for (size_t j = 0; j < pass->photons->count; j++) s->end[j] = ray_end(&pass->photons->photon[j], s->offset);
+    for (size_t j = 0; j < pass->photons->count; j++)
+        s->end[j] = ray_end(&pass->photons->photon[j], s->offset);
     block_pass blocks = {s, kinds, NULL};
     return by_blocks(s) ? make_blocks(s, &blocks, counters, error) : SL_OK;
 }
@@ -227,9 +240,11 @@ static uint32_t object_at(const sl_sight *s, uint32_t pixel) {
     return triangle < s->pass->scene->triangle_count ? s->pass->scene->object_index[triangle] : SL_NO_INDEX;
 }
 
-/* The pixel's own block and its nearest neighbours: across, up, and both; as far as they show the same object. */
+/* The pixel's own block and its nearest neighbours: across, up, and both; as far as they show the same
+ * object. */
 static void set_blocks(const sl_sight *s, uint32_t pixel, size_t i, sl_tile_sight *around) {
-    int width = s->receivers->width, x = (int)pixel % width, y = (int)pixel / width, column = x / BLOCK, row = y / BLOCK;
+    int width = s->receivers->width, x = (int)pixel % width, y = (int)pixel / width, column = x / BLOCK,
+        row = y / BLOCK;
     int across = x % BLOCK < BLOCK / 2 ? -1 : 1, up = y % BLOCK < BLOCK / 2 ? -1 : 1;
     uint32_t object = object_at(s, pixel);
     for (int k = 0; k < SL_SIGHT_BLOCKS; k++) {
@@ -247,15 +262,16 @@ void sl_sight_begin_tile(const sl_sight *s, const sl_receiver_tile *tile, sl_til
     float reach[SL_TILE_PIXELS];
     for (size_t i = 0; i < tile->padded; i++) {
         uint32_t pixel = tile->pixel[i < tile->count ? i : 0];
-        sl_vec3 to_eye = sl_sub(sl_receiver_eye(s->receivers, pixel), sl_v3(tile->x[i], tile->y[i], tile->z[i]));
+        sl_vec3 to_eye =
+            sl_sub(sl_receiver_eye(s->receivers, pixel), sl_v3(tile->x[i], tile->y[i], tile->z[i]));
         reach[i] = 0.01f * sl_dot(to_eye, to_eye);
         set_blocks(s, pixel, i, around);
     }
     s->kernels.fit(tile, &s->planes, reach, s->offset * s->offset, around);
 }
 
-void sl_sight_see(const sl_sight *s, const sl_receiver_tile *tile, sl_tile_sight *around, size_t first, size_t count,
-                  sl_counters *counters) {
+void sl_sight_see(const sl_sight *s, const sl_receiver_tile *tile, sl_tile_sight *around, size_t first,
+                  size_t count, sl_counters *counters) {
     if (!by_blocks(s)) {
         see_by_rays(s, tile, first, count, around, counters);
         return;

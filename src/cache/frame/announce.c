@@ -13,23 +13,28 @@ static sl_counters cost_since(sl_announcer *a) {
     return cost;
 }
 
-void sl_announce(sl_announcer *a, const char *name, const char *source, int width, int height, int channels, const float *planes,
-                 bool bottom_first) {
+void sl_announce(sl_announcer *a, const char *name, const char *source, int width, int height, int channels,
+                 const float *planes, bool bottom_first) {
     if (!a->observer) return;
     sl_counters cost = cost_since(a);
     if (a->names_alone) width = height = channels = 0, planes = NULL;
-    sl_observe(a->observer, a->method, name, source, width, height, channels, planes, bottom_first, &cost, NULL, 0);
+    sl_observe(a->observer, a->method, name, source, width, height, channels, planes, bottom_first, &cost,
+               NULL, 0);
 }
 
-void sl_announce_marks(sl_announcer *a, const char *name, const char *source, const sl_mark *marks, size_t count) {
+void sl_announce_marks(sl_announcer *a, const char *name, const char *source, const sl_mark *marks,
+                       size_t count) {
     if (!a->observer) return;
     sl_counters cost = cost_since(a);
     sl_observe(a->observer, a->method, name, source, 0, 0, 0, NULL, true, &cost, marks, count);
 }
 
-void sl_announce_pass(sl_announcer *a, const char *name, const char *source) { sl_announce(a, name, source, 0, 0, 0, NULL, true); }
+void sl_announce_pass(sl_announcer *a, const char *name, const char *source) {
+    sl_announce(a, name, source, 0, 0, 0, NULL, true);
+}
 
-void sl_announce_planes(sl_announcer *a, const char *name, const char *source, int width, int height, const float *const planes[3]) {
+void sl_announce_planes(sl_announcer *a, const char *name, const char *source, int width, int height,
+                        const float *const planes[3]) {
     size_t pixels = (size_t)width * (size_t)height;
     float *together = a->observer ? sl_allocate(3 * pixels, sizeof *together) : NULL;
     if (!together) return;

@@ -1,5 +1,5 @@
-/* How methods tell observers of their passes: each with the picture that it made, and with what the counters have grown by since the
- * last one. Without an observer it costs nothing. */
+/* How methods tell observers of their passes: each with the picture that it made, and with what the counters
+ * have grown by since the last one. Without an observer it costs nothing. */
 #ifndef SL_FRAME_ANNOUNCE_H
 #define SL_FRAME_ANNOUNCE_H
 
@@ -9,22 +9,27 @@ typedef struct sl_announcer {
     const sl_observer *observer; /* or NULL */
     const char *method;
     const sl_counters *counters; /* the method's own */
-    bool names_alone;            /* no pictures and no marks, and nothing is made for their sake: for a stopwatch */
+    /* no pictures and no marks, and nothing is made for their sake: for a stopwatch */
+    bool names_alone;
     sl_counters told;            /* as they were at the last pass */
 } sl_announcer;
 
 /* Whether anybody looks: pictures and marks that the method itself does not need are not made otherwise. */
-static inline bool sl_announcing(const sl_announcer *announcer) { return announcer->observer != NULL && !announcer->names_alone; }
+static inline bool sl_announcing(const sl_announcer *announcer) {
+    return announcer->observer != NULL && !announcer->names_alone;
+}
 
 /* planes: `channels` planes of width*height, one after another, bottom row first where bottom_first. */
-void sl_announce(sl_announcer *announcer, const char *name, const char *source, int width, int height, int channels, const float *planes,
-                 bool bottom_first);
+void sl_announce(sl_announcer *announcer, const char *name, const char *source, int width, int height,
+                 int channels, const float *planes, bool bottom_first);
 /* A pass that leaves no picture. */
 void sl_announce_pass(sl_announcer *announcer, const char *name, const char *source);
 /* A pass that leaves marks in the scene: records, photon hits, the edges of a mesh. */
-void sl_announce_marks(sl_announcer *announcer, const char *name, const char *source, const sl_mark *marks, size_t count);
+void sl_announce_marks(sl_announcer *announcer, const char *name, const char *source, const sl_mark *marks,
+                       size_t count);
 /* Three planes that lie apart, bottom row first. */
-void sl_announce_planes(sl_announcer *announcer, const char *name, const char *source, int width, int height, const float *const planes[3]);
+void sl_announce_planes(sl_announcer *announcer, const char *name, const char *source, int width, int height,
+                        const float *const planes[3]);
 /* Depth, positions, normals and albedo; the first picture pays for the pass. */
 void sl_announce_gbuffer(sl_announcer *announcer, const char *source, const sl_gbuffer *gbuffer);
 

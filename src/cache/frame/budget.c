@@ -23,7 +23,8 @@ uint64_t sl_budget_need(const sl_method_class *method, const sl_scene *scene, co
     return need < 9e18 ? (uint64_t)need : (uint64_t)9e18;
 }
 
-/* Of what one thread leaves, caches that grow may have that much, however many threads there are; the rest is for more threads. */
+/* Of what one thread leaves, caches that grow may have that much, however many threads there are; the rest is
+ * for more threads. */
 static const double of_growth = 0.75;
 
 /* ---- one setting ---- */
@@ -63,7 +64,8 @@ static bool lower(sl_settings *settings, const sl_reduction *c) {
 /* ---- all of them ---- */
 
 /* The step that saves most; false where none saves anything. */
-static bool take_best_step(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double *need) {
+static bool take_best_step(const sl_method_class *method, const sl_scene *scene, sl_settings *settings,
+                           double *need) {
     sl_settings best = *settings;
     double least = *need;
     for (const sl_reduction *c = method->reductions; c && c->what; c++) {
@@ -81,34 +83,41 @@ static bool take_best_step(const sl_method_class *method, const sl_scene *scene,
     return true;
 }
 
-static void tell(const sl_method_class *method, const sl_settings *before, const sl_settings *after, char *text, size_t room) {
+static void tell(const sl_method_class *method, const sl_settings *before, const sl_settings *after,
+                 char *text, size_t room) {
     size_t used = 0;
     for (const sl_reduction *c = method->reductions; c && c->what; c++) {
         double was = value_of(before, c), is = value_of(after, c);
         if (was == is || used >= room) continue;
-        int written = c->kind == SL_REDUCE_FLAG ? snprintf(text + used, room - used, "%s%s", used ? ", " : "", c->what)
-                                                 : sl_print(text + used, room - used, "%s%.9g %s instead of %.9g", used ? ", " : "", is, c->what, was);
+        int written = c->kind == SL_REDUCE_FLAG
+                          ? snprintf(text + used, room - used, "%s%s", used ? ", " : "", c->what)
+                          : sl_print(text + used, room - used, "%s%.9g %s instead of %.9g", used ? ", " : "",
+                                     is, c->what, was);
         if (written > 0) used += (size_t)written;
     }
     if (after->threads != before->threads && used < room)
-        snprintf(text + used, room - used, "%s%u thread%s instead of %u", used ? ", " : "", after->threads, after->threads > 1 ? "s" : "", before->threads);
+        snprintf(text + used, room - used, "%s%u thread%s instead of %u", used ? ", " : "", after->threads,
+                 after->threads > 1 ? "s" : "", before->threads);
 }
 
-static sl_status refuse(const sl_method_class *method, const sl_scene *scene, const sl_settings *least, const sl_settings *asked, double beside,
-                        sl_error *error) {
+static sl_status refuse(const sl_method_class *method, const sl_scene *scene, const sl_settings *least,
+                        const sl_settings *asked, double beside, sl_error *error) {
     const double mega = 0x1p20;
     const sl_memory_need n = method->need(scene, least);
     char besides[32] = "";
     if (beside > 0.0) snprintf(besides, sizeof besides, ", besides %.0f", beside / mega);
     return sl_fail(error, SL_ERROR_RESOURCES,
-                   "%.0fM of memory are not enough: %s needs at least %.0fM for this (program %.0f, scene %.0f, hierarchies %.0f, caches %.0f, picture "
-                   "%.0f%s); give more memory, a smaller picture or another method", (double)asked->memory_bytes / mega, method->name,
-                   (all_of(&n, scene) + beside) / mega + 1.0, program / mega, (double)sl_scene_memory_bytes(scene) / mega, n.hierarchies / mega, n.caches / mega,
+                   "%.0fM of memory are not enough: %s needs at least %.0fM for this (program %.0f, scene "
+                   "%.0f, hierarchies %.0f, caches %.0f, picture "
+                   "%.0f%s); give more memory, a smaller picture or another method",
+                   (double)asked->memory_bytes / mega, method->name,
+                   (all_of(&n, scene) + beside) / mega + 1.0, program / mega,
+                   (double)sl_scene_memory_bytes(scene) / mega, n.hierarchies / mega, n.caches / mega,
                    n.picture / mega, besides);
 }
 
-sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double beside, char *reduced, size_t room,
-                         sl_error *error) {
+sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings,
+                         double beside, char *reduced, size_t room, sl_error *error) {
     if (room) reduced[0] = '\0';
     if (!settings->memory_bytes) return SL_OK;
     const sl_settings asked = *settings;

@@ -36,7 +36,8 @@ static uint64_t fetch(const uint8_t *from, size_t bytes) {
 
 static uint64_t checksum(const uint8_t *bytes, size_t size) {
     uint64_t hash = size;
-    for (size_t i = 0; i < size; i += 8) hash = sl_hash64(hash ^ fetch(bytes + i, size - i < 8 ? size - i : 8));
+    for (size_t i = 0; i < size; i += 8)
+        hash = sl_hash64(hash ^ fetch(bytes + i, size - i < 8 ? size - i : 8));
     return hash;
 }
 
@@ -85,7 +86,8 @@ void sl_cache_write_start(sl_cache_writer *writer, const sl_cache_header *header
     if (start) {
         memcpy(start, magic, MAGIC_BYTES);
         store(start + MAGIC_BYTES, FORMAT, 4);
-        memcpy(start + MAGIC_BYTES + 4, SL_VERSION, sizeof SL_VERSION <= VERSION_BYTES ? sizeof SL_VERSION : (size_t)VERSION_BYTES);
+        memcpy(start + MAGIC_BYTES + 4, SL_VERSION,
+               sizeof SL_VERSION <= VERSION_BYTES ? sizeof SL_VERSION : (size_t)VERSION_BYTES);
     }
     sl_cache_write_u64(writer, header->scene);
     sl_cache_write_u32(writer, (uint32_t)header->setting_count);
@@ -139,7 +141,9 @@ size_t sl_cache_read_count(sl_cache_reader *reader, size_t bytes_each) {
     return 0;
 }
 
-bool sl_cache_read_complete(const sl_cache_reader *reader) { return !reader->overrun && reader->at == reader->size; }
+bool sl_cache_read_complete(const sl_cache_reader *reader) {
+    return !reader->overrun && reader->at == reader->size;
+}
 
 void sl_cache_read_end(sl_cache_reader *reader) {
     sl_free(reader->bytes);
@@ -175,7 +179,8 @@ static sl_status load_bytes(sl_cache_reader *r, int descriptor, sl_error *error)
 static sl_status check_envelope(sl_cache_reader *r, sl_error *error) {
     if (r->size < MAGIC_BYTES || memcmp(r->bytes, magic, MAGIC_BYTES) != 0)
         return sl_fail(error, SL_ERROR_INPUT, "%s: is not a cache of softlux", r->path);
-    if (r->size < SIZE_AT + 8) return sl_fail(error, SL_ERROR_INPUT, "%s: is cut short; make the cache anew", r->path);
+    if (r->size < SIZE_AT + 8)
+        return sl_fail(error, SL_ERROR_INPUT, "%s: is cut short; make the cache anew", r->path);
     char version[VERSION_BYTES + 1] = {0}, ours[VERSION_BYTES + 1] = {0};
     memcpy(version, r->bytes + MAGIC_BYTES + 4, VERSION_BYTES);
     memcpy(ours, SL_VERSION, sizeof SL_VERSION <= VERSION_BYTES ? sizeof SL_VERSION : (size_t)VERSION_BYTES);
@@ -185,13 +190,16 @@ static sl_status check_envelope(sl_cache_reader *r, sl_error *error) {
     uint64_t format = fetch(r->bytes + MAGIC_BYTES, 4);
     if (format != FORMAT || memcmp(version, ours, VERSION_BYTES) != 0)
         return sl_fail(error, SL_ERROR_INPUT,
-                       "%s: was written by version %s (format %" PRIu64 "), this is %s (format %d); make the cache anew", r->path,
-                       version, format, SL_VERSION, FORMAT);
+                       "%s: was written by version %s (format %" PRIu64
+                       "), this is %s (format %d); make the cache anew",
+                       r->path, version, format, SL_VERSION, FORMAT);
     uint64_t size = fetch(r->bytes + SIZE_AT, 8);
-    if (r->size < size) return sl_fail(error, SL_ERROR_INPUT, "%s: is cut short; make the cache anew", r->path);
+    if (r->size < size)
+        return sl_fail(error, SL_ERROR_INPUT, "%s: is cut short; make the cache anew", r->path);
     if (r->size > size || size < SIZE_AT + 8 + CHECKSUM_BYTES) return sl_cache_damaged(r, error);
     r->size -= CHECKSUM_BYTES;
-    if (fetch(r->bytes + r->size, CHECKSUM_BYTES) != checksum(r->bytes, r->size)) return sl_cache_damaged(r, error);
+    if (fetch(r->bytes + r->size, CHECKSUM_BYTES) != checksum(r->bytes, r->size))
+        return sl_cache_damaged(r, error);
     r->at = SIZE_AT + 8;
     return SL_OK;
 }
@@ -205,7 +213,8 @@ static double number_of(const sl_cache_setting *setting, uint64_t value) {
 
 static sl_status check_origin(sl_cache_reader *r, const sl_cache_header *header, sl_error *error) {
     if (sl_cache_read_u64(r) != header->scene)
-        return sl_fail(error, SL_ERROR_INPUT, "%s: was made for another scene (geometry, materials, lights or environment differ)",
+        return sl_fail(error, SL_ERROR_INPUT,
+                       "%s: was made for another scene (geometry, materials, lights or environment differ)",
                        r->path);
     if (sl_cache_read_u32(r) != header->setting_count) return sl_cache_damaged(r, error);
     for (size_t i = 0; i < header->setting_count; i++) {
@@ -213,16 +222,19 @@ static sl_status check_origin(sl_cache_reader *r, const sl_cache_header *header,
         uint64_t value = sl_cache_read_u64(r);
         if (r->overrun) return sl_cache_damaged(r, error);
         if (value == s->value) continue;
-        if (isnan(s->number)) return sl_fail(error, SL_ERROR_INPUT, "%s: was made with another %s", r->path, s->name);
-        return sl_fail(error, SL_ERROR_INPUT, "%s: was made with another %s: %.9g, now %.9g", r->path, s->name, number_of(s, value),
-                       s->number);
+        if (isnan(s->number))
+            return sl_fail(error, SL_ERROR_INPUT, "%s: was made with another %s", r->path, s->name);
+        return sl_fail(error, SL_ERROR_INPUT, "%s: was made with another %s: %.9g, now %.9g", r->path,
+                       s->name, number_of(s, value), s->number);
     }
     return SL_OK;
 }
 
-sl_status sl_cache_read_start(sl_cache_reader *reader, const char *path, const sl_cache_header *header, sl_error *error) {
+sl_status sl_cache_read_start(sl_cache_reader *reader, const char *path, const sl_cache_header *header,
+                              sl_error *error) {
     *reader = (sl_cache_reader){.path = path};
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* does not wait for whoever writes a pipe */
+    /* does not wait for whoever writes a pipe */
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) return fail_reading(path, errno, error);
     sl_status status = load_bytes(reader, descriptor, error);
     close(descriptor);

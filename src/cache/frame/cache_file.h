@@ -52,13 +52,16 @@ typedef struct sl_cache_reader {
     bool overrun; /* more was read than there is: the content is nonsense, whatever the checksum says */
 } sl_cache_reader;
 
-/* Reads the file and checks everything that does not depend on the method. On failure nothing is to be freed. */
-sl_status sl_cache_read_start(sl_cache_reader *reader, const char *path, const sl_cache_header *header, sl_error *error);
+/* Reads the file and checks everything that does not depend on the method. On failure nothing is to be freed.
+ */
+sl_status sl_cache_read_start(sl_cache_reader *reader, const char *path, const sl_cache_header *header,
+                              sl_error *error);
 /* 0 past the end. */
 uint32_t sl_cache_read_u32(sl_cache_reader *reader);
 uint64_t sl_cache_read_u64(sl_cache_reader *reader);
 void sl_cache_read_words(sl_cache_reader *reader, void *words, size_t count);
-/* A number of things of at least `bytes_each` bytes; 0, and overrun, where the file is too short to hold them. */
+/* A number of things of at least `bytes_each` bytes; 0, and overrun, where the file is too short to hold
+ * them. */
 size_t sl_cache_read_count(sl_cache_reader *reader, size_t bytes_each);
 /* Has everything been read, and no more? */
 bool sl_cache_read_complete(const sl_cache_reader *reader);

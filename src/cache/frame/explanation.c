@@ -32,7 +32,8 @@ void sl_explanation_add(sl_explanation_writer *writer, const sl_explanation_term
 
 static const char *const colours[3] = {"R", "G", "B"};
 
-/* The three values of a layer at the pixel, or of the picture where layer is NULL; 0 where there is no such channel. */
+/* The three values of a layer at the pixel, or of the picture where layer is NULL; 0 where there is no such
+ * channel. */
 static void read_layer(const sl_image *picture, const char *layer, size_t pixel, float value[3]) {
     for (int c = 0; c < 3; c++) {
         char name[SL_CHANNEL_NAME_MAX];
@@ -59,16 +60,19 @@ static void settle(sl_explanation *explanation) {
     }
 }
 
-sl_status sl_explanation_tell(const sl_method_class *class, void *state, const sl_image *picture, int x, int y, sl_explanation **explanation,
-                        sl_error *error) {
+sl_status sl_explanation_tell(const sl_method_class *class, void *state, const sl_image *picture, int x,
+                              int y, sl_explanation **explanation, sl_error *error) {
     *explanation = NULL;
-    if (!class->explanation) return sl_fail(error, SL_ERROR_USAGE, "%s tells no explanations of pixels", class->name);
+    if (!class->explanation)
+        return sl_fail(error, SL_ERROR_USAGE, "%s tells no explanations of pixels", class->name);
     if (x < 0 || y < 0 || x >= picture->width || y >= picture->height)
-        return sl_fail(error, SL_ERROR_USAGE, "no pixel %d, %d in a picture of %d x %d", x, y, picture->width, picture->height);
+        return sl_fail(error, SL_ERROR_USAGE, "no pixel %d, %d in a picture of %d x %d", x, y, picture->width,
+                       picture->height);
     sl_explanation *told = sl_allocate(1, sizeof *told);
     if (!told) return sl_fail_memory(error, "the explanation of a pixel");
     *told = (sl_explanation){.count = 0};
-    sl_explanation_writer writer = {.picture = picture, .explanation = told, .pixel = (size_t)y * (size_t)picture->width + (size_t)x};
+    sl_explanation_writer writer = {
+        .picture = picture, .explanation = told, .pixel = (size_t)y * (size_t)picture->width + (size_t)x};
     read_layer(picture, NULL, writer.pixel, told->pixel);
     sl_status status = class->explanation(state, x, picture->height - 1 - y, &writer, error);
     if (status == SL_OK && writer.failed) status = sl_fail_memory(error, "the explanation of a pixel");

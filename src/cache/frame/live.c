@@ -1,11 +1,14 @@
-/* Two loops side by side: a thread updates the method, the caller's shows frames (the Shading Cache's section on the system's components).
+/* Two loops side by side: a thread updates the method, the caller's shows frames (the Shading Cache's section
+ * on the system's components).
  *
  *   caller   move ── copy of the scene ── frame ── frame ── move ── frame ...      never waits for an update
  *                 ╲ asked             ╱ versions
- *   thread   follow: scene, edit ── update ── update ── follow ...                 rests when nothing is left to refine
+ *   thread   follow: scene, edit ── update ── update ── follow ...                 rests when nothing is left
+ * to refine
  *
- * They meet under one lock, held for a few assignments: where things are to be, and how far updates have come. Shading goes from one to the other in the
- * display's two copies (shading_cache/window.c); of methods without such a display, in pictures that are handed over whole. */
+ * They meet under one lock, held for a few assignments: where things are to be, and how far updates have
+ * come. Shading goes from one to the other in the display's two copies (shading_cache/window.c); of methods
+ * without such a display, in pictures that are handed over whole. */
 #include <math.h>
 #include <string.h>
 
@@ -50,7 +53,8 @@ struct sl_live {
     sl_monitor meeting;        /* guards what follows */
     bool stop;
     pose asked;
-    change moved, found;       /* by moves that the thread has not taken yet; by what updates have made of those that it took */
+    /* by moves that the thread has not taken yet; by what updates have made of those that it took */
+    change moved, found;
     uint64_t changes_found;
     uint64_t followed;         /* number of the pose that updates are at */
     sl_progress progress;
@@ -62,9 +66,11 @@ struct sl_live {
     sl_error error;
 };
 
-/* ---- poses ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- poses ----------------------------------------------------------------------------------- */
 
-static bool same_camera(const sl_camera *a, const sl_camera *b) { return memcmp(a, b, sizeof *a) == 0; /* floats alone: no gaps */ }
+static bool same_camera(const sl_camera *a, const sl_camera *b) {
+    return memcmp(a, b, sizeof *a) == 0; /* floats alone: no gaps */
+}
 
 static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl_error *error) {
     const sl_camera before = scene->camera;
@@ -81,12 +87,13 @@ static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl
     return SL_OK;
 }
 
-/* ---- the thread ------------------------------------------------------------------------------------------------------------------ */
+/* ---- the thread ------------------------------------------------------------------------------ */
 
 /* Waits while there is nothing to do; false: it is to end. */
 static bool next_turn(sl_live *l, pose *turn, change *moved) {
     sl_monitor_enter(&l->meeting);
-    while (!l->stop && l->status == SL_OK && l->progress.done && l->asked.number == l->followed) sl_monitor_wait(&l->meeting);
+    while (!l->stop && l->status == SL_OK && l->progress.done && l->asked.number == l->followed)
+        sl_monitor_wait(&l->meeting);
     bool goes_on = !l->stop && l->status == SL_OK;
     *turn = l->asked;
     if (!moved->waits) *moved = l->moved;
@@ -101,8 +108,8 @@ static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
     return status == SL_OK && changes ? sl_method_edit(l->method, changes, error) : status;
 }
 
-/* Tells whether a move's change of light shows: the Shading Cache counts it when it is found, other methods show whole
- * light when their picture is finished. */
+/* Tells whether a move's change of light shows: the Shading Cache counts it when it is found, other methods
+ * show whole light when their picture is finished. */
 static bool shows_change(const sl_live *l, uint64_t shown_before, const sl_progress *progress) {
     if (!l->window) return progress->done;
     return sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN] > shown_before;
@@ -113,7 +120,8 @@ static sl_status take_colours(const sl_image *picture, sl_image **frame, sl_erro
     static const char *const names[3] = {"R", "G", "B"};
     const size_t pixels = (size_t)picture->width * (size_t)picture->height;
     sl_status status = sl_image_create(picture->width, picture->height, 3, names, frame, error);
-    for (size_t c = 0; status == SL_OK && c < 3; c++) memcpy((*frame)->planes + c * pixels, sl_image_channel(picture, names[c]), pixels * sizeof(float));
+    for (size_t c = 0; status == SL_OK && c < 3; c++)
+        memcpy((*frame)->planes + c * pixels, sl_image_channel(picture, names[c]), pixels * sizeof(float));
     return status;
 }
 
@@ -128,7 +136,8 @@ static sl_status resolve(sl_live *l, sl_image **frame, sl_error *error) {
 }
 
 /* moved: what the update has brought; NULL: nothing of the kind. */
-static void tell(sl_live *l, const pose *p, const change *moved, const sl_progress *progress, sl_image *picture, sl_status status, const sl_error *error) {
+static void tell(sl_live *l, const pose *p, const change *moved, const sl_progress *progress,
+                 sl_image *picture, sl_status status, const sl_error *error) {
     double levels = l->method->class->error_levels ? l->method->class->error_levels(l->method->state) : -1.0;
     sl_image *old = NULL;
     sl_monitor_enter(&l->meeting);
@@ -172,7 +181,7 @@ static void update_on_and_on(void *context) {
     }
 }
 
-/* ---- life ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- life ------------------------------------------------------------------------------------ */
 
 void sl_live_stop(sl_live *l, sl_counters *counters) {
     if (counters) *counters = (sl_counters){0};
@@ -197,11 +206,12 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
     sl_free(l);
 }
 
-/* Beside the method: the copy; the frame that is shown, the one that waits and the one that is made (a display's is the method's picture); and two of a byte
- * a value for whoever writes them. */
+/* Beside the method: the copy; the frame that is shown, the one that waits and the one that is made (a
+ * display's is the method's picture); and two of a byte a value for whoever writes them. */
 static double bytes_of_show(const sl_scene *scene, const sl_settings *settings) {
     enum { FRAME = 12, WRITTEN = 6 };
-    return (double)sl_scene_copy_bytes(scene) + (double)settings->width * (double)settings->height * (3 * FRAME + WRITTEN);
+    return (double)sl_scene_copy_bytes(scene) +
+           (double)settings->width * (double)settings->height * (3 * FRAME + WRITTEN);
 }
 
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
@@ -209,13 +219,16 @@ static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error)
     sl_transport ignored;
     sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, error);
     own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
-    if (status == SL_OK) status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
+    if (status == SL_OK)
+        status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
     if (status == SL_OK) status = sl_scene_copy(l->scene, &l->scene_copy, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = l->method->class;
     l->hold = class->error_levels ? settings->shading_cache.hold_levels : 0.0;
-    status = sl_image_create(l->method->settings.width, l->method->settings.height, 3, NULL, &l->frame, error);
-    if (status == SL_OK && class->window) status = class->window->create(l->method->state, l->scene_copy, &l->window, error);
+    status =
+        sl_image_create(l->method->settings.width, l->method->settings.height, 3, NULL, &l->frame, error);
+    if (status == SL_OK && class->window)
+        status = class->window->create(l->method->state, l->scene_copy, &l->window, error);
     if (status != SL_OK) return status;
     l->runs = sl_thread_start(&l->thread, update_on_and_on, l);
     return l->runs ? SL_OK : sl_fail(error, SL_ERROR_RESOURCES, "no thread could be had for updates");
@@ -240,13 +253,14 @@ sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **
 
 const char *sl_live_reduction(const sl_live *l) { return l->method->reduced; }
 
-/* ---- moves ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- moves ----------------------------------------------------------------------------------- */
 
 /* Whether updates have come so far where things are that they may move on. */
 static bool may_move(sl_live *l) {
     if (!(l->hold > 0.0)) return true;
     sl_monitor_enter(&l->meeting);
-    bool good = l->followed == l->shown.number && l->progress.batches > 0 && (l->progress.done || l->error_levels <= l->hold);
+    bool good = l->followed == l->shown.number && l->progress.batches > 0 &&
+                (l->progress.done || l->error_levels <= l->hold);
     good = good || l->status != SL_OK; /* no more updates: there is nothing to wait for */
     sl_monitor_leave(&l->meeting);
     return good;
@@ -254,7 +268,9 @@ static bool may_move(sl_live *l) {
 
 /* The thread is told; or why there is no use in going on. */
 static void ask(sl_live *l, unsigned changes, sl_status status, const sl_error *error) {
-    const unsigned shades = l->window ? SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS : SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA; /* a display follows the eye itself */
+    /* a display follows the eye itself */
+    const unsigned shades = l->window ? SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS
+                                      : SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA;
     sl_monitor_enter(&l->meeting);
     l->asked = l->shown;
     if ((changes & shades) && !l->moved.waits) l->moved = (change){true, l->shown.time, l->state.frames};
@@ -266,14 +282,16 @@ static void ask(sl_live *l, unsigned changes, sl_status status, const sl_error *
     sl_monitor_leave(&l->meeting);
 }
 
-/* The scene_copy goes at once. A window that could not follow shows nothing any more; a time at which nothing can be is another matter. */
+/* The scene_copy goes at once. A window that could not follow shows nothing any more; a time at which nothing
+ * can be is another matter. */
 static sl_status go(sl_live *l, sl_error *error) {
     unsigned changes = 0;
     sl_error why = {0};
     sl_status status = take_pose(l->scene_copy, &l->wanted, &changes, &why);
     if (status == SL_OK) {
         l->shown = l->wanted;
-        if (l->window && (changes & SL_CHANGED_OBJECTS)) status = l->method->class->window->move(l->window, &why);
+        if (l->window && (changes & SL_CHANGED_OBJECTS))
+            status = l->method->class->window->move(l->window, &why);
         ask(l, changes, status, &why);
     }
     l->wanted = l->shown;
@@ -288,7 +306,8 @@ static sl_status go_if_it_may(sl_live *l, sl_error *error) {
 
 sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
     if (!l) return sl_fail_null(error, "a live show");
-    sl_status status = sl_scene_check_time(l->scene_copy, time_seconds, error); /* now, though the move may have to wait */
+    /* now, though the move may have to wait */
+    sl_status status = sl_scene_check_time(l->scene_copy, time_seconds, error);
     if (status != SL_OK) return status;
     l->wanted.timed = true;
     l->wanted.time = time_seconds;
@@ -296,19 +315,23 @@ sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
     return go_if_it_may(l, error);
 }
 
-sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], const float up[3], float vertical_fov_rad, sl_error *error) {
+sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], const float up[3],
+                       float vertical_fov_rad, sl_error *error) {
     if (!l || !eye || !target || !up) return sl_fail_null(error, "a live show and three vectors");
     sl_camera camera = l->scene_copy->camera;
-    if (!sl_camera_look_at(&camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]), sl_v3(up[0], up[1], up[2]), vertical_fov_rad))
-        return sl_fail(error, SL_ERROR_USAGE, "camera: expected an eye apart from its target, an up vector not along the view and a vertical field of view "
-                                              "between 0 and 180 degrees");
+    if (!sl_camera_look_at(&camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]),
+                           sl_v3(up[0], up[1], up[2]), vertical_fov_rad))
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "camera: expected an eye apart from its target, an up vector not along the view and a "
+                       "vertical field of view "
+                       "between 0 and 180 degrees");
     l->wanted.looks = true;
     l->wanted.camera = camera;
     l->wanted.number = l->shown.number + 1;
     return go_if_it_may(l, error);
 }
 
-/* ---- frames ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 /* How far updates have come; the newest picture, where they leave pictures. */
 static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, sl_error *error) {

@@ -1,4 +1,5 @@
-/* The public face of the methods: a table of classes, settings completed, metadata stamped on every picture. */
+/* The public face of the methods: a table of classes, settings completed, metadata stamped on every picture.
+ */
 #include "cache/frame/method.h"
 
 #include "base/print.h"
@@ -18,7 +19,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const sl_method_class *const classes[] = {&sl_splatting_method, &sl_direct_radiance_method, &sl_light_octree_method, &sl_multi_mesh_method, &sl_shading_cache_method, &sl_path_method, &sl_bidirectional_method};
+static const sl_method_class *const classes[] = {&sl_splatting_method,     &sl_direct_radiance_method,
+                                                 &sl_light_octree_method,  &sl_multi_mesh_method,
+                                                 &sl_shading_cache_method, &sl_path_method,
+                                                 &sl_bidirectional_method};
 enum { CLASSES = sizeof classes / sizeof classes[0] };
 
 const char *sl_method_name(size_t index) { return index < CLASSES ? classes[index]->name : NULL; }
@@ -41,8 +45,8 @@ static sl_status unknown_method(const char *name, sl_error *error) {
 }
 
 /* The paths to count: the class's own, a named set, or those that another method declares. */
-static sl_status choose_transport(const sl_method_class *class, const sl_settings *settings, sl_transport *transport,
-                                  sl_error *error) {
+static sl_status choose_transport(const sl_method_class *class, const sl_settings *settings,
+                                  sl_transport *transport, sl_error *error) {
     static const char matched[] = "matched:";
     const char *name = settings->transport;
     class->transport(settings, transport);
@@ -58,8 +62,10 @@ static sl_status choose_transport(const sl_method_class *class, const sl_setting
                        "unknown transport '%s'; expected direct, one-bounce, full or matched:METHOD", name);
     }
     if (!class->any_transport)
-        return sl_fail(error, SL_ERROR_USAGE, "%s computes its own paths only; another transport needs --method path or bidirectional",
-                       class->name);
+        return sl_fail(
+            error, SL_ERROR_USAGE,
+            "%s computes its own paths only; another transport needs --method path or bidirectional",
+            class->name);
     return SL_OK;
 }
 
@@ -69,13 +75,16 @@ sl_status sl_method_transport(const sl_settings *settings, sl_transport *transpo
     sl_status status = choose_transport(class, settings, transport, error);
     if (status != SL_OK || settings->filter == SL_FILTER_METHOD) return status;
     if (!class->any_transport && settings->filter != transport->filter)
-        return sl_fail(error, SL_ERROR_USAGE, "%s samples pixels in its own way; another filter needs --method path or bidirectional",
-                       class->name);
+        return sl_fail(
+            error, SL_ERROR_USAGE,
+            "%s samples pixels in its own way; another filter needs --method path or bidirectional",
+            class->name);
     transport->filter = settings->filter;
     return SL_OK;
 }
 
-sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *chosen, sl_transport *transport, sl_error *error) {
+sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *chosen,
+                           sl_transport *transport, sl_error *error) {
     if (!scene || !asked) return sl_fail_null(error, "a scene and settings");
     *chosen = *asked;
     if (chosen->width == 0 && chosen->height == 0) sl_scene_film(scene, &chosen->width, &chosen->height);
@@ -84,8 +93,8 @@ sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_s
 }
 
 /* Fills in what was left to the machine or the quality, within the memory that there is. */
-static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, double beside, char *reduced,
-                                   size_t room, sl_error *error) {
+static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings,
+                                   double beside, char *reduced, size_t room, sl_error *error) {
     settings->threads = sl_thread_count(settings->threads);
     class->complete(settings);
     return sl_budget_keep(class, scene, settings, beside, reduced, room, error);
@@ -99,22 +108,29 @@ static void remember_core(sl_method *m) {
     m->central_max = m->scene->central_max;
 }
 
-/* An eye elsewhere may make another part of a scattered scene its central region (scene/scale.c), where an octree, voxels or a coarse mesh are not that were
- * made for the one before. Small moves change the scale a little, which matters no more than that it is a rough measure. */
+/* An eye elsewhere may make another part of a scattered scene its central region (scene/scale.c), where an
+ * octree, voxels or a coarse mesh are not that were made for the one before. Small moves change the scale a
+ * little, which matters no more than that it is a rough measure. */
 static bool core_has_moved(const sl_method *m) {
     const sl_scene *s = m->scene;
     const float larger = fmaxf(m->scale, s->scale), smaller = fminf(m->scale, s->scale);
-    if (larger == smaller && memcmp(&m->central_min, &s->central_min, sizeof m->central_min) == 0 && memcmp(&m->central_max, &s->central_max, sizeof m->central_max) == 0) return false;
-    const double before = (double)sl_length(sl_sub(m->central_max, m->central_min)), now = (double)sl_scene_central_diagonal(s);
-    const double moved = fmax((double)sl_length(sl_sub(s->central_min, m->central_min)), (double)sl_length(sl_sub(s->central_max, m->central_max)));
+    if (larger == smaller && memcmp(&m->central_min, &s->central_min, sizeof m->central_min) == 0 &&
+        memcmp(&m->central_max, &s->central_max, sizeof m->central_max) == 0)
+        return false;
+    const double before = (double)sl_length(sl_sub(m->central_max, m->central_min)),
+                 now = (double)sl_scene_central_diagonal(s);
+    const double moved = fmax((double)sl_length(sl_sub(s->central_min, m->central_min)),
+                              (double)sl_length(sl_sub(s->central_max, m->central_max)));
     return larger > 2.0f * smaller || !(moved <= 0.25 * fmin(before, now));
 }
 
-sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method, sl_error *error) {
+sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method,
+                           sl_error *error) {
     return sl_method_create_beside(scene, settings, 0.0, method, error);
 }
 
-sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes, sl_method **method, sl_error *error) {
+sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes,
+                                  sl_method **method, sl_error *error) {
     if (!method) return sl_fail_null(error, "a place for a method");
     *method = NULL;
     sl_settings chosen;
@@ -128,8 +144,10 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
     m->scene = scene;
     m->settings = chosen;
     snprintf(m->name, sizeof m->name, "%s", class->name);
-    snprintf(m->transport_name, sizeof m->transport_name, "%s", settings->transport ? settings->transport : "");
-    if (!settings->transport) snprintf(m->transport_name, sizeof m->transport_name, "matched:%s", class->name);
+    snprintf(m->transport_name, sizeof m->transport_name, "%s",
+             settings->transport ? settings->transport : "");
+    if (!settings->transport)
+        snprintf(m->transport_name, sizeof m->transport_name, "matched:%s", class->name);
     m->settings.method = m->name;
     m->settings.transport = m->transport_name;
     m->memory_bytes = settings->memory_bytes;
@@ -153,10 +171,15 @@ void sl_method_destroy(sl_method *method) {
 
 /* Whether there is anything that can be updated, shown or saved. */
 static sl_status check_health(const sl_method *m, sl_error *error) {
-    if (m->health == SL_METHOD_FAILED) return sl_fail(error, SL_ERROR_USAGE, "an earlier update failed: %s can only be destroyed", m->class->name);
-    if (m->health == SL_METHOD_WANTS_EDIT) return sl_fail(error, SL_ERROR_USAGE, "an earlier edit of the scene failed; edit it again");
+    if (m->health == SL_METHOD_FAILED)
+        return sl_fail(error, SL_ERROR_USAGE, "an earlier update failed: %s can only be destroyed",
+                       m->class->name);
+    if (m->health == SL_METHOD_WANTS_EDIT)
+        return sl_fail(error, SL_ERROR_USAGE, "an earlier edit of the scene failed; edit it again");
     if (m->scene_version != m->scene->version)
-        return sl_fail(error, SL_ERROR_USAGE, "the scene has changed, and %s was not told so: sl_method_edit() comes first", m->class->name);
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "the scene has changed, and %s was not told so: sl_method_edit() comes first",
+                       m->class->name);
     return SL_OK;
 }
 
@@ -194,9 +217,11 @@ static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
     snprintf(text, sizeof text, "%" PRIu64, method->progress.batches);
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.batches", text, error);
     snprintf(text, sizeof text, "%" PRIu64, method->memory_bytes);
-    if (status == SL_OK && method->memory_bytes) status = sl_image_set_metadata(image, "softlux.memory", text, error);
+    if (status == SL_OK && method->memory_bytes)
+        status = sl_image_set_metadata(image, "softlux.memory", text, error);
     const char *reduced = sl_method_reduction(method);
-    if (status == SL_OK && reduced) status = sl_image_set_metadata(image, "softlux.concession", reduced, error);
+    if (status == SL_OK && reduced)
+        status = sl_image_set_metadata(image, "softlux.concession", reduced, error);
     const sl_counters *counters = method->class->counters(method->state);
     for (int i = 0; i < SL_COUNTERS && status == SL_OK; i++) {
         if (!counters->value[i]) continue;
@@ -228,9 +253,11 @@ sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error
 sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
     const unsigned known = SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS;
     if (!method) return sl_fail_null(error, "a method");
-    if (changes & ~known) return sl_fail(error, SL_ERROR_USAGE, "changes 0x%x: there are 0x%x at most", changes, known);
+    if (changes & ~known)
+        return sl_fail(error, SL_ERROR_USAGE, "changes 0x%x: there are 0x%x at most", changes, known);
     if (method->health == SL_METHOD_FAILED) return check_health(method, error);
-    if (method->health == SL_METHOD_WANTS_EDIT) changes = known; /* what the one that failed was to say has got lost */
+    /* what the one that failed was to say has got lost */
+    if (method->health == SL_METHOD_WANTS_EDIT) changes = known;
     if (core_has_moved(method)) changes = known;
     if (changes & SL_CHANGED_OBJECTS) remember_core(method);
     method->progress.done = method->progress.frame_done = method->resolved = false;
@@ -245,27 +272,32 @@ bool sl_method_keeps_cache(const sl_method *method) { return method->class->save
 
 sl_status sl_method_save(const sl_method *method, const char *path, sl_error *error) {
     if (!method || !path) return sl_fail_null(error, "a method and the name of a file");
-    if (!method->class->save) return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be saved", method->class->name);
+    if (!method->class->save)
+        return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be saved", method->class->name);
     sl_status status = check_health(method, error);
     return status == SL_OK ? method->class->save(method->state, path, error) : status;
 }
 
 sl_status sl_method_load(sl_method *method, const char *path, sl_error *error) {
     if (!method || !path) return sl_fail_null(error, "a method and the name of a file");
-    if (!method->class->load) return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be loaded", method->class->name);
+    if (!method->class->load)
+        return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be loaded", method->class->name);
     sl_status status = check_health(method, error);
     if (status == SL_OK) status = method->class->load(method->state, path, error);
     if (status == SL_OK) method->progress.done = method->progress.frame_done = method->resolved = false;
     return status;
 }
 
-const sl_counters *sl_method_counters(const sl_method *method) { return method->class->counters(method->state); }
+const sl_counters *sl_method_counters(const sl_method *method) {
+    return method->class->counters(method->state);
+}
 
 size_t sl_method_memory_bytes(const sl_method *method) {
     return sizeof *method + method->class->memory_bytes(method->state);
 }
 
-sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes, sl_error *error) {
+sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes,
+                                sl_error *error) {
     if (!bytes) return sl_fail_null(error, "a place for a number");
     *bytes = 0;
     sl_settings completed;
@@ -281,7 +313,8 @@ sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settin
 
 const char *sl_method_reduction(sl_method *m) {
     const char *filled = m->class->filled ? m->class->filled(m->state) : NULL;
-    snprintf(m->reduction, sizeof m->reduction, "%s%s%s", m->reduced, m->reduced[0] && filled ? ", " : "", filled ? filled : "");
+    snprintf(m->reduction, sizeof m->reduction, "%s%s%s", m->reduced, m->reduced[0] && filled ? ", " : "",
+             filled ? filled : "");
     return m->reduction[0] ? m->reduction : NULL;
 }
 
@@ -295,16 +328,20 @@ static bool is_the_last_one(sl_method *m, const sl_image *picture) {
     char batches[24], hash[24];
     snprintf(batches, sizeof batches, "%" PRIu64, m->progress.batches);
     snprintf(hash, sizeof hash, "%016" PRIx64, scene_hash(m));
-    return m->resolved && m->scene_version == m->scene->version && picture->width == m->settings.width && picture->height == m->settings.height &&
-           says(picture, "softlux.method", m->class->name) && says(picture, "softlux.batches", batches) && says(picture, "softlux.scene_hash", hash);
+    return m->resolved && m->scene_version == m->scene->version && picture->width == m->settings.width &&
+           picture->height == m->settings.height && says(picture, "softlux.method", m->class->name) &&
+           says(picture, "softlux.batches", batches) && says(picture, "softlux.scene_hash", hash);
 }
 
-sl_status sl_method_explanation(sl_method *method, const sl_image *picture, int x, int y, sl_explanation **explanation, sl_error *error) {
+sl_status sl_method_explanation(sl_method *method, const sl_image *picture, int x, int y,
+                                sl_explanation **explanation, sl_error *error) {
     if (!explanation) return sl_fail_null(error, "a place for an explanation");
     *explanation = NULL;
     if (!method || !picture) return sl_fail_null(error, "a method and its picture");
     if (!is_the_last_one(method, picture))
-        return sl_fail(error, SL_ERROR_USAGE, "explanations want the picture that %s resolved last, and no update or edit since", method->class->name);
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "explanations want the picture that %s resolved last, and no update or edit since",
+                       method->class->name);
     return sl_explanation_tell(method->class, method->state, picture, x, y, explanation, error);
 }
 
@@ -392,9 +429,9 @@ sl_status sl_warn(sl_image *image, sl_error *error, const char *limit, ...) {
 
 /* ---- observers ---- */
 
-void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source, int width,
-                int height, int channels, const float *planes, bool bottom_first, const sl_counters *counters, const sl_mark *marks,
-                size_t mark_count) {
+void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source,
+                int width, int height, int channels, const float *planes, bool bottom_first,
+                const sl_counters *counters, const sl_mark *marks, size_t mark_count) {
     if (!observer || !observer->pass) return;
     sl_image *image = NULL;
     size_t pixels = (size_t)width * (size_t)height;

@@ -1,5 +1,5 @@
-/* The one interface that all methods and the reference tracers implement, so that the program, the step pages, the benchmarks
- * and the tests drive them all alike. */
+/* The one interface that all methods and the reference tracers implement, so that the program, the step
+ * pages, the benchmarks and the tests drive them all alike. */
 #ifndef SL_FRAME_METHOD_H
 #define SL_FRAME_METHOD_H
 
@@ -9,32 +9,40 @@
 
 typedef struct sl_plan_writer sl_plan_writer;
 /* One line of the plan: a pass that runs or does not, and why. */
-__attribute__((format(printf, 4, 5))) void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass, const char *why, ...);
-/* One line of the plan: what of this scene's light the method will not get right, as far as that is known beforehand. */
+__attribute__((format(printf, 4, 5))) void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass,
+                                                        const char *why, ...);
+/* One line of the plan: what of this scene's light the method will not get right, as far as that is known
+ * beforehand. */
 __attribute__((format(printf, 2, 3))) void sl_plan_limit(sl_plan_writer *writer, const char *limit, ...);
 
-/* One more line to a picture's softlux.warning: a limit of the method that shows in it, and what helps. The program prints
- * each once, and --json has them. */
-__attribute__((format(printf, 3, 4))) sl_status sl_warn(sl_image *image, sl_error *error, const char *limit, ...);
+/* One more line to a picture's softlux.warning: a limit of the method that shows in it, and what helps. The
+ * program prints each once, and --json has them. */
+__attribute__((format(printf, 3, 4))) sl_status sl_warn(sl_image *image, sl_error *error, const char *limit,
+                                                        ...);
 
 typedef struct sl_explanation_writer sl_explanation_writer;
 /* One more term; failures of memory are noticed at the end. */
 void sl_explanation_add(sl_explanation_writer *writer, const sl_explanation_term *term);
-/* What a layer of the picture ("direct") adds at this pixel as one term: for light that no cache holds. Nothing where there is no such
- * layer or it is black there. */
+/* What a layer of the picture ("direct") adds at this pixel as one term: for light that no cache holds.
+ * Nothing where there is no such layer or it is black there. */
 void sl_explanation_add_layer(sl_explanation_writer *writer, const char *layer, const char *kind);
 
-/* Frames beside updates, by another thread: a window shows the newest state that updates have left, from where its own copy of the scene stands (scene/copy.h). Nothing in
- * it waits for an update. */
+/* Frames beside updates, by another thread: a window shows the newest state that updates have left, from
+ * where its own copy of the scene stands (scene/copy.h). Nothing in it waits for an update. */
 typedef struct sl_window_class {
-    sl_status (*create)(void *state, const sl_scene *scene_copy, void **window, sl_error *error); /* beside no update */
+    /* beside no update */
+    sl_status (*create)(void *state, const sl_scene *scene_copy, void **window, sl_error *error);
     void (*destroy)(void *window);                                                          /* likewise */
-    sl_status (*move)(void *window, sl_error *error);                                       /* the copy's objects have moved */
-    /* R, G, B of a picture of the method's size; *versions: how often what is shown has been brought up to date. */
-    sl_status (*draw)(void *window, sl_image *image, uint64_t *versions, sl_counters *counters, sl_error *error);
+    /* the copy's objects have moved */
+    sl_status (*move)(void *window, sl_error *error);
+    /* R, G, B of a picture of the method's size; *versions: how often what is shown has been brought up to
+     * date. */
+    sl_status (*draw)(void *window, sl_image *image, uint64_t *versions, sl_counters *counters,
+                      sl_error *error);
 } sl_window_class;
 
-/* What a method takes, in bytes, beside the scene: an upper estimate by counts, before anything is there (cache/frame/budget.h). */
+/* What a method takes, in bytes, beside the scene: an upper estimate by counts, before anything is there
+ * (cache/frame/budget.h). */
 typedef struct sl_memory_need {
     double hierarchies; /* clusters of the rasterizer, the rays' */
     double caches;      /* of which those that grow count with the least that is of use */
@@ -45,7 +53,8 @@ typedef struct sl_memory_need {
 typedef struct sl_reduction {
     const char *what;   /* "stored photons"; NULL ends a list */
     size_t offset;      /* of the setting in sl_settings */
-    enum { SL_REDUCE_INT, SL_REDUCE_COUNT, SL_REDUCE_REAL, SL_REDUCE_LEVEL, SL_REDUCE_FLAG } kind; /* the first three are halved; levels go one by one */
+    /* the first three are halved; levels go one by one */
+    enum { SL_REDUCE_INT, SL_REDUCE_COUNT, SL_REDUCE_REAL, SL_REDUCE_LEVEL, SL_REDUCE_FLAG } kind;
     double least;       /* not below that */
 } sl_reduction;
 
@@ -54,13 +63,14 @@ typedef struct sl_method_class {
     /* Replaces what is 0, "by quality", by what will be used. */
     void (*complete)(sl_settings *settings);
     /* settings are complete: nothing is left to quality, scene or machine. */
-    sl_status (*create)(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
-                        sl_error *error);
+    sl_status (*create)(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
+                        void **state, sl_error *error);
     void (*destroy)(void *state);
     sl_status (*update)(void *state, sl_progress *progress, sl_error *error);
     sl_status (*resolve)(void *state, sl_image **image, sl_error *error);
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
-    /* The method's cache on disk, for another run; NULL where it keeps none. A load that fails changes nothing. */
+    /* The method's cache on disk, for another run; NULL where it keeps none. A load that fails changes
+     * nothing. */
     sl_status (*save)(const void *state, const char *path, sl_error *error);
     sl_status (*load)(void *state, const char *path, sl_error *error);
     const sl_counters *(*counters)(const void *state);
@@ -68,18 +78,19 @@ typedef struct sl_method_class {
     /* settings are complete. Independent of the number of threads but for what each thread has of its own. */
     sl_memory_need (*need)(const sl_scene *scene, const sl_settings *settings);
     const sl_reduction *reductions; /* what can be lowered, or NULL */
-    /* A cache that was to grow and found sl_settings.memory_bytes taken: a few words on it, or NULL; may itself be NULL. In complete settings
-     * memory_bytes is what such caches may take; 0: no limit. */
+    /* A cache that was to grow and found sl_settings.memory_bytes taken: a few words on it, or NULL; may
+     * itself be NULL. In complete settings memory_bytes is what such caches may take; 0: no limit. */
     const char *(*filled)(const void *state);
     /* The paths that the method models with these settings (for the tracers: `full`). */
     void (*transport)(const sl_settings *settings, sl_transport *transport);
     void (*plan)(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
-    /* What made a pixel, column x and row y of the target (bottom row first), from the state as it was last resolved, which may keep what it
-     * wants for other explanations; NULL: no explanation. */
+    /* What made a pixel, column x and row y of the target (bottom row first), from the state as it was last
+     * resolved, which may keep what it wants for other explanations; NULL: no explanation. */
     sl_status (*explanation)(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
     bool any_transport; /* takes --transport: a reference tracer */
     const sl_window_class *window; /* NULL: pictures are resolved between updates alone */
-    /* How wrong what is seen seems to be, in displayed levels (0 to 255), as the last update found it; NULL: nobody knows. */
+    /* How wrong what is seen seems to be, in displayed levels (0 to 255), as the last update found it; NULL:
+     * nobody knows. */
     double (*error_levels)(const void *state);
 } sl_method_class;
 
@@ -94,7 +105,8 @@ struct sl_method {
     uint64_t light_hash; /* of the scene */
     bool light_hash_known;
     sl_progress progress; /* of the last update; not done once there was an edit */
-    enum { SL_METHOD_SOUND, SL_METHOD_WANTS_EDIT, SL_METHOD_FAILED } health; /* an edit failed: another may do better; an update failed: nothing can */
+    /* an edit failed: another may do better; an update failed: nothing can */
+    enum { SL_METHOD_SOUND, SL_METHOD_WANTS_EDIT, SL_METHOD_FAILED } health;
     bool resolved; /* since the last update or edit */
     uint64_t scene_version; /* that the method knows of */
     float scale;            /* the scene's, and its central region, by which what the method holds was made */
@@ -110,26 +122,30 @@ extern const sl_method_class sl_path_method;      /* cache/reference */
 extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 
 /* As sl_method_create(), for one that takes so many bytes itself, within settings->memory_bytes. */
-sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes, sl_method **method, sl_error *error);
+sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes,
+                                  sl_method **method, sl_error *error);
 
-/* What a show's method does less than was asked for, so as to keep within settings->memory_bytes, as far as that was known before its start; "": nothing. */
+/* What a show's method does less than was asked for, so as to keep within settings->memory_bytes, as far as
+ * that was known before its start; "": nothing. */
 const char *sl_live_reduction(const sl_live *live);
 
-/* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what was asked for. */
+/* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what
+ * was asked for. */
 sl_status sl_method_transport(const sl_settings *settings, sl_transport *transport, sl_error *error);
-/* Checks what was asked for, whatever is to be done with it: a method and light paths that there are, settings in their ranges. chosen has the scene's film
- * where no size was asked for. */
-sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *chosen, sl_transport *transport, sl_error *error);
+/* Checks what was asked for, whatever is to be done with it: a method and light paths that there are,
+ * settings in their ranges. chosen has the scene's film where no size was asked for. */
+sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *chosen,
+                           sl_transport *transport, sl_error *error);
 
-/* The explanation of a pixel of a picture that the state resolved last, rows from the top; see sl_method_explanation(). */
-sl_status sl_explanation_tell(const sl_method_class *method, void *state, const sl_image *picture, int x, int y, sl_explanation **explanation,
-                        sl_error *error);
+/* The explanation of a pixel of a picture that the state resolved last, rows from the top; see
+ * sl_method_explanation(). */
+sl_status sl_explanation_tell(const sl_method_class *method, void *state, const sl_image *picture, int x,
+                              int y, sl_explanation **explanation, sl_error *error);
 
-/* Tells the observer, if any, of a pass and the marks that it leaves (NULL: none). planes: `channels` planes of width*height,
- * bottom row first where bottom_first.
- * Costs nothing without an observer. */
-void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source, int width,
-                int height, int channels, const float *planes, bool bottom_first, const sl_counters *counters, const sl_mark *marks,
-                size_t mark_count);
+/* Tells the observer, if any, of a pass and the marks that it leaves (NULL: none). planes: `channels` planes
+ * of width*height, bottom row first where bottom_first. Costs nothing without an observer. */
+void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source,
+                int width, int height, int channels, const float *planes, bool bottom_first,
+                const sl_counters *counters, const sl_mark *marks, size_t mark_count);
 
 #endif

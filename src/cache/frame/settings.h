@@ -1,4 +1,5 @@
-/* What a method is asked for, field by field, and the table of options that sets, checks and tells the fields. */
+/* What a method is asked for, field by field, and the table of options that sets, checks and tells the
+ * fields. */
 #ifndef SL_FRAME_SETTINGS_H
 #define SL_FRAME_SETTINGS_H
 
@@ -40,9 +41,11 @@ struct sl_settings {
 
 /* Splatting at normal quality, everything else by quality, scene and machine. */
 sl_settings sl_settings_default(void);
-/* SL_ERROR_USAGE with what was expected. 0 is allowed wherever it stands for a default; width and height are not 0 any more. */
+/* SL_ERROR_USAGE with what was expected. 0 is allowed wherever it stands for a default; width and height are
+ * not 0 any more. */
 sl_status sl_settings_check(const sl_settings *settings, sl_error *error);
-/* Replaces 0 by the table's default, of any method's options. What the table leaves to the methods stays 0. */
+/* Replaces 0 by the table's default, of any method's options. What the table leaves to the methods stays 0.
+ */
 void sl_settings_complete(sl_settings *settings);
 /* Metadata "softlux.NAME": what the method that made the picture was asked for. */
 sl_status sl_settings_stamp(const sl_settings *settings, sl_image *image, sl_error *error);

@@ -1,7 +1,9 @@
-/* H_lm(theta, phi) = sqrt 2 K P_l^|m|(2 cos theta - 1) times cos(m phi) or sin(|m| phi); K P_l^0 for m = 0. Normalised associated
- * Legendre functions by recurrence, without factorials and without the Condon-Shortley sign (Gautron et al. 2004):
+/* H_lm(theta, phi) = sqrt 2 K P_l^|m|(2 cos theta - 1) times cos(m phi) or sin(|m| phi); K P_l^0 for m = 0.
+ * Normalised associated Legendre functions by recurrence, without factorials and without the Condon-Shortley
+ * sign (Gautron et al. 2004):
  *
- *     P_0^0 = sqrt(1 / 2 pi),  P_m^m = sqrt((2m+1) / 2m) s P_(m-1)^(m-1),  P_l^m = a_lm (x P_(l-1)^m - b_lm P_(l-2)^m)
+ *     P_0^0 = sqrt(1 / 2 pi),  P_m^m = sqrt((2m+1) / 2m) s P_(m-1)^(m-1),  P_l^m = a_lm (x P_(l-1)^m - b_lm
+ * P_(l-2)^m)
  *
  * with x = 2 cos theta - 1, s = sqrt(1 - x^2). */
 #include "cache/hemisphere/harmonics.h"
@@ -25,8 +27,8 @@ void sl_hsh_recurrence_of(int order, sl_hsh_recurrence *r) {
     }
 }
 
-/* cos theta, sin theta and the azimuth as the basis wants them. Near the horizon and below it, cos theta is 0; a direction that is
- * not a number counts as the zenith. */
+/* cos theta, sin theta and the azimuth as the basis wants them. Near the horizon and below it, cos theta is
+ * 0; a direction that is not a number counts as the zenith. */
 typedef struct polar {
     double x, s, cos_phi, sin_phi;
 } polar;

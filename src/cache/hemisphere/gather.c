@@ -12,33 +12,43 @@
 enum { EVERY_LIGHT_MAX = 8 };
 
 sl_gather_settings sl_gather_defaults(void) {
-    return (sl_gather_settings){.kind = SL_GATHER_AUTO, .size = 64, .plane_fov = (float)(140.0 / 180.0 * SL_PI),
-                                .border = SL_BORDER_RADIAL, .jitter = true, .more_rays = 0.5f, .direct = SL_DIRECT_AUTO, .hit_samples = 1};
+    return (sl_gather_settings){.kind = SL_GATHER_AUTO,
+                                .size = 64,
+                                .plane_fov = (float)(140.0 / 180.0 * SL_PI),
+                                .border = SL_BORDER_RADIAL,
+                                .jitter = true,
+                                .more_rays = 0.5f,
+                                .direct = SL_DIRECT_AUTO,
+                                .hit_samples = 1};
 }
 
-/* ---- decisions ------------------------------------------------------------------------------------------------------ */
+/* ---- decisions ------------------------------------------------------------------------------- */
 
-/* Rays wherever there is a tracer. A raster gather sees as much for less, but as good as N x N rays it has two to seven times their cells to light;
- * a shadow map lets light through walls and corners that are thinner than its bias. */
+/* Rays wherever there is a tracer. A raster gather sees as much for less, but as good as N x N rays it has
+ * two to seven times their cells to light; a shadow map lets light through walls and corners that are thinner
+ * than its bias. */
 static void decide(const sl_tracer *tracer, sl_gather_settings *s) {
     if (s->kind == SL_GATHER_AUTO) s->kind = tracer ? SL_GATHER_RAYS : SL_GATHER_PLANE;
     if (s->direct == SL_DIRECT_AUTO) s->direct = tracer ? SL_DIRECT_RAYS : SL_DIRECT_SHADOW_MAPS;
 }
 
-static sl_status check(const sl_gather_settings *s, const sl_raster *raster, const sl_tracer *tracer, sl_error *error) {
-    if (!raster && (s->kind == SL_GATHER_PLANE || s->kind == SL_GATHER_HEMICUBE || s->direct == SL_DIRECT_SHADOW_MAPS)) {
+static sl_status check(const sl_gather_settings *s, const sl_raster *raster, const sl_tracer *tracer,
+                       sl_error *error) {
+    if (!raster &&
+        (s->kind == SL_GATHER_PLANE || s->kind == SL_GATHER_HEMICUBE || s->direct == SL_DIRECT_SHADOW_MAPS)) {
         return sl_fail(error, SL_ERROR_USAGE, "this gather needs the rasterizer");
     }
     if (!tracer && (s->kind == SL_GATHER_RAYS || s->direct == SL_DIRECT_RAYS)) {
         return sl_fail(error, SL_ERROR_USAGE, "this gather needs the ray tracer");
     }
     if (!(s->plane_fov > 0.0f && s->plane_fov < 3.12f)) {
-        return sl_fail(error, SL_ERROR_USAGE, "the gather plane's field of view must lie between 0 and 178 degrees");
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "the gather plane's field of view must lie between 0 and 178 degrees");
     }
     return SL_OK;
 }
 
-/* ---- creation --------------------------------------------------------------------------------------------------------- */
+/* ---- creation -------------------------------------------------------------------------------- */
 
 /* Lights without extent light every hit, unless they are many; samples are drawn from what is left. */
 static sl_status make_sources(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
@@ -46,7 +56,8 @@ static sl_status make_sources(sl_gather *gather, unsigned threads, sl_counters *
     gather->extended = *scene;
     gather->every_light = scene->light_count <= EVERY_LIGHT_MAX;
     if (gather->every_light) gather->extended.light_count = 0;
-    size_t sources = gather->extended.light_count + scene->emitter_count + (scene->environment.present ? 1 : 0);
+    size_t sources =
+        gather->extended.light_count + scene->emitter_count + (scene->environment.present ? 1 : 0);
     if (sources == 0) return SL_OK;
     if (sources > SL_LIGHT_SOURCES_MAX) {
         sl_status status = sl_light_sampler_create(&gather->extended, &gather->sampler, error);
@@ -58,10 +69,12 @@ static sl_status make_sources(sl_gather *gather, unsigned threads, sl_counters *
 
 static sl_status make_maps(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
     const sl_environment *environment = &gather->scene->environment;
-    sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, NULL, environment->present ? environment : NULL, threads};
+    sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, NULL, environment->present ? environment : NULL,
+                                   threads};
     gather->maps = gather->settings.maps;
     if (gather->maps) return SL_OK;
-    sl_status status = sl_shadow_maps_create(gather->scene, gather->raster, &maps, &gather->own_maps, counters, error);
+    sl_status status =
+        sl_shadow_maps_create(gather->scene, gather->raster, &maps, &gather->own_maps, counters, error);
     gather->maps = gather->own_maps;
     return status;
 }
@@ -77,15 +90,16 @@ static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *co
     sl_gather_settings *s = &gather->settings;
     sl_status status = make_light(gather, threads, counters, error);
     if (status != SL_OK) return status;
-    status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border, &gather->tables, error);
+    status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border,
+                                     &gather->tables, error);
     if (status != SL_OK || s->harmonics_order == 0) return status;
-    return sl_projection_create(gather->tables, (double)gather->half_tangent, s->border, s->harmonics_order, threads,
-                                &gather->projection, error);
+    return sl_projection_create(gather->tables, (double)gather->half_tangent, s->border, s->harmonics_order,
+                                threads, &gather->projection, error);
 }
 
 sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
-                           const sl_gather_settings *settings, unsigned threads, sl_gather **out, sl_counters *counters,
-                           sl_error *error) {
+                           const sl_gather_settings *settings, unsigned threads, sl_gather **out,
+                           sl_counters *counters, sl_error *error) {
     *out = NULL;
     sl_gather *gather = sl_allocate(1, sizeof *gather);
     if (!gather) return sl_fail_memory(error, "the gather");
@@ -126,16 +140,19 @@ void sl_gather_destroy(sl_gather *gather) {
 sl_gather_kind sl_gather_kind_used(const sl_gather *gather) { return gather->settings.kind; }
 
 size_t sl_gather_memory_bytes(const sl_gather *gather) {
-    return sizeof *gather + sl_gather_tables_bytes(gather->tables) + (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
+    return sizeof *gather + sl_gather_tables_bytes(gather->tables) +
+           (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
            (gather->projection ? sl_projection_bytes(gather->projection) : 0) +
-           (gather->sources ? sl_light_sources_bytes(gather->sources) + sl_visible_lights_bytes(gather->visible) : 0);
+           (gather->sources
+                ? sl_light_sources_bytes(gather->sources) + sl_visible_lights_bytes(gather->visible)
+                : 0);
 }
 
 size_t sl_gather_coefficient_count(const sl_gather *gather) {
     return gather->projection ? SL_PROJECTION_VECTORS * sl_hsh_stride(gather->projection->order) : 0;
 }
 
-/* ---- scratch ------------------------------------------------------------------------------------------------------------ */
+/* ---- scratch --------------------------------------------------------------------------------- */
 
 enum { HIT_PLANES = 24, SLOT_PLANES = 5, CELL_PLANES = 7, RASTER_PLANES = 8 };
 
@@ -189,13 +206,17 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     size_t lead = ((size_t)t->width + 16) / 16 * 16; /* the row below the first, and the cell before it */
     bool more = t->kind == SL_GATHER_RAYS && gather->settings.jitter;
     s->slots_max = t->used + (more ? (size_t)(gather->settings.more_rays * (float)t->used) : 0);
-    size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded, stride = lead + (slots + 15) / 16 * 16;
+    size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded,
+           stride = lead + (slots + 15) / 16 * 16;
     s->block = sl_allocate(stride * (HIT_PLANES + SLOT_PLANES + CELL_PLANES + RASTER_PLANES), sizeof(float));
     s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
     s->texel = sl_allocate(slots, sizeof *s->texel);
-    sl_status status = s->block && s->pixels && s->texel ? SL_OK : sl_fail_memory(error, "a gather's buffers");
-    if (status == SL_OK && gather->sources) status = sl_light_scratch_create(gather, slots, false, &s->light, error);
-    if (status == SL_OK && sl_glossy_hits_wanted(gather)) status = sl_glossy_hits_create(slots, &s->glossy, error);
+    sl_status status =
+        s->block && s->pixels && s->texel ? SL_OK : sl_fail_memory(error, "a gather's buffers");
+    if (status == SL_OK && gather->sources)
+        status = sl_light_scratch_create(gather, slots, false, &s->light, error);
+    if (status == SL_OK && sl_glossy_hits_wanted(gather))
+        status = sl_glossy_hits_create(slots, &s->glossy, error);
     if (status == SL_OK && t->kind != SL_GATHER_RAYS) {
         status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
     }
@@ -207,8 +228,8 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     cut_hits(&c, &s->hits);
     cut_slots(&c, s);
     cut_raster(&c, s);
-    float **planes[CELL_PLANES] = {&s->planes.r, &s->planes.g, &s->planes.b, &s->planes.nearness, &s->planes.distance,
-                                    &s->planes.first, &s->planes.mean};
+    float **planes[CELL_PLANES] = {&s->planes.r,        &s->planes.g,     &s->planes.b,   &s->planes.nearness,
+                                   &s->planes.distance, &s->planes.first, &s->planes.mean};
     for (int i = 0; i < CELL_PLANES; i++) *planes[i] = cut(&c) + lead;
     for (size_t i = 0; i < t->cells; i++) s->pixels[i] = (uint32_t)i;
     for (size_t k = 0; k < t->used; k++) s->slot_cell[k] = t->order[k];
@@ -229,21 +250,27 @@ void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
 
 sl_gather_picture sl_gather_last_picture(const sl_gather_scratch *s) {
     const sl_gather_tables *t = s->gather->tables;
-    return (sl_gather_picture){t->width, t->height, s->planes.r, s->planes.g, s->planes.b, s->planes.distance};
+    return (sl_gather_picture){t->width,    t->height,   s->planes.r,
+                               s->planes.g, s->planes.b, s->planes.distance};
 }
 
-/* ---- one gather ----------------------------------------------------------------------------------------------------------- */
+/* ---- one gather ------------------------------------------------------------------------------ */
 
 /* The picture's plane stands on the shading normal; the eye lies off the surface along the geometric one. */
-static sl_gather_view make_view(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch) {
-    sl_vec3 normal = sl_normalize_or(point->normal, sl_normalize_or(point->geometric_normal, sl_v3(0.0f, 0.0f, 1.0f)));
+static sl_gather_view make_view(const sl_gather *gather, const sl_gather_point *point,
+                                sl_gather_scratch *scratch) {
+    sl_vec3 normal =
+        sl_normalize_or(point->normal, sl_normalize_or(point->geometric_normal, sl_v3(0.0f, 0.0f, 1.0f)));
     float offset = sl_scene_offset_at(gather->scene, gather->offset, point->position);
-    return (sl_gather_view){.gather = gather, .point = point, .scratch = scratch, .frame = sl_frame_from_normal(normal),
+    return (sl_gather_view){.gather = gather,
+                            .point = point,
+                            .scratch = scratch,
+                            .frame = sl_frame_from_normal(normal),
                             .eye = sl_mad(point->position, offset, point->geometric_normal)};
 }
 
-sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
-                             sl_counters *counters) {
+sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point,
+                             sl_gather_scratch *scratch, sl_counters *counters) {
     sl_gather_view view = make_view(gather, point, scratch);
     scratch->slots = gather->tables->used;
     for (size_t k = 0; k < scratch->slots; k++) scratch->slot_share[k] = 1.0f;

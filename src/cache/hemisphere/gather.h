@@ -1,10 +1,10 @@
 /* Irradiance at a point: the sum over a picture of the hemisphere, by one of three instruments,
- *   plane     one N x N raster render of the plane at unit distance above the point, 140 degrees, borders extended to the horizon
- *   hemicube  five raster renders, N x N and four halves
- *   rays      N x N rays in the cells of the concentric map, equal cosine weights
- * each with harmonic mean distance, rotational and translational gradients (Ward et al. 1988, Ward and Heckbert 1992).
- * What is seen is shaded with direct light (one diffuse bounce), and with what sl_gather_settings.hidden knows to arrive
- * there by more bounces. */
+ *   plane     one N x N raster render of the plane at unit distance above the point, 140 degrees, borders
+ * extended to the horizon hemicube  five raster renders, N x N and four halves rays      N x N rays in the
+ * cells of the concentric map, equal cosine weights each with harmonic mean distance, rotational and
+ * translational gradients (Ward et al. 1988, Ward and Heckbert 1992). What is seen is shaded with direct
+ * light (one diffuse bounce), and with what sl_gather_settings.hidden knows to arrive there by more bounces.
+ */
 #ifndef SL_CACHE_GATHER_H
 #define SL_CACHE_GATHER_H
 
@@ -21,9 +21,9 @@ typedef struct sl_second_points {
     const float *normal_x, *normal_y, *normal_z;
 } sl_second_points;
 
-/* What the surfaces that gathers see receive besides direct light: with more than one bounce, the irradiance of the bounce before.
- * Adds it to r, g, b at `count` points with unit shading normals; points whose triangle is SL_NO_INDEX are nowhere. Thread-safe,
- * and what it adds to a point does not depend on the others. */
+/* What the surfaces that gathers see receive besides direct light: with more than one bounce, the irradiance
+ * of the bounce before. Adds it to r, g, b at `count` points with unit shading normals; points whose triangle
+ * is SL_NO_INDEX are nowhere. Thread-safe, and what it adds to a point does not depend on the others. */
 typedef struct sl_second_light {
     const void *context;
     void (*irradiance)(const void *context, const sl_second_points *points, float *r, float *g, float *b,
@@ -36,39 +36,49 @@ typedef struct sl_gather_settings {
     float plane_fov;          /* radians; 140 degrees by default */
     sl_border border;         /* plane only; RADIAL by default */
     bool jitter;              /* rays: jittered inside their cells */
-    float more_rays;          /* rays, jittered: how many more of them, in N^2, go where radiance varies; 0: none, at most 4 */
-    bool emission;            /* emitters and the environment are seen by the gather; off where the direct pass samples them */
-    const sl_environment *background; /* seen even where emission is off, the sky whose light the cache carries; or NULL. It must outlive
-                                         the gather */
+    /* rays, jittered: how many more of them, in N^2, go where radiance varies; 0: none, at most 4 */
+    float more_rays;
+    /* emitters and the environment are seen by the gather; off where the direct pass samples them */
+    bool emission;
+    const sl_environment *background; /* seen even where emission is off, the sky whose light the cache
+                                         carries; or NULL. It must outlive the gather */
     sl_direct_kind direct;    /* how what is seen is lit: shadow rays or shadow maps */
     uint32_t hit_samples;     /* shadow rays: light samples a hit; 0 counts as 1, the default */
     bool glossy_hits;         /* what is seen reflects direct light by its glossy lobe, too */
-    const sl_shadow_maps *maps; /* by shadow maps: these, which must outlive the gather; NULL: it makes its own */
+    /* by shadow maps: these, which must outlive the gather; NULL: it makes its own */
+    const sl_shadow_maps *maps;
     const sl_second_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
-    int harmonics_order;      /* n: gathers also yield n^2 coefficients of incoming radiance; 0: irradiance alone */
+    /* n: gathers also yield n^2 coefficients of incoming radiance; 0: irradiance alone */
+    int harmonics_order;
 } sl_gather_settings;
 
 sl_gather_settings sl_gather_defaults(void);
 
 typedef struct sl_irradiance {
     sl_rgb value;                   /* E, W/m^2 */
-    sl_vec3 rotational[3];          /* grad_r E per channel, world frame, W/m^2/rad: E(n') = E + (n x n') . grad_r */
+    /* grad_r E per channel, world frame, W/m^2/rad: E(n') = E + (n x n') . grad_r */
+    sl_vec3 rotational[3];
     sl_vec3 translational[3];       /* grad_t E per channel, world frame, tangential, W/m^3 */
-    /* Second derivatives of the channels' mean along the tangent plane, W/m^4, occlusion included: the eigenvalues, that
-     * of the larger absolute value first, and its unit direction. */
+    /* Second derivatives of the channels' mean along the tangent plane, W/m^4, occlusion included: the
+     * eigenvalues, that of the larger absolute value first, and its unit direction. */
     float curvature[2];
     sl_vec3 curvature_axis;
-    float harmonic_mean;            /* cosine-weighted harmonic mean distance, m; infinite where nothing is seen */
-    float nearest;                  /* min over hits of r / cos theta' (the guard's rho_min); infinite where nothing is seen */
-    float back_share;               /* share of the cosine weight that saw surfaces from their clockwise side */
+    /* cosine-weighted harmonic mean distance, m; infinite where nothing is seen */
+    float harmonic_mean;
+    /* min over hits of r / cos theta' (the guard's rho_min); infinite where nothing is seen */
+    float nearest;
+    /* share of the cosine weight that saw surfaces from their clockwise side */
+    float back_share;
 } sl_irradiance;
 
-/* Everything that many gathers share: weight tables, shadow cubes, light sampler. Immutable after creation. */
+/* Everything that many gathers share: weight tables, shadow cubes, light sampler. Immutable after creation.
+ */
 typedef struct sl_gather sl_gather;
 /* raster may be NULL for rays with shadow rays; tracer may be NULL for raster gathers with shadow cubes. */
 sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
-                           const sl_gather_settings *settings, unsigned threads, sl_gather **gather, sl_counters *counters, sl_error *error);
+                           const sl_gather_settings *settings, unsigned threads, sl_gather **gather,
+                           sl_counters *counters, sl_error *error);
 void sl_gather_destroy(sl_gather *gather);
 sl_gather_kind sl_gather_kind_used(const sl_gather *gather);
 size_t sl_gather_memory_bytes(const sl_gather *gather);
@@ -78,8 +88,9 @@ typedef struct sl_gather_scratch sl_gather_scratch;
 sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **scratch, sl_error *error);
 void sl_gather_scratch_destroy(sl_gather_scratch *scratch);
 
-/* point: position, geometric normal on the side that is lit, shading normal, own triangle (SL_NO_INDEX: none); key: a hash of
- * seed and pixel that jitter and light samples are drawn from. Thread-safe with a scratch for each thread. */
+/* point: position, geometric normal on the side that is lit, shading normal, own triangle (SL_NO_INDEX:
+ * none); key: a hash of seed and pixel that jitter and light samples are drawn from. Thread-safe with a
+ * scratch for each thread. */
 typedef struct sl_gather_point {
     sl_vec3 position, geometric_normal, normal;
     uint32_t triangle;
@@ -88,15 +99,17 @@ typedef struct sl_gather_point {
 void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
                           sl_irradiance *irradiance, sl_counters *counters);
 
-/* As sl_gather_irradiance(), and besides the radiance that comes in, as coefficients over the hemispherical harmonics
- * (cache/hemisphere/harmonics.h has their order) in the frame sl_frame_from_normal(normal): lambda of R, G, B, then d lambda/dx of
- * R, G, B, then d lambda/dy of R, G, B, each sl_hsh_stride(order) floats. lambda = integral of L H d omega. */
+/* As sl_gather_irradiance(), and besides the radiance that comes in, as coefficients over the hemispherical
+ * harmonics (cache/hemisphere/harmonics.h has their order) in the frame sl_frame_from_normal(normal): lambda
+ * of R, G, B, then d lambda/dx of R, G, B, then d lambda/dy of R, G, B, each sl_hsh_stride(order) floats.
+ * lambda = integral of L H d omega. */
 size_t sl_gather_coefficient_count(const sl_gather *gather); /* 0 where the order is 0 */
 void sl_gather_radiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
                         sl_irradiance *irradiance, float *coefficients, sl_counters *counters);
 
-/* The picture of the last gather: N x N (plane, rays) or 2N x 2N with the side faces around the top (hemicube), for observers and
- * tests; radiance and distance planes owned by the scratch, bottom row first. */
+/* The picture of the last gather: N x N (plane, rays) or 2N x 2N with the side faces around the top
+ * (hemicube), for observers and tests; radiance and distance planes owned by the scratch, bottom row first.
+ */
 typedef struct sl_gather_picture {
     int width, height;
     const float *r, *g, *b, *distance;

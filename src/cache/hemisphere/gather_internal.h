@@ -23,22 +23,26 @@ struct sl_gather {
     sl_gather_settings settings; /* kind and direct decided */
     sl_gather_tables *tables;
     float half_tangent;
-    float offset;                /* eps: of the eye along the geometric normal; hits nearer than twice that do not count */
+    /* eps: of the eye along the geometric normal; hits nearer than twice that do not count */
+    float offset;
     sl_gather_kernels kernels;
     sl_projection *projection;   /* onto hemispherical harmonics, or NULL */
     sl_isa isa;
 
     const sl_shadow_maps *maps;  /* direct light by shadow maps, or NULL */
     sl_shadow_maps *own_maps;    /* the same, where nobody gave them; or NULL */
-    sl_scene extended;           /* the scene without its lights without extent: what samples are drawn from */
-    sl_light_sources *sources;   /* emitters and environment (and lights without extent where they are many), if they are few enough */
+    /* the scene without its lights without extent: what samples are drawn from */
+    sl_scene extended;
+    /* emitters and environment (and lights without extent where they are many), if they are few enough */
+    sl_light_sources *sources;
     sl_visible_lights *visible;  /* what is known of them */
     sl_light_sampler *sampler;   /* the same where they are many */
     bool every_light;            /* lights without extent are few: each lights every hit */
     sl_hit_light_kernels light_kernels;
 };
 
-/* What was seen in the cells, by slot: slot k is cell order[k], those beyond are further rays of some cells (more_rays.c). */
+/* What was seen in the cells, by slot: slot k is cell order[k], those beyond are further rays of some cells
+ * (more_rays.c). */
 typedef struct sl_gather_hits {
     uint32_t *triangle;                             /* SL_NO_INDEX: nothing */
     float *depth, *w1, *w2;                         /* position = eye + depth * direction */
@@ -46,15 +50,18 @@ typedef struct sl_gather_hits {
     float *position_x, *position_y, *position_z;
     float *normal_x, *normal_y, *normal_z;          /* shading, towards the gather */
     float *geometric_x, *geometric_y, *geometric_z; /* towards the gather */
-    float *cosine;                                  /* of the geometric normal with the way back, times the direction's length */
+    /* of the geometric normal with the way back, times the direction's length */
+    float *cosine;
     float *diffuse_r, *diffuse_g, *diffuse_b;
     float *irradiance_r, *irradiance_g, *irradiance_b;
     float *back;                                    /* 1: seen from the clockwise side */
 } sl_gather_hits;
 
-/* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be read. */
+/* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be
+ * read. */
 typedef struct sl_gather_planes {
-    float *r, *g, *b, *nearness; /* radiance; 1 / depth of the nearest thing seen, with which the cell's walls move (0: nothing) */
+    /* radiance; 1 / depth of the nearest thing seen, with which the cell's walls move (0: nothing) */
+    float *r, *g, *b, *nearness;
     float *first, *distance;     /* 1 / depth and distance of what the first ray saw */
     float *mean;                            /* of r, g, b */
 } sl_gather_planes;
@@ -67,7 +74,8 @@ struct sl_gather_scratch {
     size_t slots, slots_max;
     uint32_t *slot_cell;
     float *slot_share;       /* 1 over the rays of the slot's cell */
-    float *more_a, *more_b;  /* slots beyond the cells: as slot_a, slot_b of the tables; and the jitter, 16 bits each */
+    /* slots beyond the cells: as slot_a, slot_b of the tables; and the jitter, 16 bits each */
+    float *more_a, *more_b;
     uint32_t *more_bits;
     sl_gather_hits hits;
     sl_gather_planes planes;
@@ -96,24 +104,28 @@ typedef struct sl_gather_view {
 static inline float sl_gather_near(const sl_gather *gather) { return 1e-3f * gather->offset; }
 
 /* Visibility alone, by the instrument chosen. */
-sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
-                             sl_counters *counters);
+sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point,
+                             sl_gather_scratch *scratch, sl_counters *counters);
 void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
-/* More rays where radiance varies; the first ones are there, lit by all that needs no samples (more_rays.c). */
+/* More rays where radiance varies; the first ones are there, lit by all that needs no samples (more_rays.c).
+ */
 void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters);
 
 /* What slot k sees shine by itself. */
 sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);
-/* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as in sl_irradiance. */
+/* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as
+ * in sl_irradiance. */
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters);
 
 /* Adds the walls that the grid does not hold, turns the sums into the world. */
-void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gather_curvature *curvature, sl_irradiance *irradiance);
+void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gather_curvature *curvature,
+                      sl_irradiance *irradiance);
 
-/* What can be seen of the light sources where, by a few gathers on trial (light_trials.c); they are on the bill. */
+/* What can be seen of the light sources where, by a few gathers on trial (light_trials.c); they are on the
+ * bill. */
 sl_status sl_gather_learn_lights(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error);
 
 #endif

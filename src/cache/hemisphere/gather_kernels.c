@@ -2,7 +2,7 @@
 
 #include "base/random.h"
 
-/* ---- directions of rays ------------------------------------------------------------------------------------------- */
+/* ---- directions of rays ---------------------------------------------------------------------- */
 
 /* sin and cos for |x| <= pi / 4: Taylor, errors below 4e-7 and 3e-8. */
 static inline float sine(float x) {
@@ -14,7 +14,8 @@ static inline float cosine_of(float x) {
     return 1.0f + q * (-0.5f + q * (1.0f / 24.0f + q * (-1.0f / 720.0f + q * (1.0f / 40320.0f))));
 }
 
-/* The concentric map (sl_concentric_disc()): the larger coordinate is the radius, the other one's share of it the azimuth. */
+/* The concentric map (sl_concentric_disc()): the larger coordinate is the radius, the other one's share of it
+ * the azimuth. */
 void SL_KERNEL(sl_gather_directions)(const sl_ray_cells *c) {
     const float *restrict corner_a = c->slot_a, *restrict corner_b = c->slot_b;
     float *restrict out_x = c->x, *restrict out_y = c->y, *restrict out_z = c->z;
@@ -40,7 +41,7 @@ void SL_KERNEL(sl_gather_directions)(const sl_ray_cells *c) {
     }
 }
 
-/* ---- how radiance varies -------------------------------------------------------------------------------------------- */
+/* ---- how radiance varies --------------------------------------------------------------------- */
 
 static inline float square(float x) { return x * x; }
 
@@ -52,9 +53,11 @@ static inline float deviation(float a, float b, float c, float d, float e, float
     return sqrtf(0.125f * (low + high));
 }
 
-static void spread_of_row(size_t width, const float *restrict below, const float *restrict here, const float *restrict above, float *restrict to) {
+static void spread_of_row(size_t width, const float *restrict below, const float *restrict here,
+                          const float *restrict above, float *restrict to) {
     for (size_t x = 1; x < width - 1; x++) {
-        to[x] = deviation(below[x - 1], below[x], below[x + 1], here[x - 1], here[x + 1], above[x - 1], above[x], above[x + 1]);
+        to[x] = deviation(below[x - 1], below[x], below[x + 1], here[x - 1], here[x + 1], above[x - 1],
+                          above[x], above[x + 1]);
     }
     for (int end = 0; end < 2; end++) { /* mirrored */
         size_t x = end ? width - 1 : 0, in = end ? width - 2 : 1;
@@ -65,13 +68,15 @@ static void spread_of_row(size_t width, const float *restrict below, const float
 void SL_KERNEL(sl_gather_spread)(int width, int height, const float *value, float *spread) {
     size_t w = (size_t)width, h = (size_t)height;
     for (size_t y = 0; y < h; y++) {
-        spread_of_row(w, value + w * (y > 0 ? y - 1 : 1), value + w * y, value + w * (y + 1 < h ? y + 1 : h - 2), spread + w * y);
+        spread_of_row(w, value + w * (y > 0 ? y - 1 : 1), value + w * y,
+                      value + w * (y + 1 < h ? y + 1 : h - 2), spread + w * y);
     }
 }
 
-/* ---- surfaces ---------------------------------------------------------------------------------------------------------- */
+/* ---- surfaces -------------------------------------------------------------------------------- */
 
-/* As sl_scene_surface() decides: normals turned to the gather's side, the shading normal into the geometric one's hemisphere. */
+/* As sl_scene_surface() decides: normals turned to the gather's side, the shading normal into the geometric
+ * one's hemisphere. */
 void SL_KERNEL(sl_gather_surfaces)(const sl_surface_cells *c) {
     const float *restrict depth = c->depth;
     const float *restrict dx = c->direction_x, *restrict dy = c->direction_y, *restrict dz = c->direction_z;
@@ -103,7 +108,7 @@ void SL_KERNEL(sl_gather_surfaces)(const sl_surface_cells *c) {
     }
 }
 
-/* ---- sums --------------------------------------------------------------------------------------------------------------- */
+/* ---- sums ------------------------------------------------------------------------------------ */
 
 enum { LANES = SL_GATHER_LANES };
 
@@ -112,10 +117,11 @@ static double lanes_sum(const double *s) {
     return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
 }
 
-/* E = sum W L; grad_r E = sum L (n x V) = sum L (-V_y, V_x), V the integral of omega over the cell: E(n) = integral of L n . omega, and a
- * rotation alpha makes n + alpha x n of n. (Where n . omega = 0 the integrand vanishes, so that the horizon itself adds nothing.) */
-static void sum_cells(const sl_gather_tables *t, size_t cells, const float *restrict radiance, double *irradiance,
-                      double rotational[2]) {
+/* E = sum W L; grad_r E = sum L (n x V) = sum L (-V_y, V_x), V the integral of omega over the cell: E(n) =
+ * integral of L n . omega, and a rotation alpha makes n + alpha x n of n. (Where n . omega = 0 the integrand
+ * vanishes, so that the horizon itself adds nothing.) */
+static void sum_cells(const sl_gather_tables *t, size_t cells, const float *restrict radiance,
+                      double *irradiance, double rotational[2]) {
     const float *restrict w = t->weight, *restrict vx = t->vector_x, *restrict vy = t->vector_y;
     double e[LANES] = {0}, rx[LANES] = {0}, ry[LANES] = {0};
     for (size_t i = 0; i < cells; i += LANES) {
@@ -141,15 +147,17 @@ static double sum_products(size_t cells, const float *restrict a, const float *r
     return lanes_sum(sum);
 }
 
-/* The principle of walls: L is one value in each cell, so E changes because the boundaries between cells move, and such a wall moves
- * with the nearer of its two surfaces, whose outline or texture it is (as Ward and Heckbert 1992 have it for polar strata):
+/* The principle of walls: L is one value in each cell, so E changes because the boundaries between cells
+ * move, and such a wall moves with the nearer of its two surfaces, whose outline or texture it is (as Ward
+ * and Heckbert 1992 have it for polar strata):
  *
  *     grad_t E = sum over walls of (L_j - L_i) max(1 / Z_j, 1 / Z_i) g_ij
  *
- * nearness is 1 / Z, Z the depth in whose units the table's g (sl_wall_vector()) is given; 0 where nothing is seen, so that infinitely
- * far light does not move. column_: walls between j and the cell on its left; row_: between j and the cell below. */
-static void sum_walls(const sl_gather_tables *t, size_t cells, const float *restrict radiance, const float *restrict nearness,
-                      double translational[2]) {
+ * nearness is 1 / Z, Z the depth in whose units the table's g (sl_wall_vector()) is given; 0 where nothing is
+ * seen, so that infinitely far light does not move. column_: walls between j and the cell on its left; row_:
+ * between j and the cell below. */
+static void sum_walls(const sl_gather_tables *t, size_t cells, const float *restrict radiance,
+                      const float *restrict nearness, double translational[2]) {
     const float *restrict column_x = t->column_x, *restrict column_y = t->column_y;
     const float *restrict row_x = t->row_x, *restrict row_y = t->row_y;
     const float *restrict left = radiance - 1, *restrict below = radiance - t->width;
@@ -180,15 +188,17 @@ void SL_KERNEL(sl_gather_sums)(const sl_gather_tables *t, const float *r, const 
     sums->inverse_distance = sum_products(t->padded, t->weight_by_depth, first);
 }
 
-/* ---- second derivatives ----------------------------------------------------------------------------------------------------- */
+/* ---- second derivatives ---------------------------------------------------------------------- */
 
-/* Where four walls meet: the ends of a and b, which continue each other, move with the walls c and d that cross them, not with their
- * own depth. A wall that separates equals does not say where it is, so c and d count by their steps; if neither does, a goes on
- * into b. Half of it, as c and d are corrected by a and b in turn. With step s (of L across the wall) and nearness 1 / Z:
+/* Where four walls meet: the ends of a and b, which continue each other, move with the walls c and d that
+ * cross them, not with their own depth. A wall that separates equals does not say where it is, so c and d
+ * count by their steps; if neither does, a goes on into b. Half of it, as c and d are corrected by a and b in
+ * turn. With step s (of L across the wall) and nearness 1 / Z:
  *
- *     x = (|s_c| / Z_c + |s_d| / Z_d) / (|s_c| + |s_d|),   factor = (s_a / Z_a (x - 1 / Z_a) - s_b / Z_b (x - 1 / Z_b)) / 2 */
-static inline double corner_factor(double step_a, double near_a, double step_b, double near_b, double step_c, double near_c,
-                                   double step_d, double near_d) {
+ *     x = (|s_c| / Z_c + |s_d| / Z_d) / (|s_c| + |s_d|),   factor = (s_a / Z_a (x - 1 / Z_a) - s_b / Z_b (x -
+ * 1 / Z_b)) / 2 */
+static inline double corner_factor(double step_a, double near_a, double step_b, double near_b, double step_c,
+                                   double near_c, double step_d, double near_d) {
     double weight_c = fabs(step_c), weight_d = fabs(step_d), sum = weight_c + weight_d;
     double crossing = (weight_c * near_c + weight_d * near_d) / (sum > 0.0 ? sum : 1.0);
     crossing = sum > 0.0 ? crossing : 0.5 * (near_a + near_b);
@@ -199,7 +209,8 @@ static inline double nearer(float a, float b) { return (double)(a > b ? a : b); 
 
 /* Of the walls as they stand, and of the corners between them:
  *
- *     d2E = sum over walls of s / Z^2 K_wall + sum over corners of (factor(up, down; right, back) + factor(right, back; up, down)) K_corner
+ *     d2E = sum over walls of s / Z^2 K_wall + sum over corners of (factor(up, down; right, back) +
+ * factor(right, back; up, down)) K_corner
  *
  * with K of sl_wall_curvature(), sl_vertex_curvature(). The corner is cell j's lower left one; around it lie
  *
@@ -209,11 +220,12 @@ static inline double nearer(float a, float b) { return (double)(a > b ? a : b); 
  *                          back  = L_left - L_behind    (row wall to its left)
  *
  * and near_up, ... are the larger 1 / Z of the two cells on either side of that wall. */
-static void sum_curvature(const sl_gather_tables *t, const float *restrict light, const float *restrict nearness,
-                          sl_gather_curvature *curvature) {
+static void sum_curvature(const sl_gather_tables *t, const float *restrict light,
+                          const float *restrict nearness, sl_gather_curvature *curvature) {
     const size_t row = (size_t)t->width;
     const float *restrict left = light - 1, *restrict below = light - row, *restrict behind = light - row - 1;
-    const float *restrict near_left = nearness - 1, *restrict near_below = nearness - row, *restrict near_behind = nearness - row - 1;
+    const float *restrict near_left = nearness - 1, *restrict near_below = nearness - row,
+                          *restrict near_behind = nearness - row - 1;
     double xx[LANES] = {0}, xy[LANES] = {0}, yy[LANES] = {0};
     for (size_t i = 0; i < t->padded; i += LANES) {
 #pragma omp simd
@@ -221,14 +233,19 @@ static void sum_curvature(const sl_gather_tables *t, const float *restrict light
             size_t j = i + lane;
             double up = (double)light[j] - (double)left[j], down = (double)below[j] - (double)behind[j];
             double right = (double)light[j] - (double)below[j], back = (double)left[j] - (double)behind[j];
-            double near_up = nearer(nearness[j], near_left[j]), near_down = nearer(near_below[j], near_behind[j]);
-            double near_right = nearer(nearness[j], near_below[j]), near_back = nearer(near_left[j], near_behind[j]);
+            double near_up = nearer(nearness[j], near_left[j]),
+                   near_down = nearer(near_below[j], near_behind[j]);
+            double near_right = nearer(nearness[j], near_below[j]),
+                   near_back = nearer(near_left[j], near_behind[j]);
             double column = up * near_up * near_up, across = right * near_right * near_right;
             double vertex = corner_factor(up, near_up, down, near_down, right, near_right, back, near_back) +
                             corner_factor(right, near_right, back, near_back, up, near_up, down, near_down);
-            xx[lane] += column * (double)t->column_xx[j] + across * (double)t->row_xx[j] + vertex * (double)t->vertex_xx[j];
-            xy[lane] += column * (double)t->column_xy[j] + across * (double)t->row_xy[j] + vertex * (double)t->vertex_xy[j];
-            yy[lane] += column * (double)t->column_yy[j] + across * (double)t->row_yy[j] + vertex * (double)t->vertex_yy[j];
+            xx[lane] += column * (double)t->column_xx[j] + across * (double)t->row_xx[j] +
+                        vertex * (double)t->vertex_xx[j];
+            xy[lane] += column * (double)t->column_xy[j] + across * (double)t->row_xy[j] +
+                        vertex * (double)t->vertex_xy[j];
+            yy[lane] += column * (double)t->column_yy[j] + across * (double)t->row_yy[j] +
+                        vertex * (double)t->vertex_yy[j];
         }
     }
     curvature->xx = lanes_sum(xx);
@@ -236,8 +253,8 @@ static void sum_curvature(const sl_gather_tables *t, const float *restrict light
     curvature->yy = lanes_sum(yy);
 }
 
-void SL_KERNEL(sl_gather_curvature)(const sl_gather_tables *t, const float *r, const float *g, const float *b, const float *nearness,
-                                    float *mean, sl_gather_curvature *curvature) {
+void SL_KERNEL(sl_gather_curvature)(const sl_gather_tables *t, const float *r, const float *g, const float *b,
+                                    const float *nearness, float *mean, sl_gather_curvature *curvature) {
     for (size_t i = 0; i < t->padded; i++) mean[i] = (r[i] + g[i] + b[i]) * (1.0f / 3.0f);
     sum_curvature(t, mean, nearness, curvature);
 }

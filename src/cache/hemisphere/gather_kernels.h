@@ -40,15 +40,18 @@ typedef struct sl_surface_cells {
 } sl_surface_cells;
 
 typedef void sl_gather_directions_kernel(const sl_ray_cells *cells);
-/* The standard deviation of a cell's eight neighbours (mirrored at the picture's edges), without the cell itself. At least 2 x 2 cells. */
+/* The standard deviation of a cell's eight neighbours (mirrored at the picture's edges), without the cell
+ * itself. At least 2 x 2 cells. */
 typedef void sl_gather_spread_kernel(int width, int height, const float *value, float *spread);
 typedef void sl_gather_surfaces_kernel(const sl_surface_cells *cells);
-typedef void sl_gather_sums_kernel(const sl_gather_tables *tables, const float *r, const float *g, const float *b,
-                                   const float *nearness, const float *first, sl_gather_sums *sums);
+typedef void sl_gather_sums_kernel(const sl_gather_tables *tables, const float *r, const float *g,
+                                   const float *b, const float *nearness, const float *first,
+                                   sl_gather_sums *sums);
 
 /* mean: a plane to work in, laid out as the others. */
-typedef void sl_gather_curvature_kernel(const sl_gather_tables *tables, const float *r, const float *g, const float *b,
-                                        const float *nearness, float *mean, sl_gather_curvature *curvature);
+typedef void sl_gather_curvature_kernel(const sl_gather_tables *tables, const float *r, const float *g,
+                                        const float *b, const float *nearness, float *mean,
+                                        sl_gather_curvature *curvature);
 
 typedef struct sl_gather_kernels {
     sl_gather_directions_kernel *directions;

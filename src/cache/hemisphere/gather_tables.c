@@ -7,7 +7,7 @@
 
 enum { TILE = 4, PLANES = 23 };
 
-/* ---- memory ---------------------------------------------------------------------------------------------------------- */
+/* ---- memory ---------------------------------------------------------------------------------- */
 
 static sl_status allocate_tables(sl_gather_tables *t, sl_error *error) {
     float **planes[PLANES] = {&t->weight,   &t->weight_by_depth, &t->vector_x,    &t->vector_y,
@@ -37,7 +37,7 @@ size_t sl_gather_tables_bytes(const sl_gather_tables *t) {
            (size_t)2 * (size_t)t->size * sizeof(sl_gather_seam);
 }
 
-/* ---- common to all ------------------------------------------------------------------------------------------------------ */
+/* ---- common to all --------------------------------------------------------------------------- */
 
 static void set_cell(sl_gather_tables *t, size_t i, sl_vec3d vector, sl_vec3d direction) {
     double length = sl_lengthd(direction);
@@ -52,7 +52,8 @@ static void set_cell(sl_gather_tables *t, size_t i, sl_vec3d vector, sl_vec3d di
     t->weight_sum += vector.z;
 }
 
-/* Tiles of 4 x 4 in rows: packets of 16 rays stay together, neighbours in memory are neighbours in the picture. */
+/* Tiles of 4 x 4 in rows: packets of 16 rays stay together, neighbours in memory are neighbours in the
+ * picture. */
 static void order_cells(sl_gather_tables *t) {
     for (int ty = 0; ty < t->height; ty += TILE) {
         for (int tx = 0; tx < t->width; tx += TILE) {
@@ -69,10 +70,10 @@ static void order_cells(sl_gather_tables *t) {
     }
 }
 
-/* ---- the plane ------------------------------------------------------------------------------------------------------------- */
+/* ---- the plane ------------------------------------------------------------------------------- */
 
-/* Integral of omega over the pixel's border extension on the four sides; a corner pixel owns two edges. The side at v = t is
- * given by sl_border_vector(); the others are it turned. */
+/* Integral of omega over the pixel's border extension on the four sides; a corner pixel owns two edges. The
+ * side at v = t is given by sl_border_vector(); the others are it turned. */
 static sl_vec3d radial_extension(int n, double t, int x, int y, double u0, double u1, double v0, double v1) {
     sl_vec3d sum = {0.0, 0.0, 0.0}, side;
     if (y == n - 1) sum = sl_addd(sum, sl_border_vector(t, u0, u1));
@@ -91,9 +92,11 @@ static sl_vec3d radial_extension(int n, double t, int x, int y, double u0, doubl
     return sum;
 }
 
-/* Grid line i of n + 1 from -t to t; the outermost lines go to infinity where the border is extended along the axes. */
+/* Grid line i of n + 1 from -t to t; the outermost lines go to infinity where the border is extended along
+ * the axes. */
 static double plane_line(int n, double t, int i, bool to_infinity) {
-    const double infinity = 1e30; /* its square is finite; beyond it the primitives have reached their limits */
+    /* its square is finite; beyond it the primitives have reached their limits */
+    const double infinity = 1e30;
     if (to_infinity && i == 0) return -infinity;
     if (to_infinity && i == n) return infinity;
     return t * (2.0 * i / n - 1.0);
@@ -109,7 +112,8 @@ static void fill_plane(sl_gather_tables *tables, double t, sl_border border) {
             size_t i = (size_t)y * (size_t)n + (size_t)x;
             sl_vec3d vector = sl_plane_vector(plane_line(n, t, x, axial), plane_line(n, t, x + 1, axial),
                                               plane_line(n, t, y, axial), plane_line(n, t, y + 1, axial));
-            if (border == SL_BORDER_RADIAL) vector = sl_addd(vector, radial_extension(n, t, x, y, u0, u1, v0, v1));
+            if (border == SL_BORDER_RADIAL)
+                vector = sl_addd(vector, radial_extension(n, t, x, y, u0, u1, v0, v1));
             set_cell(tables, i, vector, sl_v3d(0.5 * (u0 + u1), 0.5 * (v0 + v1), 1.0));
             if (x) tables->column_x[i] = (float)sl_plane_wall(u0, v0, v1);
             if (y) tables->row_y[i] = (float)sl_plane_wall(v0, u0, u1);
@@ -118,7 +122,8 @@ static void fill_plane(sl_gather_tables *tables, double t, sl_border border) {
 }
 
 static sl_vec3d plane_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
-    return sl_v3d(plane_line(t->size, half_tangent, x, false), plane_line(t->size, half_tangent, y, false), 1.0);
+    return sl_v3d(plane_line(t->size, half_tangent, x, false), plane_line(t->size, half_tangent, y, false),
+                  1.0);
 }
 
 /* [LC04]: everything over the share F of the cosine-weighted hemisphere that the plane covers. */
@@ -133,7 +138,7 @@ static void divide_by_coverage(sl_gather_tables *t) {
     t->weight_sum = SL_PI;
 }
 
-/* ---- the hemicube ------------------------------------------------------------------------------------------------------------ */
+/* ---- the hemicube ---------------------------------------------------------------------------- */
 
 typedef enum face { FACE_TOP, FACE_RIGHT, FACE_LEFT, FACE_UP, FACE_DOWN, FACE_BLANK } face;
 
@@ -145,8 +150,8 @@ static face hemicube_face(int n, int x, int y) {
     return FACE_BLANK;
 }
 
-/* Point (a, b) of the unfolded picture in units where the top is [-1,1]^2 and the sides reach to 2: the side's height is what is
- * missing to 2. */
+/* Point (a, b) of the unfolded picture in units where the top is [-1,1]^2 and the sides reach to 2: the
+ * side's height is what is missing to 2. */
 static sl_vec3d hemicube_direction(face f, double a, double b) {
     switch (f) {
     case FACE_RIGHT: return sl_v3d(1.0, b, 2.0 - a);
@@ -157,7 +162,8 @@ static sl_vec3d hemicube_direction(face f, double a, double b) {
     }
 }
 
-/* Where side faces meet, at (+-1, +-1, z): the wall from height z0 to z1 between a cell of a side x = sx and one of y = sy. */
+/* Where side faces meet, at (+-1, +-1, z): the wall from height z0 to z1 between a cell of a side x = sx and
+ * one of y = sy. */
 static void add_side_seams(sl_gather_tables *t, int sx, int sy) {
     int n = t->size, half = n / 2, first = half, last = half + n - 1;
     for (int k = 0; k < half; k++) { /* k-th row of cells from the top face outwards */
@@ -168,9 +174,10 @@ static void add_side_seams(sl_gather_tables *t, int sx, int sy) {
         sl_curvature curvature = sl_wall_curvature(lower, upper);
         bool to_b = wall.x * -sx + wall.y * sy > 0.0; /* the way from a to b is (-sx, sy) */
         double sign = to_b ? 1.0 : -1.0;
-        t->seams[t->seam_count++] = (sl_gather_seam){(uint32_t)(ay * t->width + ax), (uint32_t)(by * t->width + bx),
-                                                     (float)(sign * wall.x), (float)(sign * wall.y), (float)(sign * curvature.xx),
-                                                     (float)(sign * curvature.xy), (float)(sign * curvature.yy)};
+        t->seams[t->seam_count++] = (sl_gather_seam){
+            (uint32_t)(ay * t->width + ax), (uint32_t)(by * t->width + bx), (float)(sign * wall.x),
+            (float)(sign * wall.y),         (float)(sign * curvature.xx),   (float)(sign * curvature.xy),
+            (float)(sign * curvature.yy)};
     }
 }
 
@@ -184,7 +191,8 @@ static void fill_hemicube(sl_gather_tables *t) {
             size_t i = (size_t)y * (size_t)t->width + (size_t)x;
             double a = x * step - 2.0, b = y * step - 2.0;
             sl_vec3d corners[4] = {hemicube_direction(f, a, b), hemicube_direction(f, a + step, b),
-                                   hemicube_direction(f, a + step, b + step), hemicube_direction(f, a, b + step)};
+                                   hemicube_direction(f, a + step, b + step),
+                                   hemicube_direction(f, a, b + step)};
             /* Folded out, every face has its corners in the same order as the top. */
             set_cell(t, i, sl_cell_vector(corners, 4), hemicube_direction(f, a + 0.5 * step, b + 0.5 * step));
             if (x > 0 && hemicube_face(n, x - 1, y) != FACE_BLANK) {
@@ -213,7 +221,7 @@ static sl_vec3d hemicube_corner(const sl_gather_tables *t, double half_tangent, 
     return hemicube_direction(f, x * (2.0 / n) - 2.0, y * (2.0 / n) - 2.0);
 }
 
-/* ---- rays: the concentric map ---------------------------------------------------------------------------------------------------- */
+/* ---- rays: the concentric map ---------------------------------------------------------------- */
 
 void sl_concentric_disc(double a, double b, double *x, double *y) {
     double radius = 0.0, azimuth = 0.0;
@@ -228,9 +236,10 @@ void sl_concentric_disc(double a, double b, double *x, double *y) {
     *y = radius * sl_sin(azimuth);
 }
 
-/* Any strata on Nusselt's disc, where equal areas are equal cosine weights. A point q of it moves by (s q - delta) / r, s = q . delta,
- * when the receiver moves by delta; so the cell on the right of the wall from a to b gains the area g . delta / r from the one on its
- * left: g = N - (q . N) q, q the wall's middle, N its length turned to the right. */
+/* Any strata on Nusselt's disc, where equal areas are equal cosine weights. A point q of it moves by (s q -
+ * delta) / r, s = q . delta, when the receiver moves by delta; so the cell on the right of the wall from a to
+ * b gains the area g . delta / r from the one on its left: g = N - (q . N) q, q the wall's middle, N its
+ * length turned to the right. */
 static void disc_wall(double ax, double ay, double bx, double by, float *out_x, float *out_y) {
     double normal_x = by - ay, normal_y = ax - bx, x = 0.5 * (ax + bx), y = 0.5 * (ay + by);
     double inward = x * normal_x + y * normal_y;
@@ -238,10 +247,11 @@ static void disc_wall(double ax, double ay, double bx, double by, float *out_x, 
     *out_y = (float)(normal_y - inward * y);
 }
 
-/* A cell is a piece of the annulus between its ring's radii; its vector has the annulus' mean sine, finite at the
- * horizon where a ray's tangent is not. */
+/* A cell is a piece of the annulus between its ring's radii; its vector has the annulus' mean sine, finite at
+ * the horizon where a ray's tangent is not. */
 static sl_vec3d disc_cell_vector(int n, double a, double b) {
-    double middle = fmax(fabs(a), fabs(b)), outer = fmin(1.0, middle + 1.0 / n), inner = fmax(0.0, middle - 1.0 / n), x, y;
+    double middle = fmax(fabs(a), fabs(b)), outer = fmin(1.0, middle + 1.0 / n),
+           inner = fmax(0.0, middle - 1.0 / n), x, y;
     double area = SL_PI / ((double)n * n);
     double azimuth_range = 2.0 * area / (outer * outer - inner * inner);
     double sines = 0.5 * (sl_asin(outer) - outer * sqrt(fmax(0.0, 1.0 - outer * outer))) -
@@ -266,8 +276,11 @@ static void fill_rays(sl_gather_tables *t) {
             sl_concentric_disc(a + 0.5 * step, b + 0.5 * step, &px, &py);
             double pz = sqrt(fmax(0.0, 1.0 - px * px - py * py));
             set_cell(t, i, disc_cell_vector(n, a + 0.5 * step, b + 0.5 * step), sl_v3d(px, py, pz));
-            if (x) disc_wall(corner[0][0], corner[0][1], corner[3][0], corner[3][1], &t->column_x[i], &t->column_y[i]);
-            if (y) disc_wall(corner[1][0], corner[1][1], corner[0][0], corner[0][1], &t->row_x[i], &t->row_y[i]);
+            if (x)
+                disc_wall(corner[0][0], corner[0][1], corner[3][0], corner[3][1], &t->column_x[i],
+                          &t->column_y[i]);
+            if (y)
+                disc_wall(corner[1][0], corner[1][1], corner[0][0], corner[0][1], &t->row_x[i], &t->row_y[i]);
         }
     }
 }
@@ -293,8 +306,9 @@ static bool is_cell(const sl_gather_tables *t, int x, int y) {
     return x >= 0 && y >= 0 && t->length[(size_t)y * (size_t)t->width + (size_t)x] > 0.0f;
 }
 
-/* How the walls between cells, and the corners where four of them meet, move with the receiver beyond the first order (Schwarzhaupt, Jensen, Jarosz
- * 2012 have the idea that occlusion belongs into the Hessian). corner: the direction of the grid's corner (x, y), in units of depth. */
+/* How the walls between cells, and the corners where four of them meet, move with the receiver beyond the
+ * first order (Schwarzhaupt, Jensen, Jarosz 2012 have the idea that occlusion belongs into the Hessian).
+ * corner: the direction of the grid's corner (x, y), in units of depth. */
 static void fill_curvatures(sl_gather_tables *t, corner_of *corner, double half_tangent) {
     for (int y = 0; y < t->height; y++) {
         for (int x = 0; x < t->width; x++) {
@@ -304,23 +318,29 @@ static void fill_curvatures(sl_gather_tables *t, corner_of *corner, double half_
             sl_vec3d here = corner(t, half_tangent, x, y), right = corner(t, half_tangent, x + 1, y),
                      up = corner(t, half_tangent, x, y + 1);
             /* Seen along the wall, the cell lies on its right. */
-            if (has_left) set_curvature(&t->column_xx[i], &t->column_xy[i], &t->column_yy[i], sl_wall_curvature(here, up));
-            if (has_below) set_curvature(&t->row_xx[i], &t->row_xy[i], &t->row_yy[i], sl_wall_curvature(right, here));
+            if (has_left)
+                set_curvature(&t->column_xx[i], &t->column_xy[i], &t->column_yy[i],
+                              sl_wall_curvature(here, up));
+            if (has_below)
+                set_curvature(&t->row_xx[i], &t->row_xy[i], &t->row_yy[i], sl_wall_curvature(right, here));
             if (!has_left || !has_below || !is_cell(t, x - 1, y - 1)) continue;
-            sl_curvature k = sl_vertex_curvature(here, right, corner(t, half_tangent, x - 1, y), up, corner(t, half_tangent, x, y - 1));
+            sl_curvature k = sl_vertex_curvature(here, right, corner(t, half_tangent, x - 1, y), up,
+                                                 corner(t, half_tangent, x, y - 1));
             set_curvature(&t->vertex_xx[i], &t->vertex_xy[i], &t->vertex_yy[i], k);
         }
     }
 }
 
-/* ---- creation ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- creation -------------------------------------------------------------------------------- */
 
 sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tangent, sl_border border,
                                   sl_gather_tables **tables, sl_error *error) {
     *tables = NULL;
-    if (size < 4 || size > 1024) return sl_fail(error, SL_ERROR_USAGE, "a gather has 4 to 1024 cells a side, not %d", size);
+    if (size < 4 || size > 1024)
+        return sl_fail(error, SL_ERROR_USAGE, "a gather has 4 to 1024 cells a side, not %d", size);
     if (kind == SL_GATHER_PLANE && !(half_tangent > 0.0 && half_tangent < 100.0)) {
-        return sl_fail(error, SL_ERROR_USAGE, "the gather plane's field of view must lie between 0 and 178 degrees");
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "the gather plane's field of view must lie between 0 and 178 degrees");
     }
     sl_gather_tables *t = sl_allocate(1, sizeof *t);
     if (!t) return sl_fail_memory(error, "the gather's tables");

@@ -1,13 +1,12 @@
-/* The tables of an instrument: what every cell of its picture weighs, and how the walls between cells move with the receiver.
- * Made once, in double; read by every gather.
+/* The tables of an instrument: what every cell of its picture weighs, and how the walls between cells move
+ * with the receiver. Made once, in double; read by every gather.
  *
  * All three instruments are one regular grid of cells, width x height, kept flat (cell = y * width + x):
  *   plane     N x N pixels of the plane at unit distance
- *   hemicube  2N x 2N: the top in the middle, the upper halves of the four sides folded out around it; the four corner
- *             blocks are blank
- *   rays      N x N cells of the concentric map (Shirley and Chiu 1997)
- * so that one loop sums any picture. Cell i's column wall lies between i - 1 and i, its row wall between i - width and i;
- * walls that do not exist have the vector 0. */
+ *   hemicube  2N x 2N: the top in the middle, the upper halves of the four sides folded out around it; the
+ * four corner blocks are blank rays      N x N cells of the concentric map (Shirley and Chiu 1997) so that
+ * one loop sums any picture. Cell i's column wall lies between i - 1 and i, its row wall between i - width
+ * and i; walls that do not exist have the vector 0. */
 #ifndef SL_CACHE_GATHER_TABLES_H
 #define SL_CACHE_GATHER_TABLES_H
 
@@ -34,19 +33,22 @@ typedef struct sl_gather_tables {
     double weight_sum;
     float *block;  /* the one allocation behind all the planes */
 
-    /* Cosine weight W; W over the distance at unit depth (for the harmonic mean); tangential part of the cell's vector V. */
+    /* Cosine weight W; W over the distance at unit depth (for the harmonic mean); tangential part of the
+     * cell's vector V. */
     float *weight, *weight_by_depth, *vector_x, *vector_y;
     /* dE/dx, dE/dy = (L_i - L_i-1) (x, y) / smaller depth. */
     float *column_x, *column_y, *row_x, *row_y;
-    /* Second derivatives: d2E/dx2, d2E/dxdy, d2E/dy2 = (L_i - L_i-1) (xx, xy, yy) / smaller depth squared; and of the
-     * vertex between cells i, i - 1, i - width and i - width - 1, whose factor sum_curvature() makes. */
+    /* Second derivatives: d2E/dx2, d2E/dxdy, d2E/dy2 = (L_i - L_i-1) (xx, xy, yy) / smaller depth squared;
+     * and of the vertex between cells i, i - 1, i - width and i - width - 1, whose factor sum_curvature()
+     * makes. */
     float *column_xx, *column_xy, *column_yy, *row_xx, *row_xy, *row_yy, *vertex_xx, *vertex_xy, *vertex_yy;
-    /* Direction of the cell's centre in the local frame, in units of its depth: (u, v, 1) on the plane, one face axis 1 on the
-     * hemicube, unit for rays. And its length. */
+    /* Direction of the cell's centre in the local frame, in units of its depth: (u, v, 1) on the plane, one
+     * face axis 1 on the hemicube, unit for rays. And its length. */
     float *direction_x, *direction_y, *direction_z, *length;
     /* Used cells in the order in which they are traced and shaded: tiles of 4 x 4. */
     uint32_t *order;
-    float *slot_a, *slot_b; /* rays: the lower corner of cell order[k] in the square that the concentric map maps */
+    /* rays: the lower corner of cell order[k] in the square that the concentric map maps */
+    float *slot_a, *slot_b;
     size_t seam_count;
     sl_gather_seam *seams;
 } sl_gather_tables;
@@ -57,8 +59,9 @@ sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tan
 void sl_gather_tables_destroy(sl_gather_tables *tables);
 size_t sl_gather_tables_bytes(const sl_gather_tables *tables);
 
-/* The concentric map of Shirley and Chiu, [-1,1]^2 to the unit disc: radius a, azimuth pi/4 b/a where |a| > |b|; else radius b, azimuth
- * pi/2 - pi/4 a/b. A negative radius is the opposite side. Equal areas stay equal. */
+/* The concentric map of Shirley and Chiu, [-1,1]^2 to the unit disc: radius a, azimuth pi/4 b/a where |a| >
+ * |b|; else radius b, azimuth pi/2 - pi/4 a/b. A negative radius is the opposite side. Equal areas stay
+ * equal. */
 void sl_concentric_disc(double a, double b, double *x, double *y);
 
 #endif

@@ -47,7 +47,8 @@ void sl_glossy_hits_begin(const sl_gather_view *view, size_t first, size_t count
     }
 }
 
-/* ks (n + 2) / (2 pi) cos^n alpha times the irradiance, alpha between the light and the mirror direction of the way to the gather. */
+/* ks (n + 2) / (2 pi) cos^n alpha times the irradiance, alpha between the light and the mirror direction of
+ * the way to the gather. */
 void sl_glossy_hits_add(const sl_gather_view *view, size_t k, sl_vec3 to_light, sl_rgb irradiance) {
     const sl_gather_hits *h = &view->scratch->hits;
     sl_glossy_hits *g = view->scratch->glossy;
@@ -58,7 +59,8 @@ void sl_glossy_hits_add(const sl_gather_view *view, size_t k, sl_vec3 to_light, 
     sl_vec3 mirrored = sl_normalize_or(sl_sub(away, sl_scale(n, 2.0f * sl_dot(n, away))), n);
     float cosine = sl_dot(mirrored, sl_normalize_or(to_light, n));
     if (!(cosine > 0.0f)) return;
-    float lobe = (m->exponent + 2.0f) * (float)(0.5 / SL_PI) * sl_powf(cosine < 1.0f ? cosine : 1.0f, m->exponent);
+    float lobe =
+        (m->exponent + 2.0f) * (float)(0.5 / SL_PI) * sl_powf(cosine < 1.0f ? cosine : 1.0f, m->exponent);
     g->radiance[k].r += m->specular.r * lobe * irradiance.r;
     g->radiance[k].g += m->specular.g * lobe * irradiance.g;
     g->radiance[k].b += m->specular.b * lobe * irradiance.b;
@@ -76,11 +78,13 @@ static void add_light(void *context, const sl_arrivals *arrivals, const float *l
     for (size_t i = 0; i < b->count; i++) {
         float share = arrivals->weight[i] * lit[i];
         if (share > 0.0f)
-            sl_glossy_hits_add(b->view, b->first + i, sl_v3(arrivals->x[i], arrivals->y[i], arrivals->z[i]), sl_rgb_scale(colour, share));
+            sl_glossy_hits_add(b->view, b->first + i, sl_v3(arrivals->x[i], arrivals->y[i], arrivals->z[i]),
+                               sl_rgb_scale(colour, share));
     }
 }
 
-void sl_glossy_hits_add_maps(const sl_gather_view *view, const sl_light_points *points, size_t first, unsigned parts, sl_counters *counters) {
+void sl_glossy_hits_add_maps(const sl_gather_view *view, const sl_light_points *points, size_t first,
+                             unsigned parts, sl_counters *counters) {
     const float *specular = view->scratch->glossy->specular + first;
     mapped_block block = {view, first, points->count};
     bool glossy = false;

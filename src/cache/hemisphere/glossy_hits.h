@@ -1,5 +1,5 @@
-/* What a gather sees reflects direct light by its glossy lobe, too, towards the gather (L G D E, L G G E): where that is asked for and
- * the scene has glossy materials. */
+/* What a gather sees reflects direct light by its glossy lobe, too, towards the gather (L G D E, L G G E):
+ * where that is asked for and the scene has glossy materials. */
 #ifndef SL_CACHE_GATHER_GLOSSY_HITS_H
 #define SL_CACHE_GATHER_GLOSSY_HITS_H
 
@@ -21,7 +21,8 @@ void sl_glossy_hits_begin(const sl_gather_view *view, size_t first, size_t count
 /* Irradiance arrives at slot k from a direction of any length. */
 void sl_glossy_hits_add(const sl_gather_view *view, size_t k, sl_vec3 to_light, sl_rgb irradiance);
 /* The same by shadow maps for a block of slots that starts at `first`. */
-void sl_glossy_hits_add_maps(const sl_gather_view *view, const sl_light_points *points, size_t first, unsigned parts, sl_counters *counters);
+void sl_glossy_hits_add_maps(const sl_gather_view *view, const sl_light_points *points, size_t first,
+                             unsigned parts, sl_counters *counters);
 
 /* Light that arrives at slot k may be seen from the gather: kd, or ks where that counts. */
 static inline float sl_hit_reflectance(const sl_gather_view *view, size_t k) {

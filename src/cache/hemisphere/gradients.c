@@ -5,11 +5,13 @@
 #include "base/math.h"
 
 /* Where side faces of the hemicube meet. */
-static void add_seams(const sl_gather_tables *t, const sl_gather_planes *p, sl_gather_sums *sums, sl_gather_curvature *curvature) {
+static void add_seams(const sl_gather_tables *t, const sl_gather_planes *p, sl_gather_sums *sums,
+                      sl_gather_curvature *curvature) {
     const float *channel[3] = {p->r, p->g, p->b};
     for (size_t i = 0; i < t->seam_count; i++) {
         const sl_gather_seam *s = &t->seams[i];
-        double near_a = (double)p->nearness[s->a], near_b = (double)p->nearness[s->b], near = near_a > near_b ? near_a : near_b;
+        double near_a = (double)p->nearness[s->a], near_b = (double)p->nearness[s->b],
+               near = near_a > near_b ? near_a : near_b;
         for (int c = 0; c < 3; c++) {
             double step = ((double)channel[c][s->b] - (double)channel[c][s->a]) * near;
             sums->translational[c][0] += step * (double)s->x;
@@ -26,9 +28,11 @@ static sl_vec3 tangential(const sl_frame *f, const double v[2]) {
     return sl_to_float(sl_addd(sl_scaled(sl_to_double(f->x), v[0]), sl_scaled(sl_to_double(f->y), v[1])));
 }
 
-/* Eigenvalues of a symmetric 2 x 2 matrix. Of the two ways to write the first one's direction the one that does not cancel. */
+/* Eigenvalues of a symmetric 2 x 2 matrix. Of the two ways to write the first one's direction the one that
+ * does not cancel. */
 static void set_curvature(const sl_frame *f, const sl_gather_curvature *h, sl_irradiance *out) {
-    double mean = 0.5 * (h->xx + h->yy), half = 0.5 * (h->xx - h->yy), radius = sqrt(half * half + h->xy * h->xy);
+    double mean = 0.5 * (h->xx + h->yy), half = 0.5 * (h->xx - h->yy),
+           radius = sqrt(half * half + h->xy * h->xy);
     double sign = mean < 0.0 ? -1.0 : 1.0, x = sign * half, y = sign * h->xy, along[2] = {1.0, 0.0};
     /* The angle of (x, y) halved: (radius + x, y) or (y, radius - x). */
     double a = x >= 0.0 ? radius + x : y, b = x >= 0.0 ? y : radius - x, length = sqrt(a * a + b * b);
@@ -38,7 +42,8 @@ static void set_curvature(const sl_frame *f, const sl_gather_curvature *h, sl_ir
     out->curvature_axis = tangential(f, along);
 }
 
-void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gather_curvature *curvature, sl_irradiance *out) {
+void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gather_curvature *curvature,
+                      sl_irradiance *out) {
     const sl_gather_tables *t = view->gather->tables;
     add_seams(t, &view->scratch->planes, sums, curvature);
     set_curvature(&view->frame, curvature, out);
@@ -47,7 +52,8 @@ void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gathe
         out->rotational[c] = tangential(&view->frame, sums->rotational[c]);
         out->translational[c] = tangential(&view->frame, sums->translational[c]);
     }
-    /* 1/R = (1/pi) sum W / r, the harmonic mean of distances (Ward et al. 1988), weighed by the cosine; W need not sum to pi where a
-     * plane's border is left off. */
-    out->harmonic_mean = sums->inverse_distance > 0.0 ? (float)(t->weight_sum / sums->inverse_distance) : INFINITY;
+    /* 1/R = (1/pi) sum W / r, the harmonic mean of distances (Ward et al. 1988), weighed by the cosine; W
+     * need not sum to pi where a plane's border is left off. */
+    out->harmonic_mean =
+        sums->inverse_distance > 0.0 ? (float)(t->weight_sum / sums->inverse_distance) : INFINITY;
 }

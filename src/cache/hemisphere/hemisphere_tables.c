@@ -2,9 +2,10 @@
 
 #include "base/math.h"
 
-/* ---- closed forms for pixels of the plane at unit distance ------------------------------------------------------- */
+/* ---- closed forms for pixels of the plane at unit distance ----------------------------------- */
 
-/* A primitive is a function F(u, v); the integral over a pixel is the sum of F over its corners with alternating signs. */
+/* A primitive is a function F(u, v); the integral over a pixel is the sum of F over its corners with
+ * alternating signs. */
 typedef double primitive(double u, double v);
 
 static double box(primitive *f, double u0, double u1, double v0, double v1) {
@@ -17,7 +18,8 @@ static double cosine_primitive(double u, double v) {
     return 0.5 * (u / pu * sl_atan(v / pu) + v / pv * sl_atan(u / pv));
 }
 
-/* omega_x d omega = u du dv / l^4; the same function makes the hemicube's side faces, where the cosine is z / l. */
+/* omega_x d omega = u du dv / l^4; the same function makes the hemicube's side faces, where the cosine is z /
+ * l. */
 static double tangential_primitive(double u, double v) {
     double pu = sqrt(1.0 + u * u);
     return -0.5 * sl_atan(v / pu) / pu;
@@ -47,16 +49,17 @@ double sl_plane_wall(double c, double v0, double v1) {
     return wall_primitive(q, v1) - wall_primitive(q, v0);
 }
 
-/* ---- the radial border extension: from an outer edge along the meridians to the horizon ----------------------------- */
+/* ---- the radial border extension: from an outer edge along the meridians to the horizon ------ */
 
 sl_vec3d sl_border_vector(double t, double u0, double u1) {
     sl_vec3d corners[4] = {sl_v3d(u0, t, 1.0), sl_v3d(u1, t, 1.0), sl_v3d(u1, t, 0.0), sl_v3d(u0, t, 0.0)};
     return sl_cell_vector(corners, 4);
 }
 
-/* ---- any cell bounded by great circles ------------------------------------------------------------------------------- */
+/* ---- any cell bounded by great circles ------------------------------------------------------- */
 
-/* The integral of omega over a spherical polygon is a sum over its edges: half the angle along the normal of the edge's plane. */
+/* The integral of omega over a spherical polygon is a sum over its edges: half the angle along the normal of
+ * the edge's plane. */
 sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count) {
     sl_vec3d sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < count; i++) {
@@ -68,10 +71,11 @@ sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count) {
     return sum;
 }
 
-/* ---- edges: what moves when the receiver moves ------------------------------------------------------------------------ */
+/* ---- edges: what moves when the receiver moves ----------------------------------------------- */
 
-/* An edge from a to b seen from the origin: its line's foot h, its unit direction, and the integrals of s^k / (h^2 + s^2)^2
- * along it (k = 1: j1, k = 0: j2). False where there is no edge, or the origin lies on its line. */
+/* An edge from a to b seen from the origin: its line's foot h, its unit direction, and the integrals of s^k /
+ * (h^2 + s^2)^2 along it (k = 1: j1, k = 0: j2). False where there is no edge, or the origin lies on its
+ * line. */
 typedef struct edge {
     sl_vec3d foot, along;
     double j1, j2;
@@ -92,18 +96,19 @@ static bool make_edge(sl_vec3d a, sl_vec3d b, edge *e) {
     return true;
 }
 
-/* A point d of the wall, |d| = l, is seen to move by -delta_perp / l (depth 1), and sweeps (e x d) . delta / l^3 of solid angle
- * an element; times the cosine n . d / l. e x d is the same all along the edge, n . d is linear on it. */
+/* A point d of the wall, |d| = l, is seen to move by -delta_perp / l (depth 1), and sweeps (e x d) . delta /
+ * l^3 of solid angle an element; times the cosine n . d / l. e x d is the same all along the edge, n . d is
+ * linear on it. */
 sl_vec3d sl_wall_vector(sl_vec3d a, sl_vec3d b) {
     edge e;
     if (!make_edge(a, b, &e)) return sl_v3d(0.0, 0.0, 0.0);
     return sl_scaled(sl_crossd(e.along, e.foot), e.foot.z * e.j2 + e.along.z * e.j1);
 }
 
-/* ---- second derivatives ----------------------------------------------------------------------------------------------- */
+/* ---- second derivatives ---------------------------------------------------------------------- */
 
-/* Nusselt's disc, q = the tangential part of the direction, has equal areas where cosine weights are equal, so that second
- * derivatives are those of areas and need none of a kernel. A point at distance l is seen at
+/* Nusselt's disc, q = the tangential part of the direction, has equal areas where cosine weights are equal,
+ * so that second derivatives are those of areas and need none of a kernel. A point at distance l is seen at
  *     q(delta) = q + (s q - delta) / l + (q (3 s^2 - delta^2) / 2 - s delta) / l^2 + ...,   s = q . delta. */
 typedef struct disc_point {
     double x, y, distance;
@@ -114,9 +119,9 @@ static disc_point on_disc(sl_vec3d direction) {
     return (disc_point){direction.x / length, direction.y / length, length};
 }
 
-/* A segment from q0 to q1 sweeps half the cross product of the diagonals (q1' - q0) x (q0' - q1) to its left: with D = q1 - q0,
- * first order d and second order e of each end, that is half of D x (d0 + d1) + D x (e0 + e1) + d1 x d0. The last two, for
- * one displacement. */
+/* A segment from q0 to q1 sweeps half the cross product of the diagonals (q1' - q0) x (q0' - q1) to its left:
+ * with D = q1 - q0, first order d and second order e of each end, that is half of D x (d0 + d1) + D x (e0 +
+ * e1) + d1 x d0. The last two, for one displacement. */
 static double swept(disc_point a, disc_point b, double x, double y) {
     double sum[2] = {0.0, 0.0}, d[2][2];
     const disc_point ends[2] = {a, b};
@@ -140,7 +145,8 @@ sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b) {
     for (int i = 1; i <= PIECES; i++) {
         double share = (double)i / PIECES;
         disc_point to = on_disc(sl_addd(sl_scaled(a, 1.0 - share), sl_scaled(b, share)));
-        double xx = swept(from, to, 1.0, 0.0), yy = swept(from, to, 0.0, 1.0), both = swept(from, to, 1.0, 1.0);
+        double xx = swept(from, to, 1.0, 0.0), yy = swept(from, to, 0.0, 1.0),
+               both = swept(from, to, 1.0, 1.0);
         sum.xx += 2.0 * xx;
         sum.yy += 2.0 * yy;
         sum.xy += both - xx - yy;
@@ -149,14 +155,19 @@ sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b) {
     return sum;
 }
 
-/* The corner moves by m = s q - delta over its wall's distance; a line of direction v is crossed by one of direction h where that one
- * is, so that the corner slides along it by m x h / (v x h). The area between: (m x v)(m x h) / (v x h). */
-sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d left, sl_vec3d up, sl_vec3d down) {
-    disc_point q = on_disc(direction), r = on_disc(right), l = on_disc(left), u = on_disc(up), d = on_disc(down);
+/* The corner moves by m = s q - delta over its wall's distance; a line of direction v is crossed by one of
+ * direction h where that one is, so that the corner slides along it by m x h / (v x h). The area between: (m
+ * x v)(m x h) / (v x h). */
+sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d left, sl_vec3d up,
+                                 sl_vec3d down) {
+    disc_point q = on_disc(direction), r = on_disc(right), l = on_disc(left), u = on_disc(up),
+               d = on_disc(down);
     double hx = r.x - l.x, hy = r.y - l.y, vx = u.x - d.x, vy = u.y - d.y, area = vx * hy - vy * hx;
     if (!(fabs(area) > 0.0)) return (sl_curvature){0.0, 0.0, 0.0};
     /* m = M delta, M symmetric; (m x v) = delta . cv, (m x h) = delta . ch. */
-    double mxx = (q.x * q.x - 1.0) / q.distance, mxy = q.x * q.y / q.distance, myy = (q.y * q.y - 1.0) / q.distance;
-    double cvx = mxx * vy - mxy * vx, cvy = mxy * vy - myy * vx, chx = mxx * hy - mxy * hx, chy = mxy * hy - myy * hx;
+    double mxx = (q.x * q.x - 1.0) / q.distance, mxy = q.x * q.y / q.distance,
+           myy = (q.y * q.y - 1.0) / q.distance;
+    double cvx = mxx * vy - mxy * vx, cvy = mxy * vy - myy * vx, chx = mxx * hy - mxy * hx,
+           chy = mxy * hy - myy * hx;
     return (sl_curvature){2.0 * cvx * chx / area, (cvx * chy + cvy * chx) / area, 2.0 * cvy * chy / area};
 }

@@ -4,8 +4,9 @@
 
 #include "base/vec.h"
 
-/* Closed forms, cell [u0,u1] x [v0,v1] of the plane at unit distance. A point (u, v) of it is the direction omega = (u, v, 1) / l,
- * l^2 = 1 + u^2 + v^2, and d omega = du dv / l^3. Each integral is a sum of a function F over the cell's four corners,
+/* Closed forms, cell [u0,u1] x [v0,v1] of the plane at unit distance. A point (u, v) of it is the direction
+ * omega = (u, v, 1) / l, l^2 = 1 + u^2 + v^2, and d omega = du dv / l^3. Each integral is a sum of a function
+ * F over the cell's four corners,
  *
  *     box F = F(u1, v1) - F(u0, v1) - F(u1, v0) + F(u0, v0)
  *
@@ -18,32 +19,37 @@ sl_vec3d sl_plane_vector(double u0, double u1, double v0, double v1);
 /* Of dv / l^4 along the wall u = c, from v0 to v1: what sl_wall_vector() is there. With q = p(c):
  *     I = [v / (2 q^2 (q^2 + v^2)) + atan(v / q) / (2 q^3)] from v0 to v1. */
 double sl_plane_wall(double c, double v0, double v1);
-/* Half side face of the hemicube, u sideways, z upwards: direction (u, z, 1) / l with the normal along z, so that the cosine weight is the
- * integral of z du dz / l^4: box X^T, X^T(u, z) = -atan(u / p(z)) / (2 p(z)). */
+/* Half side face of the hemicube, u sideways, z upwards: direction (u, z, 1) / l with the normal along z, so
+ * that the cosine weight is the integral of z du dz / l^4: box X^T, X^T(u, z) = -atan(u / p(z)) / (2 p(z)).
+ */
 double sl_side_cosine_weight(double u0, double u1, double z0, double z1);
-/* Any cell bounded by great circles, corners a_i counter-clockwise seen from outside, of any length. Integral of omega d omega, of which
- * the z component is the cosine weight (Lambert's formula), theta_i being the angle between a_i and a_i+1:
- *     V = sum over edges of theta_i (a_i x a_i+1) / (2 |a_i x a_i+1|). */
+/* Any cell bounded by great circles, corners a_i counter-clockwise seen from outside, of any length. Integral
+ * of omega d omega, of which the z component is the cosine weight (Lambert's formula), theta_i being the
+ * angle between a_i and a_i+1: V = sum over edges of theta_i (a_i x a_i+1) / (2 |a_i x a_i+1|). */
 sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count);
-/* The same of the radial border extension of an outer edge on side v = t: the cell from the edge, u0 to u1, along the meridians down to the horizon. */
+/* The same of the radial border extension of an outer edge on side v = t: the cell from the edge, u0 to u1,
+ * along the meridians down to the horizon. */
 sl_vec3d sl_border_vector(double t, double u0, double u1);
-/* How a wall between two cells moves. The wall is the arc from direction a to direction b; it is made by surfaces
- * at depth 1 along the axis in whose units a and b are given. The vector g: displacing the receiver by delta gives the
- * cosine weight g . delta to the cell on the right of a -> b (for one who looks along +z, x right and y up), taken from the
- * cell on its left. With e the unit vector from a to b and d = a + s e the points between them:
- *     g = integral of (e x d) d_z / |d|^4 ds,   which on the plane's column wall u = c is I (1, 0, -c). */
+/* How a wall between two cells moves. The wall is the arc from direction a to direction b; it is made by
+ * surfaces at depth 1 along the axis in whose units a and b are given. The vector g: displacing the receiver
+ * by delta gives the cosine weight g . delta to the cell on the right of a -> b (for one who looks along +z,
+ * x right and y up), taken from the cell on its left. With e the unit vector from a to b and d = a + s e the
+ * points between them: g = integral of (e x d) d_z / |d|^4 ds,   which on the plane's column wall u = c is I
+ * (1, 0, -c). */
 sl_vec3d sl_wall_vector(sl_vec3d a, sl_vec3d b);
 
 /* A symmetric 2 x 2 matrix of second derivatives in the local tangent plane: (xx, xy, yy). */
 typedef struct sl_curvature {
     double xx, xy, yy;
 } sl_curvature;
-/* The next order of the same motion: displacing the receiver by a tangential delta gives the cell on the right
- * g . delta + delta . K delta / 2, where the wall's ends move as points of the world at depth 1. */
+/* The next order of the same motion: displacing the receiver by a tangential delta gives the cell on the
+ * right g . delta + delta . K delta / 2, where the wall's ends move as points of the world at depth 1. */
 sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b);
-/* Where four walls of different depths meet, none of their ends moves as its own wall does, but along its wall with the walls that
- * cross it. What that adds to delta . H delta / 2 is this form, times a factor made of the walls' steps and nearnesses
- * (gather_kernels.c). direction: of the corner; right, left, up, down: of the walls' other ends; all in units of depth. */
-sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d left, sl_vec3d up, sl_vec3d down);
+/* Where four walls of different depths meet, none of their ends moves as its own wall does, but along its
+ * wall with the walls that cross it. What that adds to delta . H delta / 2 is this form, times a factor made
+ * of the walls' steps and nearnesses (gather_kernels.c). direction: of the corner; right, left, up, down: of
+ * the walls' other ends; all in units of depth. */
+sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d left, sl_vec3d up,
+                                 sl_vec3d down);
 
 #endif

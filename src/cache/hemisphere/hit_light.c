@@ -1,9 +1,10 @@
-/* Direct light on what a gather sees, by shadow rays: every light without extent lights every hit (where there are more than eight, they
- * are drawn from as the others are), emitters and environment are sampled (hit_samples.c).
+/* Direct light on what a gather sees, by shadow rays: every light without extent lights every hit (where
+ * there are more than eight, they are drawn from as the others are), emitters and environment are sampled
+ * (hit_samples.c).
  *
- * Of more than SL_LIGHT_SOURCES_MAX sources a tree chooses one for each sample by place (trace/light_tree.h); the numbers that do so are
- * one three-dimensional Kronecker sequence over the hits of the gather (Roberts' R3), rotated by the point's key, so that all hits
- * together are spread evenly over the lights. */
+ * Of more than SL_LIGHT_SOURCES_MAX sources a tree chooses one for each sample by place (trace/light_tree.h);
+ * the numbers that do so are one three-dimensional Kronecker sequence over the hits of the gather (Roberts'
+ * R3), rotated by the point's key, so that all hits together are spread evenly over the lights. */
 #include "cache/hemisphere/hit_light.h"
 
 #include "base/math.h"
@@ -14,7 +15,8 @@
 void sl_flush_shadow_rays(sl_shadow_queue *q) {
     if (q->count == 0) return;
     const sl_gather_hits *h = &q->view->scratch->hits;
-    uint32_t occluded = sl_trace_occluded(q->view->gather->tracer, &q->rays, q->count, q->coherent, q->counters);
+    uint32_t occluded =
+        sl_trace_occluded(q->view->gather->tracer, &q->rays, q->count, q->coherent, q->counters);
     for (unsigned i = 0; i < q->count; i++) {
         if (q->arrived) q->arrived[q->tag[i]] = !(occluded >> i & 1u);
         if (occluded >> i & 1u) continue;
@@ -22,12 +24,15 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
         h->irradiance_g[q->slot[i]] += q->light[i].g;
         h->irradiance_b[q->slot[i]] += q->light[i].b;
         if (q->view->scratch->glossy)
-            sl_glossy_hits_add(q->view, q->slot[i], sl_v3(q->rays.direction_x[i], q->rays.direction_y[i], q->rays.direction_z[i]), q->light[i]);
+            sl_glossy_hits_add(q->view, q->slot[i],
+                               sl_v3(q->rays.direction_x[i], q->rays.direction_y[i], q->rays.direction_z[i]),
+                               q->light[i]);
     }
     q->count = 0;
 }
 
-void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away, sl_rgb irradiance, uint32_t tag) {
+void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away,
+                       sl_rgb irradiance, uint32_t tag) {
     unsigned i = q->count++;
     /* short of the light itself */
     sl_ray16_set(&q->rays, i, origin, direction, 0.0f, far_away ? INFINITY : 1.0f - 1e-4f,
@@ -38,12 +43,14 @@ void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 dir
     if (q->count == SL_PACKET) sl_flush_shadow_rays(q);
 }
 
-void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance, uint32_t tag) {
+void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance,
+                        uint32_t tag) {
     const sl_gather_hits *h = &q->view->scratch->hits;
     bool far_away = isinf(distance);
     float offset = sl_scene_offset_at(q->view->gather->scene, q->view->gather->offset, sl_hit_position(h, k));
     sl_vec3 shift = sl_v3(offset * h->geometric_x[k], offset * h->geometric_y[k], offset * h->geometric_z[k]);
-    /* From the shifted origin to the same point of the light: beside it, the ray could end behind the light. */
+    /* From the shifted origin to the same point of the light: beside it, the ray could end behind the light.
+     */
     sl_vec3 direction = far_away ? to_light : sl_sub(sl_scale(to_light, distance), shift);
     sl_push_ready_ray(q, k, sl_add(sl_hit_position(h, k), shift), direction, far_away, irradiance, tag);
 }
@@ -59,7 +66,8 @@ static void light_by_each(const sl_gather_view *view, size_t first, size_t count
             float distance;
             sl_rgb facing;
             if (!sl_hit_reflects(view, k)) continue;
-            if (!sl_light_illuminate(&scene->lights[i], sl_hit_position(h, k), &to_light, &distance, &facing)) continue;
+            if (!sl_light_illuminate(&scene->lights[i], sl_hit_position(h, k), &to_light, &distance, &facing))
+                continue;
             float cosine = sl_hit_cosine(h, k, to_light);
             if (cosine > 0.0f) sl_push_shadow_ray(q, k, to_light, distance, sl_rgb_scale(facing, cosine), 0);
         }
@@ -71,8 +79,8 @@ static void light_by_each(const sl_gather_view *view, size_t first, size_t count
 
 static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
-/* Given its emitter, a sample stands for 1 / pdf of solid angle; very near to the emitter that grows beyond a hemisphere, which none
- * fills, and single hits would outshine the gather. So it is cut there. */
+/* Given its emitter, a sample stands for 1 / pdf of solid angle; very near to the emitter that grows beyond a
+ * hemisphere, which none fills, and single hits would outshine the gather. So it is cut there. */
 static float bounded(const sl_light_sample *sample) {
     if (sample->triangle == SL_NO_INDEX || !(sample->chance > 0.0f)) return 1.0f;
     float share = sample->pdf / sample->chance * (float)(2.0 * SL_PI);
@@ -80,14 +88,17 @@ static float bounded(const sl_light_sample *sample) {
 }
 
 /* One light sample at slot k, one of 1 / share. */
-static void light_by_one_of_many(const sl_gather_view *view, sl_shadow_queue *q, size_t k, float select, float u1, float u2, float share) {
+static void light_by_one_of_many(const sl_gather_view *view, sl_shadow_queue *q, size_t k, float select,
+                                 float u1, float u2, float share) {
     const sl_gather_hits *h = &view->scratch->hits;
     sl_light_sample sample;
     sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
-    if (!sl_light_sampler_sample_at(view->gather->sampler, sl_hit_position(h, k), n, select, u1, u2, &sample)) return;
+    if (!sl_light_sampler_sample_at(view->gather->sampler, sl_hit_position(h, k), n, select, u1, u2, &sample))
+        return;
     float cosine = sl_hit_cosine(h, k, sample.to_light);
     if (!(cosine > 0.0f)) return;
-    sl_push_shadow_ray(q, k, sample.to_light, sample.distance, sl_rgb_scale(sample.radiance, share * cosine * bounded(&sample)), 0);
+    sl_push_shadow_ray(q, k, sample.to_light, sample.distance,
+                       sl_rgb_scale(sample.radiance, share * cosine * bounded(&sample)), 0);
 }
 
 /* Steps of the R3 sequence: powers of 1/g, g^4 = g + 1, as fractions of 2^32. */
@@ -97,8 +108,10 @@ static void light_by_many(const sl_gather_view *view, sl_shadow_queue *q) {
     uint32_t samples = view->gather->settings.hit_samples;
     float share = 1.0f / (float)samples;
     for (uint32_t i = 0; i < samples; i++) {
-        for (size_t k = 0; k < view->scratch->slots; k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
-            if (sl_hit_reflects(view, k)) light_by_one_of_many(view, q, k, unit(select), unit(u1), unit(u2), share);
+        for (size_t k = 0; k < view->scratch->slots;
+             k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
+            if (sl_hit_reflects(view, k))
+                light_by_one_of_many(view, q, k, unit(select), unit(u1), unit(u2), share);
         }
     }
     sl_flush_shadow_rays(q);

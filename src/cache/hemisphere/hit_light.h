@@ -17,12 +17,16 @@ typedef struct sl_shadow_queue {
 } sl_shadow_queue;
 
 /* Irradiance arrives at slot k from a unit direction, unless something is in the way. */
-void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance, uint32_t tag);
+void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance,
+                        uint32_t tag);
 /* The same by a ray made ready: short of the light by a little if it is not far away. */
-void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away, sl_rgb irradiance, uint32_t tag);
+void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away,
+                       sl_rgb irradiance, uint32_t tag);
 void sl_flush_shadow_rays(sl_shadow_queue *q);
 
-static inline bool sl_hit_reflects(const sl_gather_view *view, size_t k) { return sl_hit_reflectance(view, k) > 0.0f; }
+static inline bool sl_hit_reflects(const sl_gather_view *view, size_t k) {
+    return sl_hit_reflectance(view, k) > 0.0f;
+}
 
 static inline sl_vec3 sl_hit_position(const sl_gather_hits *h, size_t k) {
     return sl_v3(h->position_x[k], h->position_y[k], h->position_z[k]);
@@ -35,8 +39,8 @@ static inline float sl_hit_cosine(const sl_gather_hits *h, size_t k, sl_vec3 d) 
     return cosine > 0.0f && above > 0.0f ? cosine : 0.0f;
 }
 
-/* Direct light by shadow rays (hit_light.c): from the lights that light every hit, on slots first to first + count, and what is expected of the
- * others there; then samples of these on all slots. */
+/* Direct light by shadow rays (hit_light.c): from the lights that light every hit, on slots first to first +
+ * count, and what is expected of the others there; then samples of these on all slots. */
 void sl_gather_light_first(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters);
 void sl_gather_light_sampled(const sl_gather_view *view, sl_counters *counters);
 /* The samples' part of it, where the sources are few enough to be weighed at every hit (hit_samples.c). */

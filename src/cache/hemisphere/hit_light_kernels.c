@@ -53,12 +53,16 @@ static inline float rough_angle(float y, float x) { /* of (x, y), y >= 0, in [0,
 static const float by_angle = 0.25f;
 
 /* Within an emitter's size of it: radiance times solid angle times about its mean cosine. */
-static void weigh_near_emitters(const sl_light_sources *s, size_t first, const float *restrict visible, receiver p, float *restrict weight) {
+static void weigh_near_emitters(const sl_light_sources *s, size_t first, const float *restrict visible,
+                                receiver p, float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first;
     const float *restrict near = s->near + first, *restrict radiance = s->radiance + first;
-    const float *restrict ax = s->corner[0][0] + first, *restrict ay = s->corner[0][1] + first, *restrict az = s->corner[0][2] + first;
-    const float *restrict bx = s->corner[1][0] + first, *restrict by = s->corner[1][1] + first, *restrict bz = s->corner[1][2] + first;
-    const float *restrict cx = s->corner[2][0] + first, *restrict cy = s->corner[2][1] + first, *restrict cz = s->corner[2][2] + first;
+    const float *restrict ax = s->corner[0][0] + first, *restrict ay = s->corner[0][1] + first,
+                          *restrict az = s->corner[0][2] + first;
+    const float *restrict bx = s->corner[1][0] + first, *restrict by = s->corner[1][1] + first,
+                          *restrict bz = s->corner[1][2] + first;
+    const float *restrict cx = s->corner[2][0] + first, *restrict cy = s->corner[2][1] + first,
+                          *restrict cz = s->corner[2][2] + first;
     float unit = s->unit;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
@@ -67,14 +71,18 @@ static void weigh_near_emitters(const sl_light_sources *s, size_t first, const f
         float ux = (ax[l] - p.x) * unit, uy = (ay[l] - p.y) * unit, uz = (az[l] - p.z) * unit;
         float vx = (bx[l] - p.x) * unit, vy = (by[l] - p.y) * unit, vz = (bz[l] - p.z) * unit;
         float wx = (cx[l] - p.x) * unit, wy = (cy[l] - p.y) * unit, wz = (cz[l] - p.z) * unit;
-        float over_u = 1.0f / sqrtf(ux * ux + uy * uy + uz * uz + 1e-30f), over_v = 1.0f / sqrtf(vx * vx + vy * vy + vz * vz + 1e-30f);
+        float over_u = 1.0f / sqrtf(ux * ux + uy * uy + uz * uz + 1e-30f),
+              over_v = 1.0f / sqrtf(vx * vx + vy * vy + vz * vz + 1e-30f);
         float over_w = 1.0f / sqrtf(wx * wx + wy * wy + wz * wz + 1e-30f);
-        ux *= over_u, uy *= over_u, uz *= over_u, vx *= over_v, vy *= over_v, vz *= over_v, wx *= over_w, wy *= over_w, wz *= over_w;
+        ux *= over_u, uy *= over_u, uz *= over_u, vx *= over_v, vy *= over_v, vz *= over_v, wx *= over_w,
+            wy *= over_w, wz *= over_w;
         float volume = fabsf(ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx));
-        float around = 1.0f + (ux * vx + uy * vy + uz * vz) + (vx * wx + vy * wy + vz * wz) + (wx * ux + wy * uy + wz * uz);
+        float around = 1.0f + (ux * vx + uy * vy + uz * vz) + (vx * wx + vy * wy + vz * wz) +
+                       (wx * ux + wy * uy + wz * uz);
         float angle = 2.0f * rough_angle(volume, around);
         float middle = (dx * p.normal_x + dy * p.normal_y + dz * p.normal_z) / sqrtf(squared + 1e-30f);
-        float cu = ux * p.normal_x + uy * p.normal_y + uz * p.normal_z, cv = vx * p.normal_x + vy * p.normal_y + vz * p.normal_z;
+        float cu = ux * p.normal_x + uy * p.normal_y + uz * p.normal_z,
+              cv = vx * p.normal_x + vy * p.normal_y + vz * p.normal_z;
         float cw = wx * p.normal_x + wy * p.normal_y + wz * p.normal_z;
         float mean = 0.02f + 0.5f * (middle > 0.0f ? middle : 0.0f);
         mean += (1.0f / 6.0f) * ((cu > 0.0f ? cu : 0.0f) + (cv > 0.0f ? cv : 0.0f) + (cw > 0.0f ? cw : 0.0f));
@@ -84,17 +92,21 @@ static void weigh_near_emitters(const sl_light_sources *s, size_t first, const f
     }
 }
 
-/* strength cos cos' / d^2 by the centroids; the cosine at the hit falls smoothly to 0 where all of an emitter has set. */
-static inline void weigh_emitters(const sl_light_sources *s, size_t first, const float *restrict visible, receiver p, float *restrict weight) {
+/* strength cos cos' / d^2 by the centroids; the cosine at the hit falls smoothly to 0 where all of an emitter
+ * has set. */
+static inline void weigh_emitters(const sl_light_sources *s, size_t first, const float *restrict visible,
+                                  receiver p, float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first;
-    const float *restrict ex = s->normal_x + first, *restrict ey = s->normal_y + first, *restrict ez = s->normal_z + first;
+    const float *restrict ex = s->normal_x + first, *restrict ey = s->normal_y + first,
+                          *restrict ez = s->normal_z + first;
     const float *restrict extents = s->extent + first, *restrict strength = s->strength + first;
     const float *restrict near = s->near + first, *restrict two_sided = s->two_sided + first;
     float unit = s->unit;
     int any_near = 0;
 #pragma omp simd reduction(| : any_near)
     for (int l = 0; l < LANES; l++) {
-        float dx = (sx[l] - p.x) * unit, dy = (sy[l] - p.y) * unit, dz = (sz[l] - p.z) * unit, extent = extents[l];
+        float dx = (sx[l] - p.x) * unit, dy = (sy[l] - p.y) * unit, dz = (sz[l] - p.z) * unit,
+              extent = extents[l];
         float squared = dx * dx + dy * dy + dz * dz, least = 0.25f * extent * extent;
         float above = p.normal_x * dx + p.normal_y * dy + p.normal_z * dz;
         float part = above + extent;
@@ -110,13 +122,16 @@ static inline void weigh_emitters(const sl_light_sources *s, size_t first, const
     if (any_near) weigh_near_emitters(s, first, visible, p, weight);
 }
 
-static inline void weigh_points(const sl_light_sources *s, size_t first, const float *restrict visible, receiver p, float *restrict weight) {
-    const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first, *restrict strength = s->strength + first;
+static inline void weigh_points(const sl_light_sources *s, size_t first, const float *restrict visible,
+                                receiver p, float *restrict weight) {
+    const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first,
+                          *restrict strength = s->strength + first;
     float unit = s->unit;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
         float dx = (sx[l] - p.x) * unit, dy = (sy[l] - p.y) * unit, dz = (sz[l] - p.z) * unit;
-        float squared = dx * dx + dy * dy + dz * dz, above = p.normal_x * dx + p.normal_y * dy + p.normal_z * dz;
+        float squared = dx * dx + dy * dy + dz * dz,
+              above = p.normal_x * dx + p.normal_y * dy + p.normal_z * dz;
         float over = 1.0f / (squared > 1e-12f ? squared : 1e-12f);
         float w = strength[l] * visible[l] * over * (above * sqrtf(over));
         weight[l] = above > 0.0f ? w : 0.0f;
@@ -124,8 +139,10 @@ static inline void weigh_points(const sl_light_sources *s, size_t first, const f
 }
 
 /* Of the sky: the squares of a unit normal's components sum to 1, they weigh the six irradiances. */
-static inline void weigh_far(const sl_light_sources *s, size_t first, const float *restrict visible, receiver p, float *restrict weight) {
-    const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first, *restrict strength = s->strength + first;
+static inline void weigh_far(const sl_light_sources *s, size_t first, const float *restrict visible,
+                             receiver p, float *restrict weight) {
+    const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first,
+                          *restrict strength = s->strength + first;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
         float above = p.normal_x * sx[l] + p.normal_y * sy[l] + p.normal_z * sz[l];
@@ -134,13 +151,16 @@ static inline void weigh_far(const sl_light_sources *s, size_t first, const floa
     if (s->sky < first || s->sky >= first + LANES) return;
     const float *sky = s->sky_irradiance;
     float x = p.normal_x, y = p.normal_y, z = p.normal_z;
-    float sum = x * x * (x < 0.0f ? sky[1] : sky[0]) + y * y * (y < 0.0f ? sky[3] : sky[2]) + z * z * (z < 0.0f ? sky[5] : sky[4]);
+    float sum = x * x * (x < 0.0f ? sky[1] : sky[0]) + y * y * (y < 0.0f ? sky[3] : sky[2]) +
+                z * z * (z < 0.0f ? sky[5] : sky[4]);
     weight[s->sky - first] = sum * visible[s->sky - first];
 }
 
-static inline void weigh_block(const sl_light_sources *s, size_t block, const uint8_t *seen, receiver p, float *restrict weight) {
+static inline void weigh_block(const sl_light_sources *s, size_t block, const uint8_t *seen, receiver p,
+                               float *restrict weight) {
     size_t first = block * LANES;
-    _Alignas(64) float visible[LANES]; /* made floats by themselves: beside bytes, floats are not computed in whole registers */
+    /* made floats by themselves: beside bytes, floats are not computed in whole registers */
+    _Alignas(64) float visible[LANES];
     for (int l = 0; l < LANES; l++) visible[l] = (float)seen[first + (size_t)l] * (1.0f / 255.0f);
     if (block < s->first_block[SL_SAMPLED_POINT]) weigh_emitters(s, first, visible, p, weight);
     else if (block < s->first_block[SL_SAMPLED_FAR]) weigh_points(s, first, visible, p, weight);
@@ -160,12 +180,15 @@ static inline receiver receiver_of(const sl_expected_light *c, size_t k) {
     return (receiver){c->x[k], c->y[k], c->z[k], c->normal_x[k], c->normal_y[k], c->normal_z[k]};
 }
 
-void SL_KERNEL(sl_hit_light_block)(const sl_light_sources *sources, const sl_visible_lights *visible, const sl_expected_light *light, size_t slot,
-                               size_t block, sl_block_weights *weights) {
-    weigh_block(sources, block, visible->visible + light->region[slot] * visible->sources, receiver_of(light, slot), weights->of);
+void SL_KERNEL(sl_hit_light_block)(const sl_light_sources *sources, const sl_visible_lights *visible,
+                                   const sl_expected_light *light, size_t slot, size_t block,
+                                   sl_block_weights *weights) {
+    weigh_block(sources, block, visible->visible + light->region[slot] * visible->sources,
+                receiver_of(light, slot), weights->of);
 }
 
-void SL_KERNEL(sl_hit_light_expect)(const sl_light_sources *s, const sl_visible_lights *visible, const sl_expected_light *c) {
+void SL_KERNEL(sl_hit_light_expect)(const sl_light_sources *s, const sl_visible_lights *visible,
+                                    const sl_expected_light *c) {
     find_regions(visible, c);
     for (size_t k = 0; k < c->count; k++) {
         float *of_block = c->of_block + k * SL_SOURCE_BLOCKS_MAX, sum = 0.0f;
@@ -187,17 +210,21 @@ void SL_KERNEL(sl_hit_light_expect)(const sl_light_sources *s, const sl_visible_
 
 /* ---- points of emitters ---- */
 
-/* Uniform on the triangle: (1 - sqrt u1, sqrt u1 (1 - u2), sqrt u1 u2). What arrives of the radiance: area cos cos' / d^2, cut where it
- * would stand for more than the solid angle of a hemisphere (only emitters with alpha masks are sampled so near). */
+/* Uniform on the triangle: (1 - sqrt u1, sqrt u1 (1 - u2), sqrt u1 u2). What arrives of the radiance: area
+ * cos cos' / d^2, cut where it would stand for more than the solid angle of a hemisphere (only emitters with
+ * alpha masks are sampled so near). */
 void SL_KERNEL(sl_hit_light_points)(const sl_light_sources *s, const sl_point_samples *c) {
     const uint32_t *restrict slot = c->slot, *restrict source = c->source;
     const float *restrict u1 = c->u1, *restrict u2 = c->u2, *restrict share = c->share;
     const float *restrict px = c->position_x, *restrict py = c->position_y, *restrict pz = c->position_z;
     const float *restrict nx = c->normal_x, *restrict ny = c->normal_y, *restrict nz = c->normal_z;
     const float *restrict gx = c->geometric_x, *restrict gy = c->geometric_y, *restrict gz = c->geometric_z;
-    const float *restrict ax = s->corner[0][0], *restrict ay = s->corner[0][1], *restrict az = s->corner[0][2];
-    const float *restrict bx = s->corner[1][0], *restrict by = s->corner[1][1], *restrict bz = s->corner[1][2];
-    const float *restrict cx = s->corner[2][0], *restrict cy = s->corner[2][1], *restrict cz = s->corner[2][2];
+    const float *restrict ax = s->corner[0][0], *restrict ay = s->corner[0][1],
+                          *restrict az = s->corner[0][2];
+    const float *restrict bx = s->corner[1][0], *restrict by = s->corner[1][1],
+                          *restrict bz = s->corner[1][2];
+    const float *restrict cx = s->corner[2][0], *restrict cy = s->corner[2][1],
+                          *restrict cz = s->corner[2][2];
     const float *restrict sx = s->x, *restrict sy = s->y, *restrict sz = s->z;
     const float *restrict ex = s->normal_x, *restrict ey = s->normal_y, *restrict ez = s->normal_z;
     const float *restrict area = s->area, *restrict two_sided = s->two_sided, *restrict limit = s->near;
@@ -216,7 +243,8 @@ void SL_KERNEL(sl_hit_light_points)(const sl_light_sources *s, const sl_point_sa
         float mx = (sx[i] - px[k]) * unit, my = (sy[i] - py[k]) * unit, mz = (sz[i] - pz[k]) * unit;
         near[m] = mx * mx + my * my + mz * mz < limit[i] ? 1.0f : 0.0f;
         float tx = x * unit, ty = y * unit, tz = z * unit, squared = tx * tx + ty * ty + tz * tz;
-        float above = nx[k] * tx + ny[k] * ty + nz[k] * tz, above_plane = gx[k] * tx + gy[k] * ty + gz[k] * tz;
+        float above = nx[k] * tx + ny[k] * ty + nz[k] * tz,
+              above_plane = gx[k] * tx + gy[k] * ty + gz[k] * tz;
         float front = -(ex[i] * tx + ey[i] * ty + ez[i] * tz), size = fabsf(front);
         front = two_sided[i] > 0.0f ? size : front;
         bool lit = (above > 0.0f) & (above_plane > 0.0f) & (front > 0.0f) & (squared > 1e-30f);

@@ -6,8 +6,8 @@
 #include "cache/hemisphere/light_sources.h"
 #include "cache/hemisphere/visible_lights.h"
 
-/* Hits to be lit, by slot. In: places, unit normals, what reflects. Out: the region, what each of its blocks of sources may give, and all
- * of them together with the rest (0: nothing, or no hit). */
+/* Hits to be lit, by slot. In: places, unit normals, what reflects. Out: the region, what each of its blocks
+ * of sources may give, and all of them together with the rest (0: nothing, or no hit). */
 typedef struct sl_expected_light {
     size_t count;
     const float *x, *y, *z, *normal_x, *normal_y, *normal_z, *geometric_x, *geometric_y, *geometric_z;
@@ -22,8 +22,9 @@ typedef struct sl_block_weights {
     _Alignas(64) float of[SL_SOURCE_LANES];
 } sl_block_weights;
 
-/* Light samples with their source chosen: sample m lights slot[m]. In: what is known; out: the shadow ray from the hit's shifted position
- * to the light, and the factor of the emitter's radiance that arrives (0: none). */
+/* Light samples with their source chosen: sample m lights slot[m]. In: what is known; out: the shadow ray
+ * from the hit's shifted position to the light, and the factor of the emitter's radiance that arrives (0:
+ * none). */
 typedef struct sl_point_samples {
     size_t count;
     const uint32_t *slot, *source;
@@ -31,14 +32,17 @@ typedef struct sl_point_samples {
     const float *u1, *u2;
     const float *position_x, *position_y, *position_z, *normal_x, *normal_y, *normal_z; /* of slots */
     const float *geometric_x, *geometric_y, *geometric_z;
-    float offset, rounding; /* a share of its greatest coordinate that a point leaves its surface at least (sl_scene_rounding()) */
+    /* a share of its greatest coordinate that a point leaves its surface at least (sl_scene_rounding()) */
+    float offset, rounding;
     float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *arriving;
     float *near;              /* 1: so near to its emitter that it must be sampled by solid angle */
 } sl_point_samples;
 
-typedef void sl_hit_light_expect_kernel(const sl_light_sources *sources, const sl_visible_lights *visible, const sl_expected_light *light);
-typedef void sl_hit_light_block_kernel(const sl_light_sources *sources, const sl_visible_lights *visible, const sl_expected_light *light, size_t slot,
-                                   size_t block, sl_block_weights *weights);
+typedef void sl_hit_light_expect_kernel(const sl_light_sources *sources, const sl_visible_lights *visible,
+                                        const sl_expected_light *light);
+typedef void sl_hit_light_block_kernel(const sl_light_sources *sources, const sl_visible_lights *visible,
+                                       const sl_expected_light *light, size_t slot, size_t block,
+                                       sl_block_weights *weights);
 typedef void sl_hit_light_points_kernel(const sl_light_sources *sources, const sl_point_samples *samples);
 
 typedef struct sl_hit_light_kernels {

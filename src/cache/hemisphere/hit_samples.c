@@ -1,15 +1,16 @@
-/* Emitters and environment light the hits of a gather by samples: all hits together share a budget, as many samples as there are hits that can
- * be lit (times hit_samples). Where they go is decided in steps, each of which keeps the estimate unbiased:
+/* Emitters and environment light the hits of a gather by samples: all hits together share a budget, as many
+ * samples as there are hits that can be lit (times hit_samples). Where they go is decided in steps, each of
+ * which keeps the estimate unbiased:
  *
- *     which hits     in proportion to the light that each is expected to send back, E albedo W, where E is the sum over the
- *                    sources of what they would give unhindered times how often they are visible from there (visible_lights.h), mixed with an
- *                    even share; by systematic sampling, so a hit gets the number expected, rounded up or down
- *     which source   in proportion to the terms of that sum
- *     which point    uniform in area; within twice an emitter's size uniform in solid angle (Arvo 1995), where 1 / distance^2 would
- *                    make single hits outshine the gather
+ *     which hits     in proportion to the light that each is expected to send back, E albedo W, where E is
+ * the sum over the sources of what they would give unhindered times how often they are visible from there
+ * (visible_lights.h), mixed with an even share; by systematic sampling, so a hit gets the number expected,
+ * rounded up or down which source   in proportion to the terms of that sum which point    uniform in area;
+ * within twice an emitter's size uniform in solid angle (Arvo 1995), where 1 / distance^2 would make single
+ * hits outshine the gather
  *
- * Samples are sorted by source before their points are chosen and their shadow rays traced: points of one source are then well spread over all
- * hits that chose it. */
+ * Samples are sorted by source before their points are chosen and their shadow rays traced: points of one
+ * source are then well spread over all hits that chose it. */
 #include <string.h>
 
 #include "base/math.h"
@@ -28,10 +29,19 @@ static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 static sl_expected_light expected_light(const sl_gather_view *view, size_t first, size_t count) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_light_scratch *s = view->scratch->light;
-    return (sl_expected_light){.count = count, .x = h->position_x + first, .y = h->position_y + first, .z = h->position_z + first,
-                               .normal_x = h->normal_x + first, .normal_y = h->normal_y + first, .normal_z = h->normal_z + first,
-                               .geometric_x = h->geometric_x + first, .geometric_y = h->geometric_y + first, .geometric_z = h->geometric_z + first,
-                               .reflects = s->reflects + first, .region = s->region + first, .of_block = s->of_block + first * SL_SOURCE_BLOCKS_MAX,
+    return (sl_expected_light){.count = count,
+                               .x = h->position_x + first,
+                               .y = h->position_y + first,
+                               .z = h->position_z + first,
+                               .normal_x = h->normal_x + first,
+                               .normal_y = h->normal_y + first,
+                               .normal_z = h->normal_z + first,
+                               .geometric_x = h->geometric_x + first,
+                               .geometric_y = h->geometric_y + first,
+                               .geometric_z = h->geometric_z + first,
+                               .reflects = s->reflects + first,
+                               .region = s->region + first,
+                               .of_block = s->of_block + first * SL_SOURCE_BLOCKS_MAX,
                                .sum = s->expected + first};
 }
 
@@ -58,13 +68,16 @@ static void share_budget(const sl_gather_view *view) {
     }
     double budget = (double)view->gather->settings.hit_samples;
     bool uneven = sum > 0.0 && isfinite(sum);
-    float even = (float)(uneven ? EVEN_SHARE * budget : budget), by_light = (float)(uneven ? (1.0 - EVEN_SHARE) * budget * (double)s->lit / sum : 0.0);
-    for (size_t k = 0; k < slots; k++) s->samples_at[k] = s->expected[k] > 0.0f ? even + by_light * s->samples_at[k] : 0.0f;
+    float even = (float)(uneven ? EVEN_SHARE * budget : budget),
+          by_light = (float)(uneven ? (1.0 - EVEN_SHARE) * budget * (double)s->lit / sum : 0.0);
+    for (size_t k = 0; k < slots; k++)
+        s->samples_at[k] = s->expected[k] > 0.0f ? even + by_light * s->samples_at[k] : 0.0f;
 }
 
 /* ---- which source ---- */
 
-/* The last of n weights that has any among those before which u of their sum is used up; *u: what is left. n: none. */
+/* The last of n weights that has any among those before which u of their sum is used up; *u: what is left. n:
+ * none. */
 static size_t pick(const float *weight, size_t n, float *target) {
     size_t chosen = n;
     for (size_t i = 0; i < n; i++) {
@@ -76,9 +89,10 @@ static size_t pick(const float *weight, size_t n, float *target) {
     return chosen;
 }
 
-/* The block first, then its source, in proportion to their weights; or, for the rest, any source by its power. The density is that of either
- * way to come to the source. */
-static bool choose_source(const sl_gather_view *view, const sl_expected_light *light, size_t k, float u, float again, uint32_t *source, float *chance) {
+/* The block first, then its source, in proportion to their weights; or, for the rest, any source by its
+ * power. The density is that of either way to come to the source. */
+static bool choose_source(const sl_gather_view *view, const sl_expected_light *light, size_t k, float u,
+                          float again, uint32_t *source, float *chance) {
     const sl_light_sources *sources = view->gather->sources;
     const sl_light_region *region = &view->gather->visible->regions[light->region[k]];
     const float *of_block = light->of_block + k * SL_SOURCE_BLOCKS_MAX;
@@ -99,7 +113,8 @@ static bool choose_source(const sl_gather_view *view, const sl_expected_light *l
         *source = (uint32_t)sl_light_sources_by_power(sources, again);
         block = *source / SL_SOURCE_LANES;
         lane = *source % SL_SOURCE_LANES;
-        if (region->blocks >> block & 1u) view->gather->light_kernels.block(sources, view->gather->visible, light, k, block, &w);
+        if (region->blocks >> block & 1u)
+            view->gather->light_kernels.block(sources, view->gather->visible, light, k, block, &w);
     } else if (block < sources->blocks) {
         view->gather->light_kernels.block(sources, view->gather->visible, light, k, block, &w);
         lane = pick(w.of, SL_SOURCE_LANES, &target);
@@ -110,7 +125,8 @@ static bool choose_source(const sl_gather_view *view, const sl_expected_light *l
     return *chance > 0.0f;
 }
 
-/* Systematic sampling: hit after hit, one sample whenever the sum of the expected numbers passes the next whole one. */
+/* Systematic sampling: hit after hit, one sample whenever the sum of the expected numbers passes the next
+ * whole one. */
 static void draw_samples(const sl_gather_view *view, uint64_t key) {
     sl_light_scratch *s = view->scratch->light;
     sl_expected_light light = expected_light(view, 0, view->scratch->slots);
@@ -124,8 +140,11 @@ static void draw_samples(const sl_gather_view *view, uint64_t key) {
             float chance;
             select += 2654435769u; /* golden ratio */
             again += 3242174889u;
-            if (s->samples == s->capacity || !choose_source(view, &light, k, unit(select), unit(again), &source, &chance)) continue;
-            s->chosen[s->samples++] = (sl_chosen_source){(uint32_t)k, source, 1.0f / (chance * s->samples_at[k])};
+            if (s->samples == s->capacity ||
+                !choose_source(view, &light, k, unit(select), unit(again), &source, &chance))
+                continue;
+            s->chosen[s->samples++] =
+                (sl_chosen_source){(uint32_t)k, source, 1.0f / (chance * s->samples_at[k])};
         }
     }
 }
@@ -158,7 +177,8 @@ static void spread_points(sl_light_scratch *s, uint64_t key) {
 
 /* ---- near emitters: points uniform in solid angle ---- */
 
-/* A near emitter that spans less than a millionth of a steradian is seen edge-on or is very small: it is left out. */
+/* A near emitter that spans less than a millionth of a steradian is seen edge-on or is very small: it is left
+ * out. */
 static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q, size_t m) {
     const sl_scene *scene = view->gather->scene;
     const sl_gather_hits *h = &view->scratch->hits;
@@ -179,7 +199,9 @@ static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q
     sl_vec3 to_light = sl_to_float(direction);
     float cosine = sl_hit_cosine(h, k, to_light);
     if (!(cosine > 0.0f) || !(distance > 0.0) || !isfinite(distance)) return;
-    sl_push_shadow_ray(q, k, to_light, (float)distance, sl_rgb_scale(e->radiance, (float)seen.solid_angle * cosine * s->share[m]), (uint32_t)m);
+    sl_push_shadow_ray(q, k, to_light, (float)distance,
+                       sl_rgb_scale(e->radiance, (float)seen.solid_angle * cosine * s->share[m]),
+                       (uint32_t)m);
 }
 
 /* ---- emitters ---- */
@@ -187,14 +209,31 @@ static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q
 static void choose_points(const sl_gather_view *view) {
     const sl_gather_hits *h = &view->scratch->hits;
     sl_light_scratch *s = view->scratch->light;
-    sl_point_samples samples = {
-        .count = s->of_emitters, .slot = s->sample_slot, .source = s->sample_source, .share = s->share, .u1 = s->u1, .u2 = s->u2,
-        .position_x = h->position_x, .position_y = h->position_y, .position_z = h->position_z,
-        .normal_x = h->normal_x, .normal_y = h->normal_y, .normal_z = h->normal_z,
-        .geometric_x = h->geometric_x, .geometric_y = h->geometric_y, .geometric_z = h->geometric_z,
-        .offset = view->gather->offset, .rounding = sl_scene_rounding(view->gather->scene), .origin_x = s->origin_x, .origin_y = s->origin_y, .origin_z = s->origin_z,
-        .direction_x = s->direction_x, .direction_y = s->direction_y, .direction_z = s->direction_z,
-        .arriving = s->arriving, .near = s->near};
+    sl_point_samples samples = {.count = s->of_emitters,
+                                .slot = s->sample_slot,
+                                .source = s->sample_source,
+                                .share = s->share,
+                                .u1 = s->u1,
+                                .u2 = s->u2,
+                                .position_x = h->position_x,
+                                .position_y = h->position_y,
+                                .position_z = h->position_z,
+                                .normal_x = h->normal_x,
+                                .normal_y = h->normal_y,
+                                .normal_z = h->normal_z,
+                                .geometric_x = h->geometric_x,
+                                .geometric_y = h->geometric_y,
+                                .geometric_z = h->geometric_z,
+                                .offset = view->gather->offset,
+                                .rounding = sl_scene_rounding(view->gather->scene),
+                                .origin_x = s->origin_x,
+                                .origin_y = s->origin_y,
+                                .origin_z = s->origin_z,
+                                .direction_x = s->direction_x,
+                                .direction_y = s->direction_y,
+                                .direction_z = s->direction_z,
+                                .arriving = s->arriving,
+                                .near = s->near};
     view->gather->light_kernels.points(view->gather->sources, &samples);
 }
 
@@ -216,17 +255,23 @@ static void light_by_emitters(const sl_gather_view *view, sl_shadow_queue *q) {
             light_by_near_emitter(view, q, m);
             continue;
         }
-        if (!(s->arriving[m] > 0.0f) || !is_opaque_there(view, view->gather->scene->emitters[sources->index[i]].triangle, s->u1[m], s->u2[m])) continue;
-        sl_rgb light = {sources->red[i] * s->arriving[m], sources->green[i] * s->arriving[m], sources->blue[i] * s->arriving[m]};
+        if (!(s->arriving[m] > 0.0f) ||
+            !is_opaque_there(view, view->gather->scene->emitters[sources->index[i]].triangle, s->u1[m],
+                             s->u2[m]))
+            continue;
+        sl_rgb light = {sources->red[i] * s->arriving[m], sources->green[i] * s->arriving[m],
+                        sources->blue[i] * s->arriving[m]};
         sl_push_ready_ray(q, s->sample_slot[m], sl_v3(s->origin_x[m], s->origin_y[m], s->origin_z[m]),
-                          sl_v3(s->direction_x[m], s->direction_y[m], s->direction_z[m]), false, light, (uint32_t)m);
+                          sl_v3(s->direction_x[m], s->direction_y[m], s->direction_z[m]), false, light,
+                          (uint32_t)m);
     }
 }
 
 /* ---- the others ---- */
 
 /* Of a constant sky in proportion to the cosine, or by its own distribution. */
-static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2, sl_vec3 *direction, sl_rgb *irradiance) {
+static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2, sl_vec3 *direction,
+                       sl_rgb *irradiance) {
     const sl_environment *e = &view->gather->scene->environment;
     const sl_gather_hits *h = &view->scratch->hits;
     if (e->width > 0) {
@@ -244,7 +289,8 @@ static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2,
     return sl_hit_cosine(h, k, *direction) > 0.0f;
 }
 
-static bool sample_light(const sl_gather_view *view, const sl_light *light, size_t k, sl_vec3 *direction, float *distance, sl_rgb *irradiance) {
+static bool sample_light(const sl_gather_view *view, const sl_light *light, size_t k, sl_vec3 *direction,
+                         float *distance, sl_rgb *irradiance) {
     const sl_gather_hits *h = &view->scratch->hits;
     if (!sl_light_illuminate(light, sl_hit_position(h, k), direction, distance, irradiance)) return false;
     float cosine = sl_hit_cosine(h, k, *direction);
@@ -260,11 +306,12 @@ static void light_by_others(const sl_gather_view *view, sl_shadow_queue *q) {
         sl_vec3 direction;
         sl_rgb irradiance;
         float distance = INFINITY;
-        bool lit = i == sources->sky
-                       ? sample_sky(view, k, s->u1[m], s->u2[m], &direction, &irradiance)
-                       : sample_light(view, &sources->scene->lights[sources->index[i]], k, &direction, &distance, &irradiance);
+        bool lit = i == sources->sky ? sample_sky(view, k, s->u1[m], s->u2[m], &direction, &irradiance)
+                                     : sample_light(view, &sources->scene->lights[sources->index[i]], k,
+                                                    &direction, &distance, &irradiance);
         irradiance = sl_rgb_scale(irradiance, lit ? s->share[m] : 0.0f);
-        if (lit && sl_rgb_is_finite(irradiance)) sl_push_shadow_ray(q, k, direction, distance, irradiance, (uint32_t)m);
+        if (lit && sl_rgb_is_finite(irradiance))
+            sl_push_shadow_ray(q, k, direction, distance, irradiance, (uint32_t)m);
     }
 }
 

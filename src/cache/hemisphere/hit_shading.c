@@ -1,16 +1,18 @@
-/* What the gather sees, lit by direct light (hit_light.c, or shadow maps) and by what more bounces bring: outgoing radiance
- * L = kd / pi * E of a Lambertian bounce; and where asked for, what glossy lobes reflect of the direct light (glossy_hits.c). */
+/* What the gather sees, lit by direct light (hit_light.c, or shadow maps) and by what more bounces bring:
+ * outgoing radiance L = kd / pi * E of a Lambertian bounce; and where asked for, what glossy lobes reflect of
+ * the direct light (glossy_hits.c). */
 #include "cache/hemisphere/hit_light.h"
 
 #include "base/counters.h"
 #include "base/math.h"
 #include "scene/texture.h"
 
-/* Radiance below this is 0 (its products would be denormal), above that it is cut, so that sums of w L stay finite in floats. */
+/* Radiance below this is 0 (its products would be denormal), above that it is cut, so that sums of w L stay
+ * finite in floats. */
 #define RADIANCE_MIN 1e-30f
 #define RADIANCE_MAX 1e20f
 
-/* ---- surfaces ------------------------------------------------------------------------------------------------------- */
+/* ---- surfaces -------------------------------------------------------------------------------- */
 
 static float interpolate(const float *values, const uint32_t corner[3], float w1, float w2) {
     float first = values[corner[0]];
@@ -26,7 +28,8 @@ static void clear_slot(const sl_gather_hits *h, size_t k) {
 
 static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k, const uint8_t **texel) {
     const sl_scene *s = gather->scene;
-    uint32_t triangle = h->triangle[k], corner[3] = {s->vertex[0][triangle], s->vertex[1][triangle], s->vertex[2][triangle]};
+    uint32_t triangle = h->triangle[k],
+             corner[3] = {s->vertex[0][triangle], s->vertex[1][triangle], s->vertex[2][triangle]};
     float w1 = h->w1[k], w2 = h->w2[k];
     h->normal_x[k] = interpolate(s->normal_x, corner, w1, w2);
     h->normal_y[k] = interpolate(s->normal_y, corner, w1, w2);
@@ -62,21 +65,32 @@ static void make_surfaces(const sl_gather_view *view, size_t first, size_t count
         h->diffuse_g[k] *= sl_srgb_to_linear[texel[k][1]];
         h->diffuse_b[k] *= sl_srgb_to_linear[texel[k][2]];
     }
-    sl_surface_cells cells = {
-        .count = count, .eye = view->eye, .depth = h->depth + first,
-        .direction_x = h->direction_x + first, .direction_y = h->direction_y + first, .direction_z = h->direction_z + first,
-        .position_x = h->position_x + first, .position_y = h->position_y + first, .position_z = h->position_z + first,
-        .normal_x = h->normal_x + first, .normal_y = h->normal_y + first, .normal_z = h->normal_z + first,
-        .geometric_x = h->geometric_x + first, .geometric_y = h->geometric_y + first, .geometric_z = h->geometric_z + first,
-        .cosine = h->cosine + first, .back = h->back + first};
+    sl_surface_cells cells = {.count = count,
+                              .eye = view->eye,
+                              .depth = h->depth + first,
+                              .direction_x = h->direction_x + first,
+                              .direction_y = h->direction_y + first,
+                              .direction_z = h->direction_z + first,
+                              .position_x = h->position_x + first,
+                              .position_y = h->position_y + first,
+                              .position_z = h->position_z + first,
+                              .normal_x = h->normal_x + first,
+                              .normal_y = h->normal_y + first,
+                              .normal_z = h->normal_z + first,
+                              .geometric_x = h->geometric_x + first,
+                              .geometric_y = h->geometric_y + first,
+                              .geometric_z = h->geometric_z + first,
+                              .cosine = h->cosine + first,
+                              .back = h->back + first};
     gather->kernels.surfaces(&cells);
 }
 
-/* A shading normal may tilt the gather below the geometric horizon: nothing arrives from there, neither from the surface itself nor
- * from what lies behind it. */
+/* A shading normal may tilt the gather below the geometric horizon: nothing arrives from there, neither from
+ * the surface itself nor from what lies behind it. */
 static bool is_below_horizon(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
-    return !(sl_dot(view->point->geometric_normal, sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k])) > 0.0f);
+    return !(sl_dot(view->point->geometric_normal,
+                    sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k])) > 0.0f);
 }
 
 static void drop_below_horizon(const sl_gather_view *view, size_t first, size_t count) {
@@ -87,15 +101,23 @@ static void drop_below_horizon(const sl_gather_view *view, size_t first, size_t 
     }
 }
 
-/* ---- direct light by shadow maps ------------------------------------------------------------------------------------------ */
+/* ---- direct light by shadow maps ------------------------------------------------------------- */
 
 static void light_by_maps(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
     const sl_gather_hits *h = &view->scratch->hits;
     const unsigned parts = SL_MAPPED_LIGHTS | SL_MAPPED_SKY | SL_MAPPED_FEW;
     for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK) {
         size_t rest = first + count - k;
-        sl_light_points block = {rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK, h->position_x + k, h->position_y + k, h->position_z + k,
-                                 h->geometric_x + k, h->geometric_y + k, h->geometric_z + k, h->normal_x + k, h->normal_y + k, h->normal_z + k};
+        sl_light_points block = {rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK,
+                                 h->position_x + k,
+                                 h->position_y + k,
+                                 h->position_z + k,
+                                 h->geometric_x + k,
+                                 h->geometric_y + k,
+                                 h->geometric_z + k,
+                                 h->normal_x + k,
+                                 h->normal_y + k,
+                                 h->normal_z + k};
         sl_shadow_maps_irradiance(view->gather->maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
                                   h->irradiance_b + k, counters);
         if (view->scratch->glossy) sl_glossy_hits_add_maps(view, &block, k, parts, counters);
@@ -106,13 +128,18 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
 static void add_hidden_light(const sl_gather_view *view, sl_counters *counters) {
     const sl_second_light *hidden = view->gather->settings.hidden;
     const sl_gather_hits *h = &view->scratch->hits;
-    const sl_second_points points = {.count = view->scratch->slots, .triangle = h->triangle,
-                                     .position_x = h->position_x, .position_y = h->position_y, .position_z = h->position_z,
-                                     .normal_x = h->normal_x, .normal_y = h->normal_y, .normal_z = h->normal_z};
+    const sl_second_points points = {.count = view->scratch->slots,
+                                     .triangle = h->triangle,
+                                     .position_x = h->position_x,
+                                     .position_y = h->position_y,
+                                     .position_z = h->position_z,
+                                     .normal_x = h->normal_x,
+                                     .normal_y = h->normal_y,
+                                     .normal_z = h->normal_z};
     hidden->irradiance(hidden->context, &points, h->irradiance_r, h->irradiance_g, h->irradiance_b, counters);
 }
 
-/* ---- radiance of the cells --------------------------------------------------------------------------------------------------- */
+/* ---- radiance of the cells ------------------------------------------------------------------- */
 
 static float sane(float radiance, uint64_t *nonfinite) {
     if (radiance != radiance) {
@@ -145,11 +172,13 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
     uint32_t cell = view->scratch->slot_cell[k];
     float share = view->scratch->slot_share[k];
     const float inverse_pi = (float)(1.0 / SL_PI);
-    sl_rgb radiance = {h->diffuse_r[k] * inverse_pi * h->irradiance_r[k], h->diffuse_g[k] * inverse_pi * h->irradiance_g[k],
+    sl_rgb radiance = {h->diffuse_r[k] * inverse_pi * h->irradiance_r[k],
+                       h->diffuse_g[k] * inverse_pi * h->irradiance_g[k],
                        h->diffuse_b[k] * inverse_pi * h->irradiance_b[k]};
     radiance = sl_rgb_add(radiance, sl_gather_emission(view, k));
     if (view->scratch->glossy) radiance = sl_rgb_add(radiance, view->scratch->glossy->radiance[k]);
-    radiance = (sl_rgb){share * sane(radiance.r, nonfinite), share * sane(radiance.g, nonfinite), share * sane(radiance.b, nonfinite)};
+    radiance = (sl_rgb){share * sane(radiance.r, nonfinite), share * sane(radiance.g, nonfinite),
+                        share * sane(radiance.b, nonfinite)};
     float nearest_depth = 2.0f * view->gather->offset;
     bool hit = h->triangle[k] != SL_NO_INDEX;
     float nearness = hit ? 1.0f / (h->depth[k] > nearest_depth ? h->depth[k] : nearest_depth) : 0.0f;
@@ -194,7 +223,8 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
     for (size_t k = 0; k < s->slots; k++) {
         float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[s->slot_cell[k]];
         write_slot(view, k, length, &nonfinite);
-        if (k >= t->used || h->triangle[k] == SL_NO_INDEX) continue; /* geometry by the first rays alone, whatever the light */
+        /* geometry by the first rays alone, whatever the light */
+        if (k >= t->used || h->triangle[k] == SL_NO_INDEX) continue;
         *back_weight += (double)(h->back[k] * t->weight[s->slot_cell[k]]);
         sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
         if (!(h->cosine[k] > 0.0f) || !(sl_dot(d, view->point->geometric_normal) > 0.0f)) continue;

@@ -1,4 +1,5 @@
-/* One worker's buffers for light samples: what is expected of every hit, samples as drawn, samples in order of their sources. */
+/* One worker's buffers for light samples: what is expected of every hit, samples as drawn, samples in order
+ * of their sources. */
 #ifndef SL_CACHE_GATHER_LIGHT_SCRATCH_H
 #define SL_CACHE_GATHER_LIGHT_SCRATCH_H
 
@@ -14,7 +15,8 @@ struct sl_light_scratch {
     size_t lit;                    /* hits that sources may reach; by slot: */
     float *reflects;               /* albedo times the cell's weight; 0 where nothing is seen */
     uint32_t *region;
-    float *of_block;               /* [slot][SL_SOURCE_BLOCKS_MAX]: irradiance that a block of sources may bring */
+    /* [slot][SL_SOURCE_BLOCKS_MAX]: irradiance that a block of sources may bring */
+    float *of_block;
     float *expected;               /* that of all */
     float *samples_at;             /* expected number of samples */
 
@@ -30,7 +32,8 @@ struct sl_light_scratch {
 };
 
 /* For up to `slots` hits. */
-sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, bool on_trial, sl_light_scratch **scratch, sl_error *error);
+sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, bool on_trial,
+                                  sl_light_scratch **scratch, sl_error *error);
 void sl_light_scratch_destroy(sl_light_scratch *scratch);
 
 #endif

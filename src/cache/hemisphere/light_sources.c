@@ -13,10 +13,31 @@ enum { COLUMNS = 26 };
 
 static void cut(sl_light_sources *s) {
     float *next = s->block;
-    float **columns[COLUMNS - 1] = {&s->x, &s->y, &s->z, &s->normal_x, &s->normal_y, &s->normal_z, &s->extent, &s->near, &s->two_sided,
-                                    &s->strength, &s->radiance, &s->area, &s->red, &s->green, &s->blue, &s->power_share,
-                                    &s->corner[0][0], &s->corner[0][1], &s->corner[0][2], &s->corner[1][0], &s->corner[1][1],
-                                    &s->corner[1][2], &s->corner[2][0], &s->corner[2][1], &s->corner[2][2]};
+    float **columns[COLUMNS - 1] = {&s->x,
+                                    &s->y,
+                                    &s->z,
+                                    &s->normal_x,
+                                    &s->normal_y,
+                                    &s->normal_z,
+                                    &s->extent,
+                                    &s->near,
+                                    &s->two_sided,
+                                    &s->strength,
+                                    &s->radiance,
+                                    &s->area,
+                                    &s->red,
+                                    &s->green,
+                                    &s->blue,
+                                    &s->power_share,
+                                    &s->corner[0][0],
+                                    &s->corner[0][1],
+                                    &s->corner[0][2],
+                                    &s->corner[1][0],
+                                    &s->corner[1][1],
+                                    &s->corner[1][2],
+                                    &s->corner[2][0],
+                                    &s->corner[2][1],
+                                    &s->corner[2][2]};
     for (int c = 0; c < COLUMNS - 1; c++, next += s->count) *columns[c] = next;
     s->index = (uint32_t *)(void *)next;
 }
@@ -51,7 +72,8 @@ static uint64_t morton_code(const sl_scene *scene, sl_vec3 p) {
 }
 
 static sl_vec3 middle_of(const sl_scene *scene, const sl_emitter *e) {
-    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][e->triangle]), b = sl_scene_position(scene, scene->vertex[1][e->triangle]);
+    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][e->triangle]),
+            b = sl_scene_position(scene, scene->vertex[1][e->triangle]);
     sl_vec3 c = sl_scene_position(scene, scene->vertex[2][e->triangle]);
     return sl_add(a, sl_scale(sl_add(sl_sub(b, a), sl_sub(c, a)), 1.0f / 3.0f));
 }
@@ -66,7 +88,8 @@ static void place_all(sl_light_sources *s, placed *p) {
     const sl_scene *scene = s->scene;
     size_t points = 0;
     for (size_t i = 0; i < s->count; i++) s->index[i] = SL_NO_INDEX;
-    for (uint32_t i = 0; i < scene->emitter_count; i++) p[i] = (placed){morton_code(scene, middle_of(scene, &scene->emitters[i])), i};
+    for (uint32_t i = 0; i < scene->emitter_count; i++)
+        p[i] = (placed){morton_code(scene, middle_of(scene, &scene->emitters[i])), i};
     place(s, 0, p, scene->emitter_count);
     size_t far = s->first_block[SL_SAMPLED_FAR] * SL_SOURCE_LANES;
     for (uint32_t l = 0; l < scene->light_count; l++) {
@@ -90,7 +113,8 @@ static void fill_emitter(sl_light_sources *s, size_t i) {
     s->x[i] = middle.x, s->y[i] = middle.y, s->z[i] = middle.z;
     s->normal_x[i] = n.x, s->normal_y[i] = n.y, s->normal_z[i] = n.z;
     s->extent[i] = 1e-12f;
-    for (int c = 0; c < 3; c++) s->extent[i] = fmaxf(s->extent[i], sl_length(sl_scale(sl_sub(corner[c], middle), s->unit)));
+    for (int c = 0; c < 3; c++)
+        s->extent[i] = fmaxf(s->extent[i], sl_length(sl_scale(sl_sub(corner[c], middle), s->unit)));
     bool masked = sl_scene_has_alpha(scene, e->triangle); /* solid angles know no masks */
     s->near[i] = masked ? 0.0f : NEAR_EXTENTS * NEAR_EXTENTS * s->extent[i] * s->extent[i];
     s->two_sided[i] = e->two_sided ? 1.0f : 0.0f;
@@ -109,26 +133,31 @@ static void fill_light(sl_light_sources *s, size_t i) {
 static void fill_sky(const sl_environment *e, double irradiance[6]) {
     for (int d = 0; d < 6; d++) irradiance[d] = e->width > 0 ? 0.0 : SL_PI * mean(e->constant);
     for (int row = 0; row < e->height; row++) {
-        double top = sl_cos(SL_PI * row / e->height), bottom = sl_cos(SL_PI * (row + 1) / e->height), y = 0.5 * (top + bottom);
+        double top = sl_cos(SL_PI * row / e->height), bottom = sl_cos(SL_PI * (row + 1) / e->height),
+               y = 0.5 * (top + bottom);
         double across = sqrt(fmax(0.0, 1.0 - y * y)), solid = 2.0 * SL_PI / e->width * (top - bottom);
         for (int column = 0; column < e->width; column++) {
             const float *t = e->texels + 3 * ((size_t)row * (size_t)e->width + (size_t)column);
-            double phi = 2.0 * SL_PI * ((column + 0.5) / e->width - 0.5), light = mean((sl_rgb){t[0], t[1], t[2]}) * solid;
+            double phi = 2.0 * SL_PI * ((column + 0.5) / e->width - 0.5),
+                   light = mean((sl_rgb){t[0], t[1], t[2]}) * solid;
             double d[3] = {across * sl_sin(phi), y, -across * sl_cos(phi)};
-            for (int axis = 0; axis < 3; axis++) irradiance[2 * axis + (d[axis] < 0.0 ? 1 : 0)] += light * fabs(d[axis]);
+            for (int axis = 0; axis < 3; axis++)
+                irradiance[2 * axis + (d[axis] < 0.0 ? 1 : 0)] += light * fabs(d[axis]);
         }
     }
 }
 
 /* ---- powers ---- */
 
-/* As a surface about the scene's size away would be lit: about what chances should be where nothing better is known. */
+/* As a surface about the scene's size away would be lit: about what chances should be where nothing better is
+ * known. */
 static double power_of(const sl_light_sources *s, size_t i, const double sky[6]) {
     double most = 0.0, area = (double)s->unit * (double)s->unit;
     for (int d = 0; d < 6; d++) most = fmax(most, sky[d]);
     if (i == s->sky) return most;
     if (s->index[i] == SL_NO_INDEX) return 0.0;
-    if (i < s->first_block[SL_SAMPLED_POINT] * SL_SOURCE_LANES) return (double)s->radiance[i] * (double)s->area[i];
+    if (i < s->first_block[SL_SAMPLED_POINT] * SL_SOURCE_LANES)
+        return (double)s->radiance[i] * (double)s->area[i];
     double intensity = mean(s->scene->lights[s->index[i]].intensity);
     return i < s->first_block[SL_SAMPLED_FAR] * SL_SOURCE_LANES ? intensity * area : intensity;
 }
@@ -150,7 +179,8 @@ static void fill_powers(sl_light_sources *s, const double sky[6]) {
         double p = s->power_sums[i];
         s->strength[i] = i == s->sky ? 0.0f : (float)(p / most);
         s->radiance[i] = (float)((double)s->radiance[i] / most);
-        double chance = s->index[i] == SL_NO_INDEX && i != s->sky ? 0.0 : 0.5 * p / total + 0.5 / (double)present;
+        double chance =
+            s->index[i] == SL_NO_INDEX && i != s->sky ? 0.0 : 0.5 * p / total + 0.5 / (double)present;
         s->power_share[i] = (float)chance;
         s->power_sums[i] = sum += chance;
         if (s->power_share[i] > 0.0f) last = i;

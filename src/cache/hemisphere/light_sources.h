@@ -1,8 +1,9 @@
-/* What a gather's hits draw light samples from: the emitters, the lights without extent where they are many, the environment.
- * One table in structure-of-arrays form, with what it takes to tell how much each source can matter at a point and to sample it.
+/* What a gather's hits draw light samples from: the emitters, the lights without extent where they are many,
+ * the environment. One table in structure-of-arrays form, with what it takes to tell how much each source can
+ * matter at a point and to sample it.
  *
- * Sources come in blocks of sixteen of a kind, emitters and lights along a Morton curve, so that a block's lie together: what cannot be seen
- * from somewhere is mostly a whole block. */
+ * Sources come in blocks of sixteen of a kind, emitters and lights along a Morton curve, so that a block's
+ * lie together: what cannot be seen from somewhere is mostly a whole block. */
 #ifndef SL_CACHE_GATHER_LIGHT_SOURCES_H
 #define SL_CACHE_GATHER_LIGHT_SOURCES_H
 
@@ -15,10 +16,15 @@ enum {
 };
 
 /* FAR: directional lights and the sky. */
-typedef enum sl_sampled_kind { SL_SAMPLED_EMITTER, SL_SAMPLED_POINT, SL_SAMPLED_FAR, SL_SAMPLED_KINDS } sl_sampled_kind;
+typedef enum sl_sampled_kind {
+    SL_SAMPLED_EMITTER,
+    SL_SAMPLED_POINT,
+    SL_SAMPLED_FAR,
+    SL_SAMPLED_KINDS
+} sl_sampled_kind;
 
-/* `unit` is a power of two that makes the scene about 1 long, so that squared distances neither overflow nor vanish; strengths are relative
- * to the strongest source. Entries that fill up a block have strength 0. */
+/* `unit` is a power of two that makes the scene about 1 long, so that squared distances neither overflow nor
+ * vanish; strengths are relative to the strongest source. Entries that fill up a block have strength 0. */
 typedef struct sl_light_sources {
     const sl_scene *scene;
     size_t count, blocks;              /* entries; a multiple of 16 */
@@ -26,17 +32,21 @@ typedef struct sl_light_sources {
     size_t sky;                        /* the entry of the environment, or `count` */
     float unit;
     uint32_t *index;                   /* of the scene's emitter or light; SL_NO_INDEX: none */
-    float *x, *y, *z;                  /* emitter: centroid; point: position; directional: the way to the light */
+    /* emitter: centroid; point: position; directional: the way to the light */
+    float *x, *y, *z;
     float *normal_x, *normal_y, *normal_z;
     float *extent;                     /* emitter: largest distance of a corner from the centroid, in units */
-    float *near;                       /* emitter: within this squared distance (units) of the centroid it is sampled by solid angle */
+    /* emitter: within this squared distance (units) of the centroid it is sampled by solid angle */
+    float *near;
     float *two_sided;                  /* 1 or 0 */
-    float *strength;                   /* emitter: radiance times area; point: intensity; directional, sky: irradiance */
+    /* emitter: radiance times area; point: intensity; directional, sky: irradiance */
+    float *strength;
     float *radiance;                   /* emitter: mean radiance, relative as the strength */
     float *corner[3][3];               /* emitter: corner, then axis */
     float *area;
     float *red, *green, *blue;         /* emitter: radiance */
-    double *power_sums;                /* cumulative chances, by power and even by half, the last possible one ends at 1 */
+    /* cumulative chances, by power and even by half, the last possible one ends at 1 */
+    double *power_sums;
     float *power_share;
     float absolute;                    /* what strength 1 is in W/m^2 */
     float sky_irradiance[6];           /* relative, on planes that face +x, -x, +y, -y, +z, -z */

@@ -1,5 +1,5 @@
-/* Gathers on trial teach which light sources are visible where: from points that the scene's camera sees, then from what those
- * gathers saw. Every light sample of theirs is a test of one source from one place. */
+/* Gathers on trial teach which light sources are visible where: from points that the scene's camera sees,
+ * then from what those gathers saw. Every light sample of theirs is a test of one source from one place. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,15 +37,24 @@ static void see_points(trials *t) {
         float x = 2.0f * ((float)(i % ACROSS) + sl_random_unit(key, 2 * i)) / (float)ACROSS - 1.0f;
         float y = 2.0f * ((float)(i / ACROSS) + sl_random_unit(key, 2 * i + 1)) / (float)ACROSS - 1.0f;
         sl_vec3 d = sl_sub(sl_mad(sl_scale(c->right, x * tangent * aspect), y * tangent, c->up), c->back);
-        sl_ray16 rays = {.origin_x = {c->eye.x}, .origin_y = {c->eye.y}, .origin_z = {c->eye.z}, .direction_x = {d.x},
-                         .direction_y = {d.y}, .direction_z = {d.z}, .far = {INFINITY}, .skip = {SL_NO_INDEX}};
+        sl_ray16 rays = {.origin_x = {c->eye.x},
+                         .origin_y = {c->eye.y},
+                         .origin_z = {c->eye.z},
+                         .direction_x = {d.x},
+                         .direction_y = {d.y},
+                         .direction_z = {d.z},
+                         .far = {INFINITY},
+                         .skip = {SL_NO_INDEX}};
         sl_hit16 hits;
         sl_trace(t->gather.tracer, &rays, 1, false, &hits, &t->counters[0]);
         if (hits.triangle[0] == SL_NO_INDEX) continue;
         sl_surface s;
         sl_scene_surface(scene, hits.triangle[0], hits.w1[0], hits.w2[0], sl_neg(d), &s);
-        t->point[t->points++] = (sl_gather_point){.position = s.position, .geometric_normal = s.geometric_normal, .normal = s.normal,
-                                                  .triangle = hits.triangle[0], .key = sl_hash64(key + i)};
+        t->point[t->points++] = (sl_gather_point){.position = s.position,
+                                                  .geometric_normal = s.geometric_normal,
+                                                  .normal = s.normal,
+                                                  .triangle = hits.triangle[0],
+                                                  .key = sl_hash64(key + i)};
     }
 }
 
@@ -55,8 +64,11 @@ static void follow_points(trials *t) {
     for (size_t i = 0; i < first; i++) {
         if (t->count[i] == 0) continue;
         const sl_light_trial *seen = &t->trial[i * t->per_point + sl_hash64(i) % t->count[i]];
-        t->point[t->points++] = (sl_gather_point){.position = seen->position, .geometric_normal = seen->normal, .normal = seen->normal,
-                                                  .triangle = SL_NO_INDEX, .key = sl_hash64(t->point[i].key)};
+        t->point[t->points++] = (sl_gather_point){.position = seen->position,
+                                                  .geometric_normal = seen->normal,
+                                                  .normal = seen->normal,
+                                                  .triangle = SL_NO_INDEX,
+                                                  .key = sl_hash64(t->point[i].key)};
     }
 }
 
@@ -93,7 +105,8 @@ static sl_status prepare(trials *t, sl_error *error) {
     g->settings.more_rays = 0.0f;
     g->settings.hidden = NULL;
     t->per_point = SIZE * SIZE + 2;
-    sl_status status = sl_gather_tables_create(SL_GATHER_RAYS, SIZE, (double)g->half_tangent, g->settings.border, &g->tables, error);
+    sl_status status = sl_gather_tables_create(SL_GATHER_RAYS, SIZE, (double)g->half_tangent,
+                                               g->settings.border, &g->tables, error);
     for (unsigned w = 0; status == SL_OK && w < t->workers; w++) {
         status = sl_gather_scratch_create(g, &t->scratch[w], error);
         if (status != SL_OK) break;
@@ -132,7 +145,8 @@ static sl_status learn(sl_gather *gather, trials *t, sl_counters *counters, sl_e
     return SL_OK;
 }
 
-sl_status sl_gather_learn_lights(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+sl_status sl_gather_learn_lights(sl_gather *gather, unsigned threads, sl_counters *counters,
+                                 sl_error *error) {
     sl_status status = sl_visible_lights_create(gather->sources, NULL, 0, &gather->visible, error);
     if (status != SL_OK) return status;
     trials *t = sl_allocate(1, sizeof *t);

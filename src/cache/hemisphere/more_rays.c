@@ -1,10 +1,12 @@
-/* More rays where radiance varies. One ray a cell errs by the spread of the radiance inside its cell; hot spots beside lamps, patches of sun and
- * lit edges fill few cells and make most of a gather's error. So a share of rays more goes where the neighbours of a cell differ most,
- * by what is known before any light sample is drawn: albedo times expected light, and light that came without samples.
+/* More rays where radiance varies. One ray a cell errs by the spread of the radiance inside its cell; hot
+ * spots beside lamps, patches of sun and lit edges fill few cells and make most of a gather's error. So a
+ * share of rays more goes where the neighbours of a cell differ most, by what is known before any light
+ * sample is drawn: albedo times expected light, and light that came without samples.
  *
- * A cell's own ray has no say in how many more it gets, only those around it: then the number does not depend on the value, and the mean of all
- * rays of the cell stays unbiased (rays chosen by their own values would not: Kirk and Arvo 1991, "Unbiased sampling techniques for image
- * synthesis"). Numbers are in proportion to the spread, as is best for strata of equal weight (Neyman 1934). */
+ * A cell's own ray has no say in how many more it gets, only those around it: then the number does not depend
+ * on the value, and the mean of all rays of the cell stays unbiased (rays chosen by their own values would
+ * not: Kirk and Arvo 1991, "Unbiased sampling techniques for image synthesis"). Numbers are in proportion to
+ * the spread, as is best for strata of equal weight (Neyman 1934). */
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/hemisphere/hit_light.h"
@@ -24,7 +26,8 @@ static void estimate_radiance(const sl_gather_view *view, float *radiance) {
     float scale = sampled ? g->sources->absolute : 0.0f;
     for (size_t k = 0; k < g->tables->used; k++) {
         float light = sampled ? s->light->expected[k] * scale : 0.0f;
-        float sum = h->diffuse_r[k] * (h->irradiance_r[k] + light) + h->diffuse_g[k] * (h->irradiance_g[k] + light) +
+        float sum = h->diffuse_r[k] * (h->irradiance_r[k] + light) +
+                    h->diffuse_g[k] * (h->irradiance_g[k] + light) +
                     h->diffuse_b[k] * (h->irradiance_b[k] + light);
         float seen = emission ? sl_rgb_mean(sl_gather_emission(view, k)) : 0.0f;
         float l = sum * (float)(1.0 / (3.0 * SL_PI)) + seen;
@@ -32,21 +35,25 @@ static void estimate_radiance(const sl_gather_view *view, float *radiance) {
     }
 }
 
-/* Only ratios count, and squares of radiance may leave what floats hold: a power of two, which changes no digit, brings the greatest into [0.5, 1). */
+/* Only ratios count, and squares of radiance may leave what floats hold: a power of two, which changes no
+ * digit, brings the greatest into [0.5, 1). */
 static void bring_near_one(const sl_gather_view *view, float *radiance) {
     const sl_gather_scratch *s = view->scratch;
     const sl_gather_tables *t = view->gather->tables;
     float greatest = 0.0f;
     int exponent = 0;
-    for (size_t k = 0; k < t->used; k++) greatest = radiance[s->slot_cell[k]] > greatest ? radiance[s->slot_cell[k]] : greatest;
+    for (size_t k = 0; k < t->used; k++)
+        greatest = radiance[s->slot_cell[k]] > greatest ? radiance[s->slot_cell[k]] : greatest;
     if (!(greatest > 0.0f)) return;
     (void)frexpf(greatest, &exponent);
-    for (size_t k = 0; k < t->used; k++) radiance[s->slot_cell[k]] = ldexpf(radiance[s->slot_cell[k]], -exponent);
+    for (size_t k = 0; k < t->used; k++)
+        radiance[s->slot_cell[k]] = ldexpf(radiance[s->slot_cell[k]], -exponent);
 }
 
 /* ---- how many where ---- */
 
-/* What the best numbers of rays, in proportion to the spread, are above one; all together at most `budget`. By slot. */
+/* What the best numbers of rays, in proportion to the spread, are above one; all together at most `budget`.
+ * By slot. */
 static double share_rays(const sl_gather_tables *t, const float *spread, double budget, float *more) {
     double sum = 0.0, wanted = 0.0;
     for (size_t k = 0; k < t->used; k++) sum += (double)spread[t->order[k]];
@@ -94,7 +101,8 @@ void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters) {
     const sl_gather_tables *t = g->tables;
     sl_gather_scratch *s = view->scratch;
     if (t->kind != SL_GATHER_RAYS || s->slots_max == t->used || t->size < 4 || !g->settings.jitter) return;
-    float *radiance = s->planes.mean, *spread = s->planes.distance, *more = s->planes.r; /* these are written later */
+    /* these are written later */
+    float *radiance = s->planes.mean, *spread = s->planes.distance, *more = s->planes.r;
     estimate_radiance(view, radiance);
     bring_near_one(view, radiance);
     g->kernels.spread(t->width, t->height, radiance, spread);

@@ -2,8 +2,8 @@
  *
  *     c_lm(theta_o) = integral over the hemisphere of (s+2)/(2 pi) max(0, r . w)^s cos theta H_lm(w) dw
  *
- * r is the mirror direction of w_o = (sin theta_o, 0, cos theta_o), so the lobe is symmetric in y and has no part that goes with
- * sin(m phi). Their squares tell how much of the lobe an order holds. */
+ * r is the mirror direction of w_o = (sin theta_o, 0, cos theta_o), so the lobe is symmetric in y and has no
+ * part that goes with sin(m phi). Their squares tell how much of the lobe an order holds. */
 #include "cache/hemisphere/harmonics.h"
 
 #include "base/math.h"
@@ -14,7 +14,7 @@
 
 enum { ANGLES = SL_PHONG_ANGLES };
 
-/* ---- one lobe ---------------------------------------------------------------------------------------------------- */
+/* ---- one lobe -------------------------------------------------------------------------------- */
 
 typedef struct projection {
     sl_hsh_recurrence recurrence;
@@ -44,7 +44,7 @@ static double project_lobe(const sl_lobe *lobe, int order, double theta_out, dou
     return p.norm;
 }
 
-/* ---- rows by the polar angle -------------------------------------------------------------------------------------- */
+/* ---- rows by the polar angle ----------------------------------------------------------------- */
 
 /* acos(x) / sqrt(1 - x) is smooth on [0,1]: fitted at Chebyshev nodes, acos within 3e-7. x in [0,1]. */
 static float quick_acos(float x) {
@@ -69,7 +69,7 @@ sl_phong_rows sl_phong_rows_at(const float *rows, size_t row_floats, float cosin
     return (sl_phong_rows){first, first + row_floats, mix < 1.0f ? mix : 1.0f};
 }
 
-/* ---- how much of a lobe an order holds --------------------------------------------------------------------------- */
+/* ---- how much of a lobe an order holds ------------------------------------------------------- */
 
 /* errors[n] for n = 1 .. order; the basis is orthonormal, so what a projection keeps is a sum of squares. */
 static void truncation_errors(int order, double exponent, double theta_out, double *errors) {
@@ -78,13 +78,16 @@ static void truncation_errors(int order, double exponent, double theta_out, doub
     sl_lobe_make(exponent, &lobe);
     double norm = project_lobe(&lobe, order, theta_out, coefficients);
     for (int l = 0; l < order; l++) {
-        for (int m = 0; m <= l; m++) kept += coefficients[sl_hsh_even(l, m)] * coefficients[sl_hsh_even(l, m)];
+        for (int m = 0; m <= l; m++)
+            kept += coefficients[sl_hsh_even(l, m)] * coefficients[sl_hsh_even(l, m)];
         double left = norm > 0.0 ? 1.0 - kept / norm : 0.0;
         errors[l + 1] = left > 0.0 ? sqrt(left) : 0.0;
     }
 }
 
-static int usable_order(int order) { return order < 1 ? 1 : order > SL_HSH_ORDER_MAX ? SL_HSH_ORDER_MAX : order; }
+static int usable_order(int order) {
+    return order < 1 ? 1 : order > SL_HSH_ORDER_MAX ? SL_HSH_ORDER_MAX : order;
+}
 
 double sl_phong_truncation_at(int order, double exponent, double theta_out) {
     double errors[SL_HSH_ORDER_MAX + 1];
@@ -93,10 +96,13 @@ double sl_phong_truncation_at(int order, double exponent, double theta_out) {
     return errors[usable_order(order)];
 }
 
-double sl_phong_truncation(int order, double exponent) { return sl_phong_truncation_at(order, exponent, 0.25 * SL_PI); }
+double sl_phong_truncation(int order, double exponent) {
+    return sl_phong_truncation_at(order, exponent, 0.25 * SL_PI);
+}
 
-/* Below s = 1 a lobe ends ever more abruptly in the plane across r. The L2 error counts that edge dearly (s = 0 would want more than
- * twelve bands), while reflected light hardly shows it: two bands more than s = 1 wants hold it as well. */
+/* Below s = 1 a lobe ends ever more abruptly in the plane across r. The L2 error counts that edge dearly (s =
+ * 0 would want more than twelve bands), while reflected light hardly shows it: two bands more than s = 1
+ * wants hold it as well. */
 int sl_phong_order(double exponent, double largest_error) {
     double errors[SL_HSH_ORDER_MAX + 1];
     bool abrupt = !(exponent >= 1.0);

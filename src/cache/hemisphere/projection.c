@@ -11,9 +11,10 @@
 
 enum { BLOCK = SL_PROJECTION_BLOCK, GROUP = SL_PROJECTION_GROUP };
 
-/* ---- columns --------------------------------------------------------------------------------------------------- */
+/* ---- columns --------------------------------------------------------------------------------- */
 
-/* cos(m phi) -> cos(m (pi - phi)) = (-1)^m cos(m phi), sin(m phi) -> -(-1)^m sin(m phi); phi -> -phi turns the sines. */
+/* cos(m phi) -> cos(m (pi - phi)) = (-1)^m cos(m phi), sin(m phi) -> -(-1)^m sin(m phi); phi -> -phi turns
+ * the sines. */
 static int class_of(int m) {
     int odd = m % 2 != 0;
     return m >= 0 ? odd : 2 + !odd;
@@ -35,7 +36,7 @@ static void order_columns(sl_projection *p) {
     }
 }
 
-/* ---- the quadrant ---------------------------------------------------------------------------------------------- */
+/* ---- the quadrant ---------------------------------------------------------------------------- */
 
 /* One of its cells or walls. */
 typedef struct entry {
@@ -71,7 +72,8 @@ static void list_quadrant(quadrant *q) {
         for (int x = first; x < width; x++) {
             if (!is_cell(t, x, y)) continue;
             append(q->cells, &cells, SL_WALL_COLUMN, x, y);
-            bool column = 2 * x >= width && is_cell(t, x - 1, y), row = 2 * y >= width && is_cell(t, x, y - 1);
+            bool column = 2 * x >= width && is_cell(t, x - 1, y),
+                 row = 2 * y >= width && is_cell(t, x, y - 1);
             if (column) append(q->walls, &walls, SL_WALL_COLUMN, x, y);
             if (row) append(q->walls, &walls, SL_WALL_ROW, x, y);
             if (column && extended && y == width - 1) append(q->walls, &walls, SL_WALL_BORDER_COLUMN, x, y);
@@ -92,7 +94,8 @@ static uint32_t mirrored_cell(const sl_gather_tables *t, int x, int y, int image
 static void set_cell_images(const quadrant *q, size_t i) {
     sl_projection_list *list = &q->projection->cells;
     entry e = q->cells[i];
-    for (int image = 0; image < 4; image++) list->cell[0][image][i] = mirrored_cell(q->tables, e.x, e.y, image);
+    for (int image = 0; image < 4; image++)
+        list->cell[0][image][i] = mirrored_cell(q->tables, e.x, e.y, image);
 }
 
 static void set_wall_images(const quadrant *q, size_t i) {
@@ -111,9 +114,10 @@ static void set_wall_images(const quadrant *q, size_t i) {
     }
 }
 
-/* ---- tables ---------------------------------------------------------------------------------------------------- */
+/* ---- tables ---------------------------------------------------------------------------------- */
 
-static void set_row(const sl_projection *p, sl_projection_list *list, size_t i, const double *values, double scale) {
+static void set_row(const sl_projection *p, sl_projection_list *list, size_t i, const double *values,
+                    double scale) {
     float *block = list->table + i / BLOCK * (size_t)p->groups * BLOCK * GROUP + i % BLOCK * GROUP;
     for (int g = 0; g < p->groups; g++) {
         for (int c = 0; c < GROUP; c++) {
@@ -148,7 +152,7 @@ static void fill_walls(void *context, size_t block, unsigned worker) {
     }
 }
 
-/* ---- memory ---------------------------------------------------------------------------------------------------- */
+/* ---- memory ---------------------------------------------------------------------------------- */
 
 static sl_status allocate_list(sl_projection_list *list, int groups, int sides, sl_error *error) {
     list->blocks = (list->count + BLOCK - 1) / BLOCK;
@@ -156,7 +160,8 @@ static sl_status allocate_list(sl_projection_list *list, int groups, int sides, 
     list->table = sl_allocate(padded * (size_t)groups * GROUP, sizeof(float));
     list->cell[0][0] = sl_allocate(padded * 4 * (size_t)sides, sizeof(uint32_t));
     list->x = sl_allocate(padded * 2, sizeof(float));
-    if (!list->table || !list->cell[0][0] || !list->x) return sl_fail_memory(error, "tables of hemispherical harmonics");
+    if (!list->table || !list->cell[0][0] || !list->x)
+        return sl_fail_memory(error, "tables of hemispherical harmonics");
     list->y = list->x + padded;
     for (int i = 0; i < 4 * sides; i++) list->cell[i / 4][i % 4] = list->cell[0][0] + (size_t)i * padded;
     return SL_OK;
@@ -201,11 +206,12 @@ static sl_status fill(quadrant *q, unsigned threads, sl_error *error) {
     return status;
 }
 
-sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border, int order,
-                               unsigned threads, sl_projection **out, sl_error *error) {
+sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border,
+                               int order, unsigned threads, sl_projection **out, sl_error *error) {
     *out = NULL;
     if (order < 1 || order > SL_HSH_ORDER_MAX) {
-        return sl_fail(error, SL_ERROR_USAGE, "the order of hemispherical harmonics must lie between 1 and %d, not %d",
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "the order of hemispherical harmonics must lie between 1 and %d, not %d",
                        (int)SL_HSH_ORDER_MAX, order);
     }
     sl_projection *p = sl_allocate(1, sizeof *p);
@@ -214,8 +220,10 @@ sl_status sl_projection_create(const sl_gather_tables *tables, double half_tange
     order_columns(p);
     quadrant q = {.tables = tables, .scale = 1.0, .projection = p};
     q.instrument = sl_instrument_of(tables, half_tangent, border, order);
-    bool divided = tables->kind == SL_GATHER_PLANE && border == SL_BORDER_LC04; /* by what the plane covers, as weights are */
-    if (divided) q.scale = SL_PI / sl_plane_cosine_weight(-half_tangent, half_tangent, -half_tangent, half_tangent);
+    /* by what the plane covers, as weights are */
+    bool divided = tables->kind == SL_GATHER_PLANE && border == SL_BORDER_LC04;
+    if (divided)
+        q.scale = SL_PI / sl_plane_cosine_weight(-half_tangent, half_tangent, -half_tangent, half_tangent);
     sl_status status = fill(&q, threads, error);
     if (status != SL_OK) {
         sl_projection_destroy(p);
@@ -225,7 +233,7 @@ sl_status sl_projection_create(const sl_gather_tables *tables, double half_tange
     return SL_OK;
 }
 
-/* ---- one projection -------------------------------------------------------------------------------------------- */
+/* ---- one projection -------------------------------------------------------------------------- */
 
 static sl_projection_kernel *kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_projection_sums); }
 

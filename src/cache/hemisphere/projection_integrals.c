@@ -11,17 +11,24 @@ static void make_rule(sl_rule *rule, int count) {
     sl_gauss_legendre(count, rule->node, rule->weight);
 }
 
-/* The wider the cells the more nodes: the sums over all cells come out to 1e-12 up to 128 cells a side, beyond to 1e-9. */
+/* The wider the cells the more nodes: the sums over all cells come out to 1e-12 up to 128 cells a side,
+ * beyond to 1e-9. */
 static int nodes_across(int size, sl_gather_kind kind) {
-    const int plane[8] = {16, 9, 6, 4, 3, 3, 2, 2}, others[8] = {16, 9, 6, 6, 4, 3, 3, 2}; /* below 16, 32, 64, ... 1024; beyond */
+    /* below 16, 32, 64, ... 1024; beyond */
+    const int plane[8] = {16, 9, 6, 4, 3, 3, 2, 2}, others[8] = {16, 9, 6, 6, 4, 3, 3, 2};
     int i = 0;
     for (int limit = 16; size >= limit && i < 7; limit *= 2) i++;
     return kind == SL_GATHER_PLANE ? plane[i] : others[i];
 }
 
-sl_instrument sl_instrument_of(const sl_gather_tables *tables, double half_tangent, sl_border border, int order) {
-    sl_instrument in = {.kind = tables->kind, .size = tables->size, .width = tables->width, .half_tangent = half_tangent,
-                        .border = border, .order = order};
+sl_instrument sl_instrument_of(const sl_gather_tables *tables, double half_tangent, sl_border border,
+                               int order) {
+    sl_instrument in = {.kind = tables->kind,
+                        .size = tables->size,
+                        .width = tables->width,
+                        .half_tangent = half_tangent,
+                        .border = border,
+                        .order = order};
     sl_hsh_recurrence_of(order, &in.recurrence);
     make_rule(&in.fine, SL_RULE_MAX);
     make_rule(&in.coarse, nodes_across(in.size, in.kind));
@@ -39,7 +46,8 @@ typedef struct integral {
 static void add_point(const integral *q, sl_vec3d d, double weight) {
     double values[SL_HSH_STRIDE_MAX], scale = 1.0 / sl_lengthd(d);
     size_t stride = sl_hsh_stride(q->in->order);
-    sl_hsh_evaluate_by(&q->in->recurrence, sl_scaled(q->exchanged ? sl_v3d(d.y, d.x, d.z) : d, scale), values);
+    sl_hsh_evaluate_by(&q->in->recurrence, sl_scaled(q->exchanged ? sl_v3d(d.y, d.x, d.z) : d, scale),
+                       values);
     for (size_t i = 0; i < stride; i++) q->sums[i] += weight * values[i];
 }
 
@@ -48,7 +56,7 @@ static double inverse_cube(sl_vec3d d) {
     return 1.0 / (squared * sqrt(squared));
 }
 
-/* ---- cells ----------------------------------------------------------------------------------------------------- */
+/* ---- cells ----------------------------------------------------------------------------------- */
 
 /* A range of both coordinates. */
 typedef struct range {
@@ -68,13 +76,14 @@ static void add_plane_cell(const integral *q, range r) {
     }
 }
 
-/* Radial extension of the outer edge (t, b0)-(t, b1): azimuths as the edge has them, cos theta from the edge down to 0.
- * H with odd m goes like the root of the cosine, so the integral is over that root. */
+/* Radial extension of the outer edge (t, b0)-(t, b1): azimuths as the edge has them, cos theta from the edge
+ * down to 0. H with odd m goes like the root of the cosine, so the integral is over that root. */
 static void add_radial_extension(const integral *q, range r) {
     double t = q->in->half_tangent, from = sl_atan2(r.b0, t), to = sl_atan2(r.b1, t);
     const sl_rule *g = &q->in->coarse, *f = &q->in->fine;
     for (int i = 0; i < g->count; i++) {
-        double azimuth = from + (to - from) * g->node[i], cos_phi = sl_cos(azimuth), sin_phi = sl_sin(azimuth);
+        double azimuth = from + (to - from) * g->node[i], cos_phi = sl_cos(azimuth),
+               sin_phi = sl_sin(azimuth);
         double edge = cos_phi / sqrt(cos_phi * cos_phi + t * t);
         for (int j = 0; j < f->count; j++) {
             double root = f->node[j], c = edge * root * root, s = sqrt(1.0 - c * c);
@@ -84,7 +93,8 @@ static void add_radial_extension(const integral *q, range r) {
     }
 }
 
-/* Axial extension of the same edge: plane coordinates go to infinity, a = t / x^2 with d omega = da db / l^3. */
+/* Axial extension of the same edge: plane coordinates go to infinity, a = t / x^2 with d omega = da db / l^3.
+ */
 static void add_axial_extension(const integral *q, range r) {
     double t = q->in->half_tangent;
     const sl_rule *g = &q->in->coarse, *f = &q->in->fine;
@@ -98,7 +108,8 @@ static void add_axial_extension(const integral *q, range r) {
     }
 }
 
-/* What lies beyond a corner of the picture along both axes, the half with a > b: a = t / s, b = a r, s from 0 to 1. */
+/* What lies beyond a corner of the picture along both axes, the half with a > b: a = t / s, b = a r, s from 0
+ * to 1. */
 static void add_axial_corner(const integral *q) {
     double t = q->in->half_tangent;
     const sl_rule *f = &q->in->fine;
@@ -112,7 +123,8 @@ static void add_axial_corner(const integral *q) {
     }
 }
 
-/* A side face of the hemicube, b sideways, a from 1 at the top to 2 at the horizon: the direction (1, b, z), z = 2 - a = x^2. */
+/* A side face of the hemicube, b sideways, a from 1 at the top to 2 at the horizon: the direction (1, b, z),
+ * z = 2 - a = x^2. */
 static void add_side_cell(const integral *q, range r) {
     double x0 = sqrt(2.0 - r.a1), x1 = sqrt(2.0 - r.a0);
     const sl_rule *g = &q->in->coarse, *f = r.a1 > 1.9 ? &q->in->fine : g;
@@ -120,13 +132,14 @@ static void add_side_cell(const integral *q, range r) {
         double x = x0 + (x1 - x0) * f->node[i];
         for (int j = 0; j < g->count; j++) {
             sl_vec3d d = sl_v3d(1.0, r.b0 + (r.b1 - r.b0) * g->node[j], x * x);
-            add_point(q, d, f->weight[i] * g->weight[j] * (x1 - x0) * 2.0 * x * (r.b1 - r.b0) * inverse_cube(d));
+            add_point(q, d,
+                      f->weight[i] * g->weight[j] * (x1 - x0) * 2.0 * x * (r.b1 - r.b0) * inverse_cube(d));
         }
     }
 }
 
-/* The concentric map where a > b: sin theta = a, phi = (pi / 4) b / a, d omega = (pi / 4) d theta db. Near the horizon the
- * integral is over the root of the cosine. A cell on the diagonal is cut by it. */
+/* The concentric map where a > b: sin theta = a, phi = (pi / 4) b / a, d omega = (pi / 4) d theta db. Near
+ * the horizon the integral is over the root of the cosine. A cell on the diagonal is cut by it. */
 static void add_disc_cell(const integral *q, range r) {
     bool low = r.a1 > 0.9;
     double c0 = sqrt(1.0 - r.a0 * r.a0), c1 = sqrt(fmax(0.0, 1.0 - r.a1 * r.a1));
@@ -134,7 +147,8 @@ static void add_disc_cell(const integral *q, range r) {
     const sl_rule *g = &q->in->coarse, *f = low ? &q->in->fine : g;
     if (r.a1 <= r.b0) return;
     for (int i = 0; i < f->count; i++) {
-        double x = from + (to - from) * f->node[i], c = low ? x * x : sl_cos(x), s = low ? sqrt(1.0 - c * c) : sl_sin(x);
+        double x = from + (to - from) * f->node[i], c = low ? x * x : sl_cos(x),
+               s = low ? sqrt(1.0 - c * c) : sl_sin(x);
         double stretch = low ? 2.0 * x / s : 1.0, height = fmin(r.b1, s) - r.b0;
         for (int j = 0; j < g->count && height > 0.0; j++) {
             double azimuth = 0.25 * SL_PI * (r.b0 + height * g->node[j]) / s;
@@ -151,7 +165,8 @@ static double grid_line(const sl_instrument *in, int i) {
 }
 
 static range cell_range(const sl_instrument *in, int x, int y) {
-    return (range){fmax(0.0, grid_line(in, x)), grid_line(in, x + 1), fmax(0.0, grid_line(in, y)), grid_line(in, y + 1)};
+    return (range){fmax(0.0, grid_line(in, x)), grid_line(in, x + 1), fmax(0.0, grid_line(in, y)),
+                   grid_line(in, y + 1)};
 }
 
 static void add_border(const integral *q, range r) {
@@ -182,11 +197,12 @@ void sl_cell_harmonics(const sl_instrument *in, int x, int y, double *sums) {
     }
 }
 
-/* ---- walls ----------------------------------------------------------------------------------------------------- */
+/* ---- walls ----------------------------------------------------------------------------------- */
 
-/* The point w of a wall, |w| = 1, at distance r is seen to move by -delta_perp / r; an element dw of the arc sweeps the solid
- * angle (dw x w) . delta / r for what lies to its right. m: dw x w, tangential part. */
-static void add_wall_point(const integral *q, sl_wall *wall, double *total, sl_vec3d d, double mx, double my) {
+/* The point w of a wall, |w| = 1, at distance r is seen to move by -delta_perp / r; an element dw of the arc
+ * sweeps the solid angle (dw x w) . delta / r for what lies to its right. m: dw x w, tangential part. */
+static void add_wall_point(const integral *q, sl_wall *wall, double *total, sl_vec3d d, double mx,
+                           double my) {
     double size = sqrt(mx * mx + my * my);
     wall->x += q->exchanged ? my : mx;
     wall->y += q->exchanged ? mx : my;
@@ -205,8 +221,9 @@ static void add_edge(const integral *q, sl_wall *wall, double *total, sl_vec3d a
     }
 }
 
-/* The concentric map's line a = const, b from b0 to b1: a ring where a > b, else a spiral phi = pi/2 - (pi/4) a / sin theta along
- * which w x dw is -d theta v + d phi sin theta cos theta u (u, v: tangential unit vectors at phi and phi + pi/2). */
+/* The concentric map's line a = const, b from b0 to b1: a ring where a > b, else a spiral phi = pi/2 - (pi/4)
+ * a / sin theta along which w x dw is -d theta v + d phi sin theta cos theta u (u, v: tangential unit vectors
+ * at phi and phi + pi/2). */
 static void add_disc_line(const integral *q, sl_wall *wall, double *total, double a, double b0, double b1) {
     const sl_rule *g = &q->in->coarse;
     bool ring = a >= b1;
@@ -235,8 +252,9 @@ static void add_column_wall(const integral *q, sl_wall *wall, double *total, dou
     }
 }
 
-/* The radial extension of a row wall at (t, b): along a meridian down to the horizon. The surface is taken to stand upright there,
- * at the horizontal distance h = sqrt(t^2 + b^2) that it has at depth 1; so its distance is h / sin theta. */
+/* The radial extension of a row wall at (t, b): along a meridian down to the horizon. The surface is taken to
+ * stand upright there, at the horizontal distance h = sqrt(t^2 + b^2) that it has at depth 1; so its distance
+ * is h / sin theta. */
 static void add_border_wall(const integral *q, sl_wall *wall, double *total, double b) {
     const sl_rule *f = &q->in->fine;
     double t = q->in->half_tangent, h = sqrt(t * t + b * b), cos_phi = t / h, sin_phi = b / h;
@@ -244,7 +262,8 @@ static void add_border_wall(const integral *q, sl_wall *wall, double *total, dou
     for (int i = 0; i < f->count; i++) { /* sin theta d theta = -d cos theta */
         double root = f->node[i], c = edge * root * root, s = sqrt(1.0 - c * c);
         double weight = f->weight[i] * 2.0 * edge * root / h;
-        add_wall_point(q, wall, total, sl_v3d(s * cos_phi, s * sin_phi, c), -weight * sin_phi, weight * cos_phi);
+        add_wall_point(q, wall, total, sl_v3d(s * cos_phi, s * sin_phi, c), -weight * sin_phi,
+                       weight * cos_phi);
     }
 }
 

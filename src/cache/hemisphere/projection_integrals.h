@@ -1,6 +1,7 @@
-/* Integrals of the hemispherical harmonics over an instrument's cells and along the walls between them, in double:
- * B_i = integral of H_i d omega of a cell, by Gauss's rule. Every instrument is symmetric about both axes of its picture, so it is enough
- * to know the quadrant x >= 0, y >= 0; of a cell or wall that an axis cuts, these are the integrals over its part there. */
+/* Integrals of the hemispherical harmonics over an instrument's cells and along the walls between them, in
+ * double: B_i = integral of H_i d omega of a cell, by Gauss's rule. Every instrument is symmetric about both
+ * axes of its picture, so it is enough to know the quadrant x >= 0, y >= 0; of a cell or wall that an axis
+ * cuts, these are the integrals over its part there. */
 #ifndef SL_CACHE_PROJECTION_INTEGRALS_H
 #define SL_CACHE_PROJECTION_INTEGRALS_H
 
@@ -25,15 +26,17 @@ typedef struct sl_instrument {
     sl_rule fine, coarse; /* towards the horizon; elsewhere */
 } sl_instrument;
 
-sl_instrument sl_instrument_of(const sl_gather_tables *tables, double half_tangent, sl_border border, int order);
+sl_instrument sl_instrument_of(const sl_gather_tables *tables, double half_tangent, sl_border border,
+                               int order);
 
-/* sums: sl_hsh_stride(order) doubles, the integral of every H over the cell in column x and row y (and over its border extension
- * down to the horizon) in solid angle. */
+/* sums: sl_hsh_stride(order) doubles, the integral of every H over the cell in column x and row y (and over
+ * its border extension down to the horizon) in solid angle. */
 void sl_cell_harmonics(const sl_instrument *instrument, int x, int y, double *sums);
 
-/* A wall: the arc between two cells, made by surfaces at depth 1. Displacing the receiver by delta in the surface gives the solid
- * angle (x, y) . delta to the cell that lies to the right (above; on the y side), taken from the one to the left (below; on the
- * x side). mean: of every H along the arc, weighted by that motion. */
+/* A wall: the arc between two cells, made by surfaces at depth 1. Displacing the receiver by delta in the
+ * surface gives the solid angle (x, y) . delta to the cell that lies to the right (above; on the y side),
+ * taken from the one to the left (below; on the x side). mean: of every H along the arc, weighted by that
+ * motion. */
 typedef enum sl_wall_type {
     SL_WALL_COLUMN,
     SL_WALL_ROW,
@@ -46,9 +49,9 @@ typedef struct sl_wall {
     double mean[SL_HSH_STRIDE_MAX];
 } sl_wall;
 
-/* COLUMN: between cells (x-1, y) and (x, y); ROW: between (x, y-1) and (x, y); SEAM: of the hemicube's side faces, between the
- * rows at distance x from the top (y unused). BORDER: what the outermost column or row wall of the plane becomes in the radial
- * extension. */
+/* COLUMN: between cells (x-1, y) and (x, y); ROW: between (x, y-1) and (x, y); SEAM: of the hemicube's side
+ * faces, between the rows at distance x from the top (y unused). BORDER: what the outermost column or row
+ * wall of the plane becomes in the radial extension. */
 void sl_wall_harmonics(const sl_instrument *instrument, sl_wall_type type, int x, int y, sl_wall *wall);
 
 #endif

@@ -1,5 +1,5 @@
-/* The products of projection.h. A coefficient is a lane: it adds cells, or walls, one after the other, in float within a block
- * and in double from block to block. So the width of the registers changes nothing. */
+/* The products of projection.h. A coefficient is a lane: it adds cells, or walls, one after the other, in
+ * float within a block and in double from block to block. So the width of the registers changes nothing. */
 #include "cache/hemisphere/projection.h"
 
 #include <string.h>
@@ -15,14 +15,15 @@ enum { LANES = 4, PIECES = 2 };
 #endif
 typedef float lanes __attribute__((vector_size(4 * LANES)));
 
-/* ---- mirror images --------------------------------------------------------------------------------------------- */
+/* ---- mirror images --------------------------------------------------------------------------- */
 
 /* Sums over four images with the signs of each class, in place. */
 static inline void fold(float image[CLASSES][BLOCK]) {
     float *restrict a = image[0], *restrict b = image[1], *restrict c = image[2], *restrict d = image[3];
 #pragma omp simd
     for (int k = 0; k < BLOCK; k++) {
-        float sum_0 = a[k] + b[k], sum_1 = c[k] + d[k], difference_0 = a[k] - b[k], difference_1 = c[k] - d[k];
+        float sum_0 = a[k] + b[k], sum_1 = c[k] + d[k], difference_0 = a[k] - b[k],
+              difference_1 = c[k] - d[k];
         a[k] = sum_0 + sum_1;
         b[k] = difference_0 + difference_1;
         c[k] = sum_0 - sum_1;
@@ -44,7 +45,8 @@ static inline void fold_cells(const sl_projection_list *list, size_t first, cons
 static inline void fold_walls(const sl_projection_list *list, size_t first, const float *restrict radiance,
                               float near[4][BLOCK], float folded[CLASSES][BLOCK]) {
     for (int image = 0; image < 4; image++) {
-        const uint32_t *restrict from = list->cell[0][image] + first, *restrict to = list->cell[1][image] + first;
+        const uint32_t *restrict from = list->cell[0][image] + first, *restrict to =
+                                                                          list->cell[1][image] + first;
         float *restrict out = folded[image];
         const float *restrict nearer = near[image];
         for (int k = 0; k < BLOCK; k++) out[k] = (radiance[to[k]] - radiance[from[k]]) * nearer[k];
@@ -52,10 +54,11 @@ static inline void fold_walls(const sl_projection_list *list, size_t first, cons
     fold(folded);
 }
 
-static inline void nearer_surfaces(const sl_projection_list *list, size_t first, const float *restrict nearness,
-                                   float near[4][BLOCK]) {
+static inline void nearer_surfaces(const sl_projection_list *list, size_t first,
+                                   const float *restrict nearness, float near[4][BLOCK]) {
     for (int image = 0; image < 4; image++) {
-        const uint32_t *restrict from = list->cell[0][image] + first, *restrict to = list->cell[1][image] + first;
+        const uint32_t *restrict from = list->cell[0][image] + first, *restrict to =
+                                                                          list->cell[1][image] + first;
         float *restrict out = near[image];
         for (int k = 0; k < BLOCK; k++) {
             float a = nearness[from[k]], b = nearness[to[k]];
@@ -64,7 +67,7 @@ static inline void nearer_surfaces(const sl_projection_list *list, size_t first,
     }
 }
 
-/* ---- products -------------------------------------------------------------------------------------------------- */
+/* ---- products -------------------------------------------------------------------------------- */
 
 static inline void add_lanes(double *restrict sum, const lanes *restrict part) {
     for (int i = 0; i < LANES; i++) sum[i] += (double)(*part)[i];
@@ -92,7 +95,8 @@ static inline void multiply_3(const float *restrict table, float factor[3][BLOCK
 }
 
 /* Six: x and y of three channels. */
-static inline void multiply_6(const float *restrict table, float x[3][BLOCK], float y[3][BLOCK], double sum[6][GROUP]) {
+static inline void multiply_6(const float *restrict table, float x[3][BLOCK], float y[3][BLOCK],
+                              double sum[6][GROUP]) {
     for (int first = 0; first < GROUP; first += PIECES * LANES) {
         lanes rx[PIECES], gx[PIECES], bx[PIECES], ry[PIECES], gy[PIECES], by[PIECES];
         memset(rx, 0, sizeof rx), memset(gx, 0, sizeof gx), memset(bx, 0, sizeof bx);
@@ -116,19 +120,23 @@ static inline void multiply_6(const float *restrict table, float x[3][BLOCK], fl
     }
 }
 
-/* ---- blocks ---------------------------------------------------------------------------------------------------- */
+/* ---- blocks ---------------------------------------------------------------------------------- */
 
-static void add_cells(const sl_projection *p, size_t block, const float *const picture[4], sl_projection_sums *sums) {
+static void add_cells(const sl_projection *p, size_t block, const float *const picture[4],
+                      sl_projection_sums *sums) {
     float folded[3][CLASSES][BLOCK], factor[3][BLOCK];
     for (int c = 0; c < 3; c++) fold_cells(&p->cells, block * BLOCK, picture[c], folded[c]);
     for (int g = 0; g < p->groups; g++) {
         for (int c = 0; c < 3; c++) memcpy(factor[c], folded[c][p->class_of[g]], sizeof factor[c]);
-        multiply_3(p->cells.table + (block * (size_t)p->groups + (size_t)g) * BLOCK * GROUP, factor, sums->sum[g]);
+        multiply_3(p->cells.table + (block * (size_t)p->groups + (size_t)g) * BLOCK * GROUP, factor,
+                   sums->sum[g]);
     }
 }
 
-/* A wall's mirror image in x moves by (-x, y): for d / dx the classes exchange their signs with x, for d / dy those with y. */
-static void add_walls(const sl_projection *p, size_t block, const float *const picture[4], sl_projection_sums *sums) {
+/* A wall's mirror image in x moves by (-x, y): for d / dx the classes exchange their signs with x, for d / dy
+ * those with y. */
+static void add_walls(const sl_projection *p, size_t block, const float *const picture[4],
+                      sl_projection_sums *sums) {
     float near[4][BLOCK], folded[3][CLASSES][BLOCK], x[3][BLOCK], y[3][BLOCK];
     const float *wall_x = p->walls.x + block * BLOCK, *wall_y = p->walls.y + block * BLOCK;
     nearer_surfaces(&p->walls, block * BLOCK, picture[3], near);
@@ -147,7 +155,8 @@ static void add_walls(const sl_projection *p, size_t block, const float *const p
     }
 }
 
-void SL_KERNEL(sl_projection_sums)(const sl_projection *p, const float *const picture[4], sl_projection_sums *sums) {
+void SL_KERNEL(sl_projection_sums)(const sl_projection *p, const float *const picture[4],
+                                   sl_projection_sums *sums) {
     memset(sums, 0, sizeof *sums);
     for (size_t block = 0; block < p->cells.blocks; block++) add_cells(p, block, picture, sums);
     for (size_t block = 0; block < p->walls.blocks; block++) add_walls(p, block, picture, sums);

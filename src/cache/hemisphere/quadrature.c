@@ -16,7 +16,8 @@ static double legendre(int n, double x, double *derivative) {
 
 void sl_gauss_legendre(int count, double *nodes, double *weights) {
     for (int i = 0; i < count; i++) {
-        double x = sl_cos(SL_PI * (i + 0.75) / (count + 0.5)), slope = 1.0; /* Newton's start is within O(1/n^4) of the root */
+        /* Newton's start is within O(1/n^4) of the root */
+        double x = sl_cos(SL_PI * (i + 0.75) / (count + 0.5)), slope = 1.0;
         for (int step = 0; step < 6; step++) x -= legendre(count, x, &slope) / slope;
         (void)legendre(count, x, &slope);
         nodes[count - 1 - i] = 0.5 + 0.5 * x;

@@ -1,5 +1,6 @@
-/* Gathers by the rasterizer. One render of the plane at unit distance above the point: (u, v) is direction (u, v, 1), d omega = du dv / (1 + u^2 + v^2)^(3/2).
- * Or five: the top of a hemicube and the upper halves of its four sides, folded out around it (gather_tables.h has the layout). */
+/* Gathers by the rasterizer. One render of the plane at unit distance above the point: (u, v) is direction
+ * (u, v, 1), d omega = du dv / (1 + u^2 + v^2)^(3/2). Or five: the top of a hemicube and the upper halves of
+ * its four sides, folded out around it (gather_tables.h has the layout). */
 #include "cache/hemisphere/gather_internal.h"
 
 #include "base/counters.h"
@@ -13,7 +14,8 @@ static void hits_of_cells(const sl_gather_view *view) {
         uint32_t cell = t->order[k];
         float inverse = s->cell_depth[cell];
         bool hit = s->cell_id[cell] != SL_NO_INDEX && inverse > 0.0f;
-        sl_vec3 d = sl_frame_to_world(&view->frame, sl_v3(t->direction_x[cell], t->direction_y[cell], t->direction_z[cell]));
+        sl_vec3 d = sl_frame_to_world(
+            &view->frame, sl_v3(t->direction_x[cell], t->direction_y[cell], t->direction_z[cell]));
         h->direction_x[k] = d.x;
         h->direction_y[k] = d.y;
         h->direction_z[k] = d.z;
@@ -33,8 +35,10 @@ void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters) {
     pyramid.skip_triangle = view->point->triangle;
     sl_target target = {.width = n, .height = n, .id = s->cell_id, .depth = s->cell_depth};
     sl_raster_id_small(gather->raster, &pyramid, &target, s->raster, counters);
-    sl_raster_barycentrics(gather->raster, &pyramid, gather->tables->cells, s->pixels, s->cell_id, s->cell_w1, s->cell_w2);
-    sl_count(counters, SL_COUNT_BYTES_READ_BACK, 16 * gather->tables->cells); /* radiance and depth of the paper's pixel */
+    sl_raster_barycentrics(gather->raster, &pyramid, gather->tables->cells, s->pixels, s->cell_id, s->cell_w1,
+                           s->cell_w2);
+    /* radiance and depth of the paper's pixel */
+    sl_count(counters, SL_COUNT_BYTES_READ_BACK, 16 * gather->tables->cells);
     hits_of_cells(view);
 }
 
@@ -52,13 +56,15 @@ static void render_face(const sl_gather_view *view, int face, sl_counters *count
     sl_gather_scratch *s = view->scratch;
     const place *f = &places[face];
     int half = gather->tables->size / 2;
-    sl_view pyramid = sl_view_hemicube_face(&view->frame, view->eye, face, gather->tables->size, sl_gather_near(gather));
+    sl_view pyramid =
+        sl_view_hemicube_face(&view->frame, view->eye, face, gather->tables->size, sl_gather_near(gather));
     int width = pyramid.width, height = pyramid.height;
     pyramid.skip_triangle = view->point->triangle;
     sl_target target = {.width = width, .height = height, .id = s->target_id, .depth = s->target_depth};
     sl_raster_id_small(gather->raster, &pyramid, &target, s->raster, counters);
     size_t count = (size_t)width * (size_t)height;
-    sl_raster_barycentrics(gather->raster, &pyramid, count, s->pixels, s->target_id, s->target_w1, s->target_w2);
+    sl_raster_barycentrics(gather->raster, &pyramid, count, s->pixels, s->target_id, s->target_w1,
+                           s->target_w2);
     sl_count(counters, SL_COUNT_BYTES_READ_BACK, 16 * count);
     for (int y = 0; y < height; y++) {
         size_t from = (size_t)y * (size_t)width;

@@ -3,9 +3,17 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-enum { CELLS_MAX = 1 << 15, CELLS_ALONG_MAX = 64, COARSE = 4, DIRECTIONS = 6, TRIALS_MIN = 8, NOWHERE = UINT32_MAX };
+enum {
+    CELLS_MAX = 1 << 15,
+    CELLS_ALONG_MAX = 64,
+    COARSE = 4,
+    DIRECTIONS = 6,
+    TRIALS_MIN = 8,
+    NOWHERE = UINT32_MAX
+};
 
-/* Trials of the wider surroundings that a region's own are mixed with, the fewer its own, the more they count. */
+/* Trials of the wider surroundings that a region's own are mixed with, the fewer its own, the more they
+ * count. */
 #define PRIOR_TRIALS 3.0
 #define VISIBLE_MIN 0.05
 #define WEIGHED_SHARE 0.98
@@ -76,10 +84,12 @@ static void drop_level(level *l) {
 }
 
 static void number_regions(level *l, uint32_t least) {
-    for (size_t i = 0; i < l->entries; i++) l->region_of[i] = l->region_of[i] >= least ? (uint32_t)l->count++ : NOWHERE;
+    for (size_t i = 0; i < l->entries; i++)
+        l->region_of[i] = l->region_of[i] >= least ? (uint32_t)l->count++ : NOWHERE;
 }
 
-static void count_trials(level *l, const sl_visible_lights *v, const sl_light_trial *trials, size_t count, size_t sources) {
+static void count_trials(level *l, const sl_visible_lights *v, const sl_light_trial *trials, size_t count,
+                         size_t sources) {
     for (size_t i = 0; i < count; i++) {
         uint32_t r = l->region_of[entry_of_trial(v, &trials[i], l->wide)];
         if (r == NOWHERE) continue;
@@ -92,8 +102,8 @@ static void count_trials(level *l, const sl_visible_lights *v, const sl_light_tr
     }
 }
 
-static sl_status make_level(level *l, int wide, const sl_visible_lights *v, const sl_light_trial *trials, size_t count, size_t sources,
-                            sl_error *error) {
+static sl_status make_level(level *l, int wide, const sl_visible_lights *v, const sl_light_trial *trials,
+                            size_t count, size_t sources, sl_error *error) {
     size_t entries = DIRECTIONS;
     for (int a = 0; a < 3; a++) entries *= (size_t)((v->cells[a] + wide - 1) / wide);
     *l = (level){.wide = wide, .entries = entries, .region_of = sl_allocate(entries, sizeof *l->region_of)};
@@ -110,7 +120,8 @@ static sl_status make_level(level *l, int wide, const sl_visible_lights *v, cons
 
 /* ---- what matters where ---- */
 
-/* What a source may give to surfaces about a place, unhindered, to those at most `side` nearer to it than the place. */
+/* What a source may give to surfaces about a place, unhindered, to those at most `side` nearer to it than the
+ * place. */
 static double reach(const sl_light_sources *s, size_t i, sl_vec3d place, sl_vec3d normal, double side) {
     size_t block = i / SL_SOURCE_LANES;
     double strength = (double)s->strength[i];
@@ -123,16 +134,20 @@ static double reach(const sl_light_sources *s, size_t i, sl_vec3d place, sl_vec3
     double length = fmax(sl_lengthd(d) - slack, fmax(0.5 * extent, 0.1 * slack)), squared = length * length;
     double above = fmin(fmax(0.0, sl_dotd(d, normal) + extent + slack), length);
     if (block >= s->first_block[SL_SAMPLED_POINT]) return strength * above / (squared * length);
-    double front = -((double)s->normal_x[i] * d.x + (double)s->normal_y[i] * d.y + (double)s->normal_z[i] * d.z);
+    double front =
+        -((double)s->normal_x[i] * d.x + (double)s->normal_y[i] * d.y + (double)s->normal_z[i] * d.z);
     front = fmin(fmax(0.0, (s->two_sided[i] > 0.0f ? fabs(front) : front) + slack), length);
     return strength * above * front / (squared * squared);
 }
 
-static double shrunk(double arrivals, double tests, double expected) { return (arrivals + PRIOR_TRIALS * expected) / (tests + PRIOR_TRIALS); }
+static double shrunk(double arrivals, double tests, double expected) {
+    return (arrivals + PRIOR_TRIALS * expected) / (tests + PRIOR_TRIALS);
+}
 
 static double seen_in(const level *l, uint32_t region, size_t source, size_t sources, double expected) {
     if (region == NOWHERE) return expected;
-    return shrunk((double)l->arrivals[region * sources + source], (double)l->tests[region * sources + source], expected);
+    return shrunk((double)l->arrivals[region * sources + source], (double)l->tests[region * sources + source],
+                  expected);
 }
 
 /* Blocks are weighed source by source, the best first, until almost all that may come is covered. */
@@ -153,11 +168,12 @@ static void choose_blocks(sl_light_region *region, const double *block, size_t b
 }
 
 /* Region `region` of level `own` (which may be `coarse` itself), in surroundings of the coarse one. */
-static void describe(sl_visible_lights *v, const sl_light_sources *s, const level *coarse, uint32_t around, const level *own, uint32_t region,
-                     const double *everywhere, size_t index) {
+static void describe(sl_visible_lights *v, const sl_light_sources *s, const level *coarse, uint32_t around,
+                     const level *own, uint32_t region, const double *everywhere, size_t index) {
     const tally *t = &own->tallies[region];
     sl_vec3d place = sl_scaled(t->position, 1.0 / t->trials), normal = t->normal;
-    double length = sl_lengthd(normal), side = (double)own->wide / (double)v->per_cell, block[SL_SOURCE_BLOCKS_MAX] = {0};
+    double length = sl_lengthd(normal), side = (double)own->wide / (double)v->per_cell,
+           block[SL_SOURCE_BLOCKS_MAX] = {0};
     normal = length > 0.0 ? sl_scaled(normal, 1.0 / length) : normal;
     uint8_t *seen = v->visible + index * v->sources;
     for (size_t i = 0; i < s->count; i++) {
@@ -171,7 +187,8 @@ static void describe(sl_visible_lights *v, const sl_light_sources *s, const leve
 
 /* ---- all of it ---- */
 
-static void describe_all(sl_visible_lights *v, const sl_light_sources *s, const level *fine, const level *coarse, const double *everywhere) {
+static void describe_all(sl_visible_lights *v, const sl_light_sources *s, const level *fine,
+                         const level *coarse, const double *everywhere) {
     for (size_t i = 0; i < s->count; i++) v->visible[i] = 255;
     v->regions[0] = (sl_light_region){.blocks = (1u << s->blocks) - 1};
     for (uint32_t r = 0; r < coarse->count; r++) describe(v, s, coarse, r, coarse, r, everywhere, 1 + r);
@@ -180,7 +197,8 @@ static void describe_all(sl_visible_lights *v, const sl_light_sources *s, const 
             for (int x = 0; x < v->cells[0]; x++) {
                 for (uint32_t d = 0; d < DIRECTIONS; d++) {
                     const int cell[3] = {x, y, z};
-                    uint32_t entry = entry_of(v, cell, 1, d), around = coarse->region_of[entry_of(v, cell, coarse->wide, d)];
+                    uint32_t entry = entry_of(v, cell, 1, d),
+                             around = coarse->region_of[entry_of(v, cell, coarse->wide, d)];
                     uint32_t region = fine->region_of[entry];
                     v->region_of[entry] = around == NOWHERE ? 0 : 1 + around;
                     if (region == NOWHERE) continue;
@@ -192,7 +210,8 @@ static void describe_all(sl_visible_lights *v, const sl_light_sources *s, const 
     }
 }
 
-static void see_everywhere(const sl_light_trial *trials, size_t count, size_t sources, double *everywhere, uint32_t *tests) {
+static void see_everywhere(const sl_light_trial *trials, size_t count, size_t sources, double *everywhere,
+                           uint32_t *tests) {
     for (size_t i = 0; i < count; i++) {
         tests[trials[i].source]++;
         everywhere[trials[i].source] += trials[i].arrived ? 1.0 : 0.0;
@@ -200,8 +219,8 @@ static void see_everywhere(const sl_light_trial *trials, size_t count, size_t so
     for (size_t i = 0; i < sources; i++) everywhere[i] = shrunk(everywhere[i], (double)tests[i], 0.5);
 }
 
-static sl_status learn(sl_visible_lights *v, const sl_light_sources *s, const sl_light_trial *trials, size_t count, level *fine, level *coarse,
-                       sl_error *error) {
+static sl_status learn(sl_visible_lights *v, const sl_light_sources *s, const sl_light_trial *trials,
+                       size_t count, level *fine, level *coarse, sl_error *error) {
     sl_status status = make_level(fine, 1, v, trials, count, s->count, error);
     if (status == SL_OK) status = make_level(coarse, COARSE, v, trials, count, s->count, error);
     if (status != SL_OK) return status;
@@ -223,8 +242,8 @@ static sl_status learn(sl_visible_lights *v, const sl_light_sources *s, const sl
     return status;
 }
 
-sl_status sl_visible_lights_create(const sl_light_sources *sources, const sl_light_trial *trials, size_t count,
-                                   sl_visible_lights **out, sl_error *error) {
+sl_status sl_visible_lights_create(const sl_light_sources *sources, const sl_light_trial *trials,
+                                   size_t count, sl_visible_lights **out, sl_error *error) {
     *out = NULL;
     sl_visible_lights *v = sl_allocate(1, sizeof *v);
     if (!v) return sl_fail_memory(error, "visible lights");

@@ -1,10 +1,11 @@
-/* Irradiance without occluders, in closed form and in double: Lambert's formula for polygons (multi-mesh caching, closed forms),
+/* Irradiance without occluders, in closed form and in double: Lambert's formula for polygons (multi-mesh
+ * caching, closed forms),
  *
  *     E = -L/2 sum over edges of theta_k (n . u_k),   u_k = (v_k x v_k+1) / |.|,   theta_k the edge's angle,
  *
- * vertices v_k relative to the point, counter-clockwise seen from where the polygon shines, cut at the point's horizon: without the cut a wall
- * half of which is below the horizon gets 0.37 instead of 0.50. Far away the sum is a small difference of large terms, and the light's area
- * at its middle does better. */
+ * vertices v_k relative to the point, counter-clockwise seen from where the polygon shines, cut at the
+ * point's horizon: without the cut a wall half of which is below the horizon gets 0.37 instead of 0.50. Far
+ * away the sum is a small difference of large terms, and the light's area at its middle does better. */
 #include <math.h>
 
 #include "base/math.h"
@@ -52,7 +53,8 @@ double sl_lambert_triangle(const sl_vec3d corner[3], sl_vec3d normal, sl_vec3d g
     return sum * (0.5 / SL_PI);
 }
 
-/* The side of a triangle on which the point lies: 1 where it shines, -1 of a two-sided light's back, 0 where nothing comes from it. */
+/* The side of a triangle on which the point lies: 1 where it shines, -1 of a two-sided light's back, 0 where
+ * nothing comes from it. */
 static int side_of(const sl_sampled_light *light, uint32_t triangle, sl_vec3d p) {
     sl_vec3d a = sl_to_double(light->corner[3 * triangle]), b = sl_to_double(light->corner[3 * triangle + 1]);
     sl_vec3d cross = sl_crossd(sl_subd(b, a), sl_subd(sl_to_double(light->corner[3 * triangle + 2]), a));
@@ -60,11 +62,14 @@ static int side_of(const sl_sampled_light *light, uint32_t triangle, sl_vec3d p)
     return front > 0.0 ? 1 : front < 0.0 && light->two_sided ? -1 : 0;
 }
 
-/* The triangle's corners from the point, counter-clockwise seen from there; false where nothing comes from it. */
-static bool turned_to(const sl_sampled_light *light, size_t triangle, const sl_lit_point *point, sl_vec3d corner[3]) {
+/* The triangle's corners from the point, counter-clockwise seen from there; false where nothing comes from
+ * it. */
+static bool turned_to(const sl_sampled_light *light, size_t triangle, const sl_lit_point *point,
+                      sl_vec3d corner[3]) {
     sl_vec3d p = sl_to_double(point->position);
     int side = side_of(light, (uint32_t)triangle, p);
-    for (size_t k = 0; k < 3; k++) corner[side < 0 ? 2 - k : k] = sl_subd(sl_to_double(light->corner[3 * triangle + k]), p);
+    for (size_t k = 0; k < 3; k++)
+        corner[side < 0 ? 2 - k : k] = sl_subd(sl_to_double(light->corner[3 * triangle + k]), p);
     return side != 0;
 }
 
@@ -72,7 +77,8 @@ static bool turned_to(const sl_sampled_light *light, size_t triangle, const sl_l
 static double far_triangle(const sl_vec3d corner[3], sl_vec3d n, sl_vec3d g) {
     sl_vec3d middle = sl_scaled(sl_addd(sl_addd(corner[0], corner[1]), corner[2]), 1.0 / 3.0);
     sl_vec3d cross = sl_crossd(sl_subd(corner[1], corner[0]), sl_subd(corner[2], corner[0]));
-    double squared = sl_dotd(middle, middle), high = sl_dotd(n, middle), front = -0.5 * sl_dotd(cross, middle);
+    double squared = sl_dotd(middle, middle), high = sl_dotd(n, middle),
+           front = -0.5 * sl_dotd(cross, middle);
     if (!(squared > 0.0) || !(high > 0.0) || !(front > 0.0) || !(sl_dotd(g, middle) > 0.0)) return 0.0;
     return high / squared * (front / squared) * (1.0 / SL_PI);
 }
@@ -86,27 +92,37 @@ static bool is_far(const sl_vec3d corner[3]) {
     return size < SL_TINY_LIGHT * distance;
 }
 
-/* Nothing of the light is below a horizon, and it is not so far that its outline's terms would cancel: no triangle needs to be cut. */
+/* Nothing of the light is below a horizon, and it is not so far that its outline's terms would cancel: no
+ * triangle needs to be cut. */
 static bool is_above(const sl_sampled_light *light, const sl_lit_point *point) {
-    sl_vec3d p = sl_to_double(point->position), n = sl_to_double(point->normal), g = sl_to_double(point->geometric_normal);
+    sl_vec3d p = sl_to_double(point->position), n = sl_to_double(point->normal),
+             g = sl_to_double(point->geometric_normal);
     double distance = sl_lengthd(sl_subd(sl_to_double(light->position), p));
     if (!((double)light->extent > SL_TINY_LIGHT * distance)) return false;
     for (size_t k = 0; k < light->edges; k++) {
-        sl_vec3d a = sl_subd(sl_to_double(light->edge[k].a), p), b = sl_subd(sl_to_double(light->edge[k].b), p);
-        if (!(fmin(sl_dotd(n, a), sl_dotd(n, b)) >= 0.0) || !(fmin(sl_dotd(g, a), sl_dotd(g, b)) >= 0.0)) return false;
+        sl_vec3d a = sl_subd(sl_to_double(light->edge[k].a), p),
+                 b = sl_subd(sl_to_double(light->edge[k].b), p);
+        if (!(fmin(sl_dotd(n, a), sl_dotd(n, b)) >= 0.0) || !(fmin(sl_dotd(g, a), sl_dotd(g, b)) >= 0.0))
+            return false;
     }
     return true;
 }
 
-/* Along edges between two triangles that are seen from one side the terms of both cancel: the outline as seen from the point is left. */
+/* Along edges between two triangles that are seen from one side the terms of both cancel: the outline as seen
+ * from the point is left. */
 static double by_outline(const sl_sampled_light *light, const sl_lit_point *point) {
     sl_vec3d p = sl_to_double(point->position), n = sl_to_double(point->normal);
     int planar = light->kind == SL_SAMPLED_AREA ? side_of(light, 0, p) : 0;
     double sum = 0.0;
     for (size_t k = 0; k < light->edges; k++) {
         const sl_light_edge *e = &light->edge[k];
-        int side = light->kind == SL_SAMPLED_AREA ? planar : side_of(light, e->left, p) - (e->right == SL_NO_INDEX ? 0 : side_of(light, e->right, p));
-        if (side) sum -= (double)side * edge_term(sl_subd(sl_to_double(e->a), p), sl_subd(sl_to_double(e->b), p), n);
+        int side =
+            light->kind == SL_SAMPLED_AREA
+                ? planar
+                : side_of(light, e->left, p) - (e->right == SL_NO_INDEX ? 0 : side_of(light, e->right, p));
+        if (side)
+            sum -=
+                (double)side * edge_term(sl_subd(sl_to_double(e->a), p), sl_subd(sl_to_double(e->b), p), n);
     }
     return sum * (0.5 / SL_PI);
 }
@@ -146,7 +162,8 @@ sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *poin
         polygon p = above ? (polygon){3, {corner[0], corner[1], corner[2]}} : above_horizons(corner, n, g);
         for (int k = 1; k + 1 < p.count; k++) {
             sl_vec3d sum = sl_addd(sl_addd(p.corner[0], p.corner[k]), p.corner[k + 1]);
-            double area = sl_lengthd(sl_crossd(sl_subd(p.corner[k], p.corner[0]), sl_subd(p.corner[k + 1], p.corner[0])));
+            double area = sl_lengthd(
+                sl_crossd(sl_subd(p.corner[k], p.corner[0]), sl_subd(p.corner[k + 1], p.corner[0])));
             middle = sl_addd(middle, sl_scaled(sum, area / 3.0));
             total += area;
         }
@@ -156,8 +173,10 @@ sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *poin
 
 sl_vec3 sl_light_direction(const sl_sampled_light *light, const sl_lit_point *point) {
     sl_vec3 n = point->normal, g = point->geometric_normal;
-    if (!sl_is_finite(point->position) || !(sl_dot(n, n) > 0.0f) || !(sl_dot(g, g) > 0.0f)) return sl_v3(0, 0, 0);
-    if (sl_light_has_extent(light)) return sl_normalize_or(sl_to_float(sl_light_middle(light, point)), sl_v3(0, 0, 0));
+    if (!sl_is_finite(point->position) || !(sl_dot(n, n) > 0.0f) || !(sl_dot(g, g) > 0.0f))
+        return sl_v3(0, 0, 0);
+    if (sl_light_has_extent(light))
+        return sl_normalize_or(sl_to_float(sl_light_middle(light, point)), sl_v3(0, 0, 0));
     sl_vec3d to;
     double distance;
     return sl_light_point_form(light, point, &to, &distance) > 0.0 ? sl_to_float(to) : sl_v3(0, 0, 0);

@@ -24,7 +24,8 @@ static void add_side(sl_direct *d, const sl_emitter *e, bool back) {
     *p = sl_polygon_light_of(d->scene, e, back);
     d->emitter[k] = (uint32_t)(e - d->scene->emitters);
     float luminance = sl_luminance(e->radiance), *t = d->triangles + k * SL_SIDE_VALUES;
-    sl_vec3 parts[4] = {p->corner[0], sl_sub(p->corner[1], p->corner[0]), sl_sub(p->corner[2], p->corner[0]), p->normal};
+    sl_vec3 parts[4] = {p->corner[0], sl_sub(p->corner[1], p->corner[0]), sl_sub(p->corner[2], p->corner[0]),
+                        p->normal};
     for (int i = 0; i < 4; i++) {
         t[3 * i] = parts[i].x;
         t[3 * i + 1] = parts[i].y;
@@ -45,7 +46,8 @@ static sl_status make_sides(sl_direct *d, sl_error *error) {
     d->triangles = sl_allocate(sides * SL_SIDE_VALUES, sizeof *d->triangles);
     d->luminances = sl_allocate(sides, sizeof *d->luminances);
     d->emitter = sl_allocate(sides, sizeof *d->emitter);
-    if (!d->polygons || !d->triangles || !d->luminances || !d->emitter) return sl_fail_memory(error, "direct light");
+    if (!d->polygons || !d->triangles || !d->luminances || !d->emitter)
+        return sl_fail_memory(error, "direct light");
     for (size_t i = 0; i < scene->emitter_count; i++) {
         add_side(d, &scene->emitters[i], false);
         if (scene->emitters[i].two_sided) add_side(d, &scene->emitters[i], true);
@@ -107,7 +109,8 @@ static void choose_unit(sl_direct *d) {
     for (size_t k = 0; k < d->exact_count; k++) d->luminances[k] = ldexpf(d->luminances[k], -exponent);
     for (size_t k = 0; k < d->sun_texels; k++) {
         sl_rgb *light = &d->sun_light[k];
-        *light = (sl_rgb){ldexpf(light->r, -exponent), ldexpf(light->g, -exponent), ldexpf(light->b, -exponent)};
+        *light =
+            (sl_rgb){ldexpf(light->r, -exponent), ldexpf(light->g, -exponent), ldexpf(light->b, -exponent)};
         d->sun_table[k].sum = ldexpf(d->sun_table[k].sum, -exponent);
     }
 }
@@ -133,7 +136,8 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->light = sl_light_kernels_for(sl_isa_best());
     d->kernels = sl_direct_kernels_for(sl_isa_best());
     d->offset = 1e-5f * scene->scale;
-    for (size_t i = 0; i < scene->material_count; i++) d->glossy |= sl_material_is_glossy(&scene->materials[i]);
+    for (size_t i = 0; i < scene->material_count; i++)
+        d->glossy |= sl_material_is_glossy(&scene->materials[i]);
     sl_status status = settings->maps ? SL_OK : make_sides(d, error);
     if (status == SL_OK && settings->sun && !settings->maps) status = make_sun(d, error);
     choose_unit(d);
@@ -180,7 +184,8 @@ bool sl_pixel_is_glossy(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
 
 bool sl_pixel_reflects(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
     if (g->material[i] == SL_NO_INDEX) return false;
-    return g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f || sl_pixel_is_glossy(g, scene, i);
+    return g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f ||
+           sl_pixel_is_glossy(g, scene, i);
 }
 
 sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light) {
@@ -193,8 +198,9 @@ sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light) {
     return sl_rgb_scale(at->material->specular, (n + 2.0f) * (float)(0.5 / SL_PI) * lobe);
 }
 
-sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
-                         float *b, sl_counters *counters, sl_error *error) {
-    if (direct->settings.maps) return sl_direct_by_maps(direct, gbuffer, row0, row1, r, g, b, counters, error);
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
+                         float *g, float *b, sl_counters *counters, sl_error *error) {
+    if (direct->settings.maps)
+        return sl_direct_by_maps(direct, gbuffer, row0, row1, r, g, b, counters, error);
     return sl_direct_by_rays(direct, gbuffer, row0, row1, r, g, b, counters, error);
 }

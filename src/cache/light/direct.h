@@ -1,5 +1,5 @@
-/* Direct light of every pixel of a G-buffer, by shadow rays or by shadow maps: for methods whose own light is indirect. direct_internal.h
- * says in which order to read. */
+/* Direct light of every pixel of a G-buffer, by shadow rays or by shadow maps: for methods whose own light is
+ * indirect. direct_internal.h says in which order to read. */
 #ifndef SL_CACHE_DIRECT_H
 #define SL_CACHE_DIRECT_H
 
@@ -11,7 +11,8 @@ typedef struct sl_direct_settings {
     uint64_t seed;
     unsigned threads;
     const sl_shadow_maps *maps; /* NULL: shadow rays */
-    const sl_environment *sun;  /* the part of the environment that is sampled here; the records carry the rest. NULL: none */
+    /* the part of the environment that is sampled here; the records carry the rest. NULL: none */
+    const sl_environment *sun;
 } sl_direct_settings;
 
 typedef struct sl_direct sl_direct;
@@ -20,9 +21,9 @@ typedef struct sl_direct sl_direct;
 sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
                            sl_direct **direct, sl_error *error);
 void sl_direct_destroy(sl_direct *direct);
-/* Direct light of rows [row0, row1) of a G-buffer, diffuse and glossy lobes: radiance into the r, g, b planes (bottom row
- * first). */
-sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
-                         float *b, sl_counters *counters, sl_error *error);
+/* Direct light of rows [row0, row1) of a G-buffer, diffuse and glossy lobes: radiance into the r, g, b planes
+ * (bottom row first). */
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
+                         float *g, float *b, sl_counters *counters, sl_error *error);
 
 #endif

@@ -1,7 +1,8 @@
-/* Emitters: the irradiance of each is known in closed form where nothing is in the way (Lambert's formula); light samples
- * only tell which share of it arrives, sum(V f) / sum(f) (the ratio estimator of Heitz, Hill and McGuire 2018, "Combining
- * analytic direct illumination and stochastic shadows"). The closed forms also are the best weights for choosing an emitter:
- * the samples of many differ in nothing but visibility, and what is seen whole or not at all has no noise. */
+/* Emitters: the irradiance of each is known in closed form where nothing is in the way (Lambert's formula);
+ * light samples only tell which share of it arrives, sum(V f) / sum(f) (the ratio estimator of Heitz, Hill
+ * and McGuire 2018, "Combining analytic direct illumination and stochastic shadows"). The closed forms also
+ * are the best weights for choosing an emitter: the samples of many differ in nothing but visibility, and
+ * what is seen whole or not at all has no noise. */
 #include "cache/light/direct_internal.h"
 #include "cache/light/direct_lamps.h"
 
@@ -16,7 +17,8 @@ typedef struct {
 } weighed;
 
 /* Weighs all sides for all points, and adds up what arrives unoccluded. */
-static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w, float exact[3][SL_LIGHT_BLOCK]) {
+static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w,
+                  float exact[3][SL_LIGHT_BLOCK]) {
     sl_light_points points = sl_lit_points(block);
     sl_block_box box = sl_lit_block_box(block);
     w->sides = 0;
@@ -53,22 +55,27 @@ typedef struct {
     float weight[LANES], wanted[LANES], visible[LANES];
 } light_samples;
 
-static void draw(const sl_direct *direct, const sl_lit_block *block, const weighed *w, uint32_t first, light_samples *s) {
+static void draw(const sl_direct *direct, const sl_lit_block *block, const weighed *w, uint32_t first,
+                 light_samples *s) {
     sl_light_points points = sl_lit_points(block);
     sl_aim_block aims[CHUNK];
-    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 0, SL_LIGHT_BLOCK, s->u0, s->u1, s->u2);
+    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 0, SL_LIGHT_BLOCK, s->u0,
+                     s->u1, s->u2);
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
-        aims[k] = (sl_aim_block){&points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
-                                 s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
-                                 s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
+        aims[k] = (sl_aim_block){
+            &points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
+            s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
+            s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
         direct->kernels.aim(&aims[k]);
     }
     if (w->any_near) sl_direct_aim_near(direct, block, w->near, aims, s->samples);
 }
 
-/* Rays from neighbouring pixels to one emitter go the same way: lanes in the order of emitters, samples and pixels. */
-static size_t order_by_emitter(const sl_lit_block *block, size_t sides, const light_samples *s, uint32_t order[LANES]) {
+/* Rays from neighbouring pixels to one emitter go the same way: lanes in the order of emitters, samples and
+ * pixels. */
+static size_t order_by_emitter(const sl_lit_block *block, size_t sides, const light_samples *s,
+                               uint32_t order[LANES]) {
     uint32_t start[SL_EXACT_EMITTERS_MAX + 1] = {0};
     for (uint32_t k = 0; k < s->samples; k++) {
         for (uint32_t lane = k * SL_LIGHT_BLOCK; lane < k * SL_LIGHT_BLOCK + block->count; lane++) {
@@ -86,13 +93,13 @@ static size_t order_by_emitter(const sl_lit_block *block, size_t sides, const li
 }
 
 /* seen: how many samples of a pixel were, of: of how many. */
-static void add_samples(const sl_lit_block *block, const light_samples *s, float scale, sl_direct_sums *sums, float *seen,
-                        float *of) {
+static void add_samples(const sl_lit_block *block, const light_samples *s, float scale, sl_direct_sums *sums,
+                        float *seen, float *of) {
     for (size_t i = 0; i < block->count; i++) {
         size_t p = block->pixel[i] - sums->first;
         for (size_t lane = i; lane < s->samples * SL_LIGHT_BLOCK; lane += SL_LIGHT_BLOCK) {
-            float weight = s->weight[lane] * scale, visible = s->wanted[lane] > 0.0f ? s->visible[lane] : 0.0f,
-                  arrives = weight * visible;
+            float weight = s->weight[lane] * scale,
+                  visible = s->wanted[lane] > 0.0f ? s->visible[lane] : 0.0f, arrives = weight * visible;
             sums->all[0][p] += s->r[lane] * weight;
             sums->all[1][p] += s->g[lane] * weight;
             sums->all[2][p] += s->b[lane] * weight;
@@ -122,20 +129,23 @@ struct sl_direct_scratch {
 };
 
 size_t sl_direct_scratch_bytes(void) { return sizeof(sl_direct_scratch); }
-sl_direct_scratch *sl_direct_scratch_of(void *blocks, unsigned worker) { return (sl_direct_scratch *)blocks + worker; }
+sl_direct_scratch *sl_direct_scratch_of(void *blocks, unsigned worker) {
+    return (sl_direct_scratch *)blocks + worker;
+}
 sl_lamps *sl_direct_scratch_lamps(sl_direct_scratch *scratch) { return &scratch->lamps; }
 
 /* Traces and adds up samples that are drawn. */
-static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides, bool far_away, sl_direct_scratch *scratch,
-                 sl_direct_sums *sums, answers *a, sl_counters *counters) {
+static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides, bool far_away,
+                 sl_direct_scratch *scratch, sl_direct_sums *sums, answers *a, sl_counters *counters) {
     light_samples *s = &scratch->samples;
     size_t rays = order_by_emitter(block, sides, s, scratch->order);
-    sl_direct_trace(direct, block, rays, scratch->order, (sl_aims){s->x, s->y, s->z, far_away}, s->visible, counters);
+    sl_direct_trace(direct, block, rays, scratch->order, (sl_aims){s->x, s->y, s->z, far_away}, s->visible,
+                    counters);
     add_samples(block, s, 1.0f / (float)direct->settings.light_samples, sums, a->seen, a->of);
 }
 
-static void conclude(const sl_lit_block *block, sl_sample_range range, const answers *a, float exact[3][SL_LIGHT_BLOCK],
-                     sl_direct_sums *sums) {
+static void conclude(const sl_lit_block *block, sl_sample_range range, const answers *a,
+                     float exact[3][SL_LIGHT_BLOCK], sl_direct_sums *sums) {
     for (size_t i = 0; i < block->count; i++) {
         size_t p = block->pixel[i] - sums->first;
         sums->samples[p] += (float)(range.end - range.first);
@@ -147,8 +157,8 @@ static void conclude(const sl_lit_block *block, sl_sample_range range, const ans
     }
 }
 
-void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
-                     sl_counters *counters) {
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                     sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters) {
     weighed *w = &scratch->weighed;
     light_samples *s = &scratch->samples;
     answers a = {{0.0f}, {0.0f}};
@@ -181,7 +191,8 @@ static void weigh_sun(const sl_direct *direct, const sl_lit_block *block, float 
 
 static void draw_sun(const sl_direct *direct, const sl_lit_block *block, uint32_t first, light_samples *s) {
     sl_light_points points = sl_lit_points(block);
-    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 1, SL_LIGHT_BLOCK, s->u0, s->u1, s->u2);
+    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 1, SL_LIGHT_BLOCK, s->u0,
+                     s->u1, s->u2);
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
         sl_aim_block aim = {.points = &points, .u0 = s->u0 + lane, .u1 = s->u1 + lane, .u2 = s->u2 + lane,
@@ -192,8 +203,8 @@ static void draw_sun(const sl_direct *direct, const sl_lit_block *block, uint32_
     }
 }
 
-void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
-                   sl_counters *counters) {
+void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                   sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters) {
     light_samples *s = &scratch->samples;
     answers a = {{0.0f}, {0.0f}};
     float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};

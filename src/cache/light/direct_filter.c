@@ -1,7 +1,8 @@
-/* The visible share of the light samples, smoothed where it is noise: the mean over 5 x 5 pixels of the same surface, as far
- * as their shares differ by no more than the samples' own scatter explains. The scatter is measured: what one half of a
- * pixel's samples says against what the other half says, over the same pixels. With more samples it falls, and fewer
- * neighbours are alike, so that the result still converges to the truth; where all agree nothing changes. */
+/* The visible share of the light samples, smoothed where it is noise: the mean over 5 x 5 pixels of the same
+ * surface, as far as their shares differ by no more than the samples' own scatter explains. The scatter is
+ * measured: what one half of a pixel's samples says against what the other half says, over the same pixels.
+ * With more samples it falls, and fewer neighbours are alike, so that the result still converges to the
+ * truth; where all agree nothing changes. */
 #include "cache/light/direct_internal.h"
 
 enum { RADIUS = 2 };
@@ -37,20 +38,24 @@ void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t cou
     for (size_t k = first; k < first + count; k++) sums->scatter[k] = scatter_of(sums, k);
 }
 
-/* The chord between two points of one smooth surface leans as far out of it at one end as into it at the other, so it is square to the sum
- * of the normals. A step between two parallel surfaces is not, however small the angle at which they are seen. */
+/* The chord between two points of one smooth surface leans as far out of it at one end as into it at the
+ * other, so it is square to the sum of the normals. A step between two parallel surfaces is not, however
+ * small the angle at which they are seen. */
 static bool is_chord(sl_vec3 d, sl_vec3 sum) {
     float out = sl_dot(d, sum);
     return out * out <= CHORD_SLOPE * CHORD_SLOPE * 4.0f * sl_dot(d, d);
 }
 
-static sl_vec3 sum_of(const float *x, const float *y, const float *z, size_t i, size_t j) { return sl_v3(x[i] + x[j], y[i] + y[j], z[i] + z[j]); }
+static sl_vec3 sum_of(const float *x, const float *y, const float *z, size_t i, size_t j) {
+    return sl_v3(x[i] + x[j], y[i] + y[j], z[i] + z[j]);
+}
 
 /* Alike normals, and a chord by those that are smooth or by those that are true. */
 static bool same_surface(const sl_gbuffer *g, size_t i, size_t j) {
     sl_vec3 d = sl_sub(sl_v3(g->position_x[j], g->position_y[j], g->position_z[j]),
                        sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
-    float alike = g->normal_x[i] * g->normal_x[j] + g->normal_y[i] * g->normal_y[j] + g->normal_z[i] * g->normal_z[j];
+    float alike =
+        g->normal_x[i] * g->normal_x[j] + g->normal_y[i] * g->normal_y[j] + g->normal_z[i] * g->normal_z[j];
     return alike > 0.9f && (is_chord(d, sum_of(g->geometric_x, g->geometric_y, g->geometric_z, i, j)) ||
                             is_chord(d, sum_of(g->normal_x, g->normal_y, g->normal_z, i, j)));
 }
@@ -94,7 +99,8 @@ static bool column_scatters(const window *w, int column) {
     for (int v = -RADIUS; v <= RADIUS; v++) {
         int row = w->row + v;
         if (row < 0 || row >= g->height || column >= g->width) continue;
-        if (w->sums->scatter[(size_t)row * (size_t)g->width + (size_t)column - w->sums->first] > 0.0f) return true;
+        if (w->sums->scatter[(size_t)row * (size_t)g->width + (size_t)column - w->sums->first] > 0.0f)
+            return true;
     }
     return false;
 }

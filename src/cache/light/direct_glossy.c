@@ -1,6 +1,6 @@
-/* Glossy lobes and lights with extent. Light samples are bad where the lobe is narrow, directions drawn from the lobe are
- * bad where lights are small: both are taken, each weighted by the power heuristic (Veach and Guibas 1995), since one of
- * them mostly has all but no noise. */
+/* Glossy lobes and lights with extent. Light samples are bad where the lobe is narrow, directions drawn from
+ * the lobe are bad where lights are small: both are taken, each weighted by the power heuristic (Veach and
+ * Guibas 1995), since one of them mostly has all but no noise. */
 #include "base/math.h"
 #include "cache/light/direct_lamps.h"
 #include "cache/frame/picture_value.h"
@@ -17,11 +17,14 @@ typedef struct {
     unsigned count;
     float light_count, lobe_count; /* samples of each kind */
     const sl_lamps *lamps;       /* what light samples are drawn from; NULL: the sampler, by power */
-    float irradiance;            /* luminance of what the light samples would bring to a diffuse surface, shadows aside */
+    /* luminance of what the light samples would bring to a diffuse surface, shadows aside */
+    float irradiance;
     sl_rgb sum;
 } queue;
 
-static float offset_at(const queue *q) { return sl_scene_offset_at(q->direct->scene, q->direct->offset, q->at.position); }
+static float offset_at(const queue *q) {
+    return sl_scene_offset_at(q->direct->scene, q->direct->offset, q->at.position);
+}
 
 static void push(queue *q, sl_vec3 direction, float far) {
     unsigned i = q->count++;
@@ -30,15 +33,16 @@ static void push(queue *q, sl_vec3 direction, float far) {
 }
 
 static void end_light_samples(queue *q, sl_counters *counters) {
-    uint32_t occluded = q->count ? sl_trace_occluded(q->direct->tracer, &q->rays, q->count, true, counters) : 0;
+    uint32_t occluded =
+        q->count ? sl_trace_occluded(q->direct->tracer, &q->rays, q->count, true, counters) : 0;
     for (unsigned i = 0; i < q->count; i++) {
         if (!(occluded >> i & 1u)) q->sum = sl_rgb_add(q->sum, q->light[i]);
     }
     q->count = 0;
 }
 
-/* The heuristic's weight of a sample of the technique with density p, which the other one draws with density q; over the
- * samples taken. */
+/* The heuristic's weight of a sample of the technique with density p, which the other one draws with density
+ * q; over the samples taken. */
 static float weight_of(float p, float samples, float q, float others) {
     p *= samples;
     q *= others;
@@ -47,16 +51,19 @@ static float weight_of(float p, float samples, float q, float others) {
 
 static void add_light_sample(queue *q, const float u[2], sl_counters *counters) {
     sl_light_sample s;
-    bool any = q->lamps ? sl_lamps_draw(q->lamps, u, &s) : sl_light_sampler_sample_2d(q->direct->sampler, q->at.position, u[0], u[1], &s);
+    bool any = q->lamps ? sl_lamps_draw(q->lamps, u, &s)
+                        : sl_light_sampler_sample_2d(q->direct->sampler, q->at.position, u[0], u[1], &s);
     if (!any || s.triangle == q->at.triangle) return;
-    q->irradiance += sl_luminance(s.radiance) * fmaxf(0.0f, sl_dot(q->at.normal, s.to_light)) / q->light_count;
+    q->irradiance +=
+        sl_luminance(s.radiance) * fmaxf(0.0f, sl_dot(q->at.normal, s.to_light)) / q->light_count;
     sl_rgb f = sl_bsdf_reflect(&q->lobe, s.to_light, SL_LOBE_GLOSSY);
     if (!(sl_rgb_max(f) > 0.0f)) return;
     float weight = weight_of(s.pdf, q->light_count, sl_bsdf_pdf(&q->lobe, s.to_light), q->lobe_count);
     q->light[q->count] = sl_rgb_scale(sl_rgb_mul(f, s.radiance), weight);
     bool far_away = isinf(s.distance);
-    sl_vec3 aim = far_away ? s.to_light
-                           : sl_sub(sl_scale(s.to_light, s.distance), sl_scale(q->at.geometric_normal, offset_at(q)));
+    sl_vec3 aim =
+        far_away ? s.to_light
+                 : sl_sub(sl_scale(s.to_light, s.distance), sl_scale(q->at.geometric_normal, offset_at(q)));
     push(q, aim, far_away ? INFINITY : 0.9999f);
     if (q->count == SL_PACKET) end_light_samples(q, counters);
 }
@@ -65,7 +72,8 @@ static void add_light_sample(queue *q, const float u[2], sl_counters *counters) 
 static sl_rgb light_met(const sl_direct *direct, sl_vec3 direction, uint32_t triangle) {
     const sl_scene *scene = direct->scene;
     if (triangle == SL_NO_INDEX)
-        return direct->settings.sun ? sl_environment_radiance(direct->settings.sun, direction) : sl_grey(0.0f);
+        return direct->settings.sun ? sl_environment_radiance(direct->settings.sun, direction)
+                                    : sl_grey(0.0f);
     uint32_t emitter = scene->emitter_of_triangle[triangle];
     if (emitter == SL_NO_INDEX) return sl_grey(0.0f);
     bool front = sl_dot(sl_scene_geometric_normal(scene, triangle), direction) < 0.0f;
@@ -80,10 +88,12 @@ static void end_lobe_samples(queue *q, sl_counters *counters) {
         sl_rgb radiance = light_met(q->direct, d, hits.triangle[i]);
         if (!(sl_rgb_max(radiance) > 0.0f)) continue;
         float other = q->lamps ? sl_lamps_pdf(q->lamps, d, hits.triangle[i], hits.t[i])
-                               : sl_light_sampler_pdf(q->direct->sampler, q->at.position, d, hits.triangle[i], hits.t[i]);
+                               : sl_light_sampler_pdf(q->direct->sampler, q->at.position, d, hits.triangle[i],
+                                                      hits.t[i]);
         sl_rgb f = sl_bsdf_reflect(&q->lobe, d, SL_LOBE_GLOSSY);
-        q->sum = sl_rgb_add(q->sum, sl_rgb_scale(sl_rgb_mul(f, radiance),
-                                                 weight_of(q->pdf[i], q->lobe_count, other, q->light_count) / q->pdf[i]));
+        q->sum = sl_rgb_add(
+            q->sum, sl_rgb_scale(sl_rgb_mul(f, radiance),
+                                 weight_of(q->pdf[i], q->lobe_count, other, q->light_count) / q->pdf[i]));
     }
     q->count = 0;
 }
@@ -98,8 +108,8 @@ static void add_lobe_sample(queue *q, const float u[2], sl_counters *counters) {
     if (q->count == SL_PACKET) end_lobe_samples(q, counters);
 }
 
-/* Of twice as many samples. Directions from a lobe find a lamp better than points on it where the lamp is wider than the lobe; a small one
- * they miss. */
+/* Of twice as many samples. Directions from a lobe find a lamp better than points on it where the lamp is
+ * wider than the lobe; a small one they miss. */
 static uint32_t lobe_samples(const queue *q, uint32_t samples) {
     float exponent = q->at.material->exponent;
     if (!q->lamps) return (uint32_t)(2.0f * (float)samples * exponent / (exponent + 3000.0f));
@@ -107,16 +117,19 @@ static uint32_t lobe_samples(const queue *q, uint32_t samples) {
     return (uint32_t)(2.0f * (float)samples * 0.9f * q->lamps->closest * lamps / (lamps + 2.0f * lobe));
 }
 
-sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
-                      sl_direct_scratch *scratch, sl_counters *counters) {
+sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact,
+                      uint32_t samples, sl_direct_scratch *scratch, sl_counters *counters) {
     sl_lit_block one = {.count = 0};
     sl_lit_block_add(direct, gbuffer, pixel, &one);
     queue q = {.direct = direct, .at = sl_receiver_at(direct, gbuffer, pixel)};
-    sl_surface surface = {.position = q.at.position, .geometric_normal = q.at.geometric_normal, .normal = q.at.normal,
+    sl_surface surface = {.position = q.at.position,
+                          .geometric_normal = q.at.geometric_normal,
+                          .normal = q.at.normal,
                           .material = q.at.material};
     q.lobe = sl_bsdf_make(&surface, q.at.to_viewer, SL_LOBE_GLOSSY);
     sl_lamps *lamps = sl_direct_scratch_lamps(scratch);
-    bool by_angle = direct->exact_count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.at.position, lamps);
+    bool by_angle =
+        direct->exact_count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.at.position, lamps);
     q.lamps = by_angle ? lamps : NULL;
     uint32_t lobes = lobe_samples(&q, samples), lights = 2 * samples - lobes;
     q.light_count = (float)lights;
@@ -127,7 +140,8 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
         add_light_sample(&q, u, counters);
     }
     end_light_samples(&q, counters);
-    /* What the samples bring to a diffuse surface is known (direct_exact.c): how far they are off tells of the lobe, too. */
+    /* What the samples bring to a diffuse surface is known (direct_exact.c): how far they are off tells of
+     * the lobe, too. */
     float off = q.irradiance > 0.0f ? exact / q.irradiance : 0.0f;
     if (!by_angle && off > 0.0f && isfinite(off)) q.sum = sl_rgb_scale(q.sum, off);
     for (uint32_t s = 0; s < lobes; s++) {

@@ -18,7 +18,8 @@
 #include "cache/light/direct_kernels.h"
 #include "cache/light/direct.h"
 
-enum { SL_EXACT_EMITTERS_MAX = 256 }; /* beyond, the closed form of all costs more than the noise that it saves */
+/* beyond, the closed form of all costs more than the noise that it saves */
+enum { SL_EXACT_EMITTERS_MAX = 256 };
 
 struct sl_direct {
     const sl_scene *scene;
@@ -27,13 +28,17 @@ struct sl_direct {
     sl_light_kernels light;
     sl_direct_kernels kernels;
     float offset;                   /* how far along the geometric normal rays start */
-    sl_scene extended;              /* the scene without its lights without extent, its environment the sun alone */
+    /* the scene without its lights without extent, its environment the sun alone */
+    sl_scene extended;
     sl_light_sampler *sampler;      /* of that; NULL where there is nothing to sample */
-    size_t exact_count;             /* sides of emitters that are lit by the closed form; 0: emitters are sampled */
+    /* sides of emitters that are lit by the closed form; 0: emitters are sampled */
+    size_t exact_count;
     sl_polygon_light *polygons;     /* exact_count */
     uint32_t *emitter;              /* of each side */
     float *triangles;               /* the same for the kernels: SL_SIDE_VALUES each */
-    float unit;                     /* a power of two: what the strongest of emitters and sun is counted in, so that sums of samples stay within floats */
+    /* a power of two: what the strongest of emitters and sun is counted in, so that sums of samples stay
+     * within floats */
+    float unit;
     float *luminances;              /* of their radiances, in units */
     bool glossy;                    /* the scene has glossy materials */
     size_t sun_texels;              /* where they are few, their unoccluded light is known; else 0 */
@@ -66,10 +71,12 @@ typedef struct sl_direct_sums {
     float *seen[3], *all[3]; /* in units */
     float *plain[3];        /* of which nothing is known but samples */
     float *glossy[3];       /* radiance */
-    float *odd_seen;        /* of every other sample, the three channels together: one half of the samples, which against the */
+    /* of every other sample, the three channels together: one half of the samples, which against the */
+    float *odd_seen;
     float *odd_all;         /* other half shows how much they scatter */
     float *samples;         /* how many of `all`, and */
-    float *partly;          /* 1: some, but not all, of the first samples were seen, or none lies where light comes from */
+    /* 1: some, but not all, of the first samples were seen, or none lies where light comes from */
+    float *partly;
     float *scatter;         /* variance of the visible share, as the two halves of the samples tell it */
     float *block;           /* holds all of the above */
 } sl_direct_sums;
@@ -79,13 +86,14 @@ typedef struct sl_sample_range {
     uint32_t first, end;
 } sl_sample_range;
 
-/* Three numbers in [0,1) for each sample of each point: those of a sample stride after those of the one before. */
-void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, uint64_t stream, size_t stride, float *u0, float *u1,
-                      float *u2);
+/* Three numbers in [0,1) for each sample of each point: those of a sample stride after those of the one
+ * before. */
+void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                      uint64_t stream, size_t stride, float *u0, float *u1, float *u2);
 
 /* Two for a sample of point i; better spread, where two do. */
-void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
-                        float u[2]);
+void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample,
+                        uint64_t stream, float u[2]);
 
 /* What shadow rays aim at: from the point to the light itself, or a direction. */
 typedef struct sl_aims {
@@ -93,12 +101,13 @@ typedef struct sl_aims {
     bool far_away;
 } sl_aims;
 
-/* Shadow rays of some lanes, in an order of neighbours; lane i belongs to point i modulo SL_LIGHT_BLOCK. visible: 1 or 0. */
-void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes, sl_aims aims,
-                     float *visible, sl_counters *counters);
+/* Shadow rays of some lanes, in an order of neighbours; lane i belongs to point i modulo SL_LIGHT_BLOCK.
+ * visible: 1 or 0. */
+void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes,
+                     sl_aims aims, float *visible, sl_counters *counters);
 /* The same for the points of a block, where wanted is > 0; 0 where not. */
-void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted, float *visible,
-                       sl_counters *counters);
+void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted,
+                       float *visible, sl_counters *counters);
 
 /* A worker's memory for a block, too large for a thread's stack: a third of a megabyte. Not set. */
 typedef struct sl_direct_scratch sl_direct_scratch;
@@ -107,29 +116,31 @@ size_t sl_direct_scratch_bytes(void);
 sl_direct_scratch *sl_direct_scratch_of(void *blocks, unsigned worker);
 struct sl_lamps *sl_direct_scratch_lamps(sl_direct_scratch *scratch);
 
-void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
-                     sl_counters *counters);
-void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
-                   sl_counters *counters);
-void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block, sl_direct_sums *sums,
-                     sl_counters *counters);
-void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
-                        sl_counters *counters);
-void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
-                       sl_counters *counters);
-/* Which emitters are near to some point of a block, and samples of them instead of those that are drawn: near by side of the weighed. */
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                     sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                   sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block,
+                     sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                        sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                       sl_direct_sums *sums, sl_counters *counters);
+/* Which emitters are near to some point of a block, and samples of them instead of those that are drawn: near
+ * by side of the weighed. */
 typedef struct sl_block_box {
     sl_vec3 low, high;
 } sl_block_box;
 sl_block_box sl_lit_block_box(const sl_lit_block *block);
 bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box);
-void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near, const sl_aim_block *aims,
-                        uint32_t samples);
+void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near,
+                        const sl_aim_block *aims, uint32_t samples);
 /* What of a triangle lies above the horizon of p: up to four corners. */
 int sl_clip_to_horizon(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_vec3 above[4]);
-/* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not known. */
-sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
-                      sl_direct_scratch *scratch, sl_counters *counters);
+/* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not
+ * known. */
+sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact,
+                      uint32_t samples, sl_direct_scratch *scratch, sl_counters *counters);
 /* Scatter of sums [first, first + count). */
 void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t count);
 /* The visible share of a row's pixels, smoothed: three planes of a row. */
@@ -149,9 +160,9 @@ bool sl_pixel_is_glossy(const sl_gbuffer *gbuffer, const sl_scene *scene, size_t
 sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light);
 
 /* Rows [row0, row1), into r, g, b. */
-sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
-                            float *b, sl_counters *counters, sl_error *error);
-sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
-                            float *b, sl_counters *counters, sl_error *error);
+sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
+                            float *g, float *b, sl_counters *counters, sl_error *error);
+sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
+                            float *g, float *b, sl_counters *counters, sl_error *error);
 
 #endif

@@ -22,28 +22,33 @@ void SL_KERNEL(sl_direct_aim)(const sl_aim_block *block) {
         base[i] = (int32_t)block->side[chosen[i]] * SL_SIDE_VALUES;
         place[i] = chosen[i] * SL_LIGHT_BLOCK + (int32_t)i;
     }
-    const float *restrict px = block->points->x, *restrict py = block->points->y, *restrict pz = block->points->z;
+    const float *restrict px = block->points->x, *restrict py = block->points->y,
+                          *restrict pz = block->points->z;
     const float *restrict nx = block->points->normal_x, *restrict ny = block->points->normal_y,
                           *restrict nz = block->points->normal_z;
     const float *restrict gx = block->points->geometric_x, *restrict gy = block->points->geometric_y,
                           *restrict gz = block->points->geometric_z;
     const float *restrict u1 = block->u1, *restrict u2 = block->u2, *restrict share = block->share;
     const float *restrict total = block->sums + (block->sides - 1) * SL_LIGHT_BLOCK;
-    const float *t0 = block->triangles, *t1 = t0 + 1, *t2 = t0 + 2, *t3 = t0 + 3, *t4 = t0 + 4, *t5 = t0 + 5, *t6 = t0 + 6,
-                *t7 = t0 + 7;
-    const float *t8 = t0 + 8, *t9 = t0 + 9, *t10 = t0 + 10, *t11 = t0 + 11, *t12 = t0 + 12, *t13 = t0 + 13, *t14 = t0 + 14,
-                *t15 = t0 + 15;
-    float *restrict x = block->x, *restrict y = block->y, *restrict z = block->z, *restrict weight = block->weight;
-    float *restrict r = block->r, *restrict g = block->g, *restrict b = block->b, *restrict wanted = block->wanted;
+    const float *t0 = block->triangles, *t1 = t0 + 1, *t2 = t0 + 2, *t3 = t0 + 3, *t4 = t0 + 4, *t5 = t0 + 5,
+                *t6 = t0 + 6, *t7 = t0 + 7;
+    const float *t8 = t0 + 8, *t9 = t0 + 9, *t10 = t0 + 10, *t11 = t0 + 11, *t12 = t0 + 12, *t13 = t0 + 13,
+                *t14 = t0 + 14, *t15 = t0 + 15;
+    float *restrict x = block->x, *restrict y = block->y, *restrict z = block->z,
+                    *restrict weight = block->weight;
+    float *restrict r = block->r, *restrict g = block->g, *restrict b = block->b,
+                    *restrict wanted = block->wanted;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         int32_t k = base[i];
-        float root = sqrtf(u1[i]), w1 = root * (1.0f - u2[i]), w2 = root * u2[i]; /* uniform on the triangle */
+        /* uniform on the triangle */
+        float root = sqrtf(u1[i]), w1 = root * (1.0f - u2[i]), w2 = root * u2[i];
         float tx = t0[k] + w1 * t3[k] + w2 * t6[k] - px[i];
         float ty = t1[k] + w1 * t4[k] + w2 * t7[k] - py[i];
         float tz = t2[k] + w1 * t5[k] + w2 * t8[k] - pz[i];
         float squared = tx * tx + ty * ty + tz * tz;
-        float cosine = nx[i] * tx + ny[i] * ty + nz[i] * tz, emitted = -(t9[k] * tx + t10[k] * ty + t11[k] * tz);
+        float cosine = nx[i] * tx + ny[i] * ty + nz[i] * tz,
+              emitted = -(t9[k] * tx + t10[k] * ty + t11[k] * tz);
         float facing = gx[i] * tx + gy[i] * ty + gz[i] * tz, exact = share[place[i]];
         /* f / pdf = (cos cos' A / d^2) / (E_side / E_all), both cosines times d. */
         float form = t12[k] * cosine * emitted / (squared > 0.0f ? squared * squared : 1.0f);
@@ -69,8 +74,10 @@ void SL_KERNEL(sl_direct_sun_aim)(const sl_aim_block *block, const sl_sun_texel 
                           *restrict gz = block->points->geometric_z;
     const float *restrict u0 = block->u0, *restrict u1 = block->u1, *restrict u2 = block->u2;
     int32_t *restrict chosen = block->chosen;
-    float *restrict x = block->x, *restrict y = block->y, *restrict z = block->z, *restrict weight = block->weight;
-    float *restrict r = block->r, *restrict g = block->g, *restrict b = block->b, *restrict wanted = block->wanted;
+    float *restrict x = block->x, *restrict y = block->y, *restrict z = block->z,
+                    *restrict weight = block->weight;
+    float *restrict r = block->r, *restrict g = block->g, *restrict b = block->b,
+                    *restrict wanted = block->wanted;
     for (size_t i = 0; i < count; i++) {
         size_t t = 0;
         while (t + 1 < texel_count && u0[i] * total >= texels[t].sum) t++;
@@ -86,7 +93,8 @@ void SL_KERNEL(sl_direct_sun_aim)(const sl_aim_block *block, const sl_sun_texel 
         float sine, cosine, polar = y[i], square = 1.0f - polar * polar;
         sl_sincos_turnf(x[i], &sine, &cosine);
         float level = sqrtf(square > 0.0f ? square : 0.0f), dx = -level * sine, dz = level * cosine;
-        float facing = gx[i] * dx + gy[i] * polar + gz[i] * dz, slope = nx[i] * dx + ny[i] * polar + nz[i] * dz;
+        float facing = gx[i] * dx + gy[i] * polar + gz[i] * dz,
+              slope = nx[i] * dx + ny[i] * polar + nz[i] * dz;
         x[i] = dx;
         z[i] = dz;
         weight[i] = slope > 0.0f ? total * slope : 0.0f;

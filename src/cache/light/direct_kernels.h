@@ -4,8 +4,8 @@
 
 #include "cache/light/light_kernels.h"
 
-/* A side of an emitter for sl_aim_kernel: corner, two edges, normal (unit), area, chromaticity (radiance over its
- * luminance). */
+/* A side of an emitter for sl_aim_kernel: corner, two edges, normal (unit), area, chromaticity (radiance over
+ * its luminance). */
 enum { SL_SIDE_VALUES = 16 };
 
 typedef struct sl_aim_block {
@@ -13,21 +13,24 @@ typedef struct sl_aim_block {
     size_t sides;               /* that can light some point of the block */
     const uint32_t *side;       /* which, into triangles */
     const float *triangles;
-    const float *share;         /* irradiance from each of them over its luminance, SL_LIGHT_BLOCK values a side */
+    /* irradiance from each of them over its luminance, SL_LIGHT_BLOCK values a side */
+    const float *share;
     const float *sums;          /* cumulative irradiances (luminance), SL_LIGHT_BLOCK values a side */
     const float *u0, *u1, *u2;  /* which side, and the point of it */
     int32_t *chosen;            /* out: which of the sides */
     float *x, *y, *z;           /* out: towards the light's point, whole */
-    float *weight;              /* out: the sample's irradiance (luminance), shadows aside; both 0 where none arrives */
+    /* out: the sample's irradiance (luminance), shadows aside; both 0 where none arrives */
+    float *weight;
     float *r, *g, *b;           /* out: its chromaticity */
-    float *wanted;              /* out: 1 where a ray must tell, 0: not lit, or the surface itself is in the way */
+    /* out: 1 where a ray must tell, 0: not lit, or the surface itself is in the way */
+    float *wanted;
 } sl_aim_block;
 
 /* Chooses a side in proportion to its irradiance and a point of it by area. */
 typedef void sl_aim_kernel(const sl_aim_block *block);
 
-/* A texel of the sun: the sum of the luminous powers (luminance x solid angle) up to and with it, its place, its
- * chromaticity. */
+/* A texel of the sun: the sum of the luminous powers (luminance x solid angle) up to and with it, its place,
+ * its chromaticity. */
 typedef struct sl_sun_texel {
     float sum;
     float u, width;             /* azimuth / 2 pi + 1/2, as in a picture, of its left side */
@@ -35,8 +38,8 @@ typedef struct sl_sun_texel {
     float r, g, b;
 } sl_sun_texel;
 
-/* Chooses a texel in proportion to its power and a direction in it; x, y, z are unit directions. Of the block, points, u0,
- * u1, u2 and what goes out are used. */
+/* Chooses a texel in proportion to its power and a direction in it; x, y, z are unit directions. Of the
+ * block, points, u0, u1, u2 and what goes out are used. */
 typedef void sl_sun_kernel(const sl_aim_block *block, const sl_sun_texel *texels, size_t count);
 
 typedef struct sl_direct_kernels {

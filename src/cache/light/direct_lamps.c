@@ -1,17 +1,23 @@
-/* Emitters as a glossy lobe sees them. Each is chosen in proportion to about what the lobe gets from it: its radiance, the lobe's largest value on it
- * and its solid angle, but of that no more than the lobe's own. Directions to it are spread evenly over its solid angle (Arvo 1995), so that
- * nothing but the lobe differs between them, however near the lamp is; far away points spread over its area do as well. */
+/* Emitters as a glossy lobe sees them. Each is chosen in proportion to about what the lobe gets from it: its
+ * radiance, the lobe's largest value on it and its solid angle, but of that no more than the lobe's own.
+ * Directions to it are spread evenly over its solid angle (Arvo 1995), so that nothing but the lobe differs
+ * between them, however near the lamp is; far away points spread over its area do as well. */
 #include "cache/light/direct_lamps.h"
 
 #include "base/math.h"
 
 enum { FEW_LAMPS = 16 };  /* all of which are looked at by angle; of more, those alone that are nearer */
-#define DISTANT 4.0       /* times their extent: beyond, a lamp's area tells nearly as much as its solid angle, which takes longer to find */
-#define LEAST_IMPORTANCE 0.01f /* of a lamp at the lobe's far end; samples of what turns out brighter weigh more than others by the inverse */
+#define DISTANT                                                                                           \
+    4.0 /* times their extent: beyond, a lamp's area tells nearly as much as its solid angle, which takes \
+           longer to find */
+#define LEAST_IMPORTANCE                                                                                   \
+    0.01f /* of a lamp at the lobe's far end; samples of what turns out brighter weigh more than others by \
+             the inverse */
 
 /* ---- how near the lobe's axis a lamp comes ---- */
 
-/* Largest cosine between the axis and the arc from a to b, if that lies inside the arc; else -1, for the corners have it. */
+/* Largest cosine between the axis and the arc from a to b, if that lies inside the arc; else -1, for the
+ * corners have it. */
 static double cosine_inside_arc(sl_vec3d a, sl_vec3d b, sl_vec3d axis) {
     sl_vec3d pole = sl_crossd(a, b);
     double length = sl_lengthd(pole);
@@ -36,7 +42,9 @@ static double closest_cosine(const sl_vec3d corner[3], sl_vec3d axis) {
 
 /* ---- one lamp ---- */
 
-static float lobe_value(const sl_bsdf *lobe, double cosine) { return cosine > 0.0 ? sl_powf(fminf((float)cosine, 1.0f), lobe->exponent) : 0.0f; }
+static float lobe_value(const sl_bsdf *lobe, double cosine) {
+    return cosine > 0.0 ? sl_powf(fminf((float)cosine, 1.0f), lobe->exponent) : 0.0f;
+}
 
 /* Where no part of a lamp is much nearer than another, its solid angle is about this. */
 static double distant_solid_angle(const sl_polygon_light *light, sl_vec3d towards, double squared) {
@@ -44,8 +52,10 @@ static double distant_solid_angle(const sl_polygon_light *light, sl_vec3d toward
     return squared > 0.0 && emitted > 0.0 ? (double)light->area * emitted / (squared * sqrt(squared)) : 0.0;
 }
 
-/* Sampled by area: far away, too small, or seen from so flat an angle that its corners cannot be told apart. */
-static float look_from_afar(const sl_bsdf *lobe, const sl_polygon_light *light, const sl_vec3d corner[3], sl_lamp *lamp) {
+/* Sampled by area: far away, too small, or seen from so flat an angle that its corners cannot be told apart.
+ */
+static float look_from_afar(const sl_bsdf *lobe, const sl_polygon_light *light, const sl_vec3d corner[3],
+                            sl_lamp *lamp) {
     sl_vec3d middle = sl_scaled(sl_addd(sl_addd(corner[0], corner[1]), corner[2]), 1.0 / 3.0), towards[3];
     for (int c = 0; c < 3; c++) {
         double length = sl_lengthd(corner[c]);
@@ -87,7 +97,8 @@ static float look_at(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 p, ui
         nearest = fmin(nearest, sl_dotd(corner[c], corner[c]));
     }
     if (!(highest > 0.0)) return 0.0f;
-    bool by_angle = direct->exact_count <= FEW_LAMPS || nearest < DISTANT * DISTANT * (double)light->extent_squared;
+    bool by_angle =
+        direct->exact_count <= FEW_LAMPS || nearest < DISTANT * DISTANT * (double)light->extent_squared;
     float value = by_angle ? look_by_angle(lobe, light, p, lamp) : 0.0f;
     return lamp->parts ? value : look_from_afar(lobe, light, corner, lamp);
 }
@@ -103,7 +114,8 @@ bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 positio
         sl_lamp *lamp = &lamps->lamp[lamps->count];
         float value = look_at(direct, lobe, position, side, lamp), importance;
         if (!(lamp->solid_angle > 0.0) || !(direct->luminances[side] > 0.0f)) continue;
-        importance = direct->luminances[side] * fminf((float)lamp->solid_angle, lobe_angle) * (value + LEAST_IMPORTANCE);
+        importance = direct->luminances[side] * fminf((float)lamp->solid_angle, lobe_angle) *
+                     (value + LEAST_IMPORTANCE);
         sum += importance;
         lamp->chance = importance;
         lamp->sum = sum;
@@ -120,7 +132,8 @@ bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 positio
 /* Where the lamp is met, in units of the direction's length; <= 0: not from its shining side. */
 static double distance_to(const sl_polygon_light *light, sl_vec3 p, sl_vec3d direction) {
     sl_vec3d out = sl_to_double(light->normal);
-    double height = sl_dotd(out, sl_subd(sl_to_double(p), sl_to_double(light->corner[0]))), emitted = -sl_dotd(out, direction);
+    double height = sl_dotd(out, sl_subd(sl_to_double(p), sl_to_double(light->corner[0]))),
+           emitted = -sl_dotd(out, direction);
     return emitted > 0.0 ? height / emitted : 0.0;
 }
 
@@ -140,8 +153,11 @@ static sl_vec3d draw_by_angle(const sl_lamp *lamp, double u1, double u2) {
 /* Numbers go where they go on the sphere: u1 along the side from a to c, u2 from b towards there. */
 static sl_vec3d draw_by_area(const sl_polygon_light *light, sl_vec3 p, double u1, double u2) {
     double root = sqrt(u2);
-    sl_vec3d a = sl_to_double(light->corner[0]), b = sl_to_double(light->corner[1]), c = sl_to_double(light->corner[2]);
-    sl_vec3d d = sl_subd(sl_addd(sl_scaled(b, 1.0 - root), sl_addd(sl_scaled(a, root * (1.0 - u1)), sl_scaled(c, root * u1))), sl_to_double(p));
+    sl_vec3d a = sl_to_double(light->corner[0]), b = sl_to_double(light->corner[1]),
+             c = sl_to_double(light->corner[2]);
+    sl_vec3d d = sl_subd(
+        sl_addd(sl_scaled(b, 1.0 - root), sl_addd(sl_scaled(a, root * (1.0 - u1)), sl_scaled(c, root * u1))),
+        sl_to_double(p));
     double length = sl_lengthd(d);
     return length > 0.0 ? sl_scaled(d, 1.0 / length) : d;
 }
@@ -160,15 +176,19 @@ bool sl_lamps_draw(const sl_lamps *lamps, const float u[2], sl_light_sample *sam
     float u1 = u[0];
     const sl_lamp *lamp = choose(lamps, &u1);
     const sl_polygon_light *light = &lamps->direct->polygons[lamp->side];
-    sl_vec3d d = lamp->parts ? draw_by_angle(lamp, (double)u1, (double)u[1]) : draw_by_area(light, lamps->position, (double)u1, (double)u[1]);
+    sl_vec3d d = lamp->parts ? draw_by_angle(lamp, (double)u1, (double)u[1])
+                             : draw_by_area(light, lamps->position, (double)u1, (double)u[1]);
     double distance = distance_to(light, lamps->position, d);
     if (!(distance > 0.0)) return false;
     double density = lamp->parts ? 1.0 / lamp->solid_angle : area_density(light, d, distance);
     const sl_emitter *e = &lamps->direct->scene->emitters[lamps->direct->emitter[lamp->side]];
     float pdf = lamp->chance * (float)density;
     if (!(pdf > 0.0f) || !isfinite(pdf)) return false;
-    *sample = (sl_light_sample){.to_light = sl_to_float(d), .distance = (float)distance, .radiance = sl_rgb_scale(e->radiance, 1.0f / pdf),
-                                .pdf = pdf, .triangle = e->triangle};
+    *sample = (sl_light_sample){.to_light = sl_to_float(d),
+                                .distance = (float)distance,
+                                .radiance = sl_rgb_scale(e->radiance, 1.0f / pdf),
+                                .pdf = pdf,
+                                .triangle = e->triangle};
     return true;
 }
 
@@ -177,8 +197,12 @@ float sl_lamps_pdf(const sl_lamps *lamps, sl_vec3 direction, uint32_t triangle, 
     for (size_t k = 0; k < lamps->count; k++) {
         const sl_lamp *lamp = &lamps->lamp[k];
         const sl_polygon_light *light = &direct->polygons[lamp->side];
-        if (direct->scene->emitters[direct->emitter[lamp->side]].triangle != triangle || !(sl_dot(light->normal, direction) < 0.0f)) continue;
-        return lamp->chance * (float)(lamp->parts ? 1.0 / lamp->solid_angle : area_density(light, sl_to_double(direction), (double)distance));
+        if (direct->scene->emitters[direct->emitter[lamp->side]].triangle != triangle ||
+            !(sl_dot(light->normal, direction) < 0.0f))
+            continue;
+        return lamp->chance * (float)(lamp->parts
+                                          ? 1.0 / lamp->solid_angle
+                                          : area_density(light, sl_to_double(direction), (double)distance));
     }
     return 0.0f;
 }

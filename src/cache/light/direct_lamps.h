@@ -12,7 +12,8 @@ typedef struct sl_lamp {
     int parts;                      /* 0: too small for angles, it is sampled by its area */
     sl_spherical_triangle part[2];
     double solid_angle;             /* of all parts */
-    float sum, chance;              /* the sum of the importances up to and with this one; this one's share of all */
+    /* the sum of the importances up to and with this one; this one's share of all */
+    float sum, chance;
 } sl_lamp;
 
 typedef struct sl_lamps {

@@ -52,7 +52,8 @@ static void light_block(const rows_context *c, size_t first, size_t count, sl_co
         c->b[first + i] = sl_picture_value(g->diffuse_b[first + i] * (float)(1.0 / SL_PI) * b[i]);
     }
     lobes context = {c, first, count};
-    if (glossy) sl_shadow_maps_each(direct->settings.maps, &points, SL_MAPPED_LIGHTS, add_lobes, &context, counters);
+    if (glossy)
+        sl_shadow_maps_each(direct->settings.maps, &points, SL_MAPPED_LIGHTS, add_lobes, &context, counters);
 }
 
 static void light_row(void *context, size_t index, unsigned worker) {
@@ -66,8 +67,8 @@ static void light_row(void *context, size_t index, unsigned worker) {
     sl_count(&c->counters[index], SL_COUNT_FRAGMENTS_SHADED, width);
 }
 
-sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
-                            float *b, sl_counters *counters, sl_error *error) {
+sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
+                            float *g, float *b, sl_counters *counters, sl_error *error) {
     size_t rows = (size_t)(row1 - row0);
     sl_counters *costs = sl_allocate(rows, sizeof *costs);
     if (!costs) return sl_fail_memory(error, "direct light");

@@ -1,14 +1,17 @@
-/* Emitters that are near: where the nearest part of an emitter is much nearer than the rest, points spread evenly over its area tell
- * little of what arrives. Few of them fall on that part, and those few outweigh all others: a wall beside a wide lamp is lit by what lies
- * next to it, but its samples go to the far end. There directions are chosen by solid angle instead (Arvo 1995), where nothing
- * but the cosine differs between them. */
+/* Emitters that are near: where the nearest part of an emitter is much nearer than the rest, points spread
+ * evenly over its area tell little of what arrives. Few of them fall on that part, and those few outweigh all
+ * others: a wall beside a wide lamp is lit by what lies next to it, but its samples go to the far end. There
+ * directions are chosen by solid angle instead (Arvo 1995), where nothing but the cosine differs between
+ * them. */
 #include "cache/light/direct_internal.h"
 #include "cache/light/spherical_triangle.h"
 
 /* Nearer than such a share of the distance of its farthest corner from its middle. */
 #define NEAR_EXTENT 0.5f
 
-static float gap(float low, float high, float from, float to) { return to < low ? low - to : from > high ? from - high : 0.0f; }
+static float gap(float low, float high, float from, float to) {
+    return to < low ? low - to : from > high ? from - high : 0.0f;
+}
 
 /* Between the boxes about an emitter and about some points. */
 static bool is_near(const sl_polygon_light *light, sl_vec3 low, sl_vec3 high) {
@@ -20,7 +23,8 @@ static bool is_near(const sl_polygon_light *light, sl_vec3 low, sl_vec3 high) {
 }
 
 sl_block_box sl_lit_block_box(const sl_lit_block *block) {
-    sl_block_box box = {sl_v3(block->x[0], block->y[0], block->z[0]), sl_v3(block->x[0], block->y[0], block->z[0])};
+    sl_block_box box = {sl_v3(block->x[0], block->y[0], block->z[0]),
+                        sl_v3(block->x[0], block->y[0], block->z[0])};
     for (size_t i = 1; i < block->count; i++) {
         sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]);
         box.low = sl_v3(fminf(box.low.x, p.x), fminf(box.low.y, p.y), fminf(box.low.z, p.z));
@@ -29,7 +33,9 @@ sl_block_box sl_lit_block_box(const sl_lit_block *block) {
     return box;
 }
 
-bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box) { return is_near(light, box->low, box->high); }
+bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box) {
+    return is_near(light, box->low, box->high);
+}
 
 /* ---- one emitter, seen from a point ---- */
 
@@ -51,8 +57,8 @@ typedef struct {
 
 #define COSINE_MIN 0.05
 
-/* The cosine above the receiver differs between the corners, so numbers are bent by what is bilinear between the corners' cosines (Hart et
- * al. 2020, "Practical product sampling by fitting and composing warps"). */
+/* The cosine above the receiver differs between the corners, so numbers are bent by what is bilinear between
+ * the corners' cosines (Hart et al. 2020, "Practical product sampling by fitting and composing warps"). */
 static void add_part(near_emitter *e, sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3 p, sl_vec3d n) {
     const sl_vec3 corner[3] = {a, b, c};
     near_part *t = &e->part[e->parts];
@@ -88,7 +94,9 @@ static void look_at(const sl_polygon_light *light, sl_vec3 p, sl_vec3 n, int32_t
 }
 
 /* Density proportional to a line from `low` at 0 to `high` at 1, both > 0. */
-static double draw_line(double u, double low, double high) { return u * (low + high) / (low + sqrt(low * low + u * (high * high - low * low))); }
+static double draw_line(double u, double low, double high) {
+    return u * (low + high) / (low + sqrt(low * low + u * (high * high - low * low)));
+}
 
 /* A direction towards the emitter, and its density times the solid angle. */
 static sl_vec3d draw_direction(const near_emitter *e, double u1, double u2, double *density) {
@@ -107,12 +115,16 @@ static sl_vec3d draw_direction(const near_emitter *e, double u1, double u2, doub
 /* ---- samples ---- */
 
 /* Replaces the sample of point i. */
-static void aim_by_angle(const sl_lit_block *block, const near_emitter *e, sl_vec3d n, const sl_aim_block *aim, size_t i) {
+static void aim_by_angle(const sl_lit_block *block, const near_emitter *e, sl_vec3d n,
+                         const sl_aim_block *aim, size_t i) {
     double density;
     sl_vec3d direction = draw_direction(e, (double)aim->u1[i], (double)aim->u2[i], &density);
-    double emitted = -sl_dotd(e->out, direction), distance = e->height / (emitted > 0.0 ? emitted : 1.0), cosine = sl_dotd(direction, n);
-    double facing = sl_dotd(direction, sl_v3d((double)block->geometric_x[i], (double)block->geometric_y[i], (double)block->geometric_z[i]));
-    float total = aim->sums[(aim->sides - 1) * SL_LIGHT_BLOCK + i], exact = aim->share[(size_t)e->chosen * SL_LIGHT_BLOCK + i];
+    double emitted = -sl_dotd(e->out, direction), distance = e->height / (emitted > 0.0 ? emitted : 1.0),
+           cosine = sl_dotd(direction, n);
+    double facing = sl_dotd(direction, sl_v3d((double)block->geometric_x[i], (double)block->geometric_y[i],
+                                              (double)block->geometric_z[i]));
+    float total = aim->sums[(aim->sides - 1) * SL_LIGHT_BLOCK + i],
+          exact = aim->share[(size_t)e->chosen * SL_LIGHT_BLOCK + i];
     bool lit = cosine > 0.0 && emitted > 0.0 && distance > 0.0 && exact > 0.0f;
     sl_vec3 to_light = sl_to_float(sl_scaled(direction, distance));
     aim->x[i] = to_light.x;
@@ -123,10 +135,12 @@ static void aim_by_angle(const sl_lit_block *block, const near_emitter *e, sl_ve
     aim->wanted[i] = lit && facing > 0.0 ? 1.0f : 0.0f;
 }
 
-void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near, const sl_aim_block *aims, uint32_t samples) {
+void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near,
+                        const sl_aim_block *aims, uint32_t samples) {
     enum { KEPT = 4 };
     for (size_t i = 0; i < block->count; i++) {
-        sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]), n = sl_v3(block->normal_x[i], block->normal_y[i], block->normal_z[i]);
+        sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]),
+                n = sl_v3(block->normal_x[i], block->normal_y[i], block->normal_z[i]);
         near_emitter kept[KEPT];
         for (int k = 0; k < KEPT; k++) kept[k].chosen = -1;
         for (uint32_t k = 0; k < samples; k++) {

@@ -1,10 +1,9 @@
 /* Direct light of pixels by shadow rays: the passes over a strip of rows.
  *
  *   1  every pixel             a ray to each light without extent, light samples of the others
- *   2  penumbrae               pixels that see a part of the lights only, and those near them: more samples, since nearly
- *                              all of the noise is there
- *   3  the visible share       smoothed where it is noise (direct_filter.c)
- *   4  radiance
+ *   2  penumbrae               pixels that see a part of the lights only, and those near them: more samples,
+ * since nearly all of the noise is there 3  the visible share       smoothed where it is noise
+ * (direct_filter.c) 4  radiance
  *
  * Every pass reads a few rows around those of the next one. */
 #include "base/counters.h"
@@ -20,8 +19,9 @@ enum {
     PILOT_MIN = 4,
     PENUMBRA_FACTOR = 4,
     PENUMBRA_EMITTERS_MAX = 16, /* under many emitters every pixel lies in some penumbra */
-    /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not would darken the
-     * faint edges of shadows and brighten the others. So pixels this near to a known penumbra are refined as well. */
+    /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not
+     * would darken the faint edges of shadows and brighten the others. So pixels this near to a known
+     * penumbra are refined as well. */
     PENUMBRA_MARGIN = 2,
     FILTER_MARGIN = 2
 };
@@ -61,17 +61,19 @@ void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *g, size_t p, sl
     b->pixel[i] = (uint32_t)p;
     b->triangle[i] = g->id[p];
     b->x[i] = g->position_x[p], b->y[i] = g->position_y[p], b->z[i] = g->position_z[p];
-    b->geometric_x[i] = g->geometric_x[p], b->geometric_y[i] = g->geometric_y[p], b->geometric_z[i] = g->geometric_z[p];
+    b->geometric_x[i] = g->geometric_x[p], b->geometric_y[i] = g->geometric_y[p],
+    b->geometric_z[i] = g->geometric_z[p];
     b->normal_x[i] = g->normal_x[p], b->normal_y[i] = g->normal_y[p], b->normal_z[i] = g->normal_z[p];
     b->rank[i] = z_order(x % SL_SAMPLE_TILE, y % SL_SAMPLE_TILE);
-    b->tile_key[i] =
-        sl_random_key(direct->settings.seed ^ 0xd1ecu, (uint64_t)(y / SL_SAMPLE_TILE) << 32 | x / SL_SAMPLE_TILE);
+    b->tile_key[i] = sl_random_key(direct->settings.seed ^ 0xd1ecu,
+                                   (uint64_t)(y / SL_SAMPLE_TILE) << 32 | x / SL_SAMPLE_TILE);
 }
 
-/* The pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of every size
- * share samples that are spread evenly (Ahmed and Wonka 2020): what pixels are smoothed with then tells most. */
-void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, uint64_t stream, size_t stride, float *u0, float *u1,
-                      float *u2) {
+/* The pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of
+ * every size share samples that are spread evenly (Ahmed and Wonka 2020): what pixels are smoothed with then
+ * tells most. */
+void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                      uint64_t stream, size_t stride, float *u0, float *u1, float *u2) {
     static const uint32_t step[3] = {3518319155u, 2882110345u, 2360945575u}; /* powers of 1/g, g^4 = g + 1 */
     float *const u[3] = {u0, u1, u2};
     const uint32_t all = samples_with_refinement(direct);
@@ -91,22 +93,25 @@ void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sam
     }
 }
 
-void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
-                        float u[2]) {
+void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample,
+                        uint64_t stream, float u[2]) {
     static const uint32_t step[2] = {3242174889u, 2447445414u}; /* of g^3 = g + 1 */
     uint32_t index = block->rank[i] * 2 * direct->settings.light_samples + sample;
     for (uint64_t d = 0; d < 2; d++)
-        u[d] = (float)((sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]) >> 8) * 0x1p-24f;
+        u[d] =
+            (float)((sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]) >> 8) * 0x1p-24f;
 }
 
 /* ---- rays, sixteen at a time ---- */
 
-/* The ray starts off the surface and aims at the light itself from there, so that a near light's own surface cannot come
- * between; its end stops short of the light. */
-static void set_ray(const sl_direct *direct, const sl_lit_block *block, uint32_t lane, sl_aims aims, unsigned k,
-                    sl_ray16 *rays) {
+/* The ray starts off the surface and aims at the light itself from there, so that a near light's own surface
+ * cannot come between; its end stops short of the light. */
+static void set_ray(const sl_direct *direct, const sl_lit_block *block, uint32_t lane, sl_aims aims,
+                    unsigned k, sl_ray16 *rays) {
     uint32_t i = lane % SL_LIGHT_BLOCK;
-    float offset = sl_scene_offset_at(direct->scene, direct->offset, sl_v3(block->x[i], block->y[i], block->z[i])), back = aims.far_away ? 0.0f : offset;
+    float offset =
+              sl_scene_offset_at(direct->scene, direct->offset, sl_v3(block->x[i], block->y[i], block->z[i])),
+          back = aims.far_away ? 0.0f : offset;
     rays->origin_x[k] = block->x[i] + offset * block->geometric_x[i];
     rays->origin_y[k] = block->y[i] + offset * block->geometric_y[i];
     rays->origin_z[k] = block->z[i] + offset * block->geometric_z[i];
@@ -118,8 +123,8 @@ static void set_ray(const sl_direct *direct, const sl_lit_block *block, uint32_t
     rays->skip[k] = block->triangle[i];
 }
 
-void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes, sl_aims aims,
-                     float *visible, sl_counters *counters) {
+void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes,
+                     sl_aims aims, float *visible, sl_counters *counters) {
     sl_ray16 rays;
     for (size_t first = 0; first < count; first += SL_PACKET) {
         unsigned size = count - first < SL_PACKET ? (unsigned)(count - first) : SL_PACKET;
@@ -129,8 +134,8 @@ void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t 
     }
 }
 
-void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted, float *visible,
-                       sl_counters *counters) {
+void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted,
+                       float *visible, sl_counters *counters) {
     uint32_t lanes[SL_LIGHT_BLOCK];
     size_t count = 0;
     for (uint32_t i = 0; i < block->count; i++) {
@@ -237,14 +242,17 @@ static void finish_row(void *context, size_t index, unsigned worker) {
     for (size_t i = row; i < row + width; i++) {
         size_t k = i - p->sums->first;
         bool lobe = direct->glossy && direct->sampler && sl_pixel_is_glossy(g, direct->scene, i);
-        sl_rgb exact = {p->sums->exact[0][k], p->sums->exact[1][k], p->sums->exact[2][k]}, glossy = {0.0f, 0.0f, 0.0f};
+        sl_rgb exact = {p->sums->exact[0][k], p->sums->exact[1][k], p->sums->exact[2][k]},
+               glossy = {0.0f, 0.0f, 0.0f};
         if (lobe)
-            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->unit, direct->settings.light_samples,
-                                    sl_direct_scratch_of(p->scratch, worker), counters_of(p, y));
+            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->unit,
+                                    direct->settings.light_samples, sl_direct_scratch_of(p->scratch, worker),
+                                    counters_of(p, y));
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
             float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i] * direct->unit;
-            float reflected = sl_picture_value(diffuse[c][i] * (float)(1.0 / SL_PI) * e); /* black times infinite is black */
+            /* black times infinite is black */
+            float reflected = sl_picture_value(diffuse[c][i] * (float)(1.0 / SL_PI) * e);
             p->out[c][i] = sl_picture_value(reflected + p->sums->glossy[c][k] + lobes[c]);
         }
     }
@@ -255,10 +263,11 @@ static void finish_row(void *context, size_t index, unsigned worker) {
 
 static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
     enum { PLANES = 20 };
-    float **planes[PLANES] = {&sums->exact[0], &sums->exact[1], &sums->exact[2],  &sums->seen[0],   &sums->seen[1],
-                              &sums->seen[2],  &sums->all[0],   &sums->all[1],    &sums->all[2],    &sums->plain[0],
-                              &sums->plain[1], &sums->plain[2], &sums->glossy[0], &sums->glossy[1], &sums->glossy[2],
-                              &sums->odd_seen, &sums->odd_all,  &sums->samples,   &sums->partly,    &sums->scatter};
+    float **planes[PLANES] = {&sums->exact[0],  &sums->exact[1],  &sums->exact[2],  &sums->seen[0],
+                              &sums->seen[1],   &sums->seen[2],   &sums->all[0],    &sums->all[1],
+                              &sums->all[2],    &sums->plain[0],  &sums->plain[1],  &sums->plain[2],
+                              &sums->glossy[0], &sums->glossy[1], &sums->glossy[2], &sums->odd_seen,
+                              &sums->odd_all,   &sums->samples,   &sums->partly,    &sums->scatter};
     sums->first = first;
     sums->count = count;
     sums->block = sl_allocate(PLANES * count, sizeof *sums->block);
@@ -276,8 +285,8 @@ static void run(pass *p, sl_task *task, int row0, int row1, int margin) {
     sl_parallel_for(p->direct->settings.threads, (size_t)(end - p->row), task, p);
 }
 
-sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
-                            float *b, sl_counters *counters, sl_error *error) {
+sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
+                            float *g, float *b, sl_counters *counters, sl_error *error) {
     const int margin = PENUMBRA_MARGIN + FILTER_MARGIN;
     int first = larger(row0 - margin, 0), end = smaller(row1 + margin, gbuffer->height);
     size_t width = (size_t)gbuffer->width, rows = (size_t)(end - first);
@@ -288,7 +297,8 @@ sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, 
     if (made) {
         pass p = {direct, gbuffer, first, first, &sums, {r, g, b}, costs, scratch};
         run(&p, sample_row, row0, row1, margin);
-        if (samples_with_refinement(direct) > pilot_samples(direct)) run(&p, refine_row, row0, row1, FILTER_MARGIN);
+        if (samples_with_refinement(direct) > pilot_samples(direct))
+            run(&p, refine_row, row0, row1, FILTER_MARGIN);
         run(&p, scatter_row, row0, row1, FILTER_MARGIN);
         run(&p, finish_row, row0, row1, 0);
         for (size_t i = 0; i < rows; i++) sl_counters_add(counters, &costs[i]);

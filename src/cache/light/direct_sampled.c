@@ -1,13 +1,13 @@
-/* Lights without extent, one ray each; and what is not known unoccluded, since it is too much (emitters, texels of the sun)
- * or masked: plain light samples. */
+/* Lights without extent, one ray each; and what is not known unoccluded, since it is too much (emitters,
+ * texels of the sun) or masked: plain light samples. */
 #include "base/random.h"
 #include "cache/light/direct_internal.h"
 #include "cache/frame/picture_value.h"
 
 /* ---- lights without extent ---- */
 
-static void add_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, sl_vec3 to_light, sl_rgb irradiance,
-                     float *glossy[3], size_t p) {
+static void add_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, sl_vec3 to_light,
+                     sl_rgb irradiance, float *glossy[3], size_t p) {
     if (!sl_pixel_is_glossy(gbuffer, direct->scene, pixel)) return;
     sl_receiver at = sl_receiver_at(direct, gbuffer, pixel);
     sl_rgb f = sl_phong(&at, to_light);
@@ -25,8 +25,8 @@ static void lengthen(const sl_lit_block *block, sl_vec3 light, sl_arrivals *a) {
     }
 }
 
-void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block, sl_direct_sums *sums,
-                     sl_counters *counters) {
+void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block,
+                     sl_direct_sums *sums, sl_counters *counters) {
     sl_light_points points = sl_lit_points(block);
     sl_arrivals a;
     float visible[SL_LIGHT_BLOCK];
@@ -62,9 +62,10 @@ typedef struct {
 
 static void set_sample(const sl_lit_block *block, size_t i, sl_vec3 to_light, float length, sl_rgb radiance,
                        light_samples *s) {
-    float cosine = block->normal_x[i] * to_light.x + block->normal_y[i] * to_light.y + block->normal_z[i] * to_light.z;
-    float facing =
-        block->geometric_x[i] * to_light.x + block->geometric_y[i] * to_light.y + block->geometric_z[i] * to_light.z;
+    float cosine =
+        block->normal_x[i] * to_light.x + block->normal_y[i] * to_light.y + block->normal_z[i] * to_light.z;
+    float facing = block->geometric_x[i] * to_light.x + block->geometric_y[i] * to_light.y +
+                   block->geometric_z[i] * to_light.z;
     cosine = cosine > 0.0f ? cosine : 0.0f;
     s->x[i] = to_light.x * length;
     s->y[i] = to_light.y * length;
@@ -85,8 +86,8 @@ static void add_samples(const sl_lit_block *block, const light_samples *s, sl_di
     }
 }
 
-void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
-                        sl_counters *counters) {
+void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                        sl_direct_sums *sums, sl_counters *counters) {
     light_samples s;
     for (uint32_t sample = range.first; sample < range.end; sample++) {
         float u0[SL_LIGHT_BLOCK], u1[SL_LIGHT_BLOCK], u2[SL_LIGHT_BLOCK];
@@ -103,8 +104,8 @@ void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_s
     }
 }
 
-void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
-                       sl_counters *counters) {
+void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                       sl_direct_sums *sums, sl_counters *counters) {
     light_samples s;
     float scale = 1.0f / (float)direct->settings.light_samples;
     for (uint32_t sample = range.first; sample < range.end; sample++) {

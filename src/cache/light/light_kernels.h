@@ -16,14 +16,21 @@ typedef struct sl_light_points {
 } sl_light_points;
 
 /* A light without extent, or a point of an emitter. */
-typedef enum sl_source_kind { SL_SOURCE_POINT, SL_SOURCE_SPOT, SL_SOURCE_DIRECTIONAL, SL_SOURCE_AREA } sl_source_kind;
+typedef enum sl_source_kind {
+    SL_SOURCE_POINT,
+    SL_SOURCE_SPOT,
+    SL_SOURCE_DIRECTIONAL,
+    SL_SOURCE_AREA
+} sl_source_kind;
 
 typedef struct sl_light_source {
     sl_source_kind kind;
     sl_vec3 position;
-    sl_vec3 direction;          /* unit: directional and spot, the way the light travels; area: the emitter's normal */
+    /* unit: directional and spot, the way the light travels; area: the emitter's normal */
+    sl_vec3 direction;
     float cos_inner, cos_outer; /* spot */
-    float extent;               /* area: area / pi, which keeps 1 / distance^2 finite: the sample stands for a disc */
+    /* area: area / pi, which keeps 1 / distance^2 finite: the sample stands for a disc */
+    float extent;
     sl_rgb colour;              /* intensity, irradiance, or radiance x area */
 } sl_light_source;
 
@@ -33,8 +40,9 @@ typedef struct sl_arrivals {
     float weight[SL_LIGHT_BLOCK]; /* cosine over squared distance and the like; 0 below either horizon */
 } sl_arrivals;
 
-/* A shadow map: which triangle is seen in each texel. Cube: six faces of size x size, each with a border of one texel beyond
- * 90 degrees, so that a filter never leaves its face. Directional: one face over the scene's box. */
+/* A shadow map: which triangle is seen in each texel. Cube: six faces of size x size, each with a border of
+ * one texel beyond 90 degrees, so that a filter never leaves its face. Directional: one face over the scene's
+ * box. */
 typedef struct sl_shadow_map {
     const uint32_t *id;
     int size;
@@ -44,8 +52,8 @@ typedef struct sl_shadow_map {
     float reach_x, reach_y;          /* directional: half extents of the map */
 } sl_shadow_map;
 
-/* The planes of all triangles: four floats each, n and n . (v - centre), the first for "nothing" (all 0), so triangle t's at
- * 4 (t + 1). */
+/* The planes of all triangles: four floats each, n and n . (v - centre), the first for "nothing" (all 0), so
+ * triangle t's at 4 (t + 1). */
 typedef struct sl_plane_table {
     const float *planes;
     sl_vec3 centre;
@@ -65,15 +73,17 @@ sl_light_source sl_light_source_of(const sl_light *light);
 /* The front of an emitter, or its back. */
 sl_polygon_light sl_polygon_light_of(const sl_scene *scene, const sl_emitter *emitter, bool back);
 
-typedef void sl_arrive_kernel(const sl_light_points *points, const sl_light_source *source, sl_arrivals *arrivals);
+typedef void sl_arrive_kernel(const sl_light_points *points, const sl_light_source *source,
+                              sl_arrivals *arrivals);
 /* Share of light in [0,1] at each point. */
-typedef void sl_lit_kernel(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *planes,
-                           float *lit);
+typedef void sl_lit_kernel(const sl_light_points *points, const sl_shadow_map *map,
+                           const sl_plane_table *planes, float *lit);
 /* Unoccluded irradiance from a triangle of radiance 1, in closed form. */
-typedef void sl_polygon_kernel(const sl_light_points *points, const sl_polygon_light *light, float *irradiance);
+typedef void sl_polygon_kernel(const sl_light_points *points, const sl_polygon_light *light,
+                               float *irradiance);
 /* r, g, b += colour a_i b_i. */
-typedef void sl_accumulate_kernel(size_t count, sl_rgb colour, const float *a, const float *b, float *r, float *g,
-                                  float *bl);
+typedef void sl_accumulate_kernel(size_t count, sl_rgb colour, const float *a, const float *b, float *r,
+                                  float *g, float *bl);
 
 typedef struct sl_light_kernels {
     sl_arrive_kernel *arrive;

@@ -4,9 +4,9 @@
  *     turned away, below the horizon --------------------------- 0
  *     tiny ------------------------------------------------------ closed form x one shadow ray
  *     nothing in the frustum ------------------------------------ closed form
- *     planar ---------- N x N pixels of its own plane, N doubled where it is so near that weights differ much from pixel to pixel
- *     solid ----------- N x N pixels of the frustum that looks at it
- *     too near for either --------------------------------------- closed form x share of rays
+ *     planar ---------- N x N pixels of its own plane, N doubled where it is so near that weights differ much
+ * from pixel to pixel solid ----------- N x N pixels of the frustum that looks at it too near for either
+ * --------------------------------------- closed form x share of rays
  */
 #include "cache/light/light_sample.h"
 
@@ -19,7 +19,8 @@
 #include "raster/raster.h"
 
 sl_light_sample_settings sl_light_sample_defaults(void) {
-    return (sl_light_sample_settings){.estimator = SL_LIGHT_RATIO, .size = 64, .largest = 256, .reduced = 16, .rays = 16};
+    return (sl_light_sample_settings){
+        .estimator = SL_LIGHT_RATIO, .size = 64, .largest = 256, .reduced = 16, .rays = 16};
 }
 
 /* ---- what all samples share ---- */
@@ -27,13 +28,15 @@ sl_light_sample_settings sl_light_sample_defaults(void) {
 static bool power_of_two(int n) { return n > 0 && (n & (n - 1)) == 0; }
 
 static sl_status check(const sl_light_sample_settings *s, sl_error *error) {
-    if (!power_of_two(s->size) || !power_of_two(s->largest) || !power_of_two(s->reduced) || s->reduced > s->size ||
-        s->size > s->largest || s->largest > 2048) {
+    if (!power_of_two(s->size) || !power_of_two(s->largest) || !power_of_two(s->reduced) ||
+        s->reduced > s->size || s->size > s->largest || s->largest > 2048) {
         return sl_fail(error, SL_ERROR_USAGE,
-                       "a light's picture of %d x %d pixels, at most %d x %d, reduced to %d x %d: powers of two in order, up to 2048", s->size,
-                       s->size, s->largest, s->largest, s->reduced, s->reduced);
+                       "a light's picture of %d x %d pixels, at most %d x %d, reduced to %d x %d: powers of "
+                       "two in order, up to 2048",
+                       s->size, s->size, s->largest, s->largest, s->reduced, s->reduced);
     }
-    if (s->rays < 1 || s->rays > 1024) return sl_fail(error, SL_ERROR_USAGE, "%d x %d rays to a light: from 1 to 1024", s->rays, s->rays);
+    if (s->rays < 1 || s->rays > 1024)
+        return sl_fail(error, SL_ERROR_USAGE, "%d x %d rays to a light: from 1 to 1024", s->rays, s->rays);
     return SL_OK;
 }
 
@@ -45,7 +48,8 @@ static bool is_convex(const sl_sampled_light *light, double size) {
     if (light->two_sided || light->triangles > TRIANGLES_MAX) return false;
     for (size_t t = 0; t < light->triangles; t++) {
         sl_vec3d a = corner_of(light, 3 * t);
-        sl_vec3d cross = sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a));
+        sl_vec3d cross =
+            sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a));
         double room = 1e-4 * size * sl_lengthd(cross);
         for (size_t k = 0; k < 3 * light->triangles; k++) {
             if (sl_dotd(cross, sl_subd(corner_of(light, k), a)) > room) return false;
@@ -56,7 +60,8 @@ static bool is_convex(const sl_sampled_light *light, double size) {
 
 static void measure(const sl_sampled_light *light, sl_light_shape_info *shape) {
     double coordinates = 0.0, off = 0.0;
-    sl_vec3d origin = corner_of(light, 0), normal = sl_to_double(light->normal), middle = sl_to_double(light->position);
+    sl_vec3d origin = corner_of(light, 0), normal = sl_to_double(light->normal),
+             middle = sl_to_double(light->position);
     for (size_t k = 0; k < 3 * light->triangles; k++) {
         sl_vec3 c = light->corner[k];
         coordinates = fmax(coordinates, (double)fmaxf(fabsf(c.x), fmaxf(fabsf(c.y), fabsf(c.z))));
@@ -68,20 +73,26 @@ static void measure(const sl_sampled_light *light, sl_light_shape_info *shape) {
 }
 
 /* The light's triangles as a mesh of their own. */
-static sl_status make_raster(const sl_sampled_light *light, sl_light_shape_info *shape, unsigned threads, sl_error *error) {
+static sl_status make_raster(const sl_sampled_light *light, sl_light_shape_info *shape, unsigned threads,
+                             sl_error *error) {
     size_t corners = 3 * light->triangles;
     shape->mesh_x = sl_allocate(3 * corners, sizeof *shape->mesh_x);
     shape->mesh_corner = sl_allocate(corners, sizeof *shape->mesh_corner);
     if (!shape->mesh_x || !shape->mesh_corner) return sl_fail_memory(error, "a lamp");
     float *x = shape->mesh_x, *y = x + corners, *z = y + corners;
-    uint32_t *vertex[3] = {shape->mesh_corner, shape->mesh_corner + light->triangles, shape->mesh_corner + 2 * light->triangles};
+    uint32_t *vertex[3] = {shape->mesh_corner, shape->mesh_corner + light->triangles,
+                           shape->mesh_corner + 2 * light->triangles};
     for (size_t k = 0; k < corners; k++) {
         x[k] = light->corner[k].x;
         y[k] = light->corner[k].y;
         z[k] = light->corner[k].z;
         vertex[k % 3][k / 3] = (uint32_t)k;
     }
-    const sl_raster_mesh mesh = {.vertex_count = corners, .triangle_count = light->triangles, .x = x, .y = y, .z = z,
+    const sl_raster_mesh mesh = {.vertex_count = corners,
+                                 .triangle_count = light->triangles,
+                                 .x = x,
+                                 .y = y,
+                                 .z = z,
                                  .vertex = {vertex[0], vertex[1], vertex[2]}};
     return sl_raster_create_mesh(&mesh, threads, &shape->raster, error);
 }
@@ -99,21 +110,28 @@ static sl_status make_shape(sl_light_sampling *s, size_t index, sl_error *error)
         return sl_light_window_make(light, settings, &shape->window, error);
     }
     status = make_raster(light, shape, settings->threads, error);
-    bool wider = status == SL_OK && (!s->widest || sl_raster_cluster_count(shape->raster) > sl_raster_cluster_count(s->widest));
+    bool wider = status == SL_OK &&
+                 (!s->widest || sl_raster_cluster_count(shape->raster) > sl_raster_cluster_count(s->widest));
     if (wider) s->widest = shape->raster;
     if (light->triangles > s->most_triangles) s->most_triangles = light->triangles;
     return status;
 }
 
-sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer, const sl_sampled_lights *lights,
-                                   const sl_light_sample_settings *settings, sl_light_sampling **sampling, sl_error *error) {
+sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                                   const sl_sampled_lights *lights, const sl_light_sample_settings *settings,
+                                   sl_light_sampling **sampling, sl_error *error) {
     *sampling = NULL;
     sl_status status = check(settings, error);
     if (status != SL_OK) return status;
     sl_light_sampling *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "sampling of lights");
-    *s = (sl_light_sampling){.scene = scene, .raster = raster, .tracer = tracer, .lights = lights, .settings = *settings,
-                             .kernels = sl_light_pixel_kernels_for(sl_isa_best()), .near = 1e-5f * scene->scale,
+    *s = (sl_light_sampling){.scene = scene,
+                             .raster = raster,
+                             .tracer = tracer,
+                             .lights = lights,
+                             .settings = *settings,
+                             .kernels = sl_light_pixel_kernels_for(sl_isa_best()),
+                             .near = 1e-5f * scene->scale,
                              .lift = SL_LIGHT_LIFT * sl_scene_coordinate_near(scene, scene->central_min)};
     s->step = fmaxf(2e-6f * scene->scale, s->lift);
     s->shape = sl_allocate(lights->count, sizeof *s->shape);
@@ -147,10 +165,12 @@ size_t sl_light_sampling_memory_bytes(const sl_light_sampling *s) {
         size_t triangles = s->lights->light[i].triangles;
         bytes += triangles * sizeof *shape->surface.area_before;
         for (int level = 0; level < SL_WINDOW_LEVELS; level++) {
-            if (shape->window.inside[level]) bytes += (sl_window_words(1 << level) << level) * sizeof(uint32_t);
+            if (shape->window.inside[level])
+                bytes += (sl_window_words(1 << level) << level) * sizeof(uint32_t);
         }
         if (!shape->raster) continue;
-        bytes += sl_raster_memory_bytes(shape->raster) + 9 * triangles * sizeof *shape->mesh_x + 3 * triangles * sizeof *shape->mesh_corner;
+        bytes += sl_raster_memory_bytes(shape->raster) + 9 * triangles * sizeof *shape->mesh_x +
+                 3 * triangles * sizeof *shape->mesh_corner;
     }
     return bytes;
 }
@@ -179,14 +199,16 @@ static bool allocate_planes(const sl_light_sampling *sampling, sl_light_sample_s
     return s->depth && s->light_id && s->light_depth && s->facing;
 }
 
-sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_light_sample_scratch **scratch, sl_error *error) {
+sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_light_sample_scratch **scratch,
+                                         sl_error *error) {
     *scratch = NULL;
     int side = sampling->settings.largest;
     sl_light_sample_scratch *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "pictures of lights");
     sl_status status = allocate_planes(sampling, s) ? SL_OK : sl_fail_memory(error, "pictures of lights");
     if (status == SL_OK) status = sl_raster_scratch_create(sampling->raster, side, side, &s->raster, error);
-    if (status == SL_OK && sampling->widest) status = sl_raster_scratch_create(sampling->widest, side, side, &s->light_raster, error);
+    if (status == SL_OK && sampling->widest)
+        status = sl_raster_scratch_create(sampling->widest, side, side, &s->light_raster, error);
     if (status != SL_OK) sl_light_sample_scratch_destroy(s);
     else *scratch = s;
     return status;
@@ -194,7 +216,8 @@ sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_l
 
 void sl_light_sample_scratch_destroy(sl_light_sample_scratch *s) {
     if (!s) return;
-    void *blocks[] = {s->id, s->planes, s->halves, s->sums, s->row_x, s->depth, s->light_id, s->light_depth, s->facing};
+    void *blocks[] = {s->id,    s->planes,   s->halves,      s->sums,  s->row_x,
+                      s->depth, s->light_id, s->light_depth, s->facing};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
     sl_raster_scratch_destroy(s->raster);
     sl_raster_scratch_destroy(s->light_raster);
@@ -221,7 +244,8 @@ static double value_of(const sample *s, sl_light_sums sums, bool ratio) {
     return s->unoccluded * fmin(sums.seen / sums.all, 1.0);
 }
 
-/* Where no weight is known, though light arrives: the middle of what is above the horizon stands for all of it. */
+/* Where no weight is known, though light arrives: the middle of what is above the horizon stands for all of
+ * it. */
 static double by_one_ray(const sample *s) { return sl_light_middle_hidden(&s->query) ? 0.0 : s->unoccluded; }
 
 static double by_rays(const sample *s) {
@@ -229,13 +253,15 @@ static double by_rays(const sample *s) {
     return sums.all > 0.0 ? value_of(s, sums, true) : by_one_ray(s);
 }
 
-/* Twice as many pixels until one is no larger than half the distance to the light's plane: the midpoint rule's error depends on that. */
+/* Twice as many pixels until one is no larger than half the distance to the light's plane: the midpoint
+ * rule's error depends on that. */
 static int picture_size(const sample *s, bool *fine) {
     const sl_light_window *w = &s->shape->window;
     int size = s->settings->size;
     *fine = true;
     if (s->shape->raster) return size;
-    double h = fabs(sl_dotd(sl_subd(sl_to_double(s->query.point->position), w->origin), sl_to_double(s->light->normal)));
+    double h = fabs(
+        sl_dotd(sl_subd(sl_to_double(s->query.point->position), w->origin), sl_to_double(s->light->normal)));
     while ((double)size * h < 2.0 * w->side && size < s->settings->largest) size *= 2;
     *fine = (double)size * h >= 2.0 * w->side;
     return size;
@@ -247,7 +273,8 @@ static double by_pictures(const sample *s) {
     if (!fine) return by_rays(s);
     for (; size <= s->settings->largest; size *= 2) {
         sl_light_sums sums = {0.0, 0.0};
-        sl_light_shot shot = s->shape->raster ? sl_look_at_shoot(&s->query, size, &sums) : sl_window_shoot(&s->query, size, &sums);
+        sl_light_shot shot = s->shape->raster ? sl_look_at_shoot(&s->query, size, &sums)
+                                              : sl_window_shoot(&s->query, size, &sums);
         if (shot == SL_SHOT_IMPOSSIBLE) return by_rays(s);
         if (shot == SL_SHOT_HIDDEN) return 0.0;
         if (shot == SL_SHOT_NOTHING_BETWEEN) {
@@ -284,34 +311,46 @@ static float value_or_nothing(double value) {
     return f > 0.0f && isfinite(f) ? f : 0.0f;
 }
 
-static sample sample_of(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_light_sample_scratch *scratch,
-                        sl_counters *counters) {
-    return (sample){.query = {.sampling = sampling, .light = light, .point = point, .rays = rays, .scratch = scratch, .counters = counters},
-                    .settings = &sampling->settings, .light = &sampling->lights->light[light], .shape = &sampling->shape[light]};
+static sample sample_of(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays,
+                        sl_light_sample_scratch *scratch, sl_counters *counters) {
+    return (sample){.query = {.sampling = sampling,
+                              .light = light,
+                              .point = point,
+                              .rays = rays,
+                              .scratch = scratch,
+                              .counters = counters},
+                    .settings = &sampling->settings,
+                    .light = &sampling->lights->light[light],
+                    .shape = &sampling->shape[light]};
 }
 
 static float take(sample *s) {
     const sl_light_query *q = &s->query;
     sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES, 1);
-    if (!sl_is_finite(q->point->position) || !sl_is_finite(q->point->normal) || !sl_is_finite(q->point->geometric_normal)) {
+    if (!sl_is_finite(q->point->position) || !sl_is_finite(q->point->normal) ||
+        !sl_is_finite(q->point->geometric_normal)) {
         sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
         return 0.0f;
     }
-    return value_or_nothing(sl_light_has_extent(s->light) ? area_light(s) : sl_light_without_extent(q->sampling, s->light, q->point, q->counters));
+    return value_or_nothing(sl_light_has_extent(s->light)
+                                ? area_light(s)
+                                : sl_light_without_extent(q->sampling, s->light, q->point, q->counters));
 }
 
-float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch,
-                           sl_counters *counters) {
+float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point,
+                           sl_light_sample_scratch *scratch, sl_counters *counters) {
     sample s = sample_of(sampling, light, point, sampling->settings.rays, scratch, counters);
     return take(&s);
 }
 
-float sl_light_sample_by_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters) {
+float sl_light_sample_by_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point,
+                              int rays, sl_counters *counters) {
     sample s = sample_of(sampling, light, point, rays, NULL, counters);
     return take(&s);
 }
 
-float sl_light_probe(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters) {
+float sl_light_probe(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays,
+                     sl_counters *counters) {
     sl_counters own = {{0}};
     sample s = sample_of(sampling, light, point, rays, NULL, &own);
     s.one_ray = rays == 1;

@@ -1,11 +1,11 @@
-/* Irradiance from one light at one point (multi-mesh caching, section on hardware sampling): for an area light the scene is drawn
- * into the frustum that just holds the light, every pixel of the light that no occluder hides counts with its solid angle and cosine, and
- * the picture is summed on the hardware, 2x2 and 2x2 again, down to 16x16. Or by shadow rays. What comes out is F, which the light's
- * colour (lights.h) turns into irradiance.
+/* Irradiance from one light at one point (multi-mesh caching, section on hardware sampling): for an area
+ * light the scene is drawn into the frustum that just holds the light, every pixel of the light that no
+ * occluder hides counts with its solid angle and cosine, and the picture is summed on the hardware, 2x2 and
+ * 2x2 again, down to 16x16. Or by shadow rays. What comes out is F, which the light's colour (lights.h) turns
+ * into irradiance.
  *
- * A sample is a pure function of scene, light, point and settings: no jitter but by position (rays), so a mesh refined on samples comes
- * to rest. Read in this order:
- *   lights.c           which lights there are
+ * A sample is a pure function of scene, light, point and settings: no jitter but by position (rays), so a
+ * mesh refined on samples comes to rest. Read in this order: lights.c           which lights there are
  *   light_sample.c     what kind of light, whether it can be seen at all, how many pixels it takes
  *   window.c           the light's own plane as a window: weights, ratio to the closed form
  *   look_at.c          the paper's frustum, solid angles of pixels
@@ -21,7 +21,9 @@
 
 typedef struct sl_light_sample_settings {
     sl_light_estimator estimator;
-    int size;              /* N of N x N pixels, a power of two; doubled until N h / s >= 2 (h: distance to the light's plane, s: its side), */
+    /* N of N x N pixels, a power of two; doubled until N h / s >= 2 (h: distance to the light's plane, s: its
+     * side), */
+    int size;
     int largest;           /* ... up to this, then the closed form times a share of rays */
     int reduced;           /* the sums are read back at so many pixels a side: 16 */
     int rays;              /* n of n x n rays */
@@ -31,40 +33,51 @@ typedef struct sl_light_sample_settings {
 
 sl_light_sample_settings sl_light_sample_defaults(void);
 
-/* Where light arrives. normal and geometric_normal are unit, on the lit side; light counts where it is above both horizons. */
+/* Where light arrives. normal and geometric_normal are unit, on the lit side; light counts where it is above
+ * both horizons. */
 typedef struct sl_lit_point {
     sl_vec3 position, normal, geometric_normal;
-    uint32_t triangle;     /* on which it lies and which hides nothing from it, or SL_NO_INDEX (a point on an edge) */
+    /* on which it lies and which hides nothing from it, or SL_NO_INDEX (a point on an edge) */
+    uint32_t triangle;
 } sl_lit_point;
 
 /* Shared by all samples: immutable after creation. Scene, raster, tracer and lights must outlive it. */
 typedef struct sl_light_sampling sl_light_sampling;
-sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer, const sl_sampled_lights *lights,
-                                   const sl_light_sample_settings *settings, sl_light_sampling **sampling, sl_error *error);
+sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                                   const sl_sampled_lights *lights, const sl_light_sample_settings *settings,
+                                   sl_light_sampling **sampling, sl_error *error);
 void sl_light_sampling_destroy(sl_light_sampling *sampling);
-/* How far ahead of a point, on the way to a light, its rays and pictures begin: what the point touches hides nothing from it. */
+/* How far ahead of a point, on the way to a light, its rays and pictures begin: what the point touches hides
+ * nothing from it. */
 double sl_light_sampling_step(const sl_light_sampling *sampling);
 size_t sl_light_sampling_memory_bytes(const sl_light_sampling *sampling);
 
 /* One worker's pictures. */
 typedef struct sl_light_sample_scratch sl_light_sample_scratch;
-sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_light_sample_scratch **scratch, sl_error *error);
+sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_light_sample_scratch **scratch,
+                                         sl_error *error);
 void sl_light_sample_scratch_destroy(sl_light_sample_scratch *scratch);
 
-/* F at the point, finite and >= 0. Counts SL_COUNT_LIGHT_SAMPLES, and those that needed no picture as skipped. */
-float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch,
-                           sl_counters *counters);
+/* F at the point, finite and >= 0. Counts SL_COUNT_LIGHT_SAMPLES, and those that needed no picture as
+ * skipped. */
+float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point,
+                           sl_light_sample_scratch *scratch, sl_counters *counters);
 /* The same by n x n rays whatever the settings say: where less will do. */
-float sl_light_sample_by_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters);
-/* All of F or nothing, by a single ray to the middle of what is above the horizon (rays 1), or F by n x n rays. Whoever only wants to know whether it pays to
- * take a sample asks so: nothing is counted but the rays. */
-float sl_light_probe(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters);
+float sl_light_sample_by_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point,
+                              int rays, sl_counters *counters);
+/* All of F or nothing, by a single ray to the middle of what is above the horizon (rays 1), or F by n x n
+ * rays. Whoever only wants to know whether it pays to take a sample asks so: nothing is counted but the rays.
+ */
+float sl_light_probe(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays,
+                     sl_counters *counters);
 /* F without occluders, in closed form. */
 double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *point);
-/* The unit direction in which the light lies, for lobes: of area lights the centroid of what is above the horizon; (0,0,0): nothing is. */
+/* The unit direction in which the light lies, for lobes: of area lights the centroid of what is above the
+ * horizon; (0,0,0): nothing is. */
 sl_vec3 sl_light_direction(const sl_sampled_light *light, const sl_lit_point *point);
 
-/* The picture of the last sample that needed one: N x N weights, bottom row first, black where the light is hidden; NULL: none. */
+/* The picture of the last sample that needed one: N x N weights, bottom row first, black where the light is
+ * hidden; NULL: none. */
 typedef struct sl_light_picture {
     int size;
     const float *weight;

@@ -7,21 +7,25 @@
 #include "cache/light/sample_kernels.h"
 #include "raster/views/light_view.h"
 
-/* Lights seen smaller than that (their size over their distance) are points: Lambert's formula and the point's are as good as each other
- * here, and in float pictures of them would be coarse. */
+/* Lights seen smaller than that (their size over their distance) are points: Lambert's formula and the
+ * point's are as good as each other here, and in float pictures of them would be coarse. */
 #define SL_TINY_LIGHT 5e-5
-/* What lies within this share of the way to the light, at the light, is the light, or too near it to be told from it. */
+/* What lies within this share of the way to the light, at the light, is the light, or too near it to be told
+ * from it. */
 #define SL_LIGHT_MARGIN 1e-4
 
 enum { SL_WINDOW_LEVELS = 12 };
 
-/* A planar light's window: origin + s A + t B, s and t in [0,1], just holds the light, and is cut into N x N pixels. */
+/* A planar light's window: origin + s A + t B, s and t in [0,1], just holds the light, and is cut into N x N
+ * pixels. */
 typedef struct sl_light_window {
     sl_vec3d origin, a, b;
     sl_vec3d over_a, over_b;   /* in the plane: . (p - origin) are s and t */
     double side;               /* the longer of A and B */
-    sl_frame frame;            /* orthonormal, for tangents: x, y in the plane, z against the side on which it shines */
-    uint32_t *inside[SL_WINDOW_LEVELS]; /* by log2 of N: a bit a pixel, is its centre on the light? sl_window_words(N) words a row */
+    /* orthonormal, for tangents: x, y in the plane, z against the side on which it shines */
+    sl_frame frame;
+    /* by log2 of N: a bit a pixel, is its centre on the light? sl_window_words(N) words a row */
+    uint32_t *inside[SL_WINDOW_LEVELS];
 } sl_light_window;
 
 static inline size_t sl_window_words(int size) { return (size_t)((size + 31) / 32); }
@@ -31,7 +35,8 @@ typedef struct sl_light_shape_info {
     sl_light_surface surface;
     double size;               /* across: largest distance of a corner from the centroid, twice */
     double flatness;           /* planar: how far its corners may lie off its plane, roundings included */
-    bool closed_form;          /* whoever sees the front of one of its triangles sees all of it, unless something else is in between */
+    /* whoever sees the front of one of its triangles sees all of it, unless something else is in between */
+    bool closed_form;
     sl_light_window window;
     sl_raster *raster;         /* of the light alone, where a look-at frustum is taken; or NULL */
     float *mesh_x;             /* what it is made of: x, y, z of its corners, and their numbers */
@@ -49,11 +54,16 @@ struct sl_light_sampling {
     sl_light_sample_settings settings;
     sl_light_shape_info *shape; /* by light */
     sl_light_pixel_kernels kernels;
-    float near;                /* nearer than 1e-5 of the scene's scale nothing is drawn of what the paper's frustum sees */
-    float step;                /* how far on its way to the light the eye of other pictures is: it moves shadows, so a fifth of that */
-    float lift;                /* how far above its surface a point must be, so that it lies above it in spite of rounding; in a scattered scene, in its central region */
+    /* nearer than 1e-5 of the scene's scale nothing is drawn of what the paper's frustum sees */
+    float near;
+    /* how far on its way to the light the eye of other pictures is: it moves shadows, so a fifth of that */
+    float step;
+    /* how far above its surface a point must be, so that it lies above it in spite of rounding; in a
+     * scattered scene, in its central region */
+    float lift;
     size_t most_triangles;     /* of those lights */
-    const sl_raster *widest;   /* of the lights' own rasters the one that needs the largest scratch; or NULL */
+    /* of the lights' own rasters the one that needs the largest scratch; or NULL */
+    const sl_raster *widest;
 };
 
 struct sl_light_sample_scratch {
@@ -68,8 +78,9 @@ struct sl_light_sample_scratch {
     int picture_size;          /* of planes' first, 0: none */
 };
 
-/* A point that asks for an area light. Visibility is that of an eye above its surface in spite of rounding and a little (`step`) on the way to
- * the light's middle, past walls that stand on the point itself, for whether they are before it or behind is rounding; weights are the point's. */
+/* A point that asks for an area light. Visibility is that of an eye above its surface in spite of rounding
+ * and a little (`step`) on the way to the light's middle, past walls that stand on the point itself, for
+ * whether they are before it or behind is rounding; weights are the point's. */
 typedef struct sl_light_query {
     const sl_light_sampling *sampling;
     size_t light;
@@ -94,15 +105,16 @@ typedef enum sl_light_shot {
     SL_SHOT_IMPOSSIBLE       /* no frustum holds the light: take rays */
 } sl_light_shot;
 
-/* closed_forms.c. F of one triangle of radiance 1 / pi, its corners relative to the point and counter-clockwise seen from there; what lies
- * below either horizon is cut off. */
+/* closed_forms.c. F of one triangle of radiance 1 / pi, its corners relative to the point and
+ * counter-clockwise seen from there; what lies below either horizon is cut off. */
 double sl_lambert_triangle(const sl_vec3d corner[3], sl_vec3d normal, sl_vec3d geometric_normal);
-/* Area-weighted middle of what faces the point and is above its horizons, from the point; (0,0,0): nothing is. */
+/* Area-weighted middle of what faces the point and is above its horizons, from the point; (0,0,0): nothing
+ * is. */
 sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *point);
 
 /* window.c */
-sl_status sl_light_window_make(const sl_sampled_light *light, const sl_light_sample_settings *settings, sl_light_window *window,
-                               sl_error *error);
+sl_status sl_light_window_make(const sl_sampled_light *light, const sl_light_sample_settings *settings,
+                               sl_light_window *window, sl_error *error);
 sl_light_shot sl_window_shoot(const sl_light_query *query, int size, sl_light_sums *sums);
 /* Sums the two planes of size x size weights in the scratch by reduction. */
 sl_light_sums sl_light_reduce(const sl_light_query *query, int size);
@@ -115,9 +127,11 @@ bool sl_light_middle_hidden(const sl_light_query *query);
 /* F by n x n rays: seen weights and all of them, in units of F. */
 sl_light_sums sl_light_rays(const sl_light_query *query);
 /* F of a light without extent. */
-double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light, const sl_lit_point *point,
-                               sl_counters *counters);
-/* Cosine, inverse square law and cone of a light without extent; its direction, and how far it is (infinite). 0: none arrives. */
-double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d *to_light, double *distance);
+double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light,
+                               const sl_lit_point *point, sl_counters *counters);
+/* Cosine, inverse square law and cone of a light without extent; its direction, and how far it is (infinite).
+ * 0: none arrives. */
+double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d *to_light,
+                           double *distance);
 
 #endif

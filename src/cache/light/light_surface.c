@@ -7,15 +7,18 @@
 
 static sl_vec3d corner_of(const sl_sampled_light *light, size_t k) { return sl_to_double(light->corner[k]); }
 
-/* Two triangles with a common edge b c, and their other corners a and d opposite to each other: a + d = b + c. */
+/* Two triangles with a common edge b c, and their other corners a and d opposite to each other: a + d = b +
+ * c. */
 static void find_parallelogram(const sl_sampled_light *light, sl_light_surface *surface) {
     const double room = 2e-5 * (double)light->extent;
     if (light->triangles != 2) return;
     for (size_t i = 0; i < 3; i++) {
-        sl_vec3d a = corner_of(light, i), b = corner_of(light, (i + 1) % 3), c = corner_of(light, (i + 2) % 3);
+        sl_vec3d a = corner_of(light, i), b = corner_of(light, (i + 1) % 3),
+                 c = corner_of(light, (i + 2) % 3);
         sl_vec3d opposite = sl_subd(sl_addd(b, c), a);
         for (size_t j = 0; j < 3; j++) {
-            sl_vec3d d = corner_of(light, 3 + j), after = corner_of(light, 3 + (j + 1) % 3), before = corner_of(light, 3 + (j + 2) % 3);
+            sl_vec3d d = corner_of(light, 3 + j), after = corner_of(light, 3 + (j + 1) % 3),
+                     before = corner_of(light, 3 + (j + 2) % 3);
             if (sl_lengthd(sl_subd(after, c)) > room || sl_lengthd(sl_subd(before, b)) > room) continue;
             if (sl_lengthd(sl_subd(d, opposite)) > room) continue;
             surface->parallelogram = true;
@@ -32,7 +35,8 @@ sl_status sl_light_surface_make(const sl_sampled_light *light, sl_light_surface 
     if (!surface->area_before) return sl_fail_memory(error, "a lamp");
     for (size_t t = 0; t < light->triangles; t++) {
         sl_vec3d a = corner_of(light, 3 * t);
-        sl_vec3d cross = sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a));
+        sl_vec3d cross =
+            sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a));
         surface->area_before[t] = surface->area += 0.5 * sl_lengthd(cross);
     }
     find_parallelogram(light, surface);
@@ -44,8 +48,8 @@ void sl_light_surface_release(sl_light_surface *surface) {
     surface->area_before = NULL;
 }
 
-sl_vec3d sl_light_surface_point(const sl_sampled_light *light, const sl_light_surface *surface, const double u[2], size_t *triangle,
-                                double weight[2]) {
+sl_vec3d sl_light_surface_point(const sl_sampled_light *light, const sl_light_surface *surface,
+                                const double u[2], size_t *triangle, double weight[2]) {
     double at = u[0] * surface->area;
     size_t low = 0, high = light->triangles - 1;
     while (low < high) {

@@ -1,7 +1,8 @@
-/* Which lights there are (lights.h). Emissive triangles of one object and radiance belong together. Where they lie in one plane they are one
- * planar light, wherever in it they are. Where they do not, what hangs together by common corners is a light of its own (a lamp of four bulbs
- * is four lights, each of which a frustum can hold), planar or solid, or, where it is a hollow of few planes, as many planar ones; but where that would be
- * a swarm, all of it is one solid light. */
+/* Which lights there are (lights.h). Emissive triangles of one object and radiance belong together. Where
+ * they lie in one plane they are one planar light, wherever in it they are. Where they do not, what hangs
+ * together by common corners is a light of its own (a lamp of four bulbs is four lights, each of which a
+ * frustum can hold), planar or solid, or, where it is a hollow of few planes, as many planar ones; but where
+ * that would be a swarm, all of it is one solid light. */
 #include "cache/light/lights.h"
 
 #include <math.h>
@@ -14,7 +15,8 @@
 
 enum { PIECES_MAX = 64 };
 
-/* An emissive triangle, as it is sorted: by what may make it one light with others, then by the piece, then by its number. */
+/* An emissive triangle, as it is sorted: by what may make it one light with others, then by the piece, then
+ * by its number. */
 typedef struct {
     uint32_t object, two_sided;
     uint32_t radiance[3]; /* bits */
@@ -36,8 +38,10 @@ static int compare_words(const uint32_t *a, const uint32_t *b, size_t count) {
 
 static int by_kind(const void *a, const void *b) {
     const source *s = a, *t = b;
-    const uint32_t x[6] = {s->object, s->two_sided, s->radiance[0], s->radiance[1], s->radiance[2], s->triangle};
-    const uint32_t y[6] = {t->object, t->two_sided, t->radiance[0], t->radiance[1], t->radiance[2], t->triangle};
+    const uint32_t x[6] = {s->object,      s->two_sided,   s->radiance[0],
+                           s->radiance[1], s->radiance[2], s->triangle};
+    const uint32_t y[6] = {t->object,      t->two_sided,   t->radiance[0],
+                           t->radiance[1], t->radiance[2], t->triangle};
     return compare_words(x, y, 6);
 }
 
@@ -59,7 +63,8 @@ static int by_first_triangle(const void *a, const void *b) {
 }
 
 static bool one_kind(const source *a, const source *b) {
-    return a->object == b->object && a->two_sided == b->two_sided && memcmp(a->radiance, b->radiance, sizeof a->radiance) == 0;
+    return a->object == b->object && a->two_sided == b->two_sided &&
+           memcmp(a->radiance, b->radiance, sizeof a->radiance) == 0;
 }
 
 /* ---- one plane? ---- */
@@ -71,8 +76,8 @@ static void corners_of(const sl_scene *scene, uint32_t triangle, sl_vec3 corner[
     *cross = sl_crossd(sl_subd(sl_to_double(corner[1]), a), sl_subd(sl_to_double(corner[2]), a));
 }
 
-/* The plane of the largest triangle must hold all corners, but for a hundred-thousandth of the light's size and the roundings of its
- * coordinates, and all must shine to the same side. */
+/* The plane of the largest triangle must hold all corners, but for a hundred-thousandth of the light's size
+ * and the roundings of its coordinates, and all must shine to the same side. */
 static bool one_plane(const sl_scene *scene, const source *s, size_t count, sl_vec3 *normal) {
     double largest = -1.0, size = 0.0, extent = 0.0;
     sl_vec3 corner[3], origin = {0, 0, 0};
@@ -94,7 +99,8 @@ static bool one_plane(const sl_scene *scene, const source *s, size_t count, sl_v
             sl_vec3d d = sl_subd(sl_to_double(corner[k]), sl_to_double(origin));
             off = fmax(off, fabs(sl_dotd(d, n)));
             extent = fmax(extent, sl_lengthd(d));
-            size = fmax(size, (double)fmaxf(fabsf(corner[k].x), fmaxf(fabsf(corner[k].y), fabsf(corner[k].z))));
+            size =
+                fmax(size, (double)fmaxf(fabsf(corner[k].x), fmaxf(fabsf(corner[k].y), fabsf(corner[k].z))));
         }
     }
     *normal = sl_normalize_or(sl_to_float(n), sl_v3(0, 1, 0));
@@ -111,7 +117,8 @@ static uint32_t root_of(uint32_t *parent, uint32_t i) {
 static uint32_t position_bits(float x) { return sl_float_bits(x == 0.0f ? 0.0f : x); }
 
 /* Sorts the run by pieces; returns how many there are. */
-static sl_status find_pieces(const sl_scene *scene, source *s, size_t count, size_t *pieces, sl_error *error) {
+static sl_status find_pieces(const sl_scene *scene, source *s, size_t count, size_t *pieces,
+                             sl_error *error) {
     uint32_t *parent = sl_allocate(count, sizeof *parent);
     corner_place *corners = sl_allocate(3 * count, sizeof *corners);
     if (!parent || !corners) {
@@ -123,7 +130,8 @@ static sl_status find_pieces(const sl_scene *scene, source *s, size_t count, siz
         parent[i] = (uint32_t)i;
         for (size_t k = 0; k < 3; k++) {
             sl_vec3 p = sl_scene_position(scene, scene->vertex[k][s[i].triangle]);
-            corners[3 * i + k] = (corner_place){{position_bits(p.x), position_bits(p.y), position_bits(p.z)}, (uint32_t)i};
+            corners[3 * i + k] =
+                (corner_place){{position_bits(p.x), position_bits(p.y), position_bits(p.z)}, (uint32_t)i};
         }
     }
     qsort(corners, 3 * count, sizeof *corners, by_position);
@@ -180,8 +188,8 @@ static light_side side_of(const sl_sampled_light *light, uint32_t side) {
     return s;
 }
 
-/* Two sides that run along each other in opposite ways, and no others along them, are an edge between two triangles; every other is an edge of one.
- * Returns how many edges there are. */
+/* Two sides that run along each other in opposite ways, and no others along them, are an edge between two
+ * triangles; every other is an edge of one. Returns how many edges there are. */
 static size_t find_edges(const sl_sampled_light *light, light_side *sides, sl_light_edge *edge) {
     const uint32_t count = (uint32_t)(3 * light->triangles);
     size_t edges = 0;
@@ -193,8 +201,9 @@ static size_t find_edges(const sl_sampled_light *light, light_side *sides, sl_li
         if (pair && light->kind == SL_SAMPLED_AREA) continue;
         for (uint32_t k = first; k < (pair ? first + 1 : end); k++) {
             uint32_t side = sides[k].side;
-            edge[edges++] = (sl_light_edge){light->corner[side], light->corner[side % 3 == 2 ? side - 2 : side + 1], side / 3,
-                                            pair ? sides[k + 1].side / 3 : SL_NO_INDEX};
+            edge[edges++] =
+                (sl_light_edge){light->corner[side], light->corner[side % 3 == 2 ? side - 2 : side + 1],
+                                side / 3, pair ? sides[k + 1].side / 3 : SL_NO_INDEX};
         }
     }
     return edges;
@@ -219,28 +228,39 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
         sl_vec3 *corner = corners + 3 * i;
         sl_vec3d cross;
         corners_of(c->scene, s[i].triangle, corner, &cross);
-        if (planar && sl_dotd(cross, sl_to_double(normal)) < 0.0) { /* of two-sided ones: all the same way round */
+        /* of two-sided ones: all the same way round */
+        if (planar && sl_dotd(cross, sl_to_double(normal)) < 0.0) {
             sl_vec3 first = corner[1];
             corner[1] = corner[2];
             corner[2] = first;
         }
         double weight = sl_lengthd(cross);
-        sl_vec3d sum = sl_addd(sl_addd(sl_to_double(corner[0]), sl_to_double(corner[1])), sl_to_double(corner[2]));
+        sl_vec3d sum =
+            sl_addd(sl_addd(sl_to_double(corner[0]), sl_to_double(corner[1])), sl_to_double(corner[2]));
         centre = sl_addd(centre, sl_scaled(sum, weight / 3.0));
         area += weight;
         opaque += weight * (double)c->scene->emitters[c->scene->emitter_of_triangle[s[i].triangle]].opaque;
         triangles[i] = s[i].triangle;
     }
     const float left = area > 0.0 ? (float)(opaque / area) : 1.0f;
-    c->lights->light[c->lights->count++] = (sl_sampled_light){
-        .kind = planar ? SL_SAMPLED_AREA : SL_SAMPLED_SOLID, .colour = sl_rgb_scale(sl_rgb_scale(emitter->radiance, (float)SL_PI), left),
-        .radiance = emitter->radiance, .opaque = left, .two_sided = emitter->two_sided, .triangles = count, .corner = corners, .triangle = triangles,
-        .normal = planar ? normal : sl_v3(0, 0, 0), .position = area > 0.0 ? sl_to_float(sl_scaled(centre, 1.0 / area)) : corners[0],
-        .scene_light = SL_NO_INDEX, .object = s->object};
+    c->lights->light[c->lights->count++] =
+        (sl_sampled_light){.kind = planar ? SL_SAMPLED_AREA : SL_SAMPLED_SOLID,
+                           .colour = sl_rgb_scale(sl_rgb_scale(emitter->radiance, (float)SL_PI), left),
+                           .radiance = emitter->radiance,
+                           .opaque = left,
+                           .two_sided = emitter->two_sided,
+                           .triangles = count,
+                           .corner = corners,
+                           .triangle = triangles,
+                           .normal = planar ? normal : sl_v3(0, 0, 0),
+                           .position = area > 0.0 ? sl_to_float(sl_scaled(centre, 1.0 / area)) : corners[0],
+                           .scene_light = SL_NO_INDEX,
+                           .object = s->object};
     c->triangles += count;
 }
 
-/* Whether a triangle has a corner before another's plane, by more than a ten-thousandth of the two and roundings: it shines on it. */
+/* Whether a triangle has a corner before another's plane, by more than a ten-thousandth of the two and
+ * roundings: it shines on it. */
 static bool is_before(const sl_scene *scene, uint32_t plane, uint32_t triangle) {
     sl_vec3 a[3], b[3];
     sl_vec3d cross, other;
@@ -249,13 +269,15 @@ static bool is_before(const sl_scene *scene, uint32_t plane, uint32_t triangle) 
     for (int k = 0; k < 3; k++) {
         sl_vec3d d = sl_subd(sl_to_double(b[k]), sl_to_double(a[0]));
         double size = (double)fmaxf(fabsf(b[k].x), fmaxf(fabsf(b[k].y), fabsf(b[k].z)));
-        if (sl_dotd(cross, d) > sl_lengthd(cross) * (1e-4 * (sl_lengthd(d) + sqrt(sl_lengthd(cross))) + 4e-7 * size)) return true;
+        if (sl_dotd(cross, d) >
+            sl_lengthd(cross) * (1e-4 * (sl_lengthd(d) + sqrt(sl_lengthd(cross))) + 4e-7 * size))
+            return true;
     }
     return false;
 }
 
-/* A hollow of few planes, such as a room whose walls shine: no picture holds it, seen from within. Each of its planes is a light then. Marks them as pieces;
- * false: it is convex, or has too many. */
+/* A hollow of few planes, such as a room whose walls shine: no picture holds it, seen from within. Each of
+ * its planes is a light then. Marks them as pieces; false: it is convex, or has too many. */
 static bool find_planes_of_hollow(const sl_scene *scene, source *s, size_t count) {
     enum { PLANES_MAX = 16 };
     uint32_t first[PLANES_MAX];
@@ -274,7 +296,8 @@ static bool find_planes_of_hollow(const sl_scene *scene, source *s, size_t count
         s[i].piece = first[k];
     }
     for (size_t i = 0; i < count && !hollow; i++) {
-        for (size_t k = 0; k < planes && !hollow; k++) hollow = s[i].piece != first[k] && is_before(scene, s[first[k]].triangle, s[i].triangle);
+        for (size_t k = 0; k < planes && !hollow; k++)
+            hollow = s[i].piece != first[k] && is_before(scene, s[first[k]].triangle, s[i].triangle);
     }
     return hollow;
 }
@@ -323,8 +346,11 @@ static sl_status add_emitters(collection *c, sl_error *error) {
     if (!s) return sl_fail_memory(error, "the scene's lamps");
     for (size_t i = 0; i < count; i++) {
         const sl_emitter *e = &scene->emitters[i];
-        s[i] = (source){.object = scene->object_index[e->triangle], .two_sided = e->two_sided, .triangle = e->triangle,
-                        .radiance = {sl_float_bits(e->radiance.r), sl_float_bits(e->radiance.g), sl_float_bits(e->radiance.b)}};
+        s[i] = (source){.object = scene->object_index[e->triangle],
+                        .two_sided = e->two_sided,
+                        .triangle = e->triangle,
+                        .radiance = {sl_float_bits(e->radiance.r), sl_float_bits(e->radiance.g),
+                                     sl_float_bits(e->radiance.b)}};
     }
     qsort(s, count, sizeof *s, by_kind);
     sl_status status = SL_OK;
@@ -339,7 +365,8 @@ static sl_status add_emitters(collection *c, sl_error *error) {
 /* Edges of all area lights; what they are made of is in place. */
 static sl_status add_edges(sl_sampled_lights *lights, sl_error *error) {
     size_t most = 0, used = 0, area_lights = lights->count;
-    for (size_t i = 0; i < area_lights; i++) most = lights->light[i].triangles > most ? lights->light[i].triangles : most;
+    for (size_t i = 0; i < area_lights; i++)
+        most = lights->light[i].triangles > most ? lights->light[i].triangles : most;
     light_side *sides = sl_allocate(3 * most, sizeof *sides);
     if (!sides) return sl_fail_memory(error, "the scene's lamps");
     for (size_t i = 0; i < area_lights; i++) {
@@ -356,12 +383,18 @@ static sl_status add_edges(sl_sampled_lights *lights, sl_error *error) {
 }
 
 static void add_scene_light(sl_sampled_lights *lights, const sl_light *light, uint32_t index) {
-    static const sl_sampled_kind kinds[] = {[SL_LIGHT_POINT] = SL_SAMPLED_POINT, [SL_LIGHT_SPOT] = SL_SAMPLED_SPOT,
+    static const sl_sampled_kind kinds[] = {[SL_LIGHT_POINT] = SL_SAMPLED_POINT,
+                                            [SL_LIGHT_SPOT] = SL_SAMPLED_SPOT,
                                             [SL_LIGHT_DIRECTIONAL] = SL_SAMPLED_DIRECTIONAL};
     if (!(sl_rgb_max(light->intensity) > 0.0f)) return;
-    lights->light[lights->count++] = (sl_sampled_light){
-        .kind = kinds[light->type], .colour = light->intensity, .position = light->position, .direction = light->direction,
-        .cos_inner = light->cos_inner, .cos_outer = light->cos_outer, .scene_light = index, .object = SL_NO_INDEX};
+    lights->light[lights->count++] = (sl_sampled_light){.kind = kinds[light->type],
+                                                        .colour = light->intensity,
+                                                        .position = light->position,
+                                                        .direction = light->direction,
+                                                        .cos_inner = light->cos_inner,
+                                                        .cos_outer = light->cos_outer,
+                                                        .scene_light = index,
+                                                        .object = SL_NO_INDEX};
 }
 
 sl_status sl_sampled_lights_find(const sl_scene *scene, sl_sampled_lights **lights, sl_error *error) {
@@ -388,7 +421,8 @@ sl_status sl_sampled_lights_find(const sl_scene *scene, sl_sampled_lights **ligh
     }
     for (size_t t = 0; t < scene->triangle_count; t++) l->light_of_triangle[t] = SL_NO_INDEX;
     for (size_t i = 0; i < l->count; i++) {
-        for (size_t k = 0; k < l->light[i].triangles; k++) l->light_of_triangle[l->light[i].triangle[k]] = (uint32_t)i;
+        for (size_t k = 0; k < l->light[i].triangles; k++)
+            l->light_of_triangle[l->light[i].triangle[k]] = (uint32_t)i;
     }
     for (size_t i = 0; i < scene->light_count; i++) add_scene_light(l, &scene->lights[i], (uint32_t)i);
     *lights = l;

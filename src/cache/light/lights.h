@@ -1,7 +1,8 @@
-/* The lights of a scene as samplers of single lights see them: each of one colour, so that what arrives from it at a point is a number
- * times that colour. An area light is the emissive triangles of one object that have one radiance and lie in one plane. Where they do not lie
- * in one plane, what hangs together by common corners is one light, planar or (a ball) not: four bulbs are four lights. A hollow
- * of few planes, as a room whose walls shine, is one light a plane. */
+/* The lights of a scene as samplers of single lights see them: each of one colour, so that what arrives from
+ * it at a point is a number times that colour. An area light is the emissive triangles of one object that
+ * have one radiance and lie in one plane. Where they do not lie in one plane, what hangs together by common
+ * corners is one light, planar or (a ball) not: four bulbs are four lights. A hollow of few planes, as a room
+ * whose walls shine, is one light a plane. */
 #ifndef SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
 #define SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
 
@@ -15,8 +16,8 @@ typedef enum sl_sampled_kind {
     SL_SAMPLED_DIRECTIONAL  /* E / E_0, in [0,1] */
 } sl_sampled_kind;
 
-/* An edge of an area light: from a to b with triangle `left` (its place in the light) on its left, seen from where that shines, and `right` on
- * its right; SL_NO_INDEX: none. */
+/* An edge of an area light: from a to b with triangle `left` (its place in the light) on its left, seen from
+ * where that shines, and `right` on its right; SL_NO_INDEX: none. */
 typedef struct sl_light_edge {
     sl_vec3 a, b;
     uint32_t left, right;
@@ -60,8 +61,8 @@ void sl_sampled_lights_destroy(sl_sampled_lights *lights);
 
 /* ---- points spread over an area light (light_surface.c) ---- */
 
-/* A parallelogram takes two numbers as they are, so that points are as even on it as in the unit square; of other lights the first number
- * chooses the triangle by area, and what is left of it serves for the place. */
+/* A parallelogram takes two numbers as they are, so that points are as even on it as in the unit square; of
+ * other lights the first number chooses the triangle by area, and what is left of it serves for the place. */
 typedef struct sl_light_surface {
     double area;
     double *area_before;        /* by triangle: the sum of the areas up to and with it */
@@ -70,8 +71,9 @@ typedef struct sl_light_surface {
 } sl_light_surface;
 sl_status sl_light_surface_make(const sl_sampled_light *light, sl_light_surface *surface, sl_error *error);
 void sl_light_surface_release(sl_light_surface *surface);
-/* A point of the triangles, neighbours to neighbours; which triangle it is on, and the weights there of its corners 1 and 2. */
-sl_vec3d sl_light_surface_point(const sl_sampled_light *light, const sl_light_surface *surface, const double u[2], size_t *triangle,
-                                double weight[2]);
+/* A point of the triangles, neighbours to neighbours; which triangle it is on, and the weights there of its
+ * corners 1 and 2. */
+sl_vec3d sl_light_surface_point(const sl_sampled_light *light, const sl_light_surface *surface,
+                                const double u[2], size_t *triangle, double weight[2]);
 
 #endif

@@ -2,11 +2,12 @@
  *
  *     E = -1/2 sum over edges of angle (n . u),   u the unit normal of the edge's plane through the point,
  *
- * of what lies above the horizon. Instead of making a clipped polygon, every edge is cut to the part t0..t1 of it that lies
- * above (its plane stays the same), and one more edge runs along the horizon from where the outline leaves to where it comes
- * back.
+ * of what lies above the horizon. Instead of making a clipped polygon, every edge is cut to the part t0..t1
+ * of it that lies above (its plane stays the same), and one more edge runs along the horizon from where the
+ * outline leaves to where it comes back.
  *
- * Far away the sum is a small difference of large terms: where the emitter is seen within 0.005 rad, it is taken as a point.
+ * Far away the sum is a small difference of large terms: where the emitter is seen within 0.005 rad, it is
+ * taken as a point.
  */
 #include "cache/light/light_kernels.h"
 
@@ -36,26 +37,32 @@ typedef struct {
 static inline vec minus(vec a, vec b) { return (vec){a.x - b.x, a.y - b.y, a.z - b.z}; }
 static inline vec along(vec a, float t, vec e) { return (vec){a.x + t * e.x, a.y + t * e.y, a.z + t * e.z}; }
 static inline float dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static inline vec cross(vec a, vec b) { return (vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+static inline vec cross(vec a, vec b) {
+    return (vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 
 /* angle (n . u) of the part t0..t1 of the edge from a along e. */
 static inline float edge_term(vec n, vec a, vec e, float t0, float t1) {
     vec c = cross(a, e);
-    float length = sqrtf(dot(c, c)), swing = angle_of(length * (t1 - t0), dot(along(a, t0, e), along(a, t1, e)));
+    float length = sqrtf(dot(c, c)),
+          swing = angle_of(length * (t1 - t0), dot(along(a, t0, e), along(a, t1, e)));
     return swing * (dot(n, c) / (length > 0.0f ? length : 1.0f));
 }
 
-void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon_light *light, float *restrict irradiance) {
+void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon_light *light,
+                                 float *restrict irradiance) {
     const float *restrict px = points->x, *restrict py = points->y, *restrict pz = points->z;
-    const float *restrict nx = points->normal_x, *restrict ny = points->normal_y, *restrict nz = points->normal_z;
+    const float *restrict nx = points->normal_x, *restrict ny = points->normal_y,
+                          *restrict nz = points->normal_z;
     const vec v0 = {light->corner[0].x, light->corner[0].y, light->corner[0].z};
     const vec v1 = {light->corner[1].x, light->corner[1].y, light->corner[1].z};
     const vec v2 = {light->corner[2].x, light->corner[2].y, light->corner[2].z};
     const vec e0 = minus(v1, v0), e1 = minus(v2, v1), e2 = minus(v0, v2),
               out = {light->normal.x, light->normal.y, light->normal.z};
-    const vec centre = {(v0.x + v1.x + v2.x) / 3.0f, (v0.y + v1.y + v2.y) / 3.0f, (v0.z + v1.z + v2.z) / 3.0f};
-    const float far_away = light->extent_squared * (1.0f / (0.005f * 0.005f)), both = light->two_sided ? 1.0f : 0.0f,
-                area = light->area;
+    const vec centre = {(v0.x + v1.x + v2.x) / 3.0f, (v0.y + v1.y + v2.y) / 3.0f,
+                        (v0.z + v1.z + v2.z) / 3.0f};
+    const float far_away = light->extent_squared * (1.0f / (0.005f * 0.005f)),
+                both = light->two_sided ? 1.0f : 0.0f, area = light->area;
     const size_t count = points->count;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
@@ -94,12 +101,15 @@ void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon
         sum += leaves_a || leaves_b || leaves_c ? horizon : 0.0f;
         float near_value = -0.5f * sum;
 
-        float squared = dot(m, m), over = 1.0f / (squared > 0.0f ? squared : 1.0f), high = dot(n, m), front = -dot(out, m);
+        float squared = dot(m, m), over = 1.0f / (squared > 0.0f ? squared : 1.0f), high = dot(n, m),
+              front = -dot(out, m);
         high = high > 0.0f ? high : 0.0f;
         float far_value = area * high * front * over * over;
         float value = squared > far_away ? far_value : near_value;
-        value = front > 0.0f ? value : -both * value; /* from behind the order of the corners is the other one */
-        value = fabsf(front) > 1e-5f * sqrtf(squared + light->extent_squared) ? value : 0.0f; /* in its plane, or on it */
+        /* from behind the order of the corners is the other one */
+        value = front > 0.0f ? value : -both * value;
+        /* in its plane, or on it */
+        value = fabsf(front) > 1e-5f * sqrtf(squared + light->extent_squared) ? value : 0.0f;
         irradiance[i] = value > 0.0f ? value : 0.0f;
     }
 }

@@ -5,8 +5,8 @@
 #include "cache/light/sample_kernels.h"
 
 /* One hash a ray: sixteen bits of it move the ray within its stratum's width, sixteen within its height. */
-void SL_KERNEL(sl_ray_jitter)(uint64_t key, int n, const int32_t *restrict column, const int32_t *restrict row, float *restrict u,
-                              float *restrict v) {
+void SL_KERNEL(sl_ray_jitter)(uint64_t key, int n, const int32_t *restrict column,
+                              const int32_t *restrict row, float *restrict u, float *restrict v) {
     const float over = 1.0f / (float)n;
 #pragma omp simd
     for (int i = 0; i < SL_AIMED; i++) {
@@ -16,8 +16,8 @@ void SL_KERNEL(sl_ray_jitter)(uint64_t key, int n, const int32_t *restrict colum
     }
 }
 
-void SL_KERNEL(sl_ray_places)(const float *restrict u, const float *restrict v, sl_vec3 corner, sl_vec3 e1, sl_vec3 e2, sl_vec3 normal,
-                              sl_aimed_rays *restrict r) {
+void SL_KERNEL(sl_ray_places)(const float *restrict u, const float *restrict v, sl_vec3 corner, sl_vec3 e1,
+                              sl_vec3 e2, sl_vec3 normal, sl_aimed_rays *restrict r) {
 #pragma omp simd
     for (int i = 0; i < SL_AIMED; i++) {
         r->x[i] = (corner.x + u[i] * e1.x) + v[i] * e2.x;
@@ -36,7 +36,8 @@ void SL_KERNEL(sl_ray_weights)(const sl_ray_receiver *receiver, sl_aimed_rays *r
     const bool two_sided = receiver->two_sided;
 #pragma omp simd
     for (int i = 0; i < SL_AIMED; i++) {
-        float x = r->x[i], y = r->y[i], z = r->z[i], squared = (x * x + y * y) + z * z, over = 1.0f / (squared > 0.0f ? squared : 1.0f);
+        float x = r->x[i], y = r->y[i], z = r->z[i], squared = (x * x + y * y) + z * z,
+              over = 1.0f / (squared > 0.0f ? squared : 1.0f);
         float high = (n.x * x + n.y * y) + n.z * z, above = (g.x * x + g.y * y) + g.z * z;
         float front = -((r->normal_x[i] * x + r->normal_y[i] * y) + r->normal_z[i] * z);
         front = two_sided ? fabsf(front) : front;

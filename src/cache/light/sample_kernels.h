@@ -7,8 +7,9 @@
 
 #include <stdint.h>
 
-/* A picture in tangents at distance 1 along the view's axis: the pixel in column i, row j looks along (x, y, 1), x = column_x[i] + row_x[j] and
- * y = column_y[i] + row_y[j]; in a picture square to its frame y is row_y[j] alone, and x is column_x[i]. */
+/* A picture in tangents at distance 1 along the view's axis: the pixel in column i, row j looks along (x, y,
+ * 1), x = column_x[i] + row_x[j] and y = column_y[i] + row_y[j]; in a picture square to its frame y is
+ * row_y[j] alone, and x is column_x[i]. */
 typedef struct sl_light_pixels {
     int size;
     const float *column_x, *column_y, *row_x, *row_y;
@@ -20,15 +21,17 @@ typedef struct sl_light_pixels {
 
 /* The light is a window: pixels whose bit of `inside` is set; seen where id is SL_NO_INDEX. */
 typedef void sl_window_weigh(const sl_light_pixels *pixels, const uint32_t *inside, const uint32_t *id);
-/* The light is what its own picture shows (light_id: a triangle with facing != 0); seen where the scene is no nearer, depths being 1/w. */
-typedef void sl_look_at_weigh(const sl_light_pixels *pixels, const uint32_t *light_id, const uint8_t *facing, const float *light_depth,
-                              const float *depth);
+/* The light is what its own picture shows (light_id: a triangle with facing != 0); seen where the scene is no
+ * nearer, depths being 1/w. */
+typedef void sl_look_at_weigh(const sl_light_pixels *pixels, const uint32_t *light_id, const uint8_t *facing,
+                              const float *light_depth, const float *depth);
 
 /* ---- rays (ray_kernels.c) ---- */
 
 enum { SL_AIMED = 16 };
 
-/* Where rays are aimed, from the receiver; the light's normal there; what they are worth, and how far they count (1: at the light). */
+/* Where rays are aimed, from the receiver; the light's normal there; what they are worth, and how far they
+ * count (1: at the light). */
 typedef struct sl_aimed_rays {
     _Alignas(64) float x[SL_AIMED], y[SL_AIMED], z[SL_AIMED];
     float normal_x[SL_AIMED], normal_y[SL_AIMED], normal_z[SL_AIMED];
@@ -38,14 +41,17 @@ typedef struct sl_aimed_rays {
 typedef struct sl_ray_receiver {
     sl_vec3 normal, geometric;
     float scale;                 /* weights are multiplied by this */
-    float flatness, margin;      /* how near to the light's plane, and to its end, a ray ends: in lengths, and in its own */
+    /* how near to the light's plane, and to its end, a ray ends: in lengths, and in its own */
+    float flatness, margin;
     bool two_sided;
 } sl_ray_receiver;
 
 /* Numbers in [0,1) of the strata in columns and rows of n x n. */
-typedef void sl_ray_jitter(uint64_t key, int n, const int32_t *column, const int32_t *row, float *u, float *v);
+typedef void sl_ray_jitter(uint64_t key, int n, const int32_t *column, const int32_t *row, float *u,
+                           float *v);
 /* Of a parallelogram: corner + u e1 + v e2. */
-typedef void sl_ray_places(const float *u, const float *v, sl_vec3 corner, sl_vec3 e1, sl_vec3 e2, sl_vec3 normal, sl_aimed_rays *rays);
+typedef void sl_ray_places(const float *u, const float *v, sl_vec3 corner, sl_vec3 e1, sl_vec3 e2,
+                           sl_vec3 normal, sl_aimed_rays *rays);
 typedef void sl_ray_weights(const sl_ray_receiver *receiver, sl_aimed_rays *rays);
 
 typedef struct sl_light_pixel_kernels {

@@ -26,7 +26,8 @@ struct sl_shadow_maps {
     float *planes;
     sl_plane_table table;
     float offset;
-    size_t source_count, emitter_count, plain_count, capacity; /* the first plain_count sources are no samples of emitters */
+    /* the first plain_count sources are no samples of emitters */
+    size_t source_count, emitter_count, plain_count, capacity;
     sl_mapped_source *sources;
     sl_mapped_emitter *emitters;
 };

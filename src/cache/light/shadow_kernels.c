@@ -1,15 +1,14 @@
-/* Shadow maps, looked up for many points at once: percentage-closer filtering (Reeves, Salesin and Cook 1987) of 2 x 2
- * texels, bilinear.
+/* Shadow maps, looked up for many points at once: percentage-closer filtering (Reeves, Salesin and Cook 1987)
+ * of 2 x 2 texels, bilinear.
  *
- * A map that holds depths needs a bias, since a texel holds the depth at its own centre and not at the point: too little of
- * it darkens lit planes, too much lets light through thin walls. So these maps hold which triangle is seen, and a texel is
- * an obstacle only if both
- *     the point lies behind the triangle's plane (a wall beside the point, seen by a neighbouring texel, is none), and
- *     what the texel's centre sees lies before the point's own plane (the same surface, falling away beside the point, is
- *     none).
- * For planes that is exact, and smooth surfaces pass one of the two tests to second order, convex or concave: only rounding
- * needs a tolerance. Where all four texels see one triangle, the ray to the point passes through it, and the first test says
- * all. */
+ * A map that holds depths needs a bias, since a texel holds the depth at its own centre and not at the point:
+ * too little of it darkens lit planes, too much lets light through thin walls. So these maps hold which
+ * triangle is seen, and a texel is an obstacle only if both the point lies behind the triangle's plane (a
+ * wall beside the point, seen by a neighbouring texel, is none), and what the texel's centre sees lies before
+ * the point's own plane (the same surface, falling away beside the point, is none). For planes that is exact,
+ * and smooth surfaces pass one of the two tests to second order, convex or concave: only rounding needs a
+ * tolerance. Where all four texels see one triangle, the ray to the point passes through it, and the first
+ * test says all. */
 #include "cache/light/light_kernels.h"
 
 /* ---- what arrives without shadows ---- */
@@ -25,8 +24,10 @@ static inline float spot(float cosine, float inner, float outer) {
 }
 
 static void arrive_from_afar(const sl_light_points *points, const sl_light_source *source, sl_arrivals *out) {
-    const float *restrict nx = points->normal_x, *restrict ny = points->normal_y, *restrict nz = points->normal_z;
-    const float *restrict gx = points->geometric_x, *restrict gy = points->geometric_y, *restrict gz = points->geometric_z;
+    const float *restrict nx = points->normal_x, *restrict ny = points->normal_y,
+                          *restrict nz = points->normal_z;
+    const float *restrict gx = points->geometric_x, *restrict gy = points->geometric_y,
+                          *restrict gz = points->geometric_z;
     float *restrict x = out->x, *restrict y = out->y, *restrict z = out->z, *restrict weight = out->weight;
     float dx = -source->direction.x, dy = -source->direction.y, dz = -source->direction.z;
     const size_t count = points->count;
@@ -35,19 +36,23 @@ static void arrive_from_afar(const sl_light_points *points, const sl_light_sourc
         x[i] = dx;
         y[i] = dy;
         z[i] = dz;
-        float cosine = above(nx[i] * dx + ny[i] * dy + nz[i] * dz), facing = gx[i] * dx + gy[i] * dy + gz[i] * dz;
+        float cosine = above(nx[i] * dx + ny[i] * dy + nz[i] * dz),
+              facing = gx[i] * dx + gy[i] * dy + gz[i] * dz;
         weight[i] = facing > 0.0f ? cosine : 0.0f;
     }
 }
 
-void SL_KERNEL(sl_light_arrive)(const sl_light_points *points, const sl_light_source *source, sl_arrivals *out) {
+void SL_KERNEL(sl_light_arrive)(const sl_light_points *points, const sl_light_source *source,
+                                sl_arrivals *out) {
     if (source->kind == SL_SOURCE_DIRECTIONAL) {
         arrive_from_afar(points, source, out);
         return;
     }
     const float *restrict px = points->x, *restrict py = points->y, *restrict pz = points->z;
-    const float *restrict nx = points->normal_x, *restrict ny = points->normal_y, *restrict nz = points->normal_z;
-    const float *restrict gx = points->geometric_x, *restrict gy = points->geometric_y, *restrict gz = points->geometric_z;
+    const float *restrict nx = points->normal_x, *restrict ny = points->normal_y,
+                          *restrict nz = points->normal_z;
+    const float *restrict gx = points->geometric_x, *restrict gy = points->geometric_y,
+                          *restrict gz = points->geometric_z;
     float *restrict x = out->x, *restrict y = out->y, *restrict z = out->z, *restrict weight = out->weight;
     const sl_vec3 l = source->position, d = source->direction;
     const bool area = source->kind == SL_SOURCE_AREA;
@@ -64,7 +69,8 @@ void SL_KERNEL(sl_light_arrive)(const sl_light_points *points, const sl_light_so
         tx = tx * over;
         ty = ty * over;
         tz = tz * over;
-        float cosine = above(nx[i] * tx + ny[i] * ty + nz[i] * tz), facing = gx[i] * tx + gy[i] * ty + gz[i] * tz;
+        float cosine = above(nx[i] * tx + ny[i] * ty + nz[i] * tz),
+              facing = gx[i] * tx + gy[i] * ty + gz[i] * tz;
         float emitted = -(d.x * tx + d.y * ty + d.z * tz);
         float shape = area ? above(emitted) : spot(emitted, inner, outer);
         float value = cosine * shape / (squared + extent);
@@ -75,8 +81,9 @@ void SL_KERNEL(sl_light_arrive)(const sl_light_points *points, const sl_light_so
     }
 }
 
-void SL_KERNEL(sl_light_accumulate)(size_t count, sl_rgb colour, const float *restrict a, const float *restrict b,
-                                    float *restrict r, float *restrict g, float *restrict bl) {
+void SL_KERNEL(sl_light_accumulate)(size_t count, sl_rgb colour, const float *restrict a,
+                                    const float *restrict b, float *restrict r, float *restrict g,
+                                    float *restrict bl) {
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float term = a[i] * b[i];
@@ -107,10 +114,12 @@ static inline float cell(float position, float last) {
 static void locate_on_cube(const sl_light_points *points, const sl_shadow_map *map, places *out) {
     const float *restrict px = points->x, *restrict py = points->y, *restrict pz = points->z;
     const sl_vec3 eye = map->eye;
-    const float size = (float)map->size, half = 0.5f * (size - 2.0f), middle = 0.5f * size - 0.5f, last = size - 2.0f;
+    const float size = (float)map->size, half = 0.5f * (size - 2.0f), middle = 0.5f * size - 0.5f,
+                last = size - 2.0f;
     const int32_t width = map->size, face_texels = width * width;
     int32_t *restrict texel = out->texel;
-    float *restrict column = out->column, *restrict row = out->row, *restrict across = out->across, *restrict up = out->up;
+    float *restrict column = out->column, *restrict row = out->row, *restrict across = out->across,
+                    *restrict up = out->up;
     const size_t count = points->count;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
@@ -137,7 +146,8 @@ static void locate_on_plane(const sl_light_points *points, const sl_shadow_map *
     const float scale_x = 0.5f * size / map->reach_x, scale_y = 0.5f * size / map->reach_y;
     const int32_t width = map->size;
     int32_t *restrict texel = out->texel;
-    float *restrict column = out->column, *restrict row = out->row, *restrict across = out->across, *restrict up = out->up;
+    float *restrict column = out->column, *restrict row = out->row, *restrict across = out->across,
+                    *restrict up = out->up;
     const size_t count = points->count;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
@@ -155,12 +165,13 @@ static void locate_on_plane(const sl_light_points *points, const sl_shadow_map *
 
 /* ---- one triangle in all four texels ---- */
 
-static void test_first_plane(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *table,
-                             places *at, float *restrict lit) {
+static void test_first_plane(const sl_light_points *points, const sl_shadow_map *map,
+                             const sl_plane_table *table, places *at, float *restrict lit) {
     const float *restrict px = points->x, *restrict py = points->y, *restrict pz = points->z;
     const uint32_t *restrict id = map->id;
     const int32_t *restrict texel = at->texel;
-    const float *plane_x = table->planes, *plane_y = plane_x + 1, *plane_z = plane_x + 2, *plane_h = plane_x + 3;
+    const float *plane_x = table->planes, *plane_y = plane_x + 1, *plane_z = plane_x + 2,
+                *plane_h = plane_x + 3;
     const int32_t width = map->size;
     const sl_vec3 centre = table->centre, eye = map->eye, d = map->frame.z;
     const float tolerance = table->tolerance;
@@ -229,13 +240,14 @@ static void collect(const sl_light_points *points, const sl_shadow_map *map, con
     }
 }
 
-/* One of the four texels, right and up by 0 or 1: adds its bilinear share where it is an obstacle. The centre of the texel
- * is a ray from o along d, relative to the map's eye; it meets the triangle's plane n . v = h at s = (h - n . o) / n . d,
- * which lies n_p . (o + s d - p) before the point's own plane. */
-static inline void test_texel(const sl_shadow_map *map, const sl_plane_table *table, edges *e, int32_t right, int32_t up,
-                              const bool directional) {
+/* One of the four texels, right and up by 0 or 1: adds its bilinear share where it is an obstacle. The centre
+ * of the texel is a ray from o along d, relative to the map's eye; it meets the triangle's plane n . v = h at
+ * s = (h - n . o) / n . d, which lies n_p . (o + s d - p) before the point's own plane. */
+static inline void test_texel(const sl_shadow_map *map, const sl_plane_table *table, edges *e, int32_t right,
+                              int32_t up, const bool directional) {
     const uint32_t *restrict id = map->id;
-    const float *plane_x = table->planes, *plane_y = plane_x + 1, *plane_z = plane_x + 2, *plane_h = plane_x + 3;
+    const float *plane_x = table->planes, *plane_y = plane_x + 1, *plane_z = plane_x + 2,
+                *plane_h = plane_x + 3;
     const int32_t step = right + up * map->size;
     const float shift_x = map->eye.x - table->centre.x, shift_y = map->eye.y - table->centre.y,
                 shift_z = map->eye.z - table->centre.z;
@@ -244,8 +256,8 @@ static inline void test_texel(const sl_shadow_map *map, const sl_plane_table *ta
     const float wide = directional ? 2.0f * map->reach_x / size : 0.0f,
                 high = directional ? 2.0f * map->reach_y / size : 0.0f;
     const sl_vec3 ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
-    const float right_share = right ? 1.0f : -1.0f, left_share = right ? 0.0f : 1.0f, up_share = up ? 1.0f : -1.0f,
-                down_share = up ? 0.0f : 1.0f;
+    const float right_share = right ? 1.0f : -1.0f, left_share = right ? 0.0f : 1.0f,
+                up_share = up ? 1.0f : -1.0f, down_share = up ? 0.0f : 1.0f;
     for (size_t j = 0; j < e->count; j++) e->plane[j] = (int32_t)(4u * (id[e->texel[j] + step] + 1u));
 #pragma omp simd
     for (size_t j = 0; j < e->count; j++) {
@@ -269,7 +281,8 @@ static inline void test_texel(const sl_shadow_map *map, const sl_plane_table *ta
         float slope = nx * dx + ny * dy + nz * dz, away = slope > 0.0f ? 1.0f : -1.0f; /* the normal's side */
         float behind = (nx * e->x[j] + ny * e->y[j] + nz * e->z[j] - h) * away;
         float over = e->nx[j] * (ox - e->x[j]) + e->ny[j] * (oy - e->y[j]) + e->nz[j] * (oz - e->z[j]);
-        float steepness = e->nx[j] * dx + e->ny[j] * dy + e->nz[j] * dz, rise = h - (nx * ox + ny * oy + nz * oz);
+        float steepness = e->nx[j] * dx + e->ny[j] * dy + e->nz[j] * dz,
+              rise = h - (nx * ox + ny * oy + nz * oz);
         float before = (over * slope + steepness * rise) * away;
         float share = (left_share + right_share * e->across[j]) * (down_share + up_share * e->up[j]);
         float hidden = behind > tolerance ? share : 0.0f;
@@ -277,12 +290,13 @@ static inline void test_texel(const sl_shadow_map *map, const sl_plane_table *ta
     }
 }
 
-static inline void test_texels(const sl_shadow_map *map, const sl_plane_table *table, edges *e, const bool directional) {
+static inline void test_texels(const sl_shadow_map *map, const sl_plane_table *table, edges *e,
+                               const bool directional) {
     for (int32_t k = 0; k < 4; k++) test_texel(map, table, e, k & 1, k >> 1, directional);
 }
 
-void SL_KERNEL(sl_shadow_map_lit)(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *planes,
-                                  float *lit) {
+void SL_KERNEL(sl_shadow_map_lit)(const sl_light_points *points, const sl_shadow_map *map,
+                                  const sl_plane_table *planes, float *lit) {
     places at;
     edges e;
     if (map->directional) locate_on_plane(points, map, &at);

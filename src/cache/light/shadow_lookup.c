@@ -43,10 +43,11 @@ static bool all_agree(const shares *s, size_t count) {
     return agree;
 }
 
-/* Where the first quarter of the samples says the same in the whole block, the others would too: of a block of a picture,
- * 128 pixels side by side, the penumbrae alone need all. */
-static void share_of_samples(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const sl_light_points *points,
-                             unsigned parts, shares *s, sl_counters *counters) {
+/* Where the first quarter of the samples says the same in the whole block, the others would too: of a block
+ * of a picture, 128 pixels side by side, the penumbrae alone need all. */
+static void share_of_samples(const sl_shadow_maps *maps, const sl_mapped_emitter *e,
+                             const sl_light_points *points, unsigned parts, shares *s,
+                             sl_counters *counters) {
     sl_arrivals arrivals;
     float lit[SL_LIGHT_BLOCK];
     size_t pilot = e->count / 4 > 4 ? e->count / 4 : 4;
@@ -72,8 +73,8 @@ static void add_emitter(const sl_shadow_maps *maps, const sl_mapped_emitter *e, 
     maps->kernels.accumulate(points->count, e->radiance, exact, s.seen, r, g, b);
 }
 
-void sl_shadow_maps_irradiance(const sl_shadow_maps *maps, const sl_light_points *points, unsigned parts, float *r, float *g,
-                               float *b, sl_counters *counters) {
+void sl_shadow_maps_irradiance(const sl_shadow_maps *maps, const sl_light_points *points, unsigned parts,
+                               float *r, float *g, float *b, sl_counters *counters) {
     sl_arrivals arrivals;
     float lit[SL_LIGHT_BLOCK];
     for (size_t i = 0; i < maps->plain_count; i++) {

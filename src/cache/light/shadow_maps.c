@@ -7,14 +7,15 @@
 
 enum { EMITTER_SIDES_MAX = 64, EMITTER_SAMPLES = 32, SUN_LIGHTS = 8, SKY_LIGHTS = 32, SMALLEST_MAP = 8 };
 
-/* ---- one map ------------------------------------------------------------------------------------------------------------
- */
+/* ---- one map ------------------------------------------------------------ */
 
-static int smaller(int size, int divisor) { return size / divisor > SMALLEST_MAP ? size / divisor : SMALLEST_MAP; }
+static int smaller(int size, int divisor) {
+    return size / divisor > SMALLEST_MAP ? size / divisor : SMALLEST_MAP;
+}
 
 /* Six faces and a border of one texel around each. */
-static sl_status draw_cube(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 eye, int size, float near,
-                           sl_mapped_source *s, sl_counters *counters, sl_error *error) {
+static sl_status draw_cube(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 eye, int size,
+                           float near, sl_mapped_source *s, sl_counters *counters, sl_error *error) {
     size_t texels = (size_t)size * (size_t)size;
     float side = (float)size / (float)(size - 2);
     sl_view views[6];
@@ -24,7 +25,8 @@ static sl_status draw_cube(const sl_shadow_maps *maps, const sl_raster *raster, 
     for (int face = 0; face < 6; face++) {
         static const sl_vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
         int axis = face / 2;
-        sl_frame frame = {axes[(axis + 1) % 3], axes[(axis + 2) % 3], sl_scale(axes[axis], face % 2 ? -1.0f : 1.0f)};
+        sl_frame frame = {axes[(axis + 1) % 3], axes[(axis + 2) % 3],
+                          sl_scale(axes[axis], face % 2 ? -1.0f : 1.0f)};
         views[face] = sl_view_pyramid(&frame, eye, -side, side, -side, side, size, size, near);
         targets[face] = (sl_target){size, size, s->id + (size_t)face * texels, NULL};
     }
@@ -32,13 +34,16 @@ static sl_status draw_cube(const sl_shadow_maps *maps, const sl_raster *raster, 
     return sl_raster_ids(raster, 6, views, maps->settings.threads, targets, counters, error);
 }
 
-static float absolute_dot(sl_vec3 a, sl_vec3 b) { return fabsf(a.x * b.x) + fabsf(a.y * b.y) + fabsf(a.z * b.z); }
+static float absolute_dot(sl_vec3 a, sl_vec3 b) {
+    return fabsf(a.x * b.x) + fabsf(a.y * b.y) + fabsf(a.z * b.z);
+}
 
 /* The scene's box as a directional light sees it. */
-static sl_status draw_directional(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 direction, int size,
-                                  sl_mapped_source *s, sl_counters *counters, sl_error *error) {
+static sl_status draw_directional(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 direction,
+                                  int size, sl_mapped_source *s, sl_counters *counters, sl_error *error) {
     const sl_scene *scene = maps->scene;
-    sl_vec3 half = sl_scale(sl_sub(scene->box_max, scene->box_min), 0.5f), centre = sl_add(scene->box_min, half);
+    sl_vec3 half = sl_scale(sl_sub(scene->box_max, scene->box_min), 0.5f),
+            centre = sl_add(scene->box_min, half);
     float margin = 1e-3f * scene->diagonal;
     sl_frame frame = sl_frame_from_normal(direction);
     float reach[3] = {absolute_dot(frame.x, half) + margin, absolute_dot(frame.y, half) + margin,
@@ -47,7 +52,11 @@ static sl_status draw_directional(const sl_shadow_maps *maps, const sl_raster *r
                        sl_scale(frame.z, 1.0f / reach[2])};
     s->id = sl_allocate((size_t)size * (size_t)size, sizeof *s->id);
     if (!s->id) return sl_fail_memory(error, "a shadow map");
-    sl_view view = {.origin = centre, .width = size, .height = size, .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
+    sl_view view = {.origin = centre,
+                    .width = size,
+                    .height = size,
+                    .depth = SL_DEPTH_WINDOW,
+                    .skip_triangle = SL_NO_INDEX};
     for (int i = 0; i < 3; i++) {
         view.clip[i][0] = rows[i].x;
         view.clip[i][1] = rows[i].y;
@@ -65,11 +74,10 @@ static sl_status draw_directional(const sl_shadow_maps *maps, const sl_raster *r
     return sl_raster_id(raster, &view, maps->settings.threads, &target, counters, error);
 }
 
-/* ---- lights without extent
- * ------------------------------------------------------------------------------------------------ */
+/* ---- lights without extent ------------------------------------------------------------ */
 
-static sl_status add_light(sl_shadow_maps *maps, const sl_raster *raster, const sl_light *light, unsigned part, int size,
-                           sl_counters *counters, sl_error *error) {
+static sl_status add_light(sl_shadow_maps *maps, const sl_raster *raster, const sl_light *light,
+                           unsigned part, int size, sl_counters *counters, sl_error *error) {
     sl_mapped_source *s = &maps->sources[maps->source_count++];
     s->part = part;
     s->source = sl_light_source_of(light);
@@ -79,11 +87,13 @@ static sl_status add_light(sl_shadow_maps *maps, const sl_raster *raster, const 
 }
 
 /* Directions drawn in proportion to luminance by a Hammersley set, so all of about equal power. */
-static sl_status add_environment(sl_shadow_maps *maps, const sl_raster *raster, const sl_environment *environment,
-                                 uint32_t count, unsigned part, sl_counters *counters, sl_error *error) {
+static sl_status add_environment(sl_shadow_maps *maps, const sl_raster *raster,
+                                 const sl_environment *environment, uint32_t count, unsigned part,
+                                 sl_counters *counters, sl_error *error) {
     for (uint32_t i = 0; i < count; i++) {
         sl_rgb radiance;
-        float pdf, u = ((float)i + 0.5f) / (float)count, v = ((float)(sl_van_der_corput(i) >> 8) + 0.5f) * 0x1p-24f;
+        float pdf, u = ((float)i + 0.5f) / (float)count,
+                   v = ((float)(sl_van_der_corput(i) >> 8) + 0.5f) * 0x1p-24f;
         sl_vec3 direction = sl_environment_sample(environment, u, v, &radiance, &pdf);
         if (!(pdf > 0.0f)) continue;
         sl_light light = {.type = SL_LIGHT_DIRECTIONAL, .direction = sl_neg(direction),
@@ -95,13 +105,13 @@ static sl_status add_environment(sl_shadow_maps *maps, const sl_raster *raster, 
     return SL_OK;
 }
 
-/* ---- emitters
- * --------------------------------------------------------------------------------------------------------------- */
+/* ---- emitters ------------------------------------------------------------ */
 
-/* Point `index` of an additive recurrence (powers of the inverse plastic number), which every prefix spreads well, folded
- * onto the triangle. */
+/* Point `index` of an additive recurrence (powers of the inverse plastic number), which every prefix spreads
+ * well, folded onto the triangle. */
 static sl_vec3 point_of(const sl_polygon_light *p, size_t index) {
-    double u = 0.5 + 0.7548776662466927 * (double)(index + 1), v = 0.5 + 0.5698402909980532 * (double)(index + 1);
+    double u = 0.5 + 0.7548776662466927 * (double)(index + 1),
+           v = 0.5 + 0.5698402909980532 * (double)(index + 1);
     u -= floor(u);
     v -= floor(v);
     if (u + v > 1.0) {
@@ -112,10 +122,11 @@ static sl_vec3 point_of(const sl_polygon_light *p, size_t index) {
     return sl_mad(sl_add(p->corner[0], along), (float)v, sl_sub(p->corner[2], p->corner[0]));
 }
 
-static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const sl_emitter *e, bool back, size_t samples,
-                          sl_counters *counters, sl_error *error) {
+static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const sl_emitter *e, bool back,
+                          size_t samples, sl_counters *counters, sl_error *error) {
     sl_mapped_emitter *m = &maps->emitters[maps->emitter_count++];
-    *m = (sl_mapped_emitter){sl_polygon_light_of(maps->scene, e, back), e->radiance, maps->source_count, samples};
+    *m = (sl_mapped_emitter){sl_polygon_light_of(maps->scene, e, back), e->radiance, maps->source_count,
+                             samples};
     float area = e->area / (float)samples;
     sl_status status = SL_OK;
     for (size_t i = 0; i < samples && status == SL_OK; i++) {
@@ -127,14 +138,16 @@ static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const s
                                       .colour = sl_rgb_scale(e->radiance, area)};
         /* A little before the emitter, which must not hide its own light. */
         s->source.position = sl_mad(point_of(&m->polygon, i), 2.0f * maps->offset, m->polygon.normal);
-        status =
-            draw_cube(maps, raster, s->source.position, smaller(maps->settings.size, 4), maps->offset, s, counters, error);
+        status = draw_cube(maps, raster, s->source.position, smaller(maps->settings.size, 4), maps->offset, s,
+                           counters, error);
     }
     return status;
 }
 
 /* A quarter of it: the sum of three channels may be beyond floats. */
-static double power_of(const sl_emitter *e) { return (double)sl_rgb_mean(sl_rgb_scale(e->radiance, 0.25f)) * (double)e->area; }
+static double power_of(const sl_emitter *e) {
+    return (double)sl_rgb_mean(sl_rgb_scale(e->radiance, 0.25f)) * (double)e->area;
+}
 
 /* Samples of one side of an emitter: its share of the power, and at least one. */
 static size_t samples_of(const sl_scene *scene, const sl_emitter *e) {
@@ -146,8 +159,7 @@ static size_t samples_of(const sl_scene *scene, const sl_emitter *e) {
     return samples > 1 ? samples : 1;
 }
 
-/* ---- all
- * ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- all ------------------------------------------------------------ */
 
 static void make_planes(sl_shadow_maps *maps) {
     const sl_scene *s = maps->scene;
@@ -164,12 +176,14 @@ static void make_planes(sl_shadow_maps *maps) {
     maps->table = (sl_plane_table){maps->planes, centre, maps->offset};
 }
 
-static sl_status add_all(sl_shadow_maps *maps, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+static sl_status add_all(sl_shadow_maps *maps, const sl_raster *raster, sl_counters *counters,
+                         sl_error *error) {
     const sl_scene *scene = maps->scene;
     const sl_shadow_map_settings *settings = &maps->settings;
     sl_status status = SL_OK;
     for (size_t i = 0; i < scene->light_count && status == SL_OK; i++)
-        status = add_light(maps, raster, &scene->lights[i], SL_MAPPED_LIGHTS, settings->size, counters, error);
+        status =
+            add_light(maps, raster, &scene->lights[i], SL_MAPPED_LIGHTS, settings->size, counters, error);
     if (settings->sun && status == SL_OK)
         status = add_environment(maps, raster, settings->sun, SUN_LIGHTS, SL_MAPPED_LIGHTS, counters, error);
     if (settings->sky && status == SL_OK)
@@ -179,12 +193,14 @@ static sl_status add_all(sl_shadow_maps *maps, const sl_raster *raster, sl_count
         const sl_emitter *e = &scene->emitters[i];
         size_t samples = samples_of(scene, e);
         status = add_side(maps, raster, e, false, samples, counters, error);
-        if (e->two_sided && status == SL_OK) status = add_side(maps, raster, e, true, samples, counters, error);
+        if (e->two_sided && status == SL_OK)
+            status = add_side(maps, raster, e, true, samples, counters, error);
     }
     return status;
 }
 
-static sl_status create_all(sl_shadow_maps *maps, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+static sl_status create_all(sl_shadow_maps *maps, const sl_raster *raster, sl_counters *counters,
+                            sl_error *error) {
     const sl_scene *scene = maps->scene;
     size_t sides = sl_emitter_sides(scene);
     maps->capacity = scene->light_count + SUN_LIGHTS + SKY_LIGHTS + EMITTER_SAMPLES + sides;
@@ -196,19 +212,23 @@ static sl_status create_all(sl_shadow_maps *maps, const sl_raster *raster, sl_co
     return add_all(maps, raster, counters, error);
 }
 
-sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster, const sl_shadow_map_settings *settings,
-                                sl_shadow_maps **out, sl_counters *counters, sl_error *error) {
+sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster,
+                                const sl_shadow_map_settings *settings, sl_shadow_maps **out,
+                                sl_counters *counters, sl_error *error) {
     *out = NULL;
     if (settings->size < SMALLEST_MAP || settings->size > 8192)
-        return sl_fail(error, SL_ERROR_USAGE, "shadow maps have %d to 8192 texels a side, not %d", (int)SMALLEST_MAP,
-                       settings->size);
+        return sl_fail(error, SL_ERROR_USAGE, "shadow maps have %d to 8192 texels a side, not %d",
+                       (int)SMALLEST_MAP, settings->size);
     if (sl_emitter_sides(scene) > EMITTER_SIDES_MAX)
-        return sl_fail(error, SL_ERROR_USAGE,
-                       "shadow maps for %zu sides of emissive triangles are too many (at most %d): use shadow rays",
-                       sl_emitter_sides(scene), (int)EMITTER_SIDES_MAX);
+        return sl_fail(
+            error, SL_ERROR_USAGE,
+            "shadow maps for %zu sides of emissive triangles are too many (at most %d): use shadow rays",
+            sl_emitter_sides(scene), (int)EMITTER_SIDES_MAX);
     sl_shadow_maps *maps = sl_allocate(1, sizeof *maps);
     if (!maps) return sl_fail_memory(error, "shadow maps");
-    *maps = (sl_shadow_maps){.scene = scene, .settings = *settings, .kernels = sl_light_kernels_for(sl_isa_best()),
+    *maps = (sl_shadow_maps){.scene = scene,
+                             .settings = *settings,
+                             .kernels = sl_light_kernels_for(sl_isa_best()),
                              .offset = 1e-5f * scene->scale};
     sl_status status = create_all(maps, raster, counters, error);
     if (status != SL_OK) {
@@ -229,7 +249,8 @@ void sl_shadow_maps_destroy(sl_shadow_maps *maps) {
 }
 
 size_t sl_shadow_maps_bytes(const sl_shadow_maps *maps) {
-    size_t bytes = sizeof *maps + maps->capacity * sizeof *maps->sources + maps->emitter_count * sizeof *maps->emitters +
+    size_t bytes = sizeof *maps + maps->capacity * sizeof *maps->sources +
+                   maps->emitter_count * sizeof *maps->emitters +
                    4 * sizeof(float) * (maps->scene->triangle_count + 1);
     for (size_t i = 0; i < maps->source_count; i++) {
         const sl_shadow_map *m = &maps->sources[i].map;

@@ -1,5 +1,5 @@
-/* Rays: one to a light without extent, n x n jittered ones to an area light (the estimator that the paper's hardware competes with, and what
- * is left where no picture can be taken). */
+/* Rays: one to a light without extent, n x n jittered ones to an area light (the estimator that the paper's
+ * hardware competes with, and what is left where no picture can be taken). */
 #include <float.h>
 #include <math.h>
 
@@ -18,7 +18,8 @@ static double spot_falloff(const sl_sampled_light *light, double cosine) {
     return x * x * (3.0 - 2.0 * x);
 }
 
-double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d *to_light, double *distance) {
+double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d *to_light,
+                           double *distance) {
     sl_vec3d axis = sl_to_double(light->direction);
     double strength = 1.0;
     *distance = INFINITY;
@@ -50,7 +51,8 @@ typedef struct {
 } packet;
 
 static void flush(packet *p) {
-    uint32_t hidden = p->count ? sl_trace_occluded(p->sampling->tracer, &p->rays, p->count, true, p->counters) : 0;
+    uint32_t hidden =
+        p->count ? sl_trace_occluded(p->sampling->tracer, &p->rays, p->count, true, p->counters) : 0;
     for (unsigned i = 0; i < p->count; i++) {
         if (!(hidden >> i & 1)) p->seen += p->weight[i];
     }
@@ -67,21 +69,25 @@ static void add_ray(packet *p, sl_vec3 d, float far, double weight) {
 
 sl_vec3 sl_light_lifted(const sl_light_sampling *sampling, const sl_lit_point *point) {
     bool scattered = sl_scene_is_scattered(sampling->scene);
-    float lift = scattered ? SL_LIGHT_LIFT * sl_scene_coordinate_near(sampling->scene, point->position) : sampling->lift;
+    float lift = scattered ? SL_LIGHT_LIFT * sl_scene_coordinate_near(sampling->scene, point->position)
+                           : sampling->lift;
     return sl_mad(point->position, lift, point->geometric_normal);
 }
 
 sl_vec3 sl_light_eye(const sl_light_sampling *sampling, sl_vec3 lifted, sl_vec3d to_light) {
-    double length = sl_lengthd(to_light), step = length > 0.0 ? fmin((double)sampling->step / length, 0.25) : 0.0;
+    double length = sl_lengthd(to_light),
+           step = length > 0.0 ? fmin((double)sampling->step / length, 0.25) : 0.0;
     return sl_to_float(sl_addd(sl_to_double(lifted), sl_scaled(to_light, step)));
 }
 
-static packet packet_at(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 eye, sl_counters *counters) {
+static packet packet_at(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 eye,
+                        sl_counters *counters) {
     return (packet){.sampling = sampling, .counters = counters, .eye = eye, .skip = point->triangle};
 }
 
 /* From the eye to a place, but for the last of the way; or, far being infinite, as far as it goes. */
-static bool is_hidden(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 eye, sl_vec3d d, double far, sl_counters *counters) {
+static bool is_hidden(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 eye, sl_vec3d d,
+                      double far, sl_counters *counters) {
     packet p = packet_at(sampling, point, eye, counters);
     if (!(sl_lengthd(d) > 0.0) || !sl_is_finite(sl_to_float(d))) return false;
     add_ray(&p, sl_to_float(d), (float)far, 1.0);
@@ -89,8 +95,8 @@ static bool is_hidden(const sl_light_sampling *sampling, const sl_lit_point *poi
     return !(p.seen > 0.0);
 }
 
-double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light, const sl_lit_point *point,
-                               sl_counters *counters) {
+double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light,
+                               const sl_lit_point *point, sl_counters *counters) {
     sl_vec3d to;
     double distance, value = sl_light_point_form(light, point, &to, &distance);
     if (!(value > 0.0)) {
@@ -98,7 +104,8 @@ double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampl
         return 0.0;
     }
     bool sun = light->kind == SL_SAMPLED_DIRECTIONAL;
-    sl_vec3 eye = sl_light_eye(sampling, sl_light_lifted(sampling, point), sl_scaled(to, sun ? (double)sampling->scene->scale : distance));
+    sl_vec3 eye = sl_light_eye(sampling, sl_light_lifted(sampling, point),
+                               sl_scaled(to, sun ? (double)sampling->scene->scale : distance));
     sl_vec3d d = sun ? to : sl_subd(sl_to_double(light->position), sl_to_double(eye));
     return is_hidden(sampling, point, eye, d, sun ? INFINITY : 1.0 - SL_LIGHT_MARGIN, counters) ? 0.0 : value;
 }
@@ -145,7 +152,8 @@ static void aim(const sl_light_query *query, const float *u, const float *v, sl_
         size_t triangle;
         const double at[2] = {(double)u[i], (double)v[i]};
         double weight[2];
-        sl_vec3d place = sl_light_surface_point(light, &query->sampling->shape[query->light].surface, at, &triangle, weight);
+        sl_vec3d place = sl_light_surface_point(light, &query->sampling->shape[query->light].surface, at,
+                                                &triangle, weight);
         sl_vec3 d = sl_to_float(sl_subd(place, position));
         sl_vec3 normal = light->kind == SL_SAMPLED_AREA ? light->normal : normal_of(light, triangle);
         rays->x[i] = d.x, rays->y[i] = d.y, rays->z[i] = d.z;
@@ -162,11 +170,16 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
     const sl_lit_point *point = query->point;
     const int n = query->rays;
     const uint64_t key = jitter_key(point, query->light);
-    const sl_vec3d position = sl_to_double(point->position), back = sl_subd(position, sl_to_double(query->eye));
-    const sl_vec3 corner = sl_to_float(sl_subd(surface->corner, position)), e1 = sl_to_float(surface->e1), e2 = sl_to_float(surface->e2);
-    const sl_ray_receiver receiver = {.normal = point->normal, .geometric = point->geometric_normal, .two_sided = light->two_sided,
+    const sl_vec3d position = sl_to_double(point->position),
+                   back = sl_subd(position, sl_to_double(query->eye));
+    const sl_vec3 corner = sl_to_float(sl_subd(surface->corner, position)), e1 = sl_to_float(surface->e1),
+                  e2 = sl_to_float(surface->e2);
+    const sl_ray_receiver receiver = {.normal = point->normal,
+                                      .geometric = point->geometric_normal,
+                                      .two_sided = light->two_sided,
                                       .scale = (float)(surface->area / ((double)n * (double)n * SL_PI)),
-                                      .flatness = (float)(2.0 * shape->flatness), .margin = (float)SL_LIGHT_MARGIN};
+                                      .flatness = (float)(2.0 * shape->flatness),
+                                      .margin = (float)SL_LIGHT_MARGIN};
     packet p = packet_at(sampling, point, query->eye, query->counters);
     double all = 0.0;
     for (int k = 0; k * SL_AIMED < n * n; k++) {
@@ -181,7 +194,9 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
         for (unsigned i = 0; i < count; i++) {
             if (!(rays.weight[i] > 0.0f)) continue;
             all += (double)rays.weight[i];
-            add_ray(&p, sl_v3((float)((double)rays.x[i] + back.x), (float)((double)rays.y[i] + back.y), (float)((double)rays.z[i] + back.z)),
+            add_ray(&p,
+                    sl_v3((float)((double)rays.x[i] + back.x), (float)((double)rays.y[i] + back.y),
+                          (float)((double)rays.z[i] + back.z)),
                     rays.far[i], (double)rays.weight[i]);
         }
     }

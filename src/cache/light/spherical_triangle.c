@@ -28,8 +28,8 @@ bool sl_spherical_triangle_make(const sl_vec3 corner[3], sl_vec3 p, sl_spherical
     return true;
 }
 
-/* Arvo 1995, "Stratified sampling of spherical triangles": u1 cuts off a triangle of that share of the area, whose corner C' moves along
- * the side AC; u2 walks from B towards C'. */
+/* Arvo 1995, "Stratified sampling of spherical triangles": u1 cuts off a triangle of that share of the area,
+ * whose corner C' moves along the side AC; u2 walks from B towards C'. */
 sl_vec3d sl_spherical_triangle_point(const sl_spherical_triangle *t, double u1, double u2) {
     double part = u1 * t->solid_angle - t->alpha, sine = sl_sin(part), cosine = sl_cos(part);
     double u = cosine - t->cosine, v = sine + t->sine * t->cos_c;

@@ -13,7 +13,8 @@ typedef struct sl_spherical_triangle {
 
 /* False where it spans less than a millionth of a steradian: it is seen edge-on or is very small. */
 bool sl_spherical_triangle_make(const sl_vec3 corner[3], sl_vec3 p, sl_spherical_triangle *triangle);
-/* A direction in it, uniform in solid angle for u1, u2 uniform in [0,1). u2 = 0 is corner b, whatever u1; u2 = 1 goes from a to c. */
+/* A direction in it, uniform in solid angle for u1, u2 uniform in [0,1). u2 = 0 is corner b, whatever u1; u2
+ * = 1 goes from a to c. */
 sl_vec3d sl_spherical_triangle_point(const sl_spherical_triangle *triangle, double u1, double u2);
 
 #endif

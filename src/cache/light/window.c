@@ -1,15 +1,21 @@
-/* A planar light as a window (the light-plane estimator): the picture's plane is the light's own, and seen from wherever, a pixel is the same piece
- * of the light. So whether its centre is on the light at all is found once, and only tangents and weights depend on the point.
+/* A planar light as a window (the light-plane estimator): the picture's plane is the light's own, and seen
+ * from wherever, a pixel is the same piece of the light. So whether its centre is on the light at all is
+ * found once, and only tangents and weights depend on the point.
  *
- *           B  /\                     The raster is turned against the light. Edges of a scene run along its lamps more often than not, and an edge
- *            /  . `\                  along the pixels hides whole columns at a time: an error of up to 1/2N of the light, which shows as bands.
- *          / .light.  `\             Its slope is 0.382 (20.9 degrees), of all numbers one of those that fractions come near the least, so that an
- *          `\ .     .   / A           edge cuts pixels evenly; at 1/3 (18.4 degrees) it repeats itself every third row, and errors are five times
- *             `\ .   /                as large. It is turned as if the light were a square, for of a tube's rectangle, turned, next to nothing would
- *                `\/ origin          be light: A and B, along which the picture's rows and columns run, need not be square to each other.
+ *           B  /\                     The raster is turned against the light. Edges of a scene run along its
+ * lamps more often than not, and an edge /  . `\                  along the pixels hides whole columns at a
+ * time: an error of up to 1/2N of the light, which shows as bands. / .light.  `\             Its slope is
+ * 0.382 (20.9 degrees), of all numbers one of those that fractions come near the least, so that an
+ *          `\ .     .   / A           edge cuts pixels evenly; at 1/3 (18.4 degrees) it repeats itself every
+ * third row, and errors are five times
+ *             `\ .   /                as large. It is turned as if the light were a square, for of a tube's
+ * rectangle, turned, next to nothing would
+ *                `\/ origin          be light: A and B, along which the picture's rows and columns run, need
+ * not be square to each other.
  *                 :
- *               h :                   Between the eye and the plane an occluder hides; there, and beyond, nothing does. That is the far plane, and so
- *                 o point             whatever is drawn at all hides the light. */
+ *               h :                   Between the eye and the plane an occluder hides; there, and beyond,
+ * nothing does. That is the far plane, and so o point             whatever is drawn at all hides the light.
+ */
 #include <math.h>
 #include <string.h>
 
@@ -38,7 +44,8 @@ static rectangle bounds(const sl_sampled_light *light, sl_vec3d origin, sl_vec3d
     return r;
 }
 
-/* The direction in the plane along which a rectangle around the light is smallest, of those of its first edges. */
+/* The direction in the plane along which a rectangle around the light is smallest, of those of its first
+ * edges. */
 static sl_vec3d best_direction(const sl_sampled_light *light, sl_vec3d origin, sl_vec3d normal) {
     enum { EDGES_TRIED = 96 };
     sl_frame any = sl_frame_from_normal(light->normal);
@@ -63,9 +70,12 @@ static sl_vec3d best_direction(const sl_sampled_light *light, sl_vec3d origin, s
 
 /* Sets the bits of the pixel centres in a triangle, whose corners are told in pixels; edges belong to it. */
 static void mark_triangle(const double u[3], const double v[3], int size, uint32_t *inside) {
-    double area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]), sign = area < 0.0 ? -1.0 : 1.0;
-    int i0 = (int)fmax(fmin(u[0], fmin(u[1], u[2])) - 1.0, 0.0), i1 = (int)fmin(fmax(u[0], fmax(u[1], u[2])) + 1.0, (double)size);
-    int j0 = (int)fmax(fmin(v[0], fmin(v[1], v[2])) - 1.0, 0.0), j1 = (int)fmin(fmax(v[0], fmax(v[1], v[2])) + 1.0, (double)size);
+    double area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]),
+           sign = area < 0.0 ? -1.0 : 1.0;
+    int i0 = (int)fmax(fmin(u[0], fmin(u[1], u[2])) - 1.0, 0.0),
+        i1 = (int)fmin(fmax(u[0], fmax(u[1], u[2])) + 1.0, (double)size);
+    int j0 = (int)fmax(fmin(v[0], fmin(v[1], v[2])) - 1.0, 0.0),
+        j1 = (int)fmin(fmax(v[0], fmax(v[1], v[2])) + 1.0, (double)size);
     for (int j = j0; j < j1; j++) {
         for (int i = i0; i < i1; i++) {
             double x = (double)i + 0.5, y = (double)j + 0.5;
@@ -79,7 +89,8 @@ static void mark_triangle(const double u[3], const double v[3], int size, uint32
     }
 }
 
-static sl_status mark_light(const sl_sampled_light *light, int size, const sl_light_window *w, uint32_t **inside, sl_error *error) {
+static sl_status mark_light(const sl_sampled_light *light, int size, const sl_light_window *w,
+                            uint32_t **inside, sl_error *error) {
     *inside = sl_allocate(sl_window_words(size) * (size_t)size, sizeof **inside);
     if (!*inside) return sl_fail_memory(error, "a lamp's window");
     for (size_t t = 0; t < light->triangles; t++) {
@@ -94,12 +105,16 @@ static sl_status mark_light(const sl_sampled_light *light, int size, const sl_li
     return SL_OK;
 }
 
-static sl_vec3d combine(sl_vec3d a, double s, sl_vec3d b, double t) { return sl_addd(sl_scaled(a, s), sl_scaled(b, t)); }
+static sl_vec3d combine(sl_vec3d a, double s, sl_vec3d b, double t) {
+    return sl_addd(sl_scaled(a, s), sl_scaled(b, t));
+}
 
-/* A, B and the origin so that origin + s A + t B, s and t in [0,1], is the smallest parallelogram around the light with sides along a and b. */
+/* A, B and the origin so that origin + s A + t B, s and t in [0,1], is the smallest parallelogram around the
+ * light with sides along a and b. */
 static void place(const sl_sampled_light *light, sl_vec3d a, sl_vec3d b, sl_light_window *w) {
     sl_vec3d corner = sl_to_double(light->corner[0]);
-    sl_vec3d normal = sl_crossd(a, b), over_a = sl_crossd(b, normal), over_b = sl_crossd(normal, a); /* . d: the coordinates of d along a and b */
+    /* . d: the coordinates of d along a and b */
+    sl_vec3d normal = sl_crossd(a, b), over_a = sl_crossd(b, normal), over_b = sl_crossd(normal, a);
     over_a = sl_scaled(over_a, 1.0 / sl_dotd(over_a, a));
     over_b = sl_scaled(over_b, 1.0 / sl_dotd(over_b, b));
     rectangle r = bounds(light, corner, over_a, over_b);
@@ -110,16 +125,18 @@ static void place(const sl_sampled_light *light, sl_vec3d a, sl_vec3d b, sl_ligh
     w->origin = sl_addd(corner, combine(a, r.left, b, r.bottom));
 }
 
-sl_status sl_light_window_make(const sl_sampled_light *light, const sl_light_sample_settings *settings, sl_light_window *w,
-                               sl_error *error) {
+sl_status sl_light_window_make(const sl_sampled_light *light, const sl_light_sample_settings *settings,
+                               sl_light_window *w, sl_error *error) {
     sl_vec3d normal = sl_to_double(light->normal), corner = sl_to_double(light->corner[0]);
     sl_vec3d x = best_direction(light, corner, normal), y = sl_crossd(normal, x);
     rectangle r = bounds(light, corner, x, y);
-    double width = r.right - r.left, height = r.top - r.bottom, least = 1e-9 * fmax(width, height) + 1e-30; /* of lights thin as a line */
+    /* of lights thin as a line */
+    double width = r.right - r.left, height = r.top - r.bottom, least = 1e-9 * fmax(width, height) + 1e-30;
     x = sl_scaled(x, fmax(width, least));
     y = sl_scaled(y, fmax(height, least));
     const double slope = 0.38196601125010515; /* (3 - sqrt 5) / 2 = 1/(2 + 1/(1 + 1/(1 + 1/(1 + ...)))) */
-    if (settings->estimator == SL_LIGHT_RATIO) place(light, combine(x, 1.0, y, slope), combine(y, 1.0, x, -slope), w);
+    if (settings->estimator == SL_LIGHT_RATIO)
+        place(light, combine(x, 1.0, y, slope), combine(y, 1.0, x, -slope), w);
     else place(light, x, y, w);
     w->frame.z = sl_neg(light->normal);
     w->frame.x = sl_normalize_or(sl_to_float(x), sl_v3(1, 0, 0));
@@ -148,10 +165,16 @@ static void set_row(float row[4], sl_vec3d a, double constant) {
     row[3] = (float)constant;
 }
 
-/* Along d the plane is met at point + h d / w, w = z . d, whose coordinate s along A is over_a . (point - origin + h d / w); clip space wants
- * (2 s - 1) w. With 1/w for depth, row 2 holds a plane that cuts and nothing else: here the far one. */
+/* Along d the plane is met at point + h d / w, w = z . d, whose coordinate s along A is over_a . (point -
+ * origin + h d / w); clip space wants (2 s - 1) w. With 1/w for depth, row 2 holds a plane that cuts and
+ * nothing else: here the far one. */
 static sl_view view_of(const sl_light_window *w, sl_vec3 eye, sl_vec3d z, double h, double far, int size) {
-    sl_view view = {.kind = SL_VIEW_LIGHT, .origin = eye, .width = size, .height = size, .depth = SL_DEPTH_INVERSE_W, .skip_triangle = SL_NO_INDEX};
+    sl_view view = {.kind = SL_VIEW_LIGHT,
+                    .origin = eye,
+                    .width = size,
+                    .height = size,
+                    .depth = SL_DEPTH_INVERSE_W,
+                    .skip_triangle = SL_NO_INDEX};
     sl_vec3d from = sl_subd(sl_to_double(eye), w->origin);
     set_row(view.clip[0], combine(w->over_a, 2.0 * h, z, 2.0 * sl_dotd(w->over_a, from) - 1.0), 0.0);
     set_row(view.clip[1], combine(w->over_b, 2.0 * h, z, 2.0 * sl_dotd(w->over_b, from) - 1.0), 0.0);
@@ -200,28 +223,40 @@ sl_light_shot sl_window_shoot(const sl_light_query *query, int size, sl_light_su
     const sl_lit_point *point = query->point;
     sl_light_sample_scratch *scratch = query->scratch;
     sl_frame frame = w->frame;
-    sl_vec3d to = sl_subd(w->origin, sl_to_double(point->position)), x = sl_to_double(frame.x), y = sl_to_double(frame.y);
-    if (sl_dotd(to, sl_to_double(frame.z)) < 0.0) frame.z = sl_neg(frame.z); /* of a two-sided light: its back */
-    double h = sl_dotd(to, sl_to_double(frame.z)), eye_h = sl_dotd(sl_subd(w->origin, sl_to_double(query->eye)), sl_to_double(frame.z));
+    sl_vec3d to = sl_subd(w->origin, sl_to_double(point->position)), x = sl_to_double(frame.x),
+             y = sl_to_double(frame.y);
+    /* of a two-sided light: its back */
+    if (sl_dotd(to, sl_to_double(frame.z)) < 0.0) frame.z = sl_neg(frame.z);
+    double h = sl_dotd(to, sl_to_double(frame.z)),
+           eye_h = sl_dotd(sl_subd(w->origin, sl_to_double(query->eye)), sl_to_double(frame.z));
     double far = eye_h - fmax(SL_LIGHT_MARGIN * eye_h, 2.0 * shape->flatness);
     if (!(far > 0.0)) return SL_SHOT_IMPOSSIBLE;
     sl_view view = view_of(w, query->eye, sl_to_double(frame.z), eye_h, far, size);
     view.skip_triangle = point->triangle;
     bool cull = !sampling->settings.all_triangles && sampling->settings.estimator == SL_LIGHT_RATIO;
     if (cull && !sl_raster_meets(sampling->raster, &view)) return SL_SHOT_NOTHING_BETWEEN;
-    sl_raster_id_small(sampling->raster, &view, &(sl_target){size, size, scratch->id, NULL}, scratch->raster, query->counters);
+    sl_raster_id_small(sampling->raster, &view, &(sl_target){size, size, scratch->id, NULL}, scratch->raster,
+                       query->counters);
     if (hides_all(scratch->id, (size_t)size * (size_t)size)) {
         memset(scratch->planes, 0, (size_t)size * (size_t)size * sizeof *scratch->planes);
         scratch->picture_size = size;
         return SL_SHOT_HIDDEN;
     }
-    set_tangents(scratch->column_x, scratch->row_x, size, sl_dotd(w->a, x) / h, sl_dotd(w->b, x) / h, sl_dotd(to, x) / h);
-    set_tangents(scratch->column_y, scratch->row_y, size, sl_dotd(w->a, y) / h, sl_dotd(w->b, y) / h, sl_dotd(to, y) / h);
+    set_tangents(scratch->column_x, scratch->row_x, size, sl_dotd(w->a, x) / h, sl_dotd(w->b, x) / h,
+                 sl_dotd(to, x) / h);
+    set_tangents(scratch->column_y, scratch->row_y, size, sl_dotd(w->a, y) / h, sl_dotd(w->b, y) / h,
+                 sl_dotd(to, y) / h);
     double pixel = sl_lengthd(sl_crossd(w->a, w->b)) / (h * h * (double)size * (double)size);
-    sl_light_pixels pixels = {.size = size, .column_x = scratch->column_x, .column_y = scratch->column_y, .row_x = scratch->row_x,
-                              .row_y = scratch->row_y, .normal = sl_frame_to_local(&frame, point->normal),
-                              .geometric = sl_frame_to_local(&frame, point->geometric_normal), .scale = (float)(pixel / SL_PI),
-                              .seen = scratch->planes, .all = scratch->planes + (size_t)size * (size_t)size};
+    sl_light_pixels pixels = {.size = size,
+                              .column_x = scratch->column_x,
+                              .column_y = scratch->column_y,
+                              .row_x = scratch->row_x,
+                              .row_y = scratch->row_y,
+                              .normal = sl_frame_to_local(&frame, point->normal),
+                              .geometric = sl_frame_to_local(&frame, point->geometric_normal),
+                              .scale = (float)(pixel / SL_PI),
+                              .seen = scratch->planes,
+                              .all = scratch->planes + (size_t)size * (size_t)size};
     sampling->kernels.window(&pixels, w->inside[level_of(size)], scratch->id);
     scratch->picture_size = size;
     *sums = sl_light_reduce(query, size);

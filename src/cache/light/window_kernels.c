@@ -1,18 +1,20 @@
 /* Fragment programs of the light's picture: what a pixel adds to the irradiance.
  *
- * A direction (x, y, 1), x and y being tangents, has the cosine n . (x, y, 1) / |(x, y, 1)|, and a pixel of the tangents' plane the solid angle
- * dx dy / |(x, y, 1)|^3. Together
+ * A direction (x, y, 1), x and y being tangents, has the cosine n . (x, y, 1) / |(x, y, 1)|, and a pixel of
+ * the tangents' plane the solid angle dx dy / |(x, y, 1)|^3. Together
  *
  *     w = (n . (x, y, 1))+ dx dy / (1 + x^2 + y^2)^2,
  *
- * which is, with d = h (x, y, 1) and pixels of ds = h dx, dt = h dy on a light at distance h, the same as (n . d)+ h ds dt / |d|^4. */
+ * which is, with d = h (x, y, 1) and pixels of ds = h dx, dt = h dy on a light at distance h, the same as (n
+ * . d)+ h ds dt / |d|^4. */
 #include "cache/light/sample_kernels.h"
 
 void SL_KERNEL(sl_window_weigh)(const sl_light_pixels *pixels, const uint32_t *inside, const uint32_t *id) {
-    static const uint32_t bit[32] = {1u << 0,  1u << 1,  1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
-                                     1u << 8,  1u << 9,  1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
-                                     1u << 16, 1u << 17, 1u << 18, 1u << 19, 1u << 20, 1u << 21, 1u << 22, 1u << 23,
-                                     1u << 24, 1u << 25, 1u << 26, 1u << 27, 1u << 28, 1u << 29, 1u << 30, 1u << 31};
+    static const uint32_t bit[32] = {1u << 0,  1u << 1,  1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,
+                                     1u << 7,  1u << 8,  1u << 9,  1u << 10, 1u << 11, 1u << 12, 1u << 13,
+                                     1u << 14, 1u << 15, 1u << 16, 1u << 17, 1u << 18, 1u << 19, 1u << 20,
+                                     1u << 21, 1u << 22, 1u << 23, 1u << 24, 1u << 25, 1u << 26, 1u << 27,
+                                     1u << 28, 1u << 29, 1u << 30, 1u << 31};
     const int size = pixels->size, words = (size + 31) / 32;
     const sl_vec3 n = pixels->normal, g = pixels->geometric;
     const float scale = pixels->scale;
@@ -22,7 +24,8 @@ void SL_KERNEL(sl_window_weigh)(const sl_light_pixels *pixels, const uint32_t *i
             const uint32_t on = inside[j * words + word];
             const int count = size - 32 * word < 32 ? size - 32 * word : 32;
             const int at = j * size + 32 * word;
-            const float *restrict column_x = pixels->column_x + 32 * word, *restrict column_y = pixels->column_y + 32 * word;
+            const float *restrict column_x = pixels->column_x + 32 * word, *restrict column_y =
+                                                                               pixels->column_y + 32 * word;
             const uint32_t *restrict ids = id + at;
             float *restrict all = pixels->all + at, *restrict seen = pixels->seen + at;
 #pragma omp simd
@@ -40,7 +43,8 @@ void SL_KERNEL(sl_window_weigh)(const sl_light_pixels *pixels, const uint32_t *i
     }
 }
 
-/* Solid angle of a pixel over its area: the mean of (1 + x^2 + y^2)^(-3/2) by Gauss's rule of 2 x 2 points, reach_x and reach_y from its middle. */
+/* Solid angle of a pixel over its area: the mean of (1 + x^2 + y^2)^(-3/2) by Gauss's rule of 2 x 2 points,
+ * reach_x and reach_y from its middle. */
 static inline float term(float u, float v) {
     float q = 1.0f + u * u + v * v;
     return 1.0f / (q * sqrtf(q));
@@ -65,7 +69,8 @@ static float coarse_pixel(float x, float y, float step_x, float step_y) {
     return sum * (1.0f / 256.0f);
 }
 
-static void pixel_row(int size, const float *restrict x, float y, float step_x, float step_y, float *restrict out) {
+static void pixel_row(int size, const float *restrict x, float y, float step_x, float step_y,
+                      float *restrict out) {
     const float reach_x = GAUSS_POINT * step_x, reach_y = GAUSS_POINT * step_y;
     if (step_x > 0.1f || step_y > 0.1f) {
         for (int i = 0; i < size; i++) out[i] = coarse_pixel(x[i], y, step_x, step_y);
@@ -75,15 +80,16 @@ static void pixel_row(int size, const float *restrict x, float y, float step_x, 
     for (int i = 0; i < size; i++) out[i] = gauss(x[i], y, reach_x, reach_y);
 }
 
-void SL_KERNEL(sl_look_at_weigh)(const sl_light_pixels *pixels, const uint32_t *light_id, const uint8_t *facing,
-                                 const float *light_depth, const float *depth) {
+void SL_KERNEL(sl_look_at_weigh)(const sl_light_pixels *pixels, const uint32_t *light_id,
+                                 const uint8_t *facing, const float *light_depth, const float *depth) {
     const int size = pixels->size;
     const float scale = pixels->scale * pixels->step_x * pixels->step_y;
     const sl_vec3 n = pixels->normal, g = pixels->geometric;
     for (int j = 0; j < size; j++) {
         const float y = pixels->row_y[j];
         const int at = j * size;
-        const float *restrict tx = pixels->column_x, *restrict far = light_depth + at, *restrict here = depth + at;
+        const float *restrict tx = pixels->column_x, *restrict far = light_depth + at,
+                              *restrict here = depth + at;
         const uint32_t *restrict ids = light_id + at;
         float *restrict all = pixels->all + at, *restrict seen = pixels->seen + at;
         uint32_t any = 0;

@@ -1,6 +1,7 @@
-/* K-means on the sphere. Distance is the chord |a - b|; for fixed members the best unit centre is the normalised weighted
- * mean, since |omega - d|^2 = 2 - 2 omega . d, and so J = sum w |omega - d|^2 = 2 sum over clusters of (W - |S|), with W = sum w and
- * S = sum w omega, never rises. Its worst case is superpolynomial (Arthur and Vassilvitskii 2006): iterations have a cap. */
+/* K-means on the sphere. Distance is the chord |a - b|; for fixed members the best unit centre is the
+ * normalised weighted mean, since |omega - d|^2 = 2 - 2 omega . d, and so J = sum w |omega - d|^2 = 2 sum
+ * over clusters of (W - |S|), with W = sum w and S = sum w omega, never rises. Its worst case is
+ * superpolynomial (Arthur and Vassilvitskii 2006): iterations have a cap. */
 #include <string.h>
 
 #include "base/math.h"
@@ -11,7 +12,9 @@ static const double SAME = 1e-12;
 
 static sl_cluster_kernels kernels(void) { return sl_cluster_kernels_for(sl_isa_best()); }
 
-static sl_vec3d direction_of(const sl_directions *d, size_t i) { return sl_v3d((double)d->x[i], (double)d->y[i], (double)d->z[i]); }
+static sl_vec3d direction_of(const sl_directions *d, size_t i) {
+    return sl_v3d((double)d->x[i], (double)d->y[i], (double)d->z[i]);
+}
 
 static sl_vec3d unit_of(const sl_directions *d, size_t i) {
     sl_vec3d v = direction_of(d, i);
@@ -34,7 +37,8 @@ static size_t largest_dot(const sl_directions *d, sl_vec3d mean) {
     return best;
 }
 
-/* First the point nearest to the mean, then each time the one with the largest w * chord^2 to its nearest centre. */
+/* First the point nearest to the mean, then each time the one with the largest w * chord^2 to its nearest
+ * centre. */
 void sl_cluster_start(const sl_directions *d, int wanted, double *nearest, sl_clusters *clusters) {
     *clusters = (sl_clusters){0};
     if (d->count == 0 || wanted < 1) return;
@@ -60,7 +64,8 @@ void sl_cluster_start(const sl_directions *d, int wanted, double *nearest, sl_cl
 /* ---- one iteration ---- */
 
 /* sums are updated; false: all points lie in the middle of their clusters. */
-static bool refill(const sl_directions *d, int empty, uint8_t *of, const sl_clusters *clusters, sl_cluster_sums *sums) {
+static bool refill(const sl_directions *d, int empty, uint8_t *of, const sl_clusters *clusters,
+                   sl_cluster_sums *sums) {
     size_t chosen = d->count;
     double best = 0.0;
     for (size_t i = 0; i < d->count; i++) {
@@ -113,7 +118,8 @@ static sl_vec3d heaviest(const sl_directions *d, const uint8_t *of, int cluster)
     return unit_of(d, best);
 }
 
-static void place_centres(const sl_directions *d, const uint8_t *of, const sl_cluster_sums *sums, sl_clusters *clusters) {
+static void place_centres(const sl_directions *d, const uint8_t *of, const sl_cluster_sums *sums,
+                          sl_clusters *clusters) {
     double cost = 0.0;
     for (int c = 0; c < clusters->count; c++) {
         sl_vec3d sum = sl_v3d(sums->x[c], sums->y[c], sums->z[c]);
@@ -125,7 +131,8 @@ static void place_centres(const sl_directions *d, const uint8_t *of, const sl_cl
     clusters->cost = cost > 0.0 ? cost : 0.0;
 }
 
-static size_t step(const sl_cluster_kernels *kernel, const sl_directions *d, uint8_t *of, sl_clusters *clusters) {
+static size_t step(const sl_cluster_kernels *kernel, const sl_directions *d, uint8_t *of,
+                   sl_clusters *clusters) {
     sl_cluster_sums sums;
     size_t changed = kernel->assign(d, clusters->count, clusters->centre, of, &sums);
     for (int c = 0; c < clusters->count; c++) {
@@ -152,9 +159,12 @@ static double total_weight(const sl_directions *d) {
 }
 
 /* Mean squared chord = J / W; an angle psi has the chord 2 sin(psi / 2). */
-static double spread(double cost, double weight) { return weight > 0.0 ? 2.0 * sl_asin(0.5 * sqrt(cost / weight)) : 0.0; }
+static double spread(double cost, double weight) {
+    return weight > 0.0 ? 2.0 * sl_asin(0.5 * sqrt(cost / weight)) : 0.0;
+}
 
-void sl_cluster_directions(const sl_directions *d, int wanted, uint8_t *of, double *scratch, sl_clusters *clusters) {
+void sl_cluster_directions(const sl_directions *d, int wanted, uint8_t *of, double *scratch,
+                           sl_clusters *clusters) {
     sl_cluster_kernels kernel = kernels();
     double weight = total_weight(d);
     sl_cluster_start(d, wanted, scratch, clusters);

@@ -1,5 +1,5 @@
-/* Eight points at a time: sums are kept in eight lanes, point i in lane i mod 8, and joined in a fixed order at the end, so that every
- * instruction set gives the same bits. */
+/* Eight points at a time: sums are kept in eight lanes, point i in lane i mod 8, and joined in a fixed order
+ * at the end, so that every instruction set gives the same bits. */
 #include "cache/light_octree/cluster_kernels.h"
 
 #include "base/math.h"
@@ -37,7 +37,9 @@ static inline points load(const sl_directions *d, size_t first) {
     return p;
 }
 
-static inline double join(const double v[LANES]) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); }
+static inline double join(const double v[LANES]) {
+    return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
 
 /* The clusters of up to eight points; returns how many are other than before. */
 static inline size_t put_clusters(const double nearest[LANES], uint8_t *of, size_t count) {
@@ -55,10 +57,11 @@ static inline size_t put_clusters(const double nearest[LANES], uint8_t *of, size
 }
 
 /* The number of clusters is a constant wherever this is inlined, so that their sums stay in registers. */
-static inline size_t assign(const sl_directions *d, const int clusters, const sl_vec3d *centre, uint8_t *restrict of,
-                            sl_cluster_sums *restrict sums) {
-    double sx[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}}, sy[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}}, sz[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}},
-           sw[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}}, members[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}};
+static inline size_t assign(const sl_directions *d, const int clusters, const sl_vec3d *centre,
+                            uint8_t *restrict of, sl_cluster_sums *restrict sums) {
+    double sx[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}}, sy[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}},
+           sz[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}}, sw[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}},
+           members[SL_VOXEL_LIGHTS_MAX][LANES] = {{0}};
     size_t changed = 0;
     for (size_t first = 0; first < d->count; first += LANES) {
         points p = load(d, first);
@@ -99,7 +102,8 @@ static inline size_t assign(const sl_directions *d, const int clusters, const sl
     return changed;
 }
 
-size_t SL_KERNEL(sl_cluster_assign)(const sl_directions *d, int clusters, const sl_vec3d *centre, uint8_t *of, sl_cluster_sums *sums) {
+size_t SL_KERNEL(sl_cluster_assign)(const sl_directions *d, int clusters, const sl_vec3d *centre, uint8_t *of,
+                                    sl_cluster_sums *sums) {
     memset(sums, 0, sizeof *sums);
     switch (clusters) {
     case 1: return assign(d, 1, centre, of, sums);
@@ -113,7 +117,8 @@ size_t SL_KERNEL(sl_cluster_assign)(const sl_directions *d, int clusters, const 
     }
 }
 
-size_t SL_KERNEL(sl_cluster_farthest)(const sl_directions *d, sl_vec3d centre, double *restrict nearest, double *value) {
+size_t SL_KERNEL(sl_cluster_farthest)(const sl_directions *d, sl_vec3d centre, double *restrict nearest,
+                                      double *value) {
     double best[LANES], where[LANES]; /* each lane's own largest, and its block: an exact whole number */
     for (int l = 0; l < LANES; l++) {
         best[l] = -1.0;
@@ -127,7 +132,8 @@ size_t SL_KERNEL(sl_cluster_farthest)(const sl_directions *d, sl_vec3d centre, d
         const double block = (double)first;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            double x = p.x[l] - centre.x, y = p.y[l] - centre.y, z = p.z[l] - centre.z, square = x * x + y * y + z * z;
+            double x = p.x[l] - centre.x, y = p.y[l] - centre.y, z = p.z[l] - centre.z,
+                   square = x * x + y * y + z * z;
             chord[l] = square < near[l] ? square : near[l];
             double v = p.weight[l] * chord[l];
             where[l] = v > best[l] ? block : where[l];
@@ -158,7 +164,8 @@ static inline double arc_cosine(double x) {
     return x < 0.0 ? SL_PI - p : p;
 }
 
-double SL_KERNEL(sl_cluster_angles)(const sl_directions *d, const sl_vec3d *centre, const uint8_t *restrict of) {
+double SL_KERNEL(sl_cluster_angles)(const sl_directions *d, const sl_vec3d *centre,
+                                    const uint8_t *restrict of) {
     double sum[LANES] = {0};
     for (size_t first = 0; first < d->count; first += LANES) {
         points p = load(d, first);
@@ -170,7 +177,8 @@ double SL_KERNEL(sl_cluster_angles)(const sl_directions *d, const sl_vec3d *cent
             cz[l] = c->z;
         }
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) sum[l] += p.weight[l] * arc_cosine(p.x[l] * cx[l] + p.y[l] * cy[l] + p.z[l] * cz[l]);
+        for (int l = 0; l < LANES; l++)
+            sum[l] += p.weight[l] * arc_cosine(p.x[l] * cx[l] + p.y[l] * cy[l] + p.z[l] * cz[l]);
     }
     return join(sum);
 }

@@ -7,15 +7,19 @@
 
 /* Of each cluster's members: sum w omega, sum w, and how many. */
 typedef struct sl_cluster_sums {
-    double x[SL_VOXEL_LIGHTS_MAX], y[SL_VOXEL_LIGHTS_MAX], z[SL_VOXEL_LIGHTS_MAX], weight[SL_VOXEL_LIGHTS_MAX];
+    double x[SL_VOXEL_LIGHTS_MAX], y[SL_VOXEL_LIGHTS_MAX], z[SL_VOXEL_LIGHTS_MAX],
+        weight[SL_VOXEL_LIGHTS_MAX];
     size_t members[SL_VOXEL_LIGHTS_MAX];
 } sl_cluster_sums;
 
-/* Puts every point into the cluster with the largest omega . d, ties to the lower one, and sums up; returns how many changed. */
-typedef size_t sl_assign_kernel(const sl_directions *directions, int clusters, const sl_vec3d *centre, uint8_t *of,
-                                sl_cluster_sums *sums);
-/* nearest[i] = min(nearest[i], |omega - centre|^2); returns the point with the largest w * nearest, ties to the lower, and its value. */
-typedef size_t sl_farthest_kernel(const sl_directions *directions, sl_vec3d centre, double *nearest, double *value);
+/* Puts every point into the cluster with the largest omega . d, ties to the lower one, and sums up; returns
+ * how many changed. */
+typedef size_t sl_assign_kernel(const sl_directions *directions, int clusters, const sl_vec3d *centre,
+                                uint8_t *of, sl_cluster_sums *sums);
+/* nearest[i] = min(nearest[i], |omega - centre|^2); returns the point with the largest w * nearest, ties to
+ * the lower, and its value. */
+typedef size_t sl_farthest_kernel(const sl_directions *directions, sl_vec3d centre, double *nearest,
+                                  double *value);
 /* sum w angle(omega, d): d is the centre of the point's cluster; 2e-8 off at most. */
 typedef double sl_angles_kernel(const sl_directions *directions, const sl_vec3d *centre, const uint8_t *of);
 

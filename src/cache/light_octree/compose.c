@@ -6,8 +6,9 @@
 
 enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, LAYERS = 12 };
 
-static const char *const layer_names[LAYERS] = {"R",        "G",        "B",        "emission.R", "emission.G", "emission.B",
-                                                "direct.R", "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B"};
+static const char *const layer_names[LAYERS] = {"R",          "G",          "B",          "emission.R",
+                                                "emission.G", "emission.B", "direct.R",   "direct.G",
+                                                "direct.B",   "indirect.R", "indirect.G", "indirect.B"};
 
 typedef struct {
     const sl_octree_composition *parts;
@@ -24,7 +25,8 @@ static sl_rgb sky_at(const composing *c, int x, int y) {
 }
 
 static sl_rgb emission_of(const sl_scene *scene, const sl_gbuffer *g, size_t pixel) {
-    return sl_scene_emission(scene, g->id[pixel], sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]));
+    return sl_scene_emission(scene, g->id[pixel],
+                             sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]));
 }
 
 /* ---- pixels ---- */
@@ -51,7 +53,8 @@ static void compose_row(void *context, size_t row, unsigned worker) {
     size_t width = (size_t)p->gbuffer->width;
     for (size_t x = 0; x < width; x++) {
         size_t i = row * width + x;
-        sl_rgb emission = p->gbuffer->material[i] == SL_NO_INDEX ? sky_at(c, (int)x, (int)row) : emission_of(p->scene, p->gbuffer, i);
+        sl_rgb emission = p->gbuffer->material[i] == SL_NO_INDEX ? sky_at(c, (int)x, (int)row)
+                                                                 : emission_of(p->scene, p->gbuffer, i);
         put(c, i, emission, sl_grey(1.0f));
     }
 }
@@ -62,7 +65,8 @@ static void compose_reflections(const composing *c) {
     for (size_t k = 0; r && k < r->count; k++) {
         size_t i = r->pixel[k];
         bool surface = p->gbuffer->material[i] != SL_NO_INDEX;
-        sl_rgb emission = surface ? sl_rgb_mul(r->throughput[k], emission_of(p->scene, p->gbuffer, i)) : r->background[k];
+        sl_rgb emission =
+            surface ? sl_rgb_mul(r->throughput[k], emission_of(p->scene, p->gbuffer, i)) : r->background[k];
         put(c, i, emission, r->throughput[k]);
     }
 }

@@ -12,7 +12,8 @@ enum { CHUNK = 4096, CANDIDATES = 64, CORNERS = 6 };
 /* ---- planes ---- */
 
 typedef struct plane_entry {
-    uint32_t hash, triangle; /* of the plane, rounded: equal for one plane's triangles, but for very few at a bin's edge */
+    /* of the plane, rounded: equal for one plane's triangles, but for very few at a bin's edge */
+    uint32_t hash, triangle;
 } plane_entry;
 
 typedef struct shares_pass {
@@ -50,7 +51,9 @@ static sl_vec3d plane_normal(const sl_vec3d corner[3]) {
     sl_vec3d n = sl_crossd(sl_subd(corner[1], corner[0]), sl_subd(corner[2], corner[0]));
     double length = sl_lengthd(n);
     if (!(length > 0.0)) return sl_v3d(0.0, 0.0, 0.0);
-    double largest = fabs(n.x) >= fabs(n.y) && fabs(n.x) >= fabs(n.z) ? n.x : fabs(n.y) >= fabs(n.z) ? n.y : n.z;
+    double largest = fabs(n.x) >= fabs(n.y) && fabs(n.x) >= fabs(n.z) ? n.x
+                     : fabs(n.y) >= fabs(n.z)                         ? n.y
+                                                                      : n.z;
     return sl_scaled(n, (largest < 0.0 ? -1.0 : 1.0) / length);
 }
 
@@ -59,7 +62,8 @@ static uint64_t bin(double v) { return (uint64_t)(int64_t)floor(v + 0.5); }
 static void hash_chunk(void *context, size_t index, unsigned worker) {
     (void)worker;
     const shares_pass *pass = context;
-    size_t end = (index + 1) * CHUNK < pass->scene->triangle_count ? (index + 1) * CHUNK : pass->scene->triangle_count;
+    size_t end =
+        (index + 1) * CHUNK < pass->scene->triangle_count ? (index + 1) * CHUNK : pass->scene->triangle_count;
     for (size_t t = index * CHUNK; t < end; t++) {
         sl_vec3d corner[3];
         sorted_corners(pass, (uint32_t)t, corner);
@@ -102,7 +106,9 @@ typedef struct flat_triangle {
     double covered;
 } flat_triangle;
 
-static double cross(flat_point o, flat_point a, flat_point b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); }
+static double cross(flat_point o, flat_point a, flat_point b) {
+    return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
+}
 
 /* On the coordinate plane that the normal leaves largest: all areas shrink alike. */
 static flat_triangle flatten(const shares_pass *pass, uint32_t t) {
@@ -113,7 +119,9 @@ static flat_triangle flatten(const shares_pass *pass, uint32_t t) {
     f.offset = sl_dotd(n, c[0]);
     for (int k = 0; k < 3; k++) {
         bool x = fabs(n.x) >= fabs(n.y) && fabs(n.x) >= fabs(n.z), y = !x && fabs(n.y) >= fabs(n.z);
-        f.corner[k] = x ? (flat_point){c[k].y, c[k].z} : y ? (flat_point){c[k].z, c[k].x} : (flat_point){c[k].x, c[k].y};
+        f.corner[k] = x   ? (flat_point){c[k].y, c[k].z}
+                      : y ? (flat_point){c[k].z, c[k].x}
+                          : (flat_point){c[k].x, c[k].y};
     }
     f.area = 0.5 * cross(f.corner[0], f.corner[1], f.corner[2]);
     if (f.area < 0.0) {
@@ -132,7 +140,9 @@ static bool separated(const flat_triangle *a, const flat_triangle *b) {
     double least = 1e-5 * (a->area < b->area ? a->area : b->area);
     for (int k = 0; k < 3; k++) {
         flat_point p = a->corner[k], q = a->corner[(k + 1) % 3];
-        if (cross(p, q, b->corner[0]) <= least && cross(p, q, b->corner[1]) <= least && cross(p, q, b->corner[2]) <= least) return true;
+        if (cross(p, q, b->corner[0]) <= least && cross(p, q, b->corner[1]) <= least &&
+            cross(p, q, b->corner[2]) <= least)
+            return true;
     }
     return false;
 }
@@ -168,15 +178,16 @@ static int by_left(const void *a, const void *b) {
     return p->triangle < q->triangle ? -1 : p->triangle > q->triangle;
 }
 
-/* The smaller of two gives way, since what a share tells of a triangle holds all over it: of a wall's face the end of another that meets it takes
- * nothing. Of equal ones the higher number does. */
+/* The smaller of two gives way, since what a share tells of a triangle holds all over it: of a wall's face
+ * the end of another that meets it takes nothing. Of equal ones the higher number does. */
 static bool gives_way(const flat_triangle *a, const flat_triangle *b) {
     if (fabs(a->area - b->area) > 1e-6 * b->area) return a->area < b->area;
     return a->triangle > b->triangle;
 }
 
 static void cover(const shares_pass *pass, flat_triangle *a, flat_triangle *b) {
-    if (fabs(sl_dotd(a->normal, b->normal)) < 1.0 - 1e-6 || fabs(a->offset - b->offset) > 1e-6 * pass->size) return;
+    if (fabs(sl_dotd(a->normal, b->normal)) < 1.0 - 1e-6 || fabs(a->offset - b->offset) > 1e-6 * pass->size)
+        return;
     if (!(a->area > 0.0 && b->area > 0.0) || separated(a, b) || separated(b, a)) return;
     flat_triangle *lesser = gives_way(a, b) ? a : b;
     lesser->covered += overlap(a, b) / lesser->area;
@@ -189,7 +200,8 @@ static bool cover_group(const shares_pass *pass, const plane_entry *entry, size_
     for (size_t i = 0; i < count; i++) flat[i] = flatten(pass, entry[i].triangle);
     qsort(flat, count, sizeof *flat, by_left);
     for (size_t i = 0; i < count; i++) {
-        for (size_t k = i + 1; k < count && k <= i + CANDIDATES && flat[k].left < flat[i].right; k++) cover(pass, &flat[i], &flat[k]);
+        for (size_t k = i + 1; k < count && k <= i + CANDIDATES && flat[k].left < flat[i].right; k++)
+            cover(pass, &flat[i], &flat[k]);
     }
     for (size_t i = 0; i < count; i++) {
         if (!(flat[i].covered > 1e-4)) continue;
@@ -204,7 +216,8 @@ static bool cover_group(const shares_pass *pass, const plane_entry *entry, size_
 static void cover_chunk(void *context, size_t index, unsigned worker) {
     (void)worker;
     const shares_pass *pass = context;
-    size_t total = pass->scene->triangle_count, end = (index + 1) * CHUNK < total ? (index + 1) * CHUNK : total;
+    size_t total = pass->scene->triangle_count,
+           end = (index + 1) * CHUNK < total ? (index + 1) * CHUNK : total;
     for (size_t i = index * CHUNK; i < end; i++) {
         if (i > 0 && pass->entry[i].hash == pass->entry[i - 1].hash) continue;
         size_t last = i + 1;
@@ -216,10 +229,13 @@ static void cover_chunk(void *context, size_t index, unsigned worker) {
 sl_status sl_coplanar_shares(const sl_scene *scene, unsigned threads, float **share, sl_error *error) {
     *share = NULL;
     size_t count = scene->triangle_count, chunks = (count + CHUNK - 1) / CHUNK;
-    shares_pass pass = {.scene = scene, .size = (double)scene->scale,
-                        .middle = sl_scaled(sl_addd(sl_to_double(scene->box_min), sl_to_double(scene->box_max)), 0.5),
-                        .entry = sl_allocate(count, sizeof *pass.entry), .share = sl_allocate(count, sizeof *pass.share),
-                        .covered = sl_allocate(chunks, sizeof *pass.covered)};
+    shares_pass pass = {
+        .scene = scene,
+        .size = (double)scene->scale,
+        .middle = sl_scaled(sl_addd(sl_to_double(scene->box_min), sl_to_double(scene->box_max)), 0.5),
+        .entry = sl_allocate(count, sizeof *pass.entry),
+        .share = sl_allocate(count, sizeof *pass.share),
+        .covered = sl_allocate(chunks, sizeof *pass.covered)};
     plane_entry *spare = sl_allocate(count, sizeof *spare);
     bool good = pass.entry && pass.share && pass.covered && spare, any = false;
     if (good) {

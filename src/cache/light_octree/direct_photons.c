@@ -7,7 +7,8 @@
 #include "trace/bsdf.h"
 
 enum { POINTS_A_TASK = 64 };
-static const double cosine_least = 0.05; /* a grazing photon is weighed no more than that: epsilon in 1 / max(n_i . omega_i, epsilon) */
+/* a grazing photon is weighed no more than that: epsilon in 1 / max(n_i . omega_i, epsilon) */
+static const double cosine_least = 0.05;
 
 typedef struct direct_job {
     const sl_direct_photons *photons;
@@ -37,8 +38,10 @@ static sl_rgb scaled_sum(const rgb_sum *sum, double scale) {
 }
 
 /* kappa / A; kappa = (k - 1) / k where the k-th photon set the radius. */
-static double density_scale(const sl_direct_photons *photons, const sl_surface *surface, const sl_gathered_photons *g, unsigned worker) {
-    sl_ellipsoid e = {sl_to_double(surface->position), sl_to_double(surface->geometric_normal), photons->flatness, g->radius};
+static double density_scale(const sl_direct_photons *photons, const sl_surface *surface,
+                            const sl_gathered_photons *g, unsigned worker) {
+    sl_ellipsoid e = {sl_to_double(surface->position), sl_to_double(surface->geometric_normal),
+                      photons->flatness, g->radius};
     double area = photons->area ? photons->area(photons->area_context, &e, worker) : sl_disc_area(&e);
     double kappa = g->full ? ((double)g->count - 1.0) / (double)g->count : 1.0;
     return area > 0.0 ? kappa / area : 0.0;
@@ -47,9 +50,13 @@ static double density_scale(const sl_direct_photons *photons, const sl_surface *
 static void light_point(const direct_job *job, size_t point, sl_gathered_photons *g, unsigned worker) {
     const sl_direct_photons *photons = job->photons;
     const sl_surface *surface = &job->surfaces[point];
-    sl_photon_query query = {.centre = surface->position, .normal = surface->geometric_normal, .flatness = photons->flatness,
-                             .radius = photons->radius, .minimum = 1e-3 * photons->radius,
-                             .cos_acceptance = photons->cos_acceptance, .neighbours = job->neighbours};
+    sl_photon_query query = {.centre = surface->position,
+                             .normal = surface->geometric_normal,
+                             .flatness = photons->flatness,
+                             .radius = photons->radius,
+                             .minimum = 1e-3 * photons->radius,
+                             .cos_acceptance = photons->cos_acceptance,
+                             .neighbours = job->neighbours};
     sl_photon_tree_gather(photons->tree, &query, g);
     const sl_photon *photon = sl_photon_tree_list(photons->tree)->photon;
     sl_bsdf bsdf = sl_bsdf_make(surface, job->to_viewer[point], SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
@@ -58,7 +65,8 @@ static void light_point(const direct_job *job, size_t point, sl_gathered_photons
         const sl_photon *p = &photon[g->place[i]];
         sl_vec3 to_light = sl_octahedral_decode(p->direction);
         double cosine = fmax((double)sl_dot(to_light, sl_octahedral_decode(p->normal)), cosine_least);
-        add(&reflected, sl_bsdf_reflect(&bsdf, to_light, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY), p->flux, 1.0 / cosine);
+        add(&reflected, sl_bsdf_reflect(&bsdf, to_light, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY), p->flux,
+            1.0 / cosine);
         add(&arriving, sl_grey(1.0f), p->flux, 1.0);
     }
     double scale = density_scale(photons, surface, g, worker);
@@ -68,7 +76,8 @@ static void light_point(const direct_job *job, size_t point, sl_gathered_photons
 
 static void light_points(void *context, size_t task, unsigned worker) {
     const direct_job *job = context;
-    sl_gathered_photons g = {.place = job->places + worker * job->neighbours, .distance = job->distances + worker * job->neighbours,
+    sl_gathered_photons g = {.place = job->places + worker * job->neighbours,
+                             .distance = job->distances + worker * job->neighbours,
                              .keys = job->keys + worker * sl_photon_keys(job->neighbours)};
     size_t end = (task + 1) * POINTS_A_TASK < job->count ? (task + 1) * POINTS_A_TASK : job->count;
     for (size_t point = task * POINTS_A_TASK; point < end; point++) {
@@ -80,11 +89,16 @@ static void light_points(void *context, size_t task, unsigned worker) {
     }
 }
 
-sl_status sl_direct_photons_radiance(const sl_direct_photons *photons, size_t count, const sl_surface *surfaces, const sl_vec3 *to_viewer,
-                                     sl_rgb *radiance, sl_rgb *irradiance, sl_counters *counters, sl_error *error) {
+sl_status sl_direct_photons_radiance(const sl_direct_photons *photons, size_t count,
+                                     const sl_surface *surfaces, const sl_vec3 *to_viewer, sl_rgb *radiance,
+                                     sl_rgb *irradiance, sl_counters *counters, sl_error *error) {
     unsigned threads = sl_thread_count(photons->threads);
     size_t tasks = (count + POINTS_A_TASK - 1) / POINTS_A_TASK;
-    direct_job job = {.photons = photons, .count = count, .surfaces = surfaces, .to_viewer = to_viewer, .radiance = radiance,
+    direct_job job = {.photons = photons,
+                      .count = count,
+                      .surfaces = surfaces,
+                      .to_viewer = to_viewer,
+                      .radiance = radiance,
                       .irradiance = irradiance};
     job.neighbours = photons->neighbours < SL_NEIGHBOURS_MAX ? photons->neighbours : SL_NEIGHBOURS_MAX;
     job.found = sl_allocate(tasks, sizeof *job.found);

@@ -1,15 +1,19 @@
-/* A direction in one float beside its light's colour: polar angle and azimuth in equal steps, a = columns * q_theta + q_phi.
- * The number of steps of theta is even, so that the six axes have codes of their own; an integer below 2^24 is exact in 32 bits. */
+/* A direction in one float beside its light's colour: polar angle and azimuth in equal steps, a = columns *
+ * q_theta + q_phi. The number of steps of theta is even, so that the six axes have codes of their own; an
+ * integer below 2^24 is exact in 32 bits. */
 #include "base/math.h"
 #include "cache/light_octree/lights.h"
 
 enum { COLUMNS = 256, STEPS = 254 /* of theta, from pole to pole */ };
 
-/* sin and cos of step / steps of a full turn; steps is a multiple of four or twice an odd number, quarter turns are exact. */
+/* sin and cos of step / steps of a full turn; steps is a multiple of four or twice an odd number, quarter
+ * turns are exact. */
 static void turn(uint32_t step, uint32_t steps, double *sine, double *cosine) {
     uint32_t quarters = 4 * step / steps;
-    double angle = 2.0 * SL_PI * ((double)(4 * step - quarters * steps) / (4.0 * (double)steps)); /* in the quarter */
-    double s = 4 * step == quarters * steps ? 0.0 : sl_sin(angle), c = 4 * step == quarters * steps ? 1.0 : sl_cos(angle);
+    /* in the quarter */
+    double angle = 2.0 * SL_PI * ((double)(4 * step - quarters * steps) / (4.0 * (double)steps));
+    double s = 4 * step == quarters * steps ? 0.0 : sl_sin(angle),
+           c = 4 * step == quarters * steps ? 1.0 : sl_cos(angle);
     switch (quarters & 3) {
     case 0: *sine = s, *cosine = c; break;
     case 1: *sine = c, *cosine = -s; break;

@@ -1,6 +1,7 @@
-/* The explanation of a pixel: R1 told backwards, by its own kernel. Around the pixel lie eight voxels; each gives the lights of one set, its
- * light times its trilinear weight times what the surface reflects. The kernel is linear in the lights: asked about one of them it says what that one
- * adds, and asked about a voxel that holds the constant 1, the others 0, how much that voxel weighs. */
+/* The explanation of a pixel: R1 told backwards, by its own kernel. Around the pixel lie eight voxels; each
+ * gives the lights of one set, its light times its trilinear weight times what the surface reflects. The
+ * kernel is linear in the lights: asked about one of them it says what that one adds, and asked about a voxel
+ * that holds the constant 1, the others 0, how much that voxel weighs. */
 #include "cache/light_octree/explanation.h"
 
 #include "base/math.h"
@@ -36,11 +37,14 @@ static double weight_of(const telling *t, int corner) {
 static float height_off(const telling *t, int corner, const sl_shade_set *set) {
     const sl_shade_block *b = &t->pixel->block;
     bool one = t->pixel->cells.corners == 1;
-    float x = b->tx[0] - (one ? 0.5f : (float)(corner & 1)), y = b->ty[0] - (one ? 0.5f : (float)(corner >> 1 & 1)), z = b->tz[0] - (one ? 0.5f : (float)(corner >> 2));
+    float x = b->tx[0] - (one ? 0.5f : (float)(corner & 1)),
+          y = b->ty[0] - (one ? 0.5f : (float)(corner >> 1 & 1)),
+          z = b->tz[0] - (one ? 0.5f : (float)(corner >> 2));
     return set->layer ? fabsf(x * set->normal.x + y * set->normal.y + z * set->normal.z - set->height) : 0.0f;
 }
 
-/* The group of a split voxel that the kernel takes: nearest normal, of layers the nearest one, the first of equals. */
+/* The group of a split voxel that the kernel takes: nearest normal, of layers the nearest one, the first of
+ * equals. */
 static int set_of(const telling *t, int number) {
     const sl_shade_block *b = &t->pixel->block;
     const sl_shade_corner *corner = &t->pixel->cells.corner[number];
@@ -62,11 +66,13 @@ static sl_vec3 middle_of(const telling *t, int corner) {
     const sl_voxel_texture *texture = t->told->shading.texture;
     double edge = texture->edge / (double)(1u << texture->depth);
     const int32_t *cell = t->pixel->cell;
-    sl_vec3d at = sl_v3d(cell[0] + (corner & 1) + 0.5, cell[1] + (corner >> 1 & 1) + 0.5, cell[2] + (corner >> 2) + 0.5);
+    sl_vec3d at = sl_v3d(cell[0] + (corner & 1) + 0.5, cell[1] + (corner >> 1 & 1) + 0.5,
+                         cell[2] + (corner >> 2) + 0.5);
     return sl_to_float(sl_addd(texture->origin, sl_scaled(at, edge)));
 }
 
-static void tell_light(const telling *t, int corner, const sl_shade_set *set, int number, double weight, const char *kind) {
+static void tell_light(const telling *t, int corner, const sl_shade_set *set, int number, double weight,
+                       const char *kind) {
     sl_shade_cells cells = t->pixel->cells;
     sl_shade_block *b = &t->pixel->block;
     cells.corners = 1;
@@ -76,11 +82,13 @@ static void tell_light(const telling *t, int corner, const sl_shade_set *set, in
     cells.corner[0].set[0].lights = 1;
     t->kernel(&cells, SL_SHADE_LANES, t->pixel->glossy, b);
     sl_vec3 at = middle_of(t, corner);
-    sl_explanation_term term = {.layer = "indirect", .kind = kind, .placed = true, .position = {at.x, at.y, at.z}, .weight = weight};
+    sl_explanation_term term = {
+        .layer = "indirect", .kind = kind, .placed = true, .position = {at.x, at.y, at.z}, .weight = weight};
     term.index = (uint64_t)(cells.corner[0].set[0].light - t->told->shading.texture->unpacked);
     bool any = false;
     for (int c = 0; c < 3; c++) {
-        double reflected = (double)(t->pixel->diffuse[c] * (float)(1.0 / SL_PI)) * (double)b->irradiance[c][0];
+        double reflected =
+            (double)(t->pixel->diffuse[c] * (float)(1.0 / SL_PI)) * (double)b->irradiance[c][0];
         if (t->pixel->glossy) reflected += (double)t->pixel->specular[c] * (double)b->lobe[c][0];
         term.value[c] = set->light[number].color[c];
         term.contribution[c] = weight * reflected * (double)t->throughput[c];
@@ -97,7 +105,10 @@ static void tell_voxels(const telling *t) {
         const sl_shade_set *set = &cells->corner[k].set[set_of(t, k)];
         if (weight == 0.0) continue;
         for (int j = 0; j < set->lights; j++)
-            tell_light(t, k, set, j, weight, cells->lobes == SL_LOBES_NONE ? "voxel: irradiance" : "directional light of a voxel: irradiance perpendicular to it");
+            tell_light(t, k, set, j, weight,
+                       cells->lobes == SL_LOBES_NONE
+                           ? "voxel: irradiance"
+                           : "directional light of a voxel: irradiance perpendicular to it");
     }
 }
 
@@ -108,19 +119,23 @@ static bool is_lit(const sl_octree_told *told, size_t pixel) {
 
 void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_explanation_writer *writer) {
     sl_octree_pixel seen;
-    telling t = {.told = told, .writer = writer, .kernel = sl_shade_kernel_for(sl_isa_best()), .pixel = &seen};
+    telling t = {
+        .told = told, .writer = writer, .kernel = sl_shade_kernel_for(sl_isa_best()), .pixel = &seen};
     if (!told->drawn) return;
     sl_explanation_add_layer(writer, "emission", "emitted light");
     sl_explanation_add_layer(writer, "direct", "direct light");
     if (!is_lit(told, pixel)) return;
-    bool looked_up = told->atlas && !sl_material_is_glossy(&told->scene->materials[told->gbuffer->material[pixel]]);
+    bool looked_up =
+        told->atlas && !sl_material_is_glossy(&told->scene->materials[told->gbuffer->material[pixel]]);
     if (!told->shading.texture || looked_up) {
         sl_explanation_add_layer(writer, "indirect", looked_up ? "texel of the atlas" : told->otherwise);
         return;
     }
     const sl_rgb left = sl_reflections_throughput(told->reflections, pixel);
     t.throughput[0] = left.r, t.throughput[1] = left.g, t.throughput[2] = left.b;
-    if (sl_octree_pixel_cells(&told->shading, told->scene, told->gbuffer, told->scene->camera.eye, pixel, &seen)) tell_voxels(&t);
+    if (sl_octree_pixel_cells(&told->shading, told->scene, told->gbuffer, told->scene->camera.eye, pixel,
+                              &seen))
+        tell_voxels(&t);
 }
 
 /* ---- marks ---- */
@@ -129,11 +144,15 @@ enum { MARKS = 4096 };
 
 void sl_octree_announce_photons(sl_announcer *announcer, const sl_photon_list *photons) {
     size_t step = photons->count / MARKS + 1, made = 0;
-    sl_mark *mark = sl_announcing(announcer) && photons->count > 0 ? sl_allocate(photons->count / step + 1, sizeof *mark) : NULL;
+    sl_mark *mark = sl_announcing(announcer) && photons->count > 0
+                        ? sl_allocate(photons->count / step + 1, sizeof *mark)
+                        : NULL;
     if (!mark) return;
     for (size_t i = 0; i < photons->count; i += step) {
         const sl_photon *p = &photons->photon[i];
-        mark[made++] = (sl_mark){.kind = SL_MARK_POINT, .at = {p->position[0], p->position[1], p->position[2]}, .colour = {p->flux[0], p->flux[1], p->flux[2]}};
+        mark[made++] = (sl_mark){.kind = SL_MARK_POINT,
+                                 .at = {p->position[0], p->position[1], p->position[2]},
+                                 .colour = {p->flux[0], p->flux[1], p->flux[2]}};
     }
     sl_announce_marks(announcer, "photon hits", "photon map", mark, made);
     sl_free(mark);
@@ -146,19 +165,24 @@ static size_t put_arrows(const sl_voxel_lights *lights, size_t index, float leng
     for (int j = 0; j < set->lights; j++) {
         const sl_directional_light *light = &lights->light[index * (size_t)lights->texels + (size_t)j];
         sl_vec3 to = sl_mad(set->centroid, length, sl_direction_unpack(light->packed));
-        mark[made++] = (sl_mark){.kind = SL_MARK_SEGMENT, .at = {set->centroid.x, set->centroid.y, set->centroid.z}, .to = {to.x, to.y, to.z},
+        mark[made++] = (sl_mark){.kind = SL_MARK_SEGMENT,
+                                 .at = {set->centroid.x, set->centroid.y, set->centroid.z},
+                                 .to = {to.x, to.y, to.z},
                                  .colour = {light->color[0], light->color[1], light->color[2]}};
     }
     return made;
 }
 
-void sl_octree_announce_lights(sl_announcer *announcer, const sl_octree *octree, const sl_voxel_lights *lights) {
+void sl_octree_announce_lights(sl_announcer *announcer, const sl_octree *octree,
+                               const sl_voxel_lights *lights) {
     bool directed = lights->options.lobes != SL_LOBES_NONE;
     size_t step = lights->set_count * (size_t)lights->texels / MARKS + 1, made = 0;
     if (!sl_announcing(announcer) || !directed || lights->set_count == 0) return;
     sl_mark *mark = sl_allocate((lights->set_count / step + 1) * (size_t)lights->texels, sizeof *mark);
     if (!mark) return;
-    for (size_t i = 0; i < lights->set_count; i += step) made += put_arrows(lights, i, (float)(0.5 * sl_octree_voxel(octree)), mark + made);
-    if (made > 0) sl_announce_marks(announcer, "lights of the voxels", "virtual directional lights", mark, made);
+    for (size_t i = 0; i < lights->set_count; i += step)
+        made += put_arrows(lights, i, (float)(0.5 * sl_octree_voxel(octree)), mark + made);
+    if (made > 0)
+        sl_announce_marks(announcer, "lights of the voxels", "virtual directional lights", mark, made);
     sl_free(mark);
 }

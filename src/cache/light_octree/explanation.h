@@ -24,7 +24,9 @@ void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_explanation_wri
 
 /* Photons where they hit, some thousands of them. */
 void sl_octree_announce_photons(sl_announcer *announcer, const sl_photon_list *photons);
-/* Voxels' lights as arrows from their centroids towards where the light comes from, some thousands of them. */
-void sl_octree_announce_lights(sl_announcer *announcer, const sl_octree *octree, const sl_voxel_lights *lights);
+/* Voxels' lights as arrows from their centroids towards where the light comes from, some thousands of them.
+ */
+void sl_octree_announce_lights(sl_announcer *announcer, const sl_octree *octree,
+                               const sl_voxel_lights *lights);
 
 #endif

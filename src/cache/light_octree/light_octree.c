@@ -47,13 +47,15 @@ static void octree_destroy(void *state) {
 static sl_status make_geometry(sl_octree_state *s, sl_error *error) {
     sl_status status = sl_raster_create(s->scene, s->settings.threads, &s->raster, error);
     bool rays = s->plan.photons || (s->plan.mirrors && !s->settings.light_octree.environment_mirrors);
-    if (status == SL_OK && rays) status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->tracer, error);
+    if (status == SL_OK && rays)
+        status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->tracer, error);
     return status;
 }
 
 static sl_status make_light(sl_octree_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    bool cube = !s->cube && s->plan.mirrors && s->settings.light_octree.environment_mirrors && s->scene->environment.present;
+    bool cube = !s->cube && s->plan.mirrors && s->settings.light_octree.environment_mirrors &&
+                s->scene->environment.present;
     if (cube) status = sl_environment_cube(&s->scene->environment, s->settings.threads, &s->cube, error);
     if (status != SL_OK || !s->plan.direct) return status;
     const sl_environment *sampled = s->plan.environment ? &s->scene->environment : NULL;
@@ -62,21 +64,26 @@ static sl_status make_light(sl_octree_state *s, sl_error *error) {
         sampled = s->sun.present ? &s->sun : NULL;
     }
     if (status != SL_OK) return status;
-    sl_direct_settings direct = {.light_samples = s->settings.spp, .seed = s->settings.seed, .threads = s->settings.threads, .sun = sampled};
+    sl_direct_settings direct = {.light_samples = s->settings.spp,
+                                 .seed = s->settings.seed,
+                                 .threads = s->settings.threads,
+                                 .sun = sampled};
     return sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
 }
 
-static sl_status octree_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
-                               sl_error *error) {
+static sl_status octree_create(const sl_scene *scene, const sl_settings *settings,
+                               const sl_transport *transport, void **state, sl_error *error) {
     (void)transport; /* its own: sl_octree_transport() */
     sl_octree_state *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "the light octree");
     s->scene = scene;
     s->settings = *settings;
-    s->announcer = (sl_announcer){.observer = settings->observer, .method = "light-octree", .counters = &s->counters};
+    s->announcer =
+        (sl_announcer){.observer = settings->observer, .method = "light-octree", .counters = &s->counters};
     s->plan = sl_octree_plan_make(scene, settings);
     s->planes = sl_allocate(SL_OCTREE_PLANES * sl_octree_state_pixels(s), sizeof *s->planes);
-    sl_status status = s->planes ? sl_gbuffer_create(settings->width, settings->height, &s->gbuffer, error) : sl_fail_memory(error, "the picture");
+    sl_status status = s->planes ? sl_gbuffer_create(settings->width, settings->height, &s->gbuffer, error)
+                                 : sl_fail_memory(error, "the picture");
     if (status == SL_OK) status = make_geometry(s, error);
     if (status == SL_OK) status = make_light(s, error);
     if (status != SL_OK) {
@@ -108,7 +115,8 @@ static double fraction_done(const sl_octree_state *s) {
     case SL_OCTREE_PHASE_DIRECT: return 0.3 * (double)s->direct_row / (double)s->settings.height;
     case SL_OCTREE_PHASE_PHOTONS: return 0.3 + 0.2 * (stored < 1.0 ? stored : 1.0);
     case SL_OCTREE_PHASE_OCTREE: return 0.5 + 0.5 * levels_done(s, 0.0);
-    case SL_OCTREE_PHASE_LIGHTS: return 0.5 + 0.5 * levels_done(s, (double)s->leaf / (double)s->next.octree->leaf_count);
+    case SL_OCTREE_PHASE_LIGHTS:
+        return 0.5 + 0.5 * levels_done(s, (double)s->leaf / (double)s->next.octree->leaf_count);
     case SL_OCTREE_PHASE_SHADE: return 0.5 + 0.5 * levels_done(s, 1.0);
     case SL_OCTREE_PHASE_DONE: return 1.0;
     }
@@ -117,7 +125,8 @@ static double fraction_done(const sl_octree_state *s) {
 
 static sl_status octree_update(void *state, sl_progress *progress, sl_error *error) {
     sl_octree_state *s = state;
-    if (!s->raster) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    if (!s->raster)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = sl_octree_step(s, error);
     progress->fraction = fraction_done(s);
     progress->frame_done = progress->done = s->phase == SL_OCTREE_PHASE_DONE;
@@ -126,13 +135,14 @@ static sl_status octree_update(void *state, sl_progress *progress, sl_error *err
 
 static sl_status octree_resolve(void *state, sl_image **image, sl_error *error) {
     sl_octree_state *s = state;
-    sl_octree_composition parts = {.scene = s->scene,
-                                   .gbuffer = s->gbuffer,
-                                   .reflections = s->reflections,
-                                   .direct = {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
-                                   .indirect = {s->indirect_light[0], s->indirect_light[1], s->indirect_light[2]},
-                                   .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
-                                   .threads = s->settings.threads};
+    sl_octree_composition parts = {
+        .scene = s->scene,
+        .gbuffer = s->gbuffer,
+        .reflections = s->reflections,
+        .direct = {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
+        .indirect = {s->indirect_light[0], s->indirect_light[1], s->indirect_light[2]},
+        .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
+        .threads = s->settings.threads};
     sl_status status = sl_octree_compose(&parts, image, error);
     if (status == SL_OK) status = sl_octree_write_report(s, *image, error);
     if (status != SL_OK) {
@@ -162,20 +172,29 @@ static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
     return status;
 }
 
-static sl_status octree_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
+static sl_status octree_explanation(void *state, int x, int y, sl_explanation_writer *writer,
+                                    sl_error *error) {
     (void)error;
     const sl_octree_state *s = state;
     const sl_light_octree_settings *o = &s->settings.light_octree;
     bool voxels = s->lit && !o->photons_at_pixels;
-    sl_octree_told told = {.scene = s->scene, .gbuffer = s->gbuffer, .reflections = s->reflections, .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
-                           .shading = sl_octree_state_shading(s), .atlas = s->atlas != NULL,
-                           .otherwise = o->photons_at_pixels ? "the photons nearest to the pixel" : "lights of voxels that made way for smaller ones"};
+    sl_octree_told told = {.scene = s->scene,
+                           .gbuffer = s->gbuffer,
+                           .reflections = s->reflections,
+                           .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
+                           .shading = sl_octree_state_shading(s),
+                           .atlas = s->atlas != NULL,
+                           .otherwise = o->photons_at_pixels
+                                            ? "the photons nearest to the pixel"
+                                            : "lights of voxels that made way for smaller ones"};
     if (!voxels) told.shading.texture = NULL;
     sl_octree_tell(&told, (size_t)y * (size_t)s->settings.width + (size_t)x, writer);
     return SL_OK;
 }
 
-static const sl_counters *octree_counters(const void *state) { return &((const sl_octree_state *)state)->counters; }
+static const sl_counters *octree_counters(const void *state) {
+    return &((const sl_octree_state *)state)->counters;
+}
 
 static size_t octree_memory_bytes(const void *state) { return sl_octree_state_bytes(state); }
 

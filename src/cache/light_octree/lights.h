@@ -1,5 +1,5 @@
-/* From a voxel's photons to its virtual directional lights: K-means on directions (cluster.c), and what each cluster's colour means
- * (voxel_lobes.c). */
+/* From a voxel's photons to its virtual directional lights: K-means on directions (cluster.c), and what each
+ * cluster's colour means (voxel_lobes.c). */
 #ifndef SL_CACHE_LIGHT_OCTREE_LIGHTS_H
 #define SL_CACHE_LIGHT_OCTREE_LIGHTS_H
 
@@ -15,7 +15,8 @@ typedef struct sl_directions {
 } sl_directions;
 
 typedef struct sl_clusters {
-    int count;                               /* at most what was asked for; fewer where there are fewer distinct directions */
+    /* at most what was asked for; fewer where there are fewer distinct directions */
+    int count;
     sl_vec3d centre[SL_VOXEL_LIGHTS_MAX];    /* unit */
     double cost;                             /* J = sum w |omega - d|^2 */
     double rms_angle;                        /* radians, by weight: the spread */
@@ -23,10 +24,13 @@ typedef struct sl_clusters {
     int iterations;
 } sl_clusters;
 
-/* Deterministic: first centre nearest to the mean, next ones by largest weighted distance, ties to the lower index; J never rises. of: the cluster of each point. scratch: count doubles. */
-void sl_cluster_directions(const sl_directions *directions, int wanted, uint8_t *of, double *scratch, sl_clusters *clusters);
+/* Deterministic: first centre nearest to the mean, next ones by largest weighted distance, ties to the lower
+ * index; J never rises. of: the cluster of each point. scratch: count doubles. */
+void sl_cluster_directions(const sl_directions *directions, int wanted, uint8_t *of, double *scratch,
+                           sl_clusters *clusters);
 
-/* Its parts: centres to start from, and one iteration, which returns how many points changed their cluster. */
+/* Its parts: centres to start from, and one iteration, which returns how many points changed their cluster.
+ */
 void sl_cluster_start(const sl_directions *directions, int wanted, double *scratch, sl_clusters *clusters);
 size_t sl_cluster_step(const sl_directions *directions, uint8_t *of, sl_clusters *clusters);
 

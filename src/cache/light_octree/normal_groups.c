@@ -11,7 +11,8 @@ static bool is_flat(const sl_scene *scene, uint32_t triangle) {
     const sl_material *m = &scene->materials[scene->material_index[triangle]];
     sl_vec3 n = sl_scene_geometric_normal(scene, triangle);
     bool flat = !sl_material_is_glossy(m) && !sl_material_is_bumpy(m);
-    for (int k = 0; flat && k < 3; k++) flat = fabs((double)sl_dot(n, sl_scene_normal(scene, scene->vertex[k][triangle]))) >= COS_FLAT;
+    for (int k = 0; flat && k < 3; k++)
+        flat = fabs((double)sl_dot(n, sl_scene_normal(scene, scene->vertex[k][triangle]))) >= COS_FLAT;
     return flat;
 }
 
@@ -22,7 +23,8 @@ typedef struct leaf_range {
 static leaf_range leaves_of(const sl_octree *octree, const sl_octree *geometry, size_t index) {
     int shift = 3 * (geometry->depth - octree->depth);
     uint64_t code = octree->leaf[index].morton;
-    return (leaf_range){sl_octree_lower_bound(geometry, code << shift), sl_octree_lower_bound(geometry, (code + 1) << shift)};
+    return (leaf_range){sl_octree_lower_bound(geometry, code << shift),
+                        sl_octree_lower_bound(geometry, (code + 1) << shift)};
 }
 
 size_t sl_voxel_pieces_max(const sl_octree *octree, const sl_octree *geometry) {
@@ -36,7 +38,8 @@ size_t sl_voxel_pieces_max(const sl_octree *octree, const sl_octree *geometry) {
     return most;
 }
 
-static size_t collect(const sl_cell_space *space, const sl_octree *geometry, leaf_range range, sl_vec3d base, sl_voxel_piece *pieces) {
+static size_t collect(const sl_cell_space *space, const sl_octree *geometry, leaf_range range, sl_vec3d base,
+                      sl_voxel_piece *pieces) {
     size_t count = 0;
     for (size_t k = range.first; k < range.end; k++) {
         const sl_octree_leaf *leaf = &geometry->leaf[k];
@@ -49,13 +52,16 @@ static size_t collect(const sl_cell_space *space, const sl_octree *geometry, lea
             double area = sl_clip_to_cell(space, &t, cell, 0.0, &part), length = sl_lengthd(t.normal);
             area *= geometry->share ? part.area * (double)geometry->share[number] : part.area;
             if (!(area > 0.0 && length > 0.0)) continue;
-            pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length), sl_scaled(sl_subd(part.centroid, base), area), area, -1, is_flat(space->scene, number)};
+            pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length),
+                                               sl_scaled(sl_subd(part.centroid, base), area), area, -1,
+                                               is_flat(space->scene, number)};
         }
     }
     return count;
 }
 
-/* Of a voxel: layers of one normal that lie farther apart are two groups. A flat gather as wide as the voxel is no thicker. */
+/* Of a voxel: layers of one normal that lie farther apart are two groups. A flat gather as wide as the voxel
+ * is no thicker. */
 static const double layers_apart = 0.25;
 
 typedef struct group_sum {
@@ -67,14 +73,17 @@ typedef struct group_sum {
 
 static void join_group(group_sum *sums, int group, sl_voxel_piece *piece) {
     piece->group = group;
-    sums[group].flat = sums[group].flat && piece->flat && sl_dotd(piece->normal, sums[group].seed) >= COS_FLAT;
+    sums[group].flat =
+        sums[group].flat && piece->flat && sl_dotd(piece->normal, sums[group].seed) >= COS_FLAT;
     sums[group].area += piece->area;
     sums[group].vector = sl_addd(sums[group].vector, sl_scaled(piece->normal, piece->area));
     sums[group].moment = sl_addd(sums[group].moment, piece->moment);
 }
 
 /* Above the seed, in cells. */
-static double height_above(const group_sum *sum, const sl_voxel_piece *piece) { return sl_dotd(sum->seed, piece->moment) / piece->area - sum->height; }
+static double height_above(const group_sum *sum, const sl_voxel_piece *piece) {
+    return sl_dotd(sum->seed, piece->moment) / piece->area - sum->height;
+}
 
 static bool belongs_to(const group_sum *sum, const sl_voxel_piece *piece, double apart) {
     return sl_dotd(piece->normal, sum->seed) >= COS_45 && fabs(height_above(sum, piece)) <= apart;
@@ -92,7 +101,8 @@ static void join_nearest(group_sum *sums, int groups, double cells, sl_voxel_pie
 }
 
 /* Returns whether a group was started and is worth keeping; what is not goes to others at the end. */
-static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, size_t count, double least, double apart) {
+static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, size_t count, double least,
+                        double apart) {
     size_t seed = count;
     for (size_t i = 0; i < count; i++) {
         if (pieces[i].group < 0 && (seed == count || pieces[i].area > pieces[seed].area)) seed = i;
@@ -106,25 +116,28 @@ static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, siz
     }
     if (groups > 0 && area < least) return false;
     for (size_t i = 0; i < count; i++) {
-        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i], apart)) join_group(sums, groups, &pieces[i]);
+        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i], apart))
+            join_group(sums, groups, &pieces[i]);
     }
     return true;
 }
 
 /* Pieces by their centroids: what is one plane has no height. */
-static void measure_heights(const sl_voxel_piece *pieces, size_t count, sl_vec3d centre, double scale, int number, sl_normal_group *group) {
+static void measure_heights(const sl_voxel_piece *pieces, size_t count, sl_vec3d centre, double scale,
+                            int number, sl_normal_group *group) {
     sl_vec3d n = sl_to_double(group->normal);
     group->low = group->high = 0.0f;
     for (size_t i = 0; i < count; i++) {
         if (pieces[i].group != number) continue;
-        float height = (float)(sl_dotd(n, sl_subd(sl_scaled(pieces[i].moment, 1.0 / pieces[i].area), centre)) / scale);
+        float height =
+            (float)(sl_dotd(n, sl_subd(sl_scaled(pieces[i].moment, 1.0 / pieces[i].area), centre)) / scale);
         group->low = fminf(group->low, height);
         group->high = fmaxf(group->high, height);
     }
 }
 
-int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const sl_octree *geometry, size_t index, sl_voxel_piece *pieces,
-                     sl_normal_group groups[SL_VOXEL_SETS_MAX]) {
+int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const sl_octree *geometry,
+                     size_t index, sl_voxel_piece *pieces, sl_normal_group groups[SL_VOXEL_SETS_MAX]) {
     uint32_t cell[3];
     sl_morton_decode(octree->leaf[index].morton, cell);
     double cells = (double)(1u << (geometry->depth - octree->depth)), total = 0.0;
@@ -133,14 +146,17 @@ int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const 
     for (size_t i = 0; i < pieces_here; i++) total += pieces[i].area;
     group_sum sums[SL_VOXEL_SETS_MAX];
     int count = 0;
-    while (count < SL_VOXEL_SETS_MAX && start_group(sums, count, pieces, pieces_here, 0.01 * total, layers_apart * cells)) count++;
+    while (count < SL_VOXEL_SETS_MAX &&
+           start_group(sums, count, pieces, pieces_here, 0.01 * total, layers_apart * cells))
+        count++;
     for (size_t i = 0; count > 0 && i < pieces_here; i++) {
         if (pieces[i].group < 0) join_nearest(sums, count, cells, &pieces[i]);
     }
     for (int g = 0; g < count; g++) {
         double length = sl_lengthd(sums[g].vector);
         sl_vec3d from_base = sl_scaled(sums[g].moment, 1.0 / sums[g].area), centre = sl_addd(base, from_base);
-        groups[g].normal = sl_to_float(length > 0.2 * sums[g].area ? sl_scaled(sums[g].vector, 1.0 / length) : sums[g].seed);
+        groups[g].normal =
+            sl_to_float(length > 0.2 * sums[g].area ? sl_scaled(sums[g].vector, 1.0 / length) : sums[g].seed);
         groups[g].centroid = sl_to_float(sl_addd(sl_scaled(centre, 1.0 / space->scale), space->origin));
         measure_heights(pieces, pieces_here, from_base, space->scale, g, &groups[g]);
         groups[g].flat = sums[g].flat;

@@ -1,5 +1,6 @@
-/* Building: every triangle names the cells of the deepest level that it meets; the pairs (Morton code, triangle) are sorted, and each run
- * of equal codes is a leaf. The levels above are the codes' prefixes: a cell is split if and only if a deeper one in it meets a triangle. */
+/* Building: every triangle names the cells of the deepest level that it meets; the pairs (Morton code,
+ * triangle) are sorted, and each run of equal codes is a leaf. The levels above are the codes' prefixes: a
+ * cell is split if and only if a deeper one in it meets a triangle. */
 #include "cache/light_octree/octree.h"
 
 #include <stdlib.h>
@@ -21,17 +22,21 @@ enum { CHUNK = 2048, LEAF_BLOCK = 128, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS 
 static double largest(double a, double b) { return a > b ? a : b; }
 
 sl_cell_space sl_cell_space_of(const sl_scene *scene, sl_vec3d origin, double edge, int depth) {
-    double scale = (double)(1u << depth) / edge, far = (double)sl_scene_coordinate_near(scene, scene->central_min);
-    return (sl_cell_space){scene, origin, scale, 0x1p-22 * far * scale}; /* four half units in the last place */
+    double scale = (double)(1u << depth) / edge,
+           far = (double)sl_scene_coordinate_near(scene, scene->central_min);
+    /* four half units in the last place */
+    return (sl_cell_space){scene, origin, scale, 0x1p-22 * far * scale};
 }
 
 static sl_vec3d place(const sl_cell_space *space, uint32_t vertex) {
-    return sl_scaled(sl_subd(sl_to_double(sl_scene_position(space->scene, vertex)), space->origin), space->scale);
+    return sl_scaled(sl_subd(sl_to_double(sl_scene_position(space->scene, vertex)), space->origin),
+                     space->scale);
 }
 
 sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t triangle) {
     uint32_t *const *vertex = (uint32_t *const *)space->scene->vertex;
-    return sl_cell_triangle_of(place(space, vertex[0][triangle]), place(space, vertex[1][triangle]), place(space, vertex[2][triangle]));
+    return sl_cell_triangle_of(place(space, vertex[0][triangle]), place(space, vertex[1][triangle]),
+                               place(space, vertex[2][triangle]));
 }
 
 /* Does it lie in a face of the cell? Both voxels there have it. */
@@ -49,8 +54,8 @@ static bool in_face(const sl_triangle_part *part, sl_vec3d low, double face) {
     return false;
 }
 
-double sl_clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *triangle, const uint32_t cell[3], double dilate,
-                       sl_triangle_part *part) {
+double sl_clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *triangle, const uint32_t cell[3],
+                       double dilate, sl_triangle_part *part) {
     sl_vec3d low = sl_v3d(cell[0], cell[1], cell[2]), high = sl_addd(low, sl_v3d(1.0, 1.0, 1.0));
     double g = dilate + space->tolerance;
     sl_vec3d margin = sl_v3d(g, g, g);
@@ -108,7 +113,8 @@ static cell_range range_of(const builder *b, const sl_cell_triangle *t) {
             lower = x < lower ? x : lower;
             upper = x > upper ? x : upper;
         }
-        double first = ceil(lower - b->grown - 1.0), last = floor(upper + b->grown), end = (double)(b->cells - 1);
+        double first = ceil(lower - b->grown - 1.0), last = floor(upper + b->grown),
+               end = (double)(b->cells - 1);
         range.low[axis] = (uint32_t)(first > 0.0 ? (first < end ? first : end) : 0.0);
         range.high[axis] = (uint32_t)(last > 0.0 ? (last < end ? last : end) : 0.0);
     }
@@ -116,7 +122,8 @@ static cell_range range_of(const builder *b, const sl_cell_triangle *t) {
 }
 
 /* Halves a range of cells along its longest side as long as its box meets the triangle. */
-static void visit_range(const builder *b, const sl_cell_triangle *t, cell_range range, uint32_t triangle, pair_list *list) {
+static void visit_range(const builder *b, const sl_cell_triangle *t, cell_range range, uint32_t triangle,
+                        pair_list *list) {
     int axis = 0;
     uint32_t side = 0;
     for (int k = 0; k < 3; k++) {
@@ -149,12 +156,14 @@ static void visit_chunk(void *context, size_t index, unsigned worker) {
     for (size_t i = first; i < end; i++) {
         sl_cell_triangle t = sl_cell_space_triangle(&b->space, (uint32_t)i);
         cell_range range = range_of(b, &t);
-        if (memcmp(range.low, range.high, sizeof range.low) == 0) emit(list, range.low[0], range.low[1], range.low[2], (uint32_t)i);
+        if (memcmp(range.low, range.high, sizeof range.low) == 0)
+            emit(list, range.low[0], range.low[1], range.low[2], (uint32_t)i);
         else visit_range(b, &t, range, (uint32_t)i, list);
     }
 }
 
-/* Stable, by Morton code alone: triangles come in ascending order already. The result is in *pair; *spare is scratch. */
+/* Stable, by Morton code alone: triangles come in ascending order already. The result is in *pair; *spare is
+ * scratch. */
 static void sort_pairs(uint64_t **pair, uint64_t **spare, size_t count, int code_bits) {
     for (int shift = 32; shift < 32 + code_bits; shift += RADIX_BITS) {
         static const uint64_t mask = RADIX - 1;
@@ -175,7 +184,8 @@ static void sort_pairs(uint64_t **pair, uint64_t **spare, size_t count, int code
 
 /* ---- what a leaf holds ---- */
 
-/* n_v and c_v by area of what lies in the voxel: so they do not depend on how a surface is cut into triangles. */
+/* n_v and c_v by area of what lies in the voxel: so they do not depend on how a surface is cut into
+ * triangles. */
 static void measure_leaf(const builder *b, sl_octree_leaf *leaf, sl_vec3 *area_vector) {
     uint32_t cell[3];
     sl_morton_decode(leaf->morton, cell);
@@ -186,7 +196,8 @@ static void measure_leaf(const builder *b, sl_octree_leaf *leaf, sl_vec3 *area_v
         uint32_t number = b->octree->triangle[leaf->first_triangle + i];
         sl_cell_triangle t = sl_cell_space_triangle(&b->space, number);
         sl_triangle_part part;
-        double share = sl_clip_to_cell(&b->space, &t, cell, b->dilate, &part) * part.area, length = sl_lengthd(t.normal);
+        double share = sl_clip_to_cell(&b->space, &t, cell, b->dilate, &part) * part.area,
+               length = sl_lengthd(t.normal);
         if (b->octree->share) share *= (double)b->octree->share[number];
         if (part.count == 0 || !(length > 0.0)) continue;
         sl_vec3d n = sl_scaled(t.normal, 1.0 / length), c = sl_subd(part.centroid, middle);
@@ -203,7 +214,8 @@ static void measure_leaf(const builder *b, sl_octree_leaf *leaf, sl_vec3 *area_v
     double length = sl_lengthd(n), cell_area = 1.0 / (b->space.scale * b->space.scale);
     bool turned = length > 0.0 && length >= 0.2 * (area > 0.0 ? area : touches);
     leaf->normal = turned ? sl_to_float(sl_scaled(n, 1.0 / length)) : sl_v3(0.0f, 0.0f, 0.0f);
-    leaf->centroid = sl_to_float(sl_addd(sl_scaled(sl_addd(middle, centre), 1.0 / b->space.scale), b->space.origin));
+    leaf->centroid =
+        sl_to_float(sl_addd(sl_scaled(sl_addd(middle, centre), 1.0 / b->space.scale), b->space.origin));
     leaf->area = (float)(area * cell_area);
     *area_vector = sl_to_float(sl_scaled(vector, cell_area));
 }
@@ -281,18 +293,23 @@ static sl_octree_root root_around(sl_vec3 box_min, sl_vec3 box_max, double large
     double edge = larger * largest(size.x, largest(size.y, size.z));
     if (!(edge > 0.0 && edge < 1e300)) edge = 1.0; /* no triangles */
     edge *= 1.0 + 1e-4;
-    return (sl_octree_root){sl_subd(sl_scaled(sl_addd(low, high), 0.5), sl_scaled(sl_v3d(1.0, 1.0, 1.0), 0.5 * edge)), edge};
+    return (sl_octree_root){
+        sl_subd(sl_scaled(sl_addd(low, high), 0.5), sl_scaled(sl_v3d(1.0, 1.0, 1.0), 0.5 * edge)), edge};
 }
 
-sl_octree_root sl_octree_root_of_all(const sl_scene *scene) { return root_around(scene->box_min, scene->box_max, 1.0); }
+sl_octree_root sl_octree_root_of_all(const sl_scene *scene) {
+    return root_around(scene->box_min, scene->box_max, 1.0);
+}
 
 sl_octree_root sl_octree_root_of_core(const sl_scene *scene) {
-    return root_around(scene->central_min, scene->central_max, sl_scene_is_scattered(scene) ? AROUND_CORE : 1.0);
+    return root_around(scene->central_min, scene->central_max,
+                       sl_scene_is_scattered(scene) ? AROUND_CORE : 1.0);
 }
 
 static sl_status drop_dark_shares(sl_octree *octree, const sl_scene *scene, sl_error *error) {
     size_t dark = 0;
-    for (size_t i = 0; i < scene->triangle_count; i++) dark += !sl_takes_photons(&scene->materials[scene->material_index[i]]);
+    for (size_t i = 0; i < scene->triangle_count; i++)
+        dark += !sl_takes_photons(&scene->materials[scene->material_index[i]]);
     if (dark == 0) return SL_OK;
     bool all = octree->share == NULL;
     if (all) octree->share = sl_allocate(scene->triangle_count, sizeof *octree->share);
@@ -304,16 +321,18 @@ static sl_status drop_dark_shares(sl_octree *octree, const sl_scene *scene, sl_e
     return SL_OK;
 }
 
-sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads, sl_octree **octree, sl_error *error) {
+sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads,
+                           sl_octree **octree, sl_error *error) {
     sl_octree_root all = sl_octree_root_of_all(scene);
     return sl_octree_create_in(scene, &all, depth, dilate, threads, octree, error);
 }
 
-sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate, unsigned threads, sl_octree **result, sl_error *error) {
+sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,
+                              unsigned threads, sl_octree **result, sl_error *error) {
     *result = NULL;
     if (depth < 1 || depth > SL_OCTREE_DEPTH_MAX || !(dilate >= 0.0 && dilate <= 1.0)) {
-        return sl_fail(error, SL_ERROR_USAGE, "an octree of depth %d, voxels grown by %g: 1 to %d, 0 to 1", depth, dilate,
-                       (int)SL_OCTREE_DEPTH_MAX);
+        return sl_fail(error, SL_ERROR_USAGE, "an octree of depth %d, voxels grown by %g: 1 to %d, 0 to 1",
+                       depth, dilate, (int)SL_OCTREE_DEPTH_MAX);
     }
     sl_octree *octree = sl_allocate(1, sizeof *octree);
     if (!octree) return sl_fail_memory(error, "the octree");
@@ -321,7 +340,10 @@ sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root,
     octree->origin = root->origin;
     octree->edge = root->edge;
     size_t chunks = (scene->triangle_count + CHUNK - 1) / CHUNK;
-    builder b = {.space = sl_cell_space_of(scene, octree->origin, octree->edge, depth), .dilate = dilate, .cells = 1u << depth, .octree = octree,
+    builder b = {.space = sl_cell_space_of(scene, octree->origin, octree->edge, depth),
+                 .dilate = dilate,
+                 .cells = 1u << depth,
+                 .octree = octree,
                  .chunk = sl_allocate(chunks, sizeof *b.chunk)};
     b.grown = dilate + b.space.tolerance;
     sl_status status = b.chunk ? SL_OK : sl_fail_memory(error, "the octree");

@@ -1,10 +1,10 @@
-/* The octree over the scene's geometry: a cell is split while it meets a triangle, down to a depth; leaves in Morton
- * order. A shallower octree is a cut of a deeper one. There are leaves where a surface reflects diffusely or glossily: black ones (most lamps) and
- * mirrors ask for no light, and photons there would only bleed onto what is near. They are in those leaves' lists nevertheless, since
- * they may hide others.
+/* The octree over the scene's geometry: a cell is split while it meets a triangle, down to a depth; leaves in
+ * Morton order. A shallower octree is a cut of a deeper one. There are leaves where a surface reflects
+ * diffusely or glossily: black ones (most lamps) and mirrors ask for no light, and photons there would only
+ * bleed onto what is near. They are in those leaves' lists nevertheless, since they may hide others.
  *
- * Boxes are closed, and wider by what rounding to float may have moved a vertex: every point of a surface, worked out in float, lies in a
- * leaf. */
+ * Boxes are closed, and wider by what rounding to float may have moved a vertex: every point of a surface,
+ * worked out in float, lies in a leaf. */
 #ifndef SL_CACHE_LIGHT_OCTREE_OCTREE_H
 #define SL_CACHE_LIGHT_OCTREE_OCTREE_H
 
@@ -15,8 +15,8 @@ typedef struct sl_octree_leaf {
     uint64_t morton;        /* z y x interleaved, x lowest, at the octree's depth */
     sl_vec3 centroid;       /* c_v: by area, of the triangles clipped to the voxel */
     sl_vec3 normal;         /* n_v; (0,0,0) where |sum area n| < 0.2 sum area */
-    float area;             /* of the clipped triangles; what lies in a face that two voxels share counts half in each, so that the
-                             * leaves' areas add up to the scene's; next to 0 where they only touch the voxel */
+    float area; /* of the clipped triangles; what lies in a face that two voxels share counts half in each, so
+                 * that the leaves' areas add up to the scene's; next to 0 where they only touch the voxel */
     uint32_t first_triangle; /* in the octree's list */
     uint32_t triangle_count;
 } sl_octree_leaf;
@@ -30,7 +30,9 @@ typedef struct sl_octree {
     size_t leaf_count;
     sl_octree_leaf *leaf;
     sl_vec3 *area_vector;   /* of each leaf: sum area n, for cuts */
-    float *share;           /* of each of the scene's triangles: which share of its area counts, 0 where no photon is stored (and coplanar.h); NULL: all of it, and in cuts */
+    /* of each of the scene's triangles: which share of its area counts, 0 where no photon is stored (and
+     * coplanar.h); NULL: all of it, and in cuts */
+    float *share;
     size_t triangle_count;
     uint32_t *triangle;     /* leaf by leaf, ascending in each; empty (counts 0) in cuts */
 } sl_octree;
@@ -42,17 +44,21 @@ typedef struct sl_octree_root {
 } sl_octree_root;
 
 sl_octree_root sl_octree_root_of_all(const sl_scene *scene);
-/* The core of a scattered scene and half as much again: voxels of all of it would be larger than the central region is. Else of all. */
+/* The core of a scattered scene and half as much again: voxels of all of it would be larger than the central
+ * region is. Else of all. */
 sl_octree_root sl_octree_root_of_core(const sl_scene *scene);
 static inline bool sl_octree_root_holds(const sl_octree_root *root, sl_vec3 p) {
     sl_vec3d u = sl_subd(sl_to_double(p), root->origin);
-    return u.x >= 0.0 && u.y >= 0.0 && u.z >= 0.0 && u.x <= root->edge && u.y <= root->edge && u.z <= root->edge;
+    return u.x >= 0.0 && u.y >= 0.0 && u.z >= 0.0 && u.x <= root->edge && u.y <= root->edge &&
+           u.z <= root->edge;
 }
 
 /* dilate: voxels are grown by that fraction of their edge in the test (0: the paper's remedy is off). */
-sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads, sl_octree **octree, sl_error *error);
+sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads,
+                           sl_octree **octree, sl_error *error);
 /* The same in another root cube than that of all the scene. */
-sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate, unsigned threads, sl_octree **octree, sl_error *error);
+sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,
+                              unsigned threads, sl_octree **octree, sl_error *error);
 sl_status sl_octree_cut(const sl_octree *octree, int depth, sl_octree **cut, sl_error *error);
 void sl_octree_destroy(sl_octree *octree);
 size_t sl_octree_bytes(const sl_octree *octree);
@@ -62,6 +68,8 @@ uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton);
 size_t sl_octree_lower_bound(const sl_octree *octree, uint64_t morton);
 /* The code of the cell (clamped to the root) that holds a point. */
 uint64_t sl_octree_morton_at(const sl_octree *octree, sl_vec3 p);
-static inline double sl_octree_voxel(const sl_octree *octree) { return octree->edge / (double)(1u << octree->depth); }
+static inline double sl_octree_voxel(const sl_octree *octree) {
+    return octree->edge / (double)(1u << octree->depth);
+}
 
 #endif

@@ -9,19 +9,24 @@ sl_status sl_octree_allocate_leaves(sl_octree *octree, size_t leaves, size_t tri
     octree->leaf = sl_allocate(leaves, sizeof *octree->leaf);
     octree->area_vector = sl_allocate(leaves, sizeof *octree->area_vector);
     octree->triangle = sl_allocate(triangles, sizeof *octree->triangle);
-    return octree->leaf && octree->area_vector && octree->triangle ? SL_OK : sl_fail_memory(error, "the octree");
+    return octree->leaf && octree->area_vector && octree->triangle ? SL_OK
+                                                                   : sl_fail_memory(error, "the octree");
 }
 
 /* ---- cuts ---- */
 
 static size_t children_end(const sl_octree *octree, size_t first, int shift) {
     size_t end = first + 1;
-    while (end < octree->leaf_count && octree->leaf[end].morton >> shift == octree->leaf[first].morton >> shift) end++;
+    while (end < octree->leaf_count &&
+           octree->leaf[end].morton >> shift == octree->leaf[first].morton >> shift)
+        end++;
     return end;
 }
 
-static void join_leaves(const sl_octree *octree, size_t first, size_t end, sl_octree_leaf *leaf, sl_vec3 *area_vector) {
-    sl_vec3d vector = {0}, centre = {0}, base = sl_to_double(octree->leaf[first].centroid), plain = {0}, normal = {0};
+static void join_leaves(const sl_octree *octree, size_t first, size_t end, sl_octree_leaf *leaf,
+                        sl_vec3 *area_vector) {
+    sl_vec3d vector = {0}, centre = {0}, base = sl_to_double(octree->leaf[first].centroid), plain = {0},
+             normal = {0};
     double area = 0.0;
     for (size_t i = first; i < end; i++) {
         const sl_octree_leaf *child = &octree->leaf[i];
@@ -35,7 +40,8 @@ static void join_leaves(const sl_octree *octree, size_t first, size_t end, sl_oc
     sl_vec3d n = area > 0.0 ? vector : normal;
     double length = sl_lengthd(n);
     bool turned = length > 0.0 && length >= 0.2 * (area > 0.0 ? area : (double)(end - first));
-    leaf->centroid = sl_to_float(sl_addd(base, area > 0.0 ? sl_scaled(centre, 1.0 / area) : sl_scaled(plain, 1.0 / (double)(end - first))));
+    leaf->centroid = sl_to_float(sl_addd(base, area > 0.0 ? sl_scaled(centre, 1.0 / area)
+                                                          : sl_scaled(plain, 1.0 / (double)(end - first))));
     leaf->normal = turned ? sl_to_float(sl_scaled(n, 1.0 / length)) : sl_v3(0.0f, 0.0f, 0.0f);
     leaf->area = (float)area;
     *area_vector = sl_to_float(vector);
@@ -44,7 +50,8 @@ static void join_leaves(const sl_octree *octree, size_t first, size_t end, sl_oc
 sl_status sl_octree_cut(const sl_octree *octree, int depth, sl_octree **result, sl_error *error) {
     *result = NULL;
     if (depth < 1 || depth > octree->depth) {
-        return sl_fail(error, SL_ERROR_USAGE, "a cut at depth %d of an octree of depth %d", depth, octree->depth);
+        return sl_fail(error, SL_ERROR_USAGE, "a cut at depth %d of an octree of depth %d", depth,
+                       octree->depth);
     }
     sl_octree *cut = sl_allocate(1, sizeof *cut);
     if (!cut) return sl_fail_memory(error, "the octree");

@@ -16,9 +16,10 @@ typedef struct sl_cell_space {
 sl_cell_space sl_cell_space_of(const sl_scene *scene, sl_vec3d origin, double edge, int depth);
 sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t triangle);
 
-/* A triangle's part in a cell, and which share of its area belongs to that cell: half, if it lies in a face. */
-double sl_clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *triangle, const uint32_t cell[3], double dilate,
-                       sl_triangle_part *part);
+/* A triangle's part in a cell, and which share of its area belongs to that cell: half, if it lies in a face.
+ */
+double sl_clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *triangle, const uint32_t cell[3],
+                       double dilate, sl_triangle_part *part);
 
 /* Arrays for so many leaves and triangles of their lists. */
 sl_status sl_octree_allocate_leaves(sl_octree *octree, size_t leaves, size_t triangles, sl_error *error);

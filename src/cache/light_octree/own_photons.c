@@ -1,5 +1,6 @@
-/* The map as a histogram: each voxel counts the photons that lie in it, as in the paper's figure 16a. Where a voxel clips a sliver of a plane it
- * counts few, and such voxels make bands; the k nearest about the centroid do not know what a voxel clips. */
+/* The map as a histogram: each voxel counts the photons that lie in it, as in the paper's figure 16a. Where a
+ * voxel clips a sliver of a plane it counts few, and such voxels make bands; the k nearest about the centroid
+ * do not know what a voxel clips. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/light_octree/voxel_work.h"
@@ -7,7 +8,8 @@
 static uint32_t leaf_of(const sl_octree *octree, const sl_photon *p) {
     sl_vec3 at = sl_v3(p->position[0], p->position[1], p->position[2]);
     const sl_octree_root root = {octree->origin, octree->edge};
-    return sl_octree_root_holds(&root, at) ? sl_octree_find(octree, sl_octree_morton_at(octree, at)) : SL_NO_INDEX;
+    return sl_octree_root_holds(&root, at) ? sl_octree_find(octree, sl_octree_morton_at(octree, at))
+                                           : SL_NO_INDEX;
 }
 
 void sl_own_photons_release(sl_own_photons *own) {
@@ -17,7 +19,8 @@ void sl_own_photons_release(sl_own_photons *own) {
 }
 
 /* Counting sort by leaf, in order of ids. */
-sl_status sl_own_photons_find(const sl_octree *octree, const sl_photon_tree *tree, sl_own_photons *own, sl_error *error) {
+sl_status sl_own_photons_find(const sl_octree *octree, const sl_photon_tree *tree, sl_own_photons *own,
+                              sl_error *error) {
     const sl_photon_list *list = sl_photon_tree_list(tree);
     size_t leaves = octree->leaf_count;
     uint32_t *leaf = sl_allocate(list->count, sizeof *leaf), *by_id = sl_allocate(list->count, sizeof *by_id);

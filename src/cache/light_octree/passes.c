@@ -1,7 +1,8 @@
 /* One picture, pass by pass (their names are those of light_octree.h), and again with each deeper octree.
  *
- *   G-buffer ── direct light ── photons ── tree ── octree ─┬─ lights of its voxels ── textures ── pixels ─┬─ done
- *   what mirrors show                                      └──────────── one level deeper ────────────────┘
+ *   G-buffer ── direct light ── photons ── tree ── octree ─┬─ lights of its voxels ── textures ── pixels ─┬─
+ * done what mirrors show                                      └──────────── one level deeper
+ * ────────────────┘
  */
 #include "base/error.h"
 #include "cache/light_octree/photon_pixels.h"
@@ -31,13 +32,16 @@ void sl_octree_forget_level(sl_octree_level *level) {
 
 static sl_status draw_gbuffer(sl_octree_state *s, sl_error *error) {
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
-    sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
+    sl_status status =
+        sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
     sl_reflections_destroy(s->reflections);
     s->reflections = NULL;
     if (status == SL_OK && s->plan.mirrors && s->settings.light_octree.environment_mirrors)
-        status = sl_reflect_environment(s->scene, s->cube, s->settings.threads, s->gbuffer, &s->reflections, &s->counters, error);
+        status = sl_reflect_environment(s->scene, s->cube, s->settings.threads, s->gbuffer, &s->reflections,
+                                        &s->counters, error);
     else if (status == SL_OK && s->plan.mirrors)
-        status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections, &s->counters, error);
+        status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections,
+                                   &s->counters, error);
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "direct light beside the octree", s->gbuffer);
     s->lit = false;
@@ -48,9 +52,10 @@ static sl_status draw_gbuffer(sl_octree_state *s, sl_error *error) {
 }
 
 static sl_status light_rows(sl_octree_state *s, sl_error *error) {
-    int end = s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
-    sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0], s->direct_light[1], s->direct_light[2],
-                                      &s->counters, error);
+    int end =
+        s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
+    sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0],
+                                      s->direct_light[1], s->direct_light[2], &s->counters, error);
     if (status != SL_OK) return status;
     s->direct_row = end;
     if (end < s->settings.height) return status;
@@ -87,10 +92,14 @@ static sl_status trace_photons(sl_octree_state *s, sl_error *error) {
         s->phase = s->shown.octree ? SL_OCTREE_PHASE_SHADE : SL_OCTREE_PHASE_OCTREE;
         return SL_OK;
     }
-    sl_photon_options options = {.stored = s->settings.light_octree.photons, .store = s->settings.light_octree.store,
-                                 .sky = s->sky.present ? &s->sky : NULL, .seed = s->settings.seed, .threads = s->settings.threads};
+    sl_photon_options options = {.stored = s->settings.light_octree.photons,
+                                 .store = s->settings.light_octree.store,
+                                 .sky = s->sky.present ? &s->sky : NULL,
+                                 .seed = s->settings.seed,
+                                 .threads = s->settings.threads};
     bool done = false;
-    sl_status status = sl_photons_trace(s->scene, s->tracer, &options, sl_octree_photon_chunks(&s->settings), &s->photons, &done, &s->counters, error);
+    sl_status status = sl_photons_trace(s->scene, s->tracer, &options, sl_octree_photon_chunks(&s->settings),
+                                        &s->photons, &done, &s->counters, error);
     return status == SL_OK && done ? finish_photons(s, error) : status;
 }
 
@@ -110,7 +119,8 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
                                     .estimated_radius = !o->fixed_neighbours};
 }
 
-/* Of a scattered scene the central region, unless most photons lie elsewhere: where there is light, it is to be seen. */
+/* Of a scattered scene the central region, unless most photons lie elsewhere: where there is light, it is to
+ * be seen. */
 static sl_octree_root root_of(const sl_octree_state *s) {
     const sl_photon_list *photons = sl_photon_tree_list(s->tree);
     const sl_octree_root core = sl_octree_root_of_core(s->scene);
@@ -126,11 +136,14 @@ static sl_status start_level(sl_octree_state *s, sl_error *error) {
     const sl_light_octree_settings *o = &s->settings.light_octree;
     unsigned threads = s->settings.threads;
     const sl_octree_root root = root_of(s);
-    sl_status status = sl_octree_create_in(s->scene, &root, s->depth, o->dilation, threads, &s->next.octree, error);
+    sl_status status =
+        sl_octree_create_in(s->scene, &root, s->depth, o->dilation, threads, &s->next.octree, error);
     if (status != SL_OK) return status;
     sl_announce_pass(&s->announcer, "octree", "octree, K-means of its photons");
     s->leaf = 0;
-    s->radius = o->radius > 0.0 ? o->radius : sl_voxel_radius(s->next.octree, (size_t)o->neighbours, sl_photon_tree_list(s->tree)->count);
+    s->radius = o->radius > 0.0 ? o->radius
+                                : sl_voxel_radius(s->next.octree, (size_t)o->neighbours,
+                                                  sl_photon_tree_list(s->tree)->count);
     if (o->photons_at_pixels) { /* no lights in between */
         sl_octree_forget_level(&s->shown);
         s->shown = s->next;
@@ -139,7 +152,8 @@ static sl_status start_level(sl_octree_state *s, sl_error *error) {
         return status;
     }
     sl_voxel_light_options options = sl_octree_light_options(o, s->radius);
-    status = sl_voxel_lights_create(s->scene, s->next.octree, s->next.octree, s->tree, &options, threads, &s->next.lights, error);
+    status = sl_voxel_lights_create(s->scene, s->next.octree, s->next.octree, s->tree, &options, threads,
+                                    &s->next.lights, error);
     if (status == SL_OK) s->phase = SL_OCTREE_PHASE_LIGHTS;
     else sl_octree_forget_level(&s->next);
     return status;
@@ -185,7 +199,8 @@ static sl_status gather_at_pixels(sl_octree_state *s, sl_error *error) {
 /* G2 to G4 once; its light is that of the octree that is shown. */
 static sl_status ready_atlas(sl_octree_state *s, sl_error *error) {
     if (!s->settings.light_octree.atlas || s->atlas) return SL_OK;
-    sl_status status = sl_lit_atlas_create(s->scene, s->settings.light_octree.atlas_size, s->settings.threads, &s->atlas, error);
+    sl_status status = sl_lit_atlas_create(s->scene, s->settings.light_octree.atlas_size, s->settings.threads,
+                                           &s->atlas, error);
     sl_announce_pass(&s->announcer, "atlas", "render to texture atlas");
     return status;
 }
@@ -199,7 +214,9 @@ sl_octree_shading sl_octree_shading_of(const sl_light_octree_settings *o, const 
                                .facing = split && !o->keep_void_dark};
 }
 
-sl_octree_shading sl_octree_state_shading(const sl_octree_state *s) { return sl_octree_shading_of(&s->settings.light_octree, s->shown.texture); }
+sl_octree_shading sl_octree_state_shading(const sl_octree_state *s) {
+    return sl_octree_shading_of(&s->settings.light_octree, s->shown.texture);
+}
 
 static sl_status light_pixels(sl_octree_state *s, sl_error *error) {
     sl_octree_shading shading = sl_octree_state_shading(s);

@@ -13,8 +13,8 @@ static double flatness_of(const sl_ellipsoid *e) {
 
 double sl_disc_area(const sl_ellipsoid *e) { return SL_PI * e->radius * e->radius; }
 
-/* A = pi R^2 (1 - h^2 / (R^2 s^2)) / sqrt(cos^2 b + sin^2 b / f^2), s^2 = sin^2 b + f^2 cos^2 b, b the angle between the
- * normals. The root is s / f. */
+/* A = pi R^2 (1 - h^2 / (R^2 s^2)) / sqrt(cos^2 b + sin^2 b / f^2), s^2 = sin^2 b + f^2 cos^2 b, b the angle
+ * between the normals. The root is s / f. */
 double sl_section_area(const sl_ellipsoid *e, sl_vec3d normal, double h) {
     double f = flatness_of(e), cosine = is_sphere(e) ? 1.0 : fabs(sl_dotd(e->normal, normal));
     cosine = cosine < 1.0 ? cosine : 1.0;
@@ -23,7 +23,7 @@ double sl_section_area(const sl_ellipsoid *e, sl_vec3d normal, double h) {
     return share > 0.0 ? sl_disc_area(e) * share * f / sqrt(s_squared) : 0.0;
 }
 
-/* ---- a triangle -------------------------------------------------------------------------------------------------- */
+/* ---- a triangle ------------------------------------------------------------------------------ */
 
 /* Where the ellipsoid is a sphere about the origin: stretched by 1 / f along the short axis. */
 static sl_vec3d stretched(const sl_ellipsoid *e, sl_vec3d p) {
@@ -49,7 +49,8 @@ sl_stretched_triangle sl_stretch_triangle(const sl_ellipsoid *e, sl_vec3d a, sl_
     sl_stretched_triangle t = {.corner = {stretched(e, a), stretched(e, b), stretched(e, c)},
                                .area = 0.5 * sl_lengthd(sl_crossd(sl_subd(b, a), sl_subd(c, a)))};
     if (!(t.area > 0.0) || !(t.area <= DBL_MAX)) t.area = 0.0;
-    t.farthest_squared = fmax(sl_dotd(t.corner[0], t.corner[0]), fmax(sl_dotd(t.corner[1], t.corner[1]), sl_dotd(t.corner[2], t.corner[2])));
+    t.farthest_squared = fmax(sl_dotd(t.corner[0], t.corner[0]),
+                              fmax(sl_dotd(t.corner[1], t.corner[1]), sl_dotd(t.corner[2], t.corner[2])));
     return t;
 }
 
@@ -82,14 +83,15 @@ static double sector(const sl_stretched_triangle *t, double radius_squared, sl_v
     return 0.5 * radius_squared * sl_atan2(sl_dotd(sl_crossd(p, q), t->normal), sl_dotd(p, q));
 }
 
-/* The disc's part of the triangle (origin, a, b), negative where they go clockwise: a triangle over the piece of the edge inside,
- * sectors over those outside. */
+/* The disc's part of the triangle (origin, a, b), negative where they go clockwise: a triangle over the piece
+ * of the edge inside, sectors over those outside. */
 static double under_edge(const sl_stretched_triangle *t, const sl_stretched_edge *e, double radius_squared) {
     if (!(e->length_squared > 0.0)) return 0.0;
     sl_vec3d a = e->from, b = sl_addd(a, e->along);
     double left = radius_squared - e->foot_squared;
     if (!(left > 0.0)) return sector(t, radius_squared, a, b);
-    double half = sqrt(left / e->length_squared), enter = within_edge(e->nearest - half), leave = within_edge(e->nearest + half);
+    double half = sqrt(left / e->length_squared), enter = within_edge(e->nearest - half),
+           leave = within_edge(e->nearest + half);
     if (!(enter < leave)) return sector(t, radius_squared, a, b);
     double area = 0.5 * (leave - enter) * e->turn;
     if (enter > 0.0) area += sector(t, radius_squared, a, sl_addd(a, sl_scaled(e->along, enter)));
@@ -104,7 +106,8 @@ double sl_stretched_inside(sl_stretched_triangle *t, double radius) {
     if (!t->planar) look_at_plane(t);
     double disc = squared - t->height_squared;
     if (!(t->area > 0.0) || !(disc > 0.0) || (!t->around && t->border_squared >= disc)) return 0.0;
-    double inside = under_edge(t, &t->edge[0], disc) + under_edge(t, &t->edge[1], disc) + under_edge(t, &t->edge[2], disc);
+    double inside = under_edge(t, &t->edge[0], disc) + under_edge(t, &t->edge[1], disc) +
+                    under_edge(t, &t->edge[2], disc);
     double share = inside / (0.5 * t->twice);
     return share > 0.0 ? t->area * (share < 1.0 ? share : 1.0) : 0.0;
 }

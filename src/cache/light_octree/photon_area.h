@@ -1,5 +1,5 @@
-/* The area over which gathered photons were strewn: disc, section of a tilted plane, or the scene's own triangles clipped to
- * the ellipsoid. */
+/* The area over which gathered photons were strewn: disc, section of a tilted plane, or the scene's own
+ * triangles clipped to the ellipsoid. */
 #ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_AREA_H
 #define SL_CACHE_LIGHT_OCTREE_PHOTON_AREA_H
 
@@ -18,17 +18,22 @@ double sl_section_area(const sl_ellipsoid *e, sl_vec3d normal, double h);
 /* Of a triangle's part inside: exact. */
 double sl_triangle_in_ellipsoid(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3d c);
 
-/* The same of a triangle and several ellipsoids that differ in radius alone: it is stretched until they are spheres about the origin. */
+/* The same of a triangle and several ellipsoids that differ in radius alone: it is stretched until they are
+ * spheres about the origin. */
 typedef struct sl_stretched_edge {
     sl_vec3d from, along;
-    double length_squared, nearest, foot_squared; /* the point nearest to the disc's centre: where (0 to 1 is on the edge), how far */
-    double turn;                                  /* twice the area of the triangle that the edge makes with that centre */
+    /* the point nearest to the disc's centre: where (0 to 1 is on the edge), how far */
+    double length_squared, nearest, foot_squared;
+    /* twice the area of the triangle that the edge makes with that centre */
+    double turn;
 } sl_stretched_edge;
 typedef struct sl_stretched_triangle {
     sl_vec3d corner[3];
-    double area;                                  /* before stretching; 0 where there is none, or it is not finite */
+    /* before stretching; 0 where there is none, or it is not finite */
+    double area;
     double farthest_squared;
-    bool planar;                                  /* the rest is there: wanted where the sphere's surface cuts the triangle */
+    /* the rest is there: wanted where the sphere's surface cuts the triangle */
+    bool planar;
     sl_vec3d normal;
     double twice, height_squared;                 /* twice the area; the plane's distance */
     sl_stretched_edge edge[3];                    /* in the plane, about the foot of its normal */

@@ -14,7 +14,8 @@ static const double sure = 3.0;
 static const double share_least = 0.1;
 
 sl_status sl_hull_points_create(size_t capacity, sl_hull_points *p, sl_error *error) {
-    *p = (sl_hull_points){0, sl_allocate(2 * capacity, sizeof *p->x), NULL, sl_allocate(3 * capacity + 2, sizeof *p->outer), NULL};
+    *p = (sl_hull_points){0, sl_allocate(2 * capacity, sizeof *p->x), NULL,
+                          sl_allocate(3 * capacity + 2, sizeof *p->outer), NULL};
     if (!p->x || !p->outer) {
         sl_hull_points_release(p);
         return sl_fail_memory(error, "gathered photons");
@@ -32,7 +33,8 @@ void sl_hull_points_release(sl_hull_points *p) {
 
 /* ---- most points are far inside (Akl and Toussaint 1978) ---- */
 
-/* The octagon of the points that lie farthest out, or what is left of it where some are the same; false: all points are in one place. */
+/* The octagon of the points that lie farthest out, or what is left of it where some are the same; false: all
+ * points are in one place. */
 static bool octagon(const sl_hull_points *p, const sl_hull_kernels *kernel, sl_hull_edges *edges) {
     uint32_t extreme[SL_HULL_WAYS];
     float x[SL_HULL_WAYS], y[SL_HULL_WAYS];
@@ -64,7 +66,9 @@ static float slack_of(const sl_hull_edges *edges) {
 
 /* ---- the hull of the rest (Andrew 1979) ---- */
 
-static bool comes_before(const sl_hull_points *p, uint32_t a, uint32_t b) { return p->x[a] != p->x[b] ? p->x[a] < p->x[b] : p->y[a] < p->y[b]; }
+static bool comes_before(const sl_hull_points *p, uint32_t a, uint32_t b) {
+    return p->x[a] != p->x[b] ? p->x[a] < p->x[b] : p->y[a] < p->y[b];
+}
 
 static void sort_outer(sl_hull_points *p, size_t count) {
     for (size_t i = 1; i < count; i++) {
@@ -83,7 +87,8 @@ static double turn(const sl_hull_points *p, uint32_t a, uint32_t b, uint32_t c) 
 
 /* Adds a point to a chain that may not be shorter than `least`; what no longer turns left goes. */
 static size_t add_to_chain(const sl_hull_points *p, size_t length, size_t least, uint32_t point) {
-    while (length >= least + 2 && !(turn(p, p->chain[length - 2], p->chain[length - 1], point) > 0.0)) length--;
+    while (length >= least + 2 && !(turn(p, p->chain[length - 2], p->chain[length - 1], point) > 0.0))
+        length--;
     p->chain[length++] = point;
     return length;
 }
@@ -106,7 +111,8 @@ sl_photon_hull sl_photon_hull_of(sl_hull_points *p) {
     if (count < 3) return hull;
     sort_outer(p, count);
     hull.corners = chain_around(p, count);
-    for (size_t i = 2; i < hull.corners; i++) hull.area += 0.5 * turn(p, p->chain[0], p->chain[i - 1], p->chain[i]);
+    for (size_t i = 2; i < hull.corners; i++)
+        hull.area += 0.5 * turn(p, p->chain[0], p->chain[i - 1], p->chain[i]);
     return hull;
 }
 

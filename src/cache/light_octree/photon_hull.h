@@ -1,8 +1,9 @@
 /* How much surface photons tell of by themselves: the convex hull of their places.
  *
- * An ellipsoid may hold surface that no light reaches: walls inside walls, what stands behind mouldings and under books. Photons divided by all of
- * it are too few a square metre. Where they are strewn evenly over a convex piece of area A, their hull, of N - N_b photons and N_b corners, tells A
- * without bias (Baldin and Reiss 2016, "Unbiased estimation of the volume of a convex body"):
+ * An ellipsoid may hold surface that no light reaches: walls inside walls, what stands behind mouldings and
+ * under books. Photons divided by all of it are too few a square metre. Where they are strewn evenly over a
+ * convex piece of area A, their hull, of N - N_b photons and N_b corners, tells A without bias (Baldin and
+ * Reiss 2016, "Unbiased estimation of the volume of a convex body"):
  *
  *     A = |hull| (N + 1) / (N - N_b + 1),   with a standard deviation of about A sqrt(N_b) / N
  */
@@ -32,7 +33,8 @@ typedef struct sl_photon_hull {
 
 /* Does not depend on the points' order. */
 sl_photon_hull sl_photon_hull_of(sl_hull_points *points);
-/* Of an area of surface, the share that those photons say they were strewn over: 1 unless they are sure that it is less. */
+/* Of an area of surface, the share that those photons say they were strewn over: 1 unless they are sure that
+ * it is less. */
 double sl_photon_hull_share(const sl_photon_hull *hull, size_t photons, double area);
 
 #endif

@@ -38,7 +38,8 @@ void SL_KERNEL(sl_hull_extremes)(const float *x, const float *y, size_t count, u
     }
     for (size_t first = 0; first < count; first += LANES) {
         float v[WAYS][LANES], px[LANES], py[LANES];
-        for (size_t l = 0; l < LANES; l++) { /* beyond the end the last point again, whose number is lower there */
+        /* beyond the end the last point again, whose number is lower there */
+        for (size_t l = 0; l < LANES; l++) {
             size_t i = first + l < count ? first + l : count - 1;
             px[l] = x[i];
             py[l] = y[i];
@@ -63,7 +64,8 @@ void SL_KERNEL(sl_hull_extremes)(const float *x, const float *y, size_t count, u
     }
 }
 
-size_t SL_KERNEL(sl_hull_outside)(const float *x, const float *y, size_t count, const sl_hull_edges *edges, float slack, uint32_t *outside) {
+size_t SL_KERNEL(sl_hull_outside)(const float *x, const float *y, size_t count, const sl_hull_edges *edges,
+                                  float slack, uint32_t *outside) {
     size_t kept = 0;
     for (size_t first = 0; first < count; first += LANES) {
         float px[LANES], py[LANES];

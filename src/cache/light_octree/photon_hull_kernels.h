@@ -1,4 +1,5 @@
-/* Points of a plane, as loops over lanes for every instruction set: which lie farthest out, and which lie outside a polygon. */
+/* Points of a plane, as loops over lanes for every instruction set: which lie farthest out, and which lie
+ * outside a polygon. */
 #ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_HULL_KERNELS_H
 #define SL_CACHE_LIGHT_OCTREE_PHOTON_HULL_KERNELS_H
 
@@ -15,10 +16,14 @@ typedef struct sl_hull_edges {
     float x[SL_HULL_WAYS], y[SL_HULL_WAYS], along_x[SL_HULL_WAYS], along_y[SL_HULL_WAYS];
 } sl_hull_edges;
 
-/* The points that are farthest along (1,0), (1,1), (0,1) and on, counter-clockwise; ties to the lower number. count > 0. */
-typedef void sl_hull_extremes_kernel(const float *x, const float *y, size_t count, uint32_t extreme[SL_HULL_WAYS]);
-/* Numbers of the points that are not clearly inside: to the right of an edge, or nearer to it than `slack` over its length. Returns how many. */
-typedef size_t sl_hull_outside_kernel(const float *x, const float *y, size_t count, const sl_hull_edges *edges, float slack, uint32_t *outside);
+/* The points that are farthest along (1,0), (1,1), (0,1) and on, counter-clockwise; ties to the lower number.
+ * count > 0. */
+typedef void sl_hull_extremes_kernel(const float *x, const float *y, size_t count,
+                                     uint32_t extreme[SL_HULL_WAYS]);
+/* Numbers of the points that are not clearly inside: to the right of an edge, or nearer to it than `slack`
+ * over its length. Returns how many. */
+typedef size_t sl_hull_outside_kernel(const float *x, const float *y, size_t count,
+                                      const sl_hull_edges *edges, float slack, uint32_t *outside);
 
 typedef struct sl_hull_kernels {
     sl_hull_extremes_kernel *extremes;

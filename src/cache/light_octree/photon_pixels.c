@@ -18,8 +18,8 @@ typedef struct strewn {
     sl_photon_area kind;
 } strewn;
 
-/* As of a voxel's photons (voxel_gather.c): next to no surface means that the disc is nearer to the truth. A plane's section is that of the
- * pixel's own plane, which is the disc. */
+/* As of a voxel's photons (voxel_gather.c): next to no surface means that the disc is nearer to the truth. A
+ * plane's section is that of the pixel's own plane, which is the disc. */
 static double area_of(const void *context, const sl_ellipsoid *e, unsigned worker) {
     const strewn *s = context;
     double disc = sl_disc_area(e);
@@ -35,10 +35,12 @@ static void forget(strewn *s, sl_surroundings *surroundings, unsigned workers) {
     sl_surroundings_destroy(surroundings);
 }
 
-static sl_status look_around(const sl_photon_pixels *p, unsigned workers, strewn *s, sl_surroundings **surroundings, sl_error *error) {
+static sl_status look_around(const sl_photon_pixels *p, unsigned workers, strewn *s,
+                             sl_surroundings **surroundings, sl_error *error) {
     *surroundings = NULL;
     if (s->kind != SL_PHOTON_AREA_CLIP) return SL_OK;
-    sl_status status = sl_surroundings_create(p->scene, p->octree, p->radius / 16.0, p->threads, surroundings, error);
+    sl_status status =
+        sl_surroundings_create(p->scene, p->octree, p->radius / 16.0, p->threads, surroundings, error);
     if (status != SL_OK) return status;
     s->surroundings = *surroundings;
     s->marks = sl_allocate(workers, sizeof *s->marks);
@@ -78,7 +80,8 @@ static void take_point(const sl_photon_pixels *p, size_t pixel, points *list, si
     sl_vec3 viewer = g->seen_from ? g->seen_from[pixel] : p->scene->camera.eye;
     sl_surface *s = &list->surface[at];
     *s = (sl_surface){.position = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]),
-                      .geometric_normal = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]),
+                      .geometric_normal =
+                          sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]),
                       .normal = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]),
                       .diffuse = {g->diffuse_r[pixel], g->diffuse_g[pixel], g->diffuse_b[pixel]},
                       .material = &p->scene->materials[g->material[pixel]],
@@ -96,12 +99,13 @@ static size_t take_points(const sl_photon_pixels *p, size_t *next, size_t pixels
     return count;
 }
 
-static sl_status light_points(const sl_photon_pixels *p, const sl_direct_photons *photons, points *list, float *const indirect[3], sl_counters *counters,
-                              sl_error *error) {
+static sl_status light_points(const sl_photon_pixels *p, const sl_direct_photons *photons, points *list,
+                              float *const indirect[3], sl_counters *counters, sl_error *error) {
     size_t pixels = (size_t)p->gbuffer->width * (size_t)p->gbuffer->height, next = 0, count;
     sl_status status = SL_OK;
     while (status == SL_OK && (count = take_points(p, &next, pixels, list)) > 0) {
-        status = sl_direct_photons_radiance(photons, count, list->surface, list->to_viewer, list->radiance, NULL, counters, error);
+        status = sl_direct_photons_radiance(photons, count, list->surface, list->to_viewer, list->radiance,
+                                            NULL, counters, error);
         for (size_t i = 0; status == SL_OK && i < count; i++) {
             indirect[0][list->pixel[i]] = list->radiance[i].r;
             indirect[1][list->pixel[i]] = list->radiance[i].g;
@@ -111,7 +115,8 @@ static sl_status light_points(const sl_photon_pixels *p, const sl_direct_photons
     return status;
 }
 
-sl_status sl_photon_light_pixels(const sl_photon_pixels *p, float *const indirect[3], sl_counters *counters, sl_error *error) {
+sl_status sl_photon_light_pixels(const sl_photon_pixels *p, float *const indirect[3], sl_counters *counters,
+                                 sl_error *error) {
     const sl_light_octree_settings *o = p->settings;
     size_t pixels = (size_t)p->gbuffer->width * (size_t)p->gbuffer->height;
     unsigned workers = sl_thread_count(p->threads);
@@ -122,7 +127,8 @@ sl_status sl_photon_light_pixels(const sl_photon_pixels *p, float *const indirec
         for (size_t i = 0; i < pixels; i++) indirect[k][i] = 0.0f;
     }
     sl_status status = look_around(p, workers, &areas, &surroundings, error);
-    if (status == SL_OK && !allocate(&list, PIXELS_AT_ONCE)) status = sl_fail_memory(error, "photons of pixels");
+    if (status == SL_OK && !allocate(&list, PIXELS_AT_ONCE))
+        status = sl_fail_memory(error, "photons of pixels");
     const sl_direct_photons photons = {.tree = p->tree,
                                        .neighbours = (size_t)o->neighbours,
                                        .radius = p->radius,

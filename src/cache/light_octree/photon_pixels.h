@@ -1,5 +1,6 @@
-/* A picture's indirect light from the photon map itself: every pixel gathers its nearest photons (Jensen 1996, direct visualization), and there are no lights
- * in between. What the octree saves, and what it blurs, is the difference. */
+/* A picture's indirect light from the photon map itself: every pixel gathers its nearest photons (Jensen
+ * 1996, direct visualization), and there are no lights in between. What the octree saves, and what it blurs,
+ * is the difference. */
 #ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_PIXELS_H
 #define SL_CACHE_LIGHT_OCTREE_PHOTON_PIXELS_H
 
@@ -19,6 +20,7 @@ typedef struct sl_photon_pixels {
 } sl_photon_pixels;
 
 /* Three planes of the G-buffer's size, all of them written. */
-sl_status sl_photon_light_pixels(const sl_photon_pixels *pixels, float *const indirect[3], sl_counters *counters, sl_error *error);
+sl_status sl_photon_light_pixels(const sl_photon_pixels *pixels, float *const indirect[3],
+                                 sl_counters *counters, sl_error *error);
 
 #endif

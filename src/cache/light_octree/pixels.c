@@ -11,7 +11,8 @@ enum { GUTTER = 2 };
 
 /* ---- the atlas ---- */
 
-sl_status sl_lit_atlas_create(const sl_scene *scene, int size, unsigned threads, sl_lit_atlas **atlas, sl_error *error) {
+sl_status sl_lit_atlas_create(const sl_scene *scene, int size, unsigned threads, sl_lit_atlas **atlas,
+                              sl_error *error) {
     sl_atlas_settings settings = {size, GUTTER, 75.0 / 180.0 * SL_PI, threads};
     sl_lit_atlas *a = sl_allocate(1, sizeof *a);
     if (!a) return sl_fail_memory(error, "the atlas");
@@ -32,7 +33,9 @@ void sl_lit_atlas_destroy(sl_lit_atlas *a) {
     sl_free(a);
 }
 
-size_t sl_lit_atlas_bytes(const sl_lit_atlas *a) { return sizeof *a + sl_atlas_bytes(a->atlas) + sl_atlas_canvas_bytes(a->canvas); }
+size_t sl_lit_atlas_bytes(const sl_lit_atlas *a) {
+    return sizeof *a + sl_atlas_bytes(a->atlas) + sl_atlas_canvas_bytes(a->canvas);
+}
 
 /* ---- which pixels go which way ---- */
 
@@ -59,24 +62,28 @@ static void leave_to_octree(pixel_ways *w, const sl_gbuffer *g, size_t pixel) {
 static sl_atlas_side side_seen(const sl_octree_pixels *p, size_t i) {
     const sl_gbuffer *g = p->gbuffer;
     sl_vec3 geometric = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]);
-    return sl_dot(geometric, sl_scene_geometric_normal(p->scene, g->id[i])) > 0.0f ? SL_ATLAS_FRONT : SL_ATLAS_BACK;
+    return sl_dot(geometric, sl_scene_geometric_normal(p->scene, g->id[i])) > 0.0f ? SL_ATLAS_FRONT
+                                                                                   : SL_ATLAS_BACK;
 }
 
 static sl_status find_ways(const sl_octree_pixels *p, pixel_ways *w, sl_error *error) {
     const sl_gbuffer *g = p->gbuffer;
     size_t pixels = (size_t)g->width * (size_t)g->height;
     uint32_t last = SL_NO_INDEX;
-    *w = (pixel_ways){.id = sl_allocate(pixels, sizeof *w->id), .material = sl_allocate(pixels, sizeof *w->material),
+    *w = (pixel_ways){.id = sl_allocate(pixels, sizeof *w->id),
+                      .material = sl_allocate(pixels, sizeof *w->material),
                       .others = sl_allocate(pixels, sizeof *w->others)};
     if (!w->id || !w->material || !w->others) return sl_fail_memory(error, "the atlas's pixels");
     memcpy(w->id, g->id, pixels * sizeof *w->id);
     memcpy(w->material, g->material, pixels * sizeof *w->material);
     for (size_t i = 0; i < pixels; i++) w->others[i] = SL_NO_INDEX;
-    for (size_t k = 0; p->reflections && k < p->reflections->count; k++) leave_to_octree(w, g, p->reflections->pixel[k]);
+    for (size_t k = 0; p->reflections && k < p->reflections->count; k++)
+        leave_to_octree(w, g, p->reflections->pixel[k]);
     for (size_t i = 0; i < pixels; i++) {
         if (w->material[i] == SL_NO_INDEX) continue;
         const sl_material *m = &p->scene->materials[w->material[i]];
-        if (sl_material_is_glossy(m) || sl_material_is_bumpy(m)) leave_to_octree(w, g, i); /* they depend on the view, or vary within a texel */
+        /* they depend on the view, or vary within a texel */
+        if (sl_material_is_glossy(m) || sl_material_is_bumpy(m)) leave_to_octree(w, g, i);
         else if (w->id[i] != last) w->seen[side_seen(p, i)] = true; /* a triangle shows one side to a view */
         last = w->id[i];
     }
@@ -85,21 +92,26 @@ static sl_status find_ways(const sl_octree_pixels *p, pixel_ways *w, sl_error *e
 
 /* ---- passes ---- */
 
-static sl_status fill_sides(const sl_octree_pixels *p, const bool seen[2], sl_counters *counters, sl_error *error) {
+static sl_status fill_sides(const sl_octree_pixels *p, const bool seen[2], sl_counters *counters,
+                            sl_error *error) {
     sl_status status = SL_OK;
     for (int side = SL_ATLAS_FRONT; side <= SL_ATLAS_BACK && status == SL_OK; side++) {
         if (!seen[side] || p->atlas->filled[side]) continue;
-        status = sl_atlas_bake_octree(p->atlas->canvas, (sl_atlas_side)side, p->scene, p->shading, p->threads, counters, error);
+        status = sl_atlas_bake_octree(p->atlas->canvas, (sl_atlas_side)side, p->scene, p->shading, p->threads,
+                                      counters, error);
         p->atlas->filled[side] = status == SL_OK;
     }
     return status;
 }
 
-static sl_status shade(const sl_octree_pixels *p, const sl_gbuffer *gbuffer, float *const rgb[3], sl_counters *counters, sl_error *error) {
-    return sl_octree_shade_gbuffer(p->shading, p->scene, gbuffer, p->eye, p->threads, rgb[0], rgb[1], rgb[2], counters, error);
+static sl_status shade(const sl_octree_pixels *p, const sl_gbuffer *gbuffer, float *const rgb[3],
+                       sl_counters *counters, sl_error *error) {
+    return sl_octree_shade_gbuffer(p->shading, p->scene, gbuffer, p->eye, p->threads, rgb[0], rgb[1], rgb[2],
+                                   counters, error);
 }
 
-static sl_status shade_others(const sl_octree_pixels *p, const pixel_ways *w, float *const indirect[3], sl_counters *counters, sl_error *error) {
+static sl_status shade_others(const sl_octree_pixels *p, const pixel_ways *w, float *const indirect[3],
+                              sl_counters *counters, sl_error *error) {
     size_t pixels = (size_t)p->gbuffer->width * (size_t)p->gbuffer->height;
     float *planes = sl_allocate(3 * pixels, sizeof *planes);
     if (!planes) return sl_fail_memory(error, "the octree's pixels");
@@ -116,18 +128,20 @@ static sl_status shade_others(const sl_octree_pixels *p, const pixel_ways *w, fl
     return status;
 }
 
-static sl_status light_by_atlas(const sl_octree_pixels *p, const pixel_ways *w, float *const indirect[3], sl_counters *counters, sl_error *error) {
+static sl_status light_by_atlas(const sl_octree_pixels *p, const pixel_ways *w, float *const indirect[3],
+                                sl_counters *counters, sl_error *error) {
     sl_status status = fill_sides(p, w->seen, counters, error);
     if (status != SL_OK) return status;
     sl_gbuffer looked_up = *p->gbuffer;
     looked_up.id = w->id;
     looked_up.material = w->material;
-    status = sl_atlas_apply(p->atlas->canvas, &looked_up, p->scene, p->threads, indirect[0], indirect[1], indirect[2],
-                            counters, error);
+    status = sl_atlas_apply(p->atlas->canvas, &looked_up, p->scene, p->threads, indirect[0], indirect[1],
+                            indirect[2], counters, error);
     return status == SL_OK && w->other_count ? shade_others(p, w, indirect, counters, error) : status;
 }
 
-sl_status sl_octree_light_pixels(const sl_octree_pixels *p, float *const indirect[3], sl_counters *counters, sl_error *error) {
+sl_status sl_octree_light_pixels(const sl_octree_pixels *p, float *const indirect[3], sl_counters *counters,
+                                 sl_error *error) {
     if (!p->atlas) return shade(p, p->gbuffer, indirect, counters, error);
     pixel_ways ways;
     sl_status status = find_ways(p, &ways, error);

@@ -1,5 +1,6 @@
-/* Indirect light of a picture's pixels: from the octree (pass R1), or by way of the atlas where light does not depend on the view (passes
- * R1' and R2). Glossy surfaces, and what mirrors show, look into the octree in either case. */
+/* Indirect light of a picture's pixels: from the octree (pass R1), or by way of the atlas where light does
+ * not depend on the view (passes R1' and R2). Glossy surfaces, and what mirrors show, look into the octree in
+ * either case. */
 #ifndef SL_CACHE_LIGHT_OCTREE_PIXELS_H
 #define SL_CACHE_LIGHT_OCTREE_PIXELS_H
 
@@ -14,7 +15,8 @@ typedef struct sl_lit_atlas {
     bool filled[2]; /* by side */
 } sl_lit_atlas;
 
-sl_status sl_lit_atlas_create(const sl_scene *scene, int size, unsigned threads, sl_lit_atlas **atlas, sl_error *error);
+sl_status sl_lit_atlas_create(const sl_scene *scene, int size, unsigned threads, sl_lit_atlas **atlas,
+                              sl_error *error);
 void sl_lit_atlas_destroy(sl_lit_atlas *atlas);
 size_t sl_lit_atlas_bytes(const sl_lit_atlas *atlas);
 
@@ -29,6 +31,7 @@ typedef struct sl_octree_pixels {
 } sl_octree_pixels;
 
 /* Three planes of the G-buffer's size, all of them written. */
-sl_status sl_octree_light_pixels(const sl_octree_pixels *pixels, float *const indirect[3], sl_counters *counters, sl_error *error);
+sl_status sl_octree_light_pixels(const sl_octree_pixels *pixels, float *const indirect[3],
+                                 sl_counters *counters, sl_error *error);
 
 #endif

@@ -11,7 +11,8 @@
 enum { SHALLOWEST_SHOWN = 4 };
 
 void sl_octree_complete(sl_settings *settings) {
-    static const uint32_t light_samples[] = {[SL_QUALITY_DRAFT] = 8, [SL_QUALITY_NORMAL] = 16, [SL_QUALITY_HIGH] = 64};
+    static const uint32_t light_samples[] = {
+        [SL_QUALITY_DRAFT] = 8, [SL_QUALITY_NORMAL] = 16, [SL_QUALITY_HIGH] = 64};
     sl_settings_complete(settings);
     if (!settings->spp) settings->spp = light_samples[settings->quality];
 }
@@ -31,7 +32,8 @@ sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *set
     };
 }
 
-/* L (D|G|S)+ (D|G) S* E beside emission and direct light: every path with at least one bounce before the surface that is seen. */
+/* L (D|G|S)+ (D|G) S* E beside emission and direct light: every path with at least one bounce before the
+ * surface that is seen. */
 void sl_octree_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
@@ -61,7 +63,8 @@ double sl_octree_voxels_expected(const sl_scene *scene, double voxel) {
 }
 
 size_t sl_octree_small_objects(const sl_scene *scene, double voxel) {
-    sl_vec3 *low = sl_allocate(2 * scene->object_count, sizeof *low), *high = low ? low + scene->object_count : NULL;
+    sl_vec3 *low = sl_allocate(2 * scene->object_count, sizeof *low),
+            *high = low ? low + scene->object_count : NULL;
     size_t small = 0;
     if (!low) return 0;
     for (size_t i = 0; i < scene->object_count; i++) {
@@ -72,8 +75,10 @@ size_t sl_octree_small_objects(const sl_scene *scene, double voxel) {
         uint32_t object = scene->object_index[t];
         for (int k = 0; k < 3; k++) {
             sl_vec3 p = sl_scene_position(scene, scene->vertex[k][t]);
-            low[object] = sl_v3(fminf(low[object].x, p.x), fminf(low[object].y, p.y), fminf(low[object].z, p.z));
-            high[object] = sl_v3(fmaxf(high[object].x, p.x), fmaxf(high[object].y, p.y), fmaxf(high[object].z, p.z));
+            low[object] =
+                sl_v3(fminf(low[object].x, p.x), fminf(low[object].y, p.y), fminf(low[object].z, p.z));
+            high[object] =
+                sl_v3(fmaxf(high[object].x, p.x), fmaxf(high[object].y, p.y), fmaxf(high[object].z, p.z));
         }
     }
     for (size_t i = 0; i < scene->object_count; i++) {
@@ -96,42 +101,62 @@ bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_setting
     return widens;
 }
 
-static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o, const sl_octree_plan *p, sl_plan_writer *writer) {
-    double voxel = sl_octree_root_of_core(scene).edge / (1.0 + 1e-4) / (double)(1u << o->depth), voxels = voxel > 0.0 ? sl_octree_voxels_expected(scene, voxel) : 0.0;
+static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o, const sl_octree_plan *p,
+                        sl_plan_writer *writer) {
+    double voxel = sl_octree_root_of_core(scene).edge / (1.0 + 1e-4) / (double)(1u << o->depth),
+           voxels = voxel > 0.0 ? sl_octree_voxels_expected(scene, voxel) : 0.0;
     double a_voxel = voxels > 1.0 ? (double)o->photons / voxels : (double)o->photons;
     size_t small = voxel > 0.0 ? sl_octree_small_objects(scene, voxel) : 0;
     char few[160] = "", tiny[96] = "";
     if (a_voxel < SL_OCTREE_FEW_PHOTONS * o->neighbours)
         snprintf(few, sizeof few, ", less than a tenth of %d: %s", o->neighbours,
                  o->own_photons ? "too few to count by voxels" : "they come from far beyond the voxel");
-    if (small > 0) snprintf(tiny, sizeof tiny, "; %zu object%s smaller than two voxels", small, small > 1 ? "s are" : " is");
-    sl_plan_pass(writer, p->photons, "octree", "depth %d, shown from depth %d on; about %.2g voxels, %.2g photons each%s%s%s", o->depth, p->first_depth, voxels,
-                 a_voxel, few, tiny, sl_scene_is_scattered(scene) ? "; around the scene's central region alone if most photons lie there, since parts of it are far apart" : "");
+    if (small > 0)
+        snprintf(tiny, sizeof tiny, "; %zu object%s smaller than two voxels", small,
+                 small > 1 ? "s are" : " is");
+    sl_plan_pass(writer, p->photons, "octree",
+                 "depth %d, shown from depth %d on; about %.2g voxels, %.2g photons each%s%s%s", o->depth,
+                 p->first_depth, voxels, a_voxel, few, tiny,
+                 sl_scene_is_scattered(scene) ? "; around the scene's central region alone if most photons "
+                                                "lie there, since parts of it are far apart"
+                                              : "");
 }
 
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     static const char *const stores[] = {"after a bounce at least", "all", "caustics alone"};
-    static const char *const areas[] = {"the scene's triangles in the ellipsoid", "the section of a plane", "a disc"};
-    static const char *const lobes[] = {"directional lights, perpendicular irradiance", "directional lights, irradiance on the surface", "one irradiance"};
+    static const char *const areas[] = {"the scene's triangles in the ellipsoid", "the section of a plane",
+                                        "a disc"};
+    static const char *const lobes[] = {"directional lights, perpendicular irradiance",
+                                        "directional lights, irradiance on the surface", "one irradiance"};
     const sl_light_octree_settings *o = &settings->light_octree;
     sl_features f = sl_scene_features(scene);
     sl_octree_plan p = sl_octree_plan_make(scene, settings);
-    sl_plan_pass(writer, p.photons, "photons", "%llu to be stored, %s", (unsigned long long)o->photons, stores[o->store]);
+    sl_plan_pass(writer, p.photons, "photons", "%llu to be stored, %s", (unsigned long long)o->photons,
+                 stores[o->store]);
     plan_octree(scene, o, &p, writer);
-    if (o->photons_at_pixels) sl_plan_pass(writer, p.photons, "gathers", "the %d nearest photons of each pixel, spread over %s", o->neighbours,
-                                           areas[o->area == SL_PHOTON_AREA_SECTION ? SL_PHOTON_AREA_DISC : o->area]);
+    if (o->photons_at_pixels)
+        sl_plan_pass(writer, p.photons, "gathers", "the %d nearest photons of each pixel, spread over %s",
+                     o->neighbours, areas[o->area == SL_PHOTON_AREA_SECTION ? SL_PHOTON_AREA_DISC : o->area]);
     else if (o->own_photons) sl_plan_pass(writer, p.photons, "gathers", "each voxel's own photons");
-    else sl_plan_pass(writer, p.photons, "gathers", "the %s%d nearest photons of each %s, spread over %s", o->fixed_neighbours ? "" : "up to ", o->neighbours,
-                 o->whole_voxels ? "voxel" : "group of normals in a voxel", areas[o->area]);
+    else
+        sl_plan_pass(writer, p.photons, "gathers", "the %s%d nearest photons of each %s, spread over %s",
+                     o->fixed_neighbours ? "" : "up to ", o->neighbours,
+                     o->whole_voxels ? "voxel" : "group of normals in a voxel", areas[o->area]);
     bool directional = !o->photons_at_pixels && o->lobes != SL_LOBES_NONE;
-    sl_plan_pass(writer, p.photons && directional, "clusters", "%s; at most %d a voxel%s", lobes[o->lobes], o->lights,
-                 sl_octree_widens_gloss(scene, o) ? "; gloss sharper than that shows indirect light blurred" : "");
+    sl_plan_pass(
+        writer, p.photons && directional, "clusters", "%s; at most %d a voxel%s", lobes[o->lobes], o->lights,
+        sl_octree_widens_gloss(scene, o) ? "; gloss sharper than that shows indirect light blurred" : "");
     sl_plan_pass(writer, p.photons && o->atlas, "atlas", "%d x %d texels%s", o->atlas_size, o->atlas_size,
                  o->atlas && p.glossy ? "; glossy surfaces look into the octree" : "");
-    sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);
+    sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
+                 scene->triangle_count);
     sl_plan_pass(writer, p.mirrors, "mirrors", "%zu mirror triangles, %s", f.mirror_triangles,
                  o->environment_mirrors ? "which show a cube map of the environment" : "followed by rays");
     sl_plan_pass(writer, p.direct, "direct light", "%u light samples a pixel", (unsigned)settings->spp);
-    sl_plan_pass(writer, p.sky, "sky in the octree", "%s", p.sky ? "its first hits are photons too; what stands out of it is sampled" : f.environment ? "all of it is sampled" : "no environment");
-    sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters, f.environment ? ", environment" : "");
+    sl_plan_pass(writer, p.sky, "sky in the octree", "%s",
+                 p.sky           ? "its first hits are photons too; what stands out of it is sampled"
+                 : f.environment ? "all of it is sampled"
+                                 : "no environment");
+    sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
+                 f.environment ? ", environment" : "");
 }

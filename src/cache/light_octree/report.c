@@ -11,7 +11,8 @@ static sl_status write_number(sl_image *image, const char *name, double value, s
     return sl_image_set_metadata(image, key, text, error);
 }
 
-static sl_status write_statistics(const sl_octree_state *s, const sl_voxel_statistics *v, sl_image *image, sl_error *error) {
+static sl_status write_statistics(const sl_octree_state *s, const sl_voxel_statistics *v, sl_image *image,
+                                  sl_error *error) {
     const sl_octree *octree = s->shown.octree;
     const sl_photon_list *photons = sl_photon_tree_list(s->tree);
     const struct {
@@ -41,19 +42,30 @@ static sl_status write_statistics(const sl_octree_state *s, const sl_voxel_stati
 
 /* ---- what is to be said against it ---- */
 
-/* Gathers that reach beyond the voxels blur more than these do; voxels that count their own photons and have few count badly. */
+/* Gathers that reach beyond the voxels blur more than these do; voxels that count their own photons and have
+ * few count badly. */
 static void write_warning(const sl_octree_state *s, const sl_voxel_statistics *v, char *text, size_t size) {
     const sl_light_octree_settings *o = &s->settings.light_octree;
     double reach = v->mean_radius / sl_octree_voxel(s->shown.octree);
-    double photons = (double)sl_photon_tree_list(s->tree)->count, a_voxel = photons / (double)s->shown.octree->leaf_count;
+    double photons = (double)sl_photon_tree_list(s->tree)->count,
+           a_voxel = photons / (double)s->shown.octree->leaf_count;
     text[0] = '\0';
     if (o->own_photons && a_voxel < SL_OCTREE_FEW_PHOTONS * o->neighbours)
-        sl_print(text, size, "%.3g photons a voxel are few for voxels that count their own: more stored photons, or a smaller depth", a_voxel);
+        sl_print(text, size,
+                 "%.3g photons a voxel are few for voxels that count their own: more stored photons, or a "
+                 "smaller depth",
+                 a_voxel);
     else if (!o->own_photons && v->lit > 0 && reach > SL_OCTREE_WIDE_GATHERS)
-        sl_print(text, size, "photons were gathered from %.3g voxels around: light is blurred by that, not by the voxels; more stored photons, fewer neighbours "
-                             "or a smaller depth", reach);
+        sl_print(text, size,
+                 "photons were gathered from %.3g voxels around: light is blurred by that, not by the "
+                 "voxels; more stored photons, fewer neighbours "
+                 "or a smaller depth",
+                 reach);
     else if (sl_octree_widens_gloss(s->scene, o))
-        sl_print(text, size, "%d lights a voxel cannot show sharp gloss: lobes of exponents above %d reflect indirect light blurred", o->lights, 2 * o->lights - 2);
+        sl_print(text, size,
+                 "%d lights a voxel cannot show sharp gloss: lobes of exponents above %d reflect indirect "
+                 "light blurred",
+                 o->lights, 2 * o->lights - 2);
 }
 
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error) {
@@ -75,7 +87,8 @@ static size_t level_bytes(const sl_octree_level *level) {
 }
 
 size_t sl_octree_state_bytes(const sl_octree_state *s) {
-    size_t bytes = sizeof *s + sl_octree_state_pixels(s) * (SL_OCTREE_PLANES * sizeof(float) + 14 * sizeof(float) + 2 * sizeof(uint32_t));
+    size_t bytes = sizeof *s + sl_octree_state_pixels(s) * (SL_OCTREE_PLANES * sizeof(float) +
+                                                            14 * sizeof(float) + 2 * sizeof(uint32_t));
     bytes += level_bytes(&s->shown) + level_bytes(&s->next);
     if (s->photons) bytes += s->photons->count * sizeof(sl_photon);
     if (s->tree) bytes += sl_photon_tree_bytes(s->tree);

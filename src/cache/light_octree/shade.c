@@ -63,13 +63,15 @@ static bool is_glossy(const sl_octree_points *p, size_t i) {
 }
 
 /* b = floor(p 2^d - 1/2), or the cell itself with the nearest filter; 11 bits each, from -1 on. */
-static voxel_place place_of(const sl_octree_shading *shading, const sl_octree_points *p, size_t i, int32_t cell[3]) {
+static voxel_place place_of(const sl_octree_shading *shading, const sl_octree_points *p, size_t i,
+                            int32_t cell[3]) {
     const sl_voxel_texture *t = shading->texture;
     double cells = (double)(1u << t->depth), scale = cells / t->edge;
     bool nearest = shading->filter == SL_VOXEL_NEAREST;
     const double u[3] = {((double)p->x[i] - t->origin.x) * scale, ((double)p->y[i] - t->origin.y) * scale,
                          ((double)p->z[i] - t->origin.z) * scale};
-    float length = p->normal_x[i] * p->normal_x[i] + p->normal_y[i] * p->normal_y[i] + p->normal_z[i] * p->normal_z[i];
+    float length =
+        p->normal_x[i] * p->normal_x[i] + p->normal_y[i] * p->normal_y[i] + p->normal_z[i] * p->normal_z[i];
     voxel_place place = {.key = NOWHERE};
     if (!(length > 0.0f && length < 4.0f)) return place;
     for (int axis = 0; axis < 3; axis++) {
@@ -78,7 +80,8 @@ static voxel_place place_of(const sl_octree_shading *shading, const sl_octree_po
         cell[axis] = (int32_t)low;
         place.t[axis] = (float)(at - low);
     }
-    place.key = (uint64_t)(cell[0] + 1) | (uint64_t)(cell[1] + 1) << 11 | (uint64_t)(cell[2] + 1) << 22 | (uint64_t)is_glossy(p, i) << 33;
+    place.key = (uint64_t)(cell[0] + 1) | (uint64_t)(cell[1] + 1) << 11 | (uint64_t)(cell[2] + 1) << 22 |
+                (uint64_t)is_glossy(p, i) << 33;
     return place;
 }
 
@@ -89,13 +92,15 @@ static int32_t find_group(sl_octree_scratch *s, uint64_t key, int32_t last, cons
     while (s->table[slot] != NONE && s->group[s->table[slot]].key != key) slot = (slot + 1) % TABLE;
     if (s->table[slot] == NONE) {
         s->table[slot] = (int32_t)s->groups;
-        s->group[s->groups++] = (voxel_group){.key = key, .cell = {cell[0], cell[1], cell[2]}, .glossy = key >> 33 & 1};
+        s->group[s->groups++] =
+            (voxel_group){.key = key, .cell = {cell[0], cell[1], cell[2]}, .glossy = key >> 33 & 1};
     }
     return s->table[slot];
 }
 
 /* Groups in order of their first point, their points in order. */
-static void group_points(const sl_octree_shading *shading, const sl_octree_points *p, size_t first, size_t count, sl_octree_scratch *s) {
+static void group_points(const sl_octree_shading *shading, const sl_octree_points *p, size_t first,
+                         size_t count, sl_octree_scratch *s) {
     int32_t last = NONE;
     s->groups = 0;
     for (size_t i = 0; i < TABLE; i++) s->table[i] = NONE;
@@ -124,7 +129,9 @@ static void group_points(const sl_octree_shading *shading, const sl_octree_point
 
 static int used_lights(const sl_voxel_texture *t, const sl_unpacked_light *light) {
     int used = t->lights;
-    while (used > 0 && light[used - 1].color[0] == 0.0f && light[used - 1].color[1] == 0.0f && light[used - 1].color[2] == 0.0f) used--;
+    while (used > 0 && light[used - 1].color[0] == 0.0f && light[used - 1].color[1] == 0.0f &&
+           light[used - 1].color[2] == 0.0f)
+        used--;
     return used;
 }
 
@@ -146,7 +153,8 @@ static void fetch_corner(const sl_voxel_texture *t, size_t at, sl_shade_corner *
     const sl_unpacked_light *light = t->unpacked + at;
     if (!t->split) {
         const sl_array_facing *facing = &t->facing[at / (size_t)t->lights];
-        corner->set[corner->sets++] = (sl_shade_set){light, used_lights(t, light), facing->normal, facing->turn, !facing->turn, false, 0.0f};
+        corner->set[corner->sets++] = (sl_shade_set){
+            light, used_lights(t, light), facing->normal, facing->turn, !facing->turn, false, 0.0f};
         *fetches += (uint64_t)t->lights;
         return;
     }
@@ -154,34 +162,44 @@ static void fetch_corner(const sl_voxel_texture *t, size_t at, sl_shade_corner *
         sl_set_head head = sl_voxel_texture_head(t, at);
         const float *d = t->unpacked[at].direction;
         sl_vec3 normal = head.has_normal ? sl_v3(d[0], d[1], d[2]) : sl_v3(0.0f, 0.0f, 0.0f);
-        corner->set[corner->sets++] = (sl_shade_set){t->unpacked + at + head.texels, head.lights, normal, head.turn, head.one_sided, head.layer, head.height};
+        corner->set[corner->sets++] = (sl_shade_set){t->unpacked + at + head.texels,
+                                                     head.lights,
+                                                     normal,
+                                                     head.turn,
+                                                     head.one_sided,
+                                                     head.layer,
+                                                     head.height};
         at += (size_t)(head.texels + head.lights);
         *fetches += (uint64_t)(head.texels + head.lights);
         more = head.more;
     }
 }
 
-static void fetch_cells(const sl_octree_shading *shading, const voxel_group *group, sl_shade_cells *cells, uint64_t *fetches) {
+static void fetch_cells(const sl_octree_shading *shading, const voxel_group *group, sl_shade_cells *cells,
+                        uint64_t *fetches) {
     const sl_voxel_texture *t = shading->texture;
     cells->corners = shading->filter == SL_VOXEL_NEAREST ? 1 : 8;
     cells->lobes = t->lobes;
     cells->keep_void_dark = shading->keep_void_dark;
     cells->facing = shading->facing;
     for (int k = 0; k < cells->corners; k++) {
-        const int32_t cell[3] = {group->cell[0] + (k & 1), group->cell[1] + (k >> 1 & 1), group->cell[2] + (k >> 2)};
+        const int32_t cell[3] = {group->cell[0] + (k & 1), group->cell[1] + (k >> 1 & 1),
+                                 group->cell[2] + (k >> 2)};
         fetch_corner(t, place_at(t, cell, fetches), &cells->corner[k], fetches);
     }
 }
 
 /* ---- blocks of a group's points ---- */
 
-/* One of n lights stands for what comes from a cap of 2 pi / n, whose mean squared chord to its axis is 1 / n; a lobe's is 2 / (e + 2). Sharper ones
- * would fall between the lights, and show dots on black: they are widened to the cap, and reflect as much. */
+/* One of n lights stands for what comes from a cap of 2 pi / n, whose mean squared chord to its axis is 1 /
+ * n; a lobe's is 2 / (e + 2). Sharper ones would fall between the lights, and show dots on black: they are
+ * widened to the cap, and reflect as much. */
 static float widest_exponent(const sl_voxel_texture *t) {
     return t->lobes != SL_LOBES_NONE ? (float)(2 * t->lights - 2) : INFINITY;
 }
 
-static void load_point(const sl_octree_points *p, const voxel_place *place, size_t i, bool glossy, float widest, sl_shade_block *b, size_t at) {
+static void load_point(const sl_octree_points *p, const voxel_place *place, size_t i, bool glossy,
+                       float widest, sl_shade_block *b, size_t at) {
     b->tx[at] = place->t[0];
     b->ty[at] = place->t[1];
     b->tz[at] = place->t[2];
@@ -190,7 +208,8 @@ static void load_point(const sl_octree_points *p, const voxel_place *place, size
     b->nz[at] = p->normal_z[i];
     b->mx[at] = b->my[at] = b->mz[at] = b->exponent[at] = 0.0f;
     if (!glossy) return;
-    sl_vec3 n = sl_v3(p->normal_x[i], p->normal_y[i], p->normal_z[i]), v = sl_v3(p->view_x[i], p->view_y[i], p->view_z[i]);
+    sl_vec3 n = sl_v3(p->normal_x[i], p->normal_y[i], p->normal_z[i]),
+            v = sl_v3(p->view_x[i], p->view_y[i], p->view_z[i]);
     sl_vec3 mirrored = sl_sub(sl_scale(n, 2.0f * sl_dot(n, v)), v);
     b->mx[at] = mirrored.x;
     b->my[at] = mirrored.y;
@@ -204,8 +223,8 @@ static float reflect(const float *diffuse, const float *specular, size_t i, floa
     return specular ? radiance + specular[i] * lobe : radiance;
 }
 
-static void shade_block(const sl_octree_points *p, size_t first, const voxel_group *group, size_t from, size_t count, float widest,
-                        sl_octree_scratch *s, float *const out[3]) {
+static void shade_block(const sl_octree_points *p, size_t first, const voxel_group *group, size_t from,
+                        size_t count, float widest, sl_octree_scratch *s, float *const out[3]) {
     static const size_t LANES = SL_SHADE_LANES;
     const uint32_t *order = s->order + group->first + from;
     size_t padded = (count + LANES - 1) / LANES * LANES;
@@ -219,13 +238,14 @@ static void shade_block(const sl_octree_points *p, size_t first, const voxel_gro
     for (size_t k = 0; k < count; k++) {
         size_t i = first + order[k];
         for (int c = 0; c < 3; c++) {
-            out[c][i] = reflect(diffuse[c], group->glossy ? specular[c] : NULL, i, s->block.irradiance[c][k], s->block.lobe[c][k]);
+            out[c][i] = reflect(diffuse[c], group->glossy ? specular[c] : NULL, i, s->block.irradiance[c][k],
+                                s->block.lobe[c][k]);
         }
     }
 }
 
-void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *p, sl_octree_scratch *s, float *r, float *g, float *b,
-                     sl_counters *counters) {
+void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *p, sl_octree_scratch *s,
+                     float *r, float *g, float *b, sl_counters *counters) {
     float *const out[3] = {r, g, b}, widest = widest_exponent(shading->texture);
     for (size_t first = 0; first < p->count; first += SL_OCTREE_BATCH) {
         size_t count = p->count - first < SL_OCTREE_BATCH ? p->count - first : SL_OCTREE_BATCH;
@@ -238,7 +258,8 @@ void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *p
             sl_count(counters, SL_COUNT_TEXTURE_FETCHES, fetches * group->count); /* as each fragment would */
             for (size_t from = 0; from < group->count; from += SL_SHADE_BLOCK) {
                 size_t left = group->count - from;
-                shade_block(p, first, group, from, left < SL_SHADE_BLOCK ? left : SL_SHADE_BLOCK, widest, s, out);
+                shade_block(p, first, group, from, left < SL_SHADE_BLOCK ? left : SL_SHADE_BLOCK, widest, s,
+                            out);
             }
         }
     }
@@ -258,14 +279,29 @@ typedef struct tile_pass {
 } tile_pass;
 
 /* In the order of sl_octree_points. */
-static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye, size_t pixel, float values[16]) {
+static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye, size_t pixel,
+                           float values[16]) {
     const sl_material *m = &scene->materials[g->material[pixel]];
     sl_vec3 place = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
     sl_vec3 n = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
     sl_vec3 from = g->seen_from ? g->seen_from[pixel] : eye;
     sl_vec3 v = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(from, place), n) : n;
-    const float all[16] = {place.x, place.y, place.z, n.x, n.y, n.z, v.x, v.y, v.z, g->diffuse_r[pixel], g->diffuse_g[pixel],
-                           g->diffuse_b[pixel], m->specular.r, m->specular.g, m->specular.b, m->exponent};
+    const float all[16] = {place.x,
+                           place.y,
+                           place.z,
+                           n.x,
+                           n.y,
+                           n.z,
+                           v.x,
+                           v.y,
+                           v.z,
+                           g->diffuse_r[pixel],
+                           g->diffuse_g[pixel],
+                           g->diffuse_b[pixel],
+                           m->specular.r,
+                           m->specular.g,
+                           m->specular.b,
+                           m->exponent};
     memcpy(values, all, sizeof all);
 }
 
@@ -276,19 +312,21 @@ static void take_pixel(const tile_pass *pass, uint32_t pixel, size_t at, sl_octr
     s->pixel[at] = pixel;
 }
 
-bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer, sl_vec3 eye, size_t pixel,
-                           sl_octree_pixel *out) {
+bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer,
+                           sl_vec3 eye, size_t pixel, sl_octree_pixel *out) {
     float v[16];
     uint64_t fetches = 0;
     *out = (sl_octree_pixel){.glossy = false};
     point_of_pixel(scene, gbuffer, eye, pixel, v);
-    sl_octree_points p = {1, v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6, v + 7, v + 8, v + 9, v + 10, v + 11, v + 12, v + 13, v + 14, v + 15};
+    sl_octree_points p = {1,     v,     v + 1,  v + 2,  v + 3,  v + 4,  v + 5,  v + 6, v + 7,
+                          v + 8, v + 9, v + 10, v + 11, v + 12, v + 13, v + 14, v + 15};
     voxel_place place = place_of(shading, &p, 0, out->cell);
     if (place.key == NOWHERE) return false;
     voxel_group group = {.cell = {out->cell[0], out->cell[1], out->cell[2]}};
     out->glossy = is_glossy(&p, 0);
     fetch_cells(shading, &group, &out->cells, &fetches);
-    for (size_t k = 0; k < SL_SHADE_LANES; k++) load_point(&p, &place, 0, out->glossy, widest_exponent(shading->texture), &out->block, k);
+    for (size_t k = 0; k < SL_SHADE_LANES; k++)
+        load_point(&p, &place, 0, out->glossy, widest_exponent(shading->texture), &out->block, k);
     memcpy(out->diffuse, v + 9, sizeof out->diffuse);
     memcpy(out->specular, v + 12, sizeof out->specular);
     return true;
@@ -298,7 +336,8 @@ static void shade_tile(void *context, size_t index, unsigned worker) {
     const tile_pass *pass = context;
     const sl_gbuffer *g = pass->gbuffer;
     sl_octree_scratch *s = pass->scratch[worker];
-    int x0 = (int)(index % (size_t)pass->tiles_across) * TILE, y0 = (int)(index / (size_t)pass->tiles_across) * TILE;
+    int x0 = (int)(index % (size_t)pass->tiles_across) * TILE,
+        y0 = (int)(index / (size_t)pass->tiles_across) * TILE;
     int x1 = x0 + TILE < g->width ? x0 + TILE : g->width, y1 = y0 + TILE < g->height ? y0 + TILE : g->height;
     size_t count = 0;
     bool any_glossy = false;
@@ -312,7 +351,8 @@ static void shade_tile(void *context, size_t index, unsigned worker) {
         }
     }
     float(*v)[ROW] = s->point;
-    sl_octree_points points = {count, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], NULL, NULL, NULL, v[15]};
+    sl_octree_points points = {count, v[0], v[1],  v[2],  v[3], v[4], v[5], v[6], v[7],
+                               v[8],  v[9], v[10], v[11], NULL, NULL, NULL, v[15]};
     if (any_glossy) {
         points.specular_r = v[12];
         points.specular_g = v[13];
@@ -325,15 +365,23 @@ static void shade_tile(void *context, size_t index, unsigned worker) {
     sl_count(&pass->counters[worker], SL_COUNT_FRAGMENTS_SHADED, count);
 }
 
-sl_status sl_octree_shade_gbuffer(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer, sl_vec3 eye,
-                                  unsigned threads, float *r, float *g, float *b, sl_counters *counters, sl_error *error) {
+sl_status sl_octree_shade_gbuffer(const sl_octree_shading *shading, const sl_scene *scene,
+                                  const sl_gbuffer *gbuffer, sl_vec3 eye, unsigned threads, float *r,
+                                  float *g, float *b, sl_counters *counters, sl_error *error) {
     threads = sl_thread_count(threads);
     float *const out[3] = {r, g, b};
     int across = (gbuffer->width + TILE - 1) / TILE, up = (gbuffer->height + TILE - 1) / TILE;
-    tile_pass pass = {.shading = shading, .scene = scene, .gbuffer = gbuffer, .eye = eye, .out = out, .tiles_across = across,
-                      .scratch = sl_allocate(threads, sizeof *pass.scratch), .counters = sl_allocate(threads, sizeof *pass.counters)};
+    tile_pass pass = {.shading = shading,
+                      .scene = scene,
+                      .gbuffer = gbuffer,
+                      .eye = eye,
+                      .out = out,
+                      .tiles_across = across,
+                      .scratch = sl_allocate(threads, sizeof *pass.scratch),
+                      .counters = sl_allocate(threads, sizeof *pass.counters)};
     sl_status status = pass.scratch && pass.counters ? SL_OK : sl_fail_memory(error, "shading");
-    for (unsigned i = 0; status == SL_OK && i < threads; i++) status = sl_octree_scratch_create(&pass.scratch[i], error);
+    for (unsigned i = 0; status == SL_OK && i < threads; i++)
+        status = sl_octree_scratch_create(&pass.scratch[i], error);
     if (status == SL_OK) {
         sl_parallel_for(threads, (size_t)across * (size_t)up, shade_tile, &pass);
         for (unsigned i = 0; i < threads; i++) sl_counters_add(counters, &pass.counters[i]);

@@ -1,6 +1,7 @@
-/* Pass R1: the light that surface points send to the eye, from the octree and its lights: L_o = sum f_r c_j (n . d_j)+ in each of the
- * eight voxels around, then their trilinear mean. Points that share their eight voxels are shaded together: the octree is descended
- * once for all of them, and the loop over their lights is arithmetic alone. */
+/* Pass R1: the light that surface points send to the eye, from the octree and its lights: L_o = sum f_r c_j
+ * (n . d_j)+ in each of the eight voxels around, then their trilinear mean. Points that share their eight
+ * voxels are shaded together: the octree is descended once for all of them, and the loop over their lights is
+ * arithmetic alone. */
 #ifndef SL_CACHE_LIGHT_OCTREE_SHADE_H
 #define SL_CACHE_LIGHT_OCTREE_SHADE_H
 
@@ -14,8 +15,8 @@ typedef struct sl_octree_shading {
     bool facing;          /* voxels weigh by the cosine between their normal and the point's, against leaks */
 } sl_octree_shading;
 
-/* Surface points as arrays; normals unit, shading, turned to the viewer. NULL diffuse: 1 / kd = pi, so that the irradiance comes out.
- * NULL specular: none, and the view is not looked at. */
+/* Surface points as arrays; normals unit, shading, turned to the viewer. NULL diffuse: 1 / kd = pi, so that
+ * the irradiance comes out. NULL specular: none, and the view is not looked at. */
 typedef struct sl_octree_points {
     size_t count;
     const float *x, *y, *z;
@@ -30,13 +31,15 @@ typedef struct sl_octree_scratch sl_octree_scratch; /* one for each worker */
 sl_status sl_octree_scratch_create(sl_octree_scratch **scratch, sl_error *error);
 void sl_octree_scratch_destroy(sl_octree_scratch *scratch);
 
-/* Radiance (or irradiance) of any number of points, written to r, g, b. Each point's is a function of that point alone. */
-void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *points, sl_octree_scratch *scratch, float *r, float *g,
-                     float *b, sl_counters *counters);
+/* Radiance (or irradiance) of any number of points, written to r, g, b. Each point's is a function of that
+ * point alone. */
+void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *points,
+                     sl_octree_scratch *scratch, float *r, float *g, float *b, sl_counters *counters);
 
-/* A whole G-buffer seen from an eye (but for pixels that mirrors show), in tiles; planes as the G-buffer's, background and mirrors 0.
- * Fails for want of memory alone. */
-sl_status sl_octree_shade_gbuffer(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer, sl_vec3 eye,
-                                  unsigned threads, float *r, float *g, float *b, sl_counters *counters, sl_error *error);
+/* A whole G-buffer seen from an eye (but for pixels that mirrors show), in tiles; planes as the G-buffer's,
+ * background and mirrors 0. Fails for want of memory alone. */
+sl_status sl_octree_shade_gbuffer(const sl_octree_shading *shading, const sl_scene *scene,
+                                  const sl_gbuffer *gbuffer, sl_vec3 eye, unsigned threads, float *r,
+                                  float *g, float *b, sl_counters *counters, sl_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* Sixteen points at a time against lights that are the same for all of them. Colours are blended between voxels after they are reflected:
- * directions of unrelated clusters must not be averaged. */
+/* Sixteen points at a time against lights that are the same for all of them. Colours are blended between
+ * voxels after they are reflected: directions of unrelated clusters must not be averaged. */
 #include "cache/light_octree/shade_kernels.h"
 
 #include "base/math.h"
@@ -26,7 +26,8 @@ static inline lanes positive(lanes a) { return (lanes)((masks)a & (a > 0.0f)); }
 
 /* Modified Phong: (e+2)/(2 pi) cos^e. */
 static inline lanes phong(lanes cosine, lanes exponent) {
-    float c[LANES] __attribute__((aligned(64))), e[LANES] __attribute__((aligned(64))), v[LANES] __attribute__((aligned(64)));
+    float c[LANES] __attribute__((aligned(64))), e[LANES] __attribute__((aligned(64))),
+        v[LANES] __attribute__((aligned(64)));
     *(lanes *)c = cosine;
     *(lanes *)e = exponent;
 #pragma omp simd
@@ -34,7 +35,8 @@ static inline lanes phong(lanes cosine, lanes exponent) {
     return *(lanes *)v;
 }
 
-/* L_o = sum f_r c (n . d)+, without kd / pi and ks; c without cosine where it is the irradiance on the surface. */
+/* L_o = sum f_r c (n . d)+, without kd / pi and ks; c without cosine where it is the irradiance on the
+ * surface. */
 static inline light_sum directional(const point_lanes *p, const sl_shade_set *set) {
     light_sum s = {{{0}}, {{0}}};
     bool cosine = p->cells->lobes == SL_LOBES_PERPENDICULAR;
@@ -76,14 +78,18 @@ static inline lanes cosine_to(const point_lanes *p, const sl_shade_set *set) {
     return set->turn ? (lanes)((masks)c & 0x7fffffff) : c;
 }
 
-/* How well a set suits the points: by its normal, and of layers by how far above or below them it lies, in voxels. */
+/* How well a set suits the points: by its normal, and of layers by how far above or below them it lies, in
+ * voxels. */
 static inline lanes suits(const point_lanes *p, const sl_shade_corner *corner, const sl_shade_set *set) {
     lanes cosine = cosine_to(p, set);
     if (!set->layer) return cosine;
     const sl_shade_cells *cells = p->cells;
     int k = (int)(corner - cells->corner);
-    float x = cells->corners == 1 ? 0.5f : (float)(k & 1), y = cells->corners == 1 ? 0.5f : (float)(k >> 1 & 1), z = cells->corners == 1 ? 0.5f : (float)(k >> 2);
-    lanes above = (p->tx - x) * set->normal.x + (p->ty - y) * set->normal.y + (p->tz - z) * set->normal.z - set->height;
+    float x = cells->corners == 1 ? 0.5f : (float)(k & 1),
+          y = cells->corners == 1 ? 0.5f : (float)(k >> 1 & 1),
+          z = cells->corners == 1 ? 0.5f : (float)(k >> 2);
+    lanes above =
+        (p->tx - x) * set->normal.x + (p->ty - y) * set->normal.y + (p->tz - z) * set->normal.z - set->height;
     return cosine - (lanes)((masks)above & 0x7fffffff);
 }
 
@@ -104,15 +110,19 @@ static inline light_sum of_corner(const point_lanes *p, const sl_shade_corner *c
     return best;
 }
 
-/* ---- weights: L = sum w m L_j / sum w m over the voxels around, w trilinear, m the facing; void voxels count in neither sum ---- */
+/* ---- weights: L = sum w m L_j / sum w m over the voxels around, w trilinear, m the facing; void voxels
+ * count in neither sum ---- */
 
 static inline lanes trilinear(const point_lanes *p, int corner) {
     if (p->cells->corners == 1) return p->tx * 0.0f + 1.0f;
-    lanes x = corner & 1 ? p->tx : 1.0f - p->tx, y = corner & 2 ? p->ty : 1.0f - p->ty, z = corner & 4 ? p->tz : 1.0f - p->tz;
+    lanes x = corner & 1 ? p->tx : 1.0f - p->tx, y = corner & 2 ? p->ty : 1.0f - p->ty,
+          z = corner & 4 ? p->tz : 1.0f - p->tz;
     return x * y * z;
 }
 
-static inline lanes facing_cosine(const point_lanes *p, const sl_shade_set *set) { return set->one_sided ? signed_cosine(p, set) : cosine_to(p, set); }
+static inline lanes facing_cosine(const point_lanes *p, const sl_shade_set *set) {
+    return set->one_sided ? signed_cosine(p, set) : cosine_to(p, set);
+}
 
 /* (n . n_v)+, of a split voxel that of the group that the point takes; 1 where there is no normal. */
 static inline lanes facing_factor(const point_lanes *p, const sl_shade_corner *corner) {
@@ -134,7 +144,8 @@ static inline masks own_voxel(const point_lanes *p, int corner) {
     return (corner & 1 ? x : ~x) & (corner & 2 ? y : ~y) & (corner & 4 ? z : ~z);
 }
 
-/* Weights of the eight voxels; facing ones fall back on the point's own voxel, and on plain ones where that is void. */
+/* Weights of the eight voxels; facing ones fall back on the point's own voxel, and on plain ones where that
+ * is void. */
 static inline void weigh(const point_lanes *p, lanes weight[8]) {
     const sl_shade_cells *cells = p->cells;
     lanes zero = p->tx * 0.0f, faced = zero;
@@ -150,7 +161,8 @@ static inline void weigh(const point_lanes *p, lanes weight[8]) {
     for (int k = 0; k < cells->corners; k++) {
         if (cells->corner[k].sets == 0) continue;
         lanes own = choose(own_voxel(p, k), zero + 1.0f, zero);
-        weight[k] = choose(enough, weight[k] * facing_factor(p, &cells->corner[k]), choose(own_there, own, weight[k]));
+        weight[k] = choose(enough, weight[k] * facing_factor(p, &cells->corner[k]),
+                           choose(own_there, own, weight[k]));
     }
 }
 
@@ -169,7 +181,8 @@ static inline void shade_lanes(const point_lanes *p, sl_shade_block *block, size
         }
     }
     masks some = sum > 0.0f;
-    lanes one = p->tx * 0.0f + 1.0f, scale = cells->keep_void_dark && !cells->facing ? one : positive(one / choose(some, sum, one));
+    lanes one = p->tx * 0.0f + 1.0f,
+          scale = cells->keep_void_dark && !cells->facing ? one : positive(one / choose(some, sum, one));
     for (int c = 0; c < 3; c++) {
         *(lanes *)&block->irradiance[c][first] = total.irradiance[c] * scale;
         *(lanes *)&block->lobe[c][first] = total.lobe[c] * scale;
@@ -178,8 +191,9 @@ static inline void shade_lanes(const point_lanes *p, sl_shade_block *block, size
 
 void SL_KERNEL(sl_shade_block)(const sl_shade_cells *cells, size_t count, bool glossy, sl_shade_block *b) {
     for (size_t i = 0; i < count; i += LANES) {
-        point_lanes p = {load(b->tx + i), load(b->ty + i), load(b->tz + i), load(b->nx + i), load(b->ny + i), load(b->nz + i),
-                         load(b->mx + i), load(b->my + i), load(b->mz + i), load(b->exponent + i), cells, glossy};
+        point_lanes p = {load(b->tx + i), load(b->ty + i),       load(b->tz + i), load(b->nx + i),
+                         load(b->ny + i), load(b->nz + i),       load(b->mx + i), load(b->my + i),
+                         load(b->mz + i), load(b->exponent + i), cells,           glossy};
         shade_lanes(&p, b, i);
     }
 }

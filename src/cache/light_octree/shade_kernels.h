@@ -33,12 +33,14 @@ typedef struct sl_shade_cells {
 /* Points as arrays, filled up to whole groups of SL_SHADE_LANES with anything finite. */
 typedef struct sl_shade_block {
     _Alignas(64) float tx[SL_SHADE_BLOCK];
-    float ty[SL_SHADE_BLOCK], tz[SL_SHADE_BLOCK];                         /* place between the voxels' centres */
+    /* place between the voxels' centres */
+    float ty[SL_SHADE_BLOCK], tz[SL_SHADE_BLOCK];
     float nx[SL_SHADE_BLOCK], ny[SL_SHADE_BLOCK], nz[SL_SHADE_BLOCK];
     float mx[SL_SHADE_BLOCK], my[SL_SHADE_BLOCK], mz[SL_SHADE_BLOCK];     /* mirror direction of the view */
     float exponent[SL_SHADE_BLOCK];
     float irradiance[3][SL_SHADE_BLOCK];                                  /* out: sum c (n . d)+ */
-    float lobe[3][SL_SHADE_BLOCK];                                        /* out: sum (e+2)/(2 pi) (m . d)+^e c (n . d)+ */
+    /* out: sum (e+2)/(2 pi) (m . d)+^e c (n . d)+ */
+    float lobe[3][SL_SHADE_BLOCK];
 } sl_shade_block;
 
 typedef void sl_shade_kernel(const sl_shade_cells *cells, size_t count, bool glossy, sl_shade_block *block);

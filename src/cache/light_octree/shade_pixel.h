@@ -14,7 +14,7 @@ typedef struct sl_octree_pixel {
 } sl_octree_pixel;
 
 /* Of a pixel that shows a surface which is no mirror. False where that gets no light. */
-bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer, sl_vec3 eye, size_t pixel,
-                           sl_octree_pixel *out);
+bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer,
+                           sl_vec3 eye, size_t pixel, sl_octree_pixel *out);
 
 #endif

@@ -19,7 +19,8 @@ typedef enum sl_octree_phase {
 
 /* A finished octree: what pixels are lit from. */
 typedef struct sl_octree_level {
-    sl_octree *octree;          /* made anew for each depth: a cut of the deepest rounds in another order than that depth alone */
+    /* made anew for each depth: a cut of the deepest rounds in another order than that depth alone */
+    sl_octree *octree;
     sl_voxel_lights *lights;
     sl_voxel_texture *texture;
 } sl_octree_level;
@@ -55,14 +56,17 @@ typedef struct sl_octree_state {
     sl_announcer announcer;
 } sl_octree_state;
 
-static inline size_t sl_octree_state_pixels(const sl_octree_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
+static inline size_t sl_octree_state_pixels(const sl_octree_state *s) {
+    return (size_t)s->settings.width * (size_t)s->settings.height;
+}
 
 void sl_octree_forget_level(sl_octree_level *level);
 sl_octree_shading sl_octree_state_shading(const sl_octree_state *s);
 
 /* The next step of the pass that is under way (passes.c). */
 sl_status sl_octree_step(sl_octree_state *s, sl_error *error);
-/* Into a picture's metadata: softlux.octree.*, what it was made from, and softlux.warning, what is to be said against that (report.c). */
+/* Into a picture's metadata: softlux.octree.*, what it was made from, and softlux.warning, what is to be said
+ * against that (report.c). */
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error);
 size_t sl_octree_state_bytes(const sl_octree_state *s);
 

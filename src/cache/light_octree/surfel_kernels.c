@@ -3,17 +3,22 @@
 enum { LANES = SL_SURFEL_LANES };
 
 typedef struct lane_sums {
-    double front[LANES], back[LANES], front_flat[LANES], back_flat[LANES], front_height[LANES], back_height[LANES];
+    double front[LANES], back[LANES], front_flat[LANES], back_flat[LANES], front_height[LANES],
+        back_height[LANES];
 } lane_sums;
 
-static inline double join(const double v[LANES]) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); }
+static inline double join(const double v[LANES]) {
+    return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
 
 /* What of LANES surfels' areas is within a limit of delta^2, the cosine's sign telling the side. */
-static inline void add_within(const float *restrict distance, const float *restrict height, const float *restrict cosine,
-                              const float *restrict area, float limit, lane_sums *restrict sums) {
+static inline void add_within(const float *restrict distance, const float *restrict height,
+                              const float *restrict cosine, const float *restrict area, float limit,
+                              lane_sums *restrict sums) {
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
-        double here = (double)(distance[l] <= limit ? area[l] : 0.0f), size = (double)(cosine[l] < 0.0f ? -cosine[l] : cosine[l]);
+        double here = (double)(distance[l] <= limit ? area[l] : 0.0f),
+               size = (double)(cosine[l] < 0.0f ? -cosine[l] : cosine[l]);
         double up = cosine[l] < 0.0f ? 0.0 : here, down = cosine[l] < 0.0f ? here : 0.0;
         sums->front[l] += up;
         sums->back[l] += down;
@@ -24,13 +29,17 @@ static inline void add_within(const float *restrict distance, const float *restr
     }
 }
 
-void SL_KERNEL(sl_surfel_area)(const sl_surfels *s, size_t first, size_t end, const sl_surfel_query *q, int count, sl_surfel_sums *sums) {
+void SL_KERNEL(sl_surfel_area)(const sl_surfels *s, size_t first, size_t end, const sl_surfel_query *q,
+                               int count, sl_surfel_sums *sums) {
     lane_sums lanes[SL_ELLIPSOIDS_MAX] = {{{0}, {0}, {0}, {0}, {0}, {0}}};
-    const float cx = q->centre.x, cy = q->centre.y, cz = q->centre.z, nx = q->normal.x, ny = q->normal.y, nz = q->normal.z;
+    const float cx = q->centre.x, cy = q->centre.y, cz = q->centre.z, nx = q->normal.x, ny = q->normal.y,
+                nz = q->normal.z;
     const float stretch = q->stretch, widest = q->limit[0], least = q->least_cosine;
     for (size_t i = first; i < end; i += LANES) {
-        const float *restrict x = s->x + i, *restrict y = s->y + i, *restrict z = s->z + i, *restrict area = s->area + i;
-        const float *restrict mx = s->normal_x + i, *restrict my = s->normal_y + i, *restrict mz = s->normal_z + i;
+        const float *restrict x = s->x + i, *restrict y = s->y + i, *restrict z = s->z + i,
+                              *restrict area = s->area + i;
+        const float *restrict mx = s->normal_x + i, *restrict my = s->normal_y + i,
+                              *restrict mz = s->normal_z + i;
         float distance[LANES], height[LANES], cosine[LANES], counted[LANES], nearest = widest;
         int some = 0;
 #pragma omp simd reduction(| : some)
@@ -45,7 +54,8 @@ void SL_KERNEL(sl_surfel_area)(const sl_surfels *s, size_t first, size_t end, co
         }
         if (!some) continue;
         for (int l = 0; l < LANES; l++) nearest = distance[l] < nearest ? distance[l] : nearest;
-        for (int e = 0; e < count && nearest <= q->limit[e]; e++) add_within(distance, height, cosine, counted, q->limit[e], &lanes[e]);
+        for (int e = 0; e < count && nearest <= q->limit[e]; e++)
+            add_within(distance, height, cosine, counted, q->limit[e], &lanes[e]);
     }
     for (int e = 0; e < count; e++) {
         sums[e].front += join(lanes[e].front);

@@ -1,4 +1,5 @@
-/* Small triangles as points with a normal and an area: the loop that finds how much of them an ellipsoid holds, for every instruction set. */
+/* Small triangles as points with a normal and an area: the loop that finds how much of them an ellipsoid
+ * holds, for every instruction set. */
 #ifndef SL_CACHE_LIGHT_OCTREE_SURFEL_KERNELS_H
 #define SL_CACHE_LIGHT_OCTREE_SURFEL_KERNELS_H
 
@@ -21,14 +22,15 @@ typedef struct sl_surfel_query {
     float least_cosine;          /* of the normals' angle, whatever its sign */
 } sl_surfel_query;
 
-/* Sums by the sign of the cosine: area, area projected along the normal, and area times height above the centre's plane. Added to. */
+/* Sums by the sign of the cosine: area, area projected along the normal, and area times height above the
+ * centre's plane. Added to. */
 typedef struct sl_surfel_sums {
     double front, back, front_flat, back_flat, front_height, back_height;
 } sl_surfel_sums;
 
 /* For the first `count` limits, each into its own sums. */
-typedef void sl_surfel_kernel(const sl_surfels *surfels, size_t first, size_t end, const sl_surfel_query *query, int count,
-                              sl_surfel_sums *sums);
+typedef void sl_surfel_kernel(const sl_surfels *surfels, size_t first, size_t end,
+                              const sl_surfel_query *query, int count, sl_surfel_sums *sums);
 SL_KERNEL_VARIANTS(sl_surfel_kernel, sl_surfel_area);
 
 static inline sl_surfel_kernel *sl_surfel_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_surfel_area); }

@@ -40,28 +40,32 @@ static int size_of(const sl_surroundings *s, uint32_t t) {
     if (!sl_takes_photons(&s->scene->materials[s->scene->material_index[t]])) return 0;
     sl_vec3d a = corner_of(s, 0, t), b = corner_of(s, 1, t), c = corner_of(s, 2, t);
     sl_vec3d ab = sl_subd(b, a), bc = sl_subd(c, b), ca = sl_subd(a, c);
-    double longest = fmax(sl_dotd(ab, ab), fmax(sl_dotd(bc, bc), sl_dotd(ca, ca))), limit = s->small_edge * s->small_edge;
+    double longest = fmax(sl_dotd(ab, ab), fmax(sl_dotd(bc, bc), sl_dotd(ca, ca))),
+           limit = s->small_edge * s->small_edge;
     int size = 0;
     for (; size + 1 < SL_TRIANGLE_SIZES && longest <= limit; size++) limit *= 0.25;
     return size;
 }
 
 static sl_vec3 centre_of(const sl_surroundings *s, uint32_t t) {
-    return sl_to_float(sl_scaled(sl_addd(sl_addd(corner_of(s, 0, t), corner_of(s, 1, t)), corner_of(s, 2, t)), 1.0 / 3.0));
+    return sl_to_float(
+        sl_scaled(sl_addd(sl_addd(corner_of(s, 0, t), corner_of(s, 1, t)), corner_of(s, 2, t)), 1.0 / 3.0));
 }
 
 /* A leaf's triangles, large ones first, and how many of each size are points of its own. */
 static void sort_leaf(sl_surroundings *s, size_t index) {
     const sl_octree_leaf *leaf = &s->octree->leaf[index];
     const uint32_t *triangle = s->octree->triangle + leaf->first_triangle;
-    uint32_t count[SL_TRIANGLE_SIZES] = {0}, own[SL_TRIANGLE_SIZES] = {0}, at[SL_TRIANGLE_SIZES] = {leaf->first_triangle};
+    uint32_t count[SL_TRIANGLE_SIZES] = {0}, own[SL_TRIANGLE_SIZES] = {0},
+             at[SL_TRIANGLE_SIZES] = {leaf->first_triangle};
     for (uint32_t i = 0; i < leaf->triangle_count; i++) {
         int size = size_of(s, triangle[i]);
         count[size]++;
         own[size] += size > 0 && sl_octree_morton_at(s->octree, centre_of(s, triangle[i])) == leaf->morton;
     }
     for (int k = 1; k < SL_TRIANGLE_SIZES; k++) at[k] = at[k - 1] + count[k - 1];
-    for (uint32_t i = 0; i < leaf->triangle_count; i++) s->triangle[at[size_of(s, triangle[i])]++] = triangle[i];
+    for (uint32_t i = 0; i < leaf->triangle_count; i++)
+        s->triangle[at[size_of(s, triangle[i])]++] = triangle[i];
     for (int k = 0; k < SL_TRIANGLE_SIZES; k++) {
         s->end_of_size[index * SL_TRIANGLE_SIZES + (size_t)k] = at[k];
         s->first_surfel[k][index + 1] = (own[k] + SL_SURFEL_LANES - 1) / SL_SURFEL_LANES * SL_SURFEL_LANES;
@@ -70,11 +74,13 @@ static void sort_leaf(sl_surroundings *s, size_t index) {
 
 static void put_surfel(sl_surroundings *s, size_t at, uint32_t triangle, sl_vec3 centre) {
     sl_vec3 n = sl_scene_geometric_normal(s->scene, triangle);
-    sl_vec3d a = corner_of(s, 0, triangle), ab = sl_subd(corner_of(s, 1, triangle), a), ac = sl_subd(corner_of(s, 2, triangle), a);
-    double share = s->octree->share ? (double)s->octree->share[triangle] : 1.0, area = 0.5 * sl_lengthd(sl_crossd(ab, ac));
+    sl_vec3d a = corner_of(s, 0, triangle), ab = sl_subd(corner_of(s, 1, triangle), a),
+             ac = sl_subd(corner_of(s, 2, triangle), a);
+    double share = s->octree->share ? (double)s->octree->share[triangle] : 1.0,
+           area = 0.5 * sl_lengthd(sl_crossd(ab, ac));
     const float values[7] = {centre.x, centre.y, centre.z, n.x, n.y, n.z, (float)(area * share)};
-    float *const planes[7] = {s->surfels.x, s->surfels.y, s->surfels.z, s->surfels.normal_x, s->surfels.normal_y, s->surfels.normal_z,
-                              s->surfels.area};
+    float *const planes[7] = {s->surfels.x,        s->surfels.y,        s->surfels.z,   s->surfels.normal_x,
+                              s->surfels.normal_y, s->surfels.normal_z, s->surfels.area};
     for (int k = 0; k < 7; k++) planes[k][at] = values[k];
 }
 
@@ -85,7 +91,8 @@ static void put_surfels(sl_surroundings *s, size_t index) {
         size_t at = s->first_surfel[k][index];
         for (uint32_t i = end[k - 1]; i < end[k]; i++) {
             sl_vec3 centre = centre_of(s, s->triangle[i]);
-            if (sl_octree_morton_at(s->octree, centre) == leaf->morton) put_surfel(s, at++, s->triangle[i], centre);
+            if (sl_octree_morton_at(s->octree, centre) == leaf->morton)
+                put_surfel(s, at++, s->triangle[i], centre);
         }
     }
 }
@@ -98,7 +105,8 @@ typedef struct leaf_task {
 static void for_leaves(void *context, size_t index, unsigned worker) {
     (void)worker;
     const leaf_task *task = context;
-    size_t end = (index + 1) * LEAVES_A_TASK < task->s->octree->leaf_count ? (index + 1) * LEAVES_A_TASK : task->s->octree->leaf_count;
+    size_t end = (index + 1) * LEAVES_A_TASK < task->s->octree->leaf_count ? (index + 1) * LEAVES_A_TASK
+                                                                           : task->s->octree->leaf_count;
     for (size_t i = index * LEAVES_A_TASK; i < end; i++) task->work(task->s, i);
 }
 
@@ -108,7 +116,8 @@ static sl_status make_surfels(sl_surroundings *s, unsigned threads, sl_error *er
     s->triangle = sl_allocate(s->octree->triangle_count, sizeof *s->triangle);
     s->end_of_size = sl_allocate(leaves * SL_TRIANGLE_SIZES, sizeof *s->end_of_size);
     s->first_surfel[0] = sl_allocate((leaves + 1) * SL_TRIANGLE_SIZES, sizeof **s->first_surfel);
-    if (!s->triangle || !s->end_of_size || !s->first_surfel[0]) return sl_fail_memory(error, "the octree's triangles");
+    if (!s->triangle || !s->end_of_size || !s->first_surfel[0])
+        return sl_fail_memory(error, "the octree's triangles");
     for (size_t k = 1; k < SL_TRIANGLE_SIZES; k++) s->first_surfel[k] = s->first_surfel[0] + k * (leaves + 1);
     leaf_task task = {s, sort_leaf};
     sl_parallel_for(threads, tasks, for_leaves, &task);
@@ -134,8 +143,8 @@ static sl_status make_surfels(sl_surroundings *s, unsigned threads, sl_error *er
 
 /* ---- creating ---- */
 
-sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, double small_edge, unsigned threads,
-                                 sl_surroundings **result, sl_error *error) {
+sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, double small_edge,
+                                 unsigned threads, sl_surroundings **result, sl_error *error) {
     *result = NULL;
     sl_surroundings *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "the octree's nodes");
@@ -145,7 +154,8 @@ sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree,
     s->count[depth] = octree->leaf_count;
     s->code[depth] = sl_allocate(octree->leaf_count, sizeof **s->code);
     sl_status status = s->code[depth] ? SL_OK : sl_fail_memory(error, "the octree's nodes");
-    for (size_t i = 0; status == SL_OK && i < octree->leaf_count; i++) s->code[depth][i] = (uint32_t)octree->leaf[i].morton;
+    for (size_t i = 0; status == SL_OK && i < octree->leaf_count; i++)
+        s->code[depth][i] = (uint32_t)octree->leaf[i].morton;
     for (int level = depth - 1; status == SL_OK && level >= 0; level--) status = make_level(s, level, error);
     if (status == SL_OK) status = make_surfels(s, threads, error);
     if (status != SL_OK) sl_surroundings_destroy(s);
@@ -168,7 +178,9 @@ void sl_surroundings_destroy(sl_surroundings *s) {
 
 size_t sl_surroundings_bytes(const sl_surroundings *s) {
     size_t bytes = sizeof *s;
-    for (int level = 0; level <= s->octree->depth; level++) bytes += (2 * s->count[level] + 1) * sizeof(uint32_t);
+    for (int level = 0; level <= s->octree->depth; level++)
+        bytes += (2 * s->count[level] + 1) * sizeof(uint32_t);
     size_t leaves = s->octree->leaf_count;
-    return bytes + ((2 * leaves + 1) * SL_TRIANGLE_SIZES + s->octree->triangle_count + 7 * s->surfel_count) * sizeof(uint32_t);
+    return bytes + ((2 * leaves + 1) * SL_TRIANGLE_SIZES + s->octree->triangle_count + 7 * s->surfel_count) *
+                       sizeof(uint32_t);
 }

@@ -1,4 +1,5 @@
-/* The scene's triangles around a voxel, found through the octree: over which area the photons of an ellipsoid were strewn. */
+/* The scene's triangles around a voxel, found through the octree: over which area the photons of an ellipsoid
+ * were strewn. */
 #ifndef SL_CACHE_LIGHT_OCTREE_SURROUNDINGS_H
 #define SL_CACHE_LIGHT_OCTREE_SURROUNDINGS_H
 
@@ -10,18 +11,21 @@ enum { SL_TRIANGLE_SIZES = 4 };
 
 /* The octree's inner nodes, which leaves in Morton order alone do not have. Immutable.
  *
- * A fine mesh has thousands of triangles in an ellipsoid: those that are small against it count as points, whole or not at all, in
- * the leaf that their centroid lies in; all others are cut exactly. So that the smallest ellipsoids, too, are spared most cuts, triangles are sorted
- * by size: 0 has the large ones, 1 has edges up to small_edge, 2 up to half of that, 3 up to a quarter. */
+ * A fine mesh has thousands of triangles in an ellipsoid: those that are small against it count as points,
+ * whole or not at all, in the leaf that their centroid lies in; all others are cut exactly. So that the
+ * smallest ellipsoids, too, are spared most cuts, triangles are sorted by size: 0 has the large ones, 1 has
+ * edges up to small_edge, 2 up to half of that, 3 up to a quarter. */
 typedef struct sl_surroundings {
     const sl_scene *scene;
     const sl_octree *octree;                            /* with triangles */
     double small_edge;
     uint32_t *triangle;                                 /* the octree's list, each leaf's in order of sizes */
-    uint32_t *end_of_size;                              /* where each size ends there: leaf_count * SL_TRIANGLE_SIZES */
+    /* where each size ends there: leaf_count * SL_TRIANGLE_SIZES */
+    uint32_t *end_of_size;
     sl_surfels surfels;                                 /* size by size, and in each leaf by leaf */
     size_t surfel_count;
-    uint32_t *first_surfel[SL_TRIANGLE_SIZES];          /* of each leaf: leaf_count + 1; of size 0 there are none */
+    /* of each leaf: leaf_count + 1; of size 0 there are none */
+    uint32_t *first_surfel[SL_TRIANGLE_SIZES];
     sl_surfel_kernel *kernel;
     size_t count[SL_OCTREE_DEPTH_MAX + 1];              /* nodes of each level; level 0: the root */
     uint32_t *code[SL_OCTREE_DEPTH_MAX + 1];            /* their Morton codes, ascending */
@@ -29,8 +33,8 @@ typedef struct sl_surroundings {
 } sl_surroundings;
 
 /* small_edge 0: none is small. */
-sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, double small_edge, unsigned threads,
-                                 sl_surroundings **surroundings, sl_error *error);
+sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, double small_edge,
+                                 unsigned threads, sl_surroundings **surroundings, sl_error *error);
 void sl_surroundings_destroy(sl_surroundings *surroundings);
 size_t sl_surroundings_bytes(const sl_surroundings *surroundings);
 
@@ -40,9 +44,10 @@ typedef struct sl_surroundings_marks {
     uint32_t query;
 } sl_surroundings_marks;
 
-/* Areas within the ellipsoid of triangles with n_t . n >= least_cosine, and with -n_t . n >= it; of layers that hide each other, one. sheet: they
- * are the same sheets, to be seen from both sides, and not the two faces of a wall: then each side's area is that of both. flat: the same
- * projected along the ellipsoid's normal, on its disc; 0 without a normal. */
+/* Areas within the ellipsoid of triangles with n_t . n >= least_cosine, and with -n_t . n >= it; of layers
+ * that hide each other, one. sheet: they are the same sheets, to be seen from both sides, and not the two
+ * faces of a wall: then each side's area is that of both. flat: the same projected along the ellipsoid's
+ * normal, on its disc; 0 without a normal. */
 typedef struct sl_strewn_area {
     double front, back;
     bool sheet;
@@ -50,10 +55,11 @@ typedef struct sl_strewn_area {
 } sl_strewn_area;
 
 /* A zero normal: all triangles, as front. */
-sl_strewn_area sl_surroundings_area(const sl_surroundings *surroundings, const sl_ellipsoid *ellipsoid, double least_cosine,
-                                    sl_surroundings_marks *marks);
-/* The same for up to SL_ELLIPSOIDS_MAX ellipsoids that differ in radius alone, the largest first, with one visit to the triangles. */
-void sl_surroundings_areas(const sl_surroundings *surroundings, const sl_ellipsoid *ellipsoid, int count, double least_cosine,
-                           sl_surroundings_marks *marks, sl_strewn_area *area);
+sl_strewn_area sl_surroundings_area(const sl_surroundings *surroundings, const sl_ellipsoid *ellipsoid,
+                                    double least_cosine, sl_surroundings_marks *marks);
+/* The same for up to SL_ELLIPSOIDS_MAX ellipsoids that differ in radius alone, the largest first, with one
+ * visit to the triangles. */
+void sl_surroundings_areas(const sl_surroundings *surroundings, const sl_ellipsoid *ellipsoid, int count,
+                           double least_cosine, sl_surroundings_marks *marks, sl_strewn_area *area);
 
 #endif

@@ -1,6 +1,6 @@
-/* Over how much surface an ellipsoid's photons were strewn (SL_PHOTON_AREA_CLIP): a visit to the nodes that its box meets, and to the triangles
- * in them. To choose how many photons a voxel takes asks for three ellipsoids about one centre, the smaller within the larger: one visit serves
- * them all. */
+/* Over how much surface an ellipsoid's photons were strewn (SL_PHOTON_AREA_CLIP): a visit to the nodes that
+ * its box meets, and to the triangles in them. To choose how many photons a voxel takes asks for three
+ * ellipsoids about one centre, the smaller within the larger: one visit serves them all. */
 #include "cache/light_octree/surroundings.h"
 
 #include <string.h>
@@ -19,7 +19,8 @@ typedef struct search {
     int count;               /* of ellipsoids, the largest first */
     reach of[SL_ELLIPSOIDS_MAX];
     sl_surfel_sums sums[SL_ELLIPSOIDS_MAX]; /* heights are those of the triangles' planes above the centre */
-    int points[SL_TRIANGLE_SIZES]; /* for so many of them triangles of that size are small: they count as points */
+    /* for so many of them triangles of that size are small: they count as points */
+    int points[SL_TRIANGLE_SIZES];
     int last_level;          /* nodes of that level are small against the largest: taken whole */
     double least_cosine;
     bool has_normal;
@@ -33,12 +34,16 @@ static inline bool beyond(double a, double b, double c, double half) {
     return (a > half && b > half && c > half) || (a < -half && b < -half && c < -half);
 }
 
-/* Outside the ellipsoid's box, or of a plane that misses it: its extent along n is R sqrt(1 - (1 - f^2) cos^2). */
+/* Outside the ellipsoid's box, or of a plane that misses it: its extent along n is R sqrt(1 - (1 - f^2)
+ * cos^2). */
 static bool misses(const reach *r, const sl_vec3d corner[3], double height, double cosine) {
     const sl_vec3d a = corner[0], b = corner[1], c = corner[2];
     double f = r->e->flatness;
-    if (height * height > r->e->radius * r->e->radius * (1.0 - (1.0 - f * f) * cosine * cosine) * (1.0 + 1e-6)) return true;
-    return beyond(a.x, b.x, c.x, r->half.x) || beyond(a.y, b.y, c.y, r->half.y) || beyond(a.z, b.z, c.z, r->half.z);
+    if (height * height >
+        r->e->radius * r->e->radius * (1.0 - (1.0 - f * f) * cosine * cosine) * (1.0 + 1e-6))
+        return true;
+    return beyond(a.x, b.x, c.x, r->half.x) || beyond(a.y, b.y, c.y, r->half.y) ||
+           beyond(a.z, b.z, c.z, r->half.z);
 }
 
 static void add_area(search *q, int k, double area, double cosine, double height) {
@@ -63,9 +68,11 @@ static void visit_triangle(search *q, uint32_t t, int first) {
     double cosine = sl_dotd(n, e->normal);
     if (q->has_normal && fabs(cosine) < q->least_cosine) return;
     double share = q->s->octree->share ? (double)q->s->octree->share[t] : 1.0;
-    bool hiding = share == 0.0 && q->has_normal && !sl_takes_photons(&scene->materials[scene->material_index[t]]);
+    bool hiding =
+        share == 0.0 && q->has_normal && !sl_takes_photons(&scene->materials[scene->material_index[t]]);
     if (!(share > 0.0) && !hiding) return;
-    for (int k = 0; k < 3; k++) corner[k] = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[k][t])), e->centre);
+    for (int k = 0; k < 3; k++)
+        corner[k] = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[k][t])), e->centre);
     double height = sl_dotd(n, corner[0]);
     if (misses(&q->of[first], corner, height, cosine)) return;
     sl_ellipsoid at_origin = *e;
@@ -90,10 +97,12 @@ static void visit_list(search *q, const uint32_t *triangle, uint32_t count, int 
 /* ---- nodes ---- */
 
 static bool meets(const reach *r, const double low[3], const double high[3]) {
-    return low[0] <= r->high.x && high[0] >= r->low.x && low[1] <= r->high.y && high[1] >= r->low.y && low[2] <= r->high.z && high[2] >= r->low.z;
+    return low[0] <= r->high.x && high[0] >= r->low.x && low[1] <= r->high.y && high[1] >= r->low.y &&
+           low[2] <= r->high.z && high[2] >= r->low.z;
 }
 
-/* near: so many of the ellipsoids, the largest, come near the leaf. A triangle that is cut is met but once, for all that want it cut. */
+/* near: so many of the ellipsoids, the largest, come near the leaf. A triangle that is cut is met but once,
+ * for all that want it cut. */
 static void visit_leaf(search *q, uint32_t leaf, int near) {
     const sl_surroundings *s = q->s;
     uint32_t begin = s->octree->leaf[leaf].first_triangle;
@@ -120,7 +129,8 @@ static void visit_node(search *q, int level, uint32_t node) {
     if (!meets(&q->of[0], low, high)) return;
     if (level < q->last_level) {
         const uint32_t *children = q->s->first_child[level];
-        for (uint32_t child = children[node]; child < children[node + 1]; child++) visit_node(q, level + 1, child);
+        for (uint32_t child = children[node]; child < children[node + 1]; child++)
+            visit_node(q, level + 1, child);
         return;
     }
     uint32_t first = node, end = node + 1;
@@ -135,7 +145,8 @@ static void visit_node(search *q, int level, uint32_t node) {
 
 /* ---- ellipsoids ---- */
 
-/* Half the ellipsoid's extent along an axis that has that cosine to its short one: R sqrt(1 - (1 - f^2) cos^2). */
+/* Half the ellipsoid's extent along an axis that has that cosine to its short one: R sqrt(1 - (1 - f^2)
+ * cos^2). */
 static double extent(const sl_ellipsoid *e, double cosine) {
     double square = 1.0 - (1.0 - e->flatness * e->flatness) * cosine * cosine;
     return e->radius * sqrt(square > 0.0 ? square : 0.0);
@@ -143,15 +154,18 @@ static double extent(const sl_ellipsoid *e, double cosine) {
 
 static reach reach_of(const sl_octree *octree, const sl_ellipsoid *e) {
     double scale = 1.0 / octree->edge, slack = 1e-6 / (double)(1u << octree->depth);
-    sl_vec3d half = sl_v3d(extent(e, e->normal.x), extent(e, e->normal.y), extent(e, e->normal.z)), margin = sl_v3d(slack, slack, slack);
-    return (reach){.e = e,
-                   .half = sl_scaled(half, 1.0 + 1e-6),
-                   .low = sl_subd(sl_scaled(sl_subd(sl_subd(e->centre, half), octree->origin), scale), margin),
-                   .high = sl_addd(sl_scaled(sl_subd(sl_addd(e->centre, half), octree->origin), scale), margin)};
+    sl_vec3d half = sl_v3d(extent(e, e->normal.x), extent(e, e->normal.y), extent(e, e->normal.z)),
+             margin = sl_v3d(slack, slack, slack);
+    return (reach){
+        .e = e,
+        .half = sl_scaled(half, 1.0 + 1e-6),
+        .low = sl_subd(sl_scaled(sl_subd(sl_subd(e->centre, half), octree->origin), scale), margin),
+        .high = sl_addd(sl_scaled(sl_subd(sl_addd(e->centre, half), octree->origin), scale), margin)};
 }
 
-/* Seen along its normal the ellipsoid is a disc: what projects onto more than that lies in layers, a floor below its boards, and photons
- * met but one of them; of a ceiling with a black lamp on it, what the lamp leaves free. */
+/* Seen along its normal the ellipsoid is a disc: what projects onto more than that lies in layers, a floor
+ * below its boards, and photons met but one of them; of a ceiling with a black lamp on it, what the lamp
+ * leaves free. */
 static void one_layer(const sl_ellipsoid *e, double hidden, double *area, double *flat) {
     double disc = sl_disc_area(e), least = 0.01 * disc, free = disc - hidden > least ? disc - hidden : least;
     if (!(*flat > free)) return;
@@ -174,8 +188,8 @@ static sl_strewn_area strewn_over(const search *q, int k) {
     return a;
 }
 
-void sl_surroundings_areas(const sl_surroundings *s, const sl_ellipsoid *e, int count, double least_cosine, sl_surroundings_marks *marks,
-                           sl_strewn_area *area) {
+void sl_surroundings_areas(const sl_surroundings *s, const sl_ellipsoid *e, int count, double least_cosine,
+                           sl_surroundings_marks *marks, sl_strewn_area *area) {
     double stretch = 1.0 / (e->flatness * e->flatness) - 1.0;
     search q = {.s = s, .count = count, .least_cosine = least_cosine, .marks = marks};
     q.has_normal = sl_dotd(e->normal, e->normal) > 0.0;
@@ -187,18 +201,22 @@ void sl_surroundings_areas(const sl_surroundings *s, const sl_ellipsoid *e, int 
         q.of[k] = reach_of(s->octree, &e[k]);
         q.small.limit[k] = (float)(e[k].radius * e[k].radius);
         double edge = s->small_edge;
-        for (int size = 1; size < SL_TRIANGLE_SIZES; size++, edge *= 0.5) q.points[size] += e[k].radius * e[k].flatness >= edge;
+        for (int size = 1; size < SL_TRIANGLE_SIZES; size++, edge *= 0.5)
+            q.points[size] += e[k].radius * e[k].flatness >= edge;
     }
     if (++marks->query == 0) { /* all numbers used up */
         memset(marks->mark, 0, s->scene->triangle_count * sizeof *marks->mark);
         marks->query = 1;
     }
-    while (q.last_level < s->octree->depth && s->octree->edge > 0.5 * e->radius * (double)(1u << q.last_level)) q.last_level++;
+    while (q.last_level < s->octree->depth &&
+           s->octree->edge > 0.5 * e->radius * (double)(1u << q.last_level))
+        q.last_level++;
     if (s->count[0] > 0) visit_node(&q, 0, 0);
     for (int k = 0; k < count; k++) area[k] = strewn_over(&q, k);
 }
 
-sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid *e, double least_cosine, sl_surroundings_marks *marks) {
+sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid *e, double least_cosine,
+                                    sl_surroundings_marks *marks) {
     sl_strewn_area area;
     sl_surroundings_areas(s, e, 1, least_cosine, marks, &area);
     return area;

@@ -1,4 +1,5 @@
-/* Which cells of a grid a triangle meets: separating axes (Akenine-Moeller 2001), in double, and the part of it that lies in one. */
+/* Which cells of a grid a triangle meets: separating axes (Akenine-Moeller 2001), in double, and the part of
+ * it that lies in one. */
 #ifndef SL_CACHE_LIGHT_OCTREE_TRIANGLE_CELLS_H
 #define SL_CACHE_LIGHT_OCTREE_TRIANGLE_CELLS_H
 
@@ -23,7 +24,8 @@ typedef struct sl_triangle_part {
     double area;
     sl_vec3d centroid; /* mean of the corners where the area is 0 */
 } sl_triangle_part;
-void sl_triangle_in_box(const sl_cell_triangle *triangle, sl_vec3d low, sl_vec3d high, sl_triangle_part *clipped);
+void sl_triangle_in_box(const sl_cell_triangle *triangle, sl_vec3d low, sl_vec3d high,
+                        sl_triangle_part *clipped);
 
 /* Bits of x, y, z interleaved, x lowest: 21 bits each. */
 uint64_t sl_morton_encode(uint32_t x, uint32_t y, uint32_t z);

@@ -1,12 +1,14 @@
-/* P3: a voxel's photons, side by side, and the area A that they were strewn over: E = kappa sum Phi_i / A. Where the k-th photon set the
- * radius kappa is (k - 1) / k, since k / A would be k / (k - 1) times too much on average; else it is 1. */
+/* P3: a voxel's photons, side by side, and the area A that they were strewn over: E = kappa sum Phi_i / A.
+ * Where the k-th photon set the radius kappa is (k - 1) / k, since k / A would be k / (k - 1) times too much
+ * on average; else it is 1. */
 #include "base/math.h"
 #include "cache/light_octree/voxel_work.h"
 
 /* Of a voxel: what lies off a surface by no more lies on it. */
 static const double surface_thickness = 1e-3;
 
-sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre, sl_vec3 normal, double radius) {
+sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre,
+                               sl_vec3 normal, double radius) {
     bool has_normal = sl_dot(normal, normal) > 0.0f;
     return (sl_photon_query){.centre = centre,
                              .normal = normal,
@@ -19,7 +21,8 @@ sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_o
 }
 
 /* Do photons of one side lie on the set's own surfaces, among the nearest? */
-static bool is_met_on(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_set *set, sl_vec3 side, sl_voxel_worker *w) {
+static bool is_met_on(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_set *set,
+                      sl_vec3 side, sl_voxel_worker *w) {
     const sl_photon_list *list = sl_photon_tree_list(work->tree);
     double slack = surface_thickness * sl_octree_voxel(work->octree);
     sl_photon_query query = sl_voxel_query(work, o, set->centroid, side, o->radius);
@@ -35,13 +38,16 @@ static bool is_met_on(const sl_voxel_work *work, const sl_voxel_light_options *o
     return false;
 }
 
-void sl_voxel_choose_side(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_voxel_set *set, sl_voxel_worker *w) {
+void sl_voxel_choose_side(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_voxel_set *set,
+                          sl_voxel_worker *w) {
     if (!work->by_side || !set->opposed || is_met_on(work, o, set, set->normal, w)) return;
     if (is_met_on(work, o, set, sl_neg(set->normal), w)) sl_voxel_turn(set);
 }
 
 /* Where light is sharp, as at shadows' edges and in caustics, its hull tells of light and not of surface. */
-static bool comes_by_diffuse_surfaces(const sl_photon *p) { return (p->flags & SL_PHOTON_BOUNCES) && !(p->flags & SL_PHOTON_CAUSTIC); }
+static bool comes_by_diffuse_surfaces(const sl_photon *p) {
+    return (p->flags & SL_PHOTON_BOUNCES) && !(p->flags & SL_PHOTON_CAUSTIC);
+}
 
 static void put_on_disc(sl_photon_places *p, float x, float y, double distance) {
     p->x[p->count] = x;
@@ -50,7 +56,8 @@ static void put_on_disc(sl_photon_places *p, float x, float y, double distance) 
 }
 
 /* Two passes, so that each side's photons stand together in order of their ids. */
-static void split_sides(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w, sl_voxel_gather *gather) {
+static void split_sides(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w,
+                        sl_voxel_gather *gather) {
     const sl_photon_list *list = sl_photon_tree_list(work->tree);
     sl_photon_places *on_disc = &w->places;
     w->photons.count = on_disc->count = on_disc->front = 0;
@@ -68,7 +75,8 @@ static void split_sides(const sl_voxel_work *work, const sl_photon_query *query,
             sl_vec3 place = sl_sub(sl_v3(p->position[0], p->position[1], p->position[2]), query->centre);
             places = sl_addd(places, sl_to_double(place));
             normals = sl_addd(normals, sl_scaled(sl_to_double(n), behind ? -1.0 : 1.0));
-            if (on_disc->x && comes_by_diffuse_surfaces(p)) put_on_disc(on_disc, sl_dot(place, frame.x), sl_dot(place, frame.y), w->gathered.distance[i]);
+            if (on_disc->x && comes_by_diffuse_surfaces(p))
+                put_on_disc(on_disc, sl_dot(place, frame.x), sl_dot(place, frame.y), w->gathered.distance[i]);
         }
         if (back == 0) {
             front = w->photons.count;
@@ -82,7 +90,8 @@ static void split_sides(const sl_voxel_work *work, const sl_photon_query *query,
     gather->mean_place = sl_scaled(places, 1.0 / count);
 }
 
-sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_set *set, const sl_photon_query *query, sl_voxel_worker *w) {
+sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_set *set,
+                                     const sl_photon_query *query, sl_voxel_worker *w) {
     const sl_octree_leaf *leaf = &work->octree->leaf[set->leaf];
     uint32_t first = work->own.first[set->leaf];
     double voxel = sl_octree_voxel(work->octree);
@@ -90,32 +99,39 @@ sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_s
     w->gathered.count = touched ? 0 : work->own.first[set->leaf + 1] - first;
     for (size_t i = 0; i < w->gathered.count; i++) w->gathered.place[i] = work->own.place[first + i];
     sl_voxel_gather gather = {.found = w->gathered.count, .kappa = 1.0, .own_area = (double)leaf->area};
-    gather.ellipsoid = (sl_ellipsoid){sl_to_double(query->centre), sl_to_double(query->normal), query->flatness, sqrt(gather.own_area / SL_PI)};
+    gather.ellipsoid = (sl_ellipsoid){sl_to_double(query->centre), sl_to_double(query->normal),
+                                      query->flatness, sqrt(gather.own_area / SL_PI)};
     split_sides(work, query, w, &gather);
     return gather;
 }
 
-sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w) {
+sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query,
+                                        sl_voxel_worker *w) {
     sl_photon_tree_gather(work->tree, query, &w->gathered);
     return sl_voxel_of_gathered(work, query, w);
 }
 
-sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w) {
+sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_query *query,
+                                     sl_voxel_worker *w) {
     size_t found = w->gathered.count;
     sl_voxel_gather gather = {.found = found,
-                           .kappa = w->gathered.full && found > 0 ? (double)(found - 1) / (double)found : 1.0,
-                           .coincident = w->gathered.radius <= query->minimum,
-                           .ellipsoid = {sl_to_double(query->centre), sl_to_double(query->normal), query->flatness, w->gathered.radius}};
+                              .kappa =
+                                  w->gathered.full && found > 0 ? (double)(found - 1) / (double)found : 1.0,
+                              .coincident = w->gathered.radius <= query->minimum,
+                              .ellipsoid = {sl_to_double(query->centre), sl_to_double(query->normal),
+                                            query->flatness, w->gathered.radius}};
     split_sides(work, query, w, &gather);
     return gather;
 }
 
 static bool is_same(const sl_ellipsoid *a, const sl_ellipsoid *b) {
-    return a->radius == b->radius && a->flatness == b->flatness && a->centre.x == b->centre.x && a->centre.y == b->centre.y &&
-           a->centre.z == b->centre.z && a->normal.x == b->normal.x && a->normal.y == b->normal.y && a->normal.z == b->normal.z;
+    return a->radius == b->radius && a->flatness == b->flatness && a->centre.x == b->centre.x &&
+           a->centre.y == b->centre.y && a->centre.z == b->centre.z && a->normal.x == b->normal.x &&
+           a->normal.y == b->normal.y && a->normal.z == b->normal.z;
 }
 
-/* What of a side's surface its photons were strewn over, by their hull. Of nearer ones than were gathered, if the ellipsoid is smaller. */
+/* What of a side's surface its photons were strewn over, by their hull. Of nearer ones than were gathered, if
+ * the ellipsoid is smaller. */
 static double share_by_hull(sl_photon_places *p, const sl_ellipsoid *e, int side, double flat) {
     double limit = e->radius * e->radius * (1.0 + 1e-9);
     size_t first = side ? p->front : 0, end = side ? p->count : p->front;
@@ -130,7 +146,8 @@ static double share_by_hull(sl_photon_places *p, const sl_ellipsoid *e, int side
 }
 
 /* Surface that no photon met counts for nothing. */
-static void leave_out_hidden(const sl_strewn_area *strewn, bool together, sl_photon_places *places, sl_remembered_area *a) {
+static void leave_out_hidden(const sl_strewn_area *strewn, bool together, sl_photon_places *places,
+                             sl_remembered_area *a) {
     double both = fmin(strewn->front_flat + strewn->back_flat, sl_disc_area(&a->ellipsoid));
     double front = share_by_hull(places, &a->ellipsoid, 0, together ? both : strewn->front_flat);
     double back = share_by_hull(places, &a->ellipsoid, 1, together ? both : strewn->back_flat);
@@ -139,7 +156,9 @@ static void leave_out_hidden(const sl_strewn_area *strewn, bool together, sl_pho
     a->all = front * strewn->front + back * strewn->back;
 }
 
-static double least_cosine_of(const sl_voxel_work *work) { return work->by_side ? work->cos_acceptance : -1.0; }
+static double least_cosine_of(const sl_voxel_work *work) {
+    return work->by_side ? work->cos_acceptance : -1.0;
+}
 
 void sl_voxel_look_around(const sl_voxel_work *work, const sl_ellipsoid *e, int count, sl_voxel_worker *w) {
     w->seen.count = 0;
@@ -170,8 +189,8 @@ static sl_remembered_area clipped_area(const sl_voxel_work *work, const sl_ellip
     return area;
 }
 
-double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
-                     double area[2]) {
+double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                      const sl_voxel_gather *gather, sl_voxel_worker *w, double area[2]) {
     const sl_ellipsoid *e = &gather->ellipsoid;
     double disc = sl_disc_area(e);
     double all = 0.0;

@@ -30,8 +30,8 @@ static double luminance_of(const sl_lobe_photons *photons) {
     return sum;
 }
 
-/* How many of n lights the front gets: by irradiance, and at least one for each side that is lit. One light, or one value, is the
- * brighter side's. */
+/* How many of n lights the front gets: by irradiance, and at least one for each side that is lit. One light,
+ * or one value, is the brighter side's. */
 static int front_share(const double irradiance[2], int lights) {
     double front = irradiance[0], back = irradiance[1];
     if (!(back > 0.0)) return lights;
@@ -42,19 +42,22 @@ static int front_share(const double irradiance[2], int lights) {
 }
 
 /* At most `room` lights of the photons on one side. */
-static int lights_of_side(const sl_lobe_photons *photons, const sl_voxel_light_options *o, double scale, sl_vec3 normal, bool flat, int room,
-                          sl_directional_light *light, sl_lobe_spread *spread) {
+static int lights_of_side(const sl_lobe_photons *photons, const sl_voxel_light_options *o, double scale,
+                          sl_vec3 normal, bool flat, int room, sl_directional_light *light,
+                          sl_lobe_spread *spread) {
     if (flat && room > 0) return sl_lobe_along_normal(photons, scale, normal, light);
     return sl_lobes_of_photons(photons, o, scale, normal, room, light, spread);
 }
 
-static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
-                                const sl_voxel_set *set, sl_directional_light *light) {
+static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                                const sl_voxel_gather *gather, sl_voxel_worker *w, const sl_voxel_set *set,
+                                sl_directional_light *light) {
     sl_vec3 normal = set->normal;
     double area[2], scale[2];
     voxel_result result = {0};
     result.surface = sl_voxel_areas(work, o, gather, w, area);
-    result.density = gather->kappa * (luminance_of(&gather->front) + luminance_of(&gather->back)) / result.surface;
+    result.density =
+        gather->kappa * (luminance_of(&gather->front) + luminance_of(&gather->back)) / result.surface;
     const sl_lobe_photons *photons[2] = {&gather->front, &gather->back};
     for (int side = 0; side < 2; side++) {
         scale[side] = gather->kappa / area[side];
@@ -64,7 +67,8 @@ static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_
     int room = sl_lobe_texels(o), front = front_share(result.irradiance, room);
     result.lights = lights_of_side(photons[0], o, scale[0], normal, flat, front, light, &result.spread);
     int back = front < room ? room - result.lights : 0;
-    result.lights += lights_of_side(photons[1], o, scale[1], sl_neg(normal), flat, back, light + result.lights, &result.spread);
+    result.lights += lights_of_side(photons[1], o, scale[1], sl_neg(normal), flat, back,
+                                    light + result.lights, &result.spread);
     return result;
 }
 
@@ -74,18 +78,21 @@ static void scale_lights(sl_directional_light *light, int count, double factor) 
     }
 }
 
-static sl_photon_query query_of_set(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_set *set, sl_vec3 centre,
-                                    double radius) {
+static sl_photon_query query_of_set(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                                    const sl_voxel_set *set, sl_vec3 centre, double radius) {
     sl_photon_query query = sl_voxel_query(work, o, centre, set->normal, radius);
     query.both_sides = query.both_sides && !set->opposed;
     return query;
 }
 
-/* Too few photons to tell directions by: those of the cell above, twice as large, scaled to the voxel's own irradiance. */
-static void borrow_directions(const sl_voxel_work *work, const sl_voxel_lights *lights, const sl_voxel_set *set, sl_voxel_worker *w,
-                              voxel_result *own, sl_directional_light *light, bool *borrowed) {
+/* Too few photons to tell directions by: those of the cell above, twice as large, scaled to the voxel's own
+ * irradiance. */
+static void borrow_directions(const sl_voxel_work *work, const sl_voxel_lights *lights,
+                              const sl_voxel_set *set, sl_voxel_worker *w, voxel_result *own,
+                              sl_directional_light *light, bool *borrowed) {
     const sl_voxel_light_options *o = &lights->options;
-    uint32_t parent = work->parents ? sl_octree_find(work->parents, work->octree->leaf[set->leaf].morton >> 3) : SL_NO_INDEX;
+    uint32_t parent = work->parents ? sl_octree_find(work->parents, work->octree->leaf[set->leaf].morton >> 3)
+                                    : SL_NO_INDEX;
     if (parent == SL_NO_INDEX) return;
     sl_photon_query query = query_of_set(work, o, set, work->parents->leaf[parent].centroid, 2.0 * o->radius);
     sl_voxel_gather gather = sl_voxel_gather_photons(work, &query, w);
@@ -106,8 +113,10 @@ static void borrow_directions(const sl_voxel_work *work, const sl_voxel_lights *
 static float power_ratio(const sl_voxel_gather *gather) {
     double most = 0.0, sum = luminance_of(&gather->front) + luminance_of(&gather->back);
     size_t count = gather->front.count + gather->back.count;
-    for (size_t i = 0; i < gather->front.count; i++) most = gather->front.luminance[i] > most ? gather->front.luminance[i] : most;
-    for (size_t i = 0; i < gather->back.count; i++) most = gather->back.luminance[i] > most ? gather->back.luminance[i] : most;
+    for (size_t i = 0; i < gather->front.count; i++)
+        most = gather->front.luminance[i] > most ? gather->front.luminance[i] : most;
+    for (size_t i = 0; i < gather->back.count; i++)
+        most = gather->back.luminance[i] > most ? gather->back.luminance[i] : most;
     return sum > 0.0 ? (float)(most * (double)count / sum) : 0.0f;
 }
 
@@ -133,7 +142,9 @@ static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     if (!work->tree) return;
     sl_voxel_choose_side(work, o, set, w);
     sl_photon_query query = query_of_set(work, o, set, set->centroid, o->radius);
-    sl_voxel_gather gather = o->own_photons ? sl_voxel_own_photons(work, set, &query, w) : o->estimated_radius ? sl_voxel_gather_estimated(work, o, &query, w) : sl_voxel_gather_photons(work, &query, w);
+    sl_voxel_gather gather = o->own_photons        ? sl_voxel_own_photons(work, set, &query, w)
+                             : o->estimated_radius ? sl_voxel_gather_estimated(work, o, &query, w)
+                                                   : sl_voxel_gather_photons(work, &query, w);
     set->photons = (uint32_t)gather.found;
     set->radius = (float)gather.ellipsoid.radius;
     set->power_ratio = power_ratio(&gather);
@@ -144,7 +155,8 @@ static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     if (few && o->lobes != SL_LOBES_NONE) borrow_directions(work, lights, set, w, &result, light, &borrowed);
     set->from_parent = borrowed;
     report_set(set, &result);
-    if (o->lobes != SL_LOBES_NONE) sl_count(&w->counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result.lights);
+    if (o->lobes != SL_LOBES_NONE)
+        sl_count(&w->counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result.lights);
 }
 
 /* ---- batches of leaves ---- */
@@ -158,7 +170,8 @@ static void compute_task(void *context, size_t index, unsigned worker) {
     const leaf_batch *batch = context;
     sl_voxel_lights *lights = batch->lights;
     sl_voxel_worker *w = &lights->work->worker[worker];
-    size_t first = batch->first + index * SL_LEAVES_A_TASK, end = first + SL_LEAVES_A_TASK < batch->end ? first + SL_LEAVES_A_TASK : batch->end;
+    size_t first = batch->first + index * SL_LEAVES_A_TASK,
+           end = first + SL_LEAVES_A_TASK < batch->end ? first + SL_LEAVES_A_TASK : batch->end;
     for (size_t leaf = first; leaf < end; leaf++) {
         bool lit = false;
         for (uint32_t set = lights->first_set[leaf]; set < lights->first_set[leaf + 1]; set++) {
@@ -170,7 +183,8 @@ static void compute_task(void *context, size_t index, unsigned worker) {
     }
 }
 
-void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count, unsigned threads, sl_counters *counters) {
+void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count, unsigned threads,
+                             sl_counters *counters) {
     if (first >= lights->leaf_count) return;
     if (count > lights->leaf_count - first) count = lights->leaf_count - first;
     leaf_batch batch = {lights, first, first + count};
@@ -186,7 +200,8 @@ void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count
 
 /* ---- statistics ---- */
 
-void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *octree, sl_voxel_statistics *s) {
+void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *octree,
+                                sl_voxel_statistics *s) {
     *s = (sl_voxel_statistics){0};
     double weight = 0.0;
     for (size_t i = 0; i < lights->set_count; i++) {
@@ -203,7 +218,8 @@ void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *
         s->lights += set->lights;
         s->mean_radius += (double)set->radius;
         s->max_radius = (double)set->radius > s->max_radius ? (double)set->radius : s->max_radius;
-        s->max_power_ratio = (double)set->power_ratio > s->max_power_ratio ? (double)set->power_ratio : s->max_power_ratio;
+        s->max_power_ratio =
+            (double)set->power_ratio > s->max_power_ratio ? (double)set->power_ratio : s->max_power_ratio;
         s->rms_angle += e * rms * rms;
         s->mean_angle += e * (double)set->mean_angle;
         s->flux += (double)set->density * (double)octree->leaf[set->leaf].area / (double)in_leaf;

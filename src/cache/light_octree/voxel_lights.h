@@ -1,6 +1,7 @@
 /* From the photon map to the virtual directional lights of every voxel:
  *
- *     leaf ── gather k photons about c_v ── area, E ── clusters of directions ── V_j, d_j, c_j ── 16 bytes each
+ *     leaf ── gather k photons about c_v ── area, E ── clusters of directions ── V_j, d_j, c_j ── 16 bytes
+ * each
  *
  * Leaves do not depend on each other, so they may be done in batches, in any order and in parallel. */
 #ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_LIGHTS_H
@@ -14,7 +15,8 @@ typedef struct sl_voxel_light_options {
     size_t neighbours;       /* k >= 2 */
     double radius;           /* r > 0 */
     double flatness;         /* f in (0,1] */
-    double acceptance;       /* radians between a photon's normal and the voxel's; pi: all photons, whatever their side */
+    /* radians between a photon's normal and the voxel's; pi: all photons, whatever their side */
+    double acceptance;
     sl_photon_area area;
     sl_voxel_lobes lobes;
     int lights;              /* n of directional lights */
@@ -24,7 +26,8 @@ typedef struct sl_voxel_light_options {
     bool estimated_radius;   /* k/4 to k photons, voxel by voxel, by an error estimate (voxel_error.c) */
 } sl_voxel_light_options;
 
-/* 2 sqrt(k A / (pi N)): twice the radius of a disc that holds k of N photons strewn evenly over the scene's area A. At least one voxel. */
+/* 2 sqrt(k A / (pi N)): twice the radius of a disc that holds k of N photons strewn evenly over the scene's
+ * area A. At least one voxel. */
 double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t photons);
 
 enum { SL_VOXEL_FEW = 8, SL_VOXEL_SETS_MAX = 6 };
@@ -34,7 +37,9 @@ typedef struct sl_voxel_set {
     sl_vec3 centroid;      /* the gather's centre */
     sl_vec3 normal;        /* turned to the side on which the photons lie; (0,0,0): none */
     float height;          /* of the centroid above the voxel's centre along the normal, in voxels */
-    float low, high;       /* its surfaces lie between these heights above the centroid, along the normal; 0 and 0 where it is not split */
+    /* its surfaces lie between these heights above the centroid, along the normal; 0 and 0 where it is not
+     * split */
+    float low, high;
     uint32_t leaf;
     uint32_t photons;      /* gathered */
     float radius;          /* R */
@@ -44,11 +49,13 @@ typedef struct sl_voxel_set {
     float rms_angle, mean_angle; /* the spread of the clusters: radians, by weight */
     float power_ratio;     /* largest over mean power of a photon: fireflies */
     uint8_t lights;        /* used */
-    bool opposed;          /* another of the voxel's sets faces the other way: light of that side is that one's */
+    /* another of the voxel's sets faces the other way: light of that side is that one's */
+    bool opposed;
     bool layered;          /* another has about the same normal, but lies higher or lower */
     bool both_sides;       /* photons on both sides */
     bool flat;             /* light is seen by that normal alone: a light along it says all */
-    bool from_parent;      /* fewer than SL_VOXEL_FEW photons: directions are those of the parent cell's photons */
+    /* fewer than SL_VOXEL_FEW photons: directions are those of the parent cell's photons */
+    bool from_parent;
     bool done;
 } sl_voxel_set;
 
@@ -62,11 +69,14 @@ typedef struct sl_voxel_lights {
     struct sl_voxel_work *work;
 } sl_voxel_lights;
 
-/* `octree` may be a cut; `geometry` is the octree with the triangles (the same, if it is no cut). All must outlive the lights. */
-sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree, const sl_octree *geometry, const sl_photon_tree *tree,
-                                 const sl_voxel_light_options *options, unsigned threads, sl_voxel_lights **lights, sl_error *error);
+/* `octree` may be a cut; `geometry` is the octree with the triangles (the same, if it is no cut). All must
+ * outlive the lights. */
+sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree, const sl_octree *geometry,
+                                 const sl_photon_tree *tree, const sl_voxel_light_options *options,
+                                 unsigned threads, sl_voxel_lights **lights, sl_error *error);
 /* The lights of leaves [first, first + count). Adds what was gathered, leaves, and lights to the counters. */
-void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count, unsigned threads, sl_counters *counters);
+void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count, unsigned threads,
+                             sl_counters *counters);
 void sl_voxel_lights_destroy(sl_voxel_lights *lights);
 size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights);
 
@@ -81,6 +91,7 @@ typedef struct sl_voxel_statistics {
     double flux;             /* sum of flux density times the voxel's own area: luminance, W */
     double max_power_ratio;
 } sl_voxel_statistics;
-void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *octree, sl_voxel_statistics *statistics);
+void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *octree,
+                                sl_voxel_statistics *statistics);
 
 #endif

@@ -1,10 +1,11 @@
-/* A light's colour is the irradiance perpendicular to its direction, so that n . d in the shader turns it to any normal:
+/* A light's colour is the irradiance perpendicular to its direction, so that n . d in the shader turns it to
+ * any normal:
  *
  *     V_j = sum over its members of kappa Y(Phi_i) / (A max(n_i . omega_i, epsilon)) omega_i
  *     d_j = V_j / |V_j|,   c_j = |V_j| (sum Phi_i) / (sum Y(Phi_i))
  *
- * On a flat voxel sum c_j (n_v . d_j) is kappa sum Phi / A exactly. (The sum of the perpendicular irradiances themselves, instead of |V|,
- * would be up to twice too bright.) */
+ * On a flat voxel sum c_j (n_v . d_j) is kappa sum Phi / A exactly. (The sum of the perpendicular irradiances
+ * themselves, instead of |V|, would be up to twice too bright.) */
 #include "cache/light_octree/voxel_lobes.h"
 
 #include <string.h>
@@ -79,7 +80,8 @@ static void sum_lobes(const sl_lobe_photons *p, int count, lobe *lobes) {
     for (size_t i = 0; i < p->count; i++) {
         lobe *l = &lobes[p->of[i]];
         double w = p->luminance[i] * p->inverse_cosine[i];
-        l->vector = sl_addd(l->vector, sl_scaled(sl_v3d((double)p->x[i], (double)p->y[i], (double)p->z[i]), w));
+        l->vector =
+            sl_addd(l->vector, sl_scaled(sl_v3d((double)p->x[i], (double)p->y[i], (double)p->z[i]), w));
         for (int c = 0; c < 3; c++) l->flux[c] += (double)p->flux[c][i];
         l->luminance += p->luminance[i];
     }
@@ -92,7 +94,8 @@ static double packing_gain(sl_vec3d d, float packed, sl_vec3 normal) {
     return wanted > 0.2 && got > 0.2 ? wanted / got : 1.0;
 }
 
-static sl_directional_light light_of(const lobe *l, sl_vec3d centre, const sl_voxel_light_options *o, double scale, sl_vec3 normal) {
+static sl_directional_light light_of(const lobe *l, sl_vec3d centre, const sl_voxel_light_options *o,
+                                     double scale, sl_vec3 normal) {
     double length = sl_lengthd(l->vector);
     bool perpendicular = o->lobes == SL_LOBES_PERPENDICULAR;
     sl_vec3d d = perpendicular && length > 0.0 ? sl_scaled(l->vector, 1.0 / length) : centre;
@@ -102,13 +105,15 @@ static sl_directional_light light_of(const lobe *l, sl_vec3d centre, const sl_vo
     return light;
 }
 
-/* Photons of a bent surface lie on parts of it that face different ways. What comes from where only some of them face was divided by the area of
- * all of them, so that at n_v the lights make less irradiance than the photons brought: on columns and mouldings a tenth. They are raised
- * until they make it, but no more than twofold. On the flat there is nothing to raise. A whole voxel's mean normal is no surface's own: there
- * c_j stays |V_j| sum Phi / sum Y(Phi). */
+/* Photons of a bent surface lie on parts of it that face different ways. What comes from where only some of
+ * them face was divided by the area of all of them, so that at n_v the lights make less irradiance than the
+ * photons brought: on columns and mouldings a tenth. They are raised until they make it, but no more than
+ * twofold. On the flat there is nothing to raise. A whole voxel's mean normal is no surface's own: there c_j
+ * stays |V_j| sum Phi / sum Y(Phi). */
 static const double raise_most = 2.0;
 
-static void make_up_for_bends(const sl_lobe_photons *p, double scale, sl_vec3 normal, int count, sl_directional_light *light) {
+static void make_up_for_bends(const sl_lobe_photons *p, double scale, sl_vec3 normal, int count,
+                              sl_directional_light *light) {
     double brought = 0.0, made = 0.0;
     for (size_t i = 0; i < p->count; i++) brought += scale * p->luminance[i];
     for (int j = 0; j < count; j++) {
@@ -123,8 +128,8 @@ static void make_up_for_bends(const sl_lobe_photons *p, double scale, sl_vec3 no
     }
 }
 
-static int directional_lights(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale, sl_vec3 normal, int room,
-                              sl_directional_light *light, sl_lobe_spread *spread) {
+static int directional_lights(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale,
+                              sl_vec3 normal, int room, sl_directional_light *light, sl_lobe_spread *spread) {
     double sum = 0.0;
     for (size_t i = 0; i < p->count; i++) {
         p->weight[i] = o->unit_weights ? 1.0 : p->luminance[i] * p->inverse_cosine[i];
@@ -138,8 +143,10 @@ static int directional_lights(const sl_lobe_photons *p, const sl_voxel_light_opt
     spread->weight += sum;
     lobe lobes[SL_VOXEL_LIGHTS_MAX];
     sum_lobes(p, clusters.count, lobes);
-    for (int j = 0; j < clusters.count; j++) light[j] = light_of(&lobes[j], clusters.centre[j], o, scale, normal);
-    if (o->split_by_normal && o->lobes == SL_LOBES_PERPENDICULAR) make_up_for_bends(p, scale, normal, clusters.count, light);
+    for (int j = 0; j < clusters.count; j++)
+        light[j] = light_of(&lobes[j], clusters.centre[j], o, scale, normal);
+    if (o->split_by_normal && o->lobes == SL_LOBES_PERPENDICULAR)
+        make_up_for_bends(p, scale, normal, clusters.count, light);
     return clusters.count;
 }
 
@@ -154,7 +161,8 @@ static int one_irradiance(const sl_lobe_photons *p, double scale, sl_directional
     return 1;
 }
 
-int sl_lobe_along_normal(const sl_lobe_photons *p, double scale, sl_vec3 normal, sl_directional_light *light) {
+int sl_lobe_along_normal(const sl_lobe_photons *p, double scale, sl_vec3 normal,
+                         sl_directional_light *light) {
     sl_vec3d d = sl_to_double(normal);
     if (p->count == 0 || !(scale > 0.0 && scale <= DBL_MAX)) return 0;
     light->packed = sl_direction_pack(d);
@@ -163,8 +171,8 @@ int sl_lobe_along_normal(const sl_lobe_photons *p, double scale, sl_vec3 normal,
 
 int sl_lobe_texels(const sl_voxel_light_options *o) { return o->lobes == SL_LOBES_NONE ? 1 : o->lights; }
 
-int sl_lobes_of_photons(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale, sl_vec3 normal, int room,
-                        sl_directional_light *light, sl_lobe_spread *spread) {
+int sl_lobes_of_photons(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale,
+                        sl_vec3 normal, int room, sl_directional_light *light, sl_lobe_spread *spread) {
     if (p->count == 0 || room < 1 || !(scale > 0.0 && scale <= DBL_MAX)) return 0;
     if (o->lobes == SL_LOBES_NONE) return one_irradiance(p, scale, light);
     return directional_lights(p, o, scale, normal, room, light, spread);

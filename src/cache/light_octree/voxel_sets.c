@@ -6,12 +6,14 @@
 #include "cache/light_octree/voxel_work.h"
 
 static sl_status check_options(const sl_voxel_light_options *o, sl_error *error) {
-    bool good = o->neighbours >= 2 && o->neighbours <= 1 << 20 && o->radius > 0.0 && o->radius <= DBL_MAX && o->flatness > 0.0 &&
-                o->flatness <= 1.0 && o->acceptance >= 0.0 && o->lights >= 1 && o->lights <= SL_VOXEL_LIGHTS_MAX;
+    bool good = o->neighbours >= 2 && o->neighbours <= 1 << 20 && o->radius > 0.0 && o->radius <= DBL_MAX &&
+                o->flatness > 0.0 && o->flatness <= 1.0 && o->acceptance >= 0.0 && o->lights >= 1 &&
+                o->lights <= SL_VOXEL_LIGHTS_MAX;
     if (good) return SL_OK;
     return sl_fail(error, SL_ERROR_USAGE,
-                   "lights of voxels: %zu neighbours (2 at least), radius %g (> 0), flatness %g (0 to 1), %d lights (1 to %d)", o->neighbours,
-                   o->radius, o->flatness, o->lights, (int)SL_VOXEL_LIGHTS_MAX);
+                   "lights of voxels: %zu neighbours (2 at least), radius %g (> 0), flatness %g (0 to 1), %d "
+                   "lights (1 to %d)",
+                   o->neighbours, o->radius, o->flatness, o->lights, (int)SL_VOXEL_LIGHTS_MAX);
 }
 
 static sl_status create_places(size_t k, sl_photon_places *p, sl_error *error) {
@@ -22,18 +24,23 @@ static sl_status create_places(size_t k, sl_photon_places *p, sl_error *error) {
     return sl_hull_points_create(k, &p->hull, error);
 }
 
-static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_voxel_worker *w, sl_error *error) {
-    size_t k = lights->options.own_photons ? lights->work->own.most : sl_voxel_most_neighbours(&lights->options);
+static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_voxel_worker *w,
+                               sl_error *error) {
+    size_t k =
+        lights->options.own_photons ? lights->work->own.most : sl_voxel_most_neighbours(&lights->options);
     bool ranks = lights->options.estimated_radius;
     if (ranks) w->ranked = sl_allocate(k, sl_voxel_ranking_bytes());
     w->gathered.place = sl_allocate(k, sizeof *w->gathered.place);
     w->gathered.distance = sl_allocate(k, sizeof *w->gathered.distance);
     w->gathered.keys = sl_allocate(sl_photon_keys(k), sizeof *w->gathered.keys);
-    if (lights->work->surroundings) w->marks.mark = sl_allocate(lights->work->scene->triangle_count, sizeof *w->marks.mark);
+    if (lights->work->surroundings)
+        w->marks.mark = sl_allocate(lights->work->scene->triangle_count, sizeof *w->marks.mark);
     if (pieces > 0) w->pieces = sl_allocate(pieces, sizeof *w->pieces);
-    bool good = w->gathered.place && w->gathered.distance && w->gathered.keys && (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0) &&
+    bool good = w->gathered.place && w->gathered.distance && w->gathered.keys &&
+                (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0) &&
                 (w->ranked || !ranks);
-    sl_status status = good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
+    sl_status status =
+        good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
     return status == SL_OK && lights->work->surroundings ? create_places(k, &w->places, error) : status;
 }
 
@@ -68,13 +75,17 @@ static sl_status create_work(sl_voxel_lights *lights, unsigned threads, sl_error
     work->worker = sl_allocate(work->workers, sizeof *work->worker);
     if (!work->worker) return sl_fail_memory(error, "lights of voxels");
     sl_status status = SL_OK;
-    if (work->octree->depth > 1) status = sl_octree_cut(work->octree, work->octree->depth - 1, &work->parents, error);
-    if (status == SL_OK && o->own_photons && work->tree) status = sl_own_photons_find(work->octree, work->tree, &work->own, error);
+    if (work->octree->depth > 1)
+        status = sl_octree_cut(work->octree, work->octree->depth - 1, &work->parents, error);
+    if (status == SL_OK && o->own_photons && work->tree)
+        status = sl_own_photons_find(work->octree, work->tree, &work->own, error);
     if (status == SL_OK && o->area == SL_PHOTON_AREA_CLIP && !o->own_photons) {
-        status = sl_surroundings_create(work->scene, work->geometry, o->radius / 8.0, work->workers, &work->surroundings, error);
+        status = sl_surroundings_create(work->scene, work->geometry, o->radius / 8.0, work->workers,
+                                        &work->surroundings, error);
     }
     size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree, work->geometry) : 0;
-    for (unsigned i = 0; status == SL_OK && i < work->workers; i++) status = create_worker(lights, pieces, &work->worker[i], error);
+    for (unsigned i = 0; status == SL_OK && i < work->workers; i++)
+        status = create_worker(lights, pieces, &work->worker[i], error);
     return status;
 }
 
@@ -90,14 +101,16 @@ typedef struct group_task {
 static void group_leaves(void *context, size_t index, unsigned worker) {
     const group_task *task = context;
     const sl_voxel_work *work = task->lights->work;
-    size_t end = (index + 1) * SL_LEAVES_A_TASK < task->lights->leaf_count ? (index + 1) * SL_LEAVES_A_TASK : task->lights->leaf_count;
+    size_t end = (index + 1) * SL_LEAVES_A_TASK < task->lights->leaf_count ? (index + 1) * SL_LEAVES_A_TASK
+                                                                           : task->lights->leaf_count;
     for (size_t leaf = index * SL_LEAVES_A_TASK; leaf < end; leaf++) {
-        task->count[leaf] = (uint8_t)sl_normal_groups(&task->space, work->octree, work->geometry, leaf, work->worker[worker].pieces,
-                                                      task->groups[leaf]);
+        task->count[leaf] = (uint8_t)sl_normal_groups(&task->space, work->octree, work->geometry, leaf,
+                                                      work->worker[worker].pieces, task->groups[leaf]);
     }
 }
 
-/* Only where no group of the voxel is bent: what bends away from a flat piece takes that piece's light, too. */
+/* Only where no group of the voxel is bent: what bends away from a flat piece takes that piece's light, too.
+ */
 static bool is_flat(const group_task *groups, size_t leaf) {
     bool flat = groups && groups->count[leaf] > 0;
     for (int g = 0; flat && g < groups->count[leaf]; g++) flat = groups->groups[leaf][g].flat;
@@ -116,8 +129,10 @@ static void compare_sets(sl_voxel_set *sets, uint32_t count, uint32_t which) {
 static float height_in_voxel(const sl_octree *octree, const sl_voxel_set *set) {
     uint32_t cell[3];
     sl_morton_decode(octree->leaf[set->leaf].morton, cell);
-    sl_vec3d at = sl_scaled(sl_subd(sl_to_double(set->centroid), octree->origin), 1.0 / sl_octree_voxel(octree));
-    return (float)sl_dotd(sl_to_double(set->normal), sl_subd(at, sl_v3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5)));
+    sl_vec3d at =
+        sl_scaled(sl_subd(sl_to_double(set->centroid), octree->origin), 1.0 / sl_octree_voxel(octree));
+    return (float)sl_dotd(sl_to_double(set->normal),
+                          sl_subd(at, sl_v3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5)));
 }
 
 /* One set for a leaf of one group: then its own normal and centroid are as good. */
@@ -159,12 +174,14 @@ static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl
 static sl_status split_sets(sl_voxel_lights *lights, sl_error *error) {
     const sl_voxel_work *work = lights->work;
     group_task task = {.lights = lights,
-                       .space = sl_cell_space_of(work->scene, work->geometry->origin, work->geometry->edge, work->geometry->depth),
+                       .space = sl_cell_space_of(work->scene, work->geometry->origin, work->geometry->edge,
+                                                 work->geometry->depth),
                        .groups = sl_allocate(lights->leaf_count, sizeof *task.groups),
                        .count = sl_allocate(lights->leaf_count, 1)};
     sl_status status = task.groups && task.count ? SL_OK : sl_fail_memory(error, "normals of voxels");
     if (status == SL_OK) {
-        sl_parallel_for(work->workers, (lights->leaf_count + SL_LEAVES_A_TASK - 1) / SL_LEAVES_A_TASK, group_leaves, &task);
+        sl_parallel_for(work->workers, (lights->leaf_count + SL_LEAVES_A_TASK - 1) / SL_LEAVES_A_TASK,
+                        group_leaves, &task);
         status = make_sets(lights, &task, error);
     }
     sl_free(task.groups);
@@ -172,22 +189,26 @@ static sl_status split_sets(sl_voxel_lights *lights, sl_error *error) {
     return status;
 }
 
-sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree, const sl_octree *geometry, const sl_photon_tree *tree,
-                                 const sl_voxel_light_options *options, unsigned threads, sl_voxel_lights **result, sl_error *error) {
+sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree, const sl_octree *geometry,
+                                 const sl_photon_tree *tree, const sl_voxel_light_options *options,
+                                 unsigned threads, sl_voxel_lights **result, sl_error *error) {
     *result = NULL;
     sl_status status = check_options(options, error);
     if (status != SL_OK) return status;
     sl_voxel_lights *lights = sl_allocate(1, sizeof *lights);
     if (!lights) return sl_fail_memory(error, "lights of voxels");
-    *lights = (sl_voxel_lights){.options = *options, .leaf_count = octree->leaf_count, .texels = sl_lobe_texels(options)};
+    *lights = (sl_voxel_lights){
+        .options = *options, .leaf_count = octree->leaf_count, .texels = sl_lobe_texels(options)};
     lights->work = sl_allocate(1, sizeof *lights->work);
     status = lights->work ? SL_OK : sl_fail_memory(error, "lights of voxels");
     if (status == SL_OK) {
         bool photons = tree && sl_photon_tree_list(tree)->count > 0;
-        *lights->work = (sl_voxel_work){.scene = scene, .octree = octree, .geometry = geometry, .tree = photons ? tree : NULL};
+        *lights->work = (sl_voxel_work){
+            .scene = scene, .octree = octree, .geometry = geometry, .tree = photons ? tree : NULL};
         status = create_work(lights, threads, error);
     }
-    if (status == SL_OK) status = options->split_by_normal ? split_sets(lights, error) : make_sets(lights, NULL, error);
+    if (status == SL_OK)
+        status = options->split_by_normal ? split_sets(lights, error) : make_sets(lights, NULL, error);
     if (status != SL_OK) sl_voxel_lights_destroy(lights);
     else *result = lights;
     return status;
@@ -210,5 +231,6 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
     bytes += work->surroundings ? sl_surroundings_bytes(work->surroundings) : 0;
     size_t marks = work->surroundings ? work->scene->triangle_count * sizeof(uint32_t) : 0;
     size_t a_photon = work->surroundings ? 105 : 69; /* with its place for the hull, or without */
-    return bytes + work->workers * (sizeof *work->worker + marks + sl_voxel_most_neighbours(&lights->options) * a_photon);
+    return bytes + work->workers *
+                       (sizeof *work->worker + marks + sl_voxel_most_neighbours(&lights->options) * a_photon);
 }

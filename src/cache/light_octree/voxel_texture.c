@@ -22,7 +22,8 @@ static void brick_place(const sl_volume *bricks, size_t brick, int place[3]) {
 static uint8_t *brick_texel(const sl_volume *bricks, size_t brick, unsigned cell) {
     int place[3];
     brick_place(bricks, brick, place);
-    size_t x = 2 * (size_t)place[0] + (cell & 1), y = 2 * (size_t)place[1] + (cell >> 1 & 1), z = 2 * (size_t)place[2] + (cell >> 2);
+    size_t x = 2 * (size_t)place[0] + (cell & 1), y = 2 * (size_t)place[1] + (cell >> 1 & 1),
+           z = 2 * (size_t)place[2] + (cell >> 2);
     return bricks->bytes + 4 * ((z * (size_t)bricks->height + y) * (size_t)bricks->width + x);
 }
 
@@ -42,7 +43,8 @@ static sl_status create_bricks(sl_voxel_texture *t, const sl_octree *octree, sl_
     size_t deep = (count + side * side - 1) / (side * side), high = (count + side * deep - 1) / (side * deep),
            wide = (count + high * deep - 1) / (high * deep);
     if (deep > side) {
-        return sl_fail(error, SL_ERROR_RESOURCES, "the octree has %zu bricks, 24 bits address %zu: a smaller depth is needed", count,
+        return sl_fail(error, SL_ERROR_RESOURCES,
+                       "the octree has %zu bricks, 24 bits address %zu: a smaller depth is needed", count,
                        side * side * side);
     }
     t->brick_count = count;
@@ -110,15 +112,18 @@ static size_t texels_of_leaf(const sl_voxel_texture *t, const sl_voxel_lights *l
 
 /* So wide that the texels take few rows and these are full; one leaf's never wrap. */
 static void choose_width(sl_voxel_texture *t, size_t texels, size_t longest) {
-    size_t step = t->split ? 1 : (size_t)t->lights, widest = SL_LIGHT_TEXTURE_SIZE / step * step, rows = (texels + widest - 1) / widest;
+    size_t step = t->split ? 1 : (size_t)t->lights, widest = SL_LIGHT_TEXTURE_SIZE / step * step,
+           rows = (texels + widest - 1) / widest;
     size_t width = rows > 0 ? (texels / step + rows - 1) / rows * step : step;
     if (t->split && rows > 1) width += longest;
     t->width = (int)(width < longest ? longest : width < widest ? width : widest);
 }
 
 /* In order of leaves; those without light share the first texel, or array. */
-static sl_status place_leaves(sl_voxel_texture *t, const sl_voxel_lights *lights, uint32_t *place_of_leaf, sl_error *error) {
-    size_t dark = 0, texels = 0, longest = t->split ? 1 : (size_t)t->lights, most = (size_t)SL_LIGHT_TEXTURE_SIZE * SL_LIGHT_TEXTURE_SIZE;
+static sl_status place_leaves(sl_voxel_texture *t, const sl_voxel_lights *lights, uint32_t *place_of_leaf,
+                              sl_error *error) {
+    size_t dark = 0, texels = 0, longest = t->split ? 1 : (size_t)t->lights,
+           most = (size_t)SL_LIGHT_TEXTURE_SIZE * SL_LIGHT_TEXTURE_SIZE;
     for (size_t i = 0; i < lights->leaf_count; i++) {
         size_t here = texels_of_leaf(t, lights, i);
         if (here == 0) dark = 1;
@@ -138,7 +143,9 @@ static sl_status place_leaves(sl_voxel_texture *t, const sl_voxel_lights *lights
     t->texel_count = at;
     t->height = at > 0 ? (int)((at - 1) / (size_t)t->width) + 1 : 1;
     if (at <= most && t->height <= SL_LIGHT_TEXTURE_SIZE) return SL_OK;
-    return sl_fail(error, SL_ERROR_RESOURCES, "%zu arrays of lights take %zu texels, 24 bits address %zu: fewer lights or a smaller depth are needed",
+    return sl_fail(error, SL_ERROR_RESOURCES,
+                   "%zu arrays of lights take %zu texels, 24 bits address %zu: fewer lights or a smaller "
+                   "depth are needed",
                    t->array_count, texels + shared, most);
 }
 
@@ -147,29 +154,36 @@ static sl_status create_lights(sl_voxel_texture *t, sl_error *error) {
     t->light = sl_allocate(texels, sizeof *t->light);
     t->unpacked = sl_allocate(texels, sizeof *t->unpacked);
     if (!t->split) t->facing = sl_allocate(texels / (size_t)t->lights, sizeof *t->facing);
-    return t->light && t->unpacked && (t->facing || t->split) ? SL_OK : sl_fail_memory(error, "the texture of lights");
+    return t->light && t->unpacked && (t->facing || t->split)
+               ? SL_OK
+               : sl_fail_memory(error, "the texture of lights");
 }
 
 /* Returns how many texels the set took. */
-static size_t put_set(sl_voxel_texture *t, const sl_voxel_lights *lights, size_t at, uint32_t number, bool more) {
+static size_t put_set(sl_voxel_texture *t, const sl_voxel_lights *lights, size_t at, uint32_t number,
+                      bool more) {
     const sl_voxel_set *set = &lights->set[number];
     const sl_directional_light *light = lights->light + (size_t)number * (size_t)lights->texels;
     bool one_sided = set->lights > 0 && !set->both_sides;
-    int flags = (set->opposed ? 0 : SL_SET_TURNS) | (more ? SL_SET_MORE : 0) | (one_sided ? SL_SET_ONE_SIDED : 0);
+    int flags =
+        (set->opposed ? 0 : SL_SET_TURNS) | (more ? SL_SET_MORE : 0) | (one_sided ? SL_SET_ONE_SIDED : 0);
     size_t count = set->lights;
     if (stands_alone(t, set)) {
         t->light[at] = *light;
         t->light[at].packed += (float)(65536 * flags);
         return 1;
     }
-    flags |= (sl_dot(set->normal, set->normal) == 0.0f ? SL_SET_NO_NORMAL : 0) | (set->layered ? SL_SET_LAYER : 0);
-    t->light[at] = (sl_directional_light){{-1.0f - (float)count, (float)flags, set->height}, sl_direction_pack(sl_to_double(set->normal))};
+    flags |=
+        (sl_dot(set->normal, set->normal) == 0.0f ? SL_SET_NO_NORMAL : 0) | (set->layered ? SL_SET_LAYER : 0);
+    t->light[at] = (sl_directional_light){{-1.0f - (float)count, (float)flags, set->height},
+                                          sl_direction_pack(sl_to_double(set->normal))};
     memcpy(t->light + at + 1, light, count * sizeof *light);
     return 1 + count;
 }
 
 static void fill_lights(sl_voxel_texture *t, const sl_voxel_lights *lights, const uint32_t *place_of_leaf) {
-    if (t->split) t->light[0] = (sl_directional_light){{-1.0f, SL_SET_NO_NORMAL, 0.0f}, 0.0f}; /* dark, where there is such a leaf */
+    /* dark, where there is such a leaf */
+    if (t->split) t->light[0] = (sl_directional_light){{-1.0f, SL_SET_NO_NORMAL, 0.0f}, 0.0f};
     for (size_t i = 0; i < lights->leaf_count; i++) {
         if (is_dark(lights, i)) continue;
         uint32_t first = lights->first_set[i], end = lights->first_set[i + 1];
@@ -178,8 +192,10 @@ static void fill_lights(sl_voxel_texture *t, const sl_voxel_lights *lights, cons
             for (uint32_t s = first; s < end; s++) at += put_set(t, lights, at, s, s + 1 < end);
             continue;
         }
-        memcpy(t->light + at, lights->light + (size_t)first * (size_t)lights->texels, (size_t)t->lights * sizeof *t->light);
-        t->facing[at / (size_t)t->lights] = (sl_array_facing){lights->set[first].normal, lights->set[first].both_sides};
+        memcpy(t->light + at, lights->light + (size_t)first * (size_t)lights->texels,
+               (size_t)t->lights * sizeof *t->light);
+        t->facing[at / (size_t)t->lights] =
+            (sl_array_facing){lights->set[first].normal, lights->set[first].both_sides};
     }
 }
 
@@ -201,11 +217,13 @@ static void unpack_lights(sl_voxel_texture *t) {
     for (size_t i = 0; i < t->texel_count; i++) {
         float flags = t->split ? floorf(t->light[i].packed / 65536.0f) : 0.0f;
         sl_vec3 d = sl_direction_unpack(t->light[i].packed - 65536.0f * flags);
-        t->unpacked[i] = (sl_unpacked_light){{d.x, d.y, d.z}, {t->light[i].color[0], t->light[i].color[1], t->light[i].color[2]}};
+        t->unpacked[i] = (sl_unpacked_light){
+            {d.x, d.y, d.z}, {t->light[i].color[0], t->light[i].color[1], t->light[i].color[2]}};
     }
 }
 
-static sl_status fill_index(sl_voxel_texture *t, const sl_octree *octree, const uint32_t *place_of_leaf, sl_error *error) {
+static sl_status fill_index(sl_voxel_texture *t, const sl_octree *octree, const uint32_t *place_of_leaf,
+                            sl_error *error) {
     size_t cells = (size_t)1 << octree->depth;
     t->index = sl_allocate(cells * cells * cells, sizeof *t->index);
     if (!t->index) return sl_fail_memory(error, "the octree's index");
@@ -220,8 +238,8 @@ static sl_status fill_index(sl_voxel_texture *t, const sl_octree *octree, const 
 
 /* ---- the whole ---- */
 
-static sl_status fill(sl_voxel_texture *t, const sl_octree *octree, const sl_voxel_lights *lights, uint32_t *place_of_leaf, bool dense_index,
-                      sl_error *error) {
+static sl_status fill(sl_voxel_texture *t, const sl_octree *octree, const sl_voxel_lights *lights,
+                      uint32_t *place_of_leaf, bool dense_index, sl_error *error) {
     sl_status status = place_leaves(t, lights, place_of_leaf, error);
     if (status == SL_OK) status = create_bricks(t, octree, error);
     if (status == SL_OK) status = create_lights(t, error);
@@ -232,8 +250,8 @@ static sl_status fill(sl_voxel_texture *t, const sl_octree *octree, const sl_vox
     return dense_index ? fill_index(t, octree, place_of_leaf, error) : status;
 }
 
-sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights *lights, bool dense_index, sl_voxel_texture **result,
-                                  sl_error *error) {
+sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights *lights, bool dense_index,
+                                  sl_voxel_texture **result, sl_error *error) {
     *result = NULL;
     sl_voxel_texture *t = sl_allocate(1, sizeof *t);
     uint32_t *place_of_leaf = sl_allocate(octree->leaf_count, sizeof *place_of_leaf);
@@ -270,7 +288,8 @@ size_t sl_voxel_texture_bytes(const sl_voxel_texture *t) {
 
 size_t sl_voxel_texture_resident_bytes(const sl_voxel_texture *t) {
     size_t lights = (size_t)t->width * (size_t)t->height, cells = (size_t)1 << 3 * t->depth;
-    return sizeof *t + sl_voxel_texture_bytes(t) + lights * sizeof *t->unpacked + (t->facing ? lights / (size_t)t->lights * sizeof *t->facing : 0) +
+    return sizeof *t + sl_voxel_texture_bytes(t) + lights * sizeof *t->unpacked +
+           (t->facing ? lights / (size_t)t->lights * sizeof *t->facing : 0) +
            (t->index ? cells * sizeof *t->index : 0);
 }
 
@@ -282,8 +301,8 @@ uint32_t sl_voxel_texture_find_cell(const sl_voxel_texture *t, const int32_t cel
     uint32_t texel = 0, cells = 1u << t->depth;
     if ((uint32_t)cell[0] >= cells || (uint32_t)cell[1] >= cells || (uint32_t)cell[2] >= cells) return 0;
     for (int bit = t->depth - 1; bit >= 0; bit--) {
-        texel = sl_volume_fetch(t->bricks, 2 * place[0] + (cell[0] >> bit & 1), 2 * place[1] + (cell[1] >> bit & 1),
-                                2 * place[2] + (cell[2] >> bit & 1));
+        texel = sl_volume_fetch(t->bricks, 2 * place[0] + (cell[0] >> bit & 1),
+                                2 * place[1] + (cell[1] >> bit & 1), 2 * place[2] + (cell[2] >> bit & 1));
         ++*fetches;
         if (texel >> 24 != SL_TEXEL_NODE) break;
         for (int axis = 0; axis < 3; axis++) place[axis] = (int)(texel >> 8 * axis & 255);

@@ -1,4 +1,5 @@
-/* What the parts of lighting voxels share: voxel_gather.c (P3), voxel_lights.c (P4), voxel_sets.c (memory, and which sets a voxel has). */
+/* What the parts of lighting voxels share: voxel_gather.c (P3), voxel_lights.c (P4), voxel_sets.c (memory,
+ * and which sets a voxel has). */
 #ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_WORK_H
 #define SL_CACHE_LIGHT_OCTREE_VOXEL_WORK_H
 
@@ -11,7 +12,8 @@ enum { SL_LEAVES_A_TASK = 16 };
 
 struct ranked_photon;
 
-/* The last areas that were worked out: to choose k takes those of several ellipsoids, and one of them is the voxel's in the end. */
+/* The last areas that were worked out: to choose k takes those of several ellipsoids, and one of them is the
+ * voxel's in the end. */
 enum { SL_AREAS_REMEMBERED = 4 };
 typedef struct sl_remembered_area {
     sl_ellipsoid ellipsoid;   /* radius 0: nothing yet */
@@ -62,7 +64,8 @@ typedef struct sl_voxel_work {
     sl_surroundings *surroundings; /* clip area alone */
     sl_own_photons own;           /* own_photons alone */
     double cos_acceptance;
-    bool by_side;                 /* photons are taken side by side; off: all of them, whatever their normals */
+    /* photons are taken side by side; off: all of them, whatever their normals */
+    bool by_side;
     unsigned workers;
     sl_voxel_worker *worker;
 } sl_voxel_work;
@@ -77,35 +80,42 @@ typedef struct sl_voxel_gather {
     sl_vec3d mean_normal, mean_place; /* of the photons, turned to n_v's side; about the centre */
 } sl_voxel_gather;
 
-sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre, sl_vec3 normal, double radius);
+sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre,
+                               sl_vec3 normal, double radius);
 static inline void sl_voxel_turn(sl_voxel_set *set) {
     set->normal = sl_neg(set->normal);
     set->height = -set->height;
 }
-/* An opposed set, one face of a wall, has the light of its winding's side; but if photons lie on its other side alone, it is wound the wrong way, and
- * its normal is turned. */
-void sl_voxel_choose_side(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_voxel_set *set, sl_voxel_worker *w);
-sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w);
+/* An opposed set, one face of a wall, has the light of its winding's side; but if photons lie on its other
+ * side alone, it is wound the wrong way, and its normal is turned. */
+void sl_voxel_choose_side(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_voxel_set *set,
+                          sl_voxel_worker *w);
+sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query,
+                                        sl_voxel_worker *w);
 /* Of those that the worker has gathered. */
-sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w);
+sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_query *query,
+                                     sl_voxel_worker *w);
 /* own_photons.c: the photons of every leaf; and those of one. */
-sl_status sl_own_photons_find(const sl_octree *octree, const sl_photon_tree *tree, sl_own_photons *own, sl_error *error);
+sl_status sl_own_photons_find(const sl_octree *octree, const sl_photon_tree *tree, sl_own_photons *own,
+                              sl_error *error);
 void sl_own_photons_release(sl_own_photons *own);
-sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_set *set, const sl_photon_query *query, sl_voxel_worker *w);
+sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_set *set,
+                                     const sl_photon_query *query, sl_voxel_worker *w);
 /* Before areas of several ellipsoids are asked for that differ in radius alone, the largest first. */
-void sl_voxel_look_around(const sl_voxel_work *work, const sl_ellipsoid *ellipsoid, int count, sl_voxel_worker *w);
-/* A for the photons in front and behind; returns that of all surfaces together. What is next to nothing (photons beside the geometry) is
- * taken for the disc. */
-double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
-                      double area[2]);
+void sl_voxel_look_around(const sl_voxel_work *work, const sl_ellipsoid *ellipsoid, int count,
+                          sl_voxel_worker *w);
+/* A for the photons in front and behind; returns that of all surfaces together. What is next to nothing
+ * (photons beside the geometry) is taken for the disc. */
+double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                      const sl_voxel_gather *gather, sl_voxel_worker *w, double area[2]);
 
 /* ---- voxel_error.c ---- */
 
 /* The largest k that any voxel can take. */
 size_t sl_voxel_most_neighbours(const sl_voxel_light_options *o);
 /* With the k that promises the least error, up to the query's. */
-sl_voxel_gather sl_voxel_gather_estimated(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_photon_query *query,
-                                          sl_voxel_worker *w);
+sl_voxel_gather sl_voxel_gather_estimated(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                                          const sl_photon_query *query, sl_voxel_worker *w);
 size_t sl_voxel_ranking_bytes(void); /* for one photon */
 
 #endif

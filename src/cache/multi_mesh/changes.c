@@ -17,9 +17,10 @@ static bool same_light(const sl_sampled_light *a, const sl_sampled_light *b) {
     return true; /* samples do not know the light's colour */
 }
 
-sl_status sl_irradiance_changes_find(const sl_scene *scene, const sl_object_places *before, const sl_object_places *after,
-                                     const sl_sampled_lights *lights_before, const sl_sampled_lights *lights_after,
-                                     sl_irradiance_changes **changes, sl_error *error) {
+sl_status sl_irradiance_changes_find(const sl_scene *scene, const sl_object_places *before,
+                                     const sl_object_places *after, const sl_sampled_lights *lights_before,
+                                     const sl_sampled_lights *lights_after, sl_irradiance_changes **changes,
+                                     sl_error *error) {
     *changes = NULL;
     sl_irradiance_changes *c = sl_allocate(1, sizeof *c);
     if (c) {
@@ -33,7 +34,8 @@ sl_status sl_irradiance_changes_find(const sl_scene *scene, const sl_object_plac
         return sl_fail_memory(error, "what has changed");
     }
     for (size_t i = 0; i < c->light_count; i++)
-        c->light_changed[i] = i >= lights_before->count || !same_light(&lights_before->light[i], &lights_after->light[i]);
+        c->light_changed[i] =
+            i >= lights_before->count || !same_light(&lights_before->light[i], &lights_after->light[i]);
     for (size_t i = 0; i < scene->object_count; i++) {
         if (!sl_object_has_moved(before, after, i)) continue;
         c->box[c->box_count++] = before->box[i];
@@ -69,15 +71,18 @@ bool sl_light_is_crossed(const sl_irradiance_changes *changes, const sl_sampled_
     for (size_t i = 0; i < changes->box_count; i++) {
         sl_vec3d low = sl_to_double(changes->box[i].low), high = sl_to_double(changes->box[i].high);
         sl_vec3d half = sl_scaled(sl_subd(high, low), 0.5);
-        double slack = 1e-5 * (sl_lengthd(high) + sl_lengthd(half)); /* a line has no width, and objects have roundings */
+        /* a line has no width, and objects have roundings */
+        double slack = 1e-5 * (sl_lengthd(high) + sl_lengthd(half));
         half = sl_addd(half, sl_v3d(slack, slack, slack));
-        if (!(high.x >= low.x) || sl_cone_meets_box(&test, sl_scaled(sl_addd(high, low), 0.5), half)) return true;
+        if (!(high.x >= low.x) || sl_cone_meets_box(&test, sl_scaled(sl_addd(high, low), 0.5), half))
+            return true;
     }
     return false;
 }
 
 bool sl_topology_same_structure(const sl_topology *a, const sl_topology *b) {
-    if (a->face_count != b->face_count || a->site_count != b->site_count || a->edge_count != b->edge_count) return false;
+    if (a->face_count != b->face_count || a->site_count != b->site_count || a->edge_count != b->edge_count)
+        return false;
     for (int i = 0; i < 3; i++) {
         if (memcmp(a->site[i], b->site[i], a->face_count * sizeof *a->site[i]) != 0) return false;
         if (memcmp(a->edge[i], b->edge[i], a->face_count * sizeof *a->edge[i]) != 0) return false;

@@ -5,12 +5,13 @@
 #include "base/memory.h"
 #include "cache/multi_mesh/coarse_tables.h"
 
-/* Cells in which corners of small faces share a sample: half as wide as edges may be long, and of the diagonal of the scene's central region no more than that. */
+/* Cells in which corners of small faces share a sample: half as wide as edges may be long, and of the
+ * diagonal of the scene's central region no more than that. */
 static const double CELL = 0.5, CELL_MOST = 1.0 / 48.0;
 /* Slices may be longer than others by this. */
 static const double STRETCH = 4.0;
 
-/* ---- what is to be sampled --------------------------------------------------------------------------------------------------- */
+/* ---- what is to be sampled ------------------------------------------------------------------- */
 
 /* Can light that leaves this face be seen, and does any leave it? */
 static bool is_wanted(const sl_scene *scene, const sl_topology *topology, uint32_t face) {
@@ -28,14 +29,16 @@ static double measure(const sl_scene *scene, uint32_t triangle, double length[3]
     return 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
 }
 
-/* Returns the length that a slice across a long face may have. The narrower the face, the less of it is to be seen, and the less it takes in a picture of all
- * the scene if light changes along a slice: slices have the area of other coarse triangles, but are not absurdly long. */
+/* Returns the length that a slice across a long face may have. The narrower the face, the less of it is to be
+ * seen, and the less it takes in a picture of all the scene if light changes along a slice: slices have the
+ * area of other coarse triangles, but are not absurdly long. */
 static double slice_edge(double edge, double longest, double area) {
     double width = 2.0 * area / longest, longer = width > 0.0 ? sqrt(0.5 * edge / width) : 1.0;
     return edge * fmin(fmax(longer, 1.0), STRETCH);
 }
 
-/* A face's level by its longest edge, and whether it is enough to slice it: then the far corner becomes the lattice's corner 0. */
+/* A face's level by its longest edge, and whether it is enough to slice it: then the far corner becomes the
+ * lattice's corner 0. */
 static bool cut(sl_coarse *c, uint32_t face, const sl_coarse_settings *settings) {
     double length[3], edge = (double)settings->edge;
     double area = measure(c->scene, face / 2, length);
@@ -71,9 +74,10 @@ static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
     }
 }
 
-/* ---- vertices ------------------------------------------------------------------------------------------------------------------ */
+/* ---- vertices -------------------------------------------------------------------------------- */
 
-/* The k-th of n equal steps from the first to the second end of the edge opposite to a corner of the lattice; on the edge, steps count from its lower site. */
+/* The k-th of n equal steps from the first to the second end of the edge opposite to a corner of the lattice;
+ * on the edge, steps count from its lower site. */
 static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int corner, int k, int n) {
     const sl_topology *t = c->topology;
     corner = (corner + c->turn[face / 2]) % 3;
@@ -94,8 +98,8 @@ uint32_t sl_coarse_lattice_vertex(const sl_coarse *c, uint32_t face, int i, int 
     return c->inner_vertex[face] + (uint32_t)((j - 1) * (n - 1) - j * (j - 1) / 2 + i - 1);
 }
 
-/* Numbers in the order of first use. An edge's vertices are numbered all at once, by the first of the finest faces along it: coarser ones use every second
- * of them, every fourth, ... */
+/* Numbers in the order of first use. An edge's vertices are numbered all at once, by the first of the finest
+ * faces along it: coarser ones use every second of them, every fourth, ... */
 static size_t number_vertices(sl_coarse *c, const uint32_t *stand_in) {
     const sl_topology *t = c->topology;
     size_t count = 0;
@@ -131,7 +135,8 @@ static uint32_t site_at(const sl_coarse *c, uint32_t face, int i, int j) {
     return SL_NO_INDEX;
 }
 
-/* Each vertex by the first of the finest faces that have it; a cluster's where the site is that stands for it. */
+/* Each vertex by the first of the finest faces that have it; a cluster's where the site is that stands for
+ * it. */
 static void place_vertex(sl_coarse *c, const uint32_t *stand_in, uint32_t face, int i, int j) {
     sl_coarse_vertex *vertex = &c->vertex[sl_coarse_lattice_vertex(c, face, i, j)];
     uint32_t site = site_at(c, face, i, j);
@@ -139,7 +144,9 @@ static void place_vertex(sl_coarse *c, const uint32_t *stand_in, uint32_t face, 
     if (vertex->face != SL_NO_INDEX && vertex->depth >= c->level[face]) return;
     int n = sl_coarse_rows(c, face), step = SL_MESH_DYADIC / n, turn = c->turn[face / 2];
     const int weight[3] = {n - i - j, i, j}; /* of the lattice's corners */
-    *vertex = (sl_coarse_vertex){.face = face, .p = (uint16_t)(weight[(4 - turn) % 3] * step), .q = (uint16_t)(weight[(5 - turn) % 3] * step),
+    *vertex = (sl_coarse_vertex){.face = face,
+                                 .p = (uint16_t)(weight[(4 - turn) % 3] * step),
+                                 .q = (uint16_t)(weight[(5 - turn) % 3] * step),
                                  .depth = c->level[face]};
 }
 
@@ -158,7 +165,7 @@ static void place_vertices(sl_coarse *c, const uint32_t *stand_in) {
     }
 }
 
-/* ---- making it ------------------------------------------------------------------------------------------------------------------ */
+/* ---- making it ------------------------------------------------------------------------------- */
 
 /* After those that stand for absent faces and for nothing. */
 static size_t number_triangles(sl_coarse *c) {
@@ -167,9 +174,11 @@ static size_t number_triangles(sl_coarse *c) {
         bool absent = c->level[face] == SL_COARSE_ABSENT;
         c->face[face].first = absent ? SL_COARSE_BLACK : (int32_t)count;
         if (!absent) count += (size_t)sl_coarse_triangles(c, face);
-        if (count > (size_t)INT32_MAX / SL_COARSE_FLOATS) return SIZE_MAX; /* kernels index floats by int32_t */
+        /* kernels index floats by int32_t */
+        if (count > (size_t)INT32_MAX / SL_COARSE_FLOATS) return SIZE_MAX;
     }
-    for (size_t side = 0; side < 2; side++) c->face[c->topology->face_count + side] = (sl_coarse_face){SL_COARSE_NOTHING, 1};
+    for (size_t side = 0; side < 2; side++)
+        c->face[c->topology->face_count + side] = (sl_coarse_face){SL_COARSE_NOTHING, 1};
     return count;
 }
 
@@ -193,7 +202,8 @@ static bool allocate_faces(sl_coarse *c) {
     c->inner_vertex = sl_allocate(t->face_count, sizeof *c->inner_vertex);
     c->face = sl_allocate(t->face_count + 2, sizeof *c->face);
     c->block_brightest = sl_allocate(t->face_count / SL_COARSE_BLOCK + 1, sizeof *c->block_brightest);
-    return c->level && c->turn && c->edge_level && c->site_vertex && c->edge_vertex && c->inner_vertex && c->face && c->block_brightest;
+    return c->level && c->turn && c->edge_level && c->site_vertex && c->edge_vertex && c->inner_vertex &&
+           c->face && c->block_brightest;
 }
 
 static bool allocate_values(sl_coarse *c) {
@@ -205,14 +215,17 @@ static bool allocate_values(sl_coarse *c) {
     return c->vertex && c->value && c->valid && c->reflectance && c->colour;
 }
 
-static sl_status make_vertices(sl_coarse *c, const sl_coarse_settings *settings, uint32_t *stand_in, sl_error *error) {
-    double cell = fmin(CELL * (double)settings->edge, CELL_MOST * (double)sl_scene_central_diagonal(c->scene));
+static sl_status make_vertices(sl_coarse *c, const sl_coarse_settings *settings, uint32_t *stand_in,
+                               sl_error *error) {
+    double cell =
+        fmin(CELL * (double)settings->edge, CELL_MOST * (double)sl_scene_central_diagonal(c->scene));
     sl_status status = sl_coarse_cluster(c, cell, stand_in, error);
     if (status != SL_OK) return status;
     c->vertex_count = number_vertices(c, stand_in);
     c->triangle_count = number_triangles(c);
     if (c->vertex_count == SIZE_MAX || c->triangle_count == SIZE_MAX) {
-        return sl_fail(error, SL_ERROR_RESOURCES, "the coarse mesh has too many triangles: raise its edge or lower its depth");
+        return sl_fail(error, SL_ERROR_RESOURCES,
+                       "the coarse mesh has too many triangles: raise its edge or lower its depth");
     }
     if (!allocate_values(c)) return sl_fail_memory(error, "the coarse mesh");
     place_vertices(c, stand_in);
@@ -221,19 +234,21 @@ static sl_status make_vertices(sl_coarse *c, const sl_coarse_settings *settings,
 
 static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error *error) {
     if (settings->depth < 0 || settings->depth > SL_MESH_DEPTH_MAX || !(settings->edge >= 0.0f)) {
-        return sl_fail(error, SL_ERROR_USAGE, "coarse mesh: depth must be 0 to %d and edge not negative", SL_MESH_DEPTH_MAX);
+        return sl_fail(error, SL_ERROR_USAGE, "coarse mesh: depth must be 0 to %d and edge not negative",
+                       SL_MESH_DEPTH_MAX);
     }
     if (!allocate_faces(c)) return sl_fail_memory(error, "the coarse mesh's faces");
     choose_levels(c, settings);
     uint32_t *stand_in = sl_allocate(c->topology->site_count, sizeof *stand_in);
-    sl_status status = stand_in ? make_vertices(c, settings, stand_in, error) : sl_fail_memory(error, "the coarse mesh");
+    sl_status status =
+        stand_in ? make_vertices(c, settings, stand_in, error) : sl_fail_memory(error, "the coarse mesh");
     sl_free(stand_in);
     if (status == SL_OK) colour_nothing(c);
     return status;
 }
 
-sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology, const sl_coarse_settings *settings, sl_coarse **coarse,
-                           sl_error *error) {
+sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology,
+                           const sl_coarse_settings *settings, sl_coarse **coarse, sl_error *error) {
     *coarse = NULL;
     sl_coarse *c = sl_allocate(1, sizeof *c);
     if (!c) return sl_fail_memory(error, "the coarse mesh");
@@ -248,18 +263,21 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology, c
 
 void sl_coarse_destroy(sl_coarse *c) {
     if (!c) return;
-    void *blocks[] = {c->level, c->turn, c->edge_level, c->site_vertex, c->edge_vertex, c->inner_vertex, c->vertex, c->value, c->valid,
-                      c->face,  c->reflectance, c->colour,     c->block_brightest};
+    void *blocks[] = {c->level,        c->turn,   c->edge_level,     c->site_vertex, c->edge_vertex,
+                      c->inner_vertex, c->vertex, c->value,          c->valid,       c->face,
+                      c->reflectance,  c->colour, c->block_brightest};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) sl_free(blocks[k]);
     sl_free(c);
 }
 
 size_t sl_coarse_memory_bytes(const sl_coarse *c) {
     const sl_topology *t = c->topology;
-    size_t by_face = sizeof *c->level + sizeof *c->inner_vertex + sizeof *c->face, by_edge = sizeof *c->edge_level + sizeof *c->edge_vertex;
+    size_t by_face = sizeof *c->level + sizeof *c->inner_vertex + sizeof *c->face,
+           by_edge = sizeof *c->edge_level + sizeof *c->edge_vertex;
     size_t by_vertex = sizeof *c->vertex + sizeof *c->value + sizeof *c->valid;
     size_t by_triangle = sizeof *c->reflectance + SL_COARSE_FLOATS * sizeof *c->colour;
-    return sizeof *c + t->face_count / 2 * sizeof *c->turn + t->face_count * by_face + t->edge_count * by_edge + t->site_count * sizeof *c->site_vertex + c->vertex_count * by_vertex +
+    return sizeof *c + t->face_count / 2 * sizeof *c->turn + t->face_count * by_face +
+           t->edge_count * by_edge + t->site_count * sizeof *c->site_vertex + c->vertex_count * by_vertex +
            c->triangle_count * by_triangle;
 }
 

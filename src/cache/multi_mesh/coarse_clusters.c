@@ -1,6 +1,8 @@
-/* Small faces, those that are not cut (the pages of a book, the mesh of a scanned figure), need no samples of their own: what a gather sees of them is
- * the light on many at once. Corners all of whose faces are small stand in clusters, one for each cell of a grid and each way that normals point; one
- * corner of a cluster, that with the largest faces about it, is sampled for all of them. Corners of larger faces stand for themselves. */
+/* Small faces, those that are not cut (the pages of a book, the mesh of a scanned figure), need no samples of
+ * their own: what a gather sees of them is the light on many at once. Corners all of whose faces are small
+ * stand in clusters, one for each cell of a grid and each way that normals point; one corner of a cluster,
+ * that with the largest faces about it, is sampled for all of them. Corners of larger faces stand for
+ * themselves. */
 #include <math.h>
 
 #include "base/error.h"
@@ -17,7 +19,8 @@ typedef struct cluster_table {
     double cell;
     float *area;               /* by site: of the faces about it; negative: it stands for itself */
     size_t slots;              /* a power of two, at most half full */
-    uint32_t *first, *chosen;  /* by slot: the cluster's first site (SL_NO_INDEX: no cluster), and the one that stands for all */
+    /* by slot: the cluster's first site (SL_NO_INDEX: no cluster), and the one that stands for all */
+    uint32_t *first, *chosen;
 } cluster_table;
 
 /* ---- which corners are in clusters ---- */
@@ -54,11 +57,14 @@ static cluster_key key_of(const cluster_table *table, uint32_t site) {
     return key;
 }
 
-static bool same_key(const cluster_key *a, const cluster_key *b) { return a->x == b->x && a->y == b->y && a->z == b->z && a->normal == b->normal; }
+static bool same_key(const cluster_key *a, const cluster_key *b) {
+    return a->x == b->x && a->y == b->y && a->z == b->z && a->normal == b->normal;
+}
 
 static size_t slot_of(const cluster_table *table, uint32_t site) {
     cluster_key key = key_of(table, site);
-    uint64_t xy = (uint64_t)(uint32_t)key.x << 32 | (uint32_t)key.y, zn = (uint64_t)(uint32_t)key.z << 32 | (uint32_t)key.normal;
+    uint64_t xy = (uint64_t)(uint32_t)key.x << 32 | (uint32_t)key.y,
+             zn = (uint64_t)(uint32_t)key.z << 32 | (uint32_t)key.normal;
     size_t i = (size_t)sl_hash64(sl_hash64(xy) ^ zn) & (table->slots - 1);
     for (; table->first[i] != SL_NO_INDEX; i = (i + 1) & (table->slots - 1)) {
         cluster_key other = key_of(table, table->first[i]);

@@ -1,20 +1,24 @@
-/* The coarse mesh's colours: what bounces off it, k_d(x') U_dd(x'). The paper's equation (7) lacks k_d(x'), without which no colour would bleed and
- * indirect light would be too bright by 1 / k_d. */
+/* The coarse mesh's colours: what bounces off it, k_d(x') U_dd(x'). The paper's equation (7) lacks k_d(x'),
+ * without which no colour would bleed and indirect light would be too bright by 1 / k_d. */
 #include "base/parallel.h"
 #include "cache/multi_mesh/coarse_tables.h"
 
-static const float VALUE_MAX = 1e30f; /* products and sums of N^2 of them stay finite when scaled by weights */
+/* products and sums of N^2 of them stay finite when scaled by weights */
+static const float VALUE_MAX = 1e30f;
 
 static float sane(float value) { return value > 0.0f ? (value < VALUE_MAX ? value : VALUE_MAX) : 0.0f; }
 
 void sl_coarse_set(sl_coarse *c, size_t vertex, sl_rgb value) {
     c->valid[vertex] = sl_rgb_is_finite(value);
-    c->value[vertex] = c->valid[vertex] ? (sl_rgb){sane(value.r), sane(value.g), sane(value.b)} : sl_grey(0.0f);
+    c->value[vertex] =
+        c->valid[vertex] ? (sl_rgb){sane(value.r), sane(value.g), sane(value.b)} : sl_grey(0.0f);
 }
 
-sl_rgb sl_coarse_get(const sl_coarse *c, size_t vertex) { return c->valid[vertex] ? c->value[vertex] : sl_grey(NAN); }
+sl_rgb sl_coarse_get(const sl_coarse *c, size_t vertex) {
+    return c->valid[vertex] ? c->value[vertex] : sl_grey(NAN);
+}
 
-/* ---- reflectance --------------------------------------------------------------------------------------------------------------- */
+/* ---- reflectance ----------------------------------------------------------------------------- */
 
 enum { SAMPLES_MAX = 16 }; /* squared: a texture's samples in a coarse triangle */
 
@@ -28,12 +32,14 @@ static int samples_along(const sl_scene *scene, uint32_t triangle, int parts) {
         u[k] = (double)scene->texture_u[scene->vertex[k][triangle]];
         v[k] = (double)scene->texture_v[scene->vertex[k][triangle]];
     }
-    double area = fabs((u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0])) * texture->width * texture->height;
+    double area = fabs((u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0])) * texture->width *
+                  texture->height;
     double along = sqrt(0.5 * area / parts);
     return along < SAMPLES_MAX ? 1 + (int)along : SAMPLES_MAX; /* NaN: the most */
 }
 
-/* The mean k_d of a coarse triangle, at the middles of m x m equal triangles, as far as the alpha mask lets one see them. */
+/* The mean k_d of a coarse triangle, at the middles of m x m equal triangles, as far as the alpha mask lets
+ * one see them. */
 static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const sl_coarse_place *p, int m) {
     const sl_scene *scene = c->scene;
     uint32_t triangle = face / 2;
@@ -58,7 +64,7 @@ static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const sl_coars
     return (sl_rgb){sane((float)(r / count)), sane((float)(g / count)), sane((float)(b / count))};
 }
 
-/* ---- colours ------------------------------------------------------------------------------------------------------------------- */
+/* ---- colours --------------------------------------------------------------------------------- */
 
 /* U_dd at a coarse triangle's corners; where one has none, the mean of the others. */
 static void corner_values(const sl_coarse *c, uint32_t face, const sl_coarse_place *p, sl_rgb value[3]) {
@@ -75,9 +81,12 @@ static void corner_values(const sl_coarse *c, uint32_t face, const sl_coarse_pla
     for (int k = 0; k < 3; k++) value[k] = valid[k] ? value[k] : mean;
 }
 
-static sl_rgb brighter(sl_rgb a, sl_rgb b) { return (sl_rgb){a.r > b.r ? a.r : b.r, a.g > b.g ? a.g : b.g, a.b > b.b ? a.b : b.b}; }
+static sl_rgb brighter(sl_rgb a, sl_rgb b) {
+    return (sl_rgb){a.r > b.r ? a.r : b.r, a.g > b.g ? a.g : b.g, a.b > b.b ? a.b : b.b};
+}
 
-static void finish_triangle(sl_coarse *c, uint32_t face, const sl_coarse_place *p, size_t at, int samples, sl_rgb *brightest) {
+static void finish_triangle(sl_coarse *c, uint32_t face, const sl_coarse_place *p, size_t at, int samples,
+                            sl_rgb *brightest) {
     if (!c->reflectance_known) c->reflectance[at] = mean_reflectance(c, face, p, samples);
     sl_rgb colour[3];
     corner_values(c, face, p, colour);
@@ -95,7 +104,8 @@ static void finish_triangle(sl_coarse *c, uint32_t face, const sl_coarse_place *
 }
 
 static void finish_face(sl_coarse *c, uint32_t face, sl_rgb *brightest) {
-    int n = sl_coarse_rows(c, face), samples = c->reflectance_known ? 0 : samples_along(c->scene, face / 2, sl_coarse_triangles(c, face));
+    int n = sl_coarse_rows(c, face),
+        samples = c->reflectance_known ? 0 : samples_along(c->scene, face / 2, sl_coarse_triangles(c, face));
     size_t at = (size_t)c->face[face].first;
     for (int k = 0; sl_coarse_is_sliced(c, face) && k < 2 * n; k++) {
         sl_coarse_place place = sl_coarse_slice_place(k / 2, k % 2);
@@ -113,7 +123,8 @@ static void finish_block(void *context, size_t block, unsigned worker) {
     (void)worker;
     sl_coarse *c = context;
     sl_rgb brightest = sl_grey(0.0f);
-    size_t end = (block + 1) * SL_COARSE_BLOCK < c->topology->face_count ? (block + 1) * SL_COARSE_BLOCK : c->topology->face_count;
+    size_t end = (block + 1) * SL_COARSE_BLOCK < c->topology->face_count ? (block + 1) * SL_COARSE_BLOCK
+                                                                         : c->topology->face_count;
     for (size_t face = block * SL_COARSE_BLOCK; face < end; face++) {
         if (c->level[face] != SL_COARSE_ABSENT) finish_face(c, (uint32_t)face, &brightest);
     }
@@ -130,7 +141,7 @@ void sl_coarse_finish(sl_coarse *c, unsigned threads) {
 
 sl_rgb sl_coarse_brightest(const sl_coarse *c) { return c->brightest; }
 
-/* ---- a point's value --------------------------------------------------------------------------------------------------------- */
+/* ---- a point's value ------------------------------------------------------------------------- */
 
 static sl_coarse_place place_of_number(const sl_coarse *c, uint32_t face, int number) {
     int n = sl_coarse_rows(c, face), j = 0;
@@ -150,6 +161,7 @@ sl_rgb sl_coarse_value(const sl_coarse *c, uint32_t face, float w1, float w2) {
     sl_coarse_place place = place_of_number(c, face, number);
     sl_rgb v[3];
     corner_values(c, face, &place, v);
-    sl_rgb sum = sl_rgb_add(sl_rgb_add(v[0], sl_rgb_scale(sl_rgb_sub(v[1], v[0]), a)), sl_rgb_scale(sl_rgb_sub(v[2], v[0]), b));
+    sl_rgb sum = sl_rgb_add(sl_rgb_add(v[0], sl_rgb_scale(sl_rgb_sub(v[1], v[0]), a)),
+                            sl_rgb_scale(sl_rgb_sub(v[2], v[0]), b));
     return (sl_rgb){sane(sum.r), sane(sum.g), sane(sum.b)};
 }

@@ -1,6 +1,8 @@
-/* Where the coarse mesh is too coarse for the light on it. Its edges are a share of the whole scene's size: a patch of sun on a floor, a window's jamb or a
- * lamp's shade is smaller than that where there is a garden around the house. As in the meshes that are displayed, light that differs too much between
- * corners is looked at more closely: once, two levels further down, and no more triangles are added than were there, those that matter most first. */
+/* Where the coarse mesh is too coarse for the light on it. Its edges are a share of the whole scene's size: a
+ * patch of sun on a floor, a window's jamb or a lamp's shade is smaller than that where there is a garden
+ * around the house. As in the meshes that are displayed, light that differs too much between corners is
+ * looked at more closely: once, two levels further down, and no more triangles are added than were there,
+ * those that matter most first. */
 #include <stdlib.h>
 
 #include "base/error.h"
@@ -56,13 +58,15 @@ static size_t find_candidates(const sl_coarse *c, float noticed, candidate *foun
         float contrast = fmaxf(contrast_in(c, 2 * t), contrast_in(c, 2 * t + 1));
         double longest, area = measure(c->scene, t, &longest);
         if (!(contrast > noticed) || !(longest > SL_COARSE_FINER * (double)c->edge)) continue;
-        found[count++] = (candidate){(double)contrast * area, t, parts_added(c, 2 * t) + parts_added(c, 2 * t + 1)};
+        found[count++] =
+            (candidate){(double)contrast * area, t, parts_added(c, 2 * t) + parts_added(c, 2 * t + 1)};
     }
     return count;
 }
 
 sl_status sl_coarse_find_contrasts(const sl_coarse *c, float noticed, uint8_t **finer, sl_error *error) {
-    size_t triangles = c->topology->face_count / 2, budget = c->triangle_count > BUDGET_LEAST ? c->triangle_count : BUDGET_LEAST;
+    size_t triangles = c->topology->face_count / 2,
+           budget = c->triangle_count > BUDGET_LEAST ? c->triangle_count : BUDGET_LEAST;
     candidate *found = sl_allocate(triangles + 1, sizeof *found);
     *finer = found ? sl_allocate(triangles + 1, 1) : NULL;
     if (!*finer) {

@@ -29,11 +29,13 @@ struct sl_coarse_light {
 /* ---- a point ---- */
 
 /* Sorts the lights that could give any; returns how many, and what all of them could give. */
-static size_t rank_lights(const sl_sampled_lights *lights, const sl_lit_point *point, light_worker *w, double *all) {
+static size_t rank_lights(const sl_sampled_lights *lights, const sl_lit_point *point, light_worker *w,
+                          double *all) {
     size_t count = 0;
     *all = 0.0;
     for (uint32_t l = 0; l < lights->count; l++) {
-        double share = sl_light_unoccluded(&lights->light[l], point), most = share * (double)sl_rgb_mean(lights->light[l].colour);
+        double share = sl_light_unoccluded(&lights->light[l], point),
+               most = share * (double)sl_rgb_mean(lights->light[l].colour);
         w->share[l] = (float)share;
         w->most[l] = most;
         if (!(most > 0.0 && most <= DBL_MAX)) {
@@ -58,7 +60,8 @@ static bool light_point(const sl_coarse_light *c, const sl_lit_point *point, lig
     for (; i < count && (i == 0 || asked < (1.0 - UNASKED) * all); i++) {
         uint32_t l = w->order[i];
         double most = (double)w->share[l];
-        w->share[l] = sl_light_sample_by_rays(c->settings.sampling, l, point, rays_to(w->most[l] / all), &w->counters);
+        w->share[l] =
+            sl_light_sample_by_rays(c->settings.sampling, l, point, rays_to(w->most[l] / all), &w->counters);
         asked += w->most[l];
         seen += w->most[l] * (double)w->share[l] / most;
     }
@@ -71,20 +74,25 @@ static bool light_point(const sl_coarse_light *c, const sl_lit_point *point, lig
 
 static sl_mesh_point point_of(const sl_coarse_light *c, const sl_coarse_vertex *v, double nudge) {
     double third = SL_MESH_DYADIC / 3.0;
-    sl_face_point x = {.face = v->face, .p = (uint16_t)(v->lit_p + nudge * (third - v->lit_p)), .q = (uint16_t)(v->lit_q + nudge * (third - v->lit_q))};
+    sl_face_point x = {.face = v->face,
+                       .p = (uint16_t)(v->lit_p + nudge * (third - v->lit_p)),
+                       .q = (uint16_t)(v->lit_q + nudge * (third - v->lit_q))};
     sl_mesh_point at = sl_face_point_in_world(c->settings.topology, &x);
-    if (at.triangle == SL_NO_INDEX) sl_step_inside(c->settings.topology, 5.0 * sl_light_sampling_step(c->settings.sampling), &at);
+    if (at.triangle == SL_NO_INDEX)
+        sl_step_inside(c->settings.topology, 5.0 * sl_light_sampling_step(c->settings.sampling), &at);
     return at;
 }
 
-/* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further inside its face. */
+/* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further
+ * inside its face. */
 static sl_rgb light_vertex(const sl_coarse_light *c, const sl_coarse_vertex *v, light_worker *w) {
     static const double nudge[] = {0.0, 0.01, 0.05, 0.2};
     const sl_coarse_light_settings *s = &c->settings;
     for (size_t i = 0; i < sizeof nudge / sizeof nudge[0]; i++) {
         sl_mesh_point at = point_of(c, v, nudge[i]);
         sl_lit_point point = sl_lit_point_of(&at);
-        if (!light_point(c, &point, w) && sl_mesh_point_in_solid(s->topology, s->tracer, &at, &w->counters)) continue;
+        if (!light_point(c, &point, w) && sl_mesh_point_in_solid(s->topology, s->tracer, &at, &w->counters))
+            continue;
         return sl_direct_diffuse(s->lights, w->share);
     }
     return sl_grey(NAN);
@@ -100,10 +108,12 @@ typedef struct lighting {
 static void light_some(void *context, size_t task, unsigned worker) {
     const lighting *job = context;
     size_t end = (task + 1) * VERTICES_A_TASK < job->count ? (task + 1) * VERTICES_A_TASK : job->count;
-    for (size_t i = task * VERTICES_A_TASK; i < end; i++) job->radiance[i] = light_vertex(job->light, &job->vertex[i], &job->light->worker[worker]);
+    for (size_t i = task * VERTICES_A_TASK; i < end; i++)
+        job->radiance[i] = light_vertex(job->light, &job->vertex[i], &job->light->worker[worker]);
 }
 
-void sl_coarse_light_take(sl_coarse_light *c, size_t count, const sl_coarse_vertex *vertex, sl_rgb *radiance, sl_counters *counters) {
+void sl_coarse_light_take(sl_coarse_light *c, size_t count, const sl_coarse_vertex *vertex, sl_rgb *radiance,
+                          sl_counters *counters) {
     lighting job = {c, count, vertex, radiance};
     sl_parallel_for(c->settings.threads, (count + VERTICES_A_TASK - 1) / VERTICES_A_TASK, light_some, &job);
     for (unsigned t = 0; t < c->settings.threads; t++) {
@@ -122,14 +132,16 @@ static sl_status make_worker(const sl_coarse_light *c, light_worker *w, sl_error
     return w->share && w->most && w->order ? SL_OK : sl_fail_memory(error, "the coarse mesh's light");
 }
 
-sl_status sl_coarse_light_create(const sl_coarse_light_settings *settings, sl_coarse_light **light, sl_error *error) {
+sl_status sl_coarse_light_create(const sl_coarse_light_settings *settings, sl_coarse_light **light,
+                                 sl_error *error) {
     *light = NULL;
     sl_coarse_light *c = sl_allocate(1, sizeof *c);
     if (!c) return sl_fail_memory(error, "the coarse mesh's light");
     c->settings = *settings;
     c->worker = sl_allocate(settings->threads, sizeof *c->worker);
     sl_status status = c->worker ? SL_OK : sl_fail_memory(error, "the coarse mesh's light");
-    for (unsigned t = 0; t < settings->threads && status == SL_OK; t++) status = make_worker(c, &c->worker[t], error);
+    for (unsigned t = 0; t < settings->threads && status == SL_OK; t++)
+        status = make_worker(c, &c->worker[t], error);
     if (status == SL_OK) *light = c;
     else sl_coarse_light_destroy(c);
     return status;

@@ -1,6 +1,7 @@
-/* The coarse mesh of the whole scene, some vertices an update: first the light of lamps at all of them; under an environment what each gathers of that
- * alone, past surfaces that are black as yet; then, if two bounces are asked for, what each gathers of all, which makes the light that it sends on
- * (k_d / pi) (sum E_d + E_i). From then on indirect light has a mesh to gather from. */
+/* The coarse mesh of the whole scene, some vertices an update: first the light of lamps at all of them; under
+ * an environment what each gathers of that alone, past surfaces that are black as yet; then, if two bounces
+ * are asked for, what each gathers of all, which makes the light that it sends on (k_d / pi) (sum E_d + E_i).
+ * From then on indirect light has a mesh to gather from. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include "base/counters.h"
@@ -26,7 +27,8 @@ static void gather_one(void *context, size_t task, unsigned worker) {
     g->irradiance[task] = sl_mesh_gather_take(g->s->gather, &g->point[task], w->scratch, &w->counters);
 }
 
-void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points, sl_rgb *irradiance) {
+void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points,
+                          sl_rgb *irradiance) {
     gathering g = {s, points, irradiance};
     sl_parallel_for(s->settings.threads, count, gather_one, &g);
     for (unsigned t = 0; t < s->settings.threads; t++) {
@@ -37,7 +39,8 @@ void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_po
 
 static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
-    sl_mesh_gather_settings gather = {.size = s->settings.gather_size, .reduced = s->settings.gather_size < 16 ? s->settings.gather_size : 16,
+    sl_mesh_gather_settings gather = {.size = s->settings.gather_size,
+                                      .reduced = s->settings.gather_size < 16 ? s->settings.gather_size : 16,
                                       .fov = (float)m->gather_fov};
     sl_status status = sl_mesh_gather_create(s->scene, s->raster, s->coarse, &gather, &s->gather, error);
     if (status == SL_OK && !s->gatherer) {
@@ -45,7 +48,8 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
         if (!s->gatherer) return sl_fail_memory(error, "gathers");
     }
     for (unsigned t = 0; t < s->settings.threads && status == SL_OK; t++)
-        if (!s->gatherer[t].scratch) status = sl_mesh_gather_scratch_create(s->gather, &s->gatherer[t].scratch, error);
+        if (!s->gatherer[t].scratch)
+            status = sl_mesh_gather_scratch_create(s->gather, &s->gatherer[t].scratch, error);
     return status;
 }
 
@@ -54,14 +58,16 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
 static void light_coarse(sl_multi_mesh_state *s, size_t count) {
     if (!s->coarse_light) return;
     sl_rgb *radiance = s->coarse_direct + s->coarse_done;
-    sl_coarse_light_take(s->coarse_light, count, sl_coarse_vertices(s->coarse) + s->coarse_done, radiance, &s->counters);
+    sl_coarse_light_take(s->coarse_light, count, sl_coarse_vertices(s->coarse) + s->coarse_done, radiance,
+                         &s->counters);
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
 }
 
 /* U_dd, and E_i / pi where it is known, is what gathers see. */
 static void set_coarse(sl_multi_mesh_state *s) {
     for (size_t i = 0; i < sl_coarse_vertex_count(s->coarse); i++) {
-        sl_rgb more = s->coarse_indirect ? sl_rgb_scale(s->coarse_indirect[i], (float)(1.0 / SL_PI)) : sl_grey(0.0f);
+        sl_rgb more =
+            s->coarse_indirect ? sl_rgb_scale(s->coarse_indirect[i], (float)(1.0 / SL_PI)) : sl_grey(0.0f);
         sl_coarse_set(s->coarse, i, sl_rgb_add(s->coarse_direct[i], more));
     }
 }
@@ -69,7 +75,8 @@ static void set_coarse(sl_multi_mesh_state *s) {
 /* All lights are hidden from all surfaces: nothing bounces, and there is nothing to be gathered. */
 static bool is_dark(const sl_multi_mesh_state *s) {
     sl_rgb brightest = sl_coarse_brightest(s->coarse);
-    return !s->scene->environment.present && !(brightest.r > 0.0f || brightest.g > 0.0f || brightest.b > 0.0f);
+    return !s->scene->environment.present &&
+           !(brightest.r > 0.0f || brightest.g > 0.0f || brightest.b > 0.0f);
 }
 
 static void leave_out_indirect(sl_multi_mesh_state *s) {
@@ -85,7 +92,8 @@ static void end_coarse(sl_multi_mesh_state *s) {
     s->coarse_whole = true;
 }
 
-/* Makes the coarse mesh anew where corners differ by more than a quarter of what bounces on the average; *again: it did. */
+/* Makes the coarse mesh anew where corners differ by more than a quarter of what bounces on the average;
+ * *again: it did. */
 static sl_status judge_coarse(sl_multi_mesh_state *s, bool *again, sl_error *error) {
     uint8_t *finer = NULL;
     float noticed = sl_rgb_mean(s->ambient) * (float)(0.25 / SL_PI);
@@ -144,7 +152,9 @@ static void finish_gathers(sl_multi_mesh_state *s) {
     bool sky = s->coarse_gathers == s->settings.bounces;
     set_coarse(s);
     sl_coarse_finish(s->coarse, s->settings.threads);
-    sl_announce_pass(&s->announcer, sky ? "coarse mesh, the environment's light" : "coarse mesh, second bounce", "for equation (7)");
+    sl_announce_pass(&s->announcer,
+                     sky ? "coarse mesh, the environment's light" : "coarse mesh, second bounce",
+                     "for equation (7)");
     if (--s->coarse_gathers) s->coarse_done = 0;
     else end_coarse(s);
 }
@@ -159,7 +169,9 @@ sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
     if (status != SL_OK || s->coarse_done < all) return status;
     if (s->coarse_indirect) finish_gathers(s);
     else status = finish_direct(s, error);
-    if (status == SL_OK && s->coarse_done == 0 && all > 0 && !s->coarse_indirect) return sl_multi_mesh_extend_coarse(s, error); /* it was made anew */
+    /* it was made anew */
+    if (status == SL_OK && s->coarse_done == 0 && all > 0 && !s->coarse_indirect)
+        return sl_multi_mesh_extend_coarse(s, error);
     if (!s->coarse_whole) return status;
     sl_multi_mesh_announce_gather(s);
     s->phase = SL_PHASE_FIRST; /* of the indirect mesh */

@@ -2,26 +2,30 @@
  *
  * A face of level l is cut into n^2 coarse triangles, n = 2^l, by n - 1 lines along each of its sides:
  *
- *     2                  Lattice point (i, j) has weights i/n and j/n of the face's corners 1 and 2. Row j holds 2 (n - j) - 1 triangles, upright ones
- *     |\                 (corners (i, j), (i+1, j), (i, j+1)) and between them those on their heads ((i+1, j+1), (i, j+1), (i+1, j)):
+ *     2                  Lattice point (i, j) has weights i/n and j/n of the face's corners 1 and 2. Row j
+ * holds 2 (n - j) - 1 triangles, upright ones
+ *     |\                 (corners (i, j), (i+1, j), (i, j+1)) and between them those on their heads ((i+1,
+ * j+1), (i, j+1), (i+1, j)):
  *     |_\                triangle number j (2n - j) + 2i + (1 if on its head).
- *     |\ |\              The corners of either kind are in the order of its own corners 0, 1, 2: weights within it follow from the face's.
- *     0-\|-\ 1
+ *     |\ |\              The corners of either kind are in the order of its own corners 0, 1, 2: weights
+ * within it follow from the face's. 0-\|-\ 1
  *
- * A long face whose shortest edge is short enough (most of those that are cut at all: legs of tables, boards) is cut across alone, into n slices along
- * the two edges from its far corner, 0: that is, of the lattice's points only (i, 0) and (0, i) are used. Slice i holds triangles 2i, with corners (i, 0),
- * (i+1, 0), (0, i+1), and (but for the first) 2i + 1, with corners (i, 0), (0, i+1), (0, i).
+ * A long face whose shortest edge is short enough (most of those that are cut at all: legs of tables, boards)
+ * is cut across alone, into n slices along the two edges from its far corner, 0: that is, of the lattice's
+ * points only (i, 0) and (0, i) are used. Slice i holds triangles 2i, with corners (i, 0), (i+1, 0), (0,
+ * i+1), and (but for the first) 2i + 1, with corners (i, 0), (0, i+1), (0, i).
  *
- * Vertices are shared: one for each site in use, or for a cluster of them (coarse_clusters.c), 2^l - 1 on each edge (l the highest level of the faces
- * along it), and those inside a face. */
+ * Vertices are shared: one for each site in use, or for a cluster of them (coarse_clusters.c), 2^l - 1 on
+ * each edge (l the highest level of the faces along it), and those inside a face. */
 #ifndef SL_MULTI_MESH_COARSE_TABLES_H
 #define SL_MULTI_MESH_COARSE_TABLES_H
 
 #include "cache/multi_mesh/gather.h"
 
 enum {
-    SL_COARSE_ABSENT = 0xff,   /* level of a face that is not in the coarse mesh */
-    SL_COARSE_FLOATS = 12      /* of a coarse triangle: colour at its corner 0, differences of those at corners 1 and 2 from it; three to spare */
+    SL_COARSE_ABSENT = 0xff, /* level of a face that is not in the coarse mesh */
+    SL_COARSE_FLOATS = 12 /* of a coarse triangle: colour at its corner 0, differences of those at corners 1
+                             and 2 from it; three to spare */
 };
 
 /* The first coarse triangles stand for faces that are absent and for what lies beyond all faces. */
@@ -37,7 +41,8 @@ struct sl_coarse {
     const sl_topology *topology;
     float edge;                /* as long as edges may be where they need not be finer */
     uint8_t *level;            /* by face, or SL_COARSE_ABSENT */
-    uint8_t *turn;             /* by scene triangle: its lattice's corner k is its own corner (k + turn) % 3 */
+    /* by scene triangle: its lattice's corner k is its own corner (k + turn) % 3 */
+    uint8_t *turn;
     uint8_t *edge_level;       /* by edge */
     uint32_t *site_vertex;     /* by site, or SL_NO_INDEX; clusters of sites have one */
     uint32_t *edge_vertex;     /* by edge: the first of those on it, counted from its lower site */
@@ -60,8 +65,8 @@ enum { SL_COARSE_BLOCK = 512 };
 /* Edges where light differs, to others: two levels. */
 #define SL_COARSE_FINER 0.25
 
-/* The site that stands for each: itself, or, where all faces about it are small (not cut), one of those in the same cell of a grid
- * and with much the same normal (coarse_clusters.c). */
+/* The site that stands for each: itself, or, where all faces about it are small (not cut), one of those in
+ * the same cell of a grid and with much the same normal (coarse_clusters.c). */
 sl_status sl_coarse_cluster(const sl_coarse *coarse, double cell, uint32_t *stand_in, sl_error *error);
 
 /* Where light is asked for. */
@@ -74,7 +79,9 @@ static inline int sl_coarse_rows(const sl_coarse *coarse, uint32_t face) {
     int rows = coarse->face[face].rows;
     return rows < 0 ? -rows : rows;
 }
-static inline bool sl_coarse_is_sliced(const sl_coarse *coarse, uint32_t face) { return coarse->face[face].rows < 0; }
+static inline bool sl_coarse_is_sliced(const sl_coarse *coarse, uint32_t face) {
+    return coarse->face[face].rows < 0;
+}
 /* Returns the number of a face's coarse triangles; of slices the second one stands for none. */
 static inline int sl_coarse_triangles(const sl_coarse *coarse, uint32_t face) {
     int n = sl_coarse_rows(coarse, face);
@@ -94,7 +101,8 @@ static inline sl_coarse_place sl_coarse_slice_place(int i, int second) {
     return (sl_coarse_place){{i, i + 1, 0}, {0, 0, i + 1}};
 }
 
-/* Where lattice point (u, v) of n rows lies: the triangle's number, and the weights of its corners 1 and 2. */
+/* Where lattice point (u, v) of n rows lies: the triangle's number, and the weights of its corners 1 and 2.
+ */
 static inline int sl_coarse_in_lattice(float u, float v, int n, float *a, float *b) {
     int j = (int)v;
     j = j < n - 1 ? j : n - 1;

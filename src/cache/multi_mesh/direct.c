@@ -26,16 +26,20 @@ typedef struct highlight {
 
 /* cos^n alpha of light from a direction. */
 static double lobe_towards(const highlight *h, sl_vec3 to_light) {
-    sl_vec3 reflected = sl_sub(sl_scale(h->point->normal, 2.0f * sl_dot(h->point->normal, to_light)), to_light);
+    sl_vec3 reflected =
+        sl_sub(sl_scale(h->point->normal, 2.0f * sl_dot(h->point->normal, to_light)), to_light);
     return (double)sl_powf(sl_dot(reflected, h->view), h->exponent);
 }
 
-/* Returns the parts into which a light's triangle is cut along each edge for its points to be closer together than a lobe is wide, 1 / sqrt(n). */
+/* Returns the parts into which a light's triangle is cut along each edge for its points to be closer together
+ * than a lobe is wide, 1 / sqrt(n). */
 static int cuts_of(const sl_vec3 *corner, const highlight *h) {
     enum { CUTS_MAX = 16 };
-    sl_vec3 a = sl_sub(corner[1], corner[0]), b = sl_sub(corner[2], corner[0]), c = sl_sub(corner[2], corner[1]);
+    sl_vec3 a = sl_sub(corner[1], corner[0]), b = sl_sub(corner[2], corner[0]),
+            c = sl_sub(corner[2], corner[1]);
     double longest = sqrt(fmax((double)sl_dot(a, a), fmax((double)sl_dot(b, b), (double)sl_dot(c, c))));
-    double away = (double)sl_length(sl_sub(corner[0], h->point->position)), cuts = 1.5 * longest * sqrt((double)h->exponent + 2.0) / fmax(away, 1e-6 * longest);
+    double away = (double)sl_length(sl_sub(corner[0], h->point->position)),
+           cuts = 1.5 * longest * sqrt((double)h->exponent + 2.0) / fmax(away, 1e-6 * longest);
     return cuts < CUTS_MAX ? 1 + (int)cuts : CUTS_MAX;
 }
 
@@ -45,8 +49,11 @@ static void add_point(const highlight *h, sl_vec3 at, sl_vec3 area, bool two_sid
     double squared = (double)sl_dot(way, way), length = sqrt(squared);
     if (!(length > 0.0)) return;
     sl_vec3 to_light = sl_scale(way, (float)(1.0 / length));
-    double facing = -(double)sl_dot(area, to_light), weight = (two_sided ? fabs(facing) : facing) * (double)sl_dot(h->point->normal, to_light) / squared;
-    if (!(facing > 0.0 || two_sided) || !(sl_dot(h->point->normal, to_light) > 0.0f) || !(weight <= DBL_MAX)) return;
+    double facing = -(double)sl_dot(area, to_light),
+           weight =
+               (two_sided ? fabs(facing) : facing) * (double)sl_dot(h->point->normal, to_light) / squared;
+    if (!(facing > 0.0 || two_sided) || !(sl_dot(h->point->normal, to_light) > 0.0f) || !(weight <= DBL_MAX))
+        return;
     sum[0] += weight;
     sum[1] += weight * lobe_towards(h, to_light);
 }
@@ -70,7 +77,9 @@ static double mean_lobe(const sl_sampled_light *light, const highlight *h) {
     return sum[0] > 0.0 ? sum[1] / sum[0] : 0.0;
 }
 
-static bool has_area(const sl_sampled_light *light) { return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID; }
+static bool has_area(const sl_sampled_light *light) {
+    return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID;
+}
 
 static double lobe_of(const sl_sampled_light *light, const highlight *h) {
     const sl_mesh_point *point = h->point;
@@ -78,7 +87,8 @@ static double lobe_of(const sl_sampled_light *light, const highlight *h) {
     return has_area(light) ? mean_lobe(light, h) : lobe_towards(h, sl_light_direction(light, &lit));
 }
 
-sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_mesh_point *point, float exponent, sl_vec3 eye) {
+sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_mesh_point *point,
+                          float exponent, sl_vec3 eye) {
     sl_vec3 to_eye = sl_sub(eye, point->position);
     float distance = sl_length(to_eye);
     if (!(distance > 0.0f)) return sl_grey(0.0f);

@@ -1,5 +1,6 @@
-/* A mesh as the eye uses it: which of the id map's pixels show which leaf (image pass 1). Roots are made for faces in view, and pixels
- * handed down their quadtrees: a leaf's count of pixels is exact, also where other things hide part of it. */
+/* A mesh as the eye uses it: which of the id map's pixels show which leaf (image pass 1). Roots are made for
+ * faces in view, and pixels handed down their quadtrees: a leaf's count of pixels is exact, also where other
+ * things hide part of it. */
 #include "cache/multi_mesh/displayed_internal.h"
 
 #include <string.h>
@@ -9,7 +10,8 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-sl_status sl_displayed_create(const sl_topology *topology, const sl_displayed_settings *settings, sl_displayed **displayed, sl_error *error) {
+sl_status sl_displayed_create(const sl_topology *topology, const sl_displayed_settings *settings,
+                              sl_displayed **displayed, sl_error *error) {
     sl_displayed *d = sl_allocate(1, sizeof *d);
     if (!d) return sl_fail_memory(error, "displayed mesh");
     d->settings = *settings;
@@ -45,7 +47,8 @@ size_t sl_displayed_memory_bytes(const sl_displayed *d) {
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
     size_t capacity = d->mesh->node_capacity, used = d->node_capacity;
     if (capacity <= used) return SL_OK;
-    if (!sl_regrow(&d->first, used, capacity, sizeof *d->first) || !sl_regrow(&d->middle, used, capacity, sizeof *d->middle)) {
+    if (!sl_regrow(&d->first, used, capacity, sizeof *d->first) ||
+        !sl_regrow(&d->middle, used, capacity, sizeof *d->middle)) {
         return sl_fail_memory(error, "displayed mesh");
     }
     d->node_capacity = capacity;
@@ -58,7 +61,8 @@ sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
 void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
     const sl_visible_pixels *pixels = d->pixels;
     sl_mesh_node *node = &d->mesh->node[place->node], *child = &d->mesh->node[node->child];
-    uint32_t at = d->first[place->node], end = at + node->pixels, shift = 2u * (uint32_t)(SL_PATH_LEVELS - 1 - place->depth);
+    uint32_t at = d->first[place->node], end = at + node->pixels,
+             shift = 2u * (uint32_t)(SL_PATH_LEVELS - 1 - place->depth);
     uint32_t above = node->pixels ? pixels->path[at] >> (shift + 2) << (shift + 2) : 0;
     for (uint32_t c = 0; c < 4; c++) {
         uint32_t next = c == 3 ? end : sl_visible_from_path(pixels, at, end, above + ((c + 1) << shift));
@@ -68,12 +72,13 @@ void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
     }
 }
 
-/* Pixels, sizes and priorities of a tree. What is below a node that is closed and small here, or was not worth a look when a picture like this was
- * done, was cut for the sake of another view, from nearer: it shows, but nothing more is asked of it, so that an old view, seen again, asks for hardly
- * anything. */
+/* Pixels, sizes and priorities of a tree. What is below a node that is closed and small here, or was not
+ * worth a look when a picture like this was done, was cut for the sake of another view, from nearer: it
+ * shows, but nothing more is asked of it, so that an old view, seen again, asks for hardly anything. */
 static void see_below(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *place, bool settled) {
     sl_mesh_node *node = &d->mesh->node[place->node];
-    bool is_leaf = node->child == SL_NO_INDEX, judged = is_leaf || sl_all_edges_closed(node) || d->settings.probed_area > 0.0f;
+    bool is_leaf = node->child == SL_NO_INDEX,
+         judged = is_leaf || sl_all_edges_closed(node) || d->settings.probed_area > 0.0f;
     if (node->pixels > 1 && !settled && judged) sl_displayed_judge_size(d, clip, place);
     if (settled) node->flags |= SL_NODE_SETTLED;
     node->priority = 0.0f;
@@ -137,8 +142,9 @@ static void forget_view(sl_displayed *d) {
     d->corners_asked = false;
 }
 
-sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels, bool (*want)(const void *context, uint32_t face),
-                           const void *context, sl_error *error) {
+sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels,
+                           bool (*want)(const void *context, uint32_t face), const void *context,
+                           sl_error *error) {
     d->pixels = NULL; /* none, should memory end here */
     forget_view(d);
     d->pixels = pixels;

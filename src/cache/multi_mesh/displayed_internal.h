@@ -11,49 +11,66 @@
 void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place);
 /* Room for what goes with nodes, after the mesh has grown. */
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error);
-static inline bool sl_displayed_wants(const sl_displayed *d, size_t entry) { return d->heap_place[entry] != SL_NO_INDEX; }
-static inline uint32_t sl_displayed_root(const sl_displayed *d, size_t entry) { return sl_mesh_root_of(d->mesh, d->pixels->face[entry].face); }
+static inline bool sl_displayed_wants(const sl_displayed *d, size_t entry) {
+    return d->heap_place[entry] != SL_NO_INDEX;
+}
+static inline uint32_t sl_displayed_root(const sl_displayed *d, size_t entry) {
+    return sl_mesh_root_of(d->mesh, d->pixels->face[entry].face);
+}
 
 /* ---- priorities.c ---- */
 
 static inline bool sl_displayed_is_settled(const sl_displayed *d, uint32_t vertex) {
-    return vertex != SL_NO_INDEX && (d->mesh->state[vertex] == SL_VERTEX_KNOWN || d->mesh->state[vertex] == SL_VERTEX_INVALID);
+    return vertex != SL_NO_INDEX &&
+           (d->mesh->state[vertex] == SL_VERTEX_KNOWN || d->mesh->state[vertex] == SL_VERTEX_INVALID);
 }
-static inline sl_edge_state sl_edge_of(const sl_mesh_node *node, int edge) { return (sl_edge_state)(node->flags >> 2 * edge & 3u); }
+static inline sl_edge_state sl_edge_of(const sl_mesh_node *node, int edge) {
+    return (sl_edge_state)(node->flags >> 2 * edge & 3u);
+}
 enum { SL_ALL_EDGES_CLOSED = SL_EDGE_CLOSED | SL_EDGE_CLOSED << 2 | SL_EDGE_CLOSED << 4 };
-static inline bool sl_all_edges_closed(const sl_mesh_node *node) { return (node->flags & SL_NODE_EDGES) == SL_ALL_EDGES_CLOSED; }
+static inline bool sl_all_edges_closed(const sl_mesh_node *node) {
+    return (node->flags & SL_NODE_EDGES) == SL_ALL_EDGES_CLOSED;
+}
 /* Is it known already that the leaf is to be cut? Too large, or an edge is. */
 static inline bool sl_needs_cut(const sl_mesh_node *node) {
     bool cut = !(node->flags & SL_NODE_SMALL);
     for (int e = 0; e < 3; e++) cut |= sl_edge_of(node, e) == SL_EDGE_SPLIT;
     return cut;
 }
-/* Few pixels whose corners are much alike: to look into the leaf would take as many samples as it has pixels, and what an eye can tell of a
- * few pixels is less the fewer they are (Ricco's law: threshold times area is constant). Without known corners there is nothing to be told. */
+/* Few pixels whose corners are much alike: to look into the leaf would take as many samples as it has pixels,
+ * and what an eye can tell of a few pixels is less the fewer they are (Ricco's law: threshold times area is
+ * constant). Without known corners there is nothing to be told. */
 bool sl_displayed_is_minor(const sl_displayed *d, const sl_mesh_place *leaf);
 /* What was one when a picture was done still is, with no more pixels. */
-static inline bool sl_was_minor(const sl_mesh_node *node) { return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_minor(node); }
-/* Is a corner inside other geometry? Then direct light ends somewhere in the leaf, and its other corners do not say where. */
+static inline bool sl_was_minor(const sl_mesh_node *node) {
+    return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_minor(node);
+}
+/* Is a corner inside other geometry? Then direct light ends somewhere in the leaf, and its other corners do
+ * not say where. */
 static inline bool sl_has_hidden_corner(const sl_displayed *d, const sl_mesh_place *leaf) {
     const uint32_t *vertex = d->mesh->node[leaf->node].vertex;
     const uint8_t *state = d->mesh->state;
     if (!d->settings.sharp) return false;
-    return state[vertex[0]] == SL_VERTEX_INVALID || state[vertex[1]] == SL_VERTEX_INVALID || state[vertex[2]] == SL_VERTEX_INVALID;
+    return state[vertex[0]] == SL_VERTEX_INVALID || state[vertex[1]] == SL_VERTEX_INVALID ||
+           state[vertex[2]] == SL_VERTEX_INVALID;
 }
 /* More than a pixel long on the screen. */
 bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf);
-/* May the leaf be cut at all? Patches of a pixel or less are not; one that shows in a single pixel is only to find where light ends. */
+/* May the leaf be cut at all? Patches of a pixel or less are not; one that shows in a single pixel is only to
+ * find where light ends. */
 static inline bool sl_may_split_but_for_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
     uint32_t pixels = d->mesh->node[leaf->node].pixels;
     if (pixels == 0 || leaf->depth >= d->settings.max_depth) return false;
-    return pixels > 1 || d->settings.below_pixels || (sl_has_hidden_corner(d, leaf) && sl_displayed_exceeds_pixel(d, leaf));
+    return pixels > 1 || d->settings.below_pixels ||
+           (sl_has_hidden_corner(d, leaf) && sl_displayed_exceeds_pixel(d, leaf));
 }
 static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
     return sl_may_split_but_for_minor(d, leaf) && !sl_displayed_is_minor(d, leaf);
 }
 /* Closed, small enough, and yet to be probed. */
 static inline bool sl_is_unprobed(const sl_displayed *d, const sl_mesh_node *node) {
-    return d->settings.probed_area > 0.0f && (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node) && !(node->flags >> SL_NODE_TESTED_SHIFT);
+    return d->settings.probed_area > 0.0f && (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node) &&
+           !(node->flags >> SL_NODE_TESTED_SHIFT);
 }
 sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
 /* Does it meet the size criterion, whatever else is known of it? */
@@ -65,17 +82,20 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf);
 /* Priorities in the tree below a node; returns the largest. */
 float sl_displayed_prioritise_below(sl_displayed *d, const sl_mesh_place *place);
-/* The largest of the children's priorities from a node's parent up to the root, and the root's place in the heap. */
+/* The largest of the children's priorities from a node's parent up to the root, and the root's place in the
+ * heap. */
 void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node);
 
 /* ---- refine.c ---- */
 
 /* A leaf stays as it is: parents whose children are all closed by now go, and priorities are raised. */
-sl_status sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters, sl_error *error);
+sl_status sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters,
+                             sl_error *error);
 
 /* ---- probed.c ---- */
 
-/* A leaf whose edges have just been closed, or that is seen anew, of that size: what need not be probed says so. */
+/* A leaf whose edges have just been closed, or that is seen anew, of that size: what need not be probed says
+ * so. */
 void sl_displayed_judge_probes(const sl_displayed *d, sl_mesh_node *node, sl_screen_size size);
 /* Is the leaf to be cut because a probe told so? */
 bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_mesh_place *leaf);
@@ -92,7 +112,8 @@ void sl_displayed_heap_update(sl_displayed *d, uint32_t entry);
 /* Tests the edge's middle and those of its parts, as far as they are known. */
 sl_edge_state sl_displayed_test_edge(const sl_displayed *d, const sl_mesh_place *place, int edge);
 /* The edge's middle has become known: leaves beyond the edge are drawn again, and split if they can tell. */
-sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle, sl_error *error);
+sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle,
+                                       sl_error *error);
 
 /* ---- draw.c ---- */
 

@@ -1,6 +1,7 @@
-/* Gouraud (image pass 3): a leaf's pixels from its vertices and those that its neighbours put on its edges. Only what has changed is drawn: leaves
- * that were cut or put together, and those on whose edges a vertex became known. Pixels belong to one leaf each, so the picture does not
- * depend on the order, and an incremental one is that of drawing it all. */
+/* Gouraud (image pass 3): a leaf's pixels from its vertices and those that its neighbours put on its edges.
+ * Only what has changed is drawn: leaves that were cut or put together, and those on whose edges a vertex
+ * became known. Pixels belong to one leaf each, so the picture does not depend on the order, and an
+ * incremental one is that of drawing it all. */
 #include "cache/multi_mesh/displayed_internal.h"
 
 #include <stdatomic.h>
@@ -36,7 +37,8 @@ sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error) {
 }
 
 void sl_displayed_forget_edges(sl_displayed *d) {
-    for (size_t n = 0; n < d->mesh->node_count; n++) d->mesh->node[n].flags &= ~(uint32_t)(SL_NODE_SIMPLE | SL_NODE_LISTED);
+    for (size_t n = 0; n < d->mesh->node_count; n++)
+        d->mesh->node[n].flags &= ~(uint32_t)(SL_NODE_SIMPLE | SL_NODE_LISTED);
     d->hanging_count = 0;
 }
 
@@ -74,8 +76,11 @@ typedef struct draw_job {
 
 sl_leaf_weights sl_displayed_weights_of(const sl_mesh_place *n) {
     const float unit = 1.0f / (float)SL_MESH_DYADIC;
-    float p0 = (float)n->p[0] * unit, q0 = (float)n->q[0] * unit, p1 = (float)n->p[1] * unit - p0, q1 = (float)n->q[1] * unit - q0,
-          p2 = (float)n->p[2] * unit - p0, q2 = (float)n->q[2] * unit - q0, inverse = 1.0f / (p1 * q2 - p2 * q1); /* places have an area */
+    float p0 = (float)n->p[0] * unit, q0 = (float)n->q[0] * unit, p1 = (float)n->p[1] * unit - p0,
+          q1 = (float)n->q[1] * unit - q0,
+          /* places have an area */
+        p2 = (float)n->p[2] * unit - p0, q2 = (float)n->q[2] * unit - q0,
+          inverse = 1.0f / (p1 * q2 - p2 * q1);
     return (sl_leaf_weights){p0, q0, q2 * inverse, -p2 * inverse, -q1 * inverse, p1 * inverse};
 }
 
@@ -97,7 +102,8 @@ static sl_simple_fan simple_fan(const sl_displayed *d, const sl_mesh_place *leaf
             fan.middle[e][k] = middle != SL_NO_INDEX ? known : from[k] + 0.5f * (to[k] - from[k]);
         }
     }
-    for (int k = 0; k < 3; k++) fan.centre[k] = centre_of(fan.corner[0][k], fan.corner[1][k], fan.corner[2][k]);
+    for (int k = 0; k < 3; k++)
+        fan.centre[k] = centre_of(fan.corner[0][k], fan.corner[1][k], fan.corner[2][k]);
     return fan;
 }
 
@@ -108,15 +114,17 @@ static void remember_list(draw_job *job, const sl_mesh_place *leaf, size_t count
     for (int e = 0; e < 3; e++) {
         sl_edge_vertices list;
         sl_mesh_edge_vertices(d->mesh, leaf, e, &list);
-        for (int i = 0; i < list.count; i++) d->hanging[at++] = (sl_hanging_vertex){list.vertex[i], (uint8_t)e, list.at[i]};
+        for (int i = 0; i < list.count; i++)
+            d->hanging[at++] = (sl_hanging_vertex){list.vertex[i], (uint8_t)e, list.at[i]};
     }
     d->middle[leaf->node][0] = (uint32_t)first;
     d->middle[leaf->node][1] = (uint32_t)count;
     d->mesh->node[leaf->node].flags |= SL_NODE_LISTED;
 }
 
-/* To look up vertices on edges takes longer than to draw the pixels, so they are remembered until the leaf is marked. Most leaves have no more than
- * middles; of others there is a list, when all leaves are drawn. Where the list is in memory depends on the threads, what it says does not. */
+/* To look up vertices on edges takes longer than to draw the pixels, so they are remembered until the leaf is
+ * marked. Most leaves have no more than middles; of others there is a list, when all leaves are drawn. Where
+ * the list is in memory depends on the threads, what it says does not. */
 static void remember(draw_job *job, const sl_mesh_place *leaf, const sl_mesh_fan *fan) {
     sl_displayed *d = job->d;
     sl_mesh_node *node = &d->mesh->node[leaf->node];
@@ -126,10 +134,12 @@ static void remember(draw_job *job, const sl_mesh_place *leaf, const sl_mesh_fan
         simple &= fan->points[i] <= 3;
     }
     if (!simple) {
-        if (job->remember) remember_list(job, leaf, (size_t)(fan->points[0] + fan->points[1] + fan->points[2] - 6));
+        if (job->remember)
+            remember_list(job, leaf, (size_t)(fan->points[0] + fan->points[1] + fan->points[2] - 6));
         return;
     }
-    for (int e = 0; e < 3; e++) d->middle[leaf->node][e] = fan->points[e] == 3 ? sl_mesh_find_middle(d->mesh, leaf, e) : SL_NO_INDEX;
+    for (int e = 0; e < 3; e++)
+        d->middle[leaf->node][e] = fan->points[e] == 3 ? sl_mesh_find_middle(d->mesh, leaf, e) : SL_NO_INDEX;
     node->flags |= SL_NODE_SIMPLE;
 }
 
@@ -149,7 +159,8 @@ static void full_fan(const sl_mesh_fan *fan, const sl_mesh_place *of, sl_full_fa
     for (int k = 0; k < 3; k++) full->centre[k] = fan->centre[k];
     for (int e = 0; e < 3; e++) {
         for (int n = 0; n + 1 < fan->points[e]; n++) {
-            int from = (int)(fan->along[e][n] * SL_FULL_FAN_STEPS), to = (int)(fan->along[e][n + 1] * SL_FULL_FAN_STEPS);
+            int from = (int)(fan->along[e][n] * SL_FULL_FAN_STEPS),
+                to = (int)(fan->along[e][n + 1] * SL_FULL_FAN_STEPS);
             spread(full, e, from, to, fan->on_edge[e][n], fan->on_edge[e][n + 1]);
         }
     }
@@ -159,7 +170,8 @@ static void full_fan(const sl_mesh_fan *fan, const sl_mesh_place *of, sl_full_fa
 static void listed_fan(const sl_displayed *d, const sl_mesh_place *leaf, sl_full_fan *full) {
     const uint32_t *vertex = d->mesh->node[leaf->node].vertex;
     const float *value = d->mesh->value, *corner[3];
-    const sl_hanging_vertex *next = d->hanging + d->middle[leaf->node][0], *end = next + d->middle[leaf->node][1];
+    const sl_hanging_vertex *next = d->hanging + d->middle[leaf->node][0],
+                            *end = next + d->middle[leaf->node][1];
     for (int c = 0; c < 3; c++) corner[c] = value + 3 * (size_t)vertex[c];
     full->weights = sl_displayed_weights_of(leaf);
     for (int k = 0; k < 3; k++) full->centre[k] = centre_of(corner[0][k], corner[1][k], corner[2][k]);
@@ -192,7 +204,8 @@ static void fill(const draw_job *job, const uint32_t *pixel, size_t count) {
     }
 }
 
-static void draw_list(draw_job *job, const sl_mesh_place *leaf, const uint32_t *pixel, const float *w1, const float *w2, size_t count) {
+static void draw_list(draw_job *job, const sl_mesh_place *leaf, const uint32_t *pixel, const float *w1,
+                      const float *w2, size_t count) {
     sl_displayed *d = job->d;
     const uint32_t *flags = &d->mesh->node[leaf->node].flags;
     sl_full_fan full;
@@ -258,7 +271,8 @@ static void draw_share(void *context, size_t share, unsigned worker) {
     }
 }
 
-/* Where lists have outgrown their room, some of it for leaves that are no more, all are forgotten, and there is more room next time. */
+/* Where lists have outgrown their room, some of it for leaves that are no more, all are forgotten, and there
+ * is more room next time. */
 static void keep_lists(sl_displayed *d, size_t count) {
     d->hanging_count = count;
     if (count <= d->hanging_capacity) return;
@@ -270,9 +284,14 @@ static void keep_lists(sl_displayed *d, size_t count) {
     d->hanging_count = 0;
 }
 
-void sl_displayed_draw(sl_displayed *d, unsigned threads, sl_rgb fallback, float *const planes[3], sl_counters *counters) {
+void sl_displayed_draw(sl_displayed *d, unsigned threads, sl_rgb fallback, float *const planes[3],
+                       sl_counters *counters) {
     if (!d->pixels) return;
-    draw_job job = {.d = d, .fallback = fallback, .planes = planes, .draw = sl_draw_kernels_for(sl_isa_best()), .remember = d->dirty_all};
+    draw_job job = {.d = d,
+                    .fallback = fallback,
+                    .planes = planes,
+                    .draw = sl_draw_kernels_for(sl_isa_best()),
+                    .remember = d->dirty_all};
     atomic_init(&job.hanging_count, d->hanging_count);
     uint64_t redrawn = settle_list(d);
     if (d->dirty_all) {

@@ -1,5 +1,5 @@
-/* The explanation of a pixel: image passes 3 and 4 told backwards. In each mesh the pixel lies in a leaf; the leaf's corners and what lies on its edges add
- * weight times value times what the surface reflects. */
+/* The explanation of a pixel: image passes 3 and 4 told backwards. In each mesh the pixel lies in a leaf; the
+ * leaf's corners and what lies on its edges add weight times value times what the surface reflects. */
 #include "cache/multi_mesh/explanation.h"
 
 #include "base/math.h"
@@ -14,8 +14,10 @@ typedef struct weighted_vertex {
 } weighted_vertex;
 enum { VERTICES = 5 }; /* three corners, two vertices of an edge */
 
-/* Where a pixel's face was sorted: its entry and the pixel's place in the view's arrays. False: the mesh does not show there. */
-static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel, uint32_t *face, size_t *at) {
+/* Where a pixel's face was sorted: its entry and the pixel's place in the view's arrays. False: the mesh does
+ * not show there. */
+static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel, uint32_t *face,
+                       size_t *at) {
     const sl_visible_pixels *p = d->pixels;
     for (uint32_t side = 0; side < 2 && id[pixel] != SL_NO_INDEX; side++) {
         uint32_t entry = p->entry_of_face[2 * id[pixel] + side];
@@ -50,8 +52,10 @@ static bool find_shown(const sl_displayed *d, sl_mesh_place *place, int *known) 
     return true;
 }
 
-/* Between the two vertices of edge e around a point, in steps of 1/SL_FULL_FAN_STEPS: shares of the edge's ends (by corner), the rest is others'. */
-static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int e, double steps, double share, double corner[3], weighted_vertex *out) {
+/* Between the two vertices of edge e around a point, in steps of 1/SL_FULL_FAN_STEPS: shares of the edge's
+ * ends (by corner), the rest is others'. */
+static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int e, double steps, double share,
+                         double corner[3], weighted_vertex *out) {
     sl_edge_vertices list = {.count = 0};
     int ends[2] = {(e + 1) % 3, (e + 2) % 3}, low = -1, made = 0;
     if (d->settings.hanging) sl_mesh_edge_vertices(d->mesh, place, e, &list);
@@ -66,20 +70,24 @@ static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int 
     return (size_t)made;
 }
 
-/* The fan of draw_kernels.c: with b the smallest weight the point lies s = 1 - 3 b of the way from the centre to a point of the edge opposite. */
-static size_t weigh_vertices(const sl_displayed *d, const sl_mesh_place *place, int known, float w1, float w2, weighted_vertex out[VERTICES]) {
+/* The fan of draw_kernels.c: with b the smallest weight the point lies s = 1 - 3 b of the way from the centre
+ * to a point of the edge opposite. */
+static size_t weigh_vertices(const sl_displayed *d, const sl_mesh_place *place, int known, float w1, float w2,
+                             weighted_vertex out[VERTICES]) {
     sl_leaf_weights of = sl_displayed_weights_of(place);
     sl_fan_weights fan = sl_fan_weights_at(&of, w1, w2);
     const float w[3] = {fan.a, fan.b, fan.c};
     int e = w[0] <= w[1] && w[0] <= w[2] ? 0 : w[1] <= w[2] ? 1 : 2;
-    double least = (double)w[e], s = fmax(0.0, 1.0 - 3.0 * least), first = (double)w[(e + 1) % 3] - least, second = (double)w[(e + 2) % 3] - least;
+    double least = (double)w[e], s = fmax(0.0, 1.0 - 3.0 * least), first = (double)w[(e + 1) % 3] - least,
+           second = (double)w[(e + 2) % 3] - least;
     double corner[3] = {(1.0 - s) / 3.0, (1.0 - s) / 3.0, (1.0 - s) / 3.0}, lost = 0.0;
     double steps = first + second > 0.0 ? SL_FULL_FAN_STEPS * (second / (first + second)) : 0.0;
     size_t count = weigh_edge(d, place, e, steps, s, corner, out);
     const uint32_t *vertex = d->mesh->node[place->node].vertex;
     for (int c = 0; c < 3; c++) lost += d->mesh->state[vertex[c]] == SL_VERTEX_KNOWN ? 0.0 : corner[c];
     for (int c = 0; c < 3; c++) /* the mean of the others stands in for a corner that is of no use */
-        if (d->mesh->state[vertex[c]] == SL_VERTEX_KNOWN) out[count++] = (weighted_vertex){vertex[c], corner[c] + lost / (double)known};
+        if (d->mesh->state[vertex[c]] == SL_VERTEX_KNOWN)
+            out[count++] = (weighted_vertex){vertex[c], corner[c] + lost / (double)known};
     return count;
 }
 
@@ -92,8 +100,10 @@ typedef struct telling {
 } telling;
 
 static const char *const layers[SL_COMPONENTS] = {"direct", "specular", "indirect"};
-static const char *const kinds[SL_COMPONENTS] = {"vertex of the direct diffuse mesh: radiance of white", "vertex of the direct specular mesh: radiance of a mirror-like white",
-                                                 "vertex of the indirect mesh: irradiance"};
+static const char *const kinds[SL_COMPONENTS] = {
+    "vertex of the direct diffuse mesh: radiance of white",
+    "vertex of the direct specular mesh: radiance of a mirror-like white",
+    "vertex of the indirect mesh: irradiance"};
 
 /* Gives the factor by which the merge multiplies a mesh's value. */
 static void reflectance_of(const telling *t, sl_component part, float reflectance[3]) {
@@ -105,9 +115,11 @@ static void reflectance_of(const telling *t, sl_component part, float reflectanc
     }
 }
 
-static void tell_vertex(const telling *t, sl_component part, const weighted_vertex *v, const float reflectance[3]) {
+static void tell_vertex(const telling *t, sl_component part, const weighted_vertex *v,
+                        const float reflectance[3]) {
     const sl_mesh *mesh = t->s->part[part]->mesh;
-    sl_explanation_term term = {.layer = layers[part], .kind = kinds[part], .index = v->vertex, .placed = true, .weight = v->weight};
+    sl_explanation_term term = {
+        .layer = layers[part], .kind = kinds[part], .index = v->vertex, .placed = true, .weight = v->weight};
     sl_mesh_point point;
     sl_mesh_point_of(mesh, v->vertex, &point);
     term.position[0] = point.position.x;
@@ -123,7 +135,8 @@ static void tell_vertex(const telling *t, sl_component part, const weighted_vert
 /* Light that is assumed until there is a mesh of it. */
 static void tell_ambient(const telling *t, const float reflectance[3]) {
     const float value[3] = {t->s->ambient.r, t->s->ambient.g, t->s->ambient.b};
-    sl_explanation_term term = {.layer = "indirect", .kind = "constant, before the coarse mesh is whole: irradiance", .weight = 1.0};
+    sl_explanation_term term = {
+        .layer = "indirect", .kind = "constant, before the coarse mesh is whole: irradiance", .weight = 1.0};
     for (int k = 0; k < 3; k++) {
         term.value[k] = value[k];
         term.contribution[k] = (double)value[k] * (double)reflectance[k];
@@ -151,9 +164,11 @@ static void tell_part(const telling *t, sl_component part) {
         if (vertex[i].weight != 0.0) tell_vertex(t, part, &vertex[i], reflectance);
 }
 
-sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
+sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_writer *writer,
+                                    sl_error *error) {
     (void)error;
-    telling t = {state, writer, (uint32_t)y * (uint32_t)((sl_multi_mesh_state *)state)->settings.width + (uint32_t)x};
+    telling t = {state, writer,
+                 (uint32_t)y * (uint32_t)((sl_multi_mesh_state *)state)->settings.width + (uint32_t)x};
     if (!t.s->materials) return SL_OK; /* nothing is seen yet */
     for (int part = 0; part < SL_COMPONENTS; part++) tell_part(&t, (sl_component)part);
     sl_explanation_add_layer(writer, "emission", "emitted light");

@@ -1,6 +1,7 @@
-/* The gather: the scene's triangle ids from the point, under 160 degrees both ways; colours of the coarse mesh there; times weights; summed by
- * halving to 16 x 16, which are read back and added. Beyond 160 degrees: nothing, made up for by division by the share that is seen (the loss is 2.5 %
- * under an even sky, but all of what stands lower than 10 degrees above the horizon), or four strips, the rest of a hemicube. */
+/* The gather: the scene's triangle ids from the point, under 160 degrees both ways; colours of the coarse
+ * mesh there; times weights; summed by halving to 16 x 16, which are read back and added. Beyond 160 degrees:
+ * nothing, made up for by division by the share that is seen (the loss is 2.5 % under an even sky, but all of
+ * what stands lower than 10 degrees above the horizon), or four strips, the rest of a hemicube. */
 #include <string.h>
 
 #include "base/counters.h"
@@ -13,8 +14,8 @@
 
 enum { SIDES = 4, SIZE_MAX_PIXELS = 4096 };
 
-/* The four strips lie one above the other in a picture of half the size: half as many pixels along an edge as above, yet of a smaller angle than those
- * in the middle of it. */
+/* The four strips lie one above the other in a picture of half the size: half as many pixels along an edge as
+ * above, yet of a smaller angle than those in the middle of it. */
 struct sl_mesh_gather {
     const sl_scene *scene;
     const sl_raster *raster;
@@ -25,7 +26,8 @@ struct sl_mesh_gather {
     float near;
     double over_coverage;          /* 1 / C */
     float *triangle;               /* SL_MESH_GATHER_FLOATS each */
-    float *x, *weight;             /* tangents of the columns (and rows) of the view above; weights of its pixels */
+    /* tangents of the columns (and rows) of the view above; weights of its pixels */
+    float *x, *weight;
     float *side_x, *side_y, *side_weight; /* of one strip */
     sl_gather_sky *sky;            /* NULL: no environment, or a constant one */
     float *lod, *side_lod;         /* at which it is looked up; NULL without */
@@ -40,16 +42,21 @@ struct sl_mesh_gather_scratch {
     sl_raster_scratch *raster;
 };
 
-/* ---- making it --------------------------------------------------------------------------------------------------------------- */
+/* ---- making it ------------------------------------------------------------------------------- */
 
 static bool is_power_of_two(int n) { return n > 0 && (n & (n - 1)) == 0; }
 
 static sl_status check(const sl_mesh_gather_settings *s, const sl_scene *scene, sl_error *error) {
-    if (!is_power_of_two(s->size) || !is_power_of_two(s->reduced) || s->size < SL_MESH_GATHER_LEAST || s->size > SIZE_MAX_PIXELS || s->reduced > s->size) {
-        return sl_fail(error, SL_ERROR_USAGE, "gather: size must be a power of two from %d to %d, reduced one up to size", SL_MESH_GATHER_LEAST, SIZE_MAX_PIXELS);
+    if (!is_power_of_two(s->size) || !is_power_of_two(s->reduced) || s->size < SL_MESH_GATHER_LEAST ||
+        s->size > SIZE_MAX_PIXELS || s->reduced > s->size) {
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "gather: size must be a power of two from %d to %d, reduced one up to size",
+                       SL_MESH_GATHER_LEAST, SIZE_MAX_PIXELS);
     }
-    if (!(s->fov > 0.01f && s->fov < 3.14f)) return sl_fail(error, SL_ERROR_USAGE, "gather: field of view must be between 0 and 180 degrees");
-    if (scene->triangle_count >= (size_t)INT32_MAX / SL_MESH_GATHER_FLOATS) { /* kernels index floats by int32_t */
+    if (!(s->fov > 0.01f && s->fov < 3.14f))
+        return sl_fail(error, SL_ERROR_USAGE, "gather: field of view must be between 0 and 180 degrees");
+    /* kernels index floats by int32_t */
+    if (scene->triangle_count >= (size_t)INT32_MAX / SL_MESH_GATHER_FLOATS) {
         return sl_fail(error, SL_ERROR_RESOURCES, "gather: too many triangles");
     }
     return SL_OK;
@@ -68,10 +75,12 @@ static void fill_triangles(sl_mesh_gather *g) {
 }
 
 static int strip_width(const sl_mesh_gather *g) { return g->settings.size / 2; }
-static int strip_height(const sl_mesh_gather *g) { return g->settings.size / 2 / SIDES > 0 ? g->settings.size / 2 / SIDES : 1; }
+static int strip_height(const sl_mesh_gather *g) {
+    return g->settings.size / 2 / SIDES > 0 ? g->settings.size / 2 / SIDES : 1;
+}
 
-/* Pixels of the view above, an octant from the middle outwards: eight have the same bits. The midpoint rule is off by up to 1 % for a pixel of 64 x 64
- * at 160 degrees. */
+/* Pixels of the view above, an octant from the middle outwards: eight have the same bits. The midpoint rule
+ * is off by up to 1 % for a pixel of 64 x 64 at 160 degrees. */
 static void fill_weights(int size, double t, float *weight) {
     int half = size / 2;
     double step = t / half;
@@ -92,7 +101,8 @@ static void fill_side_weights(int width, int height, double v, float *weight) {
     int half = width / 2;
     for (int k = 0; k < height * half; k++) {
         int y = k / half, i = k % half;
-        double inside = sl_side_cosine_weight((double)i / half, (double)(i + 1) / half, v * y / height, v * (y + 1) / height);
+        double inside = sl_side_cosine_weight((double)i / half, (double)(i + 1) / half, v * y / height,
+                                              v * (y + 1) / height);
         weight[y * width + half + i] = weight[y * width + half - 1 - i] = (float)inside;
     }
 }
@@ -132,7 +142,8 @@ static sl_status make_tables(sl_mesh_gather *g, sl_error *error) {
     g->side_x = sl_allocate((size_t)strip_width(g), sizeof *g->side_x);
     g->side_y = sl_allocate((size_t)strip_height(g), sizeof *g->side_y);
     g->side_weight = sl_allocate((size_t)(strip_width(g) * strip_height(g)), sizeof *g->side_weight);
-    if (!g->triangle || !g->x || !g->weight || !g->side_x || !g->side_y || !g->side_weight) return sl_fail_memory(error, "the gather's tables");
+    if (!g->triangle || !g->x || !g->weight || !g->side_x || !g->side_y || !g->side_weight)
+        return sl_fail_memory(error, "the gather's tables");
     fill_triangles(g);
     fill_tables(g);
     sl_status status = sl_gather_sky_create(&g->scene->environment, &g->sky, error);
@@ -140,14 +151,19 @@ static sl_status make_tables(sl_mesh_gather *g, sl_error *error) {
     return status;
 }
 
-sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_coarse *coarse, const sl_mesh_gather_settings *settings,
-                                sl_mesh_gather **gather, sl_error *error) {
+sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_coarse *coarse,
+                                const sl_mesh_gather_settings *settings, sl_mesh_gather **gather,
+                                sl_error *error) {
     *gather = NULL;
     sl_status status = check(settings, scene, error);
     if (status != SL_OK) return status;
     sl_mesh_gather *g = sl_allocate(1, sizeof *g);
     if (!g) return sl_fail_memory(error, "the gather");
-    *g = (sl_mesh_gather){.scene = scene, .raster = raster, .coarse = coarse, .settings = *settings, .near = 1e-5f * scene->scale};
+    *g = (sl_mesh_gather){.scene = scene,
+                          .raster = raster,
+                          .coarse = coarse,
+                          .settings = *settings,
+                          .near = 1e-5f * scene->scale};
     g->shade = sl_mesh_gather_kernel_for(sl_isa_best());
     g->tangent = (float)sl_tan(0.5 * (double)settings->fov);
     double t = (double)g->tangent;
@@ -174,15 +190,18 @@ void sl_mesh_gather_destroy(sl_mesh_gather *g) {
 
 size_t sl_mesh_gather_memory_bytes(const sl_mesh_gather *g) {
     size_t n = (size_t)g->settings.size, width = (size_t)strip_width(g), height = (size_t)strip_height(g);
-    size_t floats = (g->scene->triangle_count + 1) * SL_MESH_GATHER_FLOATS + n + width + height + (n * n + width * height) * (g->sky ? 2 : 1);
+    size_t floats = (g->scene->triangle_count + 1) * SL_MESH_GATHER_FLOATS + n + width + height +
+                    (n * n + width * height) * (g->sky ? 2 : 1);
     return sizeof *g + sl_gather_sky_memory_bytes(g->sky) + floats * sizeof(float);
 }
 
-sl_status sl_mesh_gather_scratch_create(const sl_mesh_gather *g, sl_mesh_gather_scratch **scratch, sl_error *error) {
+sl_status sl_mesh_gather_scratch_create(const sl_mesh_gather *g, sl_mesh_gather_scratch **scratch,
+                                        sl_error *error) {
     *scratch = NULL;
     sl_mesh_gather_scratch *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "a gather's scratch");
-    size_t n = (size_t)g->settings.size, pixels = n * n, side = (size_t)strip_width(g) * (size_t)strip_height(g) * SIDES;
+    size_t n = (size_t)g->settings.size, pixels = n * n,
+           side = (size_t)strip_width(g) * (size_t)strip_height(g) * SIDES;
     s->size = g->settings.size;
     s->id = sl_allocate(pixels, sizeof *s->id);
     s->planes = sl_allocate(6 * pixels, sizeof *s->planes);
@@ -190,7 +209,8 @@ sl_status sl_mesh_gather_scratch_create(const sl_mesh_gather *g, sl_mesh_gather_
     s->halved = sl_allocate(pixels / 2 + 1, sizeof *s->halved);
     s->sums = sl_allocate(3 * (size_t)g->settings.reduced * (size_t)g->settings.reduced, sizeof *s->sums);
     sl_status status = SL_OK;
-    if (!s->id || !s->planes || !s->side_planes || !s->halved || !s->sums) status = sl_fail_memory(error, "a gather's pictures");
+    if (!s->id || !s->planes || !s->side_planes || !s->halved || !s->sums)
+        status = sl_fail_memory(error, "a gather's pictures");
     if (status == SL_OK) status = sl_raster_scratch_create(g->raster, s->size, s->size, &s->raster, error);
     if (status == SL_OK) *scratch = s;
     else sl_mesh_gather_scratch_destroy(s);
@@ -208,7 +228,7 @@ void sl_mesh_gather_scratch_destroy(sl_mesh_gather_scratch *s) {
     sl_free(s);
 }
 
-/* ---- where it looks from, and which way up ------------------------------------------------------------------------------------------ */
+/* ---- where it looks from, and which way up --------------------------------------------------- */
 
 /* A gather in progress. */
 typedef struct shot {
@@ -221,19 +241,22 @@ typedef struct shot {
     uint32_t skip;
 } shot;
 
-/* Rooms have edges along the axes, and so has the frame of a wall's normal. Then a whole row of pixels comes to show something else at once as the point
- * moves (with 128 x 128 pixels a step of 4 % of all its light, seen as bands). Turned by 20.9 degrees pixels change one by one; the
- * slope is that of the golden section, 0.382, since with a slope of 1/3 they would change three by three. */
+/* Rooms have edges along the axes, and so has the frame of a wall's normal. Then a whole row of pixels comes
+ * to show something else at once as the point moves (with 128 x 128 pixels a step of 4 % of all its light,
+ * seen as bands). Turned by 20.9 degrees pixels change one by one; the slope is that of the golden section,
+ * 0.382, since with a slope of 1/3 they would change three by three. */
 sl_frame sl_mesh_gather_frame(sl_vec3 normal) {
     const float c = 0.93417236f, s = 0.35682209f;
     sl_frame f = sl_frame_from_normal(normal);
     return (sl_frame){sl_mad(sl_scale(f.x, c), s, f.y), sl_mad(sl_scale(f.y, c), -s, f.x), f.z};
 }
 
-/* A point on a crease lies in the plane of the faces beyond: it would see them edge-on, and half of what is behind them. What is meant is the limit from
- * within its own face, so the eye moves towards that face's middle by a little (far enough for the near plane not to cut from the wall what the
- * picture shows of it). Where the face falls below the tangent plane (a bulge) the eye stays in the plane, so as not to dive. Where it rises above it (a
- * hollow) it is raised off the face and sees it: else it would look out through it. On a flat face and a bulge it must not see its own, which it lies in. */
+/* A point on a crease lies in the plane of the faces beyond: it would see them edge-on, and half of what is
+ * behind them. What is meant is the limit from within its own face, so the eye moves towards that face's
+ * middle by a little (far enough for the near plane not to cut from the wall what the picture shows of it).
+ * Where the face falls below the tangent plane (a bulge) the eye stays in the plane, so as not to dive. Where
+ * it rises above it (a hollow) it is raised off the face and sees it: else it would look out through it. On a
+ * flat face and a bulge it must not see its own, which it lies in. */
 static void look_from(shot *s, const sl_mesh_point *point) {
     const sl_scene *scene = s->gather->scene;
     uint32_t triangle = point->face / 2;
@@ -241,7 +264,8 @@ static void look_from(shot *s, const sl_mesh_point *point) {
     s->skip = point->triangle != SL_NO_INDEX ? point->triangle : triangle;
     if (triangle >= scene->triangle_count) return;
     sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(point->position), n = sl_to_double(s->horizon);
-    for (int k = 0; k < 3; k++) middle = sl_addd(middle, sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])));
+    for (int k = 0; k < 3; k++)
+        middle = sl_addd(middle, sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])));
     sl_vec3d way = sl_subd(sl_scaled(middle, 1.0 / 3.0), p);
     double length = sl_lengthd(way), step = 4e-4 * (double)scene->scale;
     if (!(length > 0.0)) return;
@@ -256,14 +280,21 @@ static void look_from(shot *s, const sl_mesh_point *point) {
     s->eye = sl_to_float(sl_addd(p, way));
 }
 
-/* ---- the view above -------------------------------------------------------------------------------------------------------------- */
+/* ---- the view above -------------------------------------------------------------------------- */
 
-static sl_mesh_gather_pixels pixels_of(const shot *s, const sl_frame *frame, sl_vec3 eye, int width, int height, const uint32_t *id, float *planes,
-                                       size_t plane) {
+static sl_mesh_gather_pixels pixels_of(const shot *s, const sl_frame *frame, sl_vec3 eye, int width,
+                                       int height, const uint32_t *id, float *planes, size_t plane) {
     const sl_coarse *c = s->gather->coarse;
-    sl_mesh_gather_pixels p = {.width = width, .height = height, .id = id, .frame = *frame, .eye = eye, .horizon = s->horizon,
-                               .triangle = s->gather->triangle, .triangle_count = (uint32_t)s->gather->scene->triangle_count,
-                               .face = c->face, .colour = c->colour};
+    sl_mesh_gather_pixels p = {.width = width,
+                               .height = height,
+                               .id = id,
+                               .frame = *frame,
+                               .eye = eye,
+                               .horizon = s->horizon,
+                               .triangle = s->gather->triangle,
+                               .triangle_count = (uint32_t)s->gather->scene->triangle_count,
+                               .face = c->face,
+                               .colour = c->colour};
     for (size_t k = 0; k < 3; k++) {
         p.radiance[k] = planes + k * plane;
         p.weighted[k] = planes + (k + 3) * plane;
@@ -290,7 +321,8 @@ static void gather_above(const shot *s, double sum[3]) {
     view.skip_triangle = s->skip;
     sl_target target = {.width = n, .height = n, .id = s->scratch->id};
     sl_raster_id_small(g->raster, &view, &target, s->scratch->raster, s->counters);
-    sl_mesh_gather_pixels pixels = pixels_of(s, &s->frame, s->eye, n, n, s->scratch->id, s->scratch->planes, plane);
+    sl_mesh_gather_pixels pixels =
+        pixels_of(s, &s->frame, s->eye, n, n, s->scratch->id, s->scratch->planes, plane);
     pixels.x = pixels.y = g->x;
     pixels.weight = g->weight;
     g->shade(&pixels);
@@ -299,18 +331,21 @@ static void gather_above(const shot *s, double sum[3]) {
     add_up(s, s->scratch->planes + 3 * plane, n, sum);
 }
 
-/* ---- the strips below it --------------------------------------------------------------------------------------------------------- */
+/* ---- the strips below it --------------------------------------------------------------------- */
 
 /* The share beyond the field of view can be noticed. */
 static bool wants_strips(const sl_mesh_gather *g) {
     if (!g->settings.strips) return false;
     const sl_environment *e = &g->scene->environment;
-    float surface = sl_rgb_max(sl_coarse_brightest(g->coarse)), sky = g->sky ? sl_gather_sky_brightest(g->sky) : e->present ? sl_rgb_max(e->constant) : 0.0f;
+    float surface = sl_rgb_max(sl_coarse_brightest(g->coarse)), sky = g->sky ? sl_gather_sky_brightest(g->sky)
+                                                                      : e->present ? sl_rgb_max(e->constant)
+                                                                                   : 0.0f;
     float brightest = surface > sky ? surface : sky;
     return (1.0 - 1.0 / g->over_coverage) * SL_PI * (double)brightest > (double)g->settings.noticed;
 }
 
-/* The eye is raised a little: faces in the point's own plane do not rise above the horizon, whatever the rounding. */
+/* The eye is raised a little: faces in the point's own plane do not rise above the horizon, whatever the
+ * rounding. */
 static void gather_sides(const shot *s, double sum[3]) {
     const sl_mesh_gather *g = s->gather;
     int width = strip_width(g), height = strip_height(g);
@@ -320,11 +355,13 @@ static void gather_sides(const shot *s, double sum[3]) {
     sl_vec3 eye = sl_mad(s->eye, 0.125f * g->near, s->horizon);
     for (int side = 0; side < SIDES; side++) {
         sl_frame frame = {outward[(side + 3) % SIDES], f->z, outward[side]};
-        sl_view view = sl_view_pyramid(&frame, eye, -1.0f, 1.0f, 0.0f, 1.0f / g->tangent, width, height, g->near);
+        sl_view view =
+            sl_view_pyramid(&frame, eye, -1.0f, 1.0f, 0.0f, 1.0f / g->tangent, width, height, g->near);
         view.skip_triangle = s->skip;
         sl_target target = {.width = width, .height = height, .id = s->scratch->id};
         sl_raster_id_small(g->raster, &view, &target, s->scratch->raster, s->counters);
-        sl_mesh_gather_pixels pixels = pixels_of(s, &frame, eye, width, height, s->scratch->id, s->scratch->side_planes + (size_t)side * strip, plane);
+        sl_mesh_gather_pixels pixels = pixels_of(s, &frame, eye, width, height, s->scratch->id,
+                                                 s->scratch->side_planes + (size_t)side * strip, plane);
         pixels.x = g->side_x;
         pixels.y = g->side_y;
         pixels.weight = g->side_weight;
@@ -335,16 +372,18 @@ static void gather_sides(const shot *s, double sum[3]) {
     add_up(s, s->scratch->side_planes + 3 * plane, width, sum);
 }
 
-/* ---- all of it ------------------------------------------------------------------------------------------------------------------- */
+/* ---- all of it ------------------------------------------------------------------------------- */
 
 static float finite(double value) { return value > 0.0 && value < 1e37 ? (float)value : 0.0f; }
 
-sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_mesh_point *point, sl_mesh_gather_scratch *scratch, sl_counters *counters) {
+sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_mesh_point *point,
+                           sl_mesh_gather_scratch *scratch, sl_counters *counters) {
     sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     sl_vec3 normal = sl_normalize_or(point->normal, point->geometric_normal);
     if (!sl_is_finite(point->position) || !(sl_dot(normal, normal) > 0.5f)) { /* no number, no direction */
         sl_count(counters, SL_COUNT_NONFINITE, 1);
-        memset(scratch->planes, 0, 3 * (size_t)scratch->size * (size_t)scratch->size * sizeof *scratch->planes);
+        memset(scratch->planes, 0,
+               3 * (size_t)scratch->size * (size_t)scratch->size * sizeof *scratch->planes);
         return sl_grey(0.0f);
     }
     shot s = {.gather = g, .scratch = scratch, .counters = counters, .frame = sl_mesh_gather_frame(normal)};
@@ -362,5 +401,6 @@ sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_mesh_point *point, 
 
 void sl_mesh_gather_picture(const sl_mesh_gather_scratch *scratch, int *size, const float *planes[3]) {
     *size = scratch->size;
-    for (size_t k = 0; k < 3; k++) planes[k] = scratch->planes + k * (size_t)scratch->size * (size_t)scratch->size;
+    for (size_t k = 0; k < 3; k++)
+        planes[k] = scratch->planes + k * (size_t)scratch->size * (size_t)scratch->size;
 }

@@ -2,7 +2,8 @@
 
 #include <string.h>
 
-/* A row is done in blocks: indices in lanes, then the numbers at those indices brought beside one another, then arithmetic in lanes again. */
+/* A row is done in blocks: indices in lanes, then the numbers at those indices brought beside one another,
+ * then arithmetic in lanes again. */
 enum { BLOCK = 64 };
 
 typedef struct block {
@@ -11,7 +12,7 @@ typedef struct block {
     _Alignas(64) int32_t seen[BLOCK], face[BLOCK], first[BLOCK], rows[BLOCK], at[BLOCK];
 } block;
 
-/* ---- tables to lanes --------------------------------------------------------------------------------------------------------------- */
+/* ---- tables to lanes ------------------------------------------------------------------------- */
 
 typedef float four __attribute__((vector_size(16)));
 
@@ -23,14 +24,18 @@ static inline four load(const float *from) {
 
 static inline void store(float *to, four v) { memcpy(to, &v, sizeof v); }
 
-/* Entries of twelve floats, four pixels at a time: three times four rows of four become columns. (count is a multiple of four.) */
-static inline void fetch(const float *restrict table, const int32_t *restrict index, int count, float (*restrict out)[BLOCK]) {
+/* Entries of twelve floats, four pixels at a time: three times four rows of four become columns. (count is a
+ * multiple of four.) */
+static inline void fetch(const float *restrict table, const int32_t *restrict index, int count,
+                         float (*restrict out)[BLOCK]) {
     for (int k = 0; k < count; k += 4) {
         for (int c = 0; c < 12; c += 4) {
             four p = load(table + 12 * index[k] + c), q = load(table + 12 * index[k + 1] + c);
             four r = load(table + 12 * index[k + 2] + c), s = load(table + 12 * index[k + 3] + c);
-            four pq = __builtin_shufflevector(p, q, 0, 4, 1, 5), rs = __builtin_shufflevector(r, s, 0, 4, 1, 5);
-            four ps = __builtin_shufflevector(p, q, 2, 6, 3, 7), rq = __builtin_shufflevector(r, s, 2, 6, 3, 7);
+            four pq = __builtin_shufflevector(p, q, 0, 4, 1, 5),
+                 rs = __builtin_shufflevector(r, s, 0, 4, 1, 5);
+            four ps = __builtin_shufflevector(p, q, 2, 6, 3, 7),
+                 rq = __builtin_shufflevector(r, s, 2, 6, 3, 7);
             store(&out[c][k], __builtin_shufflevector(pq, rs, 0, 1, 4, 5));
             store(&out[c + 1][k], __builtin_shufflevector(pq, rs, 2, 3, 6, 7));
             store(&out[c + 2][k], __builtin_shufflevector(ps, rq, 0, 1, 4, 5));
@@ -39,12 +44,14 @@ static inline void fetch(const float *restrict table, const int32_t *restrict in
     }
 }
 
-/* ---- where a pixel's line meets its triangle ----------------------------------------------------------------------------------------- */
+/* ---- where a pixel's line meets its triangle ------------------------------------------------- */
 
-/* With corner p and edges e1, e2 from it, t = eye - p and d the direction, corners 1 and 2 weigh d.(e2 x t) / -(d.n) and d.(t x e1) / -(d.n), n = e1 x e2
- * (Moeller and Trumbore 1997). The eye is in front of the triangle where t.n >= 0. Vertices were snapped to 1/256 pixel when it was drawn, so pixels on its
- * rim may lie a little outside: weights are clamped to the triangle. */
-static inline void meet(block *b, int count, sl_vec3 eye, sl_vec3 origin, sl_vec3 along, const float *restrict x) {
+/* With corner p and edges e1, e2 from it, t = eye - p and d the direction, corners 1 and 2 weigh d.(e2 x t) /
+ * -(d.n) and d.(t x e1) / -(d.n), n = e1 x e2 (Moeller and Trumbore 1997). The eye is in front of the
+ * triangle where t.n >= 0. Vertices were snapped to 1/256 pixel when it was drawn, so pixels on its rim may
+ * lie a little outside: weights are clamped to the triangle. */
+static inline void meet(block *b, int count, sl_vec3 eye, sl_vec3 origin, sl_vec3 along,
+                        const float *restrict x) {
     float(*restrict v)[BLOCK] = b->triangle;
 #pragma omp simd
     for (int k = 0; k < count; k++) {
@@ -72,20 +79,23 @@ static inline void find_coarse_triangles(block *b, int count, const sl_coarse_fa
         b->rows[k] = face[b->face[k]].rows;
     }
 #pragma omp simd
-    for (int k = 0; k < count; k++) b->at[k] = b->first[k] + sl_coarse_locate(b->w1[k], b->w2[k], b->rows[k], &b->a[k], &b->b[k]);
+    for (int k = 0; k < count; k++)
+        b->at[k] = b->first[k] + sl_coarse_locate(b->w1[k], b->w2[k], b->rows[k], &b->a[k], &b->b[k]);
 }
 
-/* ---- a row --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- a row ----------------------------------------------------------------------------------- */
 
 /* Colours between the corners; below the horizon black. */
-static inline void write(const sl_mesh_gather_pixels *p, const block *b, int count, size_t first, sl_vec3 origin, sl_vec3 along, const float *restrict x) {
+static inline void write(const sl_mesh_gather_pixels *p, const block *b, int count, size_t first,
+                         sl_vec3 origin, sl_vec3 along, const float *restrict x) {
     const float *restrict weight = p->weight + first;
     const sl_vec3 up = p->horizon;
     for (int c = 0; c < 3; c++) {
         float *restrict radiance = p->radiance[c] + first, *restrict weighted = p->weighted[c] + first;
 #pragma omp simd
         for (int k = 0; k < count; k++) {
-            float dx = x[k] * along.x + origin.x, dy = x[k] * along.y + origin.y, dz = x[k] * along.z + origin.z;
+            float dx = x[k] * along.x + origin.x, dy = x[k] * along.y + origin.y,
+                  dz = x[k] * along.z + origin.z;
             float above = dx * up.x + dy * up.y + dz * up.z > 0.0f ? 1.0f : 0.0f;
             float value = b->colour[c][k] + b->a[k] * b->colour[c + 3][k] + b->b[k] * b->colour[c + 6][k];
             value = above * (value > 0.0f ? value : 0.0f);

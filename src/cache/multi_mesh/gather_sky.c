@@ -1,7 +1,9 @@
-/* In the middle of a gather of 128 x 128 a pixel is 5 degrees wide. Looked up by the directions of pixels alone, a sun would be seen by one of them, or by
- * none. So the environment is averaged over the texels of a cube map with MIP levels, and looked up, bilinearly, in the level (between two) whose texels
- * are 1.4 times as wide as the pixel: then neighbouring pixels share the sun in proportion to how near they are to it, and its light is kept, within 6 %
- * (root mean square, a sun of 3 degrees under 128 x 128 pixels): narrower it falls between pixels, wider it moves to the texel's middle. */
+/* In the middle of a gather of 128 x 128 a pixel is 5 degrees wide. Looked up by the directions of pixels
+ * alone, a sun would be seen by one of them, or by none. So the environment is averaged over the texels of a
+ * cube map with MIP levels, and looked up, bilinearly, in the level (between two) whose texels are 1.4 times
+ * as wide as the pixel: then neighbouring pixels share the sun in proportion to how near they are to it, and
+ * its light is kept, within 6 % (root mean square, a sun of 3 degrees under 128 x 128 pixels): narrower it
+ * falls between pixels, wider it moves to the texel's middle. */
 #include "cache/multi_mesh/gather_sky.h"
 
 #include "base/error.h"
@@ -17,14 +19,18 @@ struct sl_gather_sky {
 };
 
 
-/* The mean over a texel, weighted by solid angle, at as many points as make one of each of the environment's texels. */
-static void average_texel(const sl_environment *environment, const sl_frame *frame, int x, int y, int samples, float rgba[4]) {
+/* The mean over a texel, weighted by solid angle, at as many points as make one of each of the environment's
+ * texels. */
+static void average_texel(const sl_environment *environment, const sl_frame *frame, int x, int y, int samples,
+                          float rgba[4]) {
     double sum[3] = {0.0, 0.0, 0.0}, angle = 0.0;
     for (int k = 0; k < samples * samples; k++) {
-        float s = (float)(2.0 * (x + (k % samples + 0.5) / samples) / FACE - 1.0), t = (float)(2.0 * (y + (k / samples + 0.5) / samples) / FACE - 1.0);
+        float s = (float)(2.0 * (x + (k % samples + 0.5) / samples) / FACE - 1.0),
+              t = (float)(2.0 * (y + (k / samples + 0.5) / samples) / FACE - 1.0);
         sl_vec3 d = sl_normalize_or(sl_frame_to_world(frame, sl_v3(s, t, 1.0f)), frame->z);
         sl_rgb radiance = sl_environment_radiance(environment, d);
-        double squared = 1.0 + (double)s * (double)s + (double)t * (double)t, weight = 1.0 / (squared * sqrt(squared));
+        double squared = 1.0 + (double)s * (double)s + (double)t * (double)t,
+               weight = 1.0 / (squared * sqrt(squared));
         if (!sl_rgb_is_finite(radiance)) continue;
         sum[0] += weight * (double)radiance.r;
         sum[1] += weight * (double)radiance.g;
@@ -43,7 +49,8 @@ static void fill(sl_gather_sky *sky, const sl_environment *environment) {
             for (int x = 0; x < FACE; x++) {
                 float *rgba = sl_cube_map_texel(sky->cube, 0, face, x, y);
                 average_texel(environment, &frame, x, y, samples, rgba);
-                for (int c = 0; c < 3; c++) sky->brightest = rgba[c] > sky->brightest ? rgba[c] : sky->brightest;
+                for (int c = 0; c < 3; c++)
+                    sky->brightest = rgba[c] > sky->brightest ? rgba[c] : sky->brightest;
             }
         }
     }
@@ -74,20 +81,22 @@ void sl_gather_sky_destroy(sl_gather_sky *sky) {
 size_t sl_gather_sky_memory_bytes(const sl_gather_sky *sky) {
     if (!sky) return 0;
     size_t texels = 0;
-    for (int l = 0; l < sky->cube->levels; l++) texels += 6 * (size_t)(sky->cube->level_size[l] + 2) * (size_t)(sky->cube->level_size[l] + 2);
+    for (int l = 0; l < sky->cube->levels; l++)
+        texels += 6 * (size_t)(sky->cube->level_size[l] + 2) * (size_t)(sky->cube->level_size[l] + 2);
     return sizeof *sky + sizeof *sky->cube + texels * 4 * sizeof(float);
 }
 
 float sl_gather_sky_brightest(const sl_gather_sky *sky) { return sky ? sky->brightest : 0.0f; }
 
-/* Pixels are longer around the foot of the perpendicular than away from it: step / sqrt(1 + r^2) against step / (1 + r^2). The longer one counts. */
+/* Pixels are longer around the foot of the perpendicular than away from it: step / sqrt(1 + r^2) against step
+ * / (1 + r^2). The longer one counts. */
 float sl_gather_sky_lod(double step, double squared) {
     double texel = sqrt(4.0 * SL_PI / 6.0) / FACE, pixel = step / sqrt(1.0 + squared);
     float lod = sl_log2f((float)(1.4 * pixel / texel));
     return lod > 0.0f ? lod : 0.0f;
 }
 
-/* ---- looking up ---------------------------------------------------------------------------------------------------------------- */
+/* ---- looking up ------------------------------------------------------------------------------ */
 
 typedef struct batch {
     size_t count;
@@ -96,7 +105,8 @@ typedef struct batch {
 } batch;
 
 static void flush(const sl_gather_sky *sky, const sl_mesh_gather_pixels *p, batch *b) {
-    sl_cube_map_sample_many(sky->cube, b->count, b->x, b->y, b->z, b->lod, (float *const[4]){b->r, b->g, b->b, NULL});
+    sl_cube_map_sample_many(sky->cube, b->count, b->x, b->y, b->z, b->lod,
+                            (float *const[4]){b->r, b->g, b->b, NULL});
     const float *rgb[3] = {b->r, b->g, b->b};
     for (int c = 0; c < 3; c++) {
         for (size_t k = 0; k < b->count; k++) {

@@ -1,12 +1,12 @@
 /* Irradiance meshes, one a light (irradiance.h says what they are for). In this order:
  *
  *   where vertices are   a vertex as a place in its face, and that place in the world
- *   fetch                F of one light at one point: down the light's quadtree to a corner, to the middle of a leaf's edge, or to a leaf
- *                        that may be interpolated. On the way leaves are tested and cut. Missing samples are wanted, and the fetch waits
- *   samples              all that are wanted are taken, by all threads, and put into the meshes in the order in which they were wanted
- *   rounds               sl_irradiance_at(): fetches for many points and all lights, then samples, until no fetch waits
- *   what moves           sl_irradiance_meshes_follow(): samples that lights or objects have made wrong are forgotten
- *   memory, life
+ *   fetch                F of one light at one point: down the light's quadtree to a corner, to the middle of
+ * a leaf's edge, or to a leaf that may be interpolated. On the way leaves are tested and cut. Missing samples
+ * are wanted, and the fetch waits samples              all that are wanted are taken, by all threads, and put
+ * into the meshes in the order in which they were wanted rounds               sl_irradiance_at(): fetches for
+ * many points and all lights, then samples, until no fetch waits what moves sl_irradiance_meshes_follow():
+ * samples that lights or objects have made wrong are forgotten memory, life
  */
 #include "cache/multi_mesh/irradiance.h"
 
@@ -21,8 +21,9 @@
 
 enum { SAMPLES_A_TASK = 4 };
 
-/* Of what an eye can tell. Errors of the lights' meshes add up, and to those of the mesh that asks: with 8 lights, meshes as coarse as the
- * threshold allows make pictures that one mesh for all makes from fewer samples (bench_mesh_joint). */
+/* Of what an eye can tell. Errors of the lights' meshes add up, and to those of the mesh that asks: with 8
+ * lights, meshes as coarse as the threshold allows make pictures that one mesh for all makes from fewer
+ * samples (bench_mesh_joint). */
 static const float TOLERANCE = 0.25f;
 
 /* A sample that a round wants: a vertex of a light's mesh. */
@@ -57,7 +58,8 @@ typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_FAIL
 
 /* ---- where vertices are ---- */
 
-sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth, sl_leaf_middle leaf) {
+sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth,
+                                   sl_leaf_middle leaf) {
     sl_face_point point = {.wanted_depth = wanted_depth, .leaf = leaf};
     point.face = sl_mesh_lowest_face(mesh, vertex, &point.p, &point.q);
     return point;
@@ -72,12 +74,16 @@ sl_mesh_point sl_face_point_in_world(const sl_topology *topology, const sl_face_
         position = sl_addd(position, sl_scaled(sl_to_double(topology->site_position[site]), weight[i]));
         normal = sl_addd(normal, sl_scaled(sl_to_double(topology->site_normal[site]), weight[i]));
     }
-    sl_vec3 geometric = sl_scale(sl_scene_geometric_normal(topology->scene, x->face / 2), x->face % 2 ? -1.0f : 1.0f);
+    sl_vec3 geometric =
+        sl_scale(sl_scene_geometric_normal(topology->scene, x->face / 2), x->face % 2 ? -1.0f : 1.0f);
     double length = sl_lengthd(normal);
     bool inside = weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0;
     sl_vec3 shading = length > 0.0 ? sl_to_float(sl_scaled(normal, 1.0 / length)) : geometric;
-    return (sl_mesh_point){.position = sl_to_float(position), .normal = shading,
-                           .geometric_normal = inside ? geometric : shading, .triangle = inside ? x->face / 2 : SL_NO_INDEX, .face = x->face};
+    return (sl_mesh_point){.position = sl_to_float(position),
+                           .normal = shading,
+                           .geometric_normal = inside ? geometric : shading,
+                           .triangle = inside ? x->face / 2 : SL_NO_INDEX,
+                           .face = x->face};
 }
 
 /* ---- fetch ---- */
@@ -118,39 +124,52 @@ static void set_edge_state(sl_mesh *mesh, uint32_t node, int edge, sl_edge_state
     mesh->node[node].flags = (mesh->node[node].flags & ~(3u << (2 * edge))) | (uint32_t)state << (2 * edge);
 }
 
-/* Returns the radiance that an irradiance F of the light makes a face show: diffuse and, as bright as it can be, its highlight; beside the ambient light. */
+/* Returns the radiance that an irradiance F of the light makes a face show: diffuse and, as bright as it can
+ * be, its highlight; beside the ambient light. */
 static sl_rgb shown(const sl_irradiance_meshes *m, uint32_t light, uint32_t face, float share) {
     const sl_scene *scene = m->settings.scene;
     const sl_material *material = &scene->materials[scene->material_index[face / 2]];
     sl_rgb lobe = sl_rgb_scale(material->specular, 0.5f * (material->exponent + 2.0f));
-    sl_rgb reflected = sl_rgb_mul(sl_rgb_add(material->diffuse, lobe), sl_rgb_scale(m->settings.lights->light[light].colour, share));
+    sl_rgb reflected = sl_rgb_mul(sl_rgb_add(material->diffuse, lobe),
+                                  sl_rgb_scale(m->settings.lights->light[light].colour, share));
     sl_rgb ambient = sl_rgb_mul(material->diffuse, m->settings.ambient);
     return sl_rgb_scale(sl_rgb_add(reflected, ambient), (float)(1.0 / SL_PI));
 }
 
-/* The value in an edge's middle against the mean of its ends. A vertex inside other geometry bounds what is hidden: the edge is cut. */
-static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place, int edge, uint32_t middle) {
+/* The value in an edge's middle against the mean of its ends. A vertex inside other geometry bounds what is
+ * hidden: the edge is cut. */
+static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place,
+                               int edge, uint32_t middle) {
     const sl_mesh *mesh = m->mesh[light];
-    uint32_t a = mesh->node[place->node].vertex[(edge + 1) % 3], b = mesh->node[place->node].vertex[(edge + 2) % 3];
-    if (mesh->state[a] == SL_VERTEX_INVALID || mesh->state[b] == SL_VERTEX_INVALID || mesh->state[middle] == SL_VERTEX_INVALID)
+    uint32_t a = mesh->node[place->node].vertex[(edge + 1) % 3],
+             b = mesh->node[place->node].vertex[(edge + 2) % 3];
+    if (mesh->state[a] == SL_VERTEX_INVALID || mesh->state[b] == SL_VERTEX_INVALID ||
+        mesh->state[middle] == SL_VERTEX_INVALID)
         return SL_EDGE_SPLIT;
     float mean = 0.5f * (mesh->value[a] + mesh->value[b]);
-    sl_rgb interpolated = shown(m, light, place->face, mean), computed = shown(m, light, place->face, mesh->value[middle]);
-    return sl_display_contrast(&m->settings.perception, interpolated, computed) > TOLERANCE ? SL_EDGE_SPLIT : SL_EDGE_CLOSED;
+    sl_rgb interpolated = shown(m, light, place->face, mean),
+           computed = shown(m, light, place->face, mesh->value[middle]);
+    return sl_display_contrast(&m->settings.perception, interpolated, computed) > TOLERANCE ? SL_EDGE_SPLIT
+                                                                                            : SL_EDGE_CLOSED;
 }
 
-/* Tells whether all that is known on a closed edge agrees with its ends. An edge is closed with the one that it is half of, or has been tested by its middle;
- * since then someone may have asked for more of it. */
-static bool still_agrees(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place, int edge) {
+/* Tells whether all that is known on a closed edge agrees with its ends. An edge is closed with the one that
+ * it is half of, or has been tested by its middle; since then someone may have asked for more of it. */
+static bool still_agrees(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place,
+                         int edge) {
     const sl_mesh *mesh = m->mesh[light];
-    uint32_t a = mesh->node[place->node].vertex[(edge + 1) % 3], b = mesh->node[place->node].vertex[(edge + 2) % 3];
+    uint32_t a = mesh->node[place->node].vertex[(edge + 1) % 3],
+             b = mesh->node[place->node].vertex[(edge + 2) % 3];
     sl_edge_vertices on;
     sl_mesh_edge_vertices(mesh, place, edge, &on);
     for (int i = 0; i < on.count; i++) {
-        float along = (float)on.at[i] / (float)(1 << SL_FAN_LEVELS), linear = mesh->value[a] + along * (mesh->value[b] - mesh->value[a]);
+        float along = (float)on.at[i] / (float)(1 << SL_FAN_LEVELS),
+              linear = mesh->value[a] + along * (mesh->value[b] - mesh->value[a]);
         float value = mesh->value[on.vertex[i]];
         if (value == linear) continue;
-        if (sl_display_contrast(&m->settings.perception, shown(m, light, place->face, linear), shown(m, light, place->face, value)) > TOLERANCE) return false;
+        if (sl_display_contrast(&m->settings.perception, shown(m, light, place->face, linear),
+                                shown(m, light, place->face, value)) > TOLERANCE)
+            return false;
     }
     return true;
 }
@@ -166,7 +185,8 @@ static bool is_confident(const sl_irradiance_meshes *m, uint32_t light, const sl
 }
 
 /* Tests a leaf's edges as far as their samples are there; wants those that are not. */
-static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place, sl_error *error) {
+static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place,
+                             sl_error *error) {
     sl_mesh *mesh = m->mesh[light];
     sl_leaf_middle leaf = sl_mesh_leaf_middle(place);
     bool complete = true;
@@ -181,7 +201,8 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_m
         sl_status status = SL_OK;
         uint32_t middle = sl_mesh_middle(mesh, place, i, &status, error);
         if (middle == SL_NO_INDEX && status != SL_OK) return FETCH_FAILED;
-        if (middle == SL_NO_INDEX) set_edge_state(mesh, place->node, i, SL_EDGE_CLOSED); /* as short as edges get */
+        /* as short as edges get */
+        if (middle == SL_NO_INDEX) set_edge_state(mesh, place->node, i, SL_EDGE_CLOSED);
         if (middle == SL_NO_INDEX || is_there(mesh, middle)) continue;
         if (!want(m, light, middle, leaf)) return FETCH_FAILED;
         complete = false;
@@ -189,12 +210,14 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_m
     if (!complete) return FETCH_PENDING;
     for (int i = 0; i < 3; i++) {
         if (edge_state(mesh, place->node, i) == SL_EDGE_UNTESTED)
-            set_edge_state(mesh, place->node, i, test_edge(m, light, place, i, sl_mesh_find_middle(mesh, place, i)));
+            set_edge_state(mesh, place->node, i,
+                           test_edge(m, light, place, i, sl_mesh_find_middle(mesh, place, i)));
     }
     return FETCH_READY;
 }
 
-static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_leaf_middle leaf, float *share) {
+static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_leaf_middle leaf,
+                                float *share) {
     const sl_mesh *mesh = m->mesh[light];
     if (mesh->state[vertex] == SL_VERTEX_INVALID) return FETCH_INVALID;
     if (mesh->state[vertex] == SL_VERTEX_KNOWN) {
@@ -213,7 +236,8 @@ static int corner_at(const sl_mesh_place *place, const sl_face_point *x) {
 /* Twice the area of (a, b, x) in a face's barycentrics: whole numbers, so that sides are exact. */
 static int64_t side_of(const sl_mesh_place *place, int a, int b, const sl_face_point *x) {
     int64_t ap = place->p[a], aq = place->q[a];
-    return ((int64_t)place->p[b] - ap) * ((int64_t)x->q - aq) - ((int64_t)place->q[b] - aq) * ((int64_t)x->p - ap);
+    return ((int64_t)place->p[b] - ap) * ((int64_t)x->q - aq) -
+           ((int64_t)place->q[b] - aq) * ((int64_t)x->p - ap);
 }
 
 static bool holds(const sl_mesh_place *place, const sl_face_point *x) {
@@ -221,7 +245,8 @@ static bool holds(const sl_mesh_place *place, const sl_face_point *x) {
     return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
 }
 
-static sl_mesh_place child_that_holds(const sl_mesh *mesh, const sl_mesh_place *place, const sl_face_point *x) {
+static sl_mesh_place child_that_holds(const sl_mesh *mesh, const sl_mesh_place *place,
+                                      const sl_face_point *x) {
     for (int c = 0; c < 3; c++) {
         sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
         if (holds(&child, x)) return child;
@@ -229,8 +254,10 @@ static sl_mesh_place child_that_holds(const sl_mesh *mesh, const sl_mesh_place *
     return sl_mesh_child_place(mesh, place, 3);
 }
 
-static bool interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, const sl_face_point *x, float *share) {
-    double whole = (double)side_of(leaf, 0, 1, &(sl_face_point){.face = leaf->face, .p = leaf->p[2], .q = leaf->q[2]});
+static bool interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, const sl_face_point *x,
+                        float *share) {
+    double whole =
+        (double)side_of(leaf, 0, 1, &(sl_face_point){.face = leaf->face, .p = leaf->p[2], .q = leaf->q[2]});
     double w1 = (double)side_of(leaf, 2, 0, x) / whole, w2 = (double)side_of(leaf, 0, 1, x) / whole;
     return sl_mesh_interpolate(mesh, leaf, (float)w1, (float)w2, true, share);
 }
@@ -249,12 +276,14 @@ static fetch_state fetch_known(const sl_mesh *mesh, const sl_face_point *x, floa
     const float unit = 1.0f / (float)SL_MESH_DYADIC;
     uint32_t sample = sl_mesh_find_vertex(mesh, x->face, x->p, x->q);
     if (sample == SL_NO_INDEX || !is_there(mesh, sample))
-        return sl_mesh_value(mesh, x->face, (float)x->p * unit, (float)x->q * unit, share) ? FETCH_READY : FETCH_PENDING;
+        return sl_mesh_value(mesh, x->face, (float)x->p * unit, (float)x->q * unit, share) ? FETCH_READY
+                                                                                           : FETCH_PENDING;
     *share = mesh->value[sample];
     return mesh->state[sample] == SL_VERTEX_KNOWN ? FETCH_READY : FETCH_INVALID;
 }
 
-static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_point *x, float *share, sl_error *error) {
+static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_point *x, float *share,
+                         sl_error *error) {
     sl_mesh *mesh = m->mesh[light];
     sl_status status = SL_OK;
     fetch_state known = m->sparing ? fetch_known(mesh, x, share) : FETCH_PENDING;
@@ -267,16 +296,20 @@ static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_
         if (sl_mesh_is_leaf(mesh, place.node)) {
             if (place.depth >= x->wanted_depth) {
                 int edge = edge_halved_by(&place, x);
-                uint32_t middle = edge >= 0 ? sl_mesh_middle(mesh, &place, edge, &status, error) : SL_NO_INDEX;
+                uint32_t middle =
+                    edge >= 0 ? sl_mesh_middle(mesh, &place, edge, &status, error) : SL_NO_INDEX;
                 if (status != SL_OK) return FETCH_FAILED;
                 if (middle != SL_NO_INDEX) return fetch_corner(m, light, middle, x->leaf, share);
                 fetch_state state = test_leaf(m, light, &place, error);
                 if (state != FETCH_READY) return state;
-                if (is_confident(m, light, &place)) return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
+                if (is_confident(m, light, &place))
+                    return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
             }
             status = sl_mesh_split(mesh, &place, error);
             if (status != SL_OK) return FETCH_FAILED;
-            if (sl_mesh_is_leaf(mesh, place.node)) return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID; /* as deep as it goes */
+            /* as deep as it goes */
+            if (sl_mesh_is_leaf(mesh, place.node))
+                return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
         }
         place = child_that_holds(mesh, &place, x);
     }
@@ -291,12 +324,14 @@ static double most_of(const sl_irradiance_meshes *m, size_t light, const sl_lit_
     return most > 0.0 && most <= DBL_MAX ? most : 0.0;
 }
 
-/* n of the n x n rays that are enough for a light that is one of many; 0: none are. A light of which n x n rays see a part is off by some
- * 0.1 (4 / n)^(3/2) of itself (the cathedral's windows behind their tracery). It may be off by 0.8 % of what else arrives, a seventh of what an eye can
- * tell in the middle greys: the ambient light, and a third of all that lights could give, since not all of it will arrive. */
+/* n of the n x n rays that are enough for a light that is one of many; 0: none are. A light of which n x n
+ * rays see a part is off by some 0.1 (4 / n)^(3/2) of itself (the cathedral's windows behind their tracery).
+ * It may be off by 0.8 % of what else arrives, a seventh of what an eye can tell in the middle greys: the
+ * ambient light, and a third of all that lights could give, since not all of it will arrive. */
 static int enough_rays(const sl_irradiance_meshes *m, size_t light, const sl_lit_point *point) {
     static const double part[2] = {0.08, 0.226};
-    double all = (double)sl_rgb_mean(m->settings.ambient), scale = (double)m->settings.perception.threshold_scale;
+    double all = (double)sl_rgb_mean(m->settings.ambient),
+           scale = (double)m->settings.perception.threshold_scale;
     for (size_t l = 0; l < m->settings.lights->count; l++) all += most_of(m, l, point) / 3.0;
     double own = most_of(m, light, point);
     return own <= part[0] * scale * all ? 4 : own <= part[1] * scale * all ? 8 : 0;
@@ -309,9 +344,11 @@ static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_p
     return sl_light_sample_take(m->settings.sampling, light, &point, w->scratch, &w->counters);
 }
 
-/* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry: then it is asked for a little
- * further inside the leaf that wants it. (Inside its face would be too far: what stands on a floor would get the light of what is beyond its shadow.) */
-static sample_result sample_vertex(const sl_irradiance_meshes *m, const wanted_sample *wanted, sample_worker *w) {
+/* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry:
+ * then it is asked for a little further inside the leaf that wants it. (Inside its face would be too far:
+ * what stands on a floor would get the light of what is beyond its shadow.) */
+static sample_result sample_vertex(const sl_irradiance_meshes *m, const wanted_sample *wanted,
+                                   sample_worker *w) {
     uint32_t light = wanted->light, vertex = wanted->vertex;
     const sl_mesh *mesh = m->mesh[light];
     sl_mesh_point at;
@@ -320,14 +357,17 @@ static sample_result sample_vertex(const sl_irradiance_meshes *m, const wanted_s
     float share = take(m, light, &at, w);
     if (share > 0.0f) return (sample_result){share, true};
     sl_lit_point point = sl_lit_point_of(&at);
-    if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0)) return (sample_result){0.0f, true};
-    bool moved, valid = sl_leave_solid(mesh, m->settings.tracer, vertex, wanted->leaf, &at, &moved, &w->counters);
+    if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0))
+        return (sample_result){0.0f, true};
+    bool moved,
+        valid = sl_leave_solid(mesh, m->settings.tracer, vertex, wanted->leaf, &at, &moved, &w->counters);
     return (sample_result){moved ? take(m, light, &at, w) : 0.0f, valid};
 }
 
 static void sample_some(void *context, size_t task, unsigned worker) {
     sl_irradiance_meshes *m = context;
-    size_t end = (task + 1) * SAMPLES_A_TASK < m->wanted_count ? (task + 1) * SAMPLES_A_TASK : m->wanted_count;
+    size_t end =
+        (task + 1) * SAMPLES_A_TASK < m->wanted_count ? (task + 1) * SAMPLES_A_TASK : m->wanted_count;
     for (size_t i = task * SAMPLES_A_TASK; i < end; i++)
         m->result[i] = sample_vertex(m, &m->wanted[i], &m->worker[worker]);
 }
@@ -355,7 +395,8 @@ static void take_samples(sl_irradiance_meshes *m, sl_counters *counters) {
 
 /* Nobody waits for them any more. */
 static void forget_wanted(sl_irradiance_meshes *m) {
-    for (size_t i = 0; i < m->wanted_count; i++) m->mesh[m->wanted[i].light]->state[m->wanted[i].vertex] = SL_VERTEX_UNKNOWN;
+    for (size_t i = 0; i < m->wanted_count; i++)
+        m->mesh[m->wanted[i].light]->state[m->wanted[i].vertex] = SL_VERTEX_UNKNOWN;
     m->wanted_count = 0;
 }
 
@@ -375,8 +416,8 @@ static fetch_state fetch_all(sl_irradiance_meshes *m, const sl_face_point *x, fl
     return worst == FETCH_READY && invalid ? FETCH_INVALID : worst;
 }
 
-sl_status sl_irradiance_at(sl_irradiance_meshes *m, size_t count, const sl_face_point *points, float *share, bool *valid,
-                           sl_counters *counters, sl_error *error) {
+sl_status sl_irradiance_at(sl_irradiance_meshes *m, size_t count, const sl_face_point *points, float *share,
+                           bool *valid, sl_counters *counters, sl_error *error) {
     size_t lights = m->settings.lights->count, pending = count;
     uint32_t *waiting = sl_allocate(count, sizeof *waiting);
     if (!waiting) return sl_fail_memory(error, "irradiance meshes");
@@ -403,19 +444,25 @@ sl_status sl_irradiance_at(sl_irradiance_meshes *m, size_t count, const sl_face_
 
 /* ---- what moves ---- */
 
-static bool has_changed(const sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, const sl_irradiance_changes *changes) {
+static bool has_changed(const sl_irradiance_meshes *m, uint32_t light, uint32_t vertex,
+                        const sl_irradiance_changes *changes) {
     sl_mesh_point at;
     sl_mesh_point_of(m->mesh[light], vertex, &at);
-    return changes->triangle_moved[at.face / 2] || sl_light_is_crossed(changes, &m->settings.lights->light[light], at.position);
+    return changes->triangle_moved[at.face / 2] ||
+           sl_light_is_crossed(changes, &m->settings.lights->light[light], at.position);
 }
 
-static bool is_unknown(const sl_mesh *mesh, uint32_t vertex) { return vertex == SL_NO_INDEX || mesh->state[vertex] == SL_VERTEX_UNKNOWN; }
+static bool is_unknown(const sl_mesh *mesh, uint32_t vertex) {
+    return vertex == SL_NO_INDEX || mesh->state[vertex] == SL_VERTEX_UNKNOWN;
+}
 
 /* Edges whose samples went are to be tested again, or all. What was cut stays cut. */
 static void reopen_below(sl_mesh *mesh, const sl_mesh_place *place, bool all) {
     for (int i = 0; i < 3; i++) {
-        uint32_t a = mesh->node[place->node].vertex[(i + 1) % 3], b = mesh->node[place->node].vertex[(i + 2) % 3];
-        if (all || is_unknown(mesh, a) || is_unknown(mesh, b) || is_unknown(mesh, sl_mesh_find_middle(mesh, place, i)))
+        uint32_t a = mesh->node[place->node].vertex[(i + 1) % 3],
+                 b = mesh->node[place->node].vertex[(i + 2) % 3];
+        if (all || is_unknown(mesh, a) || is_unknown(mesh, b) ||
+            is_unknown(mesh, sl_mesh_find_middle(mesh, place, i)))
             set_edge_state(mesh, place->node, i, SL_EDGE_UNTESTED);
     }
     if (sl_mesh_is_leaf(mesh, place->node)) return;
@@ -426,7 +473,8 @@ static void reopen_below(sl_mesh *mesh, const sl_mesh_place *place, bool all) {
 }
 
 /* judged_anew: what a light's share shows is seen beside other light, or at another exposure. */
-static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_irradiance_changes *changes, bool judged_anew) {
+static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_irradiance_changes *changes,
+                         bool judged_anew) {
     sl_mesh *mesh = m->mesh[light];
     mesh->topology = m->settings.topology;
     if (changes->light_changed[light]) {
@@ -467,8 +515,8 @@ static sl_status make_scratch(sl_irradiance_meshes *m, sl_error *error) {
     return status;
 }
 
-sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *m, const sl_irradiance_settings *settings, const sl_irradiance_changes *changes,
-                                      sl_error *error) {
+sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *m, const sl_irradiance_settings *settings,
+                                      const sl_irradiance_changes *changes, sl_error *error) {
     forget_scratch(m);
     m->settings = *settings;
     const bool judged_anew = judge_anew(m);
@@ -481,7 +529,8 @@ void sl_irradiance_meshes_spare(sl_irradiance_meshes *m, bool sparing) { m->spar
 
 /* ---- life ---- */
 
-sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes, sl_error *error) {
+sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes,
+                                      sl_error *error) {
     *meshes = NULL;
     sl_irradiance_meshes *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "irradiance meshes");

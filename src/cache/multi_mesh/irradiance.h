@@ -1,13 +1,14 @@
-/* Irradiance meshes: one for each light, over the same faces, refined only where radiance asks for it. So the shadow of one light is not
- * sampled again for every other (the paper's central point), and a light without discontinuities in a place stays coarse there.
+/* Irradiance meshes: one for each light, over the same faces, refined only where radiance asks for it. So the
+ * shadow of one light is not sampled again for every other (the paper's central point), and a light without
+ * discontinuities in a place stays coarse there.
  *
  * fetch(x, l), from the root of x's face in the mesh of light l:
  *   x is a corner                      its sample
  *   ... or the middle of a leaf's edge its sample: the leaf's test would take it, too
- *   a leaf whose three edges are closed, and which is no larger than whoever asks wants it to be: interpolated
- *   a leaf still too large             cut, and on
- *   another leaf                       its edges are tested, then it is closed or cut, and on
- * Samples that are not there yet are put on a list; once they are taken the fetch is made again: a round. */
+ *   a leaf whose three edges are closed, and which is no larger than whoever asks wants it to be:
+ * interpolated a leaf still too large             cut, and on another leaf                       its edges
+ * are tested, then it is closed or cut, and on Samples that are not there yet are put on a list; once they
+ * are taken the fetch is made again: a round. */
 #ifndef SL_MULTI_MESH_IRRADIANCE_H
 #define SL_MULTI_MESH_IRRADIANCE_H
 
@@ -21,10 +22,12 @@ typedef struct sl_face_point {
     uint32_t face;
     uint16_t p, q;
     int wanted_depth;          /* leaves above this are cut whatever their edges say */
-    sl_leaf_middle leaf;       /* of the leaf that asks: where the vertex is asked for if it lies inside other geometry */
+    /* of the leaf that asks: where the vertex is asked for if it lies inside other geometry */
+    sl_leaf_middle leaf;
 } sl_face_point;
 /* That of a mesh's vertex. */
-sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth, sl_leaf_middle leaf);
+sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth,
+                                   sl_leaf_middle leaf);
 /* Where it lies in the world. */
 sl_mesh_point sl_face_point_in_world(const sl_topology *topology, const sl_face_point *x);
 
@@ -36,28 +39,32 @@ typedef struct sl_irradiance_settings {
     const sl_light_sampling *sampling;
     sl_perception perception;
     sl_rgb ambient;            /* irradiance beside which a light's own is judged */
-    bool few_rays;             /* lights that matter little beside the others are sampled by a few rays, whatever `sampling` says */
+    /* lights that matter little beside the others are sampled by a few rays, whatever `sampling` says */
+    bool few_rays;
     int max_depth;
     unsigned threads;
 } sl_irradiance_settings;
 
 typedef struct sl_irradiance_meshes sl_irradiance_meshes;
-sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes, sl_error *error);
+sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes,
+                                      sl_error *error);
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *meshes);
 size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *meshes);
 /* Values are F (light_sample.h). */
 const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t light);
 
-/* F of every light at each point, share[i * lights + l]; valid[i] false: the point lies inside other geometry. As many rounds as it takes. */
-sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_face_point *points, float *share, bool *valid,
-                           sl_counters *counters, sl_error *error);
+/* F of every light at each point, share[i * lights + l]; valid[i] false: the point lies inside other
+ * geometry. As many rounds as it takes. */
+sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_face_point *points,
+                           float *share, bool *valid, sl_counters *counters, sl_error *error);
 
-/* From now on what is known will do, whatever depth is wanted: samples are taken only where there is nothing to interpolate. (Or no longer.) */
+/* From now on what is known will do, whatever depth is wanted: samples are taken only where there is nothing
+ * to interpolate. (Or no longer.) */
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *meshes, bool sparing);
 
-/* Takes the world as it is now (settings; topology of the same structure, as many lights) and keeps the samples that are still true. After a
- * failure the meshes can be destroyed, no more. */
-sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *meshes, const sl_irradiance_settings *settings, const sl_irradiance_changes *changes,
-                                      sl_error *error);
+/* Takes the world as it is now (settings; topology of the same structure, as many lights) and keeps the
+ * samples that are still true. After a failure the meshes can be destroyed, no more. */
+sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *meshes, const sl_irradiance_settings *settings,
+                                      const sl_irradiance_changes *changes, sl_error *error);
 
 #endif

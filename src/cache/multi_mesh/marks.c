@@ -1,5 +1,6 @@
-/* What can be seen of the meshes while they are made: their edges as marks, and pictures that samples are made from. Nothing of it without an observer, and
- * with one nothing that the method does is any different. */
+/* What can be seen of the meshes while they are made: their edges as marks, and pictures that samples are
+ * made from. Nothing of it without an observer, and with one nothing that the method does is any different.
+ */
 #include "base/memory.h"
 #include "cache/multi_mesh/displayed_internal.h"
 #include "cache/multi_mesh/explanation.h"
@@ -54,8 +55,10 @@ static sl_mark mark_of(const sl_mesh *mesh, sl_rgb light, uint64_t pair) {
     sl_mesh_point_of(mesh, a, &from);
     sl_mesh_point_of(mesh, b, &to);
     sl_rgb colour = sl_rgb_scale(sl_rgb_add(value_at(mesh, light, a), value_at(mesh, light, b)), 0.5f);
-    return (sl_mark){.kind = SL_MARK_SEGMENT, .at = {from.position.x, from.position.y, from.position.z},
-                     .to = {to.position.x, to.position.y, to.position.z}, .colour = {colour.r, colour.g, colour.b}};
+    return (sl_mark){.kind = SL_MARK_SEGMENT,
+                     .at = {from.position.x, from.position.y, from.position.z},
+                     .to = {to.position.x, to.position.y, to.position.z},
+                     .colour = {colour.r, colour.g, colour.b}};
 }
 
 static void announce_mesh(sl_multi_mesh_state *s, const sl_mesh *mesh, sl_rgb light, const char *name) {
@@ -75,12 +78,16 @@ static void announce_mesh(sl_multi_mesh_state *s, const sl_mesh *mesh, sl_rgb li
 }
 
 void sl_multi_mesh_announce_edges(sl_multi_mesh_state *s, sl_component part) {
-    static const char *const names[SL_COMPONENTS] = {"edges of the direct diffuse mesh", "edges of the direct specular mesh", "edges of the indirect mesh"};
-    if (sl_announcing(&s->announcer) && s->part[part]) announce_mesh(s, s->part[part]->mesh, sl_grey(1.0f), names[part]);
+    static const char *const names[SL_COMPONENTS] = {"edges of the direct diffuse mesh",
+                                                     "edges of the direct specular mesh",
+                                                     "edges of the indirect mesh"};
+    if (sl_announcing(&s->announcer) && s->part[part])
+        announce_mesh(s, s->part[part]->mesh, sl_grey(1.0f), names[part]);
 }
 
 void sl_multi_mesh_announce_lights(sl_multi_mesh_state *s) {
-    static const char *const names[] = {"edges of the first light's irradiance mesh", "edges of the second light's irradiance mesh"};
+    static const char *const names[] = {"edges of the first light's irradiance mesh",
+                                        "edges of the second light's irradiance mesh"};
     if (!sl_announcing(&s->announcer) || !s->irradiance) return;
     for (size_t l = 0; l < s->lights->count && l < sizeof names / sizeof names[0]; l++)
         announce_mesh(s, sl_irradiance_mesh(s->irradiance, l), s->lights->light[l].colour, names[l]);
@@ -103,7 +110,8 @@ void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s) {
         sl_announce_pass(&s->announcer, "identifiers, visible sizes", "image pass 1");
         return;
     }
-    for (size_t i = 0; i < sl_multi_mesh_pixels(s); i++) plane[i] = s->id[i] == SL_NO_INDEX ? -1.0f : (float)s->id[i];
+    for (size_t i = 0; i < sl_multi_mesh_pixels(s); i++)
+        plane[i] = s->id[i] == SL_NO_INDEX ? -1.0f : (float)s->id[i];
     announce_plane(s, "identifiers, visible sizes", "image pass 1", plane);
 }
 
@@ -116,7 +124,8 @@ void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
     const sl_visible_pixels *pixels = s->visible;
     for (size_t e = 0; e < pixels->face_count; e++) {
         float priority = sl_displayed_wants(d, e) ? d->mesh->node[sl_displayed_root(d, e)].priority : 0.0f;
-        for (uint32_t i = 0; i < pixels->face[e].count; i++) plane[pixels->pixel[pixels->face[e].first + i]] = priority;
+        for (uint32_t i = 0; i < pixels->face[e].count; i++)
+            plane[pixels->pixel[pixels->face[e].first + i]] = priority;
     }
     announce_plane(s, "priorities of the roots", "progressive sampling", plane);
 }
@@ -125,8 +134,10 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     const sl_visible_pixels *pixels = s->visible;
     if (!sl_announcing(&s->announcer) || !s->gatherer || !pixels || !pixels->face_count) return;
     size_t widest = 0;
-    for (size_t f = 1; f < pixels->face_count; f++) widest = pixels->face[f].count > pixels->face[widest].count ? f : widest;
-    sl_face_point middle = {.face = pixels->face[widest].face, .p = SL_MESH_DYADIC / 3, .q = SL_MESH_DYADIC / 3};
+    for (size_t f = 1; f < pixels->face_count; f++)
+        widest = pixels->face[f].count > pixels->face[widest].count ? f : widest;
+    sl_face_point middle = {
+        .face = pixels->face[widest].face, .p = SL_MESH_DYADIC / 3, .q = SL_MESH_DYADIC / 3};
     sl_mesh_point point = sl_face_point_in_world(s->topology, &middle);
     sl_counters nobodys = {{0}}; /* no sample of the picture's */
     sl_mesh_gather_take(s->gather, &point, s->gatherer[0].scratch, &nobodys);
@@ -143,18 +154,22 @@ static double half_seen(const sl_multi_mesh_state *s, size_t light, uint32_t ver
     if (mesh->state[vertex] != SL_VERTEX_KNOWN) return 0.0;
     sl_mesh_point_of(mesh, vertex, &at);
     *point = (sl_lit_point){at.position, at.normal, at.geometric_normal, at.triangle};
-    double all = sl_light_unoccluded(&s->lights->light[light], point), share = all > 0.0 ? (double)mesh->value[vertex] / all : 0.0;
+    double all = sl_light_unoccluded(&s->lights->light[light], point),
+           share = all > 0.0 ? (double)mesh->value[vertex] / all : 0.0;
     return share < 0.5 ? share : 1.0 - share;
 }
 
-static void announce_sample(sl_multi_mesh_state *s, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch) {
+static void announce_sample(sl_multi_mesh_state *s, size_t light, const sl_lit_point *point,
+                            sl_light_sample_scratch *scratch) {
     enum { REDUCED = 16 };
     sl_counters nobodys = {{0}};
     sl_light_sample_take(s->sampling, light, point, scratch, &nobodys);
     sl_light_picture picture = sl_light_last_picture(scratch);
     if (!picture.weight) return;
-    sl_announce(&s->announcer, "one light sample", "equation (3)", picture.size, picture.size, 1, picture.weight, true);
-    float *halves = sl_allocate((size_t)picture.size * (size_t)picture.size, sizeof *halves), sums[REDUCED * REDUCED];
+    sl_announce(&s->announcer, "one light sample", "equation (3)", picture.size, picture.size, 1,
+                picture.weight, true);
+    float *halves = sl_allocate((size_t)picture.size * (size_t)picture.size, sizeof *halves),
+          sums[REDUCED * REDUCED];
     if (!halves || picture.size < REDUCED) {
         sl_free(halves);
         return;

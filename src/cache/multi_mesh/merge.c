@@ -29,11 +29,14 @@ static bool front_is_seen(const sl_scene *scene, uint32_t triangle, sl_vec3 eye)
 static sl_rgb emission_seen(const sl_scene *scene, const sl_view *view, uint32_t pixel, uint32_t triangle) {
     if (triangle == SL_NO_INDEX) {
         int x = (int)(pixel % (uint32_t)view->width), y = (int)(pixel / (uint32_t)view->width);
-        return scene->environment.present ? sl_environment_radiance(&scene->environment, sl_view_direction(view, x, y)) : sl_grey(0.0f);
+        return scene->environment.present
+                   ? sl_environment_radiance(&scene->environment, sl_view_direction(view, x, y))
+                   : sl_grey(0.0f);
     }
     const sl_material *material = &scene->materials[scene->material_index[triangle]];
     if (!sl_material_is_emitter(material)) return sl_grey(0.0f);
-    return material->emission_two_sided || front_is_seen(scene, triangle, view->origin) ? material->emission : sl_grey(0.0f);
+    return material->emission_two_sided || front_is_seen(scene, triangle, view->origin) ? material->emission
+                                                                                        : sl_grey(0.0f);
 }
 
 static void resolve_row(void *context, size_t row, unsigned worker) {
@@ -43,7 +46,9 @@ static void resolve_row(void *context, size_t row, unsigned worker) {
     for (size_t i = row * width; i < (row + 1) * width; i++) {
         uint32_t triangle = r->id[i];
         if (r->out->specular[0]) {
-            sl_rgb ks = triangle == SL_NO_INDEX ? sl_grey(0.0f) : r->scene->materials[r->scene->material_index[triangle]].specular;
+            sl_rgb ks = triangle == SL_NO_INDEX
+                            ? sl_grey(0.0f)
+                            : r->scene->materials[r->scene->material_index[triangle]].specular;
             r->out->specular[0][i] = ks.r;
             r->out->specular[1][i] = ks.g;
             r->out->specular[2][i] = ks.b;
@@ -69,9 +74,9 @@ static void give_planes(sl_materials_seen *m, float *planes[3], size_t *next) {
     for (int k = 0; k < 3; k++) planes[k] = m->planes + (*next)++ * (size_t)m->width * (size_t)m->height;
 }
 
-sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const uint32_t *id,
-                               sl_materials_wanted wanted, unsigned threads, sl_materials_seen **materials, sl_counters *counters,
-                               sl_error *error) {
+sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
+                               const uint32_t *id, sl_materials_wanted wanted, unsigned threads,
+                               sl_materials_seen **materials, sl_counters *counters, sl_error *error) {
     *materials = NULL;
     size_t pixels = (size_t)view->width * (size_t)view->height, next = 0;
     size_t planes = 3u + (wanted.specular ? 3u : 0u) + (wanted.emission ? 3u : 0u);
@@ -119,16 +124,19 @@ double sl_materials_glossy_share(const sl_materials_seen *m) {
 
 enum { PICTURE = 0, DIRECT = 3, SPECULAR = 6, INDIRECT = 9, EMISSION = 12, KD = 15, KS = 18, CHANNELS = 21 };
 
-static const char *const channel_names[CHANNELS] = {"R",          "G",          "B",          "direct.R",   "direct.G",   "direct.B",   "specular.R",
-                                                    "specular.G", "specular.B", "indirect.R", "indirect.G", "indirect.B", "emission.R", "emission.G",
-                                                    "emission.B", "kd.R",       "kd.G",       "kd.B",       "ks.R",       "ks.G",       "ks.B"};
+static const char *const channel_names[CHANNELS] = {
+    "R",          "G",          "B",          "direct.R",   "direct.G",   "direct.B",   "specular.R",
+    "specular.G", "specular.B", "indirect.R", "indirect.G", "indirect.B", "emission.R", "emission.G",
+    "emission.B", "kd.R",       "kd.G",       "kd.B",       "ks.R",       "ks.G",       "ks.B"};
 
 typedef struct merging {
     const sl_merge *merge;
     float *out;
 } merging;
 
-static const float *const *planes_or_none(float *const planes[3]) { return planes[0] ? (const float *const *)planes : no_planes; }
+static const float *const *planes_or_none(float *const planes[3]) {
+    return planes[0] ? (const float *const *)planes : no_planes;
+}
 
 /* out = a b scale, or black where there is no a or b. */
 static void product(const float *a, const float *b, float scale, size_t count, float *out) {
@@ -150,13 +158,17 @@ static void merge_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const merging *c = context;
     const sl_merge *m = c->merge;
-    size_t width = (size_t)m->materials->width, height = (size_t)m->materials->height, pixels = width * height;
+    size_t width = (size_t)m->materials->width, height = (size_t)m->materials->height,
+           pixels = width * height;
     size_t from = row * width, to = (height - 1 - row) * width;
-    const float *const *specular = planes_or_none(m->materials->specular), *const *emission = planes_or_none(m->materials->emission);
+    const float *const *specular = planes_or_none(m->materials->specular), *const *emission = planes_or_none(
+                                                                               m->materials->emission);
     for (size_t k = 0; k < 3; k++) {
         const float *kd = m->materials->diffuse[k] + from, *ks = part(specular[k], from);
-        float *direct = c->out + (DIRECT + k) * pixels + to, *highlight = c->out + (SPECULAR + k) * pixels + to;
-        float *indirect = c->out + (INDIRECT + k) * pixels + to, *lamp = c->out + (EMISSION + k) * pixels + to;
+        float *direct = c->out + (DIRECT + k) * pixels + to,
+              *highlight = c->out + (SPECULAR + k) * pixels + to;
+        float *indirect = c->out + (INDIRECT + k) * pixels + to,
+              *lamp = c->out + (EMISSION + k) * pixels + to;
         float *picture = c->out + (PICTURE + k) * pixels + to;
         product(kd, part(m->direct_diffuse[k], from), 1.0f, width, direct);
         product(ks, part(m->direct_specular[k], from), 1.0f, width, highlight);
@@ -164,12 +176,14 @@ static void merge_row(void *context, size_t row, unsigned worker) {
         copy(part(emission[k], from), width, lamp);
         copy(kd, width, c->out + (KD + k) * pixels + to);
         copy(ks, width, c->out + (KS + k) * pixels + to);
-        for (size_t i = 0; i < width; i++) picture[i] = sl_picture_value(((direct[i] + highlight[i]) + indirect[i]) + lamp[i]);
+        for (size_t i = 0; i < width; i++)
+            picture[i] = sl_picture_value(((direct[i] + highlight[i]) + indirect[i]) + lamp[i]);
     }
 }
 
 sl_status sl_merge_picture(const sl_merge *merge, sl_image **image, sl_error *error) {
-    sl_status status = sl_image_create_unset(merge->materials->width, merge->materials->height, CHANNELS, channel_names, image, error);
+    sl_status status = sl_image_create_unset(merge->materials->width, merge->materials->height, CHANNELS,
+                                             channel_names, image, error);
     if (status != SL_OK) return status;
     merging c = {merge, (*image)->planes};
     sl_parallel_for(merge->threads, (size_t)merge->materials->height, merge_row, &c);

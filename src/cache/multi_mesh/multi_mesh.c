@@ -1,14 +1,15 @@
-/* "Multi-mesh caching and hardware sampling for progressive and interactive rendering", in the order of the paper:
+/* "Multi-mesh caching and hardware sampling for progressive and interactive rendering", in the order of the
+ * paper:
  *
  *   image pass 1          identifiers and visible sizes
  *   image pass 2          materials: k_d and k_s
- *   progressive sampling  the roots' vertices; then the leaves that matter most, of three meshes, until no eye can tell more:
- *                         samples of their tests, splits, undo
- *   coarse mesh           of all surfaces, some vertices an update: when it is whole indirect light has a mesh, too
- *   image pass 3          Gouraud: a picture of each mesh
- *   image pass 4          merge: L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e
+ *   progressive sampling  the roots' vertices; then the leaves that matter most, of three meshes, until no
+ * eye can tell more: samples of their tests, splits, undo coarse mesh           of all surfaces, some
+ * vertices an update: when it is whole indirect light has a mesh, too image pass 3          Gouraud: a
+ * picture of each mesh image pass 4          merge: L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e
  *
- * Samples are equations (3), a light's irradiance, (4) and (6), direct radiance, and (7), indirect irradiance. */
+ * Samples are equations (3), a light's irradiance, (4) and (6), direct radiance, and (7), indirect
+ * irradiance. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 #include "cache/multi_mesh/explanation.h"
 
@@ -29,17 +30,23 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = sl_raster_id(s->raster, &view, threads, &target, &s->counters, error);
     sl_visible_pixels *before = s->visible; /* which the meshes still hold */
     s->visible = NULL;
-    if (status == SL_OK) status = sl_visible_pixels_sort(s->scene, s->raster, &view, s->id, threads, &s->visible, &s->counters, error);
+    if (status == SL_OK)
+        status = sl_visible_pixels_sort(s->scene, s->raster, &view, s->id, threads, &s->visible, &s->counters,
+                                        error);
     sl_multi_mesh_announce_ids(s);
     sl_materials_destroy(s->materials);
     s->materials = NULL;
     sl_materials_wanted wanted = {false, false};
     if (status == SL_OK) wanted = sl_multi_mesh_materials_in_view(s);
     if (status == SL_OK)
-        status = sl_materials_resolve(s->scene, s->raster, &view, s->id, wanted, threads, &s->materials, &s->counters, error);
-    if (status == SL_OK) sl_announce(&s->announcer, "material: k_d", "image pass 2", s->settings.width, s->settings.height, 3, s->materials->diffuse[0], true);
+        status = sl_materials_resolve(s->scene, s->raster, &view, s->id, wanted, threads, &s->materials,
+                                      &s->counters, error);
+    if (status == SL_OK)
+        sl_announce(&s->announcer, "material: k_d", "image pass 2", s->settings.width, s->settings.height, 3,
+                    s->materials->diffuse[0], true);
     if (status == SL_OK && wanted.specular)
-        sl_announce(&s->announcer, "material: k_s", "image pass 2", s->settings.width, s->settings.height, 3, s->materials->specular[0], true);
+        sl_announce(&s->announcer, "material: k_s", "image pass 2", s->settings.width, s->settings.height, 3,
+                    s->materials->specular[0], true);
     if (status == SL_OK) status = sl_multi_mesh_see(s, error);
     sl_visible_pixels_destroy(before);
     s->priorities_stale = false;
@@ -62,7 +69,8 @@ static void put_value(sl_displayed *part, uint32_t vertex, sl_rgb value, bool va
 }
 
 /* Radiance of one vertex from its lights' shares. */
-static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint32_t vertex, const float *share) {
+static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint32_t vertex,
+                           const float *share) {
     if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(s->lights, share); /* equation (4) */
     sl_mesh_point point;
     sl_mesh_point_of(s->part[part]->mesh, vertex, &point);
@@ -70,33 +78,41 @@ static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint
     return sl_direct_specular(s->lights, share, &point, exponent, s->scene->camera.eye); /* equation (6) */
 }
 
-/* Returns the depth to which a light's mesh is cut whatever its edges say. A leaf's edges have their middles sampled, so its samples are as close to each other as corners
- * of leaves a level deeper: several lights' meshes are left that much coarser, which for the same error takes a quarter to a third of the samples of eight
- * lights away (bench_mesh_joint). With one light samples where nothing changes are few (in the room 8 %, at 5 % more error). */
+/* Returns the depth to which a light's mesh is cut whatever its edges say. A leaf's edges have their middles
+ * sampled, so its samples are as close to each other as corners of leaves a level deeper: several lights'
+ * meshes are left that much coarser, which for the same error takes a quarter to a third of the samples of
+ * eight lights away (bench_mesh_joint). With one light samples where nothing changes are few (in the room 8
+ * %, at 5 % more error). */
 static int irradiance_depth(const sl_multi_mesh_state *s, int wanted) {
     if (s->settings.multi_mesh.joint_mesh) return SL_MESH_DEPTH_MAX;
     return s->lights->count > 1 ? wanted - 1 : wanted;
 }
 
-static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t count, const sl_wanted_vertex *wanted, sl_error *error) {
+static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t count,
+                               const sl_wanted_vertex *wanted, sl_error *error) {
     size_t lights = s->lights->count;
     sl_face_point *points = sl_allocate(count, sizeof *points);
     float *share = sl_allocate(count * lights, sizeof *share);
     bool *valid = sl_allocate(count, sizeof *valid);
     sl_status status = points && share && valid ? SL_OK : sl_fail_memory(error, "samples");
     for (size_t i = 0; i < count && status == SL_OK; i++) {
-        points[i] = sl_vertex_face_point(s->part[part]->mesh, wanted[i].vertex, irradiance_depth(s, wanted[i].wanted_depth), wanted[i].leaf);
+        points[i] = sl_vertex_face_point(s->part[part]->mesh, wanted[i].vertex,
+                                         irradiance_depth(s, wanted[i].wanted_depth), wanted[i].leaf);
     }
-    if (status == SL_OK) status = sl_irradiance_at(s->irradiance, count, points, share, valid, &s->counters, error); /* equation (3) */
+    /* equation (3) */
+    if (status == SL_OK)
+        status = sl_irradiance_at(s->irradiance, count, points, share, valid, &s->counters, error);
     for (size_t i = 0; i < count && status == SL_OK; i++)
-        put_value(s->part[part], wanted[i].vertex, direct_value(s, part, wanted[i].vertex, &share[i * lights]), valid[i], &s->counters);
+        put_value(s->part[part], wanted[i].vertex,
+                  direct_value(s, part, wanted[i].vertex, &share[i * lights]), valid[i], &s->counters);
     sl_free(valid);
     sl_free(share);
     sl_free(points);
     return status;
 }
 
-static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_wanted_vertex *wanted, sl_error *error) {
+static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_wanted_vertex *wanted,
+                                 sl_error *error) {
     sl_displayed *part = s->part[SL_INDIRECT];
     sl_mesh_point *points = sl_allocate(count, sizeof *points);
     sl_rgb *irradiance = sl_allocate(count, sizeof *irradiance);
@@ -105,19 +121,23 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
     for (size_t i = 0; i < count && status == SL_OK; i++) {
         bool moved;
         sl_mesh_point_of(part->mesh, wanted[i].vertex, &points[i]);
-        valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, wanted[i].vertex, wanted[i].leaf, &points[i], &moved, &s->counters);
+        valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, wanted[i].vertex, wanted[i].leaf,
+                                                &points[i], &moved, &s->counters);
     }
     if (status == SL_OK) sl_multi_mesh_gather(s, count, points, irradiance); /* equation (7) */
-    for (size_t i = 0; i < count && status == SL_OK; i++) put_value(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);
+    for (size_t i = 0; i < count && status == SL_OK; i++)
+        put_value(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);
     sl_free(valid);
     sl_free(irradiance);
     sl_free(points);
     return status;
 }
 
-sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t count, const sl_wanted_vertex *wanted, sl_error *error) {
+sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t count,
+                               const sl_wanted_vertex *wanted, sl_error *error) {
     if (count == 0) return SL_OK;
-    return part == SL_INDIRECT ? sample_indirect(s, count, wanted, error) : sample_direct(s, part, count, wanted, error);
+    return part == SL_INDIRECT ? sample_indirect(s, count, wanted, error)
+                               : sample_direct(s, part, count, wanted, error);
 }
 
 /* ---- progressive sampling: the first picture, from the roots alone ---- */
@@ -129,7 +149,8 @@ static sl_status fill_missing(sl_multi_mesh_state *s, sl_component part, bool *n
     size_t count = sl_displayed_missing(s->part[part], vertex, face, FIRST_VERTICES);
     *none = count < FIRST_VERTICES;
     s->priorities_stale |= count > 0;
-    for (size_t i = 0; i < count; i++) wanted[i] = (sl_wanted_vertex){vertex[i], 0, sl_mesh_face_middle(face[i])};
+    for (size_t i = 0; i < count; i++)
+        wanted[i] = (sl_wanted_vertex){vertex[i], 0, sl_mesh_face_middle(face[i])};
     return sl_multi_mesh_sample(s, part, count, wanted, error);
 }
 
@@ -143,7 +164,8 @@ static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
         all = all && none;
     }
     if (!all) return SL_OK;
-    for (int i = 0; i < SL_COMPONENTS; i++) /* in a view seen before they are as sl_displayed_see() has set them */
+    for (int i = 0; i < SL_COMPONENTS;
+         i++) /* in a view seen before they are as sl_displayed_see() has set them */
         if (sl_multi_mesh_takes_part(s, i) && s->priorities_stale) sl_displayed_prioritise(s->part[i]);
     sl_announce_pass(&s->announcer, "vertices of the roots", "progressive sampling");
     sl_multi_mesh_announce_priorities(s);
@@ -197,25 +219,29 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
         if (status != SL_OK) return status;
         int depth = sl_displayed_wanted_depth(mesh, &place);
         sl_leaf_middle leaf = sl_mesh_leaf_middle(&place);
-        for (size_t i = 0; i < count; i++) r->wanted[part][r->wanted_count[part]++] = (sl_wanted_vertex){vertex[i], depth, leaf};
+        for (size_t i = 0; i < count; i++)
+            r->wanted[part][r->wanted_count[part]++] = (sl_wanted_vertex){vertex[i], depth, leaf};
     }
     return SL_OK;
 }
 
 static sl_status serve_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *error) {
     sl_status status = take_leaves(s, r, error);
-    for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++) status = sl_multi_mesh_sample(s, (sl_component)i, r->wanted_count[i], r->wanted[i], error);
+    for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
+        status = sl_multi_mesh_sample(s, (sl_component)i, r->wanted_count[i], r->wanted[i], error);
     if (status == SL_OK) sl_multi_mesh_probe(s, r->probed_count, r->probed);
     for (size_t i = 0; i < r->leaf_count && status == SL_OK; i++)
         status = sl_displayed_commit(s->part[r->leaf[i].part], &r->leaf[i].place, &s->counters, error);
     for (size_t i = 0; i < r->probed_count && status == SL_OK; i++)
-        status = sl_displayed_probed(s->part[r->probed[i].part], &r->probed[i].place, r->probed[i].contradicted, &s->counters, error);
+        status = sl_displayed_probed(s->part[r->probed[i].part], &r->probed[i].place,
+                                     r->probed[i].contradicted, &s->counters, error);
     return status;
 }
 
 static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error) {
     size_t batch = (size_t)s->settings.multi_mesh.batch;
-    refinement r = {.leaf = sl_allocate(batch, sizeof *r.leaf), .probed = sl_allocate(batch, sizeof *r.probed)};
+    refinement r = {.leaf = sl_allocate(batch, sizeof *r.leaf),
+                    .probed = sl_allocate(batch, sizeof *r.probed)};
     sl_status status = r.leaf && r.probed ? SL_OK : sl_fail_memory(error, "a batch");
     for (int i = 0; i < SL_COMPONENTS; i++) {
         r.wanted[i] = sl_allocate(batch * LEAF_VERTICES, sizeof *r.wanted[i]);
@@ -237,7 +263,8 @@ static void end_picture(sl_multi_mesh_state *s) {
     s->phase = SL_PHASE_DONE;
 }
 
-/* Leaves were judged by the other components as they were then. Before the end all are judged by what there is now. */
+/* Leaves were judged by the other components as they were then. Before the end all are judged by what there
+ * is now. */
 static bool look_again(sl_multi_mesh_state *s) {
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (sl_multi_mesh_takes_part(s, i)) sl_displayed_prioritise(s->part[i]);
@@ -258,7 +285,8 @@ static sl_status refine_and_extend(sl_multi_mesh_state *s, sl_error *error) {
 
 sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error) {
     sl_multi_mesh_state *s = state;
-    if (!s->raster) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    if (!s->raster)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = SL_OK;
     switch (s->phase) {
     case SL_PHASE_VIEW: status = draw_view(s, error); break;
@@ -274,27 +302,33 @@ sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *err
 /* ---- image pass 3: Gouraud; image pass 4: merge ---- */
 
 static void draw_parts(sl_multi_mesh_state *s, sl_merge *merge) {
-    static const char *const names[SL_COMPONENTS] = {"direct diffuse radiance", "direct specular radiance", "indirect irradiance"};
+    static const char *const names[SL_COMPONENTS] = {"direct diffuse radiance", "direct specular radiance",
+                                                     "indirect irradiance"};
     for (int i = 0; i < SL_COMPONENTS; i++) {
         if (!sl_is_in_view(s->part[i])) continue;
         sl_rgb fallback = i == SL_INDIRECT ? s->ambient : sl_grey(0.0f);
         sl_displayed_draw(s->part[i], s->settings.threads, fallback, s->planes[i], &s->counters);
-        sl_announce(&s->announcer, names[i], "image pass 3", s->settings.width, s->settings.height, 3, s->planes[i][0], true);
+        sl_announce(&s->announcer, names[i], "image pass 3", s->settings.width, s->settings.height, 3,
+                    s->planes[i][0], true);
         sl_multi_mesh_announce_edges(s, (sl_component)i);
-        const float **target = i == SL_DIRECT_DIFFUSE ? merge->direct_diffuse : i == SL_DIRECT_SPECULAR ? merge->direct_specular : merge->indirect;
+        const float **target = i == SL_DIRECT_DIFFUSE    ? merge->direct_diffuse
+                               : i == SL_DIRECT_SPECULAR ? merge->direct_specular
+                                                         : merge->indirect;
         for (int k = 0; k < 3; k++) target[k] = s->planes[i][k];
     }
 }
 
 sl_status sl_multi_mesh_resolve(void *state, sl_image **image, sl_error *error) {
     sl_multi_mesh_state *s = state;
-    if (!s->materials) return sl_image_create(s->settings.width, s->settings.height, 3, NULL, image, error); /* nothing is seen yet */
+    /* nothing is seen yet */
+    if (!s->materials) return sl_image_create(s->settings.width, s->settings.height, 3, NULL, image, error);
     sl_merge merge = {.materials = s->materials, .threads = s->settings.threads};
     draw_parts(s, &merge);
     sl_status status = sl_merge_picture(&merge, image, error);
     if (status == SL_OK) status = sl_multi_mesh_warn_of_lobes(s, *image, error);
     sl_multi_mesh_announce_lights(s);
     const float *planes = status == SL_OK ? (*image)->planes : NULL;
-    sl_announce(&s->announcer, "merge", "image pass 4", s->settings.width, s->settings.height, planes ? 3 : 0, planes, false);
+    sl_announce(&s->announcer, "merge", "image pass 4", s->settings.width, s->settings.height, planes ? 3 : 0,
+                planes, false);
     return status;
 }

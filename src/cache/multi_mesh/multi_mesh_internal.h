@@ -42,7 +42,8 @@ typedef struct sl_multi_mesh_state {
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
     size_t coarse_done;             /* vertices of the coarse mesh that are there, */
     sl_rgb *coarse_direct;          /* U_dd of lamps at the coarse mesh's vertices, and ... */
-    sl_rgb *coarse_indirect;        /* ... E_i of the environment or a second bounce; NULL: not yet, or the coarse mesh is whole */
+    /* ... E_i of the environment or a second bounce; NULL: not yet, or the coarse mesh is whole */
+    sl_rgb *coarse_indirect;
     uint32_t coarse_gathers;        /* rounds of these that are left */
     bool coarse_judged, coarse_whole; /* cut where its light says so */
 
@@ -53,10 +54,11 @@ typedef struct sl_multi_mesh_state {
     float *planes[SL_COMPONENTS][3];
     float *plane_memory;
 
-    sl_camera done[SL_DONE_VIEWS];  /* the last views that were refined to their end since lights and objects have been where they are: */
+    /* the last views that were refined to their end since lights and objects have been where they are: */
+    sl_camera done[SL_DONE_VIEWS];
     size_t done_count;              /* ... in turn, at done_count % SL_DONE_VIEWS */
-    bool seen_before;               /* the view is one of them: only specular radiance, which starts again, is refined, from
-                                       what is known of irradiance */
+    bool seen_before; /* the view is one of them: only specular radiance, which starts again, is refined, from
+                         what is known of irradiance */
 
     sl_mesh_phase phase;
     bool full;                      /* settings.memory_bytes is taken: no more splits */
@@ -69,7 +71,9 @@ typedef struct sl_multi_mesh_state {
     sl_announcer announcer;
 } sl_multi_mesh_state;
 
-static inline size_t sl_multi_mesh_pixels(const sl_multi_mesh_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
+static inline size_t sl_multi_mesh_pixels(const sl_multi_mesh_state *s) {
+    return (size_t)s->settings.width * (size_t)s->settings.height;
+}
 static inline const sl_material *sl_face_material(const sl_scene *scene, uint32_t face) {
     return &scene->materials[scene->material_index[face / 2]];
 }
@@ -82,7 +86,8 @@ static inline bool sl_is_in_view(const sl_displayed *part) { return part && part
 
 /* ---- state.c ---- */
 
-/* Tells whether a mesh is refined: not one that was in the same view before, nor indirect light without a coarse mesh. */
+/* Tells whether a mesh is refined: not one that was in the same view before, nor indirect light without a
+ * coarse mesh. */
 bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part);
 /* Hands the view to the meshes and clears their planes. */
 sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error);
@@ -126,7 +131,8 @@ void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_probed_leaf *l
 /* ---- coarse_rounds.c ---- */
 
 /* Irradiance that points gather from the coarse mesh. */
-void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points, sl_rgb *irradiance);
+void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points,
+                          sl_rgb *irradiance);
 /* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins. */
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error);
 

@@ -1,5 +1,5 @@
-/* Visible sizes (image pass 1): a counting sort of the id map's pixels by the faces that they show, and within a face by the way down
- * its quadtree. */
+/* Visible sizes (image pass 1): a counting sort of the id map's pixels by the faces that they show, and
+ * within a face by the way down its quadtree. */
 #include "cache/multi_mesh/pixels.h"
 
 #include <stdatomic.h>
@@ -12,7 +12,12 @@
 #include "cache/multi_mesh/path_kernels.h"
 #include "scene/surface_rules.h"
 
-enum { STRIP = SL_GOURAUD_STRIP, SHORT_LIST = 24, PATH_SHIFT = 32, TOP_SHIFT = PATH_SHIFT + 2 * SL_PATH_LEVELS - 4 };
+enum {
+    STRIP = SL_GOURAUD_STRIP,
+    SHORT_LIST = 24,
+    PATH_SHIFT = 32,
+    TOP_SHIFT = PATH_SHIFT + 2 * SL_PATH_LEVELS - 4
+};
 
 typedef struct sort_job {
     const sl_scene *scene;
@@ -20,7 +25,8 @@ typedef struct sort_job {
     const sl_view *view;
     const uint32_t *id;
     size_t pixel_count, strips;
-    size_t *strip_start;           /* in the arrays below: pixels that show something, as they lie on the screen */
+    /* in the arrays below: pixels that show something, as they lie on the screen */
+    size_t *strip_start;
     uint32_t *pixel, *face;
     float *w1, *w2;
     uint32_t *path;                /* out's, until all have gone into keys */
@@ -34,11 +40,13 @@ static void count_strip(void *context, size_t strip, unsigned worker) {
     (void)worker;
     sort_job *j = context;
     size_t shown = 0;
-    for (size_t i = strip * STRIP; i < j->pixel_count && i < (strip + 1) * STRIP; i++) shown += j->id[i] != SL_NO_INDEX;
+    for (size_t i = strip * STRIP; i < j->pixel_count && i < (strip + 1) * STRIP; i++)
+        shown += j->id[i] != SL_NO_INDEX;
     j->strip_start[strip + 1] = shown;
 }
 
-/* Sides as sl_scene_surface() has them. Where the eye is not close to the triangle's plane one pixel says it for all. */
+/* Sides as sl_scene_surface() has them. Where the eye is not close to the triangle's plane one pixel says it
+ * for all. */
 typedef struct side_seen {
     uint32_t triangle, back;
     bool clear;
@@ -46,13 +54,16 @@ typedef struct side_seen {
 
 static side_seen side_of(const sort_job *j, uint32_t triangle, float w1, float w2) {
     const sl_scene *s = j->scene;
-    sl_vec3 a = sl_scene_position(s, s->vertex[0][triangle]), b = sl_scene_position(s, s->vertex[1][triangle]),
+    sl_vec3 a = sl_scene_position(s, s->vertex[0][triangle]),
+            b = sl_scene_position(s, s->vertex[1][triangle]),
             c = sl_scene_position(s, s->vertex[2][triangle]), n = sl_scene_geometric_normal(s, triangle);
-    sl_vec3 p = sl_v3(sl_interpolate(a.x, b.x - a.x, c.x - a.x, w1, w2), sl_interpolate(a.y, b.y - a.y, c.y - a.y, w1, w2),
+    sl_vec3 p = sl_v3(sl_interpolate(a.x, b.x - a.x, c.x - a.x, w1, w2),
+                      sl_interpolate(a.y, b.y - a.y, c.y - a.y, w1, w2),
                       sl_interpolate(a.z, b.z - a.z, c.z - a.z, w1, w2));
     sl_vec3 to_eye = sl_sub(j->view->origin, p);
     float reach = sl_length(to_eye) + sl_length(sl_sub(b, a)) + sl_length(sl_sub(c, a)) + sl_length(p);
-    return (side_seen){triangle, sl_side_seen(n, to_eye) < 0.0f, fabsf(sl_dot(n, to_eye)) > 1e-4f * (reach + s->scale)};
+    return (side_seen){triangle, sl_side_seen(n, to_eye) < 0.0f,
+                       fabsf(sl_dot(n, to_eye)) > 1e-4f * (reach + s->scale)};
 }
 
 /* From i on, pixels beside each other that show one face: where they end. */
@@ -73,7 +84,8 @@ static void corner_places(const void *context, uint32_t triangle, float *value) 
 /* A strip's pixels: weights, face, path; counts those of each face. */
 static void resolve_strip(void *context, const sl_gouraud_pixels *pixels) {
     sort_job *j = context;
-    size_t strip = pixels->first / STRIP, first = j->strip_start[strip], end = j->strip_start[strip + 1], at = first;
+    size_t strip = pixels->first / STRIP, first = j->strip_start[strip], end = j->strip_start[strip + 1],
+           at = first;
     for (size_t i = 0; i < pixels->count; i++) {
         if (pixels->id[i] == SL_NO_INDEX) continue;
         j->pixel[at] = (uint32_t)(pixels->first + i);
@@ -98,7 +110,8 @@ static void resolve_strip(void *context, const sl_gouraud_pixels *pixels) {
 static sl_status list_faces(sort_job *j, sl_error *error) {
     sl_visible_pixels *out = j->out;
     size_t faces = 2 * j->scene->triangle_count, visible = 0;
-    for (size_t f = 0; f < faces; f++) visible += atomic_load_explicit(&j->of_face[f], memory_order_relaxed) != 0;
+    for (size_t f = 0; f < faces; f++)
+        visible += atomic_load_explicit(&j->of_face[f], memory_order_relaxed) != 0;
     out->face = sl_allocate(visible, sizeof *out->face);
     if (!out->face) return sl_fail_memory(error, "visible sizes");
     uint32_t first = 0;
@@ -119,7 +132,8 @@ static void deal_strip(void *context, size_t strip, unsigned worker) {
     size_t end = j->strip_start[strip + 1];
     for (size_t i = j->strip_start[strip], next; i < end;) {
         next = end_of_run(j, i, end);
-        unsigned at = atomic_fetch_add_explicit(&j->of_face[j->face[i]], (unsigned)(next - i), memory_order_relaxed);
+        unsigned at =
+            atomic_fetch_add_explicit(&j->of_face[j->face[i]], (unsigned)(next - i), memory_order_relaxed);
         for (; i < next; i++) j->key[at++] = (uint64_t)j->path[i] << PATH_SHIFT | i;
     }
 }
@@ -146,7 +160,8 @@ static void sort_by_path(uint64_t *key, uint64_t *spare, size_t count, int shift
     memcpy(next, start, sizeof next);
     for (size_t i = 0; i < count; i++) spare[next[key[i] >> shift & 15]++] = key[i];
     memcpy(key, spare, count * sizeof *key);
-    for (int b = 0; b < 16; b++) sort_by_path(key + start[b], spare + start[b], start[b + 1] - start[b], shift - 4);
+    for (int b = 0; b < 16; b++)
+        sort_by_path(key + start[b], spare + start[b], start[b + 1] - start[b], shift - 4);
 }
 
 static void sort_share(void *context, size_t share, unsigned worker) {
@@ -183,7 +198,8 @@ static bool allocate(sort_job *j) {
     out->path = j->path = sl_allocate_unset(n, sizeof *out->path);
     out->w1 = sl_allocate_unset(n, sizeof *out->w1);
     out->w2 = sl_allocate_unset(n, sizeof *out->w2);
-    return j->pixel && j->face && j->w1 && j->w2 && j->key && j->spare && j->of_face && out->entry_of_face && out->pixel && out->path && out->w1 && out->w2;
+    return j->pixel && j->face && j->w1 && j->w2 && j->key && j->spare && j->of_face && out->entry_of_face &&
+           out->pixel && out->path && out->w1 && out->w2;
 }
 
 static void release(sort_job *j) {
@@ -205,7 +221,8 @@ static sl_status sort(sort_job *j, unsigned threads, sl_counters *counters, sl_e
     for (size_t s = 0; s < j->strips; s++) j->strip_start[s + 1] += j->strip_start[s];
     out->count = j->strip_start[j->strips];
     if (!allocate(j)) return sl_fail_memory(error, "visible pixels");
-    const sl_gouraud_pass pass = {.channels = 2, .corners = corner_places, .shade = resolve_strip, .context = j};
+    const sl_gouraud_pass pass = {
+        .channels = 2, .corners = corner_places, .shade = resolve_strip, .context = j};
     sl_raster_gouraud(j->raster, j->view, threads, j->id, &pass, counters);
     sl_status status = list_faces(j, error);
     if (status != SL_OK) return status;
@@ -214,15 +231,21 @@ static sl_status sort(sort_job *j, unsigned threads, sl_counters *counters, sl_e
     return SL_OK;
 }
 
-sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const uint32_t *id, unsigned threads,
-                                 sl_visible_pixels **pixels, sl_counters *counters, sl_error *error) {
+sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
+                                 const uint32_t *id, unsigned threads, sl_visible_pixels **pixels,
+                                 sl_counters *counters, sl_error *error) {
     sl_visible_pixels *out = sl_allocate(1, sizeof *out);
     if (!out) return sl_fail_memory(error, "visible pixels");
     out->width = view->width;
     out->height = view->height;
     out->view = *view;
-    sort_job job = {.scene = scene, .raster = raster, .view = view, .id = id, .pixel_count = (size_t)view->width * (size_t)view->height,
-                    .paths = sl_path_kernel_for(sl_isa_best()), .out = out};
+    sort_job job = {.scene = scene,
+                    .raster = raster,
+                    .view = view,
+                    .id = id,
+                    .pixel_count = (size_t)view->width * (size_t)view->height,
+                    .paths = sl_path_kernel_for(sl_isa_best()),
+                    .out = out};
     job.strips = (job.pixel_count + STRIP - 1) / STRIP;
     sl_status status = sort(&job, sl_thread_count(threads), counters, error);
     release(&job);
@@ -257,7 +280,9 @@ static size_t entry_from(const sl_visible_pixels *pixels, size_t first) {
 
 void sl_visible_share(const sl_visible_pixels *pixels, size_t share, size_t *begin, size_t *end) {
     *begin = entry_from(pixels, pixels->count * share / SL_VISIBLE_SHARES);
-    *end = share + 1 == SL_VISIBLE_SHARES ? pixels->face_count : entry_from(pixels, pixels->count * (share + 1) / SL_VISIBLE_SHARES);
+    *end = share + 1 == SL_VISIBLE_SHARES
+               ? pixels->face_count
+               : entry_from(pixels, pixels->count * (share + 1) / SL_VISIBLE_SHARES);
 }
 
 uint32_t sl_visible_from_path(const sl_visible_pixels *pixels, uint32_t first, uint32_t end, uint32_t path) {

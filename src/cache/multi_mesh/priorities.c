@@ -1,14 +1,16 @@
-/* Which leaf matters most to the eye: P = n_px (delta + delta_0), the pixels that show it times what they may be wrong by. delta is the largest
- * difference between the colours at its corners in units of what an eye can tell; delta_0 keeps a leaf in the race that is too large for
- * its corners to say what lies between them. Inner nodes have the largest of their children's. */
+/* Which leaf matters most to the eye: P = n_px (delta + delta_0), the pixels that show it times what they may
+ * be wrong by. delta is the largest difference between the colours at its corners in units of what an eye can
+ * tell; delta_0 keeps a leaf in the race that is too large for its corners to say what lies between them.
+ * Inner nodes have the largest of their children's. */
 #include "cache/multi_mesh/displayed_internal.h"
 
 #include "base/parallel.h"
 
-/* delta_0 while the size criterion is unmet, or an edge is known to need a cut; and for leaves that are small enough, but with edges that
- * nobody has looked at: corners of the same colour do not say that nothing is between them. These come last.
- * A leaf that is too large may be wrong by more than its corners: with 4 instead of 1/4 the room's picture (640 x 480, normal) has two thirds of the
- * trimmed relative squared error at 13,000 to 30,000 samples of direct light, nine tenths before and after, and the same at its end. */
+/* delta_0 while the size criterion is unmet, or an edge is known to need a cut; and for leaves that are small
+ * enough, but with edges that nobody has looked at: corners of the same colour do not say that nothing is
+ * between them. These come last. A leaf that is too large may be wrong by more than its corners: with 4
+ * instead of 1/4 the room's picture (640 x 480, normal) has two thirds of the trimmed relative squared error
+ * at 13,000 to 30,000 samples of direct light, nine tenths before and after, and the same at its end. */
 static const float TOO_LARGE = 4.0f, UNTESTED = 1.0f / 64.0f;
 /* No more can be told apart than black from white, at the smallest of thresholds that make sense. */
 static const float CONTRAST_MAX = 25500.0f;
@@ -41,13 +43,17 @@ bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf
 
 int sl_displayed_wanted_depth(const sl_displayed *d, const sl_mesh_place *leaf) {
     if (!d->pixels) return leaf->depth;
-    if (sl_displayed_is_contradicted(d, leaf) || sl_displayed_below_contradicted(d, leaf)) return leaf->depth + 1;
+    if (sl_displayed_is_contradicted(d, leaf) || sl_displayed_below_contradicted(d, leaf))
+        return leaf->depth + 1;
     sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
     sl_screen_size size = sl_displayed_size(d, &clip, leaf);
     float area = size.area / d->settings.leaf_area, edge = size.edge / d->settings.leaf_edge;
     int depth = leaf->depth;
-    for (; depth > 0 && 4.0f * area <= 1.0f && 2.0f * edge <= 1.0f; depth--, area *= 4.0f, edge *= 2.0f) continue;
-    for (; depth < d->settings.max_depth && (area > 1.0f || edge > 1.0f); depth++, area *= 0.25f, edge *= 0.5f) continue;
+    for (; depth > 0 && 4.0f * area <= 1.0f && 2.0f * edge <= 1.0f; depth--, area *= 4.0f, edge *= 2.0f)
+        continue;
+    for (; depth < d->settings.max_depth && (area > 1.0f || edge > 1.0f);
+         depth++, area *= 0.25f, edge *= 0.5f)
+        continue;
     return depth;
 }
 
@@ -62,21 +68,26 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
         uint32_t v = node->vertex[i];
         if (mesh->state[v] != SL_VERTEX_KNOWN) continue;
         const float *value = &mesh->value[3 * (size_t)v], unit = 1.0f / (float)SL_MESH_DYADIC;
-        sl_rgb shown = d->settings.shown.radiance(d->settings.shown.context, d->settings.component, leaf->face, (float)leaf->p[i] * unit,
-                                                  (float)leaf->q[i] * unit, (sl_rgb){value[0], value[1], value[2]});
+        sl_rgb shown = d->settings.shown.radiance(
+            d->settings.shown.context, d->settings.component, leaf->face, (float)leaf->p[i] * unit,
+            (float)leaf->q[i] * unit, (sl_rgb){value[0], value[1], value[2]});
         const float radiance[3] = {shown.r, shown.g, shown.b};
-        for (int c = 0; c < 3; c++) level[known][c] = sl_display_level(d->settings.perception.exposure, radiance[c]);
+        for (int c = 0; c < 3; c++)
+            level[known][c] = sl_display_level(d->settings.perception.exposure, radiance[c]);
         for (int j = 0; j < known; j++)
-            for (int c = 0; c < 3; c++) most = fmaxf(most, sl_levels_contrast(&d->settings.perception, level[known][c], level[j][c]));
+            for (int c = 0; c < 3; c++)
+                most = fmaxf(most, sl_levels_contrast(&d->settings.perception, level[known][c], level[j][c]));
         known++;
     }
     return fminf(most, CONTRAST_MAX);
 }
 
-static bool is_minor(const sl_displayed *d, uint32_t pixels, float contrast) { return (float)pixels * contrast < d->settings.minor_contrast; }
+static bool is_minor(const sl_displayed *d, uint32_t pixels, float contrast) {
+    return (float)pixels * contrast < d->settings.minor_contrast;
+}
 
-/* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known, nor is what a
- * probe has told of. */
+/* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known, nor is
+ * what a probe has told of. */
 static bool may_be_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
     bool few = d->mesh->node[leaf->node].pixels < d->settings.minor_pixels && !sl_has_hidden_corner(d, leaf);
     return few && !sl_displayed_is_contradicted(d, leaf) && !sl_displayed_below_contradicted(d, leaf);
@@ -84,27 +95,35 @@ static bool may_be_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
 
 bool sl_displayed_is_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
-    return may_be_minor(d, leaf) && (sl_was_minor(node) || is_minor(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
+    return may_be_minor(d, leaf) &&
+           (sl_was_minor(node) || is_minor(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
 }
 
 void sl_displayed_settle(sl_displayed *d) {
     for (uint32_t n = 0; n < d->mesh->node_count; n++) {
         sl_mesh_node *node = &d->mesh->node[n];
-        bool judged = sl_mesh_is_used(d->mesh, n) && node->child == SL_NO_INDEX && !(node->flags & SL_NODE_SETTLED) && !sl_all_edges_closed(node);
-        if (judged && node->pixels > 1 && node->pixels < d->settings.minor_pixels && node->pixels > sl_mesh_minor(node)) sl_mesh_set_minor(node, node->pixels);
+        bool judged = sl_mesh_is_used(d->mesh, n) && node->child == SL_NO_INDEX &&
+                      !(node->flags & SL_NODE_SETTLED) && !sl_all_edges_closed(node);
+        if (judged && node->pixels > 1 && node->pixels < d->settings.minor_pixels &&
+            node->pixels > sl_mesh_minor(node))
+            sl_mesh_set_minor(node, node->pixels);
     }
 }
 
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
-    bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node), unprobed = sl_is_unprobed(d, node);
-    if ((node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed && !unprobed)) return 0.0f; /* most often so, and quick to tell */
+    bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node),
+         unprobed = sl_is_unprobed(d, node);
+    /* most often so, and quick to tell */
+    if ((node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed && !unprobed)) return 0.0f;
     if (!sl_may_split_but_for_minor(d, leaf)) return 0.0f;
     if (unprobed) return (float)node->pixels * UNTESTED;
     bool minor = may_be_minor(d, leaf);
     if (minor && sl_was_minor(node)) return 0.0f;
     float contrast = sl_displayed_corner_contrast(d, leaf);
-    return minor && is_minor(d, node->pixels, contrast) ? 0.0f : (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
+    return minor && is_minor(d, node->pixels, contrast)
+               ? 0.0f
+               : (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
 }
 
 /* ---- up to the roots ---- */

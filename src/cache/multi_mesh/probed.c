@@ -1,8 +1,10 @@
-/* Leaves that are probed. A leaf whose edges agree says nothing of what lies between them, and leaves may be larger than the smallest shadow that an eye
- * looks for. To make them smaller costs samples everywhere; to look whether it would show something costs a ray. So a leaf that is closed, and larger than the
- * finest of size criteria, is probed once: the caller looks at some of its pixels. Where one tells of something that the corners do not know, the leaf
- * counts as too large after all. It is cut, and its children in turn, until corners tell or they are as small as that; what is cut in
- * vain is undone like any other cut for the sake of size.
+/* Leaves that are probed. A leaf whose edges agree says nothing of what lies between them, and leaves may be
+ * larger than the smallest shadow that an eye looks for. To make them smaller costs samples everywhere; to
+ * look whether it would show something costs a ray. So a leaf that is closed, and larger than the finest of
+ * size criteria, is probed once: the caller looks at some of its pixels. Where one tells of something that
+ * the corners do not know, the leaf counts as too large after all. It is cut, and its children in turn, until
+ * corners tell or they are as small as that; what is cut in vain is undone like any other cut for the sake of
+ * size.
  *
  * It is done again when the leaf is seen larger than it was then. */
 #include "cache/multi_mesh/displayed_internal.h"
@@ -10,10 +12,13 @@
 void sl_displayed_judge_probes(const sl_displayed *d, sl_mesh_node *node, sl_screen_size size) {
     if (!(d->settings.probed_area > 0.0f) || !sl_all_edges_closed(node)) return;
     if (size.edge > sl_mesh_probed_size(node)) sl_mesh_set_minor(node, 0);
-    if (size.area <= d->settings.probed_area && size.edge <= d->settings.probed_edge && !sl_mesh_minor(node)) sl_mesh_set_probed_size(node, size.edge);
+    if (size.area <= d->settings.probed_area && size.edge <= d->settings.probed_edge && !sl_mesh_minor(node))
+        sl_mesh_set_probed_size(node, size.edge);
 }
 
-bool sl_displayed_wants_probes(const sl_displayed *d, const sl_mesh_place *leaf) { return sl_is_unprobed(d, &d->mesh->node[leaf->node]); }
+bool sl_displayed_wants_probes(const sl_displayed *d, const sl_mesh_place *leaf) {
+    return sl_is_unprobed(d, &d->mesh->node[leaf->node]);
+}
 
 uint32_t sl_displayed_pixel(const sl_displayed *d, const sl_mesh_place *leaf, uint32_t i) {
     return d->first[leaf->node] + i;
@@ -38,11 +43,13 @@ bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_mesh_place 
     return false;
 }
 
-sl_status sl_displayed_probed(sl_displayed *d, const sl_mesh_place *leaf, bool contradicted, sl_counters *counters, sl_error *error) {
+sl_status sl_displayed_probed(sl_displayed *d, const sl_mesh_place *leaf, bool contradicted,
+                              sl_counters *counters, sl_error *error) {
     sl_mesh_node *node = &d->mesh->node[leaf->node];
     if (!d->pixels || !sl_mesh_is_leaf(d->mesh, leaf->node)) return SL_OK;
     node->flags &= ~(uint32_t)SL_NODE_TAKEN;
-    if (sl_is_unprobed(d, node) && contradicted) { /* its vertices are asked for once more, and its edges tested again */
+    /* its vertices are asked for once more, and its edges tested again */
+    if (sl_is_unprobed(d, node) && contradicted) {
         node->flags &= ~(uint32_t)(SL_NODE_SMALL | SL_NODE_EDGES);
     } else if (sl_is_unprobed(d, node)) { /* and no neighbour has opened an edge in the meantime */
         sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);

@@ -1,13 +1,17 @@
-/* Probes of visibility: a round shadow of six pixels is found whatever its position. Leaves of direct light may be larger than
- * such a shadow, and their edges pass it by. So every fourth pixel of every fourth row of a leaf that is closed is asked whether it sees what the
- * leaf's corners say it does: where all of them see all of a light, or all of them nothing of it, a shadow ray towards its middle must say the same.
- * No disc of six pixels lies between four such pixels. Where it says something else, n x n rays tell by how much, and whether an eye could tell.
+/* Probes of visibility: a round shadow of six pixels is found whatever its position. Leaves of direct light
+ * may be larger than such a shadow, and their edges pass it by. So every fourth pixel of every fourth row of
+ * a leaf that is closed is asked whether it sees what the leaf's corners say it does: where all of them see
+ * all of a light, or all of them nothing of it, a shadow ray towards its middle must say the same. No disc of
+ * six pixels lies between four such pixels. Where it says something else, n x n rays tell by how much, and
+ * whether an eye could tell.
  *
- * Of indirect light only darkness is doubted: corners and middles of edges may all lie where nothing arrives (a ceiling's in walls, and under its lamp). A leaf
- * with next to nothing at its corners gathers once more, at one of its pixels.
+ * Of indirect light only darkness is doubted: corners and middles of edges may all lie where nothing arrives
+ * (a ceiling's in walls, and under its lamp). A leaf with next to nothing at its corners gathers once more,
+ * at one of its pixels.
  *
- * Nothing is asked of lights that could not be missed there, nor where corners are in the penumbra: that their edges know. What is
- * asked depends on the view and on what the meshes know, and is forgotten at once. */
+ * Nothing is asked of lights that could not be missed there, nor where corners are in the penumbra: that
+ * their edges know. What is asked depends on the view and on what the meshes know, and is forgotten at once.
+ */
 #include "cache/multi_mesh/direct.h"
 #include "cache/multi_mesh/lit_points.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
@@ -21,7 +25,8 @@
 enum { SPACING = 4, CLOSER_RAYS = 4 };
 /* Of what a light could give at a corner: all of it, or nothing, but for what interpolation makes of them. */
 static const float ALL = 0.9f, NOTHING = 0.05f;
-/* Less than that, to what arrives there altogether, no eye can tell (a grey level of 255 is a fortieth of the light). */
+/* Less than that, to what arrives there altogether, no eye can tell (a grey level of 255 is a fortieth of the
+ * light). */
 static const float UNSEEN = 0.01f;
 /* Of the light that bounces on the average: next to nothing. */
 static const float DARK = 0.1f;
@@ -48,7 +53,8 @@ static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
 static sl_rgb value_of_light(const probed_leaf *leaf, size_t light, float share, const sl_mesh_point *point) {
     const sl_sampled_lights one = {.count = 1, .light = &leaf->s->lights->light[light]};
     if (leaf->part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(&one, &share);
-    return sl_direct_specular(&one, &share, point, sl_face_material(leaf->s->scene, point->face)->exponent, leaf->s->scene->camera.eye);
+    return sl_direct_specular(&one, &share, point, sl_face_material(leaf->s->scene, point->face)->exponent,
+                              leaf->s->scene->camera.eye);
 }
 
 /* Could an eye tell the mesh's value at a point from that? */
@@ -60,7 +66,8 @@ static bool shows(const probed_leaf *leaf, float w1, float w2, sl_rgb value, sl_
 }
 
 static sl_rgb changed_by(sl_rgb value, sl_rgb more, sl_rgb less) {
-    return (sl_rgb){fmaxf(value.r + more.r - less.r, 0.0f), fmaxf(value.g + more.g - less.g, 0.0f), fmaxf(value.b + more.b - less.b, 0.0f)};
+    return (sl_rgb){fmaxf(value.r + more.r - less.r, 0.0f), fmaxf(value.g + more.g - less.g, 0.0f),
+                    fmaxf(value.b + more.b - less.b, 0.0f)};
 }
 
 static bool value_at(const probed_leaf *leaf, float w1, float w2, sl_rgb *value) {
@@ -84,7 +91,8 @@ static bool matters(const probed_leaf *leaf, size_t light) {
     if (!(most > 0.0f) || !value_at(leaf, w1, w2, &value)) return false;
     own = value_of_light(leaf, light, most, &point);
     if (own.r < UNSEEN * value.r && own.g < UNSEEN * value.g && own.b < UNSEEN * value.b) return false;
-    return shows(leaf, w1, w2, value, changed_by(value, none, own)) || shows(leaf, w1, w2, value, changed_by(value, own, none));
+    return shows(leaf, w1, w2, value, changed_by(value, none, own)) ||
+           shows(leaf, w1, w2, value, changed_by(value, own, none));
 }
 
 typedef enum seen_by_corners { CORNERS_DIFFER, CORNERS_SEE_ALL, CORNERS_SEE_NOTHING } seen_by_corners;
@@ -114,47 +122,60 @@ static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, f
     return all ? CORNERS_SEE_ALL : nothing ? CORNERS_SEE_NOTHING : CORNERS_DIFFER;
 }
 
-/* Light of one lamp alone, if it is more than the mesh shows: a highlight between corners that are beside it. */
-static bool outshines(const probed_leaf *leaf, size_t light, float w1, float w2, sl_rgb value, const sl_mesh_point *point) {
+/* Light of one lamp alone, if it is more than the mesh shows: a highlight between corners that are beside it.
+ */
+static bool outshines(const probed_leaf *leaf, size_t light, float w1, float w2, sl_rgb value,
+                      const sl_mesh_point *point) {
     sl_lit_point lit = sl_lit_point_of(point);
-    sl_rgb own = value_of_light(leaf, light, (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit), point);
-    return shows(leaf, w1, w2, value, (sl_rgb){fmaxf(own.r, value.r), fmaxf(own.g, value.g), fmaxf(own.b, value.b)});
+    sl_rgb own =
+        value_of_light(leaf, light, (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit), point);
+    return shows(leaf, w1, w2, value,
+                 (sl_rgb){fmaxf(own.r, value.r), fmaxf(own.g, value.g), fmaxf(own.b, value.b)});
 }
 
 /* Is what a pixel sees of the light something that an eye can tell from what corners make of it? */
-static bool differs(const probed_leaf *leaf, size_t light, const float share[3], bool lit_corners, uint32_t pixel) {
+static bool differs(const probed_leaf *leaf, size_t light, const float share[3], bool lit_corners,
+                    uint32_t pixel) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
     float w1 = pixels->w1[pixel], w2 = pixels->w2[pixel], own_w1, own_w2;
     sl_mesh_point point = point_at(leaf, w1 * (float)SL_MESH_DYADIC, w2 * (float)SL_MESH_DYADIC);
     sl_lit_point lit = sl_lit_point_of(&point);
-    bool is_lit = sl_light_probe(leaf->s->sampling, light, &lit, 1, leaf->counters) > 0.0f, specular = leaf->part == SL_DIRECT_SPECULAR;
+    bool is_lit = sl_light_probe(leaf->s->sampling, light, &lit, 1, leaf->counters) > 0.0f,
+         specular = leaf->part == SL_DIRECT_SPECULAR;
     sl_rgb value;
     if ((is_lit == lit_corners && !(specular && is_lit)) || !value_at(leaf, w1, w2, &value)) return false;
     if (is_lit == lit_corners) return outshines(leaf, light, w1, w2, value, &point);
     sl_mesh_weights_within(leaf->place, w1, w2, &own_w1, &own_w2);
     float interpolated = share[0] + own_w1 * (share[1] - share[0]) + own_w2 * (share[2] - share[0]);
     float seen = sl_light_probe(leaf->s->sampling, light, &lit, CLOSER_RAYS, leaf->counters);
-    return shows(leaf, w1, w2, value, changed_by(value, value_of_light(leaf, light, seen, &point), value_of_light(leaf, light, interpolated, &point)));
+    return shows(leaf, w1, w2, value,
+                 changed_by(value, value_of_light(leaf, light, seen, &point),
+                            value_of_light(leaf, light, interpolated, &point)));
 }
 
 /* ---- a leaf ---- */
 
-/* Highlights are probed in each leaf's middle pixel too: they are narrow, and a ray is cheaper than three vertices. */
+/* Highlights are probed in each leaf's middle pixel too: they are narrow, and a ray is cheaper than three
+ * vertices. */
 static bool is_probe(const probed_leaf *leaf, uint32_t i) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
-    if (leaf->part == SL_DIRECT_SPECULAR && i == leaf->d->mesh->node[leaf->place->node].pixels / 2) return true;
+    if (leaf->part == SL_DIRECT_SPECULAR && i == leaf->d->mesh->node[leaf->place->node].pixels / 2)
+        return true;
     uint32_t at = pixels->pixel[sl_displayed_pixel(leaf->d, leaf->place, i)], width = (uint32_t)pixels->width;
     return at % width % SPACING == SPACING / 2 && at / width % SPACING == SPACING / 2;
 }
 
 static bool is_contradicted_by(const probed_leaf *leaf, size_t light) {
     float share[3];
-    if (leaf->part != SL_DIRECT_SPECULAR && !matters(leaf, light)) return false; /* highlights need not be in the middle */
+    /* highlights need not be in the middle */
+    if (leaf->part != SL_DIRECT_SPECULAR && !matters(leaf, light)) return false;
     seen_by_corners corners = what_corners_see(leaf, light, share);
     if (corners == CORNERS_DIFFER) return false;
     uint32_t count = leaf->d->mesh->node[leaf->place->node].pixels;
     for (uint32_t i = 0; i < count; i++) {
-        if (is_probe(leaf, i) && differs(leaf, light, share, corners == CORNERS_SEE_ALL, sl_displayed_pixel(leaf->d, leaf->place, i))) return true;
+        if (is_probe(leaf, i) && differs(leaf, light, share, corners == CORNERS_SEE_ALL,
+                                         sl_displayed_pixel(leaf->d, leaf->place, i)))
+            return true;
     }
     return false;
 }
@@ -172,14 +193,16 @@ static bool is_contradicted_by_gather(const probed_leaf *leaf) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
     for (int i = 0; i < 3; i++) {
         const float *value = &leaf->d->mesh->value[3 * (size_t)node->vertex[i]];
-        if (sl_rgb_mean((sl_rgb){value[0], value[1], value[2]}) > DARK * sl_rgb_mean(s->ambient)) return false;
+        if (sl_rgb_mean((sl_rgb){value[0], value[1], value[2]}) > DARK * sl_rgb_mean(s->ambient))
+            return false;
     }
     uint32_t pixel = sl_displayed_pixel(leaf->d, leaf->place, node->pixels / 2);
     float w1 = pixels->w1[pixel], w2 = pixels->w2[pixel];
     sl_rgb value;
     sl_mesh_point point = point_at(leaf, w1 * (float)SL_MESH_DYADIC, w2 * (float)SL_MESH_DYADIC);
     return value_at(leaf, w1, w2, &value) &&
-           shows(leaf, w1, w2, value, sl_mesh_gather_take(s->gather, &point, s->gatherer[leaf->worker].scratch, leaf->counters));
+           shows(leaf, w1, w2, value,
+                 sl_mesh_gather_take(s->gather, &point, s->gatherer[leaf->worker].scratch, leaf->counters));
 }
 
 static bool is_contradicted(probed_leaf *leaf) {
@@ -206,7 +229,12 @@ typedef struct probing {
 static void probe_one(void *context, size_t i, unsigned worker) {
     const probing *p = context;
     sl_probed_leaf *of = &p->leaf[i];
-    probed_leaf leaf = {.s = p->s, .part = of->part, .d = p->s->part[of->part], .place = &of->place, .counters = &of->counters, .worker = worker};
+    probed_leaf leaf = {.s = p->s,
+                        .part = of->part,
+                        .d = p->s->part[of->part],
+                        .place = &of->place,
+                        .counters = &of->counters,
+                        .worker = worker};
     of->contradicted = is_contradicted(&leaf);
 }
 

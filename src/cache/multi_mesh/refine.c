@@ -1,9 +1,11 @@
-/* The test of a leaf. Each edge's middle is sampled and compared, at the final pixel, with the mean of its ends (edge_tests.c): a difference that
- * an eye can tell splits the edge, and with it the leaf; else the edge is closed, its halves included. A leaf above the size criterion is split
- * whatever its edges say, so that small features are found. What was split for its size in vain is undone: four closed leaves under a
- * parent whose own edges are closed go, and the parent stays closed until it is twice as large on the screen.
+/* The test of a leaf. Each edge's middle is sampled and compared, at the final pixel, with the mean of its
+ * ends (edge_tests.c): a difference that an eye can tell splits the edge, and with it the leaf; else the edge
+ * is closed, its halves included. A leaf above the size criterion is split whatever its edges say, so that
+ * small features are found. What was split for its size in vain is undone: four closed leaves under a parent
+ * whose own edges are closed go, and the parent stays closed until it is twice as large on the screen.
  *
- * A leaf is split only when the middles of all its edges have been sampled, so every corner but the roots' has a value. */
+ * A leaf is split only when the middles of all its edges have been sampled, so every corner but the roots'
+ * has a value. */
 #include "cache/multi_mesh/displayed_internal.h"
 
 #include "base/counters.h"
@@ -21,10 +23,12 @@ static void ask(sl_displayed *d, uint32_t v, bool again, uint32_t *vertex, size_
     vertex[(*count)++] = v;
 }
 
-sl_status sl_displayed_request(sl_displayed *d, const sl_mesh_place *leaf, uint32_t *vertex, size_t *count, sl_error *error) {
+sl_status sl_displayed_request(sl_displayed *d, const sl_mesh_place *leaf, uint32_t *vertex, size_t *count,
+                               sl_error *error) {
     sl_status status = SL_OK;
     *count = 0;
-    bool again = sl_displayed_is_contradicted(d, leaf); /* some may have been interpolated where something lies in between */
+    /* some may have been interpolated where something lies in between */
+    bool again = sl_displayed_is_contradicted(d, leaf);
     for (int c = 0; c < 3; c++) ask(d, d->mesh->node[leaf->node].vertex[c], again, vertex, count);
     d->corners_asked |= *count > 0;
     bool all = will_split(d, leaf);
@@ -39,7 +43,8 @@ sl_status sl_displayed_request(sl_displayed *d, const sl_mesh_place *leaf, uint3
 
 /* ---- edges ---- */
 
-/* Tests what is untested, and tells neighbours of middles that they may not know. Whether all three have a value. */
+/* Tests what is untested, and tells neighbours of middles that they may not know. Whether all three have a
+ * value. */
 static sl_status test_edges(sl_displayed *d, const sl_mesh_place *leaf, bool *complete, sl_error *error) {
     sl_mesh_node *node = &d->mesh->node[leaf->node];
     sl_status status = SL_OK;
@@ -48,7 +53,8 @@ static sl_status test_edges(sl_displayed *d, const sl_mesh_place *leaf, bool *co
         uint32_t middle = sl_mesh_find_middle(d->mesh, leaf, e);
         bool settled = sl_displayed_is_settled(d, middle);
         *complete &= settled && sl_displayed_is_settled(d, node->vertex[e]);
-        if (sl_edge_of(node, e) == SL_EDGE_UNTESTED) node->flags |= (uint32_t)sl_displayed_test_edge(d, leaf, e) << 2 * e;
+        if (sl_edge_of(node, e) == SL_EDGE_UNTESTED)
+            node->flags |= (uint32_t)sl_displayed_test_edge(d, leaf, e) << 2 * e;
         if (settled) status = sl_displayed_tell_neighbours(d, leaf, e, middle, error);
     }
     return status;
@@ -83,7 +89,8 @@ static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *err
 static bool is_closed(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     if (node->child != SL_NO_INDEX || (node->flags & SL_NODE_TAKEN)) return false;
-    if (sl_may_split(d, leaf)) return (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node) && !sl_is_unprobed(d, node);
+    if (sl_may_split(d, leaf))
+        return (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node) && !sl_is_unprobed(d, node);
     return sl_all_edges_closed(node) || sl_displayed_corner_contrast(d, leaf) <= 1.0f;
 }
 
@@ -108,7 +115,8 @@ static bool undo(sl_displayed *d, const sl_mesh_place *place) {
     return true;
 }
 
-static sl_status undo_upwards(sl_displayed *d, sl_mesh_place place, uint32_t *highest, sl_counters *counters, sl_error *error) {
+static sl_status undo_upwards(sl_displayed *d, sl_mesh_place place, uint32_t *highest, sl_counters *counters,
+                              sl_error *error) {
     while (undo(d, &place)) {
         *highest = place.node;
         sl_count(counters, SL_COUNT_COLLAPSES, 1);
@@ -122,14 +130,17 @@ static sl_status undo_upwards(sl_displayed *d, sl_mesh_place place, uint32_t *hi
 }
 
 /* Parents that are closed by now go; what is above is brought up to date. */
-static sl_status settle_above(sl_displayed *d, const sl_mesh_place *leaf, sl_mesh_place parent, uint32_t highest, sl_counters *counters, sl_error *error) {
+static sl_status settle_above(sl_displayed *d, const sl_mesh_place *leaf, sl_mesh_place parent,
+                              uint32_t highest, sl_counters *counters, sl_error *error) {
     sl_status status = undo_upwards(d, parent, &highest, counters, error);
     sl_displayed_raise(d, leaf->face, highest);
     return status;
 }
 
-sl_status sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters, sl_error *error) {
-    sl_mesh_place parent = leaf->depth > 0 ? sl_mesh_place_of(d->mesh, sl_mesh_parent(d->mesh, leaf->node)) : *leaf;
+sl_status sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters,
+                             sl_error *error) {
+    sl_mesh_place parent =
+        leaf->depth > 0 ? sl_mesh_place_of(d->mesh, sl_mesh_parent(d->mesh, leaf->node)) : *leaf;
     d->mesh->node[leaf->node].priority = sl_displayed_leaf_priority(d, leaf);
     return settle_above(d, leaf, parent, leaf->node, counters, error);
 }
@@ -142,7 +153,8 @@ static void judge_closed(sl_displayed *d, const sl_mesh_place *leaf) {
     sl_displayed_judge_probes(d, node, sl_displayed_size(d, &clip, leaf));
 }
 
-sl_status sl_displayed_commit(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters, sl_error *error) {
+sl_status sl_displayed_commit(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters,
+                              sl_error *error) {
     sl_mesh *mesh = d->mesh;
     if (!d->pixels || !sl_mesh_is_leaf(mesh, leaf->node)) return SL_OK;
     mesh->node[leaf->node].flags &= ~(uint32_t)SL_NODE_TAKEN;

@@ -1,14 +1,17 @@
-/* Which leaf is served next. A binary heap over the roots in view has the one of highest priority on top, and the leaf is found by following
- * the largest of the children's priorities. Or the paper's chain: it stays at a root and moves to another, drawn at random, if that one has
- * more. The chain chooses worse than the heap at first, when quick pictures matter most; it is the paper's way, and cheaper per step only
- * where thousands of roots are in view. */
+/* Which leaf is served next. A binary heap over the roots in view has the one of highest priority on top, and
+ * the leaf is found by following the largest of the children's priorities. Or the paper's chain: it stays at
+ * a root and moves to another, drawn at random, if that one has more. The chain chooses worse than the heap
+ * at first, when quick pictures matter most; it is the paper's way, and cheaper per step only where thousands
+ * of roots are in view. */
 #include "cache/multi_mesh/displayed_internal.h"
 
 #include "base/random.h"
 
 /* ---- the heap ---- */
 
-static float priority_of(const sl_displayed *d, uint32_t entry) { return d->mesh->node[sl_displayed_root(d, entry)].priority; }
+static float priority_of(const sl_displayed *d, uint32_t entry) {
+    return d->mesh->node[sl_displayed_root(d, entry)].priority;
+}
 
 /* Entries are in the order of faces. */
 static bool comes_first(const sl_displayed *d, uint32_t a, uint32_t b) {
@@ -33,7 +36,8 @@ static void sink(sl_displayed *d, size_t at) {
 
 static void rise(sl_displayed *d, size_t at) {
     uint32_t entry = d->heap[at];
-    for (; at > 0 && comes_first(d, entry, d->heap[(at - 1) / 2]); at = (at - 1) / 2) put(d, at, d->heap[(at - 1) / 2]);
+    for (; at > 0 && comes_first(d, entry, d->heap[(at - 1) / 2]); at = (at - 1) / 2)
+        put(d, at, d->heap[(at - 1) / 2]);
     put(d, at, entry);
 }
 
@@ -50,17 +54,20 @@ void sl_displayed_heap_update(sl_displayed *d, uint32_t entry) {
     sink(d, d->heap_place[entry]);
 }
 
-float sl_displayed_priority(const sl_displayed *d) { return d->heap_count ? priority_of(d, d->heap[0]) : 0.0f; }
+float sl_displayed_priority(const sl_displayed *d) {
+    return d->heap_count ? priority_of(d, d->heap[0]) : 0.0f;
+}
 
 /* ---- the paper's chain ---- */
 
 static uint32_t random_entry(sl_displayed *d) {
-    uint64_t bits = sl_random_bits(sl_random_key(d->settings.seed, (uint64_t)d->settings.component), d->chain_draws++);
+    uint64_t bits =
+        sl_random_bits(sl_random_key(d->settings.seed, (uint64_t)d->settings.component), d->chain_draws++);
     return d->heap[(size_t)(bits * d->heap_count >> 32)];
 }
 
-/* Each step draws one root and moves there if its priority is higher. Where nothing is left at the current one it goes on drawing; after as
- * many failures as twice the number of roots it looks at all of them. */
+/* Each step draws one root and moves there if its priority is higher. Where nothing is left at the current
+ * one it goes on drawing; after as many failures as twice the number of roots it looks at all of them. */
 static uint32_t next_of_chain(sl_displayed *d) {
     uint32_t current = d->chain_entry == SL_NO_INDEX ? d->heap[0] : d->chain_entry;
     size_t failures = 0;

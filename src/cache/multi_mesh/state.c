@@ -31,29 +31,33 @@ static void multi_mesh_destroy(void *state) {
     sl_free(s);
 }
 
-static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
-                                   sl_error *error) {
+static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *settings,
+                                   const sl_transport *transport, void **state, sl_error *error) {
     (void)transport; /* its own: sl_multi_mesh_transport() */
     sl_multi_mesh_state *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "the meshes");
     s->scene = scene;
     s->settings = *settings;
     s->plan = sl_multi_mesh_plan_make(scene, settings);
-    s->announcer = (sl_announcer){.observer = settings->observer, .method = "multi-mesh", .counters = &s->counters};
+    s->announcer =
+        (sl_announcer){.observer = settings->observer, .method = "multi-mesh", .counters = &s->counters};
     s->id = sl_allocate(sl_multi_mesh_pixels(s), sizeof *s->id);
     s->plane_memory = sl_allocate(3 * SL_COMPONENTS * sl_multi_mesh_pixels(s), sizeof *s->plane_memory);
-    sl_status status = s->id && s->plane_memory ? sl_multi_mesh_make_world(s, error) : sl_fail_memory(error, "the picture");
+    sl_status status =
+        s->id && s->plane_memory ? sl_multi_mesh_make_world(s, error) : sl_fail_memory(error, "the picture");
     if (status != SL_OK) {
         multi_mesh_destroy(s);
         return status;
     }
     for (size_t i = 0; i < SL_COMPONENTS; i++)
-        for (size_t k = 0; k < 3; k++) s->planes[i][k] = s->plane_memory + (3 * i + k) * sl_multi_mesh_pixels(s);
+        for (size_t k = 0; k < 3; k++)
+            s->planes[i][k] = s->plane_memory + (3 * i + k) * sl_multi_mesh_pixels(s);
     *state = s;
     return SL_OK;
 }
 
-/* The eye: specular radiance starts again, all else stays. Lights and objects: samples of direct light stay where they still hold. */
+/* The eye: specular radiance starts again, all else stays. Lights and objects: samples of direct light stay
+ * where they still hold. */
 static sl_status multi_mesh_edit(void *state, unsigned changes, sl_error *error) {
     sl_multi_mesh_state *s = state;
     sl_status status = SL_OK;
@@ -72,10 +76,15 @@ static sl_status multi_mesh_edit(void *state, unsigned changes, sl_error *error)
 
 /* ---- views ---- */
 
-static bool wants_diffuse(const void *context, uint32_t face) { return sl_material_is_diffuse(sl_face_material(context, face)); }
-static bool wants_specular(const void *context, uint32_t face) { return sl_material_is_glossy(sl_face_material(context, face)); }
+static bool wants_diffuse(const void *context, uint32_t face) {
+    return sl_material_is_diffuse(sl_face_material(context, face));
+}
+static bool wants_specular(const void *context, uint32_t face) {
+    return sl_material_is_glossy(sl_face_material(context, face));
+}
 
-static bool (*const wants[SL_COMPONENTS])(const void *, uint32_t) = {wants_diffuse, wants_specular, wants_diffuse};
+static bool (*const wants[SL_COMPONENTS])(const void *, uint32_t) = {wants_diffuse, wants_specular,
+                                                                     wants_diffuse};
 
 /* Tells whether any visible face needs a pass. A pass that no visible face needs is skipped. */
 static bool shows(const sl_multi_mesh_state *s, bool (*has)(const void *, uint32_t)) {
@@ -84,11 +93,14 @@ static bool shows(const sl_multi_mesh_state *s, bool (*has)(const void *, uint32
     return false;
 }
 
-static bool shines(const void *context, uint32_t face) { return sl_material_is_emitter(sl_face_material(context, face)); }
+static bool shines(const void *context, uint32_t face) {
+    return sl_material_is_emitter(sl_face_material(context, face));
+}
 
 sl_materials_wanted sl_multi_mesh_materials_in_view(const sl_multi_mesh_state *s) {
     bool sky = s->scene->environment.present && s->visible->count < sl_multi_mesh_pixels(s);
-    return (sl_materials_wanted){.specular = s->plan.specular_seen && shows(s, wants_specular), .emission = s->plan.emission && (sky || shows(s, shines))};
+    return (sl_materials_wanted){.specular = s->plan.specular_seen && shows(s, wants_specular),
+                                 .emission = s->plan.emission && (sky || shows(s, shines))};
 }
 
 /* A row of all planes that will be drawn. */
@@ -97,7 +109,8 @@ static void clear_row(void *context, size_t row, unsigned worker) {
     const sl_multi_mesh_state *s = context;
     size_t width = (size_t)s->settings.width;
     for (int i = 0; i < SL_COMPONENTS; i++)
-        for (int k = 0; k < 3 && sl_is_in_view(s->part[i]); k++) memset(s->planes[i][k] + row * width, 0, width * sizeof(float));
+        for (int k = 0; k < 3 && sl_is_in_view(s->part[i]); k++)
+            memset(s->planes[i][k] + row * width, 0, width * sizeof(float));
 }
 
 sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error) {
@@ -108,7 +121,8 @@ sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error) {
     return status;
 }
 
-/* A picture that was done once is done: what other views have found since shows in it, and would be looked into further without end. */
+/* A picture that was done once is done: what other views have found since shows in it, and would be looked
+ * into further without end. */
 bool sl_multi_mesh_was_done(const sl_multi_mesh_state *s) {
     for (size_t i = 0; i < s->done_count && i < SL_DONE_VIEWS; i++)
         if (memcmp(&s->done[i], &s->scene->camera, sizeof s->done[i]) == 0) return true;
@@ -134,13 +148,16 @@ static double share_done(const sl_multi_mesh_state *s) {
             const sl_visible_face *face = &s->visible->face[f];
             uint32_t root = sl_mesh_root_of(part->mesh, face->face);
             all += face->count;
-            if (root != SL_NO_INDEX && sl_multi_mesh_takes_part(s, i) && s->phase == SL_PHASE_REFINE && !(part->mesh->node[root].priority > 0.0f)) done += face->count;
+            if (root != SL_NO_INDEX && sl_multi_mesh_takes_part(s, i) && s->phase == SL_PHASE_REFINE &&
+                !(part->mesh->node[root].priority > 0.0f))
+                done += face->count;
         }
     }
     return all > 0.0 ? 0.99 * done / all : 0.0;
 }
 
-/* Roughly, for the progress bar alone: to look at all faces that are seen takes a batch's samples longer by a twentieth. */
+/* Roughly, for the progress bar alone: to look at all faces that are seen takes a batch's samples longer by a
+ * twentieth. */
 double sl_multi_mesh_fraction(sl_multi_mesh_state *s) {
     if (s->phase == SL_PHASE_DONE) return 1.0;
     if (s->phase == SL_PHASE_VIEW || !s->visible) return 0.0;
@@ -152,15 +169,28 @@ double sl_multi_mesh_fraction(sl_multi_mesh_state *s) {
 sl_status sl_multi_mesh_warn_of_lobes(const sl_multi_mesh_state *s, sl_image *image, sl_error *error) {
     double share = sl_materials_glossy_share(s->materials);
     if (!(share > 0.05)) return SL_OK;
-    return sl_warn(image, error, "%.0f %% of the pixels show gloss, which reflects lamps alone: what surfaces and the sky would "
-                                 "add to it is missing", 100.0 * share);
+    return sl_warn(
+        image, error,
+        "%.0f %% of the pixels show gloss, which reflects lamps alone: what surfaces and the sky would "
+        "add to it is missing",
+        100.0 * share);
 }
 
 /* ---- memory ---- */
 
-/* IDs 4, three Gouraud planes 36, materials 28, the pixels by face 16, the picture 84. For each triangle three meshes have a root (its node, its corners and edges, what
- * they are on the screen), there is the topology, and a coarse mesh. Refinement has no use for less than a thousand leaves. */
-enum { A_PIXEL = 176, OF_GLOSS = 24, A_TRIANGLE = 760, A_COARSE = 320, AN_IRRADIANCE = 120, LEAVES_LEAST = 1000, A_LEAF = 200, A_CELL = 160 };
+/* IDs 4, three Gouraud planes 36, materials 28, the pixels by face 16, the picture 84. For each triangle
+ * three meshes have a root (its node, its corners and edges, what they are on the screen), there is the
+ * topology, and a coarse mesh. Refinement has no use for less than a thousand leaves. */
+enum {
+    A_PIXEL = 176,
+    OF_GLOSS = 24,
+    A_TRIANGLE = 760,
+    A_COARSE = 320,
+    AN_IRRADIANCE = 120,
+    LEAVES_LEAST = 1000,
+    A_LEAF = 200,
+    A_CELL = 160
+};
 
 /* The coarse mesh has edges of its own: pieces of the surface, as large as the scene's box six times over. */
 static double coarse_bytes(const sl_scene *scene, const sl_settings *settings) {
@@ -172,19 +202,24 @@ static double coarse_bytes(const sl_scene *scene, const sl_settings *settings) {
 
 sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *settings) {
     const sl_multi_mesh_plan plan = sl_multi_mesh_plan_make(scene, settings);
-    const double triangles = (double)scene->triangle_count, n = settings->gather_size, l = settings->multi_mesh.light_size;
+    const double triangles = (double)scene->triangle_count, n = settings->gather_size,
+                 l = settings->multi_mesh.light_size;
     const double lights = sl_need_lights(scene);
-    double caches = triangles * A_TRIANGLE + (plan.coarse ? coarse_bytes(scene, settings) : 0.0) + LEAVES_LEAST * A_LEAF;
+    double caches =
+        triangles * A_TRIANGLE + (plan.coarse ? coarse_bytes(scene, settings) : 0.0) + LEAVES_LEAST * A_LEAF;
     caches += sl_need_of_threads(settings, A_CELL * (n * n + l * l)) + lights * 2000.0 + 3e6;
-    return (sl_memory_need){.hierarchies = plan.lights ? sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count)
+    return (sl_memory_need){.hierarchies = plan.lights ? sl_tracer_memory_need(scene->triangle_count) +
+                                                             sl_raster_memory_kept(scene->triangle_count)
                                                        : sl_raster_memory_need(scene->triangle_count),
                             .caches = caches,
-                            .picture = sl_need_of_pixels(settings, A_PIXEL + (plan.specular_seen ? OF_GLOSS : 0))};
+                            .picture =
+                                sl_need_of_pixels(settings, A_PIXEL + (plan.specular_seen ? OF_GLOSS : 0))};
 }
 
-const sl_reduction sl_multi_mesh_reductions[] = {{"pixels a side of a gather", offsetof(sl_settings, gather_size), SL_REDUCE_INT, 16.0},
-                                                   {"levels of the coarse mesh", offsetof(sl_settings, multi_mesh.coarse_depth), SL_REDUCE_LEVEL, 1.0},
-                                                   {NULL, 0, SL_REDUCE_INT, 0.0}};
+const sl_reduction sl_multi_mesh_reductions[] = {
+    {"pixels a side of a gather", offsetof(sl_settings, gather_size), SL_REDUCE_INT, 16.0},
+    {"levels of the coarse mesh", offsetof(sl_settings, multi_mesh.coarse_depth), SL_REDUCE_LEVEL, 1.0},
+    {NULL, 0, SL_REDUCE_INT, 0.0}};
 
 static double mesh_bytes(const sl_multi_mesh_state *s) {
     double bytes = s->irradiance ? (double)sl_irradiance_meshes_bytes(s->irradiance) : 0.0;
@@ -197,7 +232,8 @@ bool sl_multi_mesh_is_full(sl_multi_mesh_state *s) {
     if (!s->settings.memory_bytes || s->full) return s->full;
     double bytes = mesh_bytes(s);
     if (!s->bytes_of_roots) s->bytes_of_roots = (size_t)bytes;
-    s->full = 2.0 * (bytes - (double)s->bytes_of_roots) > (double)s->settings.memory_bytes; /* arrays are there twice while they grow */
+    /* arrays are there twice while they grow */
+    s->full = 2.0 * (bytes - (double)s->bytes_of_roots) > (double)s->settings.memory_bytes;
     size_t leaves = 0;
     for (int i = 0; i < SL_COMPONENTS; i++) leaves += s->part[i] ? s->part[i]->mesh->leaf_count : 0;
     if (s->full) snprintf(s->filled, sizeof s->filled, "meshes end at %zu leaves", leaves);
@@ -211,7 +247,9 @@ const char *sl_multi_mesh_filled(const void *state) {
 
 /* ---- the method ---- */
 
-static const sl_counters *multi_mesh_counters(const void *state) { return &((const sl_multi_mesh_state *)state)->counters; }
+static const sl_counters *multi_mesh_counters(const void *state) {
+    return &((const sl_multi_mesh_state *)state)->counters;
+}
 
 static size_t multi_mesh_bytes(const void *state) {
     const sl_multi_mesh_state *s = state;
@@ -242,7 +280,8 @@ void sl_multi_mesh_census(const void *state, sl_mesh_census census[SL_MESH_KINDS
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) census[i] = census_of(s->part[i]->mesh, sl_displayed_memory_bytes(s->part[i]));
     for (size_t l = 0; s->irradiance && l < s->lights->count; l++) {
-        sl_mesh_census c = census_of(sl_irradiance_mesh(s->irradiance, l), 0), *all = &census[SL_MESH_IRRADIANCE];
+        sl_mesh_census c = census_of(sl_irradiance_mesh(s->irradiance, l), 0),
+                       *all = &census[SL_MESH_IRRADIANCE];
         all->leaves += c.leaves;
         all->vertices += c.vertices;
         all->known += c.known;
@@ -250,8 +289,9 @@ void sl_multi_mesh_census(const void *state, sl_mesh_census census[SL_MESH_KINDS
     if (s->irradiance) census[SL_MESH_IRRADIANCE].bytes = sl_irradiance_meshes_bytes(s->irradiance);
     if (s->coarse) {
         size_t vertices = sl_coarse_vertex_count(s->coarse);
-        census[SL_MESH_COARSE] = (sl_mesh_census){sl_coarse_triangle_count(s->coarse), vertices, s->coarse_whole ? vertices : s->coarse_done,
-                                                  sl_coarse_memory_bytes(s->coarse)};
+        census[SL_MESH_COARSE] =
+            (sl_mesh_census){sl_coarse_triangle_count(s->coarse), vertices,
+                             s->coarse_whole ? vertices : s->coarse_done, sl_coarse_memory_bytes(s->coarse)};
     }
 }
 

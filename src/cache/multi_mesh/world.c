@@ -1,6 +1,7 @@
-/* The world that a picture is made from, as long as lights and objects stay where they are: rays, corners, lights and how they are sampled, irradiance
- * meshes, the coarse mesh, the meshes that the eye sees. When lights or objects move, samples of direct light that still hold are
- * taken along (changes.c); what gathers and eyes see starts again. */
+/* The world that a picture is made from, as long as lights and objects stay where they are: rays, corners,
+ * lights and how they are sampled, irradiance meshes, the coarse mesh, the meshes that the eye sees. When
+ * lights or objects move, samples of direct light that still hold are taken along (changes.c); what gathers
+ * and eyes see starts again. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include <math.h>
@@ -10,32 +11,40 @@
 #include "base/memory.h"
 #include "scene/ambient.h"
 
-/* The finest of size criteria: leaves of direct light that are larger are probed for what lies between their corners (probes.c). */
+/* The finest of size criteria: leaves of direct light that are larger are probed for what lies between their
+ * corners (probes.c). */
 static const float FINE_AREA = 16.0f, FINE_EDGE = 8.0f;
 
 enum { FEW_PIXELS = 8, MINOR_PIXELS = 4, INDIRECT_MINOR_PIXELS = 32, MANY_LIGHTS = 16 };
-/* Of the pixels that a leaf may have: so many are too few to be cut for size alone (most of the leaf is hidden), and are minor. In the room (640 x 480,
- * normal) the one takes an eighth of the samples of direct light away and leaves its error as it is, the other a tenth for a tenth more squared error. */
+/* Of the pixels that a leaf may have: so many are too few to be cut for size alone (most of the leaf is
+ * hidden), and are minor. In the room (640 x 480, normal) the one takes an eighth of the samples of direct
+ * light away and leaves its error as it is, the other a tenth for a tenth more squared error. */
 static const float FEW = 1.0f / 4.0f, MINOR = 1.0f / 9.0f;
-/* What minor leaves' pixels times contrast must come to to be looked into. Of indirect light most of what is left out by it was cut for what gathers' pixels
- * make: 96 instead of 48 takes three tenths of the gathers away, for a tenth more squared error of indirect light. */
+/* What minor leaves' pixels times contrast must come to to be looked into. Of indirect light most of what is
+ * left out by it was cut for what gathers' pixels make: 96 instead of 48 takes three tenths of the gathers
+ * away, for a tenth more squared error of indirect light. */
 static const float MINOR_CONTRAST = 16.0f, INDIRECT_MINOR_CONTRAST = 96.0f;
 
 /* ---- what a face shows: parts are judged as the eye sees them, beside all the others ---- */
 
 static sl_rgb value_of(const sl_multi_mesh_state *s, sl_component part, uint32_t face, float w1, float w2) {
     float value[3];
-    if (s->part[part] && sl_mesh_value(s->part[part]->mesh, face, w1, w2, value)) return (sl_rgb){value[0], value[1], value[2]};
+    if (s->part[part] && sl_mesh_value(s->part[part]->mesh, face, w1, w2, value))
+        return (sl_rgb){value[0], value[1], value[2]};
     return part == SL_INDIRECT && s->plan.indirect ? s->ambient : sl_grey(0.0f);
 }
 
-static sl_rgb shown_radiance(const void *context, sl_component part, uint32_t face, float w1, float w2, sl_rgb value) {
+static sl_rgb shown_radiance(const void *context, sl_component part, uint32_t face, float w1, float w2,
+                             sl_rgb value) {
     const sl_multi_mesh_state *s = context;
     const sl_material *material = sl_face_material(s->scene, face);
     sl_rgb parts[SL_COMPONENTS];
-    for (int i = 0; i < SL_COMPONENTS; i++) parts[i] = i == (int)part ? value : value_of(s, (sl_component)i, face, w1, w2);
-    sl_rgb received = sl_rgb_add(parts[SL_DIRECT_DIFFUSE], sl_rgb_scale(parts[SL_INDIRECT], (float)(1.0 / SL_PI)));
-    sl_rgb reflected = sl_rgb_add(sl_rgb_mul(material->diffuse, received), sl_rgb_mul(material->specular, parts[SL_DIRECT_SPECULAR]));
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        parts[i] = i == (int)part ? value : value_of(s, (sl_component)i, face, w1, w2);
+    sl_rgb received =
+        sl_rgb_add(parts[SL_DIRECT_DIFFUSE], sl_rgb_scale(parts[SL_INDIRECT], (float)(1.0 / SL_PI)));
+    sl_rgb reflected = sl_rgb_add(sl_rgb_mul(material->diffuse, received),
+                                  sl_rgb_mul(material->specular, parts[SL_DIRECT_SPECULAR]));
     bool shines = face % 2 == 0 || material->emission_two_sided;
     return shines ? sl_rgb_add(reflected, material->emission) : reflected;
 }
@@ -48,7 +57,8 @@ static void forget_pictures(sl_multi_mesh_state *s) {
         sl_displayed_destroy(s->part[i]);
         s->part[i] = NULL;
     }
-    for (unsigned t = 0; s->gatherer && t < s->settings.threads; t++) sl_mesh_gather_scratch_destroy(s->gatherer[t].scratch);
+    for (unsigned t = 0; s->gatherer && t < s->settings.threads; t++)
+        sl_mesh_gather_scratch_destroy(s->gatherer[t].scratch);
     sl_free(s->gatherer);
     sl_free(s->coarse_direct);
     sl_free(s->coarse_indirect);
@@ -89,15 +99,24 @@ static sl_status make_sampling(sl_multi_mesh_state *s, sl_error *error) {
     sampling.rays = m->light_rays;
     sampling.threads = s->settings.threads;
     sl_status status = sl_sampled_lights_find(s->scene, &s->lights, error);
-    if (status == SL_OK) status = sl_light_sampling_create(s->scene, s->raster, s->tracer, s->lights, &sampling, &s->sampling, error);
+    if (status == SL_OK)
+        status = sl_light_sampling_create(s->scene, s->raster, s->tracer, s->lights, &sampling, &s->sampling,
+                                          error);
     return status;
 }
 
 static sl_irradiance_settings irradiance_settings(const sl_multi_mesh_state *s) {
-    return (sl_irradiance_settings){.scene = s->scene, .topology = s->topology, .tracer = s->tracer, .lights = s->lights,
-                                    .sampling = s->sampling, .perception = s->perception, .ambient = s->ambient,
-                                    .few_rays = s->settings.multi_mesh.estimator == SL_LIGHT_RATIO && s->lights->count >= MANY_LIGHTS,
-                                    .max_depth = s->settings.multi_mesh.max_depth, .threads = s->settings.threads};
+    return (sl_irradiance_settings){.scene = s->scene,
+                                    .topology = s->topology,
+                                    .tracer = s->tracer,
+                                    .lights = s->lights,
+                                    .sampling = s->sampling,
+                                    .perception = s->perception,
+                                    .ambient = s->ambient,
+                                    .few_rays = s->settings.multi_mesh.estimator == SL_LIGHT_RATIO &&
+                                                s->lights->count >= MANY_LIGHTS,
+                                    .max_depth = s->settings.multi_mesh.max_depth,
+                                    .threads = s->settings.threads};
 }
 
 static sl_status make_lights(sl_multi_mesh_state *s, sl_error *error) {
@@ -112,8 +131,8 @@ static uint32_t part_of(float area, float share, uint32_t least) {
     return pixels > (float)least ? (uint32_t)pixels : least;
 }
 
-/* Pictures of fewer pixels a side than this are refined as if they had so many: all of a wall may show in one of them, and what it shows there is not what its
- * corners have. */
+/* Pictures of fewer pixels a side than this are refined as if they had so many: all of a wall may show in one
+ * of them, and what it shows there is not what its corners have. */
 static float pixel_scale(const sl_settings *settings) {
     enum { SIDE = 24 };
     int side = settings->width < settings->height ? settings->width : settings->height;
@@ -127,19 +146,33 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     float scale = pixel_scale(&s->settings), area = scale * scale * coarser * coarser * (float)m->leaf_area;
     bool small = scale < 1.0f;
     bool probed = part == SL_INDIRECT || m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE;
-    sl_displayed_settings settings = {.component = part, .leaf_area = area, .leaf_edge = scale * coarser * (float)m->leaf_edge, .below_pixels = small,
-                                      .few_pixels = small ? 0 : part_of(area, FEW, FEW_PIXELS),
-                                      .minor_pixels = small || part == SL_DIRECT_SPECULAR ? 0 : part == SL_INDIRECT ? INDIRECT_MINOR_PIXELS : part_of(area, MINOR, MINOR_PIXELS),
-                                      .probed_area = probed ? FINE_AREA : 0.0f, .probed_edge = FINE_EDGE, .sharp = part != SL_INDIRECT,
-                                      .minor_contrast = (part == SL_INDIRECT ? INDIRECT_MINOR_CONTRAST : MINOR_CONTRAST) / fmaxf(1.0f, (float)m->threshold_scale),
-                                      .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
-                                      .hanging = !m->keep_hanging, .perception = s->perception, .shown = {s, shown_radiance},
-                                      .threads = s->settings.threads};
+    sl_displayed_settings settings = {
+        .component = part,
+        .leaf_area = area,
+        .leaf_edge = scale * coarser * (float)m->leaf_edge,
+        .below_pixels = small,
+        .few_pixels = small ? 0 : part_of(area, FEW, FEW_PIXELS),
+        .minor_pixels = small || part == SL_DIRECT_SPECULAR ? 0
+                        : part == SL_INDIRECT               ? INDIRECT_MINOR_PIXELS
+                                                            : part_of(area, MINOR, MINOR_PIXELS),
+        .probed_area = probed ? FINE_AREA : 0.0f,
+        .probed_edge = FINE_EDGE,
+        .sharp = part != SL_INDIRECT,
+        .minor_contrast = (part == SL_INDIRECT ? INDIRECT_MINOR_CONTRAST : MINOR_CONTRAST) /
+                          fmaxf(1.0f, (float)m->threshold_scale),
+        .max_depth = m->max_depth,
+        .selection = m->selection,
+        .seed = s->settings.seed,
+        .hanging = !m->keep_hanging,
+        .perception = s->perception,
+        .shown = {s, shown_radiance},
+        .threads = s->settings.threads};
     return sl_displayed_create(topology, &settings, &s->part[part], error);
 }
 
 sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, const uint8_t *finer, sl_error *error) {
-    sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), s->settings.multi_mesh.coarse_depth, finer};
+    sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings),
+                                 s->settings.multi_mesh.coarse_depth, finer};
     s->coarse_done = 0;
     s->coarse_judged = finer != NULL;
     s->coarse_whole = false;
@@ -151,7 +184,11 @@ sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, const uint8_t *finer
     s->coarse_direct = sl_allocate(sl_coarse_vertex_count(s->coarse), sizeof *s->coarse_direct);
     if (!s->coarse_direct) return sl_fail_memory(error, "the coarse mesh");
     if (!s->plan.lights || s->coarse_light) return SL_OK;
-    sl_coarse_light_settings light = {.scene = s->scene, .topology = s->topology, .tracer = s->tracer, .lights = s->lights, .sampling = s->sampling,
+    sl_coarse_light_settings light = {.scene = s->scene,
+                                      .topology = s->topology,
+                                      .tracer = s->tracer,
+                                      .lights = s->lights,
+                                      .sampling = s->sampling,
                                       .threads = s->settings.threads};
     return sl_coarse_light_create(&light, &s->coarse_light, error);
 }
@@ -171,16 +208,19 @@ static void set_perception(sl_multi_mesh_state *s) {
     s->ambient = sl_ambient_irradiance(s->scene);
     s->perception.threshold_scale = (float)m->threshold_scale;
     s->perception.exposure =
-        m->exposure > 0.0 ? (float)m->exposure : sl_perception_exposure(s->scene, sl_rgb_mean(s->ambient) * (float)(1.0 / SL_PI));
+        m->exposure > 0.0 ? (float)m->exposure
+                          : sl_perception_exposure(s->scene, sl_rgb_mean(s->ambient) * (float)(1.0 / SL_PI));
 }
 
 sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     set_perception(s);
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
-    if (status == SL_OK && s->plan.lights) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK && s->plan.lights)
+        status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     if (status == SL_OK) status = sl_topology_create(s->scene, false, &s->topology, error);
-    if (status == SL_OK && s->plan.several_exponents) status = sl_topology_create(s->scene, true, &s->by_exponent, error);
+    if (status == SL_OK && s->plan.several_exponents)
+        status = sl_topology_create(s->scene, true, &s->by_exponent, error);
     if (status == SL_OK && s->plan.lights) status = make_lights(s, error);
     if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
     return status == SL_OK ? make_pictures(s, error) : status;
@@ -218,7 +258,8 @@ static sl_status renew_world(sl_multi_mesh_state *s, old_world *old, sl_error *e
     sl_status status = sl_raster_move(s->raster, threads, error);
     if (status == SL_OK) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     if (status == SL_OK) status = sl_topology_create(s->scene, false, &s->topology, error);
-    if (status == SL_OK && s->plan.several_exponents) status = sl_topology_create(s->scene, true, &s->by_exponent, error);
+    if (status == SL_OK && s->plan.several_exponents)
+        status = sl_topology_create(s->scene, true, &s->by_exponent, error);
     if (status == SL_OK) status = make_sampling(s, error);
     if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
     return status;
@@ -232,7 +273,8 @@ static sl_status keep_samples(sl_multi_mesh_state *s, const old_world *old, sl_e
         return sl_irradiance_meshes_create(&irradiance, &s->irradiance, error);
     }
     sl_irradiance_changes *changes;
-    sl_status status = sl_irradiance_changes_find(s->scene, old->places, s->places, old->lights, s->lights, &changes, error);
+    sl_status status =
+        sl_irradiance_changes_find(s->scene, old->places, s->places, old->lights, s->lights, &changes, error);
     if (status == SL_OK) status = sl_irradiance_meshes_follow(s->irradiance, &irradiance, changes, error);
     sl_irradiance_changes_destroy(changes);
     return status;

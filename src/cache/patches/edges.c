@@ -1,11 +1,13 @@
-/* Edges: which faces lie along the same two sites. The faces' edges are brought into the order of (lower site, higher site, face) by two stable
- * counting sorts; equal neighbours are one edge, whose faces then lie together, ascending. */
+/* Edges: which faces lie along the same two sites. The faces' edges are brought into the order of (lower
+ * site, higher site, face) by two stable counting sorts; equal neighbours are one edge, whose faces then lie
+ * together, ascending. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/patches/topology_parts.h"
 
 /* order_out: order_in, stably sorted by key. start has room for limit + 1. */
-static void counting_sort(const uint32_t *key, size_t count, size_t limit, const uint32_t *order_in, uint32_t *order_out, uint32_t *start) {
+static void counting_sort(const uint32_t *key, size_t count, size_t limit, const uint32_t *order_in,
+                          uint32_t *order_out, uint32_t *start) {
     for (size_t k = 0; k <= limit; k++) start[k] = 0;
     for (size_t i = 0; i < count; i++) start[key[i] + 1]++;
     for (size_t k = 0; k < limit; k++) start[k + 1] += start[k];
@@ -16,7 +18,8 @@ static void counting_sort(const uint32_t *key, size_t count, size_t limit, const
 }
 
 /* Gives the order of pairs by (low, high), equal ones as they come; both are below `limit`. */
-static sl_status order_pairs(const uint32_t *low, const uint32_t *high, size_t count, size_t limit, uint32_t *order, sl_error *error) {
+static sl_status order_pairs(const uint32_t *low, const uint32_t *high, size_t count, size_t limit,
+                             uint32_t *order, sl_error *error) {
     uint32_t *start = sl_allocate(limit + 1, sizeof *start), *by_high = sl_allocate(count, sizeof *by_high);
     bool good = start != NULL && by_high != NULL;
     if (good) {
@@ -43,7 +46,8 @@ static bool begins_edge(const uint32_t *low, const uint32_t *high, const uint32_
 }
 
 /* Numbers the edges in their order and lists their faces. */
-static void list_edges(sl_topology *topology, const uint32_t *low, const uint32_t *high, const uint32_t *order, size_t count) {
+static void list_edges(sl_topology *topology, const uint32_t *low, const uint32_t *high,
+                       const uint32_t *order, size_t count) {
     size_t e = 0;
     for (size_t i = 0; i < count; i++) {
         if (begins_edge(low, high, order, i)) {
@@ -58,7 +62,8 @@ static void list_edges(sl_topology *topology, const uint32_t *low, const uint32_
     topology->edge_start[e] = (uint32_t)count;
 }
 
-static sl_status make_edges(sl_topology *topology, uint32_t *low, uint32_t *high, uint32_t *order, sl_error *error) {
+static sl_status make_edges(sl_topology *topology, uint32_t *low, uint32_t *high, uint32_t *order,
+                            sl_error *error) {
     size_t count = 3 * topology->face_count;
     face_edges(topology, low, high);
     sl_status status = order_pairs(low, high, count, topology->site_count, order, error);
@@ -68,7 +73,8 @@ static sl_status make_edges(sl_topology *topology, uint32_t *low, uint32_t *high
     topology->edge_high = sl_allocate(topology->edge_count, sizeof(uint32_t));
     topology->edge_face = sl_allocate(count, sizeof(uint32_t));
     topology->edge_low = sl_allocate(topology->edge_count, sizeof(uint32_t));
-    if (topology->edge_start == NULL || topology->edge_high == NULL || topology->edge_face == NULL || topology->edge_low == NULL)
+    if (topology->edge_start == NULL || topology->edge_high == NULL || topology->edge_face == NULL ||
+        topology->edge_low == NULL)
         return sl_fail_memory(error, "edges");
     list_edges(topology, low, high, order, count);
     return SL_OK;
@@ -76,7 +82,8 @@ static sl_status make_edges(sl_topology *topology, uint32_t *low, uint32_t *high
 
 sl_status sl_edges_make(sl_topology *topology, sl_error *error) {
     size_t count = 3 * topology->face_count;
-    uint32_t *low = sl_allocate(count, sizeof *low), *high = sl_allocate(count, sizeof *high), *order = sl_allocate(count, sizeof *order);
+    uint32_t *low = sl_allocate(count, sizeof *low), *high = sl_allocate(count, sizeof *high),
+             *order = sl_allocate(count, sizeof *order);
     sl_status status = SL_OK;
     if (low != NULL && high != NULL && order != NULL) status = make_edges(topology, low, high, order, error);
     else status = sl_fail_memory(error, "edges");

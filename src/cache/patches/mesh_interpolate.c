@@ -1,5 +1,6 @@
-/* Values between vertices: linear, or where vertices hang on a leaf's edges a fan around the leaf's centre, so that both sides of an edge have the same
- * values along it. Differences are added to a corner's value, so that what is constant stays so in every bit. */
+/* Values between vertices: linear, or where vertices hang on a leaf's edges a fan around the leaf's centre,
+ * so that both sides of an edge have the same values along it. Differences are added to a corner's value, so
+ * that what is constant stays so in every bit. */
 #include <math.h>
 #include <string.h>
 
@@ -19,23 +20,28 @@ static bool read_corners(const sl_mesh *mesh, const sl_mesh_place *leaf, sl_mesh
         if (mesh->state[vertex[c]] == SL_VERTEX_INVALID) continue;
         if (mesh->state[vertex[c]] != SL_VERTEX_KNOWN) return false;
         known++;
-        for (int i = 0; i < mesh->channels; i++) sum[i] += fan->corner[c][i] = mesh->value[(size_t)vertex[c] * (size_t)mesh->channels + (size_t)i];
+        for (int i = 0; i < mesh->channels; i++)
+            sum[i] += fan->corner[c][i] = mesh->value[(size_t)vertex[c] * (size_t)mesh->channels + (size_t)i];
     }
     if (known == 0) return false;
     for (int c = 0; c < 3; c++)
-        for (int i = 0; i < mesh->channels && mesh->state[vertex[c]] == SL_VERTEX_INVALID; i++) fan->corner[c][i] = sum[i] / (float)known;
+        for (int i = 0; i < mesh->channels && mesh->state[vertex[c]] == SL_VERTEX_INVALID; i++)
+            fan->corner[c][i] = sum[i] / (float)known;
     return true;
 }
 
 /* Halves are looked at only where the middle is known, so both of an edge's sides find the same vertices. */
-static void walk_edge(const sl_mesh *mesh, uint32_t face, edge_end from, edge_end to, sl_edge_vertices *list) {
+static void walk_edge(const sl_mesh *mesh, uint32_t face, edge_end from, edge_end to,
+                      sl_edge_vertices *list) {
     int p = from.p + to.p, q = from.q + to.q;
     if (to.at - from.at < 2 || (p | q) % 2 != 0) return;
     edge_end half = {(from.at + to.at) / 2, p / 2, q / 2};
-    sl_mesh_place place = {.face = face, .p = {0, (uint16_t)from.p, (uint16_t)to.p}, .q = {0, (uint16_t)from.q, (uint16_t)to.q}};
+    sl_mesh_place place = {
+        .face = face, .p = {0, (uint16_t)from.p, (uint16_t)to.p}, .q = {0, (uint16_t)from.q, (uint16_t)to.q}};
     uint32_t vertex = sl_mesh_find_middle(mesh, &place, 0);
     if (vertex == SL_NO_INDEX || mesh->state[vertex] != SL_VERTEX_KNOWN) return;
-    bool further = mesh->key[vertex].halved; /* else nothing is on the halves: most often so, and quicker to tell than by looking for it */
+    /* else nothing is on the halves: most often so, and quicker to tell than by looking for it */
+    bool further = mesh->key[vertex].halved;
     if (further) walk_edge(mesh, face, from, half, list);
     list->vertex[list->count] = vertex;
     list->at[list->count++] = (uint8_t)half.at;
@@ -45,7 +51,8 @@ static void walk_edge(const sl_mesh *mesh, uint32_t face, edge_end from, edge_en
 void sl_mesh_edge_vertices(const sl_mesh *mesh, const sl_mesh_place *leaf, int edge, sl_edge_vertices *list) {
     int j = (edge + 1) % 3, k = (edge + 2) % 3;
     list->count = 0;
-    walk_edge(mesh, leaf->face, (edge_end){0, leaf->p[j], leaf->q[j]}, (edge_end){SL_FAN_EDGE - 1, leaf->p[k], leaf->q[k]}, list);
+    walk_edge(mesh, leaf->face, (edge_end){0, leaf->p[j], leaf->q[j]},
+              (edge_end){SL_FAN_EDGE - 1, leaf->p[k], leaf->q[k]}, list);
 }
 
 static void append(sl_mesh_fan *fan, int edge, int at, const float *value) {
@@ -69,7 +76,8 @@ bool sl_mesh_fan_make(const sl_mesh *mesh, const sl_mesh_place *leaf, bool hangi
         fan->hanging = fan->hanging || list.count > 0;
         fan->points[edge] = 0;
         append(fan, edge, 0, fan->corner[(edge + 1) % 3]);
-        for (int i = 0; i < list.count; i++) append(fan, edge, list.at[i], &mesh->value[(size_t)list.vertex[i] * (size_t)mesh->channels]);
+        for (int i = 0; i < list.count; i++)
+            append(fan, edge, list.at[i], &mesh->value[(size_t)list.vertex[i] * (size_t)mesh->channels]);
         append(fan, edge, SL_FAN_EDGE - 1, fan->corner[(edge + 2) % 3]);
     }
     return true;
@@ -99,7 +107,8 @@ void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value)
     float w[3] = {clamp01(1.0f - w1 - w2), w1, w2};
     if (!fan->hanging) {
         for (int i = 0; i < fan->channels; i++)
-            value[i] = fan->corner[0][i] + (w1 * (fan->corner[1][i] - fan->corner[0][i]) + w2 * (fan->corner[2][i] - fan->corner[0][i]));
+            value[i] = fan->corner[0][i] + (w1 * (fan->corner[1][i] - fan->corner[0][i]) +
+                                            w2 * (fan->corner[2][i] - fan->corner[0][i]));
         return;
     }
     int edge = w[0] <= w[1] && w[0] <= w[2] ? 0 : w[1] <= w[2] ? 1 : 2;
@@ -109,7 +118,8 @@ void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value)
     for (int i = 0; i < fan->channels; i++) value[i] = fan->centre[i] + s * (on_edge[i] - fan->centre[i]);
 }
 
-bool sl_mesh_interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, float w1, float w2, bool hanging, float *value) {
+bool sl_mesh_interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, float w1, float w2, bool hanging,
+                         float *value) {
     sl_mesh_fan fan;
     if (!sl_mesh_fan_make(mesh, leaf, hanging, &fan)) return false;
     sl_mesh_fan_value(&fan, w1, w2, value);

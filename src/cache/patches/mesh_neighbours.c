@@ -1,5 +1,6 @@
-/* Leaves on the other side of an edge. Within a face quadtrees of triangles are nested, so a leaf beside an edge touches it along a stretch or at a
- * corner, and never reaches across. Everything is in whole numbers of 1/SL_MESH_DYADIC. */
+/* Leaves on the other side of an edge. Within a face quadtrees of triangles are nested, so a leaf beside an
+ * edge touches it along a stretch or at a corner, and never reaches across. Everything is in whole numbers of
+ * 1/SL_MESH_DYADIC. */
 #include "cache/patches/mesh.h"
 
 typedef struct point {
@@ -30,13 +31,14 @@ static bool far_off(const search *s, const sl_mesh_place *place) {
     return apart(s->a.p, s->b.p, p) || apart(s->a.q, s->b.q, q) || apart(s->a.p + s->a.q, s->b.p + s->b.q, r);
 }
 
-/* Tells whether a triangle beside the edge's line touches the edge between its ends. Along the line positions are scalar products with it, 0 at a and
- * `length` at b. */
+/* Tells whether a triangle beside the edge's line touches the edge between its ends. Along the line positions
+ * are scalar products with it, 0 at a and `length` at b. */
 static bool touches(const search *s, const sl_mesh_place *place) {
     int dp = s->b.p - s->a.p, dq = s->b.q - s->a.q, length = dp * dp + dq * dq;
     int on_line = 0, least = length, most = 0, left = 0, right = 0;
     for (int c = 0; c < 3; c++) {
-        int p = place->p[c] - s->a.p, q = place->q[c] - s->a.q, side = dp * q - dq * p, along = dp * p + dq * q;
+        int p = place->p[c] - s->a.p, q = place->q[c] - s->a.q, side = dp * q - dq * p,
+            along = dp * p + dq * q;
         left += side > 0;
         right += side < 0;
         if (side != 0) continue;
@@ -67,7 +69,9 @@ static point on_edge(int j, int first, int k, int second) {
 }
 
 static int weight(const sl_mesh_place *place, int corner, int of) {
-    return of == 1 ? place->p[corner] : of == 2 ? place->q[corner] : SL_MESH_DYADIC - place->p[corner] - place->q[corner];
+    return of == 1   ? place->p[corner]
+           : of == 2 ? place->q[corner]
+                     : SL_MESH_DYADIC - place->p[corner] - place->q[corner];
 }
 
 /* The face's edge on which an edge of a place lies, or -1 if it lies inside. */
@@ -80,15 +84,18 @@ static int face_edge_of(const sl_mesh_place *place, int edge) {
 /* The other faces along the face's edge c, in each of which the same stretch of it has other weights. */
 static void look_in_other_faces(search *s, const sl_mesh_place *place, int edge, int c) {
     const sl_topology *topology = s->mesh->topology;
-    int first = (c + 1) % 3, from = weight(place, (edge + 1) % 3, first), to = weight(place, (edge + 2) % 3, first);
+    int first = (c + 1) % 3, from = weight(place, (edge + 1) % 3, first),
+        to = weight(place, (edge + 2) % 3, first);
     uint32_t e = topology->edge[c][place->face], site = topology->site[first][place->face];
-    if (site == topology->site[(c + 2) % 3][place->face]) return; /* no direction: vertices are the face's own */
+    /* no direction: vertices are the face's own */
+    if (site == topology->site[(c + 2) % 3][place->face]) return;
     for (uint32_t i = topology->edge_start[e]; i < topology->edge_start[e + 1]; i++) {
         uint32_t face = topology->edge_face[i];
         if (face == place->face || sl_mesh_root_of(s->mesh, face) == SL_NO_INDEX) continue;
         for (int k = 0; k < 3; k++) {
             if (topology->edge[k][face] != e) continue;
-            int j = (k + 1) % 3, l = (k + 2) % 3, same = topology->site[j][face] == site ? j : l, other = same == j ? l : j;
+            int j = (k + 1) % 3, l = (k + 2) % 3, same = topology->site[j][face] == site ? j : l,
+                other = same == j ? l : j;
             s->a = on_edge(same, from, other, SL_MESH_DYADIC - from);
             s->b = on_edge(same, to, other, SL_MESH_DYADIC - to);
             sl_mesh_place root = sl_mesh_root_place(s->mesh, face);
@@ -97,9 +104,15 @@ static void look_in_other_faces(search *s, const sl_mesh_place *place, int edge,
     }
 }
 
-size_t sl_mesh_neighbours(const sl_mesh *mesh, const sl_mesh_place *place, int edge, uint32_t *leaf, size_t room) {
+size_t sl_mesh_neighbours(const sl_mesh *mesh, const sl_mesh_place *place, int edge, uint32_t *leaf,
+                          size_t room) {
     int j = (edge + 1) % 3, k = (edge + 2) % 3, border = face_edge_of(place, edge);
-    search s = {.mesh = mesh, .own = place->node, .a = {place->p[j], place->q[j]}, .b = {place->p[k], place->q[k]}, .leaf = leaf, .room = room};
+    search s = {.mesh = mesh,
+                .own = place->node,
+                .a = {place->p[j], place->q[j]},
+                .b = {place->p[k], place->q[k]},
+                .leaf = leaf,
+                .room = room};
     if (border >= 0) {
         look_in_other_faces(&s, place, edge, border);
     } else {

@@ -1,5 +1,5 @@
-/* Memory of a mesh: nodes and roots. Children lie in blocks of four, so that they need one link; blocks that collapse leave form chains and are
- * used again, last freed first. */
+/* Memory of a mesh: nodes and roots. Children lie in blocks of four, so that they need one link; blocks that
+ * collapse leave form chains and are used again, last freed first. */
 #include <string.h>
 
 #include "base/error.h"
@@ -9,13 +9,16 @@
 #include "cache/patches/mesh.h"
 #include "cache/patches/mesh_parts.h"
 
-/* ---- all of it --------------------------------------------------------------------------------------------------- */
+/* ---- all of it ------------------------------------------------------------------------------- */
 
-sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_depth, sl_mesh **mesh, sl_error *error) {
+sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_depth, sl_mesh **mesh,
+                         sl_error *error) {
     *mesh = NULL;
-    if (channels < 1 || channels > 3) return sl_fail(error, SL_ERROR_USAGE, "a mesh has 1 to 3 channels, not %d", channels);
+    if (channels < 1 || channels > 3)
+        return sl_fail(error, SL_ERROR_USAGE, "a mesh has 1 to 3 channels, not %d", channels);
     if (max_depth < 0 || max_depth > SL_MESH_DEPTH_MAX)
-        return sl_fail(error, SL_ERROR_USAGE, "a mesh is 0 to %d levels deep, not %d", (int)SL_MESH_DEPTH_MAX, max_depth);
+        return sl_fail(error, SL_ERROR_USAGE, "a mesh is 0 to %d levels deep, not %d", (int)SL_MESH_DEPTH_MAX,
+                       max_depth);
     sl_mesh *m = sl_allocate(1, sizeof *m);
     if (m == NULL) return sl_fail_memory(error, "a mesh");
     m->topology = topology;
@@ -41,8 +44,11 @@ void sl_mesh_destroy(sl_mesh *mesh) {
 }
 
 size_t sl_mesh_memory_bytes(const sl_mesh *mesh) {
-    size_t vertices = mesh->vertex_capacity * (sizeof *mesh->key + (size_t)mesh->channels * sizeof *mesh->value + sizeof *mesh->state);
-    return sizeof *mesh + (mesh->root_slots + mesh->slot_count) * sizeof(uint32_t) + mesh->node_capacity * sizeof *mesh->node + vertices;
+    size_t vertices =
+        mesh->vertex_capacity *
+        (sizeof *mesh->key + (size_t)mesh->channels * sizeof *mesh->value + sizeof *mesh->state);
+    return sizeof *mesh + (mesh->root_slots + mesh->slot_count) * sizeof(uint32_t) +
+           mesh->node_capacity * sizeof *mesh->node + vertices;
 }
 
 void sl_mesh_clear(sl_mesh *mesh) {
@@ -52,7 +58,7 @@ void sl_mesh_clear(sl_mesh *mesh) {
     mesh->first_free = SL_NO_INDEX;
 }
 
-/* ---- nodes ------------------------------------------------------------------------------------------------------- */
+/* ---- nodes ----------------------------------------------------------------------------------- */
 
 static bool grow_nodes(sl_mesh *mesh) {
     if (mesh->node_count + 4 > SL_MESH_ROOT) return false;
@@ -73,7 +79,8 @@ uint32_t sl_mesh_take_nodes(sl_mesh *mesh, int count, uint32_t parent) {
         mesh->node_count += n;
     }
     for (uint32_t i = first; i < first + n; i++)
-        mesh->node[i] = (sl_mesh_node){.child = SL_NO_INDEX, .parent = parent, .vertex = {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
+        mesh->node[i] = (sl_mesh_node){
+            .child = SL_NO_INDEX, .parent = parent, .vertex = {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
     return first;
 }
 
@@ -84,12 +91,13 @@ void sl_mesh_free_nodes(sl_mesh *mesh, uint32_t first) {
     mesh->free_nodes += 4;
 }
 
-/* ---- roots ------------------------------------------------------------------------------------------------------- */
+/* ---- roots ----------------------------------------------------------------------------------- */
 
 /* Where a face's root is in the table, or would be. */
 static size_t root_slot(const sl_mesh *mesh, uint32_t face) {
     size_t i = sl_slot_of_hash(sl_hash64(face), mesh->root_slots);
-    while (mesh->root[i] != SL_NO_INDEX && mesh->node[mesh->root[i]].parent != (SL_MESH_ROOT | face)) i = sl_slot_after(i, mesh->root_slots);
+    while (mesh->root[i] != SL_NO_INDEX && mesh->node[mesh->root[i]].parent != (SL_MESH_ROOT | face))
+        i = sl_slot_after(i, mesh->root_slots);
     return i;
 }
 
@@ -117,7 +125,8 @@ uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error 
     uint32_t vertex[3], root = sl_mesh_root_of(mesh, face);
     if (root != SL_NO_INDEX) return root;
     for (uint32_t c = 0; c < 3; c++) {
-        vertex[c] = sl_mesh_vertex_at(mesh, face, c == 1 ? SL_MESH_DYADIC : 0, c == 2 ? SL_MESH_DYADIC : 0, status, error);
+        vertex[c] = sl_mesh_vertex_at(mesh, face, c == 1 ? SL_MESH_DYADIC : 0, c == 2 ? SL_MESH_DYADIC : 0,
+                                      status, error);
         if (vertex[c] == SL_NO_INDEX) return SL_NO_INDEX;
     }
     bool room = 4 * (mesh->root_count + 1) <= 3 * mesh->root_slots || grow_roots(mesh);
@@ -133,7 +142,7 @@ uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error 
     return root;
 }
 
-/* ---- a number in a node's flags ------------------------------------------------------------------------------------ */
+/* ---- a number in a node's flags -------------------------------------------------------------- */
 
 /* The upper half of a float's bits; what has been probed alone has the sign of a negative one. */
 static float upper_half(const sl_mesh_node *node) {
@@ -154,7 +163,9 @@ float sl_mesh_tested_size(const sl_mesh_node *node) {
     return size > 0.0f ? size : 0.0f;
 }
 
-void sl_mesh_set_tested_size(sl_mesh_node *node, float size) { set_upper_half(node, size > 0.0f ? size : 0.0f); /* NaN, too */ }
+void sl_mesh_set_tested_size(sl_mesh_node *node, float size) {
+    set_upper_half(node, size > 0.0f ? size : 0.0f); /* NaN, too */
+}
 
 float sl_mesh_probed_size(const sl_mesh_node *node) {
     float size = upper_half(node);
@@ -162,4 +173,6 @@ float sl_mesh_probed_size(const sl_mesh_node *node) {
 }
 
 /* A hundredth more, for what the lower half loses. */
-void sl_mesh_set_probed_size(sl_mesh_node *node, float size) { set_upper_half(node, size > 0.0f && size < 1e30f ? -1.01f * size : -1e30f); }
+void sl_mesh_set_probed_size(sl_mesh_node *node, float size) {
+    set_upper_half(node, size > 0.0f && size < 1e30f ? -1.01f * size : -1e30f);
+}

@@ -8,13 +8,14 @@
 #include "base/random.h"
 #include "cache/patches/mesh_parts.h"
 
-/* ---- keys ------------------------------------------------------------------------------------------------------------ */
+/* ---- keys ------------------------------------------------------------------------------------ */
 
 static sl_vertex_key make_key(sl_vertex_kind kind, uint32_t of, uint32_t p, uint32_t q) {
     return (sl_vertex_key){.of = of, .p = p & 0x1fffu, .q = q & 0x1fffu, .kind = (unsigned)kind & 3u};
 }
 
-/* A point of a face with a weight of 0 lies on the edge opposite to that corner, one with two on a site; these belong to all faces around. */
+/* A point of a face with a weight of 0 lies on the edge opposite to that corner, one with two on a site;
+ * these belong to all faces around. */
 static sl_vertex_key key_of(const sl_topology *topology, uint32_t face, uint32_t p, uint32_t q) {
     uint32_t w[3] = {SL_MESH_DYADIC - p - q, p, q}, site[3];
     for (int c = 0; c < 3; c++) site[c] = topology->site[c][face];
@@ -23,7 +24,8 @@ static sl_vertex_key key_of(const sl_topology *topology, uint32_t face, uint32_t
     for (int c = 0; c < 3; c++) {
         int j = (c + 1) % 3, k = (c + 2) % 3;
         if (w[c] != 0 || site[j] == site[k]) continue;
-        return make_key(SL_VERTEX_ON_EDGE, topology->edge[c][face], site[j] < site[k] ? w[k] : w[j], 0); /* from the lower site */
+        /* from the lower site */
+        return make_key(SL_VERTEX_ON_EDGE, topology->edge[c][face], site[j] < site[k] ? w[k] : w[j], 0);
     }
     return make_key(SL_VERTEX_IN_FACE, face, p, q);
 }
@@ -34,22 +36,25 @@ static bool same_key(const sl_vertex_key *x, const sl_vertex_key *y) {
 
 /* Of as many slots as there are. */
 static size_t first_slot(const sl_mesh *mesh, const sl_vertex_key *key) {
-    uint64_t hash = sl_hash64((uint64_t)key->of << 32 | (uint64_t)key->p << 15 | (uint64_t)key->q << 2 | key->kind);
+    uint64_t hash =
+        sl_hash64((uint64_t)key->of << 32 | (uint64_t)key->p << 15 | (uint64_t)key->q << 2 | key->kind);
     return sl_slot_of_hash(hash, mesh->slot_count);
 }
 
 /* Where a key is in the table, or would be. */
 static size_t slot_of(const sl_mesh *mesh, const sl_vertex_key *key) {
     size_t i = first_slot(mesh, key);
-    while (mesh->slot[i] != SL_NO_INDEX && !same_key(&mesh->key[mesh->slot[i]], key)) i = sl_slot_after(i, mesh->slot_count);
+    while (mesh->slot[i] != SL_NO_INDEX && !same_key(&mesh->key[mesh->slot[i]], key))
+        i = sl_slot_after(i, mesh->slot_count);
     return i;
 }
 
-/* ---- the table ------------------------------------------------------------------------------------------------------- */
+/* ---- the table ------------------------------------------------------------------------------- */
 
 static bool grow_vertices(sl_mesh *mesh) {
     if (mesh->vertex_count >= SL_NO_INDEX) return false;
-    size_t used = mesh->vertex_count, capacity = sl_grown_capacity(mesh->vertex_capacity, used + 64), channels = (size_t)mesh->channels;
+    size_t used = mesh->vertex_count, capacity = sl_grown_capacity(mesh->vertex_capacity, used + 64),
+           channels = (size_t)mesh->channels;
     if (!sl_regrow(&mesh->key, used, capacity, sizeof *mesh->key)) return false;
     if (!sl_regrow(&mesh->value, used, capacity, channels * sizeof *mesh->value)) return false;
     if (!sl_regrow(&mesh->state, used, capacity, sizeof *mesh->state)) return false;
@@ -78,12 +83,14 @@ static uint32_t find(const sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q)
     return mesh->slot[slot_of(mesh, &key)];
 }
 
-uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q, sl_status *status, sl_error *error) {
+uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q, sl_status *status,
+                           sl_error *error) {
     sl_vertex_key key = key_of(mesh->topology, face, p, q);
     size_t slot = slot_of(mesh, &key);
     *status = SL_OK;
     if (mesh->slot[slot] != SL_NO_INDEX) return mesh->slot[slot];
-    bool full = mesh->vertex_count == mesh->vertex_capacity, crowded = 4 * (mesh->vertex_count + 1) > 3 * mesh->slot_count;
+    bool full = mesh->vertex_count == mesh->vertex_capacity,
+         crowded = 4 * (mesh->vertex_count + 1) > 3 * mesh->slot_count;
     if ((full && !grow_vertices(mesh)) || (crowded && !grow_slots(mesh))) {
         *status = sl_fail_memory(error, "mesh vertices");
         return SL_NO_INDEX;
@@ -91,12 +98,13 @@ uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q,
     uint32_t fresh = (uint32_t)mesh->vertex_count++;
     mesh->key[fresh] = key;
     mesh->state[fresh] = SL_VERTEX_UNKNOWN;
-    memset(&mesh->value[(size_t)fresh * (size_t)mesh->channels], 0, (size_t)mesh->channels * sizeof *mesh->value);
+    memset(&mesh->value[(size_t)fresh * (size_t)mesh->channels], 0,
+           (size_t)mesh->channels * sizeof *mesh->value);
     mesh->slot[crowded ? slot_of(mesh, &key) : slot] = fresh;
     return fresh;
 }
 
-/* ---- middles of edges ------------------------------------------------------------------------------------------------ */
+/* ---- middles of edges ------------------------------------------------------------------------ */
 
 /* False where an edge is as short as dyadic fractions go. */
 static bool middle_of(const sl_mesh_place *place, int edge, uint32_t *p, uint32_t *q) {
@@ -109,7 +117,8 @@ static bool middle_of(const sl_mesh_place *place, int edge, uint32_t *p, uint32_
     return even;
 }
 
-uint32_t sl_mesh_middle(sl_mesh *mesh, const sl_mesh_place *place, int edge, sl_status *status, sl_error *error) {
+uint32_t sl_mesh_middle(sl_mesh *mesh, const sl_mesh_place *place, int edge, sl_status *status,
+                        sl_error *error) {
     uint32_t p, q;
     *status = SL_OK;
     if (place->depth >= mesh->max_depth || !middle_of(place, edge, &p, &q)) return SL_NO_INDEX;
@@ -125,17 +134,21 @@ uint32_t sl_mesh_find_middle(const sl_mesh *mesh, const sl_mesh_place *place, in
     return middle_of(place, edge, &p, &q) ? find(mesh, place->face, p, q) : SL_NO_INDEX;
 }
 
-uint32_t sl_mesh_find_vertex(const sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q) { return find(mesh, face, p, q); }
+uint32_t sl_mesh_find_vertex(const sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q) {
+    return find(mesh, face, p, q);
+}
 
-/* ---- where vertices lie ------------------------------------------------------------------------------------------------ */
+/* ---- where vertices lie ---------------------------------------------------------------------- */
 
-/* The sum of a face's three site values in double. On an edge one weight is 0, a product of a float and a 13-bit weight is exact, and the sum of two
- * does not depend on their order: so all faces around, and both sides, get the same bits. Corners without weight do not count even if
- * they are not finite. */
-static sl_vec3d weigh(const sl_topology *topology, const sl_vec3 *site_value, uint32_t face, const double w[3]) {
+/* The sum of a face's three site values in double. On an edge one weight is 0, a product of a float and a
+ * 13-bit weight is exact, and the sum of two does not depend on their order: so all faces around, and both
+ * sides, get the same bits. Corners without weight do not count even if they are not finite. */
+static sl_vec3d weigh(const sl_topology *topology, const sl_vec3 *site_value, uint32_t face,
+                      const double w[3]) {
     sl_vec3d sum = sl_v3d(0.0, 0.0, 0.0);
     for (int c = 0; c < 3; c++)
-        if (w[c] != 0.0) sum = sl_addd(sum, sl_scaled(sl_to_double(site_value[topology->site[c][face]]), w[c]));
+        if (w[c] != 0.0)
+            sum = sl_addd(sum, sl_scaled(sl_to_double(site_value[topology->site[c][face]]), w[c]));
     return sl_scaled(sum, 1.0 / SL_MESH_DYADIC);
 }
 
@@ -144,8 +157,10 @@ sl_vec3 sl_mesh_position_in_face(const sl_mesh *mesh, uint32_t face, uint32_t p,
     return sl_to_float(weigh(mesh->topology, mesh->topology->site_position, face, w));
 }
 
-/* The lowest face that has the vertex, how many do (2: several), and the vertex's weights of its corners in 1/SL_MESH_DYADIC. */
-static uint32_t lowest_face(const sl_topology *topology, const sl_vertex_key *key, bool *several, double w[3]) {
+/* The lowest face that has the vertex, how many do (2: several), and the vertex's weights of its corners in
+ * 1/SL_MESH_DYADIC. */
+static uint32_t lowest_face(const sl_topology *topology, const sl_vertex_key *key, bool *several,
+                            double w[3]) {
     uint32_t face = key->of;
     int c = 0;
     w[0] = (double)SL_MESH_DYADIC - key->p - key->q;
@@ -180,7 +195,8 @@ uint32_t sl_mesh_lowest_face(const sl_mesh *mesh, uint32_t vertex, uint16_t *p, 
 }
 
 static sl_vec3 normal_at(const sl_topology *topology, uint32_t face, const double w[3]) {
-    return sl_normalize_or(sl_to_float(weigh(topology, topology->site_normal, face, w)), sl_face_normal(topology->scene, face));
+    return sl_normalize_or(sl_to_float(weigh(topology, topology->site_normal, face, w)),
+                           sl_face_normal(topology->scene, face));
 }
 
 void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point) {
@@ -195,17 +211,23 @@ void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point
     point->geometric_normal = inside ? sl_face_normal(topology->scene, point->face) : point->normal;
 }
 
-static sl_vec3d between(sl_vec3d a, sl_vec3d b, double share) { return sl_addd(a, sl_scaled(sl_subd(b, a), share)); }
+static sl_vec3d between(sl_vec3d a, sl_vec3d b, double share) {
+    return sl_addd(a, sl_scaled(sl_subd(b, a), share));
+}
 
-void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, sl_leaf_middle leaf, double share, sl_mesh_point *point) {
+void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, sl_leaf_middle leaf, double share,
+                          sl_mesh_point *point) {
     const sl_topology *topology = mesh->topology;
-    const double w[3] = {(double)SL_MESH_DYADIC - (double)leaf.p - (double)leaf.q, (double)leaf.p, (double)leaf.q};
+    const double w[3] = {(double)SL_MESH_DYADIC - (double)leaf.p - (double)leaf.q, (double)leaf.p,
+                         (double)leaf.q};
     sl_mesh_point_of(mesh, vertex, point);
     sl_vec3 geometric = sl_face_normal(topology->scene, leaf.face);
-    sl_vec3d middle = weigh(topology, topology->site_position, leaf.face, w), normal = sl_to_double(normal_at(topology, leaf.face, w));
+    sl_vec3d middle = weigh(topology, topology->site_position, leaf.face, w),
+             normal = sl_to_double(normal_at(topology, leaf.face, w));
     point->face = leaf.face;
     point->triangle = leaf.face / 2;
     point->position = sl_to_float(between(sl_to_double(point->position), middle, share));
-    point->normal = sl_normalize_or(sl_to_float(between(sl_to_double(point->normal), normal, share)), geometric);
+    point->normal =
+        sl_normalize_or(sl_to_float(between(sl_to_double(point->normal), normal, share)), geometric);
     point->geometric_normal = geometric;
 }

@@ -2,17 +2,19 @@
 #include "cache/patches/patch_parts.h"
 #include "cache/patches/primitive_parts.h"
 
-/* ---- leaves around a place ---------------------------------------------------------------------------------------------------- */
+/* ---- leaves around a place ------------------------------------------------------------------- */
 
 /* A point, or an edge of a bicubic patch that is one point in space. */
 typedef struct uv_box {
     int u[2], v[2];
 } uv_box;
 
-/* Closed regions: a leaf holds what lies on its edges. All triangles of a root are upright or turned by half a turn. */
+/* Closed regions: a leaf holds what lies on its edges. All triangles of a root are upright or turned by half
+ * a turn. */
 static bool meets(const sl_patch_place *place, const uv_box *box) {
     if (place->corners == 4) {
-        return box->u[0] <= place->u[2] && box->u[1] >= place->u[0] && box->v[0] <= place->v[2] && box->v[1] >= place->v[0];
+        return box->u[0] <= place->u[2] && box->u[1] >= place->u[0] && box->v[0] <= place->v[2] &&
+               box->v[1] >= place->v[0];
     }
     int side = (int)place->u[1] - (int)place->u[0], turned = side < 0 ? -1 : 1;
     int a = (box->u[0] - (int)place->u[0]) * turned, b = (box->v[0] - (int)place->v[0]) * turned;
@@ -84,13 +86,15 @@ static void mark(sl_patches *p, const sl_patch_place *leaf, void *context) {
     p->flags[leaf->patch] |= SL_PATCH_DIRTY;
 }
 
-void sl_patches_touch_place(sl_patches *p, sl_root_place place) { sl_patches_visit_around(p, place, mark, NULL); }
+void sl_patches_touch_place(sl_patches *p, sl_root_place place) {
+    sl_patches_visit_around(p, place, mark, NULL);
+}
 
 void sl_patches_touch(sl_patches *p, uint32_t vertex) {
     sl_patches_touch_place(p, sl_vertex_place(&p->vertex[vertex]));
 }
 
-/* ---- vertices along an edge --------------------------------------------------------------------------------------------------- */
+/* ---- vertices along an edge ------------------------------------------------------------------ */
 
 typedef struct hanging_list {
     const sl_patches *patches;
@@ -100,12 +104,15 @@ typedef struct hanging_list {
     size_t count, room;
 } hanging_list;
 
-/* Finer leaves beside an edge have its middle for a corner, and only then may they have the middles of its halves. */
-static void collect(hanging_list *list, const uint32_t from[2], const uint32_t to[2], uint32_t first, uint32_t length) {
+/* Finer leaves beside an edge have its middle for a corner, and only then may they have the middles of its
+ * halves. */
+static void collect(hanging_list *list, const uint32_t from[2], const uint32_t to[2], uint32_t first,
+                    uint32_t length) {
     uint32_t middle[2] = {(from[0] + to[0]) / 2, (from[1] + to[1]) / 2};
     bool smallest = (from[0] + to[0]) % 2 || (from[1] + to[1]) % 2; /* an edge of the deepest leaves */
     if (smallest || list->count == list->room) return;
-    uint32_t vertex = sl_vertex_find(list->patches, (sl_root_place){list->root, (uint16_t)middle[0], (uint16_t)middle[1]});
+    uint32_t vertex =
+        sl_vertex_find(list->patches, (sl_root_place){list->root, (uint16_t)middle[0], (uint16_t)middle[1]});
     if (vertex == SL_NO_INDEX || vertex == list->corner) return; /* the latter: the edge is one point */
     collect(list, from, middle, first, length / 2);
     if (list->count == list->room) return;
@@ -114,14 +121,17 @@ static void collect(hanging_list *list, const uint32_t from[2], const uint32_t t
     collect(list, middle, to, first + length / 2, length / 2);
 }
 
-size_t sl_patch_hanging_at(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex, uint16_t *at, size_t room) {
+size_t sl_patch_hanging_at(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex,
+                           uint16_t *at, size_t room) {
     int next = (edge + 1) % leaf->corners;
     hanging_list list = {p, leaf->root, sl_patch_corner(p, leaf->patch, edge), vertex, at, 0, room};
-    collect(&list, (uint32_t[2]){leaf->u[edge], leaf->v[edge]}, (uint32_t[2]){leaf->u[next], leaf->v[next]}, 0, SL_PATCH_DYADIC);
+    collect(&list, (uint32_t[2]){leaf->u[edge], leaf->v[edge]}, (uint32_t[2]){leaf->u[next], leaf->v[next]},
+            0, SL_PATCH_DYADIC);
     return list.count;
 }
 
-size_t sl_patch_hanging(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex, size_t room) {
+size_t sl_patch_hanging(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex,
+                        size_t room) {
     return sl_patch_hanging_at(p, leaf, edge, vertex, NULL, room);
 }
 

@@ -1,5 +1,6 @@
-/* Eviction: children go that were not seen within the window, or whose parent covers less than a pixel; those first that have not been seen for longest,
- * and from the leaves up, so that what remains is always a tree. */
+/* Eviction: children go that were not seen within the window, or whose parent covers less than a pixel; those
+ * first that have not been seen for longest, and from the leaves up, so that what remains is always a tree.
+ */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -15,11 +16,14 @@ typedef struct heap {
     size_t count;
 } heap;
 
-static bool goes_before(candidate a, candidate b) { return a.seen != b.seen ? a.seen < b.seen : a.patch < b.patch; }
+static bool goes_before(candidate a, candidate b) {
+    return a.seen != b.seen ? a.seen < b.seen : a.patch < b.patch;
+}
 
 static void put(heap *h, candidate new) {
     size_t at = h->count++;
-    for (; at > 0 && goes_before(new, h->entry[(at - 1) / 2]); at = (at - 1) / 2) h->entry[at] = h->entry[(at - 1) / 2];
+    for (; at > 0 && goes_before(new, h->entry[(at - 1) / 2]); at = (at - 1) / 2)
+        h->entry[at] = h->entry[(at - 1) / 2];
     h->entry[at] = new;
 }
 
@@ -35,8 +39,10 @@ static candidate take_first(heap *h) {
     return first;
 }
 
-/* Tells whether a patch has four leaves for children that may go. Pixels are those of the children seen last. */
-static bool may_lose_children(const sl_patches *p, uint32_t patch, uint32_t since, double small, candidate *found) {
+/* Tells whether a patch has four leaves for children that may go. Pixels are those of the children seen last.
+ */
+static bool may_lose_children(const sl_patches *p, uint32_t patch, uint32_t since, double small,
+                              candidate *found) {
     uint32_t first = p->patch[patch].child, latest = 0, pixels = 0;
     if (first == SL_NO_INDEX) return false;
     for (uint32_t k = 0; k < 4; k++) {
@@ -49,10 +55,12 @@ static bool may_lose_children(const sl_patches *p, uint32_t patch, uint32_t sinc
     return latest < since || (double)pixels < small;
 }
 
-sl_status sl_patches_evict(sl_patches *p, size_t limit, uint32_t since, double small, sl_counters *counters, sl_error *error) {
+sl_status sl_patches_evict(sl_patches *p, size_t limit, uint32_t since, double small, sl_counters *counters,
+                           sl_error *error) {
     if (p->patches_alive <= limit) return SL_OK;
     size_t wanted = limit - limit / 10, before = p->patches_alive;
-    heap h = {sl_allocate_unset(p->patch_count / 4 + 1, sizeof *h.entry), 0}; /* no more than there are blocks of children */
+    /* no more than there are blocks of children */
+    heap h = {sl_allocate_unset(p->patch_count / 4 + 1, sizeof *h.entry), 0};
     if (!h.entry) return sl_fail_memory(error, "eviction");
     candidate found;
     for (uint32_t i = 0; i < p->patch_count; i++) {

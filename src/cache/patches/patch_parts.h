@@ -1,16 +1,19 @@
-/* Between patches.c, patch_vertices.c, patch_around.c and patch_evict.c; the display finds vertices by it, too. */
+/* Between patches.c, patch_vertices.c, patch_around.c and patch_evict.c; the display finds vertices by it,
+ * too. */
 #ifndef SL_PATCHES_PATCH_PARTS_H
 #define SL_PATCHES_PATCH_PARTS_H
 
 #include "cache/patches/patches.h"
 
-/* Larger lists with room for `wanted` entries: a 128th more than before, as what is allocated and not used counts, too. */
+/* Larger lists with room for `wanted` entries: a 128th more than before, as what is allocated and not used
+ * counts, too. */
 static inline size_t sl_patches_room(size_t capacity, size_t wanted) {
     size_t more = capacity + capacity / 128 + 32;
     return more > wanted ? more : wanted;
 }
 
-/* patches.c: copies `used` bytes of each array into a larger one; nothing is changed where one of them cannot be had. */
+/* patches.c: copies `used` bytes of each array into a larger one; nothing is changed where one of them cannot
+ * be had. */
 typedef struct sl_growing {
     void **array;
     size_t used, room; /* bytes */

@@ -1,5 +1,5 @@
-/* Vertices of patches: found by the place that stands for all that share it (sl_root_canonical()), in a hash table with linear probing, and
- * counted by the splits and roots that asked for them. */
+/* Vertices of patches: found by the place that stands for all that share it (sl_root_canonical()), in a hash
+ * table with linear probing, and counted by the splits and roots that asked for them. */
 #include <string.h>
 
 #include "base/error.h"
@@ -8,7 +8,7 @@
 #include "cache/patches/dyadic.h"
 #include "cache/patches/patch_parts.h"
 
-/* ---- the table ---------------------------------------------------------------------------------------------------------------- */
+/* ---- the table ------------------------------------------------------------------------------- */
 
 static size_t home_of(const sl_patches *p, sl_root_place place) {
     uint64_t hash = sl_hash64((uint64_t)place.root << 32 | (uint64_t)place.u << 16 | place.v);
@@ -43,7 +43,8 @@ static sl_status reserve_slots(sl_patches *p, size_t vertices, sl_error *error) 
 
 /* Those that could have gone here, had it been empty, move up: no marks are left behind. */
 static void empty_slot(sl_patches *p, size_t hole) {
-    for (size_t slot = sl_slot_after(hole, p->slot_count); p->slot[slot] != SL_NO_INDEX; slot = sl_slot_after(slot, p->slot_count)) {
+    for (size_t slot = sl_slot_after(hole, p->slot_count); p->slot[slot] != SL_NO_INDEX;
+         slot = sl_slot_after(slot, p->slot_count)) {
         size_t home = home_of(p, sl_vertex_place(&p->vertex[p->slot[slot]]));
         bool between = hole < slot ? home > hole && home <= slot : home > hole || home <= slot;
         if (between) continue;
@@ -53,9 +54,11 @@ static void empty_slot(sl_patches *p, size_t hole) {
     p->slot[hole] = SL_NO_INDEX;
 }
 
-/* ---- vertices ----------------------------------------------------------------------------------------------------------------- */
+/* ---- vertices -------------------------------------------------------------------------------- */
 
-static bool has_lobe(const sl_patches *p, uint32_t root) { return p->lobes && sl_material_has_lobe(sl_root_material(p->primitives, root)); }
+static bool has_lobe(const sl_patches *p, uint32_t root) {
+    return p->lobes && sl_material_has_lobe(sl_root_material(p->primitives, root));
+}
 
 static sl_status reserve_numbers(sl_patches *p, size_t count, sl_error *error) {
     if (p->vertex_count + count <= p->vertex_capacity) return SL_OK;
@@ -65,15 +68,20 @@ static sl_status reserve_numbers(sl_patches *p, size_t count, sl_error *error) {
     size_t group = sizeof *p->lobe_group, groups = SL_VERTEX_GROUP;
     sl_growing all[3] = {{(void **)&p->vertex, had * sizeof *p->vertex, capacity * sizeof *p->vertex, NULL}};
     int arrays = 1;
-    if (p->sets) all[arrays++] = (sl_growing){(void **)&p->sets, had * sizeof *p->sets, capacity * sizeof *p->sets, NULL};
-    if (p->lobes) all[arrays++] = (sl_growing){(void **)&p->lobe_group, had / groups * group, capacity / groups * group, NULL};
+    if (p->sets)
+        all[arrays++] =
+            (sl_growing){(void **)&p->sets, had * sizeof *p->sets, capacity * sizeof *p->sets, NULL};
+    if (p->lobes)
+        all[arrays++] =
+            (sl_growing){(void **)&p->lobe_group, had / groups * group, capacity / groups * group, NULL};
     sl_status status = sl_patches_enlarge(all, arrays, error);
     if (status == SL_OK) p->vertex_capacity = capacity;
     return status;
 }
 
 static sl_status reserve_lobes(sl_patches *p, sl_error *error) {
-    size_t wanted = p->lobe_count + SL_VERTEX_GROUP, capacity = sl_patches_room(p->lobe_capacity, wanted), size = sizeof *p->lobe;
+    size_t wanted = p->lobe_count + SL_VERTEX_GROUP, capacity = sl_patches_room(p->lobe_capacity, wanted),
+           size = sizeof *p->lobe;
     if (wanted <= p->lobe_capacity) return SL_OK;
     sl_growing all[] = {{(void **)&p->lobe, p->lobe_count * size, capacity * size, NULL}};
     sl_status status = sl_patches_enlarge(all, 1, error);
@@ -86,7 +94,9 @@ sl_status sl_vertices_reserve(sl_patches *p, uint32_t root, size_t count, sl_err
     sl_status status = reserve_slots(p, p->vertices_alive + count, error);
     if (status != SL_OK || p->free_vertices[lobe] >= count) return status;
     if (lobe) status = reserve_lobes(p, error);
-    return status == SL_OK ? reserve_numbers(p, p->lobes ? SL_VERTEX_GROUP : count - p->free_vertices[0], error) : status;
+    return status == SL_OK
+               ? reserve_numbers(p, p->lobes ? SL_VERTEX_GROUP : count - p->free_vertices[0], error)
+               : status;
 }
 
 uint32_t sl_vertex_find(const sl_patches *p, sl_root_place place) {
@@ -128,7 +138,11 @@ uint32_t sl_vertex_take(sl_patches *p, sl_root_place place, bool *created) {
     }
     uint32_t made = unused_vertex(p, has_lobe(p, place.root));
     enum { BITS = 2 * SL_PATCH_DYADIC - 1 };
-    p->vertex[made] = (sl_patch_vertex){.root = place.root, .u = place.u & (unsigned)BITS, .v = place.v & (unsigned)BITS, .references = 1, .evaluated = SL_VERTEX_NEVER};
+    p->vertex[made] = (sl_patch_vertex){.root = place.root,
+                                        .u = place.u & (unsigned)BITS,
+                                        .v = place.v & (unsigned)BITS,
+                                        .references = 1,
+                                        .evaluated = SL_VERTEX_NEVER};
     float *lobe = sl_vertex_lobe(p, made);
     if (lobe) memset(lobe, 0, sizeof *p->lobe);
     if (p->sets) p->sets[made] = (sl_vertex_sets){0};

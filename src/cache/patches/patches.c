@@ -9,15 +9,17 @@
 #include "cache/patches/dyadic.h"
 #include "cache/patches/patch_parts.h"
 
-/* ---- life --------------------------------------------------------------------------------------------------------------------- */
+/* ---- life ------------------------------------------------------------------------------------ */
 
-sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_patches **patches, sl_error *error) {
+sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_patches **patches,
+                            sl_error *error) {
     *patches = NULL;
     sl_patches *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "patches");
     size_t roots = 2 * primitives->count;
     p->primitives = primitives;
-    p->first_free = p->resting[0] = p->resting[1] = p->last_root_block = p->first_free_vertex[0] = p->first_free_vertex[1] = SL_NO_INDEX;
+    p->first_free = p->resting[0] = p->resting[1] = p->last_root_block = p->first_free_vertex[0] =
+        p->first_free_vertex[1] = SL_NO_INDEX;
     p->lobes = kept & SL_PATCHES_LOBES;
     p->root_patch = sl_allocate_unset(roots, sizeof *p->root_patch);
     p->wanted_root = sl_allocate(roots, sizeof *p->wanted_root);
@@ -36,20 +38,23 @@ sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_p
 void sl_patches_destroy(sl_patches *p) {
     if (!p) return;
     for (size_t i = 0; i < p->block_chunks; i++) sl_free(p->block_chunk[i]);
-    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block_chunk, p->vertex, p->sets, p->lobe_group, p->lobe, p->slot, p->waiting};
+    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block_chunk,
+                   p->vertex,     p->sets,        p->lobe_group,  p->lobe,  p->slot,  p->waiting};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(p);
 }
 
 size_t sl_patches_memory_bytes(const sl_patches *p) {
     size_t of_chunk = SL_BLOCKS_A_CHUNK * sizeof **p->block_chunk + sizeof *p->block_chunk;
-    size_t of_vertex = sizeof *p->vertex + (p->sets ? sizeof *p->sets : 0), groups = p->lobes ? p->vertex_capacity / SL_VERTEX_GROUP : 0;
-    return p->patch_capacity * (sizeof *p->patch + 1) + p->block_chunks * of_chunk + p->wanted_capacity * sizeof *p->root_corner +
-           p->vertex_capacity * of_vertex + groups * sizeof *p->lobe_group + p->lobe_capacity * sizeof *p->lobe + p->slot_count * sizeof *p->slot +
-           p->waiting_capacity * sizeof *p->waiting;
+    size_t of_vertex = sizeof *p->vertex + (p->sets ? sizeof *p->sets : 0),
+           groups = p->lobes ? p->vertex_capacity / SL_VERTEX_GROUP : 0;
+    return p->patch_capacity * (sizeof *p->patch + 1) + p->block_chunks * of_chunk +
+           p->wanted_capacity * sizeof *p->root_corner + p->vertex_capacity * of_vertex +
+           groups * sizeof *p->lobe_group + p->lobe_capacity * sizeof *p->lobe +
+           p->slot_count * sizeof *p->slot + p->waiting_capacity * sizeof *p->waiting;
 }
 
-/* ---- blocks of four patches ---------------------------------------------------------------------------------------------------- */
+/* ---- blocks of four patches ------------------------------------------------------------------ */
 
 sl_status sl_patches_enlarge(sl_growing *all, int count, sl_error *error) {
     bool failed = false;
@@ -110,7 +115,8 @@ static uint32_t take_block(sl_patches *p, uint32_t parent, uint32_t root) {
         first = (uint32_t)p->patch_count;
         p->patch_count += 4;
     }
-    *sl_patch_block_of(p, first) = (sl_patch_block){parent, root, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
+    *sl_patch_block_of(p, first) =
+        (sl_patch_block){parent, root, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
     for (uint32_t k = 0; k < 4; k++) {
         p->patch[first + k] = (sl_patch){.child = SL_NO_INDEX};
         p->flags[first + k] = 0;
@@ -125,8 +131,8 @@ static void give_block_back(sl_patches *p, uint32_t first) {
     p->resting[0] = first;
 }
 
-/* The copy that was just built knows nothing of what was given back before, and is the one that is drawn. A frame may still be under way from the other one, but not
- * when that is built the next time. */
+/* The copy that was just built knows nothing of what was given back before, and is the one that is drawn. A
+ * frame may still be under way from the other one, but not when that is built the next time. */
 void sl_patches_rested(sl_patches *p) {
     uint32_t *last = &p->resting[1];
     while (*last != SL_NO_INDEX) last = &p->patch[*last].child;
@@ -136,26 +142,35 @@ void sl_patches_rested(sl_patches *p) {
     p->resting[0] = SL_NO_INDEX;
 }
 
-/* ---- places ------------------------------------------------------------------------------------------------------------------- */
+/* ---- places ---------------------------------------------------------------------------------- */
 
-static bool root_is_triangle(const sl_patches *p, uint32_t root) { return p->primitives->kind[root / 2] == SL_PRIMITIVE_TRIANGLE; }
+static bool root_is_triangle(const sl_patches *p, uint32_t root) {
+    return p->primitives->kind[root / 2] == SL_PRIMITIVE_TRIANGLE;
+}
 
 static sl_patch_place root_place(const sl_patches *p, uint32_t root) {
     const uint16_t one = SL_PATCH_DYADIC;
-    if (root_is_triangle(p, root)) return (sl_patch_place){p->root_patch[root], root, 0, 3, {0, one, 0, 0}, {0, 0, one, 0}};
+    if (root_is_triangle(p, root))
+        return (sl_patch_place){p->root_patch[root], root, 0, 3, {0, one, 0, 0}, {0, 0, one, 0}};
     return (sl_patch_place){p->root_patch[root], root, 0, 4, {0, one, one, 0}, {0, 0, one, one}};
 }
 
 sl_patch_place sl_patch_child_place(const sl_patches *p, const sl_patch_place *parent, int child) {
     uint32_t first = p->patch[parent->patch].child;
-    sl_patch_place place = {first == SL_NO_INDEX ? first : first + (uint32_t)child, parent->root, parent->depth + 1, parent->corners, {0}, {0}};
+    sl_patch_place place = {first == SL_NO_INDEX ? first : first + (uint32_t)child,
+                            parent->root,
+                            parent->depth + 1,
+                            parent->corners,
+                            {0},
+                            {0}};
     sl_dyadic_child(parent->corners, parent->u, parent->v, child, place.u, place.v);
     return place;
 }
 
 sl_patch_place sl_patch_place_of(const sl_patches *p, uint32_t patch) {
     int way[SL_PATCH_DEPTH_MAX], depth = 0;
-    for (uint32_t at = patch; sl_patch_parent(p, at) != SL_NO_INDEX; at = sl_patch_parent(p, at)) way[depth++] = (int)(at % 4);
+    for (uint32_t at = patch; sl_patch_parent(p, at) != SL_NO_INDEX; at = sl_patch_parent(p, at))
+        way[depth++] = (int)(at % 4);
     sl_patch_place place = root_place(p, sl_patch_root(p, patch));
     while (depth > 0) place = sl_patch_child_place(p, &place, way[--depth]);
     return place;
@@ -169,7 +184,9 @@ static int child_at(const sl_patch_place *place, double u, double v) {
     return sl_dyadic_child_at(place->corners, a, b);
 }
 
-int sl_patch_child_at(const sl_patch_place *place, double u, double v) { return child_at(place, scaled(u), scaled(v)); }
+int sl_patch_child_at(const sl_patch_place *place, double u, double v) {
+    return child_at(place, scaled(u), scaled(v));
+}
 
 sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, double v) {
     sl_patch_place place = root_place(p, root);
@@ -181,7 +198,7 @@ sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, dou
     return place;
 }
 
-/* ---- roots -------------------------------------------------------------------------------------------------------------------- */
+/* ---- roots ----------------------------------------------------------------------------------- */
 
 uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_error *error) {
     *status = SL_OK;
@@ -192,21 +209,25 @@ uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_err
     if (*status == SL_OK && block) *status = reserve_block(p, error);
     if (*status != SL_OK) return SL_NO_INDEX;
     if (block) p->last_root_block = take_block(p, SL_NO_INDEX, (uint32_t)p->wanted_count);
-    uint32_t patch = p->last_root_block + (uint32_t)(p->wanted_count % 4), *corner = p->root_corner[p->wanted_count];
+    uint32_t patch = p->last_root_block + (uint32_t)(p->wanted_count % 4),
+             *corner = p->root_corner[p->wanted_count];
     p->wanted_root[p->wanted_count++] = root;
     p->root_patch[root] = patch;
-    p->flags[patch] = (uint8_t)(SL_PATCH_ALIVE | SL_PATCH_DIRTY | (root_is_triangle(p, root) ? SL_PATCH_TRIANGLE : 0));
+    p->flags[patch] =
+        (uint8_t)(SL_PATCH_ALIVE | SL_PATCH_DIRTY | (root_is_triangle(p, root) ? SL_PATCH_TRIANGLE : 0));
     sl_patch_place place = root_place(p, root);
     bool created;
     for (int c = 0; c < 4; c++) {
-        corner[c] = c < place.corners ? sl_vertex_take(p, (sl_root_place){root, place.u[c], place.v[c]}, &created) : SL_NO_INDEX;
+        corner[c] = c < place.corners
+                        ? sl_vertex_take(p, (sl_root_place){root, place.u[c], place.v[c]}, &created)
+                        : SL_NO_INDEX;
     }
     p->patches_alive++;
     p->leaves_alive++;
     return patch;
 }
 
-/* ---- splits ------------------------------------------------------------------------------------------------------------------- */
+/* ---- splits ---------------------------------------------------------------------------------- */
 
 /* Twice the area as a vector, of a triangle or a quadrilateral. */
 static sl_vec3d area_vector(const sl_vec3d corner[4], int corners) {
@@ -220,16 +241,19 @@ static void corner_positions(const sl_patches *p, const sl_patch_place *place, s
     }
 }
 
-/* A quarter of a plane patch has a quarter of its area, unless floats no longer tell its corners apart: where less than half of that is left. A part
- * of a curved one need only have some. Slivers need nothing else: as all children have the shape of their parent, cutting them in four never makes
- * them worse, and whether a split is worth while is for their projected size to say. */
+/* A quarter of a plane patch has a quarter of its area, unless floats no longer tell its corners apart: where
+ * less than half of that is left. A part of a curved one need only have some. Slivers need nothing else: as
+ * all children have the shape of their parent, cutting them in four never makes them worse, and whether a
+ * split is worth while is for their projected size to say. */
 static bool is_degenerate(const sl_patches *p, const sl_patch_place *child, sl_vec3d parent_area) {
     sl_vec3d corner[4];
     corner_positions(p, child, corner);
     if (p->primitives->kind[child->root / 2] != SL_PRIMITIVE_BICUBIC) {
-        return !(sl_dotd(area_vector(corner, child->corners), parent_area) > 0.125 * sl_dotd(parent_area, parent_area));
+        return !(sl_dotd(area_vector(corner, child->corners), parent_area) >
+                 0.125 * sl_dotd(parent_area, parent_area));
     }
-    sl_vec3d first = area_vector(corner, 3), second = area_vector((sl_vec3d[4]){corner[0], corner[2], corner[3]}, 3);
+    sl_vec3d first = area_vector(corner, 3),
+             second = area_vector((sl_vec3d[4]){corner[0], corner[2], corner[3]}, 3);
     double sum = sl_lengthd(first) + sl_lengthd(second);
     return !(sum > 0.0 && isfinite(sum));
 }
@@ -253,7 +277,8 @@ static int middles_of(const sl_patch_place *parent) { return parent->corners == 
 static void take_middles(sl_patches *p, const sl_patch_place *parent, uint32_t first) {
     for (int m = 0; m < middles_of(parent); m++) {
         int a = m == 4 ? 0 : m, b = m == 4 ? 2 : (m + 1) % parent->corners;
-        sl_root_place at = {parent->root, sl_dyadic_middle(parent->u[a], parent->u[b]), sl_dyadic_middle(parent->v[a], parent->v[b])};
+        sl_root_place at = {parent->root, sl_dyadic_middle(parent->u[a], parent->u[b]),
+                            sl_dyadic_middle(parent->v[a], parent->v[b])};
         bool created = false;
         sl_patch_block_of(p, first)->middle[m] = sl_vertex_take(p, at, &created);
         if (created) sl_patches_touch_place(p, at);
@@ -313,7 +338,7 @@ void sl_patch_drop_children(sl_patches *p, uint32_t patch) {
     p->leaves_alive -= 3;
 }
 
-/* ---- values ------------------------------------------------------------------------------------------------------------------- */
+/* ---- values ---------------------------------------------------------------------------------- */
 
 static bool all_evaluated(const sl_patches *p, uint32_t patch) {
     for (int c = 0; c < sl_patch_corners(p, patch); c++) {
@@ -343,7 +368,8 @@ static void corner_weights(const sl_patch_place *place, double u, double v, doub
     }
 }
 
-bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, double v, bool second, float value[3]) {
+bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, double v, bool second,
+                    float value[3]) {
     sl_patch_place place = *leaf;
     if (place.patch == SL_NO_INDEX) return false;
     while (!all_evaluated(p, place.patch)) {

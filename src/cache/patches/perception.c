@@ -27,13 +27,15 @@ float sl_display_contrast(const sl_perception *perception, sl_rgb a, sl_rgb b) {
     const float first[3] = {a.r, a.g, a.b}, second[3] = {b.r, b.g, b.b};
     float most = 0.0f;
     for (int c = 0; c < 3; c++) {
-        float level_a = sl_display_level(perception->exposure, first[c]), level_b = sl_display_level(perception->exposure, second[c]);
+        float level_a = sl_display_level(perception->exposure, first[c]),
+              level_b = sl_display_level(perception->exposure, second[c]);
         most = fmaxf(most, sl_levels_contrast(perception, level_a, level_b));
     }
     return most;
 }
 
-/* 118 of 255 is the 18 % grey of sRGB. From D = 255 (L / (1 + L))^(1/2.2): L = x / (1 - x) with x = (118/255)^2.2. */
+/* 118 of 255 is the 18 % grey of sRGB. From D = 255 (L / (1 + L))^(1/2.2): L = x / (1 - x) with x =
+ * (118/255)^2.2. */
 float sl_perception_exposure(const sl_scene *scene, float mean_radiance) {
     bool light = scene->emitter_count > 0 || scene->light_count > 0 || scene->environment.present;
     if (!light || !(mean_radiance > 0.0f && mean_radiance <= FLT_MAX)) return 1.0f;

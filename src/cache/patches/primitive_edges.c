@@ -1,5 +1,5 @@
-/* Where primitives meet: corners and edges that lie in one place, have one normal, one material and belong to one object have one shading. They are joined
- * in rings, and the lowest of a ring stands for all. */
+/* Where primitives meet: corners and edges that lie in one place, have one normal, one material and belong to
+ * one object have one shading. They are joined in rings, and the lowest of a ring stands for all. */
 #include <string.h>
 
 #include "base/error.h"
@@ -32,13 +32,15 @@ static uint64_t hash_of(const place_key *key) {
 }
 
 static bool same_key(const place_key *a, const place_key *b) {
-    return memcmp(a->position, b->position, sizeof a->position) == 0 && a->material == b->material && a->object == b->object &&
-           a->curved == b->curved;
+    return memcmp(a->position, b->position, sizeof a->position) == 0 && a->material == b->material &&
+           a->object == b->object && a->curved == b->curved;
 }
 
-/* Each part is compared with the first ones of rings in its place, and begins one of its own where none of them agrees. Where more facets meet than
- * anyone can look at (the tip of a cone), the rest stay by themselves. */
-static sl_status join(const sl_primitives *p, const joint_kind *kind, uint32_t *first, uint32_t *next, sl_error *error) {
+/* Each part is compared with the first ones of rings in its place, and begins one of its own where none of
+ * them agrees. Where more facets meet than anyone can look at (the tip of a cone), the rest stay by
+ * themselves. */
+static sl_status join(const sl_primitives *p, const joint_kind *kind, uint32_t *first, uint32_t *next,
+                      sl_error *error) {
     enum { MOST = 64 };
     size_t slots = 16;
     while (slots < 5 * p->count) slots *= 2;
@@ -68,7 +70,7 @@ static sl_status join(const sl_primitives *p, const joint_kind *kind, uint32_t *
     return SL_OK;
 }
 
-/* ---- corners ------------------------------------------------------------------------------------------------------------------ */
+/* ---- corners --------------------------------------------------------------------------------- */
 
 static void put(float to[3], sl_vec3 p) {
     to[0] = p.x + 0.0f; /* -0 as +0 */
@@ -103,14 +105,16 @@ static bool corners_agree(const sl_primitives *p, uint32_t a, uint32_t b) {
     return sl_same_normal(front_normal(p, a, 0), front_normal(p, b, 0));
 }
 
-/* ---- edges -------------------------------------------------------------------------------------------------------------------- */
+/* ---- edges ----------------------------------------------------------------------------------- */
 
 /* Control points of a bicubic patch along an edge. */
 static void control_points(const sl_primitives *p, uint32_t code, sl_vec3 point[4]) {
-    static const int start[4][2] = {{0, 0}, {3, 0}, {3, 3}, {0, 3}}, step[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    static const int start[4][2] = {{0, 0}, {3, 0}, {3, 3}, {0, 3}},
+                     step[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     const sl_bicubic *b = &p->scene->bicubics[p->bicubic[primitive_of(code)]];
     int edge = part_of(code);
-    for (int k = 0; k < 4; k++) point[k] = b->point[start[edge][1] + k * step[edge][1]][start[edge][0] + k * step[edge][0]];
+    for (int k = 0; k < 4; k++)
+        point[k] = b->point[start[edge][1] + k * step[edge][1]][start[edge][0] + k * step[edge][0]];
 }
 
 static int order(sl_vec3 a, sl_vec3 b) {
@@ -119,13 +123,16 @@ static int order(sl_vec3 a, sl_vec3 b) {
     return a.z < b.z ? -1 : a.z > b.z;
 }
 
-static bool is_curved(const sl_primitives *p, uint32_t code) { return p->kind[primitive_of(code)] == SL_PRIMITIVE_BICUBIC; }
+static bool is_curved(const sl_primitives *p, uint32_t code) {
+    return p->kind[primitive_of(code)] == SL_PRIMITIVE_BICUBIC;
+}
 
 /* Edges run from the lower to the higher end; loops are told apart by their inner control points. */
 static uint8_t kind_of_edge(const sl_primitives *p, uint32_t code) {
     int corner = part_of(code), corners = sl_primitive_corners(p, primitive_of(code));
     if (!is_curved(p, code)) {
-        int direction = order(corner_position(p, primitive_of(code), corner), corner_position(p, primitive_of(code), (corner + 1) % corners));
+        int direction = order(corner_position(p, primitive_of(code), corner),
+                              corner_position(p, primitive_of(code), (corner + 1) % corners));
         return direction > 0 ? SL_EDGE_BACKWARDS : 0;
     }
     sl_vec3 c[4];
@@ -167,21 +174,24 @@ static bool edges_agree(const sl_primitives *p, uint32_t a, uint32_t b) {
     if (is_curved(p, a) && !same_curve(p, a, b)) return false;
     uint32_t step = is_curved(p, a) ? SL_PATCH_DYADIC / 8 : SL_PATCH_DYADIC / 2;
     for (uint32_t t = 0; t <= SL_PATCH_DYADIC; t += step) {
-        if (!sl_same_normal(front_normal(p, a, along(p, a, t)), front_normal(p, b, along(p, b, t)))) return false;
+        if (!sl_same_normal(front_normal(p, a, along(p, a, t)), front_normal(p, b, along(p, b, t))))
+            return false;
     }
     return true;
 }
 
-/* ---- the whole ---------------------------------------------------------------------------------------------------------------- */
+/* ---- the whole ------------------------------------------------------------------------------- */
 
 sl_status sl_primitives_join(sl_primitives *p, sl_error *error) {
     uint32_t **lists[] = {&p->edge_first, &p->edge_next, &p->corner_first, &p->corner_next};
     for (size_t i = 0; i < 4; i++) {
-        if (!(*lists[i] = sl_allocate_unset(4 * p->count, sizeof(uint32_t)))) return sl_fail_memory(error, "joining primitives");
+        if (!(*lists[i] = sl_allocate_unset(4 * p->count, sizeof(uint32_t))))
+            return sl_fail_memory(error, "joining primitives");
     }
     if (!(p->edge_kind = sl_allocate(4 * p->count, 1))) return sl_fail_memory(error, "joining primitives");
     for (uint32_t code = 0; code < 4 * (uint32_t)p->count; code++) {
-        if (part_of(code) < sl_primitive_corners(p, primitive_of(code))) p->edge_kind[code] = kind_of_edge(p, code);
+        if (part_of(code) < sl_primitive_corners(p, primitive_of(code)))
+            p->edge_kind[code] = kind_of_edge(p, code);
     }
     static const joint_kind edges = {edge_key, edges_agree}, corners = {corner_key, corners_agree};
     sl_status status = join(p, &edges, p->edge_first, p->edge_next, error);

@@ -7,7 +7,9 @@
 /* Do shading normals agree so far that shading at them is one? Within 1e-4. */
 bool sl_same_normal(sl_vec3 a, sl_vec3 b);
 
-static inline int sl_primitive_corners(const sl_primitives *p, uint32_t primitive) { return p->kind[primitive] == SL_PRIMITIVE_TRIANGLE ? 3 : 4; }
+static inline int sl_primitive_corners(const sl_primitives *p, uint32_t primitive) {
+    return p->kind[primitive] == SL_PRIMITIVE_TRIANGLE ? 3 : 4;
+}
 
 /* (u, v) of edge `edge` at t, from corner `edge` (t = 0) to the next (t = SL_PATCH_DYADIC). */
 void sl_edge_point(int corners, int edge, uint32_t t, uint32_t *u, uint32_t *v);

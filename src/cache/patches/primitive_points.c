@@ -5,7 +5,7 @@
 #include "scene/bicubic.h"
 #include "scene/surface_rules.h"
 
-/* ---- corners and edges -------------------------------------------------------------------------------------------------------- */
+/* ---- corners and edges ----------------------------------------------------------------------- */
 
 void sl_edge_point(int corners, int edge, uint32_t t, uint32_t *u, uint32_t *v) {
     const uint32_t one = SL_PATCH_DYADIC;
@@ -32,9 +32,10 @@ int sl_edge_at(int corners, uint32_t u, uint32_t v, uint32_t *t) {
     return -1;
 }
 
-/* ---- triangles of quads and of bicubic patches -------------------------------------------------------------------------------- */
+/* ---- triangles of quads and of bicubic patches ----------------------------------------------- */
 
-/* Weights of a triangle's three corners, the first of which is its corner number `first`, as weights of corners 1 and 2. */
+/* Weights of a triangle's three corners, the first of which is its corner number `first`, as weights of
+ * corners 1 and 2. */
 static void turn(int first, const double weight[3], float *w1, float *w2) {
     *w1 = (float)weight[(1 - first + 3) % 3];
     *w2 = (float)weight[(2 - first + 3) % 3];
@@ -54,7 +55,8 @@ static int half_at(double u, double v, double weight[3]) {
     return half;
 }
 
-static uint32_t quad_triangle_at(const sl_primitives *p, uint32_t primitive, double u, double v, float *w1, float *w2) {
+static uint32_t quad_triangle_at(const sl_primitives *p, uint32_t primitive, double u, double v, float *w1,
+                                 float *w2) {
     double weight[3];
     int half = half_at(u, v, weight);
     uint32_t triangle = p->first_triangle[primitive] + (uint32_t)half;
@@ -70,13 +72,17 @@ static bool same_point(const sl_scene *s, uint32_t a, uint32_t b) {
     return p.x == q.x && p.y == q.y && p.z == q.z;
 }
 
-/* A half without area is a line, an edge of the other half: its corner that the other does not have gives its weight to the one where it lies. */
-static uint32_t other_half(const sl_primitives *p, const sl_bicubic *b, int column, int row, int missing, double weight[3]) {
+/* A half without area is a line, an edge of the other half: its corner that the other does not have gives its
+ * weight to the one where it lies. */
+static uint32_t other_half(const sl_primitives *p, const sl_bicubic *b, int column, int row, int missing,
+                           double weight[3]) {
     uint32_t triangle = sl_bicubic_triangle(p->scene, b, column, row, 1 - missing);
     if (triangle == SL_NO_INDEX) return SL_NO_INDEX;
-    uint32_t side = (uint32_t)b->steps + 1, origin = b->first_vertex + (uint32_t)row * side + (uint32_t)column;
+    uint32_t side = (uint32_t)b->steps + 1,
+             origin = b->first_vertex + (uint32_t)row * side + (uint32_t)column;
     uint32_t lonely = missing == 0 ? origin + 1 : origin + side;
-    double at_origin = weight[0], at_lonely = weight[missing == 0 ? 1 : 2], opposite = weight[missing == 0 ? 2 : 1];
+    double at_origin = weight[0], at_lonely = weight[missing == 0 ? 1 : 2],
+           opposite = weight[missing == 0 ? 2 : 1];
     if (same_point(p->scene, lonely, origin)) at_origin += at_lonely;
     else opposite += at_lonely;
     weight[0] = at_origin;
@@ -85,7 +91,8 @@ static uint32_t other_half(const sl_primitives *p, const sl_bicubic *b, int colu
     return triangle;
 }
 
-static uint32_t bicubic_triangle_at(const sl_primitives *p, uint32_t primitive, double u, double v, float *w1, float *w2) {
+static uint32_t bicubic_triangle_at(const sl_primitives *p, uint32_t primitive, double u, double v, float *w1,
+                                    float *w2) {
     const sl_bicubic *b = &p->scene->bicubics[p->bicubic[primitive]];
     double x = u * (double)b->steps, y = v * (double)b->steps, weight[3];
     int column = (int)x < b->steps ? (int)x : b->steps - 1, row = (int)y < b->steps ? (int)y : b->steps - 1;
@@ -106,7 +113,8 @@ static uint32_t bicubic_triangle_at(const sl_primitives *p, uint32_t primitive, 
 
 static double clamped(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0; }
 
-uint32_t sl_root_triangle_at(const sl_primitives *p, uint32_t root, double u, double v, float *w1, float *w2) {
+uint32_t sl_root_triangle_at(const sl_primitives *p, uint32_t root, double u, double v, float *w1,
+                             float *w2) {
     uint32_t primitive = root / 2;
     u = clamped(u);
     v = clamped(v);
@@ -120,7 +128,7 @@ uint32_t sl_root_triangle_at(const sl_primitives *p, uint32_t root, double u, do
     return p->first_triangle[primitive];
 }
 
-/* ---- and back ----------------------------------------------------------------------------------------------------------------- */
+/* ---- and back -------------------------------------------------------------------------------- */
 
 void sl_root_parameters(const sl_primitives *p, uint32_t triangle, float w1, float w2, double *u, double *v) {
     uint32_t primitive = p->of_triangle[triangle];
@@ -147,7 +155,7 @@ void sl_root_parameters(const sl_primitives *p, uint32_t triangle, float w1, flo
     *v = clamped(*v);
 }
 
-/* ---- points ------------------------------------------------------------------------------------------------------------------- */
+/* ---- points ---------------------------------------------------------------------------------- */
 
 static sl_vec3 weighted(sl_vec3 a, sl_vec3 b, sl_vec3 c, float w1, float w2) {
     double w[3] = {1.0 - (double)w1 - (double)w2, (double)w1, (double)w2};
@@ -166,28 +174,34 @@ static sl_vec3 bicubic_normal(const sl_primitives *p, uint32_t primitive, uint32
         if (point || point_before) sl_edge_point(4, point ? edge : before, SL_PATCH_DYADIC / 2, &u, &v);
     }
     sl_vec3 normal;
-    sl_bicubic_at(&p->scene->bicubics[p->bicubic[primitive]], (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, NULL, &normal);
+    sl_bicubic_at(&p->scene->bicubics[p->bicubic[primitive]], (double)u / SL_PATCH_DYADIC,
+                  (double)v / SL_PATCH_DYADIC, NULL, &normal);
     return normal;
 }
 
 sl_vec3 sl_root_position(const sl_primitives *p, uint32_t root, uint32_t u, uint32_t v) {
     const sl_scene *s = p->scene;
     float w1, w2;
-    uint32_t t = sl_root_triangle_at(p, root, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &w1, &w2);
-    return weighted(sl_scene_position(s, s->vertex[0][t]), sl_scene_position(s, s->vertex[1][t]), sl_scene_position(s, s->vertex[2][t]), w1, w2);
+    uint32_t t =
+        sl_root_triangle_at(p, root, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &w1, &w2);
+    return weighted(sl_scene_position(s, s->vertex[0][t]), sl_scene_position(s, s->vertex[1][t]),
+                    sl_scene_position(s, s->vertex[2][t]), w1, w2);
 }
 
 void sl_root_point_at(const sl_primitives *p, uint32_t root, uint32_t u, uint32_t v, sl_root_point *point) {
     const sl_scene *s = p->scene;
     uint32_t primitive = root / 2;
     float w1, w2, side = root % 2 ? -1.0f : 1.0f;
-    uint32_t t = sl_root_triangle_at(p, root, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &w1, &w2);
+    uint32_t t =
+        sl_root_triangle_at(p, root, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &w1, &w2);
     uint32_t a = s->vertex[0][t], b = s->vertex[1][t], c = s->vertex[2][t];
-    point->position = weighted(sl_scene_position(s, a), sl_scene_position(s, b), sl_scene_position(s, c), w1, w2);
+    point->position =
+        weighted(sl_scene_position(s, a), sl_scene_position(s, b), sl_scene_position(s, c), w1, w2);
     sl_vec3 geometric = sl_scene_geometric_normal(s, t);
-    sl_vec3 normal = p->kind[primitive] == SL_PRIMITIVE_BICUBIC
-                         ? bicubic_normal(p, primitive, u, v)
-                         : weighted(sl_scene_normal(s, a), sl_scene_normal(s, b), sl_scene_normal(s, c), w1, w2);
+    sl_vec3 normal =
+        p->kind[primitive] == SL_PRIMITIVE_BICUBIC
+            ? bicubic_normal(p, primitive, u, v)
+            : weighted(sl_scene_normal(s, a), sl_scene_normal(s, b), sl_scene_normal(s, c), w1, w2);
     point->geometric_normal = sl_scale(geometric, side);
     point->normal = sl_shading_normal(sl_scale(normal, side), point->geometric_normal);
     bool inside = w1 > 0.0f && w2 > 0.0f && w1 + w2 < 1.0f;

@@ -1,4 +1,5 @@
-/* Primitives of the patch hierarchy: the scene's triangles, the parallelograms that importers cut in two, and its bicubic patches. */
+/* Primitives of the patch hierarchy: the scene's triangles, the parallelograms that importers cut in two, and
+ * its bicubic patches. */
 #include "cache/patches/primitives.h"
 
 #include <math.h>
@@ -10,14 +11,16 @@
 static const float SAME_NORMAL = 1e-4f;
 static const double SAME_SIZE = 1e-5; /* of a parallelogram's */
 
-/* ---- parallelograms ----------------------------------------------------------------------------------------------------------- */
+/* ---- parallelograms -------------------------------------------------------------------------- */
 
 static bool same_place(const sl_scene *s, uint32_t a, uint32_t b) {
-    return a == b || (s->position_x[a] == s->position_x[b] && s->position_y[a] == s->position_y[b] && s->position_z[a] == s->position_z[b]);
+    return a == b || (s->position_x[a] == s->position_x[b] && s->position_y[a] == s->position_y[b] &&
+                      s->position_z[a] == s->position_z[b]);
 }
 
 bool sl_same_normal(sl_vec3 a, sl_vec3 b) {
-    return fabsf(a.x - b.x) <= SAME_NORMAL && fabsf(a.y - b.y) <= SAME_NORMAL && fabsf(a.z - b.z) <= SAME_NORMAL;
+    return fabsf(a.x - b.x) <= SAME_NORMAL && fabsf(a.y - b.y) <= SAME_NORMAL &&
+           fabsf(a.z - b.z) <= SAME_NORMAL;
 }
 
 static bool has_texture(const sl_scene *s, uint32_t triangle) {
@@ -26,7 +29,9 @@ static bool has_texture(const sl_scene *s, uint32_t triangle) {
 }
 
 /* a + c = b + d where 0, 2 and 1, 3 are opposite each other; `size` is what differences are small against. */
-static bool affine(double a, double b, double c, double d, double size) { return fabs(a + c - b - d) <= SAME_SIZE * size; }
+static bool affine(double a, double b, double c, double d, double size) {
+    return fabs(a + c - b - d) <= SAME_SIZE * size;
+}
 
 static bool is_parallelogram(const sl_scene *s, const uint32_t c[4]) {
     sl_vec3d p[4];
@@ -42,20 +47,25 @@ static bool is_affine_texture(const sl_scene *s, const uint32_t c[4]) {
         size = fmax(size, fabs((double)s->texture_u[c[i]] - (double)s->texture_u[c[0]]));
         size = fmax(size, fabs((double)s->texture_v[c[i]] - (double)s->texture_v[c[0]]));
     }
-    return affine((double)s->texture_u[c[0]], (double)s->texture_u[c[1]], (double)s->texture_u[c[2]], (double)s->texture_u[c[3]], size) &&
-           affine((double)s->texture_v[c[0]], (double)s->texture_v[c[1]], (double)s->texture_v[c[2]], (double)s->texture_v[c[3]], size);
+    return affine((double)s->texture_u[c[0]], (double)s->texture_u[c[1]], (double)s->texture_u[c[2]],
+                  (double)s->texture_u[c[3]], size) &&
+           affine((double)s->texture_v[c[0]], (double)s->texture_v[c[1]], (double)s->texture_v[c[2]],
+                  (double)s->texture_v[c[3]], size);
 }
 
 static bool same_attributes(const sl_scene *s, uint32_t a, uint32_t b, bool texture) {
     if (a == b) return true;
     if (!same_place(s, a, b) || !sl_same_normal(sl_scene_normal(s, a), sl_scene_normal(s, b))) return false;
-    return !texture || (fabsf(s->texture_u[a] - s->texture_u[b]) <= 1e-5f && fabsf(s->texture_v[a] - s->texture_v[b]) <= 1e-5f);
+    return !texture || (fabsf(s->texture_u[a] - s->texture_u[b]) <= 1e-5f &&
+                        fabsf(s->texture_v[a] - s->texture_v[b]) <= 1e-5f);
 }
 
-/* Triangles t and t + 1 as a quadrilateral whose diagonal, which they share, runs from corner 0 to 2: t holds corners 0 1 2, t + 1 corners 0 2 3. */
+/* Triangles t and t + 1 as a quadrilateral whose diagonal, which they share, runs from corner 0 to 2: t holds
+ * corners 0 1 2, t + 1 corners 0 2 3. */
 static bool find_quad(const sl_scene *s, uint32_t t, uint32_t corner[4]) {
     uint32_t n = t + 1;
-    if (s->material_index[t] != s->material_index[n] || s->object_index[t] != s->object_index[n]) return false;
+    if (s->material_index[t] != s->material_index[n] || s->object_index[t] != s->object_index[n])
+        return false;
     /* Thin ones whose halves' normals have drowned in rounding stay two triangles. */
     if (!(sl_dot(sl_scene_geometric_normal(s, t), sl_scene_geometric_normal(s, n)) > 0.9999f)) return false;
     bool texture = has_texture(s, t);
@@ -68,16 +78,18 @@ static bool find_quad(const sl_scene *s, uint32_t t, uint32_t corner[4]) {
             corner[1] = s->vertex[(i + 2) % 3][t];
             corner[2] = from;
             corner[3] = s->vertex[(j + 2) % 3][n];
-            return same_attributes(s, from, other_from, texture) && same_attributes(s, to, other_to, texture) &&
-                   is_parallelogram(s, corner) && (!texture || is_affine_texture(s, corner));
+            return same_attributes(s, from, other_from, texture) &&
+                   same_attributes(s, to, other_to, texture) && is_parallelogram(s, corner) &&
+                   (!texture || is_affine_texture(s, corner));
         }
     }
     return false;
 }
 
-/* ---- all primitives ----------------------------------------------------------------------------------------------------------- */
+/* ---- all primitives -------------------------------------------------------------------------- */
 
-static void add(sl_primitives *p, sl_primitive_kind kind, uint32_t first, uint32_t triangles, const uint32_t corner[4], uint32_t bicubic) {
+static void add(sl_primitives *p, sl_primitive_kind kind, uint32_t first, uint32_t triangles,
+                const uint32_t corner[4], uint32_t bicubic) {
     size_t at = p->count++;
     p->kind[at] = (uint8_t)kind;
     p->first_triangle[at] = first;
@@ -112,7 +124,7 @@ static void find_all(sl_primitives *p) {
     }
 }
 
-/* ---- k_d averaged over textures ----------------------------------------------------------------------------------------------- */
+/* ---- k_d averaged over textures -------------------------------------------------------------- */
 
 /* On 8 x 8 points, which a triangle folds into itself. */
 static sl_rgb average_diffuse(const sl_primitives *p, uint32_t primitive) {
@@ -137,12 +149,12 @@ sl_rgb sl_root_mean_diffuse(const sl_primitives *p, uint32_t root) {
     return p->mean_diffuse ? p->mean_diffuse[root / 2] : sl_root_material(p, root)->diffuse;
 }
 
-/* ---- life --------------------------------------------------------------------------------------------------------------------- */
+/* ---- life ------------------------------------------------------------------------------------ */
 
 static bool allocate_arrays(sl_primitives *p) {
     size_t most = p->scene->triangle_count;
-    uint32_t **whole[] = {&p->first_triangle, &p->triangle_count, &p->corner[0], &p->corner[1], &p->corner[2], &p->corner[3],
-                          &p->bicubic, &p->of_triangle};
+    uint32_t **whole[] = {&p->first_triangle, &p->triangle_count, &p->corner[0], &p->corner[1],
+                          &p->corner[2],      &p->corner[3],      &p->bicubic,   &p->of_triangle};
     for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
         if (!(*whole[i] = sl_allocate(most, sizeof(uint32_t)))) return false;
     }
@@ -151,7 +163,8 @@ static bool allocate_arrays(sl_primitives *p) {
 
 sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, sl_error *error) {
     *primitives = NULL;
-    if (scene->triangle_count >= SL_NO_INDEX / 4) return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangles", SL_NO_INDEX / 4);
+    if (scene->triangle_count >= SL_NO_INDEX / 4)
+        return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangles", SL_NO_INDEX / 4);
     sl_primitives *made = sl_allocate(1, sizeof *made);
     if (!made) return sl_fail_memory(error, "primitives");
     made->scene = scene;
@@ -160,7 +173,8 @@ sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, 
         status = sl_fail_memory(error, "primitives");
     } else {
         find_all(made);
-        if (scene->texture_count && !(made->mean_diffuse = sl_allocate(made->count, sizeof *made->mean_diffuse))) {
+        if (scene->texture_count &&
+            !(made->mean_diffuse = sl_allocate(made->count, sizeof *made->mean_diffuse))) {
             status = sl_fail_memory(error, "primitives");
         }
     }
@@ -172,7 +186,8 @@ sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, 
     for (size_t i = 0; made->mean_diffuse && i < made->count; i++) {
         uint32_t material = scene->material_index[made->first_triangle[i]];
         bool plain = scene->materials[material].texture == SL_NO_INDEX;
-        made->mean_diffuse[i] = plain ? scene->materials[material].diffuse : average_diffuse(made, (uint32_t)i);
+        made->mean_diffuse[i] =
+            plain ? scene->materials[material].diffuse : average_diffuse(made, (uint32_t)i);
     }
     *primitives = made;
     return SL_OK;
@@ -180,13 +195,15 @@ sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, 
 
 void sl_primitives_destroy(sl_primitives *p) {
     if (!p) return;
-    void *all[] = {p->kind, p->first_triangle, p->triangle_count, p->corner[0], p->corner[1], p->corner[2], p->corner[3], p->bicubic,
-                   p->of_triangle, p->mean_diffuse, p->edge_first, p->edge_next, p->corner_first, p->corner_next, p->edge_kind};
+    void *all[] = {p->kind,       p->first_triangle, p->triangle_count, p->corner[0],   p->corner[1],
+                   p->corner[2],  p->corner[3],      p->bicubic,        p->of_triangle, p->mean_diffuse,
+                   p->edge_first, p->edge_next,      p->corner_first,   p->corner_next, p->edge_kind};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(p);
 }
 
 size_t sl_primitives_memory_bytes(const sl_primitives *p) {
     size_t by_triangle = 8 * sizeof(uint32_t) + 1, by_primitive = 4 * (4 * sizeof(uint32_t) + 1);
-    return sizeof *p + p->scene->triangle_count * by_triangle + p->count * (by_primitive + (p->mean_diffuse ? sizeof(sl_rgb) : 0));
+    return sizeof *p + p->scene->triangle_count * by_triangle +
+           p->count * (by_primitive + (p->mean_diffuse ? sizeof(sl_rgb) : 0));
 }

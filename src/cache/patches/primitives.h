@@ -1,5 +1,5 @@
-/* Primitives, on which the patch hierarchy stands: the scene's triangles, those pairs of them that make a parallelogram (importers cut quadrilaterals in
- * two), and bicubic patches, each with parameters (u, v).
+/* Primitives, on which the patch hierarchy stands: the scene's triangles, those pairs of them that make a
+ * parallelogram (importers cut quadrilaterals in two), and bicubic patches, each with parameters (u, v).
  *
  *   triangle   u, v >= 0, u + v <= 1: the barycentric weights of corners 1 and 2
  *   quad       [0,1]^2, bilinear: corners (0,0), (1,0), (1,1), (0,1)
@@ -17,20 +17,26 @@
 
 enum { SL_PATCH_DEPTH_MAX = 14, SL_PATCH_DYADIC = 1 << SL_PATCH_DEPTH_MAX };
 
-typedef enum sl_primitive_kind { SL_PRIMITIVE_TRIANGLE, SL_PRIMITIVE_QUAD, SL_PRIMITIVE_BICUBIC } sl_primitive_kind;
+typedef enum sl_primitive_kind {
+    SL_PRIMITIVE_TRIANGLE,
+    SL_PRIMITIVE_QUAD,
+    SL_PRIMITIVE_BICUBIC
+} sl_primitive_kind;
 
 typedef struct sl_primitives {
     const sl_scene *scene;
     size_t count;
     uint8_t *kind;
-    uint32_t *first_triangle;   /* in the scene; 1 of a triangle, 2 of a quad, all of its tessellation of a bicubic patch */
+    /* in the scene; 1 of a triangle, 2 of a quad, all of its tessellation of a bicubic patch */
+    uint32_t *first_triangle;
     uint32_t *triangle_count;
     uint32_t *corner[4];        /* scene vertices; [3] SL_NO_INDEX of triangles; all of bicubic patches */
     uint32_t *bicubic;          /* index into the scene's patches, or SL_NO_INDEX */
     uint32_t *of_triangle;      /* by scene triangle */
     size_t curved;              /* how many are bicubic */
     sl_rgb *mean_diffuse;       /* NULL: the scene has no textures */
-    /* Where primitives meet, by 4 primitive + edge (corner i to i + 1) or corner: the lowest of those that are one, and the next of them in a ring. */
+    /* Where primitives meet, by 4 primitive + edge (corner i to i + 1) or corner: the lowest of those that
+     * are one, and the next of them in a ring. */
     uint32_t *edge_first, *edge_next, *corner_first, *corner_next;
     uint8_t *edge_kind;         /* SL_EDGE_ bits */
 } sl_primitives;
@@ -42,28 +48,43 @@ sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, 
 void sl_primitives_destroy(sl_primitives *primitives);
 size_t sl_primitives_memory_bytes(const sl_primitives *primitives);
 
-/* A point of a root, as the scene stands now (objects move; their points move with them). u and v in 1/SL_PATCH_DYADIC. */
+/* A point of a root, as the scene stands now (objects move; their points move with them). u and v in
+ * 1/SL_PATCH_DYADIC. */
 typedef struct sl_root_point {
     sl_vec3 position;
-    sl_vec3 normal, geometric_normal; /* unit, on the root's side; the limit where a parameter line collapses to a point */
-    uint32_t triangle;          /* of the scene, on which it lies: what rays from it skip; SL_NO_INDEX on corners and edges of triangles */
+    /* unit, on the root's side; the limit where a parameter line collapses to a point */
+    sl_vec3 normal, geometric_normal;
+    /* of the scene, on which it lies: what rays from it skip; SL_NO_INDEX on corners and edges of
+     * triangles */
+    uint32_t triangle;
 } sl_root_point;
-/* Points lie on the scene's triangles, which rays meet, also those of bicubic patches; the normal is then the surface's own. The surface itself: sl_bicubic_at() in
- * scene/bicubic.h. */
-void sl_root_point_at(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v, sl_root_point *point);
-sl_vec3 sl_root_position(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v); /* the same one, alone */
-/* The scene triangle that holds (u, v) of a root and the weights of its corners 1 and 2 there: for its texture. */
-uint32_t sl_root_triangle_at(const sl_primitives *primitives, uint32_t root, double u, double v, float *w1, float *w2);
+/* Points lie on the scene's triangles, which rays meet, also those of bicubic patches; the normal is then the
+ * surface's own. The surface itself: sl_bicubic_at() in scene/bicubic.h. */
+void sl_root_point_at(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v,
+                      sl_root_point *point);
+/* the same one, alone */
+sl_vec3 sl_root_position(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v);
+/* The scene triangle that holds (u, v) of a root and the weights of its corners 1 and 2 there: for its
+ * texture. */
+uint32_t sl_root_triangle_at(const sl_primitives *primitives, uint32_t root, double u, double v, float *w1,
+                             float *w2);
 /* The other way: (u, v) in [0,1] of a point of a scene triangle. */
-void sl_root_parameters(const sl_primitives *primitives, uint32_t triangle, float w1, float w2, double *u, double *v);
+void sl_root_parameters(const sl_primitives *primitives, uint32_t triangle, float w1, float w2, double *u,
+                        double *v);
 static inline const sl_material *sl_root_material(const sl_primitives *p, uint32_t root) {
     return &p->scene->materials[p->scene->material_index[p->first_triangle[root / 2]]];
 }
-/* Not only diffuse: it looks otherwise from elsewhere, so radiance towards the eye is kept beside irradiance. */
-static inline bool sl_material_has_lobe(const sl_material *material) { return sl_material_is_glossy(material) || sl_material_is_mirror(material); }
-static inline uint32_t sl_root_object(const sl_primitives *p, uint32_t root) { return p->scene->object_index[p->first_triangle[root / 2]]; }
-/* The place that stands for all places of roots of one side that share their shading: on edges and corners where position, normal, material and object
- * agree that of the lowest primitive, and for an edge that is one point its first corner. */
+/* Not only diffuse: it looks otherwise from elsewhere, so radiance towards the eye is kept beside irradiance.
+ */
+static inline bool sl_material_has_lobe(const sl_material *material) {
+    return sl_material_is_glossy(material) || sl_material_is_mirror(material);
+}
+static inline uint32_t sl_root_object(const sl_primitives *p, uint32_t root) {
+    return p->scene->object_index[p->first_triangle[root / 2]];
+}
+/* The place that stands for all places of roots of one side that share their shading: on edges and corners
+ * where position, normal, material and object agree that of the lowest primitive, and for an edge that is one
+ * point its first corner. */
 typedef struct sl_root_place {
     uint32_t root;
     uint16_t u, v;

@@ -1,5 +1,5 @@
-/* The size of a patch on the screen. What is not in the picture is cut away before the division by w (Sutherland and Hodgman 1974), so that a patch
- * that reaches behind the eye has a size, too. */
+/* The size of a patch on the screen. What is not in the picture is cut away before the division by w
+ * (Sutherland and Hodgman 1974), so that a patch that reaches behind the eye has a size, too. */
 #include "cache/patches/screen_size.h"
 
 enum { CUTS = 5, POINTS_MAX = 4 + CUTS };
@@ -70,22 +70,26 @@ sl_screen_size sl_screen_size_of(const sl_view *view, int corners, const sl_clip
     sl_clip_point a[POINTS_MAX], b[POINTS_MAX];
     if (!is_cut(corners, corner)) return measure(view, corners, corner);
     int count = cut(corner, corners, 0, b);
-    for (int plane = 1; plane < CUTS && count > 0; plane++) count = plane % 2 ? cut(b, count, plane, a) : cut(a, count, plane, b);
+    for (int plane = 1; plane < CUTS && count > 0; plane++)
+        count = plane % 2 ? cut(b, count, plane, a) : cut(a, count, plane, b);
     return measure(view, count, b); /* five cuts: the last is in b */
 }
 
 sl_face_clip sl_face_clip_of(const sl_scene *scene, const sl_view *view, uint32_t face) {
     sl_face_clip clip;
-    for (int c = 0; c < 3; c++) clip.corner[c] = sl_clip_point_of(view, sl_scene_position(scene, scene->vertex[c][face / 2]));
+    for (int c = 0; c < 3; c++)
+        clip.corner[c] = sl_clip_point_of(view, sl_scene_position(scene, scene->vertex[c][face / 2]));
     return clip;
 }
 
-sl_screen_size sl_face_part_size(const sl_view *view, const sl_face_clip *face, const uint16_t p[3], const uint16_t q[3], float unit) {
+sl_screen_size sl_face_part_size(const sl_view *view, const sl_face_clip *face, const uint16_t p[3],
+                                 const uint16_t q[3], float unit) {
     sl_clip_point part[3];
     const sl_clip_point *corner = face->corner;
     for (int i = 0; i < 3; i++) {
         float w1 = (float)p[i] / unit, w2 = (float)q[i] / unit, w0 = 1.0f - w1 - w2;
-        for (int k = 0; k < 4; k++) part[i].at[k] = w0 * corner[0].at[k] + w1 * corner[1].at[k] + w2 * corner[2].at[k];
+        for (int k = 0; k < 4; k++)
+            part[i].at[k] = w0 * corner[0].at[k] + w1 * corner[1].at[k] + w2 * corner[2].at[k];
     }
     return sl_screen_size_of(view, 3, part);
 }

@@ -10,7 +10,8 @@ typedef struct sl_clip_point {
 } sl_clip_point;
 sl_clip_point sl_clip_point_of(const sl_view *view, sl_vec3 point);
 
-/* The size of the part in the picture and beyond the near plane: pixels squared, and pixels of the longest side. Both 0: nothing is left. */
+/* The size of the part in the picture and beyond the near plane: pixels squared, and pixels of the longest
+ * side. Both 0: nothing is left. */
 typedef struct sl_screen_size {
     float area, edge;
 } sl_screen_size;
@@ -23,6 +24,7 @@ typedef struct sl_face_clip {
 } sl_face_clip;
 sl_face_clip sl_face_clip_of(const sl_scene *scene, const sl_view *view, uint32_t face);
 /* Of a part of it, whose corner i has weights p[i] / unit, q[i] / unit of the face's corners 1 and 2. */
-sl_screen_size sl_face_part_size(const sl_view *view, const sl_face_clip *face, const uint16_t p[3], const uint16_t q[3], float unit);
+sl_screen_size sl_face_part_size(const sl_view *view, const sl_face_clip *face, const uint16_t p[3],
+                                 const uint16_t q[3], float unit);
 
 #endif

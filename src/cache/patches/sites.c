@@ -1,6 +1,7 @@
-/* Sites: the corners that faces share. A corner takes the first site at its position (equal bits) whose normal is no further than 1e-4 radians from
- * its own, or starts another. A site keeps the normal of the corner that started it, and corners come in the order of faces, so the outcome
- * depends on nothing but the scene. Sites are found by position and by the cell of a grid over normals, so that the tip of a cone, where
+/* Sites: the corners that faces share. A corner takes the first site at its position (equal bits) whose
+ * normal is no further than 1e-4 radians from its own, or starts another. A site keeps the normal of the
+ * corner that started it, and corners come in the order of faces, so the outcome depends on nothing but the
+ * scene. Sites are found by position and by the cell of a grid over normals, so that the tip of a cone, where
  * thousands of normals meet, takes no longer than as many corners elsewhere. */
 #include <math.h>
 
@@ -12,7 +13,9 @@
 #include "cache/patches/topology_parts.h"
 
 #define SAME_NORMAL 1e-4  /* radians */
-#define NORMAL_CELLS 512.0 /* a unit length: a cell is far wider than SAME_NORMAL, so that few corners have to look in several */
+#define NORMAL_CELLS                                                                                  \
+    512.0 /* a unit length: a cell is far wider than SAME_NORMAL, so that few corners have to look in \
+             several */
 
 typedef struct normal_cell {
     int16_t x, y, z;
@@ -35,7 +38,8 @@ typedef struct site_table {
 } site_table;
 
 static bool same_bits(sl_vec3 a, sl_vec3 b) {
-    return sl_float_bits(a.x) == sl_float_bits(b.x) && sl_float_bits(a.y) == sl_float_bits(b.y) && sl_float_bits(a.z) == sl_float_bits(b.z);
+    return sl_float_bits(a.x) == sl_float_bits(b.x) && sl_float_bits(a.y) == sl_float_bits(b.y) &&
+           sl_float_bits(a.z) == sl_float_bits(b.z);
 }
 
 static uint64_t hash_position(sl_vec3 p) {
@@ -48,7 +52,8 @@ static uint32_t *find_cell(const site_table *table, sl_vec3 p, normal_cell cell)
     size_t i = (size_t)sl_hash64(hash_position(p) ^ packed) & (table->slots - 1);
     for (; table->in_cell[i] != SL_NO_INDEX; i = (i + 1) & (table->slots - 1)) {
         const site *s = &table->site[table->in_cell[i]];
-        if (same_bits(s->position, p) && s->cell.x == cell.x && s->cell.y == cell.y && s->cell.z == cell.z) break;
+        if (same_bits(s->position, p) && s->cell.x == cell.x && s->cell.y == cell.y && s->cell.z == cell.z)
+            break;
     }
     return &table->in_cell[i];
 }
@@ -58,7 +63,8 @@ static int16_t cell_of(double normal) {
     return (int16_t)(fabs(cell) < 1e4 ? cell : 0.0); /* NaN: 0 */
 }
 
-/* The chord between unit vectors stands for their angle: cosines near 1 cannot tell 1e-4 radians from 0 in float. */
+/* The chord between unit vectors stands for their angle: cosines near 1 cannot tell 1e-4 radians from 0 in
+ * float. */
 static bool same_direction(sl_vec3 a, sl_vec3 b) {
     sl_vec3d d = sl_subd(sl_to_double(a), sl_to_double(b));
     return sl_dotd(d, d) <= SAME_NORMAL * SAME_NORMAL;
@@ -72,7 +78,8 @@ static uint32_t find_site(const site_table *table, const site *corner) {
         for (int y = cell_of(n.y - SAME_NORMAL); y <= cell_of(n.y + SAME_NORMAL); y++)
             for (int z = cell_of(n.z - SAME_NORMAL); z <= cell_of(n.z + SAME_NORMAL); z++) {
                 normal_cell cell = {(int16_t)x, (int16_t)y, (int16_t)z};
-                for (uint32_t s = *find_cell(table, corner->position, cell); s != SL_NO_INDEX; s = table->site[s].next)
+                for (uint32_t s = *find_cell(table, corner->position, cell); s != SL_NO_INDEX;
+                     s = table->site[s].next)
                     if (s < found && same_direction(table->site[s].normal, corner->normal) &&
                         sl_float_bits(table->site[s].exponent) == sl_float_bits(corner->exponent))
                         found = s;
@@ -119,7 +126,8 @@ static bool find_sites(sl_topology *topology, bool by_exponent, site_table *tabl
             site corner = {.position = sl_v3(p.x + 0.0f, p.y + 0.0f, p.z + 0.0f), /* -0 is 0 */
                            .normal = corner_normal(scene, face, scene->vertex[c][t]),
                            .exponent = exponent, .face = face};
-            corner.cell = (normal_cell){cell_of((double)corner.normal.x), cell_of((double)corner.normal.y), cell_of((double)corner.normal.z)};
+            corner.cell = (normal_cell){cell_of((double)corner.normal.x), cell_of((double)corner.normal.y),
+                                        cell_of((double)corner.normal.z)};
             topology->site[c][face] = site_of(table, &corner);
             if (topology->site[c][face] == SL_NO_INDEX) return false;
         }
@@ -133,7 +141,9 @@ static bool keep_sites(sl_topology *topology, const site_table *table) {
     topology->site_normal = sl_allocate(table->count, sizeof(sl_vec3));
     topology->site_face = sl_allocate(table->count, sizeof(uint32_t));
     topology->site_shared = sl_allocate(table->count, 1);
-    if (topology->site_position == NULL || topology->site_normal == NULL || topology->site_face == NULL || topology->site_shared == NULL) return false;
+    if (topology->site_position == NULL || topology->site_normal == NULL || topology->site_face == NULL ||
+        topology->site_shared == NULL)
+        return false;
     for (size_t s = 0; s < table->count; s++) {
         topology->site_position[s] = table->site[s].position;
         topology->site_normal[s] = table->site[s].normal;

@@ -12,7 +12,8 @@ typedef enum solid_kind { NO_SOLID, OPEN_SOLID, CLOSED_SOLID, LIT_SOLID } solid_
 /* Triangles that are connected by common edges. */
 typedef struct body {
     solid_kind kind;
-    bool sealed;               /* of one object, without holes: each edge is that of two triangles, one each way */
+    /* of one object, without holes: each edge is that of two triangles, one each way */
+    bool sealed;
     uint32_t object;           /* of its first triangle */
     bool shines;               /* it has emitters itself */
     sl_vec3 low, high;
@@ -29,7 +30,7 @@ struct sl_solids {
     size_t solid_count;
 };
 
-/* ---- what hangs together -------------------------------------------------------------------------------------------------- */
+/* ---- what hangs together --------------------------------------------------------------------- */
 
 typedef struct place {
     float x, y, z;
@@ -67,11 +68,13 @@ static uint32_t root_of(uint32_t *parent, uint32_t t) {
 /* By vertex the first one at its place. */
 static void join_places(const sl_scene *s, place *places, uint32_t *first) {
     for (size_t v = 0; v < s->vertex_count; v++) {
-        places[v] = (place){s->position_x[v] + 0.0f, s->position_y[v] + 0.0f, s->position_z[v] + 0.0f, (uint32_t)v};
+        places[v] =
+            (place){s->position_x[v] + 0.0f, s->position_y[v] + 0.0f, s->position_z[v] + 0.0f, (uint32_t)v};
     }
     qsort(places, s->vertex_count, sizeof *places, compare_places);
     for (size_t i = 0; i < s->vertex_count; i++) {
-        bool same = i > 0 && places[i].x == places[i - 1].x && places[i].y == places[i - 1].y && places[i].z == places[i - 1].z;
+        bool same = i > 0 && places[i].x == places[i - 1].x && places[i].y == places[i - 1].y &&
+                    places[i].z == places[i - 1].z;
         first[places[i].vertex] = same ? first[places[i - 1].vertex] : places[i].vertex;
     }
 }
@@ -130,7 +133,8 @@ static bool find_bodies(sl_solids *solids) {
         done = solids->bodies;
     }
     if (done) {
-        for (uint32_t t = (uint32_t)s->triangle_count; t-- > 0;) solids->bodies[solids->body_of[t]] = (body){.sealed = true, .object = s->object_index[t]};
+        for (uint32_t t = (uint32_t)s->triangle_count; t-- > 0;)
+            solids->bodies[solids->body_of[t]] = (body){.sealed = true, .object = s->object_index[t]};
         find_sealed(solids, edges);
     }
     sl_free(places);
@@ -140,13 +144,16 @@ static bool find_bodies(sl_solids *solids) {
     return done;
 }
 
-/* ---- which of it is solid ------------------------------------------------------------------------------------------------- */
+/* ---- which of it is solid -------------------------------------------------------------------- */
 
 static void measure_boxes(sl_solids *solids) {
     const sl_scene *s = solids->scene;
     for (size_t b = 0; b < solids->count; b++) {
         body *old = &solids->bodies[b];
-        *old = (body){.sealed = old->sealed, .object = old->object, .low = sl_v3(INFINITY, INFINITY, INFINITY), .high = sl_v3(-INFINITY, -INFINITY, -INFINITY)};
+        *old = (body){.sealed = old->sealed,
+                      .object = old->object,
+                      .low = sl_v3(INFINITY, INFINITY, INFINITY),
+                      .high = sl_v3(-INFINITY, -INFINITY, -INFINITY)};
     }
     for (size_t t = 0; t < s->triangle_count; t++) {
         body *b = &solids->bodies[solids->body_of[t]];
@@ -164,8 +171,10 @@ static void measure_volumes(sl_solids *solids) {
     for (size_t t = 0; t < s->triangle_count; t++) {
         body *b = &solids->bodies[solids->body_of[t]];
         sl_vec3d centre = sl_scaled(sl_addd(sl_to_double(b->low), sl_to_double(b->high)), 0.5), corner[3];
-        for (int c = 0; c < 3; c++) corner[c] = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[c][t])), centre);
-        sl_vec3d area = sl_scaled(sl_crossd(sl_subd(corner[1], corner[0]), sl_subd(corner[2], corner[0])), 0.5);
+        for (int c = 0; c < 3; c++)
+            corner[c] = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[c][t])), centre);
+        sl_vec3d area =
+            sl_scaled(sl_crossd(sl_subd(corner[1], corner[0]), sl_subd(corner[2], corner[0])), 0.5);
         b->areas = sl_addd(b->areas, area);
         b->area += sl_lengthd(area);
         b->volume += sl_dotd(area, corner[0]) / 3.0;
@@ -173,7 +182,8 @@ static void measure_volumes(sl_solids *solids) {
 }
 
 static bool box_holds(const body *b, sl_vec3 p) {
-    return p.x >= b->low.x && p.x <= b->high.x && p.y >= b->low.y && p.y <= b->high.y && p.z >= b->low.z && p.z <= b->high.z;
+    return p.x >= b->low.x && p.x <= b->high.x && p.y >= b->low.y && p.y <= b->high.y && p.z >= b->low.z &&
+           p.z <= b->high.z;
 }
 
 static bool light_inside(const sl_solids *solids, const body *b) {
@@ -232,11 +242,12 @@ void sl_solids_destroy(sl_solids *solids) {
     sl_free(solids);
 }
 
-/* ---- probe rays ----------------------------------------------------------------------------------------------------------- */
+/* ---- probe rays ------------------------------------------------------------------------------ */
 
 enum { PROBES = 8 };
 
-/* Around the normal: none along what people build, none so flat that it meets what the point itself lies on. */
+/* Around the normal: none along what people build, none so flat that it meets what the point itself lies on.
+ */
 static void probe_rays(sl_vec3 p, sl_vec3 normal, sl_ray16 *rays) {
     static const float height[PROBES] = {0.93f, 0.33f, 0.71f, 0.47f, 0.84f, 0.39f, 0.62f, 0.54f};
     static const float turn[PROBES] = {0.03f, 0.17f, 0.30f, 0.42f, 0.53f, 0.67f, 0.79f, 0.92f};
@@ -266,8 +277,8 @@ bool sl_solids_hide_back(const sl_solids *solids, uint32_t triangle) {
     return b->kind == CLOSED_SOLID && b->sealed;
 }
 
-bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, sl_vec3 position, sl_vec3 normal, uint32_t triangle, const sl_vec3 *eye,
-                    sl_counters *counters) {
+bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, sl_vec3 position, sl_vec3 normal,
+                    uint32_t triangle, const sl_vec3 *eye, sl_counters *counters) {
     const sl_scene *s = solids->scene;
     sl_vec3 p = sl_mad(position, 1e-5f * s->scale, normal);
     uint32_t own = triangle != SL_NO_INDEX ? solids->body_of[triangle] : SL_NO_INDEX;
@@ -287,7 +298,8 @@ bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, sl_vec3 po
         uint32_t t = hits.triangle[i];
         sl_vec3 d = sl_v3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
         const body *b = &solids->bodies[solids->body_of[t]];
-        if (!(sl_dot(d, sl_scene_geometric_normal(s, t)) > 0.0f) || !box_holds(b, p) || !is_solid_to(b, eye)) continue;
+        if (!(sl_dot(d, sl_scene_geometric_normal(s, t)) > 0.0f) || !box_holds(b, p) || !is_solid_to(b, eye))
+            continue;
         closed += b->kind == CLOSED_SOLID || b->kind == LIT_SOLID;
         open += b->kind == OPEN_SOLID;
     }

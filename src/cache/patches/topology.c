@@ -38,10 +38,13 @@ static sl_status make_parts(sl_topology *topology, bool by_exponent, sl_error *e
     return status == SL_OK ? sl_solids_find(topology->scene, &topology->solids, error) : status;
 }
 
-sl_status sl_topology_create(const sl_scene *scene, bool by_exponent, sl_topology **topology, sl_error *error) {
+sl_status sl_topology_create(const sl_scene *scene, bool by_exponent, sl_topology **topology,
+                             sl_error *error) {
     *topology = NULL;
     /* Corners of faces, 6 a triangle, are counted in 32 bits. */
-    if (scene->triangle_count > UINT32_MAX / 8) return sl_fail(error, SL_ERROR_RESOURCES, "too many triangles for meshes: %zu", scene->triangle_count);
+    if (scene->triangle_count > UINT32_MAX / 8)
+        return sl_fail(error, SL_ERROR_RESOURCES, "too many triangles for meshes: %zu",
+                       scene->triangle_count);
     sl_topology *t = sl_allocate(1, sizeof *t);
     if (t == NULL) return sl_fail_memory(error, "faces");
     t->scene = scene;

@@ -1,5 +1,5 @@
-/* Directions in 32 bits: the sphere is projected to an octahedron, whose lower half is folded over the upper one's square (Meyer et al.
- * 2010). 65,534 steps instead of 65,535 make the axes exact. */
+/* Directions in 32 bits: the sphere is projected to an octahedron, whose lower half is folded over the upper
+ * one's square (Meyer et al. 2010). 65,534 steps instead of 65,535 make the axes exact. */
 #include "cache/photons/photons.h"
 
 static const float octahedral_steps = 32767.0f;
@@ -22,7 +22,8 @@ uint32_t sl_octahedral_encode(sl_vec3 unit) {
 }
 
 sl_vec3 sl_octahedral_decode(uint32_t code) {
-    float u = (float)(code >> 16) / octahedral_steps - 1.0f, v = (float)(code & 0xffffu) / octahedral_steps - 1.0f;
+    float u = (float)(code >> 16) / octahedral_steps - 1.0f,
+          v = (float)(code & 0xffffu) / octahedral_steps - 1.0f;
     sl_vec3 d = sl_v3(u, v, 1.0f - fabsf(u) - fabsf(v));
     if (d.z < 0.0f) {
         d.x = copysignf(1.0f - fabsf(v), u);

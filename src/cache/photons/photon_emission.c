@@ -13,14 +13,17 @@ struct sl_photon_sources {
     double total;
 };
 
-static double luminance(sl_rgb c) { return 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b; }
+static double luminance(sl_rgb c) {
+    return 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b;
+}
 
-/* ---- parallel light enters the scene's box ----------------------------------------------------------------------- */
+/* ---- parallel light enters the scene's box --------------------------------------------------- */
 
 /* Areas of the box's three lit faces, as light of that direction sees them. */
 static sl_vec3d lit_faces(const sl_scene *scene, sl_vec3d direction) {
     sl_vec3d size = sl_subd(sl_to_double(scene->box_max), sl_to_double(scene->box_min));
-    return sl_v3d(fabs(direction.x) * size.y * size.z, fabs(direction.y) * size.z * size.x, fabs(direction.z) * size.x * size.y);
+    return sl_v3d(fabs(direction.x) * size.y * size.z, fabs(direction.y) * size.z * size.x,
+                  fabs(direction.z) * size.x * size.y);
 }
 
 static double seen_area(const sl_scene *scene, sl_vec3d direction) {
@@ -28,7 +31,8 @@ static double seen_area(const sl_scene *scene, sl_vec3d direction) {
     return faces.x + faces.y + faces.z;
 }
 
-/* The integral of seen_area() over the sphere: a convex body's mean cross-section is a quarter of its surface (Cauchy). */
+/* The integral of seen_area() over the sphere: a convex body's mean cross-section is a quarter of its surface
+ * (Cauchy). */
 static double seen_from_everywhere(const sl_scene *scene) {
     sl_vec3d size = sl_subd(sl_to_double(scene->box_max), sl_to_double(scene->box_min));
     return SL_PI * 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
@@ -38,18 +42,22 @@ static double at_face(double low, double high, double direction) { return direct
 
 /* A point of a lit face, uniform as the light sees them, and a little back: the scene may touch the face. */
 static sl_vec3 entry_point(const sl_scene *scene, sl_vec3d direction, float face, float u, float v) {
-    sl_vec3d faces = lit_faces(scene, direction), low = sl_to_double(scene->box_min), high = sl_to_double(scene->box_max);
+    sl_vec3d faces = lit_faces(scene, direction), low = sl_to_double(scene->box_min),
+             high = sl_to_double(scene->box_max);
     double chosen = (double)face * (faces.x + faces.y + faces.z), s = (double)u, t = (double)v;
-    sl_vec3d p = sl_v3d(low.x + s * (high.x - low.x), low.y + t * (high.y - low.y), at_face(low.z, high.z, direction.z));
+    sl_vec3d p = sl_v3d(low.x + s * (high.x - low.x), low.y + t * (high.y - low.y),
+                        at_face(low.z, high.z, direction.z));
     if (chosen < faces.x) {
-        p = sl_v3d(at_face(low.x, high.x, direction.x), low.y + s * (high.y - low.y), low.z + t * (high.z - low.z));
+        p = sl_v3d(at_face(low.x, high.x, direction.x), low.y + s * (high.y - low.y),
+                   low.z + t * (high.z - low.z));
     } else if (chosen < faces.x + faces.y) {
-        p = sl_v3d(low.x + s * (high.x - low.x), at_face(low.y, high.y, direction.y), low.z + t * (high.z - low.z));
+        p = sl_v3d(low.x + s * (high.x - low.x), at_face(low.y, high.y, direction.y),
+                   low.z + t * (high.z - low.z));
     }
     return sl_to_float(sl_subd(p, sl_scaled(direction, 1e-2 * (double)scene->diagonal)));
 }
 
-/* ---- powers ------------------------------------------------------------------------------------------------------ */
+/* ---- powers ---------------------------------------------------------------------------------- */
 
 /* Smoothstep's mean is a half; a spot without width gives nothing. */
 static double spot_solid_angle(const sl_light *light) {
@@ -130,9 +138,10 @@ void sl_photon_sources_destroy(sl_photon_sources *sources) {
 
 double sl_photon_sources_power(const sl_photon_sources *sources) { return sources->total; }
 
-/* ---- emission ---------------------------------------------------------------------------------------------------- */
+/* ---- emission -------------------------------------------------------------------------------- */
 
-/* The first source whose sum exceeds u: never one without power. Rounding may leave a gap at the end: it is the last source's. */
+/* The first source whose sum exceeds u: never one without power. Rounding may leave a gap at the end: it is
+ * the last source's. */
 static size_t choose(const sl_photon_sources *sources, double u) {
     size_t low = 0, high = sources->count - 1;
     while (low < high) {
@@ -144,13 +153,16 @@ static size_t choose(const sl_photon_sources *sources, double u) {
     return low;
 }
 
-/* Of the whole light's flux, colour x extent, as if all photons were its own: P(choice) = its power / total. */
+/* Of the whole light's flux, colour x extent, as if all photons were its own: P(choice) = its power / total.
+ */
 static sl_rgb shared_flux(const sl_photon_sources *sources, size_t source, sl_rgb colour, double extent) {
     double scale = extent * (sources->total / sources->power[source]);
-    return (sl_rgb){(float)((double)colour.r * scale), (float)((double)colour.g * scale), (float)((double)colour.b * scale)};
+    return (sl_rgb){(float)((double)colour.r * scale), (float)((double)colour.g * scale),
+                    (float)((double)colour.b * scale)};
 }
 
-/* x in [0,1] with density proportional to smoothstep(x) = 3 x^2 - 2 x^3: the root of 2 x^3 - x^4 = u, which rises, by halving. */
+/* x in [0,1] with density proportional to smoothstep(x) = 3 x^2 - 2 x^3: the root of 2 x^3 - x^4 = u, which
+ * rises, by halving. */
 static double smoothstep_sample(double u) {
     double low = 0.0, high = 1.0;
     for (int i = 0; i < 32; i++) {
@@ -161,7 +173,8 @@ static double smoothstep_sample(double u) {
     return 0.5 * (low + high);
 }
 
-/* The cosine of a spot's photon with its axis: uniform in the inner cone, which holds 1 - cos_inner of all. */
+/* The cosine of a spot's photon with its axis: uniform in the inner cone, which holds 1 - cos_inner of all.
+ */
 static float spot_cosine(const sl_light *light, float number) {
     double inner = (double)light->cos_inner, outer = (double)light->cos_outer;
     double full = 1.0 - inner, edge = fmax(0.5 * (inner - outer), 0.0), u = (double)number * (full + edge);
@@ -169,7 +182,8 @@ static float spot_cosine(const sl_light *light, float number) {
     return (float)(outer + (inner - outer) * smoothstep_sample(fmin((u - full) / edge, 1.0)));
 }
 
-static void emit_from_light(const sl_scene *scene, const sl_light *light, const float *number, sl_emitted_photon *photon) {
+static void emit_from_light(const sl_scene *scene, const sl_light *light, const float *number,
+                            sl_emitted_photon *photon) {
     photon->triangle = SL_NO_INDEX;
     photon->origin = light->position;
     photon->parallel = light->type == SL_LIGHT_DIRECTIONAL;
@@ -183,7 +197,8 @@ static void emit_from_light(const sl_scene *scene, const sl_light *light, const 
     }
 }
 
-static bool emit_from_triangle(const sl_scene *scene, const sl_emitter *emitter, const float *number, sl_emitted_photon *photon) {
+static bool emit_from_triangle(const sl_scene *scene, const sl_emitter *emitter, const float *number,
+                               sl_emitted_photon *photon) {
     uint32_t t = emitter->triangle;
     /* Uniform on the triangle: (1 - sqrt u1, sqrt u1 (1 - u2), sqrt u1 u2). */
     float s = sqrtf(number[2]), w1 = s * (1.0f - number[3]), w2 = s * number[3];
@@ -199,7 +214,8 @@ static bool emit_from_triangle(const sl_scene *scene, const sl_emitter *emitter,
     return true;
 }
 
-bool sl_photon_emit(const sl_photon_sources *sources, double select, const float number[SL_EMISSION_NUMBERS], sl_emitted_photon *photon) {
+bool sl_photon_emit(const sl_photon_sources *sources, double select, const float number[SL_EMISSION_NUMBERS],
+                    sl_emitted_photon *photon) {
     const sl_scene *scene = sources->scene;
     if (!(sources->total > 0.0)) return false;
     size_t i = choose(sources, select * sources->total);
@@ -217,7 +233,8 @@ bool sl_photon_emit(const sl_photon_sources *sources, double select, const float
     }
     sl_rgb radiance;
     float pdf;
-    photon->direction = sl_neg(sl_environment_sample(&scene->environment, number[0], number[1], &radiance, &pdf));
+    photon->direction =
+        sl_neg(sl_environment_sample(&scene->environment, number[0], number[1], &radiance, &pdf));
     if (!(pdf > 0.0f)) return false;
     sl_vec3d direction = sl_to_double(photon->direction);
     photon->flux = shared_flux(sources, i, radiance, seen_area(scene, direction) / (double)pdf);

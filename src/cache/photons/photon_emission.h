@@ -1,5 +1,5 @@
-/* Where photons start: a light is chosen in proportion to its luminous power, and a ray leaves it as its light does, so that all photons
- * carry about the same power.
+/* Where photons start: a light is chosen in proportion to its luminous power, and a ray leaves it as its
+ * light does, so that all photons carry about the same power.
  *
  *   point         all directions alike
  *   spot          its cone, and the smooth edge by inverting the edge's own distribution
@@ -7,8 +7,9 @@
  *   emissive      uniform on the triangle, cosine law about its normal; either side where two-sided
  *   environment   directions by its sampling tables, then as directional
  *
- * The paper speaks of none but point and area lights. Parallel light needs a cross-section to be measured on: the scene's box as that light
- * sees it (often it is the bounding sphere's disc, of which the box fills little more than half). */
+ * The paper speaks of none but point and area lights. Parallel light needs a cross-section to be measured on:
+ * the scene's box as that light sees it (often it is the bounding sphere's disc, of which the box fills
+ * little more than half). */
 #ifndef SL_CACHE_PHOTONS_PHOTON_EMISSION_H
 #define SL_CACHE_PHOTONS_PHOTON_EMISSION_H
 
@@ -31,7 +32,9 @@ typedef struct sl_emitted_photon {
     bool environment;
 } sl_emitted_photon;
 
-/* select in [0,1) decides the light: evenly spread numbers give each its share. False: nothing leaves there (an alpha mask). */
-bool sl_photon_emit(const sl_photon_sources *sources, double select, const float number[SL_EMISSION_NUMBERS], sl_emitted_photon *photon);
+/* select in [0,1) decides the light: evenly spread numbers give each its share. False: nothing leaves there
+ * (an alpha mask). */
+bool sl_photon_emit(const sl_photon_sources *sources, double select, const float number[SL_EMISSION_NUMBERS],
+                    sl_emitted_photon *photon);
 
 #endif

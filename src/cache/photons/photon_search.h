@@ -1,6 +1,6 @@
-/* The search for the nearest photons, compiled for every instruction set. Photons lie sixteen to a bucket, the leaves of the
- * kd-tree from left to right; its nodes are boxes in depth-first order: the left child follows its parent, and a subtree of n
- * leaves has 2 n - 1 nodes. */
+/* The search for the nearest photons, compiled for every instruction set. Photons lie sixteen to a bucket,
+ * the leaves of the kd-tree from left to right; its nodes are boxes in depth-first order: the left child
+ * follows its parent, and a subtree of n leaves has 2 n - 1 nodes. */
 #ifndef SL_CACHE_PHOTONS_PHOTON_SEARCH_H
 #define SL_CACHE_PHOTONS_PHOTON_SEARCH_H
 
@@ -48,6 +48,8 @@ typedef struct sl_photon_search {
 typedef void sl_photon_search_kernel(const sl_photon_buckets *buckets, sl_photon_search *search);
 SL_KERNEL_VARIANTS(sl_photon_search_kernel, sl_photon_search);
 
-static inline sl_photon_search_kernel *sl_photon_search_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_photon_search); }
+static inline sl_photon_search_kernel *sl_photon_search_for(sl_isa isa) {
+    return SL_KERNEL_OF(isa, sl_photon_search);
+}
 
 #endif

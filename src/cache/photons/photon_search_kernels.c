@@ -4,7 +4,7 @@
 
 enum { STACK = 64 };
 
-/* ---- the k smallest so far --------------------------------------------------------------------------------------- */
+/* ---- the k smallest so far ------------------------------------------------------------------- */
 
 static inline void swap_keys(uint64_t *a, uint64_t *b) {
     uint64_t c = *a;
@@ -49,12 +49,13 @@ static void tighten(sl_photon_search *s) {
     s->count = s->wanted;
 }
 
-/* ---- buckets and boxes ------------------------------------------------------------------------------------------- */
+/* ---- buckets and boxes ----------------------------------------------------------------------- */
 
 static void scan_bucket(const sl_photon_bucket *b, sl_photon_search *s) {
     float distance[SL_PHOTON_BUCKET];
     uint32_t near[SL_PHOTON_BUCKET], any = 0, bits[SL_PHOTON_BUCKET];
-    const float cx = s->centre.x, cy = s->centre.y, cz = s->centre.z, nx = s->normal.x, ny = s->normal.y, nz = s->normal.z;
+    const float cx = s->centre.x, cy = s->centre.y, cz = s->centre.z, nx = s->normal.x, ny = s->normal.y,
+                nz = s->normal.z;
     const float stretch = s->stretch, bound = s->bound, cos_acceptance = s->cos_acceptance, back = s->back;
 #pragma omp simd reduction(| : any)
     for (int i = 0; i < SL_PHOTON_BUCKET; i++) {
@@ -86,8 +87,8 @@ typedef struct box_query {
     float stretch, shrink;
 } box_query;
 
-/* No photon of the box is nearer: delta^2 = |p|^2 + stretch u^2, each of the two terms at its least. Rounding, here and in the photons'
- * own distances, only makes it smaller. */
+/* No photon of the box is nearer: delta^2 = |p|^2 + stretch u^2, each of the two terms at its least.
+ * Rounding, here and in the photons' own distances, only makes it smaller. */
 static inline float least_distance(const sl_photon_box *box, const box_query *q) {
     float distance = 0.0f, u = 0.0f, reach = 0.0f, sum = 0.0f;
     for (int a = 0; a < 3; a++) {
@@ -112,20 +113,22 @@ static box_query box_query_of(const sl_photon_search *s) {
     return q;
 }
 
-/* ---- the tree ---------------------------------------------------------------------------------------------------- */
+/* ---- the tree -------------------------------------------------------------------------------- */
 
 typedef struct open_node {
     size_t node, leaf, leaves; /* its number, its first leaf, how many */
     float least;
 } open_node;
 
-/* From a node down to the nearest leaf; the other ways are left open. Pruned only when strictly farther than the bound. */
-static void descend(const sl_photon_buckets *buckets, const box_query *query, sl_photon_search *s, open_node at, open_node *stack,
-                    unsigned *open) {
+/* From a node down to the nearest leaf; the other ways are left open. Pruned only when strictly farther than
+ * the bound. */
+static void descend(const sl_photon_buckets *buckets, const box_query *query, sl_photon_search *s,
+                    open_node at, open_node *stack, unsigned *open) {
     while (at.leaves > 1) {
         size_t left = sl_photon_left_leaves(at.leaves);
         open_node a = {at.node + 1, at.leaf, left, least_distance(&buckets->box[at.node + 1], query)};
-        open_node b = {at.node + 2 * left, at.leaf + left, at.leaves - left, least_distance(&buckets->box[at.node + 2 * left], query)};
+        open_node b = {at.node + 2 * left, at.leaf + left, at.leaves - left,
+                       least_distance(&buckets->box[at.node + 2 * left], query)};
         bool swap = b.least < a.least;
         at = swap ? b : a;
         open_node other = swap ? a : b;

@@ -19,9 +19,10 @@ struct sl_photon_tree {
 
 enum { BUCKETS_A_TASK = 256, SPLIT_LEVELS = 6, SAMPLE = 31 };
 
-/* ---- splitting --------------------------------------------------------------------------------------------------- */
+/* ---- splitting ------------------------------------------------------------------------------- */
 
-/* What of a photon the building moves about: its coordinates as integers of the same order, so that comparing needs no branch. */
+/* What of a photon the building moves about: its coordinates as integers of the same order, so that comparing
+ * needs no branch. */
 typedef struct tree_point {
     _Alignas(16) uint32_t coordinate[3];
     uint32_t id;
@@ -32,7 +33,9 @@ static uint32_t integer_of(float v) {
     return bits >> 31 ? ~bits : bits | 0x80000000u;
 }
 
-static float float_of(uint32_t integer) { return sl_float_of_bits(integer >> 31 ? integer & 0x7fffffffu : ~integer); }
+static float float_of(uint32_t integer) {
+    return sl_float_of_bits(integer >> 31 ? integer & 0x7fffffffu : ~integer);
+}
 
 typedef struct tree_node {
     size_t node, leaf, leaves;
@@ -43,11 +46,14 @@ typedef struct tree_build {
     tree_point *points;
     size_t count;
     sl_photon *ordered;
-    tree_node top[(1 << (SPLIT_LEVELS + 1)) - 1]; /* the upper levels, each from left to right; nodes without leaves are absent */
+    /* the upper levels, each from left to right; nodes without leaves are absent */
+    tree_node top[(1 << (SPLIT_LEVELS + 1)) - 1];
     size_t first_of_level;
 } tree_build;
 
-static inline uint64_t order_of(const tree_point *point, int axis) { return (uint64_t)point->coordinate[axis] << 32 | point->id; }
+static inline uint64_t order_of(const tree_point *point, int axis) {
+    return (uint64_t)point->coordinate[axis] << 32 | point->id;
+}
 
 static inline void swap_points(tree_point *a, tree_point *b) {
     tree_point c = *a;
@@ -118,7 +124,8 @@ static size_t end_of(const tree_build *build, size_t leaf) {
 static void split_node(tree_build *build, tree_node n) {
     size_t low = end_of(build, n.leaf), high = end_of(build, n.leaf + n.leaves);
     int axis = bound_points(build->points + low, high - low, &build->tree->box[n.node]);
-    if (n.leaves > 1) split_points(build->points, low, high, end_of(build, n.leaf + sl_photon_left_leaves(n.leaves)), axis);
+    if (n.leaves > 1)
+        split_points(build->points, low, high, end_of(build, n.leaf + sl_photon_left_leaves(n.leaves)), axis);
 }
 
 static void children(tree_node n, tree_node child[2]) {
@@ -162,7 +169,7 @@ static void split_all(tree_build *build, unsigned threads) {
     sl_parallel_for(threads, (size_t)1 << SPLIT_LEVELS, split_subtree, build);
 }
 
-/* ---- filling ----------------------------------------------------------------------------------------------------- */
+/* ---- filling --------------------------------------------------------------------------------- */
 
 /* Within a bucket by id, so that the photons' order depends on the set of them alone. */
 static void sort_by_id(tree_point *points, size_t count) {
@@ -202,7 +209,8 @@ static void fill_bucket(tree_build *build, size_t index) {
 static void fill_buckets(void *context, size_t index, unsigned worker) {
     tree_build *build = context;
     (void)worker;
-    size_t end = (index + 1) * BUCKETS_A_TASK < build->tree->buckets ? (index + 1) * BUCKETS_A_TASK : build->tree->buckets;
+    size_t end = (index + 1) * BUCKETS_A_TASK < build->tree->buckets ? (index + 1) * BUCKETS_A_TASK
+                                                                     : build->tree->buckets;
     for (size_t b = index * BUCKETS_A_TASK; b < end; b++) fill_bucket(build, b);
 }
 
@@ -230,7 +238,8 @@ static sl_status build_tree(sl_photon_tree *tree, unsigned threads, sl_error *er
     return SL_OK;
 }
 
-sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photon_tree **out, sl_error *error) {
+sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photon_tree **out,
+                                sl_error *error) {
     *out = NULL;
     sl_photon_tree *tree = sl_allocate(1, sizeof *tree);
     if (!tree) {
@@ -244,8 +253,10 @@ sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photo
     tree->place_of_id = sl_allocate(list->count, sizeof *tree->place_of_id);
     tree->list = list;
     sl_status status = SL_OK;
-    if (list->count >= UINT32_MAX) status = sl_fail(error, SL_ERROR_RESOURCES, "too many photons: %zu", list->count);
-    else if (!tree->bucket || !tree->box || !tree->place_of_id) status = sl_fail_memory(error, "the photons' tree");
+    if (list->count >= UINT32_MAX)
+        status = sl_fail(error, SL_ERROR_RESOURCES, "too many photons: %zu", list->count);
+    else if (!tree->bucket || !tree->box || !tree->place_of_id)
+        status = sl_fail_memory(error, "the photons' tree");
     else status = build_tree(tree, sl_thread_count(threads), error);
     if (status != SL_OK) {
         sl_photon_tree_destroy(tree);
@@ -271,11 +282,12 @@ uint32_t sl_photon_tree_id(const sl_photon_tree *tree, size_t place) {
 }
 
 size_t sl_photon_tree_bytes(const sl_photon_tree *tree) {
-    return sizeof *tree + sizeof *tree->list + tree->list->count * (sizeof(sl_photon) + sizeof *tree->place_of_id) +
+    return sizeof *tree + sizeof *tree->list +
+           tree->list->count * (sizeof(sl_photon) + sizeof *tree->place_of_id) +
            tree->buckets * (sizeof *tree->bucket + 2 * sizeof *tree->box);
 }
 
-/* ---- gathering --------------------------------------------------------------------------------------------------- */
+/* ---- gathering ------------------------------------------------------------------------------- */
 
 static const double flatness_least = 1e-3;
 
@@ -312,12 +324,14 @@ static uint64_t *sort_ids(uint64_t *key, uint64_t *spare, size_t count, size_t i
     return key;
 }
 
-void sl_photon_tree_gather(const sl_photon_tree *tree, const sl_photon_query *query, sl_gathered_photons *gathered) {
+void sl_photon_tree_gather(const sl_photon_tree *tree, const sl_photon_query *query,
+                           sl_gathered_photons *gathered) {
     size_t wanted = query->neighbours < SL_NEIGHBOURS_MAX ? query->neighbours : SL_NEIGHBOURS_MAX;
     uint64_t *spare = gathered->keys, *key = spare + wanted;
     sl_photon_search search = begin_search(query, wanted, key);
     const sl_photon_buckets buckets = {tree->buckets, tree->bucket, tree->box};
-    if (wanted > 0 && sl_is_finite(query->centre) && sl_is_finite(query->normal)) tree->search(&buckets, &search);
+    if (wanted > 0 && sl_is_finite(query->centre) && sl_is_finite(query->normal))
+        tree->search(&buckets, &search);
     gathered->count = search.count;
     gathered->full = wanted > 0 && search.count == wanted;
     double farthest = 0.0;

@@ -1,6 +1,7 @@
-/* The balanced kd-tree over photons, implicit in their order, and the k nearest of them in a flattened ellipsoid:
- * delta^2 = |p_t|^2 + (u / f)^2, u the distance from the plane and p_t the way along it, f the flatness. Nodes are split at the median
- * of the longest extent, by (coordinate, id), down to sixteen photons; each has its box. */
+/* The balanced kd-tree over photons, implicit in their order, and the k nearest of them in a flattened
+ * ellipsoid: delta^2 = |p_t|^2 + (u / f)^2, u the distance from the plane and p_t the way along it, f the
+ * flatness. Nodes are split at the median of the longest extent, by (coordinate, id), down to sixteen
+ * photons; each has its box. */
 #ifndef SL_CACHE_PHOTONS_PHOTON_TREE_H
 #define SL_CACHE_PHOTONS_PHOTON_TREE_H
 
@@ -10,7 +11,8 @@
 typedef struct sl_photon_tree sl_photon_tree;
 
 /* Takes the photons over: reorders them, and destroys the list with the tree, or at once where it fails. */
-sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photon_tree **tree, sl_error *error);
+sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photon_tree **tree,
+                                sl_error *error);
 void sl_photon_tree_destroy(sl_photon_tree *tree);
 const sl_photon_list *sl_photon_tree_list(const sl_photon_tree *tree);
 /* The place in the list before it was reordered. */
@@ -43,6 +45,7 @@ typedef struct sl_gathered_photons {
 static inline size_t sl_photon_keys(size_t neighbours) { return 3 * neighbours + 2 * SL_PHOTON_BUCKET; }
 
 /* Ties of distance go to the lower id, exactly k are kept. Allocates nothing. */
-void sl_photon_tree_gather(const sl_photon_tree *tree, const sl_photon_query *query, sl_gathered_photons *gathered);
+void sl_photon_tree_gather(const sl_photon_tree *tree, const sl_photon_query *query,
+                           sl_gathered_photons *gathered);
 
 #endif

@@ -1,5 +1,5 @@
-/* A path leaves a light, is stored where it meets a surface, and is scattered there or absorbed. The 4,096 paths of a chunk
- * go in step, bounce by bounce. */
+/* A path leaves a light, is stored where it meets a surface, and is scattered there or absorbed. The 4,096
+ * paths of a chunk go in step, bounce by bounce. */
 #include "cache/photons/photons.h"
 
 #include <string.h>
@@ -20,7 +20,7 @@ enum {
 };
 static const float survival_max = 0.99f, adjoint_max = 32.0f;
 
-/* ---- one chunk --------------------------------------------------------------------------------------------------- */
+/* ---- one chunk ------------------------------------------------------------------------------- */
 
 typedef struct light_path {
     sl_vec3 origin, direction;
@@ -68,7 +68,8 @@ static void release_result(chunk_result *r) {
 static bool make_room(chunk_result *r) {
     if (r->count < r->capacity) return true;
     size_t capacity = r->capacity > 0 ? 2 * r->capacity : 2 * SL_PHOTON_CHUNK;
-    chunk_result larger = {.photon = sl_allocate(capacity, sizeof *r->photon), .ordered = sl_allocate(capacity, sizeof *r->ordered),
+    chunk_result larger = {.photon = sl_allocate(capacity, sizeof *r->photon),
+                           .ordered = sl_allocate(capacity, sizeof *r->ordered),
                            .path = sl_allocate(capacity, sizeof *r->path)};
     if (!larger.photon || !larger.ordered || !larger.path) {
         release_result(&larger);
@@ -88,24 +89,28 @@ static bool make_room(chunk_result *r) {
 }
 
 static void random_numbers(uint64_t key, unsigned bounce, unsigned count, float *number) {
-    for (unsigned i = 0; i < count; i++) number[i] = sl_random_unit(key, (uint64_t)bounce * NUMBERS_A_BOUNCE + i);
+    for (unsigned i = 0; i < count; i++)
+        number[i] = sl_random_unit(key, (uint64_t)bounce * NUMBERS_A_BOUNCE + i);
 }
 
-/* Paths of a chunk are spread evenly over the lights' powers, from a start that fills the gaps of other chunks: in 2^m chunks a light gets
- * its share of all 4096 2^m paths, rounded up or down. */
+/* Paths of a chunk are spread evenly over the lights' powers, from a start that fills the gaps of other
+ * chunks: in 2^m chunks a light gets its share of all 4096 2^m paths, rounded up or down. */
 static double chunk_offset(uint64_t seed, uint64_t chunk) {
     uint32_t start = sl_random_bits(sl_random_key(seed, UINT64_MAX), 0);
     return (double)(uint32_t)(sl_van_der_corput((uint32_t)chunk) + start) * 0x1p-32;
 }
 
-static float share(float part, float whole) { return part > 0.0f && whole > 0.0f ? fminf(part / whole, 1.0f) : 0.0f; }
+static float share(float part, float whole) {
+    return part > 0.0f && whole > 0.0f ? fminf(part / whole, 1.0f) : 0.0f;
+}
 
-/* SL_STORE_INDIRECT leaves direct light to others. What comes from a smooth sky is direct light that samples are bad at, and photons are
- * good at. */
+/* SL_STORE_INDIRECT leaves direct light to others. What comes from a smooth sky is direct light that samples
+ * are bad at, and photons are good at. */
 static sl_rgb sky_share_of(const photon_job *job, const sl_emitted_photon *photon) {
     if (!job->sky || !photon->environment || job->store != SL_STORE_INDIRECT) return sl_grey(0.0f);
     sl_vec3 to_sky = sl_neg(photon->direction);
-    sl_rgb part = sl_environment_radiance(job->sky, to_sky), whole = sl_environment_radiance(&job->scene->environment, to_sky);
+    sl_rgb part = sl_environment_radiance(job->sky, to_sky),
+           whole = sl_environment_radiance(&job->scene->environment, to_sky);
     return (sl_rgb){share(part.r, whole.r), share(part.g, whole.g), share(part.b, whole.b)};
 }
 
@@ -132,14 +137,15 @@ static unsigned emit_paths(const photon_job *job, uint64_t chunk, path_block *bl
     return alive;
 }
 
-/* ---- neighbours go together -------------------------------------------------------------------------------------- */
+/* ---- neighbours go together ------------------------------------------------------------------ */
 
 static uint32_t cell(float v, float low, float extent, uint32_t cells) {
     float at = extent > 0.0f ? (v - low) / extent * (float)cells : 0.0f;
     return at > 0.0f ? at < (float)cells ? (uint32_t)at : cells - 1 : 0;
 }
 
-/* Parallel light by the direction's octant, then by a cell of 8 x 8 x 8 in space; all else behind it, as it came. */
+/* Parallel light by the direction's octant, then by a cell of 8 x 8 x 8 in space; all else behind it, as it
+ * came. */
 static uint32_t sort_key(const sl_scene *scene, const light_path *p) {
     if (!p->parallel) return SORT_KEYS - 1;
     sl_vec3 d = p->direction, low = scene->box_min, size = sl_sub(scene->box_max, low);
@@ -148,8 +154,9 @@ static uint32_t sort_key(const sl_scene *scene, const light_path *p) {
            cell(p->origin.z, low.z, size.z, 8);
 }
 
-/* Counting sort of the rays that leave the lights. Parallel ones that lie close together are followed faster as one packet, but others
- * each alone, and then their order hardly matters. It decides nothing but speed: rays are traced alike in any company. */
+/* Counting sort of the rays that leave the lights. Parallel ones that lie close together are followed faster
+ * as one packet, but others each alone, and then their order hardly matters. It decides nothing but speed:
+ * rays are traced alike in any company. */
 static void sort_first_rays(const sl_scene *scene, path_block *block, unsigned alive) {
     memset(block->places, 0, SORT_KEYS * sizeof *block->places);
     for (unsigned i = 0; i < alive; i++) {
@@ -166,9 +173,10 @@ static void sort_first_rays(const sl_scene *scene, path_block *block, unsigned a
     memcpy(block->alive, block->next, alive * sizeof *block->alive);
 }
 
-/* ---- at a surface ------------------------------------------------------------------------------------------------ */
+/* ---- at a surface ---------------------------------------------------------------------------- */
 
-static void store_photon(chunk_result *r, unsigned path, const light_path *p, sl_rgb flux, unsigned bounces, const sl_surface *surface) {
+static void store_photon(chunk_result *r, unsigned path, const light_path *p, sl_rgb flux, unsigned bounces,
+                         const sl_surface *surface) {
     if (!make_room(r)) return;
     sl_photon *photon = &r->photon[r->count];
     *photon = (sl_photon){.position = {surface->position.x, surface->position.y, surface->position.z},
@@ -188,22 +196,26 @@ static bool is_stored(sl_photon_store store, unsigned bounces, bool mirrors_alon
     return false;
 }
 
-/* Light that goes from i to o is reflected by the shading normal's cosine with i, but arrives and leaves by the geometric one's
- * (Veach 1997, section 5.3): the ratio of cosines, bounded, since it grows at grazing angles. */
+/* Light that goes from i to o is reflected by the shading normal's cosine with i, but arrives and leaves by
+ * the geometric one's (Veach 1997, section 5.3): the ratio of cosines, bounded, since it grows at grazing
+ * angles. */
 static float adjoint(float up, float down) {
     if (!(up > 0.0f) || !(down > 0.0f)) return 0.0f;
     return up < adjoint_max * down ? up / down : adjoint_max;
 }
 
-/* By the cosine about the geometric normal, as light leaves a Lambertian surface, so that the outgoing ratio is sampled away. */
-static bool scatter_diffusely(const sl_surface *s, sl_vec3 in, const float number[4], sl_vec3 *out, sl_rgb *weight) {
+/* By the cosine about the geometric normal, as light leaves a Lambertian surface, so that the outgoing ratio
+ * is sampled away. */
+static bool scatter_diffusely(const sl_surface *s, sl_vec3 in, const float number[4], sl_vec3 *out,
+                              sl_rgb *weight) {
     *out = sl_direction_around(s->geometric_normal, sqrtf(1.0f - number[1]), number[2]);
     if (!(sl_dot(*out, s->normal) > 0.0f) || !(sl_dot(*out, s->geometric_normal) > 0.0f)) return false;
     *weight = sl_rgb_scale(s->diffuse, adjoint(sl_dot(s->normal, in), sl_dot(s->geometric_normal, in)));
     return true;
 }
 
-static bool scatter_by_lobes(const sl_surface *s, const sl_bsdf *bsdf, const float number[4], sl_vec3 *out, sl_rgb *weight) {
+static bool scatter_by_lobes(const sl_surface *s, const sl_bsdf *bsdf, const float number[4], sl_vec3 *out,
+                             sl_rgb *weight) {
     if (!sl_bsdf_sample(bsdf, number[0], number[1], number[2], out)) return false;
     float pdf = sl_bsdf_pdf(bsdf, *out);
     if (!(pdf > 0.0f)) return false;
@@ -225,21 +237,25 @@ static bool scatter(const sl_surface *s, sl_vec3 in, const float number[4], sl_v
     }
     sl_vec3 n = s->normal, g = s->geometric_normal;
     bool flat = n.x == g.x && n.y == g.y && n.z == g.z;
-    if (!flat) *weight = sl_rgb_scale(*weight, adjoint(sl_dot(n, in) * sl_dot(g, *out), sl_dot(g, in) * sl_dot(n, *out)));
+    if (!flat)
+        *weight =
+            sl_rgb_scale(*weight, adjoint(sl_dot(n, in) * sl_dot(g, *out), sl_dot(g, in) * sl_dot(n, *out)));
     return true;
 }
 
 /* Stores and scatters. False: the path ends. */
-static bool meet_surface(const photon_job *job, light_path *p, unsigned path, unsigned bounces, uint32_t triangle, float w1, float w2,
-                         chunk_result *r) {
+static bool meet_surface(const photon_job *job, light_path *p, unsigned path, unsigned bounces,
+                         uint32_t triangle, float w1, float w2, chunk_result *r) {
     sl_vec3 to_light = sl_neg(p->direction);
     sl_surface surface;
     sl_scene_surface(job->scene, triangle, w1, w2, to_light, &surface);
     if (!sl_is_finite(surface.position)) return false;
     if (!sl_material_is_mirror(surface.material)) {
         bool wanted = sl_takes_photons(surface.material);
-        if (wanted && is_stored(job->store, bounces, p->mirrors_alone)) store_photon(r, path, p, p->flux, bounces, &surface);
-        else if (wanted && sl_rgb_max(p->sky_share) > 0.0f) store_photon(r, path, p, sl_rgb_mul(p->flux, p->sky_share), bounces, &surface);
+        if (wanted && is_stored(job->store, bounces, p->mirrors_alone))
+            store_photon(r, path, p, p->flux, bounces, &surface);
+        else if (wanted && sl_rgb_max(p->sky_share) > 0.0f)
+            store_photon(r, path, p, sl_rgb_mul(p->flux, p->sky_share), bounces, &surface);
         if (job->store == SL_STORE_CAUSTIC) return false;
         p->mirrors_alone = false;
     }
@@ -263,13 +279,14 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
     return sl_rgb_is_finite(p->flux) && sl_is_finite(p->origin);
 }
 
-/* ---- bounce by bounce -------------------------------------------------------------------------------------------- */
+/* ---- bounce by bounce ------------------------------------------------------------------------ */
 
 static void put_ray(sl_ray16 *rays, unsigned i, const light_path *p) {
     sl_ray16_set(rays, i, p->origin, p->direction, 0.0f, INFINITY, p->skip);
 }
 
-static unsigned bounce_paths(const photon_job *job, path_block *block, unsigned alive, unsigned bounces, chunk_result *r) {
+static unsigned bounce_paths(const photon_job *job, path_block *block, unsigned alive, unsigned bounces,
+                             chunk_result *r) {
     unsigned left = 0;
     for (unsigned first = 0; first < alive; first += SL_PACKET) {
         unsigned n = alive - first < SL_PACKET ? alive - first : SL_PACKET;
@@ -281,7 +298,9 @@ static unsigned bounce_paths(const photon_job *job, path_block *block, unsigned 
         for (unsigned i = 0; i < n; i++) {
             unsigned path = block->alive[first + i];
             if (hits.triangle[i] == SL_NO_INDEX) continue;
-            if (!meet_surface(job, &block->path[path], path, bounces, hits.triangle[i], hits.w1[i], hits.w2[i], r)) continue;
+            if (!meet_surface(job, &block->path[path], path, bounces, hits.triangle[i], hits.w1[i],
+                              hits.w2[i], r))
+                continue;
             block->alive[left++] = (uint16_t)path; /* left <= first + i */
         }
     }
@@ -310,11 +329,12 @@ static void trace_chunk(void *context, size_t index, unsigned worker) {
     r->counters = (sl_counters){{0}};
     unsigned alive = emit_paths(job, job->first_chunk + index, block);
     sort_first_rays(job->scene, block, alive);
-    for (unsigned bounces = 0; alive > 0 && !r->out_of_memory; bounces++) alive = bounce_paths(job, block, alive, bounces, r);
+    for (unsigned bounces = 0; alive > 0 && !r->out_of_memory; bounces++)
+        alive = bounce_paths(job, block, alive, bounces, r);
     order_photons(block, r);
 }
 
-/* ---- the list ---------------------------------------------------------------------------------------------------- */
+/* ---- the list -------------------------------------------------------------------------------- */
 
 void sl_photon_list_destroy(sl_photon_list *list) {
     if (!list) return;
@@ -336,7 +356,8 @@ static bool resize(sl_photon_list *list, size_t capacity) {
 static sl_status commit(sl_photon_list *list, const chunk_result *r, sl_counters *counters, sl_error *error) {
     if (r->out_of_memory) return sl_fail_memory(error, "photons");
     size_t count = list->count + r->count;
-    if (count >= UINT32_MAX) return sl_fail(error, SL_ERROR_RESOURCES, "at most %u photons can be stored", UINT32_MAX - 1);
+    if (count >= UINT32_MAX)
+        return sl_fail(error, SL_ERROR_RESOURCES, "at most %u photons can be stored", UINT32_MAX - 1);
     if (count > list->capacity && !resize(list, count + count / 2)) return sl_fail_memory(error, "photons");
     if (r->count > 0) memcpy(list->photon + list->count, r->ordered, r->count * sizeof *r->ordered);
     list->count = count;
@@ -352,7 +373,8 @@ static sl_status commit(sl_photon_list *list, const chunk_result *r, sl_counters
 static void divide_fluxes(sl_photon_list *list) {
     double per_path = list->emitted > 0 ? 1.0 / (double)list->emitted : 0.0;
     for (size_t i = 0; i < list->count; i++) {
-        for (int c = 0; c < 3; c++) list->photon[i].flux[c] = (float)((double)list->photon[i].flux[c] * per_path);
+        for (int c = 0; c < 3; c++)
+            list->photon[i].flux[c] = (float)((double)list->photon[i].flux[c] * per_path);
     }
     list->cut_flux *= per_path;
     if (list->count < list->capacity) resize(list, list->count); /* only to give memory back */
@@ -360,11 +382,14 @@ static void divide_fluxes(sl_photon_list *list) {
 
 static bool is_complete(const sl_photon_list *list, const sl_photon_options *options) {
     uint64_t fallback = options->stored > (1u << 20) / 8 ? 8 * options->stored : 1u << 20;
-    return list->count >= options->stored || list->emitted >= (options->emitted_at_most > 0 ? options->emitted_at_most : fallback);
+    return list->count >= options->stored ||
+           list->emitted >= (options->emitted_at_most > 0 ? options->emitted_at_most : fallback);
 }
 
-/* As many chunks as are surely needed, by how many photons they left so far: what is traced beyond the end is thrown away. */
-static size_t chunks_at_once(const sl_photon_list *list, const sl_photon_options *options, size_t allowed, unsigned threads) {
+/* As many chunks as are surely needed, by how many photons they left so far: what is traced beyond the end is
+ * thrown away. */
+static size_t chunks_at_once(const sl_photon_list *list, const sl_photon_options *options, size_t allowed,
+                             unsigned threads) {
     size_t chunks = CHUNKS_AT_ONCE;
     if (list->count > 0) {
         double a_chunk = (double)list->count / (double)(list->emitted / SL_PHOTON_CHUNK);
@@ -389,8 +414,8 @@ static bool can_store(const sl_scene *scene, const sl_photon_options *options) {
 }
 
 /* Some chunks, committed in order up to the one with which the list is complete. */
-static sl_status trace_some(photon_job *job, const sl_photon_options *options, unsigned threads, size_t *chunks, sl_photon_list *list,
-                            sl_counters *counters, sl_error *error) {
+static sl_status trace_some(photon_job *job, const sl_photon_options *options, unsigned threads,
+                            size_t *chunks, sl_photon_list *list, sl_counters *counters, sl_error *error) {
     size_t now = chunks_at_once(list, options, *chunks < CHUNKS_AT_ONCE ? *chunks : CHUNKS_AT_ONCE, threads);
     job->first_chunk = list->emitted / SL_PHOTON_CHUNK;
     sl_parallel_for(threads, now, trace_chunk, job);
@@ -402,8 +427,8 @@ static sl_status trace_some(photon_job *job, const sl_photon_options *options, u
     return status;
 }
 
-static sl_status trace_chunks(photon_job *job, const sl_photon_options *options, size_t chunks, sl_photon_list *list, bool *done,
-                              sl_counters *counters, sl_error *error) {
+static sl_status trace_chunks(photon_job *job, const sl_photon_options *options, size_t chunks,
+                              sl_photon_list *list, bool *done, sl_counters *counters, sl_error *error) {
     unsigned threads = sl_thread_count(options->threads);
     job->blocks = sl_allocate(threads, sizeof *job->blocks);
     job->results = sl_allocate(CHUNKS_AT_ONCE, sizeof *job->results);
@@ -419,8 +444,9 @@ static sl_status trace_chunks(photon_job *job, const sl_photon_options *options,
     return status;
 }
 
-sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const sl_photon_options *options, size_t chunks,
-                           sl_photon_list **list, bool *done, sl_counters *counters, sl_error *error) {
+sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const sl_photon_options *options,
+                           size_t chunks, sl_photon_list **list, bool *done, sl_counters *counters,
+                           sl_error *error) {
     *done = false;
     if (!*list && !(*list = sl_allocate(1, sizeof **list))) return sl_fail_memory(error, "photons");
     sl_photon_list *l = *list;
@@ -433,7 +459,11 @@ sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const
     if (!(l->emitted_flux > 0.0) || !can_store(scene, options)) {
         *done = true;
     } else {
-        photon_job job = {.scene = scene, .tracer = tracer, .sources = l->sources, .store = options->store, .sky = options->sky,
+        photon_job job = {.scene = scene,
+                          .tracer = tracer,
+                          .sources = l->sources,
+                          .store = options->store,
+                          .sky = options->sky,
                           .seed = options->seed};
         status = trace_chunks(&job, options, chunks, l, done, counters, error);
     }

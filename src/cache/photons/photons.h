@@ -1,5 +1,5 @@
-/* Photon tracing: L (D|S)+ from every light of the scene (point, spot, directional, emissive triangles, environment), by Embree; and
- * the list of hits that it leaves. */
+/* Photon tracing: L (D|S)+ from every light of the scene (point, spot, directional, emissive triangles,
+ * environment), by Embree; and the list of hits that it leaves. */
 #ifndef SL_CACHE_PHOTONS_PHOTONS_H
 #define SL_CACHE_PHOTONS_PHOTONS_H
 
@@ -28,7 +28,9 @@ typedef struct sl_photon_options {
     uint64_t stored;          /* stop at the end of the chunk in which so many are stored */
     uint64_t emitted_at_most; /* 0: 8 times stored, and at least 2^20: a scene that stores few must end too */
     sl_photon_store store;
-    const sl_environment *sky; /* part of the environment; with SL_STORE_INDIRECT its first hits are stored too, with its share of their flux. NULL: none */
+    /* part of the environment; with SL_STORE_INDIRECT its first hits are stored too, with its share of their
+     * flux. NULL: none */
+    const sl_environment *sky;
     uint64_t seed;
     unsigned threads;
 } sl_photon_options;
@@ -40,18 +42,22 @@ typedef struct sl_photon_list {
     sl_photon *photon;        /* in order of path, then bounce: a photon's id is its place here */
     uint64_t emitted;         /* paths */
     double cut_flux;          /* luminance W, of paths that ended at 64 bounces */
-    double emitted_flux;      /* luminance W, of all lights; parallel light counts what enters the scene's box */
+    /* luminance W, of all lights; parallel light counts what enters the scene's box */
+    double emitted_flux;
 } sl_photon_list;
 
 enum { SL_PHOTON_CHUNK = 4096 };
 
-/* Paths in chunks of SL_PHOTON_CHUNK, each a pure function of (seed, path); the same list at any number of threads and however it is cut
- * into calls. `*list` (NULL at first) grows until it holds options->stored; each call traces at most `chunks` chunks more, *done tells
- * whether all is there. Fluxes are divided by the emitted paths when all is there, not before: dividing anew with every call would
- * round differently. In every chunk a light gets its share of paths, rounded up or down so that over the chunks nothing is
- * lost, however weak the light. Without light, or where nothing could be stored, the list is empty and done at once. */
-sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const sl_photon_options *options, size_t chunks,
-                           sl_photon_list **list, bool *done, sl_counters *counters, sl_error *error);
+/* Paths in chunks of SL_PHOTON_CHUNK, each a pure function of (seed, path); the same list at any number of
+ * threads and however it is cut into calls. `*list` (NULL at first) grows until it holds options->stored;
+ * each call traces at most `chunks` chunks more, *done tells whether all is there. Fluxes are divided by the
+ * emitted paths when all is there, not before: dividing anew with every call would round differently. In
+ * every chunk a light gets its share of paths, rounded up or down so that over the chunks nothing is lost,
+ * however weak the light. Without light, or where nothing could be stored, the list is empty and done at
+ * once. */
+sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const sl_photon_options *options,
+                           size_t chunks, sl_photon_list **list, bool *done, sl_counters *counters,
+                           sl_error *error);
 void sl_photon_list_destroy(sl_photon_list *list);
 
 #endif

@@ -55,7 +55,8 @@ sl_status sl_sampled_create(const sl_sampled_film *kind, const sl_scene *scene, 
 
 sl_status sl_sampled_update(void *state, sl_progress *progress, sl_error *error) {
     sampled_state *s = state;
-    if (!s->film) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    if (!s->film)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     if (s->samples < s->samples_wanted) {
         sl_status status = s->kind->sample(s->film, s->samples, &s->counters, error);
         if (status != SL_OK) return status;
@@ -71,14 +72,16 @@ sl_status sl_sampled_resolve(void *state, sl_image **image, sl_error *error) {
     static const char *const names[] = {"R",        "G",        "B",       "even.R", "even.G",
                                         "even.B",   "odd.R",    "odd.G",   "odd.B"};
     sampled_state *s = state;
-    if (!s->film) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    if (!s->film)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = sl_image_create(s->settings.width, s->settings.height, 9, names, image, error);
     if (status != SL_OK) return status;
     size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
     float *p = (*image)->planes;
-    for (int half = -1; half < 2; half++, p += 3 * pixels) s->kind->mean(s->film, half, p, p + pixels, p + 2 * pixels);
-    sl_observe(s->settings.observer, s->kind->name, "mean of the samples", "reference", s->settings.width, s->settings.height, 3,
-               (*image)->planes, false, &s->counters, NULL, 0);
+    for (int half = -1; half < 2; half++, p += 3 * pixels)
+        s->kind->mean(s->film, half, p, p + pixels, p + 2 * pixels);
+    sl_observe(s->settings.observer, s->kind->name, "mean of the samples", "reference", s->settings.width,
+               s->settings.height, 3, (*image)->planes, false, &s->counters, NULL, 0);
     return SL_OK;
 }
 
@@ -95,7 +98,9 @@ sl_status sl_sampled_edit(void *state, unsigned changes, sl_error *error) {
     return start_film(s, error);
 }
 
-const sl_counters *sl_sampled_counters(const void *state) { return &((const sampled_state *)state)->counters; }
+const sl_counters *sl_sampled_counters(const void *state) {
+    return &((const sampled_state *)state)->counters;
+}
 
 size_t sl_sampled_memory_bytes(const void *state) {
     const sampled_state *s = state;

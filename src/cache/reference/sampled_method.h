@@ -1,4 +1,5 @@
-/* A reference tracer as a method: one update is one more sample for every pixel. What its film can do, the tracer tells by functions. */
+/* A reference tracer as a method: one update is one more sample for every pixel. What its film can do, the
+ * tracer tells by functions. */
 #ifndef SL_CACHE_REFERENCE_SAMPLED_METHOD_H
 #define SL_CACHE_REFERENCE_SAMPLED_METHOD_H
 
@@ -9,8 +10,8 @@ typedef struct sl_sampled_film {
     const char *name;      /* of the method */
     const char *what;      /* for errors: "the path tracer" */
     uint32_t samples[3];   /* by quality */
-    sl_status (*create)(const sl_scene *scene, const sl_tracer *tracer, const sl_settings *settings, const sl_transport *transport,
-                        void **film, sl_error *error);
+    sl_status (*create)(const sl_scene *scene, const sl_tracer *tracer, const sl_settings *settings,
+                        const sl_transport *transport, void **film, sl_error *error);
     void (*destroy)(void *film); /* NULL is allowed */
     sl_status (*sample)(void *film, uint64_t sample, sl_counters *counters, sl_error *error);
     void (*mean)(const void *film, int half, float *r, float *g, float *b);
@@ -28,7 +29,8 @@ sl_status sl_sampled_edit(void *state, unsigned changes, sl_error *error);
 const sl_counters *sl_sampled_counters(const void *state);
 size_t sl_sampled_memory_bytes(const void *state);
 /* memory.c. The film's need, with what its kind has for each thread and once. */
-sl_memory_need sl_sampled_need(const sl_scene *scene, const sl_settings *settings, double bytes_a_thread, double bytes_more);
+sl_memory_need sl_sampled_need(const sl_scene *scene, const sl_settings *settings, double bytes_a_thread,
+                               double bytes_more);
 void sl_sampled_transport(const sl_settings *settings, sl_transport *transport);
 
 #endif

@@ -27,7 +27,8 @@ void sl_reflections_destroy(sl_reflections *r) {
     sl_free(r);
 }
 
-static sl_status list_pixels(const sl_scene *scene, const sl_gbuffer *g, sl_reflections **reflections, sl_error *error) {
+static sl_status list_pixels(const sl_scene *scene, const sl_gbuffer *g, sl_reflections **reflections,
+                             sl_error *error) {
     size_t pixels = (size_t)g->width * (size_t)g->height, count = 0;
     for (size_t i = 0; i < pixels; i++) count += shows_mirror(scene, g, i);
     if (!count) return SL_OK;
@@ -73,17 +74,24 @@ typedef struct {
     uint32_t skip;
 } reflected;
 
-static sl_vec3 mirrored(sl_vec3 direction, sl_vec3 normal) { return sl_mad(direction, -2.0f * sl_dot(direction, normal), normal); }
+static sl_vec3 mirrored(sl_vec3 direction, sl_vec3 normal) {
+    return sl_mad(direction, -2.0f * sl_dot(direction, normal), normal);
+}
 
-static sl_vec3 plane_vector(const float *x, const float *y, const float *z, size_t i) { return sl_v3(x[i], y[i], z[i]); }
+static sl_vec3 plane_vector(const float *x, const float *y, const float *z, size_t i) {
+    return sl_v3(x[i], y[i], z[i]);
+}
 
 static reflected first_ray(const reflecting *c, size_t slot) {
     const sl_gbuffer *g = c->gbuffer;
     size_t i = c->reflections->pixel[slot];
-    sl_vec3 p = plane_vector(g->position_x, g->position_y, g->position_z, i), n = plane_vector(g->normal_x, g->normal_y, g->normal_z, i);
+    sl_vec3 p = plane_vector(g->position_x, g->position_y, g->position_z, i),
+            n = plane_vector(g->normal_x, g->normal_y, g->normal_z, i);
     sl_vec3 geometric = plane_vector(g->geometric_x, g->geometric_y, g->geometric_z, i);
-    sl_vec3 incoming = sl_normalize_or(sl_sub(p, c->scene->camera.eye), sl_neg(geometric)), out = mirrored(incoming, n);
-    if (sl_dot(out, geometric) <= 0.0f) out = mirrored(incoming, geometric); /* a bent normal must not send it through the mirror */
+    sl_vec3 incoming = sl_normalize_or(sl_sub(p, c->scene->camera.eye), sl_neg(geometric)),
+            out = mirrored(incoming, n);
+    /* a bent normal must not send it through the mirror */
+    if (sl_dot(out, geometric) <= 0.0f) out = mirrored(incoming, geometric);
     c->reflections->throughput[slot] = c->scene->materials[g->material[i]].mirror;
     return (reflected){slot, p, out, g->id[i]};
 }
@@ -96,7 +104,8 @@ void sl_gbuffer_show(const sl_scene *scene, sl_gbuffer *g, size_t i, uint32_t tr
     g->material[i] = scene->material_index[triangle];
     g->position_x[i] = s->position.x, g->position_y[i] = s->position.y, g->position_z[i] = s->position.z;
     g->normal_x[i] = s->normal.x, g->normal_y[i] = s->normal.y, g->normal_z[i] = s->normal.z;
-    g->geometric_x[i] = s->geometric_normal.x, g->geometric_y[i] = s->geometric_normal.y, g->geometric_z[i] = s->geometric_normal.z;
+    g->geometric_x[i] = s->geometric_normal.x, g->geometric_y[i] = s->geometric_normal.y,
+    g->geometric_z[i] = s->geometric_normal.z;
     g->diffuse_r[i] = s->diffuse.r, g->diffuse_g[i] = s->diffuse.g, g->diffuse_b[i] = s->diffuse.b;
 }
 
@@ -114,7 +123,8 @@ static void show_surface(const reflecting *c, const reflected *ray, uint32_t tri
 static bool goes_on(const reflecting *c, reflected *ray, uint32_t triangle, float w1, float w2) {
     sl_rgb *throughput = &c->reflections->throughput[ray->slot];
     if (triangle == SL_NO_INDEX) {
-        c->reflections->background[ray->slot] = sl_rgb_mul(*throughput, sl_environment_radiance(&c->scene->environment, ray->direction));
+        c->reflections->background[ray->slot] =
+            sl_rgb_mul(*throughput, sl_environment_radiance(&c->scene->environment, ray->direction));
         show_nothing(c, ray);
         return false;
     }
@@ -146,7 +156,8 @@ static unsigned advance(const reflecting *c, reflected *rays, unsigned count, sl
     return left;
 }
 
-static void reflect_packet(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+static void reflect_packet(void *context, size_t index, unsigned worker, void *result,
+                           sl_counters *counters) {
     (void)worker, (void)result;
     const reflecting *c = context;
     reflected rays[SL_PACKET];
@@ -158,7 +169,8 @@ static void reflect_packet(void *context, size_t index, unsigned worker, void *r
 }
 
 /* Lists the pixels and places their viewers; *reflections stays NULL without mirrors in sight. */
-static sl_status start_reflections(const sl_scene *scene, sl_gbuffer *gbuffer, sl_reflections **reflections, sl_error *error) {
+static sl_status start_reflections(const sl_scene *scene, sl_gbuffer *gbuffer, sl_reflections **reflections,
+                                   sl_error *error) {
     *reflections = NULL;
     sl_free(gbuffer->seen_from); /* of another view */
     gbuffer->seen_from = NULL;
@@ -171,8 +183,9 @@ static sl_status start_reflections(const sl_scene *scene, sl_gbuffer *gbuffer, s
     return status;
 }
 
-sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads, sl_gbuffer *gbuffer,
-                            sl_reflections **reflections, sl_counters *counters, sl_error *error) {
+sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
+                            sl_gbuffer *gbuffer, sl_reflections **reflections, sl_counters *counters,
+                            sl_error *error) {
     sl_status status = start_reflections(scene, gbuffer, reflections, error);
     if (status != SL_OK || !*reflections) return status;
     size_t packets = ((*reflections)->count + SL_PACKET - 1) / SL_PACKET;
@@ -196,7 +209,8 @@ static void fill_face(void *context, size_t face, unsigned worker) {
     sl_frame frame = sl_cube_face_frame((int)face);
     for (int y = 0; y < CUBE; y++) {
         for (int x = 0; x < CUBE; x++) {
-            sl_vec3 s = sl_v3(2.0f * ((float)x + 0.5f) / CUBE - 1.0f, 2.0f * ((float)y + 0.5f) / CUBE - 1.0f, 1.0f);
+            sl_vec3 s =
+                sl_v3(2.0f * ((float)x + 0.5f) / CUBE - 1.0f, 2.0f * ((float)y + 0.5f) / CUBE - 1.0f, 1.0f);
             sl_vec3 direction = sl_frame_to_world(&frame, s);
             sl_rgb radiance = sl_environment_radiance(job->environment, sl_normalize_or(direction, frame.z));
             float *texel = sl_cube_map_texel(job->cube, 0, (int)face, x, y);
@@ -205,7 +219,8 @@ static void fill_face(void *context, size_t face, unsigned worker) {
     }
 }
 
-sl_status sl_environment_cube(const sl_environment *environment, unsigned threads, sl_cube_map **cube, sl_error *error) {
+sl_status sl_environment_cube(const sl_environment *environment, unsigned threads, sl_cube_map **cube,
+                              sl_error *error) {
     sl_status status = sl_cube_map_create(CUBE, false, cube, error);
     if (status != SL_OK) return status;
     cube_job job = {environment, *cube};
@@ -234,12 +249,14 @@ static void look_up_pixels(void *context, size_t index, unsigned worker) {
 }
 
 /* cube NULL: no environment. */
-sl_status sl_reflect_environment(const sl_scene *scene, const sl_cube_map *cube, unsigned threads, sl_gbuffer *gbuffer,
-                                 sl_reflections **reflections, sl_counters *counters, sl_error *error) {
+sl_status sl_reflect_environment(const sl_scene *scene, const sl_cube_map *cube, unsigned threads,
+                                 sl_gbuffer *gbuffer, sl_reflections **reflections, sl_counters *counters,
+                                 sl_error *error) {
     sl_status status = start_reflections(scene, gbuffer, reflections, error);
     if (status != SL_OK || !*reflections) return status;
     environment_job job = {{.scene = scene, .gbuffer = gbuffer, .reflections = *reflections}, cube};
-    sl_parallel_for(sl_thread_count(threads), ((*reflections)->count + PIXELS_A_TASK - 1) / PIXELS_A_TASK, look_up_pixels, &job);
+    sl_parallel_for(sl_thread_count(threads), ((*reflections)->count + PIXELS_A_TASK - 1) / PIXELS_A_TASK,
+                    look_up_pixels, &job);
     sl_count(counters, SL_COUNT_TEXTURE_FETCHES, cube ? (*reflections)->count : 0);
     return SL_OK;
 }

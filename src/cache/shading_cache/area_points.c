@@ -1,4 +1,5 @@
-/* Points spread over area lights by Halton's sequence (bases 2 and 3), its digits shifted by fixed numbers. */
+/* Points spread over area lights by Halton's sequence (bases 2 and 3), its digits shifted by fixed numbers.
+ */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
@@ -12,7 +13,8 @@ sl_halton sl_halton_make(uint64_t key) {
         h.shift_3[k] = (uint8_t)(sl_random_bits(key_3, (uint64_t)k) % 3);
         place[k] = size /= 3.0;
     }
-    for (int k = SL_HALTON_DIGITS - 1; k >= 0; k--) h.rest_3[k] = h.rest_3[k + 1] + place[k] * (double)h.shift_3[k];
+    for (int k = SL_HALTON_DIGITS - 1; k >= 0; k--)
+        h.rest_3[k] = h.rest_3[k + 1] + place[k] * (double)h.shift_3[k];
     return h;
 }
 
@@ -35,7 +37,8 @@ static sl_vec3d normal_of(const sl_sampled_light *light, size_t t) {
     return length > 0.0 ? sl_scaled(cross, 1.0 / length) : sl_v3d(0.0, 0.0, 0.0);
 }
 
-sl_status sl_area_light_make(const sl_scene *scene, const sl_sampled_light *light, uint64_t key, sl_area_light *area, sl_error *error) {
+sl_status sl_area_light_make(const sl_scene *scene, const sl_sampled_light *light, uint64_t key,
+                             sl_area_light *area, sl_error *error) {
     *area = (sl_area_light){.light = light, .halton = sl_halton_make(key)};
     sl_status status = sl_light_surface_make(light, &area->surface, error);
     if (status != SL_OK) return status;
@@ -43,7 +46,8 @@ sl_status sl_area_light_make(const sl_scene *scene, const sl_sampled_light *ligh
     if (!area->normal) return sl_fail_memory(error, "an area light");
     for (size_t t = 0; t < light->triangles; t++) {
         area->normal[t] = normal_of(light, t);
-        if (sl_scene_has_alpha(scene, light->triangle[t])) area->surface.parallelogram = false; /* masks are looked up by triangle */
+        /* masks are looked up by triangle */
+        if (sl_scene_has_alpha(scene, light->triangle[t])) area->surface.parallelogram = false;
     }
     return SL_OK;
 }
@@ -60,12 +64,14 @@ sl_area_point sl_area_light_point(const sl_scene *scene, const sl_area_light *ar
     size_t t;
     sl_halton_point(&area->halton, index, u);
     if (surface->parallelogram) {
-        sl_vec3d p = sl_addd(surface->corner, sl_addd(sl_scaled(surface->e1, u[0]), sl_scaled(surface->e2, u[1])));
+        sl_vec3d p =
+            sl_addd(surface->corner, sl_addd(sl_scaled(surface->e1, u[0]), sl_scaled(surface->e2, u[1])));
         t = u[0] + u[1] < 1.0 ? 0u : 1u;
         return (sl_area_point){p, area->normal[t], area->light->triangle[t], true};
     }
     sl_vec3d p = sl_light_surface_point(area->light, surface, u, &t, w);
     uint32_t triangle = area->light->triangle[t];
-    bool shines = !sl_scene_has_alpha(scene, triangle) || sl_scene_is_opaque(scene, triangle, (float)w[0], (float)w[1]);
+    bool shines =
+        !sl_scene_has_alpha(scene, triangle) || sl_scene_is_opaque(scene, triangle, (float)w[0], (float)w[1]);
     return (sl_area_point){p, area->normal[t], triangle, shines};
 }

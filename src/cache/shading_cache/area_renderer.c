@@ -1,17 +1,19 @@
-/* Direct light. An area light's irradiance without occluders is known in closed form (Lambert's formula, light_sample/closed_forms.c); N points spread
- * over the light tell what share of it is seen:
+/* Direct light. An area light's irradiance without occluders is known in closed form (Lambert's formula,
+ * light_sample/closed_forms.c); N points spread over the light tell what share of it is seen:
  *
  *     E = E_closed  sum w_i V_i / sum w_i,   w = (n . w)+ (-m . w)+ / r^2,
  *
- * so that noise is left where there are shadows alone. Or by the points alone, as the paper has it: E = L A / N sum w_i V_i. Lights without extent
- * take a shadow ray. Every vertex uses the same points: vertices under the same light have the same error, and an unchanged scene unchanged bits.
+ * so that noise is left where there are shadows alone. Or by the points alone, as the paper has it: E = L A /
+ * N sum w_i V_i. Lights without extent take a shadow ray. Every vertex uses the same points: vertices under
+ * the same light have the same error, and an unchanged scene unchanged bits.
  *
- * The glossy lobe reflects what the same points send, and what directions drawn from the lobe itself meet of lamps, put together by the balance heuristic
- * (Veach and Guibas 1995): a narrow lobe would fall between the points.
+ * The glossy lobe reflects what the same points send, and what directions drawn from the lobe itself meet of
+ * lamps, put together by the balance heuristic (Veach and Guibas 1995): a narrow lobe would fall between the
+ * points.
  *
- * Who counts what: lamps and lights as seen from the point are counted here and nowhere else, by its diffuse part and by its glossy lobe. Mirrors
- * reflect lamps as well as all else by bidirectional_renderer.c. So does the environment shine, which is counted here only where no renderer of
- * indirect light is wanted. */
+ * Who counts what: lamps and lights as seen from the point are counted here and nowhere else, by its diffuse
+ * part and by its glossy lobe. Mirrors reflect lamps as well as all else by bidirectional_renderer.c. So does
+ * the environment shine, which is counted here only where no renderer of indirect light is wanted. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -20,7 +22,8 @@
 #include "cache/shading_cache/renderer_parts.h"
 #include "cache/patches/solids.h"
 
-/* What lies within this share of the way to the light, at the light, is the light, or too near it to be told from it. */
+/* What lies within this share of the way to the light, at the light, is the light, or too near it to be told
+ * from it. */
 static const double light_margin = 1e-4;
 
 typedef struct area_renderer {
@@ -32,7 +35,7 @@ typedef struct area_renderer {
     sl_solids *solids;
 } area_renderer;
 
-/* ---- at a point ----------------------------------------------------------------------------------------------------------- */
+/* ---- at a point ------------------------------------------------------------------------------ */
 
 typedef struct lit {
     const area_renderer *renderer;
@@ -58,7 +61,8 @@ typedef struct packet {
     unsigned count;
 } packet;
 
-static void put_ray(const lit *at, packet *p, sl_vec3 direction, double far, uint32_t skip, double weight, double lobe) {
+static void put_ray(const lit *at, packet *p, sl_vec3 direction, double far, uint32_t skip, double weight,
+                    double lobe) {
     unsigned i = p->count++;
     sl_ray16_set(&p->rays, i, at->origin, direction, 0.0f, (float)far, skip);
     p->weight[i] = weight;
@@ -67,7 +71,8 @@ static void put_ray(const lit *at, packet *p, sl_vec3 direction, double far, uin
 
 static void trace(const lit *at, packet *p, sums *s) {
     if (p->count == 0) return;
-    uint32_t hidden = sl_trace_occluded(*at->renderer->settings.tracer, &p->rays, p->count, true, at->counters);
+    uint32_t hidden =
+        sl_trace_occluded(*at->renderer->settings.tracer, &p->rays, p->count, true, at->counters);
     for (unsigned i = 0; i < p->count; i++) {
         if (hidden >> i & 1) continue;
         s->seen += p->weight[i];
@@ -77,7 +82,9 @@ static void trace(const lit *at, packet *p, sums *s) {
     p->count = 0;
 }
 
-static uint32_t lobe_draws(const area_renderer *r) { return (uint32_t)(r->settings.cache.area_samples + 1) / 2; }
+static uint32_t lobe_draws(const area_renderer *r) {
+    return (uint32_t)(r->settings.cache.area_samples + 1) / 2;
+}
 
 /* f of the lobe for ks = 1. */
 static double lobe_value(const lit *at, sl_vec3 to_light) {
@@ -85,17 +92,22 @@ static double lobe_value(const lit *at, sl_vec3 to_light) {
 }
 
 static void add(sl_rgb *to, sl_rgb colour, double scale) {
-    *to = sl_rgb_add(*to, (sl_rgb){(float)((double)colour.r * scale), (float)((double)colour.g * scale), (float)((double)colour.b * scale)});
+    *to = sl_rgb_add(*to, (sl_rgb){(float)((double)colour.r * scale), (float)((double)colour.g * scale),
+                                   (float)((double)colour.b * scale)});
 }
 
-static sl_rgb lobe_colour(const lit *at, sl_rgb light) { return at->has_lobe ? sl_rgb_mul(light, at->request->material->specular) : sl_grey(0.0f); }
+static sl_rgb lobe_colour(const lit *at, sl_rgb light) {
+    return at->has_lobe ? sl_rgb_mul(light, at->request->material->specular) : sl_grey(0.0f);
+}
 
-/* ---- area lights ---------------------------------------------------------------------------------------------------------- */
+/* ---- area lights ----------------------------------------------------------------------------- */
 
 /* The balance heuristic's density of a direction: of all points of the light and all draws from the lobe. */
-static double density_of(const lit *at, const sl_area_light *area, double squared, double cosine, sl_vec3 to_light) {
+static double density_of(const lit *at, const sl_area_light *area, double squared, double cosine,
+                         sl_vec3 to_light) {
     double points = (double)at->renderer->settings.cache.area_samples;
-    return points * squared / (area->surface.area * cosine) + (double)lobe_draws(at->renderer) * (double)sl_bsdf_pdf(&at->lobe, to_light);
+    return points * squared / (area->surface.area * cosine) +
+           (double)lobe_draws(at->renderer) * (double)sl_bsdf_pdf(&at->lobe, to_light);
 }
 
 /* One point of the light: its weight, and its ray where it has any. */
@@ -153,8 +165,9 @@ static void add_points(const lit *at, const sl_area_light *area, uint32_t first,
     trace(at, &p, s);
 }
 
-/* The first set goes on until its points are dense, where there is an edge of a shadow, or where the closed form does not smooth what is lit all over. Lobes
- * have their part from the points before, with which their densities reckon. Returns how many points there are. */
+/* The first set goes on until its points are dense, where there is an edge of a shadow, or where the closed
+ * form does not smooth what is lit all over. Lobes have their part from the points before, with which their
+ * densities reckon. Returns how many points there are. */
 static uint32_t add_dense_points(const lit *at, const sl_area_light *area, uint32_t points, sums *s) {
     bool edge = (s->seen > 0.0 && s->seen < s->all) || at->renderer->settings.cache.area == SL_AREA_SAMPLED;
     if (!at->request->dense || at->request->set > 0 || points >= SL_DENSE_POINTS || !edge) return points;
@@ -176,7 +189,9 @@ static void add_area_light(const lit *at, const sl_area_light *area, sl_sample *
     uint32_t points = (uint32_t)settings->area_samples, first = at->request->set * points + 1;
     add_points(at, area, first, first + points, &s);
     double n = (double)add_dense_points(at, area, points, &s);
-    double scale = area->surface.area / n, variance = mean_variance(&s, n) * area->surface.area * area->surface.area; /* of E / L */
+    /* of E / L */
+    double scale = area->surface.area / n,
+           variance = mean_variance(&s, n) * area->surface.area * area->surface.area;
     if (settings->area == SL_AREA_RATIO) {
         if (!(s.all > 0.0)) add_middle(at, area, &s);
         if (!(s.all > 0.0)) return;
@@ -189,19 +204,23 @@ static void add_area_light(const lit *at, const sl_area_light *area, sl_sample *
     sample->variance += (float)(variance * mean * mean);
 }
 
-/* ---- lamps that the lobe meets -------------------------------------------------------------------------------------------- */
+/* ---- lamps that the lobe meets --------------------------------------------------------------- */
 
-static void add_met_lamp(const lit *at, sl_vec3 direction, const sl_hit16 *hits, unsigned i, sl_sample *sample) {
+static void add_met_lamp(const lit *at, sl_vec3 direction, const sl_hit16 *hits, unsigned i,
+                         sl_sample *sample) {
     const area_renderer *r = at->renderer;
-    uint32_t triangle = hits->triangle[i], light = triangle != SL_NO_INDEX ? r->lights->light_of_triangle[triangle] : SL_NO_INDEX;
+    uint32_t triangle = hits->triangle[i],
+             light = triangle != SL_NO_INDEX ? r->lights->light_of_triangle[triangle] : SL_NO_INDEX;
     if (light == SL_NO_INDEX) return;
     const sl_area_light *area = &r->area[light];
-    double cosine = -(double)sl_dot(sl_scene_geometric_normal(r->settings.scene, triangle), direction), distance = (double)hits->t[i];
+    double cosine = -(double)sl_dot(sl_scene_geometric_normal(r->settings.scene, triangle), direction),
+           distance = (double)hits->t[i];
     if (area->light->two_sided) cosine = fabs(cosine);
     double arriving = (double)sl_dot(direction, at->point.normal);
     if (!(cosine > 0.0 && arriving > 0.0 && distance > 0.0)) return;
     double density = density_of(at, area, distance * distance, cosine, direction);
-    add(&sample->radiance, lobe_colour(at, area->light->radiance), lobe_value(at, direction) * arriving / density);
+    add(&sample->radiance, lobe_colour(at, area->light->radiance),
+        lobe_value(at, direction) * arriving / density);
 }
 
 static void add_lobe(const lit *at, sl_sample *sample) {
@@ -216,14 +235,15 @@ static void add_lobe(const lit *at, sl_sample *sample) {
             sl_halton_point(&r->lobe_points, first + i, u);
             float u1 = fminf((float)u[0], 0x1.fffffep-1f), u2 = fminf((float)u[1], 0x1.fffffep-1f);
             sl_vec3 *d = &direction[p.count];
-            if (sl_bsdf_sample(&at->lobe, 0.0f, u1, u2, d)) put_ray(at, &p, *d, INFINITY, at->point.triangle, 0.0, 0.0);
+            if (sl_bsdf_sample(&at->lobe, 0.0f, u1, u2, d))
+                put_ray(at, &p, *d, INFINITY, at->point.triangle, 0.0, 0.0);
         }
         if (p.count > 0) sl_trace(*r->settings.tracer, &p.rays, p.count, true, &hits, at->counters);
         for (unsigned k = 0; k < p.count; k++) add_met_lamp(at, direction[k], &hits, k, sample);
     }
 }
 
-/* ---- lights without extent ------------------------------------------------------------------------------------------------ */
+/* ---- lights without extent ------------------------------------------------------------------- */
 
 static void add_lights_without_extent(const lit *at, sl_sample *sample) {
     const sl_scene *scene = at->renderer->settings.scene;
@@ -235,15 +255,19 @@ static void add_lights_without_extent(const lit *at, sl_sample *sample) {
             float distance;
             unsigned i = p.count;
             sl_count(at->counters, SL_COUNT_LIGHT_SAMPLES, 1);
-            bool shines = sl_light_illuminate(&scene->lights[l], at->point.position, &to_light[i], &distance, &arriving[i]);
+            bool shines = sl_light_illuminate(&scene->lights[l], at->point.position, &to_light[i], &distance,
+                                              &arriving[i]);
             float cosine = shines ? sl_dot(at->point.normal, to_light[i]) : 0.0f;
             if (!(cosine > 0.0f && sl_dot(at->point.geometric_normal, to_light[i]) > 0.0f)) {
                 sl_count(at->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
                 continue;
             }
-            put_ray(at, &p, to_light[i], (double)distance * (1.0 - light_margin), at->point.triangle, (double)cosine, lobe_value(at, to_light[i]));
+            put_ray(at, &p, to_light[i], (double)distance * (1.0 - light_margin), at->point.triangle,
+                    (double)cosine, lobe_value(at, to_light[i]));
         }
-        uint32_t hidden = p.count ? sl_trace_occluded(*at->renderer->settings.tracer, &p.rays, p.count, true, at->counters) : 0;
+        uint32_t hidden =
+            p.count ? sl_trace_occluded(*at->renderer->settings.tracer, &p.rays, p.count, true, at->counters)
+                    : 0;
         for (unsigned i = 0; i < p.count; i++) {
             if (hidden >> i & 1) continue;
             add(&sample->irradiance, arriving[i], p.weight[i]);
@@ -252,13 +276,15 @@ static void add_lights_without_extent(const lit *at, sl_sample *sample) {
     }
 }
 
-/* ---- the renderer --------------------------------------------------------------------------------------------------------- */
+/* ---- the renderer ---------------------------------------------------------------------------- */
 
-static void render_point(const void *state, const sl_sample_request *request, unsigned worker, sl_sample *sample, sl_counters *counters) {
+static void render_point(const void *state, const sl_sample_request *request, unsigned worker,
+                         sl_sample *sample, sl_counters *counters) {
     (void)worker;
     const area_renderer *r = state;
     const sl_root_point *p = &request->point;
-    sample->valid = !sl_solids_hold(r->solids, *r->settings.tracer, p->position, p->geometric_normal, p->triangle, &request->eye, counters);
+    sample->valid = !sl_solids_hold(r->solids, *r->settings.tracer, p->position, p->geometric_normal,
+                                    p->triangle, &request->eye, counters);
     if (!sample->valid) return;
     lit at = {.renderer = r,
               .request = request,
@@ -276,12 +302,13 @@ static void render_point(const void *state, const sl_sample_request *request, un
     if (at.has_lobe && r->settings.scene->emitter_count > 0) add_lobe(&at, sample);
     add_lights_without_extent(&at, sample);
     if (r->settings.cache.indirect == SL_INDIRECT_NONE) {
-        sl_sky_light(r->settings.scene, *r->settings.tracer, r->settings.seed, (uint32_t)r->settings.cache.area_samples, request, sample, counters);
+        sl_sky_light(r->settings.scene, *r->settings.tracer, r->settings.seed,
+                     (uint32_t)r->settings.cache.area_samples, request, sample, counters);
     }
 }
 
-static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples,
-                   sl_counters *counters) {
+static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
+                   sl_sample *samples, sl_counters *counters) {
     sl_render_each(render_point, state, count, requests, threads, samples, counters);
 }
 
@@ -303,7 +330,9 @@ static sl_status make_lights(area_renderer *r, sl_error *error) {
     r->area_count = r->lights->count;
     for (size_t l = 0; l < r->area_count && status == SL_OK; l++) {
         const sl_sampled_light *light = &r->lights->light[l];
-        if (sl_light_has_extent(light)) status = sl_area_light_make(r->settings.scene, light, sl_random_key(r->settings.seed, l), &r->area[l], error);
+        if (sl_light_has_extent(light))
+            status = sl_area_light_make(r->settings.scene, light, sl_random_key(r->settings.seed, l),
+                                        &r->area[l], error);
     }
     return status;
 }
@@ -329,8 +358,10 @@ static void destroy(void *state) {
     sl_free(r);
 }
 
-sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error) {
-    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = edit, .eye_matters = eye_matters, .destroy = destroy};
+sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
+                           sl_error *error) {
+    *renderer = (sl_sample_renderer){
+        .name = "area", .render = render, .edit = edit, .eye_matters = eye_matters, .destroy = destroy};
     area_renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;

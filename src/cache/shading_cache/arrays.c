@@ -1,4 +1,5 @@
-/* The display arrays: two copies of the patches' trees and of their vertices' values, brought up to date by what has changed. */
+/* The display arrays: two copies of the patches' trees and of their vertices' values, brought up to date by
+ * what has changed. */
 #include <string.h>
 
 #include "base/error.h"
@@ -16,7 +17,7 @@ bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_b
     return true;
 }
 
-/* ---- life --------------------------------------------------------------------------------------------------------------------- */
+/* ---- life ------------------------------------------------------------------------------------ */
 
 static void release_copy(sl_display_copy *copy) {
     sl_free(copy->root);
@@ -45,7 +46,8 @@ void sl_display_destroy(sl_display *d) {
 
 static bool allocate_arrays(sl_display *d) {
     size_t roots = 2 * d->primitives->count;
-    bool curved = d->primitives->curved > 0, ok = (d->root = sl_allocate_unset(roots, sizeof *d->root)) != NULL;
+    bool curved = d->primitives->curved > 0,
+         ok = (d->root = sl_allocate_unset(roots, sizeof *d->root)) != NULL;
     for (int k = 0; ok && k < 2; k++) {
         d->copy[k].root = sl_allocate_unset(roots, sizeof *d->copy[k].root);
         ok = d->copy[k].root != NULL;
@@ -58,8 +60,8 @@ static bool allocate_arrays(sl_display *d) {
     return ok;
 }
 
-sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitives, const sl_display_settings *settings, sl_display **display,
-                            sl_error *error) {
+sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitives,
+                            const sl_display_settings *settings, sl_display **display, sl_error *error) {
     *display = NULL;
     sl_display *d = sl_allocate(1, sizeof *d);
     if (!d) return sl_fail_memory(error, "the display");
@@ -71,7 +73,8 @@ sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitiv
     d->primitives = primitives;
     d->settings = *settings;
     d->copy[0].guess = d->copy[1].guess = settings->guess;
-    for (size_t m = 0; m < scene->material_count; m++) d->textured |= scene->materials[m].texture != SL_NO_INDEX;
+    for (size_t m = 0; m < scene->material_count; m++)
+        d->textured |= scene->materials[m].texture != SL_NO_INDEX;
     sl_status status = allocate_arrays(d) ? SL_OK : sl_fail_memory(error, "the display");
     if (status == SL_OK && primitives->curved) status = sl_curved_edges_find(primitives, &d->curved, error);
     if (status == SL_OK) status = sl_window_open(d, scene, settings->threads, &d->own, error);
@@ -84,21 +87,24 @@ size_t sl_display_memory_bytes(const sl_display *d) {
     size_t bytes = d->root_count * sizeof *d->root + d->seen_words * sizeof *d->seen_pending;
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
-        bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk + c->vertex_capacity * sizeof *c->value;
+        bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk +
+                 c->vertex_capacity * sizeof *c->value;
         bytes += c->group_capacity * sizeof *c->lobe_group + c->lobe_capacity * sizeof *c->lobe;
         bytes += c->fans.capacity * sizeof *c->fans.word + d->dirty_capacity[k] * sizeof *d->dirty[k];
     }
-    for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) bytes += d->pending[l].capacity * sizeof *d->pending[l].entry;
+    for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++)
+        bytes += d->pending[l].capacity * sizeof *d->pending[l].entry;
     return bytes;
 }
 
-/* ---- trees -------------------------------------------------------------------------------------------------------------------- */
+/* ---- trees ----------------------------------------------------------------------------------- */
 
 static bool reserve_lobes(sl_display_copy *copy, const sl_patches *p) {
     size_t groups = p->vertex_count / SL_VERTEX_GROUP;
     bool ok = sl_display_grow(&copy->lobe_group, &copy->group_capacity, groups, sizeof *copy->lobe_group) &&
               sl_display_grow(&copy->lobe, &copy->lobe_capacity, p->lobe_count, sizeof *copy->lobe);
-    for (; ok && copy->group_count < groups; copy->group_count++) copy->lobe_group[copy->group_count] = p->lobe_group[copy->group_count];
+    for (; ok && copy->group_count < groups; copy->group_count++)
+        copy->lobe_group[copy->group_count] = p->lobe_group[copy->group_count];
     return ok;
 }
 
@@ -109,7 +115,8 @@ static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
               sl_display_grow(&copy->chunk, &copy->chunk_capacity, p->block_chunks, sizeof *copy->chunk);
     if (!ok || (p->lobes && !reserve_lobes(copy, p))) return false;
     for (size_t i = copy->patch_count; i < p->patch_count; i++) copy->word[i] = SL_DISPLAY_LEAF;
-    for (; copy->chunk_count < p->block_chunks; copy->chunk_count++) copy->chunk[copy->chunk_count] = p->block_chunk[copy->chunk_count];
+    for (; copy->chunk_count < p->block_chunks; copy->chunk_count++)
+        copy->chunk[copy->chunk_count] = p->block_chunk[copy->chunk_count];
     copy->patch_count = p->patch_count;
     copy->vertex_count = p->vertex_count;
     return true;
@@ -134,17 +141,19 @@ static void update_roots(sl_display *d, sl_display_copy *copy, const sl_patches 
         root->patch = p->root_patch[p->wanted_root[d->root_count]];
         memcpy(root->vertex, p->root_corner[d->root_count], sizeof root->vertex);
     }
-    for (; copy->root_count < p->wanted_count; copy->root_count++) copy->root[p->wanted_root[copy->root_count]] = (uint32_t)copy->root_count;
+    for (; copy->root_count < p->wanted_count; copy->root_count++)
+        copy->root[p->wanted_root[copy->root_count]] = (uint32_t)copy->root_count;
 }
 
-/* ---- what has changed --------------------------------------------------------------------------------------------------------- */
+/* ---- what has changed ------------------------------------------------------------------------ */
 
 /* The patches with any of some flags, in order; none: all of them. */
 static bool list_patches(sl_display *d, int which, const sl_patches *p, uint8_t flags) {
     d->dirty_count[which] = 0;
     size_t count = 0;
     for (size_t i = 0; i < p->patch_count; i++) count += !flags || (p->flags[i] & flags) != 0;
-    if (!sl_display_grow(&d->dirty[which], &d->dirty_capacity[which], count, sizeof *d->dirty[which])) return false;
+    if (!sl_display_grow(&d->dirty[which], &d->dirty_capacity[which], count, sizeof *d->dirty[which]))
+        return false;
     for (size_t i = 0; i < p->patch_count; i++) {
         if (!flags || (p->flags[i] & flags)) d->dirty[which][d->dirty_count[which]++] = (uint32_t)i;
     }
@@ -157,19 +166,23 @@ static void begin_anew(sl_display_copy *copy) {
     copy->complete = false;
 }
 
-/* List 0: changed in this update; 1: in the one before, as this copy has not seen that. A copy that is not complete takes all. */
+/* List 0: changed in this update; 1: in the one before, as this copy has not seen that. A copy that is not
+ * complete takes all. */
 static sl_status update_copy(sl_display *d, sl_display_copy *copy, const sl_patches *p, sl_error *error) {
     bool all = !copy->complete;
     if (all) begin_anew(copy);
     copy->guess = d->settings.guess;
-    if (!list_patches(d, 0, p, all ? 0 : SL_PATCH_DIRTY) || !reserve_copy(copy, p)) return sl_fail_memory(error, "the display");
+    if (!list_patches(d, 0, p, all ? 0 : SL_PATCH_DIRTY) || !reserve_copy(copy, p))
+        return sl_fail_memory(error, "the display");
     if (all) d->dirty_count[1] = 0;
     update_roots(d, copy, p);
     sl_status status = SL_OK;
     for (int which = 1; which >= 0; which--) {
-        for (size_t i = 0; status == SL_OK && i < d->dirty_count[which]; i++) status = update_patch(copy, p, d->dirty[which][i], error);
+        for (size_t i = 0; status == SL_OK && i < d->dirty_count[which]; i++)
+            status = update_patch(copy, p, d->dirty[which][i], error);
     }
-    if (status == SL_OK) status = sl_display_values(d, copy, p, (const uint32_t *const *)d->dirty, d->dirty_count, error);
+    if (status == SL_OK)
+        status = sl_display_values(d, copy, p, (const uint32_t *const *)d->dirty, d->dirty_count, error);
     return status;
 }
 
@@ -206,7 +219,8 @@ sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, 
 }
 
 static bool much_the_same(sl_rgb a, sl_rgb b) {
-    return sl_is_much_the_same((double)a.r, (double)b.r) && sl_is_much_the_same((double)a.g, (double)b.g) && sl_is_much_the_same((double)a.b, (double)b.b);
+    return sl_is_much_the_same((double)a.r, (double)b.r) && sl_is_much_the_same((double)a.g, (double)b.g) &&
+           sl_is_much_the_same((double)a.b, (double)b.b);
 }
 
 /* Whatever shows the old one is made anew. */

@@ -1,14 +1,15 @@
-/* Indirect light by bidirectional path tracing (trace/bidirectional): light of all paths with something between light and point.
+/* Indirect light by bidirectional path tracing (trace/bidirectional): light of all paths with something
+ * between light and point.
  *
  * Who counts what, beside area_renderer.c:
  *   the environment seen from the point     here, among the paths that leave the scene
  *   lamps that a mirror at the point shows  here: a mirror reflects all there is
- *   caustics at diffuse points, L S+ D      here, or, where settings ask for a caustic renderer, there alone. S: mirrors, and surfaces without
- *                                           diffuse part whose lobe is at least as narrow as SL_POLISHED. What a mirror shows of a caustic, or
- *                                           light that goes on from one, or the lobe's part of it, is here in any case
+ *   caustics at diffuse points, L S+ D      here, or, where settings ask for a caustic renderer, there alone.
+ * S: mirrors, and surfaces without diffuse part whose lobe is at least as narrow as SL_POLISHED. What a
+ * mirror shows of a caustic, or light that goes on from one, or the lobe's part of it, is here in any case
  *
- * Set k of samples takes the next N pairs of subpaths of one sequence. Light subpaths serve all points and are walked once a set, when the first request
- * asks for it. */
+ * Set k of samples takes the next N pairs of subpaths of one sequence. Light subpaths serve all points and
+ * are walked once a set, when the first request asks for it. */
 #include <math.h>
 
 #include "base/counters.h"
@@ -40,7 +41,8 @@ static sl_status make_set(const renderer *r, uint32_t set, sl_error *error) {
                                                       .seed = r->settings.seed,
                                                       .without_caustics = cache->caustics,
                                                       .polished = SL_POLISHED};
-    return sl_bidirectional_points_create(r->settings.scene, *r->settings.tracer, &settings, &r->sets->points[set], error);
+    return sl_bidirectional_points_create(r->settings.scene, *r->settings.tracer, &settings,
+                                          &r->sets->points[set], error);
 }
 
 static void forget_sets(renderer *r) {
@@ -50,7 +52,7 @@ static void forget_sets(renderer *r) {
     }
 }
 
-/* ---- at a point ----------------------------------------------------------------------------------------------------------- */
+/* ---- at a point ------------------------------------------------------------------------------ */
 
 static sl_rgb colour_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
 
@@ -60,15 +62,18 @@ static float mean_variance(const double v[3]) {
     return (float)(deviation * deviation);
 }
 
-static void render_point(const void *state, const sl_sample_request *q, unsigned worker, sl_sample *sample, sl_counters *counters) {
+static void render_point(const void *state, const sl_sample_request *q, unsigned worker, sl_sample *sample,
+                         sl_counters *counters) {
     const renderer *r = state;
     const sl_bidirectional_points *points = r->sets->points[q->set % SETS_MAX];
-    bool irradiance = sl_request_wants_irradiance(q), lobe = sl_request_wants_lobe(q), mirror = sl_request_wants_mirror(q);
+    bool irradiance = sl_request_wants_irradiance(q), lobe = sl_request_wants_lobe(q),
+         mirror = sl_request_wants_mirror(q);
     if (!points) { /* no memory for it */
         *sample = (sl_sample){.broken = true};
         return;
     }
-    const sl_bidirectional_request request = {q->point.position, q->point.geometric_normal, q->point.normal, q->point.triangle, q->material};
+    const sl_bidirectional_request request = {q->point.position, q->point.geometric_normal, q->point.normal,
+                                              q->point.triangle, q->material};
     sl_bidirectional_value value;
     if (irradiance) {
         sl_bidirectional_irradiance(points, &request, r->scratch[worker], &value, counters);
@@ -82,17 +87,19 @@ static void render_point(const void *state, const sl_sample_request *q, unsigned
         sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     }
     if (irradiance || lobe) {
-        sl_sky_light(r->settings.scene, *r->settings.tracer, r->settings.seed, (uint32_t)r->settings.cache.indirect_samples, q, sample, counters);
+        sl_sky_light(r->settings.scene, *r->settings.tracer, r->settings.seed,
+                     (uint32_t)r->settings.cache.indirect_samples, q, sample, counters);
     }
 }
 
-/* ---- the renderer --------------------------------------------------------------------------------------------------------- */
+/* ---- the renderer ---------------------------------------------------------------------------- */
 
-static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples,
-                   sl_counters *counters) {
+static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
+                   sl_sample *samples, sl_counters *counters) {
     const renderer *r = state;
     for (size_t i = 0; i < count; i++) make_set(r, requests[i].set % SETS_MAX, NULL);
-    sl_render_each(render_point, state, count, requests, threads < r->workers ? threads : r->workers, samples, counters);
+    sl_render_each(render_point, state, count, requests, threads < r->workers ? threads : r->workers, samples,
+                   counters);
 }
 
 /* The first set is made at once, so that what fails fails here. */
@@ -119,11 +126,13 @@ static sl_status make(renderer *r, sl_error *error) {
     r->scratch = sl_allocate(r->workers, sizeof *r->scratch);
     if (!r->sets || !r->scratch) return sl_fail_memory(error, "a sample renderer");
     sl_status status = SL_OK;
-    for (unsigned w = 0; w < r->workers && status == SL_OK; w++) status = sl_bidirectional_scratch_create(&r->scratch[w], error);
+    for (unsigned w = 0; w < r->workers && status == SL_OK; w++)
+        status = sl_bidirectional_scratch_create(&r->scratch[w], error);
     return status == SL_OK ? make_set(r, 0, error) : status;
 }
 
-sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sample_renderer *out, sl_error *error) {
+sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sample_renderer *out,
+                                    sl_error *error) {
     *out = (sl_sample_renderer){.name = "bidirectional", .render = render, .edit = edit, .destroy = destroy};
     renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");

@@ -1,7 +1,8 @@
-/* Where specular surfaces are few, most photons would miss them. A first, even emission tells for each light from which cells of the directions' numbers photons end
- * in caustics; later ones start there, all with the same density, and a few anywhere (Jensen 1996, projection maps). They weigh 1 over the density:
- * were it in proportion to the count, photons beside each other would weigh differently, and that would be seen as noise. Cells are stretched one
- * number after another, so well-spread numbers stay well spread. */
+/* Where specular surfaces are few, most photons would miss them. A first, even emission tells for each light
+ * from which cells of the directions' numbers photons end in caustics; later ones start there, all with the
+ * same density, and a few anywhere (Jensen 1996, projection maps). They weigh 1 over the density: were it in
+ * proportion to the count, photons beside each other would weigh differently, and that would be seen as
+ * noise. Cells are stretched one number after another, so well-spread numbers stay well spread. */
 #include <math.h>
 
 #include "cache/shading_cache/caustic_map.h"
@@ -14,10 +15,12 @@ static uint32_t cell_of(float u, uint32_t count) {
 }
 
 uint32_t sl_aim_cell(uint32_t light, const float whither[3]) {
-    return (light % SL_AIM_LIGHTS * SL_AIM_CELLS + cell_of(whither[0], SL_AIM_CELLS)) * SL_AIM_CELLS + cell_of(whither[1], SL_AIM_CELLS);
+    return (light % SL_AIM_LIGHTS * SL_AIM_CELLS + cell_of(whither[0], SL_AIM_CELLS)) * SL_AIM_CELLS +
+           cell_of(whither[1], SL_AIM_CELLS);
 }
 
-/* The cell or a neighbour has hits: what the count has missed is likely to be there. The second number goes around. */
+/* The cell or a neighbour has hits: what the count has missed is likely to be there. The second number goes
+ * around. */
 static double is_wanted(const double *hits, int row, int column) {
     for (int r = row > 0 ? row - 1 : 0; r <= row + 1 && r < SL_AIM_CELLS; r++) {
         for (int k = -1; k <= 1; k++) {
@@ -60,7 +63,8 @@ static void aim_light(const double *hits, uint32_t light, sl_caustic_aim *aim) {
 }
 
 void sl_caustic_aim_make(const double hits[SL_AIM_ALL], sl_caustic_aim *aim) {
-    for (uint32_t light = 0; light < SL_AIM_LIGHTS; light++) aim_light(hits + light * SL_AIM_PLANE, light, aim);
+    for (uint32_t light = 0; light < SL_AIM_LIGHTS; light++)
+        aim_light(hits + light * SL_AIM_PLANE, light, aim);
 }
 
 /* The cell into which u falls, u stretched to where that cell lies among even ones. */

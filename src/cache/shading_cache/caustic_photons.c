@@ -5,7 +5,8 @@
 #include "cache/shading_cache/caustic_map.h"
 #include "trace/bidirectional/subpath.h"
 
-/* The first rounds tell which way photons are to be sent, or that there will be none; then they are emitted round by round until there are enough. */
+/* The first rounds tell which way photons are to be sent, or that there will be none; then they are emitted
+ * round by round until there are enough. */
 enum { TASK = 4096, ROUND = 16, ROUNDS_FIRST = 4, ROUNDS_MAX = 32, ENOUGH = 120000 };
 
 bool sl_material_is_specular(const sl_material *m) {
@@ -84,8 +85,11 @@ static void emit_task(void *context, size_t task, unsigned worker) {
             const sl_path_vertex *v = end_of_caustic(&e->maker, paths[i]);
             if (!v || !sl_rgb_is_finite(v->weight)) continue;
             out->cell[out->count] = starts.cell[i];
-            out->photon[out->count++] = (sl_caustic_photon){
-                .position = v->origin, .to_light = v->back, .normal = v->geometric_normal, .flux = v->weight, .id = index[i]};
+            out->photon[out->count++] = (sl_caustic_photon){.position = v->origin,
+                                                            .to_light = v->back,
+                                                            .normal = v->geometric_normal,
+                                                            .flux = v->weight,
+                                                            .id = index[i]};
         }
     }
 }
@@ -135,7 +139,8 @@ static bool count_hits(const emission *e, double *hits) {
     return any;
 }
 
-static sl_status emit(emission *e, unsigned threads, double *hits, sl_caustic_aim *aim, sl_caustic_map *map, sl_error *error) {
+static sl_status emit(emission *e, unsigned threads, double *hits, sl_caustic_aim *aim, sl_caustic_map *map,
+                      sl_error *error) {
     sl_status status = SL_OK;
     bool any = false;
     for (uint32_t round = 0; round < ROUNDS_FIRST && status == SL_OK; round++) {
@@ -147,14 +152,16 @@ static sl_status emit(emission *e, unsigned threads, double *hits, sl_caustic_ai
     sl_caustic_aim_make(hits, aim);
     e->aim = aim;
     size_t capacity = 0;
-    for (uint32_t round = ROUNDS_FIRST; round < ROUNDS_MAX && map->count < ENOUGH && status == SL_OK; round++) {
+    for (uint32_t round = ROUNDS_FIRST; round < ROUNDS_MAX && map->count < ENOUGH && status == SL_OK;
+         round++) {
         status = emit_round(e, threads, round, error);
         if (status == SL_OK) status = keep_round(e, map, &capacity, error);
         forget_round(e);
     }
     /* Weights are over the scene's radius squared. */
     double scale = e->maker.radius * e->maker.radius / (double)map->emitted;
-    for (size_t i = 0; i < map->count; i++) map->photon[i].flux = sl_rgb_scale(map->photon[i].flux, (float)scale);
+    for (size_t i = 0; i < map->count; i++)
+        map->photon[i].flux = sl_rgb_scale(map->photon[i].flux, (float)scale);
     return status;
 }
 

@@ -1,5 +1,5 @@
-/* A balanced kd-tree (Bentley 1975): a range's photon in the middle splits it along the longest side of its box; those before it are lower, by
- * (coordinate, id). */
+/* A balanced kd-tree (Bentley 1975): a range's photon in the middle splits it along the longest side of its
+ * box; those before it are lower, by (coordinate, id). */
 #include <math.h>
 
 #include "cache/shading_cache/caustic_map.h"
@@ -11,7 +11,7 @@ static bool lower(const sl_caustic_photon *a, const sl_caustic_photon *b, int ax
     return x < y || (x == y && a->id < b->id);
 }
 
-/* ---- building ------------------------------------------------------------------------------------------------------------- */
+/* ---- building -------------------------------------------------------------------------------- */
 
 static int longest_axis(const sl_caustic_photon *p, size_t count) {
     sl_vec3 low = p[0].position, high = low;
@@ -59,7 +59,7 @@ void sl_caustic_tree_build(sl_caustic_photon *p, size_t count) {
     }
 }
 
-/* ---- searching ------------------------------------------------------------------------------------------------------------ */
+/* ---- searching ------------------------------------------------------------------------------- */
 
 static const double flatness = 4.0;     /* how many times as far what is off the tangent plane counts */
 static const float least_cosine = 0.7f; /* between normals */
@@ -75,7 +75,8 @@ typedef struct search {
 
 /* Farther, and on a tie emitted later. */
 static bool farther(const search *s, sl_near_photon a, sl_near_photon b) {
-    return a.squared > b.squared || (a.squared == b.squared && s->map->photon[a.place].id > s->map->photon[b.place].id);
+    return a.squared > b.squared ||
+           (a.squared == b.squared && s->map->photon[a.place].id > s->map->photon[b.place].id);
 }
 
 static void sink(search *s, size_t i) {
@@ -128,9 +129,15 @@ static void search_range(search *s, size_t first, size_t count) {
     }
 }
 
-size_t sl_caustic_nearest(const sl_caustic_map *map, sl_vec3 position, sl_vec3 normal, double radius, sl_near_photon near[SL_CAUSTIC_NEIGHBOURS]) {
-    search s = {.map = map, .centre = sl_to_double(position), .n = sl_to_double(normal), .position = position, .normal = normal,
-                .squared = radius * radius, .near = near};
+size_t sl_caustic_nearest(const sl_caustic_map *map, sl_vec3 position, sl_vec3 normal, double radius,
+                          sl_near_photon near[SL_CAUSTIC_NEIGHBOURS]) {
+    search s = {.map = map,
+                .centre = sl_to_double(position),
+                .n = sl_to_double(normal),
+                .position = position,
+                .normal = normal,
+                .squared = radius * radius,
+                .near = near};
     search_range(&s, 0, map->count);
     if (s.count < SL_CAUSTIC_NEIGHBOURS) {
         for (size_t i = s.count / 2; i-- > 0;) sink(&s, i);

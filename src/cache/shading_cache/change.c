@@ -142,7 +142,8 @@ void sl_fade_begin(sl_fades *f, sl_patches *p, uint32_t vertex, const float from
 
 /* False: the vertex is gone, or has got another value. */
 static bool still_fades(const sl_patches *p, const sl_fade *fade) {
-    return fade->vertex < p->vertex_count && p->vertex[fade->vertex].references && p->vertex[fade->vertex].evaluated == fade->evaluated;
+    return fade->vertex < p->vertex_count && p->vertex[fade->vertex].references &&
+           p->vertex[fade->vertex].evaluated == fade->evaluated;
 }
 
 static void arrive(sl_patches *p, const sl_fade *fade) {

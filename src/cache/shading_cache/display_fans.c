@@ -1,5 +1,5 @@
-/* Leaves beside finer ones are drawn as fans around their centre, through the vertices that hang on their edges: so both sides of
- * an edge show the same colours. */
+/* Leaves beside finer ones are drawn as fans around their centre, through the vertices that hang on their
+ * edges: so both sides of an edge show the same colours. */
 #include <string.h>
 
 #include "base/error.h"
@@ -20,7 +20,9 @@ static int size_of(size_t words) {
 }
 
 /* Offsets are counted in the smallest fans. */
-static uint32_t *room_at(const sl_fans *fans, uint32_t offset) { return fans->word + (size_t)SL_FAN_SMALLEST * offset; }
+static uint32_t *room_at(const sl_fans *fans, uint32_t offset) {
+    return fans->word + (size_t)SL_FAN_SMALLEST * offset;
+}
 
 static bool take_room(sl_fans *fans, int size, uint32_t *offset) {
     *offset = fans->free[size];
@@ -29,7 +31,8 @@ static bool take_room(sl_fans *fans, int size, uint32_t *offset) {
         return true;
     }
     size_t words = (size_t)SL_FAN_SMALLEST << size;
-    bool ok = (fans->used + words) / SL_FAN_SMALLEST < SL_FAN_BIT && sl_display_grow(&fans->word, &fans->capacity, fans->used + words, sizeof *fans->word);
+    bool ok = (fans->used + words) / SL_FAN_SMALLEST < SL_FAN_BIT &&
+              sl_display_grow(&fans->word, &fans->capacity, fans->used + words, sizeof *fans->word);
     *offset = (uint32_t)(fans->used / SL_FAN_SMALLEST);
     if (ok) fans->used += words;
     return ok;
@@ -45,7 +48,8 @@ void sl_fan_release(sl_fans *fans, uint32_t word) {
 /* Most leaves have one or two; at most SL_PATCH_DYADIC - 1 hang on an edge. */
 enum { FEW = 64 };
 
-static bool write_fan(sl_fans *fans, size_t count, const uint32_t *vertex, const uint16_t *spoke, uint32_t *word) {
+static bool write_fan(sl_fans *fans, size_t count, const uint32_t *vertex, const uint16_t *spoke,
+                      uint32_t *word) {
     uint32_t offset;
     if (!take_room(fans, size_of(words_of(count)), &offset)) return false;
     uint32_t *fan = room_at(fans, offset), *numbers = fan + count / 2 + 1;
@@ -60,8 +64,8 @@ static bool write_fan(sl_fans *fans, size_t count, const uint32_t *vertex, const
 }
 
 /* With room for so many in all. *enough is false where some found none. */
-static bool try_fan(sl_fans *fans, const sl_patches *p, const sl_patch_place *leaf, uint32_t *vertex, uint16_t *spoke, size_t room, uint32_t *word,
-                    bool *enough) {
+static bool try_fan(sl_fans *fans, const sl_patches *p, const sl_patch_place *leaf, uint32_t *vertex,
+                    uint16_t *spoke, size_t room, uint32_t *word, bool *enough) {
     size_t all = 0;
     for (int edge = 0; edge < leaf->corners; edge++) {
         size_t count = sl_patch_hanging_at(p, leaf, edge, vertex + all, spoke + all, room - all);
@@ -74,7 +78,8 @@ static bool try_fan(sl_fans *fans, const sl_patches *p, const sl_patch_place *le
     return all == 0 || write_fan(fans, all, vertex, spoke, word);
 }
 
-sl_status sl_fan_of_leaf(sl_fans *fans, const sl_patches *p, const sl_patch_place *leaf, uint32_t *word, sl_error *error) {
+sl_status sl_fan_of_leaf(sl_fans *fans, const sl_patches *p, const sl_patch_place *leaf, uint32_t *word,
+                         sl_error *error) {
     uint32_t vertex[FEW];
     uint16_t spoke[FEW];
     bool enough, ok = try_fan(fans, p, leaf, vertex, spoke, FEW, word, &enough);

@@ -19,8 +19,9 @@ typedef struct sl_display_root {
     uint32_t vertex[4];
 } sl_display_root;
 
-/* Fans in one array of words, room being given out in powers of two: first 16 bits with the number of vertices that hang on the leaf's edges, and 16 for each
- * with its edge (2 bits) and how far along it (14 bits), around the leaf; then their numbers, from the next whole word on. */
+/* Fans in one array of words, room being given out in powers of two: first 16 bits with the number of
+ * vertices that hang on the leaf's edges, and 16 for each with its edge (2 bits) and how far along it (14
+ * bits), around the leaf; then their numbers, from the next whole word on. */
 enum { SL_FAN_SMALLEST = 2, SL_FAN_SIZES = 17 };
 typedef struct sl_fans {
     uint32_t *word;
@@ -32,7 +33,9 @@ typedef struct sl_fan_spoke {
     int32_t edge, along;       /* the latter in 1/SL_PATCH_DYADIC of the edge */
 } sl_fan_spoke;
 
-static inline const uint32_t *sl_fan_at(const sl_fans *fans, uint32_t word) { return fans->word + (size_t)SL_FAN_SMALLEST * (word & (SL_FAN_BIT - 1)); }
+static inline const uint32_t *sl_fan_at(const sl_fans *fans, uint32_t word) {
+    return fans->word + (size_t)SL_FAN_SMALLEST * (word & (SL_FAN_BIT - 1));
+}
 static inline uint32_t sl_fan_count(const uint32_t *fan) { return fan[0] & 0xffff; }
 static inline const uint32_t *sl_fan_vertices(const uint32_t *fan) { return fan + sl_fan_count(fan) / 2 + 1; }
 static inline sl_fan_spoke sl_fan_spoke_at(const uint32_t *fan, uint32_t k) {
@@ -55,7 +58,8 @@ typedef struct sl_tessellation {
     size_t vertex_count, triangle_count;
     sl_curved_rates *rates;    /* by surface */
     sl_vec3 *point;            /* 16 control points of each, as they were */
-    sl_scene *masked;          /* these triangles with materials and texture coordinates, for alpha masks; NULL: there are none */
+    /* these triangles with materials and texture coordinates, for alpha masks; NULL: there are none */
+    sl_scene *masked;
     sl_camera camera;          /* that it was made for */
 } sl_tessellation;
 
@@ -67,7 +71,9 @@ typedef struct sl_display_copy {
     size_t root_count;
     uint32_t *word;            /* by patch, numbered as in sl_patches */
     size_t patch_count, patch_capacity;
-    const sl_patch_block **chunk; /* those of sl_patches, for the vertices that splits have made: as they stay while anything here names them, both copies share them */
+    /* those of sl_patches, for the vertices that splits have made: as they stay while anything here names
+     * them, both copies share them */
+    const sl_patch_block **chunk;
     size_t chunk_count, chunk_capacity;
     sl_packed_colour *value;   /* by vertex: E */
     size_t vertex_count, vertex_capacity;
@@ -111,7 +117,8 @@ struct sl_display {
     const sl_scene *scene;
     const sl_primitives *primitives;
     sl_display_settings settings;
-    sl_window own;             /* of the thread that builds: id maps, and frames where no other thread draws them */
+    /* of the thread that builds: id maps, and frames where no other thread draws them */
+    sl_window own;
     uint8_t *left_out;         /* by scene triangle: those of curved surfaces; NULL: there are none */
     bool textured;
     sl_curved_edges *curved;   /* NULL: nothing is curved */
@@ -120,40 +127,48 @@ struct sl_display {
     int shown;
     int drawn_from[2];         /* by copy: frames under way */
     uint64_t builds;
-    sl_display_root *root;     /* wanted ones, in the order in which they were; both copies look here: what is there stays */
+    /* wanted ones, in the order in which they were; both copies look here: what is there stays */
+    sl_display_root *root;
     size_t root_count;
     uint32_t *dirty[2];        /* patches changed in this update, and in the one before */
     size_t dirty_count[2], dirty_capacity[2];
-    sl_pending pending[SL_PATCH_DEPTH_MAX + 1]; /* by level of the vertex; [0] is empty: corners of roots lie between nothing */
+    /* by level of the vertex; [0] is empty: corners of roots lie between nothing */
+    sl_pending pending[SL_PATCH_DEPTH_MAX + 1];
     uint32_t *seen_pending;    /* one bit a vertex */
     size_t seen_words;
 };
 
-/* The vertices that the split which made four children has added. Their other corners are their parent's, which who looks for a leaf knows already. */
+/* The vertices that the split which made four children has added. Their other corners are their parent's,
+ * which who looks for a leaf knows already. */
 static inline const uint32_t *sl_display_middles(const sl_display_copy *copy, uint32_t block) {
     return copy->chunk[block / SL_BLOCKS_A_CHUNK][block % SL_BLOCKS_A_CHUNK].middle;
 }
 
 /* L_s of a vertex that has a lobe. */
 static inline sl_packed_colour *sl_display_lobe(const sl_display_copy *copy, uint32_t vertex) {
-    return copy->lobe + (size_t)SL_VERTEX_GROUP * copy->lobe_group[vertex / SL_VERTEX_GROUP] + vertex % SL_VERTEX_GROUP;
+    return copy->lobe + (size_t)SL_VERTEX_GROUP * copy->lobe_group[vertex / SL_VERTEX_GROUP] +
+           vertex % SL_VERTEX_GROUP;
 }
 
-/* arrays.c: grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in sl_regrow(). */
+/* arrays.c: grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in
+ * sl_regrow(). */
 bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes);
 
 /* display_fans.c. The word of a leaf: SL_DISPLAY_LEAF, or that of its fan. */
 void sl_fans_begin(sl_fans *fans);
-sl_status sl_fan_of_leaf(sl_fans *fans, const sl_patches *patches, const sl_patch_place *leaf, uint32_t *word, sl_error *error);
+sl_status sl_fan_of_leaf(sl_fans *fans, const sl_patches *patches, const sl_patch_place *leaf, uint32_t *word,
+                         sl_error *error);
 void sl_fan_release(sl_fans *fans, uint32_t word);
 
 /* vertex_values.c. Values of the corners of the alive patches of a list, then of what has no samples yet. */
-sl_status sl_display_values(sl_display *display, sl_display_copy *copy, const sl_patches *patches, const uint32_t *const list[2],
-                            const size_t count[2], sl_error *error);
+sl_status sl_display_values(sl_display *display, sl_display_copy *copy, const sl_patches *patches,
+                            const uint32_t *const list[2], const size_t count[2], sl_error *error);
 void sl_display_values_release(sl_display *display);
 
 /* window.c. */
-sl_status sl_window_open(const sl_display *display, const sl_scene *scene, unsigned threads, sl_window *window, sl_error *error); /* to be closed also where this fails */
+/* to be closed also where this fails */
+sl_status sl_window_open(const sl_display *display, const sl_scene *scene, unsigned threads,
+                         sl_window *window, sl_error *error);
 void sl_window_close(sl_window *window);
 /* The shown copy, which stays as it is until it is given back. Neither waits. */
 const sl_display_copy *sl_display_take(sl_display *display);

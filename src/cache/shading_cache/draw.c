@@ -1,4 +1,5 @@
-/* Frames: visibility by the raster hardware, then for each pixel its root and (u, v), its leaf there, and L_e + k_d E / pi + L_s (section on display). */
+/* Frames: visibility by the raster hardware, then for each pixel its root and (u, v), its leaf there, and L_e
+ * + k_d E / pi + L_s (section on display). */
 #include <string.h>
 
 #include "base/counters.h"
@@ -9,10 +10,12 @@
 #include "cache/shading_cache/explanation.h"
 #include "scene/surface_rules.h"
 
-/* ---- visibility --------------------------------------------------------------------------------------------------------------- */
+/* ---- visibility ------------------------------------------------------------------------------ */
 
-/* The scene without its curved surfaces, and those as they are tessellated for the view; each pixel keeps the nearer one. */
-static sl_status draw_ids(const sl_display *d, const sl_window *w, const sl_view *view, unsigned threads, sl_counters *counters, sl_error *error) {
+/* The scene without its curved surfaces, and those as they are tessellated for the view; each pixel keeps the
+ * nearer one. */
+static sl_status draw_ids(const sl_display *d, const sl_window *w, const sl_view *view, unsigned threads,
+                          sl_counters *counters, sl_error *error) {
     const sl_frame_planes *frame = &w->frame;
     sl_view planar = *view;
     planar.left_out = d->left_out;
@@ -23,14 +26,15 @@ static sl_status draw_ids(const sl_display *d, const sl_window *w, const sl_view
     status = sl_raster_id(w->tessellation.raster, view, threads, &target, counters, error);
     if (status != SL_OK) return status;
     for (size_t i = 0, pixels = (size_t)view->width * (size_t)view->height; i < pixels; i++) {
-        bool curved = frame->curved_id[i] != SL_NO_INDEX && !(frame->id[i] != SL_NO_INDEX && frame->depth[i] >= frame->curved_depth[i]);
+        bool curved = frame->curved_id[i] != SL_NO_INDEX &&
+                      !(frame->id[i] != SL_NO_INDEX && frame->depth[i] >= frame->curved_depth[i]);
         if (curved) frame->id[i] = SL_NO_INDEX;
         else frame->curved_id[i] = SL_NO_INDEX;
     }
     return SL_OK;
 }
 
-/* ---- pixels of one triangle --------------------------------------------------------------------------------------------------- */
+/* ---- pixels of one triangle ------------------------------------------------------------------ */
 
 typedef struct frame_job {
     const sl_display *display;
@@ -54,10 +58,11 @@ typedef struct triangle_run {
     sl_leaf_field field;
 } triangle_run;
 
-/* The Gouraud pass interpolates a place (u, v) in the root. Of a triangle that is drawn as it stands: plain, or half of a quadrilateral, whose
- * corners go round from wherever the triangle begins. */
+/* The Gouraud pass interpolates a place (u, v) in the root. Of a triangle that is drawn as it stands: plain,
+ * or half of a quadrilateral, whose corners go round from wherever the triangle begins. */
 static void scene_places(const void *context, uint32_t t, float *value) {
-    static const float round[3][3][2] = {{{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+    static const float round[3][3][2] = {
+        {{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
     const sl_primitives *p = ((const frame_job *)context)->display->primitives;
     uint32_t primitive = p->of_triangle[t];
     bool plain = p->kind[primitive] == SL_PRIMITIVE_TRIANGLE;
@@ -123,23 +128,27 @@ static bool find_leaf(const frame_job *job, triangle_run *run, const float place
 
 static float as_parameter(int32_t place) { return (float)place * (1.0f / (float)SL_PLACE_ONE); }
 
-/* ---- pixels of a frame -------------------------------------------------------------------------------------------------------- */
+/* ---- pixels of a frame ----------------------------------------------------------------------- */
 
 static sl_rgb background(const frame_job *job, size_t pixel) {
     const sl_environment *environment = &job->window->scene->environment;
     if (!environment->present) return sl_grey(0.0f);
     size_t width = (size_t)job->view.width;
-    return sl_environment_radiance(environment, sl_view_direction(&job->view, (double)(pixel % width) + 0.5, (double)(pixel / width) + 0.5));
+    return sl_environment_radiance(environment, sl_view_direction(&job->view, (double)(pixel % width) + 0.5,
+                                                                  (double)(pixel / width) + 0.5));
 }
 
-/* Tessellated surfaces are not the scene's triangles: the texture is looked up where the same (u, v) lies on those. */
+/* Tessellated surfaces are not the scene's triangles: the texture is looked up where the same (u, v) lies on
+ * those. */
 static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, int32_t u, int32_t v) {
     float w1, w2;
-    uint32_t triangle = sl_root_triangle_at(job->display->primitives, run->root, (double)as_parameter(u), (double)as_parameter(v), &w1, &w2);
+    uint32_t triangle = sl_root_triangle_at(job->display->primitives, run->root, (double)as_parameter(u),
+                                            (double)as_parameter(v), &w1, &w2);
     return sl_scene_diffuse(job->window->scene, triangle, w1, w2);
 }
 
-static sl_rgb diffuse_of(const frame_job *job, const triangle_run *run, int32_t u, int32_t v, const sl_rgb *textured) {
+static sl_rgb diffuse_of(const frame_job *job, const triangle_run *run, int32_t u, int32_t v,
+                         const sl_rgb *textured) {
     return !run->texture ? run->diffuse : run->curved ? curved_diffuse(job, run, u, v) : *textured;
 }
 
@@ -157,7 +166,8 @@ static sl_rgb shade(const frame_job *job, triangle_run *run, const float place[2
     }
     sl_rgb kd = diffuse_of(job, run, u, v, textured);
     const float over_pi = (float)(1.0 / SL_PI);
-    return (sl_rgb){run->emission.r + kd.r * e[0] * over_pi + e[3], run->emission.g + kd.g * e[1] * over_pi + e[4],
+    return (sl_rgb){run->emission.r + kd.r * e[0] * over_pi + e[3],
+                    run->emission.g + kd.g * e[1] * over_pi + e[4],
                     run->emission.b + kd.b * e[2] * over_pi + e[5]};
 }
 
@@ -171,7 +181,8 @@ static bool is_background(const frame_job *job, size_t pixel) {
     return !job->display->curved || job->window->frame.curved_id[pixel] == SL_NO_INDEX;
 }
 
-/* What the Gouraud pass does with the pixels of one of the two rasterizers; the background is the first one's. */
+/* What the Gouraud pass does with the pixels of one of the two rasterizers; the background is the first
+ * one's. */
 static void shade_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool curved) {
     triangle_run run = {.root = SL_NO_INDEX};
     for (size_t i = 0; i < p->count; i++) {
@@ -188,10 +199,15 @@ static void shade_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool 
     }
 }
 
-static void shade_planar(void *context, const sl_gouraud_pixels *pixels) { shade_pixels(context, pixels, false); }
-static void shade_curved(void *context, const sl_gouraud_pixels *pixels) { shade_pixels(context, pixels, true); }
+static void shade_planar(void *context, const sl_gouraud_pixels *pixels) {
+    shade_pixels(context, pixels, false);
+}
+static void shade_curved(void *context, const sl_gouraud_pixels *pixels) {
+    shade_pixels(context, pixels, true);
+}
 
-static void name_pixel(const sl_display_ids *ids, size_t pixel, uint32_t patch, uint32_t root, int32_t u, int32_t v) {
+static void name_pixel(const sl_display_ids *ids, size_t pixel, uint32_t patch, uint32_t root, int32_t u,
+                       int32_t v) {
     if (ids->patch) ids->patch[pixel] = patch;
     if (ids->root) ids->root[pixel] = root;
     if (ids->u) ids->u[pixel] = as_parameter(u);
@@ -202,41 +218,52 @@ static void name_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool c
     triangle_run run = {.root = SL_NO_INDEX};
     for (size_t i = 0; i < p->count; i++) {
         if (p->id[i] == SL_NO_INDEX) {
-            if (!curved && is_background(job, p->first + i)) name_pixel(job->ids, p->first + i, SL_NO_INDEX, SL_NO_INDEX, 0, 0);
+            if (!curved && is_background(job, p->first + i))
+                name_pixel(job->ids, p->first + i, SL_NO_INDEX, SL_NO_INDEX, 0, 0);
             continue;
         }
         int32_t u, v;
         if (i == 0 || p->id[i] != p->id[i - 1]) begin_run(job, p->id[i], curved, &run);
         find_leaf(job, &run, (const float[2]){p->value[0][i], p->value[1][i]}, &u, &v);
-        name_pixel(job->ids, p->first + i, run.wanted ? sl_leaf_patch(&run.leaf) : SL_NO_INDEX, run.root, u, v);
+        name_pixel(job->ids, p->first + i, run.wanted ? sl_leaf_patch(&run.leaf) : SL_NO_INDEX, run.root, u,
+                   v);
     }
 }
 
-static void name_planar(void *context, const sl_gouraud_pixels *pixels) { name_pixels(context, pixels, false); }
-static void name_curved(void *context, const sl_gouraud_pixels *pixels) { name_pixels(context, pixels, true); }
+static void name_planar(void *context, const sl_gouraud_pixels *pixels) {
+    name_pixels(context, pixels, false);
+}
+static void name_curved(void *context, const sl_gouraud_pixels *pixels) {
+    name_pixels(context, pixels, true);
+}
 
-/* ---- frames ------------------------------------------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
-static sl_status begin_frame(sl_display *d, const sl_window *window, const sl_display_copy *copy, unsigned threads, frame_job *job, sl_counters *counters,
-                             sl_error *error) {
-    *job = (frame_job){.display = d, .copy = copy, .window = window, .view = sl_view_scene(window->scene, d->settings.width, d->settings.height),
+static sl_status begin_frame(sl_display *d, const sl_window *window, const sl_display_copy *copy,
+                             unsigned threads, frame_job *job, sl_counters *counters, sl_error *error) {
+    *job = (frame_job){.display = d,
+                       .copy = copy,
+                       .window = window,
+                       .view = sl_view_scene(window->scene, d->settings.width, d->settings.height),
                        .pixels = (size_t)d->settings.width * (size_t)d->settings.height};
     return draw_ids(d, window, &job->view, threads, counters, error);
 }
 
 typedef void pixel_program(void *context, const sl_gouraud_pixels *pixels);
 
-static void draw_gouraud(frame_job *job, unsigned threads, bool textured, pixel_program *planar, pixel_program *curved, sl_counters *counters) {
+static void draw_gouraud(frame_job *job, unsigned threads, bool textured, pixel_program *planar,
+                         pixel_program *curved, sl_counters *counters) {
     const sl_window *w = job->window;
-    sl_gouraud_pass pass = {.channels = 2, .corners = scene_places, .textured = textured, .shade = planar, .context = job};
+    sl_gouraud_pass pass = {
+        .channels = 2, .corners = scene_places, .textured = textured, .shade = planar, .context = job};
     sl_raster_gouraud(w->raster, &job->view, threads, w->frame.id, &pass, counters);
     if (!job->display->curved) return;
     pass = (sl_gouraud_pass){.channels = 2, .corners = curved_places, .shade = curved, .context = job};
     sl_raster_gouraud(w->tessellation.raster, &job->view, threads, w->frame.curved_id, &pass, counters);
 }
 
-static sl_status draw_copy(sl_display *d, const sl_window *window, const sl_display_copy *copy, unsigned threads, float *const planes[3],
-                           sl_counters *counters, sl_error *error) {
+static sl_status draw_copy(sl_display *d, const sl_window *window, const sl_display_copy *copy,
+                           unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error) {
     frame_job job;
     sl_status status = begin_frame(d, window, copy, threads, &job, counters, error);
     if (status != SL_OK) return status;
@@ -246,21 +273,26 @@ static sl_status draw_copy(sl_display *d, const sl_window *window, const sl_disp
 }
 
 /* The display's own window is seen to by builds. */
-sl_status sl_window_draw(sl_display *d, sl_window *window, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error) {
+sl_status sl_window_draw(sl_display *d, sl_window *window, unsigned threads, float *const planes[3],
+                         sl_counters *counters, sl_error *error) {
     const sl_display_copy *copy = sl_display_take(d);
     sl_status status = SL_OK;
-    if (d->curved && window != &d->own && window->builds != copy->builds) status = sl_tessellate(d, window, error);
-    if (status == SL_OK) status = draw_copy(d, window, copy, sl_thread_count(threads), planes, counters, error);
+    if (d->curved && window != &d->own && window->builds != copy->builds)
+        status = sl_tessellate(d, window, error);
+    if (status == SL_OK)
+        status = draw_copy(d, window, copy, sl_thread_count(threads), planes, counters, error);
     if (status == SL_OK) window->builds = copy->builds;
     sl_display_give_back(d, copy);
     return status;
 }
 
-sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error) {
+sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[3], sl_counters *counters,
+                          sl_error *error) {
     return sl_window_draw(d, &d->own, threads, planes, counters, error);
 }
 
-sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_ids *ids, sl_counters *counters, sl_error *error) {
+sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_ids *ids, sl_counters *counters,
+                            sl_error *error) {
     frame_job job;
     threads = sl_thread_count(threads);
     const sl_display_copy *copy = sl_display_take(d);
@@ -278,7 +310,7 @@ sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_id
     return SL_OK;
 }
 
-/* ---- one pixel again ------------------------------------------------------------------------------------------------------------ */
+/* ---- one pixel again ------------------------------------------------------------------------- */
 
 typedef struct one_pixel {
     frame_job job;
@@ -302,14 +334,24 @@ static void tell_pixel(one_pixel *of, const sl_gouraud_pixels *p, bool curved) {
     shown->diffuse = diffuse_of(&of->job, &run, u, v, &textured);
 }
 
-static void tell_planar(void *context, const sl_gouraud_pixels *pixels) { tell_pixel(context, pixels, false); }
+static void tell_planar(void *context, const sl_gouraud_pixels *pixels) {
+    tell_pixel(context, pixels, false);
+}
 static void tell_curved(void *context, const sl_gouraud_pixels *pixels) { tell_pixel(context, pixels, true); }
 
 void sl_display_pixel(sl_display *d, size_t pixel, sl_shown_pixel *shown) {
-    one_pixel of = {.job = {.display = d, .copy = &d->copy[d->shown], .window = &d->own,
-                            .view = sl_view_scene(d->own.scene, d->settings.width, d->settings.height)}, .shown = shown};
-    sl_gouraud_pass pass = {.channels = 2, .corners = scene_places, .textured = d->textured, .shade = tell_planar, .context = &of,
-                            .first = pixel, .count = 1};
+    one_pixel of = {.job = {.display = d,
+                            .copy = &d->copy[d->shown],
+                            .window = &d->own,
+                            .view = sl_view_scene(d->own.scene, d->settings.width, d->settings.height)},
+                    .shown = shown};
+    sl_gouraud_pass pass = {.channels = 2,
+                            .corners = scene_places,
+                            .textured = d->textured,
+                            .shade = tell_planar,
+                            .context = &of,
+                            .first = pixel,
+                            .count = 1};
     sl_counters none = {{0}};
     *shown = (sl_shown_pixel){.copy = of.job.copy, .root = SL_NO_INDEX, .guess = of.job.copy->guess};
     sl_raster_gouraud(d->own.raster, &of.job.view, 1, d->own.frame.id, &pass, &none);

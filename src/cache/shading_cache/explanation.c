@@ -1,5 +1,6 @@
-/* The explanation of a pixel: the display's sum (section on display) told vertex by vertex. A pixel lies in a leaf; what the leaf's corners hold, and what hangs on its edges where
- * it is a fan, adds weight x E x kd / pi, and where there is a lobe weight x L_s. */
+/* The explanation of a pixel: the display's sum (section on display) told vertex by vertex. A pixel lies in a
+ * leaf; what the leaf's corners hold, and what hangs on its edges where it is a fan, adds weight x E x kd /
+ * pi, and where there is a lobe weight x L_s. */
 #include "cache/shading_cache/explanation.h"
 
 #include "base/math.h"
@@ -37,7 +38,8 @@ static void plain_shares(const sl_leaf *leaf, const uint32_t corner[4], shares *
 }
 
 /* From the centre, the mean of the corners, to a piece of an edge. */
-static void fan_shares(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4], shares *s) {
+static void fan_shares(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
+                       shares *s) {
     int corners = leaf->triangle ? 3 : 4;
     sl_fan_place place = sl_fan_place_of(leaf);
     uint32_t end[2];
@@ -62,7 +64,8 @@ static void put_colour(float out[3], sl_rgb in) { out[0] = in.r, out[1] = in.g, 
 static void put_place(float out[3], sl_vec3 in) { out[0] = in.x, out[1] = in.y, out[2] = in.z; }
 
 /* value times factor; nothing where that is black. */
-static void add_term(sl_explanation_writer *writer, sl_explanation_term *term, const float value[3], const double factor[3]) {
+static void add_term(sl_explanation_writer *writer, sl_explanation_term *term, const float value[3],
+                     const double factor[3]) {
     bool any = false;
     for (int c = 0; c < 3; c++) {
         term->value[c] = value[c];
@@ -72,7 +75,8 @@ static void add_term(sl_explanation_writer *writer, sl_explanation_term *term, c
     if (any) sl_explanation_add(writer, term);
 }
 
-static void tell_colour(sl_explanation_writer *writer, const char *layer, const char *kind, sl_rgb colour, const double factor[3]) {
+static void tell_colour(sl_explanation_writer *writer, const char *layer, const char *kind, sl_rgb colour,
+                        const double factor[3]) {
     float value[3];
     sl_explanation_term term = {.layer = layer, .kind = kind, .weight = 1.0};
     put_colour(value, colour);
@@ -84,16 +88,20 @@ static sl_vec3 place_of(const sl_shading_state *s, uint32_t vertex) {
     return sl_root_position(s->primitives, v->root, v->u, v->v);
 }
 
-static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint32_t vertex, double weight, const double reflectance[3],
-                        sl_explanation_writer *writer) {
+static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint32_t vertex, double weight,
+                        const double reflectance[3], sl_explanation_writer *writer) {
     float value[6] = {0};
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     bool sampled = v->evaluated != SL_VERTEX_NEVER;
     sl_display_value(p->copy, p->lobe ? 2 : 1, vertex, value);
-    const char *kind = !sampled ? "vertex between others, without samples yet" : v->borrowed ? "vertex inside something, with light from around it" : "vertex with samples";
-    sl_explanation_term term = {.layer = "irradiance", .kind = kind, .index = vertex, .placed = true, .weight = weight};
+    const char *kind = !sampled      ? "vertex between others, without samples yet"
+                       : v->borrowed ? "vertex inside something, with light from around it"
+                                     : "vertex with samples";
+    sl_explanation_term term = {
+        .layer = "irradiance", .kind = kind, .index = vertex, .placed = true, .weight = weight};
     put_place(term.position, place_of(s, vertex));
-    const double diffuse[3] = {weight * reflectance[0], weight * reflectance[1], weight * reflectance[2]}, lobe[3] = {weight, weight, weight};
+    const double diffuse[3] = {weight * reflectance[0], weight * reflectance[1], weight * reflectance[2]},
+                 lobe[3] = {weight, weight, weight};
     add_term(writer, &term, value, diffuse);
     term.layer = "radiance";
     if (p->lobe) add_term(writer, &term, value + 3, lobe);
@@ -105,9 +113,11 @@ sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_write
     const double whole[3] = {1.0, 1.0, 1.0}, per_pi = (double)(float)(1.0 / SL_PI);
     sl_shown_pixel p;
     sl_display_pixel(s->display, (size_t)y * (size_t)s->settings.width + (size_t)x, &p);
-    tell_colour(writer, "emission", p.root == SL_NO_INDEX ? "environment" : "emitted light", p.emission, whole);
+    tell_colour(writer, "emission", p.root == SL_NO_INDEX ? "environment" : "emitted light", p.emission,
+                whole);
     if (p.root == SL_NO_INDEX) return SL_OK;
-    const double reflectance[3] = {(double)p.diffuse.r * per_pi, (double)p.diffuse.g * per_pi, (double)p.diffuse.b * per_pi};
+    const double reflectance[3] = {(double)p.diffuse.r * per_pi, (double)p.diffuse.g * per_pi,
+                                   (double)p.diffuse.b * per_pi};
     if (!p.wanted) {
         tell_colour(writer, "irradiance", "guess before any sample: the scene's mean", p.guess, reflectance);
         return SL_OK;
@@ -122,13 +132,17 @@ sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_write
 /* ---- marks ---- */
 
 void sl_shading_announce_choices(sl_shading_state *s, size_t choices) {
-    static const float colours[3][3] = {[SL_CHOICE_HIT] = {0.1f, 0.8f, 0.2f}, [SL_CHOICE_RANDOM] = {0.15f, 0.3f, 1.0f}, [SL_CHOICE_FLOOD] = {1.0f, 0.15f, 0.1f}};
+    static const float colours[3][3] = {[SL_CHOICE_HIT] = {0.1f, 0.8f, 0.2f},
+                                        [SL_CHOICE_RANDOM] = {0.15f, 0.3f, 1.0f},
+                                        [SL_CHOICE_FLOOD] = {1.0f, 0.15f, 0.1f}};
     if (!sl_announcing(&s->announcer)) return;
     sl_mark *marks = choices ? sl_allocate(choices, sizeof *marks) : NULL;
     for (size_t i = 0; marks && i < choices; i++) {
         uint32_t pixel = s->choice[i].pixel, root = sl_patch_root(s->patches, s->ids.patch[pixel]);
         marks[i].kind = SL_MARK_POINT;
-        put_place(marks[i].at, sl_root_position(s->primitives, root, (uint32_t)(s->ids.u[pixel] * SL_PATCH_DYADIC), (uint32_t)(s->ids.v[pixel] * SL_PATCH_DYADIC)));
+        put_place(marks[i].at,
+                  sl_root_position(s->primitives, root, (uint32_t)(s->ids.u[pixel] * SL_PATCH_DYADIC),
+                                   (uint32_t)(s->ids.v[pixel] * SL_PATCH_DYADIC)));
         for (int c = 0; c < 3; c++) marks[i].colour[c] = colours[s->choice[i].kind][c];
     }
     sl_announce_marks(&s->announcer, "selection", "priority map", marks, marks ? choices : 0);
@@ -137,13 +151,16 @@ void sl_shading_announce_choices(sl_shading_state *s, size_t choices) {
 
 void sl_shading_announce_ids(sl_shading_state *s) {
     float *plane = sl_announcing(&s->announcer) ? sl_allocate(sl_shading_pixels(s), sizeof *plane) : NULL;
-    for (size_t i = 0; plane && i < sl_shading_pixels(s); i++) plane[i] = s->ids.patch[i] == SL_NO_INDEX ? -1.0f : (float)s->ids.patch[i];
-    sl_announce(&s->announcer, "id map", "patch hierarchy", s->settings.width, s->settings.height, 1, plane, true);
+    for (size_t i = 0; plane && i < sl_shading_pixels(s); i++)
+        plane[i] = s->ids.patch[i] == SL_NO_INDEX ? -1.0f : (float)s->ids.patch[i];
+    sl_announce(&s->announcer, "id map", "patch hierarchy", s->settings.width, s->settings.height, 1, plane,
+                true);
     sl_free(plane);
 }
 
 static bool was_seen(const sl_shading_state *s, uint32_t patch) {
-    return sl_patch_is_alive(s->patches, patch) && sl_patch_is_leaf(s->patches, patch) && s->patches->patch[patch].seen == s->now && s->now > 0;
+    return sl_patch_is_alive(s->patches, patch) && sl_patch_is_leaf(s->patches, patch) &&
+           s->patches->patch[patch].seen == s->now && s->now > 0;
 }
 
 static size_t mark_edges(const sl_shading_state *s, uint32_t patch, sl_mark *marks) {
@@ -193,6 +210,7 @@ void sl_shading_announce_priorities(sl_shading_state *s) {
     float *plane = s->announcer.observer ? sl_allocate(sl_shading_pixels(s), sizeof *plane) : NULL;
     for (size_t i = 0; plane && i < sl_shading_pixels(s); i++)
         plane[i] = s->leaf_of_pixel[i] == SL_NO_INDEX ? 0.0f : s->leaf[s->leaf_of_pixel[i]].normal;
-    sl_announce(&s->announcer, "priorities", "priority map", s->settings.width, s->settings.height, 1, plane, true);
+    sl_announce(&s->announcer, "priorities", "priority map", s->settings.width, s->settings.height, 1, plane,
+                true);
     sl_free(plane);
 }

@@ -1,4 +1,5 @@
-/* From a point of a root to its leaf in the display arrays, and to what the leaf shows there: the same leaf as sl_patch_locate() finds. */
+/* From a point of a root to its leaf in the display arrays, and to what the leaf shows there: the same leaf
+ * as sl_patch_locate() finds. */
 #ifndef SL_SHADING_CACHE_LEAF_LOOKUP_H
 #define SL_SHADING_CACHE_LEAF_LOOKUP_H
 
@@ -6,9 +7,12 @@
 
 #include "cache/shading_cache/display_parts.h"
 
-/* Places in a root count in 2^-24: so many digits has a float below 1, and no leaf is smaller than 2^-14. All is exact. */
+/* Places in a root count in 2^-24: so many digits has a float below 1, and no leaf is smaller than 2^-14. All
+ * is exact. */
 enum { SL_PLACE_BITS = 24, SL_PLACE_ONE = 1 << SL_PLACE_BITS };
-static inline int32_t sl_place_of(float t) { return t > 0.0f ? (t < 1.0f ? (int32_t)(t * (float)SL_PLACE_ONE) : SL_PLACE_ONE) : 0; }
+static inline int32_t sl_place_of(float t) {
+    return t > 0.0f ? (t < 1.0f ? (int32_t)(t * (float)SL_PLACE_ONE) : SL_PLACE_ONE) : 0;
+}
 
 /* A leaf and the way to it. */
 typedef struct sl_leaf {
@@ -43,10 +47,11 @@ static inline void sl_leaf_step(const sl_display_copy *copy, sl_leaf *leaf, uint
     leaf->word = copy->word[4 * leaf->word + child];
 }
 
-/* Which children to take the digits of u and v tell. As many first digits as this place has in common with the last one, so much of the way is
- * the same. Returns whether it is the same leaf. */
+/* Which children to take the digits of u and v tell. As many first digits as this place has in common with
+ * the last one, so much of the way is the same. Returns whether it is the same leaf. */
 static inline bool sl_leaf_of_square(const sl_display_copy *copy, sl_leaf *leaf, int32_t u, int32_t v) {
-    int32_t inside_u = u < SL_PLACE_ONE ? u : SL_PLACE_ONE - 1, inside_v = v < SL_PLACE_ONE ? v : SL_PLACE_ONE - 1;
+    int32_t inside_u = u < SL_PLACE_ONE ? u : SL_PLACE_ONE - 1,
+            inside_v = v < SL_PLACE_ONE ? v : SL_PLACE_ONE - 1;
     uint32_t differing = (uint32_t)((inside_u ^ leaf->last_u) | (inside_v ^ leaf->last_v));
     leaf->last_u = inside_u;
     leaf->last_v = inside_v;
@@ -72,7 +77,8 @@ static inline bool sl_leaf_of_square(const sl_display_copy *copy, sl_leaf *leaf,
 static inline bool sl_leaf_of_triangle(const sl_display_copy *copy, sl_leaf *leaf, int32_t u, int32_t v) {
     if (leaf->depth >= 0) {
         bool turned = leaf->side < 0;
-        int32_t a = turned ? leaf->last_u - u : u - leaf->last_u, b = turned ? leaf->last_v - v : v - leaf->last_v;
+        int32_t a = turned ? leaf->last_u - u : u - leaf->last_u,
+                b = turned ? leaf->last_v - v : v - leaf->last_v;
         if (a > 0 && b > 0 && a + b < (turned ? -leaf->side : leaf->side)) return true;
     }
     int32_t a = u, b = v, half = SL_PLACE_ONE, turn = 1;
@@ -99,36 +105,45 @@ static inline bool sl_leaf_of_triangle(const sl_display_copy *copy, sl_leaf *lea
 /* Returns whether it is the leaf that was found last. */
 static inline bool sl_leaf_find(const sl_display_copy *copy, sl_leaf *leaf, int32_t u, int32_t v) {
     bool same = leaf->triangle ? sl_leaf_of_triangle(copy, leaf, u, v) : sl_leaf_of_square(copy, leaf, u, v);
-    int32_t corner_u = leaf->triangle ? leaf->last_u : leaf->last_u & -leaf->side, corner_v = leaf->triangle ? leaf->last_v : leaf->last_v & -leaf->side;
+    int32_t corner_u = leaf->triangle ? leaf->last_u : leaf->last_u & -leaf->side,
+            corner_v = leaf->triangle ? leaf->last_v : leaf->last_v & -leaf->side;
     leaf->a = (float)(u - corner_u) * leaf->over_side;
     leaf->b = (float)(v - corner_v) * leaf->over_side;
     return same;
 }
 
-/* The vertices at its corners: corner i of child i is its parent's, and so on upwards; the others are those that the split has made. */
+/* The vertices at its corners: corner i of child i is its parent's, and so on upwards; the others are those
+ * that the split has made. */
 static inline void sl_leaf_corners(const sl_display_copy *copy, const sl_leaf *leaf, uint32_t vertex[4]) {
     static const uint8_t made[2][4][4] = {{{0, 0, 4, 3}, {0, 0, 1, 4}, {4, 1, 0, 2}, {3, 4, 2, 0}},
-                                          {{0, 0, 2, 0}, {0, 0, 1, 0}, {2, 1, 0, 0}, {1, 2, 0, 0}}}; /* triangles have no corner 3 */
+                                          /* triangles have no corner 3 */
+                                          {{0, 0, 2, 0}, {0, 0, 1, 0}, {2, 1, 0, 0}, {1, 2, 0, 0}}};
     int depth = leaf->depth;
     uint32_t own = depth > 0 ? leaf->child[depth] : 4;
     for (int c = 0; c < 4; c++) {
-        vertex[c] = depth > 0 ? sl_display_middles(copy, leaf->block[depth])[made[leaf->triangle][own][c]] : leaf->root->vertex[c];
+        vertex[c] = depth > 0 ? sl_display_middles(copy, leaf->block[depth])[made[leaf->triangle][own][c]]
+                              : leaf->root->vertex[c];
     }
     if (own >= (leaf->triangle ? 3u : 4u)) return;
     do depth--;
     while (depth > 0 && leaf->child[depth] == own);
-    vertex[own] = depth > 0 ? sl_display_middles(copy, leaf->block[depth])[made[leaf->triangle][leaf->child[depth]][own]] : leaf->root->vertex[own];
+    vertex[own] =
+        depth > 0
+            ? sl_display_middles(copy, leaf->block[depth])[made[leaf->triangle][leaf->child[depth]][own]]
+            : leaf->root->vertex[own];
 }
 
-/* ---- what it shows ------------------------------------------------------------------------------------------------------------ */
+/* ---- what it shows --------------------------------------------------------------------------- */
 
 /* E, and with two colours L_s after it. */
-static inline void sl_display_value(const sl_display_copy *copy, size_t colours, uint32_t vertex, float value[6]) {
+static inline void sl_display_value(const sl_display_copy *copy, size_t colours, uint32_t vertex,
+                                    float value[6]) {
     sl_unpack_colour(copy->value[vertex], value);
     if (colours == 2) sl_unpack_colour(*sl_display_lobe(copy, vertex), value + 3);
 }
 
-/* The edge towards which a point lies as seen from the centre (edge i is corner i to i + 1), how far along it, and how far out from the centre. */
+/* The edge towards which a point lies as seen from the centre (edge i is corner i to i + 1), how far along
+ * it, and how far out from the centre. */
 typedef struct sl_fan_place {
     int edge;
     float along, out;
@@ -145,18 +160,24 @@ static inline sl_fan_place sl_fan_place_of(const sl_leaf *leaf) {
     float w[3] = {1.0f - a - b > 0.0f ? 1.0f - a - b : 0.0f, a, b};
     int edge = w[2] <= w[0] && w[2] <= w[1] ? 0 : w[0] <= w[1] ? 1 : 2;
     float least = w[(edge + 2) % 3], from = w[edge] - least, to = w[(edge + 1) % 3] - least;
-    return (sl_fan_place){edge, from + to > 0.0f ? to / (from + to) : 0.5f, from + to < 1.0f ? from + to : 1.0f};
+    return (sl_fan_place){edge, from + to > 0.0f ? to / (from + to) : 0.5f,
+                          from + to < 1.0f ? from + to : 1.0f};
 }
 
-/* Ends of the piece of the edge on which the place lies, and how far along the piece it is. The fan's vertices are ordered around the leaf. */
-static inline float sl_fan_piece(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4], const sl_fan_place *place, uint32_t end[2]) {
-    const uint32_t *fan = sl_fan_at(&copy->fans, leaf->word), count = sl_fan_count(fan), *vertex = sl_fan_vertices(fan);
+/* Ends of the piece of the edge on which the place lies, and how far along the piece it is. The fan's
+ * vertices are ordered around the leaf. */
+static inline float sl_fan_piece(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
+                                 const sl_fan_place *place, uint32_t end[2]) {
+    const uint32_t *fan = sl_fan_at(&copy->fans, leaf->word), count = sl_fan_count(fan),
+                   *vertex = sl_fan_vertices(fan);
     float along = place->along * (float)SL_PATCH_DYADIC;
     int32_t whole = (int32_t)along, low = 0, high = SL_PATCH_DYADIC, next = place->edge + 1;
     uint32_t from = corner[place->edge], to = corner[next == (leaf->triangle ? 3 : 4) ? 0 : next];
-    for (uint32_t k = 0; k < count; k++) { /* no choice of ways, but of numbers: nobody could guess the ways */
+    /* no choice of ways, but of numbers: nobody could guess the ways */
+    for (uint32_t k = 0; k < count; k++) {
         sl_fan_spoke spoke = sl_fan_spoke_at(fan, k);
-        bool here = spoke.edge == place->edge, before = here & (spoke.along <= whole), beyond = here & (spoke.along > whole) & (spoke.along < high);
+        bool here = spoke.edge == place->edge, before = here & (spoke.along <= whole),
+             beyond = here & (spoke.along > whole) & (spoke.along < high);
         low = before ? spoke.along : low;
         from = before ? vertex[k] : from;
         high = beyond ? spoke.along : high;
@@ -167,27 +188,33 @@ static inline float sl_fan_piece(const sl_display_copy *copy, const sl_leaf *lea
     return (along - (float)low) / (float)(high - low);
 }
 
-/* The leaf's values as far as they do not depend on the place: k0 + a k1 + b k2 + a b k3, for each channel; of fans their centre, k0, alone. */
+/* The leaf's values as far as they do not depend on the place: k0 + a k1 + b k2 + a b k3, for each channel;
+ * of fans their centre, k0, alone. */
 typedef struct sl_leaf_field {
     uint32_t corner[4];
     float k[4][6];
 } sl_leaf_field;
 
-static inline void sl_leaf_field_of(const sl_display_copy *copy, size_t colours, const sl_leaf *leaf, sl_leaf_field *field) {
+static inline void sl_leaf_field_of(const sl_display_copy *copy, size_t colours, const sl_leaf *leaf,
+                                    sl_leaf_field *field) {
     float corner[4][6];
     bool fan = sl_is_fan_word(leaf->word);
     sl_leaf_corners(copy, leaf, field->corner);
-    for (int c = 0; c < 4; c++) sl_display_value(copy, colours, field->corner[c == 3 && leaf->triangle ? 2 : c], corner[c]);
+    for (int c = 0; c < 4; c++)
+        sl_display_value(copy, colours, field->corner[c == 3 && leaf->triangle ? 2 : c], corner[c]);
     for (size_t i = 0; i < 3 * colours; i++) {
         float v0 = corner[0][i], v1 = corner[1][i], v2 = corner[2][i], v3 = corner[3][i];
-        field->k[0][i] = !fan ? v0 : leaf->triangle ? (v0 + v1 + v2) * (1.0f / 3.0f) : ((v0 + v2) + (v1 + v3)) * 0.25f;
+        field->k[0][i] = !fan             ? v0
+                         : leaf->triangle ? (v0 + v1 + v2) * (1.0f / 3.0f)
+                                          : ((v0 + v2) + (v1 + v3)) * 0.25f;
         field->k[1][i] = v1 - v0;
         field->k[2][i] = v3 - v0;
         field->k[3][i] = leaf->triangle ? 0.0f : (v0 - v1) + (v2 - v3);
     }
 }
 
-static inline void sl_leaf_value(const sl_display_copy *copy, size_t colours, const sl_leaf *leaf, const sl_leaf_field *field, float value[6]) {
+static inline void sl_leaf_value(const sl_display_copy *copy, size_t colours, const sl_leaf *leaf,
+                                 const sl_leaf_field *field, float value[6]) {
     if (!sl_is_fan_word(leaf->word)) {
         float a = leaf->a, b = leaf->b, ab = a * b;
         for (size_t i = 0; i < 3 * colours; i++) {

@@ -114,7 +114,9 @@ static sl_status make_cache(sl_shading_state *s, sl_error *error) {
     if (status == SL_OK) status = sl_primitives_find(s->scene, &s->primitives, error);
     if (status == SL_OK)
         status = sl_patches_create(s->primitives,
-                                   (s->plan.radiance ? SL_PATCHES_LOBES : 0) | (c->variance_aware ? SL_PATCHES_SETS : 0), &s->patches, error);
+                                   (s->plan.radiance ? SL_PATCHES_LOBES : 0) |
+                                       (c->variance_aware ? SL_PATCHES_SETS : 0),
+                                   &s->patches, error);
     if (status == SL_OK) status = make_renderers(s, error);
     if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
     if (status == SL_OK)
@@ -267,11 +269,13 @@ static double shading_error_levels(const void *state) {
 
 static size_t shading_bytes(const void *state) {
     const sl_shading_state *s = state;
-    size_t bytes = sizeof *s + sl_shading_pixels(s) * (2 * sizeof *s->ids.patch + 2 * sizeof *s->ids.u) + s->leaf_room * sizeof *s->leaf;
+    size_t bytes = sizeof *s + sl_shading_pixels(s) * (2 * sizeof *s->ids.patch + 2 * sizeof *s->ids.u) +
+                   s->leaf_room * sizeof *s->leaf;
     bytes += s->fades.capacity * sizeof *s->fades.fade;
     bytes += s->vertex_room * (sizeof *s->vertex + sizeof *s->request + 2 * sizeof *s->sample);
     if (s->own_tracer) bytes += sl_tracer_memory_bytes(s->own_tracer);
-    return bytes + sl_primitives_memory_bytes(s->primitives) + sl_patches_memory_bytes(s->patches) + sl_display_memory_bytes(s->display);
+    return bytes + sl_primitives_memory_bytes(s->primitives) + sl_patches_memory_bytes(s->patches) +
+           sl_display_memory_bytes(s->display);
 }
 
 /* ---- frames beside updates: geometry follows at once, shading is as the last update left it ---- */

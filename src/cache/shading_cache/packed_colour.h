@@ -1,5 +1,6 @@
-/* Colours of the display in 8 bytes: an exponent that the three channels share, and 18 bits for each. So they are off by at most 2^-18 of the largest one,
- * less than the thousandth part of a display level; for the cache itself, which goes on computing with its values, that would not do. */
+/* Colours of the display in 8 bytes: an exponent that the three channels share, and 18 bits for each. So they
+ * are off by at most 2^-18 of the largest one, less than the thousandth part of a display level; for the
+ * cache itself, which goes on computing with its values, that would not do. */
 #ifndef SL_SHADING_CACHE_PACKED_COLOUR_H
 #define SL_SHADING_CACHE_PACKED_COLOUR_H
 
@@ -28,7 +29,9 @@ static inline int sl_exponent_above(float x) {
 }
 
 /* Light is not negative; what is no number is black, and what is beyond floats the largest one. */
-static inline float sl_packable(float x) { return x > 0.0f ? (x < 0x1.fffffep127f ? x : 0x1.fffffep127f) : 0.0f; }
+static inline float sl_packable(float x) {
+    return x > 0.0f ? (x < 0x1.fffffep127f ? x : 0x1.fffffep127f) : 0.0f;
+}
 
 static inline sl_packed_colour sl_pack_colour(const float colour[3]) {
     float c[3] = {sl_packable(colour[0]), sl_packable(colour[1]), sl_packable(colour[2])};
@@ -45,7 +48,8 @@ static inline sl_packed_colour sl_pack_colour(const float colour[3]) {
 
 static inline void sl_unpack_colour(sl_packed_colour packed, float colour[3]) {
     const uint32_t largest = (1u << SL_PACKED_BITS) - 1;
-    float unit = sl_power_of_two((int)(packed >> 3 * SL_PACKED_BITS) + SL_PACKED_EXPONENT_MIN - SL_PACKED_BITS);
+    float unit =
+        sl_power_of_two((int)(packed >> 3 * SL_PACKED_BITS) + SL_PACKED_EXPONENT_MIN - SL_PACKED_BITS);
     colour[0] = (float)(int32_t)((uint32_t)(packed >> 2 * SL_PACKED_BITS) & largest) * unit;
     colour[1] = (float)(int32_t)((uint32_t)(packed >> SL_PACKED_BITS) & largest) * unit;
     colour[2] = (float)(int32_t)((uint32_t)packed & largest) * unit;

@@ -15,7 +15,8 @@ static const double points_a_pixel[] = {[SL_QUALITY_DRAFT] = 0.03, [SL_QUALITY_N
                                         [SL_QUALITY_HIGH] = 0.5};
 
 static uint32_t updates_for(const sl_settings *settings) {
-    double pixels = (double)settings->width * (double)settings->height, points = fmax(points_a_pixel[settings->quality] * pixels, FEW);
+    double pixels = (double)settings->width * (double)settings->height,
+           points = fmax(points_a_pixel[settings->quality] * pixels, FEW);
     return 1u + (uint32_t)(points / (double)settings->shading_cache.points);
 }
 
@@ -85,14 +86,18 @@ void sl_shading_plan_write(const sl_scene *scene, const sl_settings *settings, s
                  scene->triangle_count);
     sl_plan_pass(writer, true, "selection", "%d points an update, %u updates", c->points, c->updates);
     sl_plan_pass(writer, p.direct, "direct light",
-                 "%d points on each of %zu emissive triangles' lights, a ray to each of %zu others", c->area_samples, f.emitters,
-                 f.point_lights + f.spot_lights + f.directional_lights);
+                 "%d points on each of %zu emissive triangles' lights, a ray to each of %zu others",
+                 c->area_samples, f.emitters, f.point_lights + f.spot_lights + f.directional_lights);
     sl_plan_pass(writer, p.indirect, "indirect light", "%d bidirectional paths a point, %d surfaces long",
                  c->indirect_samples, c->path_depth);
-    sl_plan_pass(writer, p.caustics, "caustics", "%s", p.caustics ? "a photon map" : f.mirror_triangles ? "left to the paths" : "there are no mirrors");
+    sl_plan_pass(writer, p.caustics, "caustics", "%s",
+                 p.caustics           ? "a photon map"
+                 : f.mirror_triangles ? "left to the paths"
+                                      : "there are no mirrors");
     sl_plan_pass(writer, p.radiance, "radiance towards the eye", "%zu glossy and %zu mirror triangles",
                  f.glossy_triangles, f.mirror_triangles);
-    sl_plan_pass(writer, p.ageing, "ageing", "%s", p.ageing ? "what is not diffuse, or moves" : "nothing moves, and all is diffuse");
+    sl_plan_pass(writer, p.ageing, "ageing", "%s",
+                 p.ageing ? "what is not diffuse, or moves" : "nothing moves, and all is diffuse");
     sl_plan_pass(writer, p.curved, "tessellation", "%zu bicubic surfaces", scene->bicubic_count);
 }
 
@@ -111,7 +116,8 @@ sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *setting
     double caches = triangles * A_TRIANGLE + patches * patch + (double)scene->bicubic_count * A_CURVED +
                     (plan.caustics ? 4e5 * A_PHOTON : 0.0);
     caches += (double)settings->shading_cache.points * 4000.0 + sl_need_lights(scene) * 400.0;
-    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count),
+    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count) +
+                                           sl_raster_memory_kept(scene->triangle_count),
                             .caches = caches + sl_need_of_threads(settings, A_THREAD) + 4e6,
                             .picture = sl_need_of_pixels(settings, A_PIXEL)};
 }

@@ -5,7 +5,7 @@
 
 #include "base/math.h"
 
-/* ---- display levels ------------------------------------------------------------------------------------------------------------- */
+/* ---- display levels -------------------------------------------------------------------------- */
 
 float sl_curve_luminance(sl_rgb radiance) {
     float y = (5.0f * radiance.r + 9.0f * radiance.g + 2.0f * radiance.b) / 16.0f;
@@ -13,10 +13,13 @@ float sl_curve_luminance(sl_rgb radiance) {
 }
 
 float sl_curve_level_of(const sl_display_curve *curve, float luminance) {
-    return sl_display_level(curve->reference > 0.0f ? 1.0f / (10.0f * curve->reference) : INFINITY, luminance);
+    return sl_display_level(curve->reference > 0.0f ? 1.0f / (10.0f * curve->reference) : INFINITY,
+                            luminance);
 }
 
-float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance) { return sl_curve_level_of(curve, sl_curve_luminance(radiance)); }
+float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance) {
+    return sl_curve_level_of(curve, sl_curve_luminance(radiance));
+}
 
 /* ---- of a radiance: its luminance, and its channels where they count ---- */
 
@@ -35,11 +38,12 @@ float sl_levels_apart(const sl_display_curve *curve, sl_rgb a, sl_rgb b) {
     float of_a[MEASURES], of_b[MEASURES], most = 0.0f;
     int count = measures_of(curve, a, of_a);
     measures_of(curve, b, of_b);
-    for (int k = 0; k < count; k++) most = fmaxf(most, fabsf(sl_curve_level_of(curve, of_a[k]) - sl_curve_level_of(curve, of_b[k])));
+    for (int k = 0; k < count; k++)
+        most = fmaxf(most, fabsf(sl_curve_level_of(curve, of_a[k]) - sl_curve_level_of(curve, of_b[k])));
     return most;
 }
 
-/* ---- what leaves a patch -------------------------------------------------------------------------------------------------------- */
+/* ---- what leaves a patch --------------------------------------------------------------------- */
 
 /* Its luminance is linear in the irradiance: E mean(kd) / pi, and the surface's own light. */
 typedef struct exitance {
@@ -69,7 +73,7 @@ float sl_vertex_level(const sl_patches *p, const sl_display_curve *curve, uint32
     return sl_curve_level_of(curve, sl_vertex_luminance(p, vertex));
 }
 
-/* ---- error and age of a patch --------------------------------------------------------------------------------------------------- */
+/* ---- error and age of a patch ---------------------------------------------------------------- */
 
 /* Levels grow with luminance: only those of the darkest and of the brightest corner are needed. */
 static float levels_between(const sl_display_curve *curve, float low, float high) {
@@ -90,7 +94,8 @@ float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_
             high[k] = measure[k] > high[k] ? measure[k] : high[k];
         }
     }
-    for (int k = 0; k < MEASURES; k++) most = fmaxf(most, levels_between(curve, low[k], high[k])); /* of measures that do not count none */
+    /* of measures that do not count none */
+    for (int k = 0; k < MEASURES; k++) most = fmaxf(most, levels_between(curve, low[k], high[k]));
     return most;
 }
 
@@ -103,13 +108,17 @@ static double cube_root(double x) { return x > 0.0 ? sl_pow(x, 1.0 / 3.0) : 0.0;
 
 float sl_age_constant(const sl_material *material) {
     double half = 0.5 * (double)sl_curve_luminance(material->diffuse), n = (double)material->exponent;
-    double ks = (double)sl_curve_luminance(sl_rgb_add(material->specular, material->mirror)), contrast = cube_root(ks + half) - cube_root(half);
-    double distinctness = sl_material_is_mirror(material) ? 1.0 : n > 0.0 ? 1.0 - 1.0 / sqrt(2.0 * n + 1.0) : 0.0;
+    double ks = (double)sl_curve_luminance(sl_rgb_add(material->specular, material->mirror)),
+           contrast = cube_root(ks + half) - cube_root(half);
+    double distinctness = sl_material_is_mirror(material) ? 1.0
+                          : n > 0.0                       ? 1.0 - 1.0 / sqrt(2.0 * n + 1.0)
+                                                          : 0.0;
     return (float)(1.0 + 8.0 * contrast * distinctness);
 }
 
 /* With one c for both, the larger age is that since the later of the two. */
-float sl_patch_priority(const sl_patches *p, const sl_display_curve *curve, uint32_t patch, uint32_t now, uint32_t eye_moved, uint32_t changed) {
+float sl_patch_priority(const sl_patches *p, const sl_display_curve *curve, uint32_t patch, uint32_t now,
+                        uint32_t eye_moved, uint32_t changed) {
     float error = sl_patch_error(p, curve, patch);
     if (error < 0.0f || (!eye_moved && !changed)) return error;
     const sl_material *material = sl_root_material(p->primitives, sl_patch_root(p, patch));
@@ -118,7 +127,7 @@ float sl_patch_priority(const sl_patches *p, const sl_display_curve *curve, uint
     return updates > 0.0f ? error + fminf(sl_age_constant(material) * updates, 255.0f) : error;
 }
 
-/* ---- normalisation -------------------------------------------------------------------------------------------------------------- */
+/* ---- normalisation --------------------------------------------------------------------------- */
 
 /* Over the pixels of leaves that have been evaluated. */
 static double mean_priority(size_t count, const sl_leaf_priority *leaves) {
@@ -147,7 +156,9 @@ typedef struct distribution {
 
 static bool is_evaluated(const sl_leaf_priority *leaf) { return leaf->priority >= 0.0f && leaf->pixels > 0; }
 
-static double finite_priority(const sl_leaf_priority *leaf) { return fmin((double)leaf->priority, (double)FLT_MAX); }
+static double finite_priority(const sl_leaf_priority *leaf) {
+    return fmin((double)leaf->priority, (double)FLT_MAX);
+}
 
 static bool find_range(size_t count, const sl_leaf_priority *leaves, distribution *d) {
     *d = (distribution){.min = HUGE_VAL, .max = -HUGE_VAL};

@@ -11,7 +11,9 @@
  * Y_ref). */
 typedef struct sl_display_curve {
     float reference;           /* Y_ref */
-    bool by_channel;           /* the largest of the differences of Y, R, G and B counts: Y alone does not see edges between colours that are equally bright */
+    /* the largest of the differences of Y, R, G and B counts: Y alone does not see edges between colours that
+     * are equally bright */
+    bool by_channel;
 } sl_display_curve;
 /* Y; negative, NaN: 0; infinite: the largest float. */
 float sl_curve_luminance(sl_rgb radiance);
@@ -43,7 +45,9 @@ float sl_patch_priority(const sl_patches *patches, const sl_display_curve *curve
 /* A visible leaf of the id map. */
 typedef struct sl_leaf_priority {
     uint32_t patch, pixels;
-    float priority;            /* p_err + min(p_age, 255); < 0 or NaN: never evaluated, which comes first and does not count for the mean */
+    /* p_err + min(p_age, 255); < 0 or NaN: never evaluated, which comes first and does not count for the
+     * mean */
+    float priority;
     float normal;              /* out: p_norm, in [0,1] */
 } sl_leaf_priority;
 /* Corners of one colour do not say that nothing lies between them: the larger a leaf the more may, and the

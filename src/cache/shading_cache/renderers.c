@@ -34,8 +34,8 @@ void sl_render_each(sl_render_point *render, const void *state, size_t count,
 
 bool sl_request_is_sound(const sl_sample_request *q) {
     const sl_root_point *p = &q->point;
-    return sl_is_finite(p->position) && sl_is_finite(p->normal) && sl_is_finite(p->geometric_normal) && sl_dot(p->normal, p->normal) > 0.0f &&
-           sl_dot(p->geometric_normal, p->geometric_normal) > 0.0f;
+    return sl_is_finite(p->position) && sl_is_finite(p->normal) && sl_is_finite(p->geometric_normal) &&
+           sl_dot(p->normal, p->normal) > 0.0f && sl_dot(p->geometric_normal, p->geometric_normal) > 0.0f;
 }
 
 bool sl_request_wants_irradiance(const sl_sample_request *q) {

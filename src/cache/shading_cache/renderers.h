@@ -1,10 +1,11 @@
-/* Sample renderers: what computes shading at points. A renderer takes a batch as a pure function of (scene, requests), so that other threads,
- * or other processes, could compute it; the cache adds up what several of them return for one point.
+/* Sample renderers: what computes shading at points. A renderer takes a batch as a pure function of (scene,
+ * requests), so that other threads, or other processes, could compute it; the cache adds up what several of
+ * them return for one point.
  *
- *   area_renderer.c            direct light: area lights by points spread over them (area_points.c), lights without extent by a ray
- *   bidirectional_renderer.c   indirect light (trace/bidirectional); direct light of the environment (sky_light.c); all that mirrors reflect
- *   caustic_renderer.c         caustics by a photon map of their own
- *   renderers.c                a batch of requests on the workers
+ *   area_renderer.c            direct light: area lights by points spread over them (area_points.c), lights
+ * without extent by a ray bidirectional_renderer.c   indirect light (trace/bidirectional); direct light of
+ * the environment (sky_light.c); all that mirrors reflect caustic_renderer.c         caustics by a photon map
+ * of their own renderers.c                a batch of requests on the workers
  */
 #ifndef SL_SHADING_CACHE_RENDERERS_H
 #define SL_SHADING_CACHE_RENDERERS_H
@@ -19,22 +20,27 @@ typedef struct sl_sample_request {
     sl_vec3 eye;               /* for radiance */
     bool dense;                /* shadows' edges want SL_DENSE_POINTS on area lights */
     bool radiance;             /* exitant radiance of the lobe is wanted too */
-    uint32_t set;              /* which set of samples: 0, 1, ...; the same one gives the same bits for an unchanged scene */
+    /* which set of samples: 0, 1, ...; the same one gives the same bits for an unchanged scene */
+    uint32_t set;
 } sl_sample_request;
 
 typedef struct sl_sample {
     sl_rgb irradiance;         /* W/m^2; 0 of materials without a diffuse part, where nobody needs it */
     sl_rgb radiance;           /* W/(m^2 sr), of the lobe alone (of a mirror: all of it), towards the eye */
-    float variance;            /* of the irradiance's channel mean, of this mean of samples; 0 where the renderer is exact */
-    bool valid;                /* false: the point lies inside other geometry (the area renderer alone looks), or it is broken */
+    /* of the irradiance's channel mean, of this mean of samples; 0 where the renderer is exact */
+    float variance;
+    /* false: the point lies inside other geometry (the area renderer alone looks), or it is broken */
+    bool valid;
     bool broken;               /* it could not be computed, or is not finite: it says nothing */
 } sl_sample;
 
 typedef struct sl_sample_renderer {
     const char *name;
     void *state;
-    /* samples[i] answers requests[i]; nothing of it depends on `threads` (settings' at most) or on the other requests. One batch at a time. */
-    void (*render)(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples, sl_counters *counters);
+    /* samples[i] answers requests[i]; nothing of it depends on `threads` (settings' at most) or on the other
+     * requests. One batch at a time. */
+    void (*render)(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
+                   sl_sample *samples, sl_counters *counters);
     /* The scene has changed (SL_CHANGED_ bits); the tracer has been made anew where objects moved. */
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
     /* Whether diffuse points are others now, though nothing but the eye has moved. NULL: they never are. */
@@ -51,15 +57,20 @@ typedef struct sl_renderer_settings {
     unsigned threads;
 } sl_renderer_settings;
 
-/* All vertices share their points on a light, so light is the same all over where the same of these are seen: 64 points leave bands of 1/64 of it in
- * a shadow's edge. They do not show between vertices some pixels apart; the vertices of leaves as small as pixels have so many points there. */
+/* All vertices share their points on a light, so light is the same all over where the same of these are seen:
+ * 64 points leave bands of 1/64 of it in a shadow's edge. They do not show between vertices some pixels
+ * apart; the vertices of leaves as small as pixels have so many points there. */
 #define SL_DENSE_POINTS 400
 
-/* Glossy surfaces without a diffuse part count as mirrors for caustics from this exponent on: half of the lobe's peak is then within 7 degrees. */
+/* Glossy surfaces without a diffuse part count as mirrors for caustics from this exponent on: half of the
+ * lobe's peak is then within 7 degrees. */
 #define SL_POLISHED 100.0f
 
-sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
-sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
-sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
+sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
+                           sl_error *error);
+sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
+                                    sl_error *error);
+sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
+                              sl_error *error);
 
 #endif

@@ -127,8 +127,8 @@ static float share_of(const sl_sample_request *request) {
 /* Is true of first values that are blended in. Means of several sets of samples are not: they have no value
  * yet. */
 static bool is_to_fade(const sl_shading_state *s, uint32_t vertex, uint32_t object) {
-    return s->settings.shading_cache.blending < 1.0 && !s->patches->sets && s->patches->vertex[vertex].evaluated == SL_VERTEX_NEVER &&
-           !s->changes->object[object].changing;
+    return s->settings.shading_cache.blending < 1.0 && !s->patches->sets &&
+           s->patches->vertex[vertex].evaluated == SL_VERTEX_NEVER && !s->changes->object[object].changing;
 }
 
 /* A broken sample: the old value stays, and counts as new, or it would be asked for for ever. Where there is
@@ -182,8 +182,8 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
     if (lobe) blend(lobe, sample->radiance, share);
     if (s->patches->sets) {
         sl_vertex_sets *sets = &s->patches->sets[vertex];
-        sets->variance = fmaxf(0.0f,
-                               sets->variance + share * (share * sample->variance - sets->variance * (2.0f - share)));
+        sets->variance = fmaxf(
+            0.0f, sets->variance + share * (share * sample->variance - sets->variance * (2.0f - share)));
         sets->count = request->set < UINT32_MAX ? request->set + 1 : UINT32_MAX;
     }
     sl_vertex_mark(v, s->now);

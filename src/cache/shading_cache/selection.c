@@ -30,8 +30,8 @@ bool sl_selection_take(sl_selection *s, uint32_t pixel, sl_choice_kind kind) {
 
 /* ---- instead: equal steps through the sums of p_total along a Hilbert curve ---- */
 
-/* Each pixel is chosen as often as in hit-and-test, no test is in vain, and choices are spread evenly over the
- * picture (Steigleder and McCool 2003). */
+/* Each pixel is chosen as often as in hit-and-test, no test is in vain, and choices are spread evenly over
+ * the picture (Steigleder and McCool 2003). */
 
 typedef struct steps {
     sl_selection *selection;

@@ -6,8 +6,8 @@
  *   hit-and-test          pixels drawn at random and tested against their priority; flood fill from the hits
  *   lazy evaluation       a patch's corners are asked for, or it is split in four
  *   sample renderer       values of these corners
- *   motion and age        values committed, changes found, coarser patches where things change, old ones deleted
- *   display arrays        the second copy brought up to date, and swapped
+ *   motion and age        values committed, changes found, coarser patches where things change, old ones
+ * deleted display arrays        the second copy brought up to date, and swapped
  *
  * and any number of frames are drawn from the copy that is shown meanwhile. The parts:
  *

@@ -1,6 +1,7 @@
-/* The environment's direct light: directions from the cosine (and from the glossy lobe) and from the environment itself, put together by the balance
- * heuristic (Veach and Guibas 1995), E = sum over all directions of L V cos / p with p the sum of n_j p_j over the ways of drawing. A sky of one
- * colour needs no directions of its own. */
+/* The environment's direct light: directions from the cosine (and from the glossy lobe) and from the
+ * environment itself, put together by the balance heuristic (Veach and Guibas 1995), E = sum over all
+ * directions of L V cos / p with p the sum of n_j p_j over the ways of drawing. A sky of one colour needs no
+ * directions of its own. */
 #include <math.h>
 
 #include "base/counters.h"
@@ -36,7 +37,8 @@ static void trace(const sky_point *at, packet *p, sums *s) {
     uint32_t hidden = p->count ? sl_trace_occluded(at->tracer, &p->rays, p->count, false, at->counters) : 0;
     for (unsigned i = 0; i < p->count; i++) {
         if (hidden >> i & 1) continue;
-        const double e[3] = {(double)p->irradiance[i].r, (double)p->irradiance[i].g, (double)p->irradiance[i].b};
+        const double e[3] = {(double)p->irradiance[i].r, (double)p->irradiance[i].g,
+                             (double)p->irradiance[i].b};
         const double l[3] = {(double)p->lobe[i].r, (double)p->lobe[i].g, (double)p->lobe[i].b};
         for (int c = 0; c < 3; c++) {
             s->irradiance[c] += e[c];
@@ -63,28 +65,31 @@ static void add_direction(const sky_point *at, sl_vec3 d, packet *p, sums *s) {
     double cosine = (double)sl_dot(d, point->normal);
     if (!(cosine > 0.0) || !(sl_dot(d, point->geometric_normal) > 0.0f)) return;
     double density = at->samples[BY_COSINE] * cosine / SL_PI;
-    if (at->samples[BY_SKY] > 0.0) density += at->samples[BY_SKY] * (double)sl_environment_pdf(&at->scene->environment, d);
+    if (at->samples[BY_SKY] > 0.0)
+        density += at->samples[BY_SKY] * (double)sl_environment_pdf(&at->scene->environment, d);
     if (at->has_lobe) density += at->samples[BY_LOBE] * (double)sl_bsdf_pdf(&at->lobe, d);
     sl_rgb radiance = sl_environment_radiance(&at->scene->environment, d);
     if (!(density > 0.0) || !(sl_rgb_max(radiance) > 0.0f)) return;
     unsigned i = p->count++;
     p->irradiance[i] = sl_rgb_scale(radiance, (float)(cosine / density));
-    p->lobe[i] = at->has_lobe ? sl_rgb_mul(p->irradiance[i], sl_bsdf_value(&at->lobe, d, SL_LOBE_GLOSSY)) : sl_grey(0.0f);
+    p->lobe[i] = at->has_lobe ? sl_rgb_mul(p->irradiance[i], sl_bsdf_value(&at->lobe, d, SL_LOBE_GLOSSY))
+                              : sl_grey(0.0f);
     sl_ray16_set(&p->rays, i, at->origin, d, 0.0f, INFINITY, point->triangle);
     if (p->count == SL_PACKET) trace(at, p, s);
 }
 
 static sl_rgb colour_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
 
-void sl_sky_light(const sl_scene *scene, const sl_tracer *tracer, uint64_t seed, uint32_t samples, const sl_sample_request *request,
-                  sl_sample *sample, sl_counters *counters) {
+void sl_sky_light(const sl_scene *scene, const sl_tracer *tracer, uint64_t seed, uint32_t samples,
+                  const sl_sample_request *request, sl_sample *sample, sl_counters *counters) {
     const sl_environment *sky = &scene->environment;
     if (!sky->present || samples == 0) return;
     const sl_root_point *point = &request->point;
     sky_point at = {.scene = scene, .tracer = tracer, .request = request, .counters = counters};
     at.origin = sl_surface_lift_anywhere(scene, point->position, point->geometric_normal);
     at.has_lobe = sl_request_lobe(request, &at.lobe);
-    at.cosine = (sl_bsdf){.diffuse = sl_grey(1.0f), .normal = point->normal, .geometric_normal = point->geometric_normal};
+    at.cosine = (sl_bsdf){
+        .diffuse = sl_grey(1.0f), .normal = point->normal, .geometric_normal = point->geometric_normal};
     sl_bsdf_turn(&at.cosine, point->normal, SL_LOBE_DIFFUSE);
     uint32_t each = sky->width > 0 || at.has_lobe ? (samples + 1) / 2 : samples;
     at.samples[BY_COSINE] = sl_request_wants_irradiance(request) ? (double)each : 0.0;
@@ -111,6 +116,8 @@ void sl_sky_light(const sl_scene *scene, const sl_tracer *tracer, uint64_t seed,
         if (each > 1) variance += fmax(s.squares - s.mean * s.mean / n, 0.0) * n / (n - 1.0);
     }
     sample->irradiance = sl_rgb_add(sample->irradiance, colour_of(irradiance));
-    if (at.has_lobe) sample->radiance = sl_rgb_add(sample->radiance, sl_rgb_mul(colour_of(lobe), request->material->specular));
+    if (at.has_lobe)
+        sample->radiance =
+            sl_rgb_add(sample->radiance, sl_rgb_mul(colour_of(lobe), request->material->specular));
     sample->variance += (float)variance;
 }

@@ -1,6 +1,7 @@
-/* What vertices show. A vertex without samples lies in the middle of an edge, or of a quadrilateral, that was cut; it shows the mean of the edge's ends, or
- * of the four corners, which may have none themselves; corners of roots have the guess. As that depends on where the vertex lies and on nothing else, all leaves
- * that have it show the same, and nothing is seen of a split until its samples come. */
+/* What vertices show. A vertex without samples lies in the middle of an edge, or of a quadrilateral, that was
+ * cut; it shows the mean of the edge's ends, or of the four corners, which may have none themselves; corners
+ * of roots have the guess. As that depends on where the vertex lies and on nothing else, all leaves that have
+ * it show the same, and nothing is seen of a split until its samples come. */
 #include <string.h>
 
 #include "base/error.h"
@@ -8,7 +9,7 @@
 #include "cache/shading_cache/display_parts.h"
 #include "cache/patches/patch_parts.h"
 
-/* ---- what a vertex lies between ------------------------------------------------------------------------------------------------ */
+/* ---- what a vertex lies between -------------------------------------------------------------- */
 
 static int zeros_below(uint32_t x) {
     int zeros = 0;
@@ -20,7 +21,8 @@ static uint32_t vertex_beside(const sl_patches *p, const sl_patch_vertex *of, in
     return sl_vertex_find(p, (sl_root_place){of->root, (uint16_t)(of->u + du), (uint16_t)(of->v + dv)});
 }
 
-/* Its level is the depth of the patches that it was made for; 0: it lies between nothing, as a root's corner. */
+/* Its level is the depth of the patches that it was made for; 0: it lies between nothing, as a root's corner.
+ */
 static int find_around(const sl_patches *p, uint32_t vertex, sl_pending_vertex *entry) {
     const sl_patch_vertex *v = &p->vertex[vertex];
     *entry = (sl_pending_vertex){vertex, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
@@ -40,7 +42,7 @@ static int find_around(const sl_patches *p, uint32_t vertex, sl_pending_vertex *
     return between ? SL_PATCH_DEPTH_MAX - zeros : 0;
 }
 
-/* ---- the list of those without samples ----------------------------------------------------------------------------------------- */
+/* ---- the list of those without samples ------------------------------------------------------- */
 
 void sl_display_values_release(sl_display *d) {
     for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) sl_free(d->pending[l].entry);
@@ -53,7 +55,8 @@ static bool append(sl_pending *list, const sl_pending_vertex *entry) {
     return ok;
 }
 
-/* Entries go whose vertex has samples by now, or is gone, or will be entered again as it has been met: so are all whose number is another vertex's by now. */
+/* Entries go whose vertex has samples by now, or is gone, or will be entered again as it has been met: so are
+ * all whose number is another vertex's by now. */
 static void drop_entries(sl_display *d, const sl_patches *p) {
     for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) {
         sl_pending *list = &d->pending[l];
@@ -68,7 +71,7 @@ static void drop_entries(sl_display *d, const sl_patches *p) {
     }
 }
 
-/* ---- values -------------------------------------------------------------------------------------------------------------------- */
+/* ---- values ---------------------------------------------------------------------------------- */
 
 static void take_samples(const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
     const float *lobe = sl_vertex_lobe(p, vertex);
@@ -76,7 +79,9 @@ static void take_samples(const sl_display_copy *copy, const sl_patches *p, uint3
     if (lobe) *sl_display_lobe(copy, vertex) = sl_pack_colour(lobe);
 }
 
-static sl_packed_colour *value_of(const sl_display_copy *copy, uint32_t vertex, bool lobe) { return lobe ? sl_display_lobe(copy, vertex) : &copy->value[vertex]; }
+static sl_packed_colour *value_of(const sl_display_copy *copy, uint32_t vertex, bool lobe) {
+    return lobe ? sl_display_lobe(copy, vertex) : &copy->value[vertex];
+}
 
 /* Vertices lie between such as have lobes if they have one. */
 static void take_mean(const sl_display_copy *copy, bool lobe, const sl_pending_vertex *e) {
@@ -91,25 +96,30 @@ static void take_mean(const sl_display_copy *copy, bool lobe, const sl_pending_v
     }
 }
 
-static void take_guess(const sl_display *d, const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
-    copy->value[vertex] = sl_pack_colour((const float[3]){d->settings.guess.r, d->settings.guess.g, d->settings.guess.b});
+static void take_guess(const sl_display *d, const sl_display_copy *copy, const sl_patches *p,
+                       uint32_t vertex) {
+    copy->value[vertex] =
+        sl_pack_colour((const float[3]){d->settings.guess.r, d->settings.guess.g, d->settings.guess.b});
     if (sl_vertex_lobe(p, vertex)) *sl_display_lobe(copy, vertex) = sl_pack_colour((const float[3]){0, 0, 0});
 }
 
 /* Vertices of the list with samples get them, the others are met. */
-static void visit(sl_display *d, const sl_display_copy *copy, const sl_patches *p, size_t count, const uint32_t *list) {
+static void visit(sl_display *d, const sl_display_copy *copy, const sl_patches *p, size_t count,
+                  const uint32_t *list) {
     for (size_t i = 0; i < count; i++) {
         if (!sl_patch_is_alive(p, list[i])) continue;
         for (int c = 0; c < sl_patch_corners(p, list[i]); c++) {
             uint32_t vertex = sl_patch_corner(p, list[i], c);
-            if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) d->seen_pending[vertex / 32] |= 1u << vertex % 32;
+            if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER)
+                d->seen_pending[vertex / 32] |= 1u << vertex % 32;
             else take_samples(copy, p, vertex);
         }
     }
 }
 
 /* Those that were met are entered, once each; corners of roots have their value at once. */
-static bool enter(sl_display *d, const sl_display_copy *copy, const sl_patches *p, size_t count, const uint32_t *list) {
+static bool enter(sl_display *d, const sl_display_copy *copy, const sl_patches *p, size_t count,
+                  const uint32_t *list) {
     for (size_t i = 0; i < count; i++) {
         for (int c = 0; sl_patch_is_alive(p, list[i]) && c < sl_patch_corners(p, list[i]); c++) {
             uint32_t vertex = sl_patch_corner(p, list[i], c), bit = 1u << vertex % 32;
@@ -125,13 +135,14 @@ static bool enter(sl_display *d, const sl_display_copy *copy, const sl_patches *
 }
 
 static bool make_room_for_marks(sl_display *d, const sl_patches *p) {
-    return sl_display_grow(&d->seen_pending, &d->seen_words, p->vertex_count / 32 + 1, sizeof *d->seen_pending);
+    return sl_display_grow(&d->seen_pending, &d->seen_words, p->vertex_count / 32 + 1,
+                           sizeof *d->seen_pending);
 }
 
-/* Coarse levels first: what a vertex lies between is of lower levels. All of them, as what they depend on is not written down; they are few, since
- * patches without samples come first. */
-sl_status sl_display_values(sl_display *d, sl_display_copy *copy, const sl_patches *p, const uint32_t *const list[2], const size_t count[2],
-                            sl_error *error) {
+/* Coarse levels first: what a vertex lies between is of lower levels. All of them, as what they depend on is
+ * not written down; they are few, since patches without samples come first. */
+sl_status sl_display_values(sl_display *d, sl_display_copy *copy, const sl_patches *p,
+                            const uint32_t *const list[2], const size_t count[2], sl_error *error) {
     bool ok = make_room_for_marks(d, p);
     for (int k = 0; ok && k < 2; k++) visit(d, copy, p, count[k], list[k]);
     if (ok) drop_entries(d, p);
@@ -141,7 +152,9 @@ sl_status sl_display_values(sl_display *d, sl_display_copy *copy, const sl_patch
         return sl_fail_memory(error, "the display's values");
     }
     for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) {
-        for (size_t i = 0; i < d->pending[l].count; i++) take_mean(copy, sl_vertex_lobe(p, d->pending[l].entry[i].vertex) != NULL, &d->pending[l].entry[i]);
+        for (size_t i = 0; i < d->pending[l].count; i++)
+            take_mean(copy, sl_vertex_lobe(p, d->pending[l].entry[i].vertex) != NULL,
+                      &d->pending[l].entry[i]);
     }
     return SL_OK;
 }

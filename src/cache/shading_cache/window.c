@@ -1,6 +1,7 @@
-/* From where frames are drawn: a camera and the positions of objects, the hardware that holds them, planes. The thread that builds the arrays has one
- * window for its id maps, another thread may have one to show them in; the two meet in the copies of the arrays alone, of which one is drawn from while the other is
- * written to. A frame never waits; a build that would write to what an unfinished frame reads does. */
+/* From where frames are drawn: a camera and the positions of objects, the hardware that holds them, planes.
+ * The thread that builds the arrays has one window for its id maps, another thread may have one to show them
+ * in; the two meet in the copies of the arrays alone, of which one is drawn from while the other is written
+ * to. A frame never waits; a build that would write to what an unfinished frame reads does. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/shading_cache/display_parts.h"
@@ -14,7 +15,8 @@ static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
     return frame->id && frame->curved_id && frame->depth && frame->curved_depth;
 }
 
-sl_status sl_window_open(const sl_display *d, const sl_scene *scene, unsigned threads, sl_window *w, sl_error *error) {
+sl_status sl_window_open(const sl_display *d, const sl_scene *scene, unsigned threads, sl_window *w,
+                         sl_error *error) {
     *w = (sl_window){.scene = scene, .threads = threads};
     size_t pixels = (size_t)d->settings.width * (size_t)d->settings.height;
     if (!allocate_frame(&w->frame, pixels, d->curved != NULL)) return sl_fail_memory(error, "the display");
@@ -30,7 +32,8 @@ void sl_window_close(sl_window *w) {
     for (int i = 0; i < 4; i++) sl_free(planes[i]);
 }
 
-sl_status sl_window_create(const sl_display *d, const sl_scene *scene_copy, sl_window **window, sl_error *error) {
+sl_status sl_window_create(const sl_display *d, const sl_scene *scene_copy, sl_window **window,
+                           sl_error *error) {
     sl_window *w = sl_allocate(1, sizeof *w);
     *window = NULL;
     if (!w) return sl_fail_memory(error, "a window of the display");
@@ -53,7 +56,7 @@ sl_status sl_window_move(const sl_display *d, sl_window *w, sl_error *error) {
 
 uint64_t sl_window_builds(const sl_window *w) { return w->builds; }
 
-/* ---- the two copies ------------------------------------------------------------------------------------------------------------ */
+/* ---- the two copies -------------------------------------------------------------------------- */
 
 const sl_display_copy *sl_display_take(sl_display *d) {
     sl_monitor_enter(&d->swap);
@@ -70,7 +73,8 @@ void sl_display_give_back(sl_display *d, const sl_display_copy *copy) {
     sl_monitor_leave(&d->swap);
 }
 
-/* Frames begun since the last swap are drawn from the other copy, so this waits for one that was begun before it, if any. */
+/* Frames begun since the last swap are drawn from the other copy, so this waits for one that was begun before
+ * it, if any. */
 sl_display_copy *sl_display_hidden(sl_display *d) {
     sl_monitor_enter(&d->swap);
     int hidden = 1 - d->shown;

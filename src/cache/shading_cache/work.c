@@ -38,8 +38,11 @@ typedef struct worker {
 
 /* What was evaluated before that update is not as the scene is now. */
 static uint32_t stale_before(const sl_patches *p, const sl_work_settings *settings, uint32_t root) {
-    uint32_t edited = settings->stale_before ? settings->stale_before[sl_root_object(p->primitives, root)] : 0;
-    return settings->eye_moved > edited && sl_material_has_lobe(sl_root_material(p->primitives, root)) ? settings->eye_moved : edited;
+    uint32_t edited =
+        settings->stale_before ? settings->stale_before[sl_root_object(p->primitives, root)] : 0;
+    return settings->eye_moved > edited && sl_material_has_lobe(sl_root_material(p->primitives, root))
+               ? settings->eye_moved
+               : edited;
 }
 
 bool sl_vertex_is_stale(const sl_patches *p, const sl_work_settings *settings, uint32_t vertex) {
@@ -48,7 +51,9 @@ bool sl_vertex_is_stale(const sl_patches *p, const sl_work_settings *settings, u
 }
 
 /* Leaves that will not be split any more: bands of light would show in them. */
-static bool is_full_size(const worker *w, float area) { return w->settings->dense && area > 0.0f && area <= w->settings->split_above; }
+static bool is_full_size(const worker *w, float area) {
+    return w->settings->dense && area > 0.0f && area <= w->settings->split_above;
+}
 
 static bool place_is_full_size(const worker *w, const sl_patch_place *place) {
     return is_full_size(w, sl_patch_projected(w->patches, place, w->camera, w->width, w->height).area);
@@ -94,7 +99,8 @@ static bool ask_for_missing(worker *w, const sl_patch_place *place) {
         ask_for(w, vertex);
         any = true;
     }
-    bool old = stale_before(w->patches, w->settings, sl_patch_root(w->patches, patch)) > 0 && sl_patch_is_leaf(w->patches, patch);
+    bool old = stale_before(w->patches, w->settings, sl_patch_root(w->patches, patch)) > 0 &&
+               sl_patch_is_leaf(w->patches, patch);
     return (old && ask_for_stale_hanging(w, patch) > 0) || any;
 }
 
@@ -104,7 +110,9 @@ static bool ask_for_dense(worker *w, const sl_patch_place *place) {
     for (int c = 0; c < place->corners; c++) {
         uint32_t vertex = sl_patch_corner(w->patches, place->patch, c);
         sl_patch_vertex *v = &w->patches->vertex[vertex];
-        if (v->evaluated == SL_VERTEX_NEVER || v->borrowed || v->dense || sl_vertex_is_stale(w->patches, w->settings, vertex)) continue;
+        if (v->evaluated == SL_VERTEX_NEVER || v->borrowed || v->dense ||
+            sl_vertex_is_stale(w->patches, w->settings, vertex))
+            continue;
         v->dense = 1;
         ask_for(w, vertex);
         any = true;
@@ -113,7 +121,8 @@ static bool ask_for_dense(worker *w, const sl_patch_place *place) {
 }
 
 static void ask_for_all(worker *w, uint32_t patch) {
-    for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) ask_for(w, sl_patch_corner(w->patches, patch, c));
+    for (int c = 0; c < sl_patch_corners(w->patches, patch); c++)
+        ask_for(w, sl_patch_corner(w->patches, patch, c));
 }
 
 /* ---- is it noise? ---- */
@@ -122,9 +131,11 @@ static void ask_for_all(worker *w, uint32_t patch) {
  * difference, since D' has no bound at black. */
 static double level_noise(const worker *w, uint32_t root, uint32_t vertex) {
     const sl_patches *p = w->patches;
-    float luminance = sl_vertex_luminance(p, vertex), kd = sl_curve_luminance(sl_root_mean_diffuse(p->primitives, root));
+    float luminance = sl_vertex_luminance(p, vertex),
+          kd = sl_curve_luminance(sl_root_mean_diffuse(p->primitives, root));
     float off = sqrtf(fmaxf(p->sets[vertex].variance, 0.0f)) * kd * (float)(1.0 / SL_PI);
-    return 0.5 * ((double)sl_curve_level_of(w->curve, luminance + off) - (double)sl_curve_level_of(w->curve, luminance - off));
+    return 0.5 * ((double)sl_curve_level_of(w->curve, luminance + off) -
+                  (double)sl_curve_level_of(w->curve, luminance - off));
 }
 
 /* p_err < 2 s, s of the darkest and of the brightest corner. */
@@ -146,11 +157,13 @@ static bool is_noise(const worker *w, uint32_t patch) {
 
 static bool is_sharp(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place) {
     const sl_material *material = sl_root_material(p->primitives, place->root);
-    bool polished = sl_material_is_mirror(material) || (sl_material_has_lobe(material) && material->exponent >= SL_POLISHED);
+    bool polished = sl_material_is_mirror(material) ||
+                    (sl_material_has_lobe(material) && material->exponent >= SL_POLISHED);
     return s->sharp && polished && sl_patch_error(p, s->sharp, place->patch) >= (float)SL_SHARP_LEVELS;
 }
 
-static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place, sl_screen_size size) {
+static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place,
+                     sl_screen_size size) {
     float area = s->split_above;
     if (s->coarsest > 0.0f && s->changing && s->changing[sl_root_object(p->primitives, place->root)]) {
         area = fmaxf(area, 4.0f * (place->corners == 3 ? 0.5f * s->coarsest : s->coarsest));
@@ -159,11 +172,14 @@ static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_pa
     return size.area > area && size.edge > sqrtf(fmaxf(fminf(s->split_above, area), 0.0f));
 }
 
-bool sl_patch_is_finished(const sl_patches *p, const sl_work_settings *settings, const sl_camera *camera, int width, int height, uint32_t patch) {
+bool sl_patch_is_finished(const sl_patches *p, const sl_work_settings *settings, const sl_camera *camera,
+                          int width, int height, uint32_t patch) {
     uint32_t oldest = sl_leaf_oldest(p, patch);
-    if (oldest == SL_VERTEX_NEVER || oldest < stale_before(p, settings, sl_patch_root(p, patch))) return false;
+    if (oldest == SL_VERTEX_NEVER || oldest < stale_before(p, settings, sl_patch_root(p, patch)))
+        return false;
     sl_patch_place place = sl_patch_place_of(p, patch);
-    return place.depth == SL_PATCH_DEPTH_MAX || !is_large(p, settings, &place, sl_patch_projected(p, &place, camera, width, height));
+    return place.depth == SL_PATCH_DEPTH_MAX ||
+           !is_large(p, settings, &place, sl_patch_projected(p, &place, camera, width, height));
 }
 
 /* Sorts the places of a patch by the child in which they lie, in their order otherwise. */
@@ -173,7 +189,8 @@ static void hand_on(worker *w, const sl_patch_place *place, uint32_t *index, siz
         begin[child] = at;
         for (size_t i = 0; i < count; i++) {
             const sl_chosen_place *chosen = &w->places[index[i]];
-            if (sl_patch_child_at(place, (double)chosen->u, (double)chosen->v) == child) w->handed[at++] = index[i];
+            if (sl_patch_child_at(place, (double)chosen->u, (double)chosen->v) == child)
+                w->handed[at++] = index[i];
         }
     }
     begin[4] = at;
@@ -184,7 +201,8 @@ static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index
 
 /* A child with a crowd of places is cut as well, before it has all its corners: its children's are what will
  * be seen. */
-static sl_status process_children(worker *w, const sl_patch_place *place, uint32_t *index, size_t count, int level, bool always) {
+static sl_status process_children(worker *w, const sl_patch_place *place, uint32_t *index, size_t count,
+                                  int level, bool always) {
     size_t begin[5];
     sl_status status = SL_OK;
     hand_on(w, place, index, count, begin);
@@ -238,7 +256,8 @@ static int by_first(const void *a, const void *b) {
 }
 
 /* Places sorted by patch, patches by the first place in them. Returns how many patches. */
-static size_t group_places(const sl_patches *patches, size_t count, const sl_chosen_place *places, located *sorted, uint32_t *index, group *groups) {
+static size_t group_places(const sl_patches *patches, size_t count, const sl_chosen_place *places,
+                           located *sorted, uint32_t *index, group *groups) {
     size_t group_count = 0;
     for (uint32_t i = 0; i < count; i++) sorted[i] = (located){places[i].patch, i};
     qsort(sorted, count, sizeof *sorted, by_patch);
@@ -253,14 +272,25 @@ static size_t group_places(const sl_patches *patches, size_t count, const sl_cho
     return group_count;
 }
 
-sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings, const sl_camera *camera, int width,
-                      int height, size_t count, const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count, sl_counters *counters,
-                      sl_error *error) {
+sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings,
+                      const sl_camera *camera, int width, int height, size_t count,
+                      const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count,
+                      sl_counters *counters, sl_error *error) {
     *vertex_count = 0;
     if (count == 0) return SL_OK;
-    worker w = {.patches = patches, .curve = curve, .settings = settings, .camera = camera, .width = width, .height = height, .places = places,
-                .slot_count = 16, .vertex = vertex, .counters = counters, .error = error};
-    while (w.slot_count < 2 * (4 + SL_HANGING_A_PATCH) * count) w.slot_count *= 2; /* at most so many vertices a place */
+    worker w = {.patches = patches,
+                .curve = curve,
+                .settings = settings,
+                .camera = camera,
+                .width = width,
+                .height = height,
+                .places = places,
+                .slot_count = 16,
+                .vertex = vertex,
+                .counters = counters,
+                .error = error};
+    /* at most so many vertices a place */
+    while (w.slot_count < 2 * (4 + SL_HANGING_A_PATCH) * count) w.slot_count *= 2;
     located *sorted = sl_allocate_unset(count, sizeof *sorted);
     group *groups = sl_allocate_unset(count, sizeof *groups);
     uint32_t *index = sl_allocate_unset(2 * count, sizeof *index);

@@ -11,17 +11,25 @@ typedef struct sl_chosen_place {
 } sl_chosen_place;
 
 typedef struct sl_work_settings {
-    float split_above;         /* pixels: projected area that a patch needs for a split: 1.2 stop sizes; and its root for its longest edge */
+    /* pixels: projected area that a patch needs for a split: 1.2 stop sizes; and its root for its longest
+     * edge */
+    float split_above;
     int levels;                /* splits one in another in one update: 3 */
     int crowd;                 /* places in a child that make it be processed, too: 4 */
     bool variance_aware;       /* p_err < 2 s: more samples instead of a split */
     uint32_t now;
-    const uint32_t *stale_before; /* by object: vertices evaluated before that update are stale; NULL: none is */
-    uint32_t eye_moved;        /* update: those evaluated before it are stale, too, where the material is not only diffuse; 0: never */
+    /* by object: vertices evaluated before that update are stale; NULL: none is */
+    const uint32_t *stale_before;
+    /* update: those evaluated before it are stale, too, where the material is not only diffuse; 0: never */
+    uint32_t eye_moved;
     const bool *changing;      /* by object; NULL: none */
-    bool dense;                /* leaves of one pixel have dense points on lights: their parent's corners get them before the split */
-    const sl_display_curve *sharp; /* leaves of polished surfaces are split below a pixel while their corners differ by SL_SHARP_LEVELS; NULL: they are not */
-    float coarsest;            /* > 0: children of patches of changing objects need more than so many pixels^2, triangles half of it */
+    /* leaves of one pixel have dense points on lights: their parent's corners get them before the split */
+    bool dense;
+    /* leaves of polished surfaces are split below a pixel while their corners differ by SL_SHARP_LEVELS;
+     * NULL: they are not */
+    const sl_display_curve *sharp;
+    /* > 0: children of patches of changing objects need more than so many pixels^2, triangles half of it */
+    float coarsest;
 } sl_work_settings;
 
 /* Of old vertices on the edges of one leaf no more are asked for at once. */
@@ -45,8 +53,8 @@ bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *set
  * evaluated or stale; else splits and hands places on. vertex: the vertices to be shaded, each once, in that
  * order; room for (4 + SL_HANGING_A_PATCH) * count + 64. */
 sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings,
-                      const sl_camera *camera, int width,
-                      int height, size_t count, const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count, sl_counters *counters,
-                      sl_error *error);
+                      const sl_camera *camera, int width, int height, size_t count,
+                      const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count,
+                      sl_counters *counters, sl_error *error);
 
 #endif

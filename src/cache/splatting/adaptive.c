@@ -1,6 +1,6 @@
-/* Adaptive caching (Krivanek, Bouatouch, Pattanaik, Zara 2006): where two records reach a pixel and what they say of it differs by more than
- * an eye would forgive, the farther one reached too far. Its radius shrinks until the pixel is no longer its own; what that
- * uncovers gets records in the second visit. */
+/* Adaptive caching (Krivanek, Bouatouch, Pattanaik, Zara 2006): where two records reach a pixel and what they
+ * say of it differs by more than an eye would forgive, the farther one reached too far. Its radius shrinks
+ * until the pixel is no longer its own; what that uncovers gets records in the second visit. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/splatting/record_weight.h"
@@ -12,8 +12,9 @@ static const float tolerated = 0.1f; /* of the larger one */
 static float said(const sl_record_pass *pass, const sl_record *record, size_t pixel) {
     const sl_splat_receivers *p = &pass->receivers;
     const sl_record_terms k = sl_record_terms_of(record, &pass->weights);
-    const sl_record_offsets o = sl_record_offsets_at(&k, p->position_x[pixel], p->position_y[pixel], p->position_z[pixel],
-                                                     p->normal_x[pixel], p->normal_y[pixel], p->normal_z[pixel]);
+    const sl_record_offsets o =
+        sl_record_offsets_at(&k, p->position_x[pixel], p->position_y[pixel], p->position_z[pixel],
+                             p->normal_x[pixel], p->normal_y[pixel], p->normal_z[pixel]);
     float turn = sl_record_turn(&o), sum = 0.0f;
     for (int c = 0; c < 3; c++) sum += sl_record_extrapolate(&k, c, &o, turn);
     return sum * (1.0f / 3.0f);
@@ -38,7 +39,8 @@ static void find_nearest(const nearest_record *n, const sl_record *record) {
     }
 }
 
-/* The distance, as a radius, to the nearest pixel of which the record says something else than the nearest record there. */
+/* The distance, as a radius, to the nearest pixel of which the record says something else than the nearest
+ * record there. */
 static float agreed_radius(const nearest_record *n, const sl_record *record) {
     const sl_splat_receivers *p = &n->pass->receivers;
     sl_splat_rect rect = sl_record_bounds(n->pass, record);
@@ -48,9 +50,11 @@ static float agreed_radius(const nearest_record *n, const sl_record *record) {
             size_t pixel = (size_t)y * (size_t)p->width + (size_t)x;
             float w = sl_record_weight(n->pass, record, pixel);
             if (!(w > 0.0f && w < n->weight[pixel])) continue;
-            float here = said(n->pass, record, pixel), there = n->light[pixel], most = here > there ? here : there;
+            float here = said(n->pass, record, pixel), there = n->light[pixel],
+                  most = here > there ? here : there;
             if (!(fabsf(here - there) > tolerated * most)) continue;
-            sl_vec3 d = sl_sub(sl_v3(p->position_x[pixel], p->position_y[pixel], p->position_z[pixel]), record->position);
+            sl_vec3 d = sl_sub(sl_v3(p->position_x[pixel], p->position_y[pixel], p->position_z[pixel]),
+                               record->position);
             float limit = 0.999f * sl_length(d) / n->pass->weights.accuracy;
             radius = limit < radius ? limit : radius;
         }

@@ -1,5 +1,5 @@
-/* Step 6 of Algorithm 2: means of E' and of the reflected radiance, filled where nothing reached, times albedo / pi and ks, plus direct
- * light and emission. */
+/* Step 6 of Algorithm 2: means of E' and of the reflected radiance, filled where nothing reached, times
+ * albedo / pi and ks, plus direct light and emission. */
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
@@ -8,10 +8,20 @@
 #include "cache/splatting/splatting.h"
 
 const char *const sl_layer_names[SL_LAYERS_GLOSSY] = {
-    "R",        "G",        "B",          "emission.R", "emission.G", "emission.B", "direct.R", "direct.G", "direct.B",
-    "indirect.R", "indirect.G", "indirect.B", "weight.Y", "records.Y",  "glossy.R",   "glossy.G", "glossy.B"};
+    "R",        "G",         "B",        "emission.R", "emission.G", "emission.B",
+    "direct.R", "direct.G",  "direct.B", "indirect.R", "indirect.G", "indirect.B",
+    "weight.Y", "records.Y", "glossy.R", "glossy.G",   "glossy.B"};
 
-enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, WEIGHT = 12, RECORDS = 13, GLOSSY = 14, MEANS = 6 };
+enum {
+    PICTURE = 0,
+    EMISSION = 3,
+    DIRECT = 6,
+    INDIRECT = 9,
+    WEIGHT = 12,
+    RECORDS = 13,
+    GLOSSY = 14,
+    MEANS = 6
+};
 
 typedef struct {
     const sl_composition *parts;
@@ -39,7 +49,8 @@ static sl_rgb emission_at(const composing *c, int x, int y, size_t pixel) {
     const sl_gbuffer *g = c->parts->gbuffer;
     if (!c->parts->drawn) return sl_grey(0.0f);
     if (g->material[pixel] == SL_NO_INDEX) return sky_at(c, x, y);
-    return sl_scene_emission(scene, g->id[pixel], sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]));
+    return sl_scene_emission(scene, g->id[pixel],
+                             sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]));
 }
 
 /* ---- rows ---- */
@@ -58,18 +69,23 @@ static void compose_row(void *context, size_t index, unsigned worker) {
     size_t pixels = (size_t)g->width * (size_t)g->height, width = (size_t)g->width;
     for (size_t x = 0; x < width; x++) {
         size_t i = index * width + x, out = ((size_t)g->height - 1 - index) * width + x;
-        bool glossy = receives(p, SL_RECEIVES_RADIANCE, i), diffuse = glossy || receives(p, SL_RECEIVES_IRRADIANCE, i);
-        sl_rgb e = emission_at(c, (int)x, (int)index, i), ks = glossy ? p->scene->materials[g->material[i]].specular : sl_grey(0.0f);
+        bool glossy = receives(p, SL_RECEIVES_RADIANCE, i),
+             diffuse = glossy || receives(p, SL_RECEIVES_IRRADIANCE, i);
+        sl_rgb e = emission_at(c, (int)x, (int)index, i),
+               ks = glossy ? p->scene->materials[g->material[i]].specular : sl_grey(0.0f);
         const float emitted[3] = {e.r, e.g, e.b}, specular[3] = {ks.r, ks.g, ks.b};
         for (size_t k = 0; k < 3; k++) {
             float emission = sl_picture_value(emitted[k]), direct = sl_picture_value(p->direct[k][i]);
-            float indirect = diffuse ? sl_picture_value(c->mean[k][i] * (albedo[k][i] * (float)(1.0 / SL_PI))) : 0.0f;
+            float indirect =
+                diffuse ? sl_picture_value(c->mean[k][i] * (albedo[k][i] * (float)(1.0 / SL_PI))) : 0.0f;
             /* A lobe of finite order rings below 0. */
-            float reflected = glossy && c->mean[3 + k][i] > 0.0f ? sl_picture_value(c->mean[3 + k][i] * specular[k]) : 0.0f;
+            float reflected =
+                glossy && c->mean[3 + k][i] > 0.0f ? sl_picture_value(c->mean[3 + k][i] * specular[k]) : 0.0f;
             c->layers[(EMISSION + k) * pixels + out] = emission;
             c->layers[(DIRECT + k) * pixels + out] = direct;
             c->layers[(INDIRECT + k) * pixels + out] = indirect;
-            c->layers[(PICTURE + k) * pixels + out] = sl_picture_value(emission + direct + indirect + reflected);
+            c->layers[(PICTURE + k) * pixels + out] =
+                sl_picture_value(emission + direct + indirect + reflected);
             if (c->has_glossy) c->layers[(GLOSSY + k) * pixels + out] = reflected;
         }
         c->layers[WEIGHT * pixels + out] = p->splats.weight[i];
@@ -77,7 +93,8 @@ static void compose_row(void *context, size_t index, unsigned worker) {
     }
 }
 
-/* What a mirror pixel shows has been composed as if it were seen straight, but for what lies beyond the scene. */
+/* What a mirror pixel shows has been composed as if it were seen straight, but for what lies beyond the
+ * scene. */
 static void compose_mirrors(const composing *c) {
     const sl_composition *p = c->parts;
     const sl_reflections *r = p->reflections;
@@ -89,11 +106,15 @@ static void compose_mirrors(const composing *c) {
         const float throughput[3] = {r->throughput[k].r, r->throughput[k].g, r->throughput[k].b};
         const float beyond[3] = {r->background[k].r, r->background[k].g, r->background[k].b};
         for (size_t channel = 0; channel < 3; channel++) {
-            float *layer[] = {&c->layers[(EMISSION + channel) * pixels + out], &c->layers[(DIRECT + channel) * pixels + out],
-                              &c->layers[(INDIRECT + channel) * pixels + out], c->has_glossy ? &c->layers[(GLOSSY + channel) * pixels + out] : NULL};
+            float *layer[] = {&c->layers[(EMISSION + channel) * pixels + out],
+                              &c->layers[(DIRECT + channel) * pixels + out],
+                              &c->layers[(INDIRECT + channel) * pixels + out],
+                              c->has_glossy ? &c->layers[(GLOSSY + channel) * pixels + out] : NULL};
             float sum = 0.0f;
             for (int l = 0; l < 4 && layer[l]; l++) {
-                *layer[l] = sl_picture_value(surface ? *layer[l] * throughput[channel] : l == 0 ? beyond[channel] : 0.0f);
+                *layer[l] = sl_picture_value(surface  ? *layer[l] * throughput[channel]
+                                             : l == 0 ? beyond[channel]
+                                                      : 0.0f);
                 sum += *layer[l];
             }
             c->layers[(PICTURE + channel) * pixels + out] = sl_picture_value(sum);
@@ -128,10 +149,11 @@ static sl_status fill(const sl_composition *p, bool glossy, float *mean, sl_erro
     for (int class = 0; status == SL_OK && class < SL_RECEIVER_CLASSES; class++) {
         const uint32_t *mine = p->receives[class];
         if (!mine) continue;
-        status = sl_fill_uncovered(g->width, g->height, p->splats.weight, mine, mean, mean + pixels, mean + 2 * pixels, error);
+        status = sl_fill_uncovered(g->width, g->height, p->splats.weight, mine, mean, mean + pixels,
+                                   mean + 2 * pixels, error);
         if (status == SL_OK && glossy && class == SL_RECEIVES_RADIANCE)
-            status = sl_fill_uncovered(g->width, g->height, p->splats.weight, mine, mean + 3 * pixels, mean + 4 * pixels,
-                                       mean + 5 * pixels, error);
+            status = sl_fill_uncovered(g->width, g->height, p->splats.weight, mine, mean + 3 * pixels,
+                                       mean + 4 * pixels, mean + 5 * pixels, error);
     }
     return status;
 }
@@ -147,7 +169,10 @@ sl_status sl_compose(const sl_composition *parts, sl_image *image, sl_error *err
     sl_status status = fill(parts, glossy, mean, error);
     if (status == SL_OK) {
         float top = (float)sl_tan(0.5 * (double)parts->scene->camera.vertical_fov);
-        composing c = {.parts = parts, .layers = image->planes, .has_glossy = image->channels == SL_LAYERS_GLOSSY, .top = top,
+        composing c = {.parts = parts,
+                       .layers = image->planes,
+                       .has_glossy = image->channels == SL_LAYERS_GLOSSY,
+                       .top = top,
                        .right = top * (float)g->width / (float)g->height};
         for (size_t k = 0; k < (glossy ? MEANS : 3); k++) c.mean[k] = mean + k * pixels;
         sl_parallel_for(parts->threads, height, compose_row, &c);

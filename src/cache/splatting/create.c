@@ -1,5 +1,5 @@
-/* What the passes need, made when it is needed and not before: light and hierarchy at the start, a cache when the first pixel of its
- * class has been seen. */
+/* What the passes need, made when it is needed and not before: light and hierarchy at the start, a cache when
+ * the first pixel of its class has been seen. */
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
@@ -25,9 +25,11 @@ static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache)
     return cache->class == SL_RECEIVES_RADIANCE ? s->plan.quality.glossy_accuracy : s->plan.quality.accuracy;
 }
 
-/* Second-level records stay as long as geometry and lights do; where the camera goes to other places, there will be more. */
+/* Second-level records stay as long as geometry and lights do; where the camera goes to other places, there
+ * will be more. */
 sl_second_settings sl_splat_hidden_settings(const sl_splat_state *s) {
-    sl_second_settings settings = sl_second_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
+    sl_second_settings settings =
+        sl_second_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
     settings.aspect = (float)s->settings.width / (float)s->settings.height;
     settings.threads = s->settings.threads;
     return settings;
@@ -47,7 +49,8 @@ static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error 
     sl_status status = open_hidden(s, error);
     if (status != SL_OK) return status;
     settings.hidden = s->hidden ? sl_second_cache_light(s->hidden) : NULL;
-    status = sl_gather_create(s->scene, s->raster, s->tracer, &settings, threads, &cache->gather, &s->counters, error);
+    status = sl_gather_create(s->scene, s->raster, s->tracer, &settings, threads, &cache->gather,
+                              &s->counters, error);
     if (status == SL_OK) {
         cache->scratch = sl_allocate(threads, sizeof *cache->scratch);
         if (!cache->scratch) status = sl_fail_memory(error, "gathers");
@@ -67,8 +70,8 @@ sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_erro
     return status;
 }
 
-/* Where frames follow each other, records must not depend on the view in which they were made: aR_min is what it would be a quarter of the
- * scene away from the eye, and at least a thousandth of the scene. */
+/* Where frames follow each other, records must not depend on the view in which they were made: aR_min is what
+ * it would be a quarter of the scene away from the eye, and at least a thousandth of the scene. */
 static double minimum_reach(const sl_splat_state *s, double footprint_per_depth) {
     double size = (double)sl_scene_central_diagonal(s->scene);
     double reach = s->plan.quality.minimum_pixels * footprint_per_depth * 0.25 * size;
@@ -79,18 +82,21 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
     float a = (float)accuracy_of(s, cache), scale = s->scene->scale;
     const sl_camera *camera = &s->scene->camera;
-    /* Pictures of more than 400 rows show more, but not in proportion: there what is told in pixels goes with the root of the rows. */
+    /* Pictures of more than 400 rows show more, but not in proportion: there what is told in pixels goes with
+     * the root of the rows. */
     const double rows = s->settings.height < 400 ? (double)s->settings.height : 400.0;
-    double footprint_per_depth = 2.0 * sl_tan(0.5 * (double)camera->vertical_fov) / sqrt(rows * (double)s->settings.height);
+    double footprint_per_depth =
+        2.0 * sl_tan(0.5 * (double)camera->vertical_fov) / sqrt(rows * (double)s->settings.height);
     cache->pass = (sl_record_pass){
         .gather = cache->gather,
         .scene = s->scene,
         .tracer = s->tracer,
         .scratch = cache->scratch,
         .gbuffer = g,
-        .receivers = {g->width, g->height, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y,
-                      g->normal_z, cache->receives},
-        /* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a vanishing weight. */
+        .receivers = {g->width, g->height, g->position_x, g->position_y, g->position_z, g->normal_x,
+                      g->normal_y, g->normal_z, cache->receives},
+        /* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a
+           vanishing weight. */
         .weights = {a, 1.0f / a, 1e-5f * scale},
         .covered_weight = 1.0f / (9.0f * a),
         .radii = {.accuracy = (double)a,
@@ -139,15 +145,18 @@ static const sl_environment *present_or_null(const sl_environment *e) { return e
 
 /* Once for pixels, which want the lights and the sun, and for gathers, which want the sky too. */
 static sl_status create_maps(sl_splat_state *s, sl_error *error) {
-    sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, present_or_null(&s->sun), present_or_null(&s->sky), s->settings.threads};
+    sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, present_or_null(&s->sun), present_or_null(&s->sky),
+                                   s->settings.threads};
     return sl_shadow_maps_create(s->scene, s->raster, &maps, &s->maps, &s->counters, error);
 }
 
 static sl_status create_transport(sl_splat_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
-    if (status == SL_OK) status = sl_environment_split(&s->scene->environment, SL_SKY_CONTRAST, &s->sky, &s->sun, error);
-    if (status == SL_OK && (s->plan.direct || s->plan.mirrors)) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK)
+        status = sl_environment_split(&s->scene->environment, SL_SKY_CONTRAST, &s->sky, &s->sun, error);
+    if (status == SL_OK && (s->plan.direct || s->plan.mirrors))
+        status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     if (status == SL_OK && s->plan.direct && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
         status = create_maps(s, error);
     if (status == SL_OK && s->plan.direct) {
@@ -189,19 +198,21 @@ static sl_status create_buffers(sl_splat_state *s, sl_error *error) {
     for (int c = 0; c < 3; c++) s->direct_light[c] = s->planes + (size_t)c * pixels;
     float *p = s->planes + 3 * pixels;
     s->coverage = p;
-    s->splats = (sl_splat_buffer){p + pixels, p + 2 * pixels, p + 3 * pixels, p + 4 * pixels, p + 5 * pixels, {NULL}};
+    s->splats =
+        (sl_splat_buffer){p + pixels, p + 2 * pixels, p + 3 * pixels, p + 4 * pixels, p + 5 * pixels, {NULL}};
     for (size_t c = 0; s->plan.radiance && c < 3; c++) s->splats.glossy[c] = p + (6 + c) * pixels;
     return sl_gbuffer_create(s->settings.width, s->settings.height, &s->gbuffer, error);
 }
 
-sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
-                          sl_error *error) {
+sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
+                          void **state, sl_error *error) {
     (void)transport; /* its own: sl_splat_transport() */
     sl_splat_state *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "radiance cache splatting");
     s->scene = scene;
     s->settings = *settings;
-    s->announcer = (sl_announcer){.observer = settings->observer, .method = "splatting", .counters = &s->counters};
+    s->announcer =
+        (sl_announcer){.observer = settings->observer, .method = "splatting", .counters = &s->counters};
     s->plan = sl_splat_plan_make(scene, settings);
     sl_status status = create_transport(s, error);
     if (status == SL_OK) status = create_buffers(s, error);

@@ -1,6 +1,7 @@
-/* Pixels at edges, looked at again by rays. The rasterizer snaps vertices to 1/256 of a pixel, as hardware does: at
- * the outline of a thing one pixel of a thousand shows what lies behind it, or its far side. That place may be on
- * the other side of a sheet, in another light, and a record there would tell its neighbours of it. */
+/* Pixels at edges, looked at again by rays. The rasterizer snaps vertices to 1/256 of a pixel, as hardware
+ * does: at the outline of a thing one pixel of a thousand shows what lies behind it, or its far side. That
+ * place may be on the other side of a sheet, in another light, and a record there would tell its neighbours
+ * of it. */
 #include <string.h>
 
 #include "base/batch.h"
@@ -42,7 +43,8 @@ static void find_edges(void *context, size_t y, unsigned worker) {
     const size_t width = (size_t)g->width, row = y * width, end = row + width;
     const bool below = y > 0, above = y + 1 < (size_t)g->height;
     for (size_t i = row; i < end; i++) {
-        const bool beside = (i > row && is_edge_between(g, i, i - 1)) || (i + 1 < end && is_edge_between(g, i, i + 1));
+        const bool beside =
+            (i > row && is_edge_between(g, i, i - 1)) || (i + 1 < end && is_edge_between(g, i, i + 1));
         p->edge[i] = beside || (below && is_edge_between(g, i, i - width)) ||
                      (above && is_edge_between(g, i, i + width));
     }

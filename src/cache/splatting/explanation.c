@@ -1,5 +1,6 @@
-/* The explanation of a pixel: Algorithm 1 and step 6 told backwards. Each record that reaches the pixel adds w E' / sum w, times albedo / pi; on
- * glossy pixels also what the lobe reflects of it, times ks. And marks, so that records can be seen where they are. */
+/* The explanation of a pixel: Algorithm 1 and step 6 told backwards. Each record that reaches the pixel adds
+ * w E' / sum w, times albedo / pi; on glossy pixels also what the lobe reflects of it, times ks. And marks,
+ * so that records can be seen where they are. */
 #include "cache/splatting/explanation.h"
 
 #include "base/isa.h"
@@ -18,8 +19,8 @@ static void put_place(float out[3], sl_vec3 in) { out[0] = in.x, out[1] = in.y, 
 static void irradiance_at(const sl_record_pass *pass, const sl_record *record, size_t i, float e[3]) {
     const sl_splat_receivers *p = &pass->receivers;
     const sl_record_terms k = sl_record_terms_of(record, &pass->weights);
-    const sl_record_offsets o = sl_record_offsets_at(&k, p->position_x[i], p->position_y[i], p->position_z[i], p->normal_x[i], p->normal_y[i],
-                                                     p->normal_z[i]);
+    const sl_record_offsets o = sl_record_offsets_at(&k, p->position_x[i], p->position_y[i], p->position_z[i],
+                                                     p->normal_x[i], p->normal_y[i], p->normal_z[i]);
     float turn = sl_record_turn(&o);
     for (int c = 0; c < 3; c++) e[c] = sl_record_extrapolate(&k, c, &o, turn);
 }
@@ -33,7 +34,8 @@ typedef struct {
 } told_record;
 
 static sl_explanation_term begin_term(const told_record *t, const char *layer, const char *kind) {
-    sl_explanation_term term = {.layer = layer, .kind = kind, .index = t->index, .placed = true, .weight = (double)t->weight};
+    sl_explanation_term term = {
+        .layer = layer, .kind = kind, .index = t->index, .placed = true, .weight = (double)t->weight};
     put_place(term.position, t->cache->list.records[t->index].position);
     return term;
 }
@@ -41,7 +43,8 @@ static sl_explanation_term begin_term(const told_record *t, const char *layer, c
 static void share_out(const told_record *t, const float at[3], sl_explanation_term *term) {
     for (int c = 0; c < 3; c++) {
         term->value[c] = at[c];
-        term->contribution[c] = (double)t->weight * (double)at[c] / (double)t->total * (double)t->reflectance[c];
+        term->contribution[c] =
+            (double)t->weight * (double)at[c] / (double)t->total * (double)t->reflectance[c];
     }
 }
 
@@ -73,11 +76,14 @@ static void glossy_reflectance(const sl_splat_state *s, size_t pixel, sl_rgb mir
         if (!(s->splats.glossy[c][pixel] > 0.0f)) ks[c] = 0.0f;
 }
 
-static void tell_records(const sl_splat_state *s, const sl_record_cache *cache, size_t pixel, sl_explanation_writer *writer) {
+static void tell_records(const sl_splat_state *s, const sl_record_cache *cache, size_t pixel,
+                         sl_explanation_writer *writer) {
     const sl_gbuffer *g = s->gbuffer;
     const float per_pi = (float)(1.0 / SL_PI);
     const sl_rgb mirrors = sl_reflections_throughput(s->reflections, pixel);
-    const float albedo[3] = {g->diffuse_r[pixel] * per_pi * mirrors.r, g->diffuse_g[pixel] * per_pi * mirrors.g, g->diffuse_b[pixel] * per_pi * mirrors.b};
+    const float albedo[3] = {g->diffuse_r[pixel] * per_pi * mirrors.r,
+                             g->diffuse_g[pixel] * per_pi * mirrors.g,
+                             g->diffuse_b[pixel] * per_pi * mirrors.b};
     bool glossy = cache->list.coefficients && s->splats.glossy[0];
     float ks[3] = {0.0f, 0.0f, 0.0f};
     if (glossy) glossy_reflectance(s, pixel, mirrors, ks);
@@ -128,11 +134,13 @@ void sl_splat_announce_gather(sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
     size_t middle = sl_splat_pixels(s) / 2 + (size_t)s->settings.width / 2;
     if (!sl_announcing(&s->announcer) || !cache->gather || g->material[middle] == SL_NO_INDEX) return;
-    const sl_record *record = record_near(cache, sl_v3(g->position_x[middle], g->position_y[middle], g->position_z[middle]));
+    const sl_record *record =
+        record_near(cache, sl_v3(g->position_x[middle], g->position_y[middle], g->position_z[middle]));
     if (!record || record->triangle == SL_NO_INDEX) return;
     const sl_scene *scene = s->scene;
     uint32_t t = record->triangle;
-    sl_vec3 face = sl_v3(scene->geometric_normal_x[t], scene->geometric_normal_y[t], scene->geometric_normal_z[t]);
+    sl_vec3 face =
+        sl_v3(scene->geometric_normal_x[t], scene->geometric_normal_y[t], scene->geometric_normal_z[t]);
     if (sl_dot(face, record->normal) < 0.0f) face = sl_neg(face);
     const sl_gather_point point = {record->position, face, record->normal, t, 0};
     sl_irradiance ignored_value;
@@ -140,9 +148,13 @@ void sl_splat_announce_gather(sl_splat_state *s, sl_record_cache *cache) {
     sl_gather_irradiance(cache->gather, &point, cache->scratch[0], &ignored_value, &ignored);
     const sl_gather_picture picture = sl_gather_last_picture(cache->scratch[0]);
     const float *const planes[3] = {picture.r, picture.g, picture.b};
-    sl_announce_planes(&s->announcer, "gather of one record", "incident radiance of a record", picture.width, picture.height, planes);
-    const sl_mark mark = {.kind = SL_MARK_POINT, .at = {record->position.x, record->position.y, record->position.z}, .colour = {1.0f, 1.0f, 1.0f}};
-    sl_announce_marks(&s->announcer, "gather of one record: where", "incident radiance of a record", &mark, 1);
+    sl_announce_planes(&s->announcer, "gather of one record", "incident radiance of a record", picture.width,
+                       picture.height, planes);
+    const sl_mark mark = {.kind = SL_MARK_POINT,
+                          .at = {record->position.x, record->position.y, record->position.z},
+                          .colour = {1.0f, 1.0f, 1.0f}};
+    sl_announce_marks(&s->announcer, "gather of one record: where", "incident radiance of a record", &mark,
+                      1);
 }
 
 /* ---- marks ---- */

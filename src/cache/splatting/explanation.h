@@ -7,7 +7,8 @@
 
 /* See sl_method_explanation(). */
 sl_status sl_splat_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
-/* The picture that the record nearest to the middle of the view made of its hemisphere, gathered once more; nothing without an observer. */
+/* The picture that the record nearest to the middle of the view made of its hemisphere, gathered once more;
+ * nothing without an observer. */
 void sl_splat_announce_gather(sl_splat_state *state, sl_record_cache *cache);
 /* All records, as discs as wide as they reach; nothing without an observer. */
 void sl_splat_announce_records(sl_splat_state *state);

@@ -1,6 +1,6 @@
-/* Pixels that no record has reached yet, in a picture that was stopped early, take the mean of what surrounds them: push sums of
- * (w E, w) with w = 1 for covered pixels down a pyramid of 2x2 sums, then pull the coarser mean wherever the finer level has
- * nothing. Irradiance is filled, not radiance, so textures stay sharp. */
+/* Pixels that no record has reached yet, in a picture that was stopped early, take the mean of what surrounds
+ * them: push sums of (w E, w) with w = 1 for covered pixels down a pyramid of 2x2 sums, then pull the coarser
+ * mean wherever the finer level has nothing. Irradiance is filled, not radiance, so textures stay sharp. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/splatting/splatting.h"
@@ -12,7 +12,12 @@ typedef struct {
 
 static bool level_create(level *l, int width, int height) {
     size_t pixels = (size_t)width * (size_t)height;
-    *l = (level){width, height, sl_allocate(pixels, 4), sl_allocate(pixels, 4), sl_allocate(pixels, 4), sl_allocate(pixels, 4)};
+    *l = (level){width,
+                 height,
+                 sl_allocate(pixels, 4),
+                 sl_allocate(pixels, 4),
+                 sl_allocate(pixels, 4),
+                 sl_allocate(pixels, 4)};
     return l->r && l->g && l->b && l->weight;
 }
 
@@ -37,8 +42,8 @@ static void push(const level *fine, level *coarse) {
     }
 }
 
-/* The mean of the four coarse pixels nearest to a fine one, by the shares of a tent (9, 3, 3 and 1 sixteenths): the coarser level's squares
- * do not show. False where none of them has anything. */
+/* The mean of the four coarse pixels nearest to a fine one, by the shares of a tent (9, 3, 3 and 1
+ * sixteenths): the coarser level's squares do not show. False where none of them has anything. */
 static bool tent(const level *coarse, int x, int y, float mean[3]) {
     float sums[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     const int step_x = x % 2 ? 1 : -1, step_y = y % 2 ? 1 : -1;
@@ -78,8 +83,8 @@ static bool any_uncovered(size_t pixels, const float *weight, const uint32_t *re
     return false;
 }
 
-sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r, float *g,
-                            float *b, sl_error *error) {
+sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r,
+                            float *g, float *b, sl_error *error) {
     enum { LEVELS = 17 };
     level levels[LEVELS];
     int count = 0;

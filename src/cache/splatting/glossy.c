@@ -35,7 +35,8 @@ double sl_glossy_truncation(const sl_scene *scene, int order, double *exponent) 
 
 static sl_moved_lobe *lobe_made_before(const sl_glossy *glossy, const sl_scene *scene, size_t index) {
     for (size_t i = 0; i < index; i++) {
-        if (glossy->lobe[i] && scene->materials[i].exponent == scene->materials[index].exponent) return glossy->lobe[i];
+        if (glossy->lobe[i] && scene->materials[i].exponent == scene->materials[index].exponent)
+            return glossy->lobe[i];
     }
     return NULL;
 }
@@ -49,7 +50,8 @@ static sl_status make_lobes(sl_glossy *glossy, const sl_scene *scene, sl_error *
         if (!sl_material_is_glossy(&scene->materials[i])) continue;
         glossy->lobe[i] = lobe_made_before(glossy, scene, i);
         if (glossy->lobe[i]) continue;
-        status = sl_moved_lobe_create(glossy->order, (double)scene->materials[i].exponent, &glossy->lobe[i], error);
+        status = sl_moved_lobe_create(glossy->order, (double)scene->materials[i].exponent, &glossy->lobe[i],
+                                      error);
     }
     return status;
 }
@@ -71,7 +73,9 @@ static void weigh_bands(sl_glossy *glossy, const sl_scene *scene) {
     }
 }
 
-static double sum_of_channels(const float *c, size_t stride) { return (double)c[0] + (double)c[stride] + (double)c[2 * stride]; }
+static double sum_of_channels(const float *c, size_t stride) {
+    return (double)c[0] + (double)c[stride] + (double)c[2 * stride];
+}
 
 double sl_glossy_length(const sl_glossy *g, const float *coefficients) {
     double value = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
@@ -79,11 +83,13 @@ double sl_glossy_length(const sl_glossy *g, const float *coefficients) {
         for (int m = -l; m <= l; m++) {
             const float *c = coefficients + (m < 0 ? sl_hsh_odd(g->order, l, m) : sl_hsh_even(l, m));
             double v = sum_of_channels(c, g->stride), w = g->band_weight[l];
-            double x = sum_of_channels(c + 3 * g->stride, g->stride), y = sum_of_channels(c + 6 * g->stride, g->stride);
+            double x = sum_of_channels(c + 3 * g->stride, g->stride),
+                   y = sum_of_channels(c + 6 * g->stride, g->stride);
             value += w * v * v, xx += w * x * x, xy += w * x * y, yy += w * y * y;
         }
     }
-    double difference = 0.5 * (xx - yy), greatest = 0.5 * (xx + yy) + sqrt(difference * difference + xy * xy); /* eigenvalue */
+    /* eigenvalue */
+    double difference = 0.5 * (xx - yy), greatest = 0.5 * (xx + yy) + sqrt(difference * difference + xy * xy);
     return greatest > 0.0 ? sqrt(value / greatest) : INFINITY;
 }
 

@@ -1,8 +1,9 @@
-/* Radiance records (Krivanek et al. 2005; Gautron et al. 2005): what the light that a record gathered, as coefficients of
- * hemispherical harmonics, sends from a pixel to the eye by way of a Phong lobe. Interpolation goes as follows (9):
+/* Radiance records (Krivanek et al. 2005; Gautron et al. 2005): what the light that a record gathered, as
+ * coefficients of hemispherical harmonics, sends from a pixel to the eye by way of a Phong lobe.
+ * Interpolation goes as follows (9):
  *
- *     translate   lambda(p) = lambda + dx d/dx lambda + dy d/dy lambda, where the gradients live: in the record's frame
- *     rotate      into the pixel's frame; that is, the pixel's lobe is moved into the record's
+ *     translate   lambda(p) = lambda + dx d/dx lambda + dy d/dy lambda, where the gradients live: in the
+ * record's frame rotate      into the pixel's frame; that is, the pixel's lobe is moved into the record's
  *     reflect     L_o = sum of c_lm(omega_o) lambda_lm
  */
 #ifndef SL_CACHE_SPLATTING_GLOSSY_H
@@ -19,16 +20,17 @@ sl_status sl_glossy_create(const sl_scene *scene, int order, sl_glossy **glossy,
 void sl_glossy_destroy(sl_glossy *glossy);
 int sl_glossy_order(const sl_glossy *glossy);
 size_t sl_glossy_bytes(const sl_glossy *glossy);
-/* The least order that holds every glossy lobe of the scene to 5 % at 45 degrees, at most SL_HSH_ORDER_MAX; 1 without glossy
- * materials. */
+/* The least order that holds every glossy lobe of the scene to 5 % at 45 degrees, at most SL_HSH_ORDER_MAX; 1
+ * without glossy materials. */
 int sl_glossy_order_for(const sl_scene *scene);
-/* What an order leaves out of the scene's sharpest lobe: relative L2 error at 45 degrees, and its exponent. 0 without glossy
- * materials. */
+/* What an order leaves out of the scene's sharpest lobe: relative L2 error at 45 degrees, and its exponent. 0
+ * without glossy materials. */
 double sl_glossy_truncation(const sl_scene *scene, int order, double *exponent);
 
-/* Rule 1 of the radius (record.h) for radiance: the distance over which what a record gathered changes by as much as it is,
- * |lambda| / |grad lambda| along the direction of greatest change; root mean squares over all directions, as the sharpest lobe blurs
- * them. Infinite where nothing changes. At equal records the error falls by a quarter, since a lobe sees nearby things pass sooner than irradiance does. */
+/* Rule 1 of the radius (record.h) for radiance: the distance over which what a record gathered changes by as
+ * much as it is, |lambda| / |grad lambda| along the direction of greatest change; root mean squares over all
+ * directions, as the sharpest lobe blurs them. Infinite where nothing changes. At equal records the error
+ * falls by a quarter, since a lobe sees nearby things pass sooner than irradiance does. */
 double sl_glossy_length(const sl_glossy *glossy, const float *coefficients);
 
 /* What a view's pixels are to the glossy part of the fragment program. */
@@ -48,7 +50,8 @@ typedef struct sl_glossy_record {
 } sl_glossy_record;
 
 /* sum of c lambda for one pixel, W/(m^2 sr) per unit ks: may be slightly negative, as finite orders ring. */
-typedef void sl_glossy_kernel(const sl_glossy_view *view, const sl_glossy_record *record, size_t pixel, float radiance[3]);
+typedef void sl_glossy_kernel(const sl_glossy_view *view, const sl_glossy_record *record, size_t pixel,
+                              float radiance[3]);
 sl_glossy_kernel *sl_glossy_kernel_for(sl_isa isa);
 
 struct sl_glossy {

@@ -1,5 +1,6 @@
-/* The records of a method on disk, for another run. They depend on geometry, materials, lights and environment, and on the settings
- * below; not on the camera, which may have moved. A picture from the same place then needs no new records and has the same bits. */
+/* The records of a method on disk, for another run. They depend on geometry, materials, lights and
+ * environment, and on the settings below; not on the camera, which may have moved. A picture from the same
+ * place then needs no new records and has the same bits. */
 #include <math.h>
 #include <string.h>
 
@@ -12,9 +13,15 @@
 _Static_assert(sizeof(sl_record) % 4 == 0, "a record consists of 32-bit words");
 enum { RECORD_WORDS = sizeof(sl_record) / 4, SETTINGS = 15 };
 
-static sl_cache_setting whole(const char *name, uint64_t value) { return (sl_cache_setting){name, value, (double)value}; }
-static sl_cache_setting real(const char *name, double value) { return (sl_cache_setting){name, sl_cache_bits(value), value}; }
-static sl_cache_setting choice(const char *name, uint64_t value) { return (sl_cache_setting){name, value, (double)NAN}; }
+static sl_cache_setting whole(const char *name, uint64_t value) {
+    return (sl_cache_setting){name, value, (double)value};
+}
+static sl_cache_setting real(const char *name, double value) {
+    return (sl_cache_setting){name, sl_cache_bits(value), value};
+}
+static sl_cache_setting choice(const char *name, uint64_t value) {
+    return (sl_cache_setting){name, value, (double)NAN};
+}
 
 static sl_cache_header header_of(const sl_splat_state *s, sl_cache_setting settings[SETTINGS]) {
     const sl_settings *g = &s->settings;
@@ -43,7 +50,8 @@ static sl_cache_header header_of(const sl_splat_state *s, sl_cache_setting setti
 
 static void write_cache(sl_cache_writer *w, const sl_splat_state *s, sl_receiver_class class) {
     const sl_record_cache *cache = &s->cache[class];
-    size_t count = cache->list.count, coefficients = cache->list.coefficients ? sl_splat_coefficients(s, class) : 0;
+    size_t count = cache->list.count,
+           coefficients = cache->list.coefficients ? sl_splat_coefficients(s, class) : 0;
     sl_cache_write_u64(w, coefficients);
     sl_cache_write_u64(w, cache->clamped);
     sl_cache_write_u64(w, count);
@@ -75,16 +83,19 @@ typedef struct {
 
 static bool is_sane(const sl_record *r) {
     return sl_is_finite(r->position) && sl_is_finite(r->normal) && isfinite(r->radius) && r->radius > 0.0f &&
-           isfinite(r->own_radius) && r->own_radius > 0.0f && isfinite(r->minimum_radius) && r->stretch > 0.0f && sl_rgb_is_finite(r->irradiance);
+           isfinite(r->own_radius) && r->own_radius > 0.0f && isfinite(r->minimum_radius) &&
+           r->stretch > 0.0f && sl_rgb_is_finite(r->irradiance);
 }
 
-static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, sl_receiver_class class, loaded *l, sl_error *error) {
+static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, sl_receiver_class class, loaded *l,
+                            sl_error *error) {
     size_t wanted = sl_splat_coefficients(s, class);
     uint64_t floats = sl_cache_read_u64(r), clamped = sl_cache_read_u64(r);
     size_t count = sl_cache_read_count(r, 4 * (RECORD_WORDS + wanted));
     if (r->overrun || clamped > count || (count > 0 && floats != wanted)) return sl_cache_damaged(r, error);
     float *coefficients = wanted && count ? sl_allocate(wanted, sizeof *coefficients) : NULL;
-    sl_status status = coefficients || !wanted || !count ? SL_OK : sl_fail_memory(error, "the records of a cache file");
+    sl_status status =
+        coefficients || !wanted || !count ? SL_OK : sl_fail_memory(error, "the records of a cache file");
     for (size_t i = 0; status == SL_OK && i < count; i++) {
         sl_record record;
         sl_cache_read_words(r, &record, RECORD_WORDS);
@@ -97,9 +108,11 @@ static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, sl_rece
     return status;
 }
 
-static sl_status read_all(sl_cache_reader *r, const sl_splat_state *s, loaded *classes, sl_second_cache **hidden, sl_error *error) {
+static sl_status read_all(sl_cache_reader *r, const sl_splat_state *s, loaded *classes,
+                          sl_second_cache **hidden, sl_error *error) {
     sl_status status = SL_OK;
-    for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) status = read_cache(r, s, (sl_receiver_class)c, &classes[c], error);
+    for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++)
+        status = read_cache(r, s, (sl_receiver_class)c, &classes[c], error);
     if (status != SL_OK) return status;
     uint32_t has_hidden = sl_cache_read_u32(r);
     if (has_hidden > 1 || (has_hidden && s->settings.bounces < 2)) return sl_cache_damaged(r, error);
@@ -118,7 +131,8 @@ sl_status sl_splat_load(void *state, const char *path, sl_error *error) {
     sl_cache_reader reader;
     loaded classes[SL_RECEIVER_CLASSES] = {{{0}, 0}};
     sl_second_cache *hidden = NULL;
-    if (!s->raster) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    if (!s->raster)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = sl_cache_read_start(&reader, path, &header, error);
     if (status != SL_OK) return status;
     status = read_all(&reader, s, classes, &hidden, error);

@@ -1,5 +1,6 @@
-/* What is seen in a mirror lies elsewhere than where the picture shows it, so the rectangle about a record's sphere on the screen (step 1 of
- * Algorithm 1) misses those pixels. They are found by where they lie in the world instead: by boxes about 16 x 16 pixels each. */
+/* What is seen in a mirror lies elsewhere than where the picture shows it, so the rectangle about a record's
+ * sphere on the screen (step 1 of Algorithm 1) misses those pixels. They are found by where they lie in the
+ * world instead: by boxes about 16 x 16 pixels each. */
 #include "cache/splatting/mirrors.h"
 
 #include "base/error.h"
@@ -22,13 +23,16 @@ static void add_pixel(const sl_gbuffer *g, size_t pixel, sl_mirror_block *b) {
 
 /* Blocks of a tile follow each other. */
 static size_t block_of(const sl_gbuffer *g, size_t pixel) {
-    size_t x = pixel % (size_t)g->width, y = pixel / (size_t)g->width, tiles = ((size_t)g->width + TILE - 1) / TILE;
+    size_t x = pixel % (size_t)g->width, y = pixel / (size_t)g->width,
+           tiles = ((size_t)g->width + TILE - 1) / TILE;
     size_t tile = y / TILE * tiles + x / TILE, inside = y % TILE / BLOCK * BLOCKS_A_TILE + x % TILE / BLOCK;
     return tile * BLOCKS_A_TILE * BLOCKS_A_TILE + inside;
 }
 
-sl_status sl_mirror_blocks_make(const sl_gbuffer *g, const sl_reflections *reflections, sl_mirror_blocks *blocks, sl_error *error) {
-    size_t tiles = ((size_t)g->width + TILE - 1) / TILE * (((size_t)g->height + TILE - 1) / TILE), count = tiles * BLOCKS_A_TILE * BLOCKS_A_TILE;
+sl_status sl_mirror_blocks_make(const sl_gbuffer *g, const sl_reflections *reflections,
+                                sl_mirror_blocks *blocks, sl_error *error) {
+    size_t tiles = ((size_t)g->width + TILE - 1) / TILE * (((size_t)g->height + TILE - 1) / TILE),
+           count = tiles * BLOCKS_A_TILE * BLOCKS_A_TILE;
     sl_mirror_blocks_release(blocks);
     blocks->width = g->width;
     blocks->height = g->height;
@@ -40,7 +44,8 @@ sl_status sl_mirror_blocks_make(const sl_gbuffer *g, const sl_reflections *refle
         if (g->material[pixel] != SL_NO_INDEX) add_pixel(g, pixel, &blocks->blocks[block_of(g, pixel)]);
     }
     for (size_t k = 0; k < count; k++) {
-        if (blocks->blocks[k].rect.x0 < blocks->blocks[k].rect.x1) blocks->blocks[blocks->count++] = blocks->blocks[k];
+        if (blocks->blocks[k].rect.x0 < blocks->blocks[k].rect.x1)
+            blocks->blocks[blocks->count++] = blocks->blocks[k];
     }
     return SL_OK;
 }
@@ -62,10 +67,13 @@ sl_splat_rect sl_rect_union(sl_splat_rect a, sl_splat_rect b) {
     return (sl_splat_rect){lesser(a.x0, b.x0), lesser(a.y0, b.y0), greater(a.x1, b.x1), greater(a.y1, b.y1)};
 }
 
-static float outside(float low, float high, float x) { return x < low ? low - x : x > high ? x - high : 0.0f; }
+static float outside(float low, float high, float x) {
+    return x < low ? low - x : x > high ? x - high : 0.0f;
+}
 
 static bool reaches(const sl_mirror_block *b, sl_vec3 centre, float reach) {
-    float x = outside(b->low.x, b->high.x, centre.x), y = outside(b->low.y, b->high.y, centre.y), z = outside(b->low.z, b->high.z, centre.z);
+    float x = outside(b->low.x, b->high.x, centre.x), y = outside(b->low.y, b->high.y, centre.y),
+          z = outside(b->low.z, b->high.z, centre.z);
     return x * x + y * y + z * z <= reach * reach;
 }
 
@@ -83,7 +91,8 @@ static sl_splat_rect part_in_tile(sl_splat_rect r, int x, int y) {
 }
 
 /* Blocks from number *next on that lie in the tile, as far as the sphere reaches them. */
-static sl_splat_rect mirrored_in_tile(const sl_mirror_blocks *blocks, sl_vec3 centre, float reach, int x, int y, size_t *next) {
+static sl_splat_rect mirrored_in_tile(const sl_mirror_blocks *blocks, sl_vec3 centre, float reach, int x,
+                                      int y, size_t *next) {
     sl_splat_rect all = {0, 0, 0, 0};
     for (; *next < blocks->count; (*next)++) {
         const sl_mirror_block *b = &blocks->blocks[*next];
@@ -94,7 +103,8 @@ static sl_splat_rect mirrored_in_tile(const sl_mirror_blocks *blocks, sl_vec3 ce
 }
 
 /* No pixel is in two rectangles, since tiles have none in common. */
-size_t sl_mirror_rects(const sl_mirror_blocks *blocks, sl_vec3 centre, float reach, sl_splat_rect seen, sl_splat_rect *rects) {
+size_t sl_mirror_rects(const sl_mirror_blocks *blocks, sl_vec3 centre, float reach, sl_splat_rect seen,
+                       sl_splat_rect *rects) {
     size_t count = 0, next = 0;
     if (is_empty(sl_mirror_bounds(blocks, centre, reach))) {
         if (rects) rects[0] = seen;
@@ -102,7 +112,8 @@ size_t sl_mirror_rects(const sl_mirror_blocks *blocks, sl_vec3 centre, float rea
     }
     for (int y = 0; y < blocks->height; y += TILE) {
         for (int x = 0; x < blocks->width; x += TILE) {
-            sl_splat_rect r = sl_rect_union(part_in_tile(seen, x, y), mirrored_in_tile(blocks, centre, reach, x, y, &next));
+            sl_splat_rect r =
+                sl_rect_union(part_in_tile(seen, x, y), mirrored_in_tile(blocks, centre, reach, x, y, &next));
             if (is_empty(r)) continue;
             if (rects) rects[count] = r;
             count++;

@@ -1,4 +1,5 @@
-/* What will run: the qualities, the paths, and which passes a scene needs. Only what the plan asks for is made. */
+/* What will run: the qualities, the paths, and which passes a scene needs. Only what the plan asks for is
+ * made. */
 #include "cache/splatting/plan.h"
 
 #include "cache/splatting/glossy.h"
@@ -22,11 +23,13 @@ void sl_splat_complete(sl_settings *settings) {
 static sl_splat_quality chosen_quality(const sl_settings *settings) {
     sl_settings s = *settings;
     sl_splat_complete(&s);
-    return (sl_splat_quality){s.accuracy, s.glossy_accuracy, by_quality[s.quality].minimum_pixels, s.gather_size, s.spp};
+    return (sl_splat_quality){s.accuracy, s.glossy_accuracy, by_quality[s.quality].minimum_pixels,
+                              s.gather_size, s.spp};
 }
 
-/* At 400 x 400, accuracies tuned to equal records: in the Cornell box the Hessian's error (relative RMS) is 2.6 times below the
- * harmonic mean's; in Sponza and the room, where R_min rules over details, all metrics but the minimum distance are within 10 %. */
+/* At 400 x 400, accuracies tuned to equal records: in the Cornell box the Hessian's error (relative RMS)
+ * is 2.6 times below the harmonic mean's; in Sponza and the room, where R_min rules over details, all metrics
+ * but the minimum distance are within 10 %. */
 static sl_radius_metric chosen_metric(const sl_settings *settings) {
     return settings->metric == SL_METRIC_AUTO ? SL_METRIC_HESSIAN : settings->metric;
 }
@@ -58,9 +61,10 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
     };
 }
 
-/* L S* E, L (D|G) S* E, L D+ (D|G) S* E: as many diffuse bounces as asked for, mirrors S before the eye alone. With glossy hits L (D|G) (D|G) E.
- * Exact for one bounce: of more, surfaces reflect light that has met others by their diffuse lobes alone, and the paths declared here are
- * then a little more than those computed. */
+/* L S* E, L (D|G) S* E, L D+ (D|G) S* E: as many diffuse bounces as asked for, mirrors S before the eye
+ * alone. With glossy hits L (D|G) (D|G) E. Exact for one bounce: of more, surfaces reflect light that has met
+ * others by their diffuse lobes alone, and the paths declared here are then a little more than those
+ * computed. */
 void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
@@ -82,36 +86,49 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
     bool light = f.light, receivers = f.diffuse_triangles || f.glossy_triangles;
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
                  scene->triangle_count);
-    sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles", f.textured_triangles);
+    sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles",
+                 f.textured_triangles);
     sl_plan_pass(writer, f.masked_triangles > 0, "alpha masks", "%zu masked triangles", f.masked_triangles);
     bool maps = settings->direct == SL_DIRECT_SHADOW_MAPS;
     sl_plan_pass(writer, maps && light && receivers, "shadow maps", "%s",
-                 maps ? "for all lights, point samples of those with extent" : "direct light is found by shadow rays");
+                 maps ? "for all lights, point samples of those with extent"
+                      : "direct light is found by shadow rays");
     sl_plan_pass(writer, !maps && light && receivers && (f.emitters || f.environment), "light samples",
-                 "%u a pixel, fewer where all agree, more in penumbrae, towards %zu emissive triangles%s", (unsigned)q.light_samples, f.emitters,
+                 "%u a pixel, fewer where all agree, more in penumbrae, towards %zu emissive triangles%s",
+                 (unsigned)q.light_samples, f.emitters,
                  f.environment ? " and what stands out of the environment" : "");
-    sl_plan_pass(writer, f.environment, "environment in the cache", "up to %g times its mean it is the gathers' background", SL_SKY_CONTRAST);
-    sl_plan_pass(writer, !maps && receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
-                 scene->light_count);
-    static const char *const instruments[] = {"what is cheapest at the error of so many rays", "the raster plane", "the raster hemicube", "rays"};
-    sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records", "accuracy %g, gathers %d x %d by %s", q.accuracy,
-                 q.gather_size, q.gather_size, instruments[settings->gather]);
+    sl_plan_pass(writer, f.environment, "environment in the cache",
+                 "up to %g times its mean it is the gathers' background", SL_SKY_CONTRAST);
+    sl_plan_pass(writer, !maps && receivers && scene->light_count, "delta lights",
+                 "%zu lights, one shadow ray each a pixel", scene->light_count);
+    static const char *const instruments[] = {"what is cheapest at the error of so many rays",
+                                              "the raster plane", "the raster hemicube", "rays"};
+    sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records",
+                 "accuracy %g, gathers %d x %d by %s", q.accuracy, q.gather_size, q.gather_size,
+                 instruments[settings->gather]);
     bool glossy = f.glossy_triangles && light;
     int order = settings->harmonics_order ? settings->harmonics_order : sl_glossy_order_for(scene);
-    sl_plan_pass(writer, glossy, "radiance records", "%zu glossy triangles%s", f.glossy_triangles, glossy ? ", if one is seen" : "");
+    sl_plan_pass(writer, glossy, "radiance records", "%zu glossy triangles%s", f.glossy_triangles,
+                 glossy ? ", if one is seen" : "");
     double exponent, left_out = 100.0 * sl_glossy_truncation(scene, order, &exponent);
     if (glossy)
-        sl_plan_pass(writer, true, "hemispherical harmonics", "order %d, %d coefficients a channel; accuracy %g; %.1f %% of the sharpest "
-                     "lobe (exponent %g) left out%s", order, order * order, q.glossy_accuracy, left_out, exponent,
+        sl_plan_pass(writer, true, "hemispherical harmonics",
+                     "order %d, %d coefficients a channel; accuracy %g; %.1f %% of the sharpest "
+                     "lobe (exponent %g) left out%s",
+                     order, order * order, q.glossy_accuracy, left_out, exponent,
                      left_out > 5.0 ? ": it looks blurred" : "");
     else
         sl_plan_pass(writer, false, "hemispherical harmonics", "no glossy lobe to hold");
     sl_plan_pass(writer, glossy && settings->glossy_hits, "glossy hits", "%s",
-                 settings->glossy_hits ? "what gathers see reflects direct light by its glossy lobe, too" : "what gathers see is diffuse");
+                 settings->glossy_hits ? "what gathers see reflects direct light by its glossy lobe, too"
+                                       : "what gathers see is diffuse");
     bool more = settings->bounces > 1;
-    sl_plan_pass(writer, more && light && receivers, "second-level records", "%u bounce%s", (unsigned)settings->bounces,
-                 more ? "s: what gathers see receives indirect light too" : ": what gathers see receives direct light alone");
-    sl_plan_pass(writer, f.mirror_triangles && light, "mirrors", "%zu mirror triangles, rays from the eye follow them; gathers see them black",
+    sl_plan_pass(writer, more && light && receivers, "second-level records", "%u bounce%s",
+                 (unsigned)settings->bounces,
+                 more ? "s: what gathers see receives indirect light too"
+                      : ": what gathers see receives direct light alone");
+    sl_plan_pass(writer, f.mirror_triangles && light, "mirrors",
+                 "%zu mirror triangles, rays from the eye follow them; gathers see them black",
                  f.mirror_triangles);
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
                  f.environment ? ", environment" : "");

@@ -8,13 +8,16 @@
 typedef struct sl_splat_quality {
     double accuracy;        /* a of irradiance records */
     double glossy_accuracy; /* a of radiance records */
-    double minimum_pixels;  /* aR_min in footprints of a pixel (of fewer and larger ones, beyond 400 rows): below, records cost more than they tell */
+    /* aR_min in footprints of a pixel (of fewer and larger ones, beyond 400 rows): below, records cost more
+     * than they tell */
+    double minimum_pixels;
     int gather_size;        /* N x N */
     uint32_t light_samples; /* a pixel */
 } sl_splat_quality;
 
-/* The environment is split: the sky, at most so many times as bright as its mean, is the gathers' background and reaches the pixels
- * through the records; the sun, which is what stands out of it, is sampled for every pixel. Never both, never neither. */
+/* The environment is split: the sky, at most so many times as bright as its mean, is the gathers' background
+ * and reaches the pixels through the records; the sun, which is what stands out of it, is sampled for every
+ * pixel. Never both, never neither. */
 #define SL_SKY_CONTRAST 10.0
 
 typedef struct sl_splat_plan {

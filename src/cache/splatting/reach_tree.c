@@ -28,7 +28,8 @@ struct sl_reach_tree {
     size_t point_count, point_capacity;
 };
 
-static const node empty = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}, .least = INFINITY};
+static const node empty = {
+    .low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}, .least = INFINITY};
 
 sl_status sl_reach_tree_create(sl_reach_tree **out, sl_error *error) {
     *out = NULL;
@@ -59,7 +60,8 @@ void sl_reach_tree_clear(sl_reach_tree *tree) {
 }
 
 size_t sl_reach_tree_bytes(const sl_reach_tree *tree) {
-    return sizeof *tree + tree->node_capacity * sizeof *tree->nodes + tree->point_capacity * sizeof *tree->points;
+    return sizeof *tree + tree->node_capacity * sizeof *tree->nodes +
+           tree->point_capacity * sizeof *tree->points;
 }
 
 static size_t room_for(size_t count) {
@@ -70,7 +72,8 @@ static size_t room_for(size_t count) {
 
 size_t sl_reach_tree_bytes_of_points(const sl_reach_tree *tree) {
     if (!tree->point_count) return 0;
-    return sizeof *tree + room_for(tree->node_count) * sizeof *tree->nodes + room_for(tree->point_count) * sizeof *tree->points;
+    return sizeof *tree + room_for(tree->node_count) * sizeof *tree->nodes +
+           room_for(tree->point_count) * sizeof *tree->points;
 }
 
 /* ---- insertion ---- */
@@ -88,8 +91,12 @@ static unsigned octant_of(sl_vec3 centre, sl_vec3 p) {
     return (unsigned)(p.x >= centre.x) | (unsigned)(p.y >= centre.y) << 1 | (unsigned)(p.z >= centre.z) << 2;
 }
 
-static sl_vec3 least_of(sl_vec3 a, sl_vec3 b) { return sl_v3(fminf(a.x, b.x), fminf(a.y, b.y), fminf(a.z, b.z)); }
-static sl_vec3 most_of(sl_vec3 a, sl_vec3 b) { return sl_v3(fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z)); }
+static sl_vec3 least_of(sl_vec3 a, sl_vec3 b) {
+    return sl_v3(fminf(a.x, b.x), fminf(a.y, b.y), fminf(a.z, b.z));
+}
+static sl_vec3 most_of(sl_vec3 a, sl_vec3 b) {
+    return sl_v3(fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z));
+}
 
 static void widen(node *n, const point *p) {
     n->low = least_of(n->low, p->position);
@@ -105,7 +112,9 @@ static void add_to_leaf(sl_reach_tree *tree, node *leaf, uint32_t index) {
 
 /* A full leaf hands its points to eight children, which meet in the middle of its box. */
 static bool split(sl_reach_tree *tree, uint32_t index) {
-    if (!make_room(&tree->nodes, tree->node_count, tree->node_count + 8, &tree->node_capacity, sizeof *tree->nodes)) return false;
+    if (!make_room(&tree->nodes, tree->node_count, tree->node_count + 8, &tree->node_capacity,
+                   sizeof *tree->nodes))
+        return false;
     node *n = &tree->nodes[index];
     uint32_t children = (uint32_t)tree->node_count, next = n->points;
     tree->node_count += 8;
@@ -124,14 +133,16 @@ static bool split(sl_reach_tree *tree, uint32_t index) {
 }
 
 sl_status sl_reach_tree_insert(sl_reach_tree *tree, sl_vec3 position, float radius, sl_error *error) {
-    if (!make_room(&tree->points, tree->point_count, tree->point_count + 1, &tree->point_capacity, sizeof *tree->points))
+    if (!make_room(&tree->points, tree->point_count, tree->point_count + 1, &tree->point_capacity,
+                   sizeof *tree->points))
         return sl_fail_memory(error, "records' reaches");
     uint32_t added = (uint32_t)tree->point_count++, index = 0;
     tree->points[added] = (point){position, radius, NONE};
     for (int depth = 0;; depth++) {
         widen(&tree->nodes[index], &tree->points[added]);
         if (tree->nodes[index].children == NONE) {
-            if (tree->nodes[index].count < LEAF_POINTS || depth == DEPTH_MAX) break; /* many may lie in one place */
+            /* many may lie in one place */
+            if (tree->nodes[index].count < LEAF_POINTS || depth == DEPTH_MAX) break;
             if (!split(tree, index)) return sl_fail_memory(error, "records' reaches");
         }
         index = tree->nodes[index].children + octant_of(tree->nodes[index].centre, position);
@@ -142,11 +153,14 @@ sl_status sl_reach_tree_insert(sl_reach_tree *tree, sl_vec3 position, float radi
 
 /* ---- the question ---- */
 
-static float outside(float low, float high, float x) { return x < low ? low - x : x > high ? x - high : 0.0f; }
+static float outside(float low, float high, float x) {
+    return x < low ? low - x : x > high ? x - high : 0.0f;
+}
 
 /* Not more than the distance from p to anything in the box: rounding is paid for. */
 static float distance_to_box(const node *n, sl_vec3 p) {
-    sl_vec3 d = sl_v3(outside(n->low.x, n->high.x, p.x), outside(n->low.y, n->high.y, p.y), outside(n->low.z, n->high.z, p.z));
+    sl_vec3 d = sl_v3(outside(n->low.x, n->high.x, p.x), outside(n->low.y, n->high.y, p.y),
+                      outside(n->low.z, n->high.z, p.z));
     return 0.9999f * sl_length(d);
 }
 

@@ -20,25 +20,27 @@ static double unit_of(const sl_radius_rules *rules, double footprint) {
     return rules->minimum_pixels > 0.0 ? footprint : 0.25 * rules->minimum_reach;
 }
 
-/* Tabellion and Lamorlette 2004: the distance to the nearest surface, no farther than 10 pixels at their own accuracy, which is
- * a = 1/2 here. Distances to surfaces' planes, so that the inside of a sphere has its radius and not 0. */
+/* Tabellion and Lamorlette 2004: the distance to the nearest surface, no farther than 10 pixels at their own
+ * accuracy, which is a = 1/2 here. Distances to surfaces' planes, so that the inside of a sphere has its
+ * radius and not 0. */
 static double minimum_reach(const sl_irradiance *irradiance, const sl_radius_rules *rules, double unit) {
     double nearest = (double)irradiance->nearest, farthest = 20.0 * unit;
     return rules->accuracy * (nearest < farthest ? nearest : farthest);
 }
 
-/* Linear extrapolation errs by lambda r^2 / 2 at most, lambda the larger second derivative: over a disc, pi lambda reach^4 / 4 in all
- * (Jarosz et al. 2012). As many pixels see a piece of surface as footprints u^2 fit on it, so the error that a record
- * adds to the picture is that over Y u^2, and the same for every record where
- *     reach = 6 a (2 Y u^2 / lambda)^(1/4).
- * Larger reaches where light is even, smaller ones in corners, but not in proportion: corners are small. Derivatives know only the
- * light that the gather met. A record in the dark may have missed the one door through which some comes; so none reaches further
- * than light can be trusted to stay the same: twice the harmonic mean's reach, and that itself in the dark. */
+/* Linear extrapolation errs by lambda r^2 / 2 at most, lambda the larger second derivative: over a disc, pi
+ * lambda reach^4 / 4 in all (Jarosz et al. 2012). As many pixels see a piece of surface as footprints u^2 fit
+ * on it, so the error that a record adds to the picture is that over Y u^2, and the same for every record
+ * where reach = 6 a (2 Y u^2 / lambda)^(1/4). Larger reaches where light is even, smaller ones in corners,
+ * but not in proportion: corners are small. Derivatives know only the light that the gather met. A record in
+ * the dark may have missed the one door through which some comes; so none reaches further than light can be
+ * trusted to stay the same: twice the harmonic mean's reach, and that itself in the dark. */
 static double hessian_reach(const sl_irradiance *irradiance, const sl_radius_rules *rules, double unit) {
     double light = (double)sl_rgb_mean(irradiance->value), curvature = fabs((double)irradiance->curvature[0]);
     double harmonic = rules->accuracy * (double)irradiance->harmonic_mean;
     if (!(light > 0.0)) return harmonic;
-    double reach = curvature > 0.0 ? 6.0 * rules->accuracy * sqrt(sqrt(2.0 * light * unit * unit / curvature)) : INFINITY;
+    double reach = curvature > 0.0 ? 6.0 * rules->accuracy * sqrt(sqrt(2.0 * light * unit * unit / curvature))
+                                   : INFINITY;
     return reach < 2.0 * harmonic ? reach : 2.0 * harmonic;
 }
 
@@ -55,21 +57,22 @@ static double metric_radius(const sl_irradiance *irradiance, const sl_radius_rul
 
 /* Rule 1. Not for Y = 0, where there is no relative change to speak of. */
 static double positive_radius(const sl_record *r, double radius) {
-    double mean = (double)sl_rgb_mean(r->irradiance), slope = (double)translational_length(r) / (double)r->stretch;
+    double mean = (double)sl_rgb_mean(r->irradiance),
+           slope = (double)translational_length(r) / (double)r->stretch;
     return mean > 0.0 && slope * radius > mean ? mean / slope : radius;
 }
 
-/* Rule 2: a R does not reach past a wall that the record sees. r / cos theta' is the distance to the hit's plane divided by
- * cos^2, so concave surfaces are not punished. The lowest ray of a plane gather meets a wall at distance d with
- * r / cos theta' = d (1 + t^2) / t^2. */
+/* Rule 2: a R does not reach past a wall that the record sees. r / cos theta' is the distance to the hit's
+ * plane divided by cos^2, so concave surfaces are not punished. The lowest ray of a plane gather meets a wall
+ * at distance d with r / cos theta' = d (1 + t^2) / t^2. */
 double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *rules) {
     double t_squared = rules->plane_tangent * rules->plane_tangent;
     double lowest = rules->gather == SL_GATHER_PLANE ? t_squared / (1.0 + t_squared) : 1.0;
     return rules->guard ? lowest * (double)irradiance->nearest / rules->accuracy : INFINITY;
 }
 
-sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance, const sl_radius_rules *rules,
-                         float footprint) {
+sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance,
+                         const sl_radius_rules *rules, float footprint) {
     sl_record r = {.position = point->position, .normal = point->normal, .irradiance = irradiance->value,
                    .triangle = point->triangle,
                    .stretch = rules->metric == SL_METRIC_HESSIAN ? (float)(1.0 / rules->accuracy) : 1.0f};
@@ -79,7 +82,8 @@ sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irra
         r.rotational_length[c] = length_of(r.rotational[c]);
     }
     double maximum = rules->maximum_radius / rules->accuracy;
-    double reach = rules->minimum_pixels > 0.0 ? rules->minimum_pixels * (double)footprint : rules->minimum_reach;
+    double reach =
+        rules->minimum_pixels > 0.0 ? rules->minimum_pixels * (double)footprint : rules->minimum_reach;
     double minimum = reach / rules->accuracy;
     if (minimum > maximum) minimum = maximum;
     double radius = metric_radius(irradiance, rules, (double)footprint);
@@ -104,7 +108,8 @@ sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irra
 
 void sl_record_set_radius(sl_record *record, float radius) {
     record->radius = radius;
-    float mean = sl_rgb_mean(record->irradiance), change = translational_length(record) * radius / record->stretch;
+    float mean = sl_rgb_mean(record->irradiance),
+          change = translational_length(record) * radius / record->stretch;
     if (change <= mean || !(change > 0.0f)) return;
     for (int c = 0; c < 3; c++) record->translational[c] = sl_scale(record->translational[c], mean / change);
 }
@@ -116,7 +121,9 @@ void sl_record_limit_radius(sl_record *record, double limit) {
 }
 
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record) {
-    float radius = record->stretch * sl_reach_tree_limit(reaches, record->position, record->own_radius / record->stretch);
-    radius = radius < record->own_radius ? radius : record->own_radius; /* division and multiplication round */
+    float radius = record->stretch *
+                   sl_reach_tree_limit(reaches, record->position, record->own_radius / record->stretch);
+    /* division and multiplication round */
+    radius = radius < record->own_radius ? radius : record->own_radius;
     return radius > record->minimum_radius ? radius : record->minimum_radius;
 }

@@ -1,5 +1,6 @@
 /* Irradiance records: what is cached, how far it reaches, and with which weight it contributes to a pixel
- * (Gautron et al. 2005; Ward et al. 1988 for the split-sphere weight; Krivanek et al. 2006 for neighbour clamping). */
+ * (Gautron et al. 2005; Ward et al. 1988 for the split-sphere weight; Krivanek et al. 2006 for neighbour
+ * clamping). */
 #ifndef SL_CACHE_SPLATTING_RECORD_H
 #define SL_CACHE_SPLATTING_RECORD_H
 
@@ -24,11 +25,12 @@ typedef struct sl_record {
     float rotational_length[3];
     float own_radius;          /* R by the record's own gather alone, before its neighbours had a say */
     float minimum_radius;      /* R_min at this record */
-    float stretch;             /* the rules' sigma: 1 where R is Ward's, 1/a where R is made from the reach aR (hessian) */
+    /* the rules' sigma: 1 where R is Ward's, 1/a where R is made from the reach aR (hessian) */
+    float stretch;
     sl_record_wall walls[SL_RECORD_WALLS];
     uint32_t triangle;
-    uint32_t behind_a_wall;    /* R_min reaches past what the guard allows: pixels are tested by a ray. No bool: no padding, so that
-                                * records are equal where their bytes are */
+    uint32_t behind_a_wall; /* R_min reaches past what the guard allows: pixels are tested by a ray. No bool:
+                             * no padding, so that records are equal where their bytes are */
 } sl_record;
 
 typedef struct sl_radius_rules {
@@ -45,36 +47,41 @@ typedef struct sl_radius_rules {
 /* How far a record reaches, by metric (record.c has the formulas):
  *   harmonic  a times the cosine-weighted harmonic mean distance: what can change is near
  *   minimum   a times the least distance, and no more than 20 a pixels
- *   hessian   so far that the error of linear extrapolation, summed over what it lights, is the same for every record
- *   adaptive  as harmonic; then shrinks where neighbours disagree (adaptive.c)
+ *   hessian   so far that the error of linear extrapolation, summed over what it lights, is the same for
+ * every record adaptive  as harmonic; then shrinks where neighbours disagree (adaptive.c)
  *
  * Then come the rules of the radius. sigma is sl_record.stretch, Y the mean of the channels of E:
  *
- *   1  R <= sigma Y / |grad_t Y|       the linear extrapolation E + delta . grad_t E stays positive within R / sigma
- *   2  R <= s^2 rho_min / a            the guard: a R ends before the walls that the gather has seen. rho_min is the least r / cos theta'
- *                                      over its hits, theta' the angle there; s^2 = t^2 / (1 + t^2) for a plane of half side t, else 1
- *   3  R >= R_min                      a R_min is minimum_pixels footprints of a pixel, or minimum_reach. Where R then breaks rule 1,
- *                                      grad_t E is scaled by sigma Y / (R |grad_t Y|), at R_min with max(1, 0.33 sigma) for sigma;
- *                                      where R breaks rule 2, pixels are tested by rays (behind_a_wall)
+ *   1  R <= sigma Y / |grad_t Y|       the linear extrapolation E + delta . grad_t E stays positive within R
+ * / sigma 2  R <= s^2 rho_min / a            the guard: a R ends before the walls that the gather has seen.
+ * rho_min is the least r / cos theta' over its hits, theta' the angle there; s^2 = t^2 / (1 + t^2) for a
+ * plane of half side t, else 1 3  R >= R_min                      a R_min is minimum_pixels footprints of a
+ * pixel, or minimum_reach. Where R then breaks rule 1, grad_t E is scaled by sigma Y / (R |grad_t Y|), at
+ * R_min with max(1, 0.33 sigma) for sigma; where R breaks rule 2, pixels are tested by rays (behind_a_wall)
  *   4  R <= R_max                      a R_max is maximum_radius; R_min is never above it
- *   5  R_i / sigma <= R_j / sigma + |p_i - p_j| for all j, then R >= R_min again: neighbour clamping (Krivanek et al. 2006)
+ *   5  R_i / sigma <= R_j / sigma + |p_i - p_j| for all j, then R >= R_min again: neighbour clamping
+ * (Krivanek et al. 2006)
  *
- * 1, 2 and 4 are bounds from above, whose order does not matter; 3 has the last word over them. 5 needs all records.
+ * 1, 2 and 4 are bounds from above, whose order does not matter; 3 has the last word over them. 5 needs all
+ * records.
  *
- * A record from a gather: values copied, R by the metric and rules 1 to 4. footprint: of a pixel at the record, m. */
-sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance, const sl_radius_rules *rules,
-                         float footprint);
+ * A record from a gather: values copied, R by the metric and rules 1 to 4. footprint: of a pixel at the
+ * record, m. */
+sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance,
+                         const sl_radius_rules *rules, float footprint);
 /* Another bound for R, as rules 1 and 2 are: not below R_min. */
 void sl_record_limit_radius(sl_record *record, double limit);
 /* What rule 2 allows; infinite where the guard is off or nothing is seen. */
 double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *rules);
-/* Rule 2 for a record that was made without the guard: where it reaches further than `guard`, it gets the walls that stand around it, and
- * does not count behind them (record_walls.c). */
-void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point, double accuracy, double guard,
-                          sl_record *record, sl_counters *counters);
-/* Rule 5; the tree holds R / sigma of all records, by rules 1 to 4. Returns the radius that the record should have. */
+/* Rule 2 for a record that was made without the guard: where it reaches further than `guard`, it gets the
+ * walls that stand around it, and does not count behind them (record_walls.c). */
+void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
+                          double accuracy, double guard, sl_record *record, sl_counters *counters);
+/* Rule 5; the tree holds R / sigma of all records, by rules 1 to 4. Returns the radius that the record should
+ * have. */
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record);
-/* Sets R and scales the translational gradient as rule 3 does, so that the linear extrapolation stays positive within R / sigma. */
+/* Sets R and scales the translational gradient as rule 3 does, so that the linear extrapolation stays
+ * positive within R / sigma. */
 void sl_record_set_radius(sl_record *record, float radius);
 
 /* ---- weights ---- */
@@ -97,33 +104,40 @@ typedef struct sl_splat_buffer {
     float *r, *g, *b;         /* sum of w E' */
     float *weight;            /* sum of w */
     float *count;             /* records that contributed */
-    float *glossy[3];         /* sum of w times what the glossy lobe reflects, per unit ks; NULL where no receiver is glossy */
+    /* sum of w times what the glossy lobe reflects, per unit ks; NULL where no receiver is glossy */
+    float *glossy[3];
 } sl_splat_buffer;
 
-/* One tile of all these planes, as the fragment program works on it; SL_SPLAT_TILE pixels a row. A pixel that does not receive is
- * nowhere: its position is NaN, which no test of a distance accepts. */
+/* One tile of all these planes, as the fragment program works on it; SL_SPLAT_TILE pixels a row. A pixel that
+ * does not receive is nowhere: its position is NaN, which no test of a distance accepts. */
 typedef struct sl_tile_planes {
     _Alignas(64) float position_x[SL_SPLAT_TILE_PIXELS];
     float position_y[SL_SPLAT_TILE_PIXELS], position_z[SL_SPLAT_TILE_PIXELS];
     float normal_x[SL_SPLAT_TILE_PIXELS], normal_y[SL_SPLAT_TILE_PIXELS], normal_z[SL_SPLAT_TILE_PIXELS];
-    float weight[SL_SPLAT_TILE_PIXELS], r[SL_SPLAT_TILE_PIXELS], g[SL_SPLAT_TILE_PIXELS], b[SL_SPLAT_TILE_PIXELS],
-        count[SL_SPLAT_TILE_PIXELS];
+    float weight[SL_SPLAT_TILE_PIXELS], r[SL_SPLAT_TILE_PIXELS], g[SL_SPLAT_TILE_PIXELS],
+        b[SL_SPLAT_TILE_PIXELS], count[SL_SPLAT_TILE_PIXELS];
     float glossy[3][SL_SPLAT_TILE_PIXELS];
 } sl_tile_planes;
 
 typedef struct sl_splat_kernels {
-    /* Fetches the receivers of a region that starts in column region.x0 - x, row region.y0 - y of the tile. */
-    void (*fetch)(const sl_splat_receivers *receivers, int x, int y, sl_splat_rect region, sl_tile_planes *tile);
-    /* Algorithm 1, steps 2 to 6, for the pixels of a rectangle within the tile. Returns how many contributed. */
-    uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, sl_tile_planes *tile);
+    /* Fetches the receivers of a region that starts in column region.x0 - x, row region.y0 - y of the tile.
+     */
+    void (*fetch)(const sl_splat_receivers *receivers, int x, int y, sl_splat_rect region,
+                  sl_tile_planes *tile);
+    /* Algorithm 1, steps 2 to 6, for the pixels of a rectangle within the tile. Returns how many contributed.
+     */
+    uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
+                      sl_tile_planes *tile);
     /* The same sum of weights alone, with the same bits. */
-    uint64_t (*cover)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, sl_tile_planes *tile);
-    /* The weights themselves, of every pixel of the rectangle: pixel (x, y) of the tile at [y * SL_SPLAT_TILE + x]; others are left
-     * as they are. Returns how many are positive. */
-    uint64_t (*weights)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, const sl_tile_planes *tile,
-                        float *weights);
+    uint64_t (*cover)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
+                      sl_tile_planes *tile);
+    /* The weights themselves, of every pixel of the rectangle: pixel (x, y) of the tile at [y * SL_SPLAT_TILE
+     * + x]; others are left as they are. Returns how many are positive. */
+    uint64_t (*weights)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
+                        const sl_tile_planes *tile, float *weights);
     /* w at one pixel; 0 where the record does not contribute. */
-    float (*weight)(const sl_record *record, const sl_weight_rules *rules, const sl_splat_receivers *receivers, size_t pixel);
+    float (*weight)(const sl_record *record, const sl_weight_rules *rules,
+                    const sl_splat_receivers *receivers, size_t pixel);
 } sl_splat_kernels;
 
 const sl_splat_kernels *sl_splat_kernels_for(sl_isa isa);

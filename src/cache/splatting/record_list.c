@@ -8,21 +8,25 @@
 static bool make_room(sl_record_list *list, bool with_coefficients, size_t coefficient_count) {
     size_t capacity = list->capacity ? 2 * list->capacity : 1024;
     bool grown = sl_regrow(&list->records, list->count, capacity, sizeof *list->records);
-    if (with_coefficients) grown = grown && sl_regrow(&list->coefficients, list->count, capacity, coefficient_count * sizeof(float));
+    if (with_coefficients)
+        grown =
+            grown && sl_regrow(&list->coefficients, list->count, capacity, coefficient_count * sizeof(float));
     if (grown) list->capacity = capacity;
     return grown;
 }
 
-sl_status sl_record_list_append(sl_record_list *list, const sl_record *record, const float *coefficients, size_t coefficient_count,
-                                sl_error *error) {
+sl_status sl_record_list_append(sl_record_list *list, const sl_record *record, const float *coefficients,
+                                size_t coefficient_count, sl_error *error) {
     sl_status status = list->reaches ? SL_OK : sl_reach_tree_create(&list->reaches, error);
     if (status != SL_OK) return status;
     if (list->count == list->capacity && !make_room(list, coefficients != NULL, coefficient_count))
         return sl_fail_memory(error, "records");
-    status = sl_reach_tree_insert(list->reaches, record->position, record->own_radius / record->stretch, error);
+    status =
+        sl_reach_tree_insert(list->reaches, record->position, record->own_radius / record->stretch, error);
     if (status != SL_OK) return status;
     if (coefficients)
-        memcpy(list->coefficients + list->count * coefficient_count, coefficients, coefficient_count * sizeof *coefficients);
+        memcpy(list->coefficients + list->count * coefficient_count, coefficients,
+               coefficient_count * sizeof *coefficients);
     list->records[list->count++] = *record;
     return SL_OK;
 }

@@ -1,7 +1,8 @@
-/* Rule 2 of the radius (record.h) without its price. The guard keeps a record from reaching past the nearest thing that its gather saw,
- * in all directions and however high above the surface that thing hangs. But only a wall that stands on the surface has another room
- * behind it. A few rays along the tangent plane find what stands there; the record keeps the planes of two walls and does not count
- * behind them, and reaches as far as its metric says elsewhere. */
+/* Rule 2 of the radius (record.h) without its price. The guard keeps a record from reaching past the nearest
+ * thing that its gather saw, in all directions and however high above the surface that thing hangs. But only
+ * a wall that stands on the surface has another room behind it. A few rays along the tangent plane find what
+ * stands there; the record keeps the planes of two walls and does not count behind them, and reaches as far
+ * as its metric says elsewhere. */
 #include <string.h>
 
 #include "cache/splatting/record.h"
@@ -22,9 +23,10 @@ typedef struct {
     float distance; /* infinite: nothing, or nothing any more */
 } hit;
 
-/* Rays a little above the surface, a little longer than the reach: a wall that the disc just touches between two rays is met too. */
-static void look_around(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point, float reach, float offset,
-                        hit hits[DIRECTIONS], sl_counters *counters) {
+/* Rays a little above the surface, a little longer than the reach: a wall that the disc just touches between
+ * two rays is met too. */
+static void look_around(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
+                        float reach, float offset, hit hits[DIRECTIONS], sl_counters *counters) {
     sl_frame frame = sl_frame_from_normal(sl_normalize_or(point->geometric_normal, point->normal));
     float height = 0.01f * reach > 2.0f * offset ? 0.01f * reach : 2.0f * offset;
     sl_vec3 eye = sl_mad(point->position, height, frame.z);
@@ -55,23 +57,27 @@ static int nearest_of(const hit hits[DIRECTIONS]) {
     return nearest;
 }
 
-void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point, double accuracy, double guard,
-                          sl_record *record, sl_counters *counters) {
-    const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, point->position), reach = (float)accuracy * record->radius;
+void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
+                          double accuracy, double guard, sl_record *record, sl_counters *counters) {
+    const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, point->position),
+                reach = (float)accuracy * record->radius;
     hit hits[DIRECTIONS];
     if (!((double)record->radius > guard)) return;
     look_around(scene, tracer, point, reach, offset, hits, counters);
     for (int w = 0; w < SL_RECORD_WALLS; w++) {
         const hit wall = hits[nearest_of(hits)];
         if (!(wall.distance < INFINITY)) return;
-        record->walls[w] = (sl_record_wall){wall.normal, fminf(sl_dot(wall.point, wall.normal), 0.0f) - offset};
+        record->walls[w] =
+            (sl_record_wall){wall.normal, fminf(sl_dot(wall.point, wall.normal), 0.0f) - offset};
         for (int i = 0; i < DIRECTIONS; i++) { /* what lies in the wall or behind it is dealt with */
-            if (sl_dot(hits[i].point, wall.normal) <= record->walls[w].offset + 2.0f * offset) hits[i].distance = INFINITY;
+            if (sl_dot(hits[i].point, wall.normal) <= record->walls[w].offset + 2.0f * offset)
+                hits[i].distance = INFINITY;
         }
     }
     const hit left = hits[nearest_of(hits)];
     if (!(left.distance < INFINITY)) return;
-    /* More walls than the record can hold: no farther than the next one, which two rays may meet at its sides. */
+    /* More walls than the record can hold: no farther than the next one, which two rays may meet at its
+     * sides. */
     double limit = 0.98 * (double)left.distance / accuracy;
     if (limit < guard) limit = guard;
     record->behind_a_wall = limit < (double)record->minimum_radius;

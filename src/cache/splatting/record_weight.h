@@ -1,5 +1,5 @@
-/* How much a record counts at a point, and what it says there: (2), (3) and (8) of Gautron et al. 2005, as they are inlined into the
- * loops over a splat's pixels and over the records around a point. */
+/* How much a record counts at a point, and what it says there: (2), (3) and (8) of Gautron et al. 2005, as
+ * they are inlined into the loops over a splat's pixels and over the records around a point. */
 #ifndef SL_CACHE_SPLATTING_RECORD_WEIGHT_H
 #define SL_CACHE_SPLATTING_RECORD_WEIGHT_H
 
@@ -7,9 +7,11 @@
 
 #include <math.h>
 
-/* w is singular at the record itself: D counts as no less than this. A tenth of a where that is less, since weights of 1 / D - 1 / a
- * would all be 0. */
-static inline float sl_record_least_distance(float accuracy) { return 0.1f * accuracy < 1e-3f ? 0.1f * accuracy : 1e-3f; }
+/* w is singular at the record itself: D counts as no less than this. A tenth of a where that is less, since
+ * weights of 1 / D - 1 / a would all be 0. */
+static inline float sl_record_least_distance(float accuracy) {
+    return 0.1f * accuracy < 1e-3f ? 0.1f * accuracy : 1e-3f;
+}
 
 /* What all points that a record is asked about have in common. */
 typedef struct sl_record_terms {
@@ -17,7 +19,8 @@ typedef struct sl_record_terms {
     float inverse_radius, accuracy, least, offset;
     float reach_squared;    /* (a R)^2 */
     float front, behind;    /* bounds of 2 s, see sl_record_weight_at() */
-    float e[3], most[3];    /* E, and E (1 + a sigma): as much as rule 1 (record.h) lets the extrapolation grow */
+    /* E, and E (1 + a sigma): as much as rule 1 (record.h) lets the extrapolation grow */
+    float e[3], most[3];
     sl_record_wall walls[SL_RECORD_WALLS];
     int has_walls;
     sl_vec3 rotational[3];  /* grad_r E x n_k */
@@ -58,32 +61,35 @@ static inline float sl_record_squared_distance(const sl_record_terms *s, float p
     return x * x + y * y + z * z;
 }
 
-static inline sl_record_offsets sl_record_offsets_at(const sl_record_terms *s, float px, float py, float pz, float nx, float ny,
-                                                     float nz) {
+static inline sl_record_offsets sl_record_offsets_at(const sl_record_terms *s, float px, float py, float pz,
+                                                     float nx, float ny, float nz) {
     return (sl_record_offsets){px - s->position.x, py - s->position.y, pz - s->position.z,
                                nx - s->normal.x,   ny - s->normal.y,   nz - s->normal.z};
 }
 
 /* |n - n_k| */
-static inline float sl_record_turn(const sl_record_offsets *o) { return sqrtf(o->mx * o->mx + o->my * o->my + o->mz * o->mz); }
+static inline float sl_record_turn(const sl_record_offsets *o) {
+    return sqrtf(o->mx * o->mx + o->my * o->my + o->mz * o->mz);
+}
 
 /* The caller compares the squared distance with (a R)^2. */
-static inline float sl_record_weight_at(const sl_record_terms *k, float distance_squared, float px, float py, float pz, float nx,
-                                        float ny, float nz) {
+static inline float sl_record_weight_at(const sl_record_terms *k, float distance_squared, float px, float py,
+                                        float pz, float nx, float ny, float nz) {
     const sl_record_offsets o = sl_record_offsets_at(k, px, py, pz, nx, ny, nz);
-    /* (2): D = |p - p_k| / R + sqrt(1 - n.n_k), the root written as |n - n_k| / sqrt 2, which rounding cannot make
-     * negative and which keeps its digits for small angles. */
+    /* (2): D = |p - p_k| / R + sqrt(1 - n.n_k), the root written as |n - n_k| / sqrt 2, which rounding cannot
+     * make negative and which keeps its digits for small angles. */
     float d = sqrtf(distance_squared) * k->inverse_radius + sl_record_turn(&o) * 0.70710678f;
-    /* s = (p - p_k) . (n + n_k) / 2. A record in front of p sees what p does not (s < -a R / 100); one far behind p belongs to
-     * another step of the stairs (s > a R / 2). s vanishes on spheres, convex and concave, so curvature is not punished. */
+    /* s = (p - p_k) . (n + n_k) / 2. A record in front of p sees what p does not (s < -a R / 100); one far
+     * behind p belongs to another step of the stairs (s > a R / 2). s vanishes on spheres, convex and
+     * concave, so curvature is not punished. */
     float s2 = o.x * (nx + k->normal.x) + o.y * (ny + k->normal.y) + o.z * (nz + k->normal.z);
     int accepted = (d <= k->accuracy) & (s2 >= k->front) & (s2 <= k->behind);
     float w = 1.0f / (d > k->least ? d : k->least) - k->offset;
     return accepted ? (w > 0.0f ? w : 0.0f) : 0.0f;
 }
 
-/* In place of rule 2 (record.h): does a point at this offset lie in front of the walls that stand near the record? For records that
- * have walls. */
+/* In place of rule 2 (record.h): does a point at this offset lie in front of the walls that stand near the
+ * record? For records that have walls. */
 static inline int sl_record_before_walls(const sl_record_terms *k, float x, float y, float z) {
     int before = 1;
     for (int i = 0; i < SL_RECORD_WALLS; i++) {
@@ -93,12 +99,15 @@ static inline int sl_record_before_walls(const sl_record_terms *k, float x, floa
     return before;
 }
 
-/* (8), with absolute gradients: E' = E + (n_k x n) . grad_r E + (p - p_k) . grad_t E, kept within what the record can vouch
- * for: not negative, not above E (1 + a) + |grad_r E| |n - n_k|. The triple product is n . (grad_r E x n_k), the same with
- * n - n_k for n, which keeps its digits for small angles and is there already. */
-static inline float sl_record_extrapolate(const sl_record_terms *k, int c, const sl_record_offsets *o, float turn) {
+/* (8), with absolute gradients: E' = E + (n_k x n) . grad_r E + (p - p_k) . grad_t E, kept within what the
+ * record can vouch for: not negative, not above E (1 + a) + |grad_r E| |n - n_k|. The triple product is n .
+ * (grad_r E x n_k), the same with n - n_k for n, which keeps its digits for small angles and is there
+ * already. */
+static inline float sl_record_extrapolate(const sl_record_terms *k, int c, const sl_record_offsets *o,
+                                          float turn) {
     const sl_vec3 q = k->rotational[c], t = k->translational[c];
-    float value = k->e[c] + (o->mx * q.x + o->my * q.y + o->mz * q.z) + (o->x * t.x + o->y * t.y + o->z * t.z);
+    float value =
+        k->e[c] + (o->mx * q.x + o->my * q.y + o->mz * q.z) + (o->x * t.x + o->y * t.y + o->z * t.z);
     float most = k->most[c] + k->rotational_length[c] * turn;
     value = value < most ? value : most;
     return value > 0.0f ? value : 0.0f;

@@ -1,5 +1,5 @@
-/* Records onto the screen: Algorithm 1's weights alone, for coverage (step 4 of Algorithm 2), or the whole program (step 5). Both
- * go tile by tile through the same hardware, in record order. */
+/* Records onto the screen: Algorithm 1's weights alone, for coverage (step 4 of Algorithm 2), or the whole
+ * program (step 5). Both go tile by tile through the same hardware, in record order. */
 #include <string.h>
 
 #include "base/counters.h"
@@ -22,13 +22,14 @@ typedef struct {
 
 enum { SUMS = 8 };
 
-static void planes_of(const splat_context *c, sl_tile_planes *tile, float *screen[SUMS], float *in_tile[SUMS]) {
+static void planes_of(const splat_context *c, sl_tile_planes *tile, float *screen[SUMS],
+                      float *in_tile[SUMS]) {
     const sl_splat_buffer *b = c->buffer;
     bool glossy = c->coefficients != NULL;
     float *const from[SUMS] = {b->weight, b->r, b->g, b->b, b->count, glossy ? b->glossy[0] : NULL,
                                glossy ? b->glossy[1] : NULL, glossy ? b->glossy[2] : NULL};
-    float *const to[SUMS] = {tile->weight, tile->r, tile->g, tile->b, tile->count, tile->glossy[0], tile->glossy[1],
-                             tile->glossy[2]};
+    float *const to[SUMS] = {tile->weight, tile->r,         tile->g,         tile->b,
+                             tile->count,  tile->glossy[0], tile->glossy[1], tile->glossy[2]};
     memcpy(screen, from, sizeof from);
     memcpy(in_tile, to, sizeof to);
 }
@@ -58,7 +59,8 @@ static void end_tile(void *context, const sl_splat_tile *tile) { copy_sums(conte
 
 /* ---- one record in one tile ---- */
 
-/* Steps 4 to 6 for the glossy part: its weights are those of the irradiance, whose sums have been added already. */
+/* Steps 4 to 6 for the glossy part: its weights are those of the irradiance, whose sums have been added
+ * already. */
 static void add_glossy(const splat_context *c, const sl_splat_tile *tile, size_t index, sl_splat_rect r) {
     const sl_record_pass *pass = c->pass;
     const sl_record *record = &c->records[index];
@@ -72,7 +74,9 @@ static void add_glossy(const splat_context *c, const sl_splat_tile *tile, size_t
             const int i = y * SL_SPLAT_TILE + x;
             float radiance[3];
             if (!(weights[i] > 0.0f)) continue;
-            c->glossy(&pass->glossy, &glossy, (size_t)(tile->y + y) * (size_t)pass->receivers.width + (size_t)(tile->x + x), radiance);
+            c->glossy(&pass->glossy, &glossy,
+                      (size_t)(tile->y + y) * (size_t)pass->receivers.width + (size_t)(tile->x + x),
+                      radiance);
             for (int k = 0; k < 3; k++) planes->glossy[k][i] += weights[i] * radiance[k];
         }
     }
@@ -106,10 +110,13 @@ static uint64_t shade(void *context, const sl_splat_tile *tile, size_t index, sl
 /* ---- all records ---- */
 
 /* Never less than the kernel's own test accepts. */
-static float reach_of(const sl_record_pass *pass, const sl_record *record) { return (float)pass->radii.accuracy * record->radius * 1.0001f; }
+static float reach_of(const sl_record_pass *pass, const sl_record *record) {
+    return (float)pass->radii.accuracy * record->radius * 1.0001f;
+}
 
 static sl_splat_rect seen_bounds(const sl_record_pass *pass, const sl_record *record) {
-    return sl_sphere_bounds(pass->camera, pass->receivers.width, pass->receivers.height, pass->near_distance, record->position, reach_of(pass, record));
+    return sl_sphere_bounds(pass->camera, pass->receivers.width, pass->receivers.height, pass->near_distance,
+                            record->position, reach_of(pass, record));
 }
 
 sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *record) {
@@ -131,7 +138,8 @@ typedef struct {
 
 static size_t rects_of(const sl_record_pass *pass, const sl_record *record, sl_splat_rect *rects) {
     if (pass->mirrors && pass->mirrors->count)
-        return sl_mirror_rects(pass->mirrors, record->position, reach_of(pass, record), seen_bounds(pass, record), rects);
+        return sl_mirror_rects(pass->mirrors, record->position, reach_of(pass, record),
+                               seen_bounds(pass, record), rects);
     if (rects) *rects = seen_bounds(pass, record);
     return 1;
 }
@@ -139,7 +147,8 @@ static size_t rects_of(const sl_record_pass *pass, const sl_record *record, sl_s
 static void bound_some(void *context, size_t index, unsigned worker) {
     (void)worker;
     const bounds_context *b = context;
-    size_t first = index * BOUNDS_AT_ONCE, end = b->count - first < BOUNDS_AT_ONCE ? b->count : first + BOUNDS_AT_ONCE;
+    size_t first = index * BOUNDS_AT_ONCE,
+           end = b->count - first < BOUNDS_AT_ONCE ? b->count : first + BOUNDS_AT_ONCE;
     for (size_t i = first; i < end; i++) {
         const sl_record *record = &b->splats->records[i];
         if (!b->rects) {
@@ -152,7 +161,8 @@ static void bound_some(void *context, size_t index, unsigned worker) {
 }
 
 static void bound(const bounds_context *bounds) {
-    sl_parallel_for(sl_thread_count(bounds->splats->pass->threads), (bounds->count + BOUNDS_AT_ONCE - 1) / BOUNDS_AT_ONCE, bound_some, (void *)bounds);
+    sl_parallel_for(sl_thread_count(bounds->splats->pass->threads),
+                    (bounds->count + BOUNDS_AT_ONCE - 1) / BOUNDS_AT_ONCE, bound_some, (void *)bounds);
 }
 
 static sl_status draw(splat_context *context, size_t count, sl_counters *counters, sl_error *error) {
@@ -162,7 +172,8 @@ static sl_status draw(splat_context *context, size_t count, sl_counters *counter
     bounds_context bounds = {context, count, sl_allocate(count + 1, sizeof(size_t)), NULL, NULL};
     if (!bounds.start) return sl_fail_memory(error, "splat rectangles");
     if (mirrors) bound(&bounds);
-    for (size_t i = 0; i < count; i++) bounds.start[i + 1] = bounds.start[i] + (mirrors ? bounds.start[i + 1] : 1);
+    for (size_t i = 0; i < count; i++)
+        bounds.start[i + 1] = bounds.start[i] + (mirrors ? bounds.start[i + 1] : 1);
     size_t total = bounds.start[count];
     bounds.rects = sl_allocate(total, sizeof *bounds.rects);
     bounds.record_of = sl_allocate(total, sizeof *bounds.record_of);
@@ -170,8 +181,8 @@ static sl_status draw(splat_context *context, size_t count, sl_counters *counter
     if (status == SL_OK) {
         bound(&bounds);
         context->record_of = bounds.record_of;
-        status = sl_raster_splats(pass->receivers.width, pass->receivers.height, total, bounds.rects, &program, context, pass->threads, counters,
-                                  error);
+        status = sl_raster_splats(pass->receivers.width, pass->receivers.height, total, bounds.rects,
+                                  &program, context, pass->threads, counters, error);
     }
     sl_free(bounds.start);
     sl_free(bounds.rects);
@@ -183,15 +194,22 @@ sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t 
     if (count == 0) return SL_OK;
     const sl_splat_buffer weights_alone = {.weight = pass->coverage};
     splat_context context = {pass, records, NULL, NULL, &weights_alone, NULL, pass->kernels->cover};
-    sl_counters unbilled = {{0}}; /* the paper sums coverage on the CPU: these are no splats of the hardware */
+    /* the paper sums coverage on the CPU: these are no splats of the hardware */
+    sl_counters unbilled = {{0}};
     return draw(&context, count, &unbilled, error);
 }
 
-sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *list, size_t first, const sl_splat_buffer *buffer,
-                           sl_counters *counters, sl_error *error) {
+sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *list, size_t first,
+                           const sl_splat_buffer *buffer, sl_counters *counters, sl_error *error) {
     if (first >= list->count) return SL_OK;
-    const float *coefficients = list->coefficients ? list->coefficients + first * pass->coefficient_count : NULL;
-    splat_context context = {pass, list->records + first, NULL, coefficients, buffer, sl_glossy_kernel_for(sl_isa_best()),
+    const float *coefficients =
+        list->coefficients ? list->coefficients + first * pass->coefficient_count : NULL;
+    splat_context context = {pass,
+                             list->records + first,
+                             NULL,
+                             coefficients,
+                             buffer,
+                             sl_glossy_kernel_for(sl_isa_best()),
                              pass->kernels->splat};
     return draw(&context, list->count - first, counters, error);
 }

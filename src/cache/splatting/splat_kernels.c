@@ -1,9 +1,11 @@
-/* The splat's fragment program: Algorithm 1 of Gautron et al. 2005, steps 2 to 6, on a tile of the screen. Coverage on the CPU and
- * splats on the hardware share sl_record_weight_at(), so that their sums of weights have the same bits.
+/* The splat's fragment program: Algorithm 1 of Gautron et al. 2005, steps 2 to 6, on a tile of the screen.
+ * Coverage on the CPU and splats on the hardware share sl_record_weight_at(), so that their sums of weights
+ * have the same bits.
  *
- * Sixteen pixels of a row are looked at together. A splat's rectangle is mostly air: two thirds of its pixels lie too far from the
- * record, on another wall or turned away. So distance comes first, then the weight, and only where that is positive the rest. The
- * groups of a column follow each other, as a column enters and leaves a disc once: branches that the processor can foretell. */
+ * Sixteen pixels of a row are looked at together. A splat's rectangle is mostly air: two thirds of its pixels
+ * lie too far from the record, on another wall or turned away. So distance comes first, then the weight, and
+ * only where that is positive the rest. The groups of a column follow each other, as a column enters and
+ * leaves a disc once: branches that the processor can foretell. */
 #include "cache/splatting/record_weight.h"
 
 #include "base/bits16.h"
@@ -12,11 +14,15 @@ enum { GROUP = 16 };
 
 /* ---- groups ---- */
 
-/* Weights of the group that starts at pixel i, column x of the tile, 0 outside columns [x0, x1). Returns which are positive. */
-static inline uint32_t weigh(const sl_record_terms *k, const sl_tile_planes *t, int i, int x, int x0, int x1, float *restrict w) {
+/* Weights of the group that starts at pixel i, column x of the tile, 0 outside columns [x0, x1). Returns
+ * which are positive. */
+static inline uint32_t weigh(const sl_record_terms *k, const sl_tile_planes *t, int i, int x, int x0, int x1,
+                             float *restrict w) {
     float distance[GROUP];
-    const float *restrict px = t->position_x + i, *restrict py = t->position_y + i, *restrict pz = t->position_z + i;
-    const float *restrict nx = t->normal_x + i, *restrict ny = t->normal_y + i, *restrict nz = t->normal_z + i;
+    const float *restrict px = t->position_x + i, *restrict py = t->position_y + i,
+                          *restrict pz = t->position_z + i;
+    const float *restrict nx = t->normal_x + i, *restrict ny = t->normal_y + i,
+                          *restrict nz = t->normal_z + i;
     const int from = x0 - x, to = x1 - x;
 #pragma omp simd aligned(px, py, pz : 64)
     for (int l = 0; l < GROUP; l++) {
@@ -32,7 +38,8 @@ static inline uint32_t weigh(const sl_record_terms *k, const sl_tile_planes *t, 
     if (k->has_walls) {
 #pragma omp simd aligned(px, py, pz : 64)
         for (int l = 0; l < GROUP; l++) {
-            int before = sl_record_before_walls(k, px[l] - k->position.x, py[l] - k->position.y, pz[l] - k->position.z);
+            int before = sl_record_before_walls(k, px[l] - k->position.x, py[l] - k->position.y,
+                                                pz[l] - k->position.z);
             w[l] = before ? w[l] : 0.0f;
         }
     }
@@ -41,8 +48,10 @@ static inline uint32_t weigh(const sl_record_terms *k, const sl_tile_planes *t, 
 
 /* Step 6: adds (w E', w). */
 static inline void blend(const sl_record_terms *k, sl_tile_planes *t, int i, const float *restrict w) {
-    const float *restrict px = t->position_x + i, *restrict py = t->position_y + i, *restrict pz = t->position_z + i;
-    const float *restrict nx = t->normal_x + i, *restrict ny = t->normal_y + i, *restrict nz = t->normal_z + i;
+    const float *restrict px = t->position_x + i, *restrict py = t->position_y + i,
+                          *restrict pz = t->position_z + i;
+    const float *restrict nx = t->normal_x + i, *restrict ny = t->normal_y + i,
+                          *restrict nz = t->normal_z + i;
     float *restrict r = t->r + i, *restrict g = t->g + i, *restrict b = t->b + i;
     float *restrict weight = t->weight + i, *restrict count = t->count + i;
 #pragma omp simd aligned(px, py, pz, nx, ny, nz, r, g, b, weight, count : 64)
@@ -60,7 +69,8 @@ static inline void blend(const sl_record_terms *k, sl_tile_planes *t, int i, con
     }
 }
 
-static uint64_t SL_KERNEL(splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, sl_tile_planes *tile) {
+static uint64_t SL_KERNEL(splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
+                                 sl_tile_planes *tile) {
     const sl_record_terms k = sl_record_terms_of(record, rules);
     uint64_t blended = 0;
     _Alignas(64) float w[GROUP];
@@ -76,7 +86,8 @@ static uint64_t SL_KERNEL(splat)(const sl_record *record, const sl_weight_rules 
     return blended;
 }
 
-static uint64_t SL_KERNEL(cover)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, sl_tile_planes *tile) {
+static uint64_t SL_KERNEL(cover)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
+                                 sl_tile_planes *tile) {
     const sl_record_terms k = sl_record_terms_of(record, rules);
     uint64_t blended = 0;
     _Alignas(64) float w[GROUP];
@@ -113,23 +124,28 @@ static uint64_t SL_KERNEL(weights)(const sl_record *record, const sl_weight_rule
 
 /* ---- single pixels, and the way into a tile ---- */
 
-static float SL_KERNEL(weight)(const sl_record *record, const sl_weight_rules *rules, const sl_splat_receivers *p, size_t i) {
+static float SL_KERNEL(weight)(const sl_record *record, const sl_weight_rules *rules,
+                               const sl_splat_receivers *p, size_t i) {
     const sl_record_terms k = sl_record_terms_of(record, rules);
     const float px = p->position_x[i], py = p->position_y[i], pz = p->position_z[i];
     float squared = sl_record_squared_distance(&k, px, py, pz);
     if (!p->receives[i] || !(squared <= k.reach_squared)) return 0.0f;
-    if (k.has_walls && !sl_record_before_walls(&k, px - k.position.x, py - k.position.y, pz - k.position.z)) return 0.0f;
+    if (k.has_walls && !sl_record_before_walls(&k, px - k.position.x, py - k.position.y, pz - k.position.z))
+        return 0.0f;
     return sl_record_weight_at(&k, squared, px, py, pz, p->normal_x[i], p->normal_y[i], p->normal_z[i]);
 }
 
-static void SL_KERNEL(fetch)(const sl_splat_receivers *p, int x, int y, sl_splat_rect region, sl_tile_planes *tile) {
+static void SL_KERNEL(fetch)(const sl_splat_receivers *p, int x, int y, sl_splat_rect region,
+                             sl_tile_planes *tile) {
     const int columns = region.x1 - region.x0;
     for (int row = region.y0; row < region.y1; row++) {
         const size_t from = (size_t)row * (size_t)p->width + (size_t)region.x0;
         const int to = (row - y) * SL_SPLAT_TILE + region.x0 - x;
         const uint32_t *restrict receives = p->receives + from;
-        const float *restrict px = p->position_x + from, *restrict py = p->position_y + from, *restrict pz = p->position_z + from;
-        const float *restrict nx = p->normal_x + from, *restrict ny = p->normal_y + from, *restrict nz = p->normal_z + from;
+        const float *restrict px = p->position_x + from, *restrict py = p->position_y + from,
+                              *restrict pz = p->position_z + from;
+        const float *restrict nx = p->normal_x + from, *restrict ny = p->normal_y + from,
+                              *restrict nz = p->normal_z + from;
 #pragma omp simd
         for (int l = 0; l < columns; l++) {
             tile->position_x[to + l] = receives[l] ? px[l] : NAN;
@@ -143,5 +159,5 @@ static void SL_KERNEL(fetch)(const sl_splat_receivers *p, int x, int y, sl_splat
 }
 
 extern const sl_splat_kernels SL_KERNEL(sl_splat_kernel_table);
-const sl_splat_kernels SL_KERNEL(sl_splat_kernel_table) = {SL_KERNEL(fetch), SL_KERNEL(splat), SL_KERNEL(cover),
-                                                           SL_KERNEL(weights), SL_KERNEL(weight)};
+const sl_splat_kernels SL_KERNEL(sl_splat_kernel_table) = {
+    SL_KERNEL(fetch), SL_KERNEL(splat), SL_KERNEL(cover), SL_KERNEL(weights), SL_KERNEL(weight)};

@@ -3,14 +3,13 @@
  *   1  G-buffer, edges and mirrors by rays    update 0
  *   1b emission and direct light              one update for every DIRECT_ROWS rows
  *   2  splat existing records                 none are there at the start; after a camera edit all of them
- *   3  coverage                               kept as records are committed; the same sums, so nothing to read back
- *   4  new records where uncovered            one update a batch (traversal.c)
- *   4b clamp radii to neighbours, visit once more  one update, then step 4 again
- *   5  splat the new records only             resolve
- *   6  normalise, times albedo / pi, add direct and emission   resolve
+ *   3  coverage                               kept as records are committed; the same sums, so nothing to
+ * read back 4  new records where uncovered            one update a batch (traversal.c) 4b clamp radii to
+ * neighbours, visit once more  one update, then step 4 again 5  splat the new records only resolve 6
+ * normalise, times albedo / pi, add direct and emission   resolve
  *
- * Steps 4 and 4b run for the diffuse receivers (irradiance records), then for the glossy ones (radiance records). With a budget of
- * records a frame ends in the midst of them; the next goes on where it stopped. */
+ * Steps 4 and 4b run for the diffuse receivers (irradiance records), then for the glossy ones (radiance
+ * records). With a budget of records a frame ends in the midst of them; the next goes on where it stopped. */
 #include "cache/splatting/splatting.h"
 
 #include "base/counters.h"
@@ -28,8 +27,10 @@ enum { DIRECT_ROWS = 64 };
 
 /* ---- what observers are told ---- */
 
-static void announce(sl_splat_state *s, const char *name, const char *source, int channels, const float *planes, bool bottom_first) {
-    sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, channels, planes, bottom_first);
+static void announce(sl_splat_state *s, const char *name, const char *source, int channels,
+                     const float *planes, bool bottom_first) {
+    sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, channels, planes,
+                bottom_first);
 }
 
 /* ---- steps 1 and 1b ---- */
@@ -51,7 +52,8 @@ static bool is_sound(const sl_gbuffer *g, size_t i) {
 static void classify_receivers(sl_splat_state *s) {
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         s->cache[c].receivers = 0;
-        if (s->cache[c].receives) memset(s->cache[c].receives, 0, sl_splat_pixels(s) * sizeof *s->cache[c].receives);
+        if (s->cache[c].receives)
+            memset(s->cache[c].receives, 0, sl_splat_pixels(s) * sizeof *s->cache[c].receives);
     }
     for (size_t i = 0; i < sl_splat_pixels(s); i++) {
         if (s->gbuffer->material[i] == SL_NO_INDEX) continue;
@@ -69,7 +71,8 @@ static void classify_receivers(sl_splat_state *s) {
 static void announce_hidden(sl_splat_state *s) {
     char name[128];
     sl_second_report r = sl_second_cache_report(s->hidden);
-    sl_print(name, sizeof name, "%zu second-level records, %u bounces%s: the last changed them by at most %.2g", r.records,
+    sl_print(name, sizeof name,
+             "%zu second-level records, %u bounces%s: the last changed them by at most %.2g", r.records,
              (unsigned)r.bounces, r.converged ? ", more would change nothing" : "", (double)r.change);
     sl_announce_pass(&s->announcer, name, "beyond the paper: more bounces");
 }
@@ -94,13 +97,15 @@ static sl_status follow_mirrors(sl_splat_state *s, sl_error *error) {
     sl_reflections_destroy(s->reflections);
     s->reflections = NULL;
     if (!s->plan.mirrors) return SL_OK;
-    sl_status status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections, &s->counters, error);
+    sl_status status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer,
+                                         &s->reflections, &s->counters, error);
     return status == SL_OK ? sl_mirror_blocks_make(s->gbuffer, s->reflections, &s->mirrors, error) : status;
 }
 
 static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
-    sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
+    sl_status status =
+        sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status == SL_OK && s->tracer)
         status = sl_look_at_edges(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status == SL_OK) status = follow_mirrors(s, error);
@@ -127,9 +132,10 @@ static void start_records(sl_splat_state *s, int class) {
 }
 
 static sl_status light_rows(sl_splat_state *s, sl_error *error) {
-    int end = s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
-    sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0], s->direct_light[1],
-                                      s->direct_light[2], &s->counters, error);
+    int end =
+        s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
+    sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0],
+                                      s->direct_light[1], s->direct_light[2], &s->counters, error);
     if (status != SL_OK) return status;
     s->direct_row = end;
     if (end < s->settings.height) return SL_OK;
@@ -145,13 +151,16 @@ static sl_status new_records(sl_splat_state *s, sl_error *error) {
         start_records(s, s->class + 1);
         return SL_OK;
     }
-    if (budget && cache->traversal.batch > budget - s->frame_records) cache->traversal.batch = budget - s->frame_records;
-    sl_status status = sl_traversal_advance(&cache->traversal, &cache->pass, &cache->list, &s->counters, error);
+    if (budget && cache->traversal.batch > budget - s->frame_records)
+        cache->traversal.batch = budget - s->frame_records;
+    sl_status status =
+        sl_traversal_advance(&cache->traversal, &cache->pass, &cache->list, &s->counters, error);
     s->frame_records += cache->list.count - before;
     if (status != SL_OK || cache->traversal.stride) return status;
     announce(s, "coverage: sum of w", "Algorithm 2, step 4", 1, s->coverage, true);
-    /* A view that needed nothing new leaves the records as they are: seen again from the same place, a picture has the same bits. In a
-     * walk older records never shrink, or pixels would jump between frames. */
+    /* A view that needed nothing new leaves the records as they are: seen again from the same place, a
+     * picture has the same bits. In a walk older records never shrink, or pixels would jump between frames.
+     */
     bool grown = cache->list.count > cache->known;
     if (s->phase == SL_PHASE_RECORDS && grown && !s->settings.records_per_frame) s->phase = SL_PHASE_CLAMP;
     else start_records(s, s->class + 1);
@@ -192,7 +201,8 @@ static sl_status clamp_radii(sl_record_cache *cache, unsigned threads, bool *shr
 
 static void forget_sums(sl_splat_state *s, sl_record_cache *cache) {
     const sl_splat_buffer *b = &s->splats;
-    float *const planes[] = {s->coverage, b->r, b->g, b->b, b->weight, b->count, b->glossy[0], b->glossy[1], b->glossy[2]};
+    float *const planes[] = {s->coverage, b->r,         b->g,         b->b,        b->weight,
+                             b->count,    b->glossy[0], b->glossy[1], b->glossy[2]};
     for (size_t k = 0; k < sizeof planes / sizeof planes[0]; k++) {
         for (size_t i = 0; planes[k] && i < sl_splat_pixels(s); i++) {
             if (cache->receives[i]) planes[k][i] = 0.0f;
@@ -201,8 +211,9 @@ static void forget_sums(sl_splat_state *s, sl_record_cache *cache) {
     cache->splatted = 0;
 }
 
-/* A single pass over the radii is the fixed point of mutual clamping, whatever the order of insertion. Older records may shrink: their
- * coverage is summed anew, and what came to light gets records in a second visit. */
+/* A single pass over the radii is the fixed point of mutual clamping, whatever the order of insertion. Older
+ * records may shrink: their coverage is summed anew, and what came to light gets records in a second visit.
+ */
 static sl_status clamp_to_neighbours(sl_splat_state *s, sl_error *error) {
     sl_record_cache *cache = &s->cache[s->class];
     bool shrunk;
@@ -231,7 +242,8 @@ static double fraction_done(const sl_splat_state *s) {
         all += (double)s->cache[c].receivers;
         if (c < s->class) done += (double)s->cache[c].receivers;
     }
-    double share = s->class < SL_RECEIVER_CLASSES && all > 0.0 ? (double)s->cache[s->class].receivers / all : 0.0;
+    double share =
+        s->class < SL_RECEIVER_CLASSES && all > 0.0 ? (double)s->cache[s->class].receivers / all : 0.0;
     double before = 0.2 + 0.8 * (all > 0.0 ? done / all : 0.0);
     switch (s->phase) {
     case SL_PHASE_GBUFFER: return 0.0;
@@ -246,9 +258,11 @@ static double fraction_done(const sl_splat_state *s) {
 
 static sl_status splat_update(void *state, sl_progress *progress, sl_error *error) {
     sl_splat_state *s = state;
-    if (!s->raster) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    if (!s->raster)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = SL_OK;
-    if (s->settings.records_per_frame && s->frame_records >= s->settings.records_per_frame) s->frame_records = 0;
+    if (s->settings.records_per_frame && s->frame_records >= s->settings.records_per_frame)
+        s->frame_records = 0;
     switch (s->phase) {
     case SL_PHASE_GBUFFER: status = draw_gbuffer(s, error); break;
     case SL_PHASE_DIRECT: status = light_rows(s, error); break;
@@ -259,30 +273,36 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
     }
     progress->fraction = fraction_done(s);
     progress->done = s->phase == SL_PHASE_DONE;
-    progress->frame_done =
-        progress->done || (s->settings.records_per_frame && s->frame_records >= s->settings.records_per_frame);
+    progress->frame_done = progress->done || (s->settings.records_per_frame &&
+                                              s->frame_records >= s->settings.records_per_frame);
     return status;
 }
 
 /* ---- steps 5 and 6 ---- */
 
-/* Step 5: only what has not been splatted yet; with the earlier ones the sums are those of one pass over all, bit for bit. */
+/* Step 5: only what has not been splatted yet; with the earlier ones the sums are those of one pass over all,
+ * bit for bit. */
 static sl_status splat_new_records(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
-    bool ready = cache->receivers && s->phase != SL_PHASE_GBUFFER; /* before its G-buffer a new view has nothing to splat on */
+    /* before its G-buffer a new view has nothing to splat on */
+    bool ready = cache->receivers && s->phase != SL_PHASE_GBUFFER;
     if (!ready || cache->splatted == cache->list.count) return SL_OK;
-    sl_status status = sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, error);
+    sl_status status =
+        sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, error);
     if (status != SL_OK) return status;
     cache->splatted = cache->list.count;
     announce(s, "splat: sum of w E", "Algorithm 1", 3, s->splats.r, true);
     announce(s, "splat: sum of w", "Algorithm 1", 1, s->splats.weight, true);
-    if (cache->glossy) announce(s, "splat: sum of w times reflected radiance", "Algorithm 1, equation (9)", 3, s->splats.glossy[0], true);
+    if (cache->glossy)
+        announce(s, "splat: sum of w times reflected radiance", "Algorithm 1, equation (9)", 3,
+                 s->splats.glossy[0], true);
     return SL_OK;
 }
 
 static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     sl_splat_state *s = state;
     sl_status status = SL_OK;
-    for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) status = splat_new_records(s, &s->cache[c], error);
+    for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++)
+        status = splat_new_records(s, &s->cache[c], error);
     if (status != SL_OK) return status;
     sl_splat_announce_gather(s, &s->cache[SL_RECEIVES_IRRADIANCE]);
     sl_splat_announce_records(s);
@@ -304,8 +324,11 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
         return status;
     }
     announce(s, "indirect light", "Algorithm 2, step 6", 3, sl_image_channel(*image, "indirect.R"), false);
-    if (s->plan.radiance) announce(s, "indirect glossy light", "Algorithm 2, step 6", 3, sl_image_channel(*image, "glossy.R"), false);
-    announce(s, "sum of emission, direct and indirect light", "Algorithm 2, step 6", 3, (*image)->planes, false);
+    if (s->plan.radiance)
+        announce(s, "indirect glossy light", "Algorithm 2, step 6", 3, sl_image_channel(*image, "glossy.R"),
+                 false);
+    announce(s, "sum of emission, direct and indirect light", "Algorithm 2, step 6", 3, (*image)->planes,
+             false);
     return SL_OK;
 }
 
@@ -314,7 +337,8 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
 static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
     sl_splat_state *s = state;
     size_t pixels = sl_splat_pixels(s);
-    memset(s->planes, 0, (s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3) * pixels * sizeof *s->planes);
+    memset(s->planes, 0,
+           (s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3) * pixels * sizeof *s->planes);
     memset(s->owned, 0, pixels);
     s->phase = SL_PHASE_GBUFFER;
     sl_status status = SL_OK;
@@ -333,7 +357,9 @@ static sl_status splat_load(void *state, const char *path, sl_error *error) {
     return status == SL_OK ? splat_edit(state, SL_CHANGED_CAMERA, error) : status;
 }
 
-static const sl_counters *splat_counters(const void *state) { return &((const sl_splat_state *)state)->counters; }
+static const sl_counters *splat_counters(const void *state) {
+    return &((const sl_splat_state *)state)->counters;
+}
 
 const sl_method_class sl_splatting_method = {
     .name = "splatting",

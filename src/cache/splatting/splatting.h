@@ -5,8 +5,8 @@
  *   create.c         what it needs, made when it is needed
  *   edges.c          step 1: pixels at edges, looked at again by rays
  *   ../direct/       step 1b: direct light of every pixel
- *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by one
- *   record.c         a record and how far it reaches
+ *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by
+ * one record.c         a record and how far it reaches
  *   ../bounces/      more than one bounce: the light that falls on what gathers see
  *   splat.c          steps 4 and 5: records onto the screen
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel, its weight and irradiance
@@ -35,8 +35,13 @@ sl_status sl_look_at_edges(const sl_scene *scene, const sl_tracer *tracer, unsig
 
 /* ---- which pixels get records ---- */
 
-/* A pixel that is partly glossy is served by radiance records, of which the diffuse part takes the irradiance. */
-typedef enum sl_receiver_class { SL_RECEIVES_IRRADIANCE, SL_RECEIVES_RADIANCE, SL_RECEIVER_CLASSES } sl_receiver_class;
+/* A pixel that is partly glossy is served by radiance records, of which the diffuse part takes the
+ * irradiance. */
+typedef enum sl_receiver_class {
+    SL_RECEIVES_IRRADIANCE,
+    SL_RECEIVES_RADIANCE,
+    SL_RECEIVER_CLASSES
+} sl_receiver_class;
 
 typedef struct sl_record_list {
     sl_record *records;
@@ -46,8 +51,8 @@ typedef struct sl_record_list {
 } sl_record_list;
 
 /* coefficients: coefficient_count of them, or NULL. */
-sl_status sl_record_list_append(sl_record_list *list, const sl_record *record, const float *coefficients, size_t coefficient_count,
-                                sl_error *error);
+sl_status sl_record_list_append(sl_record_list *list, const sl_record *record, const float *coefficients,
+                                size_t coefficient_count, sl_error *error);
 void sl_record_list_clear(sl_record_list *list);
 void sl_record_list_free(sl_record_list *list);
 
@@ -90,17 +95,18 @@ typedef struct sl_record_pass {
 enum { SL_BATCH_MAX = 128 };
 
 void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int width, int height);
-/* The next batch of uncovered pixels, at most traversal->batch of them, gets records, exactly as if they were visited one by one.
- * Done where traversal->stride becomes 0. */
+/* The next batch of uncovered pixels, at most traversal->batch of them, gets records, exactly as if they were
+ * visited one by one. Done where traversal->stride becomes 0. */
 sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
                                sl_counters *counters, sl_error *error);
 /* Records that disagree with nearer ones shrink (adaptive.c); *shrunk becomes true where any does. */
 sl_status sl_adapt_radii(const sl_record_pass *pass, sl_record_list *list, bool *shrunk, sl_error *error);
 /* Adds the records' weights to the coverage. */
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error);
-/* Step 5: records [first, count) of the list add (w E', w, 1), and radiance records what the glossy lobe reflects. */
-sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *list, size_t first, const sl_splat_buffer *buffer,
-                           sl_counters *counters, sl_error *error);
+/* Step 5: records [first, count) of the list add (w E', w, 1), and radiance records what the glossy lobe
+ * reflects. */
+sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *list, size_t first,
+                           const sl_splat_buffer *buffer, sl_counters *counters, sl_error *error);
 /* The record's weight at a pixel; 0 also where a record that says behind_a_wall does not see the pixel. */
 float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel);
 /* The rectangle of pixels that a record can reach. */
@@ -108,8 +114,8 @@ sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *reco
 
 /* ---- the picture ---- */
 
-/* R, G, B and the layers that they are the sum of; weight and number of records. The glossy layers come last, and only where something
- * can be glossy. */
+/* R, G, B and the layers that they are the sum of; weight and number of records. The glossy layers come last,
+ * and only where something can be glossy. */
 enum { SL_LAYERS = 14, SL_LAYERS_GLOSSY = 17 };
 extern const char *const sl_layer_names[SL_LAYERS_GLOSSY];
 
@@ -129,8 +135,9 @@ sl_status sl_compose(const sl_composition *parts, sl_image *image, sl_error *err
 
 /* ---- fallback of an unfinished picture ---- */
 
-/* Push-pull: where weight is 0 and the pixel receives, the mean of those around it that receive. r, g, b hold means, not sums. */
-sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r, float *g,
-                            float *b, sl_error *error);
+/* Push-pull: where weight is 0 and the pixel receives, the mean of those around it that receive. r, g, b hold
+ * means, not sums. */
+sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r,
+                            float *g, float *b, sl_error *error);
 
 #endif

@@ -8,8 +8,9 @@
 #include "cache/splatting/plan.h"
 #include "cache/splatting/splatting.h"
 
-/* The records of one class of receivers, and all that it takes to make and to splat them. Classes share the planes of sums and of
- * coverage, since a pixel belongs to one class alone: a record of the other never reaches it. */
+/* The records of one class of receivers, and all that it takes to make and to splat them. Classes share the
+ * planes of sums and of coverage, since a pixel belongs to one class alone: a record of the other never
+ * reaches it. */
 typedef struct sl_record_cache {
     sl_receiver_class class;
     sl_gather *gather;          /* NULL until a pixel of this class has been seen */
@@ -46,12 +47,14 @@ typedef struct sl_splat_state {
     sl_tracer *tracer;
     sl_shadow_maps *maps;
     sl_direct *direct;
-    sl_second_cache *hidden;    /* more than one bounce: irradiance of what gathers see; made with the first cache */
+    /* more than one bounce: irradiance of what gathers see; made with the first cache */
+    sl_second_cache *hidden;
     sl_environment sky, sun;    /* of the scene's environment; what is black is not present */
     sl_gbuffer *gbuffer;
     sl_reflections *reflections; /* pixels that show something by way of mirrors; NULL: none */
     sl_mirror_blocks mirrors;   /* where what they show lies */
-    float *planes;              /* direct rgb, coverage, and the splat buffer: SL_SPLAT_PLANES planes, bottom row first */
+    /* direct rgb, coverage, and the splat buffer: SL_SPLAT_PLANES planes, bottom row first */
+    float *planes;
     float *direct_light[3], *coverage;
     sl_splat_buffer splats;
     uint8_t *owned;
@@ -69,8 +72,8 @@ typedef struct sl_splat_state {
 
 /* ---- create.c ---- */
 
-sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
-                          sl_error *error);
+sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
+                          void **state, sl_error *error);
 void sl_splat_destroy(void *state);
 /* Everything that depends on geometry and lights, and not on the camera: made anew. Records are dropped. */
 sl_status sl_splat_renew_transport(sl_splat_state *state, sl_error *error);
@@ -98,6 +101,8 @@ sl_status sl_splat_save(const void *state, const char *path, sl_error *error);
 /* Replaces records; where it fails nothing has changed. */
 sl_status sl_splat_load(void *state, const char *path, sl_error *error);
 
-static inline size_t sl_splat_pixels(const sl_splat_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
+static inline size_t sl_splat_pixels(const sl_splat_state *s) {
+    return (size_t)s->settings.width * (size_t)s->settings.height;
+}
 
 #endif

@@ -1,10 +1,11 @@
 /* Step 4 of Algorithm 2: the pixels are visited in a fixed order, and an uncovered one gets a record.
  *
- * The paper's order is linear. The default is coarse to fine: every 16th pixel of every 16th row, then every 8th, and so on; and
- * within such a level not row by row but in steps of the golden ratio, so that pixels visited one after the other are far apart.
- * A record's content does not depend on the cache, and coverage only grows; so a batch of candidates can be gathered
- * in parallel and committed in order, setting aside those that an earlier one of the batch has covered: the records are those
- * of the sequential algorithm, whatever the batch and the number of threads. The further apart, the fewer are set aside. */
+ * The paper's order is linear. The default is coarse to fine: every 16th pixel of every 16th row, then every
+ * 8th, and so on; and within such a level not row by row but in steps of the golden ratio, so that pixels
+ * visited one after the other are far apart. A record's content does not depend on the cache, and coverage
+ * only grows; so a batch of candidates can be gathered in parallel and committed in order, setting aside
+ * those that an earlier one of the batch has covered: the records are those of the sequential algorithm,
+ * whatever the batch and the number of threads. The further apart, the fewer are set aside. */
 #include "base/batch.h"
 #include "base/error.h"
 #include "base/golden.h"
@@ -62,9 +63,11 @@ static bool next_pixel(sl_traversal *t, size_t *pixel) {
     return false;
 }
 
-/* Coverage first: most pixels have it when they are visited, and each plane that is looked into is a miss in the cache. */
+/* Coverage first: most pixels have it when they are visited, and each plane that is looked into is a miss in
+ * the cache. */
 static bool wants_record(const sl_record_pass *pass, size_t pixel) {
-    return !(pass->coverage[pixel] >= pass->covered_weight) && pass->receivers.receives[pixel] && !pass->owned[pixel];
+    return !(pass->coverage[pixel] >= pass->covered_weight) && pass->receivers.receives[pixel] &&
+           !pass->owned[pixel];
 }
 
 static size_t next_candidates(sl_traversal *t, const sl_record_pass *pass, size_t *pixels) {
@@ -111,14 +114,17 @@ static void gather_at(const sl_record_pass *pass, unsigned worker, const sl_gath
 }
 
 /* Records that may reach past the guard look for the walls around them. */
-static sl_record make_record(const sl_record_pass *pass, const sl_gather_point *point, const sl_irradiance *irradiance, float footprint,
-                             bool inside, sl_counters *counters) {
+static sl_record make_record(const sl_record_pass *pass, const sl_gather_point *point,
+                             const sl_irradiance *irradiance, float footprint, bool inside,
+                             sl_counters *counters) {
     sl_radius_rules rules = pass->radii;
-    bool looks_for_walls = rules.guard && rules.metric == SL_METRIC_HESSIAN && !inside && pass->tracer && pass->scene;
+    bool looks_for_walls =
+        rules.guard && rules.metric == SL_METRIC_HESSIAN && !inside && pass->tracer && pass->scene;
     if (looks_for_walls) rules.guard = false;
     sl_record record = sl_record_make(point, irradiance, &rules, footprint);
     if (looks_for_walls)
-        sl_record_find_walls(pass->scene, pass->tracer, point, rules.accuracy, sl_record_guard(irradiance, &pass->radii), &record, counters);
+        sl_record_find_walls(pass->scene, pass->tracer, point, rules.accuracy,
+                             sl_record_guard(irradiance, &pass->radii), &record, counters);
     return record;
 }
 
@@ -130,8 +136,8 @@ static float depth_of(const sl_record_pass *pass, size_t pixel, sl_vec3 p) {
     return -sl_dot(sl_sub(p, pass->camera->eye), pass->camera->back);
 }
 
-/* A point that sees mostly the insides of things lies within an intersection of surfaces: it tries again a little further out, and
- * if that does not help it reaches no further than R_min, and only what it sees. */
+/* A point that sees mostly the insides of things lies within an intersection of surfaces: it tries again a
+ * little further out, and if that does not help it reaches no further than R_min, and only what it sees. */
 static void gather_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     const gather_batch *b = context;
     candidate *out = result;
@@ -156,12 +162,14 @@ static void gather_one(void *context, size_t index, unsigned worker, void *resul
 
 /* ---- records behind walls ---- */
 
-/* A record whose R_min reaches past the guard is tested by a ray to each of its few pixels: walls thinner than a pixel's
- * footprint do not leak. Its rays are not counted, as pixels of many tiles ask at once. The pixel's own triangle is not in the way to what
- * lies in front of it; it may be in the way to what lies behind. */
+/* A record whose R_min reaches past the guard is tested by a ray to each of its few pixels: walls thinner
+ * than a pixel's footprint do not leak. Its rays are not counted, as pixels of many tiles ask at once. The
+ * pixel's own triangle is not in the way to what lies in front of it; it may be in the way to what lies
+ * behind. */
 static bool sees(const sl_record_pass *pass, const sl_record *record, size_t pixel) {
     sl_gather_point at = point_at(pass, pixel);
-    if (at.position.x == record->position.x && at.position.y == record->position.y && at.position.z == record->position.z)
+    if (at.position.x == record->position.x && at.position.y == record->position.y &&
+        at.position.z == record->position.z)
         return true; /* its own pixel */
     sl_ray16 ray;
     memset(&ray, 0, sizeof ray);
@@ -185,8 +193,10 @@ float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size
 
 /* ---- committing it ---- */
 
-/* Has an earlier record of this batch covered the pixel meanwhile? Adds their weights in order, as the coverage buffer will. */
-static bool covered_by_batch(const sl_record_pass *pass, const sl_record_list *list, size_t first, size_t pixel) {
+/* Has an earlier record of this batch covered the pixel meanwhile? Adds their weights in order, as the
+ * coverage buffer will. */
+static bool covered_by_batch(const sl_record_pass *pass, const sl_record_list *list, size_t first,
+                             size_t pixel) {
     float sum = pass->coverage[pixel];
     for (size_t i = first; i < list->count; i++) sum += sl_record_weight(pass, &list->records[i], pixel);
     return sum >= pass->covered_weight;

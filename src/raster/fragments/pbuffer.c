@@ -11,11 +11,12 @@ int sl_pbuffer_channels(sl_pbuffer_format format) {
     return channels[format];
 }
 
-sl_status sl_pbuffer_create(int width, int height, sl_pbuffer_format format, sl_pbuffer **pbuffer, sl_error *error) {
+sl_status sl_pbuffer_create(int width, int height, sl_pbuffer_format format, sl_pbuffer **pbuffer,
+                            sl_error *error) {
     *pbuffer = NULL;
     if (width < 1 || height < 1 || width > SL_RASTER_MAX_SIZE || height > SL_RASTER_MAX_SIZE) {
-        return sl_fail(error, SL_ERROR_USAGE, "a pbuffer of %d x %d pixels: from 1 to %d each way", width, height,
-                       (int)SL_RASTER_MAX_SIZE);
+        return sl_fail(error, SL_ERROR_USAGE, "a pbuffer of %d x %d pixels: from 1 to %d each way", width,
+                       height, (int)SL_RASTER_MAX_SIZE);
     }
     size_t pixels = (size_t)width * (size_t)height;
     sl_pbuffer *p = sl_allocate(1, sizeof *p);

@@ -1,6 +1,6 @@
-/* Splatting: rectangles blended additively. A tile's pixels are touched by one thread only, which runs the tile's
- * splats in index order; so every pixel adds in index order, and float sums come out the same bits at any number of
- * threads. */
+/* Splatting: rectangles blended additively. A tile's pixels are touched by one thread only, which runs the
+ * tile's splats in index order; so every pixel adds in index order, and float sums come out the same bits at
+ * any number of threads. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -22,8 +22,8 @@ typedef struct {
 } splatting;
 
 static sl_splat_rect cut(sl_splat_rect r, sl_splat_rect to) {
-    return (sl_splat_rect){r.x0 > to.x0 ? r.x0 : to.x0, r.y0 > to.y0 ? r.y0 : to.y0, r.x1 < to.x1 ? r.x1 : to.x1,
-                           r.y1 < to.y1 ? r.y1 : to.y1};
+    return (sl_splat_rect){r.x0 > to.x0 ? r.x0 : to.x0, r.y0 > to.y0 ? r.y0 : to.y0,
+                           r.x1 < to.x1 ? r.x1 : to.x1, r.y1 < to.y1 ? r.y1 : to.y1};
 }
 
 /* Neither is empty. */
@@ -75,7 +75,8 @@ static void blend_tile(void *context, size_t index, unsigned worker) {
     size_t first = s->first[index], end = s->first[index + 1];
     if (first == end) return;
     int x = (int)(index % (size_t)s->tiles_x) * TILE, y = (int)(index / (size_t)s->tiles_x) * TILE;
-    sl_splat_rect whole = cut((sl_splat_rect){x, y, x + TILE, y + TILE}, (sl_splat_rect){0, 0, s->width, s->height});
+    sl_splat_rect whole =
+        cut((sl_splat_rect){x, y, x + TILE, y + TILE}, (sl_splat_rect){0, 0, s->width, s->height});
     sl_splat_rect region = cut(s->rects[s->splat[first]], whole);
     for (size_t n = first + 1; n < end; n++) region = both(region, cut(s->rects[s->splat[n]], whole));
     sl_splat_tile tile = {x, y, region, s->memory + worker * s->tile_stride};
@@ -88,14 +89,21 @@ static void blend_tile(void *context, size_t index, unsigned worker) {
     s->blended[index] = blended;
 }
 
-sl_status sl_raster_splats(int width, int height, size_t count, const sl_splat_rect *rects, const sl_splat_program *program,
-                           void *context, unsigned threads, sl_counters *counters, sl_error *error) {
-    if (width < 1 || height < 1 || width > SL_RASTER_MAX_SIZE || height > SL_RASTER_MAX_SIZE || count >= SL_NO_INDEX) {
-        return sl_fail(error, SL_ERROR_USAGE, "splats on %d x %d pixels: from 1 to %d each way", width, height,
-                       (int)SL_RASTER_MAX_SIZE);
+sl_status sl_raster_splats(int width, int height, size_t count, const sl_splat_rect *rects,
+                           const sl_splat_program *program, void *context, unsigned threads,
+                           sl_counters *counters, sl_error *error) {
+    if (width < 1 || height < 1 || width > SL_RASTER_MAX_SIZE || height > SL_RASTER_MAX_SIZE ||
+        count >= SL_NO_INDEX) {
+        return sl_fail(error, SL_ERROR_USAGE, "splats on %d x %d pixels: from 1 to %d each way", width,
+                       height, (int)SL_RASTER_MAX_SIZE);
     }
-    splatting s = {.width = width, .height = height, .tiles_x = (width + TILE - 1) / TILE, .tiles_y = (height + TILE - 1) / TILE,
-                   .rects = rects, .program = program, .context = context,
+    splatting s = {.width = width,
+                   .height = height,
+                   .tiles_x = (width + TILE - 1) / TILE,
+                   .tiles_y = (height + TILE - 1) / TILE,
+                   .rects = rects,
+                   .program = program,
+                   .context = context,
                    .tile_stride = (program->tile_bytes + 63) / 64 * 64};
     size_t tiles = (size_t)s.tiles_x * (size_t)s.tiles_y, workers = sl_thread_count(threads);
     workers = workers < tiles ? workers : tiles;

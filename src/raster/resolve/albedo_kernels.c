@@ -1,7 +1,7 @@
 /* Albedo: a run's material says it, times its texture where there is one; to the bit as sl_scene_diffuse().
  *
- * Where the four texels lie and how they are mixed is worked out in lanes; fetching and decoding their bytes is not, since
- * each is a load by itself on any instruction set. */
+ * Where the four texels lie and how they are mixed is worked out in lanes; fetching and decoding their bytes
+ * is not, since each is a load by itself on any instruction set. */
 #include <string.h>
 
 #include "raster/resolve/resolve.h"
@@ -18,12 +18,13 @@ typedef struct lookups {
     float value[3][4][LANES]; /* linear: channel, texel */
 } lookups;
 
-static inline void place(const sl_albedo_block *a, uint32_t r, const float *restrict w1, const float *restrict w2,
-                         lookups *at) {
+static inline void place(const sl_albedo_block *a, uint32_t r, const float *restrict w1,
+                         const float *restrict w2, lookups *at) {
     const float u0 = a->u[0][r], u1 = a->u[1][r] - u0, u2 = a->u[2][r] - u0;
     const float v0 = a->v[0][r], v1 = a->v[1][r] - v0, v2 = a->v[2][r] - v0;
     const int32_t width = a->texture[r]->width, height = a->texture[r]->height;
-    uint32_t *restrict t0 = at->texel[0], *restrict t1 = at->texel[1], *restrict t2 = at->texel[2], *restrict t3 = at->texel[3];
+    uint32_t *restrict t0 = at->texel[0], *restrict t1 = at->texel[1], *restrict t2 = at->texel[2],
+                       *restrict t3 = at->texel[3];
     float *restrict right = at->right, *restrict up = at->up;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
@@ -50,14 +51,17 @@ static inline void fetch(const uint8_t *texels, uint32_t lanes, lookups *at) {
 }
 
 static inline void mix(const lookups *at, int channel, float kd, float *restrict out) {
-    const float *restrict a = at->value[channel][0], *restrict b = at->value[channel][1], *restrict c = at->value[channel][2],
-                *restrict d = at->value[channel][3], *restrict right = at->right, *restrict up = at->up;
+    const float *restrict a = at->value[channel][0], *restrict b = at->value[channel][1],
+                          *restrict c = at->value[channel][2], *restrict d = at->value[channel][3],
+                          *restrict right = at->right, *restrict up = at->up;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) out[l] = kd * sl_texel_bilinear(a[l], b[l], c[l], d[l], right[l], up[l]);
 }
 
-void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a, sl_vector_planes *out);
-void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a, sl_vector_planes *out) {
+void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a,
+                                  sl_vector_planes *out);
+void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a,
+                                  sl_vector_planes *out) {
     lookups at;
     memset(&at, 0, sizeof at);
     for (uint32_t r = 0; r < block->runs; r++) {

@@ -1,30 +1,31 @@
-/* Perspective-correct weights of one pixel by edge functions in 2D homogeneous coordinates (Olano and Greer 1997,
- * "Triangle scan conversion using 2D homogeneous coordinates"): with v_k = (x, y, w) of corner k and p = (x, y, 1) the
- * pixel's centre, p lies on the triangle at weights proportional to
- *     e_0 = (v_1 x v_2) . p,   e_1 = (v_2 x v_0) . p,   e_2 = (v_0 x v_1) . p.
- * No vertex is divided by its w, so vertices behind the eye do not matter and clipped triangles need no other
- * corners.
+/* Perspective-correct weights of one pixel by edge functions in 2D homogeneous coordinates (Olano and Greer
+ * 1997, "Triangle scan conversion using 2D homogeneous coordinates"): with v_k = (x, y, w) of corner k and p
+ * = (x, y, 1) the pixel's centre, p lies on the triangle at weights proportional to e_0 = (v_1 x v_2) . p,
+ * e_1 = (v_2 x v_0) . p,   e_2 = (v_0 x v_1) . p. No vertex is divided by its w, so vertices behind the eye
+ * do not matter and clipped triangles need no other corners.
  *
- * This is the plain form, for one pixel at a time: sl_edge_lines_make(), then sl_weights_at(). The resolution of whole
- * pictures (resolve_kernels.c) runs the same lines in vector lanes, over triangles and then over pixels. A weight
- * depends on the view, the pixel and the triangle and on nothing else. */
+ * This is the plain form, for one pixel at a time: sl_edge_lines_make(), then sl_weights_at(). The resolution
+ * of whole pictures (resolve_kernels.c) runs the same lines in vector lanes, over triangles and then over
+ * pixels. A weight depends on the view, the pixel and the triangle and on nothing else. */
 #ifndef SL_RASTER_BARYCENTRICS_H
 #define SL_RASTER_BARYCENTRICS_H
 
 #include "raster/view.h"
 
-/* The three lines e_k(x, y) = (a_k dx + b_k dy) + c_k, where dx and dy count pixels from an origin beside the triangle: a
- * small or thin triangle far from the origin would lose its digits to cancellation. */
+/* The three lines e_k(x, y) = (a_k dx + b_k dy) + c_k, where dx and dy count pixels from an origin beside the
+ * triangle: a small or thin triangle far from the origin would lose its digits to cancellation. */
 typedef struct sl_edge_lines {
     double a0, b0, c0, a1, b1, c1, a2, b2, c2;
     double x, y; /* the origin: a pixel, told from the viewport's corner */
 } sl_edge_lines;
 
 static inline double sl_clip_coordinate(const float row[4], sl_vec3 q) {
-    return (((double)row[0] * (double)q.x + (double)row[1] * (double)q.y) + (double)row[2] * (double)q.z) + (double)row[3];
+    return (((double)row[0] * (double)q.x + (double)row[1] * (double)q.y) + (double)row[2] * (double)q.z) +
+           (double)row[3];
 }
 
-/* A corner in homogeneous window coordinates: in front of the eye it shows (x, y) / w pixels from the viewport's middle. */
+/* A corner in homogeneous window coordinates: in front of the eye it shows (x, y) / w pixels from the
+ * viewport's middle. */
 typedef struct sl_window_corner {
     double x, y, w;
 } sl_window_corner;
@@ -37,8 +38,9 @@ static inline sl_window_corner sl_window_corner_of(const sl_pass_view *view, sl_
 }
 
 /* With the centre of the viewport's pixel (x, y) as origin. */
-static inline sl_edge_lines sl_edge_lines_about(const sl_pass_view *view, sl_window_corner v0, sl_window_corner v1,
-                                                sl_window_corner v2, double x, double y) {
+static inline sl_edge_lines sl_edge_lines_about(const sl_pass_view *view, sl_window_corner v0,
+                                                sl_window_corner v1, sl_window_corner v2, double x,
+                                                double y) {
     const double right = ((double)view->half_width - 0.5) - x, up = ((double)view->half_height - 0.5) - y;
     double x0 = v0.x + v0.w * right, x1 = v1.x + v1.w * right, x2 = v2.x + v2.w * right;
     double y0 = v0.y + v0.w * up, y1 = v1.y + v1.w * up, y2 = v2.y + v2.w * up;
@@ -48,16 +50,16 @@ static inline sl_edge_lines sl_edge_lines_about(const sl_pass_view *view, sl_win
                            .x = x, .y = y};
 }
 
-/* The pixel nearest to a place that lies `from_middle` pixels from the viewport's middle, within the viewport; 0 for NaN.
- * Near 2^52 a double has no fraction left. */
+/* The pixel nearest to a place that lies `from_middle` pixels from the viewport's middle, within the
+ * viewport; 0 for NaN. Near 2^52 a double has no fraction left. */
 static inline double sl_nearest_pixel(double from_middle, double half_size) {
     double place = from_middle + (half_size - 0.5), last = 2.0 * half_size - 1.0;
     double low = place > 0.0 ? place : 0.0, within = low < last ? low : last;
     return (within + 0x1.8p52) - 0x1.8p52;
 }
 
-/* The lines of a triangle, q0, q1, q2 relative to the eye. Their origin is the farthest corner's pixel: that corner is
- * in front of the eye if any is. */
+/* The lines of a triangle, q0, q1, q2 relative to the eye. Their origin is the farthest corner's pixel: that
+ * corner is in front of the eye if any is. */
 static inline sl_edge_lines sl_edge_lines_make(const sl_pass_view *view, sl_vec3 q0, sl_vec3 q1, sl_vec3 q2) {
     sl_window_corner v0 = sl_window_corner_of(view, q0), v1 = sl_window_corner_of(view, q1);
     sl_window_corner v2 = sl_window_corner_of(view, q2);
@@ -70,10 +72,12 @@ static inline sl_edge_lines sl_edge_lines_make(const sl_pass_view *view, sl_vec3
                                sl_nearest_pixel(y * over, (double)view->half_height));
 }
 
-static inline double sl_edge_at(double a, double b, double c, double dx, double dy) { return (a * dx + b * dy) + c; }
+static inline double sl_edge_at(double a, double b, double c, double dx, double dy) {
+    return (a * dx + b * dy) + c;
+}
 
-/* The edge functions' values as weights of corners 1 and 2; false where the pixel is not inside: then they mean
- * nothing. The sum's sign is the side from which the triangle is seen. */
+/* The edge functions' values as weights of corners 1 and 2; false where the pixel is not inside: then they
+ * mean nothing. The sum's sign is the side from which the triangle is seen. */
 static inline bool sl_weights_inside(double e0, double e1, double e2, double *b1, double *b2) {
     double sum = (e0 + e1) + e2;
     bool sound = (fabs(sum) > 1e-280) & (fabs(sum) < 1e280);
@@ -83,10 +87,11 @@ static inline bool sl_weights_inside(double e0, double e1, double e2, double *b1
     return sound & (e0 * over >= 0.0) & (*b1 >= 0.0) & (*b2 >= 0.0);
 }
 
-/* Since vertices are snapped, a pixel that was drawn may lie outside by a 512th of a pixel: then the nearest point of
- * the edge is taken (scaling the weights instead would slide far along a sliver), and what is still negative is 0. A
- * triangle seen edge-on has no weights: its middle. */
-static inline void sl_weights_outside(const sl_edge_lines *l, double e0, double e1, double e2, double *b1, double *b2) {
+/* Since vertices are snapped, a pixel that was drawn may lie outside by a 512th of a pixel: then the nearest
+ * point of the edge is taken (scaling the weights instead would slide far along a sliver), and what is still
+ * negative is 0. A triangle seen edge-on has no weights: its middle. */
+static inline void sl_weights_outside(const sl_edge_lines *l, double e0, double e1, double e2, double *b1,
+                                      double *b2) {
     const double side = (e0 + e1) + e2 < 0.0 ? -1.0 : 1.0;
     const double a[3] = {l->a0, l->a1, l->a2}, b[3] = {l->b0, l->b1, l->b2};
     double e[3] = {e0 * side, e1 * side, e2 * side};
@@ -114,8 +119,8 @@ static inline void sl_weights_at(const sl_edge_lines *l, double x, double y, flo
 }
 
 /* All of it for one pixel (x, y) of the viewport. */
-static inline void sl_barycentric_weights(const sl_pass_view *view, const sl_vec3 q[3], double x, double y, float *w1,
-                                          float *w2) {
+static inline void sl_barycentric_weights(const sl_pass_view *view, const sl_vec3 q[3], double x, double y,
+                                          float *w1, float *w2) {
     sl_edge_lines lines = sl_edge_lines_make(view, q[0], q[1], q[2]);
     sl_weights_at(&lines, x, y, w1, w2);
 }

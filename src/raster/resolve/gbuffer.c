@@ -13,9 +13,10 @@ enum { STRIP = 16384 }; /* pixels of a task */
 /* ---- the buffer ---- */
 
 static void list_planes(sl_gbuffer *g, void **planes[17]) {
-    void **all[17] = {(void **)&g->id,          (void **)&g->depth,       (void **)&g->position_x, (void **)&g->position_y,
-                      (void **)&g->position_z,  (void **)&g->normal_x,    (void **)&g->normal_y,   (void **)&g->normal_z,
-                      (void **)&g->geometric_x, (void **)&g->geometric_y, (void **)&g->geometric_z, (void **)&g->diffuse_r,
+    void **all[17] = {(void **)&g->id,          (void **)&g->depth,       (void **)&g->position_x,
+                      (void **)&g->position_y,  (void **)&g->position_z,  (void **)&g->normal_x,
+                      (void **)&g->normal_y,    (void **)&g->normal_z,    (void **)&g->geometric_x,
+                      (void **)&g->geometric_y, (void **)&g->geometric_z, (void **)&g->diffuse_r,
                       (void **)&g->diffuse_g,   (void **)&g->diffuse_b,   (void **)&g->material};
     for (int k = 0; k < 17; k++) planes[k] = all[k];
 }
@@ -23,8 +24,8 @@ static void list_planes(sl_gbuffer *g, void **planes[17]) {
 sl_status sl_gbuffer_create(int width, int height, sl_gbuffer **gbuffer, sl_error *error) {
     *gbuffer = NULL;
     if (width < 1 || height < 1 || width > SL_RASTER_MAX_SIZE || height > SL_RASTER_MAX_SIZE) {
-        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer of %d x %d pixels: from 1 to %d each way", width, height,
-                       (int)SL_RASTER_MAX_SIZE);
+        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer of %d x %d pixels: from 1 to %d each way", width,
+                       height, (int)SL_RASTER_MAX_SIZE);
     }
     sl_gbuffer *g = sl_allocate(1, sizeof *g);
     bool ok = g != NULL;
@@ -103,23 +104,26 @@ static inline void put(const resolution *r, void *plane, size_t first, const voi
 /* ---- bumps: surface.c decides, pixel by pixel; few materials have them ---- */
 
 static bool is_bumpy(const sl_scene *scene, uint32_t triangle) {
-    return triangle != SL_NO_INDEX && sl_material_is_bumpy(&scene->materials[scene->material_index[triangle]]);
+    return triangle != SL_NO_INDEX &&
+           sl_material_is_bumpy(&scene->materials[scene->material_index[triangle]]);
 }
 
-static void bumpy_surface(const sl_scene *scene, const sl_pass_view *view, uint32_t triangle, float w1, float w2, sl_surface *surface) {
+static void bumpy_surface(const sl_scene *scene, const sl_pass_view *view, uint32_t triangle, float w1,
+                          float w2, sl_surface *surface) {
     float p[3];
     const float *const plane[3] = {scene->position_x, scene->position_y, scene->position_z};
     for (int k = 0; k < 3; k++) {
         float first = plane[k][scene->vertex[0][triangle]];
-        p[k] = sl_interpolate(first, plane[k][scene->vertex[1][triangle]] - first, plane[k][scene->vertex[2][triangle]] - first, w1, w2);
+        p[k] = sl_interpolate(first, plane[k][scene->vertex[1][triangle]] - first,
+                              plane[k][scene->vertex[2][triangle]] - first, w1, w2);
     }
     sl_vec3 to_viewer = sl_v3(view->origin[0] - p[0], view->origin[1] - p[1], view->origin[2] - p[2]);
     sl_scene_surface(scene, triangle, w1, w2, to_viewer, surface);
 }
 
 /* NULL planes stay as they are. */
-static void resolve_bumps(const sl_scene *scene, const sl_pass_view *view, const sl_resolve_block *pixels, sl_vector_planes *normal,
-                          sl_vector_planes *diffuse) {
+static void resolve_bumps(const sl_scene *scene, const sl_pass_view *view, const sl_resolve_block *pixels,
+                          sl_vector_planes *normal, sl_vector_planes *diffuse) {
     for (uint32_t run = 0; run < pixels->runs; run++) {
         uint32_t triangle = sl_run_triangle(pixels, run);
         if (!is_bumpy(scene, triangle)) continue;
@@ -127,7 +131,8 @@ static void resolve_bumps(const sl_scene *scene, const sl_pass_view *view, const
             sl_surface s;
             bumpy_surface(scene, view, triangle, pixels->w1[i], pixels->w2[i], &s);
             if (normal) normal->x[i] = s.normal.x, normal->y[i] = s.normal.y, normal->z[i] = s.normal.z;
-            if (diffuse) diffuse->x[i] = s.diffuse.r, diffuse->y[i] = s.diffuse.g, diffuse->z[i] = s.diffuse.b;
+            if (diffuse)
+                diffuse->x[i] = s.diffuse.r, diffuse->y[i] = s.diffuse.g, diffuse->z[i] = s.diffuse.b;
         }
     }
 }
@@ -172,7 +177,8 @@ static void fetch_albedo(const sl_scene *scene, const sl_resolve_block *pixels, 
     }
 }
 
-void sl_resolve_diffuse(const sl_raster *raster, const sl_pass_view *view, const sl_resolve_block *block, sl_vector_planes *diffuse) {
+void sl_resolve_diffuse(const sl_raster *raster, const sl_pass_view *view, const sl_resolve_block *block,
+                        sl_vector_planes *diffuse) {
     sl_albedo_block albedo;
     fetch_albedo(raster->scene, block, &albedo);
     raster->kernels->resolve->albedo(block, &albedo, diffuse);
@@ -214,7 +220,10 @@ static uint64_t resolve_pixels(const resolution *r, size_t first, size_t end, wo
     uint64_t shaded = 0;
     while (first < end) {
         const sl_pass_view *view = &r->views[r->path ? r->path[first] : 0];
-        size_t most = r->path ? pixels_of_one_view(r, first, first + SL_RESOLVE_PIXELS < end ? first + SL_RESOLVE_PIXELS : end) : end - first;
+        size_t most =
+            r->path ? pixels_of_one_view(r, first,
+                                         first + SL_RESOLVE_PIXELS < end ? first + SL_RESOLVE_PIXELS : end)
+                    : end - first;
         size_t count = sl_resolve_next(r->raster, view, most, first, NULL, r->id + first, &w->pixels);
         if (r->positions || r->normals) resolve_surfaces(r, view, first, w);
         if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, view, first, w);
@@ -227,7 +236,8 @@ static uint64_t resolve_pixels(const resolution *r, size_t first, size_t end, wo
 
 static sl_pass_view *make_views(size_t count, const sl_view *views) {
     sl_pass_view *pass = sl_allocate(count, sizeof *pass);
-    for (size_t n = 0; pass && n < count; n++) pass[n] = sl_pass_view_make(&views[n], views[n].width, views[n].height);
+    for (size_t n = 0; pass && n < count; n++)
+        pass[n] = sl_pass_view_make(&views[n], views[n].width, views[n].height);
     return pass;
 }
 
@@ -241,15 +251,17 @@ typedef struct {
 
 static void resolve_strip(void *context, size_t index, unsigned worker) {
     const strips *s = context;
-    size_t first = index * STRIP, pixels = s->resolution.pixels, end = pixels - first < STRIP ? pixels : first + STRIP;
+    size_t first = index * STRIP, pixels = s->resolution.pixels,
+           end = pixels - first < STRIP ? pixels : first + STRIP;
     workspace *w = &s->worker[worker];
     memset(w, 0, sizeof *w);
     s->shaded[index] = resolve_pixels(&s->resolution, first, end, w);
     sl_stream_end();
 }
 
-static sl_status resolve(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, const uint32_t *id,
-                         unsigned threads, sl_gbuffer *g, sl_counters *counters, sl_error *error) {
+static sl_status resolve(const sl_raster *raster, size_t view_count, const sl_view *views,
+                         const uint8_t *path, const uint32_t *id, unsigned threads, sl_gbuffer *g,
+                         sl_counters *counters, sl_error *error) {
     size_t pixels = (size_t)views[0].width * (size_t)views[0].height, count = (pixels + STRIP - 1) / STRIP;
     uint64_t *shaded = sl_allocate(count, sizeof *shaded);
     sl_pass_view *pass = make_views(view_count, views);
@@ -267,16 +279,20 @@ static sl_status resolve(const sl_raster *raster, size_t view_count, const sl_vi
     return ok ? SL_OK : sl_fail_memory(error, "the G-buffer's resolution");
 }
 
-sl_status sl_raster_resolve(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, unsigned threads,
-                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error) {
-    if (!raster->scene) return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+sl_status sl_raster_resolve(const sl_raster *raster, size_t view_count, const sl_view *views,
+                            const uint8_t *path, unsigned threads, sl_gbuffer *gbuffer, sl_counters *counters,
+                            sl_error *error) {
+    if (!raster->scene)
+        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
     return resolve(raster, view_count, views, path, gbuffer->id, threads, gbuffer, counters, error);
 }
 
-sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
-                            sl_counters *counters, sl_error *error) {
-    if (!raster->scene) return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
-    uint32_t *id = gbuffer->id ? gbuffer->id : sl_allocate((size_t)view->width * (size_t)view->height, sizeof *id);
+sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads,
+                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error) {
+    if (!raster->scene)
+        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+    uint32_t *id =
+        gbuffer->id ? gbuffer->id : sl_allocate((size_t)view->width * (size_t)view->height, sizeof *id);
     if (!id) return sl_fail_memory(error, "the G-buffer's id plane");
     sl_target target = {view->width, view->height, id, gbuffer->depth};
     sl_status status = sl_raster_id(raster, view, threads, &target, counters, error);
@@ -295,13 +311,16 @@ struct sl_resolver {
     workspace *worker;
 };
 
-sl_status sl_resolver_create(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, const uint32_t *id,
-                             unsigned workers, sl_resolver **resolver, sl_error *error) {
+sl_status sl_resolver_create(const sl_raster *raster, size_t view_count, const sl_view *views,
+                             const uint8_t *path, const uint32_t *id, unsigned workers,
+                             sl_resolver **resolver, sl_error *error) {
     *resolver = NULL;
-    if (!raster->scene) return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+    if (!raster->scene)
+        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
     sl_resolver *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "the G-buffer's resolution");
-    *r = (sl_resolver){raster, make_views(view_count, views), path, id, sl_allocate(workers, sizeof *r->worker)};
+    *r = (sl_resolver){raster, make_views(view_count, views), path, id,
+                       sl_allocate(workers, sizeof *r->worker)};
     if (!r->views || !r->worker) {
         sl_resolver_destroy(r);
         return sl_fail_memory(error, "the G-buffer's resolution");
@@ -317,8 +336,16 @@ void sl_resolver_destroy(sl_resolver *r) {
     sl_free(r);
 }
 
-uint64_t sl_resolver_run(const sl_resolver *r, unsigned worker, size_t first, size_t count, sl_gbuffer *part) {
-    const resolution all = {.raster = r->raster, .views = r->views, .path = r->path, .id = r->id, .out = part, .start = first,
-                                   .pixels = count, .positions = positions_wanted(part), .normals = normals_wanted(part)};
+uint64_t sl_resolver_run(const sl_resolver *r, unsigned worker, size_t first, size_t count,
+                         sl_gbuffer *part) {
+    const resolution all = {.raster = r->raster,
+                            .views = r->views,
+                            .path = r->path,
+                            .id = r->id,
+                            .out = part,
+                            .start = first,
+                            .pixels = count,
+                            .positions = positions_wanted(part),
+                            .normals = normals_wanted(part)};
     return resolve_pixels(&all, first, first + count, &r->worker[worker]);
 }

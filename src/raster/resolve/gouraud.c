@@ -1,4 +1,5 @@
-/* Gouraud interpolation, perspective-correct, once for each visible pixel; what is done with the values there is the caller's. */
+/* Gouraud interpolation, perspective-correct, once for each visible pixel; what is done with the values there
+ * is the caller's. */
 #include <string.h>
 
 #include "base/parallel.h"
@@ -18,7 +19,8 @@ typedef struct {
 
 /* ---- the corners' values ---- */
 
-static void fetch_vertices(const sl_gouraud_pass *pass, const sl_resolve_block *block, size_t channels, sl_run_corners *value) {
+static void fetch_vertices(const sl_gouraud_pass *pass, const sl_resolve_block *block, size_t channels,
+                           sl_run_corners *value) {
     static const float black[CHANNELS] = {0};
     for (int k = 0; k < 3; k++) {
         for (uint32_t r = 0; r < block->runs; r++) {
@@ -29,7 +31,8 @@ static void fetch_vertices(const sl_gouraud_pass *pass, const sl_resolve_block *
     }
 }
 
-static void fetch_corners(const sl_gouraud_pass *pass, const sl_resolve_block *block, size_t channels, sl_run_corners *value) {
+static void fetch_corners(const sl_gouraud_pass *pass, const sl_resolve_block *block, size_t channels,
+                          sl_run_corners *value) {
     for (uint32_t r = 0; r < block->runs; r++) {
         float corners[3 * CHANNELS] = {0};
         const uint32_t triangle = sl_run_triangle(block, r);
@@ -42,13 +45,15 @@ static void fetch_corners(const sl_gouraud_pass *pass, const sl_resolve_block *b
 
 static void fetch(const sl_gouraud_pass *pass, const sl_resolve_block *block, sl_run_corners *value) {
     if (pass->corners) fetch_corners(pass, block, (size_t)pass->channels, value);
-    else if (pass->channels == 3) fetch_vertices(pass, block, 3, value); /* the constant, so that colours are compiled for it */
+    /* the constant, so that colours are compiled for it */
+    else if (pass->channels == 3) fetch_vertices(pass, block, 3, value);
     else fetch_vertices(pass, block, (size_t)pass->channels, value);
 }
 
 /* ---- a strip's pixels ---- */
 
-static void interpolate(const gouraud *g, const sl_resolve_block *block, size_t pixel, size_t at, float (*value)[STRIP]) {
+static void interpolate(const gouraud *g, const sl_resolve_block *block, size_t pixel, size_t at,
+                        float (*value)[STRIP]) {
     sl_run_corners corners[CHANNELS];
     float plane[SL_RESOLVE_ROOM];
     fetch(g->pass, block, corners);
@@ -59,7 +64,8 @@ static void interpolate(const gouraud *g, const sl_resolve_block *block, size_t 
     }
 }
 
-static void look_up_textures(const gouraud *g, const sl_resolve_block *block, size_t at, float (*diffuse)[STRIP]) {
+static void look_up_textures(const gouraud *g, const sl_resolve_block *block, size_t at,
+                             float (*diffuse)[STRIP]) {
     sl_vector_planes kd;
     sl_resolve_diffuse(g->raster, &g->view, block, &kd);
     memcpy(diffuse[0] + at, kd.x, block->count * sizeof(float));
@@ -91,12 +97,18 @@ static void shade_strip(void *context, size_t index, unsigned worker) {
     sl_stream_end();
 }
 
-void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id, const sl_gouraud_pass *pass,
-                       sl_counters *counters) {
+void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,
+                       const sl_gouraud_pass *pass, sl_counters *counters) {
     enum { WORKERS_MAX = 256 };
     uint64_t shaded[WORKERS_MAX] = {0}, sum = 0;
-    gouraud g = {raster, sl_pass_view_make(view, view->width, view->height), id, pass, (size_t)view->width * (size_t)view->height,
-                 pass->first, 0, shaded};
+    gouraud g = {raster,
+                 sl_pass_view_make(view, view->width, view->height),
+                 id,
+                 pass,
+                 (size_t)view->width * (size_t)view->height,
+                 pass->first,
+                 0,
+                 shaded};
     g.end = pass->count ? pass->first + pass->count : g.pixels;
     if (raster->observer) raster->observer->gouraud(raster->observer->context, raster, view, id, pass);
     sl_parallel_for(sl_thread_count(threads), (g.end - g.first + STRIP - 1) / STRIP, shade_strip, &g);

@@ -1,19 +1,22 @@
 /* Blocks of pixels: their runs, their corners, their weights. */
 #include "raster/resolve/resolve.h"
 
-/* Neighbouring pixels may show triangles that lie far apart in memory. Asked for all together, before the first is needed, they come
- * in the time of a few. */
-enum { AHEAD = 128 }; /* pixels, where triangles are so small that a block's runs are all in use: as many as the next may take */
+/* Neighbouring pixels may show triangles that lie far apart in memory. Asked for all together, before the
+ * first is needed, they come in the time of a few. */
+/* pixels, where triangles are so small that a block's runs are all in use: as many as the next may take */
+enum { AHEAD = 128 };
 
 static void find_vertices(const sl_raster *raster, size_t count, sl_resolve_block *block) {
     const sl_raster_mesh *mesh = &raster->mesh;
     for (uint32_t r = 0; r < block->runs; r++) {
         const uint32_t triangle = sl_run_triangle(block, r);
-        for (int k = 0; k < 3; k++) block->vertex[k][r] = triangle == SL_NO_INDEX ? SL_NO_INDEX : mesh->vertex[k][triangle];
+        for (int k = 0; k < 3; k++)
+            block->vertex[k][r] = triangle == SL_NO_INDEX ? SL_NO_INDEX : mesh->vertex[k][triangle];
     }
     const size_t ahead = block->runs < SL_RESOLVE_RUNS ? 0 : AHEAD;
     for (size_t n = block->count; n < block->count + ahead && n < count; n += 2) {
-        for (int k = 0; k < 3 && block->id[n] != SL_NO_INDEX; k++) __builtin_prefetch(mesh->vertex[k] + block->id[n]);
+        for (int k = 0; k < 3 && block->id[n] != SL_NO_INDEX; k++)
+            __builtin_prefetch(mesh->vertex[k] + block->id[n]);
     }
     for (uint32_t r = 0; r < block->runs; r++) {
         for (int k = 0; k < 3 && block->vertex[k][r] != SL_NO_INDEX; k++) {

@@ -1,19 +1,19 @@
 /* Resolution: from the triangle that a pixel shows to what it shows there.
  *
- * A list of pixels is worked through in blocks. Neighbours mostly show the same triangle, so a block is cut into runs
- * of pixels with the same one:
+ * A list of pixels is worked through in blocks. Neighbours mostly show the same triangle, so a block is cut
+ * into runs of pixels with the same one:
  *
  *     runs         where the index changes                                       (resolve_kernels.c)
  *     fetch        each run's corners                                            (resolve.c)
- *     weights      edge lines, a run in each lane; then e_0, e_1, e_2 of a run's pixels, a pixel in each lane;
- *                  then weights, a pixel in each lane again, whatever the runs   (resolve_kernels.c)
- *     interpolate  any attribute of the corners, by those weights                (resolve_kernels.c)
- *     surfaces     positions, sides and normals, as surface_rules.h decides      (resolve_kernels.c)
- *     albedo       materials and their textures                                  (albedo_kernels.c)
+ *     weights      edge lines, a run in each lane; then e_0, e_1, e_2 of a run's pixels, a pixel in each
+ * lane; then weights, a pixel in each lane again, whatever the runs   (resolve_kernels.c) interpolate  any
+ * attribute of the corners, by those weights                (resolve_kernels.c) surfaces     positions, sides
+ * and normals, as surface_rules.h decides      (resolve_kernels.c) albedo       materials and their textures
+ * (albedo_kernels.c)
  *
- * A run's lanes are written whole, over the first pixels of the next run, which is written after it; so short runs
- * need no masks and no scalar ends. Blocks and runs only say what is computed together: a pixel's values depend on
- * the view, the pixel and the triangle alone. */
+ * A run's lanes are written whole, over the first pixels of the next run, which is written after it; so short
+ * runs need no masks and no scalar ends. Blocks and runs only say what is computed together: a pixel's values
+ * depend on the view, the pixel and the triangle alone. */
 #ifndef SL_RASTER_RESOLVE_H
 #define SL_RASTER_RESOLVE_H
 
@@ -43,12 +43,15 @@ typedef struct sl_resolve_block {
     const uint32_t *pixel, *id;
     uint32_t start[SL_RESOLVE_RUNS + 2]; /* run r is [start[r], start[r + 1]) */
     uint32_t vertex[3][SL_RESOLVE_RUNS]; /* of the corners; SL_NO_INDEX on the background */
-    const char *later;     /* in: what the caller will read by vertex, later_bytes each, or NULL: brought near while weights are found */
+    /* in: what the caller will read by vertex, later_bytes each, or NULL: brought near while weights are
+     * found */
+    const char *later;
     size_t later_bytes;
     sl_run_vectors corner; /* positions */
     float w1[SL_RESOLVE_ROOM], w2[SL_RESOLVE_ROOM]; /* out: weights of corners 1 and 2; 0 on the background */
     /* Within the kernel, by run: edge lines (barycentrics.h). */
-    double a0[SL_RESOLVE_RUNS], b0[SL_RESOLVE_RUNS], c0[SL_RESOLVE_RUNS], a1[SL_RESOLVE_RUNS], b1[SL_RESOLVE_RUNS];
+    double a0[SL_RESOLVE_RUNS], b0[SL_RESOLVE_RUNS], c0[SL_RESOLVE_RUNS], a1[SL_RESOLVE_RUNS],
+        b1[SL_RESOLVE_RUNS];
     double c1[SL_RESOLVE_RUNS], a2[SL_RESOLVE_RUNS], b2[SL_RESOLVE_RUNS], c2[SL_RESOLVE_RUNS];
     double origin_x[SL_RESOLVE_RUNS], origin_y[SL_RESOLVE_RUNS];
     /* By pixel. */
@@ -66,7 +69,8 @@ typedef struct sl_surface_block {
     sl_vector_planes position, normal, geometric; /* out */
 } sl_surface_block;
 
-/* What the materials of a block say: kd, black on the background, and the texture that it is multiplied by, or NULL. */
+/* What the materials of a block say: kd, black on the background, and the texture that it is multiplied by,
+ * or NULL. */
 typedef struct sl_albedo_block {
     float red[SL_RESOLVE_RUNS], green[SL_RESOLVE_RUNS], blue[SL_RESOLVE_RUNS];
     const sl_texture *texture[SL_RESOLVE_RUNS];
@@ -85,21 +89,26 @@ typedef struct sl_resolve_kernels {
     void (*albedo)(const sl_resolve_block *block, const sl_albedo_block *materials, sl_vector_planes *out);
 } sl_resolve_kernels;
 
-/* Takes the next block from `count` pixels (pixel NULL: first, first + 1, ...) with their ids, and finds their weights.
- * Returns how many pixels it took: 0 when count is 0. The block must have been cleared once. */
+/* Takes the next block from `count` pixels (pixel NULL: first, first + 1, ...) with their ids, and finds
+ * their weights. Returns how many pixels it took: 0 when count is 0. The block must have been cleared once.
+ */
 size_t sl_resolve_next(const sl_raster *raster, const sl_pass_view *view, size_t count, size_t first,
                        const uint32_t *pixel, const uint32_t *id, sl_resolve_block *block);
 /* A run's triangle. */
-static inline uint32_t sl_run_triangle(const sl_resolve_block *block, uint32_t run) { return block->id[block->start[run]]; }
-/* Copies a block's values (floats or indices) into a plane of `pixels` pixels; large ones past the caches. A task that has put
- * its last ends with sl_stream_end(). */
-static inline void sl_resolve_put(void *plane, size_t pixels, size_t first, const void *values, uint32_t count) {
+static inline uint32_t sl_run_triangle(const sl_resolve_block *block, uint32_t run) {
+    return block->id[block->start[run]];
+}
+/* Copies a block's values (floats or indices) into a plane of `pixels` pixels; large ones past the caches. A
+ * task that has put its last ends with sl_stream_end(). */
+static inline void sl_resolve_put(void *plane, size_t pixels, size_t first, const void *values,
+                                  uint32_t count) {
     char *to = (char *)plane + 4 * first;
     if (pixels >= SL_RESOLVE_STREAMED) sl_stream_copy(to, values, 4 * (size_t)count);
     else memcpy(to, values, 4 * (size_t)count);
 }
 /* kd times texture of a block's pixels, of a raster with a scene. */
-void sl_resolve_diffuse(const sl_raster *raster, const sl_pass_view *view, const sl_resolve_block *block, sl_vector_planes *diffuse);
+void sl_resolve_diffuse(const sl_raster *raster, const sl_pass_view *view, const sl_resolve_block *block,
+                        sl_vector_planes *diffuse);
 /* Pixels of a block that show a triangle. */
 uint64_t sl_resolve_shaded(const sl_resolve_block *block);
 

@@ -5,7 +5,8 @@
 #include "raster/resolve/resolve.h"
 #include "scene/surface_rules.h"
 
-/* Pixels of a run done together, floats and doubles. A run's last ones go beyond its end, so no wider than the vectors. */
+/* Pixels of a run done together, floats and doubles. A run's last ones go beyond its end, so no wider than
+ * the vectors. */
 #if defined(__AVX512F__)
 enum { LANES = 16, DOUBLE_LANES = 8 };
 #elif defined(__AVX2__)
@@ -59,7 +60,8 @@ static void find_runs(sl_resolve_block *block, size_t count) {
 static void locate_pixels(sl_resolve_block *block, const sl_pass_view *view) {
     double *restrict column = block->column, *restrict row = block->row;
     const double width = (double)view->width, inverse = 1.0 / width;
-    const int32_t first = (int32_t)block->first, count = (int32_t)block->count, lanes = (int32_t)whole_lanes(block->count);
+    const int32_t first = (int32_t)block->first, count = (int32_t)block->count,
+                  lanes = (int32_t)whole_lanes(block->count);
     const uint32_t *restrict pixel = block->pixel;
     if (pixel) {
 #pragma omp simd
@@ -78,11 +80,15 @@ static void locate_pixels(sl_resolve_block *block, const sl_pass_view *view) {
 
 static void make_lines(sl_resolve_block *block, const sl_pass_view *view) {
     const float eye_x = view->origin[0], eye_y = view->origin[1], eye_z = view->origin[2];
-    const float(*restrict x)[SL_RESOLVE_RUNS] = block->corner.x, (*restrict y)[SL_RESOLVE_RUNS] = block->corner.y,
-          (*restrict z)[SL_RESOLVE_RUNS] = block->corner.z;
-    double *restrict a0 = block->a0, *restrict b0 = block->b0, *restrict c0 = block->c0, *restrict a1 = block->a1;
-    double *restrict b1 = block->b1, *restrict c1 = block->c1, *restrict a2 = block->a2, *restrict b2 = block->b2;
-    double *restrict c2 = block->c2, *restrict origin_x = block->origin_x, *restrict origin_y = block->origin_y;
+    const float(*restrict x)[SL_RESOLVE_RUNS] = block->corner.x,
+                          (*restrict y)[SL_RESOLVE_RUNS] = block->corner.y,
+                          (*restrict z)[SL_RESOLVE_RUNS] = block->corner.z;
+    double *restrict a0 = block->a0, *restrict b0 = block->b0, *restrict c0 = block->c0,
+                     *restrict a1 = block->a1;
+    double *restrict b1 = block->b1, *restrict c1 = block->c1, *restrict a2 = block->a2,
+                     *restrict b2 = block->b2;
+    double *restrict c2 = block->c2, *restrict origin_x = block->origin_x,
+                     *restrict origin_y = block->origin_y;
     const uint32_t runs = whole_lanes(block->runs);
 #pragma omp simd
     for (uint32_t r = 0; r < runs; r++) {
@@ -109,7 +115,8 @@ static void make_background(sl_resolve_block *block) {
 
 static void evaluate_lines(sl_resolve_block *block) {
     for (uint32_t r = 0; r < block->runs; r++) {
-        const double la0 = block->a0[r], lb0 = block->b0[r], lc0 = block->c0[r], la1 = block->a1[r], lb1 = block->b1[r];
+        const double la0 = block->a0[r], lb0 = block->b0[r], lc0 = block->c0[r], la1 = block->a1[r],
+                     lb1 = block->b1[r];
         const double lc1 = block->c1[r], la2 = block->a2[r], lb2 = block->b2[r], lc2 = block->c2[r];
         const double x = block->origin_x[r], y = block->origin_y[r];
         for (uint32_t n = block->start[r]; n < block->start[r + 1]; n += DOUBLE_LANES) {
@@ -148,8 +155,9 @@ static void move_inside(sl_resolve_block *block) {
             uint32_t n = group + lowest_byte(set);
             if (n >= block->count) return;
             while (n >= block->start[r + 1]) r++;
-            const sl_edge_lines l = {block->a0[r], block->b0[r], block->c0[r], block->a1[r],       block->b1[r],      block->c1[r],
-                                     block->a2[r], block->b2[r], block->c2[r], block->origin_x[r], block->origin_y[r]};
+            const sl_edge_lines l = {block->a0[r], block->b0[r],       block->c0[r],      block->a1[r],
+                                     block->b1[r], block->c1[r],       block->a2[r],      block->b2[r],
+                                     block->c2[r], block->origin_x[r], block->origin_y[r]};
             sl_weights_at(&l, block->column[n], block->row[n], &block->w1[n], &block->w2[n]);
         }
     }
@@ -179,7 +187,8 @@ static void interpolate(const sl_resolve_block *block, const sl_run_corners valu
 }
 
 /* Three at once: the loops over runs cost as much as what is in them. */
-static void interpolate_vectors(const sl_resolve_block *block, const sl_run_vectors *value, sl_vector_planes *plane) {
+static void interpolate_vectors(const sl_resolve_block *block, const sl_run_vectors *value,
+                                sl_vector_planes *plane) {
     for (uint32_t r = 0; r < block->runs; r++) {
         const float x0 = value->x[0][r], x1 = value->x[1][r] - x0, x2 = value->x[2][r] - x0;
         const float y0 = value->y[0][r], y1 = value->y[1][r] - y0, y2 = value->y[2][r] - y0;
@@ -227,13 +236,16 @@ static void spread_index(const sl_resolve_block *block, const uint32_t *value, u
 
 /* ---- surfaces ---- */
 
-/* The normals of facets, once for each run. What interpolation makes of equal values is value + 0, which turns -0 into 0. */
+/* The normals of facets, once for each run. What interpolation makes of equal values is value + 0, which
+ * turns -0 into 0. */
 static void normals_of_facets(sl_surface_block *s, uint32_t runs) {
-    float *restrict nx = s->corner_normal.x[0], *restrict ny = s->corner_normal.y[0], *restrict nz = s->corner_normal.z[0];
+    float *restrict nx = s->corner_normal.x[0], *restrict ny = s->corner_normal.y[0],
+                    *restrict nz = s->corner_normal.z[0];
     const float *restrict gx = s->face_x, *restrict gy = s->face_y, *restrict gz = s->face_z;
 #pragma omp simd
     for (uint32_t r = 0; r < runs; r++) {
-        sl_vec3 n = sl_shading_normal(sl_v3(nx[r] + 0.0f, ny[r] + 0.0f, nz[r] + 0.0f), sl_v3(gx[r], gy[r], gz[r]));
+        sl_vec3 n =
+            sl_shading_normal(sl_v3(nx[r] + 0.0f, ny[r] + 0.0f, nz[r] + 0.0f), sl_v3(gx[r], gy[r], gz[r]));
         nx[r] = n.x;
         ny[r] = n.y;
         nz[r] = n.z;
@@ -294,7 +306,8 @@ static void find_surfaces(const sl_resolve_block *block, const sl_pass_view *vie
 
 /* ---- the table ---- */
 
-void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a, sl_vector_planes *out);
+void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a,
+                                  sl_vector_planes *out);
 
 extern const sl_resolve_kernels SL_KERNEL(sl_resolve_kernels);
 const sl_resolve_kernels SL_KERNEL(sl_resolve_kernels) = {

@@ -4,9 +4,9 @@
  *
  *     s (2x + 1 - n) + t (2y + 1 - n) + m n          (s, t, m: the face's axes)
  *
- * on a cube of half-size n: whole numbers, so it is exact which texels are neighbours. A border texel, one beyond the
- * edge, is folded over it: its coordinate along the edge stays, the one across becomes +-n (the neighbour's plane),
- * and its depth becomes n - 1 (half a texel down the neighbour). */
+ * on a cube of half-size n: whole numbers, so it is exact which texels are neighbours. A border texel, one
+ * beyond the edge, is folded over it: its coordinate along the edge stays, the one across becomes +-n (the
+ * neighbour's plane), and its depth becomes n - 1 (half a texel down the neighbour). */
 #include "base/error.h"
 #include "base/memory.h"
 #include "raster/textures/lookup_kernels.h"
@@ -16,11 +16,13 @@ sl_status sl_cube_map_create(int size, bool mip, sl_cube_map **cube, sl_error *e
     *cube = NULL;
     enum { SIZE_MAX_EACH = 8192 }; /* all faces and levels stay below 2^30 texels */
     if (size < 1 || size > SIZE_MAX_EACH) {
-        return sl_fail(error, SL_ERROR_USAGE, "a cube map of %d texels: from 1 to %d", size, (int)SIZE_MAX_EACH);
+        return sl_fail(error, SL_ERROR_USAGE, "a cube map of %d texels: from 1 to %d", size,
+                       (int)SIZE_MAX_EACH);
     }
     sl_cube_map *c = sl_allocate(1, sizeof *c);
     if (!c) return sl_fail_memory(error, "a cube map");
-    *c = (sl_cube_map){.size = size, .levels = mip ? sl_mip_levels(size, size) : 1, .kernels = sl_texture_kernels_best()};
+    *c = (sl_cube_map){
+        .size = size, .levels = mip ? sl_mip_levels(size, size) : 1, .kernels = sl_texture_kernels_best()};
     int32_t texels = 0;
     for (int l = 0; l < c->levels; l++) {
         int n = l == 0 ? size : sl_half_size(c->level_size[l - 1]);
@@ -55,7 +57,8 @@ void sl_cube_map_set_face(sl_cube_map *cube, int face, const sl_pbuffer *pbuffer
         float *texel = sl_cube_map_texel(cube, 0, face, 0, y);
         for (int x = 0; x < size; x++, texel += 4) {
             size_t pixel = (size_t)y * (size_t)size + (size_t)x;
-            for (int c = 0; c < 4; c++) texel[c] = c < channels ? pbuffer->channel[c][pixel] : c == 3 ? 1.0f : 0.0f;
+            for (int c = 0; c < 4; c++)
+                texel[c] = c < channels ? pbuffer->channel[c][pixel] : c == 3 ? 1.0f : 0.0f;
         }
     }
 }
@@ -67,7 +70,8 @@ typedef struct {
 } point;
 
 static point on_axes(const sl_frame *f, int s, int t, int m) {
-    return (point){(int)f->x.x * s + (int)f->y.x * t + (int)f->z.x * m, (int)f->x.y * s + (int)f->y.y * t + (int)f->z.y * m,
+    return (point){(int)f->x.x * s + (int)f->y.x * t + (int)f->z.x * m,
+                   (int)f->x.y * s + (int)f->y.y * t + (int)f->z.y * m,
                    (int)f->x.z * s + (int)f->y.z * t + (int)f->z.z * m};
 }
 
@@ -79,7 +83,8 @@ static const float *texel_at(const sl_cube_map *cube, int level, point p) {
     for (int face = 0; face < 6; face++) {
         sl_frame f = sl_cube_face_frame(face);
         if (along(f.z, p) == n) {
-            return sl_cube_map_texel(cube, level, face, (along(f.x, p) + n - 1) / 2, (along(f.y, p) + n - 1) / 2);
+            return sl_cube_map_texel(cube, level, face, (along(f.x, p) + n - 1) / 2,
+                                     (along(f.y, p) + n - 1) / 2);
         }
     }
     return NULL; /* not on the cube */
@@ -94,15 +99,19 @@ static void border_edges(const sl_cube_map *cube, int level, int face) {
     sl_frame f = sl_cube_face_frame(face);
     for (int i = 0; i < n; i++) {
         int a = 2 * i + 1 - n;
-        copy_texel(sl_cube_map_texel(cube, level, face, -1, i), texel_at(cube, level, on_axes(&f, -n, a, n - 1)));
-        copy_texel(sl_cube_map_texel(cube, level, face, n, i), texel_at(cube, level, on_axes(&f, n, a, n - 1)));
-        copy_texel(sl_cube_map_texel(cube, level, face, i, -1), texel_at(cube, level, on_axes(&f, a, -n, n - 1)));
-        copy_texel(sl_cube_map_texel(cube, level, face, i, n), texel_at(cube, level, on_axes(&f, a, n, n - 1)));
+        copy_texel(sl_cube_map_texel(cube, level, face, -1, i),
+                   texel_at(cube, level, on_axes(&f, -n, a, n - 1)));
+        copy_texel(sl_cube_map_texel(cube, level, face, n, i),
+                   texel_at(cube, level, on_axes(&f, n, a, n - 1)));
+        copy_texel(sl_cube_map_texel(cube, level, face, i, -1),
+                   texel_at(cube, level, on_axes(&f, a, -n, n - 1)));
+        copy_texel(sl_cube_map_texel(cube, level, face, i, n),
+                   texel_at(cube, level, on_axes(&f, a, n, n - 1)));
     }
 }
 
-/* No fourth texel exists beyond a corner: the mean of the three that meet there, as OpenGL recommends. It is summed
- * in the faces' order, so that all three faces hold the same bits. */
+/* No fourth texel exists beyond a corner: the mean of the three that meet there, as OpenGL recommends. It is
+ * summed in the faces' order, so that all three faces hold the same bits. */
 static void border_corner(const sl_cube_map *cube, int level, int face, int x_end, int y_end) {
     int n = cube->level_size[level];
     sl_frame f = sl_cube_face_frame(face);
@@ -112,7 +121,8 @@ static void border_corner(const sl_cube_map *cube, int level, int face, int x_en
     for (int other = 0; other < 6; other++) {
         sl_frame o = sl_cube_face_frame(other);
         if (along(o.z, p) != n) continue;
-        const float *texel = sl_cube_map_texel(cube, level, other, along(o.x, p) > 0 ? n - 1 : 0, along(o.y, p) > 0 ? n - 1 : 0);
+        const float *texel = sl_cube_map_texel(cube, level, other, along(o.x, p) > 0 ? n - 1 : 0,
+                                               along(o.y, p) > 0 ? n - 1 : 0);
         for (int c = 0; c < 4; c++) sum[c] += (double)texel[c];
     }
     float *corner = sl_cube_map_texel(cube, level, face, x_end ? n : -1, y_end ? n : -1);
@@ -123,8 +133,8 @@ void sl_cube_map_build(sl_cube_map *cube, unsigned threads) {
     for (int l = 0; l + 1 < cube->levels; l++) {
         int n = cube->level_size[l], half = cube->level_size[l + 1];
         for (int face = 0; face < 6; face++) {
-            sl_mip_halve(sl_cube_map_texel(cube, l, face, 0, 0), n, n, (size_t)n + 2, sl_cube_map_texel(cube, l + 1, face, 0, 0),
-                         (size_t)half + 2, threads);
+            sl_mip_halve(sl_cube_map_texel(cube, l, face, 0, 0), n, n, (size_t)n + 2,
+                         sl_cube_map_texel(cube, l + 1, face, 0, 0), (size_t)half + 2, threads);
         }
     }
     for (int l = 0; l < cube->levels; l++) {

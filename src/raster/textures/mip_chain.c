@@ -1,14 +1,15 @@
-/* MIP maps (Williams 1983, "Pyramidal parametrics"): each level the mean of the one below over its texels' areas.
+/* MIP maps (Williams 1983, "Pyramidal parametrics"): each level the mean of the one below over its texels'
+ * areas.
  *
- * Of n texels, floor(n/2) larger ones cover the same length. For even n each is two whole texels. For odd n = 2m + 1
- * each is n/m = 2 + 1/m texels long, so texel i covers
+ * Of n texels, floor(n/2) larger ones cover the same length. For even n each is two whole texels. For odd n =
+ * 2m + 1 each is n/m = 2 + 1/m texels long, so texel i covers
  *
  *      2i            2i + 1      2i + 2          with shares
  *      (m - i)/n     m/n         (i + 1)/n       (their sum is 1)
  *
- * and over all i every fine texel has been used m/n altogether: none is lost, none counts twice, and the mean stays.
- * (Dropping the last row of an odd picture, as is often done, shifts it and changes its mean.) Sums are in double and
- * rounded once. */
+ * and over all i every fine texel has been used m/n altogether: none is lost, none counts twice, and the mean
+ * stays. (Dropping the last row of an odd picture, as is often done, shifts it and changes its mean.) Sums
+ * are in double and rounded once. */
 #include "raster/textures/mip_chain.h"
 
 #include "base/parallel.h"
@@ -66,7 +67,8 @@ int sl_mip_levels(int width, int height) {
     return levels;
 }
 
-void sl_mip_halve(const float *from, int width, int height, size_t from_stride, float *to, size_t to_stride, unsigned threads) {
+void sl_mip_halve(const float *from, int width, int height, size_t from_stride, float *to, size_t to_stride,
+                  unsigned threads) {
     halving h = {from, to, width, height, from_stride, to_stride};
     size_t tasks = ((size_t)sl_half_size(height) + ROWS - 1) / ROWS;
     sl_parallel_for(tasks > 4 ? sl_thread_count(threads) : 1, tasks, halve_rows, &h);

@@ -8,6 +8,7 @@ static inline int sl_half_size(int n) { return n > 1 ? n / 2 : 1; }
 /* Levels of a size: 1 + floor(log2(n)). */
 int sl_mip_levels(int width, int height);
 /* Rows start `stride` texels apart. */
-void sl_mip_halve(const float *from, int width, int height, size_t from_stride, float *to, size_t to_stride, unsigned threads);
+void sl_mip_halve(const float *from, int width, int height, size_t from_stride, float *to, size_t to_stride,
+                  unsigned threads);
 
 #endif

@@ -1,6 +1,6 @@
-/* Where a coordinate falls on a texture: the arithmetic that single lookups and vectorised ones share. Free of
- * branches and library calls, so that loops over it vectorise; every step in double is exact for textures of up to
- * 16384 texels, but for the fraction of a negative coordinate. */
+/* Where a coordinate falls on a texture: the arithmetic that single lookups and vectorised ones share. Free
+ * of branches and library calls, so that loops over it vectorise; every step in double is exact for textures
+ * of up to 16384 texels, but for the fraction of a negative coordinate. */
 #ifndef SL_RASTER_TEXEL_PLACE_H
 #define SL_RASTER_TEXEL_PLACE_H
 
@@ -15,8 +15,8 @@ static inline double sl_clamped(float u) {
     return (double)(cut < 1.0f ? cut : 1.0f);
 }
 
-/* The two texels around x in [0,1], and the weight of the second. x n - 1/2 is the position in texel centres; half a
- * texel is added instead of taken away, so that truncation rounds down. */
+/* The two texels around x in [0,1], and the weight of the second. x n - 1/2 is the position in texel centres;
+ * half a texel is added instead of taken away, so that truncation rounds down. */
 typedef struct sl_texel_pair {
     int32_t low, high;
     double weight;
@@ -58,11 +58,13 @@ static inline double sl_finite_component(float x) {
 }
 
 static inline sl_cube_place sl_cube_place_of(float direction_x, float direction_y, float direction_z) {
-    double x = sl_finite_component(direction_x), y = sl_finite_component(direction_y), z = sl_finite_component(direction_z);
+    double x = sl_finite_component(direction_x), y = sl_finite_component(direction_y),
+           z = sl_finite_component(direction_z);
     double ax = fabs(x), ay = fabs(y), az = fabs(z);
     /* Sums of products vectorise where nested choices do not; all terms but one are 0. */
     double below = ax > ay ? ax : ay;
-    double is_z = az > below ? 1.0 : 0.0, is_y = (1.0 - is_z) * (ay > ax ? 1.0 : 0.0), is_x = (1.0 - is_z) - is_y;
+    double is_z = az > below ? 1.0 : 0.0, is_y = (1.0 - is_z) * (ay > ax ? 1.0 : 0.0),
+           is_x = (1.0 - is_z) - is_y;
     double major = (is_x * x + is_y * y) + is_z * z;
     double sign = major < 0.0 ? -1.0 : 1.0;
     double s = (is_y * x + is_z * (sign * x)) - is_x * (sign * z);
@@ -71,7 +73,8 @@ static inline sl_cube_place sl_cube_place_of(float direction_x, float direction_
     double u = s * half + 0.5, v = t * half + 0.5; /* by rounding the least beyond [0,1] */
     double u_above = u > 0.0 ? u : 0.0, v_above = v > 0.0 ? v : 0.0;
     int32_t axis = (int32_t)(is_y + is_z * 2.0) * 2;
-    return (sl_cube_place){axis + (major < 0.0 ? 1 : 0), u_above < 1.0 ? u_above : 1.0, v_above < 1.0 ? v_above : 1.0};
+    return (sl_cube_place){axis + (major < 0.0 ? 1 : 0), u_above < 1.0 ? u_above : 1.0,
+                           v_above < 1.0 ? v_above : 1.0};
 }
 
 #endif

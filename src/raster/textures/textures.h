@@ -1,15 +1,16 @@
-/* The hardware's texture units: 2D textures and cube maps with MIP maps, read linearly between texels and between levels; and 3D
- * textures of bytes, read a texel at a time.
+/* The hardware's texture units: 2D textures and cube maps with MIP maps, read linearly between texels and
+ * between levels; and 3D textures of bytes, read a texel at a time.
  *
- *     texels ── sl_texture_image_build() ── MIP chain ──┬── sl_texture_sample()        one lookup: the plain form
- *                                                       └── sl_texture_sample_many()   many at once: the same bits, vectorised
+ *     texels ── sl_texture_image_build() ── MIP chain ──┬── sl_texture_sample()        one lookup: the plain
+ * form └── sl_texture_sample_many()   many at once: the same bits, vectorised
  *
- * Texels are four floats (RGBA) side by side: a filter reads four texels at unrelated places, and so it reads four
- * cache lines instead of sixteen. Row 0 is at the bottom, t = 0 its lower edge; texel i of n has its centre at (i + 1/2) / n. Beyond
- * the edge the edge's texels go on.
+ * Texels are four floats (RGBA) side by side: a filter reads four texels at unrelated places, and so it reads
+ * four cache lines instead of sixteen. Row 0 is at the bottom, t = 0 its lower edge; texel i of n has its
+ * centre at (i + 1/2) / n. Beyond the edge the edge's texels go on.
  *
- * Accuracy: positions and weights are worked out in double, filtering too, and a result is rounded to float once. So
- * it is within half a unit in the last place of exact filtering of the given floats, whatever the texture's size.
+ * Accuracy: positions and weights are worked out in double, filtering too, and a result is rounded to float
+ * once. So it is within half a unit in the last place of exact filtering of the given floats, whatever the
+ * texture's size.
  *
  * Coordinates may be anything: infinite ones count as the nearest edge, NaN as the lower. */
 #ifndef SL_RASTER_TEXTURES_H
@@ -36,25 +37,27 @@ typedef struct sl_texture_image {
     const sl_texture_kernels *kernels;
 } sl_texture_image;
 
-/* Texels all 0; the caller writes those of level 0, then calls sl_texture_image_build() if it asked for a MIP map. */
+/* Texels all 0; the caller writes those of level 0, then calls sl_texture_image_build() if it asked for a MIP
+ * map. */
 sl_status sl_texture_image_create(int width, int height, bool mip, sl_texture_image **image, sl_error *error);
 void sl_texture_image_destroy(sl_texture_image *image);
-/* Level l+1 has half the size of level l, rounded down (OpenGL 4.5, section 8.14.3), and is the exact mean over each
- * of its texels' areas: 2x2 texels, or 3 in a direction whose size is odd, those shared by two weighted by their
- * share. So the mean of every level is the mean of the picture. */
+/* Level l+1 has half the size of level l, rounded down (OpenGL 4.5, section 8.14.3), and is the exact mean
+ * over each of its texels' areas: 2x2 texels, or 3 in a direction whose size is odd, those shared by two
+ * weighted by their share. So the mean of every level is the mean of the picture. */
 void sl_texture_image_build(sl_texture_image *image, unsigned threads);
 
 /* One lookup at level of detail `lod` (0 and below: the finest; NaN counts as 0). */
 void sl_texture_sample(const sl_texture_image *image, float s, float t, float lod, float rgba[4]);
 /* `count` lookups; lod NULL: 0. plane[c][n] is channel c of lookup n; NULL planes are not wanted. */
-void sl_texture_sample_many(const sl_texture_image *image, size_t count, const float *s, const float *t, const float *lod,
-                            float *const plane[4]);
+void sl_texture_sample_many(const sl_texture_image *image, size_t count, const float *s, const float *t,
+                            const float *lod, float *const plane[4]);
 
 /* ---- cube maps ---- */
 
-/* Faces as sl_cube_face_frame() has them (OpenGL 4.5, table 8.19), row 0 at t = 0. Every face of every level has a
- * border of one texel with the neighbouring faces' texels, and at its corners the mean of the three that meet there:
- * so a bilinear lookup reads one face alone, and is continuous over edges and corners (GL_TEXTURE_CUBE_MAP_SEAMLESS). */
+/* Faces as sl_cube_face_frame() has them (OpenGL 4.5, table 8.19), row 0 at t = 0. Every face of every level
+ * has a border of one texel with the neighbouring faces' texels, and at its corners the mean of the three
+ * that meet there: so a bilinear lookup reads one face alone, and is continuous over edges and corners
+ * (GL_TEXTURE_CUBE_MAP_SEAMLESS). */
 typedef struct sl_cube_map {
     int size, levels;
     int level_size[SL_TEXTURE_LEVELS];   /* without border */
@@ -74,8 +77,8 @@ void sl_cube_map_build(sl_cube_map *cube, unsigned threads);
 /* One lookup by direction, which need not be unit. A NaN component counts as 0, an infinite
  * one as the largest float; the direction 0 is that of the middle of face +x. */
 void sl_cube_map_sample(const sl_cube_map *cube, sl_vec3 direction, float lod, float rgba[4]);
-void sl_cube_map_sample_many(const sl_cube_map *cube, size_t count, const float *x, const float *y, const float *z,
-                             const float *lod, float *const plane[4]);
+void sl_cube_map_sample_many(const sl_cube_map *cube, size_t count, const float *x, const float *y,
+                             const float *z, const float *lod, float *const plane[4]);
 
 /* ---- 3D textures ---- */
 

@@ -5,14 +5,18 @@
 
 sl_status sl_volume_create(int width, int height, int depth, sl_volume **volume, sl_error *error) {
     *volume = NULL;
-    bool fits = width >= 1 && height >= 1 && depth >= 1 && width <= SL_TEXTURE_SIZE_MAX && height <= SL_TEXTURE_SIZE_MAX &&
-                depth <= SL_TEXTURE_SIZE_MAX && (int64_t)width * height * depth <= INT32_MAX;
+    bool fits = width >= 1 && height >= 1 && depth >= 1 && width <= SL_TEXTURE_SIZE_MAX &&
+                height <= SL_TEXTURE_SIZE_MAX && depth <= SL_TEXTURE_SIZE_MAX &&
+                (int64_t)width * height * depth <= INT32_MAX;
     if (!fits) {
-        return sl_fail(error, SL_ERROR_USAGE, "a 3D texture of %d x %d x %d texels: from 1 to %d each way, less than 2^31", width,
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "a 3D texture of %d x %d x %d texels: from 1 to %d each way, less than 2^31", width,
                        height, depth, (int)SL_TEXTURE_SIZE_MAX);
     }
     sl_volume *v = sl_allocate(1, sizeof *v);
-    if (v) *v = (sl_volume){width, height, depth, sl_allocate((size_t)width * (size_t)height * (size_t)depth, 4)};
+    if (v)
+        *v =
+            (sl_volume){width, height, depth, sl_allocate((size_t)width * (size_t)height * (size_t)depth, 4)};
     if (!v || !v->bytes) {
         sl_volume_destroy(v);
         return sl_fail_memory(error, "a 3D texture");

@@ -1,16 +1,15 @@
 /* Cones, and the conservative test of one against a box.
  *
- * A convex cone (half angle up to 90 degrees) and a box are apart where a plane separates them. Of the planes tangent to
- * the cone the one on the side of the box's centre is tried, with normal N = cos(beta) r - sin(beta) a, r being the unit
- * vector from the axis towards the centre, a the axis:
+ * A convex cone (half angle up to 90 degrees) and a box are apart where a plane separates them. Of the planes
+ * tangent to the cone the one on the side of the box's centre is tried, with normal N = cos(beta) r -
+ * sin(beta) a, r being the unit vector from the axis towards the centre, a the axis:
  *
- *                  \        . r          the cone lies in N . (p - apex) <= 0; the box is outside if its centre lies
- *                N  \      /             further in front than the box reaches along N,
- *                 \  \    +---+
+ *                  \        . r          the cone lies in N . (p - apex) <= 0; the box is outside if its
+ * centre lies N  \      /             further in front than the box reaches along N, \  \    +---+
  *                  '. \   | c |             rho cos(beta) - h sin(beta) > sum_k half_k |N_k|
  *                     '\  +---+
- *          apex --------*====== a ====>  with h and rho the centre's distances along and from the axis (with the radius
- *                       /                R of the box's sphere on the right this is the enlarged cone of the multi-mesh
+ *          apex --------*====== a ====>  with h and rho the centre's distances along and from the axis (with
+ * the radius /                R of the box's sphere on the right this is the enlarged cone of the multi-mesh
  *                      /                 paper's grid; the box itself reaches less far).
  *
  * So are the two planes that bound the cone along its axis, h = 0 and h = length. */
@@ -25,8 +24,8 @@ typedef struct sl_cone {
     float length;       /* along the axis from the apex; INFINITY: without end */
 } sl_cone;
 
-/* The cone from the apex around points (an area light's corners): axis the mean of their directions, as long as the
- * farthest. A point at the apex has no direction and is passed over. */
+/* The cone from the apex around points (an area light's corners): axis the mean of their directions, as long
+ * as the farthest. A point at the apex has no direction and is passed over. */
 sl_cone sl_cone_around(sl_vec3 apex, const sl_vec3 *points, size_t count);
 
 /* The cone as the test wants it. */

@@ -1,5 +1,6 @@
-/* The pyramid around an area light (light_view.h), in four steps: the light's outline relative to the eye, cut at the
- * horizon; an axis within all its directions; the roll around the axis; the rectangle, padded for rounding. */
+/* The pyramid around an area light (light_view.h), in four steps: the light's outline relative to the eye,
+ * cut at the horizon; an axis within all its directions; the roll around the axis; the rectangle, padded for
+ * rounding. */
 #include "raster/views/light_view.h"
 
 #include <float.h>
@@ -50,7 +51,8 @@ static void add_above_horizon(outline *o, const sl_vec3d d[3], sl_vec3d n, bool 
     }
 }
 
-static void add_triangle(outline *o, sl_vec3d eye, const sl_vec3 *corner, sl_vec3d normal, bool horizon, bool two_sided) {
+static void add_triangle(outline *o, sl_vec3d eye, const sl_vec3 *corner, sl_vec3d normal, bool horizon,
+                         bool two_sided) {
     if (!finite_triangle(corner)) return;
     sl_vec3d d[3];
     for (int k = 0; k < 3; k++) d[k] = sl_subd(sl_to_double(corner[k]), eye);
@@ -106,9 +108,9 @@ static sl_vec3d unit_or_zero(sl_vec3d d) {
     return length > 0.0 && isfinite(length) ? sl_scaled(d, 1.0 / length) : sl_v3d(0, 0, 0);
 }
 
-/* The middle of the smallest cap around the directions, by Badoiu and Clarkson's iteration for the smallest enclosing
- * ball (2003): step towards the farthest by ever less. A corner at the eye itself has no direction and needs none:
- * its edges are held by their other ends. */
+/* The middle of the smallest cap around the directions, by Badoiu and Clarkson's iteration for the smallest
+ * enclosing ball (2003): step towards the farthest by ever less. A corner at the eye itself has no direction
+ * and needs none: its edges are held by their other ends. */
 static sl_vec3d middle_direction(const outline *o) {
     sl_vec3d u[OUTLINE_MAX], centre = {0, 0, 0};
     size_t count = 0;
@@ -165,8 +167,8 @@ static double area_of(const extent *e) {
     return (e->right - e->left + thin) * (e->top - e->bottom + thin);
 }
 
-/* Of the rectangles with a side along some edge the smallest: the smallest of all has a side along an edge of the
- * convex hull (Freeman and Shapira 1975), and those of one convex light are among the edges. */
+/* Of the rectangles with a side along some edge the smallest: the smallest of all has a side along an edge of
+ * the convex hull (Freeman and Shapira 1975), and those of one convex light are among the edges. */
 static void roll_tight(const outline *o, sl_vec3d z, sl_vec3d *x, sl_vec3d *y) {
     sl_vec3d x0 = *x, y0 = *y;
     extent first = measure(o, x0, y0, z);
@@ -178,7 +180,8 @@ static void roll_tight(const outline *o, sl_vec3d z, sl_vec3d *x, sl_vec3d *y) {
         double eu = sl_dotd(q, x0) / wq - sl_dotd(p, x0) / wp, ev = sl_dotd(q, y0) / wq - sl_dotd(p, y0) / wp;
         double length = sqrt(eu * eu + ev * ev);
         if (!(length > 1e-12)) continue;
-        sl_vec3d along = sl_addd(sl_scaled(x0, eu / length), sl_scaled(y0, ev / length)), across = sl_crossd(z, along);
+        sl_vec3d along = sl_addd(sl_scaled(x0, eu / length), sl_scaled(y0, ev / length)),
+                 across = sl_crossd(z, along);
         extent e = measure(o, along, across, z);
         double area = area_of(&e);
         if (!(area < best)) continue;
@@ -188,15 +191,16 @@ static void roll_tight(const outline *o, sl_vec3d z, sl_vec3d *x, sl_vec3d *y) {
     }
 }
 
-/* A clip coordinate row . q is off by at most 5 roundings of |row| |q| (the row's, q's, the product's, two sums'). In
- * tangents at distance 1 that is |q| / w = 1 / cosine times sqrt(1 + middle^2) for x or y, and half the width for w. */
+/* A clip coordinate row . q is off by at most 5 roundings of |row| |q| (the row's, q's, the product's, two
+ * sums'). In tangents at distance 1 that is |q| / w = 1 / cosine times sqrt(1 + middle^2) for x or y, and
+ * half the width for w. */
 static double padding(double low, double high, double cosine) {
     double middle = 0.5 * (low + high), half = 0.5 * (high - low);
     return 8.0 * 0x1p-24 * (sqrt(1.0 + middle * middle) + half) / cosine;
 }
 
-static sl_light_sight hold(const outline *o, sl_vec3 eye, const sl_frame *frame, int width, int height, float near,
-                           sl_light_view *out) {
+static sl_light_sight hold(const outline *o, sl_vec3 eye, const sl_frame *frame, int width, int height,
+                           float near, sl_light_view *out) {
     extent e = measure(o, sl_to_double(frame->x), sl_to_double(frame->y), sl_to_double(frame->z));
     if (!(e.least_cosine >= least_cosine) || !(e.left <= e.right)) return SL_LIGHT_TOO_WIDE;
     double pad_x = padding(e.left, e.right, e.least_cosine), pad_y = padding(e.bottom, e.top, e.least_cosine);
@@ -209,13 +213,14 @@ static sl_light_sight hold(const outline *o, sl_vec3 eye, const sl_frame *frame,
     out->farthest = (float)e.farthest;
     float half_way = 0.5f * out->nearest;
     float clip = half_way >= FLT_MIN && half_way < near ? half_way : near;
-    out->view = sl_view_pyramid(frame, eye, out->left, out->right, out->bottom, out->top, width, height, clip);
+    out->view =
+        sl_view_pyramid(frame, eye, out->left, out->right, out->bottom, out->top, width, height, clip);
     out->view.kind = SL_VIEW_LIGHT;
     return SL_LIGHT_IN_VIEW;
 }
 
-sl_light_sight sl_view_light(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light, int width, int height, float near,
-                             sl_light_view *out) {
+sl_light_sight sl_view_light(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light, int width, int height,
+                             float near, sl_light_view *out) {
     outline o;
     if (!sl_is_finite(eye) || !sl_is_finite(normal)) return SL_LIGHT_HIDDEN;
     make_outline(&o, eye, normal, light);
@@ -230,8 +235,9 @@ sl_light_sight sl_view_light(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *
     return hold(&o, eye, &frame, width, height, near, out);
 }
 
-sl_light_sight sl_view_light_window(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light, const sl_frame *window,
-                                    int width, int height, float near, sl_light_view *out) {
+sl_light_sight sl_view_light_window(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light,
+                                    const sl_frame *window, int width, int height, float near,
+                                    sl_light_view *out) {
     outline o;
     if (!sl_is_finite(eye) || !sl_is_finite(normal)) return SL_LIGHT_HIDDEN;
     make_outline(&o, eye, normal, light);

@@ -1,24 +1,24 @@
-/* What a surface point sees of an area light: the off-axis pyramid that just holds the light's part above the point's
- * horizon. Rendering the scene into it samples the light's visibility with every pixel ("sub-frustum" of multi-mesh
- * caching with hardware sampling).
+/* What a surface point sees of an area light: the off-axis pyramid that just holds the light's part above the
+ * point's horizon. Rendering the scene into it samples the light's visibility with every pixel ("sub-frustum"
+ * of multi-mesh caching with hardware sampling).
  *
  *                    ___ light ___                         two ways to look at it:
- *            right  /            /                          look-at   along the middle of the light's directions;
- *               \  /____________/                                     any light, any position
- *                \      |      /  left                      window    square to a planar light's plane, the picture's
- *                 \     |     /                                       axes fixed to the light: every pixel is the same
- *                  \    |z   /                                        piece of the light, seen from wherever
- *      horizon ------ point ------
+ *            right  /            /                          look-at   along the middle of the light's
+ * directions; \  /____________/                                     any light, any position \      |      /
+ * left                      window    square to a planar light's plane, the picture's \     |     / axes
+ * fixed to the light: every pixel is the same \    |z   /                                        piece of the
+ * light, seen from wherever horizon ------ point ------
  *
- * The pyramid is conservative: every point of the light that is above the horizon and turned to the point lies inside
- * all planes, also after the float roundings of the transform. */
+ * The pyramid is conservative: every point of the light that is above the horizon and turned to the point
+ * lies inside all planes, also after the float roundings of the transform. */
 #ifndef SL_RASTER_LIGHT_VIEW_H
 #define SL_RASTER_LIGHT_VIEW_H
 
 #include "raster/raster.h"
 
-/* Triangles, three corners each, counter-clockwise seen from where they shine. Up to SL_LIGHT_TRIANGLES are held one by
- * one; a light of more by the box around them, which is larger. Triangles that are not finite are passed over. */
+/* Triangles, three corners each, counter-clockwise seen from where they shine. Up to SL_LIGHT_TRIANGLES are
+ * held one by one; a light of more by the box around them, which is larger. Triangles that are not finite are
+ * passed over. */
 enum { SL_LIGHT_TRIANGLES = 16 };
 typedef struct sl_light_shape {
     const sl_vec3 *corner;
@@ -27,7 +27,8 @@ typedef struct sl_light_shape {
 } sl_light_shape;
 
 typedef enum sl_light_sight {
-    SL_LIGHT_HIDDEN,  /* below the horizon, turned away or edge-on, no area: irradiance 0, nothing to render */
+    /* below the horizon, turned away or edge-on, no area: irradiance 0, nothing to render */
+    SL_LIGHT_HIDDEN,
     SL_LIGHT_IN_VIEW,
     SL_LIGHT_TOO_WIDE /* the point touches or nearly touches it: no single pyramid is wide enough */
 } sl_light_sight;
@@ -39,12 +40,14 @@ typedef struct sl_light_view {
     float nearest, farthest;        /* distances along z of the part that is in view */
 } sl_light_view;
 
-/* normal: of the surface at the eye; (0,0,0) for no horizon. near: clipped at w >= near, or nearer where the light
- * itself is. The tightest rectangle around the light is taken among those along its edges. */
-sl_light_sight sl_view_light(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light, int width, int height, float near,
-                             sl_light_view *out);
-/* window: an orthonormal frame, z the way from the eye to the light's plane (against the side on which it shines). */
-sl_light_sight sl_view_light_window(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light, const sl_frame *window,
-                                    int width, int height, float near, sl_light_view *out);
+/* normal: of the surface at the eye; (0,0,0) for no horizon. near: clipped at w >= near, or nearer where the
+ * light itself is. The tightest rectangle around the light is taken among those along its edges. */
+sl_light_sight sl_view_light(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light, int width, int height,
+                             float near, sl_light_view *out);
+/* window: an orthonormal frame, z the way from the eye to the light's plane (against the side on which it
+ * shines). */
+sl_light_sight sl_view_light_window(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light,
+                                    const sl_frame *window, int width, int height, float near,
+                                    sl_light_view *out);
 
 #endif

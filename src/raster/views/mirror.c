@@ -26,8 +26,8 @@ sl_vec3d sl_plane_reflect(const sl_plane *plane, sl_vec3d p) {
 
 /* ---- view ---- */
 
-/* With e' the eye's image and R the reflection's linear part, reflect(p) - e = R (p - e'), so row . R is the mirrored
- * row. The view's origin is e' in float; the constant makes good for the rounding. */
+/* With e' the eye's image and R the reflection's linear part, reflect(p) - e = R (p - e'), so row . R is the
+ * mirrored row. The view's origin is e' in float; the constant makes good for the rounding. */
 static void mirror_row(const float row[4], const sl_plane *mirror, sl_vec3d rounding, float out[4]) {
     sl_vec3d a = sl_v3d((double)row[0], (double)row[1], (double)row[2]);
     sl_vec3d r = sl_subd(a, sl_scaled(mirror->normal, 2.0 * sl_dotd(a, mirror->normal)));
@@ -49,7 +49,8 @@ bool sl_view_mirrored(const sl_view *view, const sl_plane *mirror, double offset
     mirrored->origin = sl_to_float(image);
     sl_vec3d rounding = sl_subd(sl_to_double(mirrored->origin), image);
     for (int k = 0; k < 4; k++) mirror_row(view->clip[k], mirror, rounding, mirrored->clip[k]);
-    /* Row 2: the height above the mirror, p . n - d, less the offset. Seen from e' the plane is |height| away. */
+    /* Row 2: the height above the mirror, p . n - d, less the offset. Seen from e' the plane is |height|
+     * away. */
     float *near = mirrored->clip[2];
     near[0] = (float)n.x;
     near[1] = (float)n.y;
@@ -75,7 +76,8 @@ static size_t count_mirror_triangles(const sl_scene *s) {
     size_t count = 0, mirrors = 0;
     for (size_t m = 0; m < s->material_count; m++) mirrors += sl_material_is_mirror(&s->materials[m]);
     if (mirrors == 0) return 0;
-    for (size_t t = 0; t < s->triangle_count; t++) count += sl_material_is_mirror(&s->materials[s->material_index[t]]);
+    for (size_t t = 0; t < s->triangle_count; t++)
+        count += sl_material_is_mirror(&s->materials[s->material_index[t]]);
     return count;
 }
 
@@ -126,7 +128,8 @@ static void enclose(const sl_scene *s, uint32_t t, sl_vec3 *low, sl_vec3 *high) 
 }
 
 /* Large triangles first: they tell their plane best. */
-static void assign(const sl_scene *s, size_t limit, size_t mirror_triangles, sized_triangle *list, sl_mirrors *m) {
+static void assign(const sl_scene *s, size_t limit, size_t mirror_triangles, sized_triangle *list,
+                   sl_mirrors *m) {
     size_t count = mirror_triangles ? list_flat_mirrors(s, list) : 0;
     qsort(list, count, sizeof *list, larger_first);
     memset(m->of_triangle, 0xff, s->triangle_count * sizeof *m->of_triangle); /* SL_NO_INDEX */

@@ -1,11 +1,12 @@
-/* The reference bidirectional path tracer: the same light paths as the path tracer, each found from either end, and those that only
- * light can find (caustics of lights without extent). As a film, and as values at surface points, which the shading cache asks for. */
+/* The reference bidirectional path tracer: the same light paths as the path tracer, each found from either
+ * end, and those that only light can find (caustics of lights without extent). As a film, and as values at
+ * surface points, which the shading cache asks for. */
 #ifndef SL_TRACE_BIDIRECTIONAL_H
 #define SL_TRACE_BIDIRECTIONAL_H
 
 #include "trace/trace.h"
 
-/* ---- the film ------------------------------------------------------------------------------------------------------------ */
+/* ---- the film -------------------------------------------------------------------------------- */
 
 typedef struct sl_bidirectional sl_bidirectional;
 
@@ -13,42 +14,55 @@ typedef struct sl_bidirectional_settings {
     int width, height;
     unsigned threads;
     uint64_t seed;
-    sl_transport transport;   /* filter must be BOX or CENTRE; with CENTRE light subpaths are not joined to the camera */
+    /* filter must be BOX or CENTRE; with CENTRE light subpaths are not joined to the camera */
+    sl_transport transport;
     bool balance;             /* the balance heuristic instead of the power heuristic */
     bool without_light_image; /* light subpaths are not joined to the camera with BOX either */
-    bool direct_image;        /* light that comes straight from a lamp is carried to the camera too (s = 2, t = 1): light samples, which are
-                                 better spread, make that way cost more than it saves */
+    bool direct_image; /* light that comes straight from a lamp is carried to the camera too (s = 2, t = 1):
+                          light samples, which are better spread, make that way cost more than it saves */
 } sl_bidirectional_settings;
 
-sl_status sl_bidirectional_create(const sl_scene *scene, const sl_tracer *tracer, const sl_bidirectional_settings *settings,
-                                  sl_bidirectional **film, sl_error *error);
+sl_status sl_bidirectional_create(const sl_scene *scene, const sl_tracer *tracer,
+                                  const sl_bidirectional_settings *settings, sl_bidirectional **film,
+                                  sl_error *error);
 void sl_bidirectional_destroy(sl_bidirectional *film);
-/* One more sample for every pixel, sample number `sample` (0, 1, 2, ...): an eye and a light subpath for each. */
-sl_status sl_bidirectional_sample(sl_bidirectional *film, uint64_t sample, sl_counters *counters, sl_error *error);
+/* One more sample for every pixel, sample number `sample` (0, 1, 2, ...): an eye and a light subpath for
+ * each. */
+sl_status sl_bidirectional_sample(sl_bidirectional *film, uint64_t sample, sl_counters *counters,
+                                  sl_error *error);
 /* As sl_path_tracer_mean(). */
 void sl_bidirectional_mean(const sl_bidirectional *film, int half, float *r, float *g, float *b);
 size_t sl_bidirectional_memory_bytes(const sl_bidirectional *film);
 
-/* ---- values at surface points, as the shading cache (Tole et al. 2002) has them rendered --------------------------------- */
+/* ---- values at surface points, as the shading cache (Tole et al. 2002) has them rendered ----- */
 
-/* Holds the light subpaths, which serve every point; to be made again when anything but the camera changes. Many threads may use one,
- * each with a scratch of its own. Every point uses the same random numbers: equal requests have equal bits. */
+/* Holds the light subpaths, which serve every point; to be made again when anything but the camera changes.
+ * Many threads may use one, each with a scratch of its own. Every point uses the same random numbers: equal
+ * requests have equal bits. */
 typedef struct sl_bidirectional_points sl_bidirectional_points;
 typedef struct sl_bidirectional_scratch sl_bidirectional_scratch;
 
 typedef struct sl_bidirectional_point_settings {
     uint32_t samples;        /* pairs of subpaths a value; 0: 400 */
-    uint32_t first;          /* how many pairs of the sequence are passed over: others for each set of samples whose means are to be averaged */
-    uint32_t bounces;        /* surfaces between the point and the light, at most, mirrors not counted; 0: 6; or SL_BOUNCES_UNLIMITED */
+    /* how many pairs of the sequence are passed over: others for each set of samples whose means are to be
+     * averaged */
+    uint32_t first;
+    /* surfaces between the point and the light, at most, mirrors not counted; 0: 6; or
+     * SL_BOUNCES_UNLIMITED */
+    uint32_t bounces;
     uint32_t roulette_after; /* surfaces of either walk; 0: 3 */
     uint64_t seed;
     bool balance;            /* the balance heuristic instead of the power heuristic */
-    bool without_caustics;   /* irradiance leaves out light that comes to the point by way of mirrors alone (L S+ D), which somebody else counts; */
-    float polished;          /* ... and > 0: glossy surfaces that are not diffuse count as mirrors from this exponent on */
+    /* irradiance leaves out light that comes to the point by way of mirrors alone (L S+ D), which somebody
+     * else counts; */
+    bool without_caustics;
+    /* ... and > 0: glossy surfaces that are not diffuse count as mirrors from this exponent on */
+    float polished;
 } sl_bidirectional_point_settings;
 
 /* settings may be NULL. */
-sl_status sl_bidirectional_points_create(const sl_scene *scene, const sl_tracer *tracer, const sl_bidirectional_point_settings *settings,
+sl_status sl_bidirectional_points_create(const sl_scene *scene, const sl_tracer *tracer,
+                                         const sl_bidirectional_point_settings *settings,
                                          sl_bidirectional_points **points, sl_error *error);
 void sl_bidirectional_points_destroy(sl_bidirectional_points *points);
 size_t sl_bidirectional_points_memory_bytes(const sl_bidirectional_points *points);
@@ -65,16 +79,20 @@ typedef struct sl_bidirectional_request {
 
 typedef struct sl_bidirectional_value {
     double mean[3];
-    double variance[3]; /* of the mean, as if the samples were independent: they are better spread than that */
+    /* of the mean, as if the samples were independent: they are better spread than that */
+    double variance[3];
 } sl_bidirectional_value;
 
-/* Indirect irradiance E_i (L_i cos over the hemisphere): light of paths with at least one vertex between light and point, be it a surface
- * or a mirror. The first direction of eye subpaths has the density cos / pi. */
-void sl_bidirectional_irradiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
-                                 sl_bidirectional_scratch *scratch, sl_bidirectional_value *irradiance, sl_counters *counters);
-/* What the material's glossy lobe reflects of the same light towards an eye; directions are drawn from the lobe. A perfect mirror
- * reflects all there is, lights themselves too, since no light sample finds those. */
-void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request, sl_vec3 eye,
-                               sl_bidirectional_scratch *scratch, sl_bidirectional_value *radiance, sl_counters *counters);
+/* Indirect irradiance E_i (L_i cos over the hemisphere): light of paths with at least one vertex between
+ * light and point, be it a surface or a mirror. The first direction of eye subpaths has the density cos / pi.
+ */
+void sl_bidirectional_irradiance(const sl_bidirectional_points *points,
+                                 const sl_bidirectional_request *request, sl_bidirectional_scratch *scratch,
+                                 sl_bidirectional_value *irradiance, sl_counters *counters);
+/* What the material's glossy lobe reflects of the same light towards an eye; directions are drawn from the
+ * lobe. A perfect mirror reflects all there is, lights themselves too, since no light sample finds those. */
+void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
+                               sl_vec3 eye, sl_bidirectional_scratch *scratch,
+                               sl_bidirectional_value *radiance, sl_counters *counters);
 
 #endif

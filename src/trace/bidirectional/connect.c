@@ -21,12 +21,16 @@ static bool direction_between(sl_vec3 a, sl_vec3 b, sl_vec3 *direction, double *
     return true;
 }
 
-/* Russian roulette (Veach 1997, section 10.4): what carries less than `least` survives with the probability value / least, before it costs more.
- * Returns what it is multiplied by, 0 where it does not survive. */
+/* Russian roulette (Veach 1997, section 10.4): what carries less than `least` survives with the probability
+ * value / least, before it costs more. Returns what it is multiplied by, 0 where it does not survive. */
 static double survival(const sl_path_maker *m, const sl_connection *c, double value, uint64_t decision) {
     double least = (double)m->least;
     if (!(value < least)) return 1.0;
-    return (double)sl_random_unit(c->roulette, 2 * (SL_SUBPATH_VERTICES_MAX * c->t + c->s) + decision) * least < value ? least / value : 0.0;
+    return (double)sl_random_unit(c->roulette, 2 * (SL_SUBPATH_VERTICES_MAX * c->t + c->s) + decision) *
+                       least <
+                   value
+               ? least / value
+               : 0.0;
 }
 
 /* The first decision needs no weight, as no weight is above 1. */
@@ -50,7 +54,7 @@ static double density_before(const sl_path_maker *m, const sl_path_vertex *eye, 
     return sl_density_at(x, &eye[t - 2], sl_vertex_pdf(x, w, x->back, sl_indirect_lobes(m, 2)));
 }
 
-/* ---- s = 0 --------------------------------------------------------------------------------------------------------------- */
+/* ---- s = 0 ----------------------------------------------------------------------------------- */
 
 bool sl_connect_nothing(const sl_path_maker *m, const sl_path_vertex *eye, unsigned t, sl_connection *c) {
     const sl_path_vertex *v = &eye[t - 1];
@@ -69,10 +73,10 @@ bool sl_connect_nothing(const sl_path_maker *m, const sl_path_vertex *eye, unsig
     return true;
 }
 
-/* ---- s = 1 --------------------------------------------------------------------------------------------------------------- */
+/* ---- s = 1 ----------------------------------------------------------------------------------- */
 
-bool sl_connect_light(const sl_path_maker *m, const sl_path_vertex *eye, unsigned t, const sl_light_sample *sample,
-                      sl_connection *c) {
+bool sl_connect_light(const sl_path_maker *m, const sl_path_vertex *eye, unsigned t,
+                      const sl_light_sample *sample, sl_connection *c) {
     const sl_path_vertex *x = &eye[t - 1];
     sl_rgb reflected = sl_bsdf_reflect(&x->bsdf, sample->to_light, sl_direct_lobes(m, x->surfaces));
     c->radiance = sl_rgb_mul(x->weight, sl_rgb_mul(reflected, sample->radiance));
@@ -97,10 +101,11 @@ bool sl_connect_light(const sl_path_maker *m, const sl_path_vertex *eye, unsigne
     return true;
 }
 
-/* ---- s >= 2, t >= 2 ------------------------------------------------------------------------------------------------------ */
+/* ---- s >= 2, t >= 2 -------------------------------------------------------------------------- */
 
 /* Of y_(s-2), for a walk from the eye that comes to y = y_(s-1) from direction w. */
-static double light_density_before(const sl_path_maker *m, const sl_path_vertex *light, unsigned s, sl_vec3 w, unsigned lobes) {
+static double light_density_before(const sl_path_maker *m, const sl_path_vertex *light, unsigned s, sl_vec3 w,
+                                   unsigned lobes) {
     const sl_path_vertex *y = &light[s - 1], *before = &light[s - 2];
     double pdf = sl_vertex_pdf(y, w, y->back, lobes);
     if (before->kind != SL_VERTEX_LIGHT) return sl_density_at(y, before, pdf);
@@ -108,19 +113,22 @@ static double light_density_before(const sl_path_maker *m, const sl_path_vertex 
     return sl_emission_is_infinite(m, before->light) ? pdf : sl_density_at(y, before, pdf);
 }
 
-bool sl_connect_walks(const sl_path_maker *m, const sl_path_vertex *eye, unsigned t, const sl_path_vertex *light, unsigned s,
-                      sl_connection *c) {
+bool sl_connect_walks(const sl_path_maker *m, const sl_path_vertex *eye, unsigned t,
+                      const sl_path_vertex *light, unsigned s, sl_connection *c) {
     const sl_path_vertex *x = &eye[t - 1], *y = &light[s - 1];
     sl_vec3 w;
     double squared;
-    if (!sl_surfaces_allowed(m, x->surfaces + y->surfaces) || !direction_between(x->origin, y->origin, &w, &squared)) return false;
+    if (!sl_surfaces_allowed(m, x->surfaces + y->surfaces) ||
+        !direction_between(x->origin, y->origin, &w, &squared))
+        return false;
     float cosine = -sl_dot(y->geometric_normal, w);
     if (!(cosine > 0.0f)) return false;
     sl_rgb at_x = sl_bsdf_reflect(&x->bsdf, w, sl_indirect_lobes(m, x->surfaces));
     sl_rgb at_y = sl_light_vertex_value(y, sl_neg(w), sl_indirect_lobes(m, 2));
     /* weight(y) is in units of the scene's radius squared. */
     float geometry = (float)((double)cosine * m->radius * m->radius / squared);
-    c->radiance = sl_rgb_scale(sl_rgb_mul(sl_rgb_mul(x->weight, at_x), sl_rgb_mul(y->weight, at_y)), geometry);
+    c->radiance =
+        sl_rgb_scale(sl_rgb_mul(sl_rgb_mul(x->weight, at_x), sl_rgb_mul(y->weight, at_y)), geometry);
     c->t = t;
     c->s = s;
     if (!is_light(c->radiance) || !is_worth_it(m, c)) return false;
@@ -134,7 +142,7 @@ bool sl_connect_walks(const sl_path_maker *m, const sl_path_vertex *eye, unsigne
     return true;
 }
 
-/* ---- t = 1 --------------------------------------------------------------------------------------------------------------- */
+/* ---- t = 1 ----------------------------------------------------------------------------------- */
 
 /* The film is a rectangle at distance 1, 2 tan_x wide and 2 tan_y high: d omega = cos^3 dA. */
 double sl_camera_pdf(const sl_path_maker *m, double cosine) {
@@ -152,19 +160,23 @@ static bool film_position(const sl_path_maker *m, sl_vec3 from_eye, double *cosi
     return *x >= 0.0 && *x < 1.0 && *y >= 0.0 && *y < 1.0;
 }
 
-bool sl_connect_camera(const sl_path_maker *m, const sl_path_vertex *light, unsigned s, sl_connection *c, double *px, double *py) {
+bool sl_connect_camera(const sl_path_maker *m, const sl_path_vertex *light, unsigned s, sl_connection *c,
+                       double *px, double *py) {
     const sl_path_vertex *y = &light[s - 1];
     sl_vec3 eye = m->scene->camera.eye, w;
     double squared, cosine;
-    if (!sl_surfaces_allowed(m, y->surfaces) || !direction_between(y->origin, eye, &w, &squared)) return false;
+    if (!sl_surfaces_allowed(m, y->surfaces) || !direction_between(y->origin, eye, &w, &squared))
+        return false;
     if (!film_position(m, sl_neg(w), &cosine, px, py)) return false;
     float leaving = sl_dot(y->geometric_normal, w);
     if (!(leaving > 0.0f)) return false;
     sl_rgb value = sl_light_vertex_value(y, w, s == 2 ? sl_direct_lobes(m, 1) : sl_indirect_lobes(m, 1));
-    double pdf = sl_camera_pdf(m, cosine), importance = (double)leaving * m->radius * m->radius / squared * pdf;
+    double pdf = sl_camera_pdf(m, cosine),
+           importance = (double)leaving * m->radius * m->radius / squared * pdf;
     c->radiance = sl_rgb_scale(sl_rgb_mul(y->weight, value), (float)importance);
     if (!is_light(c->radiance)) return false;
-    c->own = (sl_path_vertex){.kind = SL_VERTEX_EYE, .origin = eye, .triangle = SL_NO_INDEX, .light = SL_NO_INDEX};
+    c->own =
+        (sl_path_vertex){.kind = SL_VERTEX_EYE, .origin = eye, .triangle = SL_NO_INDEX, .light = SL_NO_INDEX};
     c->eye = &c->own;
     c->light = light;
     c->t = 1;
@@ -177,7 +189,7 @@ bool sl_connect_camera(const sl_path_maker *m, const sl_path_vertex *light, unsi
     return true;
 }
 
-/* ---- all of them --------------------------------------------------------------------------------------------------------- */
+/* ---- all of them ----------------------------------------------------------------------------- */
 
 /* What waits for its shadow rays. */
 typedef struct queue {
@@ -196,11 +208,13 @@ typedef struct queue {
 
 static void empty(queue *q) {
     if (q->count == 0) return;
-    uint32_t hidden = q->unseen ? sl_trace_occluded(q->maker->tracer, &q->rays, q->count, false, q->counters) & q->unseen : 0;
+    uint32_t hidden =
+        q->unseen ? sl_trace_occluded(q->maker->tracer, &q->rays, q->count, false, q->counters) & q->unseen
+                  : 0;
     for (unsigned i = 0; i < q->count; i++) {
         if (hidden >> i & 1) continue;
-        q->receiver->add(q->receiver->context, q->waiting[i].lane, q->waiting[i].s, q->waiting[i].t, q->waiting[i].x,
-                         q->waiting[i].y, q->waiting[i].radiance, q->waiting[i].weight);
+        q->receiver->add(q->receiver->context, q->waiting[i].lane, q->waiting[i].s, q->waiting[i].t,
+                         q->waiting[i].x, q->waiting[i].y, q->waiting[i].radiance, q->waiting[i].weight);
     }
     q->count = 0;
     q->unseen = 0;
@@ -227,10 +241,13 @@ static void put(queue *q, unsigned lane, const sl_connection *c, double x, doubl
     if (q->count == SL_PACKET) empty(q);
 }
 
-static bool is_joinable(const sl_path_vertex *v) { return v->kind == SL_VERTEX_SURFACE && sl_rgb_max(v->weight) > 0.0f; }
+static bool is_joinable(const sl_path_vertex *v) {
+    return v->kind == SL_VERTEX_SURFACE && sl_rgb_max(v->weight) > 0.0f;
+}
 
-static void connect_eye_vertex(queue *q, unsigned lane, const sl_subpath *eye, unsigned t, const sl_path_vertex *light,
-                               unsigned light_count, uint64_t key, uint32_t index) {
+static void connect_eye_vertex(queue *q, unsigned lane, const sl_subpath *eye, unsigned t,
+                               const sl_path_vertex *light, unsigned light_count, uint64_t key,
+                               uint32_t index) {
     const sl_path_maker *m = q->maker;
     const sl_path_vertex *x = &eye->vertex[t - 1];
     sl_connection c = {.scale = 1.0};
@@ -240,28 +257,32 @@ static void connect_eye_vertex(queue *q, unsigned lane, const sl_subpath *eye, u
     sl_light_sample sample;
     if (m->least > 0.0f) c.roulette = sl_random_key(key, 0x726f756c65747465u + index);
     sl_sequence_point(m->sequence, key, SL_SET_LIGHT + SL_SETS_A_VERTEX * (t - 2), index, point);
-    if (sl_direct_lobes(m, x->surfaces) && sl_light_sampler_sample_2d(m->lights, x->origin, point[0], point[1], &sample) &&
+    if (sl_direct_lobes(m, x->surfaces) &&
+        sl_light_sampler_sample_2d(m->lights, x->origin, point[0], point[1], &sample) &&
         sl_connect_light(m, eye->vertex, t, &sample, &c)) {
         put(q, lane, &c, 0.0, 0.0);
     }
     if (!sl_indirect_lobes(m, x->surfaces)) return;
     for (unsigned s = 2; s <= light_count; s++) {
-        if (is_joinable(&light[s - 1]) && sl_connect_walks(m, eye->vertex, t, light, s, &c)) put(q, lane, &c, 0.0, 0.0);
+        if (is_joinable(&light[s - 1]) && sl_connect_walks(m, eye->vertex, t, light, s, &c))
+            put(q, lane, &c, 0.0, 0.0);
     }
 }
 
-void sl_connect_all(const sl_path_maker *m, unsigned count, sl_subpath *const *eye, const sl_path_vertex *const *light,
-                    const unsigned *light_count, const uint64_t *key, const uint32_t *index, const sl_path_receiver *receiver,
-                    sl_counters *counters) {
+void sl_connect_all(const sl_path_maker *m, unsigned count, sl_subpath *const *eye,
+                    const sl_path_vertex *const *light, const unsigned *light_count, const uint64_t *key,
+                    const uint32_t *index, const sl_path_receiver *receiver, sl_counters *counters) {
     queue q = {.maker = m, .receiver = receiver, .counters = counters};
     for (unsigned lane = 0; lane < count; lane++) {
         for (unsigned s = m->direct_image ? 2 : 3; m->light_image && s <= light_count[lane]; s++) {
             double x, y;
             sl_connection c;
-            if (is_joinable(&light[lane][s - 1]) && sl_connect_camera(m, light[lane], s, &c, &x, &y)) put(&q, lane, &c, x, y);
+            if (is_joinable(&light[lane][s - 1]) && sl_connect_camera(m, light[lane], s, &c, &x, &y))
+                put(&q, lane, &c, x, y);
         }
         for (unsigned t = 2; t <= eye[lane]->count; t++) {
-            connect_eye_vertex(&q, lane, eye[lane], t, light[lane], light_count[lane], key[lane], index[lane]);
+            connect_eye_vertex(&q, lane, eye[lane], t, light[lane], light_count[lane], key[lane],
+                               index[lane]);
         }
     }
     empty(&q);

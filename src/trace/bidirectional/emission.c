@@ -1,6 +1,7 @@
-/* Where light subpaths start. A light is chosen as the light sampler chooses it, in proportion to its power. An emissive triangle then
- * sends light from a uniform point with the density cos / pi; a point light evenly, a spot evenly into its cone; directional
- * lights and the environment from a disc as wide as the scene, which faces their direction. */
+/* Where light subpaths start. A light is chosen as the light sampler chooses it, in proportion to its power.
+ * An emissive triangle then sends light from a uniform point with the density cos / pi; a point light evenly,
+ * a spot evenly into its cone; directional lights and the environment from a disc as wide as the scene, which
+ * faces their direction. */
 #include <math.h>
 
 #include "base/math.h"
@@ -13,16 +14,20 @@ static light_kind kind_of(const sl_scene *scene, uint32_t entry) {
     return entry < scene->emitter_count + scene->light_count ? DELTA : SKY;
 }
 
-static const sl_light *delta_light(const sl_scene *scene, uint32_t entry) { return &scene->lights[entry - scene->emitter_count]; }
+static const sl_light *delta_light(const sl_scene *scene, uint32_t entry) {
+    return &scene->lights[entry - scene->emitter_count];
+}
 
-bool sl_emission_is_delta(const sl_path_maker *m, uint32_t entry) { return kind_of(m->scene, entry) == DELTA; }
+bool sl_emission_is_delta(const sl_path_maker *m, uint32_t entry) {
+    return kind_of(m->scene, entry) == DELTA;
+}
 
 bool sl_emission_is_infinite(const sl_path_maker *m, uint32_t entry) {
     light_kind kind = kind_of(m->scene, entry);
     return kind == SKY || (kind == DELTA && delta_light(m->scene, entry)->type == SL_LIGHT_DIRECTIONAL);
 }
 
-/* ---- densities ----------------------------------------------------------------------------------------------------------- */
+/* ---- densities ------------------------------------------------------------------------------- */
 
 /* Per solid angle; 0 where a cone is too narrow to start in. */
 static double cone_pdf(const sl_light *light) {
@@ -54,7 +59,8 @@ double sl_emission_pdf(const sl_path_maker *m, const sl_path_vertex *light, cons
     sl_vec3d offset = sl_subd(sl_to_double(surface->origin), sl_to_double(light->origin));
     double squared = sl_dotd(offset, offset);
     if (!(squared > 0.0)) return 0.0;
-    double per_length = 1.0 / sqrt(squared), arriving = fabs(sl_dotd(sl_to_double(surface->geometric_normal), offset)) * per_length;
+    double per_length = 1.0 / sqrt(squared),
+           arriving = fabs(sl_dotd(sl_to_double(surface->geometric_normal), offset)) * per_length;
     double pdf;
     if (kind == DELTA) {
         const sl_light *l = delta_light(scene, light->light);
@@ -63,21 +69,23 @@ double sl_emission_pdf(const sl_path_maker *m, const sl_path_vertex *light, cons
         if (l->type == SL_LIGHT_SPOT && cosine < fmin((double)l->cos_outer, (double)l->cos_inner)) pdf = 0.0;
     } else {
         const sl_emitter *e = &scene->emitters[light->light];
-        double cosine = sl_dotd(sl_to_double(sl_scene_geometric_normal(scene, e->triangle)), offset) * per_length;
+        double cosine =
+            sl_dotd(sl_to_double(sl_scene_geometric_normal(scene, e->triangle)), offset) * per_length;
         pdf = e->two_sided ? 0.5 * fabs(cosine) / SL_PI : fmax(cosine, 0.0) / SL_PI;
     }
     return pdf * arriving / squared;
 }
 
-/* ---- starting ------------------------------------------------------------------------------------------------------------ */
+/* ---- starting -------------------------------------------------------------------------------- */
 
-/* Flux over density, in units of the scene's radius squared, so that it neither overflows nor vanishes in scenes of any size. */
+/* Flux over density, in units of the scene's radius squared, so that it neither overflows nor vanishes in
+ * scenes of any size. */
 static sl_rgb flux(const sl_path_maker *m, sl_rgb strength, double per_pdf) {
     return sl_rgb_scale(strength, (float)(per_pdf / (m->radius * m->radius)));
 }
 
-static bool start_emitter(const sl_path_maker *m, double chance, float u1, const float where[3], const float whither[3],
-                          sl_path_vertex *v, sl_vec3 *direction, double *pdf) {
+static bool start_emitter(const sl_path_maker *m, double chance, float u1, const float where[3],
+                          const float whither[3], sl_path_vertex *v, sl_vec3 *direction, double *pdf) {
     const sl_scene *scene = m->scene;
     const sl_emitter *e = &scene->emitters[v->light];
     uint32_t t = e->triangle;
@@ -100,8 +108,8 @@ static bool start_emitter(const sl_path_maker *m, double chance, float u1, const
     return true;
 }
 
-static bool start_in_cone(const sl_path_maker *m, const sl_light *light, double chance, const float whither[3], sl_path_vertex *v,
-                          sl_vec3 *direction, double *pdf) {
+static bool start_in_cone(const sl_path_maker *m, const sl_light *light, double chance,
+                          const float whither[3], sl_path_vertex *v, sl_vec3 *direction, double *pdf) {
     *pdf = cone_pdf(light);
     if (!(*pdf > 0.0)) return false;
     sl_vec3 axis = light->type == SL_LIGHT_SPOT ? light->direction : sl_v3(0.0f, 0.0f, 1.0f);
@@ -121,21 +129,23 @@ static bool start_in_cone(const sl_path_maker *m, const sl_light *light, double 
 }
 
 /* On the disc that faces the light, outside of the scene. */
-static void start_on_disc(const sl_path_maker *m, sl_vec3 towards, const float whither[3], sl_path_vertex *v, double *pdf) {
+static void start_on_disc(const sl_path_maker *m, sl_vec3 towards, const float whither[3], sl_path_vertex *v,
+                          double *pdf) {
     float sine, cosine;
     sl_sincos_turnf(whither[1], &sine, &cosine);
     double r = m->radius * sqrt((double)whither[0]);
     sl_frame frame = sl_frame_from_normal(towards);
     sl_vec3d p = sl_addd(m->centre, sl_scaled(sl_to_double(towards), 1.01 * m->radius));
-    p = sl_addd(p, sl_addd(sl_scaled(sl_to_double(frame.x), r * (double)cosine), sl_scaled(sl_to_double(frame.y), r * (double)sine)));
+    p = sl_addd(p, sl_addd(sl_scaled(sl_to_double(frame.x), r * (double)cosine),
+                           sl_scaled(sl_to_double(frame.y), r * (double)sine)));
     v->origin = sl_to_float(p);
     v->back = towards;
     v->geometric_normal = sl_neg(towards);
     *pdf = 1.0 / (SL_PI * m->radius * m->radius);
 }
 
-bool sl_emission_sample(const sl_path_maker *m, const float where[3], const float whither[3], sl_path_vertex *v, sl_vec3 *origin,
-                        sl_vec3 *direction, double *pdf, bool *parallel) {
+bool sl_emission_sample(const sl_path_maker *m, const float where[3], const float whither[3],
+                        sl_path_vertex *v, sl_vec3 *origin, sl_vec3 *direction, double *pdf, bool *parallel) {
     const sl_scene *scene = m->scene;
     *v = (sl_path_vertex){.kind = SL_VERTEX_LIGHT, .triangle = SL_NO_INDEX};
     float u1 = where[0];
@@ -173,12 +183,16 @@ bool sl_emission_sample(const sl_path_maker *m, const float where[3], const floa
     return lit && sl_rgb_is_finite(v->weight) && sl_rgb_max(v->weight) > 0.0f && sl_is_finite(v->origin);
 }
 
-/* ---- lights that eye subpaths aim at ------------------------------------------------------------------------------------- */
+/* ---- lights that eye subpaths aim at --------------------------------------------------------- */
 
 sl_path_vertex sl_emission_sampled(const sl_path_maker *m, sl_vec3 p, const sl_light_sample *sample) {
-    sl_path_vertex v = {.kind = SL_VERTEX_LIGHT, .triangle = sample->triangle, .light = sample->entry, .back = sample->to_light};
+    sl_path_vertex v = {.kind = SL_VERTEX_LIGHT,
+                        .triangle = sample->triangle,
+                        .light = sample->entry,
+                        .back = sample->to_light};
     if (!sl_emission_is_infinite(m, sample->entry)) v.origin = sl_mad(p, sample->distance, sample->to_light);
-    if (sample->triangle != SL_NO_INDEX) v.geometric_normal = sl_scene_geometric_normal(m->scene, sample->triangle);
+    if (sample->triangle != SL_NO_INDEX)
+        v.geometric_normal = sl_scene_geometric_normal(m->scene, sample->triangle);
     bool from_sky = kind_of(m->scene, sample->entry) == SKY;
     v.pdf_forward = from_sky ? (double)sample->pdf : sl_emission_origin_pdf(m, &v);
     return v;

@@ -1,5 +1,6 @@
-/* The bidirectional path tracer's film. Pixels go in tiles of 4 x 4, one packet each, with as many light subpaths. What falls on
- * other pixels (t = 1) is kept in lists, a list a task, and added in the order of the tasks: the bits depend on no thread. */
+/* The bidirectional path tracer's film. Pixels go in tiles of 4 x 4, one packet each, with as many light
+ * subpaths. What falls on other pixels (t = 1) is kept in lists, a list a task, and added in the order of the
+ * tasks: the bits depend on no thread. */
 #include <math.h>
 #include <string.h>
 
@@ -45,12 +46,14 @@ struct sl_bidirectional {
     splat_list lists[TASKS_AT_ONCE];
 };
 
-/* ---- making -------------------------------------------------------------------------------------------------------------- */
+/* ---- making ---------------------------------------------------------------------------------- */
 
-void sl_path_maker_init(sl_path_maker *m, const sl_scene *scene, const sl_tracer *tracer, const sl_light_sampler *lights,
-                        const sl_sequence *sequence, const sl_transport *transport) {
+void sl_path_maker_init(sl_path_maker *m, const sl_scene *scene, const sl_tracer *tracer,
+                        const sl_light_sampler *lights, const sl_sequence *sequence,
+                        const sl_transport *transport) {
     enum { ROULETTE_AFTER = 2 };
-    *m = (sl_path_maker){.scene = scene, .tracer = tracer, .lights = lights, .sequence = sequence, .transport = *transport};
+    *m = (sl_path_maker){
+        .scene = scene, .tracer = tracer, .lights = lights, .sequence = sequence, .transport = *transport};
     m->roulette_after = transport->bounces == SL_BOUNCES_UNLIMITED ? ROULETTE_AFTER : UINT32_MAX;
     sl_vec3d low = sl_to_double(scene->box_min), high = sl_to_double(scene->box_max);
     m->centre = sl_scaled(sl_addd(low, high), 0.5);
@@ -61,7 +64,8 @@ void sl_path_maker_init(sl_path_maker *m, const sl_scene *scene, const sl_tracer
 static sl_status make_film(sl_bidirectional *film, const sl_tracer *tracer, sl_error *error) {
     const sl_bidirectional_settings *s = &film->settings;
     sl_status status = sl_light_sampler_create_for(film->scene, &s->transport, &film->lights, error);
-    if (status == SL_OK) status = sl_halves_create(&film->halves, (size_t)s->width * (size_t)s->height, error);
+    if (status == SL_OK)
+        status = sl_halves_create(&film->halves, (size_t)s->width * (size_t)s->height, error);
     if (status != SL_OK) return status;
     film->workplaces = sl_allocate(s->threads, sizeof *film->workplaces);
     if (!film->workplaces) return sl_fail_memory(error, "the bidirectional path tracer");
@@ -76,12 +80,14 @@ static sl_status make_film(sl_bidirectional *film, const sl_tracer *tracer, sl_e
     return SL_OK;
 }
 
-sl_status sl_bidirectional_create(const sl_scene *scene, const sl_tracer *tracer, const sl_bidirectional_settings *settings,
-                                  sl_bidirectional **out, sl_error *error) {
+sl_status sl_bidirectional_create(const sl_scene *scene, const sl_tracer *tracer,
+                                  const sl_bidirectional_settings *settings, sl_bidirectional **out,
+                                  sl_error *error) {
     *out = NULL;
     sl_pixel_filter filter = settings->transport.filter;
     if (settings->width <= 0 || settings->height <= 0) {
-        return sl_fail(error, SL_ERROR_USAGE, "a film has at least one pixel, not %d x %d", settings->width, settings->height);
+        return sl_fail(error, SL_ERROR_USAGE, "a film has at least one pixel, not %d x %d", settings->width,
+                       settings->height);
     }
     if (filter != SL_FILTER_BOX && filter != SL_FILTER_CENTRE) {
         return sl_fail(error, SL_ERROR_USAGE, "the bidirectional path tracer's filter is box or centre");
@@ -91,7 +97,8 @@ sl_status sl_bidirectional_create(const sl_scene *scene, const sl_tracer *tracer
     film->scene = scene;
     film->settings = *settings;
     film->settings.threads = sl_thread_count(settings->threads);
-    film->stream_seed = sl_hash64(settings->seed) ^ 0x42696469u; /* not the path tracer's numbers of the same seed */
+    /* not the path tracer's numbers of the same seed */
+    film->stream_seed = sl_hash64(settings->seed) ^ 0x42696469u;
     sl_status status = make_film(film, tracer, error);
     if (status != SL_OK) {
         sl_bidirectional_destroy(film);
@@ -110,7 +117,7 @@ void sl_bidirectional_destroy(sl_bidirectional *film) {
     sl_free(film);
 }
 
-/* ---- splats -------------------------------------------------------------------------------------------------------------- */
+/* ---- splats ---------------------------------------------------------------------------------- */
 
 static void keep_splat(splat_list *list, size_t pixel, sl_rgb light) {
     if (list->count == list->capacity) {
@@ -128,7 +135,7 @@ static void keep_splat(splat_list *list, size_t pixel, sl_rgb light) {
     list->splats[list->count++] = (splat){pixel, light};
 }
 
-/* ---- one packet ---------------------------------------------------------------------------------------------------------- */
+/* ---- one packet ------------------------------------------------------------------------------ */
 
 typedef struct sample_pass {
     sl_bidirectional *film;
@@ -144,7 +151,8 @@ typedef struct packet {
     sl_counters *counters;
 } packet;
 
-static void receive(void *context, unsigned lane, unsigned s, unsigned t, double x, double y, sl_rgb radiance, double weight) {
+static void receive(void *context, unsigned lane, unsigned s, unsigned t, double x, double y, sl_rgb radiance,
+                    double weight) {
     packet *p = context;
     (void)s;
     sl_rgb light = sl_rgb_scale(radiance, (float)weight);
@@ -155,7 +163,8 @@ static void receive(void *context, unsigned lane, unsigned s, unsigned t, double
     } else {
         int width = p->film->settings.width, height = p->film->settings.height;
         size_t column = (size_t)(x * (double)width), row = (size_t)(y * (double)height);
-        if (column < (size_t)width && row < (size_t)height) keep_splat(p->list, row * (size_t)width + column, light);
+        if (column < (size_t)width && row < (size_t)height)
+            keep_splat(p->list, row * (size_t)width + column, light);
     }
 }
 
@@ -163,17 +172,20 @@ static sl_vec3 camera_ray(const sample_pass *pass, int x, int y, uint64_t key, d
     const sl_path_maker *m = &pass->film->maker;
     const sl_camera *c = &m->scene->camera;
     float point[3] = {0.5f, 0.5f, 0.0f};
-    if (m->transport.filter == SL_FILTER_BOX) sl_sequence_point(m->sequence, key, SL_SET_PIXEL, pass->index, point);
+    if (m->transport.filter == SL_FILTER_BOX)
+        sl_sequence_point(m->sequence, key, SL_SET_PIXEL, pass->index, point);
     float u = (2.0f * ((float)x + point[0]) / (float)pass->film->settings.width - 1.0f) * m->tan_x;
     float v = (1.0f - 2.0f * ((float)y + point[1]) / (float)pass->film->settings.height) * m->tan_y;
     *pdf = sl_camera_pdf(m, 1.0 / sqrt(1.0 + (double)u * (double)u + (double)v * (double)v));
     return sl_normalize_or(sl_sub(sl_mad(sl_scale(c->right, u), v, c->up), c->back), sl_neg(c->back));
 }
 
-static void sample_tile(const sample_pass *pass, size_t tile, workplace *place, splat_list *list, sl_counters *counters) {
+static void sample_tile(const sample_pass *pass, size_t tile, workplace *place, splat_list *list,
+                        sl_counters *counters) {
     const sl_bidirectional *film = pass->film;
     int width = film->settings.width, height = film->settings.height;
-    int across = (width + TILE - 1) / TILE, left = (int)(tile % (size_t)across) * TILE, top = (int)(tile / (size_t)across) * TILE;
+    int across = (width + TILE - 1) / TILE, left = (int)(tile % (size_t)across) * TILE,
+        top = (int)(tile / (size_t)across) * TILE;
     sl_vec3 direction[SL_PACKET];
     double pdf[SL_PACKET];
     uint64_t keys[SL_PACKET];
@@ -195,7 +207,8 @@ static void sample_tile(const sample_pass *pass, size_t tile, workplace *place, 
     }
     packet p = {.film = film, .list = list, .counters = counters};
     sl_walk_from_lights(&film->maker, count, keys, indices, light, counters);
-    sl_walk_from_eye(&film->maker, count, film->scene->camera.eye, direction, pdf, keys, indices, eye, counters);
+    sl_walk_from_eye(&film->maker, count, film->scene->camera.eye, direction, pdf, keys, indices, eye,
+                     counters);
     for (unsigned i = 0; i < count; i++) {
         light_vertices[i] = light[i]->vertex;
         light_count[i] = light[i]->count;
@@ -206,10 +219,11 @@ static void sample_tile(const sample_pass *pass, size_t tile, workplace *place, 
     for (unsigned i = 0; i < count; i++) sl_halves_add(&film->halves, pass->half, pixels[i], p.radiance[i]);
 }
 
-/* ---- one sample of every pixel ------------------------------------------------------------------------------------------- */
+/* ---- one sample of every pixel --------------------------------------------------------------- */
 
 static size_t tile_count(const sl_bidirectional *film) {
-    size_t across = ((size_t)film->settings.width + TILE - 1) / TILE, down = ((size_t)film->settings.height + TILE - 1) / TILE;
+    size_t across = ((size_t)film->settings.width + TILE - 1) / TILE,
+           down = ((size_t)film->settings.height + TILE - 1) / TILE;
     return across * down;
 }
 
@@ -217,15 +231,16 @@ static void sample_tiles(void *context, size_t task, unsigned worker, void *resu
     (void)result;
     const sample_pass *pass = context;
     splat_list *list = &pass->film->lists[task];
-    size_t first = (pass->first_task + task) * TILES_A_TASK, end = first + TILES_A_TASK, tiles = tile_count(pass->film);
+    size_t first = (pass->first_task + task) * TILES_A_TASK, end = first + TILES_A_TASK,
+           tiles = tile_count(pass->film);
     list->count = 0;
     for (size_t tile = first; tile < end && tile < tiles; tile++) {
         sample_tile(pass, tile, &pass->film->workplaces[worker], list, counters);
     }
 }
 
-/* Each of a pass's light subpaths stands for one sample of the whole film: a pixel, which is one part in W H of it, collects from
- * W H subpaths, and the two numbers cancel. */
+/* Each of a pass's light subpaths stands for one sample of the whole film: a pixel, which is one part in W H
+ * of it, collects from W H subpaths, and the two numbers cancel. */
 static bool add_splats(const sample_pass *pass, size_t tasks) {
     bool complete = true;
     for (size_t i = 0; i < tasks; i++) {
@@ -239,14 +254,16 @@ static bool add_splats(const sample_pass *pass, size_t tasks) {
     return complete;
 }
 
-sl_status sl_bidirectional_sample(sl_bidirectional *film, uint64_t sample, sl_counters *counters, sl_error *error) {
+sl_status sl_bidirectional_sample(sl_bidirectional *film, uint64_t sample, sl_counters *counters,
+                                  sl_error *error) {
     if (sample / SL_HALVES > UINT32_MAX) return sl_fail(error, SL_ERROR_USAGE, "too many samples a pixel");
     sample_pass pass = {film, (unsigned)(sample % SL_HALVES), (uint32_t)(sample / SL_HALVES), 0};
     size_t tasks = (tile_count(film) + TILES_A_TASK - 1) / TILES_A_TASK;
     bool complete = true;
     for (; pass.first_task < tasks && complete; pass.first_task += TASKS_AT_ONCE) {
         size_t now = tasks - pass.first_task < TASKS_AT_ONCE ? tasks - pass.first_task : TASKS_AT_ONCE;
-        sl_batch_run(&(sl_batch){.count = now, .work = sample_tiles, .context = &pass}, film->settings.threads, counters);
+        sl_batch_run(&(sl_batch){.count = now, .work = sample_tiles, .context = &pass},
+                     film->settings.threads, counters);
         complete = add_splats(&pass, now);
     }
     if (!complete) return sl_fail_memory(error, "what light subpaths leave on the film");
@@ -254,14 +271,15 @@ sl_status sl_bidirectional_sample(sl_bidirectional *film, uint64_t sample, sl_co
     return SL_OK;
 }
 
-/* ---- results ------------------------------------------------------------------------------------------------------------- */
+/* ---- results --------------------------------------------------------------------------------- */
 
 void sl_bidirectional_mean(const sl_bidirectional *film, int half, float *r, float *g, float *b) {
     sl_halves_mean(&film->halves, half, r, g, b);
 }
 
 size_t sl_bidirectional_memory_bytes(const sl_bidirectional *film) {
-    size_t bytes = sizeof *film + film->settings.threads * sizeof *film->workplaces + sl_halves_memory_bytes(&film->halves);
+    size_t bytes = sizeof *film + film->settings.threads * sizeof *film->workplaces +
+                   sl_halves_memory_bytes(&film->halves);
     for (int i = 0; i < TASKS_AT_ONCE; i++) bytes += film->lists[i].capacity * sizeof(splat);
     return bytes;
 }

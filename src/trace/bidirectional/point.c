@@ -1,5 +1,6 @@
-/* Irradiance and radiance at surface points. The point is v_1 of every eye subpath, so the ways with t >= 2 remain. Sample i draws from
- * point i of one sequence wherever the point lies, so its light subpath is the same for all points, and is walked once. */
+/* Irradiance and radiance at surface points. The point is v_1 of every eye subpath, so the ways with t >= 2
+ * remain. Sample i draws from point i of one sequence wherever the point lies, so its light subpath is the
+ * same for all points, and is walked once. */
 #include <math.h>
 #include <string.h>
 
@@ -11,8 +12,8 @@
 #include "trace/bidirectional/bidirectional.h"
 #include "trace/bidirectional/subpath.h"
 
-/* Of the mean of the samples so far: connections that carry less are not all worth a shadow ray. What is decided for later samples depends on earlier
- * ones alone, so nothing is biased. */
+/* Of the mean of the samples so far: connections that carry less are not all worth a shadow ray. What is
+ * decided for later samples depends on earlier ones alone, so nothing is biased. */
 static const double worth_a_ray = 0.15;
 
 struct sl_bidirectional_points {
@@ -30,7 +31,7 @@ struct sl_bidirectional_scratch {
     sl_subpath path[SL_PACKET];
 };
 
-/* ---- light subpaths ------------------------------------------------------------------------------------------------------ */
+/* ---- light subpaths -------------------------------------------------------------------------- */
 
 static sl_status keep_subpath(sl_bidirectional_points *p, size_t i, const sl_subpath *path, sl_error *error) {
     size_t used = p->first[i], needed = used + path->count;
@@ -48,7 +49,8 @@ static sl_status keep_subpath(sl_bidirectional_points *p, size_t i, const sl_sub
     return SL_OK;
 }
 
-static unsigned packet_of(const sl_bidirectional_points *p, uint32_t first, uint64_t key[SL_PACKET], uint32_t index[SL_PACKET]) {
+static unsigned packet_of(const sl_bidirectional_points *p, uint32_t first, uint64_t key[SL_PACKET],
+                          uint32_t index[SL_PACKET]) {
     unsigned count = p->settings.samples - first < SL_PACKET ? p->settings.samples - first : SL_PACKET;
     for (unsigned i = 0; i < count; i++) {
         key[i] = p->key;
@@ -57,7 +59,8 @@ static unsigned packet_of(const sl_bidirectional_points *p, uint32_t first, uint
     return count;
 }
 
-static sl_status walk_light_subpaths(sl_bidirectional_points *p, sl_bidirectional_scratch *scratch, sl_error *error) {
+static sl_status walk_light_subpaths(sl_bidirectional_points *p, sl_bidirectional_scratch *scratch,
+                                     sl_error *error) {
     sl_path_maker maker = p->diffuse;
     /* The point itself is one surface of the path. */
     if (maker.transport.bounces != SL_BOUNCES_UNLIMITED) maker.transport.bounces--;
@@ -70,14 +73,16 @@ static sl_status walk_light_subpaths(sl_bidirectional_points *p, sl_bidirectiona
         unsigned count = packet_of(p, first, key, index);
         for (unsigned i = 0; i < count; i++) paths[i] = &scratch->path[i];
         sl_walk_from_lights(&maker, count, key, index, paths, &uncounted);
-        for (unsigned i = 0; i < count && status == SL_OK; i++) status = keep_subpath(p, first + i, paths[i], error);
+        for (unsigned i = 0; i < count && status == SL_OK; i++)
+            status = keep_subpath(p, first + i, paths[i], error);
     }
     return status;
 }
 
-/* ---- making -------------------------------------------------------------------------------------------------------------- */
+/* ---- making ---------------------------------------------------------------------------------- */
 
-static sl_path_maker maker_for(const sl_bidirectional_points *p, const sl_scene *scene, const sl_tracer *tracer, unsigned lobe) {
+static sl_path_maker maker_for(const sl_bidirectional_points *p, const sl_scene *scene,
+                               const sl_tracer *tracer, unsigned lobe) {
     sl_transport transport;
     sl_transport_named("full", &transport);
     transport.bounces = p->settings.bounces;
@@ -94,7 +99,8 @@ static sl_path_maker maker_for(const sl_bidirectional_points *p, const sl_scene 
     return maker;
 }
 
-static sl_status make_points(sl_bidirectional_points *p, const sl_scene *scene, const sl_tracer *tracer, sl_error *error) {
+static sl_status make_points(sl_bidirectional_points *p, const sl_scene *scene, const sl_tracer *tracer,
+                             sl_error *error) {
     sl_status status = sl_light_sampler_create(scene, &p->lights, error);
     if (status != SL_OK) return status;
     p->first = sl_allocate((size_t)p->settings.samples + 1, sizeof *p->first);
@@ -111,7 +117,8 @@ static sl_status make_points(sl_bidirectional_points *p, const sl_scene *scene, 
     return status;
 }
 
-sl_status sl_bidirectional_points_create(const sl_scene *scene, const sl_tracer *tracer, const sl_bidirectional_point_settings *settings,
+sl_status sl_bidirectional_points_create(const sl_scene *scene, const sl_tracer *tracer,
+                                         const sl_bidirectional_point_settings *settings,
                                          sl_bidirectional_points **out, sl_error *error) {
     *out = NULL;
     sl_bidirectional_points *p = sl_allocate(1, sizeof *p);
@@ -148,7 +155,7 @@ sl_status sl_bidirectional_scratch_create(sl_bidirectional_scratch **scratch, sl
 
 void sl_bidirectional_scratch_destroy(sl_bidirectional_scratch *scratch) { sl_free(scratch); }
 
-/* ---- values -------------------------------------------------------------------------------------------------------------- */
+/* ---- values ---------------------------------------------------------------------------------- */
 
 typedef struct packet {
     const sl_bidirectional_point_settings *settings;
@@ -163,8 +170,8 @@ static bool is_specular(const sl_path_vertex *v, float polished) {
     return polished > 0.0f && v->bsdf.exponent >= polished && !(sl_rgb_max(v->bsdf.diffuse) > 0.0f);
 }
 
-/* L S+ D: all surfaces between the light and the point are specular, in whichever way the path was made. A path belongs to one side or the
- * other as a whole, so that its weights still sum to 1. */
+/* L S+ D: all surfaces between the light and the point are specular, in whichever way the path was made. A
+ * path belongs to one side or the other as a whole, so that its weights still sum to 1. */
 static bool is_caustic(const packet *p, unsigned lane, unsigned s, unsigned t) {
     unsigned end = s == 0 ? t - 1 : t; /* s = 0: v_(t-1) is on the light */
     for (unsigned i = 2; i < end; i++) {
@@ -176,7 +183,8 @@ static bool is_caustic(const packet *p, unsigned lane, unsigned s, unsigned t) {
     return true;
 }
 
-static void receive(void *context, unsigned lane, unsigned s, unsigned t, double x, double y, sl_rgb radiance, double weight) {
+static void receive(void *context, unsigned lane, unsigned s, unsigned t, double x, double y, sl_rgb radiance,
+                    double weight) {
     packet *p = context;
     (void)x, (void)y;
     if (p->without_caustics && is_caustic(p, lane, s, t)) return;
@@ -202,15 +210,18 @@ static void add_samples(sums *total, const packet *p, unsigned count, sl_counter
 }
 
 /* Paths by way of v_1, or, where the point is NULL, along a ray. */
-static void estimate(const sl_bidirectional_points *points, const sl_path_maker *shared, const sl_path_vertex *point, sl_vec3 origin,
-                     sl_vec3 direction, sl_bidirectional_scratch *scratch, sl_bidirectional_value *value, sl_counters *counters) {
+static void estimate(const sl_bidirectional_points *points, const sl_path_maker *shared,
+                     const sl_path_vertex *point, sl_vec3 origin, sl_vec3 direction,
+                     sl_bidirectional_scratch *scratch, sl_bidirectional_value *value,
+                     sl_counters *counters) {
     sums total = {{0.0}, {0.0}};
     sl_path_maker own = *shared, *maker = &own;
     uint32_t samples = points->settings.samples;
     for (uint32_t first = 0; first < samples; first += SL_PACKET) {
         uint64_t key[SL_PACKET];
         uint32_t index[SL_PACKET];
-        packet p = {.settings = &points->settings, .without_caustics = points->settings.without_caustics && shared == &points->diffuse};
+        packet p = {.settings = &points->settings,
+                    .without_caustics = points->settings.without_caustics && shared == &points->diffuse};
         unsigned light_count[SL_PACKET], count = packet_of(points, first, key, index);
         sl_vec3 directions[SL_PACKET];
         double pdf[SL_PACKET];
@@ -226,7 +237,8 @@ static void estimate(const sl_bidirectional_points *points, const sl_path_maker 
         const sl_path_receiver receiver = {&p, receive};
         sl_connect_all(maker, count, p.eye, p.light_path, light_count, key, index, &receiver, counters);
         add_samples(&total, &p, count, counters);
-        own.least = (float)(worth_a_ray * fmax(total.sum[0], fmax(total.sum[1], total.sum[2])) / (double)(first + count));
+        own.least = (float)(worth_a_ray * fmax(total.sum[0], fmax(total.sum[1], total.sum[2])) /
+                            (double)(first + count));
     }
     sl_count(counters, SL_COUNT_SAMPLES, samples);
     double n = (double)samples;
@@ -239,12 +251,16 @@ static void estimate(const sl_bidirectional_points *points, const sl_path_maker 
 
 /* As sl_surface_lift(); where the point is on an edge, above whatever meets there. */
 static sl_vec3 lifted(const sl_scene *scene, const sl_bidirectional_request *request) {
-    if (request->triangle == SL_NO_INDEX) return sl_surface_lift_anywhere(scene, request->position, request->geometric_normal);
-    sl_surface surface = {.position = request->position, .geometric_normal = request->geometric_normal, .normal = request->normal};
+    if (request->triangle == SL_NO_INDEX)
+        return sl_surface_lift_anywhere(scene, request->position, request->geometric_normal);
+    sl_surface surface = {.position = request->position,
+                          .geometric_normal = request->geometric_normal,
+                          .normal = request->normal};
     return sl_surface_lift(scene, request->triangle, &surface);
 }
 
-static sl_path_vertex vertex_at(const sl_scene *scene, const sl_bidirectional_request *request, sl_vec3 to_viewer) {
+static sl_path_vertex vertex_at(const sl_scene *scene, const sl_bidirectional_request *request,
+                                sl_vec3 to_viewer) {
     sl_path_vertex v = {.kind = SL_VERTEX_SURFACE,
                         .origin = lifted(scene, request),
                         .back = to_viewer,
@@ -256,15 +272,17 @@ static sl_path_vertex vertex_at(const sl_scene *scene, const sl_bidirectional_re
     return v;
 }
 
-void sl_bidirectional_irradiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
-                                 sl_bidirectional_scratch *scratch, sl_bidirectional_value *irradiance, sl_counters *counters) {
+void sl_bidirectional_irradiance(const sl_bidirectional_points *points,
+                                 const sl_bidirectional_request *request, sl_bidirectional_scratch *scratch,
+                                 sl_bidirectional_value *irradiance, sl_counters *counters) {
     sl_path_vertex v = vertex_at(points->diffuse.scene, request, request->normal);
     v.bsdf.diffuse = sl_grey((float)SL_PI); /* f = 1: the radiance that leaves it is the irradiance */
     estimate(points, &points->diffuse, &v, v.origin, v.back, scratch, irradiance, counters);
 }
 
-void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request, sl_vec3 eye,
-                               sl_bidirectional_scratch *scratch, sl_bidirectional_value *radiance, sl_counters *counters) {
+void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
+                               sl_vec3 eye, sl_bidirectional_scratch *scratch,
+                               sl_bidirectional_value *radiance, sl_counters *counters) {
     const sl_scene *scene = points->glossy.scene;
     const sl_material *material = request->material;
     *radiance = (sl_bidirectional_value){{0.0}, {0.0}};
@@ -276,7 +294,8 @@ void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_b
         sl_vec3 direction = sl_normalize_or(sl_reflect(to_eye, request->normal), request->normal);
         if (!(sl_dot(direction, request->geometric_normal) > 0.0f)) return;
         estimate(points, &points->mirror, NULL, v.origin, direction, scratch, radiance, counters);
-        const double tint[3] = {(double)material->mirror.r, (double)material->mirror.g, (double)material->mirror.b};
+        const double tint[3] = {(double)material->mirror.r, (double)material->mirror.g,
+                                (double)material->mirror.b};
         for (int c = 0; c < 3; c++) {
             radiance->mean[c] *= tint[c];
             radiance->variance[c] *= tint[c] * tint[c];

@@ -1,5 +1,5 @@
-/* Walks from the eye and from the lights, sixteen in step so that their rays go in packets. Both bounce by the same rules; the walk
- * from the eye counts light exactly as trace/path_walk.c does. */
+/* Walks from the eye and from the lights, sixteen in step so that their rays go in packets. Both bounce by
+ * the same rules; the walk from the eye counts light exactly as trace/path_walk.c does. */
 #include "trace/bidirectional/subpath.h"
 
 #include <math.h>
@@ -37,7 +37,7 @@ static void draw(const sl_path_maker *m, const walker *w, uint32_t set, float po
 
 static bool is_black(sl_rgb c) { return !(sl_rgb_max(c) > 0.0f); }
 
-/* ---- densities ----------------------------------------------------------------------------------------------------------- */
+/* ---- densities ------------------------------------------------------------------------------- */
 
 double sl_density_at(const sl_path_vertex *from, const sl_path_vertex *to, double pdf) {
     sl_vec3d offset = sl_subd(sl_to_double(to->origin), sl_to_double(from->origin));
@@ -58,17 +58,21 @@ sl_rgb sl_light_vertex_value(const sl_path_vertex *v, sl_vec3 to_eye, unsigned l
     return sl_rgb_scale(sl_bsdf_value(&v->bsdf, to_eye, lobes), lit / geometric);
 }
 
-/* Density with which the other walk, coming to v the way that this one leaves it, would have made the vertex before v. */
-static void complete_vertex_before(const sl_path_maker *m, const walker *w, const sl_path_vertex *v, double pdf) {
+/* Density with which the other walk, coming to v the way that this one leaves it, would have made the vertex
+ * before v. */
+static void complete_vertex_before(const sl_path_maker *m, const walker *w, const sl_path_vertex *v,
+                                   double pdf) {
     if (w->path->count < 2) return;
     sl_path_vertex *before = &w->path->vertex[w->path->count - 2];
     if (before->kind == SL_VERTEX_EYE) before->pdf_reverse = 0.0;
-    else if (before->kind == SL_VERTEX_LIGHT && sl_emission_is_delta(m, before->light)) before->pdf_reverse = 0.0;
-    else if (before->kind == SL_VERTEX_LIGHT && sl_emission_is_infinite(m, before->light)) before->pdf_reverse = pdf;
+    else if (before->kind == SL_VERTEX_LIGHT && sl_emission_is_delta(m, before->light))
+        before->pdf_reverse = 0.0;
+    else if (before->kind == SL_VERTEX_LIGHT && sl_emission_is_infinite(m, before->light))
+        before->pdf_reverse = pdf;
     else before->pdf_reverse = sl_density_at(v, before, pdf);
 }
 
-/* ---- leaving a vertex ---------------------------------------------------------------------------------------------------- */
+/* ---- leaving a vertex ------------------------------------------------------------------------ */
 
 static void leave(walker *w, const sl_path_vertex *v, sl_vec3 direction, double pdf) {
     w->origin = v->origin;
@@ -79,8 +83,8 @@ static void leave(walker *w, const sl_path_vertex *v, sl_vec3 direction, double 
     w->vertex++;
 }
 
-/* Russian roulette: goes on with a probability that follows the weight, and makes up for it. The heuristics' densities leave it out:
- * any weights that sum to 1 are right. */
+/* Russian roulette: goes on with a probability that follows the weight, and makes up for it. The heuristics'
+ * densities leave it out: any weights that sum to 1 are right. */
 static bool survives(const sl_path_maker *m, walker *w) {
     float weight = fmaxf(sl_rgb_max(w->weight), sl_rgb_max(w->direct_weight)) * w->roulette_scale;
     float chance = fminf(fmaxf(weight, 0.05f), 0.95f), point[3];
@@ -123,12 +127,15 @@ static bool bounce(const sl_path_maker *m, walker *w, const sl_path_vertex *v) {
         w->direct_weight = sl_grey(0.0f);
     } else {
         bool further = sl_surfaces_allowed(m, w->surfaces + 1) || sl_mirrors_followed(m);
-        w->direct_weight = sl_rgb_mul(weight, sl_bsdf_reflect(&v->bsdf, direction, sl_direct_lobes(m, w->surfaces)));
-        w->weight = sl_rgb_mul(weight, sl_bsdf_reflect(&v->bsdf, direction, further ? sl_indirect_lobes(m, w->surfaces) : 0));
+        w->direct_weight =
+            sl_rgb_mul(weight, sl_bsdf_reflect(&v->bsdf, direction, sl_direct_lobes(m, w->surfaces)));
+        w->weight = sl_rgb_mul(
+            weight, sl_bsdf_reflect(&v->bsdf, direction, further ? sl_indirect_lobes(m, w->surfaces) : 0));
     }
     if (is_black(w->weight) && is_black(w->direct_weight)) return false;
     if (w->surfaces > m->roulette_after && !survives(m, w)) return false;
-    /* Two lobes in one mixture: the other walk would choose between those that reflect light of further surfaces. */
+    /* Two lobes in one mixture: the other walk would choose between those that reflect light of further
+     * surfaces. */
     complete_vertex_before(m, w, v, sl_vertex_pdf(v, direction, v->back, sl_indirect_lobes(m, 2)));
     w->through = !w->from_light && w->surfaces == 1 && !m->transport.bounce_visibility;
     w->mirror_since = false;
@@ -137,7 +144,7 @@ static bool bounce(const sl_path_maker *m, walker *w, const sl_path_vertex *v) {
     return true;
 }
 
-/* ---- the end of a ray ---------------------------------------------------------------------------------------------------- */
+/* ---- the end of a ray ------------------------------------------------------------------------ */
 
 /* What the light that a ray of the eye meets is multiplied by; path_walk.c's meet_light(). */
 static sl_rgb emission_weight(const sl_path_maker *m, const walker *w) {
@@ -160,7 +167,8 @@ static void reach_sky(const sl_path_maker *m, walker *w) {
     if (!is_black(v->emitted) && !is_black(v->emission_weight)) w->path->count++;
 }
 
-static void put_vertex(const sl_path_maker *m, const walker *w, uint32_t triangle, const sl_surface *s, sl_path_vertex *v) {
+static void put_vertex(const sl_path_maker *m, const walker *w, uint32_t triangle, const sl_surface *s,
+                       sl_path_vertex *v) {
     const sl_scene *scene = m->scene;
     bool mirror = sl_material_is_mirror(s->material);
     unsigned lobes = w->from_light ? sl_indirect_lobes(m, 2) : sl_eye_lobes(m, w->surfaces + 1);
@@ -216,21 +224,23 @@ static bool arrive(const sl_path_maker *m, walker *w, uint32_t triangle, float w
     return !full && bounce(m, w, v);
 }
 
-/* ---- packets ------------------------------------------------------------------------------------------------------------- */
+/* ---- packets --------------------------------------------------------------------------------- */
 
 static void put_ray(sl_ray16 *rays, unsigned i, const walker *w) {
     sl_ray16_set(rays, i, w->origin, w->direction, 0.0f, INFINITY, w->skip);
 }
 
-/* No visibility between x1 and x2: one of all surfaces on the ray. All ways in which such a path may be made have this ray in
- * their walk from the eye, so 1/n is in all their densities, and none need have it. */
-static void trace_through(const sl_path_maker *m, walker *w, unsigned lane, sl_hit16 *hits, sl_counters *counters) {
+/* No visibility between x1 and x2: one of all surfaces on the ray. All ways in which such a path may be made
+ * have this ray in their walk from the eye, so 1/n is in all their densities, and none need have it. */
+static void trace_through(const sl_path_maker *m, walker *w, unsigned lane, sl_hit16 *hits,
+                          sl_counters *counters) {
     sl_ray16 ray;
     sl_hit16 hit;
     float point[3];
     draw(m, w, SL_SET_THROUGH - SL_SETS_A_VERTEX, point); /* of the vertex that was left */
     put_ray(&ray, 0, w);
-    uint32_t met = sl_path_choose_along_ray(m->tracer, &ray, sl_random_key(w->key, (uint64_t)(point[0] * 0x1p24f)), &hit, counters);
+    uint32_t met = sl_path_choose_along_ray(
+        m->tracer, &ray, sl_random_key(w->key, (uint64_t)(point[0] * 0x1p24f)), &hit, counters);
     w->weight = sl_rgb_scale(w->weight, (float)met);
     w->through = false;
     hits->w1[lane] = hit.w1[0];
@@ -238,7 +248,8 @@ static void trace_through(const sl_path_maker *m, walker *w, unsigned lane, sl_h
     hits->triangle[lane] = hit.triangle[0];
 }
 
-static void walk_on(const sl_path_maker *m, walker *walkers, unsigned count, bool coherent, sl_counters *counters) {
+static void walk_on(const sl_path_maker *m, walker *walkers, unsigned count, bool coherent,
+                    sl_counters *counters) {
     walker *active[SL_PACKET];
     for (unsigned i = 0; i < count; i++) active[i] = &walkers[i];
     for (unsigned alive = count; alive > 0; coherent = false) {
@@ -256,15 +267,17 @@ static void walk_on(const sl_path_maker *m, walker *walkers, unsigned count, boo
     }
 }
 
-/* ---- starts -------------------------------------------------------------------------------------------------------------- */
+/* ---- starts ---------------------------------------------------------------------------------- */
 
-/* Light that may meet no surface but x1 ends there: of use to the camera alone. Of a point that is given, x1 is not the walk's to meet. */
+/* Light that may meet no surface but x1 ends there: of use to the camera alone. Of a point that is given, x1
+ * is not the walk's to meet. */
 static bool light_subpaths_join(const sl_path_maker *m) {
-    return m->eye_vertices > 1 || sl_surfaces_allowed(m, 2) || (m->light_image && (m->direct_image || sl_mirrors_followed(m)));
+    return m->eye_vertices > 1 || sl_surfaces_allowed(m, 2) ||
+           (m->light_image && (m->direct_image || sl_mirrors_followed(m)));
 }
 
-void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t *key, const uint32_t *index, sl_subpath *const *paths,
-                         sl_counters *counters) {
+void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t *key, const uint32_t *index,
+                         sl_subpath *const *paths, sl_counters *counters) {
     walker walkers[SL_PACKET];
     unsigned started = 0;
     for (unsigned i = 0; i < count; i++) {
@@ -278,7 +291,8 @@ void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t 
         paths[i]->count = 0;
         if (!light_subpaths_join(m)) continue;
         sl_path_vertex *light = &paths[i]->vertex[0];
-        if (!sl_emission_sample(m, where, whither, light, &w.origin, &w.direction, &w.pdf, &w.parallel)) continue;
+        if (!sl_emission_sample(m, where, whither, light, &w.origin, &w.direction, &w.pdf, &w.parallel))
+            continue;
         paths[i]->count = 1;
         if (m->aim) light->weight = sl_rgb_scale(light->weight, aimed);
         w.weight = light->weight;
@@ -289,25 +303,36 @@ void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t 
     walk_on(m, walkers, started, false, counters);
 }
 
-void sl_walk_from_eye(const sl_path_maker *m, unsigned count, sl_vec3 eye, const sl_vec3 *direction, const double *pdf,
-                      const uint64_t *key, const uint32_t *index, sl_subpath *const *paths, sl_counters *counters) {
+void sl_walk_from_eye(const sl_path_maker *m, unsigned count, sl_vec3 eye, const sl_vec3 *direction,
+                      const double *pdf, const uint64_t *key, const uint32_t *index, sl_subpath *const *paths,
+                      sl_counters *counters) {
     walker walkers[SL_PACKET];
     for (unsigned i = 0; i < count; i++) {
         paths[i]->count = 1;
-        paths[i]->vertex[0] = (sl_path_vertex){.kind = SL_VERTEX_EYE, .origin = eye, .triangle = SL_NO_INDEX, .light = SL_NO_INDEX};
-        walkers[i] = (walker){.path = paths[i], .weight = sl_grey(1.0f), .roulette_scale = 1.0f, .origin = eye,
-                              .direction = direction[i], .skip = SL_NO_INDEX, .pdf = pdf[i], .key = key[i], .index = index[i]};
+        paths[i]->vertex[0] = (sl_path_vertex){
+            .kind = SL_VERTEX_EYE, .origin = eye, .triangle = SL_NO_INDEX, .light = SL_NO_INDEX};
+        walkers[i] = (walker){.path = paths[i],
+                              .weight = sl_grey(1.0f),
+                              .roulette_scale = 1.0f,
+                              .origin = eye,
+                              .direction = direction[i],
+                              .skip = SL_NO_INDEX,
+                              .pdf = pdf[i],
+                              .key = key[i],
+                              .index = index[i]};
     }
     walk_on(m, walkers, count, true, counters);
 }
 
-void sl_walk_from_point(const sl_path_maker *m, unsigned count, const sl_path_vertex *point, const uint64_t *key,
-                        const uint32_t *index, sl_subpath *const *paths, sl_counters *counters) {
+void sl_walk_from_point(const sl_path_maker *m, unsigned count, const sl_path_vertex *point,
+                        const uint64_t *key, const uint32_t *index, sl_subpath *const *paths,
+                        sl_counters *counters) {
     walker walkers[SL_PACKET];
     unsigned started = 0;
     for (unsigned i = 0; i < count; i++) {
         paths[i]->count = 2;
-        paths[i]->vertex[0] = (sl_path_vertex){.kind = SL_VERTEX_EYE, .triangle = SL_NO_INDEX, .light = SL_NO_INDEX};
+        paths[i]->vertex[0] =
+            (sl_path_vertex){.kind = SL_VERTEX_EYE, .triangle = SL_NO_INDEX, .light = SL_NO_INDEX};
         sl_path_vertex *v = &paths[i]->vertex[1];
         *v = *point;
         v->kind = SL_VERTEX_SURFACE;
@@ -315,8 +340,13 @@ void sl_walk_from_point(const sl_path_maker *m, unsigned count, const sl_path_ve
         v->surfaces = 1;
         v->light = SL_NO_INDEX;
         sl_bsdf_turn(&v->bsdf, v->back, sl_eye_lobes(m, 1));
-        walker w = {.path = paths[i], .weight = v->weight, .roulette_scale = 1.0f, .at_surface = true, .surfaces = 1,
-                    .key = key[i], .index = index[i]};
+        walker w = {.path = paths[i],
+                    .weight = v->weight,
+                    .roulette_scale = 1.0f,
+                    .at_surface = true,
+                    .surfaces = 1,
+                    .key = key[i],
+                    .index = index[i]};
         if (bounce(m, &w, v)) walkers[started++] = w;
     }
     walk_on(m, walkers, started, false, counters);

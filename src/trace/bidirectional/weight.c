@@ -1,6 +1,6 @@
-/* Multiple importance sampling (Veach and Guibas 1995). p_t is the density with which the way of t eye vertices makes a path; the ways
- * share the path by w_t = p_t^2 / sum p_i^2 (the power heuristic) or p_t / sum p_i (the balance heuristic). Two ways that are next to each
- * other differ in who made one vertex:
+/* Multiple importance sampling (Veach and Guibas 1995). p_t is the density with which the way of t eye
+ * vertices makes a path; the ways share the path by w_t = p_t^2 / sum p_i^2 (the power heuristic) or p_t /
+ * sum p_i (the balance heuristic). Two ways that are next to each other differ in who made one vertex:
  *
  *     p_(t+1) / p_t = pE(v_t) / pL(v_t),
  *
@@ -44,7 +44,8 @@ static ways ways_of(const sl_path_maker *m, const sl_connection *c) {
     return w;
 }
 
-/* Where x1 sees the light without shadows, only a light sample does; where it sees x2 so, only the walk from the eye. */
+/* Where x1 sees the light without shadows, only a light sample does; where it sees x2 so, only the walk from
+ * the eye. */
 static bool sees_as_declared(const sl_path_maker *m, const ways *w, unsigned t) {
     unsigned s = w->last + 1 - t;
     if (w->first == w->last) return true;
@@ -57,7 +58,9 @@ static bool possible(const sl_path_maker *m, const sl_connection *c, const ways 
     unsigned s = w->last + 1 - t;
     if (t < m->eye_vertices || t > SL_SUBPATH_VERTICES_MAX || s > SL_SUBPATH_VERTICES_MAX) return false;
     if (t == 1 && !(m->light_image && w->last >= (m->direct_image ? 2u : 3u))) return false;
-    if (s == 0 ? w->delta_light : vertex(c, t - 1)->kind == SL_VERTEX_MIRROR || vertex(c, t)->kind == SL_VERTEX_MIRROR) return false;
+    if (s == 0 ? w->delta_light
+               : vertex(c, t - 1)->kind == SL_VERTEX_MIRROR || vertex(c, t)->kind == SL_VERTEX_MIRROR)
+        return false;
     return !w->restricted || sees_as_declared(m, w, t);
 }
 

@@ -17,7 +17,8 @@
 #include "cache/direct_radiance/map.h"
 #include "trace_scenes.h"
 
-/* A map made by hand: a point light, faces added one by one, texels filled by the rasterizer or by the test. */
+/* A map made by hand: a point light, faces added one by one, texels filled by the rasterizer or by the test.
+ */
 typedef struct hand_map {
     sl_map_lights lights;
     sl_map_light light;
@@ -31,14 +32,19 @@ static inline float *hand_plane(size_t texels) {
     return plane;
 }
 
-/* `faces` faces of w x w texels, m x m blocks, 90 degrees each; the first six in the order of a cube map. Nothing is in them. */
+/* `faces` faces of w x w texels, m x m blocks, 90 degrees each; the first six in the order of a cube map.
+ * Nothing is in them. */
 static inline hand_map *hand_map_begin(sl_map_light light, int faces, int w, int m) {
     hand_map *h = calloc(1, sizeof *h);
     assert_non_null(h);
     size_t each = (size_t)w * (size_t)w, texels = each * (size_t)faces;
     h->light = light;
     h->lights = (sl_map_lights){.count = 1, .light = &h->light};
-    h->map = (sl_radiance_map){.lights = &h->lights, .face_count = (size_t)faces, .face = h->face, .texels = texels, .lambertian = true};
+    h->map = (sl_radiance_map){.lights = &h->lights,
+                               .face_count = (size_t)faces,
+                               .face = h->face,
+                               .texels = texels,
+                               .lambertian = true};
     h->map.triangle = calloc(texels, sizeof *h->map.triangle);
     h->map.block_angle = hand_plane(texels);
     h->map.path = hand_plane(texels);
@@ -49,22 +55,36 @@ static inline hand_map *hand_map_begin(sl_map_light light, int faces, int w, int
     }
     memset(h->map.triangle, 0xff, texels * sizeof *h->map.triangle);
     for (int f = 0; f < faces; f++) {
-        h->face[f] = (sl_map_face){.mirror = SL_NO_INDEX, .eye = light.position, .reflectance = {1, 1, 1},
-                                   .frame = sl_cube_face_frame(f), .left = -1, .right = 1, .bottom = -1, .top = 1, .width = w,
-                                   .height = w, .columns = m, .rows = m, .first = (size_t)f * each};
+        h->face[f] = (sl_map_face){.mirror = SL_NO_INDEX,
+                                   .eye = light.position,
+                                   .reflectance = {1, 1, 1},
+                                   .frame = sl_cube_face_frame(f),
+                                   .left = -1,
+                                   .right = 1,
+                                   .bottom = -1,
+                                   .top = 1,
+                                   .width = w,
+                                   .height = w,
+                                   .columns = m,
+                                   .rows = m,
+                                   .first = (size_t)f * each};
         h->face[f].view = sl_view_pyramid(&h->face[f].frame, light.position, -1, 1, -1, 1, w, w, 1e-4f);
         for (int i = 0; i < w * w; i++) {
             double x = -1 + 2.0 * (i % w) / w, y = -1 + 2.0 * (i / w) / w, s = 2.0 / w;
-            h->map.block_angle[h->face[f].first + (size_t)i] = (float)sl_rectangle_solid_angle(x, y, x + s, y + s);
+            h->map.block_angle[h->face[f].first + (size_t)i] =
+                (float)sl_rectangle_solid_angle(x, y, x + s, y + s);
         }
     }
     return h;
 }
 
-/* Texel i shows triangle's surface at p, which reflects as much as a white Lambertian surface of that reflectance. */
-static inline void hand_texel(hand_map *h, size_t i, uint32_t triangle, sl_vec3 p, sl_vec3 normal, sl_rgb reflectance) {
+/* Texel i shows triangle's surface at p, which reflects as much as a white Lambertian surface of that
+ * reflectance. */
+static inline void hand_texel(hand_map *h, size_t i, uint32_t triangle, sl_vec3 p, sl_vec3 normal,
+                              sl_rgb reflectance) {
     sl_vec3 d = sl_sub(h->light.position, p);
-    double b2 = sl_dotd(sl_to_double(d), sl_to_double(d)), cosine = sl_dotd(sl_to_double(normal), sl_to_double(d)) / sqrt(b2);
+    double b2 = sl_dotd(sl_to_double(d), sl_to_double(d)),
+           cosine = sl_dotd(sl_to_double(normal), sl_to_double(d)) / sqrt(b2);
     h->map.triangle[i] = triangle;
     const float position[3] = {p.x, p.y, p.z}, n[3] = {normal.x, normal.y, normal.z};
     const float rho[3] = {reflectance.r, reflectance.g, reflectance.b};
@@ -73,7 +93,9 @@ static inline void hand_texel(hand_map *h, size_t i, uint32_t triangle, sl_vec3 
     for (int c = 0; c < 3; c++) {
         h->map.position[c][i] = position[c];
         h->map.geometric[c][i] = n[c];
-        h->map.color[c][i] = h->map.lambertian ? (float)((double)rho[c] * (double)power[c] * fmax(cosine, 0) / (SL_PI * b2)) : rho[c];
+        h->map.color[c][i] = h->map.lambertian
+                                 ? (float)((double)rho[c] * (double)power[c] * fmax(cosine, 0) / (SL_PI * b2))
+                                 : rho[c];
     }
     h->map.path[i] = (float)sqrt(b2);
 }
@@ -87,7 +109,8 @@ static inline void hand_map_render(hand_map *h, const sl_raster *raster) {
         assert_int_equal(sl_raster_gbuffer(raster, &h->face[f].view, 1, g, &counters, NULL), SL_OK);
         for (int i = 0; i < g->width * g->height; i++) {
             if (g->id[i] == SL_NO_INDEX) continue;
-            hand_texel(h, h->face[f].first + (size_t)i, g->id[i], sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
+            hand_texel(h, h->face[f].first + (size_t)i, g->id[i],
+                       sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
                        sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]),
                        (sl_rgb){g->diffuse_r[i], g->diffuse_g[i], g->diffuse_b[i]});
         }
@@ -111,11 +134,13 @@ static inline void hand_map_end(hand_map *h) {
     free(h);
 }
 
-static inline sl_map_photons *take_photons(const sl_scene *scene, const sl_radiance_map *map, const sl_radiance_map_settings *settings) {
+static inline sl_map_photons *take_photons(const sl_scene *scene, const sl_radiance_map *map,
+                                           const sl_radiance_map_settings *settings) {
     sl_map_photons *photons = NULL;
     sl_counters counters = {{0}};
     sl_error error;
-    if (sl_map_photons_take(scene, map, settings, &photons, &counters, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_map_photons_take(scene, map, settings, &photons, &counters, &error) != SL_OK)
+        fail_msg("%s", error.message);
     assert_int_equal(counters.value[SL_COUNT_MAP_PHOTONS], photons->count);
     assert_int_equal(counters.value[SL_COUNT_MAP_PHOTONS_DROPPED], photons->dropped);
     return photons;
@@ -129,7 +154,8 @@ static inline double flux_irradiance(const sl_map_photons *photons, sl_vec3d x, 
         sl_vec3d d = sl_subd(sl_to_double(p->position), x);
         double r2 = sl_dotd(d, d), c = sl_dotd(n, d), s = -sl_dotd(sl_to_double(p->normal), d);
         if (!(c > 0) || !(s > 0) || !(r2 > (double)photons->nearest * (double)photons->nearest)) continue;
-        sum += (double)p->flux.g * c * s / r2 * (double)p->cos_alpha / (r2 * (double)p->cos_alpha + (double)p->footprint / SL_PI);
+        sum += (double)p->flux.g * c * s / r2 * (double)p->cos_alpha /
+               (r2 * (double)p->cos_alpha + (double)p->footprint / SL_PI);
     }
     return sum;
 }

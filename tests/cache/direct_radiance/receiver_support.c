@@ -19,7 +19,8 @@ sl_receivers *make_receivers(int width, int height, sl_vec3 eye) {
     r->width = width, r->height = height;
     r->eye[0] = eye;
     assert_int_equal(sl_gbuffer_create(width, height, &r->gbuffer, NULL), SL_OK);
-    for (size_t i = 0; i < (size_t)width * (size_t)height; i++) r->gbuffer->material[i] = r->gbuffer->id[i] = SL_NO_INDEX;
+    for (size_t i = 0; i < (size_t)width * (size_t)height; i++)
+        r->gbuffer->material[i] = r->gbuffer->id[i] = SL_NO_INDEX;
     return r;
 }
 
@@ -28,8 +29,8 @@ void free_receivers(sl_receivers *receivers) {
     free(receivers);
 }
 
-void set_receiver(sl_receivers *receivers, size_t i, sl_vec3 position, sl_vec3 geometric, sl_vec3 shading, sl_rgb diffuse,
-                  uint32_t material) {
+void set_receiver(sl_receivers *receivers, size_t i, sl_vec3 position, sl_vec3 geometric, sl_vec3 shading,
+                  sl_rgb diffuse, uint32_t material) {
     sl_gbuffer *g = receivers->gbuffer;
     g->id[i] = 0;
     g->position_x[i] = position.x, g->position_y[i] = position.y, g->position_z[i] = position.z;
@@ -84,7 +85,8 @@ void free_photons(sl_map_photons *photons) {
     free(photons);
 }
 
-bool meet_unit_sphere(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position, sl_vec3d *normal) {
+bool meet_unit_sphere(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
+                      sl_vec3d *normal) {
     (void)context;
     double length = sl_lengthd(direction);
     sl_vec3d d = sl_scaled(direction, 1.0 / length);
@@ -94,7 +96,8 @@ bool meet_unit_sphere(const void *context, sl_vec3d light, sl_vec3d direction, s
     return true;
 }
 
-bool meet_unit_cube(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position, sl_vec3d *normal) {
+bool meet_unit_cube(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
+                    sl_vec3d *normal) {
     (void)context;
     const double o[3] = {light.x, light.y, light.z}, d[3] = {direction.x, direction.y, direction.z};
     double nearest = 1e300, n[3] = {0, 0, 0};
@@ -110,7 +113,8 @@ bool meet_unit_cube(const void *context, sl_vec3d light, sl_vec3d direction, sl_
     return true;
 }
 
-bool meet_floor(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position, sl_vec3d *normal) {
+bool meet_floor(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
+                sl_vec3d *normal) {
     (void)context;
     *normal = sl_v3d(0, 0, 1);
     if (!(direction.z < 0.0)) return false;
@@ -145,10 +149,12 @@ typedef struct {
 static block block_at(int index, int m) {
     int face = index / (m * m), row = index / m % m, column = index % m;
     double step = 2.0 / m;
-    return (block){face, -1.0 + column * step, -1.0 + row * step, -1.0 + (column + 1) * step, -1.0 + (row + 1) * step};
+    return (block){face, -1.0 + column * step, -1.0 + row * step, -1.0 + (column + 1) * step,
+                   -1.0 + (row + 1) * step};
 }
 
-static bool sample(meet_surface *meet, const void *context, sl_vec3d light, block b, sl_vec3d *y, sl_vec3d *n) {
+static bool sample(meet_surface *meet, const void *context, sl_vec3d light, block b, sl_vec3d *y,
+                   sl_vec3d *n) {
     return meet(context, light, face_direction(b.face, 0.5 * (b.s0 + b.s1), 0.5 * (b.t0 + b.t1)), y, n);
 }
 
@@ -170,21 +176,26 @@ static sl_photon_quad quad_of(sl_vec3d light, block b, sl_vec3d y, sl_vec3d n) {
     return quad;
 }
 
-static void set_photon(sl_map_photons *photons, sl_vec3d light, block b, int m, double reflectance, sl_vec3d y, sl_vec3d n) {
+static void set_photon(sl_map_photons *photons, sl_vec3d light, block b, int m, double reflectance,
+                       sl_vec3d y, sl_vec3d n) {
     sl_vec3d to_light = sl_subd(light, y);
     double distance = sl_lengthd(to_light), cosine = sl_dotd(n, to_light) / distance;
     double angle = solid_angle(b.s0, b.t0, b.s1, b.t1), flux = reflectance * angle / SL_PI;
-    double radiance = reflectance / SL_PI * cosine / (distance * distance), side = 2.0 * distance * tan(SL_PI / (4.0 * m));
+    double radiance = reflectance / SL_PI * cosine / (distance * distance),
+           side = 2.0 * distance * tan(SL_PI / (4.0 * m));
     sl_photon_quad quad = quad_of(light, b, y, n);
-    photons->photon[photons->count] = (sl_map_photon){.position = sl_to_float(y), .footprint = (float)(distance * distance * angle),
-                                                      .flux = sl_grey((float)flux), .cos_alpha = (float)cosine,
-                                                      .normal = sl_to_float(n), .printed_area = (float)(side * side / cosine),
+    photons->photon[photons->count] = (sl_map_photon){.position = sl_to_float(y),
+                                                      .footprint = (float)(distance * distance * angle),
+                                                      .flux = sl_grey((float)flux),
+                                                      .cos_alpha = (float)cosine,
+                                                      .normal = sl_to_float(n),
+                                                      .printed_area = (float)(side * side / cosine),
                                                       .radiance = sl_grey((float)radiance)};
     photons->quad[photons->count++] = quad;
 }
 
-sl_map_photons *cube_photons(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m, double reflectance,
-                             double diagonal) {
+sl_map_photons *cube_photons(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m,
+                             double reflectance, double diagonal) {
     int count = faces * m * m;
     sl_map_photons *photons = make_photons((size_t)count, (float)diagonal);
     photons->quad = calloc((size_t)count, sizeof *photons->quad);
@@ -198,8 +209,8 @@ sl_map_photons *cube_photons(meet_surface *meet, const void *context, sl_vec3d l
     return photons;
 }
 
-double exact_irradiance(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m, double reflectance, sl_vec3d x,
-                        sl_vec3d n_x) {
+double exact_irradiance(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m,
+                        double reflectance, sl_vec3d x, sl_vec3d n_x) {
     double sum = 0.0;
     for (int i = 0; i < faces * m * m; i++) {
         block b = block_at(i, m);
@@ -216,6 +227,8 @@ double exact_irradiance(meet_surface *meet, const void *context, sl_vec3d light,
 double irradiance_at(const sl_map_photons *photons, sl_photon_weight weight, sl_vec3d x, sl_vec3d n) {
     double sum = 0.0;
     for (size_t j = 0; j < photons->count; j++)
-        sum += (double)sl_photon_irradiance(photons, j, weight, sl_to_float(x), sl_to_float(n), sl_to_float(n)).r;
+        sum +=
+            (double)sl_photon_irradiance(photons, j, weight, sl_to_float(x), sl_to_float(n), sl_to_float(n))
+                .r;
     return sum;
 }

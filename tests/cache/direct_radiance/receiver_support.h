@@ -1,5 +1,5 @@
-/* What the tests of Direct Radiance Mapping's passes 6 and 7 share: receivers placed by hand, and photons made on the CPU in shapes whose
- * light is known. Every function fails the test where anything fails. */
+/* What the tests of Direct Radiance Mapping's passes 6 and 7 share: receivers placed by hand, and photons
+ * made on the CPU in shapes whose light is known. Every function fails the test where anything fails. */
 #ifndef SL_TESTS_RECEIVER_SUPPORT_H
 #define SL_TESTS_RECEIVER_SUPPORT_H
 
@@ -10,10 +10,10 @@
 /* All background. */
 sl_receivers *make_receivers(int width, int height, sl_vec3 eye);
 void free_receivers(sl_receivers *receivers);
-void set_receiver(sl_receivers *receivers, size_t pixel, sl_vec3 position, sl_vec3 geometric, sl_vec3 shading, sl_rgb diffuse,
-                  uint32_t material);
-/* A scene whose materials 0, 1, 2, ... are diffuse 0.5; glossy (kd 0.3, ks 0.4, n 20); a mirror of 0.8; black; a lobe with n = 0. Its
- * triangles are a cube of side 1 around (1/2, 1/2, 1/2). */
+void set_receiver(sl_receivers *receivers, size_t pixel, sl_vec3 position, sl_vec3 geometric, sl_vec3 shading,
+                  sl_rgb diffuse, uint32_t material);
+/* A scene whose materials 0, 1, 2, ... are diffuse 0.5; glossy (kd 0.3, ks 0.4, n 20); a mirror of 0.8;
+ * black; a lobe with n = 0. Its triangles are a cube of side 1 around (1/2, 1/2, 1/2). */
 enum { DIFFUSE_MATERIAL, GLOSSY_MATERIAL, MIRROR_MATERIAL, BLACK_MATERIAL, FLAT_LOBE_MATERIAL };
 sl_scene *receiver_scene(void);
 
@@ -30,19 +30,24 @@ sl_map_photons *make_photons(size_t count, float diagonal);
 void free_photons(sl_map_photons *photons);
 
 /* Where a ray from the light meets a surface; normal towards the light. */
-typedef bool meet_surface(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position, sl_vec3d *normal);
-bool meet_unit_sphere(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position, sl_vec3d *normal);
-bool meet_unit_cube(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position, sl_vec3d *normal);
+typedef bool meet_surface(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
+                          sl_vec3d *normal);
+bool meet_unit_sphere(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
+                      sl_vec3d *normal);
+bool meet_unit_cube(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
+                    sl_vec3d *normal);
 /* The square [-1,1]^2 at z = 0. */
-bool meet_floor(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position, sl_vec3d *normal);
+bool meet_floor(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
+                sl_vec3d *normal);
 
-/* Photons of a point light of 1 W/sr: faces 0 (looking down -z) to faces - 1 of a cube, m x m samples each, with (12) as printed for
- * w = m, and with quads. */
-sl_map_photons *cube_photons(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m, double reflectance,
-                             double diagonal);
-/* E by direct summation of the plain weight in double, with photons as fine as wanted: the exact one-bounce irradiance. */
-double exact_irradiance(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m, double reflectance, sl_vec3d x,
-                        sl_vec3d n);
+/* Photons of a point light of 1 W/sr: faces 0 (looking down -z) to faces - 1 of a cube, m x m samples each,
+ * with (12) as printed for w = m, and with quads. */
+sl_map_photons *cube_photons(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m,
+                             double reflectance, double diagonal);
+/* E by direct summation of the plain weight in double, with photons as fine as wanted: the exact one-bounce
+ * irradiance. */
+double exact_irradiance(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m,
+                        double reflectance, sl_vec3d x, sl_vec3d n);
 /* Sum of all photons by the plain form, one channel. */
 double irradiance_at(const sl_map_photons *photons, sl_photon_weight weight, sl_vec3d x, sl_vec3d n);
 

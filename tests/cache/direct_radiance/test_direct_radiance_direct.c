@@ -38,11 +38,16 @@ static sl_map_light point_light(sl_vec3 position) {
 
 static sl_map_light area_light(sl_vec3 position, sl_vec3 normal, float area, bool two_sided) {
     sl_rgb intensity = sl_rgb_scale((sl_rgb){3.0f, 2.0f, 1.0f}, area);
-    return (sl_map_light){.kind = SL_MAP_LIGHT_AREA, .position = position, .direction = normal, .intensity = intensity, .area = area,
+    return (sl_map_light){.kind = SL_MAP_LIGHT_AREA,
+                          .position = position,
+                          .direction = normal,
+                          .intensity = intensity,
+                          .area = area,
                           .two_sided = two_sided};
 }
 
-static planes light_up(const sl_scene *scene, lamps *l, const sl_receivers *receivers, const sl_shadow_cubes *cubes, unsigned threads) {
+static planes light_up(const sl_scene *scene, lamps *l, const sl_receivers *receivers,
+                       const sl_shadow_cubes *cubes, unsigned threads) {
     sl_light_pass pass = {.scene = scene, .lights = &l->lights, .cubes = cubes, .threads = threads};
     planes p = make_planes((size_t)receivers->width * (size_t)receivers->height);
     sl_lit_picture picture = {.direct = {p.value[0], p.value[1], p.value[2]}};
@@ -52,7 +57,8 @@ static planes light_up(const sl_scene *scene, lamps *l, const sl_receivers *rece
 }
 
 /* Radiance from one receiver of material m at x. */
-static sl_rgb radiance_at(const sl_scene *scene, sl_map_light light, sl_vec3 x, sl_vec3 n, sl_vec3 eye, uint32_t material) {
+static sl_rgb radiance_at(const sl_scene *scene, sl_map_light light, sl_vec3 x, sl_vec3 n, sl_vec3 eye,
+                          uint32_t material) {
     lamps l = {.lights = {.count = 0}};
     add_lamp(&l, light);
     sl_receivers *r = make_receivers(1, 1, eye);
@@ -85,8 +91,9 @@ static void point_light_falls_with_cosine_and_squared_distance(void **state) {
     }
 }
 
-/* What taking an area light for "very distant" costs: (9) over the exact irradiance of a square light of side s, at height d above a parallel plane, d / s = 0.5,
- * 1, 2, 5. E of a square is the sum over four corners, (L/2) sum of x / sqrt(1 + x^2) atan(y / sqrt(1 + x^2)) + likewise. */
+/* What taking an area light for "very distant" costs: (9) over the exact irradiance of a square light of side
+ * s, at height d above a parallel plane, d / s = 0.5, 1, 2, 5. E of a square is the sum over four corners,
+ * (L/2) sum of x / sqrt(1 + x^2) atan(y / sqrt(1 + x^2)) + likewise. */
 static double corner_factor(double x, double y) {
     double p = sqrt(1.0 + x * x), q = sqrt(1.0 + y * y);
     return 0.5 * (x / p * atan(y / p) + y / q * atan(x / q));
@@ -97,7 +104,10 @@ static double rectangle_irradiance(double x0, double x1, double y0, double y1) {
 }
 
 static void area_light_from_its_centre_has_the_error_of_a_very_distant_one(void **state) {
-    const double table[4][4] = {{0.5, 2.30, 0.951, 0.729}, {1, 1.33, 0.943, 0.915}, {2, 1.083, 0.981, 0.977}, {5, 1.013, 0.997, 0.996}};
+    const double table[4][4] = {{0.5, 2.30, 0.951, 0.729},
+                                {1, 1.33, 0.943, 0.915},
+                                {2, 1.083, 0.981, 0.977},
+                                {5, 1.013, 0.997, 0.996}};
     for (int i = 0; i < 4; i++) {
         double d = table[i][0], half = 0.5 / d;
         sl_map_light light = area_light(sl_v3(0, 0, (float)d), sl_v3(0, 0, -1), 1.0f, false);
@@ -112,7 +122,8 @@ static void area_light_from_its_centre_has_the_error_of_a_very_distant_one(void 
 
 /* Flux Phi: a point's intensity is Phi / 4 pi, an area light's along its normal Phi / pi. */
 static void area_light_is_four_times_a_point_light_of_equal_flux_on_its_axis(void **state) {
-    sl_map_light point = point_light(sl_v3(0, 0, 2)), area = area_light(sl_v3(0, 0, 2), sl_v3(0, 0, -1), 1.0f, false);
+    sl_map_light point = point_light(sl_v3(0, 0, 2)),
+                 area = area_light(sl_v3(0, 0, 2), sl_v3(0, 0, -1), 1.0f, false);
     area.intensity = sl_rgb_scale(point.intensity, 4.0f);
     assert_near(irradiance(*state, area, origin, up), 4.0 * irradiance(*state, point, origin, up));
 }
@@ -127,19 +138,25 @@ static void emitters_back_is_dark_unless_it_has_two_sides(void **state) {
 
 /* A smoothstep of the cosine between the cones; flux 2 pi I (1 - cos) inside, 0 outside. */
 static void spot_has_a_smooth_edge(void **state) {
-    sl_map_light spot = {.kind = SL_MAP_LIGHT_SPOT, .position = {0, 0, 2}, .direction = {0, 0, -1}, .intensity = {3, 2, 1},
-                         .cos_inner = 0.95f, .cos_outer = 0.8f};
+    sl_map_light spot = {.kind = SL_MAP_LIGHT_SPOT,
+                         .position = {0, 0, 2},
+                         .direction = {0, 0, -1},
+                         .intensity = {3, 2, 1},
+                         .cos_inner = 0.95f,
+                         .cos_outer = 0.8f};
     for (int i = 0; i < 60; i++) {
         double x = 0.05 * i, r = sqrt(4.0 + x * x), cosine = 2.0 / r;
         double t = fmin(1.0, fmax(0.0, (cosine - (double)0.8f) / ((double)0.95f - (double)0.8f)));
-        double expected = 3.0 * cosine / (r * r) * (t * t * (3.0 - 2.0 * t)), got = irradiance(*state, spot, sl_v3((float)x, 0, 0), up);
+        double expected = 3.0 * cosine / (r * r) * (t * t * (3.0 - 2.0 * t)),
+               got = irradiance(*state, spot, sl_v3((float)x, 0, 0), up);
         assert_true(fabs(got - expected) < 3e-6);
         if (cosine < 0.7999) assert_true(got == 0.0);
     }
 }
 
 static void directional_light_does_not_fall_with_distance(void **state) {
-    sl_map_light sun = {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {3, 2, 1}};
+    sl_map_light sun = {
+        .kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {3, 2, 1}};
     assert_near(irradiance(*state, sun, origin, up), 3.0 * (double)0.8f);
     assert_near(irradiance(*state, sun, sl_v3(500, 3, -100), up), 3.0 * (double)0.8f);
     assert_true(irradiance(*state, sun, origin, sl_v3(0, 0, -1)) == 0.0);
@@ -157,8 +174,10 @@ static void directional_light_is_the_same_in_a_scene_of_any_size(void **state) {
 }
 
 static void lights_add_up(void **state) {
-    sl_map_light all[3] = {point_light(sl_v3(1, 1, 2)), area_light(sl_v3(-1, 0, 1), sl_v3(0.6f, 0, -0.8f), 0.5f, false),
-                           {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {3, 2, 1}}};
+    sl_map_light all[3] = {
+        point_light(sl_v3(1, 1, 2)),
+        area_light(sl_v3(-1, 0, 1), sl_v3(0.6f, 0, -0.8f), 0.5f, false),
+        {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {3, 2, 1}}};
     lamps l = {.lights = {.count = 0}};
     sl_receivers *r = make_receivers(1, 1, sl_v3(0, 0, 5));
     set_receiver(r, 0, origin, up, up, sl_grey(0.5f), DIFFUSE_MATERIAL);
@@ -178,27 +197,36 @@ static void lights_add_up(void **state) {
 static void glossy_receiver_has_the_modified_phong_lobe(void **state) {
     sl_vec3 eye = sl_v3(1.0f, 0.3f, 1.5f), light = sl_v3(-1.2f, 0.1f, 1.4f);
     sl_vec3d v = sl_to_double(eye), l = sl_to_double(light);
-    double r = sl_lengthd(l), cosine = (-v.x * l.x - v.y * l.y + v.z * l.z) / (sl_lengthd(v) * r), e = 3.0 * l.z / (r * r * r);
+    double r = sl_lengthd(l), cosine = (-v.x * l.x - v.y * l.y + v.z * l.z) / (sl_lengthd(v) * r),
+           e = 3.0 * l.z / (r * r * r);
     double expected = e * ((double)0.3f / SL_PI + (double)0.4f * 22.0 / (2.0 * SL_PI) * pow(cosine, 20.0));
     sl_rgb got = radiance_at(*state, point_light(light), origin, up, eye, GLOSSY_MATERIAL);
     assert_true(fabs((double)got.r - expected) < 1e-5 * expected);
 }
 
-/* A lamp of side 0.8 whole, and cut into 20 x 20: what its highlight is above the floor, below a lamp of two sides too. */
+/* A lamp of side 0.8 whole, and cut into 20 x 20: what its highlight is above the floor, below a lamp of two
+ * sides too. */
 static void highlight_of_an_area_light_is_as_wide_as_the_light(void **state) {
     enum { N = 20 };
     for (int below = 0; below < 2; below++) {
         const sl_vec3 eye = sl_v3(0, 0, 3), normal = sl_v3(0, 0, below ? 1 : -1);
-        double whole = (double)radiance_at(*state, area_light(sl_v3(0, 0, 2), normal, 0.64f, below), origin, up, eye, GLOSSY_MATERIAL).r, parts = 0.0;
+        double whole = (double)radiance_at(*state, area_light(sl_v3(0, 0, 2), normal, 0.64f, below), origin,
+                                           up, eye, GLOSSY_MATERIAL)
+                           .r,
+               parts = 0.0;
         for (int i = 0; i < N * N; i++) {
-            sl_vec3 at = sl_v3(0.8f * (((float)(i % N) + 0.5f) / N - 0.5f), 0.8f * (((float)(i / N) + 0.5f) / N - 0.5f), 2);
-            parts += (double)radiance_at(*state, area_light(at, normal, 0.64f / (N * N), below), origin, up, eye, GLOSSY_MATERIAL).r;
+            sl_vec3 at = sl_v3(0.8f * (((float)(i % N) + 0.5f) / N - 0.5f),
+                               0.8f * (((float)(i / N) + 0.5f) / N - 0.5f), 2);
+            parts += (double)radiance_at(*state, area_light(at, normal, 0.64f / (N * N), below), origin, up,
+                                         eye, GLOSSY_MATERIAL)
+                         .r;
         }
         if (!(fabs(whole / parts - 1.0) < 0.12)) fail_msg("%g instead of %g", whole, parts);
     }
 }
 
-/* The brightest pixel of a glossy floor lies where the mirrored eye sees the light; two eyes in one picture, path by path. */
+/* The brightest pixel of a glossy floor lies where the mirrored eye sees the light; two eyes in one picture,
+ * path by path. */
 static void highlight_moves_with_the_eye(void **state) {
     enum { N = 200 };
     sl_receivers *r = make_receivers(N, 2, sl_v3(-1, 0, 1));
@@ -207,16 +235,19 @@ static void highlight_moves_with_the_eye(void **state) {
     assert_non_null(r->path);
     for (int i = 0; i < 2 * N; i++) {
         r->path[i] = (uint8_t)(i / N);
-        set_receiver(r, (size_t)i, sl_v3(-1.0f + 2.0f * ((float)(i % N) + 0.5f) / N, 0, 0), up, up, sl_grey(0), GLOSSY_MATERIAL);
+        set_receiver(r, (size_t)i, sl_v3(-1.0f + 2.0f * ((float)(i % N) + 0.5f) / N, 0, 0), up, up,
+                     sl_grey(0), GLOSSY_MATERIAL);
     }
     lamps l = {.lights = {.count = 0}};
-    add_lamp(&l, (sl_map_light){.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {-0.2f / sqrtf(1.04f), 0, -1.0f / sqrtf(1.04f)},
+    add_lamp(&l, (sl_map_light){.kind = SL_MAP_LIGHT_DIRECTIONAL,
+                                .direction = {-0.2f / sqrtf(1.04f), 0, -1.0f / sqrtf(1.04f)},
                                 .intensity = {1, 1, 1}});
     planes p = light_up(*state, &l, r, NULL, 1);
     for (int path = 0; path < 2; path++) {
         int best = 0;
         for (int i = 1; i < N; i++) best = p.value[0][path * N + i] > p.value[0][path * N + best] ? i : best;
-        double x = -1.0 + 2.0 * (best + 0.5) / N, mirrored = (double)r->eye[path].x + 0.2 * (double)r->eye[path].z;
+        double x = -1.0 + 2.0 * (best + 0.5) / N,
+               mirrored = (double)r->eye[path].x + 0.2 * (double)r->eye[path].z;
         assert_true(fabs(x - mirrored) < 1.5 / N);
     }
     free_planes(&p);
@@ -224,7 +255,8 @@ static void highlight_moves_with_the_eye(void **state) {
     free_receivers(r);
 }
 
-/* Of one receiver in the origin whose mirrored eye looks along (x, y, 1), towards a disc of radius 0.2 there, turned by a normal. */
+/* Of one receiver in the origin whose mirrored eye looks along (x, y, 1), towards a disc of radius 0.2 there,
+ * turned by a normal. */
 static float lobe_towards(float x, float y, float exponent, sl_vec3 at, sl_vec3 normal) {
     static sl_receiver_tile t;
     float power[SL_TILE_PIXELS];
@@ -242,7 +274,8 @@ static void a_sharp_lobe_shows_a_lamps_point_as_a_disc_with_hard_rims(void **sta
     const float inside = 2.0f / (1e5f * 0.04f);
     assert_true(fabsf(lobe_towards(0.18f, 0, 1e5f, middle, facing) / inside - 1) < 0.01f);
     assert_true(lobe_towards(0.22f, 0, 1e5f, middle, facing) == 0);
-    assert_true(lobe_towards(0, 0.18f, 1e5f, middle, turned) == 0 && lobe_towards(0.18f, 0, 1e5f, middle, turned) > inside);
+    assert_true(lobe_towards(0, 0.18f, 1e5f, middle, turned) == 0 &&
+                lobe_towards(0.18f, 0, 1e5f, middle, turned) > inside);
     assert_true(lobe_towards(-0.6f, 0, 1e5f, middle, facing) == 0);
 }
 
@@ -252,20 +285,28 @@ static void a_disc_in_a_lobe_adds_up_to_the_same_whatever_the_exponent(void **st
     for (float exponent = 50; exponent < 1e5f; exponent *= 2) {
         double sum = 0, reach = 1.2, step = 2 * reach / STEPS;
         for (int i = 0; i < STEPS * STEPS; i++) {
-            double x = -reach + (i % STEPS + 0.5) * step, y = -reach + (i / STEPS + 0.5) * step, squared = 1 + x * x + y * y;
-            double power = (double)lobe_towards((float)x, (float)y, exponent, sl_v3(0, 0, 1), sl_v3(0, 0, -1));
+            double x = -reach + (i % STEPS + 0.5) * step, y = -reach + (i / STEPS + 0.5) * step,
+                   squared = 1 + x * x + y * y;
+            double power =
+                (double)lobe_towards((float)x, (float)y, exponent, sl_v3(0, 0, 1), sl_v3(0, 0, -1));
             sum += power * step * step / (squared * sqrt(squared));
         }
         double expected = 2 * SL_PI / (double)exponent;
-        if (fabs(sum / expected - 1) > 0.08) fail_msg("exponent %g: %g of %g", (double)exponent, sum, expected);
+        if (fabs(sum / expected - 1) > 0.08)
+            fail_msg("exponent %g: %g of %g", (double)exponent, sum, expected);
     }
 }
 
 static void a_lobe_is_finite_towards_discs_seen_from_their_edge_or_from_within(void **state) {
     (void)state;
-    const sl_vec3 at[] = {{0, 0, 1}, {0, 0, 0}, {0, 0, 1e-30f}, {0, 0, 1e18f}}, normal[] = {{0, 1, 0}, {0, 0, -1}, {0, 0, 0}, {0, 0, 1}};
+    const sl_vec3 at[] = {{0, 0, 1}, {0, 0, 0}, {0, 0, 1e-30f}, {0, 0, 1e18f}},
+                  normal[] = {{0, 1, 0}, {0, 0, -1}, {0, 0, 0}, {0, 0, 1}};
     for (int i = 0; i < 4 * 4 * 3; i++) {
-        float power = lobe_towards(0, 0, i / 16 == 0 ? 0.0f : i / 16 == 1 ? 30.0f : 1e5f, at[i % 4], normal[i / 4 % 4]);
+        float power = lobe_towards(0, 0,
+                                   i / 16 == 0   ? 0.0f
+                                   : i / 16 == 1 ? 30.0f
+                                                 : 1e5f,
+                                   at[i % 4], normal[i / 4 % 4]);
         assert_true(power >= 0 && power <= 1);
     }
 }
@@ -283,7 +324,8 @@ static void lobe_of_exponent_0_is_lambertian(void **state) {
 static void mirrors_black_surfaces_and_background_stay_as_they_are(void **state) {
     sl_receivers *r = make_receivers(4, 1, sl_v3(0, 0, 5));
     const uint32_t materials[4] = {MIRROR_MATERIAL, BLACK_MATERIAL, SL_NO_INDEX, DIFFUSE_MATERIAL};
-    for (size_t i = 0; i < 4; i++) set_receiver(r, i, origin, up, up, sl_grey(i == 3 ? 0.5f : 0.0f), materials[i]);
+    for (size_t i = 0; i < 4; i++)
+        set_receiver(r, i, origin, up, up, sl_grey(i == 3 ? 0.5f : 0.0f), materials[i]);
     lamps l = {.lights = {.count = 0}};
     add_lamp(&l, point_light(sl_v3(0, 0, 2)));
     sl_light_pass pass = {.scene = *state, .lights = &l.lights, .threads = 1};
@@ -300,12 +342,15 @@ static void mirrors_black_surfaces_and_background_stay_as_they_are(void **state)
 }
 
 static void lights_on_the_surface_or_behind_it_give_nothing(void **state) {
-    const sl_vec3 lights[] = {{0, 0, 0}, {1, 0, 0}, {0, 0, -1}, {0, 0, -1e-30f}, {0, 0, 1e-38f}, {NAN, 0, 1}, {0, 0, INFINITY}};
+    const sl_vec3 lights[] = {{0, 0, 0},      {1, 0, 0},   {0, 0, -1},      {0, 0, -1e-30f},
+                              {0, 0, 1e-38f}, {NAN, 0, 1}, {0, 0, INFINITY}};
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++) {
         for (uint32_t material = DIFFUSE_MATERIAL; material <= GLOSSY_MATERIAL; material++) {
             sl_rgb p = radiance_at(*state, point_light(lights[i]), origin, up, sl_v3(0, 0, 1), material);
-            sl_rgb a = radiance_at(*state, area_light(lights[i], sl_v3(0, 0, -1), 1.0f, true), origin, up, sl_v3(0, 0, 1), material);
-            assert_true(p.r == 0.0f && p.g == 0.0f && p.b == 0.0f && a.r == 0.0f && a.g == 0.0f && a.b == 0.0f);
+            sl_rgb a = radiance_at(*state, area_light(lights[i], sl_v3(0, 0, -1), 1.0f, true), origin, up,
+                                   sl_v3(0, 0, 1), material);
+            assert_true(p.r == 0.0f && p.g == 0.0f && p.b == 0.0f && a.r == 0.0f && a.g == 0.0f &&
+                        a.b == 0.0f);
         }
     }
 }
@@ -318,7 +363,8 @@ static void scale_of_the_scene_does_not_matter(void **state) {
         sl_scene scene = *(sl_scene *)*state;
         scene.diagonal *= s;
         scene.scale = scene.diagonal;
-        double got = irradiance(&scene, point_light(sl_v3(0.3f * s, 0.2f * s, 0.7f * s)), origin, up) * (double)s * (double)s;
+        double got = irradiance(&scene, point_light(sl_v3(0.3f * s, 0.2f * s, 0.7f * s)), origin, up) *
+                     (double)s * (double)s;
         assert_near(got, unit);
     }
 }
@@ -337,10 +383,12 @@ static void shadow_cubes_darken_what_the_light_does_not_see(void **state) {
     add_lamp(&l, point_light(sl_v3(0, 0, 1)));
     sl_shadow_cubes *cubes = NULL;
     sl_counters counters = {{0}};
-    assert_int_equal(sl_shadow_cubes_render(scene, raster, &l.lights, 512, 1, &cubes, &counters, NULL), SL_OK);
+    assert_int_equal(sl_shadow_cubes_render(scene, raster, &l.lights, 512, 1, &cubes, &counters, NULL),
+                     SL_OK);
     sl_receivers *r = make_receivers(N, N, sl_v3(0, 0, 2));
     for (int i = 0; i < N * N; i++) {
-        sl_vec3 x = sl_v3(-0.98f + 1.96f * (float)(i % N) / (N - 1), -0.98f + 1.96f * (float)(i / N) / (N - 1), 0.0f);
+        sl_vec3 x =
+            sl_v3(-0.98f + 1.96f * (float)(i % N) / (N - 1), -0.98f + 1.96f * (float)(i / N) / (N - 1), 0.0f);
         set_receiver(r, (size_t)i, x, up, up, sl_grey(0.5f), grey);
     }
     planes open = light_up(scene, &l, r, NULL, 1), shadowed = light_up(scene, &l, r, cubes, 2);
@@ -365,22 +413,32 @@ static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
     uint64_t key = sl_random_key(3, 3);
     for (uint64_t i = 0; i < PIXELS; i++) {
         if (i % 11 == 0) continue;
-        sl_vec3 n = sl_normalize_or(sl_v3(sl_random_unit(key, 8 * i) - 0.5f, sl_random_unit(key, 8 * i + 1) - 0.5f, 0.4f), up);
-        sl_vec3 x = sl_v3(sl_random_unit(key, 8 * i + 2), sl_random_unit(key, 8 * i + 3), sl_random_unit(key, 8 * i + 4));
-        set_receiver(r, i, x, n, n, sl_grey(sl_random_unit(key, 8 * i + 5)), i / 40 % 2 ? GLOSSY_MATERIAL : DIFFUSE_MATERIAL);
+        sl_vec3 n = sl_normalize_or(
+            sl_v3(sl_random_unit(key, 8 * i) - 0.5f, sl_random_unit(key, 8 * i + 1) - 0.5f, 0.4f), up);
+        sl_vec3 x = sl_v3(sl_random_unit(key, 8 * i + 2), sl_random_unit(key, 8 * i + 3),
+                          sl_random_unit(key, 8 * i + 4));
+        set_receiver(r, i, x, n, n, sl_grey(sl_random_unit(key, 8 * i + 5)),
+                     i / 40 % 2 ? GLOSSY_MATERIAL : DIFFUSE_MATERIAL);
     }
     lamps l = {.lights = {.count = 0}};
     add_lamp(&l, point_light(sl_v3(0.5f, 0.2f, 2)));
     add_lamp(&l, area_light(sl_v3(0, 0, 2), sl_v3(0.6f, 0, -0.8f), 0.3f, true));
-    add_lamp(&l, (sl_map_light){.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {3, 2, 1}});
-    add_lamp(&l, (sl_map_light){.kind = SL_MAP_LIGHT_SPOT, .position = {0, 0, 2}, .direction = {0, 0, -1}, .intensity = {3, 2, 1},
-                                .cos_inner = 0.95f, .cos_outer = 0.8f});
+    add_lamp(&l, (sl_map_light){.kind = SL_MAP_LIGHT_DIRECTIONAL,
+                                .direction = {0.6f, 0, -0.8f},
+                                .intensity = {3, 2, 1}});
+    add_lamp(&l, (sl_map_light){.kind = SL_MAP_LIGHT_SPOT,
+                                .position = {0, 0, 2},
+                                .direction = {0, 0, -1},
+                                .intensity = {3, 2, 1},
+                                .cos_inner = 0.95f,
+                                .cos_outer = 0.8f});
     planes expected = light_up(*state, &l, r, NULL, 1);
     for (unsigned k = 0; k < 3; k++) {
         assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
         planes got = light_up(*state, &l, r, NULL, k + 1);
         unsetenv("SOFTLUX_ISA");
-        for (int c = 0; c < 3; c++) assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
+        for (int c = 0; c < 3; c++)
+            assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
         free_planes(&got);
     }
     free_planes(&expected);

@@ -12,7 +12,8 @@ static sl_radiance_map_settings with(sl_map_filter filter) {
 /* A room of side 2 with a table of one object with it: walls of reflectance `walls`, floor and table 0.8. */
 static sl_scene *room_with_table(float walls) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, walls, 0, 0, 0, 0), floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0);
+    uint32_t wall = trace_mesh_material(&mesh, walls, 0, 0, 0, 0),
+             floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0);
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
     trace_mesh_quad(&mesh, sl_v3(-1, -0.99f, 1), sl_v3(2, 0, 0), sl_v3(0, 0, -2), floor);
     trace_mesh_quad(&mesh, sl_v3(-0.3f, -0.4f, 0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, -0.6f), floor);
@@ -69,12 +70,14 @@ static void grouping_leaves_the_sum_of_flux_as_it_is(void **state) {
 }
 
 /* One face of 4 x 4 texels as one block; left half of it one surface, right half another. */
-static sl_map_photons *photons_of_two(const sl_scene *scene, sl_vec3 left, sl_vec3 left_normal, sl_vec3 right, sl_vec3 right_normal) {
+static sl_map_photons *photons_of_two(const sl_scene *scene, sl_vec3 left, sl_vec3 left_normal, sl_vec3 right,
+                                      sl_vec3 right_normal) {
     hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 4, 1);
     for (size_t i = 0; i < 16; i++) {
         sl_vec3 nudge = sl_v3(0, 0.01f * (float)(i / 4), 0);
         bool first = i % 4 < 2;
-        hand_texel(h, i, 0, sl_add(first ? left : right, nudge), first ? left_normal : right_normal, sl_grey(0.5f));
+        hand_texel(h, i, 0, sl_add(first ? left : right, nudge), first ? left_normal : right_normal,
+                   sl_grey(0.5f));
     }
     sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
     sl_map_photons *photons = take_photons(scene, &h->map, &settings);
@@ -94,14 +97,16 @@ static void a_block_across_an_edge_has_a_photon_on_each_side(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Shelves, one behind another, more than a block has photons: none of these hovers between two, and no flux is lost. */
+/* Shelves, one behind another, more than a block has photons: none of these hovers between two, and no flux
+ * is lost. */
 static void photons_of_more_surfaces_than_a_block_has_lie_on_some_of_them(void **state) {
     (void)state;
     sl_scene *scene = room_with_table(0.5f);
     double sum[3], expected = 0.0;
     hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 4, 1);
     for (size_t i = 0; i < 16; i++) {
-        hand_texel(h, i, 0, sl_v3(0.3f + 0.1f * (float)(i / 2), 0.01f * (float)(i % 2), 0.05f), sl_v3(-1, 0, 0), sl_grey(0.5f));
+        hand_texel(h, i, 0, sl_v3(0.3f + 0.1f * (float)(i / 2), 0.01f * (float)(i % 2), 0.05f),
+                   sl_v3(-1, 0, 0), sl_grey(0.5f));
         expected += 2.0 * 0.5 * (double)h->map.block_angle[i] / SL_PI;
     }
     sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
@@ -136,7 +141,8 @@ static void facets_of_a_curved_surface_are_one_photon(void **state) {
     hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 4, 1);
     sl_vec3d mean = {0, 0, 0};
     double area = 0, weight = 0;
-    for (size_t i = 0; i < 16; i++) { /* of a ball of radius 1 around (2, 0, 0), 17 degrees from corner to corner */
+    /* of a ball of radius 1 around (2, 0, 0), 17 degrees from corner to corner */
+    for (size_t i = 0; i < 16; i++) {
         double turn = 0.07 * ((double)(i % 4) - 1.5), tilt = 0.07 * ((double)(i / 4) - 1.5);
         sl_vec3d n = sl_v3d(-sl_cos(turn) * sl_cos(tilt), sl_sin(tilt), sl_sin(turn) * sl_cos(tilt));
         sl_vec3d p = sl_addd(sl_v3d(2, 0, 0), n);
@@ -151,7 +157,8 @@ static void facets_of_a_curved_surface_are_one_photon(void **state) {
     assert_int_equal(photons->count, 1);
     const sl_map_photon *p = &photons->photon[0];
     assert_true(sl_lengthd(sl_subd(sl_to_double(p->position), sl_scaled(mean, 1 / weight))) < 1e-6);
-    assert_true(fabs((double)p->footprint / (double)p->cos_alpha / area - 1) < 1e-5); /* A = sum b^2 dOmega / cos alpha */
+    /* A = sum b^2 dOmega / cos alpha */
+    assert_true(fabs((double)p->footprint / (double)p->cos_alpha / area - 1) < 1e-5);
     assert_true(p->normal.x < -0.999f);
     sl_map_photons_destroy(photons);
     hand_map_end(h);
@@ -165,8 +172,10 @@ static void a_block_of_many_surfaces_has_four_photons(void **state) {
     uint64_t key = sl_random_key(3, 1);
     double texels = 0, sum[3];
     for (size_t i = 0; i < 64; i++) {
-        sl_vec3 n = sl_normalize_or(sl_v3(-0.2f - sl_random_unit(key, 3 * i), sl_random_unit(key, 3 * i + 1) - 0.5f,
-                                          sl_random_unit(key, 3 * i + 2) - 0.5f), sl_v3(-1, 0, 0));
+        sl_vec3 n =
+            sl_normalize_or(sl_v3(-0.2f - sl_random_unit(key, 3 * i), sl_random_unit(key, 3 * i + 1) - 0.5f,
+                                  sl_random_unit(key, 3 * i + 2) - 0.5f),
+                            sl_v3(-1, 0, 0));
         hand_texel(h, i, 0, sl_v3(1 + sl_random_unit(key, i + 1000), 0, 0), n, sl_grey(0.5f));
         texels += 0.5 * 3.0 * (double)h->map.block_angle[i] / SL_PI;
     }
@@ -183,7 +192,8 @@ static void a_block_of_many_surfaces_has_four_photons(void **state) {
 static void a_groups_share_of_the_printed_radiance_is_its_share_of_the_block(void **state) {
     (void)state;
     sl_scene *scene = room_with_table(0.5f);
-    sl_map_photons *photons = photons_of_two(scene, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_v3(2, 0, 0), sl_v3(-1, 0, 0));
+    sl_map_photons *photons =
+        photons_of_two(scene, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_v3(2, 0, 0), sl_v3(-1, 0, 0));
     assert_int_equal(photons->count, 2);
     double near = 0.5 * 3.0 / SL_PI, far = near / 4; /* L_o of each; half the block */
     assert_true(fabs((double)photons->photon[0].radiance.g / (near / 2) - 1) < 1e-3);
@@ -211,7 +221,8 @@ static void filtered_radiance_is_the_mean_of_the_block(void **state) {
             float value = sl_random_unit(key, (uint64_t)i);
             for (int c = 0; c < 3; c++) h->map.color[c][i] = value;
             if (h->map.triangle[i] != SL_NO_INDEX) {
-                mean[i / (2 * texels) / texels * 2 + i % (2 * texels) / texels] += (double)value / (texels * texels);
+                mean[i / (2 * texels) / texels * 2 + i % (2 * texels) / texels] +=
+                    (double)value / (texels * texels);
             }
         }
         sl_radiance_map_settings settings = with(SL_MAP_FILTER_RADIANCE);
@@ -230,7 +241,8 @@ static void filtered_radiance_between_levels_keeps_what_is_even(void **state) {
     hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 18, 3); /* level log2(6) */
     for (size_t i = 0; i < 18 * 18; i++) hand_texel(h, i, 0, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.25f));
     sl_radiance_map_settings settings = with(SL_MAP_FILTER_RADIANCE), point = with(SL_MAP_FILTER_POINT);
-    sl_map_photons *photons = take_photons(scene, &h->map, &settings), *points = take_photons(scene, &h->map, &point);
+    sl_map_photons *photons = take_photons(scene, &h->map, &settings),
+                   *points = take_photons(scene, &h->map, &point);
     assert_int_equal(photons->count, 9);
     for (int j = 0; j < 9; j++) {
         assert_true(fabsf(photons->photon[j].radiance.r / points->photon[j].radiance.r - 1) < 1e-6f);
@@ -243,7 +255,8 @@ static void filtered_radiance_between_levels_keeps_what_is_even(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* The paper's filter can put a near surface's radiance on a far one; its flux stays within what arrives there. */
+/* The paper's filter can put a near surface's radiance on a far one; its flux stays within what arrives
+ * there. */
 static void filtered_flux_is_at_most_what_arrives(void **state) {
     (void)state;
     sl_scene *scene = room_with_table(0.5f);
@@ -270,7 +283,8 @@ static void photons_come_out_with_the_same_bits_again(void **state) {
     hand_map *h = pictures(scene, light_at(sl_v3(0.2f, 0.4f, 0.1f)), 12, 4);
     for (int i = 0; i < 3; i++) {
         sl_radiance_map_settings settings = with((sl_map_filter)(SL_MAP_FILTER_POINT + i));
-        sl_map_photons *a = take_photons(scene, &h->map, &settings), *b = take_photons(scene, &h->map, &settings);
+        sl_map_photons *a = take_photons(scene, &h->map, &settings),
+                       *b = take_photons(scene, &h->map, &settings);
         assert_int_equal(a->count, b->count);
         assert_memory_equal(a->photon, b->photon, a->count * sizeof *a->photon);
         sl_map_photons_destroy(a);

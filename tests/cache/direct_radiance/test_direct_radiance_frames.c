@@ -1,4 +1,5 @@
-/* Whole frames of direct radiance mapping: what is computed for every frame, what is not, and how its layers add up. */
+/* Whole frames of direct radiance mapping: what is computed for every frame, what is not, and how its layers
+ * add up. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,7 +55,9 @@ static sl_image *next_frame(sl_method *method, unsigned changes) {
     return image;
 }
 
-static uint64_t counted(const sl_method *method, sl_counter counter) { return sl_method_counters(method)->value[counter]; }
+static uint64_t counted(const sl_method *method, sl_counter counter) {
+    return sl_method_counters(method)->value[counter];
+}
 
 /* ---- layers ---- */
 
@@ -70,13 +73,14 @@ static void the_picture_is_emission_and_direct_and_indirect_light(void **state) 
         for (int k = 0; k < 3; k++) sum += sl_image_channel(image, layers[k])[i];
         assert_true(sl_image_channel(image, "G")[i] == sum);
     }
-    for (int k = 0; k < 3; k++) assert_true(mean_of(image, k == 0 ? "emission." : k == 1 ? "direct." : "indirect.") > 0.0);
+    for (int k = 0; k < 3; k++)
+        assert_true(mean_of(image, k == 0 ? "emission." : k == 1 ? "direct." : "indirect.") > 0.0);
     sl_image_destroy(image);
     sl_scene_destroy(scene);
 }
 
-/* The same box, lit by a point light far from everything: direct light is exact, and the bounce close to that of the paths without
- * visibility. */
+/* The same box, lit by a point light far from everything: direct light is exact, and the bounce close to that
+ * of the paths without visibility. */
 static void in_the_cornell_box_it_is_the_light_of_its_paths(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell-point.json");
@@ -98,11 +102,13 @@ static void in_the_cornell_box_it_is_the_light_of_its_paths(void **state) {
 static void look_away(void *context, const sl_pass *pass) { *(size_t *)context += pass->buffer != NULL; }
 
 static const char mirrored_room[] =
-    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"m\": {\"mirror\": [0.8, 0.7, 0.6]}, \"d\": {\"diffuse\": [0.5, 0.6, 0.7]}},"
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"m\": {\"mirror\": [0.8, 0.7, "
+    "0.6]}, \"d\": {\"diffuse\": [0.5, 0.6, 0.7]}},"
     " \"lights\": [{\"type\": \"point\", \"position\": [0.4, 2, 1], \"intensity\": [3, 2, 1]}],"
     " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 0.8, 0], \"fov_deg\": 50}}";
-static const char mirrored_obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 3 -2\nv 2 3 -2\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
-                                   "usemtl d\nf 1 4 3 2\nusemtl m\nf 1 2 6 5\nusemtl d\nf 7 8 9 10\n";
+static const char mirrored_obj[] =
+    "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 3 -2\nv 2 3 -2\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+    "usemtl d\nf 1 4 3 2\nusemtl m\nf 1 2 6 5\nusemtl d\nf 7 8 9 10\n";
 
 static void assert_strips_are_the_passes(const sl_scene *scene) {
     size_t pictures = 0;
@@ -121,12 +127,14 @@ static void assert_strips_are_the_passes(const sl_scene *scene) {
     sl_image_destroy(b);
 }
 
-/* Without an observer passes 5 to 8 run strip by strip, with one as passes over whole planes: the same bits, and the same bill. Sizes that no
- * tile divides, planar mirrors, lobes, and a sky that pixels see in their own directions. */
+/* Without an observer passes 5 to 8 run strip by strip, with one as passes over whole planes: the same bits,
+ * and the same bill. Sizes that no tile divides, planar mirrors, lobes, and a sky that pixels see in their
+ * own directions. */
 static void strips_have_the_bits_and_the_costs_of_the_passes_one_by_one(void **state) {
     (void)state;
-    static const char *const paths[] = {"scenes/cornell.json", "scenes/cornell-glossy.json", "scenes/cornell-mirror.json",
-                                        "scenes/two-rooms.json", "scenes/generated/castle.json"};
+    static const char *const paths[] = {"scenes/cornell.json", "scenes/cornell-glossy.json",
+                                        "scenes/cornell-mirror.json", "scenes/two-rooms.json",
+                                        "scenes/generated/castle.json"};
     for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
         sl_scene *scene;
         sl_error error;
@@ -162,7 +170,8 @@ static void a_picture_without_layers_is_the_same_picture(void **state) {
     assert_true(all->channels > 3 && same_picture(first, again));
     for (int c = 0; c < 3; c++) {
         static const char *const names[] = {"R", "G", "B"};
-        assert_memory_equal(sl_image_channel(first, names[c]), sl_image_channel(all, names[c]), 50 * 50 * sizeof(float));
+        assert_memory_equal(sl_image_channel(first, names[c]), sl_image_channel(all, names[c]),
+                            50 * 50 * sizeof(float));
     }
     sl_image_destroy(first);
     sl_image_destroy(again);
@@ -197,14 +206,18 @@ static void every_frame_tells_the_hash_of_its_own_scene(void **state) {
 static const char two_lights[] =
     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s%s%s],"
     " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 0.8, 0], \"fov_deg\": 50}}";
-static const char step_obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 3 -2\nv 2 3 -2\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
-                               "f 1 4 3 2\nf 1 2 6 5\nf 7 8 9 10\n";
+static const char step_obj[] =
+    "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 3 -2\nv 2 3 -2\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+    "f 1 4 3 2\nf 1 2 6 5\nf 7 8 9 10\n";
 
 static sl_scene *lit_by(bool first, bool second) {
     char json[1024];
-    snprintf(json, sizeof json, two_lights, first ? "{\"type\": \"point\", \"position\": [-1, 2, 1], \"intensity\": [3, 2, 1]}" : "",
+    snprintf(json, sizeof json, two_lights,
+             first ? "{\"type\": \"point\", \"position\": [-1, 2, 1], \"intensity\": [3, 2, 1]}" : "",
              first && second ? "," : "",
-             second ? "{\"type\": \"spot\", \"position\": [1.5, 2.5, 1], \"direction\": [-1, -1, -1], \"intensity\": [1, 2, 3], \"outer_deg\": 40}" : "");
+             second ? "{\"type\": \"spot\", \"position\": [1.5, 2.5, 1], \"direction\": [-1, -1, -1], "
+                      "\"intensity\": [1, 2, 3], \"outer_deg\": 40}"
+                    : "");
     return scene_from_text(json, step_obj);
 }
 
@@ -224,22 +237,29 @@ static void the_light_of_two_lights_is_the_sum_of_each(void **state) {
     for (int k = 0; k < 3; k++) sl_image_destroy(image[k]);
 }
 
-/* A board under the middle of a long lamp: from there no picture shows anything else. From the lamp's other places most do. */
+/* A board under the middle of a long lamp: from there no picture shows anything else. From the lamp's other
+ * places most do. */
 static void a_lamp_whose_middle_is_covered_lights_from_beside_it(void **state) {
     (void)state;
-    static const char obj[] = "v -3 0 -3\nv 3 0 -3\nv 3 0 3\nv -3 0 3\nv -3 3 -3\nv 3 3 -3\nf 1 4 3 2\nf 1 2 6 5\n"
-                              "v -0.3 2.9 -0.3\nv 0.3 2.9 -0.3\nv 0.3 2.9 0.3\nv -0.3 2.9 0.3\nf 7 8 9 10\n";
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1.5, 3, -1.5], "
-                                      "\"edge1\": [3, 0, 0], \"edge2\": [0, 0, 3], \"radiance\": [5, 5, 5]}], \"camera\": {\"eye\": [0, 1, 5], "
-                                      "\"target\": [0, 1, 0], \"fov_deg\": 60}}", obj);
+    static const char obj[] =
+        "v -3 0 -3\nv 3 0 -3\nv 3 0 3\nv -3 0 3\nv -3 3 -3\nv 3 3 -3\nf 1 4 3 2\nf 1 2 6 5\n"
+        "v -0.3 2.9 -0.3\nv 0.3 2.9 -0.3\nv 0.3 2.9 0.3\nv -0.3 2.9 0.3\nf 7 8 9 10\n";
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": "
+                                      "[{\"type\": \"quad\", \"corner\": [-1.5, 3, -1.5], "
+                                      "\"edge1\": [3, 0, 0], \"edge2\": [0, 0, 3], \"radiance\": [5, 5, "
+                                      "5]}], \"camera\": {\"eye\": [0, 1, 5], "
+                                      "\"target\": [0, 1, 0], \"fov_deg\": 60}}",
+                                      obj);
     sl_settings settings = radiance_settings(32), reference = small_settings("path", 32, 32);
     reference.transport = "matched:direct-radiance";
     reference.spp = 64;
     sl_image *one = render(scene, &settings, NULL);
     settings.radiance_map.emitter_samples = 3;
     sl_image *nine = render(scene, &settings, NULL), *truth = render(scene, &reference, NULL);
-    print_message("mean by one point %.4f, by nine %.4f, by the path tracer %.4f\n", mean_of(one, ""), mean_of(nine, ""), mean_of(truth, ""));
-    assert_true(fabs(mean_of(one, "indirect.") - mean_of(nine, "indirect.")) < 0.25 * mean_of(nine, "indirect."));
+    print_message("mean by one point %.4f, by nine %.4f, by the path tracer %.4f\n", mean_of(one, ""),
+                  mean_of(nine, ""), mean_of(truth, ""));
+    assert_true(fabs(mean_of(one, "indirect.") - mean_of(nine, "indirect.")) <
+                0.25 * mean_of(nine, "indirect."));
     assert_true(fabs(mean_of(one, "") - mean_of(truth, "")) < 0.15 * mean_of(truth, ""));
     assert_true(fabs(mean_of(nine, "") - mean_of(truth, "")) < 0.15 * mean_of(truth, ""));
     sl_image_destroy(one);
@@ -280,9 +300,11 @@ static void a_new_camera_keeps_what_the_lights_see(void **state) {
     sl_settings settings = radiance_settings(32);
     sl_method *method = open_method(scene, &settings);
     sl_image_destroy(next_frame(method, 0));
-    uint64_t passes = counted(method, SL_COUNT_RASTER_PASSES), photons = counted(method, SL_COUNT_MAP_PHOTONS);
+    uint64_t passes = counted(method, SL_COUNT_RASTER_PASSES),
+             photons = counted(method, SL_COUNT_MAP_PHOTONS);
     assert_true(photons > 0);
-    const float eye[3] = {200.0f, 300.0f, -700.0f}, target[3] = {278.0f, 250.0f, 280.0f}, up[3] = {0.0f, 1.0f, 0.0f};
+    const float eye[3] = {200.0f, 300.0f, -700.0f}, target[3] = {278.0f, 250.0f, 280.0f},
+                up[3] = {0.0f, 1.0f, 0.0f};
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.7f, NULL), SL_OK);
     sl_image_destroy(next_frame(method, SL_CHANGED_CAMERA));
     assert_int_equal(counted(method, SL_COUNT_RASTER_PASSES), passes + 1);
@@ -309,24 +331,33 @@ static const char box_obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 
 
 static void a_convex_room_needs_no_depth_cube(void **state) {
     (void)state;
-    sl_counters c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": "
-                            "[0.5, 0.5, 0.5], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0.5, 0.5, 0.1], \"target\": [0.5, 0.5, 1], \"fov_deg\": 90}}",
+    sl_counters c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": "
+                            "[{\"type\": \"point\", \"position\": "
+                            "[0.5, 0.5, 0.5], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0.5, 0.5, "
+                            "0.1], \"target\": [0.5, 0.5, 1], \"fov_deg\": 90}}",
                             box_obj);
     assert_int_equal(c.value[SL_COUNT_SHADOW_LOOKUPS], 0);
     assert_true(c.value[SL_COUNT_MAP_PHOTONS] > 0);
-    c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": "
-                "[-1, 2, 1], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}", step_obj);
+    c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", "
+                "\"position\": "
+                "[-1, 2, 1], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, "
+                "0], \"fov_deg\": 60}}",
+                step_obj);
     assert_true(c.value[SL_COUNT_SHADOW_LOOKUPS] > 0);
 }
 
 /* Three walls of a corner, seen from within; a light without extent stands in it, or outside of one wall. */
-static const char corner_obj[] = "v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 0 2 2\nv 2 2 0\nf 4 3 2 1\nf 1 5 6 4\nf 1 2 7 5\n";
-static const char turned_corner_obj[] = "v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 0 2 2\nv 2 2 0\nf 1 2 3 4\nf 4 6 5 1\nf 5 7 2 1\n";
+static const char corner_obj[] =
+    "v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 0 2 2\nv 2 2 0\nf 4 3 2 1\nf 1 5 6 4\nf 1 2 7 5\n";
+static const char turned_corner_obj[] =
+    "v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 0 2 2\nv 2 2 0\nf 1 2 3 4\nf 4 6 5 1\nf 5 7 2 1\n";
 
 static sl_scene *corner_with(const char *light, const char *motion, const char *obj) {
     char json[1024];
-    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"%s}], \"lights\": [%s], "
-                                "\"camera\": {\"eye\": [1.2, 3, 1.1], \"target\": [1, 0, 0.9], \"fov_deg\": 60}}", motion, light);
+    snprintf(json, sizeof json,
+             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"%s}], \"lights\": [%s], "
+             "\"camera\": {\"eye\": [1.2, 3, 1.1], \"target\": [1, 0, 0.9], \"fov_deg\": 60}}",
+             motion, light);
     return scene_from_text(json, obj);
 }
 
@@ -345,18 +376,22 @@ static double direct_light_in_corner(const char *light, const char *obj, uint64_
 
 static void light_does_not_come_through_the_walls_of_a_convex_room(void **state) {
     (void)state;
-    static const char *const outside[] = {"{\"type\": \"point\", \"position\": [-2, 1, 1], \"intensity\": 10}",
-                                          "{\"type\": \"spot\", \"position\": [-2, 1, 1], \"direction\": [1, 0, 0], \"intensity\": 10, \"outer_deg\": 60}",
-                                          "{\"type\": \"directional\", \"direction\": [0.7, -0.38, 0.9], \"irradiance\": 10}"};
+    static const char *const outside[] = {
+        "{\"type\": \"point\", \"position\": [-2, 1, 1], \"intensity\": 10}",
+        "{\"type\": \"spot\", \"position\": [-2, 1, 1], \"direction\": [1, 0, 0], \"intensity\": 10, "
+        "\"outer_deg\": 60}",
+        "{\"type\": \"directional\", \"direction\": [0.7, -0.38, 0.9], \"irradiance\": 10}"};
     static const char *const objs[] = {corner_obj, turned_corner_obj};
     uint64_t looked_up;
-    for (int i = 0; i < 6; i++) assert_true(direct_light_in_corner(outside[i % 3], objs[i / 3], &looked_up) < 1e-3);
+    for (int i = 0; i < 6; i++)
+        assert_true(direct_light_in_corner(outside[i % 3], objs[i / 3], &looked_up) < 1e-3);
 }
 
 static void lights_within_a_convex_corner_need_no_depth_cube(void **state) {
     (void)state;
-    static const char *const within[] = {"{\"type\": \"point\", \"position\": [1, 1, 1], \"intensity\": 10}",
-                                         "{\"type\": \"directional\", \"direction\": [-0.7, -0.38, -0.9], \"irradiance\": 10}"};
+    static const char *const within[] = {
+        "{\"type\": \"point\", \"position\": [1, 1, 1], \"intensity\": 10}",
+        "{\"type\": \"directional\", \"direction\": [-0.7, -0.38, -0.9], \"irradiance\": 10}"};
     uint64_t looked_up;
     for (int i = 0; i < 2; i++) {
         assert_true(direct_light_in_corner(within[i], i ? turned_corner_obj : corner_obj, &looked_up) > 0.1);
@@ -374,7 +409,8 @@ static void assert_walls_get_in_the_way(sl_scene *scene) {
         assert_int_equal(sl_scene_set_time(scene, frame % 2, &changes, NULL), SL_OK);
         sl_image *moved = next_frame(method, changes), *created = render(scene, &settings, NULL);
         assert_true(same_picture(moved, created));
-        assert_true(frame == 1 ? mean_of(moved, "") < 0.02 : mean_of(moved, "direct.") > 0.1); /* depth cubes have texels */
+        /* depth cubes have texels */
+        assert_true(frame == 1 ? mean_of(moved, "") < 0.02 : mean_of(moved, "direct.") > 0.1);
         sl_image_destroy(moved);
         sl_image_destroy(created);
     }
@@ -384,29 +420,38 @@ static void assert_walls_get_in_the_way(sl_scene *scene) {
 
 static void a_light_that_leaves_a_convex_room_finds_its_walls_in_the_way(void **state) {
     (void)state;
-    assert_walls_get_in_the_way(corner_with("{\"type\": \"point\", \"position\": [1, 1, 1], \"intensity\": 10, \"keyframes\": "
-                                            "[{\"time\": 0, \"position\": [1, 1, 1]}, {\"time\": 1, \"position\": [-2, 1, 1]}]}", "", corner_obj));
+    assert_walls_get_in_the_way(
+        corner_with("{\"type\": \"point\", \"position\": [1, 1, 1], \"intensity\": 10, \"keyframes\": "
+                    "[{\"time\": 0, \"position\": [1, 1, 1]}, {\"time\": 1, \"position\": [-2, 1, 1]}]}",
+                    "", corner_obj));
 }
 
 static void a_convex_room_that_leaves_its_light_puts_its_walls_in_the_way(void **state) {
     (void)state;
-    assert_walls_get_in_the_way(corner_with("{\"type\": \"point\", \"position\": [0.5, 1, 1], \"intensity\": 10}",
-                                            ", \"keyframes\": [{\"time\": 0, \"translate\": [0, 0, 0]}, {\"time\": 1, \"translate\": [1, 0, 0]}]", corner_obj));
+    assert_walls_get_in_the_way(corner_with(
+        "{\"type\": \"point\", \"position\": [0.5, 1, 1], \"intensity\": 10}",
+        ", \"keyframes\": [{\"time\": 0, \"translate\": [0, 0, 0]}, {\"time\": 1, \"translate\": [1, 0, 0]}]",
+        corner_obj));
 }
 
 static void without_light_there_is_one_pass(void **state) {
     (void)state;
-    sl_counters c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": [1, 1, 1]},"
-                            " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}", step_obj);
+    sl_counters c = cost_of(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": [1, 1, 1]},"
+        " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}",
+        step_obj);
     assert_int_equal(c.value[SL_COUNT_RASTER_PASSES], 1);
     assert_int_equal(c.value[SL_COUNT_MAP_PHOTONS], 0);
 }
 
 static void a_light_that_faces_the_void_gives_no_indirect_light(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"spot\", \"position\": [0, 2, 1], "
-                                      "\"direction\": [0, 1, 0], \"intensity\": [5, 5, 5], \"outer_deg\": 30}],"
-                                      " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}", step_obj);
+    sl_scene *scene =
+        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": "
+                        "\"spot\", \"position\": [0, 2, 1], "
+                        "\"direction\": [0, 1, 0], \"intensity\": [5, 5, 5], \"outer_deg\": 30}],"
+                        " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}",
+                        step_obj);
     sl_settings settings = radiance_settings(16);
     sl_counters counters;
     sl_image *image = render(scene, &settings, &counters);
@@ -442,8 +487,10 @@ static void scenes_tiny_huge_and_far_away_give_the_same_picture(void **state) {
         double s = cases[k].scale, d = cases[k].shift;
         char json[1024];
         snprintf(json, sizeof json,
-                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": %g, \"translate\": [%g, 0, 0]}}], \"lights\": "
-                 "[{\"type\": \"point\", \"position\": [%.9g, %.9g, %.9g], \"intensity\": [%.9g, %.9g, %.9g]}], \"camera\": {\"eye\": [%.9g, %.9g, %.9g], "
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": %g, "
+                 "\"translate\": [%g, 0, 0]}}], \"lights\": "
+                 "[{\"type\": \"point\", \"position\": [%.9g, %.9g, %.9g], \"intensity\": [%.9g, %.9g, "
+                 "%.9g]}], \"camera\": {\"eye\": [%.9g, %.9g, %.9g], "
                  "\"target\": [%.9g, %.9g, 0], \"fov_deg\": 50}}",
                  s, d, d - s, 2.0 * s, s, 3.0 * s * s, 2.0 * s * s, s * s, d, s, 4.0 * s, d, 0.8 * s);
         sl_scene *scene = scene_from_text(json, step_obj);
@@ -462,12 +509,17 @@ static void scenes_tiny_huge_and_far_away_give_the_same_picture(void **state) {
 static void odd_lights_leave_no_hole_in_the_picture(void **state) {
     (void)state;
     const char *const lights[] = {
-        "{\"type\": \"point\", \"position\": [0, 0, 0.5], \"intensity\": [1, 1, 1]}",                 /* on the floor */
-        "{\"type\": \"point\", \"position\": [0, 1e-7, 0.5], \"intensity\": [1, 1, 1]}",              /* all but */
-        "{\"type\": \"point\", \"position\": [0.5, 0.5, 0], \"intensity\": [1, 1, 1]}",               /* in the board */
+        /* on the floor */
+        "{\"type\": \"point\", \"position\": [0, 0, 0.5], \"intensity\": [1, 1, 1]}",
+        /* all but */
+        "{\"type\": \"point\", \"position\": [0, 1e-7, 0.5], \"intensity\": [1, 1, 1]}",
+        /* in the board */
+        "{\"type\": \"point\", \"position\": [0.5, 0.5, 0], \"intensity\": [1, 1, 1]}",
         "{\"type\": \"point\", \"position\": [0, 2, 1], \"intensity\": [0, 0, 0]}",
         "{\"type\": \"directional\", \"direction\": [0, -1, -0.5], \"irradiance\": [2, 2, 2]}",
-        "{\"type\": \"quad\", \"corner\": [-0.1, 0, -0.1], \"edge1\": [0.2, 0, 0], \"edge2\": [0, 0, 0.2], \"radiance\": [9, 9, 9]}", /* in the floor */
+        /* in the floor */
+        "{\"type\": \"quad\", \"corner\": [-0.1, 0, -0.1], \"edge1\": [0.2, 0, 0], \"edge2\": [0, 0, 0.2], "
+        "\"radiance\": [9, 9, 9]}",
     };
     for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
         char json[1024];
@@ -504,9 +556,12 @@ static void too_small_a_depth_cube_is_refused_before_anything_is_drawn(void **st
 /* 1e37 W/sr a tenth of a millimetre away: 1e45 W/m^2 is beyond floats. */
 static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": 1e-4}, \"material\": \"m\"}], \"materials\": {\"m\": "
-                                      "{\"diffuse\": 0.4, \"specular\": 0.5, \"exponent\": 20}}, \"lights\": [{\"type\": \"point\", \"position\": [0, 1e-4, 0], "
-                                      "\"intensity\": 1e37}], \"camera\": {\"eye\": [0, 2e-4, 4e-4], \"target\": [0, 0, 0], \"fov_deg\": 50}}",
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": "
+                                      "{\"scale\": 1e-4}, \"material\": \"m\"}], \"materials\": {\"m\": "
+                                      "{\"diffuse\": 0.4, \"specular\": 0.5, \"exponent\": 20}}, \"lights\": "
+                                      "[{\"type\": \"point\", \"position\": [0, 1e-4, 0], "
+                                      "\"intensity\": 1e37}], \"camera\": {\"eye\": [0, 2e-4, 4e-4], "
+                                      "\"target\": [0, 0, 0], \"fov_deg\": 50}}",
                                       step_obj);
     sl_settings settings = radiance_settings(16);
     sl_image *image = render(scene, &settings, NULL);

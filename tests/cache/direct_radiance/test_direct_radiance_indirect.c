@@ -12,25 +12,36 @@
 #include "base/random.h"
 #include "receiver_support.h"
 
-static const sl_photon_weight all_weights[] = {SL_WEIGHT_FLUX, SL_WEIGHT_POLYGON, SL_WEIGHT_PLAIN, SL_WEIGHT_EVEN, SL_WEIGHT_DISC,
-                                               SL_WEIGHT_BOX};
-enum { WEIGHTS = sizeof all_weights / sizeof *all_weights, WIDTH = 77, HEIGHT = 23, PIXELS = WIDTH * HEIGHT, M = 4 };
+static const sl_photon_weight all_weights[] = {SL_WEIGHT_FLUX, SL_WEIGHT_POLYGON, SL_WEIGHT_PLAIN,
+                                               SL_WEIGHT_EVEN, SL_WEIGHT_DISC,    SL_WEIGHT_BOX};
+enum {
+    WEIGHTS = sizeof all_weights / sizeof *all_weights,
+    WIDTH = 77,
+    HEIGHT = 23,
+    PIXELS = WIDTH * HEIGHT,
+    M = 4
+};
 
 static sl_vec3 random_unit(uint64_t key, uint64_t i) {
-    sl_vec3 d = sl_v3(sl_random_unit(key, 3 * i) - 0.5f, sl_random_unit(key, 3 * i + 1) - 0.5f, sl_random_unit(key, 3 * i + 2) - 0.5f);
+    sl_vec3 d = sl_v3(sl_random_unit(key, 3 * i) - 0.5f, sl_random_unit(key, 3 * i + 1) - 0.5f,
+                      sl_random_unit(key, 3 * i + 2) - 0.5f);
     return sl_normalize_or(d, sl_v3(0, 0, 1));
 }
 
-/* Points anywhere in the unit cube, with any normals; shading normals a little aside; some pixels are empty. */
+/* Points anywhere in the unit cube, with any normals; shading normals a little aside; some pixels are empty.
+ */
 static sl_receivers *random_receivers(uint32_t materials) {
     sl_receivers *r = make_receivers(WIDTH, HEIGHT, sl_v3(0.5f, 0.4f, 0.6f));
     uint64_t key = sl_random_key(5, materials);
     for (uint64_t i = 0; i < PIXELS; i++) {
         if (i > PIXELS / 2 && i % 7 == 0) continue;
         sl_vec3 n = random_unit(key, 8 * i), aside = random_unit(key, 8 * i + 1);
-        sl_vec3 x = sl_v3(sl_random_unit(key, 64 * i + 40), sl_random_unit(key, 64 * i + 41), sl_random_unit(key, 64 * i + 42));
-        sl_rgb kd = {sl_random_unit(key, 64 * i + 43), sl_random_unit(key, 64 * i + 44), sl_random_unit(key, 64 * i + 45)};
-        set_receiver(r, i, x, n, sl_normalize_or(sl_mad(n, 0.3f, aside), n), kd, materials ? (uint32_t)i / 3 % materials : 0);
+        sl_vec3 x = sl_v3(sl_random_unit(key, 64 * i + 40), sl_random_unit(key, 64 * i + 41),
+                          sl_random_unit(key, 64 * i + 42));
+        sl_rgb kd = {sl_random_unit(key, 64 * i + 43), sl_random_unit(key, 64 * i + 44),
+                     sl_random_unit(key, 64 * i + 45)};
+        set_receiver(r, i, x, n, sl_normalize_or(sl_mad(n, 0.3f, aside), n), kd,
+                     materials ? (uint32_t)i / 3 % materials : 0);
     }
     return r;
 }
@@ -47,17 +58,21 @@ static sl_map_photons *room_photons(bool lobes) {
     p->lobe = calloc(p->count, sizeof *p->lobe);
     assert_non_null(p->lobe);
     for (size_t j = 0; j < p->count; j++) {
-        sl_vec3 to_light = sl_normalize_or(sl_sub(sl_v3(0.4f, 0.6f, 0.8f), p->photon[j].position), p->photon[j].normal);
-        p->lobe[j] = (sl_photon_lobe){{0.2f, 0.3f, 0.1f}, {0.4f, 0.3f, 0.5f}, (float)(j % 40), to_light, p->photon[j].normal};
+        sl_vec3 to_light =
+            sl_normalize_or(sl_sub(sl_v3(0.4f, 0.6f, 0.8f), p->photon[j].position), p->photon[j].normal);
+        p->lobe[j] = (sl_photon_lobe){
+            {0.2f, 0.3f, 0.1f}, {0.4f, 0.3f, 0.5f}, (float)(j % 40), to_light, p->photon[j].normal};
     }
     return p;
 }
 
-static planes light_up(const sl_light_pass *pass, const sl_receivers *receivers, float *spread, sl_counters *counters) {
+static planes light_up(const sl_light_pass *pass, const sl_receivers *receivers, float *spread,
+                       sl_counters *counters) {
     sl_counters unused = {{0}};
     planes p = make_planes((size_t)receivers->width * (size_t)receivers->height);
     sl_lit_picture picture = {.indirect = {p.value[0], p.value[1], p.value[2]}};
-    assert_int_equal(sl_light_indirectly(pass, receivers, &picture, spread, counters ? counters : &unused, NULL), SL_OK);
+    assert_int_equal(
+        sl_light_indirectly(pass, receivers, &picture, spread, counters ? counters : &unused, NULL), SL_OK);
     return p;
 }
 
@@ -65,7 +80,9 @@ static void assert_same_bits(planes a, planes b) {
     for (int c = 0; c < 3; c++) assert_memory_equal(a.value[c], b.value[c], a.count * sizeof(float));
 }
 
-static sl_vec3 at(const float *x, const float *y, const float *z, size_t i) { return sl_v3(x[i], y[i], z[i]); }
+static sl_vec3 at(const float *x, const float *y, const float *z, size_t i) {
+    return sl_v3(x[i], y[i], z[i]);
+}
 
 /* The double loop, in floats; even and odd photons in index order, and the sum of both. */
 static planes plain_loop(const sl_receivers *r, const sl_map_photons *photons, sl_photon_weight weight) {
@@ -75,9 +92,11 @@ static planes plain_loop(const sl_receivers *r, const sl_map_photons *photons, s
         if (g->material[i] == SL_NO_INDEX) continue;
         sl_rgb half[2] = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}}, e;
         for (size_t j = 0; j < photons->count; j++) {
-            half[j % 2] = sl_rgb_add(half[j % 2], sl_photon_irradiance(photons, j, weight, at(g->position_x, g->position_y, g->position_z, i),
-                                                                   at(g->geometric_x, g->geometric_y, g->geometric_z, i),
-                                                                   at(g->normal_x, g->normal_y, g->normal_z, i)));
+            half[j % 2] = sl_rgb_add(
+                half[j % 2],
+                sl_photon_irradiance(photons, j, weight, at(g->position_x, g->position_y, g->position_z, i),
+                                     at(g->geometric_x, g->geometric_y, g->geometric_z, i),
+                                     at(g->normal_x, g->normal_y, g->normal_z, i)));
         }
         e = sl_rgb_add(half[0], half[1]);
         p.value[0][i] = g->diffuse_r[i] * (float)(1.0 / SL_PI) * e.r;
@@ -92,7 +111,8 @@ static void picture_has_the_bits_of_the_plain_double_loop(void **state) {
     sl_map_photons *photons = room_photons(false);
     for (int w = 0; w < WEIGHTS; w++) {
         sl_light_pass pass = {.scene = *state, .photons = photons, .weight = all_weights[w], .threads = 1};
-        planes lanes = light_up(&pass, receivers, NULL, NULL), loop = plain_loop(receivers, photons, all_weights[w]);
+        planes lanes = light_up(&pass, receivers, NULL, NULL),
+               loop = plain_loop(receivers, photons, all_weights[w]);
         assert_same_bits(loop, lanes);
         free_planes(&lanes);
         free_planes(&loop);
@@ -116,12 +136,15 @@ static void lambertian_receiver_agrees_with_a_double_loop_in_double(void **state
         double sum = 0.0;
         for (size_t j = 0; j < photons->count; j++) {
             const sl_map_photon *p = &photons->photon[j];
-            sl_vec3d d = sl_subd(sl_to_double(p->position), sl_to_double(at(g->position_x, g->position_y, g->position_z, i)));
+            sl_vec3d d = sl_subd(sl_to_double(p->position),
+                                 sl_to_double(at(g->position_x, g->position_y, g->position_z, i)));
             double cx = sl_dotd(sl_to_double(at(g->normal_x, g->normal_y, g->normal_z, i)), d);
             double gx = sl_dotd(sl_to_double(at(g->geometric_x, g->geometric_y, g->geometric_z, i)), d);
-            double cy = -sl_dotd(sl_to_double(p->normal), d), squared = sl_dotd(d, d), alpha = (double)p->cos_alpha;
+            double cy = -sl_dotd(sl_to_double(p->normal), d), squared = sl_dotd(d, d),
+                   alpha = (double)p->cos_alpha;
             if (cx <= 0.0 || cy <= 0.0 || gx <= 0.0) continue;
-            sum += (double)p->flux.r * cx * cy / squared * alpha / (squared * alpha + (double)p->footprint / SL_PI);
+            sum += (double)p->flux.r * cx * cy / squared * alpha /
+                   (squared * alpha + (double)p->footprint / SL_PI);
         }
         double expected = (double)g->diffuse_r[i] / SL_PI * sum;
         assert_true(fabs((double)lanes.value[0][i] - expected) < 2e-6 * largest);
@@ -140,11 +163,17 @@ static void free_all(planes *p, sl_receivers *r, sl_map_photons *photons) {
     free_photons(photons);
 }
 
-/* One photon over a floor that looks up; what eye 0 sees in the first half of the picture and eye 1 in the second. */
+/* One photon over a floor that looks up; what eye 0 sees in the first half of the picture and eye 1 in the
+ * second. */
 static sl_map_photons *photon_over_the_floor(void) {
     sl_map_photons *p = make_photons(1, 2.0f);
-    p->photon[0] = (sl_map_photon){.position = {0, 0, 1}, .footprint = 1e-3f, .flux = {1, 1, 1}, .cos_alpha = 0.8f, .normal = {0, 0, -1},
-                                   .printed_area = 1e-3f / 0.8f, .radiance = {8, 8, 8}};
+    p->photon[0] = (sl_map_photon){.position = {0, 0, 1},
+                                   .footprint = 1e-3f,
+                                   .flux = {1, 1, 1},
+                                   .cos_alpha = 0.8f,
+                                   .normal = {0, 0, -1},
+                                   .printed_area = 1e-3f / 0.8f,
+                                   .radiance = {8, 8, 8}};
     return p;
 }
 
@@ -155,7 +184,8 @@ static sl_receivers *floor_row(sl_vec3 eye_0, sl_vec3 eye_1, int count, uint32_t
     assert_non_null(r->path);
     for (int i = 0; i < 2 * count; i++) {
         r->path[i] = (uint8_t)(i / count);
-        sl_vec3 x = sl_v3(-1.0f + 2.0f * ((float)(i % count) + 0.5f) / (float)count, 0, 0), up = sl_v3(0, 0, 1);
+        sl_vec3 x = sl_v3(-1.0f + 2.0f * ((float)(i % count) + 0.5f) / (float)count, 0, 0),
+                up = sl_v3(0, 0, 1);
         set_receiver(r, (size_t)i, x, up, up, sl_grey(kd), material);
     }
     return r;
@@ -172,24 +202,30 @@ static void glossy_receivers_highlight_moves_with_the_eye(void **state) {
     for (int i = 0; i < 2 * N; i++) {
         best[i / N] = p.value[0][i] > p.value[0][i / N * N + best[i / N]] ? i % N : best[i / N];
         sl_vec3 x = sl_v3(r->gbuffer->position_x[i], 0, 0), up = sl_v3(0, 0, 1);
-        sl_vec3d v = sl_subd(sl_to_double(r->eye[i / N]), sl_to_double(x)), d = sl_subd(sl_v3d(0, 0, 1), sl_to_double(x));
+        sl_vec3d v = sl_subd(sl_to_double(r->eye[i / N]), sl_to_double(x)),
+                 d = sl_subd(sl_v3d(0, 0, 1), sl_to_double(x));
         double cosine = (-v.x * d.x - v.y * d.y + v.z * d.z) / (sl_lengthd(v) * sl_lengthd(d));
         double lobe = (double)0.4f * 22.0 / (2.0 * SL_PI) * (cosine > 0.0 ? pow(cosine, 20.0) : 0.0);
-        double expected = ((double)0.3f / SL_PI + lobe) * (double)sl_photon_irradiance(photons, 0, SL_WEIGHT_PLAIN, x, up, up).r;
+        double expected = ((double)0.3f / SL_PI + lobe) *
+                          (double)sl_photon_irradiance(photons, 0, SL_WEIGHT_PLAIN, x, up, up).r;
         assert_true(fabs((double)p.value[0][i] - expected) < 1e-5 * expected);
     }
     assert_true(best[0] < N / 2 - 5 && best[1] > N / 2 + 5);
     free_all(&p, r, photons);
 }
 
-/* A square of side 0.5 above a glossy floor, cut into n x n photons of radiance 1; what the eye sees at x, and with photons so small that
- * they are points. */
+/* A square of side 0.5 above a glossy floor, cut into n x n photons of radiance 1; what the eye sees at x,
+ * and with photons so small that they are points. */
 static sl_map_photons *square_photons(int n) {
     sl_map_photons *p = make_photons((size_t)(n * n), 2.0f);
     float side = 0.5f / (float)n, area = side * side;
     for (int j = 0; j < n * n; j++)
-        p->photon[j] = (sl_map_photon){.position = {-0.25f + side * ((float)(j % n) + 0.5f), -0.25f + side * ((float)(j / n) + 0.5f), 0.6f},
-                                       .footprint = area, .flux = {area, area, area}, .cos_alpha = 1.0f, .normal = {0, 0, -1}};
+        p->photon[j] = (sl_map_photon){.position = {-0.25f + side * ((float)(j % n) + 0.5f),
+                                                    -0.25f + side * ((float)(j / n) + 0.5f), 0.6f},
+                                       .footprint = area,
+                                       .flux = {area, area, area},
+                                       .cos_alpha = 1.0f,
+                                       .normal = {0, 0, -1}};
     return p;
 }
 
@@ -227,7 +263,8 @@ static void lobe_of_exponent_0_is_lambertian_on_the_receiver(void **state) {
     planes of_flat = light_up(&pass, flat, NULL, NULL), of_diffuse = light_up(&pass, diffuse, NULL, NULL);
     for (int i = 0; i < 2 * N; i++) {
         sl_vec3 x = sl_v3(flat->gbuffer->position_x[i], 0, 0);
-        if (fabsf(x.x) > 0.7f) continue; /* beyond, the light is more than a right angle from the mirrored eye */
+        /* beyond, the light is more than a right angle from the mirrored eye */
+        if (fabsf(x.x) > 0.7f) continue;
         assert_true(fabsf(of_flat.value[1][i] - of_diffuse.value[1][i]) <= 1e-6f * of_diffuse.value[1][i]);
     }
     free_all(&of_flat, flat, photons);
@@ -236,13 +273,15 @@ static void lobe_of_exponent_0_is_lambertian_on_the_receiver(void **state) {
     free_receivers(diffuse);
 }
 
-/* Photons of glossy surfaces: f_r(y) for rho / pi. With n = 0, and light from the side, the lobe covers the hemisphere's part around the mirrored light. */
+/* Photons of glossy surfaces: f_r(y) for rho / pi. With n = 0, and light from the side, the lobe covers the
+ * hemisphere's part around the mirrored light. */
 static void photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light(void **state) {
     enum { N = 150 };
     sl_receivers *r = floor_row(sl_v3(0, 0, 3), sl_v3(0, 0, 3), N, DIFFUSE_MATERIAL, 0.5f);
     sl_map_photons *lambertian = photon_over_the_floor(), *lobed = photon_over_the_floor();
     lambertian->photon[0].flux = sl_grey((float)(0.6 / SL_PI)); /* rho = 0.6, I dOmega = 1 */
-    lambertian->photon[0].radiance = sl_grey((float)(0.6 / SL_PI * 0.8 / 1e-3)); /* I cos / b^2 = I dOmega cos / A' */
+    /* I cos / b^2 = I dOmega cos / A' */
+    lambertian->photon[0].radiance = sl_grey((float)(0.6 / SL_PI * 0.8 / 1e-3));
     lobed->photon[0].radiance = sl_grey((float)(0.8 / 1e-3)); /* of a lobe's photon: what arrives at it */
     lobed->lobe = calloc(1, sizeof *lobed->lobe);
     assert_non_null(lobed->lobe);
@@ -255,7 +294,8 @@ static void photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_li
         planes flat = light_up(&pass, r, NULL, NULL);
         for (int i = 0; i < 2 * N; i++) {
             double got = (double)flat.value[0][i], wanted = (double)expected.value[0][i];
-            if (!(fabs(got - wanted) <= 2e-6 * wanted)) fail_msg("pixel %d, weight %d: %g instead of %g", i, (int)all_weights[w], got, wanted);
+            if (!(fabs(got - wanted) <= 2e-6 * wanted))
+                fail_msg("pixel %d, weight %d: %g instead of %g", i, (int)all_weights[w], got, wanted);
         }
         /* Light arrives from x = -0.6 / 0.8: it leaves towards x = 0.75. */
         lobed->lobe[0] = (sl_photon_lobe){{0, 0, 0}, {0.5f, 0.5f, 0.5f}, 1000.0f, to_light, down};
@@ -278,10 +318,15 @@ static void lobed_photons_have_the_bits_of_the_plain_double_loop(void **state) {
     sl_map_photons *all = room_photons(true);
     for (int w = 0; w < WEIGHTS; w++) {
         for (size_t j = 0; j < all->count; j += 7) {
-            sl_map_photons one = {.count = 1, .photon = &all->photon[j], .lobe = &all->lobe[j], .quad = &all->quad[j],
-                                  .nearest = all->nearest, .box_diagonal = all->box_diagonal};
+            sl_map_photons one = {.count = 1,
+                                  .photon = &all->photon[j],
+                                  .lobe = &all->lobe[j],
+                                  .quad = &all->quad[j],
+                                  .nearest = all->nearest,
+                                  .box_diagonal = all->box_diagonal};
             sl_light_pass pass = {.scene = *state, .photons = &one, .weight = all_weights[w], .threads = 1};
-            planes lanes = light_up(&pass, receivers, NULL, NULL), loop = plain_loop(receivers, &one, all_weights[w]);
+            planes lanes = light_up(&pass, receivers, NULL, NULL),
+                   loop = plain_loop(receivers, &one, all_weights[w]);
             assert_same_bits(loop, lanes);
             free_planes(&lanes);
             free_planes(&loop);
@@ -297,7 +342,8 @@ static void curved_mirrors_receive_light_only_by_the_trick(void **state) {
     sl_receivers *r = make_receivers(4, 1, sl_v3(0, 0, 3));
     const uint32_t materials[4] = {MIRROR_MATERIAL, DIFFUSE_MATERIAL, BLACK_MATERIAL, SL_NO_INDEX};
     for (size_t i = 0; i < 4; i++)
-        set_receiver(r, i, sl_v3(0.1f, 0, 0), sl_v3(0, 0, 1), sl_v3(0, 0, 1), sl_grey(i == 1 ? 0.5f : 0.0f), materials[i]);
+        set_receiver(r, i, sl_v3(0.1f, 0, 0), sl_v3(0, 0, 1), sl_v3(0, 0, 1), sl_grey(i == 1 ? 0.5f : 0.0f),
+                     materials[i]);
     sl_map_photons *photons = photon_over_the_floor();
     sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_FLUX, .threads = 1};
     sl_counters without = {{0}}, with = {{0}};
@@ -306,9 +352,11 @@ static void curved_mirrors_receive_light_only_by_the_trick(void **state) {
     planes trick = light_up(&pass, r, NULL, &with);
     for (int c = 0; c < 3; c++) {
         const float share[3] = {0.5f, 0.25f, 0.0f};
-        assert_true(plain.value[c][0] == 0.0f && plain.value[c][1] > 0.0f && plain.value[c][2] == 0.0f && plain.value[c][3] == 0.0f);
+        assert_true(plain.value[c][0] == 0.0f && plain.value[c][1] > 0.0f && plain.value[c][2] == 0.0f &&
+                    plain.value[c][3] == 0.0f);
         assert_true(fabsf(trick.value[c][0] - 0.8f * share[c] / 0.5f * plain.value[c][1]) < 1e-6f);
-        assert_true(trick.value[c][1] == plain.value[c][1] && trick.value[c][2] == 0.0f && trick.value[c][3] == 0.0f);
+        assert_true(trick.value[c][1] == plain.value[c][1] && trick.value[c][2] == 0.0f &&
+                    trick.value[c][3] == 0.0f);
     }
     assert_int_equal(without.value[SL_COUNT_PHOTON_LOOK_UPS], 1);
     assert_int_equal(with.value[SL_COUNT_PHOTON_LOOK_UPS], 2);
@@ -336,8 +384,9 @@ static void spread_is_half_the_difference_of_the_two_half_sums(void **state) {
         for (int i = 0; i < PIXELS; i++) {
             double l[2];
             for (int k = 0; k < 2; k++)
-                l[k] = 33.0 / (k ? 16.0 : 17.0) *
-                       (double)sl_luminance((sl_rgb){of[k].value[0][i], of[k].value[1][i], of[k].value[2][i]});
+                l[k] =
+                    33.0 / (k ? 16.0 : 17.0) *
+                    (double)sl_luminance((sl_rgb){of[k].value[0][i], of[k].value[1][i], of[k].value[2][i]});
             assert_true(fabs((double)spread[i] - 0.5 * fabs(l[0] - l[1])) <= 2e-6 * (l[0] + l[1]));
         }
         free_planes(&whole);
@@ -393,7 +442,8 @@ static void damaged_receivers_leave_no_value_that_is_not_finite(void **state) {
         planes p = light_up(&pass, r, spread, NULL);
         for (int i = 0; i < PIXELS; i++) {
             for (int c = 0; c < 3; c++) {
-                if (!(isfinite(p.value[c][i]) && p.value[c][i] >= 0.0f)) fail_msg("pixel %d, weight %d: %g", i, (int)all_weights[w], (double)p.value[c][i]);
+                if (!(isfinite(p.value[c][i]) && p.value[c][i] >= 0.0f))
+                    fail_msg("pixel %d, weight %d: %g", i, (int)all_weights[w], (double)p.value[c][i]);
             }
             assert_true(isfinite(spread[i]));
         }
@@ -412,7 +462,8 @@ static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
     for (int lobes = 0; lobes < 2; lobes++) {
         sl_map_photons *photons = room_photons(lobes);
         for (int w = 0; w < WEIGHTS; w++) {
-            sl_light_pass pass = {.scene = *state, .photons = photons, .weight = all_weights[w], .threads = 1};
+            sl_light_pass pass = {
+                .scene = *state, .photons = photons, .weight = all_weights[w], .threads = 1};
             float *spread = calloc(2 * PIXELS, sizeof *spread);
             assert_non_null(spread);
             sl_counters first = {{0}};

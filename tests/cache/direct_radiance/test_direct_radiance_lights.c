@@ -1,4 +1,5 @@
-/* Direct Radiance Mapping's lights: what each gives, which triangles make one, and the footprint of a picture's part. */
+/* Direct Radiance Mapping's lights: what each gives, which triangles make one, and the footprint of a
+ * picture's part. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -17,17 +18,24 @@ static sl_map_lights *find(const sl_scene *scene, int subdivision) {
     return lights;
 }
 
-static bool close_to(double a, double b, double relative) { return fabs(a - b) <= relative * (fabs(a) + fabs(b)) * 0.5; }
+static bool close_to(double a, double b, double relative) {
+    return fabs(a - b) <= relative * (fabs(a) + fabs(b)) * 0.5;
+}
 
 static sl_light light_at(sl_light_type type, float intensity) {
-    return (sl_light){.type = type, .position = {0.3f, 2.0f, -0.1f}, .direction = {0, -1, 0}, .intensity = sl_grey(intensity),
-                      .cos_inner = 0.9f, .cos_outer = 0.7f};
+    return (sl_light){.type = type,
+                      .position = {0.3f, 2.0f, -0.1f},
+                      .direction = {0, -1, 0},
+                      .intensity = sl_grey(intensity),
+                      .cos_inner = 0.9f,
+                      .cos_outer = 0.7f};
 }
 
 /* A floor, so that there is a scene. */
 static trace_mesh floor_mesh(void) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4),
+                    trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0));
     return mesh;
 }
 
@@ -41,12 +49,13 @@ static void add_panel(trace_mesh *mesh, float x0, float y, int n, uint32_t mater
 
 /* ---- behind bars ---- */
 
-/* A panel of side 1 that shines down at height 2, and a bar of that width across its middle, so far below it; open: the point that the light
- * has, and its share of the intensity. */
+/* A panel of side 1 that shines down at height 2, and a bar of that width across its middle, so far below it;
+ * open: the point that the light has, and its share of the intensity. */
 static sl_map_light_point point_behind_bar(float width, float below, sl_light_openings *found) {
     trace_mesh mesh = floor_mesh();
     add_panel(&mesh, 0, 2, 1, trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
-    trace_mesh_quad(&mesh, sl_v3(-0.5f, 2 - below, 0.5f - 0.5f * width), sl_v3(2, 0, 0), sl_v3(0, 0, width), 0);
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, 2 - below, 0.5f - 0.5f * width), sl_v3(2, 0, 0), sl_v3(0, 0, width),
+                    0);
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_raster *raster;
     sl_counters counters = {{0}};
@@ -140,9 +149,14 @@ static void every_kind_of_lights_intensity_adds_up_to_its_flux_over_the_sphere(v
     sl_scene_destroy(scene);
 }
 
-static void an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone(void **state) {
+static void an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone(
+    void **state) {
     (void)state;
-    sl_map_light spot = {.kind = SL_MAP_LIGHT_SPOT, .direction = {0, -1, 0}, .intensity = {1, 1, 1}, .cos_inner = 0.5f, .cos_outer = 0.5f};
+    sl_map_light spot = {.kind = SL_MAP_LIGHT_SPOT,
+                         .direction = {0, -1, 0},
+                         .intensity = {1, 1, 1},
+                         .cos_inner = 0.5f,
+                         .cos_outer = 0.5f};
     assert_true(close_to((double)sl_map_light_flux(&spot).g, 2.0 * SL_PI * 0.5, 1e-6));
     assert_true(sl_map_light_intensity(&spot, sl_v3(0, -1, 0)).g == 1.0f);
     assert_true(sl_map_light_intensity(&spot, sl_v3(1, 0, 0)).g == 0.0f);
@@ -152,7 +166,8 @@ static void an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_it
 
 /* ---- (9) as an area light's point, against the exact irradiance ---- */
 
-/* Irradiance from the square of side 1 and radiance 1 on a parallel plane at height d, offset x from the axis, by the points' sum. */
+/* Irradiance from the square of side 1 and radiance 1 on a parallel plane at height d, offset x from the
+ * axis, by the points' sum. */
 static double by_points(const sl_map_lights *lights, sl_vec3 p) {
     double sum = 0.0;
     for (size_t i = 0; i < lights->point_count; i++) {
@@ -168,7 +183,8 @@ static double exactly(double x0, double x1, double d) { /* the square [x0,x1] x 
     double sum = 0.0;
     for (int i = 0; i < 1000; i++) {
         for (int k = 0; k < 1000; k++) {
-            double x = x0 + (x1 - x0) * (i + 0.5) / 1000.0, z = -0.5 + (k + 0.5) / 1000.0, s = x * x + z * z + d * d;
+            double x = x0 + (x1 - x0) * (i + 0.5) / 1000.0, z = -0.5 + (k + 0.5) / 1000.0,
+                   s = x * x + z * z + d * d;
             sum += d * d / (s * s);
         }
     }
@@ -177,9 +193,13 @@ static double exactly(double x0, double x1, double d) { /* the square [x0,x1] x 
 
 static void one_point_of_an_area_light_errs_as_the_paper_s_distant_light_must(void **state) {
     (void)state;
-    static const double table[4][4] = {{0.5, 2.30, 0.951, 0.729}, {1, 1.33, 0.943, 0.915}, {2, 1.083, 0.981, 0.977}, {5, 1.013, 0.997, 0.996}};
+    static const double table[4][4] = {{0.5, 2.30, 0.951, 0.729},
+                                       {1, 1.33, 0.943, 0.915},
+                                       {2, 1.083, 0.981, 0.977},
+                                       {5, 1.013, 0.997, 0.996}};
     trace_mesh mesh = floor_mesh();
-    trace_mesh_quad(&mesh, sl_v3(-0.5f, 5, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), trace_mesh_material(&mesh, 0, 0, 0, 0, 1));
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, 5, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1),
+                    trace_mesh_material(&mesh, 0, 0, 0, 0, 1));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_map_lights *one = find(scene, 1), *many = find(scene, 8);
     assert_int_equal(one->point_count, 1);
@@ -199,7 +219,8 @@ static void one_point_of_an_area_light_errs_as_the_paper_s_distant_light_must(vo
 
 static void the_back_of_a_one_sided_area_light_is_dark(void **state) {
     (void)state;
-    sl_map_light light = {.kind = SL_MAP_LIGHT_AREA, .direction = {0, -1, 0}, .intensity = {2, 2, 2}, .area = 1};
+    sl_map_light light = {
+        .kind = SL_MAP_LIGHT_AREA, .direction = {0, -1, 0}, .intensity = {2, 2, 2}, .area = 1};
     assert_true(sl_map_light_intensity(&light, sl_v3(0, 1, 0)).g == 0.0f);
     assert_true(sl_map_light_intensity(&light, sl_v3(0, -1, 0)).g == 2.0f);
     light.two_sided = true;
@@ -227,7 +248,8 @@ static void a_masked_lamp_gives_the_light_of_what_its_mask_leaves_from_where_tha
     sl_map_lights *one = find(scene, 1), *many = find(scene, 4);
     assert_int_equal(one->count, 1);
     assert_true(close_to((double)one->flux.g, SL_PI * 2.0 * 0.5, 0.02));
-    assert_true(fabsf(one->light[0].position.x - 0.25f) < 0.02f && fabsf(one->light[0].position.z - 0.5f) < 0.02f);
+    assert_true(fabsf(one->light[0].position.x - 0.25f) < 0.02f &&
+                fabsf(one->light[0].position.z - 0.5f) < 0.02f);
     double sum = 0.0, beyond = 0.0;
     for (size_t i = 0; i < many->point_count; i++) {
         sum += (double)many->point[i].intensity.g;
@@ -253,7 +275,8 @@ static void a_lamp_whose_mask_is_clear_all_over_is_no_light(void **state) {
 static void a_tessellated_panel_is_one_light_and_panels_apart_are_several(void **state) {
     (void)state;
     trace_mesh mesh = floor_mesh();
-    uint32_t glowing = trace_mesh_material(&mesh, 0, 0, 0, 0, 1), brighter = trace_mesh_material(&mesh, 0, 0, 0, 0, 3);
+    uint32_t glowing = trace_mesh_material(&mesh, 0, 0, 0, 0, 1),
+             brighter = trace_mesh_material(&mesh, 0, 0, 0, 0, 3);
     add_panel(&mesh, 0, 3, 5, glowing);
     add_panel(&mesh, 1.5f, 3, 2, glowing);
     add_panel(&mesh, 2.5f, 3, 2, brighter); /* beside the second one, but of another material */
@@ -266,8 +289,10 @@ static void a_tessellated_panel_is_one_light_and_panels_apart_are_several(void *
         const sl_map_light *l = &lights->light[i];
         assert_int_equal(l->kind, SL_MAP_LIGHT_AREA);
         assert_int_equal(l->count, count[i]);
-        assert_true(fabsf(l->position.x - middle[i]) < 1e-5f && fabsf(l->position.y - 3.0f) < 1e-5f && fabsf(l->position.z - 0.5f) < 1e-5f);
-        assert_true(l->direction.y == -1.0f && close_to(l->area, 1.0, 1e-5) && close_to(l->intensity.g, intensity[i], 1e-5));
+        assert_true(fabsf(l->position.x - middle[i]) < 1e-5f && fabsf(l->position.y - 3.0f) < 1e-5f &&
+                    fabsf(l->position.z - 0.5f) < 1e-5f);
+        assert_true(l->direction.y == -1.0f && close_to(l->area, 1.0, 1e-5) &&
+                    close_to(l->intensity.g, intensity[i], 1e-5));
         assert_true(sl_map_light_clearance(scene, lights, i, l->position, false) < 1e-5f);
     }
     for (uint32_t t = 0; t < scene->triangle_count; t++)
@@ -291,8 +316,10 @@ static void the_faces_of_a_glowing_box_are_six_lights(void **state) {
 static void a_lamp_of_many_triangles_becomes_at_most_64_lights_and_loses_no_flux(void **state) {
     (void)state;
     trace_mesh mesh = floor_mesh();
-    trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.4f, 40, 0.0f, false, trace_mesh_material(&mesh, 0, 0, 0, 0, 2));
-    trace_mesh_quad(&mesh, sl_v3(3, 3, 3), sl_v3(1, 0, 0), sl_v3(0, 0, 1), trace_mesh_material(&mesh, 0, 0, 0, 0, 50));
+    trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.4f, 40, 0.0f, false,
+                      trace_mesh_material(&mesh, 0, 0, 0, 0, 2));
+    trace_mesh_quad(&mesh, sl_v3(3, 3, 3), sl_v3(1, 0, 0), sl_v3(0, 0, 1),
+                    trace_mesh_material(&mesh, 0, 0, 0, 0, 50));
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0.0f);
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_DIRECTIONAL, 1.0f);
     sl_scene *scene = trace_mesh_build(&mesh);
@@ -300,7 +327,8 @@ static void a_lamp_of_many_triangles_becomes_at_most_64_lights_and_loses_no_flux
     assert_true(lights->count <= SL_MAP_LIGHTS_MAX && lights->count > 32);
     double flux = 0.0;
     size_t emitters = 0;
-    for (size_t i = 0; i < scene->emitter_count; i++) flux += SL_PI * (double)scene->emitters[i].radiance.g * (double)scene->emitters[i].area;
+    for (size_t i = 0; i < scene->emitter_count; i++)
+        flux += SL_PI * (double)scene->emitters[i].radiance.g * (double)scene->emitters[i].area;
     for (size_t i = 0; i < lights->count; i++) {
         const sl_map_light *l = &lights->light[i];
         emitters += l->count;
@@ -328,7 +356,8 @@ static void what_is_merged_of_lamps_all_around_keeps_its_flux_however_normals_ca
     assert_true(lights->count <= SL_MAP_LIGHTS_MAX);
     assert_true(close_to((double)lights->flux.r, SL_PI * 40.0 * 1.5, 1e-5));
     for (size_t i = 0; i < lights->count; i++)
-        assert_true(sl_is_finite(lights->light[i].position) && fabsf(sl_length(lights->light[i].direction) - 1.0f) < 1e-5f);
+        assert_true(sl_is_finite(lights->light[i].position) &&
+                    fabsf(sl_length(lights->light[i].direction) - 1.0f) < 1e-5f);
     sl_map_lights_destroy(lights);
     sl_scene_destroy(scene);
 }
@@ -347,8 +376,10 @@ static void the_points_of_a_light_share_its_intensity_and_lie_on_it(void **state
         uint32_t v = trace_mesh_vertex(&mesh, 5 + (float)sl_cos(phi), 3, 5 + (float)sl_sin(phi));
         first = i ? first : v;
     }
-    for (uint32_t i = 0; i < 24; i++) trace_mesh_triangle(&mesh, centre, first + i, first + (i + 1) % 24, glowing);
-    trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, 8, 3, 0), trace_mesh_vertex(&mesh, 9, 3, 0), trace_mesh_vertex(&mesh, 8, 3, 1), glowing);
+    for (uint32_t i = 0; i < 24; i++)
+        trace_mesh_triangle(&mesh, centre, first + i, first + (i + 1) % 24, glowing);
+    trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, 8, 3, 0), trace_mesh_vertex(&mesh, 9, 3, 0),
+                        trace_mesh_vertex(&mesh, 8, 3, 1), glowing);
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_map_lights *lights = find(scene, 4);
     assert_int_equal(lights->count, 3);
@@ -361,7 +392,8 @@ static void the_points_of_a_light_share_its_intensity_and_lie_on_it(void **state
         if (p->light == 0) {
             size_t k = counts[0];
             float along[2] = {p->position.x, p->position.z};
-            for (int a = 0; a < 2; a++) assert_true(fabsf(along[a] * 4.0f - 0.5f - floorf(along[a] * 4.0f)) < 1e-4f);
+            for (int a = 0; a < 2; a++)
+                assert_true(fabsf(along[a] * 4.0f - 0.5f - floorf(along[a] * 4.0f)) < 1e-4f);
             assert_true(close_to(p->intensity.g, 2.0 / 16.0, 1e-4) && k < 16);
         }
         if (p->light == 1) assert_true(sl_length(sl_sub(p->position, sl_v3(5, 3, 5))) < 1.0f);
@@ -411,15 +443,18 @@ static void solid_angles_of_a_picture_s_parts_add_up_to_the_picture_s(void **sta
 
 static void the_printed_footprint_exceeds_the_true_one_as_the_specification_found(void **state) {
     (void)state;
-    double printed = 16.0 * 16.0 * sl_printed_footprint(1.0, SL_PI / 2, 16), true_sum = sl_rectangle_solid_angle(-1, -1, 1, 1);
-    double middle = sl_rectangle_solid_angle(0, 0, 0.125, 0.125), corner = sl_rectangle_solid_angle(0.875, 0.875, 1, 1);
+    double printed = 16.0 * 16.0 * sl_printed_footprint(1.0, SL_PI / 2, 16),
+           true_sum = sl_rectangle_solid_angle(-1, -1, 1, 1);
+    double middle = sl_rectangle_solid_angle(0, 0, 0.125, 0.125),
+           corner = sl_rectangle_solid_angle(0.875, 0.875, 1, 1);
     assert_true(close_to(printed / true_sum, 1.18, 0.01));
     assert_true(close_to(sl_printed_footprint(1.0, SL_PI / 2, 16) / middle, 0.63, 0.01));
     assert_true(close_to(sl_printed_footprint(1.0, SL_PI / 2, 16) / corner, 2.83, 0.01));
 }
 
-/* The true area on a plane at distance 1 tilted by 30 degrees, of the block straight ahead: planar distance to the plane along (x, y, 1) is
- * 1 / (1 + x tan 30), so the area is the integral of 1 / (cos 30 (1 + x tan 30)^3). */
+/* The true area on a plane at distance 1 tilted by 30 degrees, of the block straight ahead: planar distance
+ * to the plane along (x, y, 1) is 1 / (1 + x tan 30), so the area is the integral of 1 / (cos 30 (1 + x tan
+ * 30)^3). */
 static void the_tilted_footprint_is_right_to_little_more_than_a_hundredth_at_30_degrees(void **state) {
     (void)state;
     double cosine = sqrt(0.75), tangent = sqrt(1.0 / 3.0), side = 0.125, sum = 0.0;
@@ -431,7 +466,8 @@ static void the_tilted_footprint_is_right_to_little_more_than_a_hundredth_at_30_
     assert_true(close_to(sl_printed_tilted_footprint(exact, cosine), sum, 0.02));
     assert_true(sl_printed_tilted_footprint(1.0, -0.5) == 0.0);
     assert_true(isinf(sl_printed_tilted_footprint(1.0, 0.0)));
-    assert_true(sl_printed_tilted_footprint(0.0, 0.0) == 0.0 && sl_printed_tilted_footprint(1.0, (double)NAN) == 0.0);
+    assert_true(sl_printed_tilted_footprint(0.0, 0.0) == 0.0 &&
+                sl_printed_tilted_footprint(1.0, (double)NAN) == 0.0);
 }
 
 int main(void) {
@@ -441,7 +477,8 @@ int main(void) {
         cmocka_unit_test(a_lamp_that_is_shut_in_is_told_of),
         cmocka_unit_test(irradiance_at_distance_r_is_the_flux_over_4_pi_r_squared),
         cmocka_unit_test(every_kind_of_lights_intensity_adds_up_to_its_flux_over_the_sphere),
-        cmocka_unit_test(an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone),
+        cmocka_unit_test(
+            an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone),
         cmocka_unit_test(one_point_of_an_area_light_errs_as_the_paper_s_distant_light_must),
         cmocka_unit_test(the_back_of_a_one_sided_area_light_is_dark),
         cmocka_unit_test(a_masked_lamp_gives_the_light_of_what_its_mask_leaves_from_where_that_is),

@@ -1,4 +1,5 @@
-/* The direct radiance map (passes 2a to 2c): what its pictures hold, which directions they cover, and light by way of mirrors. */
+/* The direct radiance map (passes 2a to 2c): what its pictures hold, which directions they cover, and light
+ * by way of mirrors. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -35,11 +36,15 @@ static how by_default(void) {
 
 static void take(world *w, const how *h) {
     sl_error error = {0};
-    sl_radiance_map_options options = {.mirrors = w->mirrors, .lambertian = !h->true_color, .normals = !h->no_normals, .tracer = w->tracer,
+    sl_radiance_map_options options = {.mirrors = w->mirrors,
+                                       .lambertian = !h->true_color,
+                                       .normals = !h->no_normals,
+                                       .tracer = w->tracer,
                                        .threads = h->threads};
     sl_radiance_map_destroy(w->map);
     w->counters = (sl_counters){{0}};
-    if (sl_radiance_map_render(w->scene, w->raster, w->lights, &h->settings, &options, &w->map, &w->counters, &error) != SL_OK)
+    if (sl_radiance_map_render(w->scene, w->raster, w->lights, &h->settings, &options, &w->map, &w->counters,
+                               &error) != SL_OK)
         fail_msg("%s", error.message);
 }
 
@@ -65,7 +70,12 @@ static void discard(world *w) {
 static sl_vec3 at(float *const plane[3], size_t i) { return sl_v3(plane[0][i], plane[1][i], plane[2][i]); }
 
 static sl_light light_at(sl_light_type type, float x, float y, float z) {
-    return (sl_light){.type = type, .position = {x, y, z}, .direction = {0, -1, 0}, .intensity = {3, 2, 1}, .cos_inner = 0.9f, .cos_outer = 0.7f};
+    return (sl_light){.type = type,
+                      .position = {x, y, z},
+                      .direction = {0, -1, 0},
+                      .intensity = {3, 2, 1},
+                      .cos_inner = 0.9f,
+                      .cos_outer = 0.7f};
 }
 
 /* A closed room of 4 x 3 x 5 with a box and a ball in it. */
@@ -74,12 +84,14 @@ static trace_mesh furnished(void) {
     uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(4, 3, 5), true, m);
     trace_mesh_box(&mesh, sl_v3(0.5f, 0, 0.7f), sl_v3(1.2f, 1.1f, 1.6f), false, m);
-    trace_mesh_sphere(&mesh, sl_v3(2.2f, 0.6f, 1.3f), 0.45f, 12, 0, false, trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 0));
+    trace_mesh_sphere(&mesh, sl_v3(2.2f, 0.6f, 1.3f), 0.45f, 12, 0, false,
+                      trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 0));
     return mesh;
 }
 
 static void add_panel(trace_mesh *mesh, float x, float y, float z, float size) {
-    trace_mesh_quad(mesh, sl_v3(x, y, z), sl_v3(size, 0, 0), sl_v3(0, 0, size), trace_mesh_material(mesh, 0, 0, 0, 0, 5));
+    trace_mesh_quad(mesh, sl_v3(x, y, z), sl_v3(size, 0, 0), sl_v3(0, 0, size),
+                    trace_mesh_material(mesh, 0, 0, 0, 0, 5));
 }
 
 static world lit_by_every_kind(const how *h) {
@@ -103,7 +115,8 @@ static size_t covered(const sl_radiance_map *map) {
 static bool all_finite(const sl_radiance_map *map) {
     bool finite = true;
     for (size_t i = 0; i < map->texels; i++) {
-        finite &= sl_is_finite(at(map->position, i)) && sl_is_finite(at(map->color, i)) && sl_is_finite(at(map->geometric, i));
+        finite &= sl_is_finite(at(map->position, i)) && sl_is_finite(at(map->color, i)) &&
+                  sl_is_finite(at(map->geometric, i));
         finite &= isfinite(map->path[i]) && isfinite(map->block_angle[i]) && map->block_angle[i] > 0.0f;
         finite &= !map->normal[0] || sl_is_finite(at(map->normal, i));
     }
@@ -121,8 +134,10 @@ static sl_vec3 ray_of(const sl_map_face *f, size_t i) {
 static size_t texels_of(const sl_map_face *f) { return (size_t)f->width * (size_t)f->height; }
 
 static double distance_to_triangle(const sl_scene *s, uint32_t t, sl_vec3 p) {
-    sl_vec3d a = sl_to_double(sl_scene_position(s, s->vertex[0][t])), b = sl_to_double(sl_scene_position(s, s->vertex[1][t]));
-    sl_vec3d c = sl_to_double(sl_scene_position(s, s->vertex[2][t])), q = sl_to_double(p), n = sl_crossd(sl_subd(b, a), sl_subd(c, a));
+    sl_vec3d a = sl_to_double(sl_scene_position(s, s->vertex[0][t])),
+             b = sl_to_double(sl_scene_position(s, s->vertex[1][t]));
+    sl_vec3d c = sl_to_double(sl_scene_position(s, s->vertex[2][t])), q = sl_to_double(p),
+             n = sl_crossd(sl_subd(b, a), sl_subd(c, a));
     double area = sl_lengthd(n), worst = 0.0;
     n = sl_scaled(n, 1.0 / area);
     const sl_vec3d corner[3] = {a, b, c};
@@ -148,14 +163,17 @@ static void every_position_lies_on_its_triangle_where_its_ray_points(void **stat
         bool directional = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
         for (size_t i = face->first; i < face->first + texels_of(face); i++) {
             if (map->triangle[i] == SL_NO_INDEX) continue;
-            sl_vec3 y = at(map->position, i), d = sl_sub(y, face->eye), g = at(map->geometric, i), n = at(map->normal, i);
-            assert_true(distance_to_triangle(w.scene, map->triangle[i], y) < 1e-5 * (double)w.scene->diagonal);
+            sl_vec3 y = at(map->position, i), d = sl_sub(y, face->eye), g = at(map->geometric, i),
+                    n = at(map->normal, i);
+            assert_true(distance_to_triangle(w.scene, map->triangle[i], y) <
+                        1e-5 * (double)w.scene->diagonal);
             assert_true(sl_dot(g, directional ? face->frame.z : d) <= 1e-5f && sl_dot(g, n) > 0.0f);
             assert_true(fabsf(sl_length(g) - 1.0f) < 1e-5f && fabsf(sl_length(n) - 1.0f) < 1e-5f);
             if (directional) continue;
             assert_true(fabsf(map->path[i] - sl_length(d)) < 1e-5f * map->path[i]);
             /* What was drawn may lie a hundredth of a texel beside the ray, where vertices are snapped. */
-            assert_true(sl_length(sl_sub(sl_scale(d, 1.0f / map->path[i]), ray_of(face, i))) < 0.02f * 2.0f / 16.0f);
+            assert_true(sl_length(sl_sub(sl_scale(d, 1.0f / map->path[i]), ray_of(face, i))) <
+                        0.02f * 2.0f / 16.0f);
         }
     }
     discard(&w);
@@ -201,7 +219,8 @@ static sl_rgb direct_radiance(const world *w, const sl_map_light *light, size_t 
         x = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
         strength = x * x * (3.0 - 2.0 * x);
     }
-    return sl_rgb_scale(sl_rgb_mul(kd, light->intensity), (float)(strength * (cosine > 0.0 ? cosine : 0.0) / (SL_PI * r * r)));
+    return sl_rgb_scale(sl_rgb_mul(kd, light->intensity),
+                        (float)(strength * (cosine > 0.0 ? cosine : 0.0) / (SL_PI * r * r)));
 }
 
 static void the_radiance_picture_is_direct_light_at_the_same_points(void **state) {
@@ -216,7 +235,8 @@ static void the_radiance_picture_is_direct_light_at_the_same_points(void **state
             sl_rgb kd = w.scene->materials[w.scene->material_index[w.map->triangle[i]]].diffuse;
             sl_rgb expected = direct_radiance(&w, &w.lights->light[face->light], i, kd);
             sl_vec3 found = at(w.map->color, i);
-            assert_true(fabsf(found.x - expected.r) <= 2e-5f * expected.r + 1e-7f && fabsf(found.z - expected.b) <= 2e-5f * expected.b + 1e-7f);
+            assert_true(fabsf(found.x - expected.r) <= 2e-5f * expected.r + 1e-7f &&
+                        fabsf(found.z - expected.b) <= 2e-5f * expected.b + 1e-7f);
             lit += found.x > 0.0f;
         }
     }
@@ -253,13 +273,16 @@ static void true_colour_and_normals_are_there_exactly_when_asked_for(void **stat
 
 static bool same_planes(const sl_radiance_map *a, const sl_radiance_map *b) {
     size_t bytes = a->texels * sizeof(float);
-    bool same = a->texels == b->texels && a->face_count == b->face_count && !memcmp(a->triangle, b->triangle, bytes) &&
-                !memcmp(a->path, b->path, bytes) && !memcmp(a->block_angle, b->block_angle, bytes);
+    bool same = a->texels == b->texels && a->face_count == b->face_count &&
+                !memcmp(a->triangle, b->triangle, bytes) && !memcmp(a->path, b->path, bytes) &&
+                !memcmp(a->block_angle, b->block_angle, bytes);
     for (int k = 0; k < 3 && same; k++) {
         same = !memcmp(a->position[k], b->position[k], bytes) && !memcmp(a->color[k], b->color[k], bytes) &&
                !memcmp(a->normal[k], b->normal[k], bytes) && !memcmp(a->geometric[k], b->geometric[k], bytes);
     }
-    if (same && a->spread) same = b->spread && !memcmp(a->spread, b->spread, bytes) && !memcmp(a->arrival[1], b->arrival[1], bytes);
+    if (same && a->spread)
+        same =
+            b->spread && !memcmp(a->spread, b->spread, bytes) && !memcmp(a->arrival[1], b->arrival[1], bytes);
     return same;
 }
 
@@ -270,8 +293,10 @@ static void the_bits_are_the_same_at_any_number_of_threads(void **state) {
         trace_mesh mesh = furnished();
         mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
         mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 1.1f, 2, 2.2f);
-        trace_mesh_sphere(&mesh, sl_v3(3, 1, 3.5f), 0.4f, 12, 0, false, trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
-        trace_mesh_quad(&mesh, sl_v3(0.01f, 0.5f, 3), sl_v3(0, 1, 0), sl_v3(0, 0, 1), trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0));
+        trace_mesh_sphere(&mesh, sl_v3(3, 1, 3.5f), 0.4f, 12, 0, false,
+                          trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
+        trace_mesh_quad(&mesh, sl_v3(0.01f, 0.5f, 3), sl_v3(0, 1, 0), sl_v3(0, 0, 1),
+                        trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0));
         how h = by_default();
         h.threads = threads;
         h.planar = h.traced = h.settings.traced_light_mirrors = true;
@@ -334,7 +359,8 @@ static void any_number_of_samples_cuts_faces_into_whole_blocks(void **state) {
             assert_int_equal(face->columns, samples[i]);
             assert_int_equal(face->rows, f ? (samples[i] + 1) / 2 : samples[i]);
             assert_int_equal(face->height, face->rows * k);
-            assert_true(face->top == 1.0 && fabs(face->bottom - (1.0 - 2.0 * face->rows / samples[i])) < 1e-15);
+            assert_true(face->top == 1.0 &&
+                        fabs(face->bottom - (1.0 - 2.0 * face->rows / samples[i])) < 1e-15);
         }
         assert_true(all_finite(w.map));
     }
@@ -379,7 +405,8 @@ static void the_captured_share_of_the_flux_is_what_each_shape_can_hold(void **st
     }
 }
 
-/* Everything that leaves arrives: L_o pi / rho is the irradiance, which over b^2 dOmega / cos alpha is the flux. */
+/* Everything that leaves arrives: L_o pi / rho is the irradiance, which over b^2 dOmega / cos alpha is the
+ * flux. */
 static void in_a_closed_room_all_of_the_flux_arrives(void **state) {
     (void)state;
     for (int area = 0; area < 2; area++) {
@@ -392,11 +419,15 @@ static void in_a_closed_room_all_of_the_flux_arrives(void **state) {
         double sum = 0.0;
         assert_true(covered(w.map) == w.map->texels);
         for (size_t f = 0; f < w.map->face_count; f++) {
-            for (size_t i = w.map->face[f].first; i < w.map->face[f].first + texels_of(&w.map->face[f]); i++) {
+            for (size_t i = w.map->face[f].first; i < w.map->face[f].first + texels_of(&w.map->face[f]);
+                 i++) {
                 float kd = w.scene->materials[w.scene->material_index[w.map->triangle[i]]].diffuse.r;
-                sl_vec3 to = sl_normalize_or(sl_sub(w.map->face[f].eye, at(w.map->position, i)), sl_v3(0, 1, 0));
+                sl_vec3 to =
+                    sl_normalize_or(sl_sub(w.map->face[f].eye, at(w.map->position, i)), sl_v3(0, 1, 0));
                 double cosine = (double)sl_dot(to, at(w.map->normal, i)), b = (double)w.map->path[i];
-                if (cosine > 0.0) sum += SL_PI * (double)w.map->color[0][i] / (double)kd * b * b * (double)w.map->block_angle[i] / cosine;
+                if (cosine > 0.0)
+                    sum += SL_PI * (double)w.map->color[0][i] / (double)kd * b * b *
+                           (double)w.map->block_angle[i] / cosine;
             }
         }
         assert_true(fabs(sum / (double)w.lights->flux.r - 1.0) < 2e-3);
@@ -404,7 +435,8 @@ static void in_a_closed_room_all_of_the_flux_arrives(void **state) {
     }
 }
 
-/* A roof of 20 x 20 with a hole of 1 x 0.9: the sun's patch on the floor below has that area in the sun's picture. */
+/* A roof of 20 x 20 with a hole of 1 x 0.9: the sun's patch on the floor below has that area in the sun's
+ * picture. */
 static void the_suns_picture_sees_what_falls_through_a_window(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -414,12 +446,15 @@ static void the_suns_picture_sees_what_falls_through_a_window(void **state) {
     trace_mesh_quad(&mesh, sl_v3(0, 3, 7.1f), sl_v3(20, 0, 0), sl_v3(0, 0, -7.1f), grey);
     trace_mesh_quad(&mesh, sl_v3(0, 3, 8), sl_v3(6, 0, 0), sl_v3(0, 0, -0.9f), grey);
     trace_mesh_quad(&mesh, sl_v3(7, 3, 8), sl_v3(13, 0, 0), sl_v3(0, 0, -0.9f), grey);
-    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
+    mesh.lights[mesh.light_count++] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
     how h = by_default();
     world w = world_of(&mesh, &h);
     double area = 0.0;
     for (size_t i = 0; i < w.map->texels; i++)
-        area += w.map->triangle[i] != SL_NO_INDEX && w.map->position[1][i] < 0.1f ? (double)w.map->block_angle[i] : 0.0;
+        area += w.map->triangle[i] != SL_NO_INDEX && w.map->position[1][i] < 0.1f
+                    ? (double)w.map->block_angle[i]
+                    : 0.0;
     if (!(fabs(area / 0.9 - 1.0) < 0.2)) fail_msg("%g instead of 0.9", area);
     discard(&w);
 }
@@ -441,7 +476,8 @@ static void a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empt
     size_t seen = covered(w.map);
     assert_int_equal(seen, 64); /* half of the picture each way */
     for (size_t i = 0; i < w.map->texels; i++) {
-        if (w.map->triangle[i] == SL_NO_INDEX) assert_true(w.map->color[0][i] == 0.0f && w.map->path[i] == 0.0f);
+        if (w.map->triangle[i] == SL_NO_INDEX)
+            assert_true(w.map->color[0][i] == 0.0f && w.map->path[i] == 0.0f);
     }
     /* A light that has gone out. */
     w.lights->light[1].intensity = sl_grey(0.0f);
@@ -472,7 +508,8 @@ static void an_area_light_does_not_see_itself_and_what_lies_behind_it(void **sta
             uint32_t light = w.lights->light_of_triangle[t];
             assert_int_not_equal(light, w.map->face[f].light);
             others += light != SL_NO_INDEX;
-            assert_true(w.map->position[1][i] < w.map->face[f].eye.y + 1e-5f); /* a row of texels lies in the horizon itself */
+            /* a row of texels lies in the horizon itself */
+            assert_true(w.map->position[1][i] < w.map->face[f].eye.y + 1e-5f);
         }
     }
     assert_true(others > 0);
@@ -482,7 +519,8 @@ static void an_area_light_does_not_see_itself_and_what_lies_behind_it(void **sta
 static void a_two_sided_light_has_a_hemicube_on_either_side(void **state) {
     (void)state;
     trace_mesh mesh = furnished();
-    trace_mesh_quad(&mesh, sl_v3(2, 1.7f, 2), sl_v3(0.5f, 0, 0), sl_v3(0, 0, 0.5f), trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    trace_mesh_quad(&mesh, sl_v3(2, 1.7f, 2), sl_v3(0.5f, 0, 0), sl_v3(0, 0, 0.5f),
+                    trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
     mesh.materials[mesh.material_count - 1].emission_two_sided = true;
     how h = by_default();
     world w = world_of(&mesh, &h);
@@ -501,7 +539,8 @@ static void a_lamp_of_many_triangles_lights_the_room_and_not_itself(void **state
     (void)state;
     trace_mesh mesh = furnished();
     uint32_t first = (uint32_t)mesh.triangle_count;
-    trace_mesh_sphere(&mesh, sl_v3(2.5f, 2, 3), 0.3f, 20, 0, false, trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    trace_mesh_sphere(&mesh, sl_v3(2.5f, 2, 3), 0.3f, 20, 0, false,
+                      trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
     how h = by_default();
     h.settings.map_size = h.settings.samples = 8;
     world w = world_of(&mesh, &h);
@@ -525,15 +564,19 @@ static void a_lamp_of_many_triangles_lights_the_room_and_not_itself(void **state
 /* A floor, a wall at x = -1, and a mirror beside the light at x = 1 that faces both; reflectance 0.8. */
 static trace_mesh mirror_scene(bool with_mirror) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-1, 0, 1), sl_v3(2, 0, 0), sl_v3(0, 0, -2), m);
     trace_mesh_quad(&mesh, sl_v3(-1, 0, 1), sl_v3(0, 0, -2), sl_v3(0, 2, 0), m);
-    trace_mesh_quad(&mesh, sl_v3(1, 0.4f, 0.6f), sl_v3(0, 0, -1.2f), sl_v3(0, 1.2f, 0), with_mirror ? mirror : m);
+    trace_mesh_quad(&mesh, sl_v3(1, 0.4f, 0.6f), sl_v3(0, 0, -1.2f), sl_v3(0, 1.2f, 0),
+                    with_mirror ? mirror : m);
     return mesh;
 }
 
-/* What light that leaves in `direction` meets by way of one mirror, by rays; false where it does not meet that mirror first. */
-static bool by_rays(const world *w, const sl_map_light *light, sl_vec3 origin, sl_vec3 direction, sl_vec3 *y, float *way) {
+/* What light that leaves in `direction` meets by way of one mirror, by rays; false where it does not meet
+ * that mirror first. */
+static bool by_rays(const world *w, const sl_map_light *light, sl_vec3 origin, sl_vec3 direction, sl_vec3 *y,
+                    float *way) {
     sl_counters counters = {{0}};
     *way = 0.0f;
     (void)light;
@@ -573,28 +616,33 @@ static void a_mirror_beside_the_light_shows_real_positions_at_unfolded_distances
         const sl_map_face *face = &w.map->face[f];
         if (face->mirror == SL_NO_INDEX) continue;
         assert_true(sl_length(sl_sub(face->eye, sl_v3(1.6f, 1, 0.1f))) < 1e-5f);
-        assert_true(face->reflectance.r == 0.8f && face->columns >= 2 && face->width == 4 * face->columns && face->height == 4 * face->rows);
+        assert_true(face->reflectance.r == 0.8f && face->columns >= 2 && face->width == 4 * face->columns &&
+                    face->height == 4 * face->rows);
         for (size_t i = face->first; i < face->first + texels_of(face); i++) {
             sl_vec3 d = ray_of(face, i), leaving = sl_v3(-d.x, d.y, d.z), y;
             float way;
-            bool met = by_rays(&w, &w.lights->light[0], sl_v3(0.4f, 1, 0.1f), leaving, &y, &way), shown = w.map->triangle[i] != SL_NO_INDEX;
+            bool met = by_rays(&w, &w.lights->light[0], sl_v3(0.4f, 1, 0.1f), leaving, &y, &way),
+                 shown = w.map->triangle[i] != SL_NO_INDEX;
             mirrored++;
             agree += met == shown;
             if (!shown) continue;
             angle += (double)w.map->block_angle[i];
             sl_vec3 p = at(w.map->position, i);
-            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) < 1e-5 * (double)w.scene->diagonal);
+            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) <
+                        1e-5 * (double)w.scene->diagonal);
             assert_true(fabsf(w.map->path[i] - sl_length(sl_sub(p, face->eye))) < 1e-5f);
             if (!met) continue;
             assert_true(sl_length(sl_sub(p, y)) < 0.02f && fabsf(way - w.map->path[i]) < 0.02f);
             sl_vec3 arrival = sl_normalize_or(sl_sub(face->eye, p), sl_v3(0, 1, 0));
             float cosine = sl_dot(arrival, at(w.map->normal, i)), b = w.map->path[i];
-            assert_true(fabsf(w.map->color[0][i] - 0.5f / (float)SL_PI * 3.0f * 0.8f * cosine / (b * b)) < 1e-5f);
+            assert_true(fabsf(w.map->color[0][i] - 0.5f / (float)SL_PI * 3.0f * 0.8f * cosine / (b * b)) <
+                        1e-5f);
             lit += cosine > 0.0f;
         }
     }
     assert_true(mirrored > 100 && lit > 60 && agree * 50 > mirrored * 49);
-    /* All of the rectangle that the mirror is, as the light sees it, shows the floor or the wall but for what passes them. */
+    /* All of the rectangle that the mirror is, as the light sees it, shows the floor or the wall but for what
+     * passes them. */
     assert_true(angle > 0.8);
     discard(&w);
 }
@@ -604,7 +652,8 @@ static void a_mirror_that_the_light_does_not_see_gives_no_faces(void **state) {
     how h = by_default();
     h.planar = true;
     trace_mesh mesh = mirror_scene(true);
-    trace_mesh_quad(&mesh, sl_v3(0.9f, 0.2f, 0.9f), sl_v3(0, 0, -1.8f), sl_v3(0, 1.8f, 0), 0); /* a screen before it */
+    /* a screen before it */
+    trace_mesh_quad(&mesh, sl_v3(0.9f, 0.2f, 0.9f), sl_v3(0, 0, -1.8f), sl_v3(0, 1.8f, 0), 0);
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0.4f, 1, 0.1f);
     world w = world_of(&mesh, &h);
     assert_false(w.map->mirrored_light);
@@ -637,17 +686,20 @@ static void parallel_light_is_mirrored_too(void **state) {
     for (size_t f = 0; f < w.map->face_count; f++) {
         const sl_map_face *face = &w.map->face[f];
         if (face->mirror == SL_NO_INDEX) continue;
-        assert_true(fabsf(face->frame.z.x + light.direction.x) < 1e-6f && fabsf(face->frame.z.y - light.direction.y) < 1e-6f);
+        assert_true(fabsf(face->frame.z.x + light.direction.x) < 1e-6f &&
+                    fabsf(face->frame.z.y - light.direction.y) < 1e-6f);
         for (size_t i = face->first; i < face->first + texels_of(face); i++) {
             if (w.map->triangle[i] == SL_NO_INDEX) continue;
             sl_vec3 p = at(w.map->position, i), back = sl_neg(face->frame.z);
-            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) < 1e-5 * (double)w.scene->diagonal);
+            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) <
+                        1e-5 * (double)w.scene->diagonal);
             /* Back along the light lies the mirror. */
             float t = (1.0f - p.x) / back.x;
             sl_vec3 m = sl_mad(p, t, back);
             assert_true(t > 0.0f && m.y > 0.39f && m.y < 1.61f && fabsf(m.z) < 0.61f);
             float cosine = sl_dot(back, at(w.map->normal, i));
-            assert_true(fabsf(w.map->color[1][i] - 0.5f / (float)SL_PI * 2.0f * 0.8f * (cosine > 0.0f ? cosine : 0.0f)) < 1e-5f);
+            assert_true(fabsf(w.map->color[1][i] -
+                              0.5f / (float)SL_PI * 2.0f * 0.8f * (cosine > 0.0f ? cosine : 0.0f)) < 1e-5f);
             lit++;
         }
     }
@@ -671,10 +723,13 @@ static void a_traced_flat_mirror_spreads_light_as_its_unfolded_way_does(void **s
         const sl_map_face *face = &w.map->face[f];
         for (size_t i = face->first; i < face->first + texels_of(face); i++) {
             if (!(w.map->spread[i] > 0.0f)) continue;
-            sl_vec3 p = at(w.map->position, i), image = sl_v3(1.6f, 1, 0.1f), to = sl_sub(image, p), arrival = at(w.map->arrival, i);
+            sl_vec3 p = at(w.map->position, i), image = sl_v3(1.6f, 1, 0.1f), to = sl_sub(image, p),
+                    arrival = at(w.map->arrival, i);
             float b = sl_length(to);
-            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) < 1e-5 * (double)w.scene->diagonal);
-            assert_true(fabsf(w.map->path[i] - b) < 1e-4f && sl_length(sl_sub(arrival, sl_scale(to, 1.0f / b))) < 1e-4f);
+            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) <
+                        1e-5 * (double)w.scene->diagonal);
+            assert_true(fabsf(w.map->path[i] - b) < 1e-4f &&
+                        sl_length(sl_sub(arrival, sl_scale(to, 1.0f / b))) < 1e-4f);
             /* Exact for infinitely small texels; these are a sixteenth of a face. */
             assert_true(fabsf(w.map->spread[i] / (b * b * w.map->block_angle[i]) - 1.0f) < 0.12f);
             assert_true(w.map->carried[0][i] == 0.8f);
@@ -692,7 +747,8 @@ static void a_traced_flat_mirror_spreads_light_as_its_unfolded_way_does(void **s
 static void a_ball_spreads_the_light_that_it_mirrors_onto_real_surfaces(void **state) {
     (void)state;
     trace_mesh mesh = furnished();
-    trace_mesh_sphere(&mesh, sl_v3(2.9f, 1.2f, 3.4f), 0.5f, 32, 0, false, trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
+    trace_mesh_sphere(&mesh, sl_v3(2.9f, 1.2f, 3.4f), 0.5f, 32, 0, false,
+                      trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
     how h = by_default();
     h.traced = h.settings.traced_light_mirrors = true;
@@ -707,8 +763,10 @@ static void a_ball_spreads_the_light_that_it_mirrors_onto_real_surfaces(void **s
         }
         traced++;
         assert_false(sl_material_is_mirror(m));
-        assert_true(distance_to_triangle(w.scene, w.map->triangle[i], at(w.map->position, i)) < 1e-5 * (double)w.scene->diagonal);
-        assert_true(fabsf(sl_length(at(w.map->arrival, i)) - 1.0f) < 1e-5f && sl_dot(at(w.map->arrival, i), at(w.map->geometric, i)) > 0.0f);
+        assert_true(distance_to_triangle(w.scene, w.map->triangle[i], at(w.map->position, i)) <
+                    1e-5 * (double)w.scene->diagonal);
+        assert_true(fabsf(sl_length(at(w.map->arrival, i)) - 1.0f) < 1e-5f &&
+                    sl_dot(at(w.map->arrival, i), at(w.map->geometric, i)) > 0.0f);
         wider += w.map->spread[i] > 1.5f * w.map->path[i] * w.map->path[i] * w.map->block_angle[i];
     }
     assert_true(missed * 20 < traced); /* at the ball's rim rays and pixels may differ */
@@ -727,10 +785,12 @@ static void a_ball_spreads_the_light_that_it_mirrors_onto_real_surfaces(void **s
 
 static void lights_in_odd_places_leave_nothing_that_is_not_finite(void **state) {
     (void)state;
-    static const float place[][3] = {{0.8f, 0.5f, 1.1f}, {2, 0, 2}, {0, 0, 0}, {2.2f, 0.6f, 1.3f}, {2, 1e-6f, 2}, {1e6f, 1e6f, 1e6f}, {4, 3, 5}};
+    static const float place[][3] = {{0.8f, 0.5f, 1.1f}, {2, 0, 2},          {0, 0, 0}, {2.2f, 0.6f, 1.3f},
+                                     {2, 1e-6f, 2},      {1e6f, 1e6f, 1e6f}, {4, 3, 5}};
     for (size_t k = 0; k < sizeof place / sizeof *place; k++) {
         trace_mesh mesh = furnished();
-        uint32_t a = trace_mesh_vertex(&mesh, 1, 1, 1), b = trace_mesh_vertex(&mesh, 2, 2, 2), c = trace_mesh_vertex(&mesh, 3, 3.0001f, 3);
+        uint32_t a = trace_mesh_vertex(&mesh, 1, 1, 1), b = trace_mesh_vertex(&mesh, 2, 2, 2),
+                 c = trace_mesh_vertex(&mesh, 3, 3.0001f, 3);
         trace_mesh_triangle(&mesh, a, b, c, 0); /* next to no area */
         mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, place[k][0], place[k][1], place[k][2]);
         mesh.lights[mesh.light_count] = light_at(SL_LIGHT_SPOT, place[k][0], place[k][1], place[k][2]);
@@ -754,7 +814,9 @@ static void settings_that_make_no_sense_are_refused(void **state) {
     sl_radiance_map *map;
     sl_radiance_map_options options = {.lambertian = true, .threads = 1};
     h.settings.samples = 0;
-    assert_int_equal(sl_radiance_map_render(w.scene, w.raster, w.lights, &h.settings, &options, &map, &w.counters, NULL), SL_ERROR_USAGE);
+    assert_int_equal(
+        sl_radiance_map_render(w.scene, w.raster, w.lights, &h.settings, &options, &map, &w.counters, NULL),
+        SL_ERROR_USAGE);
     assert_null(map);
     assert_int_equal(w.map->face_count, 0); /* no lights */
     discard(&w);

@@ -1,4 +1,5 @@
-/* Curved mirrors of Direct Radiance Mapping: environment cubes, what they show, and what is not made where nobody looks. */
+/* Curved mirrors of Direct Radiance Mapping: environment cubes, what they show, and what is not made where
+ * nobody looks. */
 #include "base/math.h"
 #include "cache/direct_radiance/direct_radiance.h"
 #include "raster_support.h"
@@ -15,7 +16,8 @@ typedef struct {
     size_t count;
 } mesh;
 
-static void add_triangle(mesh *m, uint32_t material, uint32_t object, const sl_vec3 p[3], const sl_vec3 n[3]) {
+static void add_triangle(mesh *m, uint32_t material, uint32_t object, const sl_vec3 p[3],
+                         const sl_vec3 n[3]) {
     assert_true(m->count < MAX);
     memcpy(m->xyz + 9 * m->count, p, 9 * sizeof(float));
     if (n) memcpy(m->normal + 9 * m->count, n, 9 * sizeof(float));
@@ -26,7 +28,8 @@ static void add_triangle(mesh *m, uint32_t material, uint32_t object, const sl_v
 
 /* Its front is on the side of a x b. */
 static void add_quad(mesh *m, uint32_t material, uint32_t object, sl_vec3 centre, sl_vec3 a, sl_vec3 b) {
-    sl_vec3 p[4] = {sl_sub(sl_sub(centre, a), b), sl_sub(sl_add(centre, a), b), sl_add(sl_add(centre, a), b), sl_add(sl_sub(centre, a), b)};
+    sl_vec3 p[4] = {sl_sub(sl_sub(centre, a), b), sl_sub(sl_add(centre, a), b), sl_add(sl_add(centre, a), b),
+                    sl_add(sl_sub(centre, a), b)};
     add_triangle(m, material, object, (sl_vec3[3]){p[0], p[1], p[2]}, NULL);
     add_triangle(m, material, object, (sl_vec3[3]){p[0], p[2], p[3]}, NULL);
 }
@@ -42,22 +45,30 @@ static void add_room(mesh *m, uint32_t material, uint32_t object, float half) {
 
 static sl_vec3 on_sphere(int ring, int sector) {
     double theta = SL_PI * ring / RINGS, phi = SL_PI * sector / RINGS;
-    return sl_v3((float)(sl_sin(theta) * sl_cos(phi)), (float)sl_cos(theta), (float)(sl_sin(theta) * sl_sin(phi)));
+    return sl_v3((float)(sl_sin(theta) * sl_cos(phi)), (float)sl_cos(theta),
+                 (float)(sl_sin(theta) * sl_sin(phi)));
 }
 
 /* Smooth, with the sphere's normals. */
 static void add_ball(mesh *m, uint32_t material, uint32_t object, sl_vec3 centre, float radius) {
     for (int i = 0; i < RINGS; i++) {
         for (int j = 0; j < 2 * RINGS; j++) {
-            sl_vec3 n[4] = {on_sphere(i, j), on_sphere(i, j + 1), on_sphere(i + 1, j + 1), on_sphere(i + 1, j)}, p[4];
+            sl_vec3 n[4] = {on_sphere(i, j), on_sphere(i, j + 1), on_sphere(i + 1, j + 1),
+                            on_sphere(i + 1, j)},
+                    p[4];
             for (int k = 0; k < 4; k++) p[k] = sl_mad(centre, radius, n[k]);
-            if (i > 0) add_triangle(m, material, object, (sl_vec3[3]){p[0], p[1], p[2]}, (sl_vec3[3]){n[0], n[1], n[2]});
-            if (i < RINGS - 1) add_triangle(m, material, object, (sl_vec3[3]){p[0], p[2], p[3]}, (sl_vec3[3]){n[0], n[2], n[3]});
+            if (i > 0)
+                add_triangle(m, material, object, (sl_vec3[3]){p[0], p[1], p[2]},
+                             (sl_vec3[3]){n[0], n[1], n[2]});
+            if (i < RINGS - 1)
+                add_triangle(m, material, object, (sl_vec3[3]){p[0], p[2], p[3]},
+                             (sl_vec3[3]){n[0], n[2], n[3]});
         }
     }
 }
 
-static const sl_rgb mirror_ks = {1.0f, 1.0f, 1.0f}, dim_ks = {0.5f, 0.75f, 0.25f}, lamp_radiance = {8.0f, 4.0f, 2.0f};
+static const sl_rgb mirror_ks = {1.0f, 1.0f, 1.0f}, dim_ks = {0.5f, 0.75f, 0.25f},
+                    lamp_radiance = {8.0f, 4.0f, 2.0f};
 
 static sl_scene *scene_of(const mesh *m, const sl_environment *environment, const sl_light *light) {
     uint32_t *indices = malloc(3 * MAX * sizeof *indices);
@@ -71,9 +82,18 @@ static sl_scene *scene_of(const mesh *m, const sl_environment *environment, cons
         [LAMP] = {.emission = lamp_radiance, .texture = none, .alpha_texture = none},
         [BROWN] = {.diffuse = {0.4f, 0.2f, 0.0f}, .texture = none, .alpha_texture = none},
     };
-    sl_scene_parts parts = {.vertex_count = 3 * m->count, .positions = m->xyz, .normals = m->normal, .triangle_count = m->count,
-                            .indices = indices, .material_index = m->material, .object_index = m->object, .material_count = MATERIALS,
-                            .materials = materials, .environment = environment, .light_count = light ? 1 : 0, .lights = light};
+    sl_scene_parts parts = {.vertex_count = 3 * m->count,
+                            .positions = m->xyz,
+                            .normals = m->normal,
+                            .triangle_count = m->count,
+                            .indices = indices,
+                            .material_index = m->material,
+                            .object_index = m->object,
+                            .material_count = MATERIALS,
+                            .materials = materials,
+                            .environment = environment,
+                            .light_count = light ? 1 : 0,
+                            .lights = light};
     sl_scene *scene = NULL;
     sl_error error;
     if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
@@ -126,11 +146,21 @@ typedef struct {
 static void render_picture(const fixture *f, const way *how, picture *out) {
     memset(out, 0, sizeof *out);
     const unsigned threads = how->threads ? how->threads : 1;
-    assert_int_equal(sl_receivers_render(f->scene, f->raster, &f->view, f->planar, how->reflections, threads, &out->receivers, &out->shading, NULL),
+    assert_int_equal(sl_receivers_render(f->scene, f->raster, &f->view, f->planar, how->reflections, threads,
+                                         &out->receivers, &out->shading, NULL),
                      SL_OK);
-    sl_light_pass light = {.scene = f->scene, .lights = f->lights, .photons = how->photons, .weight = SL_WEIGHT_FLUX, .threads = threads};
-    sl_mirror_pass pass = {.scene = f->scene, .raster = f->raster, .planar = f->planar, .light = &light, .cube_size = how->cube_size,
-                           .reflections = how->reflections, .indirect = how->indirect};
+    sl_light_pass light = {.scene = f->scene,
+                           .lights = f->lights,
+                           .photons = how->photons,
+                           .weight = SL_WEIGHT_FLUX,
+                           .threads = threads};
+    sl_mirror_pass pass = {.scene = f->scene,
+                           .raster = f->raster,
+                           .planar = f->planar,
+                           .light = &light,
+                           .cube_size = how->cube_size,
+                           .reflections = how->reflections,
+                           .indirect = how->indirect};
     sl_curved_mirrors *mirrors = NULL;
     assert_int_equal(sl_curved_mirrors_render(&pass, out->receivers, &mirrors, &out->cubes, NULL), SL_OK);
     out->cube_bytes = sl_curved_mirrors_bytes(mirrors);
@@ -145,11 +175,13 @@ static void render_picture(const fixture *f, const way *how, picture *out) {
     sl_add_emission(f->scene, out->receivers, threads, part[EMISSION], &out->shading);
     assert_int_equal(sl_light_directly(&light, out->receivers, &lit, &out->shading, NULL), SL_OK);
     assert_int_equal(sl_light_indirectly(&light, out->receivers, &lit, NULL, &out->shading, NULL), SL_OK);
-    sl_curved_mirrors_reflect(mirrors, out->receivers, threads, part[EMISSION], part[DIRECT], part[INDIRECT], &out->shading);
+    sl_curved_mirrors_reflect(mirrors, out->receivers, threads, part[EMISSION], part[DIRECT], part[INDIRECT],
+                              &out->shading);
     sl_curved_mirrors_destroy(mirrors);
     for (int p = 0; p < PARTS; p++) {
         for (int k = 0; k < 3; k++) {
-            for (int i = 0; i < PIXELS; i++) assert_true(isfinite(out->plane[p][k][i]) && out->plane[p][k][i] >= 0.0f);
+            for (int i = 0; i < PIXELS; i++)
+                assert_true(isfinite(out->plane[p][k][i]) && out->plane[p][k][i] >= 0.0f);
         }
     }
 }
@@ -161,7 +193,8 @@ static uint32_t material_at(const picture *p, int i) { return p->receivers->gbuf
 static sl_vec3 reflected_at(const picture *p, int i) {
     const sl_gbuffer *g = p->receivers->gbuffer;
     sl_vec3 n = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]);
-    sl_vec3 d = sl_sub(sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]), sl_receiver_eye(p->receivers, (size_t)i));
+    sl_vec3 d = sl_sub(sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
+                       sl_receiver_eye(p->receivers, (size_t)i));
     return sl_normalize_or(sl_mad(d, -2.0f * sl_dot(d, n), n), n);
 }
 
@@ -205,7 +238,8 @@ static void only_curved_mirrors_in_sight_get_cubes(void **state) {
         release(&a);
         destroy(&f);
     }
-    assert_true(bytes[0] == 0 && bytes[1] > 6 * 32 * 32 * 16 && bytes[2] > 3 * bytes[1] / 2 && bytes[2] <= 2 * bytes[1]);
+    assert_true(bytes[0] == 0 && bytes[1] > 6 * 32 * 32 * 16 && bytes[2] > 3 * bytes[1] / 2 &&
+                bytes[2] <= 2 * bytes[1]);
 }
 
 /* ---- what is shown ---- */
@@ -234,7 +268,8 @@ static void a_far_environment_is_reflected_as_by_rays(void **state) {
         if (material_at(&a, i) != DIM_MIRROR) continue;
         sl_rgb sky = sl_rgb_mul(sl_environment_radiance(&f.scene->environment, reflected_at(&a, i)), dim_ks);
         const float expected[3] = {sky.r, sky.g, sky.b};
-        for (int k = 0; k < 3; k++) assert_true(fabsf(a.plane[EMISSION][k][i] - expected[k]) <= 0.02f * expected[k]);
+        for (int k = 0; k < 3; k++)
+            assert_true(fabsf(a.plane[EMISSION][k][i] - expected[k]) <= 0.02f * expected[k]);
         seen++;
     }
     assert_true(seen > 500);
@@ -256,7 +291,8 @@ static void a_far_room_is_reflected_as_by_rays(void **state) {
     for (int i = 0; i < PIXELS; i++) {
         if (material_at(&a, i) != DIM_MIRROR) continue;
         const sl_gbuffer *g = a.receivers->gbuffer;
-        const sl_vec3 o = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]), d = reflected_at(&a, i);
+        const sl_vec3 o = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
+                      d = reflected_at(&a, i);
         const float from[3] = {o.x, o.y, o.z}, along[3] = {d.x, d.y, d.z};
         float t = INFINITY, next = INFINITY; /* to the wall that is hit, and to the next one's plane */
         int wall = 0;
@@ -269,8 +305,10 @@ static void a_far_room_is_reflected_as_by_rays(void **state) {
         sl_vec3 p = sl_mad(o, t, d), away = sl_sub(light.position, p);
         const float depth = fabsf(wall == 0 ? away.x : wall == 1 ? away.y : away.z), r = sl_length(away);
         const float radiance = 0.8f * (float)(1.0 / SL_PI) * 1e5f * depth / (r * r * r);
-        const float expected[3] = {radiance * dim_ks.r, 2.0f * radiance * dim_ks.g, 3.0f * radiance * dim_ks.b};
-        for (int k = 0; k < 3; k++) assert_true(fabsf(a.plane[DIRECT][k][i] - expected[k]) <= 0.02f * expected[k]);
+        const float expected[3] = {radiance * dim_ks.r, 2.0f * radiance * dim_ks.g,
+                                   3.0f * radiance * dim_ks.b};
+        for (int k = 0; k < 3; k++)
+            assert_true(fabsf(a.plane[DIRECT][k][i] - expected[k]) <= 0.02f * expected[k]);
         seen++;
     }
     assert_true(seen > 400);
@@ -291,11 +329,13 @@ static void a_planar_mirror_is_seen_in_the_ball(void **state) {
         assert_int_equal(f.planar->count, 1);
         render_picture(&f, &(way){.cube_size = 128, .reflections = reflections}, &a);
         size_t by_mirror = 0, other = 0;
-        const float expected[3] = {dim_ks.r * lamp_radiance.r, dim_ks.g * lamp_radiance.g, dim_ks.b * lamp_radiance.b};
+        const float expected[3] = {dim_ks.r * lamp_radiance.r, dim_ks.g * lamp_radiance.g,
+                                   dim_ks.b * lamp_radiance.b};
         for (int i = 0; i < PIXELS; i++) {
             if (material_at(&a, i) != MIRROR) continue;
             bool equal = true;
-            for (int k = 0; k < 3; k++) equal &= fabsf(a.plane[EMISSION][k][i] - expected[k]) < 1e-5f * expected[k];
+            for (int k = 0; k < 3; k++)
+                equal &= fabsf(a.plane[EMISSION][k][i] - expected[k]) < 1e-5f * expected[k];
             by_mirror += equal;
             other += a.plane[EMISSION][0][i] > 1.001f * expected[0];
         }
@@ -306,7 +346,8 @@ static void a_planar_mirror_is_seen_in_the_ball(void **state) {
     }
 }
 
-/* In a furnace of radiance L whatever reflects everything shows L: cubes, planar mirrors in them, balls in balls, limits of nesting. */
+/* In a furnace of radiance L whatever reflects everything shows L: cubes, planar mirrors in them, balls in
+ * balls, limits of nesting. */
 static void in_a_furnace_mirrors_that_keep_nothing_cannot_be_seen(void **state) {
     (void)state;
     static mesh m;
@@ -330,8 +371,8 @@ static void in_a_furnace_mirrors_that_keep_nothing_cannot_be_seen(void **state) 
     }
 }
 
-/* A room, a wall mirror, a ball and a can with a flat lid, all of one object: the can's lid must not hide what is above it, and the wall
- * mirror must be seen from the middle of the ball. */
+/* A room, a wall mirror, a ball and a can with a flat lid, all of one object: the can's lid must not hide
+ * what is above it, and the wall mirror must be seen from the middle of the ball. */
 static void what_stands_in_an_object_beside_its_mirror_is_seen_in_it(void **state) {
     (void)state;
     static mesh m;
@@ -350,13 +391,14 @@ static void what_stands_in_an_object_beside_its_mirror_is_seen_in_it(void **stat
         dimmed += fabsf(a.plane[EMISSION][0][i] - dim_ks.r * lamp_radiance.r) < 1e-5f;
         shown++;
     }
-    assert_true(shown > 300 && dimmed > 3 && whole + dimmed > 9 * shown / 10); /* between them: at the wall mirror's edges */
+    /* between them: at the wall mirror's edges */
+    assert_true(shown > 300 && dimmed > 3 && whole + dimmed > 9 * shown / 10);
     release(&a);
     destroy(&f);
 }
 
-/* A lamp that fills the middle half of a face, each way: 0.0641 of the sphere, where it is 1/24 of the texels. The ball beside shows k_s
- * times that share. */
+/* A lamp that fills the middle half of a face, each way: 0.0641 of the sphere, where it is 1/24 of the
+ * texels. The ball beside shows k_s times that share. */
 static void a_mirror_in_a_mirror_shows_the_mean_over_solid_angle(void **state) {
     (void)state;
     static mesh m;
@@ -366,11 +408,13 @@ static void a_mirror_in_a_mirror_shows_the_mean_over_solid_angle(void **state) {
     add_quad(&m, LAMP, 2, sl_v3(-3, 0, 0), sl_v3(0, 1.5f, 0), sl_v3(0, 0, 1.5f)); /* front towards +x */
     fixture f = fixture_of(scene_of(&m, NULL, NULL), sl_v3(0, 0, 1.6f), sl_v3(0, 0, 0));
     render_picture(&f, &(way){.cube_size = 64}, &a);
-    const double lamp = 4.0 * sl_atan2(0.25, sqrt(1.5)) / (4.0 * SL_PI), hidden = 0.5 * (1.0 - sqrt(1.0 - 0.36 / 8.0));
+    const double lamp = 4.0 * sl_atan2(0.25, sqrt(1.5)) / (4.0 * SL_PI),
+                 hidden = 0.5 * (1.0 - sqrt(1.0 - 0.36 / 8.0));
     const double expected = lamp / (1.0 - hidden) * (double)lamp_radiance.r * (double)dim_ks.r;
     size_t shown = 0;
     for (int i = 0; i < PIXELS; i++) {
-        if (material_at(&a, i) == MIRROR) shown += fabs((double)a.plane[EMISSION][0][i] - expected) < 0.01 * expected;
+        if (material_at(&a, i) == MIRROR)
+            shown += fabs((double)a.plane[EMISSION][0][i] - expected) < 0.01 * expected;
     }
     assert_true(shown > 5);
     release(&a);
@@ -398,10 +442,22 @@ static void a_camera_within_a_mirror_sees_finite_light(void **state) {
 
 /* A room of one colour with two photons on its floor and left wall. */
 static fixture lit_room(mesh *m, sl_map_photons *photons) {
-    static sl_map_photon photon[2] = {
-        {.position = {0, -4, 0}, .footprint = 1, .flux = {3, 2, 1}, .cos_alpha = 1, .normal = {0, 1, 0}, .printed_area = 1, .radiance = {3, 2, 1}},
-        {.position = {-4, 1, 1}, .footprint = 1, .flux = {1, 2, 3}, .cos_alpha = 1, .normal = {1, 0, 0}, .printed_area = 1, .radiance = {1, 2, 3}}};
-    *photons = (sl_map_photons){.count = 2, .photon = photon, .first_of_light = {0, 2}, .nearest = 1e-5f, .box_diagonal = 14.0f};
+    static sl_map_photon photon[2] = {{.position = {0, -4, 0},
+                                       .footprint = 1,
+                                       .flux = {3, 2, 1},
+                                       .cos_alpha = 1,
+                                       .normal = {0, 1, 0},
+                                       .printed_area = 1,
+                                       .radiance = {3, 2, 1}},
+                                      {.position = {-4, 1, 1},
+                                       .footprint = 1,
+                                       .flux = {1, 2, 3},
+                                       .cos_alpha = 1,
+                                       .normal = {1, 0, 0},
+                                       .printed_area = 1,
+                                       .radiance = {1, 2, 3}}};
+    *photons = (sl_map_photons){
+        .count = 2, .photon = photon, .first_of_light = {0, 2}, .nearest = 1e-5f, .box_diagonal = 14.0f};
     m->count = 0;
     add_room(m, BROWN, 0, 4);
     add_ball(m, DIM_MIRROR, 1, sl_v3(-0.5f, 0, 0), 1);
@@ -460,11 +516,14 @@ static void the_trick_is_direct_cubes_and_one_term_more(void **state) {
         const sl_gbuffer *g = b.receivers->gbuffer;
         sl_rgb e = sl_grey(0.0f);
         for (size_t j = 0; j < photons.count; j++) {
-            e = sl_rgb_add(e, sl_photon_irradiance(&photons, j, SL_WEIGHT_FLUX, sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
-                                                   sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]),
-                                                   sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i])));
+            e = sl_rgb_add(
+                e, sl_photon_irradiance(&photons, j, SL_WEIGHT_FLUX,
+                                        sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
+                                        sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]),
+                                        sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i])));
         }
-        const float red = dim_ks.r * 0.4f * (float)(1.0 / SL_PI) * e.r, green = dim_ks.g * 0.2f * (float)(1.0 / SL_PI) * e.g;
+        const float red = dim_ks.r * 0.4f * (float)(1.0 / SL_PI) * e.r,
+                    green = dim_ks.g * 0.2f * (float)(1.0 / SL_PI) * e.g;
         assert_true(fabsf(b.plane[INDIRECT][0][i] - red) <= 1e-5f * red + 1e-9f);
         assert_true(fabsf(b.plane[INDIRECT][1][i] - green) <= 1e-5f * green + 1e-9f);
         lit += red > 0.0f;
@@ -493,7 +552,8 @@ static void the_tricks_albedo_is_a_mean_by_area_of_what_is_no_mirror(void **stat
     add_quad(&m, MIRROR, 0, sl_v3(0, 0, 2), sl_v3(9, 0, 0), sl_v3(0, 9, 0));
     sl_scene *scene = scene_of(&m, NULL, NULL);
     const sl_rgb albedo = sl_trick_albedo(scene);
-    assert_true(fabsf(albedo.r - 0.5f) < 1e-6f && fabsf(albedo.g - 0.35f) < 1e-6f && fabsf(albedo.b - 0.2f) < 1e-6f);
+    assert_true(fabsf(albedo.r - 0.5f) < 1e-6f && fabsf(albedo.g - 0.35f) < 1e-6f &&
+                fabsf(albedo.b - 0.2f) < 1e-6f);
     sl_scene_destroy(scene);
     m.count = 0;
     add_ball(&m, MIRROR, 0, sl_v3(0, 0, 0), 1);

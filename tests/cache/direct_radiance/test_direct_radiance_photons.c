@@ -35,10 +35,12 @@ static void assert_photons_are_sound(const sl_map_photons *photons) {
         const sl_map_photon *p = &photons->photon[j];
         assert_true(sl_is_finite(p->position) && sl_rgb_is_finite(p->flux) && sl_rgb_is_finite(p->radiance));
         assert_true(fabsf(sl_length(p->normal) - 1.0f) < 1e-5f);
-        assert_true(p->footprint > 0 && isfinite(p->footprint) && isfinite(p->printed_area) && p->printed_area >= 0);
+        assert_true(p->footprint > 0 && isfinite(p->footprint) && isfinite(p->printed_area) &&
+                    p->printed_area >= 0);
         assert_true(p->cos_alpha > 0 && p->cos_alpha <= 1);
         assert_true(p->flux.r >= 0 && p->flux.g >= 0 && p->flux.b >= 0 && sl_rgb_max(p->flux) > 0);
-        if (photons->quad && photons->quad[j].count) assert_true(photons->quad[j].area > 0 && isfinite(photons->quad[j].area));
+        if (photons->quad && photons->quad[j].count)
+            assert_true(photons->quad[j].area > 0 && isfinite(photons->quad[j].area));
     }
 }
 
@@ -96,7 +98,8 @@ static void flux_is_reflectance_times_intensity_times_solid_angle_over_pi(void *
         assert_photons_are_sound(photons);
         double sum = 0, s = 2.0 / m;
         for (int j = 0; j < 6 * m * m; j++) {
-            double x = -1 + s * (j % m), y = -1 + s * (j / m % m), angle = sl_rectangle_solid_angle(x, y, x + s, y + s);
+            double x = -1 + s * (j % m), y = -1 + s * (j / m % m),
+                   angle = sl_rectangle_solid_angle(x, y, x + s, y + s);
             const sl_map_photon *p = &photons->photon[j];
             assert_true(fabs((double)p->flux.r / (0.5 * 2.0 * angle / SL_PI) - 1) < 1e-5);
             assert_true(fabs((double)p->flux.b / (0.5 * 5.0 * angle / SL_PI) - 1) < 1e-5);
@@ -113,7 +116,8 @@ static void flux_is_reflectance_times_intensity_times_solid_angle_over_pi(void *
     sl_scene_destroy(scene);
 }
 
-/* Inside a diffuse sphere cos cos' / r^2 is 1 / 4 R^2 for any two points: E = rho Phi / (4 pi R^2) everywhere, for any photons. */
+/* Inside a diffuse sphere cos cos' / r^2 is 1 / 4 R^2 for any two points: E = rho Phi / (4 pi R^2)
+ * everywhere, for any photons. */
 static void inside_a_sphere_any_photons_light_all_points_alike(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -137,7 +141,8 @@ static void inside_a_sphere_any_photons_light_all_points_alike(void **state) {
                 sum += (double)photons->photon[j].flux.r / 4;
                 continue;
             }
-            sum += (double)photons->photon[j].flux.r * -sl_dotd(x, d) * -sl_dotd(sl_to_double(photons->photon[j].normal), d) / (r2 * r2);
+            sum += (double)photons->photon[j].flux.r * -sl_dotd(x, d) *
+                   -sl_dotd(sl_to_double(photons->photon[j].normal), d) / (r2 * r2);
         }
         assert_true(fabs(sum / (0.6 * 2.0) - 1) < 0.01); /* rho 4 pi I / (4 pi R^2) */
     }
@@ -170,7 +175,8 @@ static void printed_areas_are_those_of_12_and_13(void **state) {
 static void photons_of_parallel_light_have_equal_footprints(void **state) {
     (void)state;
     sl_scene *scene = room(0.5f, 0);
-    sl_map_light sun = {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, 0.8f}, .intensity = {4, 4, 4}};
+    sl_map_light sun = {
+        .kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, 0.8f}, .intensity = {4, 4, 4}};
     hand_map *h = hand_map_begin(sun, 1, 8, 4);
     sl_map_face *f = &h->face[0];
     f->frame = (sl_frame){sl_v3(1, 0, 0), sl_v3(0, 0.8f, 0.6f), sun.direction};
@@ -250,7 +256,8 @@ static void glossy_scenes_keep_the_flux_that_arrives_and_the_lobe(void **state) 
             const sl_photon_lobe *lobe = &photons->lobe[j];
             assert_true(fabsf(lobe->diffuse.g - 0.5f) < 1e-6f && fabsf(lobe->specular.b - 0.25f) < 1e-6f);
             assert_true(fabsf(lobe->exponent - 7.0f) < 1e-5f);
-            sl_vec3 to_light = sl_normalize_or(sl_sub(h->light.position, photons->photon[j].position), sl_v3(0, 0, 0));
+            sl_vec3 to_light =
+                sl_normalize_or(sl_sub(h->light.position, photons->photon[j].position), sl_v3(0, 0, 0));
             assert_true(sl_dot(lobe->to_light, to_light) > 0.999f);
             sl_vec3 way = sl_sub(h->light.position, photons->photon[j].position);
             double irradiance = 3.0 * (double)photons->photon[j].cos_alpha / (double)sl_dot(way, way);
@@ -267,11 +274,13 @@ static void glossy_scenes_keep_the_flux_that_arrives_and_the_lobe(void **state) 
     sl_scene_destroy(scene);
 }
 
-/* A mirror x = 1 shows an area light at the origin that shines towards +x: its image at (2, 0, 0) shines towards -x. */
+/* A mirror x = 1 shows an area light at the origin that shines towards +x: its image at (2, 0, 0) shines
+ * towards -x. */
 static void a_lights_image_in_a_mirror_shines_as_the_light_does(void **state) {
     (void)state;
     sl_scene *scene = room(0.5f, 0.25f);
-    sl_map_light panel = {.kind = SL_MAP_LIGHT_AREA, .direction = {1, 0, 0}, .intensity = {1, 1, 1}, .area = 0.01f};
+    sl_map_light panel = {
+        .kind = SL_MAP_LIGHT_AREA, .direction = {1, 0, 0}, .intensity = {1, 1, 1}, .area = 0.01f};
     hand_map *h = hand_map_begin(panel, 6, 4, 4);
     h->map.lambertian = false;
     sl_map_face *f = &h->face[1]; /* towards -x */
@@ -318,21 +327,28 @@ static void traced_texels_arrive_from_where_they_say(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Photons of a map's radiance pictures, and of its true-colour pictures: Psi of one is kd / pi times the flux of the other, by every
- * way: straight, by a planar mirror, by a mirror ball; of a point, a spot and a panel. */
+/* Photons of a map's radiance pictures, and of its true-colour pictures: Psi of one is kd / pi times the flux
+ * of the other, by every way: straight, by a planar mirror, by a mirror ball; of a point, a spot and a panel.
+ */
 static void radiance_and_true_colour_give_the_same_photons(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     uint32_t shining = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, white);
     trace_mesh_quad(&mesh, sl_v3(0.9f, -0.5f, -0.5f), sl_v3(0, 0, 1), sl_v3(0, 1, 0), mirror);
     trace_mesh_sphere(&mesh, sl_v3(-0.4f, -0.6f, 0.2f), 0.25f, 12, 0, false, mirror);
     trace_mesh_quad(&mesh, sl_v3(-0.1f, 0.9f, -0.1f), sl_v3(0.2f, 0, 0), sl_v3(0, 0, 0.2f), shining);
     mesh.light_count = 2;
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.3f, 0.2f, -0.3f}, .intensity = {1, 2, 3}};
-    mesh.lights[1] = (sl_light){.type = SL_LIGHT_SPOT, .position = {0, 0, 0.3f}, .direction = {0.8f, 0, 0.6f}, .intensity = {1, 2, 3},
-                                .cos_inner = 0.8f, .cos_outer = 0.6f};
+    mesh.lights[0] =
+        (sl_light){.type = SL_LIGHT_POINT, .position = {0.3f, 0.2f, -0.3f}, .intensity = {1, 2, 3}};
+    mesh.lights[1] = (sl_light){.type = SL_LIGHT_SPOT,
+                                .position = {0, 0, 0.3f},
+                                .direction = {0.8f, 0, 0.6f},
+                                .intensity = {1, 2, 3},
+                                .cos_inner = 0.8f,
+                                .cos_outer = 0.6f};
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_raster *raster;
     sl_mirrors *mirrors;
@@ -343,21 +359,31 @@ static void radiance_and_true_colour_give_the_same_photons(void **state) {
     assert_int_equal(sl_map_lights_find(scene, 1, &lights, NULL), SL_OK);
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
     for (int i = 0; i < 3; i++) {
-        sl_radiance_map_settings settings = {.samples = 8, .map_size = 32, .filter = (sl_map_filter)(SL_MAP_FILTER_POINT + i % 3),
-                                             .weight = SL_WEIGHT_POLYGON, .traced_light_mirrors = true};
+        sl_radiance_map_settings settings = {.samples = 8,
+                                             .map_size = 32,
+                                             .filter = (sl_map_filter)(SL_MAP_FILTER_POINT + i % 3),
+                                             .weight = SL_WEIGHT_POLYGON,
+                                             .traced_light_mirrors = true};
         sl_map_photons *photons[2];
         bool mirrored = false;
         for (int lambertian = 0; lambertian < 2; lambertian++) {
-            sl_radiance_map_options options = {.mirrors = mirrors, .lambertian = lambertian, .normals = true, .tracer = tracer, .threads = 1};
+            sl_radiance_map_options options = {.mirrors = mirrors,
+                                               .lambertian = lambertian,
+                                               .normals = true,
+                                               .tracer = tracer,
+                                               .threads = 1};
             sl_radiance_map *map;
             sl_counters counters = {{0}};
-            assert_int_equal(sl_radiance_map_render(scene, raster, lights, &settings, &options, &map, &counters, NULL), SL_OK);
+            assert_int_equal(
+                sl_radiance_map_render(scene, raster, lights, &settings, &options, &map, &counters, NULL),
+                SL_OK);
             photons[lambertian] = take_photons(scene, map, &settings);
             assert_photons_are_sound(photons[lambertian]);
             mirrored |= map->mirrored_light;
             sl_radiance_map_destroy(map);
         }
-        assert_true(mirrored && photons[0]->first_of_light[3] == photons[0]->count && photons[0]->count > 3 * 64);
+        assert_true(mirrored && photons[0]->first_of_light[3] == photons[0]->count &&
+                    photons[0]->count > 3 * 64);
         if (settings.filter == SL_MAP_FILTER_RADIANCE) { /* means of colours are not means of radiance */
             for (int k = 0; k < 2; k++) sl_map_photons_destroy(photons[k]);
             continue;
@@ -405,15 +431,17 @@ static void polygons_are_where_corner_rays_meet_the_tangent_plane(void **state) 
     sl_scene_destroy(scene);
 }
 
-/* A receiver above a floor patch, at a tenth of its half side, where four photons' footprints meet. (What polygons
- * lack is that the light falls off within each of them.) */
+/* A receiver above a floor patch, at a tenth of its half side, where four photons' footprints meet. (What
+ * polygons lack is that the light falls off within each of them.) */
 static void close_to_a_patch_polygons_are_right_where_discs_are_not(void **state) {
     (void)state;
     sl_scene *scene = room(0.5f, 0);
     double exact = 0;
     const int fine = 600;
-    for (int i = 0; i < fine * fine; i++) { /* half side 1/2, light at 1/2, receiver at 0.05 and looking down */
-        double x = -0.5 + (i % fine + 0.5) / fine, z = -0.5 + (i / fine + 0.5) / fine, b2 = x * x + z * z + 0.25;
+    /* half side 1/2, light at 1/2, receiver at 0.05 and looking down */
+    for (int i = 0; i < fine * fine; i++) {
+        double x = -0.5 + (i % fine + 0.5) / fine, z = -0.5 + (i / fine + 0.5) / fine,
+               b2 = x * x + z * z + 0.25;
         double r2 = (x - 1.0 / 6) * (x - 1.0 / 6) + (z - 1.0 / 6) * (z - 1.0 / 6) + 0.0025;
         double radiance = 0.5 * 2.0 / SL_PI * (0.5 / sqrt(b2)) / b2;
         exact += radiance * 0.0025 / (r2 * r2) / ((double)fine * fine);
@@ -433,7 +461,8 @@ static void close_to_a_patch_polygons_are_right_where_discs_are_not(void **state
             e[0] += (double)sl_photon_irradiance(photons, j, SL_WEIGHT_POLYGON, x, down, down).r;
             e[1] += (double)sl_photon_irradiance(photons, j, SL_WEIGHT_FLUX, x, down, down).r;
         }
-        print_message("m = %d: polygons %.3f, flux %.3f of the exact irradiance\n", expected[k].m, e[0] / exact, e[1] / exact);
+        print_message("m = %d: polygons %.3f, flux %.3f of the exact irradiance\n", expected[k].m,
+                      e[0] / exact, e[1] / exact);
         assert_true(e[0] / exact > expected[k].polygon_low && e[0] / exact < expected[k].polygon_high);
         assert_true(e[1] / exact > expected[k].flux_low && e[1] / exact < expected[k].flux_high);
         sl_map_photons_destroy(photons);
@@ -451,7 +480,8 @@ static void a_polygon_whose_corners_run_away_is_left_out(void **state) {
     sl_vec3 normal = sl_normalize_or(sl_v3(-0.1f, 1, 0), sl_v3(0, 1, 0)); /* nearly edge-on */
     hand_texel(h, 4, 0, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.5f));
     hand_texel(h, h->face[1].first + 4, 0, sl_v3(-1, 0, 0), sl_neg(normal), sl_grey(0.5f));
-    hand_texel(h, h->face[4].first + 4, 0, sl_v3(0, 0, 1), sl_normalize_or(sl_v3(0, 1, -0.05f), normal), sl_grey(0.5f));
+    hand_texel(h, h->face[4].first + 4, 0, sl_v3(0, 0, 1), sl_normalize_or(sl_v3(0, 1, -0.05f), normal),
+               sl_grey(0.5f));
     sl_map_photons *photons = take_photons(scene, &h->map, &polygons);
     assert_int_equal(photons->count, 3);
     assert_photons_are_sound(photons);
@@ -528,8 +558,10 @@ static void grazing_texels_keep_their_flux(void **state) {
             sl_map_photons *photons = take_photons(scene, &h->map, &settings);
             assert_int_equal(photons->count, 1);
             assert_photons_are_sound(photons);
-            assert_true(fabs((double)photons->photon[0].flux.g / (0.5 * 3.0 * (4 * SL_PI / 6) / SL_PI) - 1) < 1e-3);
-            double e = flux_irradiance(photons, sl_v3d(1.0, 1e-3, 0), sl_v3d(0, -1, 0)); /* a finger above it: at most pi L_o */
+            assert_true(fabs((double)photons->photon[0].flux.g / (0.5 * 3.0 * (4 * SL_PI / 6) / SL_PI) - 1) <
+                        1e-3);
+            /* a finger above it: at most pi L_o */
+            double e = flux_irradiance(photons, sl_v3d(1.0, 1e-3, 0), sl_v3d(0, -1, 0));
             assert_true(isfinite(e) && e >= 0);
             sl_map_photons_destroy(photons);
             hand_map_end(h);
@@ -538,7 +570,8 @@ static void grazing_texels_keep_their_flux(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Shading normals turned to the light where the facet is seen edge-on: L_o A grows without bound; what arrives does not. */
+/* Shading normals turned to the light where the facet is seen edge-on: L_o A grows without bound; what
+ * arrives does not. */
 static void a_rounded_silhouette_sends_on_no_more_than_arrives(void **state) {
     (void)state;
     sl_scene *scene = room(0.5f, 0);
@@ -553,7 +586,8 @@ static void a_rounded_silhouette_sends_on_no_more_than_arrives(void **state) {
         }
         sl_map_photons *photons = take_photons(scene, &h->map, &points);
         assert_int_equal(photons->count, 1);
-        double angle = 4 * SL_PI / 6, reflected = (double)photons->photon[0].flux.g * (lambertian ? SL_PI : 0.5);
+        double angle = 4 * SL_PI / 6,
+               reflected = (double)photons->photon[0].flux.g * (lambertian ? SL_PI : 0.5);
         assert_true(reflected <= 3.0 * angle * (1 + 1e-6));
         assert_true(reflected > 0.3 * 3.0 * angle);
         sl_map_photons_destroy(photons);
@@ -590,10 +624,12 @@ static void broken_texels_are_no_photons(void **state) {
     for (int filter = SL_MAP_FILTER_POINT; filter <= SL_MAP_FILTER_FLUX; filter++) {
         for (int b = 0; b < 4; b++) {
             for (int plane = 0; plane < 4; plane++) {
-                sl_radiance_map_settings settings = {.filter = (sl_map_filter)filter, .weight = SL_WEIGHT_POLYGON};
+                sl_radiance_map_settings settings = {.filter = (sl_map_filter)filter,
+                                                     .weight = SL_WEIGHT_POLYGON};
                 hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 4, 4);
                 fill_floor(h, 0.5f);
-                float *planes[4] = {h->map.position[0], h->map.geometric[1], h->map.color[2], h->map.block_angle};
+                float *planes[4] = {h->map.position[0], h->map.geometric[1], h->map.color[2],
+                                    h->map.block_angle};
                 planes[plane][h->face[3].first + 5] = broken[b];
                 sl_map_photons *photons = take_photons(scene, &h->map, &settings);
                 assert_photons_are_sound(photons);

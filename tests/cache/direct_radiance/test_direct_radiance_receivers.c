@@ -1,4 +1,5 @@
-/* Receivers of Direct Radiance Mapping: the camera's G-buffer, what planar mirrors show in it, and the light that is seen directly. */
+/* Receivers of Direct Radiance Mapping: the camera's G-buffer, what planar mirrors show in it, and the light
+ * that is seen directly. */
 #include "cache/direct_radiance/direct_radiance.h"
 #include "raster_support.h"
 
@@ -15,7 +16,8 @@ typedef struct {
 } mesh;
 
 static void add_quad(mesh *m, uint32_t material, sl_vec3 centre, sl_vec3 a, sl_vec3 b) {
-    sl_vec3 p[4] = {sl_sub(sl_sub(centre, a), b), sl_sub(sl_add(centre, a), b), sl_add(sl_add(centre, a), b), sl_add(sl_sub(centre, a), b)};
+    sl_vec3 p[4] = {sl_sub(sl_sub(centre, a), b), sl_sub(sl_add(centre, a), b), sl_add(sl_add(centre, a), b),
+                    sl_add(sl_sub(centre, a), b)};
     sl_vec3 two[6] = {p[0], p[1], p[2], p[0], p[2], p[3]};
     memcpy(m->xyz + 9 * m->count, two, sizeof two);
     m->material[m->count] = m->material[m->count + 1] = material;
@@ -27,7 +29,8 @@ static void add_triangles(mesh *m, uint64_t key, size_t count, sl_vec3 low, sl_v
     const float l[3] = {low.x, low.y, low.z}, h[3] = {high.x, high.y, high.z};
     for (size_t t = 0; t < count; t++, m->count++) {
         for (size_t i = 0; i < 9; i++) {
-            float centre = random_between(key, 16 * t + i % 3, l[i % 3], h[i % 3]), off = random_between(key, 16 * t + 3 + i, -0.3f, 0.3f);
+            float centre = random_between(key, 16 * t + i % 3, l[i % 3], h[i % 3]),
+                  off = random_between(key, 16 * t + 3 + i, -0.3f, 0.3f);
             m->xyz[9 * m->count + i] = floorf((centre + off) * 1024.0f) / 1024.0f;
         }
         m->material[m->count] = t % 5 == 0 ? LAMP : GREY;
@@ -43,8 +46,14 @@ static sl_scene *scene_of(const mesh *m, const sl_environment *environment) {
         [OTHER_MIRROR] = {.mirror = {0.5f, 0.5f, 1.0f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
         [LAMP] = {.emission = {3.0f, 2.0f, 1.0f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
     };
-    sl_scene_parts parts = {.vertex_count = 3 * m->count, .positions = m->xyz, .triangle_count = m->count, .indices = indices,
-                            .material_index = m->material, .material_count = MATERIALS, .materials = materials, .environment = environment};
+    sl_scene_parts parts = {.vertex_count = 3 * m->count,
+                            .positions = m->xyz,
+                            .triangle_count = m->count,
+                            .indices = indices,
+                            .material_index = m->material,
+                            .material_count = MATERIALS,
+                            .materials = materials,
+                            .environment = environment};
     sl_scene *scene = NULL;
     sl_error error;
     if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
@@ -70,26 +79,32 @@ static sl_mirrors *mirrors_of(const sl_scene *scene, size_t expected) {
     return mirrors;
 }
 
-static sl_receivers *receivers_of(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
-                                  int reflections, unsigned threads) {
+static sl_receivers *receivers_of(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
+                                  const sl_mirrors *mirrors, int reflections, unsigned threads) {
     sl_receivers *receivers = NULL;
     sl_counters counters = {{0}};
-    assert_int_equal(sl_receivers_render(scene, raster, view, mirrors, reflections, threads, &receivers, &counters, NULL), SL_OK);
+    assert_int_equal(
+        sl_receivers_render(scene, raster, view, mirrors, reflections, threads, &receivers, &counters, NULL),
+        SL_OK);
     assert_int_equal(counters.value[SL_COUNT_RASTER_PASSES], receivers->path_count);
     assert_true(sl_receivers_bytes(receivers) > 60 * (size_t)view->width * (size_t)view->height);
     return receivers;
 }
 
-static sl_vec3 vector_at(const float *x, const float *y, const float *z, int i) { return sl_v3(x[i], y[i], z[i]); }
+static sl_vec3 vector_at(const float *x, const float *y, const float *z, int i) {
+    return sl_v3(x[i], y[i], z[i]);
+}
 #define AT(gbuffer, what, i) vector_at((gbuffer)->what##_x, (gbuffer)->what##_y, (gbuffer)->what##_z, i)
 
 /* ---- geometry ---- */
 
 static void assert_same_gbuffer(const sl_gbuffer *a, const sl_gbuffer *b, size_t pixels) {
-    const void *of_a[15] = {a->id, a->depth, a->position_x, a->position_y, a->position_z, a->normal_x, a->normal_y, a->normal_z, a->geometric_x,
-                            a->geometric_y, a->geometric_z, a->diffuse_r, a->diffuse_g, a->diffuse_b, a->material};
-    const void *of_b[15] = {b->id, b->depth, b->position_x, b->position_y, b->position_z, b->normal_x, b->normal_y, b->normal_z, b->geometric_x,
-                            b->geometric_y, b->geometric_z, b->diffuse_r, b->diffuse_g, b->diffuse_b, b->material};
+    const void *of_a[15] = {a->id,          a->depth,     a->position_x, a->position_y,  a->position_z,
+                            a->normal_x,    a->normal_y,  a->normal_z,   a->geometric_x, a->geometric_y,
+                            a->geometric_z, a->diffuse_r, a->diffuse_g,  a->diffuse_b,   a->material};
+    const void *of_b[15] = {b->id,          b->depth,     b->position_x, b->position_y,  b->position_z,
+                            b->normal_x,    b->normal_y,  b->normal_z,   b->geometric_x, b->geometric_y,
+                            b->geometric_z, b->diffuse_r, b->diffuse_g,  b->diffuse_b,   b->material};
     for (int k = 0; k < 15; k++) assert_memory_equal(of_a[k], of_b[k], 4 * pixels);
 }
 
@@ -110,7 +125,9 @@ static void without_a_mirror_in_view_receivers_are_the_gbuffer_and_cost_the_same
     for (int n = 0; n < 3; n++) { /* no mirrors, none followed, and none in view */
         sl_receivers *r = NULL;
         sl_counters counters = {{0}};
-        assert_int_equal(sl_receivers_render(scene, raster, &view, n == 0 ? NULL : mirrors, n == 1 ? 0 : 2, 1, &r, &counters, NULL), SL_OK);
+        assert_int_equal(sl_receivers_render(scene, raster, &view, n == 0 ? NULL : mirrors, n == 1 ? 0 : 2, 1,
+                                             &r, &counters, NULL),
+                         SL_OK);
         assert_same_gbuffer(r->gbuffer, g, PIXELS);
         assert_null(r->throughput[0]);
         assert_null(r->path);
@@ -125,8 +142,8 @@ static void without_a_mirror_in_view_receivers_are_the_gbuffer_and_cost_the_same
     sl_scene_destroy(scene);
 }
 
-/* The wall x = 0 with a square hole, and what stands before it, walls that reach behind the eye among it; in the hole a mirror, or behind it
- * the copy. */
+/* The wall x = 0 with a square hole, and what stands before it, walls that reach behind the eye among it; in
+ * the hole a mirror, or behind it the copy. */
 enum { WALL = 8, BEFORE = 310 };
 static sl_scene *wall_and_hole(bool copy, mesh *m) {
     m->count = 0;
@@ -145,7 +162,8 @@ static sl_scene *wall_and_hole(bool copy, mesh *m) {
     assert_true(first == WALL && count == BEFORE);
     if (!copy) add_quad(m, MIRROR, sl_v3(0, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1));
     for (size_t t = 0; copy && t < count; t++, m->count++) {
-        for (size_t k = 0; k < 9; k++) m->xyz[9 * m->count + k] = (k % 3 ? 1.0f : -1.0f) * m->xyz[9 * (first + t) + k];
+        for (size_t k = 0; k < 9; k++)
+            m->xyz[9 * m->count + k] = (k % 3 ? 1.0f : -1.0f) * m->xyz[9 * (first + t) + k];
         m->material[m->count] = m->material[first + t];
     }
     return scene_of(m, NULL);
@@ -166,12 +184,14 @@ static void a_mirror_shows_what_a_hole_onto_a_copy_of_the_scene_shows(void **sta
     size_t mirrored = 0, surfaces = 0, differing = 0;
     for (int n = 0; n < VIEWS; n++) {
         sl_view view = view_number(n, sl_v3(0.5f, 0.25f, 0.375f), sl_v3(-1, 0.1f, 0));
-        sl_receivers *r = receivers_of(scene, raster, &view, mirrors, 1, 2), *hole = receivers_of(copy, copy_raster, &view, NULL, 0, 2);
+        sl_receivers *r = receivers_of(scene, raster, &view, mirrors, 1, 2),
+                     *hole = receivers_of(copy, copy_raster, &view, NULL, 0, 2);
         const sl_gbuffer *a = r->gbuffer, *b = hole->gbuffer;
         for (int i = 0; i < view.width * view.height; i++) {
             if (!r->path || !r->path[i]) continue;
             mirrored++;
-            assert_true(r->throughput[0][i] == 0.75f && r->throughput[1][i] == 0.5f && r->throughput[2][i] == 0.25f);
+            assert_true(r->throughput[0][i] == 0.75f && r->throughput[1][i] == 0.5f &&
+                        r->throughput[2][i] == 0.25f);
             assert_true(close_to(sl_receiver_eye(r, (size_t)i), flipped(view.origin), 1e-6f));
             uint32_t expected = b->id[i] == SL_NO_INDEX ? SL_NO_INDEX : b->id[i] - BEFORE;
             differing += a->id[i] != expected;
@@ -202,7 +222,8 @@ static void what_a_view_leaves_out_is_seen_in_its_mirrors(void **state) {
     sl_raster *raster = raster_of(scene);
     sl_mirrors *mirrors = mirrors_of(scene, 1);
     static uint8_t left_out[MAX];
-    for (size_t t = 0; t < m.count; t++) left_out[t] = t >= WALL && t < WALL + BEFORE; /* all that stands before the wall */
+    /* all that stands before the wall */
+    for (size_t t = 0; t < m.count; t++) left_out[t] = t >= WALL && t < WALL + BEFORE;
     size_t in_mirror = 0;
     for (int n = 0; n < VIEWS; n++) {
         sl_view view = view_number(n, sl_v3(0.5f, 0.25f, 0.375f), sl_v3(-1, 0.1f, 0));
@@ -274,7 +295,8 @@ static void reflectances_multiply_along_a_path(void **state) {
     sl_view view = view_number(0, sl_v3(0.2f, 0.1f, 1.5f), sl_v3(0, 0, -2));
     sl_receivers *r = receivers_of(scene, raster, &view, mirrors, 3, 1);
     /* The far mirror, then the near one, then the far one again. */
-    const sl_rgb expected[4] = {{1.0f, 1.0f, 1.0f}, {0.75f, 0.5f, 0.25f}, {0.375f, 0.25f, 0.25f}, {0.28125f, 0.125f, 0.0625f}};
+    const sl_rgb expected[4] = {
+        {1.0f, 1.0f, 1.0f}, {0.75f, 0.5f, 0.25f}, {0.375f, 0.25f, 0.25f}, {0.28125f, 0.125f, 0.0625f}};
     const float eye_z[4] = {1.5f, -5.5f, 9.5f, -13.5f};
     size_t seen[4] = {0};
     for (int i = 0; i < PIXELS; i++) {
@@ -297,7 +319,8 @@ static void receivers_are_the_same_at_any_number_of_threads(void **state) {
     sl_raster *raster = raster_of(scene);
     sl_mirrors *mirrors = mirrors_of(scene, 2);
     sl_view view = view_number(0, sl_v3(0.2f, 0.1f, 1.5f), sl_v3(0, 0, -2));
-    sl_receivers *one = receivers_of(scene, raster, &view, mirrors, 3, 1), *three = receivers_of(scene, raster, &view, mirrors, 3, 3);
+    sl_receivers *one = receivers_of(scene, raster, &view, mirrors, 3, 1),
+                 *three = receivers_of(scene, raster, &view, mirrors, 3, 3);
     assert_same_gbuffer(one->gbuffer, three->gbuffer, PIXELS);
     assert_memory_equal(one->path, three->path, PIXELS);
     for (int k = 0; k < 3; k++) assert_memory_equal(one->throughput[k], three->throughput[k], 4 * PIXELS);
@@ -314,7 +337,8 @@ static void emitters_shine_from_their_front_in_mirrors_too(void **state) {
     (void)state;
     static mesh m;
     m.count = 0;
-    add_quad(&m, LAMP, sl_v3(2, 0, -1), sl_v3(0, 0, 0.5f), sl_v3(0, 0.5f, 0)); /* shines towards -x: the mirror shows its front */
+    /* shines towards -x: the mirror shows its front */
+    add_quad(&m, LAMP, sl_v3(2, 0, -1), sl_v3(0, 0, 0.5f), sl_v3(0, 0.5f, 0));
     add_quad(&m, MIRROR, sl_v3(0, 0, 0), sl_v3(0, 3, 0), sl_v3(0, 0, 3));
     sl_scene *scene = scene_of(&m, NULL);
     sl_raster *raster = raster_of(scene);
@@ -330,7 +354,8 @@ static void emitters_shine_from_their_front_in_mirrors_too(void **state) {
     for (int i = 0; i < PIXELS; i++) {
         uint32_t id = r->gbuffer->id[i];
         bool lamp = id == 0 || id == 1, shines = lamp && (r->path[i] != 0) != turned;
-        assert_true(red[i] == (shines ? 3.5f : 0.5f) && green[i] == (shines ? 2.0f : 0.0f) && blue[i] == (shines ? 1.0f : 0.0f));
+        assert_true(red[i] == (shines ? 3.5f : 0.5f) && green[i] == (shines ? 2.0f : 0.0f) &&
+                    blue[i] == (shines ? 1.0f : 0.0f));
         front += shines;
         back += lamp && !shines;
     }
@@ -352,7 +377,8 @@ static void paint(sl_environment *e, float *texels, int width, int height) {
 }
 
 static sl_vec3 direction_of_pixel(const sl_view *view, int i) { /* of a cube's face */
-    sl_vec3 x = sl_v3(view->clip[0][0], view->clip[0][1], view->clip[0][2]), y = sl_v3(view->clip[1][0], view->clip[1][1], view->clip[1][2]);
+    sl_vec3 x = sl_v3(view->clip[0][0], view->clip[0][1], view->clip[0][2]),
+            y = sl_v3(view->clip[1][0], view->clip[1][1], view->clip[1][2]);
     sl_vec3 z = sl_v3(view->clip[3][0], view->clip[3][1], view->clip[3][2]);
     float u = (2.0f * (float)(i % view->width) + 1.0f) / (float)view->width - 1.0f;
     float v = (2.0f * (float)(i / view->width) + 1.0f) / (float)view->height - 1.0f;
@@ -400,7 +426,9 @@ static void the_mean_of_an_environment_is_taken_by_solid_angle(void **state) {
     (void)state;
     static mesh m;
     static float texels[3 * 8 * 64];
-    for (int i = 0; i < 8 * 64; i++) texels[3 * i] = i < 8 * 32 ? 1.0f : 0.0f, texels[3 * i + 1] = 2.0f, texels[3 * i + 2] = i < 8 * 16 ? 1.0f : 0.0f;
+    for (int i = 0; i < 8 * 64; i++)
+        texels[3 * i] = i < 8 * 32 ? 1.0f : 0.0f, texels[3 * i + 1] = 2.0f,
+                   texels[3 * i + 2] = i < 8 * 16 ? 1.0f : 0.0f;
     sl_environment environment = {.present = true, .width = 8, .height = 64, .texels = texels};
     m.count = 0;
     add_quad(&m, GREY, sl_v3(0, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1));

@@ -1,4 +1,5 @@
-/* What pictures of direct radiance mapping tell of their maps: flux that they hold, flux that arrives, and a warning where (15) is lost. */
+/* What pictures of direct radiance mapping tell of their maps: flux that they hold, flux that arrives, and a
+ * warning where (15) is lost. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,11 +43,19 @@ static bool warns_of(const sl_scene *scene, const sl_settings *settings, const c
 /* A closed room of 4 x 3 x 5 with a point light; specular: of its walls. */
 static trace_mesh room(float diffuse, float specular, sl_vec3 light) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(4, 3, 5), true, trace_mesh_material(&mesh, diffuse, specular, 5, 0, 0));
-    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_POINT, .position = light, .direction = sl_v3(0, -1, 0),
-                                                 .intensity = {3, 3, 3}, .cos_inner = 0.9f, .cos_outer = 0.8f};
+    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(4, 3, 5), true,
+                   trace_mesh_material(&mesh, diffuse, specular, 5, 0, 0));
+    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_POINT,
+                                                 .position = light,
+                                                 .direction = sl_v3(0, -1, 0),
+                                                 .intensity = {3, 3, 3},
+                                                 .cos_inner = 0.9f,
+                                                 .cos_outer = 0.8f};
     mesh.has_camera = true;
-    mesh.camera = (sl_camera){.eye = sl_v3(2, 1.5f, 4.5f), .right = sl_v3(1, 0, 0), .up = sl_v3(0, 1, 0), .back = sl_v3(0, 0, 1),
+    mesh.camera = (sl_camera){.eye = sl_v3(2, 1.5f, 4.5f),
+                              .right = sl_v3(1, 0, 0),
+                              .up = sl_v3(0, 1, 0),
+                              .back = sl_v3(0, 0, 1),
                               .vertical_fov = 1.2f};
     return mesh;
 }
@@ -123,15 +132,18 @@ static void several_lights_count_by_their_flux(void **state) {
     s.radiance_map.shape = SL_MAP_FRUSTUM;
     sl_map_lights *lights;
     assert_int_equal(sl_map_lights_find(scene, 1, &lights, NULL), SL_OK);
-    double point = (double)sl_map_light_flux(&lights->light[0]).g, of_spot = (double)sl_map_light_flux(&lights->light[1]).g;
+    double point = (double)sl_map_light_flux(&lights->light[0]).g,
+           of_spot = (double)sl_map_light_flux(&lights->light[1]).g;
     sl_map_lights_destroy(lights);
-    assert_true(fabs(told(scene, &s, "softlux.flux_captured") - (point / 6.0 + of_spot) / (point + of_spot)) < 1e-3);
+    assert_true(fabs(told(scene, &s, "softlux.flux_captured") - (point / 6.0 + of_spot) / (point + of_spot)) <
+                1e-3);
     sl_scene_destroy(scene);
 }
 
 /* ---- received ---- */
 
-/* A closed convex room loses nothing, whatever the number of photons; where their light has the inverse square alone. */
+/* A closed convex room loses nothing, whatever the number of photons; where their light has the inverse
+ * square alone. */
 static void in_a_convex_room_all_reflected_flux_arrives_once(void **state) {
     (void)state;
     static const float specular[] = {0.0f, 0.3f};
@@ -140,8 +152,10 @@ static void in_a_convex_room_all_reflected_flux_arrives_once(void **state) {
         sl_scene *scene = trace_mesh_build(&mesh);
         for (int m = 4; m <= 16; m *= 2) {
             sl_settings plain = settings_with(SL_WEIGHT_PLAIN, m), flux = settings_with(SL_WEIGHT_FLUX, m);
-            double all = told(scene, &plain, "softlux.flux_received"), less = told(scene, &flux, "softlux.flux_received");
-            print_message("specular %.1f, m = %d: plain %.3f, flux %.3f\n", (double)specular[i], m, all, less);
+            double all = told(scene, &plain, "softlux.flux_received"),
+                   less = told(scene, &flux, "softlux.flux_received");
+            print_message("specular %.1f, m = %d: plain %.3f, flux %.3f\n", (double)specular[i], m, all,
+                          less);
             if (i == 0) assert_true(fabs(all - 1.0) < 0.1);
             else assert_true(all > 0.8 && all < 1.05); /* lobes lose what they send below the horizon */
             assert_true(less > 0.75 && less < 1.0);
@@ -150,8 +164,8 @@ static void in_a_convex_room_all_reflected_flux_arrives_once(void **state) {
     }
 }
 
-/* A wall across the room receives on both sides, and so does what lies behind it: light arrives twice and more. With visibility it does
- * not, and there is no report of it. */
+/* A wall across the room receives on both sides, and so does what lies behind it: light arrives twice and
+ * more. With visibility it does not, and there is no report of it. */
 static void a_wall_across_the_room_makes_light_arrive_again(void **state) {
     (void)state;
     trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 1.3f));
@@ -171,7 +185,8 @@ static void light_through_walls_is_warned_of(void **state) {
     sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
     for (int walls = 0; walls < 4; walls += 3) {
         trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 0.5f));
-        for (int i = 0; i < walls; i++) trace_mesh_quad(&mesh, sl_v3(0, 0, 1.0f + (float)i), sl_v3(4, 0, 0), sl_v3(0, 3, 0), 0);
+        for (int i = 0; i < walls; i++)
+            trace_mesh_quad(&mesh, sl_v3(0, 0, 1.0f + (float)i), sl_v3(4, 0, 0), sl_v3(0, 3, 0), 0);
         sl_scene *scene = trace_mesh_build(&mesh);
         assert_true(warns_of(scene, &s, "passes through walls") == (walls > 0));
         s.radiance_map.visibility = SL_VISIBILITY_RAYS;
@@ -184,7 +199,8 @@ static void light_through_walls_is_warned_of(void **state) {
 static void a_sky_that_lights_nothing_is_warned_of(void **state) {
     (void)state;
     sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
-    sl_scene *sky = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": [1, 1, 1]}}",
+    sl_scene *sky = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], "
+                                    "\"environment\": {\"radiance\": [1, 1, 1]}}",
                                     "v 0 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3\n");
     assert_true(warns_of(sky, &s, "the sky is seen, but lights nothing"));
     sl_scene_destroy(sky);
@@ -207,7 +223,8 @@ static void weight_15_warns_where_the_scene_is_ten_times_the_lights_way(void **s
     (void)state;
     for (int far = 0; far < 2; far++) {
         trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
-        if (far) trace_mesh_quad(&mesh, sl_v3(60, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0); /* outside, and far away */
+        /* outside, and far away */
+        if (far) trace_mesh_quad(&mesh, sl_v3(60, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
         sl_scene *scene = trace_mesh_build(&mesh);
         sl_settings box = settings_with(SL_WEIGHT_BOX, 4), disc = settings_with(SL_WEIGHT_DISC, 4);
         assert_true(warns_of(scene, &box, "weight 15") == (far == 1));

@@ -27,7 +27,8 @@ static world world_of(trace_mesh *mesh, int subdivision, int size, unsigned thre
     sl_error error = {0};
     bool ok = sl_raster_create(w.scene, threads, &w.raster, &error) == SL_OK &&
               sl_map_lights_find(w.scene, subdivision, &w.lights, &error) == SL_OK &&
-              sl_shadow_cubes_render(w.scene, w.raster, w.lights, size, threads, &w.cubes, &w.counters, &error) == SL_OK;
+              sl_shadow_cubes_render(w.scene, w.raster, w.lights, size, threads, &w.cubes, &w.counters,
+                                     &error) == SL_OK;
     if (!ok) fail_msg("%s", error.message);
     return w;
 }
@@ -98,7 +99,8 @@ static sl_vec3 random_point(const sl_scene *s, uint64_t i, uint32_t *triangle) {
     if (i % 2) *triangle %= 12; /* the walls, which are large */
     float u = sl_random_unit(key, 3 * i + 1), v = sl_random_unit(key, 3 * i + 2);
     if (u + v > 1.0f) u = 1.0f - u, v = 1.0f - v;
-    sl_vec3 a = sl_scene_position(s, s->vertex[0][*triangle]), b = sl_scene_position(s, s->vertex[1][*triangle]);
+    sl_vec3 a = sl_scene_position(s, s->vertex[0][*triangle]),
+            b = sl_scene_position(s, s->vertex[1][*triangle]);
     sl_vec3 c = sl_scene_position(s, s->vertex[2][*triangle]);
     return sl_mad(sl_mad(a, u, sl_sub(b, a)), v, sl_sub(c, a));
 }
@@ -118,10 +120,12 @@ static void compare_with_rays(sl_light light, int size, float step) {
         if (sl_dot(n, to) < 0.0f) n = sl_neg(n);
         if (sl_dot(n, to) < 0.02f * sl_length(to)) continue;
         int visible = 0;
-        for (int k = 0; k < 25; k++) visible += seen(tracer, beside(p, n, l, k % 5 - 2, k / 5 - 2, step), n, l, own);
+        for (int k = 0; k < 25; k++)
+            visible += seen(tracer, beside(p, n, l, k % 5 - 2, k / 5 - 2, step), n, l, own);
         if (visible != 0 && visible != 25) continue;
         float lit = lit_at(&w, 0, p, n);
-        if (lit != (visible ? 1.0f : 0.0f)) fail_msg("(%g %g %g): %g, rays say %d", p.x, p.y, p.z, lit, visible);
+        if (lit != (visible ? 1.0f : 0.0f))
+            fail_msg("(%g %g %g): %g, rays say %d", p.x, p.y, p.z, lit, visible);
         compared++;
         dark += !visible;
     }
@@ -132,12 +136,15 @@ static void compare_with_rays(sl_light light, int size, float step) {
 
 static void a_cube_says_what_rays_say_but_within_a_texel_of_edges(void **state) {
     (void)state;
-    for (int size = 128; size <= 512; size *= 2) compare_with_rays(point_light(2.1f, 2.4f, 2.3f), size, 0.75f * 2.0f / (float)(size - 2));
+    for (int size = 128; size <= 512; size *= 2)
+        compare_with_rays(point_light(2.1f, 2.4f, 2.3f), size, 0.75f * 2.0f / (float)(size - 2));
 }
 
 static void a_directional_light_s_map_says_what_rays_say(void **state) {
     (void)state;
-    sl_light light = {.type = SL_LIGHT_DIRECTIONAL, .direction = sl_normalize_or(sl_v3(0.3f, -1, 0.2f), sl_v3(0, -1, 0)), .intensity = {1, 1, 1}};
+    sl_light light = {.type = SL_LIGHT_DIRECTIONAL,
+                      .direction = sl_normalize_or(sl_v3(0.3f, -1, 0.2f), sl_v3(0, -1, 0)),
+                      .intensity = {1, 1, 1}};
     trace_mesh mesh = trace_mesh_begin();
     uint32_t m = grey(&mesh);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 5), sl_v3(4, 0, 0), sl_v3(0, 0, -5), m);
@@ -153,7 +160,9 @@ static void a_directional_light_s_map_says_what_rays_say(void **state) {
         sl_vec3 p = random_point(w.scene, i, &own), n = sl_scene_geometric_normal(w.scene, own);
         if (sl_dot(n, light.direction) > -0.02f) continue;
         int visible = 0;
-        for (int k = 0; k < 25; k++) visible += seen(tracer, beside(p, n, &w.lights->light[0], k % 5 - 2, k / 5 - 2, 0.022f), n, &w.lights->light[0], own);
+        for (int k = 0; k < 25; k++)
+            visible += seen(tracer, beside(p, n, &w.lights->light[0], k % 5 - 2, k / 5 - 2, 0.022f), n,
+                            &w.lights->light[0], own);
         if (visible != 0 && visible != 25) continue;
         assert_true(lit_at(&w, 0, p, n) == (visible ? 1.0f : 0.0f));
         compared++;
@@ -170,7 +179,9 @@ static void a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces(v
     (void)state;
     for (int i = 0; i < 24; i++) {
         uint64_t key = sl_random_key(9, (uint64_t)i);
-        sl_vec3 n = sl_normalize_or(sl_v3(sl_random_unit(key, 0) - 0.5f, sl_random_unit(key, 1) - 0.5f, sl_random_unit(key, 2) - 0.5f), sl_v3(0, 1, 0));
+        sl_vec3 n = sl_normalize_or(sl_v3(sl_random_unit(key, 0) - 0.5f, sl_random_unit(key, 1) - 0.5f,
+                                          sl_random_unit(key, 2) - 0.5f),
+                                    sl_v3(0, 1, 0));
         sl_frame f = sl_frame_from_normal(n);
         float away = i % 3 ? 0.3f : 0.02f; /* one in three is grazed */
         sl_vec3 at = sl_v3(3, -2, 1), corner = sl_mad(sl_mad(sl_mad(at, -away, n), -2.0f, f.x), -2.0f, f.y);
@@ -179,7 +190,8 @@ static void a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces(v
         mesh.lights[mesh.light_count++] = point_light(at.x, at.y, at.z);
         world w = world_of(&mesh, 1, i % 2 ? 512 : 100, 1);
         for (int k = 0; k < 120 * 120; k++) {
-            sl_vec3 p = sl_mad(sl_mad(corner, 4.0f * ((float)(k % 120) + 0.37f) / 120.0f, f.x), 4.0f * ((float)(k / 120) + 0.61f) / 120.0f, f.y);
+            sl_vec3 p = sl_mad(sl_mad(corner, 4.0f * ((float)(k % 120) + 0.37f) / 120.0f, f.x),
+                               4.0f * ((float)(k / 120) + 0.61f) / 120.0f, f.y);
             assert_true(lit_at(&w, 0, p, n) == 1.0f);
         }
         discard(&w);
@@ -215,14 +227,16 @@ static void the_corners_of_a_lit_room_have_no_dark_seams(void **state) {
     for (uint64_t i = 0; i < 12000; i++) { /* near the box's edges, anywhere in the sphere */
         uint32_t own;
         sl_vec3 p = random_point(w.scene, i, &own);
-        float edge[3] = {fminf(p.x + 1.3f, 1 - p.x), fminf(p.y + 1, 1.2f - p.y), fminf(p.z + 0.9f, 1.1f - p.z)};
+        float edge[3] = {fminf(p.x + 1.3f, 1 - p.x), fminf(p.y + 1, 1.2f - p.y),
+                         fminf(p.z + 0.9f, 1.1f - p.z)};
         bool ball = own >= 12;
         if (!ball && (edge[0] < 0.03f) + (edge[1] < 0.03f) + (edge[2] < 0.03f) < 2) continue;
         asked[ball]++;
         wrong[ball] += lit_at(&w, ball, p, sl_scene_geometric_normal(w.scene, own)) < 1.0f;
     }
     assert_true(asked[0] > 200 && asked[1] > 4000);
-    if (wrong[0] * 100 > asked[0] || wrong[1] * 200 > asked[1]) fail_msg("%d of %d, %d of %d", wrong[0], asked[0], wrong[1], asked[1]);
+    if (wrong[0] * 100 > asked[0] || wrong[1] * 200 > asked[1])
+        fail_msg("%d of %d, %d of %d", wrong[0], asked[0], wrong[1], asked[1]);
     discard(&w);
 }
 
@@ -263,7 +277,8 @@ static void a_shadow_s_edge_runs_on_across_the_border_of_two_faces(void **state)
     int partly = 0;
     for (int i = 0; i < 4000; i++) { /* just below and just beside the room's edge, where x = -y */
         float z = -2.0f + 4.0f * (float)i / 4000.0f, e = 1e-4f;
-        float below = lit_at(&w, 0, sl_v3(2 - e, -2, z), sl_v3(0, 1, 0)), side = lit_at(&w, 0, sl_v3(2, -2 + e, z), sl_v3(-1, 0, 0));
+        float below = lit_at(&w, 0, sl_v3(2 - e, -2, z), sl_v3(0, 1, 0)),
+              side = lit_at(&w, 0, sl_v3(2, -2 + e, z), sl_v3(-1, 0, 0));
         float step = fabsf(below - side);
         largest = step > largest ? step : largest;
         partly += below > 0.0f && below < 1.0f;
@@ -307,7 +322,8 @@ static trace_mesh closed_room(void) {
 static void an_area_light_does_not_shadow_what_it_lights_and_its_back_is_not_drawn(void **state) {
     (void)state;
     trace_mesh mesh = closed_room();
-    trace_mesh_quad(&mesh, sl_v3(-0.3f, 1.99f, -0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f), trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    trace_mesh_quad(&mesh, sl_v3(-0.3f, 1.99f, -0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f),
+                    trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
     world w = world_of(&mesh, 3, 128, 1);
     assert_int_equal(w.lights->point_count, 9);
     assert_int_equal(drawn(&w), 9 * 5);
@@ -343,14 +359,16 @@ static void a_two_sided_light_sees_both_its_sides(void **state) {
 static void a_bulging_lamp_does_not_shadow_itself(void **state) {
     (void)state;
     trace_mesh mesh = closed_room();
-    trace_mesh_sphere(&mesh, sl_v3(0, 1.2f, 0), 0.3f, 24, 0, false, trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    trace_mesh_sphere(&mesh, sl_v3(0, 1.2f, 0), 0.3f, 24, 0, false,
+                      trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
     world w = world_of(&mesh, 1, 64, 2);
     assert_true(w.lights->count > 32);
     int looked = 0;
     for (size_t i = 0; i < w.lights->point_count; i++) {
         const sl_map_light *l = &w.lights->light[w.lights->point[i].light];
         for (int k = 0; k < 100; k++) {
-            sl_vec3 p = sl_v3(-0.9f + 0.2f * (float)(k % 10), 0, -0.9f + 0.2f * (float)(k / 10)), d = sl_sub(p, w.lights->point[i].position);
+            sl_vec3 p = sl_v3(-0.9f + 0.2f * (float)(k % 10), 0, -0.9f + 0.2f * (float)(k / 10)),
+                    d = sl_sub(p, w.lights->point[i].position);
             if (sl_dot(d, l->direction) < 0.05f) continue;
             assert_true(lit_at(&w, i, p, sl_v3(0, 1, 0)) == 1.0f);
             looked++;
@@ -366,8 +384,12 @@ static void faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped(v
     const uint64_t faces[] = {1, 1, 5, 5, 6, 6};
     for (int i = 0; i < 6; i++) {
         trace_mesh mesh = closed_room();
-        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT, .position = {0, 1, 0}, .direction = {0, -1, 0}, .intensity = {1, 1, 1},
-                                                     .cos_inner = cosines[i], .cos_outer = cosines[i]};
+        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT,
+                                                     .position = {0, 1, 0},
+                                                     .direction = {0, -1, 0},
+                                                     .intensity = {1, 1, 1},
+                                                     .cos_inner = cosines[i],
+                                                     .cos_outer = cosines[i]};
         world w = world_of(&mesh, 1, 64, 1);
         assert_int_equal(drawn(&w), faces[i]);
         assert_int_equal(skipped(&w), 6 - faces[i]);
@@ -383,22 +405,27 @@ static void faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped(v
     /* A light that has gone out. */
     w.lights->point[0].intensity = sl_grey(0.0f);
     sl_shadow_cubes_destroy(w.cubes);
-    assert_int_equal(sl_shadow_cubes_render(w.scene, w.raster, w.lights, 64, 1, &w.cubes, &w.counters, NULL), SL_OK);
+    assert_int_equal(sl_shadow_cubes_render(w.scene, w.raster, w.lights, 64, 1, &w.cubes, &w.counters, NULL),
+                     SL_OK);
     assert_int_equal(drawn(&w), 1);
     assert_int_equal(skipped(&w), 5 + 6);
     assert_true(lit_at(&w, 0, sl_v3(0, 0, 0), sl_v3(0, 1, 0)) == 1.0f);
     discard(&w);
 }
 
-/* A narrow spot's texels are as much smaller as its cone is narrower than a face: the edge of a shadow that falls across it lies where it
- * should to a fraction of a cube's texel. */
+/* A narrow spot's texels are as much smaller as its cone is narrower than a face: the edge of a shadow that
+ * falls across it lies where it should to a fraction of a cube's texel. */
 static void a_narrow_spot_has_all_of_its_texels_in_its_cone(void **state) {
     (void)state;
     for (int narrow = 0; narrow < 2; narrow++) {
         trace_mesh mesh = closed_room();
         trace_mesh_quad(&mesh, sl_v3(0.03f, 0.5f, 0.5f), sl_v3(0.5f, 0, 0), sl_v3(0, 0, -1), 0);
-        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT, .position = {0, 1, 0}, .direction = {0, -1, 0}, .intensity = {1, 1, 1},
-                                                     .cos_inner = 0.99f, .cos_outer = narrow ? 0.98f : 0.72f};
+        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT,
+                                                     .position = {0, 1, 0},
+                                                     .direction = {0, -1, 0},
+                                                     .intensity = {1, 1, 1},
+                                                     .cos_inner = 0.99f,
+                                                     .cos_outer = narrow ? 0.98f : 0.72f};
         world w = world_of(&mesh, 1, 64, 1);
         float first = 0.0f, last = 0.0f; /* the edge lies at 0.06 */
         for (int i = 0; i < 2000; i++) {
@@ -421,7 +448,8 @@ static void no_lights_means_no_cubes_and_no_cubes_means_all_lit(void **state) {
     sl_shadow_cubes_lit(NULL, 0, 1, &zero, &zero, &zero, &zero, &zero, &zero, &lit, &w.counters);
     assert_true(lit == 0.25f);
     sl_shadow_cubes *cubes;
-    assert_int_equal(sl_shadow_cubes_render(w.scene, w.raster, w.lights, 3, 1, &cubes, &w.counters, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_shadow_cubes_render(w.scene, w.raster, w.lights, 3, 1, &cubes, &w.counters, NULL),
+                     SL_ERROR_USAGE);
     discard(&w);
 }
 
@@ -432,7 +460,8 @@ static void whatever_is_asked_the_answer_is_between_0_and_1(void **state) {
     trace_mesh mesh = furnished();
     mesh.lights[mesh.light_count++] = point_light(0.8f, 0.5f, 1.1f); /* inside a box */
     mesh.lights[mesh.light_count++] = point_light(2, 0, 2);          /* in the floor */
-    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = {1, 1, 1}};
+    mesh.lights[mesh.light_count++] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = {1, 1, 1}};
     world w = world_of(&mesh, 1, 64, 1);
     const float v[] = {0.0f, -0.0f, 1.0f, 2.0f, 0.5f, 0.8f, 1e-30f, 1e30f, -1e38f, INFINITY, -INFINITY, NAN};
     const int n = (int)(sizeof v / sizeof *v);
@@ -440,7 +469,10 @@ static void whatever_is_asked_the_answer_is_between_0_and_1(void **state) {
         for (int i = 0; i < n * n * n; i++) {
             sl_vec3 p = sl_v3(v[i % n], v[i / n % n], v[i / n / n]);
             for (int k = 0; k < 3; k++) {
-                float lit = lit_at(&w, point, p, k == 0 ? sl_v3(0, 1, 0) : k == 1 ? sl_v3(0, 0, 0) : sl_v3(NAN, 1, 0));
+                float lit = lit_at(&w, point, p,
+                                   k == 0   ? sl_v3(0, 1, 0)
+                                   : k == 1 ? sl_v3(0, 0, 0)
+                                            : sl_v3(NAN, 1, 0));
                 assert_true(lit >= 0.0f && lit <= 1.0f);
             }
         }
@@ -497,8 +529,16 @@ static void every_instruction_set_gives_the_same_bits(void **state) {
     uint64_t key = sl_random_key(3, 1);
     for (size_t i = 64; i < sizeof depth / sizeof *depth; i++) depth[i] = sl_random_unit(key, i);
     for (int directional = 0; directional < 2; directional++) {
-        sl_shadow_cube cube = {.depth = depth, .size = SIZE, .directional = directional, .eye = {0.1f, 0.2f, 0.3f}, .rounding = 1e-6f, .tangent = 0.8f,
-                               .frame = sl_frame_from_normal(sl_normalize_or(sl_v3(1, 2, 3), sl_v3(0, 0, 1))), .reach_x = 3, .reach_y = 2, .reach_z = 3};
+        sl_shadow_cube cube = {.depth = depth,
+                               .size = SIZE,
+                               .directional = directional,
+                               .eye = {0.1f, 0.2f, 0.3f},
+                               .rounding = 1e-6f,
+                               .tangent = 0.8f,
+                               .frame = sl_frame_from_normal(sl_normalize_or(sl_v3(1, 2, 3), sl_v3(0, 0, 1))),
+                               .reach_x = 3,
+                               .reach_y = 2,
+                               .reach_z = 3};
         for (int side = 0; side < 5; side++) {
             cube.start[side] = 64 + side * SIZE * SIZE;
             cube.mask[side] = -1;

@@ -1,4 +1,5 @@
-/* A light glides past a box, and samples change surface: what that does to the irradiance from frame to frame. */
+/* A light glides past a box, and samples change surface: what that does to the irradiance from frame to
+ * frame. */
 #include "radiance_maps.h"
 
 enum { FRAMES = 50, RECEIVERS = 96 };
@@ -32,27 +33,31 @@ static sl_scene *room_with_box(void) {
 }
 
 static sl_map_light light_of_frame(int frame) {
-    return (sl_map_light){.kind = SL_MAP_LIGHT_POINT, .position = {0.1f + 0.8f * (float)frame / (FRAMES - 1), 0.3f, 0.25f},
+    return (sl_map_light){.kind = SL_MAP_LIGHT_POINT,
+                          .position = {0.1f + 0.8f * (float)frame / (FRAMES - 1), 0.3f, 0.25f},
                           .intensity = {1, 1, 1}};
 }
 
 static sl_radiance_map_settings sampled(int w, int m, sl_map_filter filter) {
-    return (sl_radiance_map_settings){.samples = m, .map_size = w, .filter = filter, .weight = SL_WEIGHT_FLUX};
+    return (sl_radiance_map_settings){
+        .samples = m, .map_size = w, .filter = filter, .weight = SL_WEIGHT_FLUX};
 }
 
-static sl_map_photons *photons_of_light(const sl_scene *scene, const sl_raster *raster, sl_radiance_map_settings settings,
-                                        const sl_map_lights *lights) {
+static sl_map_photons *photons_of_light(const sl_scene *scene, const sl_raster *raster,
+                                        sl_radiance_map_settings settings, const sl_map_lights *lights) {
     const sl_radiance_map_options options = {.lambertian = true, .normals = true, .threads = 1};
     sl_radiance_map *map = NULL;
     sl_counters counters = {{0}};
     sl_error error;
-    if (sl_radiance_map_render(scene, raster, lights, &settings, &options, &map, &counters, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_radiance_map_render(scene, raster, lights, &settings, &options, &map, &counters, &error) != SL_OK)
+        fail_msg("%s", error.message);
     sl_map_photons *photons = take_photons(scene, map, &settings);
     sl_radiance_map_destroy(map);
     return photons;
 }
 
-static sl_map_photons *photons_of_frame(const sl_scene *scene, const sl_raster *raster, sl_radiance_map_settings settings, int frame) {
+static sl_map_photons *photons_of_frame(const sl_scene *scene, const sl_raster *raster,
+                                        sl_radiance_map_settings settings, int frame) {
     sl_map_light light = light_of_frame(frame);
     const sl_map_lights lights = {.count = 1, .light = &light};
     return photons_of_light(scene, raster, settings, &lights);
@@ -63,7 +68,8 @@ typedef struct film {
     double e[FRAMES][RECEIVERS], mean;
 } film;
 
-static void shoot(const sl_scene *scene, const sl_raster *raster, sl_radiance_map_settings settings, film *out) {
+static void shoot(const sl_scene *scene, const sl_raster *raster, sl_radiance_map_settings settings,
+                  film *out) {
     receivers r = on_the_walls();
     out->mean = 0;
     for (int k = 0; k < FRAMES; k++) {
@@ -80,7 +86,8 @@ typedef struct flashes {
     double largest, change, root_mean_square, error;
 } flashes;
 
-/* Of each receiver and frame, the change since the frame before: of the film, and that less the reference's; of the mean irradiance. */
+/* Of each receiver and frame, the change since the frame before: of the film, and that less the reference's;
+ * of the mean irradiance. */
 static flashes flashes_of(const film *f, const film *reference) {
     flashes found = {0, 0, 0, 0};
     for (int k = 0; k < FRAMES; k++) {
@@ -88,14 +95,16 @@ static flashes flashes_of(const film *f, const film *reference) {
             double e = f->e[k][i] - reference->e[k][i];
             found.error += e * e / (FRAMES * RECEIVERS);
             if (k == 0) continue;
-            double change = f->e[k][i] - f->e[k - 1][i], flash = e - (f->e[k - 1][i] - reference->e[k - 1][i]);
+            double change = f->e[k][i] - f->e[k - 1][i],
+                   flash = e - (f->e[k - 1][i] - reference->e[k - 1][i]);
             found.change = fmax(found.change, fabs(change));
             found.largest = fmax(found.largest, fabs(flash));
             found.root_mean_square += flash * flash / ((FRAMES - 1) * RECEIVERS);
         }
     }
     double mean = reference->mean;
-    return (flashes){found.largest / mean, found.change / mean, sqrt(found.root_mean_square) / mean, sqrt(found.error) / mean};
+    return (flashes){found.largest / mean, found.change / mean, sqrt(found.root_mean_square) / mean,
+                     sqrt(found.error) / mean};
 }
 
 static void a_gliding_light_flashes_with_points_and_less_with_groups(void **state) {
@@ -110,15 +119,17 @@ static void a_gliding_light_flashes_with_points_and_less_with_groups(void **stat
     print_message("largest change of 13,824 photons: %.3f of the mean irradiance\n", natural);
     for (int m = 3; m <= 8; m = m == 3 ? 4 : 2 * m) {
         int w = m == 3 ? 18 : 16;
-        const sl_radiance_map_settings ways[3] = {sampled(w, m, SL_MAP_FILTER_POINT), sampled(w, m, SL_MAP_FILTER_RADIANCE),
+        const sl_radiance_map_settings ways[3] = {sampled(w, m, SL_MAP_FILTER_POINT),
+                                                  sampled(w, m, SL_MAP_FILTER_RADIANCE),
                                                   sampled(w, m, SL_MAP_FILTER_FLUX)};
         const char *const names[3] = {"point", "radiance", "flux"};
         flashes found[3];
         for (int i = 0; i < 3; i++) {
             shoot(scene, raster, ways[i], &films[1]);
             found[i] = flashes_of(&films[1], &films[0]);
-            print_message("m = %d %-8s: largest change %.3f, flash %.3f, root mean square %.4f; error %.3f\n", m, names[i],
-                          found[i].change, found[i].largest, found[i].root_mean_square, found[i].error);
+            print_message("m = %d %-8s: largest change %.3f, flash %.3f, root mean square %.4f; error %.3f\n",
+                          m, names[i], found[i].change, found[i].largest, found[i].root_mean_square,
+                          found[i].error);
         }
         assert_true(found[2].root_mean_square < 0.8 * found[0].root_mean_square);
     }

@@ -21,7 +21,9 @@ typedef struct {
     sl_receivers *receivers;
 } stage;
 
-static sl_vec3 floor_point(int x, int y) { return sl_v3(((float)x + 0.5f) / WIDTH, 0.0f, ((float)y + 0.5f) / HEIGHT); }
+static sl_vec3 floor_point(int x, int y) {
+    return sl_v3(((float)x + 0.5f) / WIDTH, 0.0f, ((float)y + 0.5f) / HEIGHT);
+}
 
 static stage make_stage(bool plate) {
     trace_mesh mesh = trace_mesh_begin();
@@ -29,11 +31,13 @@ static stage make_stage(bool plate) {
     (void)trace_mesh_material(&mesh, 0.2f, 0.4f, 12.0f, 0.0f, 0.0f);
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), true, grey);
     if (plate) trace_mesh_quad(&mesh, sl_v3(0.4f, 0.5f, 0.4f), sl_v3(0.2f, 0, 0), sl_v3(0, 0, 0.2f), grey);
-    stage s = {.scene = trace_mesh_build(&mesh), .receivers = make_receivers(WIDTH, HEIGHT, sl_v3(0.5f, 0.8f, 0.5f))};
+    stage s = {.scene = trace_mesh_build(&mesh),
+               .receivers = make_receivers(WIDTH, HEIGHT, sl_v3(0.5f, 0.8f, 0.5f))};
     assert_int_equal(sl_tracer_create(s.scene, 1, NULL, &s.tracer, NULL), SL_OK);
     for (int y = 0; y < HEIGHT; y++) {
         for (int x = 0; x < WIDTH; x++)
-            set_receiver(s.receivers, (size_t)(y * WIDTH + x), floor_point(x, y), sl_v3(0, 1, 0), sl_v3(0, 1, 0), sl_grey(0.5f), 0);
+            set_receiver(s.receivers, (size_t)(y * WIDTH + x), floor_point(x, y), sl_v3(0, 1, 0),
+                         sl_v3(0, 1, 0), sl_grey(0.5f), 0);
     }
     return s;
 }
@@ -49,23 +53,33 @@ static sl_map_photons *ceiling_photons(size_t count) {
     sl_map_photons *p = make_photons(count, 1.7f);
     for (size_t j = 0; j < count; j++) {
         float x = count == 1 ? 0.5f : 0.2f + 0.6f * (float)j / (float)(count - 1);
-        p->photon[j] = (sl_map_photon){.position = {x, 1.0f, 0.5f}, .footprint = 1e-4f, .flux = {1.0f, 0.5f, 0.25f}, .cos_alpha = 0.9f,
-                                       .normal = {0, -1, 0}, .printed_area = 1e-4f, .radiance = {1.0f, 0.5f, 0.25f}};
+        p->photon[j] = (sl_map_photon){.position = {x, 1.0f, 0.5f},
+                                       .footprint = 1e-4f,
+                                       .flux = {1.0f, 0.5f, 0.25f},
+                                       .cos_alpha = 0.9f,
+                                       .normal = {0, -1, 0},
+                                       .printed_area = 1e-4f,
+                                       .radiance = {1.0f, 0.5f, 0.25f}};
     }
     return p;
 }
 
-static planes light_up(const stage *s, const sl_map_photons *photons, sl_photon_visibility visibility, unsigned threads,
-                       sl_counters *counters) {
-    sl_light_pass pass = {.scene = s->scene, .photons = photons, .weight = SL_WEIGHT_FLUX, .tracer = s->tracer,
-                          .visibility = visibility, .threads = threads};
+static planes light_up(const stage *s, const sl_map_photons *photons, sl_photon_visibility visibility,
+                       unsigned threads, sl_counters *counters) {
+    sl_light_pass pass = {.scene = s->scene,
+                          .photons = photons,
+                          .weight = SL_WEIGHT_FLUX,
+                          .tracer = s->tracer,
+                          .visibility = visibility,
+                          .threads = threads};
     planes p = make_planes(PIXELS);
     sl_lit_picture picture = {.indirect = {p.value[0], p.value[1], p.value[2]}};
     assert_int_equal(sl_light_indirectly(&pass, s->receivers, &picture, NULL, counters, NULL), SL_OK);
     return p;
 }
 
-/* Distance on the floor to the edge of the plate's shadow from (1/2, 1, 1/2): a square of side 0.4; below 0 inside. */
+/* Distance on the floor to the edge of the plate's shadow from (1/2, 1, 1/2): a square of side 0.4; below 0
+ * inside. */
 static float from_shadow(int x, int y) {
     sl_vec3 p = floor_point(x, y);
     return fmaxf(fabsf(p.x - 0.5f), fabsf(p.z - 0.5f)) - 0.2f;
@@ -76,12 +90,14 @@ static void rays_leave_the_plates_shadow_on_the_floor(void **state) {
     stage s = make_stage(true);
     sl_map_photons *photons = ceiling_photons(1);
     sl_counters costs = {{0}}, none = {{0}};
-    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &none), traced = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
+    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &none),
+           traced = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
     for (int i = 0; i < PIXELS; i++) {
         float edge = from_shadow(i % WIDTH, i / WIDTH);
         assert_true(open.value[0][i] > 0.0f);
         if (fabsf(edge) < 1e-3f) continue;
-        for (int c = 0; c < 3; c++) assert_true(traced.value[c][i] == (edge > 0.0f ? open.value[c][i] : 0.0f));
+        for (int c = 0; c < 3; c++)
+            assert_true(traced.value[c][i] == (edge > 0.0f ? open.value[c][i] : 0.0f));
     }
     assert_int_equal(none.value[SL_COUNT_SHADOW_RAYS], 0);
     assert_int_equal(costs.value[SL_COUNT_SHADOW_RAYS], PIXELS);
@@ -96,7 +112,8 @@ static void nothing_changes_where_nothing_is_in_the_way(void **state) {
     stage s = make_stage(false);
     sl_map_photons *photons = cube_photons(meet_unit_cube, NULL, sl_v3d(0.4, 0.7, 0.5), 6, 3, 0.7, sqrt(3.0));
     sl_counters costs = {{0}};
-    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs), rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs),
+    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs),
+           rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs),
            blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
     for (int c = 0; c < 3; c++) {
         assert_memory_equal(open.value[c], rays.value[c], PIXELS * sizeof(float));
@@ -131,7 +148,8 @@ static void blocks_give_the_same_shadow_for_fewer_rays(void **state) {
     stage s = make_stage(true);
     sl_map_photons *photons = ceiling_photons(1);
     sl_counters of_rays = {{0}}, of_blocks = {{0}};
-    planes rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &of_rays), blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &of_blocks);
+    planes rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &of_rays),
+           blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &of_blocks);
     uint64_t edge = 0;
     for (int i = 0; i < PIXELS; i++) edge += fabsf(from_shadow(i % WIDTH, i / WIDTH)) < 8.0f / HEIGHT;
     for (int c = 0; c < 3; c++) assert_memory_equal(rays.value[c], blocks.value[c], PIXELS * sizeof(float));
@@ -144,7 +162,8 @@ static void blocks_give_the_same_shadow_for_fewer_rays(void **state) {
     end_stage(&s);
 }
 
-/* A post one pixel wide before the floor, off the pixels that stand for blocks: its pixels must be traced themselves. */
+/* A post one pixel wide before the floor, off the pixels that stand for blocks: its pixels must be traced
+ * themselves. */
 static void pixels_that_no_block_fits_ask_themselves(void **state) {
     (void)state;
     stage s = make_stage(true);
@@ -152,10 +171,12 @@ static void pixels_that_no_block_fits_ask_themselves(void **state) {
     for (int y = 0; y < HEIGHT; y++) {
         sl_vec3 p = floor_point(51, y);
         p.y = 0.3f;
-        set_receiver(s.receivers, (size_t)(y * WIDTH + 51), p, sl_v3(0, 0.8f, 0.6f), sl_v3(0, 0.8f, 0.6f), sl_grey(0.5f), 0);
+        set_receiver(s.receivers, (size_t)(y * WIDTH + 51), p, sl_v3(0, 0.8f, 0.6f), sl_v3(0, 0.8f, 0.6f),
+                     sl_grey(0.5f), 0);
     }
     sl_counters costs = {{0}};
-    planes rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs), blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
+    planes rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs),
+           blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
     int dark = 0, lit = 0;
     for (int y = 0; y < HEIGHT; y++) {
         size_t i = (size_t)(y * WIDTH + 51);
@@ -170,19 +191,22 @@ static void pixels_that_no_block_fits_ask_themselves(void **state) {
     end_stage(&s);
 }
 
-/* Pixels in the plate's shadow, each like the lit pixels that stand for the blocks around in all but one thing. */
+/* Pixels in the plate's shadow, each like the lit pixels that stand for the blocks around in all but one
+ * thing. */
 typedef enum { OTHER_OBJECT, OTHER_SHADING, OTHER_SIDE, OTHER_PLANE, FAR_AWAY, DIFFERENCES } difference;
 
 static void put_into_shadow(const stage *s, size_t i, float z, difference d) {
     const sl_vec3 up = sl_v3(0, 1, 0), tilted = sl_v3(0, 0.8f, 0.6f);
     const sl_vec3 p = sl_v3(d == FAR_AWAY ? 0.62f : 0.674f, d == OTHER_PLANE ? 0.05f : 0.0f, z);
-    set_receiver(s->receivers, i, p, d == OTHER_SIDE ? tilted : up, d == OTHER_SHADING ? tilted : up, sl_grey(0.5f), 0);
+    set_receiver(s->receivers, i, p, d == OTHER_SIDE ? tilted : up, d == OTHER_SHADING ? tilted : up,
+                 sl_grey(0.5f), 0);
     if (d == OTHER_OBJECT) s->receivers->gbuffer->id[i] = 11;
 }
 
 static void blocks_of_another_surface_do_not_light_a_pixel_in_shadow(void **state) {
     (void)state;
-    enum { COLUMN = 70, FIRST = 29, LAST = 49 }; /* rows of pixels that stand for blocks; beside a column of such */
+    /* rows of pixels that stand for blocks; beside a column of such */
+    enum { COLUMN = 70, FIRST = 29, LAST = 49 };
     for (int d = 0; d < DIFFERENCES; d++) {
         stage s = make_stage(true);
         sl_map_photons *photons = ceiling_photons(1);
@@ -190,9 +214,11 @@ static void blocks_of_another_surface_do_not_light_a_pixel_in_shadow(void **stat
         for (int y = FIRST; y <= LAST; y += 4)
             put_into_shadow(&s, (size_t)(y * WIDTH + COLUMN), floor_point(COLUMN, y).z, (difference)d);
         sl_counters costs = {{0}};
-        planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs), blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
+        planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs),
+               blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
         for (int y = FIRST; y <= LAST; y += 4) {
-            assert_true(blocks.value[0][y * WIDTH + COLUMN - 1] > 0.0f); /* stands for its block, and is lit */
+            /* stands for its block, and is lit */
+            assert_true(blocks.value[0][y * WIDTH + COLUMN - 1] > 0.0f);
             assert_true(open.value[0][y * WIDTH + COLUMN] > 0.0f);
             if (blocks.value[0][y * WIDTH + COLUMN] != 0.0f) fail_msg("difference %d: lit", d);
         }
@@ -212,14 +238,16 @@ static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
     stage s = {.scene = trace_mesh_build(&mesh), .receivers = make_receivers(WIDTH, HEIGHT, sl_v3(0, 3, 0))};
     assert_int_equal(sl_tracer_create(s.scene, 1, NULL, &s.tracer, NULL), SL_OK);
     for (int i = 0; i < PIXELS; i++)
-        set_receiver(s.receivers, (size_t)i, sl_v3(0.001f * (float)(i % WIDTH), -1.0f, 0.001f * (float)(i / WIDTH)), sl_v3(0, 1, 0),
+        set_receiver(s.receivers, (size_t)i,
+                     sl_v3(0.001f * (float)(i % WIDTH), -1.0f, 0.001f * (float)(i / WIDTH)), sl_v3(0, 1, 0),
                      sl_v3(0, 1, 0), sl_grey(0.5f), 0);
     /* A cap of 20 degrees: its mean is 0.015 deep, and it stands for a disc of radius 0.5 sin 20. */
     sl_map_photons *photons = ceiling_photons(1);
     photons->photon[0].position = sl_v3(0.0f, 0.5f + 0.015f, 0.0f);
     photons->photon[0].footprint = (float)(SL_PI * 0.171 * 0.171 * 0.9);
     sl_counters costs = {{0}};
-    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs), rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
+    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs),
+           rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
     assert_true(open.value[0][0] > 0.0f);
     assert_memory_equal(open.value[0], rays.value[0], PIXELS * sizeof(float));
     free_planes(&open);
@@ -242,7 +270,8 @@ static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
             assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
             planes got = light_up(&s, photons, (sl_photon_visibility)v, k + 1, &costs);
             unsetenv("SOFTLUX_ISA");
-            for (int c = 0; c < 3; c++) assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
+            for (int c = 0; c < 3; c++)
+                assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
             assert_memory_equal(&first, &costs, sizeof costs);
             free_planes(&got);
         }

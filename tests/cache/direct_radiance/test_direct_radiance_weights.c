@@ -1,4 +1,5 @@
-/* Weights of photons against closed forms and fine integrals: in a sphere, in a cube room, over a floor patch, of one photon ahead. */
+/* Weights of photons against closed forms and fine integrals: in a sphere, in a cube room, over a floor
+ * patch, of one photon ahead. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +15,8 @@
 #include "trace_scenes.h"
 
 static sl_vec3d unit_direction(uint64_t key, uint64_t i) {
-    double z = 2.0 * (double)sl_random_unit(key, 2 * i) - 1.0, turn = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * i + 1);
+    double z = 2.0 * (double)sl_random_unit(key, 2 * i) - 1.0,
+           turn = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * i + 1);
     double level = sqrt(1.0 - z * z);
     return sl_v3d(level * cos(turn), level * sin(turn), z);
 }
@@ -30,7 +32,8 @@ static void plain_weight_is_exact_inside_a_diffuse_sphere(void **state) {
             sl_map_photons *photons = cube_photons(meet_unit_sphere, NULL, lights[l], 6, ms[k], 0.7, 2.0);
             for (uint64_t i = 0; i < 50; i++) {
                 sl_vec3d x = unit_direction(key, i);
-                assert_true(fabs(irradiance_at(photons, SL_WEIGHT_PLAIN, x, sl_scaled(x, -1.0)) / 0.7 - 1.0) < 1e-6);
+                assert_true(fabs(irradiance_at(photons, SL_WEIGHT_PLAIN, x, sl_scaled(x, -1.0)) / 0.7 - 1.0) <
+                            1e-6);
             }
             free_photons(photons);
         }
@@ -92,18 +95,21 @@ static void cube_room_has_the_ratios_of_each_weight(void **state) {
             figures got = measure(photons, table[w].weight, exact), wanted = table[w].of_m[i];
             double tolerance = wanted.ratio > 2.0 ? 0.06 : 0.006;
             if (!(fabs(got.ratio - wanted.ratio) < tolerance) || !(fabs(got.rms - wanted.rms) < tolerance))
-                fail_msg("weight %d, m = %d: ratio %.3f, rms %.3f", (int)table[w].weight, ms[i], got.ratio, got.rms);
+                fail_msg("weight %d, m = %d: ratio %.3f, rms %.3f", (int)table[w].weight, ms[i], got.ratio,
+                         got.rms);
         }
         free_photons(photons);
     }
 }
 
-/* Walls take up what the light sends out: the integral of E over a closed convex room is rho Phi = rho 4 pi, for any m. */
+/* Walls take up what the light sends out: the integral of E over a closed convex room is rho Phi = rho 4 pi,
+ * for any m. */
 static void energy_of_a_closed_convex_room_is_kept_by_the_plain_weight(void **state) {
     (void)state;
     enum { CELLS = 96 };
     for (int m = 1; m <= 5; m += 2) {
-        sl_map_photons *photons = cube_photons(meet_unit_cube, NULL, sl_v3d(0.45, 0.4, 0.65), 6, m, 0.7, sqrt(3.0));
+        sl_map_photons *photons =
+            cube_photons(meet_unit_cube, NULL, sl_v3d(0.45, 0.4, 0.65), 6, m, 0.7, sqrt(3.0));
         double sum = 0.0;
         for (int k = 0; k < 6 * CELLS * CELLS; k++) {
             sl_vec3d x, n;
@@ -126,7 +132,8 @@ static void energy_of_a_closed_convex_room_is_kept_by_the_plain_weight(void **st
 static double over_the_floor(sl_photon_weight weight, int m, sl_vec3d x) {
     const sl_vec3d light = {0, 0, 1}, down = {0, 0, -1};
     sl_map_photons *photons = cube_photons(meet_floor, NULL, light, 1, m, 0.7, 3.0);
-    double exact = exact_irradiance(meet_floor, NULL, light, 1, 401, 0.7, x, down), got = irradiance_at(photons, weight, x, down);
+    double exact = exact_irradiance(meet_floor, NULL, light, 1, 401, 0.7, x, down),
+           got = irradiance_at(photons, weight, x, down);
     free_photons(photons);
     return got / exact;
 }
@@ -141,10 +148,12 @@ static void polygons_hold_close_to_the_floor_where_other_weights_fail(void **sta
     const struct {
         sl_photon_weight weight;
         double at_3, at_8;
-    } table[] = {{SL_WEIGHT_POLYGON, 0.96, 0.985}, {SL_WEIGHT_FLUX, 0.15, 0.57}, {SL_WEIGHT_DISC, 0.06, 0.28}};
+    } table[] = {
+        {SL_WEIGHT_POLYGON, 0.96, 0.985}, {SL_WEIGHT_FLUX, 0.15, 0.57}, {SL_WEIGHT_DISC, 0.06, 0.28}};
     const sl_vec3d close = {0.2, 0.1, 0.1};
     for (int i = 0; i < 3; i++) {
-        double at_3 = over_the_floor(table[i].weight, 3, close), at_8 = over_the_floor(table[i].weight, 8, close);
+        double at_3 = over_the_floor(table[i].weight, 3, close),
+               at_8 = over_the_floor(table[i].weight, 8, close);
         if (!(fabs(at_3 - table[i].at_3) < 0.01) || !(fabs(at_8 - table[i].at_8) < 0.01))
             fail_msg("weight %d: %.3f and %.3f", (int)table[i].weight, at_3, at_8);
     }
@@ -156,8 +165,12 @@ static void polygons_hold_close_to_the_floor_where_other_weights_fail(void **sta
 static sl_map_photons *one_photon(double area) {
     sl_map_photons *p = make_photons(1, 1.0f);
     p->nearest = 1e-9f;
-    p->photon[0] = (sl_map_photon){.footprint = (float)area, .flux = sl_grey((float)area), .cos_alpha = 1.0f, .normal = {0, 0, 1},
-                                   .printed_area = (float)area, .radiance = {1, 1, 1}};
+    p->photon[0] = (sl_map_photon){.footprint = (float)area,
+                                   .flux = sl_grey((float)area),
+                                   .cos_alpha = 1.0f,
+                                   .normal = {0, 0, 1},
+                                   .printed_area = (float)area,
+                                   .radiance = {1, 1, 1}};
     return p;
 }
 
@@ -165,7 +178,8 @@ static double ahead(const sl_map_photons *p, sl_photon_weight weight, double r) 
     return irradiance_at(p, weight, sl_v3d(0, 0, r), sl_v3d(0, 0, -1));
 }
 
-/* A coaxial disc's cosine-weighted solid angle is pi R^2 / (r^2 + R^2): what flux has. (14) has 1 for pi as its limit. */
+/* A coaxial disc's cosine-weighted solid angle is pi R^2 / (r^2 + R^2): what flux has. (14) has 1 for pi as
+ * its limit. */
 static void flux_weight_is_a_coaxial_disc_and_printed_14_is_not(void **state) {
     (void)state;
     sl_map_photons *p = one_photon(SL_PI); /* R = 1 */
@@ -174,11 +188,13 @@ static void flux_weight_is_a_coaxial_disc_and_printed_14_is_not(void **state) {
         assert_true(fabs(ahead(p, SL_WEIGHT_FLUX, r) / exact - 1.0) < 1e-6);
         assert_true(fabs(ahead(p, SL_WEIGHT_PLAIN, r) / (SL_PI / (r * r)) - 1.0) < 1e-6);
         assert_true(fabs(ahead(p, SL_WEIGHT_DISC, r) / (SL_PI / (r * r + SL_PI)) - 1.0) < 1e-6);
-        double of_disc = fabs(ahead(p, SL_WEIGHT_DISC, r) / exact - 1.0), of_plain = fabs(ahead(p, SL_WEIGHT_PLAIN, r) / exact - 1.0);
+        double of_disc = fabs(ahead(p, SL_WEIGHT_DISC, r) / exact - 1.0),
+               of_plain = fabs(ahead(p, SL_WEIGHT_PLAIN, r) / exact - 1.0);
         if (r > 1.7 && r < 1e2) assert_true(of_disc > of_plain);
         if (r < 1.6) assert_true(of_disc < of_plain);
     }
-    assert_true(fabs(ahead(p, SL_WEIGHT_DISC, 1e-4) - 1.0) < 1e-6 && fabs(ahead(p, SL_WEIGHT_FLUX, 1e-4) - SL_PI) < 1e-6);
+    assert_true(fabs(ahead(p, SL_WEIGHT_DISC, 1e-4) - 1.0) < 1e-6 &&
+                fabs(ahead(p, SL_WEIGHT_FLUX, 1e-4) - SL_PI) < 1e-6);
     const double low[3][2] = {{8, 0.032}, {5, 0.076}, {10, 0.021}};
     for (int i = 0; i < 3; i++) {
         double r = low[i][0], exact = SL_PI / (r * r + 1.0);
@@ -197,7 +213,8 @@ static void polygon_weight_is_exact_for_a_uniform_square(void **state) {
         p->quad[0] = (sl_photon_quad){4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, 4.0f, 0.0f};
         if (turn) p->quad[0].corner[1] = sl_v3(-1, 1, 0), p->quad[0].corner[3] = sl_v3(1, -1, 0);
         for (double r = 1e-3; r < 1e3; r *= 1.9) {
-            double q = 1.0 / sqrt(1.0 + r * r), exact = 4.0 * q * atan(q), got = ahead(p, SL_WEIGHT_POLYGON, r);
+            double q = 1.0 / sqrt(1.0 + r * r), exact = 4.0 * q * atan(q),
+                   got = ahead(p, SL_WEIGHT_POLYGON, r);
             if (!(fabs(got / exact - 1.0) < 1e-4)) fail_msg("r = %g: %g instead of %g", r, got, exact);
         }
         /* Half of it below the horizon: two of its four quarters are left, as seen from the side. */
@@ -213,10 +230,13 @@ static void polygons_of_a_curved_sheet_do_not_light_its_other_side(void **state)
     (void)state;
     for (unsigned rings = 6; rings <= 16; rings += 5) {
         trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, rings, 0.0f, false, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
-        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.1f, 0.3f, 0.05f}, .intensity = {1, 1, 1}};
+        trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, rings, 0.0f, false,
+                          trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+        mesh.lights[mesh.light_count++] =
+            (sl_light){.type = SL_LIGHT_POINT, .position = {0.1f, 0.3f, 0.05f}, .intensity = {1, 1, 1}};
         mesh.has_camera = true;
-        mesh.camera = (sl_camera){.eye = {0, 0, 4}, .right = {1, 0, 0}, .up = {0, 1, 0}, .back = {0, 0, 1}, .vertical_fov = 0.6f};
+        mesh.camera = (sl_camera){
+            .eye = {0, 0, 4}, .right = {1, 0, 0}, .up = {0, 1, 0}, .back = {0, 0, 1}, .vertical_fov = 0.6f};
         sl_scene *scene = trace_mesh_build(&mesh);
         sl_settings settings = small_settings("direct-radiance", 48, 48);
         settings.radiance_map.weight = SL_WEIGHT_POLYGON;
@@ -243,22 +263,28 @@ static void polygon_weight_falls_back_to_flux_without_a_polygon(void **state) {
     free_photons(p);
 }
 
-/* (11) 2 pi / M, M of the photon's light; (15) A' over the squared diagonal; both whatever way the photon faces. */
+/* (11) 2 pi / M, M of the photon's light; (15) A' over the squared diagonal; both whatever way the photon
+ * faces. */
 static void printed_11_and_15_know_neither_distance_nor_facing(void **state) {
     (void)state;
     sl_map_photons *p = make_photons(5, 10.0f);
     for (size_t j = 0; j < 5; j++)
-        p->photon[j] = (sl_map_photon){.position = {0, 0, 0}, .normal = {0, 0, j % 2 ? 1.0f : -1.0f}, .cos_alpha = 0.5f,
-                                       .printed_area = 4.0f, .radiance = {2, 2, 2}};
+        p->photon[j] = (sl_map_photon){.position = {0, 0, 0},
+                                       .normal = {0, 0, j % 2 ? 1.0f : -1.0f},
+                                       .cos_alpha = 0.5f,
+                                       .printed_area = 4.0f,
+                                       .radiance = {2, 2, 2}};
     for (size_t l = 1; l <= SL_MAP_POINTS_MAX; l++) p->first_of_light[l] = l == 1 ? 2 : 5;
     p->samples_of_light[0] = 4, p->samples_of_light[1] = 6;
     for (size_t j = 0; j < 5; j++) {
         double m = j < 2 ? 4.0 : 6.0;
         for (double r = 1.0; r < 100.0; r *= 10.0) {
             sl_vec3 x = sl_v3(0, 0, (float)-r), n = sl_v3(0.6f, 0, 0.8f);
-            double even = (double)sl_photon_irradiance(p, j, SL_WEIGHT_EVEN, x, n, n).r, expected = 2.0 * 0.8 * 2.0 * SL_PI / m;
+            double even = (double)sl_photon_irradiance(p, j, SL_WEIGHT_EVEN, x, n, n).r,
+                   expected = 2.0 * 0.8 * 2.0 * SL_PI / m;
             double box = (double)sl_photon_irradiance(p, j, SL_WEIGHT_BOX, x, n, n).r;
-            if (!(fabs(even - expected) < 1e-6 * expected)) fail_msg("photon %d: %g instead of %g", (int)j, even, expected);
+            if (!(fabs(even - expected) < 1e-6 * expected))
+                fail_msg("photon %d: %g instead of %g", (int)j, even, expected);
             assert_true(fabs(box - 2.0 * 0.8 * 2.0 / 100.0) < 1e-7);
         }
     }
@@ -267,11 +293,12 @@ static void printed_11_and_15_know_neither_distance_nor_facing(void **state) {
 
 /* ---- hard cases ---- */
 
-static const sl_photon_weight all_weights[] = {SL_WEIGHT_FLUX, SL_WEIGHT_POLYGON, SL_WEIGHT_PLAIN, SL_WEIGHT_EVEN, SL_WEIGHT_DISC,
-                                               SL_WEIGHT_BOX};
+static const sl_photon_weight all_weights[] = {SL_WEIGHT_FLUX, SL_WEIGHT_POLYGON, SL_WEIGHT_PLAIN,
+                                               SL_WEIGHT_EVEN, SL_WEIGHT_DISC,    SL_WEIGHT_BOX};
 enum { WEIGHTS = sizeof all_weights / sizeof *all_weights };
 
-/* Coincident, coplanar, behind, infinitely far, not a number: 0, but for the two weights that do not ask on which side of the photon x is. */
+/* Coincident, coplanar, behind, infinitely far, not a number: 0, but for the two weights that do not ask on
+ * which side of the photon x is. */
 static void receivers_that_cannot_be_lit_get_nothing(void **state) {
     (void)state;
     sl_map_photons *p = one_photon(1e-3);
@@ -282,37 +309,56 @@ static void receivers_that_cannot_be_lit_get_nothing(void **state) {
     const struct {
         sl_vec3 x, n, shading;
         bool sided;
-    } cases[] = {{{0, 0, 0}, down, down, false},   {{0, 0, 0}, up, up, false},          {{0, 0, 5e-10f}, down, down, false},
-                 {{3, 2, 0}, up, up, false},       {{3, 2, 0}, {-1, 0, 0}, {-1, 0, 0}, true}, {{0, 0, 2}, up, up, false},
-                 {{0, 0, -2}, up, up, true},       {{2, 0, 1}, {0.8f, 0, -0.6f}, {0, 0, 1}, false},
-                 {{0, 0, INFINITY}, down, down, false}, {{NAN, 0, 1}, down, down, false}, {{0, 0, 1e30f}, down, down, false},
-                 {{0, 0, 1}, {0, 0, NAN}, down, false}, {{0, 0, 1}, down, {0, 0, NAN}, false}, {{0, 0, 1}, {0, 0, 0}, {0, 0, 0}, false}};
+    } cases[] = {{{0, 0, 0}, down, down, false},
+                 {{0, 0, 0}, up, up, false},
+                 {{0, 0, 5e-10f}, down, down, false},
+                 {{3, 2, 0}, up, up, false},
+                 {{3, 2, 0}, {-1, 0, 0}, {-1, 0, 0}, true},
+                 {{0, 0, 2}, up, up, false},
+                 {{0, 0, -2}, up, up, true},
+                 {{2, 0, 1}, {0.8f, 0, -0.6f}, {0, 0, 1}, false},
+                 {{0, 0, INFINITY}, down, down, false},
+                 {{NAN, 0, 1}, down, down, false},
+                 {{0, 0, 1e30f}, down, down, false},
+                 {{0, 0, 1}, {0, 0, NAN}, down, false},
+                 {{0, 0, 1}, down, {0, 0, NAN}, false},
+                 {{0, 0, 1}, {0, 0, 0}, {0, 0, 0}, false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         for (int w = 0; w < WEIGHTS; w++) {
-            if (cases[i].sided && (all_weights[w] == SL_WEIGHT_EVEN || all_weights[w] == SL_WEIGHT_BOX)) continue;
+            if (cases[i].sided && (all_weights[w] == SL_WEIGHT_EVEN || all_weights[w] == SL_WEIGHT_BOX))
+                continue;
             sl_rgb e = sl_photon_irradiance(p, 0, all_weights[w], cases[i].x, cases[i].n, cases[i].shading);
-            if (!(e.r == 0.0f && e.g == 0.0f && e.b == 0.0f)) fail_msg("case %d, weight %d: %g", (int)i, (int)all_weights[w], (double)e.r);
+            if (!(e.r == 0.0f && e.g == 0.0f && e.b == 0.0f))
+                fail_msg("case %d, weight %d: %g", (int)i, (int)all_weights[w], (double)e.r);
         }
     }
     free_photons(p);
 }
 
-/* E_j <= pi L_o whatever the distance, the sizes and the tilts, in scenes of 1e-4 and 1e4; and lengths have no unit. */
+/* E_j <= pi L_o whatever the distance, the sizes and the tilts, in scenes of 1e-4 and 1e4; and lengths have
+ * no unit. */
 static void bounded_weights_are_bounded_at_every_scale(void **state) {
     (void)state;
     const float scales[3] = {1e-4f, 1.0f, 1e4f};
     uint64_t key = sl_random_key(9, 9);
     for (uint64_t i = 0; i < 3000; i++) {
         float e[3][3];
-        sl_vec3 n = sl_to_float(unit_direction(key, 9 * i)), y_n = sl_to_float(unit_direction(key, 9 * i + 1));
-        float away = sl_exp2f(-30.0f * sl_random_unit(key, 90 * i + 80)), area = sl_exp2f(-30.0f * sl_random_unit(key, 90 * i + 81));
+        sl_vec3 n = sl_to_float(unit_direction(key, 9 * i)),
+                y_n = sl_to_float(unit_direction(key, 9 * i + 1));
+        float away = sl_exp2f(-30.0f * sl_random_unit(key, 90 * i + 80)),
+              area = sl_exp2f(-30.0f * sl_random_unit(key, 90 * i + 81));
         float alpha = sl_exp2f(-20.0f * sl_random_unit(key, 90 * i + 82));
         sl_vec3 d = sl_scale(sl_to_float(unit_direction(key, 9 * i + 2)), away);
         for (int k = 0; k < 3; k++) {
             float s = scales[k];
             sl_map_photons *p = make_photons(1, s);
-            p->photon[0] = (sl_map_photon){.position = sl_scale(d, s), .footprint = area * alpha * s * s, .cos_alpha = alpha, .normal = y_n,
-                                           .flux = sl_grey(area * s * s), .printed_area = area * s * s, .radiance = {1, 1, 1}};
+            p->photon[0] = (sl_map_photon){.position = sl_scale(d, s),
+                                           .footprint = area * alpha * s * s,
+                                           .cos_alpha = alpha,
+                                           .normal = y_n,
+                                           .flux = sl_grey(area * s * s),
+                                           .printed_area = area * s * s,
+                                           .radiance = {1, 1, 1}};
             const sl_photon_weight of[3] = {SL_WEIGHT_FLUX, SL_WEIGHT_DISC, SL_WEIGHT_EVEN};
             for (int w = 0; w < 3; w++) {
                 e[k][w] = sl_photon_irradiance(p, 0, of[w], sl_v3(0, 0, 0), n, n).r;
@@ -324,7 +370,8 @@ static void bounded_weights_are_bounded_at_every_scale(void **state) {
         for (int w = 0; w < 3; w++) {
             for (int k = 0; k < 3; k += 2) {
                 if (!(fabsf(e[k][w] - e[1][w]) <= 2e-4f * e[1][w] + 1e-12f))
-                    fail_msg("weight %d, scale %g: %g instead of %g", w, (double)scales[k], (double)e[k][w], (double)e[1][w]);
+                    fail_msg("weight %d, scale %g: %g instead of %g", w, (double)scales[k], (double)e[k][w],
+                             (double)e[1][w]);
             }
         }
     }
@@ -334,14 +381,17 @@ static void photons_that_are_not_finite_give_nothing(void **state) {
     (void)state;
     for (int k = 0; k < 7; k++) {
         sl_map_photons *p = one_photon(1e-3);
-        float *bad[] = {&p->photon[0].position.x, &p->photon[0].footprint, &p->photon[0].flux.g, &p->photon[0].cos_alpha,
-                        &p->photon[0].normal.z,   &p->photon[0].radiance.b, &p->photon[0].printed_area};
+        float *bad[] = {&p->photon[0].position.x,  &p->photon[0].footprint, &p->photon[0].flux.g,
+                        &p->photon[0].cos_alpha,   &p->photon[0].normal.z,  &p->photon[0].radiance.b,
+                        &p->photon[0].printed_area};
         for (int inf = 0; inf < 2; inf++) {
             *bad[k] = inf ? INFINITY : NAN;
             for (int w = 0; w < WEIGHTS; w++) {
-                sl_rgb e = sl_photon_irradiance(p, 0, all_weights[w], sl_v3(0, 0, 1), sl_v3(0, 0, -1), sl_v3(0, 0, -1));
+                sl_rgb e = sl_photon_irradiance(p, 0, all_weights[w], sl_v3(0, 0, 1), sl_v3(0, 0, -1),
+                                                sl_v3(0, 0, -1));
                 if (!(sl_rgb_is_finite(e) && e.r >= 0.0f && e.g >= 0.0f && e.b >= 0.0f))
-                    fail_msg("field %d, weight %d: %g %g %g", k, (int)all_weights[w], (double)e.r, (double)e.g, (double)e.b);
+                    fail_msg("field %d, weight %d: %g %g %g", k, (int)all_weights[w], (double)e.r,
+                             (double)e.g, (double)e.b);
             }
         }
         free_photons(p);

@@ -1,4 +1,5 @@
-/* After edits pictures are those of a method that begins with the scene as it is then, whatever it was before. */
+/* After edits pictures are those of a method that begins with the scene as it is then, whatever it was
+ * before. */
 #include "rendering.h"
 
 #include <setjmp.h>
@@ -10,13 +11,18 @@
 #include <stdio.h>
 
 /* A floor with a gloss under a lamp that keyframes scale, and what else is asked for. */
-static sl_scene *floor_under_lamp(const char *scale_before, const char *scale_after, const char *more_lights) {
+static sl_scene *floor_under_lamp(const char *scale_before, const char *scale_after,
+                                  const char *more_lights) {
     char json[1024];
     snprintf(json, sizeof json,
-             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", \"material\": \"floor\"}, {\"file\": \"mesh.obj\", \"name\": \"wall\", "
-             "\"material\": \"wall\", \"transform\": {\"rotate_deg\": [90, 0, 0], \"translate\": [0, 2, -2]}}], \"materials\": {\"floor\": {\"diffuse\": 0.5, "
-             "\"specular\": 0.3, \"exponent\": 10}, \"wall\": {\"diffuse\": 0.5}}, \"lights\": [{\"type\": \"quad\", \"corner\": [-0.5, 0, -0.5], \"edge1\": [1, 0, 0], "
-             "\"edge2\": [0, 0, 1], \"radiance\": 5, \"keyframes\": [{\"time\": 0, \"translate\": [0, 2, 0], \"scale\": %s}, {\"time\": 1, \"translate\": [0, 2, 0], "
+             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", \"material\": "
+             "\"floor\"}, {\"file\": \"mesh.obj\", \"name\": \"wall\", "
+             "\"material\": \"wall\", \"transform\": {\"rotate_deg\": [90, 0, 0], \"translate\": [0, 2, "
+             "-2]}}], \"materials\": {\"floor\": {\"diffuse\": 0.5, "
+             "\"specular\": 0.3, \"exponent\": 10}, \"wall\": {\"diffuse\": 0.5}}, \"lights\": [{\"type\": "
+             "\"quad\", \"corner\": [-0.5, 0, -0.5], \"edge1\": [1, 0, 0], "
+             "\"edge2\": [0, 0, 1], \"radiance\": 5, \"keyframes\": [{\"time\": 0, \"translate\": [0, 2, 0], "
+             "\"scale\": %s}, {\"time\": 1, \"translate\": [0, 2, 0], "
              "\"scale\": %s}]}%s], \"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0], \"fov_deg\": 40}}",
              scale_before, scale_after, more_lights);
     return scene_from_text(json, "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nf 1 2 3 4\n");
@@ -59,14 +65,17 @@ static void a_lamp_that_grows_from_nothing_and_shrinks_to_it_is_lit_and_dark(voi
             sl_scene *scene = floor_under_lamp(shrinks ? "1" : "1e-30", shrinks ? "1e-30" : "1", "");
             const sl_settings settings = settings_for(sl_method_name(i));
             const sl_comparison c = edited_against_fresh(scene, &settings);
-            print_message("%-16s mean %.4f, %.2f %% off a fresh one's %.4f\n", settings.method, c.mean_image, 100.0 * c.rel_rmse, c.mean_reference);
-            assert_true(shrinks ? c.mean_reference == 0.0 && c.mean_image == 0.0 : c.mean_reference > 0.02 && c.rel_rmse < 0.02);
+            print_message("%-16s mean %.4f, %.2f %% off a fresh one's %.4f\n", settings.method, c.mean_image,
+                          100.0 * c.rel_rmse, c.mean_reference);
+            assert_true(shrinks ? c.mean_reference == 0.0 && c.mean_image == 0.0
+                                : c.mean_reference > 0.02 && c.rel_rmse < 0.02);
             sl_scene_destroy(scene);
         }
     }
 }
 
-/* The meshes' thresholds go by the light in the scene: that of now. Another lamp, which has not moved, keeps its samples. */
+/* The meshes' thresholds go by the light in the scene: that of now. Another lamp, which has not moved, keeps
+ * its samples. */
 static void meshes_are_as_fine_as_the_light_of_now_asks_for(void **state) {
     (void)state;
     const char *const still = ", {\"type\": \"point\", \"position\": [1, 1, 0], \"intensity\": 0.2}";
@@ -105,10 +114,14 @@ static void before_its_first_sample_the_shading_cache_guesses_by_the_light_of_no
 /* A floor that had no area when points were spread has some of them once it has. */
 static void what_a_surface_that_grows_receives_is_told(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", \"keyframes\": [{\"time\": 0, \"scale\": 1e-30}, "
-                                      "{\"time\": 1}]}, {\"file\": \"mesh.obj\", \"name\": \"wall\", \"transform\": {\"rotate_deg\": [90, 0, 0], \"translate\": [0, 2, -2]}}], "
-                                      "\"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], \"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0]}}",
-                                      "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nf 1 2 3 4\n");
+    sl_scene *scene =
+        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", "
+                        "\"keyframes\": [{\"time\": 0, \"scale\": 1e-30}, "
+                        "{\"time\": 1}]}, {\"file\": \"mesh.obj\", \"name\": \"wall\", \"transform\": "
+                        "{\"rotate_deg\": [90, 0, 0], \"translate\": [0, 2, -2]}}], "
+                        "\"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
+                        "\"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0]}}",
+                        "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nf 1 2 3 4\n");
     const sl_settings settings = settings_for("direct-radiance");
     sl_method *method;
     sl_image *edited, *fresh;
@@ -119,7 +132,8 @@ static void what_a_surface_that_grows_receives_is_told(void **state) {
     assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
     assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
     fresh = render(scene, &settings, NULL);
-    assert_string_equal(sl_image_metadata(edited, "softlux.flux_received"), sl_image_metadata(fresh, "softlux.flux_received"));
+    assert_string_equal(sl_image_metadata(edited, "softlux.flux_received"),
+                        sl_image_metadata(fresh, "softlux.flux_received"));
     sl_image_destroy(edited);
     sl_image_destroy(fresh);
     sl_method_destroy(method);
@@ -128,12 +142,18 @@ static void what_a_surface_that_grows_receives_is_told(void **state) {
 
 /* Two rooms far from each other on a plain: where the eye is is the central region of the scene. */
 static sl_scene *far_rooms(void) {
-    return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\", \"transform\": {\"scale\": 2000, \"translate\": [0, -1, 0]}}, "
-                           "{\"file\": \"mesh.obj\", \"name\": \"here\", \"transform\": {\"translate\": [1000, 0, 0]}}, {\"file\": \"mesh.obj\", \"name\": \"there\", "
-                           "\"transform\": {\"translate\": [-1000, 0, 0]}}], \"lights\": [{\"type\": \"quad\", \"corner\": [999.5, 3.5, -0.5], \"edge1\": [1, 0, 0], "
-                           "\"edge2\": [0, 0, 1], \"radiance\": 5}, {\"type\": \"quad\", \"corner\": [-1000.5, 3.5, -0.5], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], "
-                           "\"radiance\": 5}], \"camera\": {\"eye\": [1000, 1, 1.5], \"target\": [1000, 1, -2], \"fov_deg\": 60}}",
-                           "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 4 -2\nv -2 4 2\nv 2 4 2\nv 2 4 -2\nf 1 2 3 4\nf 5 8 7 6\nf 1 4 8 5\nf 2 6 7 3\nf 1 5 6 2\nf 4 3 7 8\n");
+    return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\", "
+                           "\"transform\": {\"scale\": 2000, \"translate\": [0, -1, 0]}}, "
+                           "{\"file\": \"mesh.obj\", \"name\": \"here\", \"transform\": {\"translate\": "
+                           "[1000, 0, 0]}}, {\"file\": \"mesh.obj\", \"name\": \"there\", "
+                           "\"transform\": {\"translate\": [-1000, 0, 0]}}], \"lights\": [{\"type\": "
+                           "\"quad\", \"corner\": [999.5, 3.5, -0.5], \"edge1\": [1, 0, 0], "
+                           "\"edge2\": [0, 0, 1], \"radiance\": 5}, {\"type\": \"quad\", \"corner\": "
+                           "[-1000.5, 3.5, -0.5], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], "
+                           "\"radiance\": 5}], \"camera\": {\"eye\": [1000, 1, 1.5], \"target\": [1000, 1, "
+                           "-2], \"fov_deg\": 60}}",
+                           "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 4 -2\nv -2 4 2\nv 2 4 2\nv 2 4 "
+                           "-2\nf 1 2 3 4\nf 5 8 7 6\nf 1 4 8 5\nf 2 6 7 3\nf 1 5 6 2\nf 4 3 7 8\n");
 }
 
 static void look_from(sl_scene *scene, float x, float z) {
@@ -159,7 +179,8 @@ static void an_eye_in_another_room_far_away_sees_it_as_a_new_method_would(void *
         assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
         fresh = render(scene, &settings, NULL);
         assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
-        print_message("%-16s mean %.4f, %.2f %% off a fresh one's %.4f\n", settings.method, c.mean_image, 100.0 * c.rel_rmse, c.mean_reference);
+        print_message("%-16s mean %.4f, %.2f %% off a fresh one's %.4f\n", settings.method, c.mean_image,
+                      100.0 * c.rel_rmse, c.mean_reference);
         assert_true(c.mean_reference > 0.02 && c.rel_rmse < 0.02);
         sl_image_destroy(edited);
         sl_image_destroy(fresh);

@@ -1,4 +1,5 @@
-/* The error of a picture that is estimated without a reference, held against references and against errors that were planted. */
+/* The error of a picture that is estimated without a reference, held against references and against errors
+ * that were planted. */
 #include "cache/audit/audit.h"
 #include "rendering.h"
 
@@ -21,10 +22,12 @@ static sl_error_probe *probe_of(const sl_scene *scene, const sl_settings *settin
     return probe;
 }
 
-static sl_error_estimate estimate_with(sl_error_probe *probe, const sl_image *image, uint64_t probes, uint32_t samples) {
+static sl_error_estimate estimate_with(sl_error_probe *probe, const sl_image *image, uint64_t probes,
+                                       uint32_t samples) {
     sl_error error;
     sl_error_estimate estimate = {0};
-    if (sl_error_probe_estimate(probe, image, probes, samples, &estimate, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_error_probe_estimate(probe, image, probes, samples, &estimate, &error) != SL_OK)
+        fail_msg("%s", error.message);
     return estimate;
 }
 
@@ -37,7 +40,8 @@ static sl_image *reference_of(const sl_scene *scene, const char *transport, uint
     return render(scene, &settings, NULL);
 }
 
-/* Relative error against a noisy reference, less what its noise adds, over the pixels that a probe judges, or all. */
+/* Relative error against a noisy reference, less what its noise adds, over the pixels that a probe judges, or
+ * all. */
 static double measured_error(const sl_image *image, const sl_image *reference, const sl_error_probe *probe) {
     const sl_image *surfaces = probe ? sl_error_probe_surfaces(probe) : NULL;
     const sl_compare_options options = {.mask = surfaces};
@@ -55,7 +59,8 @@ static void add_to_picture(sl_image *image, float offset) {
 
 static void estimates_agree_with_a_converged_reference_for_every_method(void **state) {
     (void)state;
-    static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache"};
+    static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh",
+                                          "shading-cache"};
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
         char transport[64];
@@ -65,10 +70,12 @@ static void estimates_agree_with_a_converged_reference_for_every_method(void **s
         sl_error_probe *probe = probe_of(scene, &settings);
         sl_error_estimate e = estimate_with(probe, image, 512, 32);
         double truth = measured_error(image, reference, probe);
-        print_message("%s: %.4f, estimated %.4f, %.4f to %.4f\n", methods[i], truth, e.rel_rmse, e.least, e.bound);
+        print_message("%s: %.4f, estimated %.4f, %.4f to %.4f\n", methods[i], truth, e.rel_rmse, e.least,
+                      e.bound);
         assert_true(truth <= e.bound);
         assert_true(truth >= e.least);
-        assert_true(e.bound < 2.0 * truth || e.bound < 1.3 * e.resolution); /* or no better than the probes can tell */
+        /* or no better than the probes can tell */
+        assert_true(e.bound < 2.0 * truth || e.bound < 1.3 * e.resolution);
         sl_error_probe_destroy(probe);
         sl_image_destroy(image);
         sl_image_destroy(reference);
@@ -78,14 +85,17 @@ static void estimates_agree_with_a_converged_reference_for_every_method(void **s
 
 /* A floor, a wall and a mirror that shows the sky, which takes no part of what lights the others. */
 static sl_scene *room_under_a_sky(void) {
-    static const char obj[] = "mtllib none.mtl\n"
-                              "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv 2 2 -2\nv -2 2 -2\nv 0.4 0 0.2\nv 1.4 0 -0.3\nv 1.4 0.9 -0.6\nv 0.4 0.9 -0.1\n"
-                              "usemtl white\nf 4 3 2\nf 4 2 1\nf 1 2 5\nf 1 5 6\nusemtl mirror\nf 7 8 9\nf 7 9 10\n";
-    return scene_from_text("{\"softlux\":1,\"meshes\":[{\"file\":\"mesh.obj\"}],\"environment\":{\"radiance\":[1,1.5,2]},"
-                           "\"materials\":{\"white\":{\"diffuse\":0.7},\"mirror\":{\"mirror\":0.8}},"
-                           "\"lights\":[{\"type\":\"point\",\"position\":[-0.5,1.5,0.5],\"intensity\":6}],"
-                           "\"camera\":{\"eye\":[0,2,4],\"target\":[0,0.3,0],\"fov_deg\":40}}",
-                           obj);
+    static const char obj[] =
+        "mtllib none.mtl\n"
+        "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv 2 2 -2\nv -2 2 -2\nv 0.4 0 0.2\nv 1.4 0 -0.3\nv 1.4 0.9 "
+        "-0.6\nv 0.4 0.9 -0.1\n"
+        "usemtl white\nf 4 3 2\nf 4 2 1\nf 1 2 5\nf 1 5 6\nusemtl mirror\nf 7 8 9\nf 7 9 10\n";
+    return scene_from_text(
+        "{\"softlux\":1,\"meshes\":[{\"file\":\"mesh.obj\"}],\"environment\":{\"radiance\":[1,1.5,2]},"
+        "\"materials\":{\"white\":{\"diffuse\":0.7},\"mirror\":{\"mirror\":0.8}},"
+        "\"lights\":[{\"type\":\"point\",\"position\":[-0.5,1.5,0.5],\"intensity\":6}],"
+        "\"camera\":{\"eye\":[0,2,4],\"target\":[0,0.3,0],\"fov_deg\":40}}",
+        obj);
 }
 
 static double mean_of(const sl_image *image) {
@@ -98,7 +108,8 @@ static double mean_of(const sl_image *image) {
 static void a_sky_that_lights_nothing_is_no_light_to_the_paths_matched_either(void **state) {
     (void)state;
     static const char *const tracers[] = {"path", "bidirectional"};
-    static const sl_pixel_filter filters[] = {SL_FILTER_CENTRE, SL_FILTER_BOX}; /* of boxes light subpaths are joined to the camera */
+    /* of boxes light subpaths are joined to the camera */
+    static const sl_pixel_filter filters[] = {SL_FILTER_CENTRE, SL_FILTER_BOX};
     sl_scene *scene = room_under_a_sky();
     sl_settings settings = small_settings("direct-radiance", SIZE, SIZE);
     settings.quality = SL_QUALITY_HIGH;
@@ -112,7 +123,8 @@ static void a_sky_that_lights_nothing_is_no_light_to_the_paths_matched_either(vo
         double ours = mean_of(image), theirs = mean_of(reference);
         print_message("%s, filter %d: %.4f, %.4f\n", tracers[i / 2], i % 2, ours, theirs);
         assert_true(fabs(ours - theirs) < 0.05 * theirs);
-        if (filters[i % 2] == SL_FILTER_CENTRE) assert_true(measured_error(image, reference, NULL) < 0.1); /* the mirror's sky is there, and in its place */
+        /* the mirror's sky is there, and in its place */
+        if (filters[i % 2] == SL_FILTER_CENTRE) assert_true(measured_error(image, reference, NULL) < 0.1);
         sl_image_destroy(reference);
     }
     sl_error_probe *probe = probe_of(scene, &settings);
@@ -149,7 +161,8 @@ static void the_bound_holds_for_at_least_nine_of_ten_seeds(void **state) {
     enum { SEEDS = 40 };
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", SIZE, SIZE);
-    sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, "matched:splatting", 48);
+    sl_image *image = render(scene, &settings, NULL),
+             *reference = reference_of(scene, "matched:splatting", 48);
     sl_error_probe *viewer = probe_of(scene, &settings);
     double truth = measured_error(image, reference, viewer);
     sl_error_probe_destroy(viewer);
@@ -176,7 +189,8 @@ static void probes_are_the_same_however_they_were_asked_for(void **state) {
     sl_settings settings = small_settings("splatting", SIZE, SIZE);
     sl_image *image = render(scene, &settings, NULL);
     sl_error_probe *probe = probe_of(scene, &settings);
-    sl_error_estimate at_once = estimate_with(probe, image, 96, 6), again = estimate_with(probe, image, 96, 6);
+    sl_error_estimate at_once = estimate_with(probe, image, 96, 6),
+                      again = estimate_with(probe, image, 96, 6);
     assert_memory_equal(&at_once, &again, sizeof again); /* nothing is lost or traced anew */
     for (unsigned threads = 1; threads <= 7; threads += 3) {
         settings.threads = threads;
@@ -201,7 +215,8 @@ static void another_picture_of_the_scene_has_most_of_its_probes_already(void **s
     settings.quality = SL_QUALITY_NORMAL;
     sl_image *better = render(scene, &settings, NULL);
     sl_error_probe *probe = probe_of(scene, &settings);
-    uint64_t first = estimate_with(probe, image, 128, 16).samples, second = estimate_with(probe, better, 128, 16).samples;
+    uint64_t first = estimate_with(probe, image, 128, 16).samples,
+             second = estimate_with(probe, better, 128, 16).samples;
     assert_true(second - first < first / 10);
     sl_error_probe_destroy(probe);
     sl_image_destroy(better);
@@ -209,7 +224,8 @@ static void another_picture_of_the_scene_has_most_of_its_probes_already(void **s
     sl_scene_destroy(scene);
 }
 
-/* One pixel in a thousand holds nearly all of the error, and the probes are a tenth of the pixels: they have to find it. */
+/* One pixel in a thousand holds nearly all of the error, and the probes are a tenth of the pixels: they have
+ * to find it. */
 static void an_error_in_a_single_pixel_is_found(void **state) {
     (void)state;
     enum { SEEDS = 20 };
@@ -242,14 +258,16 @@ static void a_judgement_traces_until_the_answer_is_clear(void **state) {
     sl_error_probe *probe = probe_of(scene, &settings);
     sl_error_estimate few = estimate_with(probe, image, 256, 16), e;
     assert_int_equal(sl_error_probe_judge(probe, image, 1.1 * few.bound, 0, &e, NULL), SL_OK);
-    assert_true(e.bound == few.bound && e.samples == few.samples); /* clearly within: no more had to be traced */
+    /* clearly within: no more had to be traced */
+    assert_true(e.bound == few.bound && e.samples == few.samples);
     assert_int_equal(sl_error_probe_judge(probe, image, 0.9 * few.bound, 0, &e, NULL), SL_OK);
     assert_true(e.samples > few.samples);
     assert_true(e.bound <= 0.9 * few.bound);
     uint64_t before = e.samples;
     add_to_picture(image, 0.2f * (float)few.mean);
     assert_int_equal(sl_error_probe_judge(probe, image, 0.1, 0, &e, NULL), SL_OK);
-    assert_true(e.least > 0.1 && e.samples < before + before / 2); /* clearly worse: a probe or two that this picture chooses */
+    /* clearly worse: a probe or two that this picture chooses */
+    assert_true(e.least > 0.1 && e.samples < before + before / 2);
     sl_error_probe_destroy(probe);
     sl_image_destroy(image);
     sl_scene_destroy(scene);
@@ -257,9 +275,12 @@ static void a_judgement_traces_until_the_answer_is_clear(void **state) {
 
 static void a_black_scene_has_no_error_and_a_lit_one_in_black_has_all(void **state) {
     (void)state;
-    sl_scene *dark = scene_from_text("{\"softlux\":1,\"meshes\":[{\"file\":\"mesh.obj\"}],\"lights\":[{\"type\":\"spot\",\"position\":[0,0,9],"
-                                     "\"direction\":[0,0,1],\"intensity\":[1,1,1],\"inner_deg\":10,\"outer_deg\":20}],\"camera\":{\"eye\":[0,0,3],\"target\":[0,0,0],\"up\":[0,1,0],\"fov_deg\":40}}",
-                                     "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
+    sl_scene *dark =
+        scene_from_text("{\"softlux\":1,\"meshes\":[{\"file\":\"mesh.obj\"}],\"lights\":[{\"type\":\"spot\","
+                        "\"position\":[0,0,9],"
+                        "\"direction\":[0,0,1],\"intensity\":[1,1,1],\"inner_deg\":10,\"outer_deg\":20}],"
+                        "\"camera\":{\"eye\":[0,0,3],\"target\":[0,0,0],\"up\":[0,1,0],\"fov_deg\":40}}",
+                        "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
     sl_settings settings = small_settings("path", SIZE, SIZE);
     sl_image *black;
     assert_int_equal(sl_image_create(SIZE, SIZE, 3, NULL, &black, NULL), SL_OK);
@@ -282,7 +303,8 @@ static void a_lamp_that_is_seen_is_in_neither_error_nor_mean(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", SIZE, SIZE);
-    sl_image *truth = reference_of(scene, "matched:splatting", 64), *image = reference_of(scene, "matched:splatting", 64);
+    sl_image *truth = reference_of(scene, "matched:splatting", 64),
+             *image = reference_of(scene, "matched:splatting", 64);
     sl_error_probe *probe = probe_of(scene, &settings);
     const float *surface = sl_error_probe_surfaces(probe)->planes;
     size_t pixels = SIZE * SIZE, lamp = 0;
@@ -335,11 +357,16 @@ static void pixels_at_the_rim_of_a_lamp_are_left_out_where_pixels_are_boxes(void
 
 static void the_back_of_a_lamp_is_a_surface_and_where_only_sky_is_seen_all_pixels_count(void **state) {
     (void)state;
-    static const char text[] = "{\"softlux\":1,\"meshes\":[{\"file\":\"mesh.obj\"}],\"environment\":{\"radiance\":[%s]},\"materials\":"
-                               "{\"lamp\":{\"diffuse\":0.5,\"emission\":5}},\"camera\":{\"eye\":[0,0,%s],\"target\":[0,0,%s],\"fov_deg\":40}}";
+    static const char text[] = "{\"softlux\":1,\"meshes\":[{\"file\":\"mesh.obj\"}],\"environment\":{"
+                               "\"radiance\":[%s]},\"materials\":"
+                               "{\"lamp\":{\"diffuse\":0.5,\"emission\":5}},\"camera\":{\"eye\":[0,0,%s],"
+                               "\"target\":[0,0,%s],\"fov_deg\":40}}";
     static const char obj[] = "mtllib none.mtl\nv -9 -9 0\nv 9 -9 0\nv 0 9 0\nusemtl lamp\nf 1 2 3\n";
-    const struct { const char *sky, *eye, *target; unsigned surfaces; } cases[] = {
-        {"1,1,1", "-3", "0", SIZE * SIZE}, {"1,1,1", "3", "0", SIZE * SIZE}, {"1,1,1", "3", "9", SIZE * SIZE}, {"0,0,0", "3", "9", SIZE * SIZE}};
+    const struct { const char *sky, *eye, *target; unsigned surfaces;
+    } cases[] = {{"1,1,1", "-3", "0", SIZE * SIZE},
+                 {"1,1,1", "3", "0", SIZE * SIZE},
+                 {"1,1,1", "3", "9", SIZE * SIZE},
+                 {"0,0,0", "3", "9", SIZE * SIZE}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char json[512];
         snprintf(json, sizeof json, text, cases[i].sky, cases[i].eye, cases[i].target);
@@ -358,12 +385,14 @@ static void a_judgement_traces_no_more_than_it_may(void **state) {
     for (uint64_t rays = 200000; rays <= 800000; rays *= 2) {
         sl_error_probe *probe = probe_of(scene, &settings);
         sl_error_estimate e;
-        assert_int_equal(sl_error_probe_judge(probe, image, 1e-3, 1, &e, NULL), SL_OK); /* the least: a first look */
+        /* the least: a first look */
+        assert_int_equal(sl_error_probe_judge(probe, image, 1e-3, 1, &e, NULL), SL_OK);
         sl_counters least = *sl_error_probe_counters(probe);
         assert_true(least.value[SL_COUNT_RAYS] + least.value[SL_COUNT_SHADOW_RAYS] < 200000);
         assert_int_equal(sl_error_probe_judge(probe, image, 0.5 * e.least + 1e-6, rays, &e, NULL), SL_OK);
         const sl_counters *c = sl_error_probe_counters(probe);
-        assert_true(c->value[SL_COUNT_RAYS] + c->value[SL_COUNT_SHADOW_RAYS] < 1.1 * (double)rays); /* a probe's rays differ a little */
+        /* a probe's rays differ a little */
+        assert_true(c->value[SL_COUNT_RAYS] + c->value[SL_COUNT_SHADOW_RAYS] < 1.1 * (double)rays);
         last = e.resolution;
         sl_error_probe_destroy(probe);
     }
@@ -430,14 +459,16 @@ static void how_much_of_an_error_is_left_is_told_by_differences_at_the_same_prob
         for (settings.seed = 0; settings.seed < SEEDS; settings.seed++) {
             double left;
             sl_error_probe *probe = probe_of(scene, &settings);
-            sl_error_estimate before = estimate_with(probe, first, 128, 16), after = estimate_with(probe, second, 128, 16);
+            sl_error_estimate before = estimate_with(probe, first, 128, 16),
+                              after = estimate_with(probe, second, 128, 16);
             assert_int_equal(sl_error_probe_left(probe, first, second, &left, NULL), SL_OK);
             held += left <= shares[i];
             near += left > shares[i] - 0.1;
             overlap += after.bound > before.least;
             sl_error_probe_destroy(probe);
         }
-        print_message("%.2f: %u not above, %u near, %u of the bounds overlap\n", shares[i], held, near, overlap);
+        print_message("%.2f: %u not above, %u near, %u of the bounds overlap\n", shares[i], held, near,
+                      overlap);
         assert_true(10 * held >= 9 * SEEDS);
         if (shares[i] > 0.9) assert_true(10 * near >= 9 * SEEDS && 10 * overlap >= 9 * SEEDS);
     }
@@ -449,7 +480,10 @@ static void how_much_of_an_error_is_left_is_told_by_differences_at_the_same_prob
 static void what_no_path_from_the_eye_finds_is_owned_up_to(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/mirror-balls.json");
-    const struct { const char *method; bool blind; } cases[] = {{"light-octree", true}, {"splatting", false}, {"path", true}};
+    const struct {
+        const char *method;
+        bool blind;
+    } cases[] = {{"light-octree", true}, {"splatting", false}, {"path", true}};
     for (size_t i = 0; i < 3; i++) {
         sl_settings settings = small_settings(cases[i].method, SIZE, SIZE);
         sl_error_probe *probe = probe_of(scene, &settings);
@@ -524,14 +558,18 @@ static void noise_of_the_probes_themselves_widens_the_bounds(void **state) {
     (void)state;
     const double x[3] = {5.0, 5.0, 5.0}, p[3] = {4.0, 4.0, 4.0}, q[3] = {2.0, 2.0, 2.0};
     sl_audit_pixel a = sl_audit_pixel_of(x, p, q, 1.0);
-    assert_true(fabs(a.square - 3.0) < 1e-12 && fabs(a.difference - 2.0) < 1e-12 && fabs(a.noise - 2.0) < 1e-12);
-    assert_true(fabs(a.square_variance - (2.0 * 4.0 * 2.0 + 4.0)) < 1e-12 && fabs(a.difference_variance - 1.0) < 1e-12);
-    /* Ten of a hundred: a picture without error would be off by p's and q's variance, 2, in each, and by three times nine in what is not seen. */
+    assert_true(fabs(a.square - 3.0) < 1e-12 && fabs(a.difference - 2.0) < 1e-12 &&
+                fabs(a.noise - 2.0) < 1e-12);
+    assert_true(fabs(a.square_variance - (2.0 * 4.0 * 2.0 + 4.0)) < 1e-12 &&
+                fabs(a.difference_variance - 1.0) < 1e-12);
+    /* Ten of a hundred: a picture without error would be off by p's and q's variance, 2, in each, and by
+     * three times nine in what is not seen. */
     sl_audit_pixel pixels[10];
     for (int i = 0; i < 10; i++) pixels[i] = sl_audit_pixel_of(x, p, q, 10.0);
     sl_error_estimate e = {0};
     sl_audit_conclude(pixels, 10, 100.0, 32.0, &e);
-    double noise = 1.812 * sqrt(10.0 * 20.0 * 20.0) + 3.0 * 9.0 * 2.0, difference = 1.812 * sqrt(10.0 * 10.0) / 100.0;
+    double noise = 1.812 * sqrt(10.0 * 20.0 * 20.0) + 3.0 * 9.0 * 2.0,
+           difference = 1.812 * sqrt(10.0 * 10.0) / 100.0;
     assert_true(fabs(e.resolution - sqrt(noise / 100.0) / (30.0 - difference)) < 1e-9);
     assert_true(e.bound > e.resolution);
 }

@@ -1,4 +1,5 @@
-/* Memory that runs out while a picture's error is estimated: said so, nothing lost, and the same answer once there is memory. */
+/* Memory that runs out while a picture's error is estimated: said so, nothing lost, and the same answer once
+ * there is memory. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +21,8 @@ typedef struct judging {
 } judging;
 
 static judging begin(void) {
-    judging j = {.scene = load_scene("scenes/cornell-point.json"), .settings = small_settings("path", 16, 16)};
+    judging j = {.scene = load_scene("scenes/cornell-point.json"),
+                 .settings = small_settings("path", 16, 16)};
     j.settings.transport = "direct";
     j.settings.spp = 2;
     j.settings.threads = 1;

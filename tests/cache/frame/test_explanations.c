@@ -12,7 +12,8 @@
 
 #include "cache/frame/settings.h"
 
-static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh", "light-octree"};
+static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh",
+                                      "light-octree"};
 enum { METHODS = sizeof methods / sizeof methods[0], WIDTH = 40, HEIGHT = 32 };
 
 typedef struct {
@@ -32,7 +33,8 @@ static rendered render(const char *scene, const char *method, uint64_t batches, 
     settings.observer = observer;
     assert_int_equal(sl_scene_load(scene, &r.scene, NULL), SL_OK);
     assert_int_equal(sl_method_create(r.scene, &settings, &r.method, NULL), SL_OK);
-    while (!progress.done && (!batches || progress.batches < batches)) assert_int_equal(sl_method_update(r.method, &progress, NULL), SL_OK);
+    while (!progress.done && (!batches || progress.batches < batches))
+        assert_int_equal(sl_method_update(r.method, &progress, NULL), SL_OK);
     assert_int_equal(sl_method_resolve(r.method, &r.picture, NULL), SL_OK);
     return r;
 }
@@ -75,7 +77,8 @@ static size_t assert_all_add_up(const char *scene, const char *method, uint64_t 
 
 static void what_a_method_says_made_a_pixel_adds_up_to_it(void **state) {
     (void)state;
-    static const char *const scenes[] = {"scenes/cornell.json", "scenes/cornell-glossy.json", "scenes/sphere.json", "scenes/mirror-balls.json"};
+    static const char *const scenes[] = {"scenes/cornell.json", "scenes/cornell-glossy.json",
+                                         "scenes/sphere.json", "scenes/mirror-balls.json"};
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)
         for (size_t m = 0; m < METHODS; m++) assert_true(assert_all_add_up(scenes[s], methods[m], 0) > 300);
 }
@@ -100,10 +103,12 @@ static void the_explanation_of_a_lamp_is_its_own_light(void **state) {
 
 static void pixels_outside_and_tracers_have_no_explanation(void **state) {
     (void)state;
-    rendered r = render("scenes/cornell.json", "splatting", 2, NULL), p = render("scenes/cornell.json", "path", 1, NULL);
+    rendered r = render("scenes/cornell.json", "splatting", 2, NULL),
+             p = render("scenes/cornell.json", "path", 1, NULL);
     sl_explanation *explanation;
     sl_error error;
-    assert_int_equal(sl_method_explanation(r.method, r.picture, WIDTH, 0, &explanation, &error), SL_ERROR_USAGE);
+    assert_int_equal(sl_method_explanation(r.method, r.picture, WIDTH, 0, &explanation, &error),
+                     SL_ERROR_USAGE);
     assert_null(explanation);
     assert_int_equal(sl_method_explanation(r.method, r.picture, 0, -1, &explanation, &error), SL_ERROR_USAGE);
     assert_int_equal(sl_method_explanation(p.method, p.picture, 0, 0, &explanation, &error), SL_ERROR_USAGE);
@@ -121,8 +126,10 @@ static void who_looks_on_changes_nothing_and_sees_marks(void **state) {
         rendered alone = render("scenes/cornell-glossy.json", methods[m], 0, NULL);
         rendered watched = render("scenes/cornell-glossy.json", methods[m], 0, &observer);
         assert_true(marks > 0);
-        assert_memory_equal(sl_method_counters(alone.method), sl_method_counters(watched.method), sizeof(sl_counters));
-        assert_memory_equal(alone.picture->planes, watched.picture->planes, sizeof(float) * WIDTH * HEIGHT * (size_t)alone.picture->channels);
+        assert_memory_equal(sl_method_counters(alone.method), sl_method_counters(watched.method),
+                            sizeof(sl_counters));
+        assert_memory_equal(alone.picture->planes, watched.picture->planes,
+                            sizeof(float) * WIDTH * HEIGHT * (size_t)alone.picture->channels);
         forget(&alone);
         forget(&watched);
     }

@@ -1,6 +1,6 @@
-/* Golden images, pass by pass: every pass that a method announces on a small Cornell box must have the bits of
- * the picture in tests/golden/. A missing golden fails. `make golden` writes them anew; look at them before committing. A
- * failure leaves what came out in build/golden-failed/. */
+/* Golden images, pass by pass: every pass that a method announces on a small Cornell box must have the bits
+ * of the picture in tests/golden/. A missing golden fails. `make golden` writes them anew; look at them
+ * before committing. A failure leaves what came out in build/golden-failed/. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +20,8 @@ typedef struct {
     int passes, wrong;
 } golden_run;
 
-static void file_name(char *name, size_t size, const char *folder, const golden_run *run, const sl_pass *pass) {
+static void file_name(char *name, size_t size, const char *folder, const golden_run *run,
+                      const sl_pass *pass) {
     int used = snprintf(name, size, "%s/%s-%02d-", folder, run->scene, run->passes);
     for (const char *c = pass->name; *c && (size_t)used + 6 < size; c++)
         name[used++] = (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') ? *c : '-';
@@ -33,7 +34,8 @@ static bool same_bits(const sl_image *a, const sl_image *b) {
     for (int c = 0; c < a->channels; c++) {
         /* a lone Y is read back as R = G = B */
         const float *other = sl_image_channel(b, a->channels == 1 ? "R" : a->channel_name[c]);
-        if (!other || memcmp(a->planes + (size_t)c * pixels, other, pixels * sizeof(float)) != 0) return false;
+        if (!other || memcmp(a->planes + (size_t)c * pixels, other, pixels * sizeof(float)) != 0)
+            return false;
     }
     return true;
 }
@@ -47,7 +49,8 @@ static void report_worst(const sl_image *a, const sl_image *b, const char *golde
     }
     size_t pixel = worst % ((size_t)a->width * (size_t)a->height);
     print_error("%s: %zu values differ, most at x %zu y %zu: %.9g instead of %.9g\n", golden, differing,
-                pixel % (size_t)a->width, pixel / (size_t)a->width, (double)a->planes[worst], (double)b->planes[worst]);
+                pixel % (size_t)a->width, pixel / (size_t)a->width, (double)a->planes[worst],
+                (double)b->planes[worst]);
 }
 
 static void check_pass(void *context, const sl_pass *pass) {
@@ -59,7 +62,8 @@ static void check_pass(void *context, const sl_pass *pass) {
     run->passes++;
     sl_error error;
     if (getenv("SOFTLUX_UPDATE_GOLDEN")) {
-        if (sl_image_write(pass->buffer, golden, &error) != SL_OK) run->wrong++, print_error("%s\n", error.message);
+        if (sl_image_write(pass->buffer, golden, &error) != SL_OK)
+            run->wrong++, print_error("%s\n", error.message);
         return;
     }
     sl_image *wanted;
@@ -91,7 +95,8 @@ static void expect_golden(const char *name, const char *path, sl_settings settin
     sl_method *method = NULL;
     sl_image *image = NULL;
     sl_progress progress = {0};
-    if (sl_scene_load(path, &scene, &error) != SL_OK || sl_method_create(scene, &settings, &method, &error) != SL_OK)
+    if (sl_scene_load(path, &scene, &error) != SL_OK ||
+        sl_method_create(scene, &settings, &method, &error) != SL_OK)
         fail_msg("%s", error.message);
     while (!progress.done) assert_int_equal(sl_method_update(method, &progress, &error), SL_OK);
     assert_int_equal(sl_method_resolve(method, &image, &error), SL_OK);

@@ -1,5 +1,6 @@
-/* Scenes that break careless code: eyes in the surface, coplanar triangles, tiny, huge and far scenes, lights in walls, pictures
- * of one pixel. Every method and every gather must give finite values, none below zero, and where the truth is known, that. */
+/* Scenes that break careless code: eyes in the surface, coplanar triangles, tiny, huge and far scenes, lights
+ * in walls, pictures of one pixel. Every method and every gather must give finite values, none below zero,
+ * and where the truth is known, that. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +13,7 @@
 
 #include "rendering.h"
 
-/* ---- rendering with everything --------------------------------------------------------------------------------------- */
+/* ---- rendering with everything --------------------------------------------------------------- */
 
 typedef struct variant {
     const char *name, *method;
@@ -40,7 +41,8 @@ static sl_image *render_variant(const sl_scene *scene, const variant *v, int wid
     sl_image *image = render(scene, &settings, NULL);
     size_t values = (size_t)width * (size_t)height * (size_t)image->channels;
     for (size_t i = 0; i < values; i++) {
-        if (!isfinite(image->planes[i])) fail_msg("%s: value %zu is %g", v->name, i, (double)image->planes[i]);
+        if (!isfinite(image->planes[i]))
+            fail_msg("%s: value %zu is %g", v->name, i, (double)image->planes[i]);
     }
     for (size_t i = 0; i < 3 * (size_t)width * (size_t)height; i++) {
         if (image->planes[i] < 0.0f) fail_msg("%s: value %zu is %g", v->name, i, (double)image->planes[i]);
@@ -67,14 +69,17 @@ static void render_all(const char *json, const char *obj, int width, int height,
 }
 
 static void assert_near(const char *what, double value, double truth, double tolerance) {
-    if (!(fabs(value - truth) <= tolerance * fabs(truth))) fail_msg("%s: %g, expected %g", what, value, truth);
+    if (!(fabs(value - truth) <= tolerance * fabs(truth)))
+        fail_msg("%s: %g, expected %g", what, value, truth);
 }
 
-/* ---- a room of any size anywhere ------------------------------------------------------------------------------------- */
+/* ---- a room of any size anywhere ------------------------------------------------------------- */
 
-/* Of half size 1 about the origin before it is scaled, then moved: six walls, a lamp below the ceiling, a box on the floor. */
+/* Of half size 1 about the origin before it is scaled, then moved: six walls, a lamp below the ceiling, a box
+ * on the floor. */
 static sl_scene *room(double scale, double offset, double radiance, const char *wall) {
-    static const int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}};
+    static const int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1},
+                                     {-1, 1, -1},  {1, 1, -1},  {1, 1, 1},  {-1, 1, 1}};
     static const double box_size = 0.3, lamp_size = 0.4;
     char obj[4096], json[1024];
     int n = 0;
@@ -83,12 +88,15 @@ static sl_scene *room(double scale, double offset, double radiance, const char *
                       offset + scale * corner[i][1], offset + scale * corner[i][2]);
     }
     for (int i = 0; i < 8; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * box_size * corner[i][0],
-                      offset + scale * (box_size * corner[i][1] - 1.0 + box_size), offset + scale * box_size * corner[i][2]);
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
+                      offset + scale * box_size * corner[i][0],
+                      offset + scale * (box_size * corner[i][1] - 1.0 + box_size),
+                      offset + scale * box_size * corner[i][2]);
     }
     for (int i = 0; i < 4; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * lamp_size * corner[i][0],
-                      offset + scale * 0.9, offset + scale * lamp_size * corner[i][2]);
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
+                      offset + scale * lamp_size * corner[i][0], offset + scale * 0.9,
+                      offset + scale * lamp_size * corner[i][2]);
     }
     snprintf(obj + n, sizeof obj - (size_t)n,
              "usemtl wall\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 4 8 5\nf 2 3 7 6\n"
@@ -96,13 +104,15 @@ static sl_scene *room(double scale, double offset, double radiance, const char *
              "usemtl lamp\nf 17 18 19 20\n");
     snprintf(json, sizeof json,
              "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-             " \"materials\": {\"wall\": %s, \"lamp\": {\"diffuse\": 0, \"emission\": %.9g, \"two_sided\": true}},\n"
+             " \"materials\": {\"wall\": %s, \"lamp\": {\"diffuse\": 0, \"emission\": %.9g, \"two_sided\": "
+             "true}},\n"
              " \"camera\": {\"eye\": [%.9g, %.9g, %.9g], \"target\": [%.9g, %.9g, %.9g], \"fov_deg\": 70}}",
              wall, radiance, offset, offset, offset + 0.9 * scale, offset, offset - 0.3 * scale, offset);
     return scene_from_text(json, obj);
 }
 
-static void room_means(double scale, double offset, double radiance, const char *wall, double means[VARIANTS]) {
+static void room_means(double scale, double offset, double radiance, const char *wall,
+                       double means[VARIANTS]) {
     sl_scene *scene = room(scale, offset, radiance, wall);
     for (int i = 0; i < VARIANTS; i++) {
         sl_image *image = render_variant(scene, &variants[i], 24, 24);
@@ -142,7 +152,8 @@ static void radiance_of_any_size_is_carried(void **state) {
     const double radiances[] = {1e-20, 1e20};
     for (int r = 0; r < 2; r++) {
         room_means(1.0, 0.0, radiances[r], grey, means);
-        for (int i = 0; i < VARIANTS; i++) assert_near(variants[i].name, means[i], truth[i] * radiances[r], 0.02);
+        for (int i = 0; i < VARIANTS; i++)
+            assert_near(variants[i].name, means[i], truth[i] * radiances[r], 0.02);
     }
 }
 
@@ -164,9 +175,10 @@ static void only_emitters_show_their_radiance(void **state) {
     for (int i = 0; i < VARIANTS; i++) assert_near(variants[i].name, means[i], 5.0, 1e-5);
 }
 
-/* ---- eyes where no eye should be ------------------------------------------------------------------------------------- */
+/* ---- eyes where no eye should be ------------------------------------------------------------- */
 
-static const char corner_obj[] = "v 0 0 0\nv 4 0 0\nv 4 0 -4\nv 0 0 -4\nv 0 4 -4\nv 4 4 -4\nf 1 2 3\nf 1 3 4\nf 4 3 6 5\n";
+static const char corner_obj[] =
+    "v 0 0 0\nv 4 0 0\nv 4 0 -4\nv 0 0 -4\nv 0 4 -4\nv 4 4 -4\nf 1 2 3\nf 1 3 4\nf 4 3 6 5\n";
 
 static void the_eye_may_be_anywhere(void **state) {
     (void)state;
@@ -176,15 +188,18 @@ static void the_eye_may_be_anywhere(void **state) {
         "\"eye\": [0, 0, -4], \"target\": [4, 2, -4]",        /* at a vertex, along a wall */
         "\"eye\": [2, 0, -4], \"target\": [2, 1, 0]",         /* on an edge */
         "\"eye\": [2, 1e-30, -2], \"target\": [2, 0, -4]",    /* above the floor by less than can be told */
-        "\"eye\": [2, 3, -2], \"target\": [2, 0, -2], \"up\": [0, 1, -0.001]", /* straight down, up nearly along the view */
+        /* straight down, up nearly along the view */
+        "\"eye\": [2, 3, -2], \"target\": [2, 0, -2], \"up\": [0, 1, -0.001]",
         "\"eye\": [2, 1, -1], \"target\": [2, 1, -1.000001]" /* at a target of no distance */
     };
     for (size_t i = 0; i < sizeof eyes / sizeof *eyes; i++) {
         char json[512];
         double means[VARIANTS];
-        snprintf(json, sizeof json,
-                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {%s, \"fov_deg\": 60},\n"
-                 "\"lights\": [{\"type\": \"point\", \"position\": [2, 3, -2], \"intensity\": 10}]}", eyes[i]);
+        snprintf(
+            json, sizeof json,
+            "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {%s, \"fov_deg\": 60},\n"
+            "\"lights\": [{\"type\": \"point\", \"position\": [2, 3, -2], \"intensity\": 10}]}",
+            eyes[i]);
         render_all(json, corner_obj, 16, 16, means);
     }
 }
@@ -192,9 +207,10 @@ static void the_eye_may_be_anywhere(void **state) {
 static void a_triangle_seen_edge_on_is_not_seen(void **state) {
     (void)state;
     double means[VARIANTS];
-    render_all("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": 1},\n"
-               "\"camera\": {\"eye\": [0, 0, 5], \"target\": [0, 0, 0]}}",
-               "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nf 1 2 3\n", 15, 15, means);
+    render_all(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": 1},\n"
+        "\"camera\": {\"eye\": [0, 0, 5], \"target\": [0, 0, 0]}}",
+        "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nf 1 2 3\n", 15, 15, means);
     for (int i = 0; i < VARIANTS; i++) assert_near(variants[i].name, means[i], 1.0, 1e-5);
 }
 
@@ -206,14 +222,15 @@ static void one_triangle_under_an_even_sky_sends_its_reflectance(void **state) {
                "\"materials\": {\"half\": {\"diffuse\": 0.5}}, \"environment\": {\"radiance\": 1},\n"
                "\"camera\": {\"eye\": [0, 0, 1], \"target\": [0, 0, 0], \"fov_deg\": 20}}",
                "v -2 -2 0\nv 2 -2 0\nv 0 4 0\nf 1 2 3\n", 16, 16, means);
-    /* Maps play the sky by 32 directional lights. The tracers' means of 16 samples have a standard error of 0.002. */
+    /* Maps play the sky by 32 directional lights. The tracers' means of 16 samples have a standard error of
+     * 0.002. */
     for (int i = 0; i < VARIANTS; i++) {
         double tolerance = variants[i].direct == SL_DIRECT_SHADOW_MAPS ? 0.05 : i >= PATH ? 0.008 : 0.002;
         assert_near(variants[i].name, means[i], 0.5, tolerance);
     }
 }
 
-/* ---- lights where no light should be --------------------------------------------------------------------------------- */
+/* ---- lights where no light should be --------------------------------------------------------- */
 
 static void lights_in_walls_give_finite_pictures(void **state) {
     (void)state;
@@ -221,10 +238,14 @@ static void lights_in_walls_give_finite_pictures(void **state) {
         "{\"type\": \"point\", \"position\": [2, 2, -4], \"intensity\": 10}", /* in the wall */
         "{\"type\": \"point\", \"position\": [0, 0, -4], \"intensity\": 10}", /* at a vertex */
         "{\"type\": \"point\", \"position\": [2, 1, -1], \"intensity\": 10}", /* at the eye */
-        "{\"type\": \"spot\", \"position\": [2, 0, -2], \"direction\": [0, 1, 0], \"intensity\": 10, \"inner_deg\": 30, \"outer_deg\": 30}",
+        "{\"type\": \"spot\", \"position\": [2, 0, -2], \"direction\": [0, 1, 0], \"intensity\": 10, "
+        "\"inner_deg\": 30, \"outer_deg\": 30}",
         "{\"type\": \"directional\", \"direction\": [1, 0, 0], \"irradiance\": 1}", /* along floor and wall */
-        "{\"type\": \"quad\", \"corner\": [1, 0, -3], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": 5}", /* in the floor */
-        "{\"type\": \"quad\", \"corner\": [1, -1, -3], \"edge1\": [1, 0, 0], \"edge2\": [0, 2, 0], \"radiance\": 5}" /* through it */
+        /* in the floor */
+        "{\"type\": \"quad\", \"corner\": [1, 0, -3], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], "
+        "\"radiance\": 5}",
+        "{\"type\": \"quad\", \"corner\": [1, -1, -3], \"edge1\": [1, 0, 0], \"edge2\": [0, 2, 0], "
+        "\"radiance\": 5}" /* through it */
     };
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++) {
         char json[768];
@@ -236,24 +257,28 @@ static void lights_in_walls_give_finite_pictures(void **state) {
     }
 }
 
-/* A lamp 20 long behind a wall with a window of 1: the window's reveal is lit by the little of the lamp that it sees, which is near. */
+/* A lamp 20 long behind a wall with a window of 1: the window's reveal is lit by the little of the lamp that
+ * it sees, which is near. */
 static void a_long_lamp_behind_a_small_window_lights_the_reveal(void **state) {
     (void)state;
     double means[VARIANTS];
-    render_all("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-               "\"materials\": {\"grey\": {\"diffuse\": 0.7}, \"lamp\": {\"diffuse\": 0, \"emission\": 5}},\n"
-               "\"camera\": {\"eye\": [1.8, 0.5, 2.8], \"target\": [1.5, 0.5, 0], \"fov_deg\": 40}}",
-               "v -10 0 -0.5\nv 10 0 -0.5\nv 10 1 -0.5\nv -10 1 -0.5\n"
-               "v -2 0 0\nv -0.5 0 0\nv -0.5 1 0\nv -2 1 0\nv 0.5 0 0\nv 2 0 0\nv 2 1 0\nv 0.5 1 0\n"
-               "v -2 0 3\nv 2 0 3\nv 2 1 3\nv -2 1 3\nv -0.5 0 -0.49\nv 0.5 0 -0.49\nv 0.5 1 -0.49\nv -0.5 1 -0.49\n"
-               "usemtl lamp\nf 1 2 3 4\nusemtl grey\nf 5 6 7 8\nf 9 10 11 12\nf 5 10 14 13\nf 8 11 15 16\nf 13 14 15 16\n"
-               "f 5 8 16 13\nf 10 11 15 14\nf 17 18 9 6\nf 20 19 12 7\nf 17 6 7 20\nf 18 9 12 19\n", 32, 24, means);
+    render_all(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+        "\"materials\": {\"grey\": {\"diffuse\": 0.7}, \"lamp\": {\"diffuse\": 0, \"emission\": 5}},\n"
+        "\"camera\": {\"eye\": [1.8, 0.5, 2.8], \"target\": [1.5, 0.5, 0], \"fov_deg\": 40}}",
+        "v -10 0 -0.5\nv 10 0 -0.5\nv 10 1 -0.5\nv -10 1 -0.5\n"
+        "v -2 0 0\nv -0.5 0 0\nv -0.5 1 0\nv -2 1 0\nv 0.5 0 0\nv 2 0 0\nv 2 1 0\nv 0.5 1 0\n"
+        "v -2 0 3\nv 2 0 3\nv 2 1 3\nv -2 1 3\nv -0.5 0 -0.49\nv 0.5 0 -0.49\nv 0.5 1 -0.49\nv -0.5 1 -0.49\n"
+        "usemtl lamp\nf 1 2 3 4\nusemtl grey\nf 5 6 7 8\nf 9 10 11 12\nf 5 10 14 13\nf 8 11 15 16\nf 13 14 "
+        "15 16\n"
+        "f 5 8 16 13\nf 10 11 15 14\nf 17 18 9 6\nf 20 19 12 7\nf 17 6 7 20\nf 18 9 12 19\n",
+        32, 24, means);
     for (int i = 0; i < VARIANTS; i++) {
         if (variants[i].direct == SL_DIRECT_RAYS) assert_near(variants[i].name, means[i], means[PATH], 0.05);
     }
 }
 
-/* ---- films ----------------------------------------------------------------------------------------------------------- */
+/* ---- films ----------------------------------------------------------------------------------- */
 
 static void pictures_of_one_pixel_a_row_and_a_column(void **state) {
     (void)state;

@@ -34,7 +34,8 @@ static sl_scene *cornell(void) { return load_scene("scenes/cornell.json"); }
 /* A ball of 4 rings^2 triangles with bumps, and a lamp. */
 static sl_scene *ball_of(unsigned rings) {
     trace_mesh m = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&m, 0.6f, 0, 0, 0, 0), lamp = trace_mesh_material(&m, 0, 0, 0, 0, 20.0f);
+    uint32_t grey = trace_mesh_material(&m, 0.6f, 0, 0, 0, 0),
+             lamp = trace_mesh_material(&m, 0, 0, 0, 0, 20.0f);
     trace_mesh_box(&m, sl_v3(-3, -3, -3), sl_v3(3, 3, 3), true, grey);
     trace_mesh_sphere(&m, sl_v3(0, -1, 0), 1.5f, rings, 0.1f, false, grey);
     trace_mesh_quad(&m, sl_v3(-0.5f, 2.9f, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
@@ -56,7 +57,8 @@ static void run(sl_scene *scene, const sl_settings *settings, outcome *o) {
     o->status = sl_method_memory_need(scene, settings, &need, &error);
     o->need = (double)need;
     if (o->status == SL_OK) o->status = sl_method_create(scene, settings, &method, &error);
-    while (o->status == SL_OK && !progress.done && progress.batches < 2000) o->status = sl_method_update(method, &progress, &error);
+    while (o->status == SL_OK && !progress.done && progress.batches < 2000)
+        o->status = sl_method_update(method, &progress, &error);
     if (o->status == SL_OK) o->status = sl_method_resolve(method, &image, &error);
     snprintf(o->message, sizeof o->message, "%s", error.message);
     if (o->status != SL_OK) return;
@@ -114,7 +116,8 @@ static double least_of(const char *message) {
 static void assert_within(const char *method, const outcome *o, double budget) {
     if (o->status != SL_OK) fail_msg("%s with %.0fM: %s", method, budget / mega, o->message);
     assert_true(o->sound);
-    if (!SL_SANITIZED && o->peak > budget) fail_msg("%s takes %.1fM of %.1fM (%s)", method, o->peak / mega, budget / mega, o->message);
+    if (!SL_SANITIZED && o->peak > budget)
+        fail_msg("%s takes %.1fM of %.1fM (%s)", method, o->peak / mega, budget / mega, o->message);
 }
 
 static void check_budgets(sl_scene *(*make)(void), int size, int budgets, double most_above) {
@@ -123,7 +126,8 @@ static void check_budgets(sl_scene *(*make)(void), int size, int budgets, double
         outcome o = in_a_process(make, &s);
         const double need = o.need;
         assert_within(s.method, &o, need); /* what it says, it takes, and no more */
-        if (!SL_SANITIZED && need - 32.0 * mega > most_above * o.peak) fail_msg("%s says %.1fM, and takes %.1fM", s.method, need / mega, o.peak / mega);
+        if (!SL_SANITIZED && need - 32.0 * mega > most_above * o.peak)
+            fail_msg("%s says %.1fM, and takes %.1fM", s.method, need / mega, o.peak / mega);
         assert_false(o.reduced);
         s.memory_bytes = (uint64_t)(1 << 24);
         o = in_a_process(make, &s);
@@ -148,8 +152,10 @@ static void pictures_of_many_triangles_stay_within_every_budget(void **state) {
     check_budgets(bumpy_ball, 32, 1, 2.5);
 }
 
-/* What the program takes for itself hides no mistake here: by how much more is taken for more pixels or triangles. */
-static void check_growth(const char *method, sl_scene *(*few)(void), int small, sl_scene *(*many)(void), int large) {
+/* What the program takes for itself hides no mistake here: by how much more is taken for more pixels or
+ * triangles. */
+static void check_growth(const char *method, sl_scene *(*few)(void), int small, sl_scene *(*many)(void),
+                         int large) {
     const double slack = 2.0 * mega;
     sl_settings s = settings_of(method, small), l = settings_of(method, large);
     const outcome of_few = in_a_process(few, &s), of_many = in_a_process(many, &l);
@@ -158,19 +164,23 @@ static void check_growth(const char *method, sl_scene *(*few)(void), int small, 
     assert_int_equal(of_many.status, SL_OK);
     if (SL_SANITIZED) return;
     const double taken = of_many.peak - of_few.peak;
-    if (taken > need + slack || need > 2.0 * taken + slack) fail_msg("%s says %.1fM more, and takes %.1fM more", method, need / mega, taken / mega);
+    if (taken > need + slack || need > 2.0 * taken + slack)
+        fail_msg("%s says %.1fM more, and takes %.1fM more", method, need / mega, taken / mega);
 }
 
 static void more_pixels_take_what_is_said_of_them(void **state) {
     (void)state;
-    static const char *const methods[] = {"path", "bidirectional", "direct-radiance", "splatting", "light-octree", "multi-mesh"};
-    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) check_growth(methods[i], smooth_ball, 32, smooth_ball, 448);
+    static const char *const methods[] = {"path",      "bidirectional", "direct-radiance",
+                                          "splatting", "light-octree",  "multi-mesh"};
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++)
+        check_growth(methods[i], smooth_ball, 32, smooth_ball, 448);
 }
 
 static void more_triangles_take_what_is_said_of_them(void **state) {
     (void)state;
     static const char *const methods[] = {"path", "direct-radiance", "splatting", "shading-cache"};
-    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) check_growth(methods[i], smooth_ball, 16, fine_ball, 16);
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++)
+        check_growth(methods[i], smooth_ball, 16, fine_ball, 16);
 }
 
 static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **state) {
@@ -179,7 +189,10 @@ static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **stat
     static const struct {
         const char *method, *told;
         double share; /* of the need */
-    } cases[] = {{"light-octree", "stored photons", 0.55}, {"direct-radiance", "sample photons", 0.7}, {"splatting", "records end at", 0.0}, {"multi-mesh", "meshes end at", 0.0}};
+    } cases[] = {{"light-octree", "stored photons", 0.55},
+                 {"direct-radiance", "sample photons", 0.7},
+                 {"splatting", "records end at", 0.0},
+                 {"multi-mesh", "meshes end at", 0.0}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         sl_error error;
         sl_settings s = settings_of(cases[i].method, 48);
@@ -195,7 +208,8 @@ static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **stat
         sl_image *three = render(scene, &s, NULL);
         const char *told = sl_image_metadata(three, "softlux.concession");
         assert_non_null(told);
-        if (!strstr(told, cases[i].told)) fail_msg("%s: '%s' does not tell of %s", cases[i].method, told, cases[i].told);
+        if (!strstr(told, cases[i].told))
+            fail_msg("%s: '%s' does not tell of %s", cases[i].method, told, cases[i].told);
         assert_non_null(sl_image_metadata(three, "softlux.memory"));
         assert_true(same_picture(one, three));
         sl_image_destroy(one);
@@ -208,9 +222,12 @@ static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **stat
 static void hundreds_of_lights_with_many_photons_do_less_or_say_no(void **state) {
     (void)state;
     trace_mesh m = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&m, 0.6f, 0, 0, 0, 0), lamp = trace_mesh_material(&m, 0, 0, 0, 0, 5.0f);
+    uint32_t grey = trace_mesh_material(&m, 0.6f, 0, 0, 0, 0),
+             lamp = trace_mesh_material(&m, 0, 0, 0, 0, 5.0f);
     trace_mesh_box(&m, sl_v3(-3, -3, -3), sl_v3(3, 3, 3), true, grey);
-    for (int i = 0; i < 300; i++) trace_mesh_quad(&m, sl_v3(-2.9f + 0.3f * (float)(i % 20), 2.9f, -2.9f + 0.35f * (float)(i / 20)), sl_v3(0.1f, 0, 0), sl_v3(0, 0, 0.1f), lamp);
+    for (int i = 0; i < 300; i++)
+        trace_mesh_quad(&m, sl_v3(-2.9f + 0.3f * (float)(i % 20), 2.9f, -2.9f + 0.35f * (float)(i / 20)),
+                        sl_v3(0.1f, 0, 0), sl_v3(0, 0, 0.1f), lamp);
     sl_scene *scene = trace_mesh_build(&m);
     sl_settings s = settings_of("direct-radiance", 32);
     s.radiance_map.samples = 256;
@@ -228,12 +245,16 @@ static void hundreds_of_lights_with_many_photons_do_less_or_say_no(void **state)
 /* Keyframes give lamps an area that have none yet: what is said of a method holds for as long as it lives. */
 static void lamps_that_grow_later_are_counted_from_the_start(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text(
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", \"transform\": {\"scale\": 4}}, {\"file\": \"mesh.obj\", \"name\": \"lamps\", "
-        "\"material\": \"lamp\", \"keyframes\": [{\"time\": 0, \"translate\": [0, 2, 0], \"scale\": 1e-30}, {\"time\": 1, \"translate\": [0, 2, 0]}]}], "
-        "\"materials\": {\"lamp\": {\"diffuse\": 0, \"emission\": 5}}, \"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
-        "\"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0]}}",
-        "v 0 0 0\nv 0 0 1\nv 1 0 0\nv 0 0.5 -1\nv 0 0.5 0\nv 1 0.5 -1\nv -1 0.2 0\nv -1 0.2 1\nv 0 0.2 0\nf 1 3 2\nf 4 6 5\nf 7 9 8\n");
+    sl_scene *scene =
+        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", "
+                        "\"transform\": {\"scale\": 4}}, {\"file\": \"mesh.obj\", \"name\": \"lamps\", "
+                        "\"material\": \"lamp\", \"keyframes\": [{\"time\": 0, \"translate\": [0, 2, 0], "
+                        "\"scale\": 1e-30}, {\"time\": 1, \"translate\": [0, 2, 0]}]}], "
+                        "\"materials\": {\"lamp\": {\"diffuse\": 0, \"emission\": 5}}, \"lights\": "
+                        "[{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
+                        "\"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0]}}",
+                        "v 0 0 0\nv 0 0 1\nv 1 0 0\nv 0 0.5 -1\nv 0 0.5 0\nv 1 0.5 -1\nv -1 0.2 0\nv -1 0.2 "
+                        "1\nv 0 0.2 0\nf 1 3 2\nf 4 6 5\nf 7 9 8\n");
     for (size_t i = 0; sl_method_name(i); i++) {
         sl_settings s = settings_of(sl_method_name(i), 16);
         s.threads = 1;
@@ -247,10 +268,13 @@ static void lamps_that_grow_later_are_counted_from_the_start(void **state) {
         assert_int_equal(sl_method_create(scene, &s, &method, &error), SL_OK);
         assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, &error), SL_OK);
         assert_int_equal(sl_method_edit(method, changes, &error), SL_OK);
-        for (sl_progress p = {0}; !p.done && p.batches < 100;) assert_int_equal(sl_method_update(method, &p, &error), SL_OK);
+        for (sl_progress p = {0}; !p.done && p.batches < 100;)
+            assert_int_equal(sl_method_update(method, &p, &error), SL_OK);
         assert_int_equal(sl_method_memory_need(scene, &s, &after, &error), SL_OK);
-        const double taken = (double)(sl_method_memory_bytes(method) + sl_scene_memory_bytes(scene)) + 32.0 * mega;
-        print_message("%-16s says %.2fM, holds %.2fM; with lamps it would say %.2fM\n", s.method, (double)before / mega, taken / mega, (double)after / mega);
+        const double taken =
+            (double)(sl_method_memory_bytes(method) + sl_scene_memory_bytes(scene)) + 32.0 * mega;
+        print_message("%-16s says %.2fM, holds %.2fM; with lamps it would say %.2fM\n", s.method,
+                      (double)before / mega, taken / mega, (double)after / mega);
         assert_true(taken <= (double)before);
         assert_true(after <= before);
         sl_method_destroy(method);

@@ -1,4 +1,5 @@
-/* Second derivatives of a gather along the tangent plane against closed forms (Lambert's of polygon lights, with an occluder before them and without) and differences. */
+/* Second derivatives of a gather along the tangent plane against closed forms (Lambert's of polygon lights,
+ * with an occluder before them and without) and differences. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -39,11 +40,11 @@ static matrix hessian(const sl_irradiance *e, sl_vec3 x, sl_vec3 y) {
 
 static world *light_above(bool occluder) {
     world *w = world_new();
-    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f), sl_v3(1.1f, -0.4f, 1.3f),
-               world_material(w, sl_grey(0), sl_grey(5)));
+    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f),
+               sl_v3(1.1f, -0.4f, 1.3f), world_material(w, sl_grey(0), sl_grey(5)));
     if (occluder) {
-        world_quad(w, sl_v3(-0.1f, -0.2f, 0.6f), sl_v3(-0.1f, 0.45f, 0.6f), sl_v3(0.5f, 0.45f, 0.6f), sl_v3(0.5f, -0.2f, 0.6f),
-                   world_material(w, sl_grey(0), sl_grey(0)));
+        world_quad(w, sl_v3(-0.1f, -0.2f, 0.6f), sl_v3(-0.1f, 0.45f, 0.6f), sl_v3(0.5f, 0.45f, 0.6f),
+                   sl_v3(0.5f, -0.2f, 0.6f), world_material(w, sl_grey(0), sl_grey(0)));
     }
     world_build(w);
     return w;
@@ -55,8 +56,8 @@ static void check(bool occluder, int size, matrix exact, const double tolerance[
         sl_gather_settings s = settings_of(kinds[k], size);
         sl_irradiance e = gather_once(w, &s, sl_v3(0.35f, 0.2f, 0), sl_v3(0, 0, 1));
         matrix h = hessian(&e, sl_v3(1, 0, 0), sl_v3(0, 1, 0));
-        print_message("instrument %d, N = %d: (%.3f, %.3f, %.3f), exact (%.3f, %.3f, %.3f)\n", (int)kinds[k], size, h.xx, h.xy, h.yy,
-                      exact.xx, exact.xy, exact.yy);
+        print_message("instrument %d, N = %d: (%.3f, %.3f, %.3f), exact (%.3f, %.3f, %.3f)\n", (int)kinds[k],
+                      size, h.xx, h.xy, h.yy, exact.xx, exact.xy, exact.yy);
         assert_near(h.xx, exact.xx, tolerance[k]);
         assert_near(h.xy, exact.xy, tolerance[k]);
         assert_near(h.yy, exact.yy, tolerance[k]);
@@ -64,8 +65,9 @@ static void check(bool occluder, int size, matrix exact, const double tolerance[
     world_free(w);
 }
 
-/* Rays cut edges at any angle into steps, and where a near edge crosses a far one the steps do not tell how the crossing moves: so
- * there they are off by a fifth to a third. The plane is coarse for the small occluder. */
+/* Rays cut edges at any angle into steps, and where a near edge crosses a far one the steps do not tell how
+ * the crossing moves: so there they are off by a fifth to a third. The plane is coarse for the small
+ * occluder. */
 static void polygon_light_curves_as_its_closed_form(void **state) {
     (void)state;
     check(false, 64, (matrix){-4.282, -0.049, -6.084}, (double[3]){0.15, 0.05, 0.2});
@@ -78,14 +80,16 @@ static void occluder_curves_irradiance_before_the_light(void **state) {
     check(true, 256, (matrix){12.92, -2.62, 7.13}, (double[3]){0.2, 0.07, 2.3});
 }
 
-/* Exact gradients differenced. The polygon stands, leans, and is cut by the horizon: its depths differ along every edge. */
+/* Exact gradients differenced. The polygon stands, leans, and is cut by the horizon: its depths differ along
+ * every edge. */
 static matrix differences(const sl_vec3 corners[4]) {
     const double h = 1e-4;
     sl_vec3d v[4], n = sl_v3d(0, 0, 1), g[4];
     const sl_vec3d steps[4] = {sl_v3d(h, 0, 0), sl_v3d(-h, 0, 0), sl_v3d(0, h, 0), sl_v3d(0, -h, 0)};
     for (int i = 0; i < 4; i++) v[i] = sl_to_double(corners[i]);
     for (int i = 0; i < 4; i++) polygon_irradiance(steps[i], n, v, 4, &g[i]);
-    return (matrix){(g[0].x - g[1].x) / (2 * h), (g[0].y - g[1].y + g[2].x - g[3].x) / (4 * h), (g[2].y - g[3].y) / (2 * h)};
+    return (matrix){(g[0].x - g[1].x) / (2 * h), (g[0].y - g[1].y + g[2].x - g[3].x) / (4 * h),
+                    (g[2].y - g[3].y) / (2 * h)};
 }
 
 static void walls_curve_as_differences_of_their_closed_form(void **state) {
@@ -96,7 +100,8 @@ static void walls_curve_as_differences_of_their_closed_form(void **state) {
     };
     for (int i = 0; i < 2; i++) {
         world *w = world_new();
-        world_quad(w, walls[i][0], walls[i][1], walls[i][2], walls[i][3], world_material(w, sl_grey(0), sl_grey(1)));
+        world_quad(w, walls[i][0], walls[i][1], walls[i][2], walls[i][3],
+                   world_material(w, sl_grey(0), sl_grey(1)));
         world_build(w);
         matrix exact = differences(walls[i]);
         double size = fabs(exact.xx) + fabs(exact.xy) + fabs(exact.yy);
@@ -104,8 +109,8 @@ static void walls_curve_as_differences_of_their_closed_form(void **state) {
             sl_gather_settings s = settings_of(kinds[k], 256);
             sl_irradiance e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
             matrix h = hessian(&e, sl_v3(1, 0, 0), sl_v3(0, 1, 0));
-            print_message("wall %d, instrument %d: (%.3f, %.3f, %.3f), exact (%.3f, %.3f, %.3f)\n", i, (int)kinds[k], h.xx, h.xy, h.yy,
-                          exact.xx, exact.xy, exact.yy);
+            print_message("wall %d, instrument %d: (%.3f, %.3f, %.3f), exact (%.3f, %.3f, %.3f)\n", i,
+                          (int)kinds[k], h.xx, h.xy, h.yy, exact.xx, exact.xy, exact.yy);
             double tolerance = 0.08 * size;
             assert_near(h.xx, exact.xx, tolerance);
             assert_near(h.xy, exact.xy, tolerance);
@@ -118,7 +123,8 @@ static void walls_curve_as_differences_of_their_closed_form(void **state) {
 static void nothing_seen_has_no_curvature(void **state) {
     (void)state;
     world *w = world_new();
-    world_quad(w, sl_v3(-1, -1, -1), sl_v3(1, -1, -1), sl_v3(1, 1, -1), sl_v3(-1, 1, -1), world_material(w, sl_grey(0.5f), sl_grey(1)));
+    world_quad(w, sl_v3(-1, -1, -1), sl_v3(1, -1, -1), sl_v3(1, 1, -1), sl_v3(-1, 1, -1),
+               world_material(w, sl_grey(0.5f), sl_grey(1)));
     world_build(w);
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(kinds[k], 16);

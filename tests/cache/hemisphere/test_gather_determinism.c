@@ -1,4 +1,5 @@
-/* The same gather gives the same bits: with every instruction set, again, and whatever the scratch was used for before. */
+/* The same gather gives the same bits: with every instruction set, again, and whatever the scratch was used
+ * for before. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -92,7 +93,8 @@ static void keys_choose_the_jitter(void **state) {
     world *w = world_room(true);
     sl_gather_settings s = settings_of(SL_GATHER_RAYS);
     gatherer g = gatherer_new(w, &s);
-    sl_irradiance a = gather_at(&g, sl_v3(2, 1, 3), sl_v3(0, 1, 0), 1), b = gather_at(&g, sl_v3(2, 1, 3), sl_v3(0, 1, 0), 2);
+    sl_irradiance a = gather_at(&g, sl_v3(2, 1, 3), sl_v3(0, 1, 0), 1),
+                  b = gather_at(&g, sl_v3(2, 1, 3), sl_v3(0, 1, 0), 2);
     sl_irradiance c = gather_at(&g, sl_v3(2, 1, 3), sl_v3(0, 1, 0), 1);
     assert_true(a.value.g != b.value.g && a.value.g == c.value.g);
     assert_true(fabs((double)(a.value.g / b.value.g) - 1) < 0.05);
@@ -121,7 +123,8 @@ static void instruments_agree(void **state) {
         plane += b * b;
         count++;
     }
-    print_message("against rays, rms: hemicube %.4f, plane %.4f\n", sqrt(hemicube / count), sqrt(plane / count));
+    print_message("against rays, rms: hemicube %.4f, plane %.4f\n", sqrt(hemicube / count),
+                  sqrt(plane / count));
     assert_true(sqrt(hemicube / count) < 0.05);
     assert_true(sqrt(plane / count) < 0.15);
     for (int k = 0; k < 3; k++) gatherer_free(&g[k]);
@@ -132,8 +135,10 @@ static void instruments_agree(void **state) {
 static void picture_shows_what_was_seen(void **state) {
     (void)state;
     world *w = world_new();
-    uint32_t shine = world_material(w, sl_grey(0), (sl_rgb){1, 2, 3}), dark = world_material(w, sl_grey(0), sl_grey(0));
-    world_quad(w, sl_v3(-90, 0, 1), sl_v3(-90, 90, 1), sl_v3(90, 90, 1), sl_v3(90, 0, 1), shine); /* y > 0 above */
+    uint32_t shine = world_material(w, sl_grey(0), (sl_rgb){1, 2, 3}),
+             dark = world_material(w, sl_grey(0), sl_grey(0));
+    /* y > 0 above */
+    world_quad(w, sl_v3(-90, 0, 1), sl_v3(-90, 90, 1), sl_v3(90, 90, 1), sl_v3(90, 0, 1), shine);
     world_quad(w, sl_v3(-90, -90, 2), sl_v3(-90, 0, 2), sl_v3(90, 0, 2), sl_v3(90, -90, 2), dark);
     world_build(w);
     for (int k = 0; k < 3; k++) {
@@ -145,7 +150,8 @@ static void picture_shows_what_was_seen(void **state) {
         gather_at(&g, sl_v3(0, 0, 0), sl_v3(0, 0, 1), 1); /* the frame of +z is the world's axes */
         sl_gather_picture p = sl_gather_last_picture(g.scratch);
         assert_int_equal(p.width, kinds[k] == SL_GATHER_HEMICUBE ? 64 : 32);
-        size_t centre = (size_t)(p.height / 2) * (size_t)p.width + (size_t)(p.width / 2), below = centre - 2 * (size_t)p.width;
+        size_t centre = (size_t)(p.height / 2) * (size_t)p.width + (size_t)(p.width / 2),
+               below = centre - 2 * (size_t)p.width;
         assert_true(p.r[centre] == 1 && p.g[centre] == 2 && p.b[centre] == 3);
         assert_true(p.r[below] == 0 && p.g[below] == 0);
         assert_true(fabsf(p.distance[centre] - 1) < 0.05f && fabsf(p.distance[below] - 2) < 0.2f);

@@ -1,4 +1,5 @@
-/* What a gather sees reflects direct light by its glossy lobe, too: closed forms, then pictures against the path tracer. */
+/* What a gather sees reflects direct light by its glossy lobe, too: closed forms, then pictures against the
+ * path tracer. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,7 +22,8 @@ static world *glossy_plain(float specular, float exponent) {
     uint32_t m = world_material(w, sl_grey(0.0f), sl_grey(0.0f));
     w->materials[m].specular = (sl_rgb){specular, 0.5f * specular, 0.0f};
     w->materials[m].exponent = exponent;
-    world_quad(w, sl_v3(-1000, 0, 1000), sl_v3(1000, 0, 1000), sl_v3(1000, 0, -1000), sl_v3(-1000, 0, -1000), m);
+    world_quad(w, sl_v3(-1000, 0, 1000), sl_v3(1000, 0, 1000), sl_v3(1000, 0, -1000), sl_v3(-1000, 0, -1000),
+               m);
     return w;
 }
 
@@ -36,14 +38,15 @@ static void assert_near(double value, double truth, double tolerance) {
     if (!(fabs(value - truth) <= tolerance * truth)) fail_msg("%g, expected %g", value, truth);
 }
 
-/* Light of irradiance E straight from above: towards theta goes ks (n + 2) / (2 pi) cos^n theta E, so a point that faces the plain
- * receives ks E, whatever the exponent. */
+/* Light of irradiance E straight from above: towards theta goes ks (n + 2) / (2 pi) cos^n theta E, so a point
+ * that faces the plain receives ks E, whatever the exponent. */
 static void light_from_above_is_received_times_ks(void **state) {
     (void)state;
     const float exponents[] = {0.0f, 1.0f, 8.0f, 50.0f};
     for (int e = 0; e < 4; e++) {
         world *w = glossy_plain(0.8f, exponents[e]);
-        w->lights[w->light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {3, 3, 3}};
+        w->lights[w->light_count++] =
+            (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {3, 3, 3}};
         world_build(w);
         for (int k = SL_GATHER_PLANE; k <= SL_GATHER_RAYS; k++) {
             for (int maps = 0; maps < 2; maps++) {
@@ -61,7 +64,8 @@ static void light_from_above_is_received_times_ks(void **state) {
     }
 }
 
-/* Under an even sky a lobe of exponent 0 sends ks (1 + cos theta) / 2 towards theta; its mean over the cosine is 5/6. */
+/* Under an even sky a lobe of exponent 0 sends ks (1 + cos theta) / 2 towards theta; its mean over the cosine
+ * is 5/6. */
 static void an_even_sky_is_received_by_five_sixths_times_ks(void **state) {
     (void)state;
     world *w = glossy_plain(0.8f, 0.0f);
@@ -70,7 +74,8 @@ static void an_even_sky_is_received_by_five_sixths_times_ks(void **state) {
     sl_gather_settings s = settings_for(SL_GATHER_RAYS);
     s.hit_samples = 4;
     double sum = 0.0;
-    for (int i = 0; i < 4; i++) sum += (double)gather_once(w, &s, sl_v3((float)i, 0.5f, 0.0f), downwards).value.r / 4.0;
+    for (int i = 0; i < 4; i++)
+        sum += (double)gather_once(w, &s, sl_v3((float)i, 0.5f, 0.0f), downwards).value.r / 4.0;
     assert_near(sum, 0.8 * 2.0 * pi * 5.0 / 6.0, 0.01);
     world_free(w);
 }
@@ -78,7 +83,8 @@ static void an_even_sky_is_received_by_five_sixths_times_ks(void **state) {
 static void without_the_option_lobes_are_black_and_cost_nothing(void **state) {
     (void)state;
     world *w = glossy_plain(0.8f, 8.0f);
-    w->lights[w->light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {3, 3, 3}};
+    w->lights[w->light_count++] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {3, 3, 3}};
     world_build(w);
     sl_gather_settings s = settings_for(SL_GATHER_RAYS);
     s.glossy_hits = false;

@@ -1,4 +1,5 @@
-/* Gradients against closed forms (Lambert's of polygon lights, the inside of a sphere) and against differences of finer gathers. */
+/* Gradients against closed forms (Lambert's of polygon lights, the inside of a sphere) and against
+ * differences of finer gathers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,11 +28,11 @@ static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_
 
 static world *light_above(bool occluder) {
     world *w = world_new();
-    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f), sl_v3(1.1f, -0.4f, 1.3f),
-               world_material(w, sl_grey(0), sl_grey(5)));
+    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f),
+               sl_v3(1.1f, -0.4f, 1.3f), world_material(w, sl_grey(0), sl_grey(5)));
     if (occluder) {
-        world_quad(w, sl_v3(-0.1f, -0.2f, 0.6f), sl_v3(-0.1f, 0.45f, 0.6f), sl_v3(0.5f, 0.45f, 0.6f), sl_v3(0.5f, -0.2f, 0.6f),
-                   world_material(w, sl_grey(0), sl_grey(0)));
+        world_quad(w, sl_v3(-0.1f, -0.2f, 0.6f), sl_v3(-0.1f, 0.45f, 0.6f), sl_v3(0.5f, 0.45f, 0.6f),
+                   sl_v3(0.5f, -0.2f, 0.6f), world_material(w, sl_grey(0), sl_grey(0)));
     }
     world_build(w);
     return w;
@@ -58,8 +59,8 @@ static void polygon_light_moves_and_turns_as_its_closed_form(void **state) {
 static void clipped_wall_moves_as_its_closed_form(void **state) {
     (void)state;
     world *w = world_new();
-    world_quad(w, sl_v3(1.2f, -0.5f, -0.6f), sl_v3(1.2f, -0.5f, 1.1f), sl_v3(1.2f, 0.9f, 1.1f), sl_v3(1.2f, 0.9f, -0.6f),
-               world_material(w, sl_grey(0), sl_grey(5)));
+    world_quad(w, sl_v3(1.2f, -0.5f, -0.6f), sl_v3(1.2f, -0.5f, 1.1f), sl_v3(1.2f, 0.9f, 1.1f),
+               sl_v3(1.2f, 0.9f, -0.6f), world_material(w, sl_grey(0), sl_grey(5)));
     world_build(w);
     for (int k = 1; k < 3; k++) {
         sl_gather_settings s = settings_of(kinds[k], 256);
@@ -79,7 +80,8 @@ static void clipped_wall_moves_as_its_closed_form(void **state) {
     world_free(w);
 }
 
-/* Silhouettes of an occluder move with the occluder, not with what lies behind: without that the gradient has another sign. */
+/* Silhouettes of an occluder move with the occluder, not with what lies behind: without that the gradient has
+ * another sign. */
 static void occluder_moves_before_the_light(void **state) {
     (void)state;
     world *w = light_above(true);
@@ -104,9 +106,11 @@ static void rotational_gradient_has_the_sign_of_turning(void **state) {
         sl_irradiance e = gather_once(w, &s, p, n);
         for (int i = 0; i < 4; i++) {
             double azimuth = 0.5 * SL_PI * i + 0.3;
-            sl_vec3 turned = sl_to_float(sl_v3d(sl_sin(tilt) * sl_cos(azimuth), sl_sin(tilt) * sl_sin(azimuth), sl_cos(tilt)));
+            sl_vec3 turned = sl_to_float(
+                sl_v3d(sl_sin(tilt) * sl_cos(azimuth), sl_sin(tilt) * sl_sin(azimuth), sl_cos(tilt)));
             sl_vec3 back = sl_v3(-turned.x, -turned.y, turned.z);
-            double difference = (double)(gather_once(w, &s, p, turned).value.g - gather_once(w, &s, p, back).value.g);
+            double difference =
+                (double)(gather_once(w, &s, p, turned).value.g - gather_once(w, &s, p, back).value.g);
             double predicted = 2 * (double)sl_dot(sl_cross(n, turned), e.rotational[1]);
             assert_near(predicted, difference, 0.25 * fabs(difference) + 0.05);
             if (fabs(difference) > 0.1) assert_true(predicted * difference > 0);
@@ -115,8 +119,8 @@ static void rotational_gradient_has_the_sign_of_turning(void **state) {
     world_free(w);
 }
 
-/* L = 1 + x / 2 on the unit sphere, seen from its lowest point: E = pi; moving along the sphere turns the normal as well, and the
- * two gradients cancel. */
+/* L = 1 + x / 2 on the unit sphere, seen from its lowest point: E = pi; moving along the sphere turns the
+ * normal as well, and the two gradients cancel. */
 static void gradients_cancel_on_the_inside_of_a_sphere(void **state) {
     (void)state;
     enum { SHADES = 256 };
@@ -142,8 +146,8 @@ static void gradients_cancel_on_the_inside_of_a_sphere(void **state) {
     world_free(w);
 }
 
-/* Central differences of a fine gather, at room points, against the gradients of 64 x 64. The errors are relative to E, 1/m or
- * 1/rad. The plane's are the largest: it lacks the directions near the horizon. */
+/* Central differences of a fine gather, at room points, against the gradients of 64 x 64. The errors are
+ * relative to E, 1/m or 1/rad. The plane's are the largest: it lacks the directions near the horizon. */
 typedef struct errors {
     double translational, rotational, true_translational, true_rotational;
 } errors;
@@ -153,7 +157,9 @@ static double difference(gatherer *fine, const sl_gather_point *p, sl_vec3 axis,
     for (int i = 0; i < 2; i++) {
         sl_gather_point q = *p;
         float h = i ? -step : step;
-        if (turn) q.normal = q.geometric_normal = sl_normalize_or(sl_mad(p->normal, h, sl_cross(axis, p->normal)), p->normal);
+        if (turn)
+            q.normal = q.geometric_normal =
+                sl_normalize_or(sl_mad(p->normal, h, sl_cross(axis, p->normal)), p->normal);
         else q.position = sl_mad(p->position, h, axis);
         sl_irradiance e;
         sl_gather_irradiance(fine->gather, &q, fine->scratch, &e, fine->counters);
@@ -178,7 +184,8 @@ static void room_gradients_agree_with_differences(void **state) {
     for (uint64_t i = 0; i < 40 && count < 12; i++) {
         sl_gather_point p = world_surface_point(w, i);
         p.triangle = SL_NO_INDEX;
-        p.position = sl_mad(p.position, 0.001f, p.geometric_normal); /* clear of its own plane when it turns */
+        /* clear of its own plane when it turns */
+        p.position = sl_mad(p.position, 0.001f, p.geometric_normal);
         sl_frame frame = sl_frame_from_normal(p.normal);
         sl_irradiance e;
         sl_gather_irradiance(f.gather, &p, f.scratch, &e, f.counters);
@@ -189,8 +196,10 @@ static void room_gradients_agree_with_differences(void **state) {
         for (int k = 0; k < 3; k++) {
             sl_irradiance c;
             sl_gather_irradiance(g[k].gather, &p, g[k].scratch, &c, g[k].counters);
-            double dx = (double)sl_dot(c.translational[1], frame.x) - tx, dy = (double)sl_dot(c.translational[1], frame.y) - ty;
-            double ax = (double)sl_dot(c.rotational[1], frame.x) - rx, ay = (double)sl_dot(c.rotational[1], frame.y) - ry;
+            double dx = (double)sl_dot(c.translational[1], frame.x) - tx,
+                   dy = (double)sl_dot(c.translational[1], frame.y) - ty;
+            double ax = (double)sl_dot(c.rotational[1], frame.x) - rx,
+                   ay = (double)sl_dot(c.rotational[1], frame.y) - ry;
             double scale = 1.0 / ((double)e.value.g * (double)e.value.g);
             sums[k].translational += (dx * dx + dy * dy) * scale;
             sums[k].rotational += (ax * ax + ay * ay) * scale;
@@ -202,8 +211,9 @@ static void room_gradients_agree_with_differences(void **state) {
     const double t_bounds[3] = {0.2, 0.06, 0.06}, r_bounds[3] = {0.4, 0.06, 0.15};
     for (int k = 0; k < 3; k++) {
         double t = sqrt(sums[k].translational / count), r = sqrt(sums[k].rotational / count);
-        print_message("instrument %d: rms error of grad_t/E %.3f (of %.3f), of grad_r/E %.3f (of %.3f)\n", (int)kinds[k], t,
-                      sqrt(sums[k].true_translational / count), r, sqrt(sums[k].true_rotational / count));
+        print_message("instrument %d: rms error of grad_t/E %.3f (of %.3f), of grad_r/E %.3f (of %.3f)\n",
+                      (int)kinds[k], t, sqrt(sums[k].true_translational / count), r,
+                      sqrt(sums[k].true_rotational / count));
         assert_true(t < t_bounds[k]);
         assert_true(r < r_bounds[k]);
         gatherer_free(&g[k]);

@@ -1,4 +1,5 @@
-/* What gathers return against closed forms: furnaces, polygon lights, mean distances, the integrating sphere. */
+/* What gathers return against closed forms: furnaces, polygon lights, mean distances, the integrating sphere.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -38,7 +39,8 @@ static void furnace_gives_pi(void **state) {
         sl_gather_settings s = settings_of(k < 4 ? SL_GATHER_PLANE : kinds[k - 3], 64);
         s.border = borders[k % 4];
         sl_irradiance e = gather_once(w, &s, sl_v3(0.2f, 0.1f, -0.3f), n);
-        double sine = sl_sin(0.5 * (double)s.plane_fov), share = k == 0 ? 4 / SL_PI * sine * sl_atan(sine) : 1;
+        double sine = sl_sin(0.5 * (double)s.plane_fov),
+               share = k == 0 ? 4 / SL_PI * sine * sl_atan(sine) : 1;
         assert_near((double)e.value.r, SL_PI * share, 3e-6);
         assert_near((double)e.value.g, SL_PI * share, 3e-6);
         assert_near((double)e.value.b, SL_PI * share, 3e-6);
@@ -51,14 +53,16 @@ static void furnace_gives_pi(void **state) {
     world_free(w);
 }
 
-/* Relative rms error, against Lambert's formula, over positions under the first quad of test_gather_tables.c. */
+/* Relative rms error, against Lambert's formula, over positions under the first quad of test_gather_tables.c.
+ */
 static double polygon_rms(world *w, const sl_gather_settings *s) {
     sl_vec3d light[4] = {{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}};
     gatherer g = gatherer_new(w, s);
     double sum = 0;
     enum { COUNT = 100 };
     for (int i = 0; i < COUNT; i++) {
-        sl_vec3 p = sl_v3(-1.0f + 0.213f * (float)(i % 10), -1.0f + 0.219f * (float)(i / 10), 0.01f * (float)(i % 7));
+        sl_vec3 p =
+            sl_v3(-1.0f + 0.213f * (float)(i % 10), -1.0f + 0.219f * (float)(i / 10), 0.01f * (float)(i % 7));
         double exact = 5 * polygon_irradiance(sl_to_double(p), sl_v3d(0, 0, 1), light, 4, NULL);
         double error = (double)gather_at(&g, p, sl_v3(0, 0, 1), (uint64_t)i).value.g / exact - 1;
         sum += error * error;
@@ -70,8 +74,8 @@ static double polygon_rms(world *w, const sl_gather_settings *s) {
 static void polygon_light_converges_to_its_closed_form(void **state) {
     (void)state;
     world *w = world_new();
-    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f), sl_v3(1.1f, -0.4f, 1.3f),
-               world_material(w, sl_grey(0), sl_grey(5)));
+    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f),
+               sl_v3(1.1f, -0.4f, 1.3f), world_material(w, sl_grey(0), sl_grey(5)));
     world_build(w);
     const double bounds[3] = {0.07, 0.03, 0.01}; /* at 64; the plane's pixels are the largest */
     for (int k = 0; k < 3; k++) {
@@ -93,26 +97,31 @@ static void mean_distance_is_cosine_weighted(void **state) {
         sl_gather_settings s = settings_of(kinds[k], 128);
         world *ceiling = world_new(), *wall = world_new(), *sphere = world_new();
         uint32_t m = world_material(ceiling, sl_grey(0.5f), sl_grey(0));
-        world_quad(ceiling, sl_v3(-400, -400, 2), sl_v3(-400, 400, 2), sl_v3(400, 400, 2), sl_v3(400, -400, 2), m);
+        world_quad(ceiling, sl_v3(-400, -400, 2), sl_v3(-400, 400, 2), sl_v3(400, 400, 2),
+                   sl_v3(400, -400, 2), m);
         world_build(ceiling);
         sl_irradiance e = gather_once(ceiling, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
         assert_near((double)e.harmonic_mean, 1.5 * 2, 0.08);
         assert_near((double)e.nearest, 2, 0.02);
 
         m = world_material(wall, sl_grey(0.5f), sl_grey(0));
-        world_quad(wall, sl_v3(2, -800, -800), sl_v3(2, -800, 800), sl_v3(2, 800, 800), sl_v3(2, 800, -800), m);
+        world_quad(wall, sl_v3(2, -800, -800), sl_v3(2, -800, 800), sl_v3(2, 800, 800), sl_v3(2, 800, -800),
+                   m);
         world_build(wall);
         e = gather_once(wall, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
         assert_near((double)e.harmonic_mean, 1.5 * SL_PI * 2, kinds[k] == SL_GATHER_PLANE ? 0.9 : 0.25);
-        double tangent = sl_tan(0.5 * (double)s.plane_fov), sine2 = tangent * tangent / (1 + tangent * tangent);
+        double tangent = sl_tan(0.5 * (double)s.plane_fov),
+               sine2 = tangent * tangent / (1 + tangent * tangent);
         assert_near((double)e.nearest, kinds[k] == SL_GATHER_PLANE ? 2 / sine2 : 2, 0.06);
 
         m = world_material(sphere, sl_grey(0.5f), sl_grey(0));
         world_sphere(sphere, 1, 64, &m, 1);
         world_build(sphere);
         e = gather_once(sphere, &s, sl_v3(0.0f, 0.02f, -0.998f), sl_v3(0, 0, 1));
-        assert_near((double)e.harmonic_mean, 1, kinds[k] == SL_GATHER_PLANE ? 0.25 : 0.08); /* the plane takes the rim for the horizon */
-        e = gather_once(sphere, &s, sl_v3(0, 0, 0), sl_v3(0, 0.6f, 0.8f)); /* from the centre everything is a radius away */
+        /* the plane takes the rim for the horizon */
+        assert_near((double)e.harmonic_mean, 1, kinds[k] == SL_GATHER_PLANE ? 0.25 : 0.08);
+        /* from the centre everything is a radius away */
+        e = gather_once(sphere, &s, sl_v3(0, 0, 0), sl_v3(0, 0.6f, 0.8f));
         assert_near((double)e.harmonic_mean, 1, 0.01);
         assert_near((double)e.nearest, 1, 0.01);
         world_free(ceiling), world_free(wall), world_free(sphere);
@@ -122,7 +131,8 @@ static void mean_distance_is_cosine_weighted(void **state) {
 static void empty_sky_is_infinitely_far(void **state) {
     (void)state;
     world *w = world_new();
-    world_quad(w, sl_v3(-9, -9, -1), sl_v3(9, -9, -1), sl_v3(9, 9, -1), sl_v3(-9, 9, -1), world_material(w, sl_grey(0.5f), sl_grey(0)));
+    world_quad(w, sl_v3(-9, -9, -1), sl_v3(9, -9, -1), sl_v3(9, 9, -1), sl_v3(-9, 9, -1),
+               world_material(w, sl_grey(0.5f), sl_grey(0)));
     w->environment = (sl_environment){.present = true, .constant = sl_grey(2)};
     world_build(w);
     for (int k = 0; k < 3; k++) {
@@ -133,7 +143,8 @@ static void empty_sky_is_infinitely_far(void **state) {
         assert_near((double)sl_length(e.translational[0]), 0, 0);
         s.emission = false; /* the direct pass samples the sky: black here */
         assert_near((double)gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1)).value.r, 0, 0);
-        e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, -1)); /* the ground, lit by the sky: L = 0.5 / pi * 2 pi */
+        /* the ground, lit by the sky: L = 0.5 / pi * 2 pi */
+        e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, -1));
         assert_near((double)e.back_share, 0, 0);
         assert_near((double)e.value.r, 0.5 * 2 * SL_PI, 0.1);
         e = gather_once(w, &s, sl_v3(0, 0, -2), sl_v3(0, 0, 1)); /* and its underside, lit by the sky below */
@@ -148,7 +159,8 @@ static void emitters_that_do_not_count_still_have_a_distance(void **state) {
     world *w = world_room(true);
     sl_gather_settings seen = settings_of(SL_GATHER_RAYS, 32), black = seen;
     black.emission = false;
-    sl_irradiance a = gather_once(w, &seen, sl_v3(2, 1, 3), sl_v3(0, 1, 0)), b = gather_once(w, &black, sl_v3(2, 1, 3), sl_v3(0, 1, 0));
+    sl_irradiance a = gather_once(w, &seen, sl_v3(2, 1, 3), sl_v3(0, 1, 0)),
+                  b = gather_once(w, &black, sl_v3(2, 1, 3), sl_v3(0, 1, 0));
     assert_true(a.value.g > 2 * b.value.g && b.value.g > 0);
     assert_true(a.harmonic_mean == b.harmonic_mean && a.nearest == b.nearest);
     world_free(w);
@@ -166,10 +178,12 @@ static void integrating_sphere_is_evenly_lit(void **state) {
         sl_gather_settings s = settings_of(kinds[k % 3], 64);
         if (k == 3) s.kind = SL_GATHER_HEMICUBE, s.direct = SL_DIRECT_SHADOW_MAPS;
         gatherer g = gatherer_new(w, &s);
-        double plane = s.kind == SL_GATHER_PLANE ? 0.15 : 0.025; /* the plane guesses what lies near the horizon */
+        /* the plane guesses what lies near the horizon */
+        double plane = s.kind == SL_GATHER_PLANE ? 0.15 : 0.025;
         for (int i = 0; i < 20; i++) {
             double polar = 0.15 * i, azimuth = 2.1 * i;
-            sl_vec3 n = sl_to_float(sl_v3d(sl_sin(polar) * sl_cos(azimuth), sl_sin(polar) * sl_sin(azimuth), sl_cos(polar)));
+            sl_vec3 n = sl_to_float(
+                sl_v3d(sl_sin(polar) * sl_cos(azimuth), sl_sin(polar) * sl_sin(azimuth), sl_cos(polar)));
             sl_irradiance e = gather_at(&g, sl_scale(n, 0.997f), sl_neg(n), (uint64_t)i);
             assert_near((double)e.value.r / 0.6, 1, plane);
             assert_near((double)e.value.g / 0.3, 1, plane);
@@ -181,8 +195,8 @@ static void integrating_sphere_is_evenly_lit(void **state) {
     world_free(w);
 }
 
-/* A floor that a quad light shines on, seen from below the light's own plane: irradiance by two integrals, here by many small
- * rays against few. */
+/* A floor that a quad light shines on, seen from below the light's own plane: irradiance by two integrals,
+ * here by many small rays against few. */
 static void few_stratified_shadow_rays_agree_with_many(void **state) {
     (void)state;
     world *w = world_room(true);
@@ -205,28 +219,34 @@ static void few_stratified_shadow_rays_agree_with_many(void **state) {
     world_free(w);
 }
 
-/* A lamp a hand's breadth above a table: points of the lamp sampled by area would make the hits under it outshine the rest a
- * thousandfold; by solid angle none exceeds four times the radiance that the table has in closed form under the lamp's centre. */
+/* A lamp a hand's breadth above a table: points of the lamp sampled by area would make the hits under it
+ * outshine the rest a thousandfold; by solid angle none exceeds four times the radiance that the table has in
+ * closed form under the lamp's centre. */
 static void lamp_close_to_a_surface_makes_no_outliers(void **state) {
     (void)state;
     world *w = world_new();
-    uint32_t table = world_material(w, sl_grey(0.5f), sl_grey(0)), lamp = world_material(w, sl_grey(0), sl_grey(7));
+    uint32_t table = world_material(w, sl_grey(0.5f), sl_grey(0)),
+             lamp = world_material(w, sl_grey(0), sl_grey(7));
     world_quad(w, sl_v3(-1, 0, 1), sl_v3(1, 0, 1), sl_v3(1, 0, -1), sl_v3(-1, 0, -1), table);
-    world_quad(w, sl_v3(-0.2f, 0.02f, -0.2f), sl_v3(0.2f, 0.02f, -0.2f), sl_v3(0.2f, 0.02f, 0.2f), sl_v3(-0.2f, 0.02f, 0.2f), lamp);
+    world_quad(w, sl_v3(-0.2f, 0.02f, -0.2f), sl_v3(0.2f, 0.02f, -0.2f), sl_v3(0.2f, 0.02f, 0.2f),
+               sl_v3(-0.2f, 0.02f, 0.2f), lamp);
     world_build(w);
     sl_vec3d corners[4] = {{-0.2, 0.02, -0.2}, {0.2, 0.02, -0.2}, {0.2, 0.02, 0.2}, {-0.2, 0.02, 0.2}};
     sl_gather_settings s = settings_of(SL_GATHER_RAYS, 64);
     s.emission = false;
     s.jitter = false;
     gatherer g = gatherer_new(w, &s);
-    gather_at(&g, sl_v3(0.6f, 0.01f, 0), sl_v3(0, -1, 0), 3); /* close above the table, below the lamp's height */
+    /* close above the table, below the lamp's height */
+    gather_at(&g, sl_v3(0.6f, 0.01f, 0), sl_v3(0, -1, 0), 3);
     sl_gather_picture p = sl_gather_last_picture(g.scratch);
     double brightest = 0;
     for (int i = 0; i < p.width * p.height; i++) brightest = fmax(brightest, (double)p.r[i]);
-    assert_true(brightest > 0 && brightest <= 2 * 7.0 * 0.5 * 1.0001); /* a sample stands for a hemisphere of the lamp at most */
+    /* a sample stands for a hemisphere of the lamp at most */
+    assert_true(brightest > 0 && brightest <= 2 * 7.0 * 0.5 * 1.0001);
     sl_gather_settings up = s;
     gatherer h = gatherer_new(w, &up);
-    gather_at(&h, sl_v3(0.201f, 0.0199f, 0), sl_v3(-1, 0, 0), 3); /* along the gap: every hit is lit from close by */
+    /* along the gap: every hit is lit from close by */
+    gather_at(&h, sl_v3(0.201f, 0.0199f, 0), sl_v3(-1, 0, 0), 3);
     p = sl_gather_last_picture(h.scratch);
     brightest = 0;
     for (int i = 0; i < p.width * p.height; i++) brightest = fmax(brightest, (double)p.r[i]);
@@ -241,8 +261,13 @@ static void shadow_maps_and_rays_light_alike(void **state) {
     (void)state;
     for (int quad = 0; quad < 2; quad++) {
         world *w = world_room(quad);
-        if (!quad) w->scene->lights[0] = (sl_light){.type = SL_LIGHT_SPOT, .position = {2.1f, 2.6f, 2.9f}, .direction = {0, -1, 0},
-                                                    .intensity = sl_grey(10), .cos_inner = 0.7f, .cos_outer = 0.3f};
+        if (!quad)
+            w->scene->lights[0] = (sl_light){.type = SL_LIGHT_SPOT,
+                                             .position = {2.1f, 2.6f, 2.9f},
+                                             .direction = {0, -1, 0},
+                                             .intensity = sl_grey(10),
+                                             .cos_inner = 0.7f,
+                                             .cos_outer = 0.3f};
         sl_gather_settings rays = settings_of(SL_GATHER_RAYS, 64), maps = rays;
         rays.emission = maps.emission = false;
         maps.direct = SL_DIRECT_SHADOW_MAPS;
@@ -253,7 +278,8 @@ static void shadow_maps_and_rays_light_alike(void **state) {
             sl_irradiance x, y;
             sl_gather_irradiance(a.gather, &p, a.scratch, &x, a.counters);
             sl_gather_irradiance(b.gather, &p, b.scratch, &y, b.counters);
-            double error = (double)(y.value.g - x.value.g) / (double)(x.value.g + y.value.g + 0.02f) * 2; /* in gaps narrower than a texel, a little light */
+            /* in gaps narrower than a texel, a little light */
+            double error = (double)(y.value.g - x.value.g) / (double)(x.value.g + y.value.g + 0.02f) * 2;
             sum += error * error;
         }
         print_message("maps against rays, rms: %.4f\n", sqrt(sum / 24));
@@ -271,19 +297,23 @@ static void directional_light_is_the_same_by_map_and_by_rays(void **state) {
     world_quad(w, sl_v3(-50, 0, 50), sl_v3(50, 0, 50), sl_v3(50, 0, -50), sl_v3(-50, 0, -50), m);
     world_box(w, sl_v3(2, 0.001f, -5), sl_v3(8, 9, 5), false, (uint32_t[6]){m, m, m, m, m, m});
     sl_vec3 direction = sl_normalize_or(sl_v3(1, -1.2f, 0.3f), sl_v3(0, -1, 0));
-    w->lights[w->light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = direction, .intensity = sl_grey(3)};
+    w->lights[w->light_count++] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = direction, .intensity = sl_grey(3)};
     world_build(w);
     sl_gather_settings rays = settings_of(SL_GATHER_RAYS, 64), maps = rays;
     maps.direct = SL_DIRECT_SHADOW_MAPS;
     for (int i = 0; i < 6; i++) {
         sl_vec3 p = sl_v3(-6.0f + (float)i, 4.0f, (float)i), n = sl_v3(1, 0, 0);
-        double a = (double)gather_once(w, &rays, p, n).value.r, b = (double)gather_once(w, &maps, p, n).value.r;
+        double a = (double)gather_once(w, &rays, p, n).value.r,
+               b = (double)gather_once(w, &maps, p, n).value.r;
         assert_true(a > 0.1);
         assert_near(b / a, 1, 0.02);
     }
-    /* Open ground: E of a wall = pi / 2 L, L = 0.5 / pi * 3 cos; most of what a downward gather sees is sunlit ground. */
+    /* Open ground: E of a wall = pi / 2 L, L = 0.5 / pi * 3 cos; most of what a downward gather sees is
+     * sunlit ground. */
     double cosine = 1.2 / sqrt(1 + 1.44 + 0.09);
-    assert_near((double)gather_once(w, &rays, sl_v3(-20, 0.5f, -20), sl_v3(0, -1, 0)).value.r, 0.5 * 3 * cosine, 0.02);
+    assert_near((double)gather_once(w, &rays, sl_v3(-20, 0.5f, -20), sl_v3(0, -1, 0)).value.r,
+                0.5 * 3 * cosine, 0.02);
     world_free(w);
 }
 
@@ -300,8 +330,11 @@ static void tilted_normal_does_not_see_its_own_surface(void **state) {
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(kinds[k], 64);
         gatherer g = gatherer_new(w, &s);
-        sl_gather_point p = {.position = {0.3f, 0, 0.2f}, .geometric_normal = {0, 1, 0}, .normal = {0.8f, 0.6f, 0},
-                             .triangle = SL_NO_INDEX, .key = 5};
+        sl_gather_point p = {.position = {0.3f, 0, 0.2f},
+                             .geometric_normal = {0, 1, 0},
+                             .normal = {0.8f, 0.6f, 0},
+                             .triangle = SL_NO_INDEX,
+                             .key = 5};
         sl_irradiance e;
         sl_gather_irradiance(g.gather, &p, g.scratch, &e, g.counters);
         assert_near((double)e.value.r, 0, 0);
@@ -311,16 +344,20 @@ static void tilted_normal_does_not_see_its_own_surface(void **state) {
     world_free(w);
 }
 
-/* A furnace with a black card over the point. The eye stands eps off the surface; what lies before it is seen, however near. */
+/* A furnace with a black card over the point. The eye stands eps off the surface; what lies before it is
+ * seen, however near. */
 static void a_card_before_the_eye_is_seen_however_near(void **state) {
     (void)state;
     const float over[] = {0.02f, 1.0f, 4.0f}; /* the eye, in eps */
     for (int i = 0; i < 3; i++) {
         world *w = world_new();
-        uint32_t wall = world_material(w, sl_grey(0), sl_grey(1)), black = world_material(w, sl_grey(0), sl_grey(0));
-        world_box(w, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, (uint32_t[6]){wall, wall, wall, wall, wall, wall});
+        uint32_t wall = world_material(w, sl_grey(0), sl_grey(1)),
+                 black = world_material(w, sl_grey(0), sl_grey(0));
+        world_box(w, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
+                  (uint32_t[6]){wall, wall, wall, wall, wall, wall});
         float eps = 1e-5f * sqrtf(12.0f), half = over[i] * eps, z = eps + half;
-        world_quad(w, sl_v3(-half, -half, z), sl_v3(-half, half, z), sl_v3(half, half, z), sl_v3(half, -half, z), black);
+        world_quad(w, sl_v3(-half, -half, z), sl_v3(-half, half, z), sl_v3(half, half, z),
+                   sl_v3(half, -half, z), black);
         world_build(w);
         for (int k = 0; k < 3; k++) {
             sl_gather_settings s = settings_of(kinds[k], 64);
@@ -331,7 +368,8 @@ static void a_card_before_the_eye_is_seen_however_near(void **state) {
     }
 }
 
-/* A sheet without thickness stands on the floor, between the light and a point that is nearer to it than its eye is to the floor. */
+/* A sheet without thickness stands on the floor, between the light and a point that is nearer to it than its
+ * eye is to the floor. */
 static void no_light_reaches_a_point_that_touches_a_sheet_from_behind(void **state) {
     (void)state;
     const float distance[] = {1e-6f, 1e-5f, 4e-5f};
@@ -345,7 +383,12 @@ static void no_light_reaches_a_point_that_touches_a_sheet_from_behind(void **sta
         for (int i = 0; i < 3; i++) {
             sl_gather_settings s = settings_of(kinds[k], 32);
             float e = gather_once(w, &s, sl_v3(distance[i], 0, 0.1f), sl_v3(0, 1, 0)).value.r;
-            if (!(e == 0.0f)) fail_msg("%s, %g behind the sheet: %g", k == 0 ? "plane" : k == 1 ? "hemicube" : "rays", (double)distance[i], (double)e);
+            if (!(e == 0.0f))
+                fail_msg("%s, %g behind the sheet: %g",
+                         k == 0   ? "plane"
+                         : k == 1 ? "hemicube"
+                                  : "rays",
+                         (double)distance[i], (double)e);
         }
     }
     world_free(w);
@@ -359,11 +402,15 @@ static void hostile_points_give_finite_answers(void **state) {
         sl_gather_settings s = settings_of(kinds[k], 16);
         gatherer g = gatherer_new(w, &s);
         for (size_t i = 0; i < sizeof normals / sizeof *normals; i++) {
-            sl_gather_point p = {.position = {2, 1.5f, 3}, .geometric_normal = {0, 1, 0}, .normal = normals[i], .triangle = SL_NO_INDEX};
+            sl_gather_point p = {.position = {2, 1.5f, 3},
+                                 .geometric_normal = {0, 1, 0},
+                                 .normal = normals[i],
+                                 .triangle = SL_NO_INDEX};
             sl_irradiance e;
             sl_gather_irradiance(g.gather, &p, g.scratch, &e, g.counters);
             assert_true(sl_rgb_is_finite(e.value) && e.value.g >= 0);
-            for (int c = 0; c < 3; c++) assert_true(sl_is_finite(e.rotational[c]) && sl_is_finite(e.translational[c]));
+            for (int c = 0; c < 3; c++)
+                assert_true(sl_is_finite(e.rotational[c]) && sl_is_finite(e.translational[c]));
             assert_true(e.harmonic_mean > 0 && e.nearest > 0);
         }
         gatherer_free(&g);
@@ -377,18 +424,23 @@ static void wishes_that_cannot_be_met_are_errors(void **state) {
     sl_error error;
     sl_gather *gather;
     sl_gather_settings s = settings_of(SL_GATHER_PLANE, 64);
-    assert_int_equal(sl_gather_create(w->scene, NULL, w->tracer, &s, 1, &gather, &w->counters, &error), SL_ERROR_USAGE);
+    assert_int_equal(sl_gather_create(w->scene, NULL, w->tracer, &s, 1, &gather, &w->counters, &error),
+                     SL_ERROR_USAGE);
     assert_null(gather);
     s = settings_of(SL_GATHER_RAYS, 64);
-    assert_int_equal(sl_gather_create(w->scene, w->raster, NULL, &s, 1, &gather, &w->counters, &error), SL_ERROR_USAGE);
+    assert_int_equal(sl_gather_create(w->scene, w->raster, NULL, &s, 1, &gather, &w->counters, &error),
+                     SL_ERROR_USAGE);
     s.size = 2;
-    assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &w->counters, &error), SL_ERROR_USAGE);
+    assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &w->counters, &error),
+                     SL_ERROR_USAGE);
     s = sl_gather_defaults(); /* no tracer: plane with shadow maps; no rasterizer: rays */
-    assert_int_equal(sl_gather_create(w->scene, w->raster, NULL, &s, 1, &gather, &w->counters, &error), SL_OK);
+    assert_int_equal(sl_gather_create(w->scene, w->raster, NULL, &s, 1, &gather, &w->counters, &error),
+                     SL_OK);
     assert_int_equal(sl_gather_kind_used(gather), SL_GATHER_PLANE);
     assert_true(sl_gather_memory_bytes(gather) > 100000);
     sl_gather_destroy(gather);
-    assert_int_equal(sl_gather_create(w->scene, NULL, w->tracer, &s, 1, &gather, &w->counters, &error), SL_OK);
+    assert_int_equal(sl_gather_create(w->scene, NULL, w->tracer, &s, 1, &gather, &w->counters, &error),
+                     SL_OK);
     assert_int_equal(sl_gather_kind_used(gather), SL_GATHER_RAYS);
     sl_gather_destroy(gather);
     world_free(w);

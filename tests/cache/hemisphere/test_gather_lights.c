@@ -1,4 +1,5 @@
-/* How hits are lit by samples: what is drawn means the light that there is, whatever is known of the sources; what is known comes from trials. */
+/* How hits are lit by samples: what is drawn means the light that there is, whatever is known of the sources;
+ * what is known comes from trials. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,21 +26,25 @@ static sl_vec3 lamp_corner(int i, int corner, float z, float size, float pitch) 
 /* Lamps face down; `covered` more of them lie far to the side, above an opaque plate. */
 static world *lamps_over_floor(int lamps, int covered, float size, float pitch) {
     world *w = world_new();
-    uint32_t floor = world_material(w, sl_grey((float)FLOOR_ALBEDO), sl_grey(0)), black = world_material(w, sl_grey(0), sl_grey(0));
+    uint32_t floor = world_material(w, sl_grey((float)FLOOR_ALBEDO), sl_grey(0)),
+             black = world_material(w, sl_grey(0), sl_grey(0));
     world_quad(w, sl_v3(-30, -30, 0), sl_v3(30, -30, 0), sl_v3(30, 30, 0), sl_v3(-30, 30, 0), floor);
     for (int i = 0; i < lamps + covered; i++) {
         uint32_t lamp = world_material(w, sl_grey(0), sl_grey(2.0f + (float)(i % 3)));
         sl_vec3 c[4], side = sl_v3(i < lamps ? 0.0f : 8.0f, 0.0f, 0.0f);
-        for (int k = 0; k < 4; k++) c[k] = sl_add(lamp_corner(i < lamps ? i : i - lamps, k, 2.0f, size, pitch), side);
+        for (int k = 0; k < 4; k++)
+            c[k] = sl_add(lamp_corner(i < lamps ? i : i - lamps, k, 2.0f, size, pitch), side);
         world_quad(w, c[0], c[3], c[2], c[1], lamp);
     }
-    if (covered) world_quad(w, sl_v3(5, -4, 1.9f), sl_v3(5, 4, 1.9f), sl_v3(14, 4, 1.9f), sl_v3(14, -4, 1.9f), black);
+    if (covered)
+        world_quad(w, sl_v3(5, -4, 1.9f), sl_v3(5, 4, 1.9f), sl_v3(14, 4, 1.9f), sl_v3(14, -4, 1.9f), black);
     world_build(w);
     return w;
 }
 
-/* Irradiance of a receiver at height h over the floor's middle that looks down, by the lamps' closed form at 256 x 256 places. The
- * plate over the covered ones is far enough aside to take next to nothing of what arrives. */
+/* Irradiance of a receiver at height h over the floor's middle that looks down, by the lamps' closed form at
+ * 256 x 256 places. The plate over the covered ones is far enough aside to take next to nothing of what
+ * arrives. */
 static double floor_light(int lamps, float size, float pitch, double h) {
     enum { N = 256 };
     double sum = 0;
@@ -98,8 +103,9 @@ static void samples_mean_what_the_closed_form_says(void **state) {
             sl_gather_settings s = rays_of(24);
             s.hit_samples = samples;
             spread e = many_keys(w, &s, sl_v3(0, 0, 0.5f), sl_v3(0, 0, -1), KEYS);
-            print_message("%d + %d lamps, %u samples: %.5f, truth %.5f, one gather's deviation %.2f %%\n", cases[i].lamps, cases[i].covered,
-                          samples, e.mean, truth, 100 * e.deviation / truth);
+            print_message("%d + %d lamps, %u samples: %.5f, truth %.5f, one gather's deviation %.2f %%\n",
+                          cases[i].lamps, cases[i].covered, samples, e.mean, truth,
+                          100 * e.deviation / truth);
             assert_true(fabs(e.mean / truth - 1) < cases[i].allowed);
             assert_true(e.deviation < 0.02 * truth);
         }
@@ -112,7 +118,8 @@ static void open_floor_under_an_even_sky_has_no_noise(void **state) {
     (void)state;
     world *w = world_new();
     uint32_t floor = world_material(w, sl_grey(0.5f), sl_grey(0));
-    world_quad(w, sl_v3(-3000, -3000, 0), sl_v3(3000, -3000, 0), sl_v3(3000, 3000, 0), sl_v3(-3000, 3000, 0), floor);
+    world_quad(w, sl_v3(-3000, -3000, 0), sl_v3(3000, -3000, 0), sl_v3(3000, 3000, 0), sl_v3(-3000, 3000, 0),
+               floor);
     w->environment = (sl_environment){.present = true, .constant = sl_grey(2)};
     world_build(w);
     sl_gather_settings s = rays_of(32);
@@ -130,7 +137,8 @@ static void more_rays_keep_the_mean_and_scatter_less(void **state) {
     (void)state;
     enum { KEYS = 300 };
     world *w = world_new();
-    world_quad(w, sl_v3(0.31f, 0.2f, 2), sl_v3(0.31f, 0.9f, 2), sl_v3(1.0f, 0.9f, 2), sl_v3(1.0f, 0.2f, 2), world_material(w, sl_grey(0), sl_grey(5)));
+    world_quad(w, sl_v3(0.31f, 0.2f, 2), sl_v3(0.31f, 0.9f, 2), sl_v3(1.0f, 0.9f, 2), sl_v3(1.0f, 0.2f, 2),
+               world_material(w, sl_grey(0), sl_grey(5)));
     world_build(w);
     const sl_vec3d corner[4] = {{0.31, 0.2, 2}, {0.31, 0.9, 2}, {1.0, 0.9, 2}, {1.0, 0.2, 2}};
     double truth = 5 * polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 0, 1), corner, 4, NULL);
@@ -140,7 +148,8 @@ static void more_rays_keep_the_mean_and_scatter_less(void **state) {
         s.emission = true;
         s.more_rays = more ? 0.5f : 0.0f;
         e[more] = many_keys(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1), KEYS);
-        print_message("%s rays: %.5f, truth %.5f, deviation %.2f %%\n", more ? "more" : "plain", e[more].mean, truth, 100 * e[more].deviation / truth);
+        print_message("%s rays: %.5f, truth %.5f, deviation %.2f %%\n", more ? "more" : "plain", e[more].mean,
+                      truth, 100 * e[more].deviation / truth);
         assert_true(fabs(e[more].mean - truth) < 4 * e[more].deviation / sqrt(KEYS) + 1e-6 * truth);
     }
     assert_true(e[1].deviation < 0.6 * e[0].deviation);
@@ -186,11 +195,15 @@ static void trials_tell_what_is_visible_where(void **state) {
     assert_int_equal(sl_light_sources_create(w->scene, &sources, NULL), SL_OK);
     size_t seen = source_with_x(sources, -1.35f), hidden = source_with_x(sources, -0.15f);
     for (int i = 0; i < TRIALS; i++) {
-        trials[i] = (sl_light_trial){.position = {1.0f, 1.0f, 0.0f}, .normal = {0, 0, 1}, .source = (uint16_t)(i % 2 ? seen : hidden), .arrived = i % 2};
+        trials[i] = (sl_light_trial){.position = {1.0f, 1.0f, 0.0f},
+                                     .normal = {0, 0, 1},
+                                     .source = (uint16_t)(i % 2 ? seen : hidden),
+                                     .arrived = i % 2};
     }
     assert_int_equal(sl_visible_lights_create(sources, trials, TRIALS, &visible, NULL), SL_OK);
     size_t known = 0;
-    size_t entries = 6 * (size_t)visible->cells[0] * (size_t)visible->cells[1] * (size_t)visible->cells[2], unknown = entries;
+    size_t entries = 6 * (size_t)visible->cells[0] * (size_t)visible->cells[1] * (size_t)visible->cells[2],
+           unknown = entries;
     for (size_t i = 0; i < entries; i++) {
         if (visible->region_of[i] > known) known = visible->region_of[i];
         if (visible->region_of[i] == 0) unknown = i;
@@ -198,7 +211,8 @@ static void trials_tell_what_is_visible_where(void **state) {
     assert_true(known > 0 && unknown < entries);
     const uint8_t *there = visible->visible + known * visible->sources;
     assert_true(there[seen] > 245 && there[hidden] < 16 && there[hidden] > 0);
-    assert_int_equal(visible->visible[seen], 255); /* where nothing was tried all sources are taken for visible */
+    /* where nothing was tried all sources are taken for visible */
+    assert_int_equal(visible->visible[seen], 255);
     assert_int_equal(visible->visible[hidden], 255);
     sl_visible_lights_destroy(visible);
     sl_light_sources_destroy(sources);
@@ -221,7 +235,8 @@ static void chances_by_power_sum_to_one_and_leave_nothing_out(void **state) {
     }
     assert_int_equal(sources, w->scene->emitter_count);
     assert_true(fabs(sum - 1) < 1e-6);
-    for (int i = 0; i < 1000; i++) assert_true(s->power_share[sl_light_sources_by_power(s, (float)i / 1000.0f)] > 0.0f);
+    for (int i = 0; i < 1000; i++)
+        assert_true(s->power_share[sl_light_sources_by_power(s, (float)i / 1000.0f)] > 0.0f);
     assert_true(s->power_share[sl_light_sources_by_power(s, 0x1.fffffep-1f)] > 0.0f);
     sl_light_sources_destroy(s);
     world_free(w);
@@ -231,14 +246,16 @@ static void chances_by_power_sum_to_one_and_leave_nothing_out(void **state) {
 static void learning_is_the_same_by_any_number_of_threads(void **state) {
     (void)state;
     world *w = world_room(true);
-    assert_true(sl_camera_look_at(&w->scene->camera, sl_v3(0.5f, 1.5f, 5.5f), sl_v3(2.5f, 1, 2), sl_v3(0, 1, 0), 1.2f));
+    assert_true(sl_camera_look_at(&w->scene->camera, sl_v3(0.5f, 1.5f, 5.5f), sl_v3(2.5f, 1, 2),
+                                  sl_v3(0, 1, 0), 1.2f));
     sl_gather_settings s = rays_of(24);
     sl_gather *first = NULL;
     sl_counters counters[3];
     memset(counters, 0, sizeof counters);
     for (unsigned i = 0; i < 3; i++) {
         sl_gather *g;
-        assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1 + 2 * i, &g, &counters[i], NULL), SL_OK);
+        assert_int_equal(
+            sl_gather_create(w->scene, w->raster, w->tracer, &s, 1 + 2 * i, &g, &counters[i], NULL), SL_OK);
         assert_memory_equal(&counters[i], &counters[0], sizeof counters[0]);
         assert_true(counters[i].value[SL_COUNT_SHADOW_RAYS] > 0); /* trials are on the bill */
         if (!first) {
@@ -246,9 +263,11 @@ static void learning_is_the_same_by_any_number_of_threads(void **state) {
             continue;
         }
         assert_int_equal(g->visible->region_count, first->visible->region_count);
-        assert_memory_equal(g->visible->visible, first->visible->visible, g->visible->region_count * g->visible->sources);
+        assert_memory_equal(g->visible->visible, first->visible->visible,
+                            g->visible->region_count * g->visible->sources);
         for (size_t r = 0; r < g->visible->region_count; r++) {
-            assert_true(g->visible->regions[r].blocks == first->visible->regions[r].blocks && g->visible->regions[r].rest == first->visible->regions[r].rest);
+            assert_true(g->visible->regions[r].blocks == first->visible->regions[r].blocks &&
+                        g->visible->regions[r].rest == first->visible->regions[r].rest);
         }
         sl_gather_destroy(g);
     }

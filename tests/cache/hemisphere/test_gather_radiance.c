@@ -33,7 +33,8 @@ static sl_gather_settings settings_of(sl_gather_kind kind, int size, int order) 
 }
 
 static sl_irradiance radiance_at(gatherer *g, sl_vec3 p, sl_vec3 n, float *coefficients) {
-    sl_gather_point point = {.position = p, .geometric_normal = n, .normal = n, .triangle = SL_NO_INDEX, .key = 5};
+    sl_gather_point point = {
+        .position = p, .geometric_normal = n, .normal = n, .triangle = SL_NO_INDEX, .key = 5};
     sl_irradiance e;
     assert_true(sl_gather_coefficient_count(g->gather) <= FLOATS_MAX);
     sl_gather_radiance(g->gather, &point, g->scratch, &e, coefficients, g->counters);
@@ -83,7 +84,8 @@ static void white_room_has_one_coefficient_and_no_gradient(void **state) {
     (void)state;
     world *w = world_new();
     uint32_t shine = world_material(w, sl_grey(0), (sl_rgb){1, 2, 4});
-    world_box(w, sl_v3(0, 0, 0), sl_v3(2, 3, 4), true, (uint32_t[6]){shine, shine, shine, shine, shine, shine});
+    world_box(w, sl_v3(0, 0, 0), sl_v3(2, 3, 4), true,
+              (uint32_t[6]){shine, shine, shine, shine, shine, shine});
     world_build(w);
     const int sizes[3] = {64, 37, 16}, orders[4] = {12, 10, 5, 1};
     for (int i = 0; i < 3 * 3 * 4; i++) {
@@ -124,8 +126,8 @@ static void nothing_seen_gives_zeros(void **state) {
 
 /* ---- irradiance is among the coefficients ---- */
 
-static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, double gradient_eps, const sl_irradiance *e,
-                                    const float *c) {
+static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, double gradient_eps,
+                                    const sl_irradiance *e, const float *c) {
     const double a = 0.5 * sqrt(2 * SL_PI), b = 0.5 * sqrt(2 * SL_PI / 3);
     size_t stride = sl_gather_coefficient_count(g->gather) / 9;
     sl_frame frame = sl_frame_from_normal(p->normal);
@@ -136,7 +138,8 @@ static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, doubl
             const float *lambda = c + (3 * d + v) * stride;
             got[d] = a * (double)lambda[0] + b * (double)lambda[sl_hsh_even(1, 0)];
         }
-        double tx = (double)sl_dot(e->translational[v], frame.x), ty = (double)sl_dot(e->translational[v], frame.y);
+        double tx = (double)sl_dot(e->translational[v], frame.x),
+               ty = (double)sl_dot(e->translational[v], frame.y);
         double eps = gradient_eps * (fabs(tx) + fabs(ty)) + 0.1 * gradient_eps * (double)value[v];
         assert_near(got[0], (double)value[v], 2e-6 * (double)value[v]);
         assert_near(got[1], tx, eps);
@@ -144,9 +147,9 @@ static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, doubl
     }
 }
 
-/* cos theta = sqrt(2 pi) / 2 H_00 + sqrt(2 pi / 3) / 2 H_10 exactly: and the cells' integrals are exact too. The plane's and the
- * hemicube's walls are the same here and there. The rays' are straight on the disc there; and the walls of the plane's radial
- * extension are left off there. */
+/* cos theta = sqrt(2 pi) / 2 H_00 + sqrt(2 pi / 3) / 2 H_10 exactly: and the cells' integrals are exact too.
+ * The plane's and the hemicube's walls are the same here and there. The rays' are straight on the disc there;
+ * and the walls of the plane's radial extension are left off there. */
 static void irradiance_is_two_coefficients(void **state) {
     (void)state;
     const sl_gather_kind of[6] = {SL_GATHER_PLANE, SL_GATHER_PLANE,    SL_GATHER_PLANE,
@@ -176,19 +179,21 @@ static double cosine_part(const sl_wall *wall) {
 }
 
 /* The wall at u from v0 to v1 moves by integral of dv / l^3; a ring of the concentric map by
- * d phi sin theta cos theta along u, a meridian by d theta along v; in the border extension the cosine-weighted wall is
- * 1 / (2 h (1 + h^2)) along v. */
+ * d phi sin theta cos theta along u, a meridian by d theta along v; in the border extension the
+ * cosine-weighted wall is 1 / (2 h (1 + h^2)) along v. */
 static void walls_move_as_their_closed_forms(void **state) {
     (void)state;
     const double t = 2.5;
     sl_gather_tables *plane, *rays;
     assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 20, t, SL_BORDER_RADIAL, &plane, NULL), SL_OK);
     assert_int_equal(sl_gather_tables_create(SL_GATHER_RAYS, 20, t, SL_BORDER_RADIAL, &rays, NULL), SL_OK);
-    sl_instrument p = sl_instrument_of(plane, t, SL_BORDER_RADIAL, 7), r = sl_instrument_of(rays, t, SL_BORDER_RADIAL, 7);
+    sl_instrument p = sl_instrument_of(plane, t, SL_BORDER_RADIAL, 7),
+                  r = sl_instrument_of(rays, t, SL_BORDER_RADIAL, 7);
     sl_wall wall;
     for (int x = 10; x < 20; x++) {
         for (int y = 10; y < 20; y++) {
-            double u = t * (x / 10.0 - 1), v0 = t * (y / 10.0 - 1), v1 = t * ((y + 1) / 10.0 - 1), q = 1 + u * u;
+            double u = t * (x / 10.0 - 1), v0 = t * (y / 10.0 - 1), v1 = t * ((y + 1) / 10.0 - 1),
+                   q = 1 + u * u;
             double moved = (v1 / sqrt(q + v1 * v1) - v0 / sqrt(q + v0 * v0)) / q, half = x == 10 ? 0.5 : 1;
             sl_wall_harmonics(&p, SL_WALL_COLUMN, x, y, &wall);
             assert_near(wall.x, half * moved, 1e-12);
@@ -200,12 +205,14 @@ static void walls_move_as_their_closed_forms(void **state) {
         }
         double edge = t * (x / 10.0 - 1), h = sqrt(t * t + edge * edge), half = x == 10 ? 0.5 : 1;
         sl_wall_harmonics(&p, SL_WALL_BORDER_ROW, 19, x, &wall);
-        assert_near(sqrt(wall.x * wall.x + wall.y * wall.y) * cosine_part(&wall), half * 0.5 / (h * (1 + h * h)), 1e-12);
+        assert_near(sqrt(wall.x * wall.x + wall.y * wall.y) * cosine_part(&wall),
+                    half * 0.5 / (h * (1 + h * h)), 1e-12);
         assert_near(wall.x * t + wall.y * edge, 0, 1e-14);
         assert_true(wall.y > 0);
         sl_wall_harmonics(&r, SL_WALL_COLUMN, x, 10, &wall); /* from b = 0 to 1/10 */
         double a = x / 10.0 - 1, width = x == 10 ? 0 : 0.25 * SL_PI * 0.1 / a;
-        if (x == 10) assert_near(wall.x, 0.5 * sl_asin(0.1), 1e-12); /* a meridian, halved: its mirror image is itself */
+        /* a meridian, halved: its mirror image is itself */
+        if (x == 10) assert_near(wall.x, 0.5 * sl_asin(0.1), 1e-12);
         else assert_near(wall.x, a * sqrt(1 - a * a) * sl_sin(width), 1e-12);
         if (x > 10) assert_near(wall.y, a * sqrt(1 - a * a) * (1 - sl_cos(width)), 1e-12);
     }
@@ -218,21 +225,26 @@ static void walls_move_as_their_closed_forms(void **state) {
 /* A room whose walls all shine, each in its own way, with two boxes in it. */
 static world *shining_room(void) {
     world *w = world_new();
-    uint32_t m[6], lamp = world_material(w, sl_grey(0), (sl_rgb){9, 6, 3}), dark = world_material(w, sl_grey(0), sl_grey(0.1f));
+    uint32_t m[6], lamp = world_material(w, sl_grey(0), (sl_rgb){9, 6, 3}),
+                   dark = world_material(w, sl_grey(0), sl_grey(0.1f));
     for (int i = 0; i < 6; i++) {
         sl_rgb shine = {0.3f + 0.2f * (float)i, 1.2f - 0.15f * (float)i, i == 3 ? 2 : 0.5f};
         m[i] = world_material(w, sl_grey(0), shine);
     }
     world_box(w, sl_v3(0, 0, 0), sl_v3(4, 3, 6), true, m);
-    world_box(w, sl_v3(0.6f, 0.001f, 1.0f), sl_v3(1.5f, 1.2f, 2.0f), false, (uint32_t[6]){m[3], m[4], m[5], m[0], m[1], m[2]});
-    world_box(w, sl_v3(2.3f, 0.001f, 2.4f), sl_v3(3.3f, 0.7f, 3.2f), false, (uint32_t[6]){dark, dark, dark, dark, dark, dark});
-    world_quad(w, sl_v3(1.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 3.5f), sl_v3(1.5f, 2.95f, 3.5f), lamp);
+    world_box(w, sl_v3(0.6f, 0.001f, 1.0f), sl_v3(1.5f, 1.2f, 2.0f), false,
+              (uint32_t[6]){m[3], m[4], m[5], m[0], m[1], m[2]});
+    world_box(w, sl_v3(2.3f, 0.001f, 2.4f), sl_v3(3.3f, 0.7f, 3.2f), false,
+              (uint32_t[6]){dark, dark, dark, dark, dark, dark});
+    world_quad(w, sl_v3(1.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 3.5f),
+               sl_v3(1.5f, 2.95f, 3.5f), lamp);
     world_build(w);
     return w;
 }
 
 /* Rays of equal solid angle. */
-static void quadrature_by_rays(const world *w, sl_vec3 p, sl_vec3 n, int order, double lambda[3][SL_HSH_STRIDE_MAX]) {
+static void quadrature_by_rays(const world *w, sl_vec3 p, sl_vec3 n, int order,
+                               double lambda[3][SL_HSH_STRIDE_MAX]) {
     enum { RINGS = 256, SECTORS = 1024 };
     sl_frame frame = sl_frame_from_normal(n);
     sl_counters counters = {{0}};
@@ -268,14 +280,15 @@ static void quadrature_by_rays(const world *w, sl_vec3 p, sl_vec3 n, int order, 
     }
 }
 
-/* Error of all coefficients together, relative to their size. A plane sees nothing below 20 degrees, and rays of equal cosine weight
- * are few there. */
+/* Error of all coefficients together, relative to their size. A plane sees nothing below 20 degrees, and rays
+ * of equal cosine weight are few there. */
 static void coefficients_agree_with_quadrature(void **state) {
     (void)state;
     enum { ORDER = 8 };
     const double bounds[3] = {0.1, 0.035, 0.03};
     world *w = shining_room();
-    const sl_vec3 points[3] = {{2.1f, 0, 1.4f}, {4, 1.3f, 2.2f}, {1.7f, 2.0f, 6}}, normals[3] = {{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}};
+    const sl_vec3 points[3] = {{2.1f, 0, 1.4f}, {4, 1.3f, 2.2f}, {1.7f, 2.0f, 6}},
+                  normals[3] = {{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}};
     double truth[3][3][SL_HSH_STRIDE_MAX];
     for (int i = 0; i < 3; i++) quadrature_by_rays(w, points[i], normals[i], ORDER, truth[i]);
     for (int m = 0; m < 6; m++) {
@@ -294,7 +307,8 @@ static void coefficients_agree_with_quadrature(void **state) {
                 }
             }
         }
-        print_message("instrument %d, N = %d: coefficients' relative error %.4f\n", k, size, sqrt(wrong / all));
+        print_message("instrument %d, N = %d: coefficients' relative error %.4f\n", k, size,
+                      sqrt(wrong / all));
         assert_true(sqrt(wrong / all) < bounds[k]);
         gatherer_free(&g);
     }
@@ -303,14 +317,16 @@ static void coefficients_agree_with_quadrature(void **state) {
 
 /* ---- gradients ---- */
 
-/* Coefficients of a rectangle at height z that shines downwards: integral of H cos theta' / r^2 over its area. */
+/* Coefficients of a rectangle at height z that shines downwards: integral of H cos theta' / r^2 over its
+ * area. */
 static void rectangle_light(int order, double px, double py, double *lambda) {
     enum { STEPS = 48 };
     const double x0 = -0.7, x1 = 1.1, y0 = -0.4, y1 = 0.9, z = 1.3, radiance = 5;
     double values[SL_HSH_STRIDE_MAX];
     memset(lambda, 0, SL_HSH_STRIDE_MAX * sizeof *lambda);
     for (int i = 0; i < STEPS * STEPS; i++) {
-        double x = x0 + (x1 - x0) * (i % STEPS + 0.5) / STEPS - px, y = y0 + (y1 - y0) * (i / STEPS + 0.5) / STEPS - py;
+        double x = x0 + (x1 - x0) * (i % STEPS + 0.5) / STEPS - px,
+               y = y0 + (y1 - y0) * (i / STEPS + 0.5) / STEPS - py;
         double squared = x * x + y * y + z * z, length = sqrt(squared);
         double share = radiance * (x1 - x0) * (y1 - y0) / (STEPS * STEPS) * z / (length * squared);
         sl_hsh_evaluate(order, sl_v3d(x / length, y / length, z / length), values);
@@ -330,7 +346,8 @@ static double rectangle_gradient_error(world *w, sl_gather_kind kind, int size) 
         float c[FLOATS_MAX];
         radiance_at(&g, sl_to_float(sl_v3d(px, py, 0)), sl_v3(0, 0, 1), c);
         for (size_t d = 0; d < 2; d++) {
-            double ahead[SL_HSH_STRIDE_MAX], behind[SL_HSH_STRIDE_MAX], dx = d == 0 ? step : 0, dy = d == 1 ? step : 0;
+            double ahead[SL_HSH_STRIDE_MAX], behind[SL_HSH_STRIDE_MAX], dx = d == 0 ? step : 0,
+                                                                        dy = d == 1 ? step : 0;
             rectangle_light(ORDER, px + dx, py + dy, ahead);
             rectangle_light(ORDER, px - dx, py - dy, behind);
             for (size_t k = 0; k < stride; k++) {
@@ -349,10 +366,11 @@ static double rectangle_gradient_error(world *w, sl_gather_kind kind, int size) 
 /* Walls see a light's edges only as finely as the cells are. */
 static void gradients_agree_with_a_rectangle_light(void **state) {
     (void)state;
-    const double bounds[3][4] = {{0.22, 0.11, 0.11, 0.06}, {0.08, 0.045, 0.045, 0.025}, {0.08, 0.035, 0.035, 0.015}};
+    const double bounds[3][4] = {
+        {0.22, 0.11, 0.11, 0.06}, {0.08, 0.045, 0.045, 0.025}, {0.08, 0.035, 0.035, 0.015}};
     world *w = world_new();
-    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f), sl_v3(1.1f, -0.4f, 1.3f),
-               world_material(w, sl_grey(0), sl_grey(5)));
+    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f),
+               sl_v3(1.1f, -0.4f, 1.3f), world_material(w, sl_grey(0), sl_grey(5)));
     world_build(w);
     for (int k = 0; k < 3; k++) {
         const int sizes[4] = {32, 63, 64, 128};
@@ -427,8 +445,8 @@ static void gradients_agree_with_differences(void **state) {
 
 /* ---- hard numbers ---- */
 
-static void add_what_is_no_number(const void *context, const sl_second_points *points, float *r, float *g, float *b,
-                                  sl_counters *counters) {
+static void add_what_is_no_number(const void *context, const sl_second_points *points, float *r, float *g,
+                                  float *b, sl_counters *counters) {
     (void)context, (void)counters;
     for (size_t i = 0; i < points->count; i++) {
         r[i] += i % 3 ? 1.0f : NAN;
@@ -468,7 +486,9 @@ static void every_instruction_set_and_thread_count_gives_the_same_bits(void **st
             sl_gather_settings s = settings_of(kinds[k], 37, 10);
             gatherer g = {.counters = &w->counters};
             unsigned threads = i == 3 ? 3 : 1;
-            assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, threads, &g.gather, &w->counters, NULL), SL_OK);
+            assert_int_equal(
+                sl_gather_create(w->scene, w->raster, w->tracer, &s, threads, &g.gather, &w->counters, NULL),
+                SL_OK);
             assert_int_equal(sl_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
             sl_gather_point p = world_surface_point(w, 3);
             sl_irradiance e;
@@ -489,7 +509,8 @@ static void orders_out_of_range_are_refused(void **state) {
         sl_gather_settings s = settings_of(SL_GATHER_RAYS, 16, i ? -1 : SL_HSH_ORDER_MAX + 1);
         sl_gather *gather;
         sl_error error;
-        assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, NULL, &error), SL_ERROR_USAGE);
+        assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, NULL, &error),
+                         SL_ERROR_USAGE);
         assert_null(gather);
     }
     world_free(w);

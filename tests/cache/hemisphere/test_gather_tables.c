@@ -24,7 +24,8 @@ static void cells_and_extensions_fill_the_hemisphere(void **state) {
         double t = tangents[k], cosine = 0.0, edges = 0.0;
         for (int y = 0; y < 16; y++) {
             for (int x = 0; x < 16; x++) {
-                cosine += sl_plane_cosine_weight(line(16, t, x), line(16, t, x + 1), line(16, t, y), line(16, t, y + 1));
+                cosine += sl_plane_cosine_weight(line(16, t, x), line(16, t, x + 1), line(16, t, y),
+                                                 line(16, t, y + 1));
             }
             edges += 4.0 * sl_border_vector(t, line(16, t, y), line(16, t, y + 1)).z;
         }
@@ -33,7 +34,8 @@ static void cells_and_extensions_fill_the_hemisphere(void **state) {
         assert_near(cosine / SL_PI, 4.0 / SL_PI * s * sl_atan(s), 1e-13);
     }
     double s = sl_sin(sl_atan(2.0));
-    assert_near(4.0 / SL_PI * s * sl_atan(s), 0.8310, 5e-5); /* of the cosine-weighted hemisphere, what 126.87 degrees see */
+    /* of the cosine-weighted hemisphere, what 126.87 degrees see */
+    assert_near(4.0 / SL_PI * s * sl_atan(s), 0.8310, 5e-5);
 }
 
 static void closed_forms_equal_the_polygon_form(void **state) {
@@ -83,7 +85,8 @@ static void walls_equal_quadrature(void **state) {
         assert_near(fabs(side.y), quadrature(side_kernel, &c, z0, z1), 1e-14);
         assert_near(side.x, -c * side.y, 1e-14);
     }
-    sl_vec3d none = sl_wall_vector(sl_v3d(0.1, 0.2, 1), sl_v3d(0.1, 0.2, 1)); /* no edge, and one through the eye */
+    /* no edge, and one through the eye */
+    sl_vec3d none = sl_wall_vector(sl_v3d(0.1, 0.2, 1), sl_v3d(0.1, 0.2, 1));
     assert_near(none.x, 0.0, 0.0);
     none = sl_wall_vector(sl_v3d(0, 0, 1), sl_v3d(0, 0, -1));
     assert_near(none.x, 0.0, 0.0);
@@ -101,7 +104,8 @@ static void every_instrument_weighs_pi(void **state) {
     const int sizes[] = {4, 20, 37, 64};
     for (size_t k = 0; k < 12; k++) {
         sl_gather_tables *t;
-        assert_int_equal(sl_gather_tables_create(kinds[k % 3], sizes[k / 3], 2.7, SL_BORDER_RADIAL, &t, NULL), SL_OK);
+        assert_int_equal(sl_gather_tables_create(kinds[k % 3], sizes[k / 3], 2.7, SL_BORDER_RADIAL, &t, NULL),
+                         SL_OK);
         assert_near(t->weight_sum, SL_PI, 1e-12);
         assert_near(total(t->weight, t->padded), SL_PI, 1e-6);
         assert_near(total(t->vector_x, t->padded), 0.0, 1e-6);
@@ -115,18 +119,23 @@ static void every_instrument_weighs_pi(void **state) {
 static void borders_differ_as_computed(void **state) {
     (void)state;
     const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL};
-    const double s = sqrt(0.8), sums[] = {4 * s * sl_atan(s), SL_PI, SL_PI, SL_PI}; /* sin of the half angle, t = 2 */
+    /* sin of the half angle, t = 2 */
+    const double s = sqrt(0.8), sums[] = {4 * s * sl_atan(s), SL_PI, SL_PI, SL_PI};
     for (size_t k = 0; k < 4; k++) {
         sl_gather_tables *t;
         assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, 2.0, borders[k], &t, NULL), SL_OK);
         assert_near(t->weight_sum, sums[k], 1e-12);
-        double corner = (double)t->weight[0] + (double)t->weight[63] + (double)t->weight[63 * 64] + (double)t->weight[64 * 64 - 1];
-        if (borders[k] == SL_BORDER_AXIAL) { /* the corner pixels own 4.2 % beyond the plane's corners, and what borders on it */
-            double beyond = 4 * sl_plane_cosine_weight(2, 1e30, 2, 1e30), all = 4 * sl_plane_cosine_weight(1.9375, 1e30, 1.9375, 1e30);
+        double corner = (double)t->weight[0] + (double)t->weight[63] + (double)t->weight[63 * 64] +
+                        (double)t->weight[64 * 64 - 1];
+        /* the corner pixels own 4.2 % beyond the plane's corners, and what borders on it */
+        if (borders[k] == SL_BORDER_AXIAL) {
+            double beyond = 4 * sl_plane_cosine_weight(2, 1e30, 2, 1e30),
+                   all = 4 * sl_plane_cosine_weight(1.9375, 1e30, 1.9375, 1e30);
             assert_near(beyond / SL_PI, 0.042, 0.0005);
             assert_near(corner, all, 1e-7);
         }
-        if (borders[k] == SL_BORDER_RADIAL) { /* the middle of an edge with what lies beyond it, and the centre */
+        /* the middle of an edge with what lies beyond it, and the centre */
+        if (borders[k] == SL_BORDER_RADIAL) {
             assert_near((double)t->weight[32], 1.64e-4 + 3.12e-3, 1e-5);
             assert_near((double)t->weight[32 * 64 + 32], 3.89e-3, 1e-5);
         }
@@ -137,16 +146,20 @@ static void borders_differ_as_computed(void **state) {
 static void nonsense_sizes_are_refused(void **state) {
     (void)state;
     sl_gather_tables *t;
-    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 0, 2.0, SL_BORDER_RADIAL, &t, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 0, 2.0, SL_BORDER_RADIAL, &t, NULL),
+                     SL_ERROR_USAGE);
     assert_null(t);
-    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, -1.0, SL_BORDER_RADIAL, &t, NULL), SL_ERROR_USAGE);
-    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, NAN, SL_BORDER_RADIAL, &t, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, -1.0, SL_BORDER_RADIAL, &t, NULL),
+                     SL_ERROR_USAGE);
+    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, NAN, SL_BORDER_RADIAL, &t, NULL),
+                     SL_ERROR_USAGE);
 }
 
 /* A gradient test for walls that needs no scene: a polygon's own edges are walls, at their own depth. */
 static void polygon_gradient_is_the_sum_of_its_walls(void **state) {
     (void)state;
-    sl_vec3d v[4] = {{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}}, p = {0.35, 0.2, 0.0};
+    sl_vec3d v[4] = {{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}},
+             p = {0.35, 0.2, 0.0};
     sl_vec3d gradient, walls = {0, 0, 0};
     polygon_irradiance(p, sl_v3d(0, 0, 1), v, 4, &gradient);
     for (int i = 0; i < 4; i++) {
@@ -165,14 +178,27 @@ typedef struct polygon_case {
     double eps;
 } polygon_case;
 
-/* Lambert's formula and its gradient, L = 5; the vertices' order makes the light shine towards the receiver. */
+/* Lambert's formula and its gradient, L = 5; the vertices' order makes the light shine towards the receiver.
+ */
 static const polygon_case polygons[] = {
-    {{{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}}, {0.35, 0.2, 0}, {0, 0, 1},
-     4.643140759564, {-0.648396539400, 0.305188879962, 4.868137219652}, 1e-11},
-    {{{1.2, -0.5, -0.6}, {1.2, -0.5, 1.1}, {1.2, 0.9, 1.1}, {1.2, 0.9, -0.6}}, {0.1, 0.2, 0}, {0, 0, 1},
-     1.338699193443, {2.136970274, 0, -1.280895886}, 1e-9},
-    {{{1.2, -0.5, -0.6}, {1.2, -0.5, 1.1}, {1.2, 0.9, 1.1}, {1.2, 0.9, -0.6}}, {0.1, 0.2, 0}, {0.36, 0.48, 0.8},
-     2.726858117647, {3.302700934, -1.501339400, -1.379378227}, 1e-9},
+    {{{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}},
+     {0.35, 0.2, 0},
+     {0, 0, 1},
+     4.643140759564,
+     {-0.648396539400, 0.305188879962, 4.868137219652},
+     1e-11},
+    {{{1.2, -0.5, -0.6}, {1.2, -0.5, 1.1}, {1.2, 0.9, 1.1}, {1.2, 0.9, -0.6}},
+     {0.1, 0.2, 0},
+     {0, 0, 1},
+     1.338699193443,
+     {2.136970274, 0, -1.280895886},
+     1e-9},
+    {{{1.2, -0.5, -0.6}, {1.2, -0.5, 1.1}, {1.2, 0.9, 1.1}, {1.2, 0.9, -0.6}},
+     {0.1, 0.2, 0},
+     {0.36, 0.48, 0.8},
+     2.726858117647,
+     {3.302700934, -1.501339400, -1.379378227},
+     1e-9},
 };
 
 static void polygon_light_has_its_closed_form_and_gradient(void **state) {
@@ -193,7 +219,8 @@ static void polygon_light_has_its_closed_form_and_gradient(void **state) {
             assert_near((plus - minus) / (2 * h), exact, 1e-8);
         }
         sl_vec3d backwards[4] = {c->vertices[3], c->vertices[2], c->vertices[1], c->vertices[0]};
-        assert_near(polygon_irradiance(c->p, c->n, backwards, 4, &gradient), 0.0, 0.0); /* it shines the other way */
+        /* it shines the other way */
+        assert_near(polygon_irradiance(c->p, c->n, backwards, 4, &gradient), 0.0, 0.0);
         assert_near(gradient.x, 0.0, 0.0);
     }
 }
@@ -201,7 +228,8 @@ static void polygon_light_has_its_closed_form_and_gradient(void **state) {
 static void occluder_takes_the_part_of_the_light_behind_it(void **state) {
     (void)state;
     const polygon_case *c = &polygons[0];
-    double x0 = -0.1, x1 = 0.5, y0 = -0.2, y1 = 0.45, s = 1.3 / 0.6; /* the occluder, projected from p onto the light's plane */
+    /* the occluder, projected from p onto the light's plane */
+    double x0 = -0.1, x1 = 0.5, y0 = -0.2, y1 = 0.45, s = 1.3 / 0.6;
     x0 = fmax(-0.7, c->p.x + s * (x0 - c->p.x));
     x1 = fmin(1.1, c->p.x + s * (x1 - c->p.x));
     y0 = fmax(-0.4, c->p.y + s * (y0 - c->p.y));
@@ -218,8 +246,10 @@ static void half_spaces_give_half_the_sky(void **state) {
     for (int degrees = 0; degrees <= 90; degrees += 15) {
         double gamma = degrees * SL_PI / 180.0;
         sl_vec3d n = {sl_sin(gamma), 0, sl_cos(gamma)}, sky = {0, 0, 0};
-        sl_vec3d faces[5][4] = {{{-e, -e, e}, {-e, e, e}, {e, e, e}, {e, -e, e}}, {{e, -e, 0}, {e, -e, e}, {e, e, e}, {e, e, 0}},
-                                {{-e, e, 0}, {-e, e, e}, {-e, -e, e}, {-e, -e, 0}}, {{e, e, 0}, {e, e, e}, {-e, e, e}, {-e, e, 0}},
+        sl_vec3d faces[5][4] = {{{-e, -e, e}, {-e, e, e}, {e, e, e}, {e, -e, e}},
+                                {{e, -e, 0}, {e, -e, e}, {e, e, e}, {e, e, 0}},
+                                {{-e, e, 0}, {-e, e, e}, {-e, -e, e}, {-e, -e, 0}},
+                                {{e, e, 0}, {e, e, e}, {-e, e, e}, {-e, e, 0}},
                                 {{-e, -e, 0}, {-e, -e, e}, {e, -e, e}, {e, -e, 0}}};
         double sum = 0.0;
         for (int f = 0; f < 5; f++) sum += polygon_irradiance(sky, n, faces[f], 4, NULL);

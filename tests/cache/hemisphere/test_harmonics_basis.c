@@ -1,5 +1,5 @@
-/* Hemispherical harmonics: orthonormal, as in the paper, and safe at the zenith, at the horizon and off the hemisphere. The basis is
- * compiled here once more with a higher largest order than the library's. */
+/* Hemispherical harmonics: orthonormal, as in the paper, and safe at the zenith, at the horizon and off the
+ * hemisphere. The basis is compiled here once more with a higher largest order than the library's. */
 #define SL_HSH_ORDER_MAX 20
 #include "cache/hemisphere/basis.c"
 
@@ -21,14 +21,16 @@ static sl_vec3d direction_at(double cosine, double phi) {
     return sl_v3d(sine * cos(phi), sine * sin(phi), cosine);
 }
 
-/* Calls for each node of a quadrature of the hemisphere that is exact for every product of two functions of these orders. */
+/* Calls for each node of a quadrature of the hemisphere that is exact for every product of two functions of
+ * these orders. */
 typedef void visit(void *context, sl_vec3d direction, double weight);
 static void over_hemisphere(visit *f, void *context) {
     double nodes[POLAR], weights[POLAR];
     sl_gauss_legendre(POLAR, nodes, weights);
     for (int i = 0; i < POLAR; i++)
         for (int k = 0; k < AZIMUTHS; k++)
-            f(context, direction_at(nodes[i], 2.0 * SL_PI * (k + 0.5) / AZIMUTHS), weights[i] * 2.0 * SL_PI / AZIMUTHS);
+            f(context, direction_at(nodes[i], 2.0 * SL_PI * (k + 0.5) / AZIMUTHS),
+              weights[i] * 2.0 * SL_PI / AZIMUTHS);
 }
 
 /* Places of the coefficients without the padding. */
@@ -103,7 +105,8 @@ static void functions_equal_the_form_with_factorials(void **state) {
     enum { LIBRARY_ORDER = 12 };
     uint64_t key = sl_random_key(7, 0);
     for (uint64_t k = 0; k < 2000; k++) {
-        double c = (double)sl_random_unit(key, 2 * k), phi = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * k + 1);
+        double c = (double)sl_random_unit(key, 2 * k),
+               phi = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * k + 1);
         double h[SL_HSH_STRIDE_MAX];
         sl_hsh_evaluate(LIBRARY_ORDER, direction_at(c, phi), h);
         for (int l = 0; l < LIBRARY_ORDER; l++)
@@ -112,7 +115,8 @@ static void functions_equal_the_form_with_factorials(void **state) {
                 double scale = sqrt((2 * l + 1) * factorial(l - a) / (2.0 * SL_PI * factorial(l + a)));
                 double turn = m > 0 ? sqrt(2.0) * cos(m * phi) : m < 0 ? sqrt(2.0) * sin(a * phi) : 1.0;
                 double truth = scale * turn * legendre(l, a, 2.0 * c - 1.0);
-                assert_true(fabs(h[m < 0 ? sl_hsh_odd(LIBRARY_ORDER, l, m) : sl_hsh_even(l, m)] - truth) < 5e-14);
+                assert_true(fabs(h[m < 0 ? sl_hsh_odd(LIBRARY_ORDER, l, m) : sl_hsh_even(l, m)] - truth) <
+                            5e-14);
             }
     }
 }
@@ -122,7 +126,8 @@ static void cosine_is_in_the_first_two_bands(void **state) {
     for (int k = 0; k <= 1000; k++) {
         double c = k / 1000.0, h[SL_HSH_STRIDE_MAX];
         sl_hsh_evaluate(2, direction_at(c, 0.1 * k), h);
-        double sum = 0.5 * sqrt(2.0 * SL_PI) * h[sl_hsh_even(0, 0)] + 0.5 * sqrt(2.0 * SL_PI / 3.0) * h[sl_hsh_even(1, 0)];
+        double sum = 0.5 * sqrt(2.0 * SL_PI) * h[sl_hsh_even(0, 0)] +
+                     0.5 * sqrt(2.0 * SL_PI / 3.0) * h[sl_hsh_even(1, 0)];
         assert_true(fabs(sum - c) < 1e-15);
     }
 }
@@ -148,7 +153,8 @@ static void zenith_and_horizon_have_no_azimuth(void **state) {
         sl_hsh_evaluate(ORDER, pole ? sl_v3d(0.6, -0.8, 0.0) : sl_v3d(0.0, 0.0, 1.0), h);
         for (int l = 0; l < ORDER; l++)
             for (int m = -l; m <= l; m++) {
-                double truth = m != 0 ? 0.0 : sqrt((2 * l + 1) / (2.0 * SL_PI)) * (pole && l % 2 ? -1.0 : 1.0);
+                double truth =
+                    m != 0 ? 0.0 : sqrt((2 * l + 1) / (2.0 * SL_PI)) * (pole && l % 2 ? -1.0 : 1.0);
                 assert_true(fabs(h[m < 0 ? sl_hsh_odd(ORDER, l, m) : sl_hsh_even(l, m)] - truth) < 1e-13);
             }
     }
@@ -160,17 +166,20 @@ static void functions_are_continuous_towards_the_zenith(void **state) {
     sl_hsh_evaluate(ORDER, sl_v3d(0.0, 0.0, 1.0), at_zenith);
     for (double sine = 1e-3; sine > 0.0; sine *= 1e-3) { /* down to denormals */
         sl_hsh_evaluate(ORDER, sl_v3d(0.6 * sine, -0.8 * sine, 1.0), h);
-        for (size_t i = 0; i < sl_hsh_stride(ORDER); i++) assert_true(fabs(h[i] - at_zenith[i]) < 200.0 * sine + 1e-13);
+        for (size_t i = 0; i < sl_hsh_stride(ORDER); i++)
+            assert_true(fabs(h[i] - at_zenith[i]) < 200.0 * sine + 1e-13);
         /* The azimuth survives in the first order of the sine. */
-        if (sine > 1e-100) assert_true(fabs(h[sl_hsh_odd(ORDER, 1, -1)] / h[sl_hsh_even(1, 1)] + 0.8 / 0.6) < 1e-12);
+        if (sine > 1e-100)
+            assert_true(fabs(h[sl_hsh_odd(ORDER, 1, -1)] / h[sl_hsh_even(1, 1)] + 0.8 / 0.6) < 1e-12);
     }
 }
 
 static void directions_off_the_hemisphere_are_harmless(void **state) {
     (void)state;
     double h[SL_HSH_STRIDE_MAX], truth[SL_HSH_STRIDE_MAX];
-    const sl_vec3d bad[] = {{NAN, 0, 1}, {0, NAN, 0}, {0, 0, NAN}, {INFINITY, 0, 0}, {0, -INFINITY, 1}, {0, 0, INFINITY},
-                            {0, 0, 0}, {0.8, 0.6, -1e-17}, {0.5, 0, -0.8}, {1e-200, 0, 1}, {0, 0, 1.0000001}, {1.0000001, 0, 0}};
+    const sl_vec3d bad[] = {{NAN, 0, 1},       {0, NAN, 0},      {0, 0, NAN},       {INFINITY, 0, 0},
+                            {0, -INFINITY, 1}, {0, 0, INFINITY}, {0, 0, 0},         {0.8, 0.6, -1e-17},
+                            {0.5, 0, -0.8},    {1e-200, 0, 1},   {0, 0, 1.0000001}, {1.0000001, 0, 0}};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         sl_hsh_evaluate(ORDER, bad[k], h);
         for (size_t i = 0; i < sl_hsh_stride(ORDER); i++) assert_true(fabs(h[i]) < 50.0);
@@ -187,7 +196,8 @@ static void turning_about_the_normal_mixes_pairs(void **state) {
     sl_hsh_evaluate(ORDER, direction_at(0.4, 1.1 + alpha), turned);
     for (int l = 1; l < ORDER; l++)
         for (int m = 1; m <= l; m++) {
-            double even = h[sl_hsh_even(l, m)], odd = h[sl_hsh_odd(ORDER, l, -m)], c = cos(m * alpha), s = sin(m * alpha);
+            double even = h[sl_hsh_even(l, m)], odd = h[sl_hsh_odd(ORDER, l, -m)], c = cos(m * alpha),
+                   s = sin(m * alpha);
             assert_true(fabs(turned[sl_hsh_even(l, m)] - (c * even - s * odd)) < 1e-12);
             assert_true(fabs(turned[sl_hsh_odd(ORDER, l, -m)] - (s * even + c * odd)) < 1e-12);
         }

@@ -21,13 +21,16 @@ static sl_moved_lobe *lobe_new(int order, double exponent) {
     return lobe;
 }
 
-static sl_vec3d polar(double theta, double phi) { return sl_v3d(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)); }
+static sl_vec3d polar(double theta, double phi) {
+    return sl_v3d(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
+}
 
 /* Mirror direction of o about n. */
 static sl_vec3d mirrored(sl_vec3d o, sl_vec3d n) { return sl_subd(sl_scaled(n, 2.0 * sl_dotd(o, n)), o); }
 
 static void look_up(const sl_moved_lobe *lobe, sl_vec3d o, sl_vec3d n, float *coefficients) {
-    sl_moved_lobe_look_up(lobe, sl_to_float(mirrored(o, n)), sl_to_float(n), (float)sl_dotd(o, n), coefficients);
+    sl_moved_lobe_look_up(lobe, sl_to_float(mirrored(o, n)), sl_to_float(n), (float)sl_dotd(o, n),
+                          coefficients);
 }
 
 static void a_white_sky_gives_the_albedo_whatever_the_tilt(void **state) {
@@ -38,12 +41,15 @@ static void a_white_sky_gives_the_albedo_whatever_the_tilt(void **state) {
         sl_moved_lobe *lobe = lobe_new(4, exponents[k]);
         for (uint64_t i = 0; i < 500; i++) {
             float coefficients[SL_HSH_STRIDE_MAX], upright[SL_HSH_STRIDE_MAX];
-            sl_vec3d n = polar(40 * degree * (double)sl_random_unit(key, 4 * i), 6.28 * (double)sl_random_unit(key, 4 * i + 1));
+            sl_vec3d n = polar(40 * degree * (double)sl_random_unit(key, 4 * i),
+                               6.28 * (double)sl_random_unit(key, 4 * i + 1));
             sl_frame frame = sl_frame_from_normal(sl_to_float(n));
-            sl_vec3d local = polar(90 * degree * (double)sl_random_unit(key, 4 * i + 2), 6.28 * (double)sl_random_unit(key, 4 * i + 3));
+            sl_vec3d local = polar(90 * degree * (double)sl_random_unit(key, 4 * i + 2),
+                                   6.28 * (double)sl_random_unit(key, 4 * i + 3));
             look_up(lobe, sl_to_double(sl_frame_to_world(&frame, sl_to_float(local))), n, coefficients);
             look_up(lobe, local, sl_v3d(0, 0, 1), upright);
-            assert_true(fabs((double)coefficients[0] - (double)upright[0]) < 3e-4); /* rows are interpolated */
+            /* rows are interpolated */
+            assert_true(fabs((double)coefficients[0] - (double)upright[0]) < 3e-4);
         }
         sl_moved_lobe_destroy(lobe);
     }
@@ -59,7 +65,8 @@ static void project_plainly(int order, double exponent, sl_vec3d r, sl_vec3d n, 
             sl_vec3d w = polar(theta, SL_PI * (k + 0.5) / STEPS);
             double cosine = sl_dotd(r, w), up = sl_dotd(n, w);
             if (!(cosine > 0.0 && up > 0.0)) continue;
-            double f = (exponent + 2.0) / (2.0 * SL_PI) * pow(cosine, exponent) * up * sin(theta) * 0.5 * SL_PI / STEPS * SL_PI / STEPS;
+            double f = (exponent + 2.0) / (2.0 * SL_PI) * pow(cosine, exponent) * up * sin(theta) * 0.5 *
+                       SL_PI / STEPS * SL_PI / STEPS;
             w.z = fabs(w.z);
             sl_hsh_evaluate(order, w, h);
             for (size_t j = 0; j < sl_hsh_stride(order); j++) sums[j] += f * h[j];
@@ -73,12 +80,14 @@ static void coefficients_are_the_integrals_where_the_horizon_cuts_little(void **
     for (int k = 0; k < 12; k++) { /* r from the zenith to well below the record's horizon */
         sl_vec3d n = polar((5 + 3 * k) * degree, 0.9 * k);
         sl_frame frame = sl_frame_from_normal(sl_to_float(n));
-        sl_vec3d o = sl_to_double(sl_frame_to_world(&frame, sl_to_float(polar((7 * k % 60) * degree, 1.7 * k))));
+        sl_vec3d o =
+            sl_to_double(sl_frame_to_world(&frame, sl_to_float(polar((7 * k % 60) * degree, 1.7 * k))));
         double truth[SL_HSH_STRIDE_MAX];
         float coefficients[SL_HSH_STRIDE_MAX];
         look_up(lobe, o, n, coefficients);
         project_plainly(ORDER, 20.0, mirrored(o, n), n, truth);
-        for (size_t j = 0; j < sl_hsh_stride(ORDER); j++) assert_true(fabs((double)coefficients[j] - truth[j]) < 5e-3);
+        for (size_t j = 0; j < sl_hsh_stride(ORDER); j++)
+            assert_true(fabs((double)coefficients[j] - truth[j]) < 5e-3);
     }
     /* Below the horizon, where F_z changes its sign. */
     sl_vec3d r = polar(100 * degree, 2.0), n = polar(35 * degree, 2.2);
@@ -86,7 +95,8 @@ static void coefficients_are_the_integrals_where_the_horizon_cuts_little(void **
     float coefficients[SL_HSH_STRIDE_MAX];
     project_plainly(ORDER, 20.0, r, n, truth);
     sl_moved_lobe_look_up(lobe, sl_to_float(r), sl_to_float(n), (float)sl_dotd(r, n), coefficients);
-    for (size_t j = 0; j < sl_hsh_stride(ORDER); j++) assert_true(fabs((double)coefficients[j] - truth[j]) < 1e-2);
+    for (size_t j = 0; j < sl_hsh_stride(ORDER); j++)
+        assert_true(fabs((double)coefficients[j] - truth[j]) < 1e-2);
     sl_moved_lobe_destroy(lobe);
 }
 
@@ -98,7 +108,8 @@ static void hard_directions_give_numbers(void **state) {
         for (size_t b = 0; b < 7; b++)
             for (size_t c = 0; c < 7; c++) {
                 float coefficients[SL_HSH_STRIDE_MAX];
-                sl_vec3 r = sl_v3(values[a], values[b], values[c]), n = sl_v3(values[b], values[c], values[a]);
+                sl_vec3 r = sl_v3(values[a], values[b], values[c]),
+                        n = sl_v3(values[b], values[c], values[a]);
                 sl_moved_lobe_look_up(lobe, r, n, values[c], coefficients);
                 for (size_t j = 0; j < SL_HSH_STRIDE_MAX; j++) assert_true(fabsf(coefficients[j]) < 100.0f);
             }

@@ -1,4 +1,5 @@
-/* Phong lobes in the frame of their own surface: energy, coefficients against a plain quadrature, what an order cuts off, and the tables' ends. */
+/* Phong lobes in the frame of their own surface: energy, coefficients against a plain quadrature, what an
+ * order cuts off, and the tables' ends. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,7 +43,8 @@ static void albedo_is_right_at_any_order(void **state) {
     const double truth[6] = {1.0000, .9659, .8660, .7071, .5005, .2712};
     for (int order = 1; order <= SL_HSH_ORDER_MAX; order++) {
         sl_moved_lobe *table = lobe_new(order, 20.0);
-        for (int k = 0; k < 6; k++) assert_true(fabs(albedo(table, cos(15.0 * k * degree)) - truth[k]) < 1e-4);
+        for (int k = 0; k < 6; k++)
+            assert_true(fabs(albedo(table, cos(15.0 * k * degree)) - truth[k]) < 1e-4);
         sl_moved_lobe_destroy(table);
     }
 }
@@ -88,7 +90,8 @@ static void project_plainly(int order, double exponent, double theta_out, double
     memset(even, 0, sl_hsh_odd_start(order) * sizeof *even);
     for (int i = 0; i < STEPS; i++)
         for (int k = 0; k < STEPS; k++) {
-            double theta = 0.5 * SL_PI * (i + 0.5) / STEPS, phi = SL_PI * (k + 0.5) / STEPS, h[SL_HSH_STRIDE_MAX];
+            double theta = 0.5 * SL_PI * (i + 0.5) / STEPS, phi = SL_PI * (k + 0.5) / STEPS,
+                   h[SL_HSH_STRIDE_MAX];
             sl_vec3d in = sl_v3d(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
             double f = lobe(exponent, theta_out, in);
             if (!(f > 1e-12)) continue;
@@ -111,7 +114,8 @@ static void coefficients_are_the_integrals(void **state) {
             project_plainly(ORDER, exponents[k], theta, truth);
             look_up(table, cos(theta), even);
             double bound = exponents[k] > 100.0 ? 3e-4 : 2e-5; /* of the plain quadrature */
-            for (size_t j = 0; j < sl_hsh_odd_start(ORDER); j++) assert_true(fabs((double)even[j] - truth[j]) < bound);
+            for (size_t j = 0; j < sl_hsh_odd_start(ORDER); j++)
+                assert_true(fabs((double)even[j] - truth[j]) < bound);
         }
         sl_moved_lobe_destroy(table);
     }
@@ -143,7 +147,8 @@ static void interpolation_between_rows_is_close(void **state) {
         float even[SL_HSH_STRIDE_MAX];
         project_plainly(ORDER, 20.0, theta, truth);
         look_up(table, cos(theta), even);
-        for (size_t j = 0; j < sl_hsh_odd_start(ORDER); j++) assert_true(fabs((double)even[j] - truth[j]) < 4e-3);
+        for (size_t j = 0; j < sl_hsh_odd_start(ORDER); j++)
+            assert_true(fabs((double)even[j] - truth[j]) < 4e-3);
     }
     sl_moved_lobe_destroy(table);
 }
@@ -164,7 +169,8 @@ static void truncation_is_as_tabulated(void **state) {
     const double angles[4] = {0, 45, 60, 75};
     for (size_t k = 0; k < 4; k++) {
         for (int a = 0; a < 4; a++) {
-            double error = 100.0 * sl_phong_truncation_at(truths[k].order, truths[k].exponent, angles[a] * degree);
+            double error =
+                100.0 * sl_phong_truncation_at(truths[k].order, truths[k].exponent, angles[a] * degree);
             assert_true(fabs(error - truths[k].error[a]) < truths[k].digits);
         }
         assert_true(sl_phong_truncation(truths[k].order, truths[k].exponent) ==
@@ -210,7 +216,8 @@ static void truncation_falls_with_the_order(void **state) {
 static void cosines_beyond_the_table_take_its_ends(void **state) {
     (void)state;
     float rows[SL_PHONG_ANGLES];
-    const float above[] = {1.0f, 1.0000001f, 1.5f, INFINITY}, below[] = {0.0f, -0.0f, -1e-20f, -0.5f, -INFINITY, NAN};
+    const float above[] = {1.0f, 1.0000001f, 1.5f, INFINITY},
+                below[] = {0.0f, -0.0f, -1e-20f, -0.5f, -INFINITY, NAN};
     for (size_t k = 0; k < sizeof above / sizeof above[0]; k++) {
         sl_phong_rows at = sl_phong_rows_at(rows, 1, above[k]);
         assert_true(at.first == rows && at.mix == 0.0f);

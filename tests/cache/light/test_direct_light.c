@@ -1,5 +1,5 @@
-/* Direct light of pixels, by rays and by maps, against closed forms: lights without extent, few and many emitters, sky and
- * sun, glossy lobes. */
+/* Direct light of pixels, by rays and by maps, against closed forms: lights without extent, few and many
+ * emitters, sky and sun, glossy lobes. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,8 +18,7 @@
 #include "trace_scenes.h"
 #include "polygon_truth.h"
 
-/* ---- a picture of direct light -------------------------------------------------------------------------------------------
- */
+/* ---- a picture of direct light ------------------------------------------------------------ */
 
 enum { SIZE = 72, PIXELS = SIZE * SIZE };
 
@@ -48,8 +47,11 @@ static picture *direct_light(const sl_scene *scene, options o) {
     assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
     assert_int_equal(sl_environment_split(&scene->environment, 10.0, &sky, &sun, NULL), SL_OK);
-    sl_shadow_map_settings map_settings = {.size = 1024, .sun = sun.present ? &sun : NULL, .threads = o.threads};
-    if (o.maps) assert_int_equal(sl_shadow_maps_create(scene, raster, &map_settings, &maps, &p->counters, NULL), SL_OK);
+    sl_shadow_map_settings map_settings = {
+        .size = 1024, .sun = sun.present ? &sun : NULL, .threads = o.threads};
+    if (o.maps)
+        assert_int_equal(sl_shadow_maps_create(scene, raster, &map_settings, &maps, &p->counters, NULL),
+                         SL_OK);
     sl_direct_settings settings = {.light_samples = o.samples,
                                    .seed = o.seed,
                                    .threads = o.threads,
@@ -59,13 +61,14 @@ static picture *direct_light(const sl_scene *scene, options o) {
     assert_int_equal(sl_gbuffer_create(SIZE, SIZE, &p->gbuffer, NULL), SL_OK);
     sl_frame frame = {scene->camera.right, scene->camera.up, sl_neg(scene->camera.back)};
     float top = (float)sl_tan(0.5 * (double)scene->camera.vertical_fov);
-    sl_view view = sl_view_pyramid(&frame, scene->camera.eye, -top, top, -top, top, SIZE, SIZE, 1e-5f * scene->diagonal);
+    sl_view view =
+        sl_view_pyramid(&frame, scene->camera.eye, -top, top, -top, top, SIZE, SIZE, 1e-5f * scene->diagonal);
     assert_int_equal(sl_raster_gbuffer(raster, &view, 1, p->gbuffer, &p->counters, NULL), SL_OK);
     for (int row = 0; row < SIZE; row += o.strip) {
         int end = row + o.strip < SIZE ? row + o.strip : SIZE;
-        assert_int_equal(
-            sl_direct_rows(direct, p->gbuffer, row, end, p->rgb, p->rgb + PIXELS, p->rgb + 2 * PIXELS, &p->counters, NULL),
-            SL_OK);
+        assert_int_equal(sl_direct_rows(direct, p->gbuffer, row, end, p->rgb, p->rgb + PIXELS,
+                                        p->rgb + 2 * PIXELS, &p->counters, NULL),
+                         SL_OK);
     }
     sl_direct_destroy(direct);
     sl_shadow_maps_destroy(maps);
@@ -100,13 +103,13 @@ static trace_mesh a_floor(float diffuse, float specular, float exponent) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t floor = trace_mesh_material(&mesh, diffuse, specular, exponent, 0.0f, 0.0f);
     trace_mesh_quad(&mesh, sl_v3(-10, 0, -10), sl_v3(0, 0, 20), sl_v3(20, 0, 0), floor);
-    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(0.3f, 6, 4), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 0.9f);
+    mesh.has_camera =
+        sl_camera_look_at(&mesh.camera, sl_v3(0.3f, 6, 4), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 0.9f);
     assert_true(mesh.has_camera);
     return mesh;
 }
 
-/* ---- lights without extent
- * -------------------------------------------------------------------------------------------------- */
+/* ---- lights without extent ------------------------------------------------------------ */
 
 /* E = I h / (h^2 + r^2)^(3/2), reflected rho / pi of it. */
 static void a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps(void **state) {
@@ -119,8 +122,10 @@ static void a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps(void
         picture *p = direct_light(scene, (options){8, 0, 2, maps, 64});
         for (size_t i = 0; i < PIXELS; i++) {
             if (p->gbuffer->material[i] == SL_NO_INDEX) continue;
-            double dx = 0.5 - (double)p->gbuffer->position_x[i], dz = -0.25 - (double)p->gbuffer->position_z[i];
-            double squared = 4.0 + dx * dx + dz * dz, truth = 0.6 / SL_PI * 8.0 * 2.0 / (squared * sqrt(squared));
+            double dx = 0.5 - (double)p->gbuffer->position_x[i],
+                   dz = -0.25 - (double)p->gbuffer->position_z[i];
+            double squared = 4.0 + dx * dx + dz * dz,
+                   truth = 0.6 / SL_PI * 8.0 * 2.0 / (squared * sqrt(squared));
             assert_true(fabs((double)p->rgb[PIXELS + i] - truth) < 1e-5 * truth);
         }
         assert_int_equal(p->counters.value[SL_COUNT_SHADOW_RAYS] > 0, !maps);
@@ -129,8 +134,7 @@ static void a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps(void
     sl_scene_destroy(scene);
 }
 
-/* ---- emitters
- * ----------------------------------------------------------------------------------------------------------------- */
+/* ---- emitters ------------------------------------------------------------ */
 
 /* A ceiling of side x side lamps two metres above the floor, as many triangles as two a lamp. */
 static sl_scene *lamps(int side) {
@@ -139,9 +143,11 @@ static sl_scene *lamps(int side) {
     float step = 3.0f / (float)side;
     for (int i = 0; i < side * side; i++) {
         sl_vec3 corner = sl_v3(-1.5f + step * (float)(i % side), 2.0f, -1.5f + step * (float)(i / side));
-        trace_mesh_quad(&mesh, corner, sl_v3(0.6f * step, 0, 0), sl_v3(0, 0, 0.6f * step), lamp); /* shines downwards */
+        /* shines downwards */
+        trace_mesh_quad(&mesh, corner, sl_v3(0.6f * step, 0, 0), sl_v3(0, 0, 0.6f * step), lamp);
     }
-    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(0.2f, 1.5f, 2.5f), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 0.9f);
+    mesh.has_camera =
+        sl_camera_look_at(&mesh.camera, sl_v3(0.2f, 1.5f, 2.5f), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 0.9f);
     return trace_mesh_build(&mesh);
 }
 
@@ -150,15 +156,16 @@ static double lamps_at(const sl_scene *scene, sl_vec3 p) {
     for (size_t e = 0; e < scene->emitter_count; e++) {
         sl_vec3d corners[3];
         for (int c = 0; c < 3; c++)
-            corners[c] = sl_to_double(sl_scene_position(scene, scene->vertex[c][scene->emitters[e].triangle]));
+            corners[c] =
+                sl_to_double(sl_scene_position(scene, scene->vertex[c][scene->emitters[e].triangle]));
         sum += (double)scene->emitters[e].radiance.r *
                polygon_irradiance(sl_to_double(p), sl_v3d(0, 1, 0), corners, 3, NULL);
     }
     return sum;
 }
 
-/* Nothing is in the way: up to 256 triangles there is no noise at all, even from one sample; beyond, their samples are
- * unbiased. */
+/* Nothing is in the way: up to 256 triangles there is no noise at all, even from one sample; beyond, their
+ * samples are unbiased. */
 static void unoccluded_emitters_have_no_noise_and_many_have_no_bias(void **state) {
     (void)state;
     const int sides[] = {1, 8, 12};
@@ -170,7 +177,8 @@ static void unoccluded_emitters_have_no_noise_and_many_have_no_bias(void **state
         for (size_t i = 0; i < PIXELS; i++) {
             const sl_gbuffer *g = p->gbuffer;
             if (g->material[i] != scene->material_index[0] || g->normal_y[i] < 0.5f) continue;
-            double truth = 0.5 / SL_PI * lamps_at(scene, sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
+            double truth =
+                0.5 / SL_PI * lamps_at(scene, sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
             if (run < 2) assert_true(fabs((double)p->rgb[i] - truth) < 1e-3 * truth + 1e-5);
             sum += (double)p->rgb[i];
             truths += truth;
@@ -201,35 +209,39 @@ static void few_samples_of_a_penumbra_are_those_of_many_but_for_noise(void **sta
     for (uint32_t samples = 4; samples <= 64; samples *= 4) {
         picture *few = direct_light(scene, (options){samples, 2, 2, false, 64});
         double error = difference(few, many);
-        print_message("%u samples: rms %.4f, bias %+.5f\n", samples, error, mean_of(few) / mean_of(many) - 1.0);
+        print_message("%u samples: rms %.4f, bias %+.5f\n", samples, error,
+                      mean_of(few) / mean_of(many) - 1.0);
         assert_true(fabs(mean_of(few) / mean_of(many) - 1.0) < 0.004);
         assert_true(error < 0.6 * last); /* it converges, whatever is smoothed */
         last = error;
         picture_free(few);
     }
     assert_true(last < 0.01);
-    print_message("maps: rms %.4f, bias %+.5f\n", difference(maps, many), mean_of(maps) / mean_of(many) - 1.0);
+    print_message("maps: rms %.4f, bias %+.5f\n", difference(maps, many),
+                  mean_of(maps) / mean_of(many) - 1.0);
     assert_true(difference(maps, many) < 0.03 && fabs(mean_of(maps) / mean_of(many) - 1.0) < 0.004);
     picture_free(many);
     picture_free(maps);
     sl_scene_destroy(scene);
 }
 
-/* ---- window frames
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- window frames ------------------------------------------------------------ */
 
 static bool faces(const sl_gbuffer *g, size_t i, sl_vec3 n) {
-    return g->material[i] != SL_NO_INDEX && sl_dot(sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]), n) > 0.99f;
+    return g->material[i] != SL_NO_INDEX &&
+           sl_dot(sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]), n) > 0.99f;
 }
 
 /* A lamp eight metres wide, and two posts that stand on it, 0.2 m apart; seen is the inner face of one. */
 static sl_scene *posts_on_a_lamp(void) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t post = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f), lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
+    uint32_t post = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
+             lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, -0.5f), sl_v3(0, 0, 1), sl_v3(8, 0, 0), lamp); /* shines upwards */
     trace_mesh_box(&mesh, sl_v3(-0.05f, 0, -2), sl_v3(0, 0.3f, 2), false, post);
     trace_mesh_box(&mesh, sl_v3(0.2f, 0, -2), sl_v3(0.25f, 0.3f, 2), false, post);
-    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(0.18f, 0.1f, 0), sl_v3(0, 0.08f, 0), sl_v3(0, 1, 0), 0.8f);
+    mesh.has_camera =
+        sl_camera_look_at(&mesh.camera, sl_v3(0.18f, 0.1f, 0), sl_v3(0, 0.08f, 0), sl_v3(0, 1, 0), 0.8f);
     return trace_mesh_build(&mesh);
 }
 
@@ -245,7 +257,8 @@ static void between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them(void *
         for (size_t i = 0; i < PIXELS; i++) {
             const sl_gbuffer *g = p->gbuffer;
             if (!faces(g, i, sl_v3(1, 0, 0))) continue;
-            sl_vec3d at = sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]);
+            sl_vec3d at =
+                sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]);
             double truth = 0.5 / SL_PI * 3.0 * polygon_irradiance(at, sl_v3d(1, 0, 0), between, 4, NULL);
             sum += (double)p->rgb[i];
             truths += truth;
@@ -269,18 +282,22 @@ static void nothing_of_a_lamp_above_the_horizon_is_missed(void **state) {
     const sl_vec3d normals[2] = {{0, -sqrt(0.5), sqrt(0.5)}, {0, -0.96, 0.28}};
     for (int run = 0; run < 2; run++) {
         trace_mesh mesh = trace_mesh_begin();
-        uint32_t plate = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f), lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
+        uint32_t plate = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
+                 lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
         sl_vec3 n = sl_to_float(normals[run]), across = sl_cross(n, sl_v3(1, 0, 0));
         trace_mesh_quad(&mesh, sl_v3(-2, 0, -4), sl_v3(4, 0, 0), sl_v3(0, 0, 8), lamp); /* shines downwards */
-        trace_mesh_quad(&mesh, sl_mad(sl_v3(-0.2f, -0.5f, 0), -0.2f, across), sl_v3(0.4f, 0, 0), sl_scale(across, 0.4f), plate);
-        mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_mad(sl_v3(0, -0.5f, 0), 0.5f, n), sl_v3(0, -0.5f, 0), sl_v3(1, 0, 0), 0.6f);
+        trace_mesh_quad(&mesh, sl_mad(sl_v3(-0.2f, -0.5f, 0), -0.2f, across), sl_v3(0.4f, 0, 0),
+                        sl_scale(across, 0.4f), plate);
+        mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_mad(sl_v3(0, -0.5f, 0), 0.5f, n),
+                                            sl_v3(0, -0.5f, 0), sl_v3(1, 0, 0), 0.6f);
         sl_scene *scene = trace_mesh_build(&mesh);
         picture *p = direct_light(scene, (options){1, 1, 2, false, 64});
         size_t count = 0;
         for (size_t i = 0; i < PIXELS; i++) {
             const sl_gbuffer *g = p->gbuffer;
             if (!faces(g, i, n)) continue;
-            sl_vec3d at = sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]);
+            sl_vec3d at =
+                sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]);
             double truth = 0.5 / SL_PI * 3.0 * polygon_irradiance(at, normals[run], lamp_corners, 4, NULL);
             assert_true(truth > 0.0 && fabs((double)p->rgb[i] / truth - 1.0) < 1e-3);
             count++;
@@ -291,17 +308,19 @@ static void nothing_of_a_lamp_above_the_horizon_is_missed(void **state) {
     }
 }
 
-/* A slab, 0.06 m high, in the penumbra of a roof; the floor behind it lies in full shadow. They are seen so nearly edge-on that neighbouring
- * pixels show places half a metre apart. */
+/* A slab, 0.06 m high, in the penumbra of a roof; the floor behind it lies in full shadow. They are seen so
+ * nearly edge-on that neighbouring pixels show places half a metre apart. */
 static void no_penumbra_spreads_over_a_step(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f), lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 9.0f);
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
+             lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 9.0f);
     trace_mesh_quad(&mesh, sl_v3(-1, 3, -1), sl_v3(1, 0, 0), sl_v3(0, 0, 2), lamp);
     trace_mesh_quad(&mesh, sl_v3(0, 0, -9), sl_v3(0, 0, 18), sl_v3(9, 0, 0), grey);
     trace_mesh_box(&mesh, sl_v3(-9, 0, -9), sl_v3(0, 0.06f, 9), false, grey);
     trace_mesh_box(&mesh, sl_v3(-0.1f, 0.5f, -9), sl_v3(9, 0.55f, 9), false, grey);
-    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(-5, 0.81f, 0), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.05f);
+    mesh.has_camera =
+        sl_camera_look_at(&mesh.camera, sl_v3(-5, 0.81f, 0), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.05f);
     sl_scene *scene = trace_mesh_build(&mesh);
     picture *p = direct_light(scene, (options){4, 1, 2, false, 64});
     size_t shadowed = 0, partly = 0;
@@ -317,8 +336,7 @@ static void no_penumbra_spreads_over_a_step(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- glossy lobes
- * --------------------------------------------------------------------------------------------------------------- */
+/* ---- glossy lobes ------------------------------------------------------------ */
 
 static void lobes_wide_and_narrow_are_unbiased(void **state) {
     (void)state;
@@ -342,30 +360,37 @@ typedef struct {
     int pieces;                                          /* across and upwards: many lamps, side by side */
 } lamp_case;
 
-/* A glossy floor, and a lamp of radiance 3 in the plane z = -3 that shines towards +z; the floor hides what is below it. */
+/* A glossy floor, and a lamp of radiance 3 in the plane z = -3 that shines towards +z; the floor hides what
+ * is below it. */
 static sl_scene *floor_and_lamp(const lamp_case *c) {
     trace_mesh mesh = a_floor(0.0f, 0.5f, (float)c->exponent);
     uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
-    float wide = 2.0f * (float)c->half_width / (float)c->pieces, high = (float)(c->top - c->bottom) / (float)c->pieces;
+    float wide = 2.0f * (float)c->half_width / (float)c->pieces,
+          high = (float)(c->top - c->bottom) / (float)c->pieces;
     for (int k = 0; k < c->pieces * c->pieces; k++) {
-        sl_vec3 corner = sl_v3((float)(k % c->pieces) * wide - (float)c->half_width, (float)c->bottom + (float)(k / c->pieces) * high, -3);
+        sl_vec3 corner = sl_v3((float)(k % c->pieces) * wide - (float)c->half_width,
+                               (float)c->bottom + (float)(k / c->pieces) * high, -3);
         trace_mesh_quad(&mesh, corner, sl_v3(wide, 0, 0), sl_v3(0, high, 0), lamp);
     }
-    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(0, 3, 3), sl_v3(0, 0, -1.5f), sl_v3(0, 1, 0), 0.7f);
+    mesh.has_camera =
+        sl_camera_look_at(&mesh.camera, sl_v3(0, 3, 3), sl_v3(0, 0, -1.5f), sl_v3(0, 1, 0), 0.7f);
     return trace_mesh_build(&mesh);
 }
 
-/* The lobe times the cosine over what of the lamp is above the floor, by a grid that is finest next to the point: from its foot to the lamp's
- * left and right end (either way where the foot lies beyond that end). */
+/* The lobe times the cosine over what of the lamp is above the floor, by a grid that is finest next to the
+ * point: from its foot to the lamp's left and right end (either way where the foot lies beyond that end). */
 static double lobe_of_lamp(const lamp_case *c, sl_vec3 eye, sl_vec3d at) {
     enum { GRID = 64 };
-    sl_vec3d viewer = sl_subd(sl_to_double(eye), at), mirrored = sl_scaled(sl_v3d(-viewer.x, viewer.y, -viewer.z), 1.0 / sl_lengthd(viewer));
+    sl_vec3d viewer = sl_subd(sl_to_double(eye), at),
+             mirrored = sl_scaled(sl_v3d(-viewer.x, viewer.y, -viewer.z), 1.0 / sl_lengthd(viewer));
     double low = fmax(c->bottom, 0.0), high = c->top - low, sum = 0.0;
     for (int k = 0; k < 2 * GRID * GRID; k++) {
-        double end = k < GRID * GRID ? -c->half_width : c->half_width, to_end = end - at.x, sign = end > 0.0 ? 1.0 : -1.0;
+        double end = k < GRID * GRID ? -c->half_width : c->half_width, to_end = end - at.x,
+               sign = end > 0.0 ? 1.0 : -1.0;
         double v = (double)(k / GRID % GRID) / GRID, u = (double)(k % GRID) / GRID, step = 1.0 / GRID;
         double y = low + high * (v + 0.5 * step) * (v + 0.5 * step), tall = high * step * (2.0 * v + step);
-        double x = to_end * (u + 0.5 * step) * (u + 0.5 * step), wide = sign * to_end * step * (2.0 * u + step);
+        double x = to_end * (u + 0.5 * step) * (u + 0.5 * step),
+               wide = sign * to_end * step * (2.0 * u + step);
         sl_vec3d d = sl_v3d(x, y, -3.0 - at.z);
         double squared = sl_dotd(d, d), alpha = sl_dotd(d, mirrored) / sqrt(squared);
         if (alpha > 0.0) sum += pow(alpha, c->exponent) * d.y * -d.z / (squared * squared) * tall * wide;
@@ -376,8 +401,11 @@ static double lobe_of_lamp(const lamp_case *c, sl_vec3 eye, sl_vec3d at) {
 /* Beside a lamp as wide as the view, points spread over the lamp nearly all fall where the lobe is not. */
 static void few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is(void **state) {
     (void)state;
-    const lamp_case cases[] = {{2.0, 0.02, 2.5, 20.0, 0.015, 0.15, 1}, {2.0, 0.02, 2.5, 200.0, 0.015, 0.15, 1}, {2.0, -4.0, 2.5, 60.0, 0.015, 0.15, 1},
-                               {1e-4, 1.0, 1.0002, 20.0, 0.001, 0.001, 1}, {2.0, 0.02, 2.5, 60.0, 0.015, 0.15, 10}};
+    const lamp_case cases[] = {{2.0, 0.02, 2.5, 20.0, 0.015, 0.15, 1},
+                               {2.0, 0.02, 2.5, 200.0, 0.015, 0.15, 1},
+                               {2.0, -4.0, 2.5, 60.0, 0.015, 0.15, 1},
+                               {1e-4, 1.0, 1.0002, 20.0, 0.001, 0.001, 1},
+                               {2.0, 0.02, 2.5, 60.0, 0.015, 0.15, 10}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sl_scene *scene = floor_and_lamp(&cases[k]);
         picture *p = direct_light(scene, (options){16, 1, 2, false, 64});
@@ -386,14 +414,16 @@ static void few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is(void *
         for (size_t i = 0; i < PIXELS; i += 5) {
             const sl_gbuffer *g = p->gbuffer;
             if (!faces(g, i, sl_v3(0, 1, 0)) || g->position_z[i] < -2.99f) continue;
-            double truth = lobe_of_lamp(&cases[k], scene->camera.eye, sl_v3d((double)g->position_x[i], 0.0, (double)g->position_z[i]));
+            double truth = lobe_of_lamp(&cases[k], scene->camera.eye,
+                                        sl_v3d((double)g->position_x[i], 0.0, (double)g->position_z[i]));
             sum += (double)p->rgb[i];
             truths += truth;
             squares += ((double)p->rgb[i] - truth) * ((double)p->rgb[i] - truth);
             count++;
         }
         double bias = sum / truths - 1.0, rms = sqrt(squares / (double)count) / (truths / (double)count);
-        print_message("exponent %g, lamp from %g to %g: %zu pixels, bias %+.4f, rms %.4f\n", cases[k].exponent, cases[k].bottom, cases[k].top, count, bias, rms);
+        print_message("exponent %g, lamp from %g to %g: %zu pixels, bias %+.4f, rms %.4f\n",
+                      cases[k].exponent, cases[k].bottom, cases[k].top, count, bias, rms);
         assert_true(count > PIXELS / 20);
         assert_true(fabs(bias) < cases[k].bias);
         assert_true(rms < cases[k].rms);
@@ -402,8 +432,7 @@ static void few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is(void *
     }
 }
 
-/* ---- sky and sun
- * ------------------------------------------------------------------------------------------------------------------ */
+/* ---- sky and sun ------------------------------------------------------------ */
 
 enum { WIDTH = 64, HEIGHT = 32 };
 
@@ -412,12 +441,14 @@ static sl_environment a_day(float values[3 * WIDTH * HEIGHT], int texels, float 
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         int row = i / WIDTH, column = i % WIDTH;
         bool sun = row >= 8 && row < 8 + texels && column >= 30 && column < 30 + texels;
-        for (int c = 0; c < 3; c++) values[3 * i + c] = sun ? radiance * (1.0f - 0.2f * (float)c) : 0.5f + 0.1f * (float)c;
+        for (int c = 0; c < 3; c++)
+            values[3 * i + c] = sun ? radiance * (1.0f - 0.2f * (float)c) : 0.5f + 0.1f * (float)c;
     }
     return (sl_environment){.present = true, .width = WIDTH, .height = HEIGHT, .texels = values};
 }
 
-/* An open plane: every pixel is the sum over the sun's texels, without noise where they are few; by maps as by rays. */
+/* An open plane: every pixel is the sum over the sun's texels, without noise where they are few; by maps as
+ * by rays. */
 static void the_sun_on_an_open_plane_is_the_sum_of_its_texels(void **state) {
     (void)state;
     for (int run = 0; run < 3; run++) {
@@ -444,8 +475,8 @@ static void the_sun_on_an_open_plane_is_the_sum_of_its_texels(void **state) {
             worst = fmax(worst, fabs((double)p->rgb[i] / truth - 1.0));
             count++;
         }
-        print_message("sun of %d texels %s: mean %+.5f, worst %.5f\n", run == 2 ? 81 : 4, run == 1 ? "by maps" : "by rays",
-                      sum / (double)count / truth - 1.0, worst);
+        print_message("sun of %d texels %s: mean %+.5f, worst %.5f\n", run == 2 ? 81 : 4,
+                      run == 1 ? "by maps" : "by rays", sum / (double)count / truth - 1.0, worst);
         assert_true(fabs(sum / (double)count / truth - 1.0) < (run == 1 ? 0.02 : 0.005));
         assert_true(worst < (run == 0 ? 1e-3 : run == 1 ? 0.02 : 0.3));
         picture_free(p);
@@ -490,19 +521,22 @@ static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state)
     free(values);
 }
 
-/* ---- the same bits
- * ------------------------------------------------------------------------------------------------------------------ */
+/* ---- the same bits ------------------------------------------------------------ */
 
 static void threads_instruction_sets_and_strips_do_not_change_a_bit(void **state) {
     (void)state;
     const char *names[3] = {"baseline", "avx2", "avx512"};
-    for (int kind = 0; kind < 5; kind++) { /* penumbra and lobe, a lamp of many triangles, sun, maps, a near lamp */
+    /* penumbra and lobe, a lamp of many triangles, sun, maps, a near lamp */
+    for (int kind = 0; kind < 5; kind++) {
         float *values = calloc(3 * WIDTH * HEIGHT, sizeof *values);
         assert_non_null(values);
         sl_environment day = a_day(values, 2, 300.0f);
         trace_mesh mesh = a_floor(0.5f, 0.3f, 12.0f);
         mesh.environment = &day;
-        sl_scene *scene = kind == 2 ? trace_mesh_build(&mesh) : kind == 1 ? lamps(5) : kind == 4 ? posts_on_a_lamp() : half_hidden(0.3f, 40.0f);
+        sl_scene *scene = kind == 2   ? trace_mesh_build(&mesh)
+                          : kind == 1 ? lamps(5)
+                          : kind == 4 ? posts_on_a_lamp()
+                                      : half_hidden(0.3f, 40.0f);
         if (kind != 2) trace_mesh_discard(&mesh);
         picture *first = NULL;
         for (int run = 0; run < 5; run++) {

@@ -26,7 +26,8 @@ static void a_perpendicular_wall_gives_its_closed_form(void **unused) {
     const double a = 1.5, b = 2.0, c = 1.0;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
-    trace_mesh_quad(&mesh, sl_v3(0, 0, (float)c), sl_v3(0, (float)b, 0), sl_v3((float)a, 0, 0), lamp); /* shines along -z */
+    /* shines along -z */
+    trace_mesh_quad(&mesh, sl_v3(0, 0, (float)c), sl_v3(0, (float)b, 0), sl_v3((float)a, 0, 0), lamp);
     light_world w;
     light_world_make(&w, &mesh);
     double r = sqrt(b * b + c * c), expected = (sl_atan(a / c) - c / r * sl_atan(a / r)) / (2.0 * SL_PI);
@@ -62,7 +63,8 @@ static void a_disc_gives_its_closed_form_on_the_axis(void **unused) {
         uint32_t v = trace_mesh_vertex(&mesh, (float)sl_cos(angle), 2, (float)sl_sin(angle));
         if (k == 0) first = v;
     }
-    for (uint32_t k = 0; k < CORNERS; k++) trace_mesh_triangle(&mesh, centre, first + k, first + (k + 1) % CORNERS, lamp);
+    for (uint32_t k = 0; k < CORNERS; k++)
+        trace_mesh_triangle(&mesh, centre, first + k, first + (k + 1) % CORNERS, lamp);
     light_world w;
     light_world_make(&w, &mesh);
     assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_AREA);
@@ -105,7 +107,8 @@ static void a_small_light_gives_the_point_formula(void **unused) {
     }
 }
 
-/* Outline and triangles: a ball and a bent sheet above the horizon, and as soon as they dip below it, when every triangle is cut by itself. */
+/* Outline and triangles: a ball and a bent sheet above the horizon, and as soon as they dip below it, when
+ * every triangle is cut by itself. */
 static void the_outline_gives_what_the_triangles_give(void **unused) {
     (void)unused;
     for (int two_sided = 0; two_sided < 2; two_sided++) {
@@ -128,8 +131,10 @@ static void the_outline_gives_what_the_triangles_give(void **unused) {
         const sl_sampled_light *light = &w.lights->light[0];
         assert_int_equal(light->edges, two_sided ? 9 : 3 * light->triangles / 2);
         for (int i = 0; i < 400; i++) {
-            double angle = 0.0157 * (double)i, x = 3.0 * sl_cos(angle), y = 2.2 + 3.0 * sl_sin(angle), sum = 0.0;
-            sl_lit_point p = lit_point(sl_v3((float)x, (float)y, 0.2f), sl_v3((float)-x, (float)(2.2 - y), i % 3 ? 0.0f : 4.0f));
+            double angle = 0.0157 * (double)i, x = 3.0 * sl_cos(angle), y = 2.2 + 3.0 * sl_sin(angle),
+                   sum = 0.0;
+            sl_lit_point p = lit_point(sl_v3((float)x, (float)y, 0.2f),
+                                       sl_v3((float)-x, (float)(2.2 - y), i % 3 ? 0.0f : 4.0f));
             for (size_t t = 0; t < light->triangles; t++) {
                 sl_vec3d c[3], q = sl_to_double(p.position), n = sl_to_double(p.normal);
                 for (size_t k = 0; k < 3; k++) c[k] = sl_subd(sl_to_double(light->corner[3 * t + k]), q);
@@ -144,8 +149,8 @@ static void the_outline_gives_what_the_triangles_give(void **unused) {
 
 /* ---- a straight edge ---- */
 
-/* An occluder fills x > 0 at height b; a light x0..x1 wide at height H. From x = p the edge is seen over x = p - p H / b of the light: the part
- * on its left is the difference of rectangles. */
+/* An occluder fills x > 0 at height b; a light x0..x1 wide at height H. From x = p the edge is seen over x =
+ * p - p H / b of the light: the part on its left is the difference of rectangles. */
 static double beside_an_edge(double p, double x0, double x1, double z0, double z1, double b, double height) {
     double edge = p + (0.0 - p) * height / b, right = fmin(fmax(edge, x0), x1);
     return rectangle_form(x0 - p, right - p, z0, z1, height);
@@ -156,7 +161,8 @@ static void the_penumbra_of_a_straight_edge_is_its_closed_form(void **unused) {
     static const struct {
         sl_light_estimator estimator;
         double tolerance;
-    } cases[] = {{SL_LIGHT_RATIO, 0.004}, {SL_LIGHT_WINDOW, 0.02}, {SL_LIGHT_LOOK_AT, 0.02}, {SL_LIGHT_RAYS, 0.05}};
+    } cases[] = {
+        {SL_LIGHT_RATIO, 0.004}, {SL_LIGHT_WINDOW, 0.02}, {SL_LIGHT_LOOK_AT, 0.02}, {SL_LIGHT_RAYS, 0.05}};
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);

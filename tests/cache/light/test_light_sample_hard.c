@@ -7,7 +7,8 @@
 #include "base/random.h"
 
 static const sl_vec3 up = {0, 1, 0};
-static const sl_light_estimator estimators[] = {SL_LIGHT_RATIO, SL_LIGHT_WINDOW, SL_LIGHT_LOOK_AT, SL_LIGHT_RAYS};
+static const sl_light_estimator estimators[] = {SL_LIGHT_RATIO, SL_LIGHT_WINDOW, SL_LIGHT_LOOK_AT,
+                                                SL_LIGHT_RAYS};
 
 static void set_estimator(light_world *w, sl_light_estimator estimator) {
     sl_light_sample_settings s = sl_light_sample_defaults();
@@ -57,7 +58,8 @@ static void a_light_edge_on_gives_nothing_and_next_to_it_next_to_nothing(void **
         double before = 0.0;
         for (float x = 1e-5f; x < 0.5f; x *= 2.0f) { /* F grows from nothing, in proportion to x at first */
             sl_lit_point p = lit_point(sl_v3(x, 0, 0), up);
-            double f = sample_light(&w, 0, p.position, up), exact = sl_light_unoccluded(&w.lights->light[0], &p);
+            double f = sample_light(&w, 0, p.position, up),
+                   exact = sl_light_unoccluded(&w.lights->light[0], &p);
             bool raw = estimators[e] == SL_LIGHT_WINDOW || estimators[e] == SL_LIGHT_LOOK_AT;
             assert_share(f, exact, raw ? 0.05 : 1e-6);
             assert_true(f > before || raw);
@@ -103,12 +105,14 @@ static void nothing_in_between_needs_no_picture(void **unused) {
     light_world_free(&w);
 }
 
-/* A tube so thin that no pixel's centre lies on it, and one that is seen from so near that pixels would be too coarse. */
+/* A tube so thin that no pixel's centre lies on it, and one that is seen from so near that pixels would be
+ * too coarse. */
 static void lights_thinner_than_pixels_are_hidden_as_a_whole_or_not_at_all(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1), a, b, c;
-    a = trace_mesh_vertex(&mesh, -1, 2, 0), b = trace_mesh_vertex(&mesh, 1, 2, 0), c = trace_mesh_vertex(&mesh, 1, 2, 1e-5f);
+    a = trace_mesh_vertex(&mesh, -1, 2, 0), b = trace_mesh_vertex(&mesh, 1, 2, 0),
+    c = trace_mesh_vertex(&mesh, 1, 2, 1e-5f);
     trace_mesh_triangle(&mesh, a, b, c, lamp);
     trace_mesh_quad(&mesh, sl_v3(2, 1, -9), sl_v3(0, 0, 18), sl_v3(18, 0, 0), add_grey(&mesh));
     light_world w;
@@ -146,7 +150,8 @@ static void slivers_hide_light(void **unused) {
     light_world_make(&w, &mesh);
     for (size_t e = 0; e < 4; e++) {
         set_estimator(&w, estimators[e]);
-        for (int k = 0; k < 20; k++) assert_true(sample_light(&w, 0, sl_v3(-0.4f + 0.04f * (float)k, 0, 0.1f), up) == 0.0);
+        for (int k = 0; k < 20; k++)
+            assert_true(sample_light(&w, 0, sl_v3(-0.4f + 0.04f * (float)k, 0, 0.1f), up) == 0.0);
     }
     light_world_free(&w);
 }
@@ -166,13 +171,14 @@ static void an_occluder_that_all_but_touches_the_point_hides_what_is_behind_it(v
     light_world_free(&w);
 }
 
-/* A tilted floor of many triangles, its vertices rounded: wherever on it, be it a vertex or an edge that no triangle owns, nothing of it is in
- * the light's way. */
+/* A tilted floor of many triangles, its vertices rounded: wherever on it, be it a vertex or an edge that no
+ * triangle owns, nothing of it is in the light's way. */
 static void a_surface_does_not_hide_light_from_itself(void **unused) {
     (void)unused;
     enum { N = 20 };
     trace_mesh mesh = trace_mesh_begin();
-    sl_vec3 n = sl_normalize_or(sl_v3(0.3f, 1, 0.2f), up), u = sl_normalize_or(sl_cross(n, sl_v3(0.1f, 0, 1)), up), v = sl_cross(u, n);
+    sl_vec3 n = sl_normalize_or(sl_v3(0.3f, 1, 0.2f), up),
+            u = sl_normalize_or(sl_cross(n, sl_v3(0.1f, 0, 1)), up), v = sl_cross(u, n);
     add_ceiling_light(&mesh, 99.5f, 99.5f, 1, 1, 105);
     uint32_t grey = add_grey(&mesh), first = 0;
     const sl_vec3 corner = {100, 102, 100}; /* far from the origin, where roundings are large */
@@ -212,12 +218,14 @@ static void a_surface_does_not_hide_light_from_itself(void **unused) {
     light_world_free(&w);
 }
 
-/* On the floor at the foot of a wall: the wall's plane goes through the point, and is before it by a rounding or behind. */
+/* On the floor at the foot of a wall: the wall's plane goes through the point, and is before it by a rounding
+ * or behind. */
 static void a_wall_that_a_point_touches_does_not_hide_what_is_before_it(void **unused) {
     (void)unused;
     for (int turn = 0; turn < 40; turn++) {
         double angle = 0.1571 * (double)turn;
-        sl_vec3 along = sl_v3((float)sl_cos(angle), 0, (float)sl_sin(angle)), out = sl_v3(along.z, 0, -along.x);
+        sl_vec3 along = sl_v3((float)sl_cos(angle), 0, (float)sl_sin(angle)),
+                out = sl_v3(along.z, 0, -along.x);
         trace_mesh mesh = trace_mesh_begin();
         uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
         sl_vec3 foot = sl_v3(3.3f, 0.7f, -2.9f);
@@ -230,28 +238,34 @@ static void a_wall_that_a_point_touches_does_not_hide_what_is_before_it(void **u
             set_estimator(&w, estimators[e]);
             for (int k = 0; k < 20; k++) {
                 sl_lit_point p = lit_point(sl_mad(foot, 0.1f * (float)k - 0.9f, along), up);
-                assert_share(sample_light(&w, 0, p.position, up), sl_light_unoccluded(&w.lights->light[0], &p), 1e-6);
+                assert_share(sample_light(&w, 0, p.position, up),
+                             sl_light_unoccluded(&w.lights->light[0], &p), 1e-6);
             }
         }
         light_world_free(&w);
     }
 }
 
-/* The lamp lies in the ceiling's plane, at the coordinates of a Cornell box in millimetres and others: walls see it whole from any height. */
+/* The lamp lies in the ceiling's plane, at the coordinates of a Cornell box in millimetres and others: walls
+ * see it whole from any height. */
 static void a_ceiling_in_the_lamps_plane_does_not_hide_it(void **unused) {
     (void)unused;
     for (float size = 1e-3f; size < 2.0f; size *= 10.0f) {
         trace_mesh mesh = trace_mesh_begin();
         add_ceiling_light(&mesh, 213 * size, 227 * size, 130 * size, 105 * size, 548.8f * size);
-        trace_mesh_quad(&mesh, sl_v3(0, 548.8f * size, 0), sl_v3(556 * size, 0, 0), sl_v3(0, 0, 559.2f * size), add_grey(&mesh));
-        trace_mesh_quad(&mesh, sl_v3(0, 0, 559.2f * size), sl_v3(0, 548.8f * size, 0), sl_v3(556 * size, 0, 0), add_grey(&mesh));
+        trace_mesh_quad(&mesh, sl_v3(0, 548.8f * size, 0), sl_v3(556 * size, 0, 0),
+                        sl_v3(0, 0, 559.2f * size), add_grey(&mesh));
+        trace_mesh_quad(&mesh, sl_v3(0, 0, 559.2f * size), sl_v3(0, 548.8f * size, 0),
+                        sl_v3(556 * size, 0, 0), add_grey(&mesh));
         light_world w;
         light_world_make(&w, &mesh);
         for (size_t e = 0; e < 4; e += 3) {
             set_estimator(&w, estimators[e]);
             for (int k = 1; k < 500; k++) {
-                sl_lit_point p = lit_point(sl_v3(100 * size, 1.0875f * (float)k * size, 559.2f * size), sl_v3(0, 0, -1));
-                assert_share(sample_light(&w, 0, p.position, p.normal), sl_light_unoccluded(&w.lights->light[0], &p), 1e-6);
+                sl_lit_point p =
+                    lit_point(sl_v3(100 * size, 1.0875f * (float)k * size, 559.2f * size), sl_v3(0, 0, -1));
+                assert_share(sample_light(&w, 0, p.position, p.normal),
+                             sl_light_unoccluded(&w.lights->light[0], &p), 1e-6);
             }
         }
         light_world_free(&w);
@@ -263,7 +277,8 @@ static void alpha_masks_let_their_share_through(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1, 1, 2);
     uint32_t leaf = add_grey(&mesh);
-    uint8_t texels[16] = {255, 255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 255, 255, 255, 255, 0}; /* right half clear */
+    /* right half clear */
+    uint8_t texels[16] = {255, 255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 255, 255, 255, 255, 0};
     mesh.textures[0] = (sl_texture){NULL, 2, 2, true, texels};
     mesh.texture_count = 1;
     mesh.materials[leaf].alpha_texture = 0;
@@ -284,7 +299,8 @@ static void two_sided_lights_shine_to_both_sides(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1, 1, 0);
     mesh.materials[0].emission_two_sided = true;
-    trace_mesh_quad(&mesh, sl_v3(0, 1, -9), sl_v3(9, 0, 0), sl_v3(0, 0, 18), add_grey(&mesh)); /* above x > 0, halfway up */
+    /* above x > 0, halfway up */
+    trace_mesh_quad(&mesh, sl_v3(0, 1, -9), sl_v3(9, 0, 0), sl_v3(0, 0, 18), add_grey(&mesh));
     light_world w;
     light_world_make(&w, &mesh);
     double open = 4.0 * rectangle_form(0, 0.5, 0, 0.5, 2);
@@ -316,7 +332,8 @@ static void a_solid_light_is_hidden_by_halves(void **unused) {
     light_world_free(&w);
 }
 
-/* A hollow ball that shines inwards is not convex from where it is seen: rays count it from within, and from outside its back is nearest. */
+/* A hollow ball that shines inwards is not convex from where it is seen: rays count it from within, and from
+ * outside its back is nearest. */
 static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
@@ -331,7 +348,8 @@ static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
     light_world_free(&w);
 }
 
-/* A box is six lights, whose shares add up to all there is, also where walls meet; from outside each is turned away or behind another. */
+/* A box is six lights, whose shares add up to all there is, also where walls meet; from outside each is
+ * turned away or behind another. */
 static void a_hollow_box_lights_all_of_what_is_in_it(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
@@ -340,7 +358,8 @@ static void a_hollow_box_lights_all_of_what_is_in_it(void **unused) {
     light_world w;
     light_world_make(&w, &mesh);
     assert_int_equal(w.lights->count, 6);
-    static const sl_vec3 points[] = {{0, 0, 0}, {0.3f, -1, 0.4f}, {0.999f, -1, 0.4f}, {-0.9999f, -1, 0.9999f}, {0, -3, 0}, {5, -2, 3}};
+    static const sl_vec3 points[] = {
+        {0, 0, 0}, {0.3f, -1, 0.4f}, {0.999f, -1, 0.4f}, {-0.9999f, -1, 0.9999f}, {0, -3, 0}, {5, -2, 3}};
     for (size_t e = 0; e < 4; e += 3) {
         set_estimator(&w, estimators[e]);
         for (size_t k = 0; k < sizeof points / sizeof *points; k++) {
@@ -362,8 +381,10 @@ static void points_without_direction_or_place_get_nothing(void **unused) {
     mesh.light_count = 1;
     light_world w;
     light_world_make(&w, &mesh);
-    const sl_lit_point points[] = {{{NAN, 0, 0}, {0, 1, 0}, {0, 1, 0}, SL_NO_INDEX}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, SL_NO_INDEX},
-                                   {{0, 0, 0}, {NAN, 0, 0}, {0, 1, 0}, SL_NO_INDEX}, {{0, INFINITY, 0}, {0, 1, 0}, {0, 1, 0}, 0},
+    const sl_lit_point points[] = {{{NAN, 0, 0}, {0, 1, 0}, {0, 1, 0}, SL_NO_INDEX},
+                                   {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, SL_NO_INDEX},
+                                   {{0, 0, 0}, {NAN, 0, 0}, {0, 1, 0}, SL_NO_INDEX},
+                                   {{0, INFINITY, 0}, {0, 1, 0}, {0, 1, 0}, 0},
                                    {{0, 0, 0}, {0, 1, 0}, {0, NAN, 0}, SL_NO_INDEX}};
     for (size_t light = 0; light < 2; light++) {
         for (size_t k = 0; k < 5; k++) {
@@ -375,8 +396,8 @@ static void points_without_direction_or_place_get_nothing(void **unused) {
     light_world_free(&w);
 }
 
-/* Triangles at random, some of which shine: F is finite, not negative, at most 1 of area lights (beyond rounding and coarse pixels), and the
- * same when asked again, after others were. */
+/* Triangles at random, some of which shine: F is finite, not negative, at most 1 of area lights (beyond
+ * rounding and coarse pixels), and the same when asked again, after others were. */
 static void samples_of_anything_are_finite_and_repeat(void **unused) {
     (void)unused;
     for (uint64_t seed = 0; seed < 6; seed++) {
@@ -389,10 +410,14 @@ static void samples_of_anything_are_finite_and_repeat(void **unused) {
         for (int t = 0; t < 120; t++) {
             uint32_t v[3];
             for (int k = 0; k < 3; k++) {
-                v[k] = trace_mesh_vertex(&mesh, sl_random_unit(key, next), sl_random_unit(key, next + 1), spread * sl_random_unit(key, next + 2));
+                v[k] = trace_mesh_vertex(&mesh, sl_random_unit(key, next), sl_random_unit(key, next + 1),
+                                         spread * sl_random_unit(key, next + 2));
                 next += 3;
             }
-            trace_mesh_triangle(&mesh, v[0], v[1], v[2], material[t % 40 == 0 ? 1 : t % 40 == 1 ? 3 : t % 2 * 2]);
+            trace_mesh_triangle(&mesh, v[0], v[1], v[2],
+                                material[t % 40 == 0   ? 1
+                                         : t % 40 == 1 ? 3
+                                                       : t % 2 * 2]);
         }
         mesh.lights[0] = (sl_light){SL_LIGHT_SPOT, {0.5f, 0.5f, 0.5f}, {0, -1, 0}, {1, 1, 1}, 0.5f, 0.5f};
         mesh.light_count = 1;
@@ -405,14 +430,17 @@ static void samples_of_anything_are_finite_and_repeat(void **unused) {
             for (int again = 0; again < 2; again++) {
                 for (uint64_t i = 0; i < 150; i++) {
                     uint64_t k = again ? 149 - i : i, at = sl_random_key(10 + seed, k);
-                    sl_vec3 p = sl_v3(sl_random_unit(at, 0), sl_random_unit(at, 1), spread * sl_random_unit(at, 2));
+                    sl_vec3 p =
+                        sl_v3(sl_random_unit(at, 0), sl_random_unit(at, 1), spread * sl_random_unit(at, 2));
                     if (k % 5 == 0) p = sl_scene_position(w.scene, (uint32_t)(k % w.scene->vertex_count));
-                    sl_vec3 n = sl_v3(sl_random_unit(at, 3) - 0.5f, sl_random_unit(at, 4) - 0.5f, sl_random_unit(at, 5) - 0.5f);
+                    sl_vec3 n = sl_v3(sl_random_unit(at, 3) - 0.5f, sl_random_unit(at, 4) - 0.5f,
+                                      sl_random_unit(at, 5) - 0.5f);
                     for (size_t l = 0; l < w.lights->count; l++) {
                         double f = sample_light(&w, l, p, n);
                         if (again) assert_true(f == first[l][k]);
                         else first[l][k] = f;
-                        if (estimators[e] == SL_LIGHT_RATIO && w.lights->light[l].kind == SL_SAMPLED_AREA) assert_true(f <= 1.0 + 1e-6);
+                        if (estimators[e] == SL_LIGHT_RATIO && w.lights->light[l].kind == SL_SAMPLED_AREA)
+                            assert_true(f <= 1.0 + 1e-6);
                     }
                 }
             }

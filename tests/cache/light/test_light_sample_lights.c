@@ -7,7 +7,9 @@
 
 static const sl_vec3 up = {0, 1, 0};
 
-static uint32_t lamp_material(trace_mesh *mesh, float radiance) { return trace_mesh_material(mesh, 0, 0, 0, 0, radiance); }
+static uint32_t lamp_material(trace_mesh *mesh, float radiance) {
+    return trace_mesh_material(mesh, 0, 0, 0, 0, radiance);
+}
 
 /* A horizontal quad that shines down. */
 static void add_panel(trace_mesh *mesh, float x, float y, float z, float size, uint32_t material) {
@@ -30,7 +32,8 @@ static void coplanar_triangles_of_one_radiance_are_one_light(void **unused) {
     assert_near((double)w.lights->light[0].position.x, 3.0, 1e-6);
     assert_near((double)w.lights->light[1].colour.r, 2.0 * 3.14159265, 1e-5);
     for (uint32_t t = 0; t < 6; t++) assert_int_equal(w.lights->light_of_triangle[t], t == 2 || t == 3);
-    for (size_t k = 1; k < 4; k++) assert_true(w.lights->light[0].triangle[k] > w.lights->light[0].triangle[k - 1]);
+    for (size_t k = 1; k < 4; k++)
+        assert_true(w.lights->light[0].triangle[k] > w.lights->light[0].triangle[k - 1]);
     light_world_free(&w);
 }
 
@@ -93,13 +96,15 @@ static void a_scene_without_lights_has_none(void **unused) {
     light_world_free(&w);
 }
 
-/* With a second lamp turned off, what the first gives is the same, bit by bit: lamps hide each other, and that is all they do. */
+/* With a second lamp turned off, what the first gives is the same, bit by bit: lamps hide each other, and
+ * that is all they do. */
 static void a_light_is_the_same_whatever_other_lights_do(void **unused) {
     (void)unused;
     float value[2][100];
     for (int on = 0; on < 2; on++) {
         trace_mesh mesh = trace_mesh_begin();
-        uint32_t lamp = lamp_material(&mesh, 1), other = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, on ? 7.0f : 0.0f);
+        uint32_t lamp = lamp_material(&mesh, 1),
+                 other = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, on ? 7.0f : 0.0f);
         add_panel(&mesh, 0, 2, 0, 1, lamp);
         add_panel(&mesh, 0.5f, 1.5f, 0.2f, 0.7f, other);
         trace_mesh_sphere(&mesh, sl_v3(0.3f, 1, 0.3f), 0.2f, 8, 0.0f, false, other);
@@ -108,7 +113,8 @@ static void a_light_is_the_same_whatever_other_lights_do(void **unused) {
         assert_int_equal(w.lights->count, on ? 3 : 1);
         for (uint64_t i = 0; i < 100; i++) {
             uint64_t key = sl_random_key(21, i);
-            value[on][i] = (float)sample_light(&w, 0, sl_v3(2 * sl_random_unit(key, 0) - 0.5f, 0, 2 * sl_random_unit(key, 1) - 0.5f), up);
+            value[on][i] = (float)sample_light(
+                &w, 0, sl_v3(2 * sl_random_unit(key, 0) - 0.5f, 0, 2 * sl_random_unit(key, 1) - 0.5f), up);
         }
         light_world_free(&w);
     }
@@ -119,12 +125,14 @@ static void a_light_is_the_same_whatever_other_lights_do(void **unused) {
 static void lights_add_up_to_the_irradiance(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    for (int i = 0; i < 6; i++) add_panel(&mesh, (float)i - 3, 2, (float)(i % 2), 0.8f, lamp_material(&mesh, 1.0f + (float)i));
+    for (int i = 0; i < 6; i++)
+        add_panel(&mesh, (float)i - 3, 2, (float)(i % 2), 0.8f, lamp_material(&mesh, 1.0f + (float)i));
     light_world w;
     light_world_make(&w, &mesh);
     assert_int_equal(w.lights->count, 6);
     double sum = 0.0, expected = 0.0;
-    for (size_t i = 0; i < 6; i++) sum += sample_light(&w, i, sl_v3(0, 0, 0), up) * (double)w.lights->light[i].colour.g;
+    for (size_t i = 0; i < 6; i++)
+        sum += sample_light(&w, i, sl_v3(0, 0, 0), up) * (double)w.lights->light[i].colour.g;
     for (int i = 0; i < 6; i++) {
         double x = (double)i - 3, z = (double)(i % 2);
         expected += rectangle_form(x, x + 0.8, z, z + 0.8, 2) * 3.14159265358979 * (1.0 + (double)i);
@@ -139,13 +147,17 @@ static void settings_out_of_range_are_refused(void **unused) {
     add_panel(&mesh, 0, 2, 0, 1, lamp_material(&mesh, 1));
     light_world w;
     light_world_make(&w, &mesh);
-    const sl_light_sample_settings bad[] = {{SL_LIGHT_RATIO, 63, 256, 16, 16, false, 1}, {SL_LIGHT_RATIO, 64, 32, 16, 16, false, 1},
-                                            {SL_LIGHT_RATIO, 64, 4096, 16, 16, false, 1}, {SL_LIGHT_RATIO, 8, 8, 16, 16, false, 1},
+    const sl_light_sample_settings bad[] = {{SL_LIGHT_RATIO, 63, 256, 16, 16, false, 1},
+                                            {SL_LIGHT_RATIO, 64, 32, 16, 16, false, 1},
+                                            {SL_LIGHT_RATIO, 64, 4096, 16, 16, false, 1},
+                                            {SL_LIGHT_RATIO, 8, 8, 16, 16, false, 1},
                                             {SL_LIGHT_RAYS, 64, 256, 16, 0, false, 1}};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         sl_light_sampling *none;
         sl_error error = {0};
-        assert_int_equal(sl_light_sampling_create(w.scene, w.raster, w.tracer, w.lights, &bad[k], &none, &error), SL_ERROR_USAGE);
+        assert_int_equal(
+            sl_light_sampling_create(w.scene, w.raster, w.tracer, w.lights, &bad[k], &none, &error),
+            SL_ERROR_USAGE);
         assert_null(none);
         assert_true(strlen(error.message) > 10);
     }

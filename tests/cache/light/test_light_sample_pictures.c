@@ -1,5 +1,5 @@
-/* The pictures behind a sample: how their error falls with their size, what their pixels weigh, how they are summed, and that culling leaves no
- * trace. */
+/* The pictures behind a sample: how their error falls with their size, what their pixels weigh, how they are
+ * summed, and that culling leaves no trace. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -32,14 +32,16 @@ static void the_raw_windows_error_falls_with_the_square_of_its_size(void **unuse
     double exact = rectangle_form(-0.8, 0.2, -0.6, 0.4, 1.0), before = 0.0;
     for (int size = 8; size <= 64; size *= 2) {
         double error = fabs(sample_with(&w, SL_LIGHT_WINDOW, size, p) - exact) / exact;
-        if (size > 8 && !(before / error > 3.5 && before / error < 4.5)) fail_msg("%d: %g after %g", size, error, before);
+        if (size > 8 && !(before / error > 3.5 && before / error < 4.5))
+            fail_msg("%d: %g after %g", size, error, before);
         before = error;
     }
     assert_true(before < 1e-4);
     light_world_free(&w);
 }
 
-/* With half of a light hidden by an edge that runs along its own sides, at all its places: the worst is what bands on a floor would show. */
+/* With half of a light hidden by an edge that runs along its own sides, at all its places: the worst is what
+ * bands on a floor would show. */
 static void a_turned_raster_does_not_band_along_edges(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
@@ -58,11 +60,13 @@ static void a_turned_raster_does_not_band_along_edges(void **unused) {
     light_world_free(&w);
 }
 
-/* The same of a lamp that is a box, which a frustum looks at: only its underside shines down, so the closed form is that of a square. */
+/* The same of a lamp that is a box, which a frustum looks at: only its underside shines down, so the closed
+ * form is that of a square. */
 static void a_turned_frustum_does_not_band_along_edges(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f), grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f),
+             grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_box(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(0.5f, 2.1f, 0.5f), false, lamp);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -20), sl_v3(20, 0, 0), sl_v3(0, 0, 40), grey);
     light_world w;
@@ -74,8 +78,10 @@ static void a_turned_frustum_does_not_band_along_edges(void **unused) {
         s.estimator = turned ? SL_LIGHT_RATIO : SL_LIGHT_LOOK_AT;
         light_world_set(&w, &s);
         for (int i = 0; i < 200; i++) {
-            double p = (double)(float)(-0.2 + 0.4 * (double)i / 200.0), expected = rectangle_form(-0.5 - p, -2.0 * p, -0.5, 0.5, 2.0);
-            worst[turned] = fmax(worst[turned], fabs(sample_light(&w, 0, sl_v3((float)p, 0, 0), up) - expected) / open);
+            double p = (double)(float)(-0.2 + 0.4 * (double)i / 200.0),
+                   expected = rectangle_form(-0.5 - p, -2.0 * p, -0.5, 0.5, 2.0);
+            worst[turned] =
+                fmax(worst[turned], fabs(sample_light(&w, 0, sl_v3((float)p, 0, 0), up) - expected) / open);
         }
     }
     assert_true(worst[1] < 0.004);
@@ -121,10 +127,19 @@ typedef struct {
 static square_picture *make_square(double t, int size, sl_vec3 normal) {
     square_picture *p = calloc(1, sizeof *p);
     assert_non_null(p);
-    for (int i = 0; i < size; i++) p->x[i] = p->y[i] = (float)(t * (2.0 * ((double)i + 0.5) / (double)size - 1.0));
+    for (int i = 0; i < size; i++)
+        p->x[i] = p->y[i] = (float)(t * (2.0 * ((double)i + 0.5) / (double)size - 1.0));
     float step = (float)(2.0 * t / (double)size);
-    p->pixels = (sl_light_pixels){.size = size, .column_x = p->x, .row_y = p->y, .step_x = step, .step_y = step, .normal = normal,
-                                  .geometric = normal, .scale = 1.0f, .seen = p->seen, .all = p->all};
+    p->pixels = (sl_light_pixels){.size = size,
+                                  .column_x = p->x,
+                                  .row_y = p->y,
+                                  .step_x = step,
+                                  .step_y = step,
+                                  .normal = normal,
+                                  .geometric = normal,
+                                  .scale = 1.0f,
+                                  .seen = p->seen,
+                                  .all = p->all};
     return p;
 }
 
@@ -164,9 +179,10 @@ static void every_pixel_has_its_own_solid_angle(void **unused) {
         for (int j = 0; j < SIDE; j++) {
             for (int i = 0; i < SIDE; i++) {
                 double x = (double)p->x[i], y = (double)p->y[j], half = t / SIDE;
-                double exact = corner_angle(x + half, y + half) - corner_angle(x - half, y + half) - corner_angle(x + half, y - half) +
-                               corner_angle(x - half, y - half);
-                assert_share((double)p->all[j * SIDE + i] * sqrt(1.0 + x * x + y * y), exact, k ? 1e-4 : 3e-6);
+                double exact = corner_angle(x + half, y + half) - corner_angle(x - half, y + half) -
+                               corner_angle(x + half, y - half) + corner_angle(x - half, y - half);
+                assert_share((double)p->all[j * SIDE + i] * sqrt(1.0 + x * x + y * y), exact,
+                             k ? 1e-4 : 3e-6);
             }
         }
         free(p);
@@ -182,8 +198,10 @@ static void weights_are_the_same_bits_on_every_instruction_set(void **unused) {
         sl_light_pixel_kernels kernels = sl_light_pixel_kernels_for((sl_isa)isa);
         for (uint64_t n = 0; n < 20; n++) {
             uint64_t key = sl_random_key(11, n);
-            sl_vec3 normal = sl_normalize_or(sl_v3(sl_random_unit(key, 0) - 0.5f, sl_random_unit(key, 1) - 0.5f, 0.3f), up);
-            square_picture *a = make_square(n % 4 ? 0.8 : 9.0, SIDE, normal), *b = make_square(n % 4 ? 0.8 : 9.0, SIDE, normal);
+            sl_vec3 normal = sl_normalize_or(
+                sl_v3(sl_random_unit(key, 0) - 0.5f, sl_random_unit(key, 1) - 0.5f, 0.3f), up);
+            square_picture *a = make_square(n % 4 ? 0.8 : 9.0, SIDE, normal),
+                           *b = make_square(n % 4 ? 0.8 : 9.0, SIDE, normal);
             for (uint64_t i = 0; i < SIDE * 2; i++) inside[i] = sl_random_bits(key, 100 + i);
             for (uint64_t i = 0; i < SIDE * SIDE; i++) {
                 uint32_t r = sl_random_bits(key, 1000 + i) % 4;
@@ -235,7 +253,8 @@ static void make_crowded_room(light_world *w) {
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(4, 3, 4), true, grey);
     for (uint64_t b = 0; b < 20; b++) {
         uint64_t key = sl_random_key(3, b);
-        sl_vec3 c = sl_v3(0.3f + 3.4f * sl_random_unit(key, 0), 0.3f + 2.0f * sl_random_unit(key, 1), 0.3f + 3.4f * sl_random_unit(key, 2));
+        sl_vec3 c = sl_v3(0.3f + 3.4f * sl_random_unit(key, 0), 0.3f + 2.0f * sl_random_unit(key, 1),
+                          0.3f + 3.4f * sl_random_unit(key, 2));
         trace_mesh_sphere(&mesh, c, 0.05f + 0.2f * sl_random_unit(key, 3), 8, 0.0f, false, grey);
     }
     light_world_make(w, &mesh);
@@ -255,7 +274,8 @@ static void culling_leaves_no_trace(void **unused) {
         w.counters = (sl_counters){{0}};
         for (uint64_t i = 0; i < POINTS; i++) {
             uint64_t key = sl_random_key(4, i);
-            sl_vec3 p = sl_v3(4 * sl_random_unit(key, 0), i % 2 ? 2.8f * sl_random_unit(key, 1) : 0.0f, 4 * sl_random_unit(key, 2));
+            sl_vec3 p = sl_v3(4 * sl_random_unit(key, 0), i % 2 ? 2.8f * sl_random_unit(key, 1) : 0.0f,
+                              4 * sl_random_unit(key, 2));
             float f = (float)sample_light(&w, 0, p, i % 2 ? sl_v3(sl_random_unit(key, 3) - 0.5f, 1, 0) : up);
             if (!all) culled[i] = f;
             else assert_true(f == culled[i]);
@@ -274,7 +294,8 @@ static void culling_leaves_no_trace(void **unused) {
 static void a_sample_has_the_same_bits_on_every_instruction_set(void **unused) {
     (void)unused;
     static const char *const names[] = {"baseline", "avx2", "avx512"};
-    static const sl_light_estimator estimators[] = {SL_LIGHT_RATIO, SL_LIGHT_WINDOW, SL_LIGHT_LOOK_AT, SL_LIGHT_RAYS};
+    static const sl_light_estimator estimators[] = {SL_LIGHT_RATIO, SL_LIGHT_WINDOW, SL_LIGHT_LOOK_AT,
+                                                    SL_LIGHT_RAYS};
     static float first[4][50];
     const char *old = getenv("SOFTLUX_ISA");
     char kept[32] = "";
@@ -289,7 +310,8 @@ static void a_sample_has_the_same_bits_on_every_instruction_set(void **unused) {
             light_world_set(&w, &s);
             for (uint64_t i = 0; i < 50; i++) {
                 uint64_t key = sl_random_key(5, i);
-                float f = (float)sample_light(&w, 0, sl_v3(4 * sl_random_unit(key, 0), 0, 4 * sl_random_unit(key, 2)), up);
+                float f = (float)sample_light(
+                    &w, 0, sl_v3(4 * sl_random_unit(key, 0), 0, 4 * sl_random_unit(key, 2)), up);
                 if (isa == 0) first[e][i] = f;
                 else assert_true(f == first[e][i]);
             }

@@ -1,4 +1,5 @@
-/* Shadow maps against closed forms and against rays: no acne, no detached shadows, no leaks, the same bits everywhere. */
+/* Shadow maps against closed forms and against rays: no acne, no detached shadows, no leaks, the same bits
+ * everywhere. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,8 +19,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* ---- points -------------------------------------------------------------------------------------------------------------
- */
+/* ---- points ------------------------------------------------------------ */
 
 enum { POINTS = 128 };
 
@@ -59,7 +59,9 @@ static sl_shadow_maps *maps_of(world *w, int size) {
     return maps;
 }
 
-static float uniform(uint64_t key, uint64_t i, float low, float high) { return low + (high - low) * sl_random_unit(key, i); }
+static float uniform(uint64_t key, uint64_t i, float low, float high) {
+    return low + (high - low) * sl_random_unit(key, i);
+}
 
 static sl_rgb grey(float v) { return (sl_rgb){v, v, v}; }
 
@@ -70,8 +72,7 @@ static double from_point(sl_vec3 light, double intensity, sl_vec3 p, sl_vec3 n) 
     return cosine > 0.0 ? intensity * cosine / squared : 0.0;
 }
 
-/* ---- no acne
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- no acne ------------------------------------------------------------ */
 
 static const sl_vec3 lamp = {0.31f, 0.42f, -0.17f};
 
@@ -99,7 +100,8 @@ static void a_point_light_on_a_floor_and_walls_is_the_closed_form_everywhere(voi
             }
             light_block(maps, &b);
             for (size_t i = 0; i < b.count; i++) {
-                double truth = from_point(lamp, 10.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+                double truth =
+                    from_point(lamp, 10.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
                 assert_true(fabs((double)b.r[i] - truth) < 1e-5 * truth + 1e-7);
             }
         }
@@ -114,9 +116,11 @@ static void a_plane_in_grazing_light_has_no_acne(void **state) {
     world *w = world_new();
     uint32_t m = world_material(w, grey(0.5f), grey(0.0f));
     sl_vec3 light = sl_v3(0.1f, 0.002f, -0.2f), up = sl_v3(0, 1, 0);
-    for (int i = 0; i < 32; i++) { /* strips, so that neighbouring texels see different triangles of one plane */
+    /* strips, so that neighbouring texels see different triangles of one plane */
+    for (int i = 0; i < 32; i++) {
         float z = -10.0f + 0.625f * (float)i;
-        world_quad(w, sl_v3(-10, 0, z), sl_v3(-10, 0, z + 0.625f), sl_v3(10, 0, z + 0.625f), sl_v3(10, 0, z), m);
+        world_quad(w, sl_v3(-10, 0, z), sl_v3(-10, 0, z + 0.625f), sl_v3(10, 0, z + 0.625f), sl_v3(10, 0, z),
+                   m);
     }
     world_point_light(w, light, 1.0f);
     world_build(w);
@@ -135,8 +139,8 @@ static void a_plane_in_grazing_light_has_no_acne(void **state) {
     world_free(w);
 }
 
-/* Facets smaller and larger than texels: no facet of a convex body hides another from a light that both face; nor in a
- * hollow one. */
+/* Facets smaller and larger than texels: no facet of a convex body hides another from a light that both face;
+ * nor in a hollow one. */
 static void facets_of_spheres_do_not_shadow_each_other(void **state) {
     (void)state;
     const int sizes[] = {32, 512}, rings[] = {12, 100};
@@ -150,7 +154,8 @@ static void facets_of_spheres_do_not_shadow_each_other(void **state) {
         world_build(w);
         sl_shadow_maps *maps = maps_of(w, sizes[run >> 1 & 1]);
         const sl_scene *s = w->scene;
-        for (uint32_t first = 0; first + POINTS <= s->triangle_count && first < 40 * POINTS; first += POINTS) {
+        for (uint32_t first = 0; first + POINTS <= s->triangle_count && first < 40 * POINTS;
+             first += POINTS) {
             block b = {.count = 0};
             for (uint32_t t = first; t < first + POINTS; t++) {
                 sl_vec3 a = sl_scene_position(s, s->vertex[0][t]), e = sl_scene_position(s, s->vertex[1][t]),
@@ -161,7 +166,8 @@ static void facets_of_spheres_do_not_shadow_each_other(void **state) {
             }
             light_block(maps, &b);
             for (size_t i = 0; i < b.count; i++) {
-                double truth = from_point(light, 1.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+                double truth =
+                    from_point(light, 1.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
                 assert_true(fabs((double)b.r[i] - truth) < 1e-4 * truth + 1e-6);
             }
         }
@@ -170,11 +176,10 @@ static void facets_of_spheres_do_not_shadow_each_other(void **state) {
     }
 }
 
-/* ---- no detached shadows, no leaks
- * ---------------------------------------------------------------------------------------- */
+/* ---- no detached shadows, no leaks ------------------------------------------------------------ */
 
-/* A wall a thousandth of the room thick and half its height, a lamp that hangs lower. Behind it the floor is dark right from
- * its foot on: the one texel that the filter reaches across it aside, to the last bit. */
+/* A wall a thousandth of the room thick and half its height, a lamp that hangs lower. Behind it the floor is
+ * dark right from its foot on: the one texel that the filter reaches across it aside, to the last bit. */
 static void behind_a_wall_of_a_thousandth_the_floor_is_dark_from_its_foot(void **state) {
     (void)state;
     world *w = world_new();
@@ -189,7 +194,8 @@ static void behind_a_wall_of_a_thousandth_the_floor_is_dark_from_its_foot(void *
     for (uint64_t k = 0; k < 40; k++) {
         block b = {.count = 0};
         for (uint64_t i = 0; i < POINTS; i++) {
-            float x = uniform(90 + k, 2 * i, 0.002f + (k < 20 ? 2.0f * texel : 0.0f), k < 20 ? 2.0f : 0.002f + 2.0f * texel);
+            float x = uniform(90 + k, 2 * i, 0.002f + (k < 20 ? 2.0f * texel : 0.0f),
+                              k < 20 ? 2.0f : 0.002f + 2.0f * texel);
             add_point(&b, sl_v3(x, -2.0f, uniform(90 + k, 2 * i + 1, -1.9f, 1.9f)), sl_v3(0, 1, 0));
         }
         light_block(maps, &b);
@@ -225,15 +231,15 @@ static void before_the_wall_everything_is_lit_up_to_the_corner(void **state) {
     }
     light_block(maps, &b);
     for (size_t i = 0; i < b.count; i++) {
-        double truth = from_point(light, 10.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+        double truth =
+            from_point(light, 10.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
         assert_true(fabs((double)b.r[i] - truth) < 1e-4 * truth);
     }
     sl_shadow_maps_destroy(maps);
     world_free(w);
 }
 
-/* ---- against rays
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- against rays ------------------------------------------------------------ */
 
 static bool is_visible(const world *w, sl_vec3 p, sl_vec3 n, uint32_t triangle, sl_vec3 aim) {
     sl_ray16 rays;
@@ -277,7 +283,8 @@ static void maps_differ_from_rays_at_edges_of_shadows_alone(void **state) {
             }
         }
         difference[s] = sum / all;
-        print_message("maps of %d: %.5f of the points differ, on average by %+.5f\n", sizes[s], sum / all, bias / all);
+        print_message("maps of %d: %.5f of the points differ, on average by %+.5f\n", sizes[s], sum / all,
+                      bias / all);
         assert_true(fabs(bias / all) < 0.002);
         sl_shadow_maps_destroy(maps);
     }
@@ -285,8 +292,7 @@ static void maps_differ_from_rays_at_edges_of_shadows_alone(void **state) {
     world_free(w);
 }
 
-/* ---- lights with extent
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- lights with extent ------------------------------------------------------------ */
 
 static void lambert_for_many_points_is_lambert_for_one(void **state) {
     (void)state;
@@ -303,30 +309,35 @@ static void lambert_for_many_points_is_lambert_for_one(void **state) {
             corners[c] = sl_to_double(light.corner[c]);
             swapped[2 - c] = corners[c];
         }
-        sl_vec3 cross = sl_cross(sl_sub(light.corner[1], light.corner[0]), sl_sub(light.corner[2], light.corner[0]));
+        sl_vec3 cross =
+            sl_cross(sl_sub(light.corner[1], light.corner[0]), sl_sub(light.corner[2], light.corner[0]));
         light.area = 0.5f * sl_length(cross);
         light.normal = sl_normalize_or(cross, sl_v3(0, 0, 1));
-        sl_vec3 centre = sl_scale(sl_add(sl_add(light.corner[0], light.corner[1]), light.corner[2]), 1.0f / 3.0f);
+        sl_vec3 centre =
+            sl_scale(sl_add(sl_add(light.corner[0], light.corner[1]), light.corner[2]), 1.0f / 3.0f);
         for (int c = 0; c < 3; c++)
-            light.extent_squared =
-                fmaxf(light.extent_squared, sl_dot(sl_sub(light.corner[c], centre), sl_sub(light.corner[c], centre)));
+            light.extent_squared = fmaxf(light.extent_squared, sl_dot(sl_sub(light.corner[c], centre),
+                                                                      sl_sub(light.corner[c], centre)));
         for (uint64_t i = 0; i < 16; i++) {
             float reach = i < 8 ? 1.5f : 8.0f;
-            sl_vec3 n =
-                sl_v3(uniform(key, 100 + 6 * i, -1, 1), uniform(key, 101 + 6 * i, -1, 1), uniform(key, 102 + 6 * i, -1, 1));
+            sl_vec3 n = sl_v3(uniform(key, 100 + 6 * i, -1, 1), uniform(key, 101 + 6 * i, -1, 1),
+                              uniform(key, 102 + 6 * i, -1, 1));
             add_point(&b,
-                      sl_v3(uniform(key, 103 + 6 * i, -reach, reach), uniform(key, 104 + 6 * i, -reach, reach),
+                      sl_v3(uniform(key, 103 + 6 * i, -reach, reach),
+                            uniform(key, 104 + 6 * i, -reach, reach),
                             uniform(key, 105 + 6 * i, -reach, reach)),
                       sl_normalize_or(n, sl_v3(0, 1, 0)));
         }
         sl_light_points points = points_of(&b);
         sl_light_kernels_for(sl_isa_best()).polygon(&points, &light, b.r);
         for (size_t i = 0; i < b.count; i++) {
-            sl_vec3d p = sl_to_double(sl_v3(b.x[i], b.y[i], b.z[i])), n = sl_to_double(sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+            sl_vec3d p = sl_to_double(sl_v3(b.x[i], b.y[i], b.z[i])),
+                     n = sl_to_double(sl_v3(b.nx[i], b.ny[i], b.nz[i]));
             double truth = polygon_irradiance(p, n, corners, 3, NULL);
             if (light.two_sided && !(truth > 0.0)) truth = polygon_irradiance(p, n, swapped, 3, NULL);
             sl_vec3d d = sl_subd(sl_to_double(centre), p);
-            double scale = (double)light.area / (sl_dotd(d, d) + (double)light.area); /* what it could be at most, about */
+            /* what it could be at most, about */
+            double scale = (double)light.area / (sl_dotd(d, d) + (double)light.area);
             assert_true(isfinite(b.r[i]) && b.r[i] >= 0.0f);
             worst = fmax(worst, fabs((double)b.r[i] - truth) / scale);
         }
@@ -335,8 +346,8 @@ static void lambert_for_many_points_is_lambert_for_one(void **state) {
     assert_true(worst < 2e-3); /* a sliver far away: 1e-8 of it */
 }
 
-/* Nothing in the way: what the closed form says, whatever the number of samples. Something in the way: what very many rays
- * say. */
+/* Nothing in the way: what the closed form says, whatever the number of samples. Something in the way: what
+ * very many rays say. */
 static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **state) {
     (void)state;
     world *w = world_room(true);
@@ -362,17 +373,20 @@ static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **s
                 for (int s = 0; s < SIDE * SIDE; s++) {
                     sl_light_sample sample;
                     float u = ((float)(s % SIDE) + 0.5f) / SIDE, v = ((float)(s / SIDE) + 0.5f) / SIDE;
-                    if (!sl_emitter_sample(w->scene, (uint32_t)e, gathered[i].position, u, v, &sample)) continue;
-                    double f = (double)sample.radiance.r * fmax(0.0, sl_dotd(n, sl_to_double(sample.to_light)));
+                    if (!sl_emitter_sample(w->scene, (uint32_t)e, gathered[i].position, u, v, &sample))
+                        continue;
+                    double f =
+                        (double)sample.radiance.r * fmax(0.0, sl_dotd(n, sl_to_double(sample.to_light)));
                     weights += f;
                     sl_vec3 aim = sl_mad(gathered[i].position, sample.distance, sample.to_light);
-                    if (f > 0.0 &&
-                        is_visible(w, gathered[i].position, gathered[i].geometric_normal, gathered[i].triangle, aim))
+                    if (f > 0.0 && is_visible(w, gathered[i].position, gathered[i].geometric_normal,
+                                              gathered[i].triangle, aim))
                         seen += f;
                 }
                 sl_vec3d corners[3];
                 for (int c = 0; c < 3; c++)
-                    corners[c] = sl_to_double(sl_scene_position(w->scene, w->scene->vertex[c][emitter->triangle]));
+                    corners[c] =
+                        sl_to_double(sl_scene_position(w->scene, w->scene->vertex[c][emitter->triangle]));
                 double exact = (double)emitter->radiance.r *
                                polygon_irradiance(sl_to_double(gathered[i].position), n, corners, 3, NULL);
                 all += exact;
@@ -395,8 +409,7 @@ static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **s
     world_free(w);
 }
 
-/* ---- lights far away
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- lights far away ------------------------------------------------------------ */
 
 static void a_sunlit_plane_and_the_shadow_of_a_plate(void **state) {
     (void)state;
@@ -405,14 +418,16 @@ static void a_sunlit_plane_and_the_shadow_of_a_plate(void **state) {
     world_quad(w, sl_v3(-5, 0, -5), sl_v3(-5, 0, 5), sl_v3(5, 0, 5), sl_v3(5, 0, -5), m);
     world_quad(w, sl_v3(-1, 1, -1), sl_v3(-1, 1, 1), sl_v3(1, 1, 1), sl_v3(1, 1, -1), m);
     sl_vec3 way = sl_normalize_or(sl_v3(1, -2, 0), sl_v3(0, -1, 0));
-    w->lights[w->light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = way, .intensity = {3, 3, 3}};
+    w->lights[w->light_count++] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = way, .intensity = {3, 3, 3}};
     world_build(w);
     sl_shadow_maps *maps = maps_of(w, 1024);
     const double cosine = 2.0 / sqrt(5.0);
     for (uint64_t k = 0; k < 20; k++) {
         block b = {.count = 0};
         for (uint64_t i = 0; i < POINTS; i++)
-            add_point(&b, sl_v3(uniform(k, 2 * i, -4.9f, 4.9f), 0.0f, uniform(k, 2 * i + 1, -4.9f, 4.9f)), sl_v3(0, 1, 0));
+            add_point(&b, sl_v3(uniform(k, 2 * i, -4.9f, 4.9f), 0.0f, uniform(k, 2 * i + 1, -4.9f, 4.9f)),
+                      sl_v3(0, 1, 0));
         light_block(maps, &b);
         for (size_t i = 0; i < b.count; i++) { /* the plate's shadow is moved by half its height */
             double inside = 1.0 - fmax(fabs((double)b.x[i] - 0.5), fabs((double)b.z[i]));
@@ -442,8 +457,7 @@ static void an_open_plane_under_an_even_sky_gets_pi_times_its_radiance(void **st
     world_free(w);
 }
 
-/* ---- points that are none, and the same bits
- * ---------------------------------------------------------------------------------- */
+/* ---- points that are none, and the same bits ------------------------------------------------------------ */
 
 static void points_at_the_light_without_normal_or_not_finite_do_no_harm(void **state) {
     (void)state;
@@ -476,7 +490,8 @@ static void every_instruction_set_and_any_number_of_threads_gives_the_same_bits(
             sl_shadow_map_settings settings = {.size = 200, .threads = run == 3 ? 3 : 1};
             sl_shadow_maps *maps;
             sl_counters counters = {{0}};
-            assert_int_equal(sl_shadow_maps_create(w->scene, w->raster, &settings, &maps, &counters, NULL), SL_OK);
+            assert_int_equal(sl_shadow_maps_create(w->scene, w->raster, &settings, &maps, &counters, NULL),
+                             SL_OK);
             for (uint64_t k = 0; k < 8; k++) {
                 block b;
                 memset(&b, 0, sizeof b);

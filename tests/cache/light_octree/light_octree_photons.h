@@ -18,8 +18,11 @@ static inline sl_photon_list *new_list(size_t room) {
 }
 
 static inline void strew(sl_photon_list *list, sl_vec3 at, sl_vec3 direction, sl_vec3 normal, float flux) {
-    list->photon[list->count++] = (sl_photon){{at.x, at.y, at.z}, {flux, 0.5f * flux, 0.25f * flux}, sl_octahedral_encode(direction),
-                                              sl_octahedral_encode(normal), 1};
+    list->photon[list->count++] = (sl_photon){{at.x, at.y, at.z},
+                                              {flux, 0.5f * flux, 0.25f * flux},
+                                              sl_octahedral_encode(direction),
+                                              sl_octahedral_encode(normal),
+                                              1};
 }
 
 /* About a normal, by the cosine law: an even sky. */
@@ -31,7 +34,8 @@ static inline sl_vec3 cosine_about(sl_vec3 normal, uint64_t key, uint64_t i) {
 }
 
 /* Irradiance e (red) on a parallelogram's side that `normal` is on. */
-static inline void strew_evenly(sl_photon_list *list, size_t count, sl_vec3 corner, sl_vec3 a, sl_vec3 b, sl_vec3 normal, float e, uint64_t seed) {
+static inline void strew_evenly(sl_photon_list *list, size_t count, sl_vec3 corner, sl_vec3 a, sl_vec3 b,
+                                sl_vec3 normal, float e, uint64_t seed) {
     uint64_t key = sl_random_key(seed, 0), more = sl_random_key(seed, 1);
     float area = sl_length(sl_cross(a, b));
     for (uint64_t i = 0; i < count; i++) {
@@ -47,11 +51,14 @@ typedef struct lit {
     sl_counters counters;
 } lit;
 
-static inline lit light_up(const sl_scene *scene, int depth, sl_photon_list *list, const sl_voxel_light_options *options, unsigned threads) {
+static inline lit light_up(const sl_scene *scene, int depth, sl_photon_list *list,
+                           const sl_voxel_light_options *options, unsigned threads) {
     lit l = {.octree = octree_of(scene, depth, 1)};
     sl_error error;
     if (sl_photon_tree_create(list, 1, &l.tree, &error) != SL_OK) fail_msg("%s", error.message);
-    if (sl_voxel_lights_create(scene, l.octree, l.octree, l.tree, options, threads, &l.lights, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_voxel_lights_create(scene, l.octree, l.octree, l.tree, options, threads, &l.lights, &error) !=
+        SL_OK)
+        fail_msg("%s", error.message);
     sl_voxel_lights_compute(l.lights, 0, l.octree->leaf_count, threads, &l.counters);
     return l;
 }

@@ -18,25 +18,31 @@ static inline sl_octree *octree_of(const sl_scene *scene, int depth, unsigned th
 }
 
 static inline sl_voxel_light_options plain_options(int lights) {
-    return (sl_voxel_light_options){.neighbours = 50, .radius = 1.0, .flatness = 0.25, .acceptance = SL_PI / 3.0, .lights = lights};
+    return (sl_voxel_light_options){
+        .neighbours = 50, .radius = 1.0, .flatness = 0.25, .acceptance = SL_PI / 3.0, .lights = lights};
 }
 
 /* All dark, without photons. */
-static inline sl_voxel_lights *lights_of(const sl_scene *scene, const sl_octree *octree, const sl_voxel_light_options *options) {
+static inline sl_voxel_lights *lights_of(const sl_scene *scene, const sl_octree *octree,
+                                         const sl_voxel_light_options *options) {
     sl_voxel_lights *lights = NULL;
     sl_error error;
-    if (sl_voxel_lights_create(scene, octree, octree, NULL, options, 1, &lights, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_voxel_lights_create(scene, octree, octree, NULL, options, 1, &lights, &error) != SL_OK)
+        fail_msg("%s", error.message);
     return lights;
 }
 
-static inline sl_voxel_texture *texture_of(const sl_octree *octree, const sl_voxel_lights *lights, bool index) {
+static inline sl_voxel_texture *texture_of(const sl_octree *octree, const sl_voxel_lights *lights,
+                                           bool index) {
     sl_voxel_texture *texture = NULL;
     sl_error error;
-    if (sl_voxel_texture_create(octree, lights, index, &texture, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_voxel_texture_create(octree, lights, index, &texture, &error) != SL_OK)
+        fail_msg("%s", error.message);
     return texture;
 }
 
-static inline void set_light(sl_voxel_lights *lights, size_t set, int which, sl_vec3d direction, float r, float g, float b) {
+static inline void set_light(sl_voxel_lights *lights, size_t set, int which, sl_vec3d direction, float r,
+                             float g, float b) {
     lights->light[set * (size_t)lights->texels + (size_t)which] =
         (sl_directional_light){{r, g, b}, sl_direction_pack(direction)};
     if (lights->set[set].lights <= which) lights->set[set].lights = (uint8_t)(which + 1);
@@ -51,7 +57,8 @@ static inline sl_vec3 random_on(const sl_scene *scene, uint64_t key, uint64_t in
         a = 1.0f - a;
         b = 1.0f - b;
     }
-    sl_vec3 p0 = sl_scene_position(scene, scene->vertex[0][*triangle]), p1 = sl_scene_position(scene, scene->vertex[1][*triangle]),
+    sl_vec3 p0 = sl_scene_position(scene, scene->vertex[0][*triangle]),
+            p1 = sl_scene_position(scene, scene->vertex[1][*triangle]),
             p2 = sl_scene_position(scene, scene->vertex[2][*triangle]);
     return sl_add(sl_add(sl_scale(p0, 1.0f - a - b), sl_scale(p1, a)), sl_scale(p2, b));
 }

@@ -1,4 +1,5 @@
-/* How much surface an ellipsoid holds, in closed form, by counting points, and where photons tell: at edges and in corners. */
+/* How much surface an ellipsoid holds, in closed form, by counting points, and where photons tell: at edges
+ * and in corners. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -11,19 +12,25 @@
 #include "base/random.h"
 #include "cache/light_octree/direct_photons.h"
 
-static double number(uint64_t stream, uint64_t i) { return (double)sl_random_unit(sl_random_key(31, stream), i); }
+static double number(uint64_t stream, uint64_t i) {
+    return (double)sl_random_unit(sl_random_key(31, stream), i);
+}
 
 static sl_vec3d point(uint64_t stream, uint64_t i, double size) {
-    return sl_v3d(size * (number(stream, 3 * i) - 0.5), size * (number(stream, 3 * i + 1) - 0.5), size * (number(stream, 3 * i + 2) - 0.5));
+    return sl_v3d(size * (number(stream, 3 * i) - 0.5), size * (number(stream, 3 * i + 1) - 0.5),
+                  size * (number(stream, 3 * i + 2) - 0.5));
 }
 
 static sl_vec3d unit(sl_vec3d v) { return sl_scaled(v, 1.0 / sl_lengthd(v)); }
 
 static sl_ellipsoid ellipsoid(uint64_t i) {
-    return (sl_ellipsoid){point(1, i, 0.6), unit(point(2, i, 1.0)), i % 4 == 0 ? 1.0 : 0.1 + 0.8 * number(3, i), 0.3 + 0.7 * number(4, i)};
+    return (sl_ellipsoid){point(1, i, 0.6), unit(point(2, i, 1.0)),
+                          i % 4 == 0 ? 1.0 : 0.1 + 0.8 * number(3, i), 0.3 + 0.7 * number(4, i)};
 }
 
-static double whole(sl_vec3d a, sl_vec3d b, sl_vec3d c) { return 0.5 * sl_lengthd(sl_crossd(sl_subd(b, a), sl_subd(c, a))); }
+static double whole(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
+    return 0.5 * sl_lengthd(sl_crossd(sl_subd(b, a), sl_subd(c, a)));
+}
 
 static bool inside(const sl_ellipsoid *e, sl_vec3d p) {
     sl_vec3d q = sl_subd(p, e->centre);
@@ -37,7 +44,8 @@ static double by_counting(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3
     size_t count = 0;
     for (int i = 0; i < STEPS; i++) {
         for (int j = 0; j < 2 * (STEPS - i) - 1; j++) {
-            double w1 = (i + (j % 2 ? 2.0 : 1.0) / 3.0) / STEPS, w2 = (j / 2 + (j % 2 ? 2.0 : 1.0) / 3.0) / STEPS;
+            double w1 = (i + (j % 2 ? 2.0 : 1.0) / 3.0) / STEPS,
+                   w2 = (j / 2 + (j % 2 ? 2.0 : 1.0) / 3.0) / STEPS;
             sl_vec3d p = sl_addd(a, sl_addd(sl_scaled(sl_subd(b, a), w1), sl_scaled(sl_subd(c, a), w2)));
             count += inside(e, p);
         }
@@ -52,7 +60,8 @@ static void triangle_area_is_that_of_counted_points(void **state) {
         sl_ellipsoid e = ellipsoid(i);
         if (i % 10 == 9) e.normal = sl_v3d(0, 0, 0);
         sl_vec3d a = point(5, i, 2.0), b = point(6, i, 2.0), c = point(7, i, 2.0);
-        double area = sl_triangle_in_ellipsoid(&e, a, b, c), counted = by_counting(&e, a, b, c), all = whole(a, b, c);
+        double area = sl_triangle_in_ellipsoid(&e, a, b, c), counted = by_counting(&e, a, b, c),
+               all = whole(a, b, c);
         assert_true(fabs(area - counted) < 4e-3 * all);
         partly += area > 0.05 * all && area < 0.95 * all;
     }
@@ -65,19 +74,23 @@ static void parts_of_a_triangle_add_up(void **state) {
         sl_ellipsoid e = ellipsoid(i);
         sl_vec3d a = point(5, i, 2.0), b = point(6, i, 2.0), c = point(7, i, 2.0);
         sl_vec3d p = sl_addd(sl_scaled(a, 0.2), sl_addd(sl_scaled(b, 0.5), sl_scaled(c, 0.3)));
-        double sum = sl_triangle_in_ellipsoid(&e, a, b, p) + sl_triangle_in_ellipsoid(&e, b, c, p) + sl_triangle_in_ellipsoid(&e, c, a, p);
+        double sum = sl_triangle_in_ellipsoid(&e, a, b, p) + sl_triangle_in_ellipsoid(&e, b, c, p) +
+                     sl_triangle_in_ellipsoid(&e, c, a, p);
         assert_true(fabs(sum - sl_triangle_in_ellipsoid(&e, a, b, c)) < 1e-12);
-        assert_true(fabs(sl_triangle_in_ellipsoid(&e, c, b, a) - sl_triangle_in_ellipsoid(&e, a, b, c)) < 1e-12);
+        assert_true(fabs(sl_triangle_in_ellipsoid(&e, c, b, a) - sl_triangle_in_ellipsoid(&e, a, b, c)) <
+                    1e-12);
     }
 }
 
 /* A square that holds all of the plane inside the ellipsoid. */
 static double plane_area(const sl_ellipsoid *e, sl_vec3d normal, double h, double size) {
-    sl_vec3d side = fabs(normal.x) < 0.7 ? sl_v3d(1, 0, 0) : sl_v3d(0, 1, 0), u = unit(sl_crossd(normal, side)), v = sl_crossd(normal, u);
+    sl_vec3d side = fabs(normal.x) < 0.7 ? sl_v3d(1, 0, 0) : sl_v3d(0, 1, 0),
+             u = unit(sl_crossd(normal, side)), v = sl_crossd(normal, u);
     sl_vec3d middle = sl_addd(e->centre, sl_scaled(normal, h));
     sl_vec3d p[4];
     for (int k = 0; k < 4; k++) {
-        p[k] = sl_addd(middle, sl_addd(sl_scaled(u, k == 0 || k == 3 ? -size : size), sl_scaled(v, k < 2 ? -size : size)));
+        p[k] = sl_addd(middle, sl_addd(sl_scaled(u, k == 0 || k == 3 ? -size : size),
+                                       sl_scaled(v, k < 2 ? -size : size)));
     }
     return sl_triangle_in_ellipsoid(e, p[0], p[1], p[2]) + sl_triangle_in_ellipsoid(e, p[0], p[2], p[3]);
 }
@@ -103,7 +116,8 @@ static void section_through_the_equator_is_the_disc(void **state) {
     assert_true(fabs(sl_section_area(&e, sl_v3d(0, 0, 1), 0.0) - sl_disc_area(&e)) < 1e-15);
     assert_true(fabs(sl_section_area(&e, sl_v3d(0, 0, -1), 0.0) - sl_disc_area(&e)) < 1e-15);
     assert_true(fabs(sl_section_area(&e, sl_v3d(1, 0, 0), 0.0) - 0.25 * sl_disc_area(&e)) < 1e-15);
-    assert_true(sl_section_area(&e, sl_v3d(0, 0, 1), 0.125) == 0.0 && sl_section_area(&e, sl_v3d(0, 0, 1), 0.124) > 0.0);
+    assert_true(sl_section_area(&e, sl_v3d(0, 0, 1), 0.125) == 0.0 &&
+                sl_section_area(&e, sl_v3d(0, 0, 1), 0.124) > 0.0);
     e.normal = sl_v3d(0, 0, 0);
     assert_true(fabs(sl_section_area(&e, sl_v3d(1, 0, 0), 0.3) - SL_PI * 0.16) < 1e-15);
 }
@@ -120,7 +134,8 @@ static void edges_and_corners_halve_and_quarter_the_disc(void **state) {
     sl_vec3d a = {0.1, 0.1, 0.01}, b = {0.3, 0.1, -0.02}, c = {0.1, 0.4, 0.05};
     assert_true(sl_triangle_in_ellipsoid(&e, a, b, c) == whole(a, b, c));
     sl_vec3d above = {0, 0, 0.26};
-    assert_true(sl_triangle_in_ellipsoid(&e, sl_addd(above, minus_x), sl_addd(above, x), sl_addd(above, y)) == 0.0);
+    assert_true(sl_triangle_in_ellipsoid(&e, sl_addd(above, minus_x), sl_addd(above, x), sl_addd(above, y)) ==
+                0.0);
     sl_vec3d far = {20, 20, 0};
     assert_true(fabs(sl_triangle_in_ellipsoid(&e, far, sl_addd(far, x), sl_addd(far, y))) < 1e-12);
 }
@@ -128,7 +143,8 @@ static void edges_and_corners_halve_and_quarter_the_disc(void **state) {
 static void odd_triangles_have_no_area_and_never_nan(void **state) {
     (void)state;
     sl_ellipsoid e = {{0, 0, 0}, {0, 0, 1}, 0.25, 1.0};
-    const sl_vec3d odd[] = {{0, 0, 0}, {1, 0, 0}, {NAN, 0, 0}, {INFINITY, 1, 0}, {1e300, 1e300, 0}, {1e-300, 0, 0}, {0, 1e-200, 1}};
+    const sl_vec3d odd[] = {{0, 0, 0},         {1, 0, 0},      {NAN, 0, 0},   {INFINITY, 1, 0},
+                            {1e300, 1e300, 0}, {1e-300, 0, 0}, {0, 1e-200, 1}};
     for (int i = 0; i < 7 * 7 * 7; i++) {
         double area = sl_triangle_in_ellipsoid(&e, odd[i % 7], odd[i / 7 % 7], odd[i / 49]);
         assert_true(area >= 0.0 && area <= 4.0);
@@ -142,9 +158,10 @@ static void odd_triangles_have_no_area_and_never_nan(void **state) {
     assert_true(isfinite(sl_section_area(&e, sl_v3d(0, 0, 1), 0.1)));
 }
 
-/* ---- photons strewn over surfaces -------------------------------------------------------------------------------- */
+/* ---- photons strewn over surfaces ------------------------------------------------------------ */
 
-/* The floor z = 0 of a room's corner, x and y >= 0, and its walls; N photons a unit of area, each of flux 1/N: irradiance 1. */
+/* The floor z = 0 of a room's corner, x and y >= 0, and its walls; N photons a unit of area, each of flux
+ * 1/N: irradiance 1. */
 enum { PHOTONS_A_UNIT = 40000 };
 
 static sl_photon_list *corner_photons(void) {
@@ -157,7 +174,8 @@ static sl_photon_list *corner_photons(void) {
         p[2 - wall] = 0.0f;
         sl_vec3 n = {wall == 2 ? 1.0f : 0.0f, wall == 1 ? 1.0f : 0.0f, wall == 0 ? 1.0f : 0.0f};
         sl_photon *photon = &list->photon[i];
-        *photon = (sl_photon){.position = {p[0], p[1], p[2]}, .flux = {1.0f / PHOTONS_A_UNIT, 2.0f / PHOTONS_A_UNIT, 0}};
+        *photon = (sl_photon){.position = {p[0], p[1], p[2]},
+                              .flux = {1.0f / PHOTONS_A_UNIT, 2.0f / PHOTONS_A_UNIT, 0}};
         photon->normal = sl_octahedral_encode(n);
         photon->direction = sl_octahedral_encode(n);
     }
@@ -173,31 +191,45 @@ static double floor_area(const void *context, const sl_ellipsoid *e, unsigned wo
 }
 
 /* Mean irradiance over points of the floor, all along its edge, in its corners or in the middle. */
-static double mean_irradiance(const sl_photon_tree *tree, sl_ellipsoid_area *area, int where, unsigned threads) {
+static double mean_irradiance(const sl_photon_tree *tree, sl_ellipsoid_area *area, int where,
+                              unsigned threads) {
     enum { POINTS = 1000 };
     static sl_surface surfaces[POINTS];
     static sl_vec3 to_viewer[POINTS];
     static sl_rgb radiance[POINTS], irradiance[POINTS];
-    const sl_material white = {.diffuse = {1, 0.5f, 0.25f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+    const sl_material white = {
+        .diffuse = {1, 0.5f, 0.25f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
     for (uint64_t i = 0; i < POINTS; i++) {
         float x = 0.2f + 0.6f * (float)number(13, i), y = 0.2f + 0.6f * (float)number(14, i);
         if (where > 0) y = (float)(i % 2);
         if (where > 1) x = (float)(i / 2 % 2);
-        surfaces[i] = (sl_surface){.position = {x, y, 0}, .geometric_normal = {0, 0, 1}, .normal = {0, 0, 1}, .diffuse = white.diffuse,
-                                   .material = &white, .front = true};
+        surfaces[i] = (sl_surface){.position = {x, y, 0},
+                                   .geometric_normal = {0, 0, 1},
+                                   .normal = {0, 0, 1},
+                                   .diffuse = white.diffuse,
+                                   .material = &white,
+                                   .front = true};
         to_viewer[i] = sl_v3(0, 0, 1);
     }
-    sl_direct_photons photons = {.tree = tree, .neighbours = 50, .radius = 0.5, .flatness = 0.25, .cos_acceptance = 0.5, .area = area,
+    sl_direct_photons photons = {.tree = tree,
+                                 .neighbours = 50,
+                                 .radius = 0.5,
+                                 .flatness = 0.25,
+                                 .cos_acceptance = 0.5,
+                                 .area = area,
                                  .threads = threads};
     sl_counters counters = {{0}};
     sl_error error;
-    assert_int_equal(sl_direct_photons_radiance(&photons, POINTS, surfaces, to_viewer, radiance, irradiance, &counters, &error), SL_OK);
+    assert_int_equal(sl_direct_photons_radiance(&photons, POINTS, surfaces, to_viewer, radiance, irradiance,
+                                                &counters, &error),
+                     SL_OK);
     assert_int_equal(counters.value[SL_COUNT_PHOTONS_GATHERED], 50 * POINTS);
     double sum = 0.0;
     for (int i = 0; i < POINTS; i++) {
         sum += (double)irradiance[i].r / POINTS;
         assert_true(fabs((double)irradiance[i].g / (double)irradiance[i].r - 2.0) < 1e-5);
-        assert_true(fabs((double)radiance[i].r / (double)irradiance[i].r - 1.0 / SL_PI) < 1e-5); /* Lambert: L = rho E / pi */
+        /* Lambert: L = rho E / pi */
+        assert_true(fabs((double)radiance[i].r / (double)irradiance[i].r - 1.0 / SL_PI) < 1e-5);
         assert_true(fabs((double)radiance[i].g / (double)irradiance[i].r - 1.0 / SL_PI) < 1e-5);
     }
     return sum;
@@ -227,15 +259,25 @@ static void mirrors_and_surfaces_without_photons_are_dark(void **state) {
     sl_error error;
     assert_int_equal(sl_photon_tree_create(corner_photons(), 1, &tree, &error), SL_OK);
     const sl_material mirror = {.mirror = {1, 1, 1}}, white = {.diffuse = {1, 1, 1}};
-    sl_surface surfaces[2] = {{.position = {0.5f, 0.5f, 0}, .geometric_normal = {0, 0, 1}, .normal = {0, 0, 1}, .material = &mirror},
-                              {.position = {9, 9, 9}, .geometric_normal = {0, 0, 1}, .normal = {0, 0, 1}, .diffuse = {1, 1, 1},
+    sl_surface surfaces[2] = {{.position = {0.5f, 0.5f, 0},
+                               .geometric_normal = {0, 0, 1},
+                               .normal = {0, 0, 1},
+                               .material = &mirror},
+                              {.position = {9, 9, 9},
+                               .geometric_normal = {0, 0, 1},
+                               .normal = {0, 0, 1},
+                               .diffuse = {1, 1, 1},
                                .material = &white}};
     sl_vec3 to_viewer[2] = {{0, 0, 1}, {0, 0, 1}};
     sl_rgb radiance[2];
-    sl_direct_photons photons = {.tree = tree, .neighbours = 50, .radius = 0.5, .flatness = 0.25, .cos_acceptance = 0.5, .threads = 1};
+    sl_direct_photons photons = {
+        .tree = tree, .neighbours = 50, .radius = 0.5, .flatness = 0.25, .cos_acceptance = 0.5, .threads = 1};
     sl_counters counters = {{0}};
-    assert_int_equal(sl_direct_photons_radiance(&photons, 2, surfaces, to_viewer, radiance, NULL, &counters, &error), SL_OK);
-    for (int i = 0; i < 2; i++) assert_true(radiance[i].r == 0.0f && radiance[i].g == 0.0f && radiance[i].b == 0.0f);
+    assert_int_equal(
+        sl_direct_photons_radiance(&photons, 2, surfaces, to_viewer, radiance, NULL, &counters, &error),
+        SL_OK);
+    for (int i = 0; i < 2; i++)
+        assert_true(radiance[i].r == 0.0f && radiance[i].g == 0.0f && radiance[i].b == 0.0f);
     assert_int_equal(counters.value[SL_COUNT_PHOTONS_GATHERED], 0);
     sl_photon_tree_destroy(tree);
 }

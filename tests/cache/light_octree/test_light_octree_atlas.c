@@ -1,5 +1,5 @@
-/* The texture atlas of the light octree: what every atlas must be (each triangle mapped once, none flipped, none overlapping, gutters kept), on surfaces
- * that are closed, torn, doubled, thin or flat. */
+/* The texture atlas of the light octree: what every atlas must be (each triangle mapped once, none flipped,
+ * none overlapping, gutters kept), on surfaces that are closed, torn, doubled, thin or flat. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +18,9 @@
 
 #define BEND (75.0 * SL_PI / 180.0)
 
-static sl_atlas_settings usual(int size) { return (sl_atlas_settings){.size = size, .gutter = 2, .bend = BEND, .threads = 2}; }
+static sl_atlas_settings usual(int size) {
+    return (sl_atlas_settings){.size = size, .gutter = 2, .bend = BEND, .threads = 2};
+}
 
 static sl_atlas *atlas_of(const sl_scene *scene, int size) {
     sl_atlas_settings settings = usual(size);
@@ -43,7 +45,9 @@ static void add_grid(trace_mesh *mesh, surface *at, unsigned columns, unsigned r
             for (int k = 0; k < 6; k++) {
                 float p[3];
                 at((float)(i + quad[k][0]) / (float)columns, (float)(j + quad[k][1]) / (float)rows, p);
-                v[k] = !torn && k == 3 ? v[0] : !torn && k == 4 ? v[2] : trace_mesh_vertex(mesh, p[0], p[1], p[2]);
+                v[k] = !torn && k == 3   ? v[0]
+                       : !torn && k == 4 ? v[2]
+                                         : trace_mesh_vertex(mesh, p[0], p[1], p[2]);
             }
             trace_mesh_triangle(mesh, v[0], v[1], v[2], 0);
             trace_mesh_triangle(mesh, v[3], v[4], v[5], 0);
@@ -96,7 +100,8 @@ static sl_scene *scene_of(surface *at, unsigned columns, unsigned rows) {
 
 /* ---- what every atlas must be ---- */
 
-/* The area that two triangles share, by cutting one with the sides of the other: nothing of the atlas's own predicates. */
+/* The area that two triangles share, by cutting one with the sides of the other: nothing of the atlas's own
+ * predicates. */
 static double shared_area(const float *a, const float *b) {
     double p[16][2], q[16][2], area = 0.0;
     size_t n = 3;
@@ -105,8 +110,10 @@ static double shared_area(const float *a, const float *b) {
         const float *s = b + 2 * k, *e = b + 2 * ((k + 1) % 3);
         size_t kept = 0;
         for (size_t i = 0; i < n; i++) {
-            const double *x = p[i], *y = p[(i + 1) % n], dx = (double)e[0] - (double)s[0], dy = (double)e[1] - (double)s[1];
-            double f = dx * (x[1] - (double)s[1]) - dy * (x[0] - (double)s[0]), g = dx * (y[1] - (double)s[1]) - dy * (y[0] - (double)s[0]);
+            const double *x = p[i], *y = p[(i + 1) % n], dx = (double)e[0] - (double)s[0],
+                         dy = (double)e[1] - (double)s[1];
+            double f = dx * (x[1] - (double)s[1]) - dy * (x[0] - (double)s[0]),
+                   g = dx * (y[1] - (double)s[1]) - dy * (y[0] - (double)s[0]);
             if (f >= 0.0) q[kept][0] = x[0], q[kept++][1] = x[1];
             if ((f > 0.0 && g < 0.0) || (f < 0.0 && g > 0.0)) {
                 q[kept][0] = x[0] + (y[0] - x[0]) * (f / (f - g));
@@ -116,7 +123,8 @@ static double shared_area(const float *a, const float *b) {
         n = kept;
         memcpy(p, q, sizeof p);
     }
-    for (size_t i = 2; i < n; i++) area += (p[i - 1][0] - p[0][0]) * (p[i][1] - p[0][1]) - (p[i - 1][1] - p[0][1]) * (p[i][0] - p[0][0]);
+    for (size_t i = 2; i < n; i++)
+        area += (p[i - 1][0] - p[0][0]) * (p[i][1] - p[0][1]) - (p[i - 1][1] - p[0][1]) * (p[i][0] - p[0][0]);
     return 0.5 * area;
 }
 
@@ -137,22 +145,25 @@ static void assert_one_to_one(const sl_atlas *atlas, const sl_scene *scene) {
             double grid = (double)t[k] * SL_ATLAS_GRID;
             assert_true(t[k] >= 0.0f && t[k] <= 1.0f && grid == floor(grid));
         }
-        double area = ((double)t[2] - (double)t[0]) * ((double)t[5] - (double)t[1]) - ((double)t[3] - (double)t[1]) * ((double)t[4] - (double)t[0]);
+        double area = ((double)t[2] - (double)t[0]) * ((double)t[5] - (double)t[1]) -
+                      ((double)t[3] - (double)t[1]) * ((double)t[4] - (double)t[0]);
         assert_true(area > 0.0); /* exact: 25 bits times 25 bits */
         for (size_t j = 0; j < i; j++)
             if (boxes_meet(t, s + 6 * j)) assert_true(shared_area(t, s + 6 * j) < 1e-13);
     }
 }
 
-/* The normals of a chart lie in a cone about some axis; slivers, whose normals are noise, aside. The axis is looked for long, so that it is nearly the
- * best. */
+/* The normals of a chart lie in a cone about some axis; slivers, whose normals are noise, aside. The axis is
+ * looked for long, so that it is nearly the best. */
 static void assert_bends_within(const sl_atlas *atlas, const sl_scene *scene, double bend) {
     sl_atlas_faces faces;
-    sl_vec3d *axis = sl_allocate(atlas->chart_count, sizeof *axis), *worst = sl_allocate(atlas->chart_count, sizeof *worst);
+    sl_vec3d *axis = sl_allocate(atlas->chart_count, sizeof *axis),
+             *worst = sl_allocate(atlas->chart_count, sizeof *worst);
     double *least = sl_allocate(atlas->chart_count, sizeof *least), limit = sl_cos(bend + 0.02);
     uint8_t *good = sl_allocate(atlas->chart_count, 1);
     assert_int_equal(sl_atlas_faces_create(scene, &faces, NULL), SL_OK);
-    for (size_t f = 0; f < faces.count; f++) axis[atlas->chart[f]] = sl_addd(axis[atlas->chart[f]], sl_scaled(faces.normal[f], faces.area[f]));
+    for (size_t f = 0; f < faces.count; f++)
+        axis[atlas->chart[f]] = sl_addd(axis[atlas->chart[f]], sl_scaled(faces.normal[f], faces.area[f]));
     for (int step = 1; step <= 60; step++) {
         for (size_t c = 0; c < atlas->chart_count; c++) {
             double length = sl_lengthd(axis[c]);
@@ -162,11 +173,13 @@ static void assert_bends_within(const sl_atlas *atlas, const sl_scene *scene, do
         for (size_t f = 0; f < faces.count; f++) {
             uint32_t c = atlas->chart[f];
             double cosine = sl_dotd(faces.normal[f], axis[c]);
-            if (sl_dotd(faces.normal[f], faces.normal[f]) > 0.0 && cosine < least[c]) least[c] = cosine, worst[c] = faces.normal[f];
+            if (sl_dotd(faces.normal[f], faces.normal[f]) > 0.0 && cosine < least[c])
+                least[c] = cosine, worst[c] = faces.normal[f];
         }
         for (size_t c = 0; c < atlas->chart_count; c++) {
             good[c] |= least[c] >= limit;
-            if (least[c] < 2.0) axis[c] = sl_addd(axis[c], sl_scaled(sl_subd(worst[c], axis[c]), 1.0 / (step + 1)));
+            if (least[c] < 2.0)
+                axis[c] = sl_addd(axis[c], sl_scaled(sl_subd(worst[c], axis[c]), 1.0 / (step + 1)));
         }
     }
     for (size_t c = 0; c < atlas->chart_count; c++) assert_true(good[c]);
@@ -184,7 +197,8 @@ typedef struct texels {
 
 static texels texels_of(const sl_atlas *atlas, const sl_scene *scene, int gutter) {
     size_t count = (size_t)atlas->size * (size_t)atlas->size;
-    texels t = {sl_allocate(count, sizeof *t.triangle), sl_allocate(count, sizeof *t.w1), sl_allocate(count, sizeof *t.w2)};
+    texels t = {sl_allocate(count, sizeof *t.triangle), sl_allocate(count, sizeof *t.w1),
+                sl_allocate(count, sizeof *t.w2)};
     assert_int_equal(sl_atlas_texels(atlas, scene, gutter, 2, t.triangle, t.w1, t.w2, NULL), SL_OK);
     return t;
 }
@@ -197,15 +211,19 @@ static void free_texels(texels *t) {
 
 static void atlas_point(const sl_atlas *atlas, size_t triangle, double w1, double w2, double at[2]) {
     const float *s = atlas->coordinates + 6 * triangle;
-    for (size_t d = 0; d < 2; d++) at[d] = atlas->size * ((1.0 - w1 - w2) * (double)s[d] + w1 * (double)s[2 + d] + w2 * (double)s[4 + d]);
+    for (size_t d = 0; d < 2; d++)
+        at[d] =
+            atlas->size * ((1.0 - w1 - w2) * (double)s[d] + w1 * (double)s[2 + d] + w2 * (double)s[4 + d]);
 }
 
-/* A bilinear look-up at any point of a triangle reads, with any weight at all, only texels that hold points of the triangle's own chart. */
+/* A bilinear look-up at any point of a triangle reads, with any weight at all, only texels that hold points
+ * of the triangle's own chart. */
 static void assert_nothing_bleeds(const sl_atlas *atlas, const sl_scene *scene) {
     texels map = texels_of(atlas, scene, 2);
     for (uint32_t t = 0; t < scene->triangle_count; t++)
         for (uint32_t n = 0; n < 12; n++) {
-            double w1 = n < 3 ? n == 1 : (double)sl_random_unit(1, 12 * (uint64_t)t + n), w2 = n < 3 ? n == 2 : (double)sl_random_unit(2, 12 * (uint64_t)t + n), at[2];
+            double w1 = n < 3 ? n == 1 : (double)sl_random_unit(1, 12 * (uint64_t)t + n),
+                   w2 = n < 3 ? n == 2 : (double)sl_random_unit(2, 12 * (uint64_t)t + n), at[2];
             if (w1 + w2 > 1.0) w1 = 1.0 - w1, w2 = 1.0 - w2;
             atlas_point(atlas, t, w1, w2, at);
             int x = (int)floor(at[0] - 0.5), y = (int)floor(at[1] - 0.5);
@@ -225,7 +243,8 @@ static void assert_sound(const sl_atlas *atlas, const sl_scene *scene) {
     assert_one_to_one(atlas, scene);
     assert_bends_within(atlas, scene, BEND);
     assert_nothing_bleeds(atlas, scene);
-    assert_true(atlas->coverage > 0.0 && atlas->coverage < 1.0 && atlas->stretch >= 1.0 && atlas->stretch < 1e5);
+    assert_true(atlas->coverage > 0.0 && atlas->coverage < 1.0 && atlas->stretch >= 1.0 &&
+                atlas->stretch < 1e5);
     assert_true(atlas->texels_per_unit > 0.0);
 }
 
@@ -255,9 +274,11 @@ static void a_planar_chart_is_a_similarity(void **state) {
     assert_true(sl_atlas_flatten(&charts, &faces, 0, local, &scale));
     for (size_t h = 0; h < 3 * faces.count; h++) {
         const double *a = charts.corner + 2 * h, *b = charts.corner + 2 * (size_t)sl_atlas_next((uint32_t)h);
-        double length = sl_lengthd(sl_subd(sl_atlas_corner(&faces, sl_atlas_next((uint32_t)h)), sl_atlas_corner(&faces, h)));
+        double length = sl_lengthd(
+            sl_subd(sl_atlas_corner(&faces, sl_atlas_next((uint32_t)h)), sl_atlas_corner(&faces, h)));
         double mapped = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
-        assert_true(fabs(mapped / length - 1.0) < 2e-6); /* positions are floats, so the plane is one to 1e-7 */
+        /* positions are floats, so the plane is one to 1e-7 */
+        assert_true(fabs(mapped / length - 1.0) < 2e-6);
     }
     sl_free(local);
     sl_atlas_charts_release(&charts);
@@ -284,8 +305,10 @@ static void a_plane_of_whole_numbers_is_a_similarity_to_1e_8(void **state) {
     assert_true(sl_atlas_flatten(&charts, &faces, 0, local, &scale));
     for (uint32_t h = 0; h < 3 * faces.count; h++) {
         const double *a = charts.corner + 2 * (size_t)h, *b = charts.corner + 2 * (size_t)sl_atlas_next(h);
-        double length = sl_lengthd(sl_subd(sl_atlas_corner(&faces, sl_atlas_next(h)), sl_atlas_corner(&faces, h)));
-        assert_true(fabs(sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])) / length - 1.0) < 1e-8);
+        double length =
+            sl_lengthd(sl_subd(sl_atlas_corner(&faces, sl_atlas_next(h)), sl_atlas_corner(&faces, h)));
+        assert_true(fabs(sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])) / length - 1.0) <
+                    1e-8);
     }
     sl_free(local);
     sl_atlas_charts_release(&charts);
@@ -319,13 +342,15 @@ static void a_bell_is_one_nearly_conformal_chart(void **state) {
 static void the_solver_needs_few_steps_to_1e_10(void **state) {
     (void)state;
     enum { SIDE = 23, N = SIDE * SIDE };
-    sl_hermitian a = {N, sl_allocate(N + 1, sizeof *a.first), sl_allocate(5 * N, sizeof *a.column), sl_allocate(5 * N, sizeof *a.re),
-                      sl_allocate(5 * N, sizeof *a.im)};
+    sl_hermitian a = {N, sl_allocate(N + 1, sizeof *a.first), sl_allocate(5 * N, sizeof *a.column),
+                      sl_allocate(5 * N, sizeof *a.re), sl_allocate(5 * N, sizeof *a.im)};
     static double place[2 * N], truth[2 * N], b[2 * N], x[2 * N];
     size_t at = 0;
     unsigned steps;
     for (int r = 0; r < N; r++) {
-        int i = r % SIDE, j = r / SIDE, to[5] = {j ? r - SIDE : -1, i ? r - 1 : -1, r, i + 1 < SIDE ? r + 1 : -1, j + 1 < SIDE ? r + SIDE : -1};
+        int i = r % SIDE, j = r / SIDE,
+            to[5] = {j ? r - SIDE : -1, i ? r - 1 : -1, r, i + 1 < SIDE ? r + 1 : -1,
+                     j + 1 < SIDE ? r + SIDE : -1};
         place[2 * r] = i, place[2 * r + 1] = j;
         truth[2 * r] = sl_sin(0.1 * r), truth[2 * r + 1] = sl_cos(0.3 * r);
         a.first[r] = at;
@@ -411,7 +436,8 @@ static void many_pages_at_one_edge_and_a_moebius_strip(void **state) {
         }
     }
     for (int i = 0; i < 12; i++) {
-        uint32_t a = v[2 * i], b = v[2 * i + 1], c = i < 11 ? v[2 * i + 2] : v[1], d = i < 11 ? v[2 * i + 3] : v[0];
+        uint32_t a = v[2 * i], b = v[2 * i + 1], c = i < 11 ? v[2 * i + 2] : v[1],
+                 d = i < 11 ? v[2 * i + 3] : v[0];
         trace_mesh_triangle(&mesh, a, c, d, 0);
         trace_mesh_triangle(&mesh, a, d, b, 0);
     }
@@ -435,17 +461,21 @@ static void slivers_t_junctions_and_lone_triangles(void **state) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_quad(&mesh, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(1.0f, 0.0f, 0.0f), sl_v3(0.0f, 1.0f, 0.0f), 0);
-    for (int i = 0; i < 7; i++) { /* beside it quads that meet its edge in between, and fans of thin faces that fill the seam */
+    /* beside it quads that meet its edge in between, and fans of thin faces that fill the seam */
+    for (int i = 0; i < 7; i++) {
         float low = (float)i / 7.0f, high = (float)(i + 1) / 7.0f, off = (i % 2 ? 1e-7f : 0.0f);
         uint32_t a = trace_mesh_vertex(&mesh, 1.0f, low, 0.0f), b = trace_mesh_vertex(&mesh, 2.0f, low, 0.0f);
-        uint32_t c = trace_mesh_vertex(&mesh, 2.0f, high, 0.0f), d = trace_mesh_vertex(&mesh, 1.0f, high, off);
+        uint32_t c = trace_mesh_vertex(&mesh, 2.0f, high, 0.0f),
+                 d = trace_mesh_vertex(&mesh, 1.0f, high, off);
         trace_mesh_triangle(&mesh, a, b, c, 0);
         trace_mesh_triangle(&mesh, a, c, d, 0);
-        trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, 1.0f, 0.0f, 0.0f), a, d, 0); /* some of no area at all: the scene drops them */
+        /* some of no area at all: the scene drops them */
+        trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, 1.0f, 0.0f, 0.0f), a, d, 0);
     }
     for (int i = 0; i < 40; i++) { /* triangles alone, ever thinner */
         float thin = ldexpf(1.0f, -i), x = 3.0f + (float)i;
-        trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, x, 0.0f, 0.0f), trace_mesh_vertex(&mesh, x + 0.5f, 0.0f, 0.0f),
+        trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, x, 0.0f, 0.0f),
+                            trace_mesh_vertex(&mesh, x + 0.5f, 0.0f, 0.0f),
                             trace_mesh_vertex(&mesh, x + 0.3f, thin, 0.0f), 0);
     }
     charts_of_sound_atlas(trace_mesh_build(&mesh), 256);
@@ -508,16 +538,20 @@ static void charts_stay_a_gutter_apart(void **state) {
         for (size_t a = 0; a < scene->triangle_count; a++)
             for (size_t b = 0; b < a; b++) {
                 if (atlas->chart[a] == atlas->chart[b]) continue;
-                float grown[6], half = (float)gutter / 256.0f; /* the box of a's triangle may only reach b's if the triangles' bodies do not */
+                /* the box of a's triangle may only reach b's if the triangles' bodies do not */
+                float grown[6], half = (float)gutter / 256.0f;
                 const float *s = atlas->coordinates + 6 * a;
                 float low[2] = {fminf(fminf(s[0], s[2]), s[4]) - half, fminf(fminf(s[1], s[3]), s[5]) - half};
-                float high[2] = {fmaxf(fmaxf(s[0], s[2]), s[4]) + half, fmaxf(fmaxf(s[1], s[3]), s[5]) + half};
+                float high[2] = {fmaxf(fmaxf(s[0], s[2]), s[4]) + half,
+                                 fmaxf(fmaxf(s[1], s[3]), s[5]) + half};
                 memcpy(grown, (float[6]){low[0], low[1], high[0], low[1], high[0], high[1]}, sizeof grown);
                 if (!boxes_meet(grown, atlas->coordinates + 6 * b)) continue;
-                for (int k = 0; k < 3; k++) { /* a square of the gutter around each corner touches nothing of the other chart */
+                /* a square of the gutter around each corner touches nothing of the other chart */
+                for (int k = 0; k < 3; k++) {
                     const float *c = s + 2 * k;
                     float h = half * 0.9999f;
-                    float square[12] = {c[0] - h, c[1] - h, c[0] + h, c[1] - h, c[0] + h, c[1] + h, c[0] - h, c[1] - h, c[0] + h, c[1] + h, c[0] - h, c[1] + h};
+                    float square[12] = {c[0] - h, c[1] - h, c[0] + h, c[1] - h, c[0] + h, c[1] + h,
+                                        c[0] - h, c[1] - h, c[0] + h, c[1] + h, c[0] - h, c[1] + h};
                     assert_true(shared_area(atlas->coordinates + 6 * b, square) <= 1e-12);
                     assert_true(shared_area(atlas->coordinates + 6 * b, square + 6) <= 1e-12);
                 }
@@ -533,7 +567,9 @@ static void more_charts_than_texels_is_an_error_that_says_which_size_would_do(vo
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
-    for (int i = 0; i < 500; i++) trace_mesh_quad(&mesh, sl_v3((float)i, 0.0f, 0.0f), sl_v3(0.0f, 0.5f, 0.0f), sl_v3(0.0f, 0.0f, 0.25f), 0);
+    for (int i = 0; i < 500; i++)
+        trace_mesh_quad(&mesh, sl_v3((float)i, 0.0f, 0.0f), sl_v3(0.0f, 0.5f, 0.0f), sl_v3(0.0f, 0.0f, 0.25f),
+                        0);
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_atlas_settings settings = usual(16);
     sl_atlas *atlas = NULL;
@@ -555,7 +591,8 @@ static void settings_that_make_no_sense_are_refused(void **state) {
     (void)state;
     sl_scene *scene = scene_of(bell, 4, 4);
     sl_atlas *atlas = NULL;
-    sl_atlas_settings bad[] = {usual(0), usual(-5), usual(1 << 20), usual(64), usual(64), usual(64), usual(64), usual(64)};
+    sl_atlas_settings bad[] = {usual(0),  usual(-5), usual(1 << 20), usual(64),
+                               usual(64), usual(64), usual(64),      usual(64)};
     bad[3].gutter = -1;
     bad[4].gutter = 64;
     bad[5].bend = 0.0;
@@ -582,8 +619,10 @@ static void the_atlas_does_not_depend_on_the_number_of_threads(void **state) {
             assert_int_equal(sl_atlas_create(scenes[n], &settings, &atlas, NULL), SL_OK);
             if (first) {
                 assert_int_equal(atlas->chart_count, first->chart_count);
-                assert_memory_equal(atlas->chart, first->chart, scenes[n]->triangle_count * sizeof *atlas->chart);
-                assert_memory_equal(atlas->coordinates, first->coordinates, scenes[n]->triangle_count * 6 * sizeof *atlas->coordinates);
+                assert_memory_equal(atlas->chart, first->chart,
+                                    scenes[n]->triangle_count * sizeof *atlas->chart);
+                assert_memory_equal(atlas->coordinates, first->coordinates,
+                                    scenes[n]->triangle_count * 6 * sizeof *atlas->coordinates);
                 assert_true(atlas->stretch == first->stretch && atlas->coverage == first->coverage);
                 sl_atlas_destroy(atlas);
             } else {
@@ -608,7 +647,8 @@ static void assert_scene_fits(const char *path, size_t charts_max, double covera
     size_t count = scene->triangle_count;
     int64_t *corner = sl_allocate(count, 6 * sizeof *corner);
     uint8_t *bad = sl_allocate(count, 1);
-    for (size_t i = 0; i < 6 * count; i++) corner[i] = (int64_t)((double)atlas->coordinates[i] * SL_ATLAS_GRID);
+    for (size_t i = 0; i < 6 * count; i++)
+        corner[i] = (int64_t)((double)atlas->coordinates[i] * SL_ATLAS_GRID);
     assert_int_equal(sl_atlas_overlap(corner, count, bad), 0); /* all charts together */
     assert_bends_within(atlas, scene, BEND);
     assert_nothing_bleeds(atlas, scene);
@@ -633,7 +673,8 @@ static void the_search_for_overlaps_finds_what_is_there(void **state) {
     static const int64_t inside[] = {0, 0, 100, 0, 0, 100, 10, 10, 12, 10, 10, 12};
     static const int64_t flipped[] = {0, 0, 0, 10, 10, 0};
     static const int64_t flat[] = {0, 0, 5, 5, 10, 10};
-    static const int64_t cross[] = {-100, -1, 100, 0, -100, 1, -1, -100, 1, -100, 0, 100}; /* no corner inside the other */
+    /* no corner inside the other */
+    static const int64_t cross[] = {-100, -1, 100, 0, -100, 1, -1, -100, 1, -100, 0, 100};
     uint8_t bad[3];
     assert_int_equal(sl_atlas_overlap(touching, 3, bad), 0);
     assert_int_equal(sl_atlas_overlap(crossing, 2, bad), 1);

@@ -1,4 +1,5 @@
-/* Light in the texture atlas: what is put in at a surface point comes out at the pixels that show it, and nothing of its neighbours. */
+/* Light in the texture atlas: what is put in at a surface point comes out at the pixels that show it, and
+ * nothing of its neighbours. */
 #include "light_octree_support.h"
 
 #include "base/memory.h"
@@ -39,19 +40,26 @@ static void end_stage(stage *s) {
 }
 
 static void apply(stage *s) {
-    assert_int_equal(sl_atlas_apply(s->canvas, s->gbuffer, s->scene, 2, s->out[0], s->out[1], s->out[2], &s->counters, NULL), SL_OK);
+    assert_int_equal(sl_atlas_apply(s->canvas, s->gbuffer, s->scene, 2, s->out[0], s->out[1], s->out[2],
+                                    &s->counters, NULL),
+                     SL_OK);
 }
 
 static sl_scene *scene_from(void fill(trace_mesh *)) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     fill(&mesh);
-    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(2.0f, 1.5f, 3.0f), sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 1.0f, 0.0f), 0.9f);
+    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(2.0f, 1.5f, 3.0f), sl_v3(0.0f, 0.0f, 0.0f),
+                                        sl_v3(0.0f, 1.0f, 0.0f), 0.9f);
     return trace_mesh_build(&mesh);
 }
 
-static void wall(trace_mesh *m) { trace_mesh_quad(m, sl_v3(-1.0f, -1.0f, 0.0f), sl_v3(2.0f, 0.0f, 0.0f), sl_v3(0.0f, 2.0f, 0.0f), 0); }
-static void wall_from_behind(trace_mesh *m) { trace_mesh_quad(m, sl_v3(-1.0f, -1.0f, 0.0f), sl_v3(0.0f, 2.0f, 0.0f), sl_v3(2.0f, 0.0f, 0.0f), 0); }
+static void wall(trace_mesh *m) {
+    trace_mesh_quad(m, sl_v3(-1.0f, -1.0f, 0.0f), sl_v3(2.0f, 0.0f, 0.0f), sl_v3(0.0f, 2.0f, 0.0f), 0);
+}
+static void wall_from_behind(trace_mesh *m) {
+    trace_mesh_quad(m, sl_v3(-1.0f, -1.0f, 0.0f), sl_v3(0.0f, 2.0f, 0.0f), sl_v3(2.0f, 0.0f, 0.0f), 0);
+}
 static void ball_and_box(trace_mesh *m) {
     trace_mesh_sphere(m, sl_v3(0.0f, 0.0f, 0.0f), 0.8f, 16, 0.0f, false, 0);
     trace_mesh_box(m, sl_v3(-2.0f, -1.2f, -2.0f), sl_v3(2.0f, -1.0f, 2.0f), false, 0);
@@ -65,15 +73,15 @@ static void confetti(trace_mesh *m) { /* pieces smaller than texels */
 
 /* ---- shaders ---- */
 
-static void constant(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1, const float *w2, float *r, float *g,
-                     float *b) {
+static void constant(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1,
+                     const float *w2, float *r, float *g, float *b) {
     const float *color = context;
     (void)worker, (void)triangle, (void)w1, (void)w2;
     for (size_t i = 0; i < count; i++) r[i] = color[0], g[i] = color[1], b[i] = color[2];
 }
 
-static void position(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1, const float *w2, float *r, float *g,
-                     float *b) {
+static void position(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1,
+                     const float *w2, float *r, float *g, float *b) {
     const sl_scene *s = context;
     (void)worker;
     for (size_t i = 0; i < count; i++) {
@@ -84,15 +92,16 @@ static void position(void *context, unsigned worker, size_t count, const uint32_
     }
 }
 
-static void chart_number(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1, const float *w2, float *r,
-                         float *g, float *b) {
+static void chart_number(void *context, unsigned worker, size_t count, const uint32_t *triangle,
+                         const float *w1, const float *w2, float *r, float *g, float *b) {
     const sl_atlas *a = context;
     (void)worker, (void)w1, (void)w2;
-    for (size_t i = 0; i < count; i++) r[i] = (float)(a->chart[triangle[i]] + 1), g[i] = (float)(a->chart[triangle[i]] & 1), b[i] = 1.0f;
+    for (size_t i = 0; i < count; i++)
+        r[i] = (float)(a->chart[triangle[i]] + 1), g[i] = (float)(a->chart[triangle[i]] & 1), b[i] = 1.0f;
 }
 
-static void damaged(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1, const float *w2, float *r, float *g,
-                    float *b) {
+static void damaged(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1,
+                    const float *w2, float *r, float *g, float *b) {
     (void)context, (void)worker, (void)w1, (void)w2, (void)triangle;
     for (size_t i = 0; i < count; i++) r[i] = NAN, g[i] = INFINITY, b[i] = i % 3 ? -INFINITY : 1.0f;
 }
@@ -131,7 +140,8 @@ static void what_varies_evenly_is_looked_up_exactly_but_for_the_rim(void **state
     size_t inside = 0;
     for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
         if (s.gbuffer->material[i] == SL_NO_INDEX) continue;
-        double p[3] = {(double)s.gbuffer->position_x[i], (double)s.gbuffer->position_y[i], (double)s.gbuffer->position_z[i]};
+        double p[3] = {(double)s.gbuffer->position_x[i], (double)s.gbuffer->position_y[i],
+                       (double)s.gbuffer->position_z[i]};
         bool rim = fmax(fabs(p[0]), fabs(p[1])) > 1.0 - 1.01 * texel;
         inside += !rim;
         for (int k = 0; k < 3; k++) {
@@ -170,7 +180,8 @@ static void each_side_shows_its_own_light(void **state) {
         assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 1, constant, front, NULL), SL_OK);
         assert_int_equal(sl_atlas_canvas_bytes(s.canvas) - bytes, 64 * 64 * 16);
         for (int both = 0; both < 2; both++) {
-            if (both) assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_BACK, 1, constant, back, NULL), SL_OK);
+            if (both)
+                assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_BACK, 1, constant, back, NULL), SL_OK);
             apply(&s);
             for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
                 double lit = s.gbuffer->material[i] == SL_NO_INDEX ? 0.0 : 0.5 / SL_PI;
@@ -186,7 +197,8 @@ static void what_is_not_finite_becomes_black(void **state) {
     (void)state;
     stage s = stage_of(scene_from(ball_and_box), 64);
     assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, damaged, NULL, NULL), SL_OK);
-    for (size_t i = 0; i < 4 * 64 * 64; i++) assert_true(s.canvas->side[0]->texels[i] >= 0.0f && s.canvas->side[0]->texels[i] <= 1.0f);
+    for (size_t i = 0; i < 4 * 64 * 64; i++)
+        assert_true(s.canvas->side[0]->texels[i] >= 0.0f && s.canvas->side[0]->texels[i] <= 1.0f);
     end_stage(&s);
 }
 
@@ -204,7 +216,9 @@ static void two_rings_surround_what_is_covered(void **state) {
             for (int j = y - 2; j <= y + 2; j++)
                 for (int i = x - 2; i <= x + 2; i++) {
                     int distance = abs(i - x) > abs(j - y) ? abs(i - x) : abs(j - y);
-                    if (i >= 0 && j >= 0 && i < SIZE && j < SIZE && s.canvas->ring[j * SIZE + i] == 0 && distance < nearest) nearest = distance;
+                    if (i >= 0 && j >= 0 && i < SIZE && j < SIZE && s.canvas->ring[j * SIZE + i] == 0 &&
+                        distance < nearest)
+                        nearest = distance;
                 }
             listed += ring == 0;
             assert_int_equal(ring, nearest > 2 ? SL_ATLAS_VOID : nearest);
@@ -223,8 +237,10 @@ static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
     sl_voxel_lights *lights = lights_of(s.scene, octree, &options);
     uint64_t key = sl_random_key(5, 0);
     for (size_t i = 0; i < octree->leaf_count; i++) {
-        sl_vec3d d = sl_v3d((double)sl_random_unit(key, 4 * i) - 0.5, 0.6, (double)sl_random_unit(key, 4 * i + 1) - 0.5);
-        set_light(lights, i, 0, sl_scaled(d, 1.0 / sl_lengthd(d)), 1.0f, sl_random_unit(key, 4 * i + 2), 0.5f);
+        sl_vec3d d = sl_v3d((double)sl_random_unit(key, 4 * i) - 0.5, 0.6,
+                            (double)sl_random_unit(key, 4 * i + 1) - 0.5);
+        set_light(lights, i, 0, sl_scaled(d, 1.0 / sl_lengthd(d)), 1.0f, sl_random_unit(key, 4 * i + 2),
+                  0.5f);
     }
     sl_voxel_texture *texture = texture_of(octree, lights, false);
     sl_octree_shading shading = {.texture = texture, .filter = SL_VOXEL_TRILINEAR};
@@ -232,7 +248,9 @@ static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
     assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
     float *first = sl_allocate(128 * 128, 4 * sizeof *first);
     for (unsigned threads = 1; threads <= 3; threads++) { /* the same bits at any number of threads */
-        assert_int_equal(sl_atlas_bake_octree(s.canvas, SL_ATLAS_FRONT, s.scene, &shading, threads, &s.counters, NULL), SL_OK);
+        assert_int_equal(
+            sl_atlas_bake_octree(s.canvas, SL_ATLAS_FRONT, s.scene, &shading, threads, &s.counters, NULL),
+            SL_OK);
         if (threads == 1) memcpy(first, s.canvas->side[0]->texels, 128 * 128 * 16);
         else assert_memory_equal(first, s.canvas->side[0]->texels, 128 * 128 * 16);
     }
@@ -240,9 +258,11 @@ static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
     for (size_t i = 0; i < s.canvas->count; i += 7) {
         sl_surface surface;
         uint32_t t = s.canvas->triangle[i];
-        sl_scene_surface(s.scene, t, s.canvas->w1[i], s.canvas->w2[i], sl_scene_geometric_normal(s.scene, t), &surface);
+        sl_scene_surface(s.scene, t, s.canvas->w1[i], s.canvas->w2[i], sl_scene_geometric_normal(s.scene, t),
+                         &surface);
         const sl_vec3 *p = &surface.position, *n = &surface.normal;
-        sl_octree_points point = {1, &p->x, &p->y, &p->z, &n->x, &n->y, &n->z, &n->x, &n->y, &n->z, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+        sl_octree_points point = {1,     &p->x, &p->y, &p->z, &n->x, &n->y, &n->z, &n->x, &n->y,
+                                  &n->z, NULL,  NULL,  NULL,  NULL,  NULL,  NULL,  NULL};
         float rgb[3];
         sl_octree_shade(&shading, &point, scratch, &rgb[0], &rgb[1], &rgb[2], &s.counters);
         assert_memory_equal(rgb, s.canvas->side[0]->texels + 4 * (size_t)s.canvas->texel[i], sizeof rgb);

@@ -38,7 +38,8 @@ static void add(cloud *c, sl_vec3d d, double weight) {
 }
 
 static sl_vec3d cosine_distributed(uint64_t key, uint64_t i) {
-    double s = (double)sl_random_unit(key, 2 * i), r = sqrt(s), phi = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * i + 1);
+    double s = (double)sl_random_unit(key, 2 * i), r = sqrt(s),
+           phi = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * i + 1);
     return sl_v3d(r * sl_cos(phi), r * sl_sin(phi), sqrt(1.0 - s));
 }
 
@@ -58,7 +59,8 @@ static cloud *random_cloud(size_t count, int kind, uint64_t seed) {
 static double cost_of(const cloud *c, const sl_clusters *clusters) {
     double sum = 0.0;
     for (size_t i = 0; i < c->directions.count; i++) {
-        sl_vec3d d = sl_subd(sl_v3d((double)c->x[i], (double)c->y[i], (double)c->z[i]), clusters->centre[c->of[i]]);
+        sl_vec3d d =
+            sl_subd(sl_v3d((double)c->x[i], (double)c->y[i], (double)c->z[i]), clusters->centre[c->of[i]]);
         sum += c->weight[i] * sl_dotd(d, d);
     }
     return sum;
@@ -93,7 +95,8 @@ static void one_cluster_is_the_weighted_mean(void **state) {
     sl_vec3d mean = {0};
     double weight = 0.0;
     for (size_t i = 0; i < 301; i++) {
-        mean = sl_addd(mean, sl_scaled(sl_v3d((double)c->x[i], (double)c->y[i], (double)c->z[i]), c->weight[i]));
+        mean =
+            sl_addd(mean, sl_scaled(sl_v3d((double)c->x[i], (double)c->y[i], (double)c->z[i]), c->weight[i]));
         weight += c->weight[i];
     }
     sl_clusters clusters;
@@ -104,13 +107,15 @@ static void one_cluster_is_the_weighted_mean(void **state) {
     assert_true(fabs(clusters.rms_angle - 2.0 * sl_asin(0.5 * sqrt(2.0 * (1.0 - resultant)))) < 1e-7);
     double angle = 0.0;
     for (size_t i = 0; i < 301; i++) {
-        angle += c->weight[i] * sl_acos(sl_dotd(sl_v3d((double)c->x[i], (double)c->y[i], (double)c->z[i]), clusters.centre[0]));
+        angle += c->weight[i] * sl_acos(sl_dotd(sl_v3d((double)c->x[i], (double)c->y[i], (double)c->z[i]),
+                                                clusters.centre[0]));
     }
     assert_true(fabs(clusters.mean_angle - angle / weight) < 1e-7);
     free(c);
 }
 
-/* RMS angle from photons to the lights they are put to: 6,000 photons of a cosine law, equal weights; with 300 of them a little less. */
+/* RMS angle from photons to the lights they are put to: 6,000 photons of a cosine law, equal weights; with
+ * 300 of them a little less. */
 static void the_spread_over_the_number_of_lights_is_as_simulated(void **state) {
     (void)state;
     const int counts[] = {1, 2, 3, 4, 6, 8};
@@ -123,7 +128,8 @@ static void the_spread_over_the_number_of_lights_is_as_simulated(void **state) {
         sl_clusters clusters;
         sl_cluster_directions(&c->directions, counts[k], c->of, c->scratch, &clusters);
         double degrees = clusters.rms_angle * 180.0 / SL_PI;
-        if (fabs(degrees - many[k]) > 0.03 * many[k]) fail_msg("%d lights: %.2f degrees, not %.1f", counts[k], degrees, many[k]);
+        if (fabs(degrees - many[k]) > 0.03 * many[k])
+            fail_msg("%d lights: %.2f degrees, not %.1f", counts[k], degrees, many[k]);
         double mean = 0.0;
         for (uint64_t run = 0; run < 20; run++) {
             c->directions.count = 0;
@@ -133,7 +139,8 @@ static void the_spread_over_the_number_of_lights_is_as_simulated(void **state) {
             capped += clusters.iterations == SL_CLUSTER_ITERATIONS;
             mean += clusters.rms_angle * 180.0 / SL_PI / 20.0;
         }
-        if (fabs(mean - few[k]) > 0.05 * few[k]) fail_msg("%d lights, 300 photons: %.2f degrees, not %.1f", counts[k], mean, few[k]);
+        if (fabs(mean - few[k]) > 0.05 * few[k])
+            fail_msg("%d lights, 300 photons: %.2f degrees, not %.1f", counts[k], mean, few[k]);
         free(c);
     }
     assert_true(capped <= 6); /* of 120: the rest settle */
@@ -177,7 +184,8 @@ static void an_empty_cluster_is_filled_again(void **state) {
     (void)state;
     cloud *c = random_cloud(100, 0, 8);
     sl_clusters clusters = {.count = 3};
-    for (int k = 0; k < 3; k++) clusters.centre[k] = sl_v3d(0, 0, 1); /* all ties go to the first: two are empty */
+    /* all ties go to the first: two are empty */
+    for (int k = 0; k < 3; k++) clusters.centre[k] = sl_v3d(0, 0, 1);
     memset(c->of, 0xff, sizeof c->of);
     sl_cluster_step(&c->directions, c->of, &clusters);
     size_t members[3] = {0};
@@ -220,7 +228,8 @@ static void nothing_gives_nothing(void **state) {
     cloud *c = new_cloud();
     sl_clusters clusters;
     sl_cluster_directions(&c->directions, 4, c->of, c->scratch, &clusters);
-    assert_true(clusters.count == 0 && clusters.cost == 0.0 && clusters.rms_angle == 0.0 && clusters.mean_angle == 0.0);
+    assert_true(clusters.count == 0 && clusters.cost == 0.0 && clusters.rms_angle == 0.0 &&
+                clusters.mean_angle == 0.0);
     free(c);
 }
 

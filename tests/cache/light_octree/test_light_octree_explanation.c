@@ -1,4 +1,5 @@
-/* What the light octree says made a pixel is what made it, whatever its settings, and in pictures that were stopped anywhere. */
+/* What the light octree says made a pixel is what made it, whatever its settings, and in pictures that were
+ * stopped anywhere. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,7 +32,8 @@ static size_t add_up(sl_method *method, const sl_image *picture) {
     for (int pixel = 0; pixel < SIZE * SIZE; pixel++) {
         sl_explanation *explanation;
         double size[3] = {1e-30, 1e-30, 1e-30};
-        assert_int_equal(sl_method_explanation(method, picture, pixel % SIZE, pixel / SIZE, &explanation, NULL), SL_OK);
+        assert_int_equal(
+            sl_method_explanation(method, picture, pixel % SIZE, pixel / SIZE, &explanation, NULL), SL_OK);
         for (size_t i = 0; i < explanation->count; i++) {
             const sl_explanation_term *term = &explanation->terms[i];
             for (int c = 0; c < 3; c++) size[c] += fabs(term->contribution[c]);
@@ -52,7 +54,8 @@ static size_t told(const char *path, const sl_settings *settings, uint64_t batch
     sl_progress progress = {0};
     assert_int_equal(sl_scene_load(path, &scene, NULL), SL_OK);
     assert_int_equal(sl_method_create(scene, settings, &method, NULL), SL_OK);
-    while (!progress.done && (!batches || progress.batches < batches)) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    while (!progress.done && (!batches || progress.batches < batches))
+        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
     assert_int_equal(sl_method_resolve(method, &picture, NULL), SL_OK);
     size_t lights = add_up(method, picture);
     *done = progress.done;
@@ -70,7 +73,8 @@ static void void_dark(sl_light_octree_settings *o) { o->keep_void_dark = true; }
 
 static void lights_of_voxels_add_up_whatever_the_settings(void **state) {
     (void)state;
-    static void (*const settings[])(sl_light_octree_settings *) = {one_colour, surface, whole, nearest, void_dark};
+    static void (*const settings[])(sl_light_octree_settings *) = {one_colour, surface, whole, nearest,
+                                                                   void_dark};
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
         bool done;
         sl_settings s = small();
@@ -99,7 +103,8 @@ static void light_by_other_ways_is_one_term(void **state) {
     assert_int_equal(told("scenes/cornell-glossy.json", &s, 0, &done), 0);
 }
 
-/* Between the lights of a deeper octree and the pixels that they light the picture still is the shallower one's. */
+/* Between the lights of a deeper octree and the pixels that they light the picture still is the shallower
+ * one's. */
 static void a_picture_may_be_stopped_anywhere(void **state) {
     (void)state;
     bool done = false;

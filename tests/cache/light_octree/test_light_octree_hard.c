@@ -1,4 +1,5 @@
-/* Hard cases of voxels, each with photons strewn or traced: slivers, no normal, few photons, caustics; and what becomes of their energy. */
+/* Hard cases of voxels, each with photons strewn or traced: slivers, no normal, few photons, caustics; and
+ * what becomes of their energy. */
 #include "light_octree_photons.h"
 
 #include "trace_scenes.h"
@@ -7,7 +8,8 @@ static double luminance_of_red(void) { return 0.2126 + 0.5 * 0.7152 + 0.25 * 0.0
 
 /* ---- slivers ---- */
 
-/* Of what lights of one colour say, by how much they miss 1: of voxels that hold a sliver of a plane, and of others. */
+/* Of what lights of one colour say, by how much they miss 1: of voxels that hold a sliver of a plane, and of
+ * others. */
 static void errors_by_area(const lit *l, double rms[2]) {
     double sum[2] = {0.0, 0.0}, count[2] = {0.0, 0.0}, voxel = sl_octree_voxel(l->octree);
     for (size_t i = 0; i < l->octree->leaf_count; i++) {
@@ -22,7 +24,8 @@ static void errors_by_area(const lit *l, double rms[2]) {
     for (int k = 0; k < 2; k++) rms[k] = sqrt(sum[k] / count[k]);
 }
 
-/* Figure 16a: counting voxel by voxel makes bands where a sloping plane leaves slivers in voxels; the nearest photons do not know of them. */
+/* Figure 16a: counting voxel by voxel makes bands where a sloping plane leaves slivers in voxels; the nearest
+ * photons do not know of them. */
 static void bands_of_a_histogram_are_gone_with_the_nearest_photons(void **state) {
     (void)state;
     float xyz[18];
@@ -40,7 +43,8 @@ static void bands_of_a_histogram_are_gone_with_the_nearest_photons(void **state)
         errors_by_area(&l, rms[own]);
         end_lit(&l);
     }
-    print_message("nearest %.3f, slivers %.3f; own %.3f, slivers %.3f\n", rms[0][0], rms[0][1], rms[1][0], rms[1][1]);
+    print_message("nearest %.3f, slivers %.3f; own %.3f, slivers %.3f\n", rms[0][0], rms[0][1], rms[1][0],
+                  rms[1][1]);
     assert_true(rms[0][1] < 1.3 * rms[0][0]);
     assert_true(rms[1][1] > 2.0 * rms[1][0] && rms[1][1] > 2.5 * rms[0][1]);
     sl_scene_destroy(scene);
@@ -48,7 +52,8 @@ static void bands_of_a_histogram_are_gone_with_the_nearest_photons(void **state)
 
 /* ---- no normal, few photons ---- */
 
-/* A wall with two faces and next to no thickness, whole voxels: their photons are spread over both faces, and the sphere's area is that of both. */
+/* A wall with two faces and next to no thickness, whole voxels: their photons are spread over both faces, and
+ * the sphere's area is that of both. */
 static void voxels_without_a_normal_spread_photons_over_all_surfaces(void **state) {
     (void)state;
     float xyz[36];
@@ -69,8 +74,9 @@ static void voxels_without_a_normal_spread_photons_over_all_surfaces(void **stat
         if (sl_length(set->normal) > 0.0f) continue;
         assert_int_equal(set->photons, 200);
         assert_true(fabs((double)set->density / luminance_of_red() - 1.0) < 5.0 / sqrt(200.0));
-        assert_true((double)set->area > 1.2 * SL_PI * (double)set->radius * (double)set->radius || set->centroid.x < 1.0f || set->centroid.x > 3.0f ||
-                    set->centroid.z < 1.0f || set->centroid.z > 3.0f); /* two faces of a disc each */
+        assert_true((double)set->area > 1.2 * SL_PI * (double)set->radius * (double)set->radius ||
+                    set->centroid.x < 1.0f || set->centroid.x > 3.0f || set->centroid.z < 1.0f ||
+                    set->centroid.z > 3.0f); /* two faces of a disc each */
         sum += (double)set->density / luminance_of_red();
         count += 1.0;
     }
@@ -79,7 +85,8 @@ static void voxels_without_a_normal_spread_photons_over_all_surfaces(void **stat
     sl_scene_destroy(scene);
 }
 
-/* Fewer than k within r: all of them over the area within r; k of them: (k - 1) / k of that. Exactly, photon by photon. */
+/* Fewer than k within r: all of them over the area within r; k of them: (k - 1) / k of that. Exactly, photon
+ * by photon. */
 static void densities_are_flux_over_area_with_the_right_factor(void **state) {
     (void)state;
     float xyz[18];
@@ -121,7 +128,8 @@ static void lights_do_not_depend_on_the_order_of_photons(void **state) {
         sl_vec3 at = random_on(scene, key, i, &triangle), n = sl_scene_geometric_normal(scene, triangle);
         strew(list[0], at, cosine_about(n, more, i), n, 1e-3f * (1.0f + sl_random_unit(more, 7 * i)));
     }
-    for (size_t i = 0; i < PHOTONS; i++) list[1]->photon[list[1]->count++] = list[0]->photon[i * 7919 % PHOTONS];
+    for (size_t i = 0; i < PHOTONS; i++)
+        list[1]->photon[list[1]->count++] = list[0]->photon[i * 7919 % PHOTONS];
     sl_voxel_light_options o = plain_options(4);
     o.split_by_normal = true;
     lit a = light_up(scene, 4, list[0], &o, 1), b = light_up(scene, 4, list[1], &o, 1);
@@ -148,7 +156,8 @@ static sl_photon_list *traced(const sl_scene *scene, uint64_t stored, sl_photon_
     sl_counters counters = {{0}};
     sl_photon_options options = {.stored = stored, .store = store, .seed = 1, .threads = 2};
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
-    for (bool done = false; !done;) assert_int_equal(sl_photons_trace(scene, tracer, &options, 16, &list, &done, &counters, NULL), SL_OK);
+    for (bool done = false; !done;)
+        assert_int_equal(sl_photons_trace(scene, tracer, &options, 16, &list, &done, &counters, NULL), SL_OK);
     sl_tracer_destroy(tracer);
     return list;
 }
@@ -162,8 +171,9 @@ static double flux_of(const sl_photon_list *list) {
     return sum;
 }
 
-/* Density times area over all voxels is the flux that photons brought, but for what densities of the k nearest add to where light is uneven: 2 % of the
- * Cornell box, and 1 % for hulls that are taken for surface. */
+/* Density times area over all voxels is the flux that photons brought, but for what densities of the k
+ * nearest add to where light is uneven: 2 % of the Cornell box, and 1 % for hulls that are taken for surface.
+ */
 static void voxels_hold_the_flux_of_all_photons(void **state) {
     (void)state;
     sl_scene *scene = NULL;
@@ -181,19 +191,21 @@ static void voxels_hold_the_flux_of_all_photons(void **state) {
         lit l = light_up(scene, 4 + k / 2, list, &o, 2);
         sl_voxel_statistics s;
         sl_voxel_lights_statistics(l.lights, l.octree, &s);
-        print_message("depth %d, %s: %.4f of the photons' flux\n", 4 + k / 2, k & 1 ? "split" : "whole", s.flux / flux);
+        print_message("depth %d, %s: %.4f of the photons' flux\n", 4 + k / 2, k & 1 ? "split" : "whole",
+                      s.flux / flux);
         assert_true(fabs(s.flux / flux - 1.02) < 0.025);
         end_lit(&l);
     }
     sl_scene_destroy(scene);
 }
 
-/* A mirror ring of radius 1 on a floor, parallel light from one side: what its far inside reflects is a nephroid on the floor, with its cusp half
- * a radius before the mirror. */
+/* A mirror ring of radius 1 on a floor, parallel light from one side: what its far inside reflects is a
+ * nephroid on the floor, with its cusp half a radius before the mirror. */
 static sl_scene *ring_on_a_floor(void) {
     enum { SEGMENTS = 96 };
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0),
+                    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
     uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0);
     for (int i = 0; i < SEGMENTS; i++) {
         float s, c, t, d;
@@ -201,8 +213,10 @@ static sl_scene *ring_on_a_floor(void) {
         sl_sincos_turnf((float)(i + 1) / SEGMENTS, &t, &d);
         trace_mesh_quad(&mesh, sl_v3(c, 1e-3f, s), sl_v3(d - c, 0, t - s), sl_v3(0, 0.4f, 0), mirror);
     }
-    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = sl_normalize_or(sl_v3(1, -0.6f, 0), sl_v3(0, -1, 0)),
-                                                 .intensity = {1, 0.5f, 0.25f}};
+    mesh.lights[mesh.light_count++] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL,
+                   .direction = sl_normalize_or(sl_v3(1, -0.6f, 0), sl_v3(0, -1, 0)),
+                   .intensity = {1, 0.5f, 0.25f}};
     return trace_mesh_build(&mesh);
 }
 
@@ -222,9 +236,12 @@ static void a_mirror_ring_makes_a_bright_cusp_and_keeps_its_flux(void **state) {
     lit l = light_up(scene, 6, list, &o, 2);
     sl_voxel_statistics s;
     sl_voxel_lights_statistics(l.lights, l.octree, &s);
-    double cusp = irradiance_at(&l, 0.5f, 0.0f), before = irradiance_at(&l, 0.3f, 0.0f), aside = 0.5 * (irradiance_at(&l, 0.5f, 0.3f) + irradiance_at(&l, 0.5f, -0.3f));
-    print_message("flux %.4f; at the cusp %.3f, before it %.3f, aside %.3f\n", s.flux / flux, cusp, before, aside);
-    assert_true(s.flux > 0.95 * flux && s.flux < 1.15 * flux); /* 1.8 if a caustic's hull were taken for its surface */
+    double cusp = irradiance_at(&l, 0.5f, 0.0f), before = irradiance_at(&l, 0.3f, 0.0f),
+           aside = 0.5 * (irradiance_at(&l, 0.5f, 0.3f) + irradiance_at(&l, 0.5f, -0.3f));
+    print_message("flux %.4f; at the cusp %.3f, before it %.3f, aside %.3f\n", s.flux / flux, cusp, before,
+                  aside);
+    /* 1.8 if a caustic's hull were taken for its surface */
+    assert_true(s.flux > 0.95 * flux && s.flux < 1.15 * flux);
     assert_true(cusp > 3.0 * before && cusp > 3.0 * aside);
     end_lit(&l);
     sl_scene_destroy(scene);
@@ -232,8 +249,8 @@ static void a_mirror_ring_makes_a_bright_cusp_and_keeps_its_flux(void **state) {
 
 /* ---- one texel a light ---- */
 
-/* A packed direction is 0.01374 off at most (as a chord), so each light's share of radiance is, too, times its colour; the texture has one
- * texel a light where an unpacked direction would want two. */
+/* A packed direction is 0.01374 off at most (as a chord), so each light's share of radiance is, too, times
+ * its colour; the texture has one texel a light where an unpacked direction would want two. */
 static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
     (void)state;
     enum { LIGHTS = 4, POINTS = 2000 };
@@ -246,7 +263,8 @@ static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
     assert_non_null(exact);
     for (size_t i = 0; i < octree->leaf_count * LIGHTS; i++) {
         exact[i] = sl_to_double(random_direction(key, 3 * i));
-        set_light(lights, i / LIGHTS, (int)(i % LIGHTS), exact[i], 0.5f + sl_random_unit(key, 3 * i + 2), 1, 1);
+        set_light(lights, i / LIGHTS, (int)(i % LIGHTS), exact[i], 0.5f + sl_random_unit(key, 3 * i + 2), 1,
+                  1);
     }
     sl_voxel_texture *texture = texture_of(octree, lights, false);
     sl_octree_scratch *scratch;
@@ -256,7 +274,13 @@ static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
     for (uint64_t i = 0; i < POINTS; i++) {
         uint32_t triangle;
         sl_vec3 at = random_on(scene, points, i, &triangle), n = random_direction(points, 7 * i);
-        sl_octree_points p = {.count = 1, .x = &at.x, .y = &at.y, .z = &at.z, .normal_x = &n.x, .normal_y = &n.y, .normal_z = &n.z};
+        sl_octree_points p = {.count = 1,
+                              .x = &at.x,
+                              .y = &at.y,
+                              .z = &at.z,
+                              .normal_x = &n.x,
+                              .normal_y = &n.y,
+                              .normal_z = &n.z};
         sl_counters counters = {{0}};
         float out[3];
         sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);

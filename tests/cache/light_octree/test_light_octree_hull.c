@@ -1,4 +1,5 @@
-/* The area that photons tell of by themselves: their convex hull, against a slow one, and against areas that are known. */
+/* The area that photons tell of by themselves: their convex hull, against a slow one, and against areas that
+ * are known. */
 #include "light_octree_photons.h"
 
 #include "cache/light_octree/photon_hull.h"
@@ -31,7 +32,8 @@ static double slow_area(const sl_hull_points *p, size_t *corners) {
     return area;
 }
 
-/* kind 0: a square; 1: a disc; 2: a circle, every point a corner; 3: a small grid, many points in one place or in line; 4: a thin strip */
+/* kind 0: a square; 1: a disc; 2: a circle, every point a corner; 3: a small grid, many points in one place
+ * or in line; 4: a thin strip */
 static void fill(sl_hull_points *p, size_t count, int kind, uint64_t seed) {
     p->count = count;
     for (size_t i = 0; i < count; i++) {
@@ -52,7 +54,8 @@ static void the_hull_is_that_of_a_slow_search_on_every_instruction_set(void **st
         fill(&p, count, (int)(run % 5), run);
         sl_photon_hull first = sl_photon_hull_of(&p);
         double area = slow_area(&p, &corners);
-        if (fabs(first.area - area) > 1e-9 + 1e-6 * area) fail_msg("run %d: %.9g, not %.9g", (int)run, first.area, area);
+        if (fabs(first.area - area) > 1e-9 + 1e-6 * area)
+            fail_msg("run %d: %.9g, not %.9g", (int)run, first.area, area);
         if (first.area > 0.0) assert_int_equal(first.corners, corners);
         for (int isa = 0; isa < 3; isa++) {
             setenv("SOFTLUX_ISA", isas[isa], 1);
@@ -83,7 +86,8 @@ static void order_does_not_matter(void **state) {
     sl_hull_points_release(&q);
 }
 
-/* Of half of the surface, (N + 1) / (N - N_b + 1) |hull| is a half on the mean; the hull alone would be a tenth to a third less. */
+/* Of half of the surface, (N + 1) / (N - N_b + 1) |hull| is a half on the mean; the hull alone would be a
+ * tenth to a third less. */
 static void the_estimate_has_no_bias(void **state) {
     (void)state;
     sl_hull_points p;
@@ -153,7 +157,8 @@ static void what_spans_no_area_says_nothing(void **state) {
 
 /* ---- voxels ---- */
 
-/* A floor of which a box covers half: what is under the box no photon meets. Beside the box the floor is as bright as elsewhere. */
+/* A floor of which a box covers half: what is under the box no photon meets. Beside the box the floor is as
+ * bright as elsewhere. */
 static void floors_are_not_dark_beside_what_stands_on_them(void **state) {
     (void)state;
     float xyz[9 * 8];
@@ -172,7 +177,9 @@ static void floors_are_not_dark_beside_what_stands_on_them(void **state) {
     double count[2] = {0.0, 0.0}, sum[2] = {0.0, 0.0};
     for (size_t s = 0; s < l.lights->set_count; s++) {
         sl_vec3 c = l.lights->set[s].centroid;
-        bool floor_set = fabsf(l.lights->set[s].normal.y) > 0.9f && c.y < 0.01f && c.x < 2.0f, near = c.x > 1.85f, middle = c.x > 0.5f && c.x < 1.5f;
+        bool floor_set =
+                 fabsf(l.lights->set[s].normal.y) > 0.9f && c.y < 0.01f && c.x<2.0f, near = c.x> 1.85f,
+             middle = c.x > 0.5f && c.x < 1.5f;
         if (!floor_set || !(near || middle)) continue;
         sum[middle] += irradiance_on(l.lights, s, sl_v3(0, 1, 0));
         count[middle] += 1.0;

@@ -1,5 +1,5 @@
-/* Lights of voxels from photons strewn by hand: what they say of the irradiance, on flat and tilted surfaces, at edges, on thin walls,
- * and where there is next to nothing to go by. */
+/* Lights of voxels from photons strewn by hand: what they say of the irradiance, on flat and tilted surfaces,
+ * at edges, on thin walls, and where there is next to nothing to go by. */
 #include "light_octree_photons.h"
 
 #include "cache/light_octree/voxel_lobes.h"
@@ -58,7 +58,9 @@ static void tilted_surfaces_get_what_the_table_says(void **state) {
     const struct {
         const cloud *field;
         double tilt, ratio[4]; /* surface; perpendicular with 1, 4, 8 lights */
-    } rows[] = {{&even, 30, {1.07, 0.93, 0.93, 0.95}}, {&even, 60, {1.33, 0.67, 0.87, 0.96}}, {&narrow, 30, {0.58, 0.99, 0.99, 0.99}},
+    } rows[] = {{&even, 30, {1.07, 0.93, 0.93, 0.95}},
+                {&even, 60, {1.33, 0.67, 0.87, 0.96}},
+                {&narrow, 30, {0.58, 0.99, 0.99, 0.99}},
                 {&narrow, -30, {5.7, 0.14, 0.93, 0.99}}};
     for (int r = 0; r < 4; r++) {
         for (int k = 0; k < 4; k++) {
@@ -67,7 +69,8 @@ static void tilted_surfaces_get_what_the_table_says(void **state) {
             double ratio = ratio_on_tilt(rows[r].field, &o, rows[r].tilt), wanted = rows[r].ratio[k];
             /* One light, all but grazing: a degree of its direction is half of the irradiance. */
             double tolerance = r == 3 && k == 1 ? 0.08 : 0.03 * wanted + 0.025;
-            if (fabs(ratio - wanted) > tolerance) fail_msg("row %d, column %d: %.3f, not %.2f", r, k, ratio, wanted);
+            if (fabs(ratio - wanted) > tolerance)
+                fail_msg("row %d, column %d: %.3f, not %.2f", r, k, ratio, wanted);
         }
     }
     sl_lobe_photons_release(&even.photons);
@@ -91,8 +94,9 @@ static void on_the_flat_nothing_is_lost(void **state) {
     sl_lobe_photons_release(&narrow.photons);
 }
 
-/* An even sky over a fold: half of its photons lie on a face turned one way, half on one turned the other. Where a whole voxel's mean normal is
- * concerned, its lights make less; a set of one group of normals makes all the light that its photons brought. */
+/* An even sky over a fold: half of its photons lie on a face turned one way, half on one turned the other.
+ * Where a whole voxel's mean normal is concerned, its lights make less; a set of one group of normals makes
+ * all the light that its photons brought. */
 static void a_bent_surface_makes_the_light_that_its_photons_brought(void **state) {
     (void)state;
     sl_lobe_photons p;
@@ -111,7 +115,8 @@ static void a_bent_surface_makes_the_light_that_its_photons_brought(void **state
             sl_lobe_spread spread = {0};
             double made = 0.0;
             int count = sl_lobes_of_photons(&p, &o, 1.0 / CLOUD, sl_v3(0, 0, 1), n, light, &spread);
-            for (int j = 0; j < count; j++) made += (double)light[j].color[0] * fmax(0.0, (double)sl_direction_unpack(light[j].packed).z);
+            for (int j = 0; j < count; j++)
+                made += (double)light[j].color[0] * fmax(0.0, (double)sl_direction_unpack(light[j].packed).z);
             if (split) assert_true(fabs(made - 1.0) < 1e-5);
             else assert_true(made > 0.7 && made < 0.97);
         }
@@ -123,13 +128,16 @@ static void photons_that_carry_nothing_are_left_out(void **state) {
     (void)state;
     sl_lobe_photons p;
     assert_int_equal(sl_lobe_photons_create(8, &p, NULL), SL_OK);
-    const float flux[8][3] = {{0, 0, 0}, {NAN, 1, 1}, {1, 1, 1}, {INFINITY, 0, 0}, {-1, -1, -1}, {0, 0, 1e-30f}, {1, -9, 1}, {2, 2, 2}};
-    for (int i = 0; i < 8; i++) sl_lobe_photons_add(&p, sl_v3(0, 0, 1), i == 7 ? sl_v3(NAN, 0, 0) : sl_v3(0, 0, 1), flux[i]);
+    const float flux[8][3] = {{0, 0, 0},    {NAN, 1, 1},    {1, 1, 1},  {INFINITY, 0, 0},
+                              {-1, -1, -1}, {0, 0, 1e-30f}, {1, -9, 1}, {2, 2, 2}};
+    for (int i = 0; i < 8; i++)
+        sl_lobe_photons_add(&p, sl_v3(0, 0, 1), i == 7 ? sl_v3(NAN, 0, 0) : sl_v3(0, 0, 1), flux[i]);
     assert_int_equal(p.count, 2);
     sl_directional_light light[4] = {{{0}, 0}};
     sl_lobe_spread spread = {0};
     sl_voxel_light_options o = plain_options(4);
-    assert_int_equal(sl_lobes_of_photons(&p, &o, 2.0, sl_v3(0, 0, 1), 4, light, &spread), 1); /* one direction, one light */
+    /* one direction, one light */
+    assert_int_equal(sl_lobes_of_photons(&p, &o, 2.0, sl_v3(0, 0, 1), 4, light, &spread), 1);
     assert_true(fabsf(light[0].color[0] - 2.0f) < 1e-5f && light[1].color[0] == 0.0f);
     assert_int_equal(sl_lobes_of_photons(&p, &o, (double)INFINITY, sl_v3(0, 0, 1), 4, light, &spread), 0);
     p.count = 0;
@@ -142,7 +150,8 @@ static void opposed_directions_make_finite_lights(void **state) {
     sl_lobe_photons p;
     assert_int_equal(sl_lobe_photons_create(4, &p, NULL), SL_OK);
     const float flux[3] = {1, 1, 1};
-    for (int i = 0; i < 4; i++) sl_lobe_photons_add(&p, sl_v3(i & 1 ? 1 : -1, 0, 0), sl_v3(i & 1 ? 1 : -1, 0, 0), flux);
+    for (int i = 0; i < 4; i++)
+        sl_lobe_photons_add(&p, sl_v3(i & 1 ? 1 : -1, 0, 0), sl_v3(i & 1 ? 1 : -1, 0, 0), flux);
     for (int n = 1; n <= 2; n++) {
         sl_voxel_light_options o = plain_options(n);
         sl_directional_light light[2] = {{{0}, 0}};
@@ -180,7 +189,8 @@ static void an_even_floor_has_its_irradiance_in_every_voxel(void **state) {
             count += 1.0;
         }
         assert_true(count > 700.0);
-        if (fabs(sum / count / 3.0 - 1.0) > 0.01) fail_msg("area %d: %.4f on average, not 3", area, sum / count);
+        if (fabs(sum / count / 3.0 - 1.0) > 0.01)
+            fail_msg("area %d: %.4f on average, not 3", area, sum / count);
         double deviation = sqrt(square / count) / 3.0; /* 1 / sqrt(k) = 14 % */
         assert_true(deviation > 0.11 && deviation < 0.17);
         end_lit(&l);
@@ -199,7 +209,8 @@ static void the_mean_over_many_voxels_has_no_bias(void **state) {
         sl_voxel_light_options o = plain_options(1);
         o.lobes = SL_LOBES_NONE;
         sl_photon_list *list = new_list(100000);
-        strew_evenly(list, 100000, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 3.0f, 100 + seed);
+        strew_evenly(list, 100000, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 3.0f,
+                     100 + seed);
         lit l = light_up(scene, 5, list, &o, 2);
         for (size_t i = 0; i < l.octree->leaf_count; i++) {
             sum += (double)l.lights->light[i].color[0];
@@ -211,7 +222,8 @@ static void the_mean_over_many_voxels_has_no_bias(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Three walls of a corner, each with its own irradiance: the clipped area knows where they end, the acceptance cone which is which. */
+/* Three walls of a corner, each with its own irradiance: the clipped area knows where they end, the
+ * acceptance cone which is which. */
 static void corners_are_neither_dark_nor_bleed_where_voxels_are_split(void **state) {
     (void)state;
     float xyz[54];
@@ -244,7 +256,8 @@ static void corners_are_neither_dark_nor_bleed_where_voxels_are_split(void **sta
     sl_scene_destroy(scene);
 }
 
-/* A sheet lit from both sides, a wall with two faces, and a sheet whose triangles turn either way: each side has its own irradiance. */
+/* A sheet lit from both sides, a wall with two faces, and a sheet whose triangles turn either way: each side
+ * has its own irradiance. */
 static void both_sides_of_thin_things_have_their_own_light(void **state) {
     (void)state;
     for (int kind = 0; kind < 3; kind++) {
@@ -258,7 +271,8 @@ static void both_sides_of_thin_things_have_their_own_light(void **state) {
             memmove(&xyz[12], &xyz[15], sizeof p);
             memcpy(&xyz[15], &p, sizeof p);
         }
-        for (size_t i = 0; i < 3 * (kind == 1 ? 4u : 2u); i++) xyz[3 * i + 1] += 0.11f * xyz[3 * i]; /* off the cells' faces */
+        /* off the cells' faces */
+        for (size_t i = 0; i < 3 * (kind == 1 ? 4u : 2u); i++) xyz[3 * i + 1] += 0.11f * xyz[3 * i];
         sl_scene *scene = scene_of_triangles(xyz, kind == 1 ? 4 : 2);
         sl_vec3 up = sl_normalize_or(sl_v3(-0.11f, 1, 0), sl_v3(0, 1, 0)), slope = sl_v3(4, 0.44f, 0);
         sl_photon_list *list = new_list(60000);
@@ -272,7 +286,8 @@ static void both_sides_of_thin_things_have_their_own_light(void **state) {
         for (size_t s = 0; s < l.lights->set_count; s++) {
             const sl_voxel_set *set = &l.lights->set[s];
             if (sl_length(set->normal) == 0.0f) continue; /* where the two windings of the third meet */
-            assert_true(set->both_sides == !set->opposed && (kind == 1 || !set->opposed)); /* faces of the wall in one voxel have a set each */
+            /* faces of the wall in one voxel have a set each */
+            assert_true(set->both_sides == !set->opposed && (kind == 1 || !set->opposed));
             for (int side = 0; side < 2; side++) {
                 double e = irradiance_on(l.lights, s, side ? sl_neg(up) : up);
                 sum[side] += e;
@@ -289,10 +304,13 @@ static void both_sides_of_thin_things_have_their_own_light(void **state) {
 
 /* ---- several surfaces in one voxel ---- */
 
-/* Two faces of 4 x 4 at two heights, and photons of irradiance 3 on that side of the first on which `up` is. */
-static lit light_two_faces(float first, float second, bool first_turned, bool second_turned, sl_vec3 up, sl_scene **scene) {
+/* Two faces of 4 x 4 at two heights, and photons of irradiance 3 on that side of the first on which `up` is.
+ */
+static lit light_two_faces(float first, float second, bool first_turned, bool second_turned, sl_vec3 up,
+                           sl_scene **scene) {
     const sl_vec3 a = sl_v3(0, 0, 4), b = sl_v3(4, 0, 0);
-    const float outlier[9] = {0, 2.5f, 0, 0.01f, 2.5f, 0, 0, 2.5f, 0.01f}; /* far above: so that one voxel holds both */
+    /* far above: so that one voxel holds both */
+    const float outlier[9] = {0, 2.5f, 0, 0.01f, 2.5f, 0, 0, 2.5f, 0.01f};
     float xyz[9 * 5];
     memcpy(xyz + 36, outlier, sizeof outlier);
     add_quad(xyz, 0, sl_v3(0, first, 0), first_turned ? b : a, first_turned ? a : b);
@@ -311,8 +329,10 @@ static double seen_on(const lit *l, sl_vec3 at, sl_vec3 n, bool filtered) {
     sl_voxel_texture *texture = texture_of(l->octree, l->lights, true);
     sl_octree_scratch *scratch = NULL;
     float out[3];
-    sl_octree_points p = {.count = 1, .x = &at.x, .y = &at.y, .z = &at.z, .normal_x = &n.x, .normal_y = &n.y, .normal_z = &n.z};
-    sl_octree_shading shading = {.texture = texture, .filter = filtered ? SL_VOXEL_TRILINEAR : SL_VOXEL_NEAREST, .facing = true};
+    sl_octree_points p = {
+        .count = 1, .x = &at.x, .y = &at.y, .z = &at.z, .normal_x = &n.x, .normal_y = &n.y, .normal_z = &n.z};
+    sl_octree_shading shading = {
+        .texture = texture, .filter = filtered ? SL_VOXEL_TRILINEAR : SL_VOXEL_NEAREST, .facing = true};
     sl_counters counters = {{0}};
     assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
     sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
@@ -321,8 +341,8 @@ static double seen_on(const lit *l, sl_vec3 at, sl_vec3 n, bool filtered) {
     return (double)out[0];
 }
 
-/* A voxel may hold a floor and the ground below it: far enough apart for a gather between them to miss both, each has a set of its own. The floor
- * makes all the light that its photons brought. */
+/* A voxel may hold a floor and the ground below it: far enough apart for a gather between them to miss both,
+ * each has a set of its own. The floor makes all the light that its photons brought. */
 static void a_floor_above_dark_ground_keeps_its_light(void **state) {
     (void)state;
     const float below[] = {0.1f, 0.2f, 0.3f, 0.45f, 0.55f, 0.7f};
@@ -331,17 +351,21 @@ static void a_floor_above_dark_ground_keeps_its_light(void **state) {
         sl_scene *scene;
         lit l = light_two_faces(0.8f, 0.8f - below[k], false, false, up, &scene);
         for (int filtered = 0; filtered < 2; filtered++) {
-            double on_floor = seen_on(&l, sl_v3(1.7f, 0.8f, 1.9f), up, filtered), on_ground = seen_on(&l, sl_v3(1.7f, 0.8f - below[k], 1.9f), up, filtered);
-            if (fabs(on_floor / 3.0 - 1.0) > 0.25) fail_msg("ground %g below: %.3f, not 3", (double)below[k], on_floor);
-            if (below[k] > 0.5f && on_ground > 0.1) fail_msg("%.3f on the ground %g below", on_ground, (double)below[k]);
+            double on_floor = seen_on(&l, sl_v3(1.7f, 0.8f, 1.9f), up, filtered),
+                   on_ground = seen_on(&l, sl_v3(1.7f, 0.8f - below[k], 1.9f), up, filtered);
+            if (fabs(on_floor / 3.0 - 1.0) > 0.25)
+                fail_msg("ground %g below: %.3f, not 3", (double)below[k], on_floor);
+            if (below[k] > 0.5f && on_ground > 0.1)
+                fail_msg("%.3f on the ground %g below", on_ground, (double)below[k]);
         }
         end_lit(&l);
         sl_scene_destroy(scene);
     }
 }
 
-/* Where a voxel holds both faces of a wall, each has the light of its own side: what reaches through from the lit one must not turn the other
- * face's normal to it, and then stand for it. A wall that is wound the wrong way is lit nevertheless. */
+/* Where a voxel holds both faces of a wall, each has the light of its own side: what reaches through from the
+ * lit one must not turn the other face's normal to it, and then stand for it. A wall that is wound the wrong
+ * way is lit nevertheless. */
 static void the_dark_face_of_a_wall_does_not_stand_for_the_lit_one(void **state) {
     (void)state;
     const sl_vec3 down = sl_v3(0, -1, 0);
@@ -350,11 +374,14 @@ static void the_dark_face_of_a_wall_does_not_stand_for_the_lit_one(void **state)
         sl_scene *scene;
         lit l = light_two_faces(0.5f, 0.5f + thick, true, false, down, &scene);
         for (int filtered = 0; filtered < 2; filtered++) {
-            double inside = seen_on(&l, sl_v3(1.7f, 0.5f, 1.9f), down, filtered), outside = seen_on(&l, sl_v3(1.7f, 0.5f + thick, 1.9f), sl_neg(down), filtered);
-            if (fabs(inside / 3.0 - 1.0) > 0.25 || outside != 0.0) fail_msg("%g thick: %.3f and %.3f, not 3 and 0", (double)thick, inside, outside);
+            double inside = seen_on(&l, sl_v3(1.7f, 0.5f, 1.9f), down, filtered),
+                   outside = seen_on(&l, sl_v3(1.7f, 0.5f + thick, 1.9f), sl_neg(down), filtered);
+            if (fabs(inside / 3.0 - 1.0) > 0.25 || outside != 0.0)
+                fail_msg("%g thick: %.3f and %.3f, not 3 and 0", (double)thick, inside, outside);
         }
         size_t opposed = 0;
-        for (size_t s = 0; s < l.lights->set_count; s++) opposed += l.lights->set[s].opposed && !l.lights->set[s].both_sides;
+        for (size_t s = 0; s < l.lights->set_count; s++)
+            opposed += l.lights->set[s].opposed && !l.lights->set[s].both_sides;
         assert_int_equal(opposed, 8); /* of four voxels */
         end_lit(&l);
         sl_scene_destroy(scene);
@@ -372,7 +399,8 @@ static void the_brighter_side_of_a_sheet_has_more_of_the_lights(void **state) {
     const struct {
         float front, back;
         int lights, in_front, behind;
-    } cases[] = {{7, 1, 8, 7, 1}, {1, 7, 8, 1, 7}, {1, 1, 8, 4, 4}, {300, 1, 8, 7, 1}, {1, 300, 8, 1, 7}, {3, 1, 4, 3, 1}, {1, 300, 2, 1, 1}, {3, 1, 1, 1, 0}, {1, 3, 1, 0, 1}};
+    } cases[] = {{7, 1, 8, 7, 1}, {1, 7, 8, 1, 7},   {1, 1, 8, 4, 4}, {300, 1, 8, 7, 1}, {1, 300, 8, 1, 7},
+                 {3, 1, 4, 3, 1}, {1, 300, 2, 1, 1}, {3, 1, 1, 1, 0}, {1, 3, 1, 0, 1}};
     const sl_vec3 o = sl_v3(0, 0, 0), a = sl_v3(0, 0, 4), b = sl_v3(4, 0, 0), up = sl_v3(0, 1, 0);
     float xyz[18];
     add_quad(xyz, 0, o, a, b);
@@ -387,11 +415,14 @@ static void the_brighter_side_of_a_sheet_has_more_of_the_lights(void **state) {
         for (size_t s = 0; s < l.lights->set_count; s++) {
             int sides[2] = {0, 0};
             for (int j = 0; j < l.lights->set[s].lights; j++) {
-                sides[sl_direction_unpack(l.lights->light[s * (size_t)l.lights->texels + (size_t)j].packed).y < 0.0f]++;
+                sides[sl_direction_unpack(l.lights->light[s * (size_t)l.lights->texels + (size_t)j].packed)
+                          .y < 0.0f]++;
             }
-            if (sides[0] != cases[k].in_front || sides[1] != cases[k].behind) fail_msg("case %d: %d and %d lights", k, sides[0], sides[1]);
+            if (sides[0] != cases[k].in_front || sides[1] != cases[k].behind)
+                fail_msg("case %d: %d and %d lights", k, sides[0], sides[1]);
             for (int side = 0; side < 2; side++) {
-                double truth = (double)(side ? cases[k].back : cases[k].front), e = irradiance_on(l.lights, s, side ? sl_neg(up) : up);
+                double truth = (double)(side ? cases[k].back : cases[k].front),
+                       e = irradiance_on(l.lights, s, side ? sl_neg(up) : up);
                 if (sides[side] > 0) assert_true(fabs(e / truth - 1.0) < 0.2);
                 else assert_true(e == 0.0);
             }
@@ -417,9 +448,11 @@ static void borrowed_directions_carry_the_energy_of_the_voxels_own_photons(void 
     for (size_t s = 0; s < l.lights->set_count; s++) {
         const sl_voxel_set *set = &l.lights->set[s];
         if (!set->from_parent) continue;
-        double truth = set->photons * flux / (double)set->area, e = irradiance_on(l.lights, s, sl_v3(0, 1, 0));
+        double truth = set->photons * flux / (double)set->area,
+               e = irradiance_on(l.lights, s, sl_v3(0, 1, 0));
         if (fabs(e / truth - 1.0) > 0.15) fail_msg("%.4f, not %.4f", e, truth);
-        assert_true(fabs((double)set->irradiance / (truth * (0.2126 + 0.5 * 0.7152 + 0.25 * 0.0722)) - 1.0) < 1e-3);
+        assert_true(fabs((double)set->irradiance / (truth * (0.2126 + 0.5 * 0.7152 + 0.25 * 0.0722)) - 1.0) <
+                    1e-3);
         borrowed++;
     }
     assert_true(borrowed > 50);
@@ -456,8 +489,12 @@ static void next_to_nothing_gives_finite_lights_or_none(void **state) {
     for (int kind = 0; kind < 4; kind++) {
         sl_photon_list *list = new_list(1000);
         if (kind == 1) strew(list, sl_v3(2, 0, 2), sl_v3(0, 1, 0), sl_v3(0, 1, 0), 1.0f); /* a single one */
-        for (int i = 0; kind == 2 && i < 1000; i++) strew(list, sl_v3(2, 0, 2), sl_v3(0, 1, 0), sl_v3(0, 1, 0), 1e-3f); /* all at one place */
-        if (kind == 3) strew_evenly(list, 60, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 2.0f, 3); /* few */
+        /* all at one place */
+        for (int i = 0; kind == 2 && i < 1000; i++)
+            strew(list, sl_v3(2, 0, 2), sl_v3(0, 1, 0), sl_v3(0, 1, 0), 1e-3f);
+        /* few */
+        if (kind == 3)
+            strew_evenly(list, 60, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 2.0f, 3);
         sl_voxel_light_options o = plain_options(4);
         o.radius = kind == 3 ? 0.5 : 0.3;
         lit l = light_up(scene, 4, list, &o, 1);
@@ -470,7 +507,8 @@ static void next_to_nothing_gives_finite_lights_or_none(void **state) {
             dark += l.lights->set[i].lights == 0;
             assert_true((e > 0.0) == (l.lights->set[i].photons > 0) || kind == 2);
         }
-        assert_true(l.counters.value[SL_COUNT_LEAVES] == l.octree->leaf_count && l.counters.value[SL_COUNT_LEAVES_WITHOUT_PHOTONS] == dark);
+        assert_true(l.counters.value[SL_COUNT_LEAVES] == l.octree->leaf_count &&
+                    l.counters.value[SL_COUNT_LEAVES_WITHOUT_PHOTONS] == dark);
         assert_true(s.sets == l.octree->leaf_count && s.lit == s.sets - dark);
         if (kind == 0) assert_true(dark == l.octree->leaf_count);
         if (kind == 1) assert_true(dark > 0 && s.lit >= 4);
@@ -518,13 +556,18 @@ static void statistics_tell_spread_and_flux(void **state) {
         lit l = light_up(scene, 3, list, &o, 1);
         sl_voxel_statistics s;
         sl_voxel_lights_statistics(l.lights, l.octree, &s);
-        double degrees = s.rms_angle * 180.0 / SL_PI, wanted = n == 1 ? 47.1 : n == 2 ? 35.5 : n == 4 ? 25.1 : 18.0;
+        double degrees = s.rms_angle * 180.0 / SL_PI, wanted = n == 1   ? 47.1
+                                                               : n == 2 ? 35.5
+                                                               : n == 4 ? 25.1
+                                                                        : 18.0;
         assert_true(fabs(degrees - wanted) < 0.05 * wanted && degrees < before);
-        assert_true(fabs(s.axis_angle - s.rms_angle * sqrt(0.5)) < 1e-9 && s.mean_angle < s.rms_angle && s.mean_angle > 0.5 * s.rms_angle);
+        assert_true(fabs(s.axis_angle - s.rms_angle * sqrt(0.5)) < 1e-9 && s.mean_angle < s.rms_angle &&
+                    s.mean_angle > 0.5 * s.rms_angle);
         double luminance = 0.2126 + 0.5 * 0.7152 + 0.25 * 0.0722; /* strew()'s colours */
         assert_true(fabs(s.flux / (16.0 * luminance) - 1.0) < 0.05);
         assert_true(s.mean_photons == 300.0 && s.lights == s.lit * (uint64_t)n);
-        assert_true(fabs(s.mean_radius / sqrt(300.0 * 16.0 / (SL_PI * 40000.0)) - 1.0) < 0.15); /* R = sqrt(k A / (pi N)), more at the rim */
+        /* R = sqrt(k A / (pi N)), more at the rim */
+        assert_true(fabs(s.mean_radius / sqrt(300.0 * 16.0 / (SL_PI * 40000.0)) - 1.0) < 0.15);
         before = degrees;
         end_lit(&l);
     }
@@ -547,15 +590,19 @@ static void batches_and_threads_give_the_same_bits(void **state) {
             list[c] = new_list(30000);
             for (uint64_t i = 0; i < 30000; i++) {
                 uint32_t triangle;
-                sl_vec3 at = random_on(scene, key, i, &triangle), n = sl_scene_geometric_normal(scene, triangle);
-                strew(list[c], at, cosine_about(i % 3 ? n : sl_neg(n), more, i), i % 3 ? n : sl_neg(n), 1e-3f * sl_random_unit(more, 7 * i));
+                sl_vec3 at = random_on(scene, key, i, &triangle),
+                        n = sl_scene_geometric_normal(scene, triangle);
+                strew(list[c], at, cosine_about(i % 3 ? n : sl_neg(n), more, i), i % 3 ? n : sl_neg(n),
+                      1e-3f * sl_random_unit(more, 7 * i));
             }
         }
         lit first = light_up(scene, 5, list[0], &o, 1);
         for (unsigned threads = 2; threads <= 3; threads++) {
             lit other = light_up(scene, 5, list[threads - 1], &o, threads);
-            assert_memory_equal(first.lights->light, other.lights->light, first.lights->set_count * (size_t)first.lights->texels * 16);
-            assert_memory_equal(first.lights->set, other.lights->set, first.lights->set_count * sizeof *first.lights->set);
+            assert_memory_equal(first.lights->light, other.lights->light,
+                                first.lights->set_count * (size_t)first.lights->texels * 16);
+            assert_memory_equal(first.lights->set, other.lights->set,
+                                first.lights->set_count * sizeof *first.lights->set);
             assert_memory_equal(&first.counters, &other.counters, sizeof first.counters);
             end_lit(&other);
         }
@@ -564,21 +611,28 @@ static void batches_and_threads_give_the_same_bits(void **state) {
             assert_int_equal(setenv("SOFTLUX_ISA", isas[isa], 1), 0);
             sl_voxel_lights *other = NULL;
             sl_counters counters = {{0}};
-            assert_int_equal(sl_voxel_lights_create(scene, first.octree, first.octree, first.tree, &o, 2, &other, NULL), SL_OK);
+            assert_int_equal(
+                sl_voxel_lights_create(scene, first.octree, first.octree, first.tree, &o, 2, &other, NULL),
+                SL_OK);
             sl_voxel_lights_compute(other, 0, SIZE_MAX, 2, &counters);
-            assert_memory_equal(first.lights->light, other->light, first.lights->set_count * (size_t)first.lights->texels * 16);
-            assert_memory_equal(first.lights->set, other->set, first.lights->set_count * sizeof *first.lights->set);
+            assert_memory_equal(first.lights->light, other->light,
+                                first.lights->set_count * (size_t)first.lights->texels * 16);
+            assert_memory_equal(first.lights->set, other->set,
+                                first.lights->set_count * sizeof *first.lights->set);
             sl_voxel_lights_destroy(other);
         }
         unsetenv("SOFTLUX_ISA");
         sl_voxel_lights *piecewise = NULL;
-        assert_int_equal(sl_voxel_lights_create(scene, first.octree, first.octree, first.tree, &o, 2, &piecewise, NULL), SL_OK);
+        assert_int_equal(
+            sl_voxel_lights_create(scene, first.octree, first.octree, first.tree, &o, 2, &piecewise, NULL),
+            SL_OK);
         sl_counters counters = {{0}};
         for (size_t at = 0, step; at < first.octree->leaf_count; at += step) {
             step = 1 + at % 777;
             sl_voxel_lights_compute(piecewise, at, step, 2, &counters);
         }
-        assert_memory_equal(first.lights->light, piecewise->light, first.lights->set_count * (size_t)first.lights->texels * 16);
+        assert_memory_equal(first.lights->light, piecewise->light,
+                            first.lights->set_count * (size_t)first.lights->texels * 16);
         assert_memory_equal(&first.counters, &counters, sizeof counters);
         sl_voxel_lights_destroy(piecewise);
         sl_photon_list_destroy(list[3]);
@@ -587,7 +641,8 @@ static void batches_and_threads_give_the_same_bits(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Small triangles are taken whole or not at all: on a fine floor each voxel's area is that of the coarse floor but for its rim. */
+/* Small triangles are taken whole or not at all: on a fine floor each voxel's area is that of the coarse
+ * floor but for its rim. */
 static void fine_meshes_have_the_areas_of_coarse_ones(void **state) {
     (void)state;
     enum { FINE = 100 };
@@ -595,7 +650,8 @@ static void fine_meshes_have_the_areas_of_coarse_ones(void **state) {
     assert_non_null(fine);
     add_quad(coarse, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
     for (size_t i = 0; i < FINE * FINE; i++) {
-        add_quad(fine, 2 * i, sl_v3(step * (float)(i % FINE), 0, step * (float)(i / FINE)), sl_v3(0, 0, step), sl_v3(step, 0, 0));
+        add_quad(fine, 2 * i, sl_v3(step * (float)(i % FINE), 0, step * (float)(i / FINE)), sl_v3(0, 0, step),
+                 sl_v3(step, 0, 0));
     }
     sl_scene *scenes[2] = {scene_of_triangles(coarse, 2), scene_of_triangles(fine, 2 * FINE * FINE)};
     lit l[2];
@@ -641,14 +697,17 @@ static void what_lies_under_a_surface_takes_none_of_its_light(void **state) {
         count += 1.0;
     }
     assert_true(count > 50.0);
-    if (fabs(sum / count / 3.0 - 1.0) > 0.05) fail_msg("%.4f on average, not 3", sum / count); /* the boards are above the centre */
+    /* the boards are above the centre */
+    if (fabs(sum / count / 3.0 - 1.0) > 0.05) fail_msg("%.4f on average, not 3", sum / count);
     end_lit(&l);
     sl_scene_destroy(scene);
 }
 
-/* The mean irradiance of the voxels along a strip over a dim floor (1), on which ten times the floor's light lies. */
+/* The mean irradiance of the voxels along a strip over a dim floor (1), on which ten times the floor's light
+ * lies. */
 static double light_on_a_strip(float width) {
-    const sl_vec3 corner = sl_v3(2.0f - 0.5f * width, 0.2f, 0), along = sl_v3(0, 0, 4), across = sl_v3(width, 0, 0), up = sl_v3(0, 1, 0);
+    const sl_vec3 corner = sl_v3(2.0f - 0.5f * width, 0.2f, 0), along = sl_v3(0, 0, 4),
+                  across = sl_v3(width, 0, 0), up = sl_v3(0, 1, 0);
     float xyz[36];
     add_quad(xyz, 0, sl_v3(0, 0, 0), along, sl_v3(4, 0, 0));
     add_quad(xyz, 2, corner, along, across);
@@ -674,7 +733,8 @@ static double light_on_a_strip(float width) {
     return sum / count;
 }
 
-/* k/4 photons on next to no area: where that is noise it is a bright outlier, and so it is not believed even where it is none. */
+/* k/4 photons on next to no area: where that is noise it is a bright outlier, and so it is not believed even
+ * where it is none. */
 static void few_photons_are_believed_only_where_there_is_area_for_them(void **state) {
     (void)state;
     double thin = light_on_a_strip(0.02f), wide = light_on_a_strip(0.4f);
@@ -707,7 +767,8 @@ static void shallow_octrees_find_the_geometry_in_the_deepest(void **state) {
             sl_voxel_lights_compute(b, 0, SIZE_MAX, 1, &counters);
             assert_true(a->set_count == b->set_count);
             for (size_t i = 0; i < a->set_count; i++) {
-                assert_true(fabs(irradiance_on(a, i, sl_v3(0, 1, 0)) - irradiance_on(b, i, sl_v3(0, 1, 0))) < 0.02);
+                assert_true(fabs(irradiance_on(a, i, sl_v3(0, 1, 0)) - irradiance_on(b, i, sl_v3(0, 1, 0))) <
+                            0.02);
             }
             sl_voxel_lights_destroy(a);
             sl_voxel_lights_destroy(b);
@@ -720,14 +781,17 @@ static void shallow_octrees_find_the_geometry_in_the_deepest(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* A matt wall has one shading normal: a light along it makes the irradiance that four would. Gloss and bent normals want directions. */
+/* A matt wall has one shading normal: a light along it makes the irradiance that four would. Gloss and bent
+ * normals want directions. */
 static void flat_matt_surfaces_have_one_light_along_their_normal(void **state) {
     (void)state;
     enum { MATT, GLOSSY, BENT, KINDS };
     for (int kind = 0; kind < KINDS; kind++) {
         trace_mesh mesh = trace_mesh_begin();
-        uint32_t material = trace_mesh_material(&mesh, 0.5f, kind == GLOSSY ? 0.3f : 0.0f, 20, 0, 0), corner[4];
-        for (int k = 0; k < 4; k++) corner[k] = trace_mesh_vertex(&mesh, k & 1 ? 4.0f : 0.0f, 0.0f, k & 2 ? 4.0f : 0.0f);
+        uint32_t material = trace_mesh_material(&mesh, 0.5f, kind == GLOSSY ? 0.3f : 0.0f, 20, 0, 0),
+                 corner[4];
+        for (int k = 0; k < 4; k++)
+            corner[k] = trace_mesh_vertex(&mesh, k & 1 ? 4.0f : 0.0f, 0.0f, k & 2 ? 4.0f : 0.0f);
         trace_mesh_triangle(&mesh, corner[0], corner[2], corner[1], material);
         trace_mesh_triangle(&mesh, corner[1], corner[2], corner[3], material);
         sl_scene *scene = trace_mesh_build(&mesh);
@@ -746,16 +810,19 @@ static void flat_matt_surfaces_have_one_light_along_their_normal(void **state) {
             o.split_by_normal = split;
             sl_voxel_lights *lights = NULL;
             sl_counters counters = {{0}};
-            assert_int_equal(sl_voxel_lights_create(scene, octree, octree, tree, &o, 1, &lights, NULL), SL_OK);
+            assert_int_equal(sl_voxel_lights_create(scene, octree, octree, tree, &o, 1, &lights, NULL),
+                             SL_OK);
             sl_voxel_lights_compute(lights, 0, SIZE_MAX, 1, &counters);
             assert_true(lights->set_count == octree->leaf_count && lights->set_count < 4096);
             for (size_t s = 0; s < lights->set_count; s++) {
                 irradiance[split][s] = irradiance_on(lights, s, sl_v3(0, 1, 0));
                 assert_int_equal(lights->set[s].lights, split && kind == MATT ? 1 : 4);
-                if (split && kind == MATT) assert_true(sl_direction_unpack(lights->light[s * 4].packed).y == 1.0f);
+                if (split && kind == MATT)
+                    assert_true(sl_direction_unpack(lights->light[s * 4].packed).y == 1.0f);
             }
             double sum[2] = {0.0};
-            for (size_t s = 0; split && s < lights->set_count; s++) { /* of four lights grazing photons lose some */
+            /* of four lights grazing photons lose some */
+            for (size_t s = 0; split && s < lights->set_count; s++) {
                 assert_true(irradiance[0][s] > 0.5 && fabs(irradiance[1][s] / irradiance[0][s] - 1.0) < 0.1);
                 sum[0] += irradiance[0][s];
                 sum[1] += irradiance[1][s];
@@ -769,12 +836,14 @@ static void flat_matt_surfaces_have_one_light_along_their_normal(void **state) {
     }
 }
 
-/* A ball on a floor: where it stands, what bends away from the floor takes the floor's light, too, and wants its directions. */
+/* A ball on a floor: where it stands, what bends away from the floor takes the floor's light, too, and wants
+ * its directions. */
 static void a_voxel_with_a_bent_surface_has_no_flat_set(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t material = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), corner[4];
-    for (int k = 0; k < 4; k++) corner[k] = trace_mesh_vertex(&mesh, k & 1 ? 2.0f : -2.0f, -1.0f, k & 2 ? 2.0f : -2.0f);
+    for (int k = 0; k < 4; k++)
+        corner[k] = trace_mesh_vertex(&mesh, k & 1 ? 2.0f : -2.0f, -1.0f, k & 2 ? 2.0f : -2.0f);
     trace_mesh_triangle(&mesh, corner[0], corner[2], corner[1], material);
     trace_mesh_triangle(&mesh, corner[1], corner[2], corner[3], material);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 20, 0.0f, false, material);
@@ -807,7 +876,8 @@ static void options_out_of_range_are_refused(void **state) {
         if (k == 3) o.radius = (double)NAN;
         if (k == 4) o.flatness = 0.0;
         sl_voxel_lights *lights;
-        assert_int_equal(sl_voxel_lights_create(scene, octree, octree, NULL, &o, 1, &lights, NULL), SL_ERROR_USAGE);
+        assert_int_equal(sl_voxel_lights_create(scene, octree, octree, NULL, &o, 1, &lights, NULL),
+                         SL_ERROR_USAGE);
         assert_null(lights);
     }
     sl_octree_destroy(octree);

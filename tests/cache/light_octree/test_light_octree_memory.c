@@ -1,4 +1,5 @@
-/* Memory that runs out: an edit that fails says so, and can be had again once there is memory; so could an update, of the light octree's own state. */
+/* Memory that runs out: an edit that fails says so, and can be had again once there is memory; so could an
+ * update, of the light octree's own state. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +24,9 @@ void *aligned_alloc(size_t alignment, size_t size) {
 
 static void fail_after(long more) { atomic_store(&failing, more < 0 ? -1 : atomic_load(&asked) + more); }
 
-static bool has_failed(void) { return atomic_load(&failing) >= 0 && atomic_load(&asked) > atomic_load(&failing); }
+static bool has_failed(void) {
+    return atomic_load(&failing) >= 0 && atomic_load(&asked) > atomic_load(&failing);
+}
 
 static sl_settings few_photons(void) {
     sl_settings s = small_settings("light-octree", 16, 16);
@@ -53,7 +56,8 @@ static void an_edit_without_memory_can_be_had_again(void **state) {
     sl_scene *scene = load_scene("scenes/cornell-mirror.json");
     sl_settings settings = few_photons();
     sl_image *alone = render(scene, &settings, NULL);
-    const unsigned first[] = {SL_CHANGED_OBJECTS, SL_CHANGED_LIGHTS}, then[] = {SL_CHANGED_CAMERA, SL_CHANGED_LIGHTS, SL_CHANGED_OBJECTS};
+    const unsigned first[] = {SL_CHANGED_OBJECTS, SL_CHANGED_LIGHTS},
+                   then[] = {SL_CHANGED_CAMERA, SL_CHANGED_LIGHTS, SL_CHANGED_OBJECTS};
     for (int k = 0; k < 6; k++) {
         sl_method *method;
         int failures = 0;
@@ -96,7 +100,8 @@ static void an_update_without_memory_leaves_a_state_that_can_go_on(void **state)
         bool failed = has_failed();
         fail_after(-1);
         failures += !progress.done;
-        method->health = SL_METHOD_SOUND; /* of methods at large nothing is promised, and so they are asked for nothing more */
+        /* of methods at large nothing is promised, and so they are asked for nothing more */
+        method->health = SL_METHOD_SOUND;
         sl_image *image = finished(method);
         assert_true(same_picture(image, alone));
         sl_image_destroy(image);

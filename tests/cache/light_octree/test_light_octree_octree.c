@@ -22,10 +22,14 @@ static sl_octree *cut_of(const sl_octree *octree, int depth) {
 
 static sl_scene *sphere(unsigned rings, float radius) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1); /* the root: two outliers in its corners */
-    trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1), trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
-    trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1), trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), radius, rings, 0.0f, false, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    /* the root: two outliers in its corners */
+    uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1);
+    trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1),
+                        trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
+    trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1),
+                        trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), radius, rings, 0.0f, false,
+                      trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
     return trace_mesh_build(&mesh);
 }
 
@@ -42,12 +46,14 @@ static void the_box_test_agrees_with_clipping(void **state) {
     for (uint64_t i = 0; i < 100000; i++) {
         double size = i % 3 == 0 ? 4.0 : i % 3 == 1 ? 1.0 : 20.0;
         sl_vec3d at = random_point(key, 4 * i, -2, 3), corner[3];
-        for (uint64_t k = 0; k < 3; k++) corner[k] = sl_addd(at, random_point(key, 4 * i + 1 + k, -size, size));
+        for (uint64_t k = 0; k < 3; k++)
+            corner[k] = sl_addd(at, random_point(key, 4 * i + 1 + k, -size, size));
         sl_cell_triangle t = sl_cell_triangle_of(corner[0], corner[1], corner[2]);
         sl_triangle_part part;
         sl_triangle_in_box(&t, sl_v3d(0, 0, 0), sl_v3d(1, 1, 1), &part);
         bool meets = sl_triangle_meets_box(&t, sl_v3d(0, 0, 0), sl_v3d(1, 1, 1));
-        if (meets != (part.count > 0)) fail_msg("triangle %d: test says %d, %d corners are left", (int)i, meets, part.count);
+        if (meets != (part.count > 0))
+            fail_msg("triangle %d: test says %d, %d corners are left", (int)i, meets, part.count);
         met += meets;
         missed += !meets;
         for (int k = 0; k < part.count; k++) {
@@ -64,7 +70,8 @@ static void boxes_are_closed(void **state) {
     sl_cell_triangle corner = sl_cell_triangle_of(sl_v3d(1, 1, 1), sl_v3d(2, 1, 1), sl_v3d(1, 2, 1));
     sl_cell_triangle edge = sl_cell_triangle_of(sl_v3d(-1, 1, 1), sl_v3d(2, 1, 1), sl_v3d(0.5, 1.5, 1.5));
     sl_cell_triangle face = sl_cell_triangle_of(sl_v3d(-3, -3, 1), sl_v3d(6, -3, 1), sl_v3d(0, 6, 1));
-    sl_cell_triangle near_miss = sl_cell_triangle_of(sl_v3d(-3, -3, 1.0000001), sl_v3d(6, -3, 1.0000001), sl_v3d(0, 6, 1.0000001));
+    sl_cell_triangle near_miss =
+        sl_cell_triangle_of(sl_v3d(-3, -3, 1.0000001), sl_v3d(6, -3, 1.0000001), sl_v3d(0, 6, 1.0000001));
     assert_true(sl_triangle_meets_box(&corner, low, high));
     assert_true(sl_triangle_meets_box(&edge, low, high));
     assert_true(sl_triangle_meets_box(&face, low, high));
@@ -72,18 +79,22 @@ static void boxes_are_closed(void **state) {
     sl_triangle_part part;
     sl_triangle_in_box(&face, low, high, &part);
     assert_true(fabs(part.area - 1.0) < 1e-14);
-    assert_true(fabs(part.centroid.x - 0.5) < 1e-14 && fabs(part.centroid.y - 0.5) < 1e-14 && part.centroid.z == 1.0);
+    assert_true(fabs(part.centroid.x - 0.5) < 1e-14 && fabs(part.centroid.y - 0.5) < 1e-14 &&
+                part.centroid.z == 1.0);
 }
 
 static void morton_codes_come_back(void **state) {
     (void)state;
     uint64_t key = sl_random_key(6, 0);
     for (uint64_t i = 0; i < 10000; i++) {
-        uint32_t c[3] = {sl_random_bits(key, 3 * i) >> 11, sl_random_bits(key, 3 * i + 1) >> 11, sl_random_bits(key, 3 * i + 2) >> 11}, d[3];
+        uint32_t c[3] = {sl_random_bits(key, 3 * i) >> 11, sl_random_bits(key, 3 * i + 1) >> 11,
+                         sl_random_bits(key, 3 * i + 2) >> 11},
+                 d[3];
         sl_morton_decode(sl_morton_encode(c[0], c[1], c[2]), d);
         assert_memory_equal(c, d, sizeof c);
     }
-    assert_true(sl_morton_encode(1, 0, 0) == 1 && sl_morton_encode(0, 1, 0) == 2 && sl_morton_encode(0, 0, 1) == 4);
+    assert_true(sl_morton_encode(1, 0, 0) == 1 && sl_morton_encode(0, 1, 0) == 2 &&
+                sl_morton_encode(0, 0, 1) == 4);
 }
 
 /* Of radius 0.47 of the root: 1,064, 4,304 and 17,072 cells meet it, by the distances of their corners. */
@@ -94,7 +105,8 @@ static void a_sphere_has_the_leaves_that_were_counted(void **state) {
     sl_octree *deepest = octree_of(scene, 6, 2);
     for (int depth = 4; depth <= 6; depth++) {
         sl_octree *octree = cut_of(deepest, depth);
-        if (octree->leaf_count != counts[depth - 4] + 2) fail_msg("depth %d: %zu leaves", depth, octree->leaf_count);
+        if (octree->leaf_count != counts[depth - 4] + 2)
+            fail_msg("depth %d: %zu leaves", depth, octree->leaf_count);
         sl_octree_destroy(octree);
     }
     sl_octree_destroy(deepest);
@@ -112,7 +124,8 @@ static void check_samples(const sl_scene *scene, const sl_octree *octree, size_t
         }
         if (i % 5 == 0) b = 0.0f; /* on an edge */
         if (i % 7 == 0) a = 1.0f - b;
-        sl_vec3 p0 = sl_scene_position(scene, scene->vertex[0][t]), p1 = sl_scene_position(scene, scene->vertex[1][t]),
+        sl_vec3 p0 = sl_scene_position(scene, scene->vertex[0][t]),
+                p1 = sl_scene_position(scene, scene->vertex[1][t]),
                 p2 = sl_scene_position(scene, scene->vertex[2][t]);
         sl_vec3 p = sl_add(sl_add(sl_scale(p0, 1.0f - a - b), sl_scale(p1, a)), sl_scale(p2, b));
         uint32_t leaf = sl_octree_find(octree, sl_octree_morton_at(octree, p));
@@ -139,20 +152,24 @@ static void check_leaves(const sl_scene *scene, const sl_octree *octree) {
         area += (double)leaf->area;
         uint32_t cell[3];
         sl_morton_decode(leaf->morton, cell);
-        sl_vec3d low = sl_v3d(cell[0], cell[1], cell[2]), c = sl_scaled(sl_subd(sl_to_double(leaf->centroid), octree->origin), space.scale);
-        assert_true(c.x >= low.x - 2 * g && c.x <= low.x + 1 + 2 * g && c.y >= low.y - 2 * g && c.y <= low.y + 1 + 2 * g &&
-                    c.z >= low.z - 2 * g && c.z <= low.z + 1 + 2 * g);
+        sl_vec3d low = sl_v3d(cell[0], cell[1], cell[2]),
+                 c = sl_scaled(sl_subd(sl_to_double(leaf->centroid), octree->origin), space.scale);
+        assert_true(c.x >= low.x - 2 * g && c.x <= low.x + 1 + 2 * g && c.y >= low.y - 2 * g &&
+                    c.y <= low.y + 1 + 2 * g && c.z >= low.z - 2 * g && c.z <= low.z + 1 + 2 * g);
         for (uint32_t k = 0; k < leaf->triangle_count; k++) {
             sl_cell_triangle t = sl_cell_space_triangle(&space, octree->triangle[leaf->first_triangle + k]);
-            assert_true(sl_triangle_meets_box(&t, sl_subd(low, sl_v3d(g, g, g)), sl_addd(low, sl_v3d(1 + g, 1 + g, 1 + g))));
+            assert_true(sl_triangle_meets_box(&t, sl_subd(low, sl_v3d(g, g, g)),
+                                              sl_addd(low, sl_v3d(1 + g, 1 + g, 1 + g))));
         }
         double length = (double)sl_length(leaf->normal);
         assert_true(length == 0.0 || fabs(length - 1.0) < 1e-6);
     }
     assert_true(listed == octree->triangle_count);
-    for (uint32_t i = 0; i < scene->triangle_count; i++) truth += 0.5 * sl_lengthd(sl_cell_space_triangle(&space, i).normal);
+    for (uint32_t i = 0; i < scene->triangle_count; i++)
+        truth += 0.5 * sl_lengthd(sl_cell_space_triangle(&space, i).normal);
     truth /= space.scale * space.scale;
-    if (!(fabs(area - truth) <= truth * (1e-6 + 20.0 * g))) fail_msg("areas of leaves add up to %.9g, triangles to %.9g", area, truth);
+    if (!(fabs(area - truth) <= truth * (1e-6 + 20.0 * g)))
+        fail_msg("areas of leaves add up to %.9g, triangles to %.9g", area, truth);
 }
 
 static void every_surface_sample_has_a_leaf_and_every_leaf_a_triangle(void **state) {
@@ -174,7 +191,8 @@ static void huge_coordinates_and_tiny_detail_keep_every_sample_in_a_leaf(void **
     assert_non_null(xyz);
     ball shape = {sl_v3(1000020, 20, -999980), 9};
     size_t count = add_box(xyz, 0, sl_v3(1000000, 0, -1000000), sl_v3(1000040, 40, -999960), 2, NULL, NULL);
-    count += add_box(xyz, count, sl_v3(1000019, 19, -999981), sl_v3(1000021, 21, -999979), 6, onto_ball, &shape);
+    count +=
+        add_box(xyz, count, sl_v3(1000019, 19, -999981), sl_v3(1000021, 21, -999979), 6, onto_ball, &shape);
     sl_scene *scene = scene_of_triangles(xyz, count);
     sl_octree *octree = octree_of(scene, 6, 2);
     check_samples(scene, octree, 20000);
@@ -182,7 +200,8 @@ static void huge_coordinates_and_tiny_detail_keep_every_sample_in_a_leaf(void **
     sl_scene_destroy(scene);
     ball tiny = {sl_v3(0.0123f, 0.0456f, 0.0789f), 0.004f};
     count = add_box(xyz, 0, sl_v3(0, 0, 0), sl_v3(4, 4, 4), 1, NULL, NULL);
-    count += add_box(xyz, count, sl_v3(0.0113f, 0.0446f, 0.0779f), sl_v3(0.0133f, 0.0466f, 0.0799f), 6, onto_ball, &tiny);
+    count += add_box(xyz, count, sl_v3(0.0113f, 0.0446f, 0.0779f), sl_v3(0.0133f, 0.0466f, 0.0799f), 6,
+                     onto_ball, &tiny);
     scene = scene_of_triangles(xyz, count);
     octree = octree_of(scene, 6, 2);
     check_leaves(scene, octree);
@@ -251,7 +270,10 @@ static void a_cut_is_the_shallower_octree(void **state) {
         for (size_t i = 0; i < cut->leaf_count; i++) {
             const sl_octree_leaf *a = &cut->leaf[i], *b = &alone->leaf[i];
             assert_true(a->morton == b->morton);
-            if (!(fabs((double)a->area - (double)b->area) < 1e-4 * voxel * voxel)) fail_msg("depth %d leaf %zu: %.9g %.9g of %g; n %g %g %g, c %g %g %g", depth, i, (double)a->area, (double)b->area, voxel*voxel, a->normal.x,a->normal.y,a->normal.z,a->centroid.x,a->centroid.y,a->centroid.z);
+            if (!(fabs((double)a->area - (double)b->area) < 1e-4 * voxel * voxel))
+                fail_msg("depth %d leaf %zu: %.9g %.9g of %g; n %g %g %g, c %g %g %g", depth, i,
+                         (double)a->area, (double)b->area, voxel * voxel, a->normal.x, a->normal.y,
+                         a->normal.z, a->centroid.x, a->centroid.y, a->centroid.z);
             assert_true((double)sl_length(sl_sub(a->centroid, b->centroid)) < 1e-4 * voxel);
             assert_true(sl_length(sl_sub(a->normal, b->normal)) < 1e-4f);
         }
@@ -270,7 +292,8 @@ static sl_octree *slab(float slope) {
     float xyz[36];
     for (int side = 0; side < 2; side++) {
         for (int k = 0; k < 6; k++) {
-            const int x[2][6] = {{0, 1, 1, 0, 1, 0}, {0, 1, 1, 0, 0, 1}}, y[2][6] = {{0, 0, 1, 0, 1, 1}, {0, 1, 0, 0, 1, 1}};
+            const int x[2][6] = {{0, 1, 1, 0, 1, 0}, {0, 1, 1, 0, 0, 1}},
+                      y[2][6] = {{0, 0, 1, 0, 1, 1}, {0, 1, 0, 0, 1, 1}};
             float *p = xyz + 18 * side + 3 * k;
             p[0] = (float)x[side][k];
             p[1] = (float)y[side][k];
@@ -292,7 +315,8 @@ static size_t leaves_without_normal(const sl_octree *octree) {
 static void opposite_surfaces_leave_a_voxel_without_a_normal(void **state) {
     (void)state;
     sl_octree *flat = slab(0.0f), *slanted = slab(0.3f);
-    assert_true(flat->leaf_count == 2 * 64 && leaves_without_normal(flat) == 0); /* a cell's face is between them */
+    /* a cell's face is between them */
+    assert_true(flat->leaf_count == 2 * 64 && leaves_without_normal(flat) == 0);
     assert_true(leaves_without_normal(slanted) > slanted->leaf_count / 2);
     sl_octree_destroy(flat);
     sl_octree_destroy(slanted);
@@ -304,7 +328,8 @@ static void grown_voxels_are_more(void **state) {
     sl_octree *plain = octree_of(scene, 4, 1), *grown = NULL;
     assert_int_equal(sl_octree_create(scene, 4, 0.25, 1, &grown, NULL), SL_OK);
     assert_true(grown->leaf_count > plain->leaf_count * 5 / 4);
-    for (size_t i = 0; i < plain->leaf_count; i++) assert_true(sl_octree_find(grown, plain->leaf[i].morton) != SL_NO_INDEX);
+    for (size_t i = 0; i < plain->leaf_count; i++)
+        assert_true(sl_octree_find(grown, plain->leaf[i].morton) != SL_NO_INDEX);
     sl_octree_destroy(grown);
     assert_int_equal(sl_octree_create(scene, 0, 0.0, 1, &grown, NULL), SL_ERROR_USAGE);
     assert_int_equal(sl_octree_create(scene, 4, (double)NAN, 1, &grown, NULL), SL_ERROR_USAGE);
@@ -348,18 +373,22 @@ static void coplanar_duplicates_count_once(void **state) {
         bool turned[3];
         double area;
     } cases[] = {{{0, 0, 0}, {4, 4, 0}, {1, 1, 0}, {false}, 16},             /* the same twice */
-                 {{0, 0, 0}, {4, 4, 4}, {1, 1, 1}, {false, true, false}, 16}, /* three times, other diagonal and winding */
+                 /* three times, other diagonal and winding */
+                 {{0, 0, 0}, {4, 4, 4}, {1, 1, 1}, {false, true, false}, 16},
                  {{0, 0, 0}, {4, 4, 0}, {8, 3, 0}, {false}, 16},              /* cut otherwise */
                  {{0, 1, 0}, {4, 3, 0}, {2, 1, 0}, {false, true}, 16},        /* a decal */
                  {{0, 2, 0}, {4, 6, 0}, {4, 4, 0}, {false}, 28},              /* half on half */
                  {{0, 0, 0}, {4, 0, 0}, {16, 0, 0}, {false}, 16}};            /* alone */
     for (int k = 0; k < 6; k++) {
         size_t count = 0;
-        for (int s = 0; s < 3; s++) count += add_sheet(xyz, count, cases[k].low[s], cases[k].high[s], cases[k].n[s], cases[k].turned[s]);
+        for (int s = 0; s < 3; s++)
+            count +=
+                add_sheet(xyz, count, cases[k].low[s], cases[k].high[s], cases[k].n[s], cases[k].turned[s]);
         sl_scene *scene = scene_of_triangles(xyz, count);
         sl_octree *octree = octree_of(scene, 3, 2);
         double area = total_area(octree) / unit;
-        if (fabs(area - cases[k].area) > 2e-3 * cases[k].area) fail_msg("case %d: an area of %.5f, not %g", k, area, cases[k].area);
+        if (fabs(area - cases[k].area) > 2e-3 * cases[k].area)
+            fail_msg("case %d: an area of %.5f, not %g", k, area, cases[k].area);
         assert_true((octree->share == NULL) == (k == 5));
         assert_true(leaves_without_normal(octree) == 0);
         sl_octree_destroy(octree);
@@ -367,7 +396,8 @@ static void coplanar_duplicates_count_once(void **state) {
     }
 }
 
-/* The end of a wall against another's face, listed before it: a share holds all over a triangle, so that it must be the small one's. */
+/* The end of a wall against another's face, listed before it: a share holds all over a triangle, so that it
+ * must be the small one's. */
 static void a_face_loses_no_area_to_the_end_of_a_wall_that_meets_it(void **state) {
     (void)state;
     static float xyz[9 * 4];
@@ -396,10 +426,12 @@ static void any_number_of_threads_builds_the_same_octree(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* A white floor y = 0 of 4 x 4 whose right half has a sheet of that material just above it, and a second such sheet high up. */
+/* A white floor y = 0 of 4 x 4 whose right half has a sheet of that material just above it, and a second such
+ * sheet high up. */
 static sl_scene *floor_under_sheets(float mirror, float diffuse) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), sheet = trace_mesh_material(&mesh, diffuse, 0, 0, mirror, 0);
+    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             sheet = trace_mesh_material(&mesh, diffuse, 0, 0, mirror, 0);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), white);
     trace_mesh_quad(&mesh, sl_v3(0, 0.001f, -2), sl_v3(0, 0, 4), sl_v3(2, 0, 0), sheet);
     trace_mesh_quad(&mesh, sl_v3(-2, 3, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sheet);
@@ -424,7 +456,8 @@ static void cells_with_black_or_mirroring_surfaces_alone_are_no_leaves(void **st
     }
 }
 
-/* Photons were strewn over what such a surface leaves free: of the ellipsoid's disc one half; white sheets hide as much as they take. */
+/* Photons were strewn over what such a surface leaves free: of the ellipsoid's disc one half; white sheets
+ * hide as much as they take. */
 static void what_lies_under_a_black_or_mirroring_surface_has_no_area(void **state) {
     (void)state;
     const float materials[3][2] = {{0, 0.5f}, {0, 0}, {0.9f, 0}};

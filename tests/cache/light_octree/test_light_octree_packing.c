@@ -11,11 +11,14 @@
 #include "cache/light_octree/lights.h"
 
 static sl_vec3d random_unit(uint64_t key, uint64_t i) {
-    double z = 2.0 * (double)sl_random_unit(key, 2 * i) - 1.0, r = sqrt(1.0 - z * z), phi = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * i + 1);
+    double z = 2.0 * (double)sl_random_unit(key, 2 * i) - 1.0, r = sqrt(1.0 - z * z),
+           phi = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * i + 1);
     return sl_v3d(r * sl_cos(phi), r * sl_sin(phi), z);
 }
 
-static double angle_between(sl_vec3d a, sl_vec3d b) { return sl_atan2(sl_lengthd(sl_crossd(a, b)), sl_dotd(a, b)); }
+static double angle_between(sl_vec3d a, sl_vec3d b) {
+    return sl_atan2(sl_lengthd(sl_crossd(a, b)), sl_dotd(a, b));
+}
 
 static const double DEGREES = 180.0 / SL_PI;
 
@@ -28,7 +31,8 @@ static void the_error_stays_below_its_bound(void **state) {
     for (uint64_t i = 0; i < COUNT; i++) {
         sl_vec3d d = random_unit(key, i);
         if (i % 4 == 0) { /* midway between the steps next to the equator, where the error is largest */
-            double theta = SL_PI * ((double)(120 + i / 4 % 15) + 0.4999) / 254.0, phi = 2.0 * SL_PI * ((double)(i / 60 % 256) + 0.4999) / 256.0;
+            double theta = SL_PI * ((double)(120 + i / 4 % 15) + 0.4999) / 254.0,
+                   phi = 2.0 * SL_PI * ((double)(i / 60 % 256) + 0.4999) / 256.0;
             d = sl_v3d(sl_sin(theta) * sl_cos(phi), sl_sin(theta) * sl_sin(phi), sl_cos(theta));
         }
         double angle = angle_between(d, sl_to_double(sl_direction_unpack(sl_direction_pack(d)))) * DEGREES;
@@ -44,7 +48,8 @@ static void axes_and_codes_are_exact(void **state) {
     const sl_vec3d axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     for (int k = 0; k < 6; k++) {
         sl_vec3 back = sl_direction_unpack(sl_direction_pack(sl_scaled(axes[k], 7.0)));
-        assert_true((double)back.x == axes[k].x && (double)back.y == axes[k].y && (double)back.z == axes[k].z);
+        assert_true((double)back.x == axes[k].x && (double)back.y == axes[k].y &&
+                    (double)back.z == axes[k].z);
     }
     for (uint32_t row = 1; row < 254; row++) {
         for (uint32_t column = 0; column < 256; column++) {

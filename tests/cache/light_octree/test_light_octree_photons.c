@@ -1,5 +1,5 @@
-/* Photon maps: what leaves the lights, where it lands and what it carries, against closed forms; and that nothing but scene and seed
- * decides. */
+/* Photon maps: what leaves the lights, where it lands and what it carries, against closed forms; and that
+ * nothing but scene and seed decides. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -22,7 +22,8 @@ static sl_tracer *make_tracer(const sl_scene *scene, const char *config) {
 }
 
 /* All of a run, `chunks` chunks a call. */
-static sl_photon_list *trace_with(const sl_scene *scene, const sl_tracer *tracer, sl_photon_options options, size_t chunks) {
+static sl_photon_list *trace_with(const sl_scene *scene, const sl_tracer *tracer, sl_photon_options options,
+                                  size_t chunks) {
     sl_photon_list *list = NULL;
     sl_counters counters = {{0}};
     sl_error error;
@@ -35,7 +36,8 @@ static sl_photon_list *trace_with(const sl_scene *scene, const sl_tracer *tracer
     assert_int_equal(counters.value[SL_COUNT_PHOTONS_EMITTED], list->emitted);
     for (size_t i = 0; i < list->count; i++) {
         const sl_photon *p = &list->photon[i];
-        for (int c = 0; c < 3; c++) assert_true(isfinite(p->position[c]) && isfinite(p->flux[c]) && p->flux[c] >= 0.0f);
+        for (int c = 0; c < 3; c++)
+            assert_true(isfinite(p->position[c]) && isfinite(p->flux[c]) && p->flux[c] >= 0.0f);
     }
     return list;
 }
@@ -49,19 +51,22 @@ static sl_photon_list *trace_scene(const sl_scene *scene, sl_photon_options opti
 
 /* So many chunks, whatever they store. */
 static sl_photon_options emitted(size_t chunks, sl_photon_store store) {
-    return (sl_photon_options){.stored = UINT32_MAX, .emitted_at_most = chunks * SL_PHOTON_CHUNK, .store = store, .seed = 1};
+    return (sl_photon_options){
+        .stored = UINT32_MAX, .emitted_at_most = chunks * SL_PHOTON_CHUNK, .store = store, .seed = 1};
 }
 
 static unsigned bounces(const sl_photon *p) { return p->flags & SL_PHOTON_BOUNCES; }
 static bool is_caustic(const sl_photon *p) { return p->flags & SL_PHOTON_CAUSTIC; }
 
 static bool same_list(const sl_photon_list *a, const sl_photon_list *b) {
-    return a->count == b->count && a->emitted == b->emitted && a->cut_flux == b->cut_flux && a->emitted_flux == b->emitted_flux &&
+    return a->count == b->count && a->emitted == b->emitted && a->cut_flux == b->cut_flux &&
+           a->emitted_flux == b->emitted_flux &&
            memcmp(a->photon, b->photon, a->count * sizeof *a->photon) == 0;
 }
 
 static sl_light point_light(float x, float y, float z, sl_rgb intensity) {
-    return (sl_light){.type = SL_LIGHT_POINT, .position = {x, y, z}, .direction = {0, -1, 0}, .intensity = intensity};
+    return (sl_light){
+        .type = SL_LIGHT_POINT, .position = {x, y, z}, .direction = {0, -1, 0}, .intensity = intensity};
 }
 
 static void add_light(trace_mesh *mesh, sl_light light) { mesh->lights[mesh->light_count++] = light; }
@@ -70,11 +75,12 @@ static void add_point(trace_mesh *mesh, float x, float y, float z, float intensi
     add_light(mesh, point_light(x, y, z, sl_grey(intensity)));
 }
 
-/* ---- closed forms ------------------------------------------------------------------------------------------------ */
+/* ---- closed forms ---------------------------------------------------------------------------- */
 
 static sl_scene *diffuse_sphere(float albedo, unsigned rings) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_sphere(&mesh, sl_v3(1, 2, 3), 2.0f, rings, 0.0f, true, trace_mesh_material(&mesh, albedo, 0, 0, 0, 0));
+    trace_mesh_sphere(&mesh, sl_v3(1, 2, 3), 2.0f, rings, 0.0f, true,
+                      trace_mesh_material(&mesh, albedo, 0, 0, 0, 0));
     add_point(&mesh, 1, 2, 3, 1.0f);
     return trace_mesh_build(&mesh);
 }
@@ -118,7 +124,8 @@ static sl_vec3d first_flux(const sl_photon_list *list) {
     sl_vec3d sum = {0, 0, 0};
     for (size_t i = 0; i < list->count; i++) {
         const float *f = list->photon[i].flux;
-        if (bounces(&list->photon[i]) == 0) sum = sl_addd(sum, sl_v3d((double)f[0], (double)f[1], (double)f[2]));
+        if (bounces(&list->photon[i]) == 0)
+            sum = sl_addd(sum, sl_v3d((double)f[0], (double)f[1], (double)f[2]));
     }
     return sum;
 }
@@ -128,7 +135,8 @@ static void power_of_every_light_in_a_closed_room_arrives(void **state) {
     const sl_rgb intensity = {1.0f, 2.0f, 0.5f};
     for (int kind = 0; kind < 4; kind++) {
         trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
+        trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
+                       trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
         double extent = 4.0 * SL_PI;
         if (kind == 0) add_light(&mesh, point_light(0.3f, 0, 0, intensity));
         if (kind == 1) {
@@ -158,9 +166,11 @@ static void power_of_every_light_in_a_closed_room_arrives(void **state) {
 static void lights_share_the_paths_by_power_and_the_weakest_is_not_forgotten(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
+                   trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
     add_light(&mesh, point_light(0, 0, 0, (sl_rgb){0, 1, 0}));
-    add_light(&mesh, point_light(0, 0.1f, 0, (sl_rgb){1e-4f * 0.7152f / 0.2126f, 0, 0})); /* a ten-thousandth of the luminance */
+    /* a ten-thousandth of the luminance */
+    add_light(&mesh, point_light(0, 0.1f, 0, (sl_rgb){1e-4f * 0.7152f / 0.2126f, 0, 0}));
     add_light(&mesh, point_light(0, 0.2f, 0, (sl_rgb){0, 0, 0}));
     add_light(&mesh, point_light(0, 0.3f, 0, (sl_rgb){0, 0, 0.5f * 0.7152f / 0.0722f}));
     sl_scene *scene = trace_mesh_build(&mesh);
@@ -188,12 +198,14 @@ static double floor_irradiance(const sl_scene *scene, sl_vec3 p) {
         sl_vec3 to;
         float distance;
         sl_rgb e;
-        if (sl_light_illuminate(&scene->lights[l], p, &to, &distance, &e)) sum += (double)e.g * fmax((double)to.y, 0.0);
+        if (sl_light_illuminate(&scene->lights[l], p, &to, &distance, &e))
+            sum += (double)e.g * fmax((double)to.y, 0.0);
     }
     for (uint32_t t = 0; t < scene->emitter_count; t++) {
         for (int k = 0; k < 256; k++) {
             sl_light_sample s;
-            if (sl_emitter_sample(scene, t, p, ((float)(k / 16) + 0.5f) / 16.0f, ((float)(k % 16) + 0.5f) / 16.0f, &s)) {
+            if (sl_emitter_sample(scene, t, p, ((float)(k / 16) + 0.5f) / 16.0f,
+                                  ((float)(k % 16) + 0.5f) / 16.0f, &s)) {
                 sum += (double)s.radiance.g * fmax((double)s.to_light.y, 0.0) / 256.0;
             }
         }
@@ -216,13 +228,15 @@ static void compare_square(const sl_scene *scene, const sl_photon_list *list, fl
     double expected = 0.0, found = 0.0, squares = 0.0;
     enum { STEPS = 16 };
     for (int i = 0; i < STEPS * STEPS; i++) {
-        float x = low_x + ((float)(i % STEPS) + 0.5f) / STEPS, z = low_z + ((float)(i / STEPS) + 0.5f) / STEPS;
+        float x = low_x + ((float)(i % STEPS) + 0.5f) / STEPS,
+              z = low_z + ((float)(i / STEPS) + 0.5f) / STEPS;
         expected += floor_irradiance(scene, sl_v3(x, 0, z)) / (STEPS * STEPS);
     }
     for (size_t i = 0; i < list->count; i++) {
         const sl_photon *p = &list->photon[i];
         if (bounces(p) > 0 || p->position[0] < low_x || p->position[0] >= low_x + 1.0f) continue;
-        if (p->position[2] < low_z || p->position[2] >= low_z + 1.0f || fabsf(p->position[1]) > 1e-4f) continue;
+        if (p->position[2] < low_z || p->position[2] >= low_z + 1.0f || fabsf(p->position[1]) > 1e-4f)
+            continue;
         if (!(sl_octahedral_decode(p->normal).y > 0.0f)) continue; /* the floor is lit from below as well */
         found += (double)p->flux[1];
         squares += (double)p->flux[1] * (double)p->flux[1];
@@ -235,13 +249,15 @@ static void compare_square(const sl_scene *scene, const sl_photon_list *list, fl
 static void direct_irradiance_on_a_plane_is_that_of_every_kind_of_light(void **state) {
     (void)state;
     float texels[3 * 8 * 4];
-    for (int i = 0; i < 3 * 8 * 4; i++) texels[i] = i / 24 < 2 ? 0.5f + sl_random_unit(sl_random_key(5, 5), (uint64_t)i) : 3.0f;
+    for (int i = 0; i < 3 * 8 * 4; i++)
+        texels[i] = i / 24 < 2 ? 0.5f + sl_random_unit(sl_random_key(5, 5), (uint64_t)i) : 3.0f;
     texels[3 * 10 + 1] = 40.0f;
     const sl_environment constant = {.present = true, .constant = {1.0f, 2.0f, 3.0f}};
     const sl_environment picture = {.present = true, .width = 8, .height = 4, .texels = texels};
     for (int kind = 0; kind < 6; kind++) {
         trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_quad(&mesh, sl_v3(-3, 0, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+        trace_mesh_quad(&mesh, sl_v3(-3, 0, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0),
+                        trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
         sl_light light = point_light(0.3f, 1.5f, 0.2f, (sl_rgb){1, 2, 3});
         if (kind == 1) {
             light = spot_light((sl_rgb){1, 2, 3});
@@ -269,7 +285,7 @@ static void direct_irradiance_on_a_plane_is_that_of_every_kind_of_light(void **s
     }
 }
 
-/* ---- scattering -------------------------------------------------------------------------------------------------- */
+/* ---- scattering ------------------------------------------------------------------------------ */
 
 /* A closed room whose walls differ: coloured, glossy, mirroring. */
 static sl_scene *motley_room(void) {
@@ -290,20 +306,29 @@ static sl_scene *motley_room(void) {
 
 enum { WALLS = 6, CHAINS = 20000, CHAIN_LENGTH = 40 };
 
-/* Flux that arrives at each pair of triangles after the first hit, by paths that never end: the mean, and its variance. */
-static void follow_chains(const sl_scene *scene, const sl_tracer *tracer, sl_vec3d *mean, sl_vec3d *variance) {
+/* Flux that arrives at each pair of triangles after the first hit, by paths that never end: the mean, and its
+ * variance. */
+static void follow_chains(const sl_scene *scene, const sl_tracer *tracer, sl_vec3d *mean,
+                          sl_vec3d *variance) {
     sl_counters counters = {{0}};
     for (int w = 0; w < WALLS; w++) mean[w] = variance[w] = sl_v3d(0, 0, 0);
     for (uint64_t i = 0; i < CHAINS; i++) {
         uint64_t key = sl_random_key(99, i);
         sl_vec3d at[WALLS] = {{0, 0, 0}};
         sl_vec3 p = scene->lights[0].position;
-        sl_vec3 d = sl_direction_around(sl_v3(0, 1, 0), 1.0f - 2.0f * sl_random_unit(key, 0), sl_random_unit(key, 1));
+        sl_vec3 d =
+            sl_direction_around(sl_v3(0, 1, 0), 1.0f - 2.0f * sl_random_unit(key, 0), sl_random_unit(key, 1));
         sl_rgb flux = sl_grey((float)(4.0 * SL_PI));
         uint32_t skip = SL_NO_INDEX;
         for (uint64_t b = 0; b < CHAIN_LENGTH; b++) {
-            sl_ray16 ray = {.origin_x = {p.x}, .origin_y = {p.y}, .origin_z = {p.z}, .direction_x = {d.x}, .direction_y = {d.y},
-                            .direction_z = {d.z}, .far = {INFINITY}, .skip = {skip}};
+            sl_ray16 ray = {.origin_x = {p.x},
+                            .origin_y = {p.y},
+                            .origin_z = {p.z},
+                            .direction_x = {d.x},
+                            .direction_y = {d.y},
+                            .direction_z = {d.z},
+                            .far = {INFINITY},
+                            .skip = {skip}};
             sl_hit16 hit;
             sl_trace(tracer, &ray, 1, false, &hit, &counters);
             if (hit.triangle[0] == SL_NO_INDEX) break;
@@ -316,9 +341,11 @@ static void follow_chains(const sl_scene *scene, const sl_tracer *tracer, sl_vec
                 flux = sl_rgb_mul(flux, s.material->mirror);
                 continue;
             }
-            if (b > 0) at[skip / 2] = sl_addd(at[skip / 2], sl_v3d((double)flux.r, (double)flux.g, (double)flux.b));
+            if (b > 0)
+                at[skip / 2] = sl_addd(at[skip / 2], sl_v3d((double)flux.r, (double)flux.g, (double)flux.b));
             sl_bsdf bsdf = sl_bsdf_make(&s, sl_neg(d), SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
-            if (!sl_bsdf_sample(&bsdf, sl_random_unit(key, 8 * b + 10), sl_random_unit(key, 8 * b + 11), sl_random_unit(key, 8 * b + 12), &d)) {
+            if (!sl_bsdf_sample(&bsdf, sl_random_unit(key, 8 * b + 10), sl_random_unit(key, 8 * b + 11),
+                                sl_random_unit(key, 8 * b + 12), &d)) {
                 break;
             }
             sl_rgb f = sl_bsdf_reflect(&bsdf, d, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
@@ -326,8 +353,9 @@ static void follow_chains(const sl_scene *scene, const sl_tracer *tracer, sl_vec
         }
         for (int w = 0; w < WALLS; w++) {
             mean[w] = sl_addd(mean[w], sl_scaled(at[w], 1.0 / CHAINS));
-            variance[w] = sl_addd(variance[w], sl_scaled(sl_v3d(at[w].x * at[w].x, at[w].y * at[w].y, at[w].z * at[w].z),
-                                                         1.0 / ((double)CHAINS * CHAINS)));
+            variance[w] = sl_addd(variance[w],
+                                  sl_scaled(sl_v3d(at[w].x * at[w].x, at[w].y * at[w].y, at[w].z * at[w].z),
+                                            1.0 / ((double)CHAINS * CHAINS)));
         }
     }
 }
@@ -335,8 +363,8 @@ static void follow_chains(const sl_scene *scene, const sl_tracer *tracer, sl_vec
 static int wall_of(const sl_photon *p) {
     int best = 0;
     float nearest = INFINITY;
-    const float distance[WALLS] = {p->position[1], 1.0f - p->position[1], p->position[0], 1.0f - p->position[0], p->position[2],
-                                   1.0f - p->position[2]};
+    const float distance[WALLS] = {p->position[1],        1.0f - p->position[1], p->position[0],
+                                   1.0f - p->position[0], p->position[2],        1.0f - p->position[2]};
     for (int w = 0; w < WALLS; w++) {
         if (fabsf(distance[w]) < nearest) {
             nearest = fabsf(distance[w]);
@@ -354,7 +382,8 @@ static void roulette_keeps_the_flux_of_chains_that_never_end(void **state) {
     follow_chains(scene, tracer, mean, variance);
     sl_photon_list *list = trace_with(scene, tracer, emitted(20, SL_STORE_INDIRECT), SIZE_MAX);
     for (size_t i = 0; i < list->count; i++) {
-        sl_vec3d f = sl_v3d((double)list->photon[i].flux[0], (double)list->photon[i].flux[1], (double)list->photon[i].flux[2]);
+        sl_vec3d f = sl_v3d((double)list->photon[i].flux[0], (double)list->photon[i].flux[1],
+                            (double)list->photon[i].flux[2]);
         int w = wall_of(&list->photon[i]);
         sum[w] = sl_addd(sum[w], f);
         /* Photons of one path lie together at most a few times: twice their squares bounds the variance. */
@@ -376,7 +405,8 @@ static void roulette_keeps_the_flux_of_chains_that_never_end(void **state) {
 /* A square metre of floor whose shading normals all lean to x, in a large, almost black box, under a spot. */
 static sl_scene *leaning_floor(sl_vec3 lean) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), black = trace_mesh_material(&mesh, 1e-6f, 0, 0, 0, 0);
+    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
+             black = trace_mesh_material(&mesh, 1e-6f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 0, -0.5f), sl_v3(0, 0, 1), sl_v3(1, 0, 0), floor);
     trace_mesh_box(&mesh, sl_v3(-50, -1, -50), sl_v3(50, 50, 50), true, black);
     float normals[3 * 12] = {0};
@@ -390,9 +420,16 @@ static sl_scene *leaning_floor(sl_vec3 lean) {
     spot.direction = sl_normalize_or(sl_v3(-2, -5, 0), sl_v3(0, -1, 0));
     spot.cos_inner = 0.985f;
     spot.cos_outer = 0.98f;
-    const sl_scene_parts parts = {.vertex_count = mesh.vertex_count, .positions = mesh.positions, .normals = normals,
-                                  .triangle_count = mesh.triangle_count, .indices = mesh.indices, .material_index = mesh.material_index,
-                                  .material_count = mesh.material_count, .materials = mesh.materials, .light_count = 1, .lights = &spot};
+    const sl_scene_parts parts = {.vertex_count = mesh.vertex_count,
+                                  .positions = mesh.positions,
+                                  .normals = normals,
+                                  .triangle_count = mesh.triangle_count,
+                                  .indices = mesh.indices,
+                                  .material_index = mesh.material_index,
+                                  .material_count = mesh.material_count,
+                                  .materials = mesh.materials,
+                                  .light_count = 1,
+                                  .lights = &spot};
     sl_scene *scene;
     sl_error error;
     if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
@@ -400,8 +437,9 @@ static sl_scene *leaning_floor(sl_vec3 lean) {
     return scene;
 }
 
-/* Radiance is rho/pi times the irradiance on the shading normal's plane, whatever carries it: light leaves by the geometric cosine, above
- * both planes, and the integral of that cosine over the lune is pi (1 + cos b) / 2. */
+/* Radiance is rho/pi times the irradiance on the shading normal's plane, whatever carries it: light leaves by
+ * the geometric cosine, above both planes, and the integral of that cosine over the lune is pi (1 + cos b)
+ * / 2. */
 static void photons_see_shading_normals_as_the_eye_does(void **state) {
     (void)state;
     const sl_vec3 leans[] = {{0, 1, 0}, {0.6f, 0.8f, 0}, {-0.6f, 0.8f, 0}};
@@ -410,7 +448,9 @@ static void photons_see_shading_normals_as_the_eye_does(void **state) {
         enum { STEPS = 64 };
         double irradiance = 0.0;
         for (int i = 0; i < STEPS * STEPS; i++) {
-            sl_vec3 p = sl_v3(((float)(i % STEPS) + 0.5f) / STEPS - 0.5f, 0, ((float)(i / STEPS) + 0.5f) / STEPS - 0.5f), to;
+            sl_vec3 p = sl_v3(((float)(i % STEPS) + 0.5f) / STEPS - 0.5f, 0,
+                              ((float)(i / STEPS) + 0.5f) / STEPS - 0.5f),
+                    to;
             float distance;
             sl_rgb e;
             if (sl_light_illuminate(&scene->lights[0], p, &to, &distance, &e)) {
@@ -434,25 +474,30 @@ static void photons_see_shading_normals_as_the_eye_does(void **state) {
 static void white_room_is_cut_at_64_bounces_and_says_what_was_lost(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&mesh, 1.0f, 0, 0, 0, 0));
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
+                   trace_mesh_material(&mesh, 1.0f, 0, 0, 0, 0));
     add_point(&mesh, 0, 0, 0, 1.0f);
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_photon_list *list = trace_scene(scene, emitted(2, SL_STORE_ALL));
     unsigned most = 0;
-    for (size_t i = 0; i < list->count; i++) most = bounces(&list->photon[i]) > most ? bounces(&list->photon[i]) : most;
+    for (size_t i = 0; i < list->count; i++)
+        most = bounces(&list->photon[i]) > most ? bounces(&list->photon[i]) : most;
     assert_int_equal(most, 64);
-    assert_true(fabs(list->cut_flux / (4.0 * SL_PI) - 1.0) < 0.05); /* all that was emitted is still under way */
+    /* all that was emitted is still under way */
+    assert_true(fabs(list->cut_flux / (4.0 * SL_PI) - 1.0) < 0.05);
     sl_photon_list_destroy(list);
     sl_scene_destroy(scene);
 }
 
-/* ---- what is stored ---------------------------------------------------------------------------------------------- */
+/* ---- what is stored -------------------------------------------------------------------------- */
 
 /* A floor, and a mirror that stands on its edge. */
 static sl_scene *mirror_over_floor(void) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-4, 0, -4), sl_v3(0, 0, 8), sl_v3(8, 0, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
-    trace_mesh_quad(&mesh, sl_v3(2, 0.01f, -2), sl_v3(0, 0, 4), sl_v3(0, 2, 0), trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0));
+    trace_mesh_quad(&mesh, sl_v3(-4, 0, -4), sl_v3(0, 0, 8), sl_v3(8, 0, 0),
+                    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(2, 0.01f, -2), sl_v3(0, 0, 4), sl_v3(0, 2, 0),
+                    trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0));
     add_point(&mesh, 0.5f, 1.0f, 0.0f, 1.0f);
     return trace_mesh_build(&mesh);
 }
@@ -508,7 +553,8 @@ static void tracing_stops_with_the_chunk_that_stores_enough(void **state) {
     sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 30000, .seed = 3});
     assert_true(list->count >= 30000 && list->count < 30000 + 6000);
     assert_true(list->emitted % SL_PHOTON_CHUNK == 0);
-    sl_photon_list *less = trace_scene(scene, emitted(list->emitted / SL_PHOTON_CHUNK - 1, SL_STORE_INDIRECT));
+    sl_photon_list *less =
+        trace_scene(scene, emitted(list->emitted / SL_PHOTON_CHUNK - 1, SL_STORE_INDIRECT));
     sl_photon_options same_seed = emitted(list->emitted / SL_PHOTON_CHUNK - 1, SL_STORE_INDIRECT);
     same_seed.seed = 3;
     sl_photon_list_destroy(less);
@@ -520,11 +566,12 @@ static void tracing_stops_with_the_chunk_that_stores_enough(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- nothing to do ----------------------------------------------------------------------------------------------- */
+/* ---- nothing to do --------------------------------------------------------------------------- */
 
 static sl_photon_list *of_box(float diffuse, float mirror, float intensity, sl_photon_store store) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&mesh, diffuse, 0, 0, mirror, 0));
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
+                   trace_mesh_material(&mesh, diffuse, 0, 0, mirror, 0));
     add_point(&mesh, 0, 0, 0, intensity);
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 1000, .store = store, .seed = 1});
@@ -535,7 +582,8 @@ static sl_photon_list *of_box(float diffuse, float mirror, float intensity, sl_p
 static void nothing_is_traced_where_nothing_can_be_stored(void **state) {
     (void)state;
     sl_photon_list *lists[] = {of_box(0.5f, 0, 0, SL_STORE_INDIRECT), of_box(0, 0, 1, SL_STORE_INDIRECT),
-                               of_box(0.5f, 0, 1, SL_STORE_CAUSTIC), of_box(0, 0.9f, 1, SL_STORE_ALL), of_box(0, 0, 1, SL_STORE_ALL)};
+                               of_box(0.5f, 0, 1, SL_STORE_CAUSTIC), of_box(0, 0.9f, 1, SL_STORE_ALL),
+                               of_box(0, 0, 1, SL_STORE_ALL)};
     for (int i = 0; i < 5; i++) {
         assert_int_equal(lists[i]->count, 0);
         assert_int_equal(lists[i]->emitted, 0);
@@ -546,23 +594,28 @@ static void nothing_is_traced_where_nothing_can_be_stored(void **state) {
 static void light_that_meets_nothing_ends_too(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-1, 0, -1), sl_v3(0, 0, 2), sl_v3(2, 0, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(-1, 0, -1), sl_v3(0, 0, 2), sl_v3(2, 0, 0),
+                    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
     add_point(&mesh, 0, 1, 0, 1.0f);
     sl_scene *scene = trace_mesh_build(&mesh);
-    sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 1000, .seed = 1}); /* a single plane sees no bounce */
+    /* a single plane sees no bounce */
+    sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 1000, .seed = 1});
     assert_int_equal(list->count, 0);
     assert_int_equal(list->emitted, 1u << 20);
     sl_photon_list_destroy(list);
     sl_scene_destroy(scene);
 }
 
-/* ---- the same everywhere ----------------------------------------------------------------------------------------- */
+/* ---- the same everywhere --------------------------------------------------------------------- */
 
 static sl_scene *bumpy_hall(void) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 2.0f, 40, 0.3f, true, trace_mesh_material(&mesh, 0.5f, 0.3f, 10, 0, 0));
-    trace_mesh_sphere(&mesh, sl_v3(0.5f, 0, 0), 0.4f, 20, 0.2f, false, trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
-    trace_mesh_quad(&mesh, sl_v3(-0.5f, 1, -0.5f), sl_v3(0.8f, 0.1f, 0), sl_v3(0, 0, 0.5f), trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 2.0f, 40, 0.3f, true,
+                      trace_mesh_material(&mesh, 0.5f, 0.3f, 10, 0, 0));
+    trace_mesh_sphere(&mesh, sl_v3(0.5f, 0, 0), 0.4f, 20, 0.2f, false,
+                      trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, 1, -0.5f), sl_v3(0.8f, 0.1f, 0), sl_v3(0, 0, 0.5f),
+                    trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
     add_light(&mesh, spot_light((sl_rgb){1, 2, 3}));
     return trace_mesh_build(&mesh);
 }
@@ -606,14 +659,15 @@ static void photons_are_the_same_on_every_instruction_set_of_embree(void **state
     sl_scene_destroy(scene);
 }
 
-/* ---- directions in 32 bits --------------------------------------------------------------------------------------- */
+/* ---- directions in 32 bits ------------------------------------------------------------------- */
 
 static void directions_survive_their_32_bits(void **state) {
     (void)state;
     double worst = 0.0;
     for (uint64_t i = 0; i < 200000; i++) {
         uint64_t key = sl_random_key(11, i);
-        sl_vec3 d = sl_direction_around(sl_v3(0, 0, 1), 1.0f - 2.0f * sl_random_unit(key, 0), sl_random_unit(key, 1));
+        sl_vec3 d =
+            sl_direction_around(sl_v3(0, 0, 1), 1.0f - 2.0f * sl_random_unit(key, 0), sl_random_unit(key, 1));
         sl_vec3d a = sl_to_double(d), b = sl_to_double(sl_octahedral_decode(sl_octahedral_encode(d)));
         worst = fmax(worst, sl_lengthd(sl_crossd(a, b)));
         assert_true(sl_dotd(a, b) > 0.9);
@@ -635,7 +689,8 @@ static void what_is_no_direction_gets_one(void **state) {
         sl_vec3 d = sl_octahedral_decode(sl_octahedral_encode(odd[i]));
         assert_true(fabsf(sl_length(d) - 1.0f) < 1e-5f);
     }
-    for (uint32_t code = 0; code < UINT32_MAX - 70000; code += 65111) assert_true(fabsf(sl_length(sl_octahedral_decode(code)) - 1.0f) < 1e-5f);
+    for (uint32_t code = 0; code < UINT32_MAX - 70000; code += 65111)
+        assert_true(fabsf(sl_length(sl_octahedral_decode(code)) - 1.0f) < 1e-5f);
 }
 
 int main(void) {

@@ -25,7 +25,8 @@ static world new_world(int depth, sl_voxel_lobes lobes, light_kind kind) {
         int used = kind == EQUAL_LIGHTS ? 3 : (int)(sl_random_bits(key, 99 * i) % 5);
         for (int j = 0; j < used && j < w.lights->texels; j++) {
             uint64_t at = kind == EQUAL_LIGHTS ? 20 * (uint64_t)j : 99 * i + 20 * (uint64_t)j;
-            set_light(w.lights, i, j, sl_to_double(random_direction(key, at)), 0.5f + sl_random_unit(key, at + 1), sl_random_unit(key, at + 2), 0.3f);
+            set_light(w.lights, i, j, sl_to_double(random_direction(key, at)),
+                      0.5f + sl_random_unit(key, at + 1), sl_random_unit(key, at + 2), 0.3f);
         }
     }
     w.texture = texture_of(w.octree, w.lights, false);
@@ -56,15 +57,31 @@ static points *surface_points(const sl_scene *scene, uint64_t seed) {
     uint64_t key = sl_random_key(seed, 0), more = sl_random_key(seed, 1);
     for (uint64_t i = 0; i < POINTS; i++) {
         uint32_t triangle;
-        sl_vec3 at = random_on(scene, key, i, &triangle), n = random_direction(more, 3 * i), v = random_direction(more, 3 * i + 1);
+        sl_vec3 at = random_on(scene, key, i, &triangle), n = random_direction(more, 3 * i),
+                v = random_direction(more, 3 * i + 1);
         if (sl_dot(n, v) < 0.0f) v = sl_neg(v);
         bool glossy = i % 3 == 0;
-        const float values[PLANES] = {at.x, at.y, at.z, n.x, n.y, n.z, v.x, v.y, v.z, 0.8f, 0.5f, 0.3f, glossy ? 0.2f : 0.0f, glossy ? 0.1f : 0.0f,
-                                      glossy ? 0.15f : 0.0f, 1.0f + 60.0f * sl_random_unit(key, 9 * i)};
+        const float values[PLANES] = {at.x,
+                                      at.y,
+                                      at.z,
+                                      n.x,
+                                      n.y,
+                                      n.z,
+                                      v.x,
+                                      v.y,
+                                      v.z,
+                                      0.8f,
+                                      0.5f,
+                                      0.3f,
+                                      glossy ? 0.2f : 0.0f,
+                                      glossy ? 0.1f : 0.0f,
+                                      glossy ? 0.15f : 0.0f,
+                                      1.0f + 60.0f * sl_random_unit(key, 9 * i)};
         for (int k = 0; k < PLANES; k++) p->plane[k][i] = values[k];
     }
     float(*v)[POINTS] = p->plane;
-    p->arrays = (sl_octree_points){POINTS, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], v[12], v[13], v[14], v[15]};
+    p->arrays = (sl_octree_points){POINTS, v[0], v[1],  v[2],  v[3],  v[4],  v[5],  v[6], v[7],
+                                   v[8],   v[9], v[10], v[11], v[12], v[13], v[14], v[15]};
     return p;
 }
 
@@ -76,11 +93,13 @@ static sl_counters shade(const world *w, const sl_octree_shading *shading, point
 
 /* ---- the formulas as they stand, in double ---- */
 
-static void add_voxel(const world *w, const sl_directional_light *light, const points *p, size_t i, double weight, double sum[3]) {
+static void add_voxel(const world *w, const sl_directional_light *light, const points *p, size_t i,
+                      double weight, double sum[3]) {
     sl_vec3d n = sl_v3d((double)p->plane[3][i], (double)p->plane[4][i], (double)p->plane[5][i]);
     sl_vec3d v = sl_v3d((double)p->plane[6][i], (double)p->plane[7][i], (double)p->plane[8][i]);
     sl_vec3d m = sl_subd(sl_scaled(n, 2.0 * sl_dotd(n, v)), v);
-    double e = fmin((double)p->plane[15][i], 2.0 * w->texture->lights - 2.0); /* sharper lobes are widened to what one light stands for */
+    /* sharper lobes are widened to what one light stands for */
+    double e = fmin((double)p->plane[15][i], 2.0 * w->texture->lights - 2.0);
     for (int j = 0; j < w->texture->lights; j++) {
         sl_vec3d d = sl_to_double(sl_direction_unpack(light[j].packed));
         double cosine = sl_dotd(n, d), alpha = sl_dotd(m, d);
@@ -93,11 +112,13 @@ static void add_voxel(const world *w, const sl_directional_light *light, const p
     }
 }
 
-static void expected(const world *w, const sl_octree_shading *shading, const points *p, size_t i, double result[3]) {
+static void expected(const world *w, const sl_octree_shading *shading, const points *p, size_t i,
+                     double result[3]) {
     double total = 0.0, u[3];
     const double origin[3] = {w->octree->origin.x, w->octree->origin.y, w->octree->origin.z};
     bool nearest = shading->filter == SL_VOXEL_NEAREST;
-    for (int d = 0; d < 3; d++) u[d] = ((double)p->plane[d][i] - origin[d]) / sl_octree_voxel(w->octree) - (nearest ? 0.0 : 0.5);
+    for (int d = 0; d < 3; d++)
+        u[d] = ((double)p->plane[d][i] - origin[d]) / sl_octree_voxel(w->octree) - (nearest ? 0.0 : 0.5);
     result[0] = result[1] = result[2] = 0.0;
     for (int k = 0; k < (nearest ? 1 : 8); k++) {
         double weight = 1.0;
@@ -110,7 +131,8 @@ static void expected(const world *w, const sl_octree_shading *shading, const poi
         }
         uint32_t address;
         uint64_t fetches = 0;
-        if (sl_voxel_texture_find(w->texture, sl_to_float(centre), &address, &fetches) >> 24 != SL_TEXEL_LEAF) continue;
+        if (sl_voxel_texture_find(w->texture, sl_to_float(centre), &address, &fetches) >> 24 != SL_TEXEL_LEAF)
+            continue;
         add_voxel(w, sl_voxel_texture_lights(w->texture, address), p, i, weight, result);
         total += weight;
     }
@@ -126,7 +148,8 @@ static void pixels_are_the_sums_of_the_formulas(void **state) {
     for (int k = 0; k < 8; k++) {
         world w = new_world(k & 1 ? 5 : 3, lobes[k >> 1 & 1], RANDOM_LIGHTS);
         points *p = surface_points(w.scene, (uint64_t)k);
-        sl_octree_shading shading = {.texture = w.texture, .filter = k == 3 || k == 4 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR,
+        sl_octree_shading shading = {.texture = w.texture,
+                                     .filter = k == 3 || k == 4 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR,
                                      .keep_void_dark = k == 5};
         shade(&w, &shading, p);
         for (size_t i = 0; i < POINTS; i++) {
@@ -147,7 +170,8 @@ static void a_constant_field_stays_constant(void **state) {
     (void)state;
     for (int depth = 2; depth <= 6; depth++) {
         world w = new_world(depth, SL_LOBES_NONE, EQUAL_LIGHTS);
-        for (size_t i = 0; i < w.lights->set_count; i++) set_light(w.lights, i, 0, sl_v3d(0, 0, 1), 2.0f, 3.0f, 0.7f);
+        for (size_t i = 0; i < w.lights->set_count; i++)
+            set_light(w.lights, i, 0, sl_v3d(0, 0, 1), 2.0f, 3.0f, 0.7f);
         sl_voxel_texture_destroy(w.texture);
         w.texture = texture_of(w.octree, w.lights, depth & 1);
         points *p = surface_points(w.scene, 8);
@@ -156,7 +180,8 @@ static void a_constant_field_stays_constant(void **state) {
         sl_octree_shading shading = {.texture = w.texture};
         shade(&w, &shading, p);
         for (size_t i = 0; i < POINTS; i++) {
-            assert_true(fabsf(p->out[0][i] - 2.0f) < 2e-6f && fabsf(p->out[1][i] - 3.0f) < 3e-6f && fabsf(p->out[2][i] - 0.7f) < 1e-6f);
+            assert_true(fabsf(p->out[0][i] - 2.0f) < 2e-6f && fabsf(p->out[1][i] - 3.0f) < 3e-6f &&
+                        fabsf(p->out[2][i] - 0.7f) < 1e-6f);
         }
         shading.keep_void_dark = true; /* the paper's holes */
         shade(&w, &shading, p);
@@ -173,7 +198,8 @@ static void light_is_continuous_along_a_surface(void **state) {
     world w = new_world(5, SL_LOBES_PERPENDICULAR, RANDOM_LIGHTS);
     points *p = surface_points(w.scene, 4);
     float jump = 0.0f, most = 0.0f;
-    for (size_t i = 0; i < POINTS; i++) { /* a slanted line on the floor y = 0, some voxels long, in steps of a thousandth */
+    /* a slanted line on the floor y = 0, some voxels long, in steps of a thousandth */
+    for (size_t i = 0; i < POINTS; i++) {
         p->plane[0][i] = 0.3f + 1.9e-4f * (float)i;
         p->plane[1][i] = 0.0f;
         p->plane[2][i] = 0.2f + 2.3e-4f * (float)i;
@@ -185,7 +211,8 @@ static void light_is_continuous_along_a_surface(void **state) {
     shade(&w, &shading, p);
     for (size_t i = 0; i < POINTS; i++) {
         most = p->out[0][i] > most ? p->out[0][i] : most;
-        if (i > 0 && fabsf(p->out[0][i] - p->out[0][i - 1]) > jump) jump = fabsf(p->out[0][i] - p->out[0][i - 1]);
+        if (i > 0 && fabsf(p->out[0][i] - p->out[0][i - 1]) > jump)
+            jump = fabsf(p->out[0][i] - p->out[0][i - 1]);
     }
     assert_true(most > 0.1f);
     if (jump > 0.02f * most) fail_msg("a jump of %g, where %g is the most", (double)jump, (double)most);
@@ -200,7 +227,8 @@ static void light_is_continuous_along_a_surface(void **state) {
     end_world(&w);
 }
 
-/* d fetches of the descent and one for each of n lights; filtered 8 (d + n), less where the descent ends in void. */
+/* d fetches of the descent and one for each of n lights; filtered 8 (d + n), less where the descent ends in
+ * void. */
 static void fetches_are_those_of_the_hardware(void **state) {
     (void)state;
     world w = new_world(5, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS);
@@ -238,14 +266,16 @@ static void what_is_no_surface_point_is_black(void **state) {
 static void facing_voxels_alone_count_where_asked(void **state) {
     (void)state;
     const float xyz[] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,  /* floor, normal y */
-                         0, -1, 0, 0, 4, 0, 0, 4, 4, 0, -1, 0, 0, 4, 4, 0, -1, 4}; /* wall, normal x, on below the floor */
+                         /* wall, normal x, on below the floor */
+                         0, -1, 0, 0, 4, 0, 0, 4, 4, 0, -1, 0, 0, 4, 4, 0, -1, 4};
     sl_scene *scene = scene_of_triangles(xyz, 4);
     sl_octree *octree = octree_of(scene, 4, 1);
     sl_voxel_light_options options = plain_options(1);
     options.lobes = SL_LOBES_NONE;
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     for (size_t i = 0; i < octree->leaf_count; i++) {
-        bool floor_leaf = fabsf(octree->leaf[i].normal.y) > 0.99f, wall = fabsf(octree->leaf[i].normal.x) > 0.99f;
+        bool floor_leaf = fabsf(octree->leaf[i].normal.y) > 0.99f,
+             wall = fabsf(octree->leaf[i].normal.x) > 0.99f;
         set_light(lights, i, 0, sl_v3d(0, 1, 0), floor_leaf ? 1.0f : wall ? 100.0f : 1.0f, 1, 1);
     }
     sl_voxel_texture *texture = texture_of(octree, lights, false);
@@ -256,7 +286,13 @@ static void facing_voxels_alone_count_where_asked(void **state) {
         sl_octree_shading shading = {.texture = texture, .facing = facing};
         for (int i = 0; i < 200; i++) {
             float x = (float)(voxel * (0.01 + 0.01 * i)), y = 0.0f, z = 2.1f, n[3] = {0, 1, 0}, out[3];
-            sl_octree_points p = {.count = 1, .x = &x, .y = &y, .z = &z, .normal_x = &n[0], .normal_y = &n[1], .normal_z = &n[2]};
+            sl_octree_points p = {.count = 1,
+                                  .x = &x,
+                                  .y = &y,
+                                  .z = &z,
+                                  .normal_x = &n[0],
+                                  .normal_y = &n[1],
+                                  .normal_z = &n[2]};
             sl_counters counters = {{0}};
             sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
             most[facing] = (double)out[0] > most[facing] ? (double)out[0] : most[facing];
@@ -273,22 +309,27 @@ static void facing_voxels_alone_count_where_asked(void **state) {
 /* The underside of a sofa, lit from below alone, has nothing to say of the floor below it, near as it is. */
 static void what_faces_the_other_way_gives_no_weight(void **state) {
     (void)state;
-    const float xyz[9 * 4] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,                    /* up */
-                              0, 0.4f, 0, 4, 0.4f, 0, 4, 0.4f, 4, 0, 0.4f, 0, 4, 0.4f, 4, 0, 0.4f, 4}; /* down */
+    /* up */
+    const float xyz[9 * 4] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,
+                              /* down */
+                              0, 0.4f, 0, 4, 0.4f, 0, 4, 0.4f, 4, 0, 0.4f, 0, 4, 0.4f, 4, 0, 0.4f, 4};
     sl_scene *scene = scene_of_triangles(xyz, 4);
     sl_octree *octree = octree_of(scene, 3, 1);
     sl_voxel_light_options options = plain_options(1);
     options.split_by_normal = true;
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
-    for (size_t i = 0; i < lights->set_count; i++) set_light(lights, i, 0, sl_to_double(lights->set[i].normal), 1, 1, 1);
+    for (size_t i = 0; i < lights->set_count; i++)
+        set_light(lights, i, 0, sl_to_double(lights->set[i].normal), 1, 1, 1);
     sl_voxel_texture *texture = texture_of(octree, lights, false);
     sl_octree_scratch *scratch = NULL;
     assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
     sl_octree_shading shading = {.texture = texture, .facing = true};
     uint64_t key = sl_random_key(6, 6);
     for (uint64_t i = 0; i < 400; i++) {
-        float x = 4.0f * sl_random_unit(key, 2 * i), z = 4.0f * sl_random_unit(key, 2 * i + 1), y = i & 1 ? 0.4f : 0.0f, n[3] = {0, i & 1 ? -1.0f : 1.0f, 0}, out[3];
-        sl_octree_points p = {.count = 1, .x = &x, .y = &y, .z = &z, .normal_x = &n[0], .normal_y = &n[1], .normal_z = &n[2]};
+        float x = 4.0f * sl_random_unit(key, 2 * i), z = 4.0f * sl_random_unit(key, 2 * i + 1),
+              y = i & 1 ? 0.4f : 0.0f, n[3] = {0, i & 1 ? -1.0f : 1.0f, 0}, out[3];
+        sl_octree_points p = {
+            .count = 1, .x = &x, .y = &y, .z = &z, .normal_x = &n[0], .normal_y = &n[1], .normal_z = &n[2]};
         sl_counters counters = {{0}};
         sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
         if (fabsf(out[0] - 1.0f) > 1e-5f) fail_msg("%g", (double)out[0]);
@@ -300,11 +341,13 @@ static void what_faces_the_other_way_gives_no_weight(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* A sheet's back, when all that is lit near is its front: no voxel faces the point, and its own one is asked alone. Where that is void, too, all
- * around are, by distance. */
+/* A sheet's back, when all that is lit near is its front: no voxel faces the point, and its own one is asked
+ * alone. Where that is void, too, all around are, by distance. */
 static void a_point_that_nothing_faces_takes_the_light_of_its_own_voxel(void **state) {
     (void)state;
-    const float xyz[] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0, 0, 1.5f, 0, 0.01f, 1.5f, 0, 0, 1.5f, 0.01f}; /* and an outlier above */
+    /* and an outlier above */
+    const float xyz[] = {0, 0, 0, 0, 0, 4,    4, 0,     4,    0, 0, 0,    4,    0,
+                         4, 4, 0, 0, 0, 1.5f, 0, 0.01f, 1.5f, 0, 0, 1.5f, 0.01f};
     sl_scene *scene = scene_of_triangles(xyz, 3);
     sl_octree *octree = octree_of(scene, 3, 1);
     sl_voxel_light_options options = plain_options(1);
@@ -322,15 +365,20 @@ static void a_point_that_nothing_faces_takes_the_light_of_its_own_voxel(void **s
     size_t blended = 0;
     for (uint64_t i = 0; i < 400; i++) {
         bool beside = i & 1; /* in the empty voxel below the sheet's */
-        float x = 4.0f * sl_random_unit(key, 2 * i), z = 4.0f * sl_random_unit(key, 2 * i + 1), out[3], n[3] = {0, -1, 0};
+        float x = 4.0f * sl_random_unit(key, 2 * i), z = 4.0f * sl_random_unit(key, 2 * i + 1), out[3],
+              n[3] = {0, -1, 0};
         uint32_t leaf = sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(x, 0, z)));
         float y = beside ? -0.3f : 0.0f;
-        sl_octree_points p = {.count = 1, .x = &x, .y = &y, .z = &z, .normal_x = &n[0], .normal_y = &n[1], .normal_z = &n[2]};
+        sl_octree_points p = {
+            .count = 1, .x = &x, .y = &y, .z = &z, .normal_x = &n[0], .normal_y = &n[1], .normal_z = &n[2]};
         sl_counters counters = {{0}};
         sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
         blended += beside && fabsf(out[0] - roundf(out[0])) > 1e-3f;
-        if (!beside && fabsf(out[0] - (float)(leaf + 1)) > 1e-3f) fail_msg("%g, not its own voxel's %u", (double)out[0], leaf + 1);
-        if (beside) assert_true(sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(x, y, z))) == SL_NO_INDEX && out[0] >= 1.0f);
+        if (!beside && fabsf(out[0] - (float)(leaf + 1)) > 1e-3f)
+            fail_msg("%g, not its own voxel's %u", (double)out[0], leaf + 1);
+        if (beside)
+            assert_true(sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(x, y, z))) == SL_NO_INDEX &&
+                        out[0] >= 1.0f);
     }
     assert_true(blended > 150);
     sl_octree_scratch_destroy(scratch);
@@ -351,10 +399,12 @@ static void split_voxels_give_each_normal_its_own_lights(void **state) {
     options.lobes = SL_LOBES_NONE;
     options.split_by_normal = true;
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
-    assert_true(lights->set_count == 6 * 64); /* faces are x, y, z twice: 64 voxels each, edges have two sets, corners three */
+    /* faces are x, y, z twice: 64 voxels each, edges have two sets, corners three */
+    assert_true(lights->set_count == 6 * 64);
     for (size_t i = 0; i < lights->set_count; i++) {
         sl_vec3 n = lights->set[i].normal;
-        set_light(lights, i, 0, sl_v3d(0, 0, 1), fabsf(n.x) > 0.9f ? 1.0f : 0.0f, fabsf(n.y) > 0.9f ? 1.0f : 0.0f, fabsf(n.z) > 0.9f ? 1.0f : 0.0f);
+        set_light(lights, i, 0, sl_v3d(0, 0, 1), fabsf(n.x) > 0.9f ? 1.0f : 0.0f,
+                  fabsf(n.y) > 0.9f ? 1.0f : 0.0f, fabsf(n.z) > 0.9f ? 1.0f : 0.0f);
     }
     sl_voxel_texture *texture = texture_of(octree, lights, false);
     sl_octree_scratch *scratch = NULL;
@@ -365,11 +415,19 @@ static void split_voxels_give_each_normal_its_own_lights(void **state) {
         sl_vec3 at = random_on(scene, key, i, &triangle), n = sl_scene_geometric_normal(scene, triangle);
         if (i & 1) n = sl_neg(n); /* from either side */
         float out[3];
-        sl_octree_points p = {.count = 1, .x = &at.x, .y = &at.y, .z = &at.z, .normal_x = &n.x, .normal_y = &n.y, .normal_z = &n.z};
-        sl_octree_shading shading = {.texture = texture, .filter = i & 2 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR};
+        sl_octree_points p = {.count = 1,
+                              .x = &at.x,
+                              .y = &at.y,
+                              .z = &at.z,
+                              .normal_x = &n.x,
+                              .normal_y = &n.y,
+                              .normal_z = &n.z};
+        sl_octree_shading shading = {.texture = texture,
+                                     .filter = i & 2 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR};
         sl_counters counters = {{0}};
         sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
-        assert_true(fabsf(out[0] - fabsf(n.x)) < 1e-5f && fabsf(out[1] - fabsf(n.y)) < 1e-5f && fabsf(out[2] - fabsf(n.z)) < 1e-5f);
+        assert_true(fabsf(out[0] - fabsf(n.x)) < 1e-5f && fabsf(out[1] - fabsf(n.y)) < 1e-5f &&
+                    fabsf(out[2] - fabsf(n.z)) < 1e-5f);
     }
     sl_octree_scratch_destroy(scratch);
     sl_voxel_texture_destroy(texture);
@@ -400,8 +458,10 @@ static void batches_instruction_sets_and_the_index_give_the_same_bits(void **sta
         unsetenv("SOFTLUX_ISA");
         for (size_t i = 0; i < 300; i++) { /* alone */
             sl_octree_points one = p->arrays;
-            const float **arrays[] = {&one.x, &one.y, &one.z, &one.normal_x, &one.normal_y, &one.normal_z, &one.view_x, &one.view_y, &one.view_z,
-                                      &one.diffuse_r, &one.diffuse_g, &one.diffuse_b, &one.specular_r, &one.specular_g, &one.specular_b, &one.exponent};
+            const float **arrays[] = {&one.x,          &one.y,          &one.z,          &one.normal_x,
+                                      &one.normal_y,   &one.normal_z,   &one.view_x,     &one.view_y,
+                                      &one.view_z,     &one.diffuse_r,  &one.diffuse_g,  &one.diffuse_b,
+                                      &one.specular_r, &one.specular_g, &one.specular_b, &one.exponent};
             for (int a = 0; a < 16; a++) *arrays[a] += i;
             one.count = 1;
             float out[3];
@@ -439,13 +499,16 @@ static void a_gbuffer_is_shaded_the_same_by_any_number_of_threads(void **state) 
     for (unsigned threads = 1; threads <= 3; threads++) {
         float *r = out + (threads > 1 ? 3 * W * H : 0);
         counters = (sl_counters){{0}};
-        assert_int_equal(sl_octree_shade_gbuffer(&shading, w.scene, g, camera.eye, threads, r, r + W * H, r + 2 * W * H, &counters, NULL), SL_OK);
+        assert_int_equal(sl_octree_shade_gbuffer(&shading, w.scene, g, camera.eye, threads, r, r + W * H,
+                                                 r + 2 * W * H, &counters, NULL),
+                         SL_OK);
         if (threads == 1) first = counters;
         assert_memory_equal(out, r, 3 * W * H * sizeof *out);
         assert_memory_equal(&first, &counters, sizeof counters);
     }
-    sl_octree_points p = {W * H, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z, NULL, NULL, NULL,
-                          g->diffuse_r, g->diffuse_g, g->diffuse_b, NULL, NULL, NULL, NULL};
+    sl_octree_points p = {
+        W * H, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z, NULL, NULL,
+        NULL,  g->diffuse_r,  g->diffuse_g,  g->diffuse_b,  NULL,        NULL,        NULL,        NULL};
     sl_octree_shade(&shading, &p, w.scratch, out + 3 * W * H, out + 4 * W * H, out + 5 * W * H, &counters);
     double sum = 0.0;
     for (size_t i = 0; i < 3 * W * H; i++) sum += (double)out[i];

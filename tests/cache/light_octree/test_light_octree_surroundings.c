@@ -1,4 +1,5 @@
-/* How much of a scene's surface ellipsoids hold, where fine triangles count as points and one visit serves several ellipsoids. */
+/* How much of a scene's surface ellipsoids hold, where fine triangles count as points and one visit serves
+ * several ellipsoids. */
 #include "light_octree_support.h"
 
 #include "cache/light_octree/surroundings.h"
@@ -13,7 +14,8 @@ static sl_scene *ball_over_a_floor(unsigned rings) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     uint32_t corner[4];
-    for (int k = 0; k < 4; k++) corner[k] = trace_mesh_vertex(&mesh, k & 1 ? 2.0f : -2.0f, -1.05f, k & 2 ? 2.0f : -2.0f);
+    for (int k = 0; k < 4; k++)
+        corner[k] = trace_mesh_vertex(&mesh, k & 1 ? 2.0f : -2.0f, -1.05f, k & 2 ? 2.0f : -2.0f);
     trace_mesh_triangle(&mesh, corner[0], corner[2], corner[1], white);
     trace_mesh_triangle(&mesh, corner[1], corner[2], corner[3], white);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, rings, 0.0f, false, white);
@@ -46,9 +48,11 @@ static void forget(world *w) {
 static void ellipsoids(const world *w, uint64_t i, sl_ellipsoid e[SL_ELLIPSOIDS_MAX]) {
     static const double radius[SL_ELLIPSOIDS_MAX] = {0.7, 0.45, 0.2};
     uint32_t triangle;
-    sl_vec3 p = random_on(w->scene, sl_random_key(77, 0), i, &triangle), n = sl_scene_geometric_normal(w->scene, triangle);
+    sl_vec3 p = random_on(w->scene, sl_random_key(77, 0), i, &triangle),
+            n = sl_scene_geometric_normal(w->scene, triangle);
     p = sl_add(p, sl_scale(n, 0.02f * (float)(i % 3)));
-    for (int k = 0; k < SL_ELLIPSOIDS_MAX; k++) e[k] = (sl_ellipsoid){sl_to_double(p), sl_to_double(n), 0.25, radius[k]};
+    for (int k = 0; k < SL_ELLIPSOIDS_MAX; k++)
+        e[k] = (sl_ellipsoid){sl_to_double(p), sl_to_double(n), 0.25, radius[k]};
 }
 
 /* Every triangle, cut. */
@@ -57,8 +61,10 @@ static void cut_all(const world *w, const sl_ellipsoid *e, double area[2]) {
     for (uint32_t t = 0; t < w->scene->triangle_count; t++) {
         sl_vec3d corner[3];
         double cosine = sl_dotd(sl_to_double(sl_scene_geometric_normal(w->scene, t)), e->normal);
-        for (int k = 0; k < 3; k++) corner[k] = sl_to_double(sl_scene_position(w->scene, w->scene->vertex[k][t]));
-        if (fabs(cosine) >= least_cosine) area[cosine < 0.0] += sl_triangle_in_ellipsoid(e, corner[0], corner[1], corner[2]);
+        for (int k = 0; k < 3; k++)
+            corner[k] = sl_to_double(sl_scene_position(w->scene, w->scene->vertex[k][t]));
+        if (fabs(cosine) >= least_cosine)
+            area[cosine < 0.0] += sl_triangle_in_ellipsoid(e, corner[0], corner[1], corner[2]);
     }
 }
 
@@ -81,7 +87,8 @@ static void one_visit_finds_what_three_find(void **state) {
     forget(&w);
 }
 
-/* Large ones are cut: with no small ones among them the sums are exact, but for layers that hide each other. */
+/* Large ones are cut: with no small ones among them the sums are exact, but for layers that hide each other.
+ */
 static void fine_triangles_count_as_points_and_make_the_same_area(void **state) {
     (void)state;
     const double small_edges[2] = {0.0, 0.175};
@@ -101,7 +108,9 @@ static void fine_triangles_count_as_points_and_make_the_same_area(void **state) 
                 most[k] = fmax(most[k], fabs(found[k].front - cut[0]) / disc);
             }
         }
-        for (int size = 1; size < SL_TRIANGLE_SIZES; size++) points += w.surroundings->first_surfel[size][w.octree->leaf_count] > w.surroundings->first_surfel[size][0];
+        for (int size = 1; size < SL_TRIANGLE_SIZES; size++)
+            points += w.surroundings->first_surfel[size][w.octree->leaf_count] >
+                      w.surroundings->first_surfel[size][0];
         assert_true((points > 0) == (fine == 1));
         for (int k = 0; k < SL_ELLIPSOIDS_MAX; k++) {
             print_message("%s, R %d: %.2g of the disc\n", fine ? "fine" : "cut", k, most[k]);
@@ -123,7 +132,8 @@ static void every_fine_triangle_is_one_point(void **state) {
         for (int k = 0; k < 3; k++) p[k] = sl_scene_position(w.scene, w.scene->vertex[k][t]);
         double longest = 0.0;
         for (int k = 0; k < 3; k++) longest = fmax(longest, (double)sl_length(sl_sub(p[k], p[(k + 1) % 3])));
-        if (longest <= 0.2) expected += 0.5 * (double)sl_length(sl_cross(sl_sub(p[1], p[0]), sl_sub(p[2], p[0])));
+        if (longest <= 0.2)
+            expected += 0.5 * (double)sl_length(sl_cross(sl_sub(p[1], p[0]), sl_sub(p[2], p[0])));
     }
     assert_true(expected > 10.0 && fabs(area - expected) < 1e-4 * expected);
     forget(&w);

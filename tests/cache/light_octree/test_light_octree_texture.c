@@ -30,11 +30,13 @@ static void the_descent_ends_where_the_dense_index_says(void **state) {
             uint32_t texel = sl_voxel_texture_find(texture, sl_v3(q[0], q[1], q[2]), &address, &fetches);
             uint32_t index = texture->index[(((((size_t)cell[2] << depth) + cell[1]) << depth) + cell[0])];
             if (leaf == SL_NO_INDEX) {
-                assert_true(texel == 0 && index == SL_NO_INDEX && fetches - before >= 1 && fetches - before <= (uint64_t)depth);
+                assert_true(texel == 0 && index == SL_NO_INDEX && fetches - before >= 1 &&
+                            fetches - before <= (uint64_t)depth);
                 continue;
             }
             leaves++;
-            assert_true(texel >> 24 == SL_TEXEL_LEAF && (texel & 0xffffff) == address && fetches - before == (uint64_t)depth);
+            assert_true(texel >> 24 == SL_TEXEL_LEAF && (texel & 0xffffff) == address &&
+                        fetches - before == (uint64_t)depth);
             assert_true(sl_voxel_texture_place(texture, address) == index);
             const sl_directional_light *light = sl_voxel_texture_lights(texture, address);
             assert_true(light == texture->light + index);
@@ -55,11 +57,13 @@ static void what_is_outside_is_void(void **state) {
     sl_voxel_light_options options = plain_options(1);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     sl_voxel_texture *texture = texture_of(octree, lights, false);
-    const sl_vec3 odd[] = {{-1, 1, 1}, {1, 6, 1}, {NAN, 1, 1}, {INFINITY, 0, 0}, {1, 1, -INFINITY}, {1e30f, 1, 1}};
+    const sl_vec3 odd[] = {{-1, 1, 1},       {1, 6, 1},         {NAN, 1, 1},
+                           {INFINITY, 0, 0}, {1, 1, -INFINITY}, {1e30f, 1, 1}};
     uint64_t fetches = 0;
     for (int k = 0; k < 6; k++) {
         uint32_t address = 7;
-        assert_true(sl_voxel_texture_find(texture, odd[k], &address, &fetches) == SL_TEXEL_VOID && address == 0);
+        assert_true(sl_voxel_texture_find(texture, odd[k], &address, &fetches) == SL_TEXEL_VOID &&
+                    address == 0);
     }
     assert_true(fetches == 0);
     uint32_t address;
@@ -80,7 +84,8 @@ static sl_octree *made_octree(int depth, size_t leaves) {
     octree->area_vector = sl_allocate(leaves, sizeof *octree->area_vector);
     octree->triangle = sl_allocate(0, 1);
     assert_true(octree->leaf && octree->area_vector && octree->triangle);
-    for (size_t i = 0; i < leaves; i++) octree->leaf[i] = (sl_octree_leaf){.morton = i, .area = 1.0f, .normal = {0, 0, 1}};
+    for (size_t i = 0; i < leaves; i++)
+        octree->leaf[i] = (sl_octree_leaf){.morton = i, .area = 1.0f, .normal = {0, 0, 1}};
     return octree;
 }
 
@@ -92,16 +97,21 @@ static void every_array_comes_back_from_its_address(void **state) {
         sl_voxel_light_options options = plain_options(n);
         sl_voxel_lights *lights = lights_of(scene, octree, &options);
         for (size_t i = 0; i < 30000; i++) {
-            for (int j = 0; j < n; j++) set_light(lights, i, j, sl_v3d(0, 0, 1), (float)(i * 8 + (size_t)j), 1, 1);
+            for (int j = 0; j < n; j++)
+                set_light(lights, i, j, sl_v3d(0, 0, 1), (float)(i * 8 + (size_t)j), 1, 1);
         }
         sl_voxel_texture *texture = texture_of(octree, lights, false);
-        assert_true(texture->width <= SL_LIGHT_TEXTURE_SIZE && texture->width % n == 0 && texture->array_count == 30000);
+        assert_true(texture->width <= SL_LIGHT_TEXTURE_SIZE && texture->width % n == 0 &&
+                    texture->array_count == 30000);
         for (size_t i = 0; i < 30000; i++) {
             uint32_t cell[3], address;
             uint64_t fetches = 0;
             sl_morton_decode(i, cell);
-            uint32_t texel = sl_voxel_texture_find(texture, sl_v3(((float)cell[0] + 0.5f) / 64, ((float)cell[1] + 0.5f) / 64, ((float)cell[2] + 0.5f) / 64),
-                                                   &address, &fetches);
+            uint32_t texel =
+                sl_voxel_texture_find(texture,
+                                      sl_v3(((float)cell[0] + 0.5f) / 64, ((float)cell[1] + 0.5f) / 64,
+                                            ((float)cell[2] + 0.5f) / 64),
+                                      &address, &fetches);
             assert_true(texel >> 24 == SL_TEXEL_LEAF);
             const sl_directional_light *light = sl_voxel_texture_lights(texture, address);
             for (int j = 0; j < n; j++) assert_true(light[j].color[0] == (float)(i * 8 + (size_t)j));
@@ -115,14 +125,18 @@ static void every_array_comes_back_from_its_address(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* 5,705 bricks for the sphere of 17,072 leaves; two outliers in the corners of the root add six bricks each at most. */
+/* 5,705 bricks for the sphere of 17,072 leaves; two outliers in the corners of the root add six bricks each
+ * at most. */
 static void bricks_and_bytes_are_those_that_were_counted(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1);
-    trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1), trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
-    trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1), trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 0.94f * 1.0001f, 150, 0.0f, false, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1),
+                        trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
+    trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1),
+                        trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 0.94f * 1.0001f, 150, 0.0f, false,
+                      trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_octree *octree = octree_of(scene, 6, 2);
     sl_voxel_light_options options = plain_options(4);
@@ -130,10 +144,14 @@ static void bricks_and_bytes_are_those_that_were_counted(void **state) {
     for (size_t i = 0; i < octree->leaf_count; i++) set_light(lights, i, 0, sl_v3d(0, 0, 1), 1, 1, 1);
     sl_voxel_texture *texture = texture_of(octree, lights, false);
     assert_int_equal(octree->leaf_count, 17074);
-    if (texture->brick_count < 5705 || texture->brick_count > 5705 + 12) fail_msg("%zu bricks", texture->brick_count);
-    size_t bricks = 4 * (size_t)texture->bricks->width * (size_t)texture->bricks->height * (size_t)texture->bricks->depth;
-    assert_true(bricks >= 32 * texture->brick_count && bricks < 32 * (texture->brick_count + 64)); /* 178 KiB */
-    assert_true(sl_voxel_texture_bytes(texture) - bricks >= 17074 * 64 && sl_voxel_texture_bytes(texture) - bricks < 17074 * 64 + 65536);
+    if (texture->brick_count < 5705 || texture->brick_count > 5705 + 12)
+        fail_msg("%zu bricks", texture->brick_count);
+    size_t bricks =
+        4 * (size_t)texture->bricks->width * (size_t)texture->bricks->height * (size_t)texture->bricks->depth;
+    /* 178 KiB */
+    assert_true(bricks >= 32 * texture->brick_count && bricks < 32 * (texture->brick_count + 64));
+    assert_true(sl_voxel_texture_bytes(texture) - bricks >= 17074 * 64 &&
+                sl_voxel_texture_bytes(texture) - bricks < 17074 * 64 + 65536);
     sl_voxel_texture_destroy(texture);
     sl_voxel_lights_destroy(lights);
     sl_octree_destroy(octree);
@@ -145,7 +163,8 @@ static void a_hundred_thousand_leaves_take_what_was_derived(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(6, 100000);
-    for (size_t i = 0; i < octree->leaf_count; i++) octree->leaf[i].morton = i / 3 * 8 + i % 3; /* three to a brick */
+    /* three to a brick */
+    for (size_t i = 0; i < octree->leaf_count; i++) octree->leaf[i].morton = i / 3 * 8 + i % 3;
     sl_voxel_light_options options = plain_options(4);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     for (size_t i = 0; i < octree->leaf_count; i++) set_light(lights, i, 3, sl_v3d(0, 0, 1), 1, 1, 1);
@@ -169,7 +188,8 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
     size_t wanted = 1, alone = 0, several = 0;
     for (size_t s = 0; s < lights->set_count; s++) {
         lights->set[s].flat = s % 3 == 0;
-        for (size_t j = 0; j < s * 7 % 5; j++) set_light(lights, s, (int)j, sl_v3d(0, 0, 1), (float)(s * 8 + j), 1, 1);
+        for (size_t j = 0; j < s * 7 % 5; j++)
+            set_light(lights, s, (int)j, sl_v3d(0, 0, 1), (float)(s * 8 + j), 1, 1);
     }
     sl_voxel_texture *texture = texture_of(octree, lights, true);
     for (size_t i = 0; i < octree->leaf_count; i++) {
@@ -186,11 +206,15 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
             sl_vec3 n = lights->set[s].normal;
             const float *d = texture->unpacked[at].direction;
             assert_int_equal(head.lights, lights->set[s].lights);
-            assert_true(head.more == (s + 1 < end) && head.texels == !(lights->set[s].flat && !lights->set[s].layered && head.lights == 1));
-            if (head.texels == 1) assert_true(head.has_normal == (sl_dot(n, n) > 0) && sl_dot(sl_v3(d[0], d[1], d[2]), n) > 0.9999f * sl_dot(n, n));
+            assert_true(head.more == (s + 1 < end) &&
+                        head.texels == !(lights->set[s].flat && !lights->set[s].layered && head.lights == 1));
+            if (head.texels == 1)
+                assert_true(head.has_normal == (sl_dot(n, n) > 0) &&
+                            sl_dot(sl_v3(d[0], d[1], d[2]), n) > 0.9999f * sl_dot(n, n));
             at += (size_t)head.texels;
             for (int j = 0; j < head.lights; j++, at++) {
-                assert_true(texture->light[at].color[0] == (float)(s * 8 + (size_t)j) && texture->unpacked[at].color[0] == (float)(s * 8 + (size_t)j));
+                assert_true(texture->light[at].color[0] == (float)(s * 8 + (size_t)j) &&
+                            texture->unpacked[at].color[0] == (float)(s * 8 + (size_t)j));
                 assert_true(texture->unpacked[at].direction[2] == 1.0f);
             }
             alone += head.texels == 0;
@@ -208,23 +232,29 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* A sheet's normal stands for both of its sides; where a voxel holds both faces of a wall, each for its own alone. */
+/* A sheet's normal stands for both of its sides; where a voxel holds both faces of a wall, each for its own
+ * alone. */
 static void the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not(void **state) {
     (void)state;
-    const float xyz[9 * 5] = {0, 1.5f, 0, 0.01f, 1.5f, 0, 0, 1.5f, 0.01f,                              /* far above: so that one voxel holds both */
-                              0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,                    /* up */
-                              0, 0.1f, 0, 4, 0.1f, 0, 4, 0.1f, 4, 0, 0.1f, 0, 4, 0.1f, 4, 0, 0.1f, 4}; /* down */
+    /* far above: so that one voxel holds both */
+    const float xyz[9 * 5] = {0, 1.5f, 0, 0.01f, 1.5f, 0, 0, 1.5f, 0.01f,
+                              /* up */
+                              0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,
+                              /* down */
+                              0, 0.1f, 0, 4, 0.1f, 0, 4, 0.1f, 4, 0, 0.1f, 0, 4, 0.1f, 4, 0, 0.1f, 4};
     for (int faces = 1; faces <= 2; faces++) {
         sl_scene *scene = scene_of_triangles(xyz, 1 + 2 * (size_t)faces);
         sl_octree *octree = octree_of(scene, 3, 1);
         sl_voxel_light_options options = plain_options(1);
         options.split_by_normal = true;
         sl_voxel_lights *lights = lights_of(scene, octree, &options);
-        for (size_t i = 0; i < lights->set_count; i++) set_light(lights, i, 0, sl_to_double(lights->set[i].normal), 1, 1, 1);
+        for (size_t i = 0; i < lights->set_count; i++)
+            set_light(lights, i, 0, sl_to_double(lights->set[i].normal), 1, 1, 1);
         sl_voxel_texture *texture = texture_of(octree, lights, false);
         uint32_t address;
         uint64_t fetches = 0;
-        assert_int_equal(sl_voxel_texture_find(texture, sl_v3(1.3f, 0.05f, 1.2f), &address, &fetches) >> 24, SL_TEXEL_LEAF);
+        assert_int_equal(sl_voxel_texture_find(texture, sl_v3(1.3f, 0.05f, 1.2f), &address, &fetches) >> 24,
+                         SL_TEXEL_LEAF);
         sl_set_head head = sl_voxel_texture_head(texture, sl_voxel_texture_place(texture, address));
         assert_true(head.turn == (faces == 1) && head.more == (faces == 2) && head.lights == 1);
         sl_voxel_texture_destroy(texture);
@@ -276,7 +306,9 @@ static void an_octree_without_leaves_is_void(void **state) {
     sl_voxel_texture *texture = texture_of(octree, lights, true);
     uint32_t address;
     uint64_t fetches = 0;
-    assert_true(sl_voxel_texture_find(texture, sl_v3(0.3f, 0.4f, 0.5f), &address, &fetches) == SL_TEXEL_VOID && fetches == 1);
+    assert_true(sl_voxel_texture_find(texture, sl_v3(0.3f, 0.4f, 0.5f), &address, &fetches) ==
+                    SL_TEXEL_VOID &&
+                fetches == 1);
     sl_voxel_texture_destroy(texture);
     sl_voxel_lights_destroy(lights);
     sl_octree_destroy(octree);

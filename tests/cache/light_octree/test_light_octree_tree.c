@@ -17,7 +17,8 @@
 static float number(uint64_t stream, uint64_t i) { return sl_random_unit(sl_random_key(21, stream), i); }
 
 static sl_vec3 direction(uint64_t stream, uint64_t i) {
-    return sl_normalize_or(sl_v3(number(stream, 3 * i) - 0.5f, number(stream, 3 * i + 1) - 0.5f, number(stream, 3 * i + 2) - 0.5f),
+    return sl_normalize_or(sl_v3(number(stream, 3 * i) - 0.5f, number(stream, 3 * i + 1) - 0.5f,
+                                 number(stream, 3 * i + 2) - 0.5f),
                            sl_v3(0, 0, 1));
 }
 
@@ -31,8 +32,10 @@ static sl_photon_list *empty_list(size_t count) {
 }
 
 static void put(sl_photon_list *list, size_t i, sl_vec3 position, sl_vec3 normal) {
-    list->photon[i] = (sl_photon){.position = {position.x, position.y, position.z}, .flux = {(float)i, 1, 2},
-                                  .direction = sl_octahedral_encode(direction(8, i)), .normal = sl_octahedral_encode(normal)};
+    list->photon[i] = (sl_photon){.position = {position.x, position.y, position.z},
+                                  .flux = {(float)i, 1, 2},
+                                  .direction = sl_octahedral_encode(direction(8, i)),
+                                  .normal = sl_octahedral_encode(normal)};
 }
 
 /* Photons in a box and on two of its faces, some of them in the same places. */
@@ -42,7 +45,9 @@ static sl_photon_list *cloud(size_t count, sl_vec3 corner, float size) {
         sl_vec3 p = sl_v3(number(1, i), i % 5 == 1 ? 0.0f : number(2, i), i % 5 == 2 ? 1.0f : number(3, i));
         sl_vec3 n = direction(4, i);
         p = sl_mad(corner, size, p);
-        if (i % 7 == 6) p = sl_v3(list->photon[i / 2].position[0], list->photon[i / 2].position[1], list->photon[i / 2].position[2]);
+        if (i % 7 == 6)
+            p = sl_v3(list->photon[i / 2].position[0], list->photon[i / 2].position[1],
+                      list->photon[i / 2].position[2]);
         put(list, i, p, n);
     }
     return list;
@@ -83,10 +88,13 @@ static size_t search_all(const sl_photon_list *list, const sl_photon_query *q, f
     float stretch = sphere ? 0.0f : (float)(1.0 / (q->flatness * q->flatness) - 1.0);
     size_t count = 0;
     for (size_t i = 0; i < list->count; i++) {
-        sl_vec3 p = sl_sub(sl_v3(list->photon[i].position[0], list->photon[i].position[1], list->photon[i].position[2]), q->centre);
+        sl_vec3 p = sl_sub(
+            sl_v3(list->photon[i].position[0], list->photon[i].position[1], list->photon[i].position[2]),
+            q->centre);
         float u = sl_dot(p, q->normal), distance = sl_dot(p, p) + stretch * (u * u);
         if (!sphere && q->cos_acceptance > -1.0 &&
-            !(sl_dot(sl_octahedral_decode(list->photon[i].normal), q->normal) >= (float)q->cos_acceptance)) continue;
+            !(sl_dot(sl_octahedral_decode(list->photon[i].normal), q->normal) >= (float)q->cos_acceptance))
+            continue;
         if (distance <= (float)(q->radius * q->radius)) all[count++] = (found){distance, (uint32_t)i};
     }
     qsort(all, count, sizeof *all, by_distance);
@@ -102,13 +110,16 @@ typedef struct gather_room {
     sl_gathered_photons gathered;
 } gather_room;
 
-static const sl_gathered_photons *gather(const sl_photon_tree *tree, const sl_photon_query *query, gather_room *room) {
-    room->gathered = (sl_gathered_photons){.place = room->place, .distance = room->distance, .keys = room->keys};
+static const sl_gathered_photons *gather(const sl_photon_tree *tree, const sl_photon_query *query,
+                                         gather_room *room) {
+    room->gathered =
+        (sl_gathered_photons){.place = room->place, .distance = room->distance, .keys = room->keys};
     sl_photon_tree_gather(tree, query, &room->gathered);
     return &room->gathered;
 }
 
-static void compare_with_all(const sl_photon_list *original, const sl_photon_tree *tree, const sl_photon_query *query, found *all) {
+static void compare_with_all(const sl_photon_list *original, const sl_photon_tree *tree,
+                             const sl_photon_query *query, found *all) {
     static gather_room room;
     const sl_gathered_photons *g = gather(tree, query, &room);
     size_t count = search_all(original, query, all);
@@ -123,15 +134,23 @@ static void compare_with_all(const sl_photon_list *original, const sl_photon_tre
     assert_true(g->radius == fmax(g->full ? sqrt(farthest) : query->radius, query->minimum));
 }
 
-static void queries_find_what_a_search_through_all_finds(const sl_photon_list *original, sl_vec3 corner, float size, unsigned queries) {
+static void queries_find_what_a_search_through_all_finds(const sl_photon_list *original, sl_vec3 corner,
+                                                         float size, unsigned queries) {
     sl_photon_tree *tree = tree_of(copy_of(original), 2);
     found *all = calloc(original->count + 1, sizeof *all);
-    const double flatness[] = {0.25, 1.0, 0.05, 0.002}, radius[] = {0.02, 0.1, 0.3, 5.0}, acceptance[] = {0.5, -1.0, 0.9, 0.0};
+    const double flatness[] = {0.25, 1.0, 0.05, 0.002}, radius[] = {0.02, 0.1, 0.3, 5.0},
+                 acceptance[] = {0.5, -1.0, 0.9, 0.0};
     const size_t neighbours[] = {1, 7, 50, 300, 1000};
     for (uint64_t i = 0; i < queries; i++) {
-        sl_vec3 at = sl_mad(corner, size, sl_v3(number(5, 3 * i), number(5, 3 * i + 1) * (i % 2 ? 1.0f : 0.0f), number(5, 3 * i + 2)));
-        sl_photon_query q = {.centre = at, .normal = i % 2 ? direction(6, i) : sl_v3(0, 1, 0), .flatness = flatness[i / 2 % 4],
-                             .radius = radius[i / 3 % 4] * (double)size, .minimum = 1e-6, .cos_acceptance = acceptance[i / 5 % 4],
+        sl_vec3 at = sl_mad(
+            corner, size,
+            sl_v3(number(5, 3 * i), number(5, 3 * i + 1) * (i % 2 ? 1.0f : 0.0f), number(5, 3 * i + 2)));
+        sl_photon_query q = {.centre = at,
+                             .normal = i % 2 ? direction(6, i) : sl_v3(0, 1, 0),
+                             .flatness = flatness[i / 2 % 4],
+                             .radius = radius[i / 3 % 4] * (double)size,
+                             .minimum = 1e-6,
+                             .cos_acceptance = acceptance[i / 5 % 4],
                              .neighbours = neighbours[i % 5]};
         if (i % 11 == 10) q.normal = sl_v3(0, 0, 0);
         if (i % 13 == 12) q.centre = sl_mad(q.centre, 2.0f * size, direction(7, i)); /* from outside */
@@ -153,7 +172,8 @@ static void gathers_stay_exact_far_from_the_origin_and_at_any_scale(void **state
     const struct {
         sl_vec3 corner;
         float size;
-    } worlds[] = {{{1e6f, -2e6f, 3e5f}, 10.0f}, {{-5, 3, 2}, 1e-3f}, {{-1e12f, 0, 0}, 2e12f}, {{0, 0, 0}, 1e-12f}};
+    } worlds[] = {
+        {{1e6f, -2e6f, 3e5f}, 10.0f}, {{-5, 3, 2}, 1e-3f}, {{-1e12f, 0, 0}, 2e12f}, {{0, 0, 0}, 1e-12f}};
     for (int w = 0; w < 4; w++) {
         sl_photon_list *list = cloud(3000, worlds[w].corner, worlds[w].size);
         queries_find_what_a_search_through_all_finds(list, worlds[w].corner, worlds[w].size, 200);
@@ -196,16 +216,22 @@ static void no_photon_lies_outside_the_ellipsoid(void **state) {
     sl_photon_tree *tree = tree_of(list, 1);
     size_t together = 0;
     for (uint64_t i = 0; i < 200; i++) {
-        sl_photon_query q = {.centre = {number(5, i), number(6, i), number(7, i)}, .normal = direction(6, i), .flatness = 0.25,
-                             .radius = 0.1, .cos_acceptance = -1.0, .neighbours = 200};
+        sl_photon_query q = {.centre = {number(5, i), number(6, i), number(7, i)},
+                             .normal = direction(6, i),
+                             .flatness = 0.25,
+                             .radius = 0.1,
+                             .cos_acceptance = -1.0,
+                             .neighbours = 200};
         const sl_gathered_photons *g = gather(tree, &q, &room);
         together += g->count;
         for (size_t k = 0; k < g->count; k++) {
             const float *p = sl_photon_tree_list(tree)->photon[g->place[k]].position;
-            sl_vec3d to = sl_subd(sl_v3d((double)p[0], (double)p[1], (double)p[2]), sl_to_double(q.centre)), n = sl_to_double(q.normal);
+            sl_vec3d to = sl_subd(sl_v3d((double)p[0], (double)p[1], (double)p[2]), sl_to_double(q.centre)),
+                     n = sl_to_double(q.normal);
             double u = sl_dotd(to, n);
             sl_vec3d along = sl_subd(to, sl_scaled(n, u));
-            assert_true(sl_dotd(along, along) + u * u / (0.25 * 0.25) <= g->radius * g->radius * (1.0 + 1e-5));
+            assert_true(sl_dotd(along, along) + u * u / (0.25 * 0.25) <=
+                        g->radius * g->radius * (1.0 + 1e-5));
         }
     }
     assert_true(together > 1000);
@@ -218,8 +244,12 @@ static void flatness_of_one_gives_the_sphere(void **state) {
     sl_photon_list *list = cloud(20000, sl_v3(0, 0, 0), 1.0f);
     sl_photon_tree *tree = tree_of(list, 1);
     for (uint64_t i = 0; i < 100; i++) {
-        sl_photon_query q = {.centre = {number(5, i), number(6, i), number(7, i)}, .normal = direction(6, i), .flatness = 1.0,
-                             .radius = 0.2, .cos_acceptance = -1.0, .neighbours = 100};
+        sl_photon_query q = {.centre = {number(5, i), number(6, i), number(7, i)},
+                             .normal = direction(6, i),
+                             .flatness = 1.0,
+                             .radius = 0.2,
+                             .cos_acceptance = -1.0,
+                             .neighbours = 100};
         const sl_gathered_photons *a = gather(tree, &q, &flat);
         q.normal = sl_v3(0, 0, 0);
         q.flatness = 0.25;
@@ -237,8 +267,13 @@ static void coincident_photons_are_kept_by_their_ids(void **state) {
     sl_photon_list *list = empty_list(1000);
     for (size_t i = 0; i < 1000; i++) put(list, i, sl_v3(1, 2, 3), sl_v3(0, 1, 0));
     sl_photon_tree *tree = tree_of(list, 2);
-    sl_photon_query q = {.centre = {1, 2, 3}, .normal = {0, 1, 0}, .flatness = 0.25, .radius = 1.0, .minimum = 1e-3,
-                         .cos_acceptance = 0.5, .neighbours = 37};
+    sl_photon_query q = {.centre = {1, 2, 3},
+                         .normal = {0, 1, 0},
+                         .flatness = 0.25,
+                         .radius = 1.0,
+                         .minimum = 1e-3,
+                         .cos_acceptance = 0.5,
+                         .neighbours = 37};
     const sl_gathered_photons *g = gather(tree, &q, &room);
     assert_int_equal(g->count, 37);
     assert_true(g->full && g->radius == 1e-3);
@@ -251,12 +286,18 @@ static void k_less_one_over_k_makes_the_density_unbiased(void **state) {
     static gather_room room;
     enum { PHOTONS = 300000, SIDE = 100, K = 20 };
     sl_photon_list *list = empty_list(PHOTONS);
-    for (size_t i = 0; i < PHOTONS; i++) put(list, i, sl_v3(number(1, i), 0.0f, number(3, i)), sl_v3(0, 1, 0));
+    for (size_t i = 0; i < PHOTONS; i++)
+        put(list, i, sl_v3(number(1, i), 0.0f, number(3, i)), sl_v3(0, 1, 0));
     sl_photon_tree *tree = tree_of(list, 2);
     double with = 0.0, without = 0.0;
     for (int i = 0; i < SIDE * SIDE; i++) {
-        sl_photon_query q = {.centre = {0.05f + 0.9f * (float)(i % SIDE) / SIDE, 0.0f, 0.05f + 0.9f * (float)(i / SIDE) / SIDE},
-                             .normal = {0, 1, 0}, .flatness = 0.25, .radius = 1.0, .cos_acceptance = 0.5, .neighbours = K};
+        sl_photon_query q = {.centre = {0.05f + 0.9f * (float)(i % SIDE) / SIDE, 0.0f,
+                                        0.05f + 0.9f * (float)(i / SIDE) / SIDE},
+                             .normal = {0, 1, 0},
+                             .flatness = 0.25,
+                             .radius = 1.0,
+                             .cos_acceptance = 0.5,
+                             .neighbours = K};
         const sl_gathered_photons *g = gather(tree, &q, &room);
         assert_true(g->full);
         double density = K / (SL_PI * g->radius * g->radius) / PHOTONS / (SIDE * SIDE);
@@ -301,8 +342,12 @@ static void every_instruction_set_finds_the_same_photons(void **state) {
     }
     unsetenv("SOFTLUX_ISA");
     for (uint64_t i = 0; i < 300; i++) {
-        sl_photon_query q = {.centre = {number(5, i), number(6, i), number(7, i)}, .normal = direction(6, i), .flatness = 0.3,
-                             .radius = 0.2, .cos_acceptance = 0.2, .neighbours = 150};
+        sl_photon_query q = {.centre = {number(5, i), number(6, i), number(7, i)},
+                             .normal = direction(6, i),
+                             .flatness = 0.3,
+                             .radius = 0.2,
+                             .cos_acceptance = 0.2,
+                             .neighbours = 150};
         const sl_gathered_photons *a = gather(trees[0], &q, &baseline);
         for (int isa = 1; isa <= (int)best; isa++) {
             const sl_gathered_photons *b = gather(trees[isa], &q, &other);
@@ -321,8 +366,13 @@ static void odd_questions_get_answers_without_nan(void **state) {
     sl_photon_list *list = cloud(5000, sl_v3(0, 0, 0), 1.0f);
     for (size_t i = 0; i < 100; i++) list->photon[i].position[i % 3] = i % 2 ? NAN : INFINITY;
     sl_photon_tree *tree = tree_of(list, 1);
-    const sl_photon_query plain = {.centre = {0.5f, 0.5f, 0.5f}, .normal = {0, 1, 0}, .flatness = 0.25, .radius = 10.0, .minimum = 1e-3,
-                                   .cos_acceptance = -1.0, .neighbours = 50};
+    const sl_photon_query plain = {.centre = {0.5f, 0.5f, 0.5f},
+                                   .normal = {0, 1, 0},
+                                   .flatness = 0.25,
+                                   .radius = 10.0,
+                                   .minimum = 1e-3,
+                                   .cos_acceptance = -1.0,
+                                   .neighbours = 50};
     sl_photon_query q = plain;
     q.radius = INFINITY;
     assert_int_equal(gather(tree, &q, &room)->count, 50);

@@ -1,4 +1,5 @@
-/* Pictures by the light octree: figure 2's ball, the paper's holes and their cures, edits of lights and objects, and what is said beside a picture. */
+/* Pictures by the light octree: figure 2's ball, the paper's holes and their cures, edits of lights and
+ * objects, and what is said beside a picture. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -47,15 +48,19 @@ static char *ball_obj(void) {
     assert_non_null(text);
     for (int j = 0; j <= RINGS; j++) {
         for (int i = 0; i < COLUMNS; i++) {
-            double theta = 3.14159265358979 * (j + 0.01 * (j == 0) - 0.01 * (j == RINGS)) / RINGS, phi = 6.28318530717959 * i / COLUMNS;
+            double theta = 3.14159265358979 * (j + 0.01 * (j == 0) - 0.01 * (j == RINGS)) / RINGS,
+                   phi = 6.28318530717959 * i / COLUMNS;
             double x = sin(theta) * cos(phi), y = cos(theta), z = sin(theta) * sin(phi);
-            at += (size_t)snprintf(text + at, room - at, "v %.6f %.6f %.6f\nvn %.6f %.6f %.6f\n", x, y, z, x, y, z);
+            at += (size_t)snprintf(text + at, room - at, "v %.6f %.6f %.6f\nvn %.6f %.6f %.6f\n", x, y, z, x,
+                                   y, z);
         }
     }
     for (int j = 0; j < RINGS; j++) {
         for (int i = 0; i < COLUMNS; i++) {
-            int a = j * COLUMNS + i + 1, b = j * COLUMNS + (i + 1) % COLUMNS + 1, c = a + COLUMNS, d = b + COLUMNS;
-            at += (size_t)snprintf(text + at, room - at, "f %d//%d %d//%d %d//%d\nf %d//%d %d//%d %d//%d\n", a, a, b, b, d, d, a, a, d, d, c, c);
+            int a = j * COLUMNS + i + 1, b = j * COLUMNS + (i + 1) % COLUMNS + 1, c = a + COLUMNS,
+                d = b + COLUMNS;
+            at += (size_t)snprintf(text + at, room - at, "f %d//%d %d//%d %d//%d\nf %d//%d %d//%d %d//%d\n",
+                                   a, a, b, b, d, d, a, a, d, d, c, c);
         }
     }
     return text;
@@ -68,24 +73,31 @@ static double rms_from(const sl_image *image, const sl_image *truth) {
     double sum = 0.0;
     for (int k = 0; k < 2; k++) {
         for (size_t i = 0; i < count; i++) {
-            double d = (double)sl_image_channel(image, ours[k])[i] - (double)sl_image_channel(truth, theirs[k])[i];
+            double d =
+                (double)sl_image_channel(image, ours[k])[i] - (double)sl_image_channel(truth, theirs[k])[i];
             sum += d * d;
         }
     }
     return sqrt(sum / (2.0 * (double)count));
 }
 
-/* A ball under a red light and a green one, photons of direct light stored (figure 2): one colour a voxel makes blocks, lights with directions follow
- * the ball's own normals. */
+/* A ball under a red light and a green one, photons of direct light stored (figure 2): one colour a voxel
+ * makes blocks, lights with directions follow the ball's own normals. */
 static void lights_with_directions_shade_a_ball_that_colours_leave_flat(void **state) {
     (void)state;
     char *obj = ball_obj();
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"grey\"}], \"materials\": {\"grey\": {\"diffuse\": 0.7}}, "
-                                      "\"lights\": [{\"type\": \"spot\", \"position\": [-4, 3, 4], \"direction\": [4, -3, -4], \"intensity\": [40, 0, 0], \"outer_deg\": 14},"
-                                      " {\"type\": \"spot\", \"position\": [5, 2, 3], \"direction\": [-5, -2, -3], \"intensity\": [0, 40, 0], \"outer_deg\": 14}], "
-                                      "\"camera\": {\"eye\": [0, 0.5, 4], \"target\": [0, 0, 0], \"fov_deg\": 40}}", obj);
+    sl_scene *scene =
+        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"grey\"}], "
+                        "\"materials\": {\"grey\": {\"diffuse\": 0.7}}, "
+                        "\"lights\": [{\"type\": \"spot\", \"position\": [-4, 3, 4], \"direction\": [4, -3, "
+                        "-4], \"intensity\": [40, 0, 0], \"outer_deg\": 14},"
+                        " {\"type\": \"spot\", \"position\": [5, 2, 3], \"direction\": [-5, -2, -3], "
+                        "\"intensity\": [0, 40, 0], \"outer_deg\": 14}], "
+                        "\"camera\": {\"eye\": [0, 0.5, 4], \"target\": [0, 0, 0], \"fov_deg\": 40}}",
+                        obj);
     sl_settings settings = octree_settings(48), direct = octree_settings(48);
-    direct.light_octree.indirect_only = false; /* direct light of pixels is exact where lights have no extent */
+    /* direct light of pixels is exact where lights have no extent */
+    direct.light_octree.indirect_only = false;
     sl_image *truth = render(scene, &direct, NULL);
     double rms[2];
     for (int colour = 0; colour < 2; colour++) {
@@ -99,7 +111,8 @@ static void lights_with_directions_shade_a_ball_that_colours_leave_flat(void **s
         rms[colour] = rms_from(image, truth);
         sl_image_destroy(image);
     }
-    print_message("rms %.4f with directions, %.4f without, of a mean of %.4f\n", rms[0], rms[1], mean_of(truth, "direct.G"));
+    print_message("rms %.4f with directions, %.4f without, of a mean of %.4f\n", rms[0], rms[1],
+                  mean_of(truth, "direct.G"));
     assert_true(rms[0] < 0.75 * rms[1]);
     sl_image_destroy(truth);
     sl_scene_destroy(scene);
@@ -108,7 +121,8 @@ static void lights_with_directions_shade_a_ball_that_colours_leave_flat(void **s
 
 /* ---- holes ---- */
 
-/* Figure 16c: empty voxels that count as black darken; larger voxels leave fewer of them empty, and renormalizing needs none of that. */
+/* Figure 16c: empty voxels that count as black darken; larger voxels leave fewer of them empty, and
+ * renormalizing needs none of that. */
 static void larger_voxels_close_the_holes_that_empty_ones_tear(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/sphere.json");
@@ -120,7 +134,8 @@ static void larger_voxels_close_the_holes_that_empty_ones_tear(void **state) {
     double larger = mean_indirect(scene, &settings);
     settings.light_octree.keep_void_dark = false;
     double both = mean_indirect(scene, &settings);
-    print_message("%.4f; with holes %.4f, with larger voxels %.4f; these without holes %.4f\n", plain, holes, larger, both);
+    print_message("%.4f; with holes %.4f, with larger voxels %.4f; these without holes %.4f\n", plain, holes,
+                  larger, both);
     assert_true(holes < 0.97 * plain && larger > holes + 0.7 * (plain - holes) && larger < 1.02 * plain);
     assert_true(fabs(both / plain - 1.0) < 0.03);
     sl_scene_destroy(scene);
@@ -137,7 +152,8 @@ static sl_image *next_frame(sl_method *method, unsigned changes) {
     return image;
 }
 
-/* What moves, and what shines anew, leaves nothing behind: not in photons, not in voxels, not in the atlas. */
+/* What moves, and what shines anew, leaves nothing behind: not in photons, not in voxels, not in the atlas.
+ */
 static void a_frame_of_a_series_is_that_frame_alone(void **state) {
     (void)state;
     const char *const scenes[] = {"scenes/moving-light.json", "scenes/moving-ball.json"};
@@ -181,13 +197,16 @@ static void pictures_say_what_they_were_made_from(void **state) {
     sl_settings settings = octree_settings(16);
     sl_counters counters;
     sl_image *image = render(scene, &settings, &counters);
-    assert_true(number(image, "depth") == 5.0 && number(image, "leaves") == 6320.0 && number(image, "sets") > 6320.0);
+    assert_true(number(image, "depth") == 5.0 && number(image, "leaves") == 6320.0 &&
+                number(image, "sets") > 6320.0);
     assert_true(number(image, "photons_emitted") == (double)counters.value[SL_COUNT_PHOTONS_EMITTED]);
     assert_true(number(image, "photons_stored") == (double)counters.value[SL_COUNT_PHOTONS_STORED]);
     assert_true(number(image, "photons_a_voxel") > 40.0 && number(image, "photons_a_voxel") <= 60.0);
     assert_true(number(image, "flux") > 0.0 && number(image, "power_ratio") >= 1.0);
-    assert_true(fabs(number(image, "radius_in_voxels") / number(image, "radius") * 555.0 / 32.0 - 1.0) < 0.02);
-    assert_true(number(image, "texture_bytes") > 6320.0 * 16.0 && number(image, "texture_bytes") < 2.2e5); /* flat and matt: one texel a wall */
+    assert_true(fabs(number(image, "radius_in_voxels") / number(image, "radius") * 555.0 / 32.0 - 1.0) <
+                0.02);
+    /* flat and matt: one texel a wall */
+    assert_true(number(image, "texture_bytes") > 6320.0 * 16.0 && number(image, "texture_bytes") < 2.2e5);
     /* The index of 32^3 cells, and each of the lights' texels once more, in 24 bytes instead of 16. */
     assert_true(number(image, "resident_bytes") > number(image, "texture_bytes") + 131072.0 + 6320.0 * 24.0);
     assert_true(number(image, "coincident") == 0.0 && number(image, "small_objects") == 0.0);
@@ -219,7 +238,8 @@ static void few_photons_and_wide_gathers_are_warned_of(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Four lights stand for wide caps: gloss that is sharper shows indirect light blurred. One irradiance and the photons themselves are another matter. */
+/* Four lights stand for wide caps: gloss that is sharper shows indirect light blurred. One irradiance and the
+ * photons themselves are another matter. */
 static void gloss_that_is_widened_is_warned_of(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
@@ -251,12 +271,14 @@ static char *plan_of(const sl_scene *scene, uint64_t photons) {
 /* An outlier of a thousandth of the floor's edge; a floor of 16 at depth 5 meets 1,024 to 1,536 voxels. */
 static void the_plan_tells_of_few_photons_and_of_outliers(void **state) {
     (void)state;
-    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}%s], \"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
+    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}%s], \"lights\": "
+                               "[{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
                                "\"camera\": {\"eye\": [0, 3, 0.1], \"target\": [0, 0, 0], \"fov_deg\": 30}}";
     static const char obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\n";
     char text[2][512];
     snprintf(text[0], sizeof text[0], json, "");
-    snprintf(text[1], sizeof text[1], json, ", {\"file\": \"mesh.obj\", \"name\": \"outlier\", \"transform\": {\"scale\": 1e-3}}");
+    snprintf(text[1], sizeof text[1], json,
+             ", {\"file\": \"mesh.obj\", \"name\": \"outlier\", \"transform\": {\"scale\": 1e-3}}");
     sl_scene *plain = scene_from_text(text[0], obj), *outlier = scene_from_text(text[1], obj);
     char *enough = plan_of(plain, 30000), *few = plan_of(plain, 3000), *outliers = plan_of(outlier, 30000);
     assert_non_null(strstr(enough, "about 1.5e+03 voxels, 20 photons each\n"));

@@ -1,5 +1,5 @@
-/* What tests of displayed meshes share: a mesh over a scene, seen by a camera, whose samples come from a field, a function of position and
- * nothing else. Every function fails the test where anything fails. */
+/* What tests of displayed meshes share: a mesh over a scene, seen by a camera, whose samples come from a
+ * field, a function of position and nothing else. Every function fails the test where anything fails. */
 #ifndef TESTS_MULTI_MESH_FIELD_H
 #define TESTS_MULTI_MESH_FIELD_H
 
@@ -29,7 +29,8 @@ typedef struct rig {
     sl_counters counters;
 } rig;
 
-static inline sl_rgb shown_as_it_is(const void *context, sl_component component, uint32_t face, float w1, float w2, sl_rgb value) {
+static inline sl_rgb shown_as_it_is(const void *context, sl_component component, uint32_t face, float w1,
+                                    float w2, sl_rgb value) {
     (void)context, (void)component, (void)face, (void)w1, (void)w2;
     return value;
 }
@@ -40,13 +41,21 @@ static inline bool want_all(const void *context, uint32_t face) {
 }
 
 static inline sl_displayed_settings usual_settings(void) {
-    return (sl_displayed_settings){.component = SL_DIRECT_DIFFUSE, .leaf_area = 16.0f, .leaf_edge = 8.0f, .max_depth = SL_MESH_DEPTH_MAX,
-                                   .selection = SL_SELECT_HEAP, .seed = 1, .hanging = true, .perception = {1.0f, 1.0f},
-                                   .shown = {NULL, shown_as_it_is}, .threads = 1};
+    return (sl_displayed_settings){.component = SL_DIRECT_DIFFUSE,
+                                   .leaf_area = 16.0f,
+                                   .leaf_edge = 8.0f,
+                                   .max_depth = SL_MESH_DEPTH_MAX,
+                                   .selection = SL_SELECT_HEAP,
+                                   .seed = 1,
+                                   .hanging = true,
+                                   .perception = {1.0f, 1.0f},
+                                   .shown = {NULL, shown_as_it_is},
+                                   .threads = 1};
 }
 
 /* Takes the scene. */
-static inline rig rig_of(sl_scene *scene, field f, const sl_displayed_settings *settings, int width, int height) {
+static inline rig rig_of(sl_scene *scene, field f, const sl_displayed_settings *settings, int width,
+                         int height) {
     rig r = {.scene = scene, .raster = raster_of(scene), .field = f, .width = width, .height = height};
     size_t pixels = (size_t)width * (size_t)height;
     assert_int_equal(sl_topology_create(scene, false, &r.topology, NULL), SL_OK);
@@ -88,7 +97,8 @@ static inline void rig_sample(rig *r, const uint32_t *vertex, size_t count) {
 
 static inline void rig_fill_missing(rig *r) {
     uint32_t vertex[256], face[256];
-    for (size_t count; (count = sl_displayed_missing(r->mesh, vertex, face, 256)) > 0;) rig_sample(r, vertex, count);
+    for (size_t count; (count = sl_displayed_missing(r->mesh, vertex, face, 256)) > 0;)
+        rig_sample(r, vertex, count);
     sl_displayed_prioritise(r->mesh);
 }
 
@@ -104,7 +114,9 @@ static inline void rig_look(rig *r, const sl_camera *camera, unsigned threads) {
     sl_target target = {r->width, r->height, r->id, NULL};
     assert_int_equal(sl_raster_id(r->raster, &view, 1, &target, &r->counters, NULL), SL_OK);
     sl_visible_pixels *old = r->pixels;
-    assert_int_equal(sl_visible_pixels_sort(r->scene, r->raster, &view, r->id, threads, &r->pixels, &r->counters, NULL), SL_OK);
+    assert_int_equal(
+        sl_visible_pixels_sort(r->scene, r->raster, &view, r->id, threads, &r->pixels, &r->counters, NULL),
+        SL_OK);
     assert_int_equal(sl_displayed_see(r->mesh, r->pixels, want_all, NULL, NULL), SL_OK);
     sl_visible_pixels_destroy(old);
     rig_fill_missing(r);
@@ -128,7 +140,8 @@ static inline size_t rig_step(rig *r, size_t batch) {
         asked += count;
     }
     rig_sample(r, vertex, asked);
-    for (size_t i = 0; i < taken; i++) assert_int_equal(sl_displayed_commit(r->mesh, &leaf[i], &r->counters, NULL), SL_OK);
+    for (size_t i = 0; i < taken; i++)
+        assert_int_equal(sl_displayed_commit(r->mesh, &leaf[i], &r->counters, NULL), SL_OK);
     return taken;
 }
 
@@ -149,7 +162,8 @@ static inline void rig_draw(rig *r, unsigned threads) {
 static inline sl_scene *square_scene(void) {
     static const float xyz[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
     sl_scene *scene = scene_of_triangles(xyz, 2);
-    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 2), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 2.0f * 0.463647609f /* atan(1/2) */));
+    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 2), sl_v3(0, 0, 0), sl_v3(0, 1, 0),
+                                  2.0f * 0.463647609f /* atan(1/2) */));
     return scene;
 }
 
@@ -162,7 +176,8 @@ static inline sl_camera room_camera(sl_vec3 eye, sl_vec3 target) {
 /* ---- leaves ---- */
 
 typedef void visit_leaf(void *context, const sl_mesh_place *leaf);
-static inline void visit_below(const sl_mesh *mesh, const sl_mesh_place *place, visit_leaf *visit, void *context) {
+static inline void visit_below(const sl_mesh *mesh, const sl_mesh_place *place, visit_leaf *visit,
+                               void *context) {
     if (sl_mesh_is_leaf(mesh, place->node)) {
         visit(context, place);
         return;

@@ -32,7 +32,8 @@ static inline sl_mesh_gather_settings usual_settings(void) {
 }
 
 /* Takes the scene over. */
-static inline gathering gathering_of(sl_scene *scene, float edge, int depth, const sl_mesh_gather_settings *settings) {
+static inline gathering gathering_of(sl_scene *scene, float edge, int depth,
+                                     const sl_mesh_gather_settings *settings) {
     gathering g = {.scene = scene};
     sl_coarse_settings coarse = {edge, depth, NULL};
     assert_int_equal(sl_raster_create(scene, 1, &g.raster, NULL), SL_OK);
@@ -64,12 +65,16 @@ static inline sl_mesh_point free_point(sl_vec3 position, sl_vec3 normal) {
 
 /* A point of a face. */
 static inline sl_mesh_point face_point(const sl_scene *scene, uint32_t face, float w1, float w2) {
-    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][face / 2]), b = sl_scene_position(scene, scene->vertex[1][face / 2]);
+    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][face / 2]),
+            b = sl_scene_position(scene, scene->vertex[1][face / 2]);
     sl_vec3 c = sl_scene_position(scene, scene->vertex[2][face / 2]);
     sl_vec3 normal = sl_scale(sl_scene_geometric_normal(scene, face / 2), face % 2 ? -1.0f : 1.0f);
-    return (sl_mesh_point){sl_mad(sl_mad(a, w1, sl_sub(b, a)), w2, sl_sub(c, a)), normal, normal, face / 2, face};
+    return (sl_mesh_point){sl_mad(sl_mad(a, w1, sl_sub(b, a)), w2, sl_sub(c, a)), normal, normal, face / 2,
+                           face};
 }
 
-static inline sl_rgb take(gathering *g, const sl_mesh_point *point) { return sl_mesh_gather_take(g->gather, point, g->scratch, &g->counters); }
+static inline sl_rgb take(gathering *g, const sl_mesh_point *point) {
+    return sl_mesh_gather_take(g->gather, point, g->scratch, &g->counters);
+}
 
 #endif

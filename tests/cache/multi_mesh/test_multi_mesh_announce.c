@@ -45,7 +45,8 @@ static sl_image *observed(const sl_scene *scene, bool names_alone, listener *l) 
     return image;
 }
 
-/* Edges of meshes, one gather and one light sample are made for whoever looks at them: who times passes wants none of it. */
+/* Edges of meshes, one gather and one light sample are made for whoever looks at them: who times passes wants
+ * none of it. */
 static void a_stopwatch_is_told_of_passes_and_nothing_is_made_for_it(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");

@@ -18,13 +18,16 @@ static double bytes_a_leaf(const void *state, bool each) {
     for (int k = 0; k < SL_MESH_KINDS; k++) {
         leaves += c[k].leaves;
         bytes += c[k].bytes;
-        if (each && c[k].leaves) print_message("  %zu leaves, %.0f bytes each\n", c[k].leaves, (double)c[k].bytes / (double)c[k].leaves);
+        if (each && c[k].leaves)
+            print_message("  %zu leaves, %.0f bytes each\n", c[k].leaves,
+                          (double)c[k].bytes / (double)c[k].leaves);
         if (each && c[k].leaves) assert_true((double)c[k].bytes <= 200.0 * (double)c[k].leaves);
     }
     return (double)bytes / (double)leaves;
 }
 
-/* Displayed, irradiance and coarse meshes each at the end, and all together at any time from the first picture on. */
+/* Displayed, irradiance and coarse meshes each at the end, and all together at any time from the first
+ * picture on. */
 static void check_bytes(const char *path, sl_settings settings) {
     sl_scene *scene = load_scene(path);
     sl_transport transport;

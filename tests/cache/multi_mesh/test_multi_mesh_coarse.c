@@ -1,4 +1,5 @@
-/* The coarse mesh of multi-mesh caching: what it samples and how often, what lies between, and what bounces off it. */
+/* The coarse mesh of multi-mesh caching: what it samples and how often, what lies between, and what bounces
+ * off it. */
 #include "scene/ambient.h"
 #include "multi_mesh_gather_support.h"
 
@@ -26,7 +27,8 @@ static void meshed_destroy(meshed *m) {
 
 static sl_scene *quad_scene(float diffuse) {
     trace_mesh m = trace_mesh_begin();
-    trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), trace_mesh_material(&m, diffuse, 0, 0, 0, 0));
+    trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0),
+                    trace_mesh_material(&m, diffuse, 0, 0, 0, 0));
     return trace_mesh_build(&m);
 }
 
@@ -35,7 +37,7 @@ static sl_vec3 position_of(const meshed *m, size_t v) {
     return face_point(m->scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC).position;
 }
 
-/* ---- what is sampled --------------------------------------------------------------------------------------------------------- */
+/* ---- what is sampled ------------------------------------------------------------------------- */
 
 /* A square of two triangles, each side: (n + 1)^2 vertices, those on the diagonal shared. */
 static void edges_are_split_until_they_are_short_or_deep_enough(void **state) {
@@ -46,19 +48,23 @@ static void edges_are_split_until_they_are_short_or_deep_enough(void **state) {
         meshed m = mesh_of(quad_scene(0.5f), edge[k], depth[k]);
         size_t n = (size_t)1 << level[k];
         assert_int_equal(sl_coarse_vertex_count(m.coarse), 2 * (n + 1) * (n + 1));
-        for (size_t v = 0; v < 2 * (n + 1) * (n + 1); v++) assert_int_equal(sl_coarse_vertices(m.coarse)[v].depth, level[k]);
+        for (size_t v = 0; v < 2 * (n + 1) * (n + 1); v++)
+            assert_int_equal(sl_coarse_vertices(m.coarse)[v].depth, level[k]);
         meshed_destroy(&m);
     }
 }
 
-/* Two quads side by side, one of large triangles, one of small ones: where they meet the finer ones' vertices are those of the coarser one. */
+/* Two quads side by side, one of large triangles, one of small ones: where they meet the finer ones' vertices
+ * are those of the coarser one. */
 static sl_scene *uneven_scene(void) {
     trace_mesh m = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&m, 0, 0, 0), b = trace_mesh_vertex(&m, 0, 1, 0), c = trace_mesh_vertex(&m, 3, 0.5f, 0), d = trace_mesh_vertex(&m, -0.5f, 0.5f, 0);
+    uint32_t a = trace_mesh_vertex(&m, 0, 0, 0), b = trace_mesh_vertex(&m, 0, 1, 0),
+             c = trace_mesh_vertex(&m, 3, 0.5f, 0), d = trace_mesh_vertex(&m, -0.5f, 0.5f, 0);
     trace_mesh_triangle(&m, a, c, b, grey);
     trace_mesh_triangle(&m, b, d, a, grey);
-    trace_mesh_triangle(&m, trace_mesh_vertex(&m, 0, 0, 0), trace_mesh_vertex(&m, 0, 0, 1), trace_mesh_vertex(&m, 0, 1, 0), grey);
+    trace_mesh_triangle(&m, trace_mesh_vertex(&m, 0, 0, 0), trace_mesh_vertex(&m, 0, 0, 1),
+                        trace_mesh_vertex(&m, 0, 1, 0), grey);
     return trace_mesh_build(&m);
 }
 
@@ -66,7 +72,9 @@ static void no_point_of_a_flat_surface_is_sampled_twice(void **state) {
     (void)state;
     for (int scene = 0; scene < 2; scene++) {
         trace_mesh ball = trace_mesh_begin();
-        if (scene) trace_mesh_sphere(&ball, sl_v3(0, 0, 0), 1.0f, 6, 0.0f, true, trace_mesh_material(&ball, 0.4f, 0, 0, 0, 0));
+        if (scene)
+            trace_mesh_sphere(&ball, sl_v3(0, 0, 0), 1.0f, 6, 0.0f, true,
+                              trace_mesh_material(&ball, 0.4f, 0, 0, 0, 0));
         meshed m = mesh_of(scene ? trace_mesh_build(&ball) : uneven_scene(), 0.3f, 4);
         if (!scene) trace_mesh_discard(&ball);
         size_t count = sl_coarse_vertex_count(m.coarse), creases = 0;
@@ -74,7 +82,8 @@ static void no_point_of_a_flat_surface_is_sampled_twice(void **state) {
             for (size_t j = 0; j < i; j++) {
                 sl_coarse_vertex a = sl_coarse_vertices(m.coarse)[i], b = sl_coarse_vertices(m.coarse)[j];
                 if (sl_length(sl_sub(position_of(&m, i), position_of(&m, j))) > 1e-5f) continue;
-                float turned = sl_length(sl_sub(sl_face_normal(m.scene, a.face), sl_face_normal(m.scene, b.face)));
+                float turned =
+                    sl_length(sl_sub(sl_face_normal(m.scene, a.face), sl_face_normal(m.scene, b.face)));
                 assert_true(turned > 5e-5f); /* another side, or beyond a crease */
                 creases += turned < 1.9f;
             }
@@ -87,10 +96,13 @@ static void no_point_of_a_flat_surface_is_sampled_twice(void **state) {
 static void faces_that_reflect_nothing_are_not_sampled(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0), glossy = trace_mesh_material(&mesh, 0, 0.5f, 20, 0, 0);
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
+             glossy = trace_mesh_material(&mesh, 0, 0.5f, 20, 0, 0);
     const uint32_t all[4] = {black, mirror, glossy, grey};
-    for (int k = 0; k < 4; k++) trace_mesh_quad(&mesh, sl_v3(2.0f * (float)k, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), all[k]);
+    for (int k = 0; k < 4; k++)
+        trace_mesh_quad(&mesh, sl_v3(2.0f * (float)k, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), all[k]);
     meshed m = mesh_of(trace_mesh_build(&mesh), 10.0f, 0);
     assert_int_equal(sl_coarse_vertex_count(m.coarse), 8);
     for (size_t v = 0; v < 8; v++) assert_true(sl_coarse_vertices(m.coarse)[v].face >= 12);
@@ -100,15 +112,17 @@ static void faces_that_reflect_nothing_are_not_sampled(void **state) {
 static void the_inner_side_of_a_solid_is_not_sampled(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
-    trace_mesh_quad(&mesh, sl_v3(-5, -1, -5), sl_v3(0, 0, 10), sl_v3(10, 0, 0), trace_mesh_material(&mesh, 0, 0, 0, 0, 1));
+    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false,
+                   trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(-5, -1, -5), sl_v3(0, 0, 10), sl_v3(10, 0, 0),
+                    trace_mesh_material(&mesh, 0, 0, 0, 0, 1));
     meshed m = mesh_of(trace_mesh_build(&mesh), 10.0f, 0);
     assert_int_equal(sl_coarse_vertex_count(m.coarse), 24); /* four corners of six sides */
     for (size_t v = 0; v < 24; v++) assert_int_equal(sl_coarse_vertices(m.coarse)[v].face % 2, 0);
     meshed_destroy(&m);
 }
 
-/* ---- what lies between ----------------------------------------------------------------------------------------------------------- */
+/* ---- what lies between ----------------------------------------------------------------------- */
 
 static void assert_linear_field_is_kept(float edge, int depth) {
     meshed m = mesh_of(uneven_scene(), edge, depth);
@@ -142,13 +156,16 @@ static void long_faces_are_sliced_across_alone(void **state) {
     for (int turn = 0; turn < 3; turn++) {
         trace_mesh mesh = trace_mesh_begin();
         uint32_t v[4], grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-        for (int k = 0; k < 4; k++) v[k] = trace_mesh_vertex(&mesh, k == 1 || k == 2 ? 16 : 0, k >= 2 ? 1 : 0, 0);
+        for (int k = 0; k < 4; k++)
+            v[k] = trace_mesh_vertex(&mesh, k == 1 || k == 2 ? 16 : 0, k >= 2 ? 1 : 0, 0);
         const uint32_t a[3] = {v[0], v[1], v[2]}, b[3] = {v[0], v[2], v[3]};
         trace_mesh_triangle(&mesh, a[turn], a[(turn + 1) % 3], a[(turn + 2) % 3], grey);
         trace_mesh_triangle(&mesh, b[turn], b[(turn + 1) % 3], b[(turn + 2) % 3], grey);
         meshed m = mesh_of(trace_mesh_build(&mesh), 1.01f, 8);
-        assert_int_equal(sl_coarse_vertex_count(m.coarse), 2 * (4 + 3 * 15)); /* of length 16.03: 16 slices; both long edges and the diagonal */
-        for (size_t i = 0; i < sl_coarse_vertex_count(m.coarse); i++) sl_coarse_set(m.coarse, i, sl_grey(position_of(&m, i).x));
+        /* of length 16.03: 16 slices; both long edges and the diagonal */
+        assert_int_equal(sl_coarse_vertex_count(m.coarse), 2 * (4 + 3 * 15));
+        for (size_t i = 0; i < sl_coarse_vertex_count(m.coarse); i++)
+            sl_coarse_set(m.coarse, i, sl_grey(position_of(&m, i).x));
         for (uint32_t face = 0; face < 4; face++) {
             for (int k = 0; k < 300; k++) {
                 float w1 = (float)(k % 20) / 19.0f, w2 = (1.0f - w1) * (float)(k / 20) / 14.0f;
@@ -162,28 +179,34 @@ static void long_faces_are_sliced_across_alone(void **state) {
 
 static sl_vec3 lit_position_of(const meshed *m, size_t v) {
     sl_coarse_vertex at = sl_coarse_vertices(m->coarse)[v];
-    return face_point(m->scene, at.face, (float)at.lit_p / SL_MESH_DYADIC, (float)at.lit_q / SL_MESH_DYADIC).position;
+    return face_point(m->scene, at.face, (float)at.lit_p / SL_MESH_DYADIC, (float)at.lit_q / SL_MESH_DYADIC)
+        .position;
 }
 
-/* A unit square of 4 x 4, and a board of 16 x 1 in slices of 1: what lies on the rim is half-way to the middle of a coarse triangle, whose height is a sixth
- * of a quarter from one side of the square and a sixth of the width of the board's triangle; what lies within, on the diagonal too, stays. */
+/* A unit square of 4 x 4, and a board of 16 x 1 in slices of 1: what lies on the rim is half-way to the
+ * middle of a coarse triangle, whose height is a sixth of a quarter from one side of the square and a sixth
+ * of the width of the board's triangle; what lies within, on the diagonal too, stays. */
 static void light_is_asked_for_a_little_within_borders(void **state) {
     (void)state;
     for (int board = 0; board < 2; board++) {
         trace_mesh mesh = trace_mesh_begin();
         float length = board ? 16.0f : 1.0f, least = 1.0f / (board ? 6.0f : 24.0f);
-        trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(length, 0, 0), sl_v3(0, 1, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+        trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(length, 0, 0), sl_v3(0, 1, 0),
+                        trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
         meshed m = mesh_of(trace_mesh_build(&mesh), board ? 1.01f : 0.36f, 8);
         size_t within = 0, rim = 0;
         for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++) {
             sl_vec3 p = position_of(&m, v), lit = lit_position_of(&m, v);
             bool on_rim = p.x == 0.0f || p.y == 0.0f || p.x == length || p.y == 1.0f;
-            if (!on_rim) assert_true(near((double)lit.x, (double)p.x, 1e-6) && near((double)lit.y, (double)p.y, 1e-6));
+            if (!on_rim)
+                assert_true(near((double)lit.x, (double)p.x, 1e-6) && near((double)lit.y, (double)p.y, 1e-6));
             bool corner = p.x == 0.0f || p.x == length;
             double inwards = (double)(p.y == 0.0f ? lit.y : 1.0f - lit.y);
-            double width = !board ? 1.0 : (double)(p.y == 0.0f ? p.x : length - p.x) / (double)length; /* of the triangle there */
+            /* of the triangle there */
+            double width = !board ? 1.0 : (double)(p.y == 0.0f ? p.x : length - p.x) / (double)length;
             if (on_rim && !corner) assert_true(near(inwards, (double)least * width, 2e-3));
-            if (!board && on_rim && corner && (p.y == 0.0f || p.y == 1.0f)) assert_true(inwards > 0.9 * (double)least && inwards < 2.1 * (double)least);
+            if (!board && on_rim && corner && (p.y == 0.0f || p.y == 1.0f))
+                assert_true(inwards > 0.9 * (double)least && inwards < 2.1 * (double)least);
             if (p.x == 0.0f) assert_true(lit.x > 0.02f && lit.x < 0.5f);
             if (p.x == length) assert_true(lit.x < length - 0.02f && lit.x > length - 0.5f);
             assert_true(near((double)lit.x, (double)p.x, 0.5));
@@ -202,7 +225,8 @@ static void the_narrower_a_face_the_longer_its_slices(void **state) {
     const size_t slices[3] = {16, 8, 4};
     for (int k = 0; k < 3; k++) {
         trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(16, 0, 0), sl_v3(0, width[k], 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+        trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(16, 0, 0), sl_v3(0, width[k], 0),
+                        trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
         meshed m = mesh_of(trace_mesh_build(&mesh), 1.01f, 8);
         assert_int_equal(sl_coarse_vertex_count(m.coarse), 2 * (4 + 3 * (slices[k] - 1)));
         meshed_destroy(&m);
@@ -226,7 +250,10 @@ static void small_faces_share_a_sample_in_each_cell_and_side(void **state) {
     assert_in_range(count, table + 2 * 4 * 4, table + 2 * 6 * 6);
     for (size_t v = 0; v < count; v++) {
         sl_vec3 p = position_of(&m, v);
-        sl_coarse_set(m.coarse, v, (sl_rgb){p.x, 1.0f + p.z, sl_face_normal(m.scene, sl_coarse_vertices(m.coarse)[v].face).z > 0.0f ? 1.0f : 0.0f});
+        sl_coarse_set(
+            m.coarse, v,
+            (sl_rgb){p.x, 1.0f + p.z,
+                     sl_face_normal(m.scene, sl_coarse_vertices(m.coarse)[v].face).z > 0.0f ? 1.0f : 0.0f});
     }
     for (uint32_t face = 0; face < m.topology->face_count; face += face < 4 ? 1 : 7) {
         sl_vec3 p = face_point(m.scene, face, 0.3f, 0.3f).position;
@@ -252,7 +279,8 @@ static void faces_whose_corners_differ_in_what_they_reflect_want_more_levels(voi
         assert_true((levels != NULL) == (k == 1));
     }
     sl_coarse *finer;
-    assert_int_equal(sl_coarse_create(m.scene, m.topology, &(sl_coarse_settings){0.3f, 2, levels}, &finer, NULL), SL_OK);
+    assert_int_equal(
+        sl_coarse_create(m.scene, m.topology, &(sl_coarse_settings){0.3f, 2, levels}, &finer, NULL), SL_OK);
     assert_true(sl_coarse_triangle_count(finer) > 4 * sl_coarse_triangle_count(m.coarse));
     sl_free(levels);
     assert_int_equal(sl_coarse_find_contrasts(m.coarse, 1.1f, &levels, NULL), SL_OK); /* (4 - 2) / 2 = 1 */
@@ -269,7 +297,8 @@ static void a_value_that_is_no_number_is_made_up_for_by_its_neighbours(void **st
         for (size_t v = 0; v < 8; v++) sl_coarse_set(m.coarse, v, sl_grey(2.0f));
         sl_coarse_set(m.coarse, 1, (sl_rgb){1.0f, bad[k], 1.0f});
         sl_coarse_finish(m.coarse, 1);
-        for (uint32_t face = 0; face < 4; face++) assert_true(sl_coarse_value(m.coarse, face, 0.3f, 0.6f).g == 2.0f);
+        for (uint32_t face = 0; face < 4; face++)
+            assert_true(sl_coarse_value(m.coarse, face, 0.3f, 0.6f).g == 2.0f);
         assert_true(sl_coarse_brightest(m.coarse).r == 1.0f);
         sl_rgb more = sl_rgb_add(sl_coarse_get(m.coarse, 1), sl_grey(1.0f)); /* as a second bounce is added */
         sl_coarse_set(m.coarse, 1, more);
@@ -285,7 +314,7 @@ static void a_value_that_is_no_number_is_made_up_for_by_its_neighbours(void **st
     meshed_destroy(&m);
 }
 
-/* ---- what bounces off ------------------------------------------------------------------------------------------------------------ */
+/* ---- what bounces off ------------------------------------------------------------------------ */
 
 /* Left half red, right half green, in stripes of one texel. */
 static sl_scene *striped_quad(bool masked) {
@@ -302,7 +331,8 @@ static sl_scene *striped_quad(bool masked) {
     m.materials[material].texture = 0;
     if (masked) m.materials[material].alpha_texture = 0;
     char name[] = "stripes";
-    m.textures[0] = (sl_texture){.file = name, .width = SIZE, .height = SIZE, .has_alpha = masked, .texels = texels};
+    m.textures[0] =
+        (sl_texture){.file = name, .width = SIZE, .height = SIZE, .has_alpha = masked, .texels = texels};
     m.texture_count = 1;
     trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), material);
     sl_scene *scene = trace_mesh_build(&m);
@@ -314,7 +344,8 @@ static void colours_are_values_times_the_mean_of_the_texture(void **state) {
     (void)state;
     for (int masked = 0; masked < 2; masked++) {
         meshed m = mesh_of(striped_quad(masked == 1), 0.4f, 3);
-        for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++) sl_coarse_set(m.coarse, v, sl_grey(3.0f));
+        for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++)
+            sl_coarse_set(m.coarse, v, sl_grey(3.0f));
         sl_coarse_finish(m.coarse, 1);
         /* Every second column is black, or not there at all. */
         double mean = 3.0 * 0.8 * (masked ? 1.0 : 0.5);
@@ -329,9 +360,11 @@ static void colours_are_values_times_the_mean_of_the_texture(void **state) {
 static void any_number_of_threads_makes_the_same_mesh(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 20, 0.1f, true, trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 20, 0.1f, true,
+                      trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
     meshed m = mesh_of(trace_mesh_build(&mesh), 0.1f, 3);
-    for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++) sl_coarse_set(m.coarse, v, (sl_rgb){(float)(v % 100), 1.0f, (float)(v % 7)});
+    for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++)
+        sl_coarse_set(m.coarse, v, (sl_rgb){(float)(v % 100), 1.0f, (float)(v % 7)});
     sl_coarse_finish(m.coarse, 1);
     sl_rgb one = sl_coarse_brightest(m.coarse), at = sl_coarse_value(m.coarse, 100, 0.2f, 0.3f);
     for (unsigned threads = 2; threads < 8; threads++) {
@@ -350,19 +383,22 @@ static void settings_out_of_range_are_refused(void **state) {
     sl_coarse *coarse;
     sl_error error;
     assert_int_equal(sl_topology_create(scene, false, &topology, NULL), SL_OK);
-    const sl_coarse_settings bad[4] = {{NAN, 3, NULL}, {-1.0f, 3, NULL}, {1.0f, -1, NULL}, {1.0f, SL_MESH_DEPTH_MAX + 1, NULL}};
-    for (int k = 0; k < 4; k++) assert_int_equal(sl_coarse_create(scene, topology, &bad[k], &coarse, &error), SL_ERROR_USAGE);
+    const sl_coarse_settings bad[4] = {
+        {NAN, 3, NULL}, {-1.0f, 3, NULL}, {1.0f, -1, NULL}, {1.0f, SL_MESH_DEPTH_MAX + 1, NULL}};
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(sl_coarse_create(scene, topology, &bad[k], &coarse, &error), SL_ERROR_USAGE);
     sl_topology_destroy(topology);
     sl_scene_destroy(scene);
 }
 
-/* ---- before there is one --------------------------------------------------------------------------------------------------------- */
+/* ---- before there is one --------------------------------------------------------------------- */
 
 static void before_there_is_a_mesh_indirect_light_is_that_of_a_sphere(void **state) {
     (void)state;
     const double rho = 0.4, intensity = 3.0, radius = 2.0;
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), (float)radius, 60, 0.0f, true, trace_mesh_material(&mesh, (float)rho, 0, 0, 0, 0));
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), (float)radius, 60, 0.0f, true,
+                      trace_mesh_material(&mesh, (float)rho, 0, 0, 0, 0));
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .intensity = {(float)intensity, 0, 0}};
     mesh.light_count = 1;
     sl_scene *scene = trace_mesh_build(&mesh);
@@ -375,7 +411,11 @@ static void before_there_is_a_mesh_indirect_light_is_that_of_a_sphere(void **sta
 
 static void every_kind_of_light_counts_with_its_power(void **state) {
     (void)state;
-    sl_light spot = {.type = SL_LIGHT_SPOT, .direction = {0, 0, -1}, .intensity = {1, 1, 1}, .cos_inner = 0.5f, .cos_outer = 0.5f};
+    sl_light spot = {.type = SL_LIGHT_SPOT,
+                     .direction = {0, 0, -1},
+                     .intensity = {1, 1, 1},
+                     .cos_inner = 0.5f,
+                     .cos_outer = 0.5f};
     sl_light sun = {.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = {1, 1, 1}};
     sl_environment sky = {.present = true, .constant = {1, 1, 1}};
     /* A square of area 1, reflectance 0.5: half of the power, over pi of the sky as it is. */

@@ -14,22 +14,31 @@ typedef struct lit_hall {
     sl_counters counters;
 } lit_hall;
 
-/* A floor of two triangles, and above it a row of lamps; those from `hidden` on have a plate below them that hides them from all of the floor. */
+/* A floor of two triangles, and above it a row of lamps; those from `hidden` on have a plate below them that
+ * hides them from all of the floor. */
 static lit_hall hall(int hidden, unsigned threads) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f), lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
+             lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -8), sl_v3(0, 0, 16), sl_v3(100, 0, 0), grey);
     for (int i = 0; i < LAMPS; i++) {
         float x = -50.0f + 100.0f * (float)i / LAMPS;
-        trace_mesh_quad(&mesh, sl_v3(x, 3.0f + 0.02f * (float)i, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
-        if (i >= hidden) trace_mesh_quad(&mesh, sl_v3(x - 0.4f, 2.99f + 0.02f * (float)i, -0.9f), sl_v3(0, 0, 1.8f), sl_v3(1.8f, 0, 0), grey);
+        trace_mesh_quad(&mesh, sl_v3(x, 3.0f + 0.02f * (float)i, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1),
+                        lamp);
+        if (i >= hidden)
+            trace_mesh_quad(&mesh, sl_v3(x - 0.4f, 2.99f + 0.02f * (float)i, -0.9f), sl_v3(0, 0, 1.8f),
+                            sl_v3(1.8f, 0, 0), grey);
     }
     lit_hall h = {.counters = {{0}}};
     light_world_make(&h.world, &mesh);
     assert_int_equal(h.world.lights->count, LAMPS);
     assert_int_equal(sl_topology_create(h.world.scene, false, &h.topology, NULL), SL_OK);
-    sl_coarse_light_settings s = {.scene = h.world.scene, .topology = h.topology, .tracer = h.world.tracer, .lights = h.world.lights,
-                                  .sampling = h.world.sampling, .threads = threads};
+    sl_coarse_light_settings s = {.scene = h.world.scene,
+                                  .topology = h.topology,
+                                  .tracer = h.world.tracer,
+                                  .lights = h.world.lights,
+                                  .sampling = h.world.sampling,
+                                  .threads = threads};
     assert_int_equal(sl_coarse_light_create(&s, &h.light, NULL), SL_OK);
     return h;
 }
@@ -55,7 +64,9 @@ static double unoccluded(const lit_hall *h, const sl_coarse_vertex *v, size_t co
     sl_mesh_point at = sl_face_point_in_world(h->topology, &x);
     sl_lit_point point = {at.position, at.normal, at.geometric_normal, at.triangle};
     double sum = 0.0;
-    for (size_t l = 0; l < count; l++) sum += sl_light_unoccluded(&h->world.lights->light[l], &point) * (double)h->world.lights->light[l].colour.g;
+    for (size_t l = 0; l < count; l++)
+        sum += sl_light_unoccluded(&h->world.lights->light[l], &point) *
+               (double)h->world.lights->light[l].colour.g;
     return sum;
 }
 
@@ -121,11 +132,13 @@ static void any_number_of_threads_gives_the_same_light(void **state) {
 
 /* ---- borders ---- */
 
-/* Posts, which are no solids, stand on the corners of a floor; none of these sees the lamp, nearly all of the floor does. */
+/* Posts, which are no solids, stand on the corners of a floor; none of these sees the lamp, nearly all of the
+ * floor does. */
 static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f), lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
+             lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), grey);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 4, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     for (int k = 0; k < 4; k++) {
@@ -138,11 +151,17 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
     lit_hall h = {.counters = {{0}}};
     light_world_make(&h.world, &mesh);
     assert_int_equal(sl_topology_create(h.world.scene, false, &h.topology, NULL), SL_OK);
-    sl_coarse_light_settings s = {.scene = h.world.scene, .topology = h.topology, .tracer = h.world.tracer, .lights = h.world.lights,
-                                  .sampling = h.world.sampling, .threads = 1};
+    sl_coarse_light_settings s = {.scene = h.world.scene,
+                                  .topology = h.topology,
+                                  .tracer = h.world.tracer,
+                                  .lights = h.world.lights,
+                                  .sampling = h.world.sampling,
+                                  .threads = 1};
     assert_int_equal(sl_coarse_light_create(&s, &h.light, NULL), SL_OK);
     sl_coarse *coarse;
-    assert_int_equal(sl_coarse_create(h.world.scene, h.topology, &(sl_coarse_settings){100.0f, 0, NULL}, &coarse, NULL), SL_OK);
+    assert_int_equal(
+        sl_coarse_create(h.world.scene, h.topology, &(sl_coarse_settings){100.0f, 0, NULL}, &coarse, NULL),
+        SL_OK);
     size_t floor = 0;
     for (size_t i = 0; i < sl_coarse_vertex_count(coarse); i++) {
         sl_rgb radiance;
@@ -160,7 +179,8 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
 
 /* ---- few rays ---- */
 
-/* All over a penumbra: a single sample by 4 x 4 or 8 x 8 rays is off by some percent, a thousand of them together by a third of a percent at most. */
+/* All over a penumbra: a single sample by 4 x 4 or 8 x 8 rays is off by some percent, a thousand of them
+ * together by a third of a percent at most. */
 static void few_rays_are_off_to_either_side_alike(void **state) {
     (void)state;
     enum { POINTS_A_SIDE = 32 };
@@ -172,7 +192,8 @@ static void few_rays_are_off_to_either_side_alike(void **state) {
     light_world_make(&w, &mesh);
     double sum = 0.0, by_rays[2] = {0.0, 0.0}, worst = 0.0;
     for (int i = 0; i < POINTS_A_SIDE * POINTS_A_SIDE; i++) {
-        sl_vec3 p = sl_v3(-1.5f + 3.0f * ((float)(i % POINTS_A_SIDE) + 0.5f) / POINTS_A_SIDE, 0, -1.5f + 3.0f * ((float)(i / POINTS_A_SIDE) + 0.5f) / POINTS_A_SIDE);
+        sl_vec3 p = sl_v3(-1.5f + 3.0f * ((float)(i % POINTS_A_SIDE) + 0.5f) / POINTS_A_SIDE, 0,
+                          -1.5f + 3.0f * ((float)(i / POINTS_A_SIDE) + 0.5f) / POINTS_A_SIDE);
         sl_lit_point point = lit_point(p, sl_v3(0, 1, 0));
         double exact = sample_light(&w, 0, p, point.normal);
         sum += exact;
@@ -182,7 +203,8 @@ static void few_rays_are_off_to_either_side_alike(void **state) {
             worst = fmax(worst, fabs(some / exact - 1.0));
         }
     }
-    print_message("4 x 4: %+.3f %%, 8 x 8: %+.3f %%; a single one up to %.0f %%\n", 100.0 * (by_rays[0] / sum - 1.0), 100.0 * (by_rays[1] / sum - 1.0), 100.0 * worst);
+    print_message("4 x 4: %+.3f %%, 8 x 8: %+.3f %%; a single one up to %.0f %%\n",
+                  100.0 * (by_rays[0] / sum - 1.0), 100.0 * (by_rays[1] / sum - 1.0), 100.0 * worst);
     for (int k = 0; k < 2; k++) assert_true(fabs(by_rays[k] / sum - 1.0) < 0.003);
     assert_true(worst > 0.02); /* or there would be nothing to see */
     light_world_free(&w);

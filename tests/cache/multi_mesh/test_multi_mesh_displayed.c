@@ -1,4 +1,5 @@
-/* A displayed mesh refines where an eye can tell, and only there; what was split in vain is undone; it always ends. */
+/* A displayed mesh refines where an eye can tell, and only there; what was split in vain is undone; it always
+ * ends. */
 #include <stdio.h>
 
 #include "multi_mesh_field.h"
@@ -31,14 +32,17 @@ static sl_rgb shadow(const void *context, sl_vec3 p) {
 }
 
 /* The same far below what an eye can tell from black: D < 10. */
-static sl_rgb dark_shadow(const void *context, sl_vec3 p) { return sl_rgb_scale(shadow(context, p), 0.0005f); }
+static sl_rgb dark_shadow(const void *context, sl_vec3 p) {
+    return sl_rgb_scale(shadow(context, p), 0.0005f);
+}
 
 static sl_rgb noise(const void *context, sl_vec3 p) {
     uint64_t seed = *(const uint64_t *)context;
     uint32_t bits[3];
     memcpy(bits, &p, sizeof bits);
     uint64_t key = sl_random_key(seed, (uint64_t)bits[0] << 32 | bits[1]);
-    return (sl_rgb){sl_random_unit(key, bits[2]), sl_random_unit(key, bits[2] + 1u), sl_random_unit(key, bits[2] + 2u)};
+    return (sl_rgb){sl_random_unit(key, bits[2]), sl_random_unit(key, bits[2] + 1u),
+                    sl_random_unit(key, bits[2] + 2u)};
 }
 
 static sl_rgb noise_with_holes(const void *context, sl_vec3 p) {
@@ -109,7 +113,8 @@ static void each_pixel_belongs_to_the_leaf_in_which_it_lies(void **state) {
 
 static void pixels_of_slivers_are_handed_down_too(void **state) {
     (void)state;
-    static const float xyz[] = {-1, -0.9f, 0, 1, -0.9f, 0, 1, -0.83f, 0, -1, -0.5f, 0, 1, 0.9f, 0, -1, -0.45f, 0, -1, 0, 0, 0.2f, 0.1f, 0, -1, 1, 0};
+    static const float xyz[] = {-1, -0.9f, 0,      1, -0.9f, 0, 1, -0.83f, 0,    -1, -0.5f, 0, 1, 0.9f,
+                                0,  -1,    -0.45f, 0, -1,    0, 0, 0.2f,   0.1f, 0,  -1,    1, 0};
     sl_scene *scene = scene_of_triangles(xyz, 3);
     assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 2), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 0.93f));
     sl_displayed_settings settings = usual_settings();
@@ -171,7 +176,8 @@ static void assert_all_undone(field f, float threshold_scale) {
     }
     assert_int_equal(r.mesh->mesh->leaf_count, 2);
     assert_int_equal(r.counters.value[SL_COUNT_SPLITS], r.counters.value[SL_COUNT_COLLAPSES]);
-    assert_true(r.counters.value[SL_COUNT_SPLITS] >= 2 * (1 + 4 + 16 + 64 + 256)); /* each node down to the criterion was looked at */
+    /* each node down to the criterion was looked at */
+    assert_true(r.counters.value[SL_COUNT_SPLITS] >= 2 * (1 + 4 + 16 + 64 + 256));
 
     /* And so it stays: in this view, in itself anew, and from nearer but not twice as near. */
     uint64_t samples = r.samples, splits = r.counters.value[SL_COUNT_SPLITS];
@@ -186,7 +192,8 @@ static void assert_all_undone(field f, float threshold_scale) {
     assert_int_equal(rig_finish(&r), 0);
     assert_int_equal(r.samples, samples);
     assert_int_equal(r.counters.value[SL_COUNT_SPLITS], splits);
-    /* Cut to the picture the square is no larger from nearby, but back in the first view nothing must have changed. */
+    /* Cut to the picture the square is no larger from nearby, but back in the first view nothing must have
+     * changed. */
     rig_look(&r, &twice, 1);
     rig_finish(&r);
     rig_look(&r, NULL, 1);
@@ -248,7 +255,8 @@ static void a_shadow_of_six_pixels_is_found_wherever_it_lies(void **state) {
     enum { SIZE = 128, TRIALS = 60 };
     uint64_t key = sl_random_key(11, 0);
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
-        disc s = {random_between(key, 2 * trial, -0.9f, 0.9f), random_between(key, 2 * trial + 1, -0.9f, 0.9f), 3.0f * 2.0f / SIZE};
+        disc s = {random_between(key, 2 * trial, -0.9f, 0.9f),
+                  random_between(key, 2 * trial + 1, -0.9f, 0.9f), 3.0f * 2.0f / SIZE};
         sl_displayed_settings settings = usual_settings();
         rig r = rig_of(square_scene(), (field){shadow, &s}, &settings, SIZE, SIZE);
         rig_look(&r, NULL, 1);
@@ -257,8 +265,10 @@ static void a_shadow_of_six_pixels_is_found_wherever_it_lies(void **state) {
         size_t wrong = 0;
         for (int y = 0; y < SIZE; y++) {
             for (int x = 0; x < SIZE; x++) {
-                sl_vec3 p = sl_v3(((float)x + 0.5f) * 2.0f / SIZE - 1.0f, ((float)y + 0.5f) * 2.0f / SIZE - 1.0f, 0.0f);
-                float dx = p.x - s.x, dy = p.y - s.y, r0 = sqrtf(dx * dx + dy * dy), got = r.plane[0][y * SIZE + x];
+                sl_vec3 p = sl_v3(((float)x + 0.5f) * 2.0f / SIZE - 1.0f,
+                                  ((float)y + 0.5f) * 2.0f / SIZE - 1.0f, 0.0f);
+                float dx = p.x - s.x, dy = p.y - s.y, r0 = sqrtf(dx * dx + dy * dy),
+                      got = r.plane[0][y * SIZE + x];
                 if (r0 < 0.5f * s.radius) assert_true(got < 0.3f);
                 if (r0 > 3.0f * s.radius) assert_true(got > 0.9f);
                 wrong += fabsf(got - shadow(&s, p).r) > 0.5f;
@@ -282,7 +292,8 @@ static void noise_is_refined_down_to_pixels_and_ends(void **state) {
         size_t served = rig_finish(&r);
         check c = check_all(&r);
         assert_true(c.deepest <= SL_MESH_DEPTH_MAX);
-        /* Each served leaf had more than one pixel, and is one of at most twelve on the way to any of them. */
+        /* Each served leaf had more than one pixel, and is one of at most twelve on the way to any of them.
+         */
         assert_true(served < 2 * SL_MESH_DEPTH_MAX * r.pixels->count);
         assert_true(c.leaves > r.pixels->count / 2);
         double bytes = (double)sl_displayed_memory_bytes(r.mesh) / (double)c.leaves;
@@ -301,7 +312,8 @@ static size_t cut_minor_leaves(const rig *r) {
     const sl_mesh *mesh = r->mesh->mesh;
     size_t count = 0;
     for (uint32_t n = 0; n < mesh->node_count; n++)
-        count += sl_mesh_is_used(mesh, n) && !sl_mesh_is_leaf(mesh, n) && (mesh->node[n].pixels == 2 || mesh->node[n].pixels == 3);
+        count += sl_mesh_is_used(mesh, n) && !sl_mesh_is_leaf(mesh, n) &&
+                 (mesh->node[n].pixels == 2 || mesh->node[n].pixels == 3);
     return count;
 }
 
@@ -357,7 +369,8 @@ static sl_rgb curved(const void *context, sl_vec3 p) {
 static void come_and_go(field f, uint64_t *first, uint64_t *again) {
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(room(), f, &settings, 160, 120);
-    sl_camera other[3] = {room_camera(sl_v3(2.1f, 1.6f, 4.5f), sl_v3(1.8f, 1.0f, 0)), room_camera(sl_v3(0.5f, 1.0f, 3), sl_v3(4, 1.2f, 2)),
+    sl_camera other[3] = {room_camera(sl_v3(2.1f, 1.6f, 4.5f), sl_v3(1.8f, 1.0f, 0)),
+                          room_camera(sl_v3(0.5f, 1.0f, 3), sl_v3(4, 1.2f, 2)),
                           room_camera(sl_v3(2.2f, 1.2f, 1.2f), sl_v3(2.2f, 1.2f, 0))};
     rig_look(&r, NULL, 1);
     rig_finish(&r);
@@ -385,7 +398,8 @@ static void a_view_seen_again_asks_for_nothing(void **state) {
     assert_int_equal(again, 0);
 }
 
-static sl_rgb counted(const void *context, sl_component component, uint32_t face, float w1, float w2, sl_rgb value) {
+static sl_rgb counted(const void *context, sl_component component, uint32_t face, float w1, float w2,
+                      sl_rgb value) {
     ++*(size_t *)(uintptr_t)context;
     return shown_as_it_is(NULL, component, face, w1, w2, value);
 }

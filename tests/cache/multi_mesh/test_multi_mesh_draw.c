@@ -1,4 +1,5 @@
-/* Drawing: all of what is in view, and nothing twice; an incremental picture is that of drawing it all, bit by bit, with any threads. */
+/* Drawing: all of what is in view, and nothing twice; an incremental picture is that of drawing it all, bit
+ * by bit, with any threads. */
 #include <stdio.h>
 
 #include "cache/multi_mesh/draw_kernels.h"
@@ -49,7 +50,8 @@ typedef struct random_splits {
 } random_splits;
 static void split_maybe(void *context, const sl_mesh_place *leaf) {
     random_splits *s = context;
-    if (sl_random_unit(s->key, s->draws++) < s->share) assert_int_equal(sl_mesh_split(s->r->mesh->mesh, leaf, NULL), SL_OK);
+    if (sl_random_unit(s->key, s->draws++) < s->share)
+        assert_int_equal(sl_mesh_split(s->r->mesh->mesh, leaf, NULL), SL_OK);
 }
 static void split_at_random(rig *r, uint64_t seed, int rounds) {
     random_splits s = {.r = r, .key = sl_random_key(seed, 0), .share = 0.4f};
@@ -145,7 +147,8 @@ static void incremental_drawing_equals(field f, bool hanging) {
         blank(&r);
         r.mesh->dirty_all = true;
         rig_draw(&r, 1);
-        for (size_t i = 0; i < PIXELS; i++) incremental[0][i] = r.id[i] == SL_NO_INDEX ? -1.0f : incremental[0][i];
+        for (size_t i = 0; i < PIXELS; i++)
+            incremental[0][i] = r.id[i] == SL_NO_INDEX ? -1.0f : incremental[0][i];
         assert_same_planes(&r, incremental);
         release_planes(incremental);
     }
@@ -172,9 +175,11 @@ static void a_drawn_pixel_has_the_value_that_the_mesh_has_there(void **state) {
     for (int i = 0; i < 60; i++) rig_step(&r, 32);
     rig_draw(&r, 1);
     for (size_t e = 0; e < r.pixels->face_count; e++) {
-        for (uint32_t i = r.pixels->face[e].first; i < r.pixels->face[e].first + r.pixels->face[e].count; i++) {
+        for (uint32_t i = r.pixels->face[e].first; i < r.pixels->face[e].first + r.pixels->face[e].count;
+             i++) {
             float value[3];
-            assert_true(sl_mesh_value(r.mesh->mesh, r.pixels->face[e].face, r.pixels->w1[i], r.pixels->w2[i], value));
+            assert_true(
+                sl_mesh_value(r.mesh->mesh, r.pixels->face[e].face, r.pixels->w1[i], r.pixels->w2[i], value));
             /* Weights are rounded differently, and so is the border between two leaves. */
             for (int c = 0; c < 3; c++) assert_true(fabsf(value[c] - r.plane[c][r.pixels->pixel[i]]) < 2e-3f);
         }
@@ -222,9 +227,11 @@ static void the_same_bits_with_any_threads(void **state) {
     release_planes(first);
 }
 
-/* A leaf with corners 0, 1, 2 red, green, blue, and vertices in the middle of edges 1 and 2 that stand out. */
+/* A leaf with corners 0, 1, 2 red, green, blue, and vertices in the middle of edges 1 and 2 that stand out.
+ */
 static void fans_of_one_leaf(sl_simple_fan *simple, sl_full_fan *full) {
-    static const float corner[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, middle[3][3] = {{0, 0.5f, 0.5f}, {0.9f, 0.8f, 0.1f}, {0, 0, 0}};
+    static const float corner[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                       middle[3][3] = {{0, 0.5f, 0.5f}, {0.9f, 0.8f, 0.1f}, {0, 0, 0}};
     sl_leaf_weights weights = {0.25f, 0.5f, 4, 0, 0, 4};
     *simple = (sl_simple_fan){.weights = weights, .centre = {1 / 3.0f, 1 / 3.0f, 1 / 3.0f}};
     memcpy(simple->corner, corner, sizeof corner);
@@ -234,7 +241,8 @@ static void fans_of_one_leaf(sl_simple_fan *simple, sl_full_fan *full) {
         for (int i = 0; i <= SL_FULL_FAN_STEPS; i++) {
             float t = (float)i / SL_FULL_FAN_STEPS, s = t <= 0.5f ? 2.0f * t : 2.0f - 2.0f * t;
             const float *end = corner[t <= 0.5f ? (e + 1) % 3 : (e + 2) % 3];
-            for (int k = 0; k < 3; k++) full->edge[k][e * (SL_FULL_FAN_STEPS + 1) + i] = end[k] + s * (middle[e][k] - end[k]);
+            for (int k = 0; k < 3; k++)
+                full->edge[k][e * (SL_FULL_FAN_STEPS + 1) + i] = end[k] + s * (middle[e][k] - end[k]);
         }
     }
 }
@@ -268,7 +276,8 @@ static void both_ways_to_draw_a_leaf_agree_with_every_instruction_set(void **sta
     }
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < N; i++) {
-            bool outside = i == N - 1 - 7 || i == N - 1 - 8; /* no weights: any colour of the leaf's will do */
+            /* no weights: any colour of the leaf's will do */
+            bool outside = i == N - 1 - 7 || i == N - 1 - 8;
             assert_true(outside || fabsf(out[0][k][i] - out[1][k][i]) < 1e-5f);
             assert_true(out[0][k][i] >= -1e-6f && out[0][k][i] <= 1.0f + 1e-6f);
         }

@@ -1,4 +1,5 @@
-/* The 160-degree gather of multi-mesh caching: its weights in closed form, what it sees, and what it makes of hard input. */
+/* The 160-degree gather of multi-mesh caching: its weights in closed form, what it sees, and what it makes of
+ * hard input. */
 #include "multi_mesh_gather_support.h"
 
 #include "cache/hemisphere/hemisphere_tables.h"
@@ -7,14 +8,16 @@ static bool near(double a, double b, double tolerance) { return fabs(a - b) <= t
 
 static double half_angle(double degrees) { return 0.5 * degrees / 180.0 * SL_PI; }
 
-/* The share of a hemisphere's irradiance that a square picture of half angle phi catches, C = 4/pi sin phi atan(sin phi). */
+/* The share of a hemisphere's irradiance that a square picture of half angle phi catches, C = 4/pi sin phi
+ * atan(sin phi). */
 static double coverage(double phi) { return 4.0 / SL_PI * sl_sin(phi) * sl_atan(sl_sin(phi)); }
 
-/* ---- weights --------------------------------------------------------------------------------------------------------------------- */
+/* ---- weights --------------------------------------------------------------------------------- */
 
 static void the_share_lost_beyond_the_picture_is_the_papers_two_percent_and_a_half(void **state) {
     (void)state;
-    const double lost[6][2] = {{90, 0.4459}, {120, 0.2130}, {150, 0.0554}, {160, 0.02479}, {170, 0.00622}, {178, 0.00025}};
+    const double lost[6][2] = {{90, 0.4459},   {120, 0.2130},  {150, 0.0554},
+                               {160, 0.02479}, {170, 0.00622}, {178, 0.00025}};
     for (int k = 0; k < 6; k++) assert_true(near(1.0 - coverage(half_angle(lost[k][0])), lost[k][1], 6e-5));
     assert_true(near(1.0 - coverage(half_angle(160)), 0.02479, 6e-6));
 }
@@ -48,7 +51,7 @@ static void halving_to_sixteen_and_adding_up_gives_the_sum_in_double(void **stat
     }
 }
 
-/* ---- what it sees ------------------------------------------------------------------------------------------------------------------ */
+/* ---- what it sees ---------------------------------------------------------------------------- */
 
 /* Closed surfaces are rooms if there is light in them. */
 static trace_mesh lit_mesh(void) {
@@ -87,7 +90,8 @@ static void an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point(vo
     }
 }
 
-/* Between any two points of a sphere the form factor is the same, so what arrives is the mean over all of it: linear parts cancel. */
+/* Between any two points of a sphere the form factor is the same, so what arrives is the mean over all of it:
+ * linear parts cancel. */
 static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) {
     (void)state;
     trace_mesh m = lit_mesh();
@@ -97,7 +101,8 @@ static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) 
     gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
     for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++) {
         sl_coarse_vertex at = sl_coarse_vertices(g.coarse)[v];
-        sl_mesh_point p = face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
+        sl_mesh_point p =
+            face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
         sl_coarse_set(g.coarse, v, (sl_rgb){1.0f, 1.0f + 0.9f * p.position.x, 1.0f + p.position.y});
     }
     sl_coarse_finish(g.coarse, 1);
@@ -111,12 +116,14 @@ static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) 
     gathering_destroy(&g);
 }
 
-/* A wall without end at distance 1, along the picture's columns, whose top is seen at elevation psi above the horizon: form factor (1 - cos psi) / 2. */
+/* A wall without end at distance 1, along the picture's columns, whose top is seen at elevation psi above the
+ * horizon: form factor (1 - cos psi) / 2. */
 static sl_scene *wall_of_elevation(double psi) {
     trace_mesh m = trace_mesh_begin();
     float far = psi < 1.57 ? 100.0f : 2000.0f, height = psi < 1.57 ? (float)sl_tan(psi) : far;
     sl_frame f = sl_mesh_gather_frame(sl_v3(0, 0, 1));
-    trace_mesh_quad(&m, sl_mad(f.x, -far, f.y), sl_scale(f.y, 2.0f * far), sl_v3(0, 0, height), trace_mesh_material(&m, 1, 0, 0, 0, 0));
+    trace_mesh_quad(&m, sl_mad(f.x, -far, f.y), sl_scale(f.y, 2.0f * far), sl_v3(0, 0, height),
+                    trace_mesh_material(&m, 1, 0, 0, 0, 0));
     return trace_mesh_build(&m);
 }
 
@@ -146,7 +153,8 @@ static void walls_lose_what_stands_low_and_strips_bring_it_back(void **state) {
     assert_true(near(wall_irradiance(90, false, true), 1.0, 0.003));
 }
 
-/* From a floor towards a wall of limited height: as the point moves, the wall's edges cross the picture's pixels one by one. */
+/* From a floor towards a wall of limited height: as the point moves, the wall's edges cross the picture's
+ * pixels one by one. */
 static void edges_along_the_axes_make_no_bands(void **state) {
     (void)state;
     trace_mesh m = lit_mesh();
@@ -160,8 +168,10 @@ static void edges_along_the_axes_make_no_bands(void **state) {
     for (int k = 0; k < 100; k++) {
         double c = 0.3 + 0.012 * k;
         sl_mesh_point p = {sl_v3((float)c, 1, 0), sl_v3(0, 0, 1), sl_v3(0, 0, 1), 0, SL_NO_INDEX};
-        /* A perpendicular wall at distance c, 1 to either side and 1 high. The more of it is lost the lower it stands. */
-        double high = sqrt(1.0 + c * c), truth = sl_atan(1.0 / c) - c / high * sl_atan(1.0 / high), ratio = (double)take(&g, &p).r / truth;
+        /* A perpendicular wall at distance c, 1 to either side and 1 high. The more of it is lost the lower
+         * it stands. */
+        double high = sqrt(1.0 + c * c), truth = sl_atan(1.0 / c) - c / high * sl_atan(1.0 / high),
+               ratio = (double)take(&g, &p).r / truth;
         if (k && fabs(ratio / before - 1.0) > worst) worst = fabs(ratio / before - 1.0);
         before = ratio;
         assert_true(ratio > 0.85 && ratio < 1.01);

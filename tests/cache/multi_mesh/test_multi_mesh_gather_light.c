@@ -1,4 +1,5 @@
-/* Indirect light as the 160-degree gather of multi-mesh caching sees it: what bounces, what does not, the sky, and hard geometry and input. */
+/* Indirect light as the 160-degree gather of multi-mesh caching sees it: what bounces, what does not, the
+ * sky, and hard geometry and input. */
 #include "multi_mesh_gather_support.h"
 
 #include "raster/raster.h"
@@ -17,17 +18,19 @@ static sl_mesh_gather_settings with_strips(void) {
     return settings;
 }
 
-/* ---- the bounce's reflectance, lamps, two bounces ----------------------------------------------------------------------------------- */
+/* ---- the bounce's reflectance, lamps, two bounces -------------------------------------------- */
 
 static void a_red_wall_tints_a_white_floor_though_no_camera_sees_it(void **state) {
     (void)state;
     for (int black = 0; black < 2; black++) {
         trace_mesh m = trace_mesh_begin();
-        uint32_t white = trace_mesh_material(&m, 0.8f, 0, 0, 0, 0), red = trace_mesh_material(&m, 0, 0, 0, 0, 0);
+        uint32_t white = trace_mesh_material(&m, 0.8f, 0, 0, 0, 0),
+                 red = trace_mesh_material(&m, 0, 0, 0, 0, 0);
         m.materials[red].diffuse = black ? sl_grey(0.0f) : (sl_rgb){0.6f, 0.1f, 0.0f};
         trace_mesh_quad(&m, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), white);
         trace_mesh_quad(&m, sl_v3(-1, -1, 0), sl_v3(0, 0, 2), sl_v3(2, 0, 0), red);
-        sl_camera_look_at(&m.camera, sl_v3(0, 0, 1), sl_v3(0, 3, 0), sl_v3(0, 0, 1), 1.0f); /* the wall is behind it */
+        /* the wall is behind it */
+        sl_camera_look_at(&m.camera, sl_v3(0, 0, 1), sl_v3(0, 3, 0), sl_v3(0, 0, 1), 1.0f);
         m.has_camera = true;
         sl_mesh_gather_settings settings = usual_settings();
         gathering g = gathering_of(trace_mesh_build(&m), 0.2f, 3, &settings);
@@ -46,7 +49,8 @@ static void light_that_a_lamp_sends_is_not_gathered(void **state) {
     for (int lit = 0; lit < 2; lit++) {
         trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
         uint32_t lamp;
-        trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+        trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
+                       trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
         lamp = trace_mesh_material(&m, 0.3f, 0, 0, 0, lit ? 1000.0f : 0.0f);
         trace_mesh_quad(&m, sl_v3(-0.3f, -0.3f, 0.9f), sl_v3(0, 0.6f, 0), sl_v3(0.6f, 0, 0), lamp);
         sl_mesh_gather_settings settings = usual_settings();
@@ -60,12 +64,14 @@ static void light_that_a_lamp_sends_is_not_gathered(void **state) {
     assert_true(seen[0].r > 0.3f && (double)seen[0].r < 0.5 * SL_PI);
 }
 
-/* A light of power 4 pi I in the middle of a sphere: E_d = I / R^2 everywhere, E_i = rho times that, and with two bounces rho + rho^2. */
+/* A light of power 4 pi I in the middle of a sphere: E_d = I / R^2 everywhere, E_i = rho times that, and with
+ * two bounces rho + rho^2. */
 static void one_bounce_and_two_bounces_in_a_sphere(void **state) {
     (void)state;
     const double rho = 0.6, radius = 2.0, direct = 1.0 / (radius * radius);
     trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
-    trace_mesh_sphere(&m, sl_v3(0, 0, 0), (float)radius, 16, 0.0f, true, trace_mesh_material(&m, (float)rho, 0, 0, 0, 0));
+    trace_mesh_sphere(&m, sl_v3(0, 0, 0), (float)radius, 16, 0.0f, true,
+                      trace_mesh_material(&m, (float)rho, 0, 0, 0, 0));
     sl_mesh_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
     size_t count = sl_coarse_vertex_count(g.coarse);
@@ -74,13 +80,17 @@ static void one_bounce_and_two_bounces_in_a_sphere(void **state) {
     assert_non_null(first);
     for (size_t v = 0; v < count; v++) {
         sl_coarse_vertex at = sl_coarse_vertices(g.coarse)[v];
-        sl_mesh_point p = face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
-        if (at.face % 2) p.normal = p.geometric_normal = sl_face_normal(g.scene, at.face - 1); /* that side is not looked at */
+        sl_mesh_point p =
+            face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
+        /* that side is not looked at */
+        if (at.face % 2) p.normal = p.geometric_normal = sl_face_normal(g.scene, at.face - 1);
         first[v] = take(&g, &p);
         if (at.face % 2 == 0) assert_true(near((double)first[v].r / (rho * direct), 1.0, 3e-3));
     }
     for (size_t v = 0; v < count; v++) {
-        sl_coarse_set(g.coarse, v, sl_rgb_add(sl_grey((float)(direct / SL_PI)), sl_rgb_scale(first[v], (float)(1.0 / SL_PI))));
+        sl_coarse_set(
+            g.coarse, v,
+            sl_rgb_add(sl_grey((float)(direct / SL_PI)), sl_rgb_scale(first[v], (float)(1.0 / SL_PI))));
     }
     sl_coarse_finish(g.coarse, 1);
     for (uint32_t t = 0; t < g.scene->triangle_count; t += 41) {
@@ -91,21 +101,25 @@ static void one_bounce_and_two_bounces_in_a_sphere(void **state) {
     gathering_destroy(&g);
 }
 
-/* ---- pictures ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- pictures -------------------------------------------------------------------------------- */
 
-/* Uneven triangles at random levels, values at random: pixels of the picture against the rasterizer's own weights and the coarse mesh's values. */
+/* Uneven triangles at random levels, values at random: pixels of the picture against the rasterizer's own
+ * weights and the coarse mesh's values. */
 static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(void **state) {
     (void)state;
     trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
     trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
     uint32_t light_grey = trace_mesh_material(&m, 0.7f, 0, 0, 0, 0);
     trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 8, 0.0f, false, light_grey);
-    trace_mesh_quad(&m, sl_v3(-0.8f, -0.5f, -0.3f), sl_v3(0, 0.15f, 0), sl_v3(1.6f, 0, 0), light_grey); /* a board, sliced */
+    /* a board, sliced */
+    trace_mesh_quad(&m, sl_v3(-0.8f, -0.5f, -0.3f), sl_v3(0, 0.15f, 0), sl_v3(1.6f, 0, 0), light_grey);
     sl_mesh_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 0.3f, 5, &settings);
-    for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++) sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 5.0f});
+    for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++)
+        sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 5.0f});
     sl_coarse_finish(g.coarse, 1);
-    sl_mesh_point p = free_point(sl_v3(-0.2f, 0.1f, -0.7f), sl_normalize_or(sl_v3(0.2f, -0.3f, 1), sl_v3(0, 0, 1)));
+    sl_mesh_point p =
+        free_point(sl_v3(-0.2f, 0.1f, -0.7f), sl_normalize_or(sl_v3(0.2f, -0.3f, 1), sl_v3(0, 0, 1)));
     (void)take(&g, &p);
     int n;
     const float *planes[3];
@@ -126,7 +140,8 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
         assert_true(id[i] != SL_NO_INDEX);
         sl_rgb value = sl_coarse_value(g.coarse, 2 * id[i], w1[i], w2[i]);
         float diffuse = id[i] < 12 ? 0.5f : 0.7f;
-        off += !near((double)planes[0][i], (double)(diffuse * value.r), 0.02) || !near((double)planes[1][i], (double)(diffuse * value.g), 0.003);
+        off += !near((double)planes[0][i], (double)(diffuse * value.r), 0.02) ||
+               !near((double)planes[1][i], (double)(diffuse * value.g), 0.003);
         assert_true(near((double)planes[2][i], (double)(diffuse * 5.0f), 1e-5));
     }
     assert_true(off < 128 * 128 / 500); /* where vertices were snapped across an edge of the coarse mesh */
@@ -144,11 +159,14 @@ static void gathers_have_the_same_bits_with_every_instruction_set_and_whatever_w
     for (int k = 0; k < 3; k++) {
         setenv("SOFTLUX_ISA", isa[k], 1);
         trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
-        trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 12, 0.2f, true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
-        trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 9, 0.3f, false, trace_mesh_material(&m, 0.7f, 0, 0, 0, 0));
+        trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 12, 0.2f, true,
+                          trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+        trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 9, 0.3f, false,
+                          trace_mesh_material(&m, 0.7f, 0, 0, 0, 0));
         sl_mesh_gather_settings settings = with_strips();
         gathering g = gathering_of(trace_mesh_build(&m), 0.2f, 3, &settings);
-        for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++) sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 0.1f});
+        for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++)
+            sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 0.1f});
         sl_coarse_finish(g.coarse, 1);
         for (uint32_t i = 0; i < 16; i++) { /* forwards, then backwards */
             uint32_t which = i < 8 ? i : 15 - i;
@@ -164,13 +182,14 @@ static void gathers_have_the_same_bits_with_every_instruction_set_and_whatever_w
     assert_memory_equal(seen[0], seen[2], sizeof seen[0]);
 }
 
-/* ---- the sky ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- the sky --------------------------------------------------------------------------------- */
 
 /* An outlier far below, so that there is a scene. */
 static trace_mesh outlier(const sl_environment *environment) {
     trace_mesh m = trace_mesh_begin();
     m.environment = environment;
-    trace_mesh_quad(&m, sl_v3(0, 0, -10), sl_v3(0.1f, 0, 0), sl_v3(0, 0.1f, 0), trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&m, sl_v3(0, 0, -10), sl_v3(0.1f, 0, 0), sl_v3(0, 0.1f, 0),
+                    trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
     return m;
 }
 
@@ -184,12 +203,14 @@ static void where_nothing_is_the_sky_is_seen_or_black(void **state) {
         set_all(&g, sl_grey(1.0f));
         sl_mesh_point p = free_point(sl_v3(0, 0, 0), sl_v3(0, 0, 1));
         sl_rgb e = take(&g, &p);
-        assert_true(near((double)e.r, present * SL_PI, 1e-5) && near((double)e.b, present * 3.0 * SL_PI, 3e-5));
+        assert_true(near((double)e.r, present * SL_PI, 1e-5) &&
+                    near((double)e.b, present * 3.0 * SL_PI, 3e-5));
         gathering_destroy(&g);
     }
 }
 
-/* A shading normal tilted by alpha against the geometric one: pi (1 + cos alpha) / 2 of what lies above both horizons. */
+/* A shading normal tilted by alpha against the geometric one: pi (1 + cos alpha) / 2 of what lies above both
+ * horizons. */
 static void what_lies_below_the_surface_is_black_though_the_shading_normal_faces_it(void **state) {
     (void)state;
     sl_environment sky = {.present = true, .constant = {1, 1, 1}};
@@ -206,7 +227,8 @@ static void what_lies_below_the_surface_is_black_though_the_shading_normal_faces
     gathering_destroy(&g);
 }
 
-/* A sun of 2.8 degrees, one texel, seen from 40 directions: radiance x solid angle x cosine, wherever it falls between pixels. */
+/* A sun of 2.8 degrees, one texel, seen from 40 directions: radiance x solid angle x cosine, wherever it
+ * falls between pixels. */
 static void the_light_of_a_small_sun_is_kept(void **state) {
     (void)state;
     enum { WIDTH = 128, HEIGHT = 64, ROW = 20, COLUMN = 37 };
@@ -225,7 +247,8 @@ static void the_light_of_a_small_sun_is_kept(void **state) {
     for (int k = 0; k < 40; k++) {
         double angle = 0.025 * k, turn = 0.7 * k;
         sl_frame f = sl_frame_from_normal(sun);
-        sl_vec3 n = sl_frame_to_world(&f, sl_v3((float)(sl_sin(angle) * sl_cos(turn)), (float)(sl_sin(angle) * sl_sin(turn)), (float)sl_cos(angle)));
+        sl_vec3 n = sl_frame_to_world(&f, sl_v3((float)(sl_sin(angle) * sl_cos(turn)),
+                                                (float)(sl_sin(angle) * sl_sin(turn)), (float)sl_cos(angle)));
         sl_mesh_point p = free_point(sl_v3(0, 0, 0), n);
         double ratio = (double)take(&g, &p).r / (1000.0 * (double)solid_angle * sl_cos(angle));
         assert_true(near(ratio, 1.0, 0.2));
@@ -235,9 +258,10 @@ static void the_light_of_a_small_sun_is_kept(void **state) {
     gathering_destroy(&g);
 }
 
-/* ---- hard geometry ------------------------------------------------------------------------------------------------------------------- */
+/* ---- hard geometry --------------------------------------------------------------------------- */
 
-/* A grid of small squares far from the origin: neighbours in the same plane must not rise above the horizon. */
+/* A grid of small squares far from the origin: neighbours in the same plane must not rise above the horizon.
+ */
 static void a_flat_surface_does_not_light_itself(void **state) {
     (void)state;
     trace_mesh m = trace_mesh_begin();
@@ -263,7 +287,8 @@ static void a_flat_surface_does_not_light_itself(void **state) {
     gathering_destroy(&g);
 }
 
-/* A floor that ends at a wall: at their common edge the wall fills half of the hemisphere, whichever face the point is said to be of. */
+/* A floor that ends at a wall: at their common edge the wall fills half of the hemisphere, whichever face the
+ * point is said to be of. */
 static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
     (void)state;
     trace_mesh m = trace_mesh_begin();
@@ -274,7 +299,8 @@ static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
     gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
     set_all(&g, sl_grey(2.0f));
     for (uint32_t face = 0; face < 8; face += 2) {
-        for (int k = 0; k < 3; k++) { /* those corners that lie inside the edge between floor and wall: moved to its middle */
+        /* those corners that lie inside the edge between floor and wall: moved to its middle */
+        for (int k = 0; k < 3; k++) {
             sl_mesh_point p = face_point(g.scene, face, 0.0f, 0.0f);
             p.position = sl_v3(0, 3.0f * (float)k, 0);
             p.triangle = k ? SL_NO_INDEX : face / 2;
@@ -284,7 +310,8 @@ static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
     gathering_destroy(&g);
 }
 
-/* From any vertex of a ball's outside the whole sky is seen and nothing of the ball, from any of a hollow's inside nothing but it. */
+/* From any vertex of a ball's outside the whole sky is seen and nothing of the ball, from any of a hollow's
+ * inside nothing but it. */
 static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **state) {
     (void)state;
     sl_environment sky = {.present = true, .constant = {1, 0, 0}};
@@ -299,7 +326,8 @@ static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **sta
         set_all(&g, sl_grey(1.0f));
         for (uint32_t t = 0; t < g.scene->triangle_count; t += 7) {
             sl_mesh_point p = face_point(g.scene, 2 * t, 0, 0);
-            p.normal = p.geometric_normal = sl_normalize_or(hollow ? sl_neg(p.position) : p.position, sl_v3(0, 0, 1));
+            p.normal = p.geometric_normal =
+                sl_normalize_or(hollow ? sl_neg(p.position) : p.position, sl_v3(0, 0, 1));
             p.triangle = SL_NO_INDEX;
             sl_rgb e = take(&g, &p);
             assert_true(near((double)(hollow ? e.g : e.r), SL_PI, 0.002));
@@ -324,7 +352,7 @@ static void what_lies_a_hair_above_is_seen(void **state) {
     gathering_destroy(&g);
 }
 
-/* ---- hard input ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- hard input ------------------------------------------------------------------------------ */
 
 static void points_that_are_no_numbers_get_no_light_and_are_counted(void **state) {
     (void)state;
@@ -360,13 +388,15 @@ static void settings_out_of_range_are_refused(void **state) {
     const struct {
         int size, reduced;
         float fov;
-    } bad[7] = {{100, 16, 2.8f}, {4, 4, 2.8f}, {8192, 16, 2.8f}, {128, 12, 2.8f}, {64, 128, 2.8f}, {128, 16, 3.2f}, {128, 16, NAN}};
+    } bad[7] = {{100, 16, 2.8f}, {4, 4, 2.8f},    {8192, 16, 2.8f}, {128, 12, 2.8f},
+                {64, 128, 2.8f}, {128, 16, 3.2f}, {128, 16, NAN}};
     for (int k = 0; k < 7; k++) {
         sl_mesh_gather *gather;
         settings.size = bad[k].size;
         settings.reduced = bad[k].reduced;
         settings.fov = bad[k].fov;
-        assert_int_equal(sl_mesh_gather_create(g.scene, g.raster, g.coarse, &settings, &gather, NULL), SL_ERROR_USAGE);
+        assert_int_equal(sl_mesh_gather_create(g.scene, g.raster, g.coarse, &settings, &gather, NULL),
+                         SL_ERROR_USAGE);
     }
     gathering_destroy(&g);
 }
@@ -376,7 +406,8 @@ static void strips_are_drawn_only_where_what_they_bring_can_be_noticed(void **st
     uint64_t shaded[2];
     for (int noticed = 0; noticed < 2; noticed++) {
         trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
-        trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+        trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
+                       trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
         sl_mesh_gather_settings settings = with_strips();
         settings.noticed = 0.0389f; /* (1 - C) pi x 0.5 */
         gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 2, &settings);

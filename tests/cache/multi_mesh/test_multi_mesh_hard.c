@@ -1,4 +1,5 @@
-/* Hard cases of multi-mesh caching as whole pictures, against closed forms and exact shadows; and that it comes to an end, whatever the scene. */
+/* Hard cases of multi-mesh caching as whole pictures, against closed forms and exact shadows; and that it
+ * comes to an end, whatever the scene. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,43 +32,58 @@ static double sum_of(const sl_image *image, const char *channel) {
 
 /* ---- light of known amount ---- */
 
-/* A disc of angular radius sigma around a glossy floor's normal, seen along that normal: k_s L (1 - cos^(n+2) sigma). Seen from elsewhere a lobe much
- * narrower than the disc shows k_s L cos theta, as long as its mirror direction meets the disc: the lamp is no point in its middle. */
+/* A disc of angular radius sigma around a glossy floor's normal, seen along that normal: k_s L (1 - cos^(n+2)
+ * sigma). Seen from elsewhere a lobe much narrower than the disc shows k_s L cos theta, as long as its mirror
+ * direction meets the disc: the lamp is no point in its middle. */
 static void a_discs_highlight_is_within_4_percent_of_the_integral_also_beside_its_middle(void **state) {
     (void)state;
-    static const double exponent[] = {10, 10, 100, 100, 1000, 500}, degrees[] = {20, 60, 5, 60, 1, 40}, aside[] = {0, 0, 0, 0, 0, 0.2};
+    static const double exponent[] = {10, 10, 100, 100, 1000, 500}, degrees[] = {20, 60, 5, 60, 1, 40},
+                        aside[] = {0, 0, 0, 0, 0, 0.2};
     for (int k = 0; k < 6; k++) {
         char obj[8192], json[512];
         double sigma = degrees[k] * pi / 180.0, radius = tan(sigma);
-        int n = snprintf(obj, sizeof obj, "v -9 0 -9\nv -9 0 9\nv 9 0 9\nv 9 0 -9\nusemtl floor\nf 1 2 3 4\nv 0 1 0\n");
+        int n = snprintf(obj, sizeof obj,
+                         "v -9 0 -9\nv -9 0 9\nv 9 0 9\nv 9 0 -9\nusemtl floor\nf 1 2 3 4\nv 0 1 0\n");
         for (int i = 0; i < 64; i++)
-            n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g 1 %.9g\n", radius * cos(2 * pi * i / 64), radius * sin(2 * pi * i / 64));
+            n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g 1 %.9g\n", radius * cos(2 * pi * i / 64),
+                          radius * sin(2 * pi * i / 64));
         n += snprintf(obj + n, sizeof obj - (size_t)n, "usemtl lamp\n");
-        for (int i = 0; i < 64; i++) n += snprintf(obj + n, sizeof obj - (size_t)n, "f 5 %d %d\n", 6 + i, 6 + (i + 1) % 64);
-        snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"floor\": {\"diffuse\": 0, \"specular\": 0.5, "
-                 "\"exponent\": %g}, \"lamp\": {\"diffuse\": 0, \"emission\": 3}}, \"camera\": {\"eye\": [%g, 0.5, 0], \"target\": [0, 0, 0], \"up\": [0, 0, 1], "
-                 "\"fov_deg\": 0.5}}", exponent[k], aside[k]);
+        for (int i = 0; i < 64; i++)
+            n += snprintf(obj + n, sizeof obj - (size_t)n, "f 5 %d %d\n", 6 + i, 6 + (i + 1) % 64);
+        snprintf(json, sizeof json,
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"floor\": "
+                 "{\"diffuse\": 0, \"specular\": 0.5, "
+                 "\"exponent\": %g}, \"lamp\": {\"diffuse\": 0, \"emission\": 3}}, \"camera\": {\"eye\": "
+                 "[%g, 0.5, 0], \"target\": [0, 0, 0], \"up\": [0, 0, 1], "
+                 "\"fov_deg\": 0.5}}",
+                 exponent[k], aside[k]);
         sl_scene *scene = scene_from_text(json, obj);
         sl_settings settings = mesh_settings(9, 9);
         settings.quality = SL_QUALITY_HIGH;
         sl_image *image = render(scene, &settings, NULL);
-        double expected = 0.5 * 3.0 * (1.0 - pow(cos(sigma), exponent[k] + 2.0)) * 0.5 / hypot(0.5, aside[k]), found = (double)sl_image_channel(image, "specular.G")[40];
-        print_message("n %.0f, %.0f degrees: %.4f, the integral %.4f: %+.1f %%\n", exponent[k], degrees[k], found, expected, 100.0 * (found / expected - 1.0));
+        double expected = 0.5 * 3.0 * (1.0 - pow(cos(sigma), exponent[k] + 2.0)) * 0.5 / hypot(0.5, aside[k]),
+               found = (double)sl_image_channel(image, "specular.G")[40];
+        print_message("n %.0f, %.0f degrees: %.4f, the integral %.4f: %+.1f %%\n", exponent[k], degrees[k],
+                      found, expected, 100.0 * (found / expected - 1.0));
         assert_true(fabs(found / expected - 1.0) < 0.04);
         sl_image_destroy(image);
         sl_scene_destroy(scene);
     }
 }
 
-/* The sky is all the light there is. A wide floor under it reflects 1/2 of it; a small tile above the floor, seen from below, sees nothing else. */
+/* The sky is all the light there is. A wide floor under it reflects 1/2 of it; a small tile above the floor,
+ * seen from below, sees nothing else. */
 static void the_skys_light_bounces(void **state) {
     (void)state;
     sl_scene *scene = scene_from_text(
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"grey\": {\"diffuse\": 0.5}}, \"environment\": {\"radiance\": [2, 2, 2]}, "
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"grey\": {\"diffuse\": "
+        "0.5}}, \"environment\": {\"radiance\": [2, 2, 2]}, "
         "\"camera\": {\"eye\": [0, 0.5, 0], \"target\": [0, 1, 0], \"up\": [0, 0, 1], \"fov_deg\": 10}}",
-        "v -90 0 -90\nv -90 0 90\nv 90 0 90\nv 90 0 -90\nv -.1 1 -.1\nv .1 1 -.1\nv .1 1 .1\nv -.1 1 .1\nusemtl grey\nf 1 2 3 4\nf 5 6 7 8\n");
+        "v -90 0 -90\nv -90 0 90\nv 90 0 90\nv 90 0 -90\nv -.1 1 -.1\nv .1 1 -.1\nv .1 1 .1\nv -.1 1 "
+        ".1\nusemtl grey\nf 1 2 3 4\nf 5 6 7 8\n");
     sl_settings settings = mesh_settings(9, 9);
-    for (uint32_t bounces = 1; bounces <= 2; bounces++) { /* a second one finds nothing but the tile, and the sky is not counted twice */
+    /* a second one finds nothing but the tile, and the sky is not counted twice */
+    for (uint32_t bounces = 1; bounces <= 2; bounces++) {
         settings.bounces = bounces;
         sl_image *image = render(scene, &settings, NULL);
         assert_true(fabs((double)sl_image_channel(image, "indirect.G")[40] / 0.5 - 1.0) < 0.03);
@@ -76,14 +92,16 @@ static void the_skys_light_bounces(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* All surfaces of a closed room and of a block in it shine with 1/2 and reflect 1/2: direct light alone sends 1/4, what is gathered of that 1/8. What is
- * gathered was lit by a few rays to each wall, past the block. */
+/* All surfaces of a closed room and of a block in it shine with 1/2 and reflect 1/2: direct light alone sends
+ * 1/4, what is gathered of that 1/8. What is gathered was lit by a few rays to each wall, past the block. */
 static void a_furnace_is_evenly_lit_from_all_its_walls(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/furnace.json");
     sl_settings settings = mesh_settings(SIDE, SIDE);
     sl_image *image = render(scene, &settings, NULL);
-    const float *direct = sl_image_channel(image, "direct.G"), *indirect = sl_image_channel(image, "indirect.G"), *emission = sl_image_channel(image, "emission.G");
+    const float *direct = sl_image_channel(image, "direct.G"),
+                *indirect = sl_image_channel(image, "indirect.G"),
+                *emission = sl_image_channel(image, "emission.G");
     double mean = 0.0, worst = 0.0;
     for (int i = 0; i < PIXELS; i++) {
         worst = fmax(worst, fabs((double)indirect[i] / 0.125 - 1.0));
@@ -92,29 +110,44 @@ static void a_furnace_is_evenly_lit_from_all_its_walls(void **state) {
         mean += (double)indirect[i] / PIXELS;
         assert_true(emission[i] == 0.5f);
     }
-    print_message("indirect light: a pixel up to %.2f %% off, the mean %+.3f %%\n", 100.0 * worst, 100.0 * (mean / 0.125 - 1.0));
+    print_message("indirect light: a pixel up to %.2f %% off, the mean %+.3f %%\n", 100.0 * worst,
+                  100.0 * (mean / 0.125 - 1.0));
     assert_true(fabs(mean - 0.125) < 0.125 * 0.001);
     sl_image_destroy(image);
     sl_scene_destroy(scene);
 }
 
-/* Turned so that the floor sees its edge alone, below it, above it but facing away; and tiny: a square of a ten thousandth as a point of its power. */
+/* Turned so that the floor sees its edge alone, below it, above it but facing away; and tiny: a square of a
+ * ten thousandth as a point of its power. */
 static void a_lamp_edge_on_or_below_gives_nothing_and_a_tiny_one_what_a_point_gives(void **state) {
     (void)state;
     static const char floor_obj[] = "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n";
     static const char *const light[] = {
-        "{\"type\": \"quad\", \"corner\": [0, -1, -1], \"edge1\": [0, 1, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}",   /* up to the floor */
-        "{\"type\": \"quad\", \"corner\": [-1, -1, -1], \"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], \"radiance\": 5}",  /* below it, facing up */
-        "{\"type\": \"quad\", \"corner\": [-1, 0, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}",   /* in it */
-        "{\"type\": \"quad\", \"corner\": [-1, 2, -1], \"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], \"radiance\": 5}",   /* facing away */
-        "{\"type\": \"quad\", \"corner\": [-0.00005, 2, -0.00005], \"edge1\": [0.0001, 0, 0], \"edge2\": [0, 0, 0.0001], \"power\": 30}",
-        "{\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": 9.5492966}"}; /* 30 / pi: along the normal the same */
+        /* up to the floor */
+        "{\"type\": \"quad\", \"corner\": [0, -1, -1], \"edge1\": [0, 1, 0], \"edge2\": [0, 0, 2], "
+        "\"radiance\": 5}",
+        /* below it, facing up */
+        "{\"type\": \"quad\", \"corner\": [-1, -1, -1], \"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], "
+        "\"radiance\": 5}",
+        /* in it */
+        "{\"type\": \"quad\", \"corner\": [-1, 0, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], "
+        "\"radiance\": 5}",
+        /* facing away */
+        "{\"type\": \"quad\", \"corner\": [-1, 2, -1], \"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], "
+        "\"radiance\": 5}",
+        "{\"type\": \"quad\", \"corner\": [-0.00005, 2, -0.00005], \"edge1\": [0.0001, 0, 0], \"edge2\": [0, "
+        "0, 0.0001], \"power\": 30}",
+        /* 30 / pi: along the normal the same */
+        "{\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": 9.5492966}"};
     double sum[6];
     float centre[6];
     for (int k = 0; k < 6; k++) {
         char json[768];
-        snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s], \"camera\": {\"eye\": [0, 1.9, 0], \"target\": [0, 0, "
-                 "0], \"up\": [0, 0, 1], \"fov_deg\": 70}}", light[k]);
+        snprintf(json, sizeof json,
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s], \"camera\": "
+                 "{\"eye\": [0, 1.9, 0], \"target\": [0, 0, "
+                 "0], \"up\": [0, 0, 1], \"fov_deg\": 70}}",
+                 light[k]);
         sl_scene *scene = scene_from_text(json, floor_obj);
         sl_settings settings = mesh_settings(33, 33);
         settings.quality = SL_QUALITY_NORMAL;
@@ -157,7 +190,8 @@ static bool near_a_border(const float *exact, int x, int y, int reach, float jum
     return most - least > jump;
 }
 
-/* How many pixels differ from exact direct light by more than a tenth of its most, farther than `reach` pixels from where that jumps. */
+/* How many pixels differ from exact direct light by more than a tenth of its most, farther than `reach`
+ * pixels from where that jumps. */
 static int count_wrong(const sl_scene *scene, sl_quality quality, int reach) {
     sl_settings settings = mesh_settings(SIDE, SIDE);
     settings.quality = quality;
@@ -179,12 +213,16 @@ static int count_wrong(const sl_scene *scene, sl_quality quality, int reach) {
     return wrong;
 }
 
-/* A plate below a point light throws a shadow whose border leaves of at most 8 pixels blur, and nothing beyond. */
+/* A plate below a point light throws a shadow whose border leaves of at most 8 pixels blur, and nothing
+ * beyond. */
 static void a_point_lights_shadow_is_sharp_within_a_leaf(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [0.3, 3, 0.1], "
-                                      "\"intensity\": 20}], \"camera\": {\"eye\": [0, 2.5, 4], \"target\": [0, 0, 0], \"fov_deg\": 45}}",
-                                      "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nv -0.7 1 -0.4\nv -0.5 1 0.5\nv 0.4 1 0.6\nv 0.5 1 -0.5\nf 5 6 7 8\n");
+    sl_scene *scene = scene_from_text(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", "
+        "\"position\": [0.3, 3, 0.1], "
+        "\"intensity\": 20}], \"camera\": {\"eye\": [0, 2.5, 4], \"target\": [0, 0, 0], \"fov_deg\": 45}}",
+        "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nv -0.7 1 -0.4\nv -0.5 1 0.5\nv 0.4 1 0.6\nv 0.5 "
+        "1 -0.5\nf 5 6 7 8\n");
     assert_int_equal(count_wrong(scene, SL_QUALITY_HIGH, 4), 0);
     assert_true(count_wrong(scene, SL_QUALITY_NORMAL, 8) <= 4); /* at corners */
     sl_scene_destroy(scene);
@@ -194,27 +232,44 @@ static void a_point_lights_shadow_is_sharp_within_a_leaf(void **state) {
 static void a_leg_on_a_floors_vertex_has_no_dark_halo(void **state) {
     (void)state;
     char obj[2048];
-    int n = snprintf(obj, sizeof obj, "usemtl floor\nv -3 0 -3\nv 0 0 -3\nv 3 0 -3\nv -3 0 0\nv 0 0 0\nv 3 0 0\nv -3 0 3\nv 0 0 3\nv 3 0 3\n"
-                                      "f 1 4 5 2\nf 2 5 6 3\nf 4 7 8 5\nf 5 8 9 6\nusemtl leg\n");
-    for (int i = 0; i < 8; i++) n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\n", i & 1 ? 0.25 : -0.25, i & 2 ? 1.0 : 0.0, i & 4 ? 0.2 : -0.3);
-    snprintf(obj + n, sizeof obj - (size_t)n, "f 10 11 13 12\nf 14 16 17 15\nf 10 14 15 11\nf 12 13 17 16\nf 10 12 16 14\nf 11 15 17 13\n");
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [1, 3, 2], \"intensity\": "
-                                      "20}], \"camera\": {\"eye\": [0.5, 2, 3.5], \"target\": [0, 0.2, 0], \"fov_deg\": 40}}", obj);
+    int n = snprintf(obj, sizeof obj,
+                     "usemtl floor\nv -3 0 -3\nv 0 0 -3\nv 3 0 -3\nv -3 0 0\nv 0 0 0\nv 3 0 0\nv -3 0 3\nv 0 "
+                     "0 3\nv 3 0 3\n"
+                     "f 1 4 5 2\nf 2 5 6 3\nf 4 7 8 5\nf 5 8 9 6\nusemtl leg\n");
+    for (int i = 0; i < 8; i++)
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\n", i & 1 ? 0.25 : -0.25,
+                      i & 2 ? 1.0 : 0.0, i & 4 ? 0.2 : -0.3);
+    snprintf(obj + n, sizeof obj - (size_t)n,
+             "f 10 11 13 12\nf 14 16 17 15\nf 10 14 15 11\nf 12 13 17 16\nf 10 12 16 14\nf 11 15 17 13\n");
+    sl_scene *scene = scene_from_text(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", "
+        "\"position\": [1, 3, 2], \"intensity\": "
+        "20}], \"camera\": {\"eye\": [0.5, 2, 3.5], \"target\": [0, 0.2, 0], \"fov_deg\": 40}}",
+        obj);
     assert_true(count_wrong(scene, SL_QUALITY_HIGH, 4) <= 2);
     assert_true(count_wrong(scene, SL_QUALITY_NORMAL, 8) <= 8);
     sl_scene_destroy(scene);
 }
 
-/* A slab on a floor whose shadow is narrower than a pixel is long: the floor's vertices lie under the slab, where no light is, or beyond the shadow.
- * Leaves with such corners are cut until it is known where the light begins: what is dark is dark, but for what a leaf of a pixel blurs. */
+/* A slab on a floor whose shadow is narrower than a pixel is long: the floor's vertices lie under the slab,
+ * where no light is, or beyond the shadow. Leaves with such corners are cut until it is known where the light
+ * begins: what is dark is dark, but for what a leaf of a pixel blurs. */
 static void the_shadow_of_a_rug_is_a_pixel_wide_and_dark(void **state) {
     (void)state;
     char obj[1024];
-    int n = snprintf(obj, sizeof obj, "usemtl floor\nv -6 0 -5\nv -5 0 6\nv 6 0 5\nv 5 0 -6\nf 1 2 3 4\nusemtl rug\n"), dark = 0;
-    for (int i = 0; i < 8; i++) n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\n", i & 1 ? 2.0 : -2.0, i & 2 ? 0.03 : 0.0, (i & 4 ? 0.5 : -1.5) + (i & 1 ? 0.3 : 0.0));
-    snprintf(obj + n, sizeof obj - (size_t)n, "f 5 6 8 7\nf 9 11 12 10\nf 5 9 10 6\nf 7 8 12 11\nf 5 7 11 9\nf 6 10 12 8\n");
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [0, 2, -2.5], \"intensity\": "
-                                      "20}], \"camera\": {\"eye\": [0, 1.2, 3.2], \"target\": [0, 0, 0.6], \"fov_deg\": 40}}", obj);
+    int n = snprintf(obj, sizeof obj,
+                     "usemtl floor\nv -6 0 -5\nv -5 0 6\nv 6 0 5\nv 5 0 -6\nf 1 2 3 4\nusemtl rug\n"),
+        dark = 0;
+    for (int i = 0; i < 8; i++)
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\n", i & 1 ? 2.0 : -2.0, i & 2 ? 0.03 : 0.0,
+                      (i & 4 ? 0.5 : -1.5) + (i & 1 ? 0.3 : 0.0));
+    snprintf(obj + n, sizeof obj - (size_t)n,
+             "f 5 6 8 7\nf 9 11 12 10\nf 5 9 10 6\nf 7 8 12 11\nf 5 7 11 9\nf 6 10 12 8\n");
+    sl_scene *scene = scene_from_text(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", "
+        "\"position\": [0, 2, -2.5], \"intensity\": "
+        "20}], \"camera\": {\"eye\": [0, 1.2, 3.2], \"target\": [0, 0, 0.6], \"fov_deg\": 40}}",
+        obj);
     sl_settings settings = mesh_settings(SIDE, SIDE);
     settings.quality = SL_QUALITY_NORMAL;
     sl_image *ours = render(scene, &settings, NULL), *theirs = exact_direct_light(scene, SIDE, SIDE);
@@ -245,12 +300,19 @@ static int count_above(const sl_image *image, const char *channel, double level)
 /* A closed room of 3 x 2 x 2 cut in two by a wall: the lamp's half is lit, the other is black. */
 static sl_image *half_a_room(double x0, double x1, int side) {
     char obj[2048], json[768];
-    snprintf(obj, sizeof obj, "v -1.5 0 -1\nv 1.5 0 -1\nv 1.5 0 1\nv -1.5 0 1\nv -1.5 2 -1\nv 1.5 2 -1\nv 1.5 2 1\nv -1.5 2 1\n"
-             "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n"
-             "v %g -0.01 -1.01\nv %g -0.01 1.01\nv %g 2.01 1.01\nv %g 2.01 -1.01\nv %g -0.01 -1.01\nv %g -0.01 1.01\nv %g 2.01 1.01\nv %g 2.01 -1.01\n"
-             "f 9 10 11 12\nf 16 15 14 13\n", x0, x0, x0, x0, x1, x1, x1, x1);
-    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1, 1.9, -0.5], "
-             "\"edge1\": [0.6, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": 8}], \"camera\": {\"eye\": [%g, 1, 0], \"target\": [%g, 0.7, 0.1], \"fov_deg\": 80}}",
+    snprintf(
+        obj, sizeof obj,
+        "v -1.5 0 -1\nv 1.5 0 -1\nv 1.5 0 1\nv -1.5 0 1\nv -1.5 2 -1\nv 1.5 2 -1\nv 1.5 2 1\nv -1.5 2 1\n"
+        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n"
+        "v %g -0.01 -1.01\nv %g -0.01 1.01\nv %g 2.01 1.01\nv %g 2.01 -1.01\nv %g -0.01 -1.01\nv %g -0.01 "
+        "1.01\nv %g 2.01 1.01\nv %g 2.01 -1.01\n"
+        "f 9 10 11 12\nf 16 15 14 13\n",
+        x0, x0, x0, x0, x1, x1, x1, x1);
+    snprintf(json, sizeof json,
+             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", "
+             "\"corner\": [-1, 1.9, -0.5], "
+             "\"edge1\": [0.6, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": 8}], \"camera\": {\"eye\": [%g, 1, "
+             "0], \"target\": [%g, 0.7, 0.1], \"fov_deg\": 80}}",
              1.4 * side, 0.5 * (x0 + x1) + 0.2 * side);
     sl_scene *scene = scene_from_text(json, obj);
     sl_settings settings = mesh_settings(SIDE, SIDE);
@@ -260,18 +322,23 @@ static sl_image *half_a_room(double x0, double x1, int side) {
     return image;
 }
 
-/* A wall without thickness, or one of a thousandth of the room; where vertices lie in it (x = 0), and where none does. Light of the other half shows in
- * the pixels along the wall's foot alone; what little there is of indirect light elsewhere comes from coarse triangles that reach to both sides. */
+/* A wall without thickness, or one of a thousandth of the room; where vertices lie in it (x = 0), and where
+ * none does. Light of the other half shows in the pixels along the wall's foot alone; what little there is of
+ * indirect light elsewhere comes from coarse triangles that reach to both sides. */
 static void no_light_leaks_through_a_thin_wall(void **state) {
     (void)state;
     static const double wall[4][2] = {{0, 0}, {-0.0015, 0.0015}, {0.1, 0.1}, {0.1, 0.103}};
     for (int k = 0; k < 4; k++) {
-        sl_image *lit = half_a_room(wall[k][0], wall[k][1], -1), *dark = half_a_room(wall[k][0], wall[k][1], 1);
+        sl_image *lit = half_a_room(wall[k][0], wall[k][1], -1),
+                 *dark = half_a_room(wall[k][0], wall[k][1], 1);
         double direct = sum_of(lit, "direct.G") / PIXELS, indirect = sum_of(lit, "indirect.G") / PIXELS;
         double leak = sum_of(dark, "direct.G") / PIXELS, indirect_leak = sum_of(dark, "indirect.G") / PIXELS;
-        int pixels = count_above(dark, "direct.G", 0.1 * direct), indirect_pixels = count_above(dark, "indirect.G", 0.1 * indirect);
-        print_message("wall from %g to %g: lit half direct %.4f, indirect %.4f; dark half %.2f %% in %d pixels, %.2f %% in %d\n", wall[k][0], wall[k][1], direct,
-                      indirect, 100.0 * leak / direct, pixels, 100.0 * indirect_leak / indirect, indirect_pixels);
+        int pixels = count_above(dark, "direct.G", 0.1 * direct),
+            indirect_pixels = count_above(dark, "indirect.G", 0.1 * indirect);
+        print_message("wall from %g to %g: lit half direct %.4f, indirect %.4f; dark half %.2f %% in %d "
+                      "pixels, %.2f %% in %d\n",
+                      wall[k][0], wall[k][1], direct, indirect, 100.0 * leak / direct, pixels,
+                      100.0 * indirect_leak / indirect, indirect_pixels);
         assert_true(direct > 0.1 && indirect > 0.07);
         assert_true(leak < 0.013 * direct);
         assert_true(indirect_leak < (k == 0 ? 0.032 : 0.02) * indirect);
@@ -285,25 +352,34 @@ static void no_light_leaks_through_a_thin_wall(void **state) {
 /* Beams from block to block end a little inside both: all their vertices are where no light is. */
 static void a_beam_whose_ends_are_in_blocks_is_not_black(void **state) {
     (void)state;
-    static const char walls_obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 3 -2\nv 2 3 -2\nv 2 3 2\nv -2 3 2\nusemtl wall\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\n"
+    static const char walls_obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 3 -2\nv 2 3 -2\nv 2 3 2\nv "
+                                    "-2 3 2\nusemtl wall\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\n"
                                     "f 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n";
     static char obj[8192];
     int n = snprintf(obj, sizeof obj, "%s", walls_obj), v = 9;
     for (int k = 0; k < 10; k++) { /* eight thin beams across; then blocks at their ends */
         bool block = k >= 8;
         double x0 = block ? (k == 8 ? -2.0 : 1.8) : -1.81, x1 = block ? (k == 8 ? -1.8 : 2.0) : 1.81;
-        double y0 = block ? 0.01 : 1.2 + 0.12 * k, y1 = block ? 2.99 : y0 + 0.03, z0 = block ? -1.9 : -0.6 - 0.1 * k, z1 = block ? 1.9 : z0 + 0.03;
+        double y0 = block ? 0.01 : 1.2 + 0.12 * k, y1 = block ? 2.99 : y0 + 0.03,
+               z0 = block ? -1.9 : -0.6 - 0.1 * k, z1 = block ? 1.9 : z0 + 0.03;
         n += snprintf(obj + n, sizeof obj - (size_t)n, "usemtl %s\n", block ? "wall" : "beam");
         for (int i = 0; i < 8; i++)
-            n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\n", i & 1 ? x1 : x0, i & 2 ? y1 : y0, i & 4 ? z1 : z0);
-        static const int face[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+            n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\n", i & 1 ? x1 : x0, i & 2 ? y1 : y0,
+                          i & 4 ? z1 : z0);
+        static const int face[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                       {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
         for (int i = 0; i < 6; i++)
-            n += snprintf(obj + n, sizeof obj - (size_t)n, "f %d %d %d %d\n", v + face[i][0], v + face[i][1], v + face[i][2], v + face[i][3]);
+            n += snprintf(obj + n, sizeof obj - (size_t)n, "f %d %d %d %d\n", v + face[i][0], v + face[i][1],
+                          v + face[i][2], v + face[i][3]);
         v += 8;
     }
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"wall\": {\"diffuse\": 0.5}, \"beam\": {\"diffuse\": "
-                                      "0.8}}, \"lights\": [{\"type\": \"quad\", \"corner\": [-0.5, 2.9, 0.2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": 8}], "
-                                      "\"camera\": {\"eye\": [0, 1.5, 1.9], \"target\": [0, 1.5, 0], \"fov_deg\": 70}}", obj);
+    sl_scene *scene =
+        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"wall\": "
+                        "{\"diffuse\": 0.5}, \"beam\": {\"diffuse\": "
+                        "0.8}}, \"lights\": [{\"type\": \"quad\", \"corner\": [-0.5, 2.9, 0.2], \"edge1\": "
+                        "[1, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": 8}], "
+                        "\"camera\": {\"eye\": [0, 1.5, 1.9], \"target\": [0, 1.5, 0], \"fov_deg\": 70}}",
+                        obj);
     sl_settings settings = mesh_settings(SIDE, SIDE);
     sl_image *image = render(scene, &settings, NULL);
     const float *kd = sl_image_channel(image, "kd.G"), *indirect = sl_image_channel(image, "indirect.G");
@@ -316,8 +392,8 @@ static void a_beam_whose_ends_are_in_blocks_is_not_black(void **state) {
         *(beam ? &beams : &all) += (double)(indirect[i] / kd[i]);
         black += beam && indirect[i] / kd[i] < 0.01f;
     }
-    print_message("%d pixels of beams, %d of them black; indirect light %.4f, of all others %.4f\n", pixels, black,
-                  beams / pixels, all / rest);
+    print_message("%d pixels of beams, %d of them black; indirect light %.4f, of all others %.4f\n", pixels,
+                  black, beams / pixels, all / rest);
     assert_true(pixels > 100);
     assert_true(40 * black < pixels);
     sl_image_destroy(image);
@@ -354,8 +430,11 @@ static void the_picture_is_the_sum_of_its_layers_and_a_lamp_shows_its_radiance(v
 
 static void a_view_of_nothing_takes_no_samples_for_it(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [0, 3, 0], \"intensity\": "
-                                      "20}], \"camera\": {\"eye\": [0, 1, 0], \"target\": [0, 5, 1], \"fov_deg\": 45}}", "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n");
+    sl_scene *scene =
+        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": "
+                        "\"point\", \"position\": [0, 3, 0], \"intensity\": "
+                        "20}], \"camera\": {\"eye\": [0, 1, 0], \"target\": [0, 5, 1], \"fov_deg\": 45}}",
+                        "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n");
     sl_settings settings = mesh_settings(32, 32);
     sl_counters counters;
     sl_image *image = render(scene, &settings, &counters);
@@ -374,7 +453,8 @@ static void a_scene_ends(const char *what, const char *json, const char *obj) {
     sl_counters counters;
     sl_image *image = render(scene, &settings, &counters);
     assert_sound_picture(image, what);
-    print_message("%s: %llu light samples, %llu splits\n", what, (unsigned long long)counters.value[SL_COUNT_LIGHT_SAMPLES],
+    print_message("%s: %llu light samples, %llu splits\n", what,
+                  (unsigned long long)counters.value[SL_COUNT_LIGHT_SAMPLES],
                   (unsigned long long)counters.value[SL_COUNT_SPLITS]);
     sl_image_destroy(image);
     sl_scene_destroy(scene);
@@ -384,48 +464,69 @@ static void a_scene_ends(const char *what, const char *json, const char *obj) {
 static void shadows_like_noise_and_mirrors_end(void **state) {
     (void)state;
     static char obj[40000];
-    int n = snprintf(obj, sizeof obj, "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nusemtl floor\nf 1 2 3 4\n"), v = 5;
+    int n = snprintf(obj, sizeof obj, "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nusemtl floor\nf 1 2 3 4\n"),
+        v = 5;
     for (int k = 0; k < 125; k++) {
         double x = k % 5 - 2 + 0.3 * (k / 25), y = 0.4 + 0.4 * (k / 25), z = k / 5 % 5 - 2 + 0.2 * (k / 25);
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\nv %g %g %g\nv %g %g %g\nusemtl %s\nf %d %d %d\n", x, y, z, x + 0.4, y + 0.1, z, x, y, z + 0.4,
-                      k % 2 ? "mirror" : "plain", v, v + 1, v + 2);
+        n += snprintf(obj + n, sizeof obj - (size_t)n,
+                      "v %g %g %g\nv %g %g %g\nv %g %g %g\nusemtl %s\nf %d %d %d\n", x, y, z, x + 0.4,
+                      y + 0.1, z, x, y, z + 0.4, k % 2 ? "mirror" : "plain", v, v + 1, v + 2);
         v += 3;
     }
-    a_scene_ends("noise", "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"mirror\": {\"mirror\": 0.9}, \"plain\": {\"diffuse\": "
-                 "0.5, \"specular\": 0.4, \"exponent\": 400}}, \"lights\": [{\"type\": \"point\", \"position\": [0, 4, 0], \"intensity\": 90}, {\"type\": \"quad\", "
-                 "\"corner\": [-1, 4, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}], \"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0]}}", obj);
+    a_scene_ends("noise",
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"mirror\": "
+                 "{\"mirror\": 0.9}, \"plain\": {\"diffuse\": "
+                 "0.5, \"specular\": 0.4, \"exponent\": 400}}, \"lights\": [{\"type\": \"point\", "
+                 "\"position\": [0, 4, 0], \"intensity\": 90}, {\"type\": \"quad\", "
+                 "\"corner\": [-1, 4, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}], "
+                 "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0]}}",
+                 obj);
 }
 
 /* Needles a millionth as wide as they are long, triangles that are a line, a point, or the same twice. */
 static void slivers_and_triangles_without_area_end(void **state) {
     (void)state;
     static char obj[8192];
-    int n = snprintf(obj, sizeof obj, "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nf 1 2 2\nf 3 3 3\nf 1 2 3\nv 0 0 0\nf 1 5 3\n"), v = 6;
+    int n = snprintf(obj, sizeof obj,
+                     "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nf 1 2 2\nf 3 3 3\nf 1 2 3\nv 0 0 "
+                     "0\nf 1 5 3\n"),
+        v = 6;
     for (int k = 0; k < 40; k++) {
         double x = 0.2 * k - 4, wide = k % 3 ? 1e-6 : 1e-3;
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g 0.5 -4\nv %.9g 0.5 -4\nv %.9g 0.5 4\nf %d %d %d\n", x, x + wide, x, v, v + 2, v + 1);
+        n += snprintf(obj + n, sizeof obj - (size_t)n,
+                      "v %.9g 0.5 -4\nv %.9g 0.5 -4\nv %.9g 0.5 4\nf %d %d %d\n", x, x + wide, x, v, v + 2,
+                      v + 1);
         v += 3;
     }
-    a_scene_ends("slivers", "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1, 2, -1], \"edge1\": [2, 0, 0], "
-                 "\"edge2\": [0, 0, 2], \"radiance\": 5}, {\"type\": \"quad\", \"corner\": [-1, 1, -1], \"edge1\": [1e-9, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}], "
-                 "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0]}}", obj);
+    a_scene_ends("slivers",
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", "
+                 "\"corner\": [-1, 2, -1], \"edge1\": [2, 0, 0], "
+                 "\"edge2\": [0, 0, 2], \"radiance\": 5}, {\"type\": \"quad\", \"corner\": [-1, 1, -1], "
+                 "\"edge1\": [1e-9, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}], "
+                 "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0]}}",
+                 obj);
 }
 
 /* A thousand points and a thousand lamps: as many meshes. */
 static void thousands_of_lights_end(void **state) {
     (void)state;
     static char obj[160000], json[200000];
-    int n = snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"lamp\": {\"diffuse\": 0, \"emission\": 40}}, "
-                                        "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0]}, \"lights\": [");
+    int n = snprintf(json, sizeof json,
+                     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"lamp\": "
+                     "{\"diffuse\": 0, \"emission\": 40}}, "
+                     "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0]}, \"lights\": [");
     for (int k = 0; k < 1000; k++)
-        n += snprintf(json + n, sizeof json - (size_t)n, "%s{\"type\": \"point\", \"position\": [%g, %g, %g], \"intensity\": 0.01}", k ? "," : "", 0.2 * (k % 40) - 4,
-                      1 + 0.001 * k, 0.3 * (k / 40) - 4);
+        n += snprintf(json + n, sizeof json - (size_t)n,
+                      "%s{\"type\": \"point\", \"position\": [%g, %g, %g], \"intensity\": 0.01}",
+                      k ? "," : "", 0.2 * (k % 40) - 4, 1 + 0.001 * k, 0.3 * (k / 40) - 4);
     snprintf(json + n, sizeof json - (size_t)n, "]}");
-    n = snprintf(obj, sizeof obj, "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nusemtl floor\nf 1 2 3 4\nusemtl lamp\n");
+    n = snprintf(obj, sizeof obj,
+                 "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nusemtl floor\nf 1 2 3 4\nusemtl lamp\n");
     for (int k = 0; k < 1000; k++) {
-        double x = 0.2 * (k % 40) - 4, y = 0.5 + 0.0005 * k, z = 0.3 * (k / 40) - 4; /* each in a plane of its own */
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\nv %g %g %g\nv %g %g %g\nf %d %d %d\n", x, y, z, x + 0.02, y, z, x, y, z + 0.02, 5 + 3 * k,
-                      6 + 3 * k, 7 + 3 * k);
+        /* each in a plane of its own */
+        double x = 0.2 * (k % 40) - 4, y = 0.5 + 0.0005 * k, z = 0.3 * (k / 40) - 4;
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\nv %g %g %g\nv %g %g %g\nf %d %d %d\n", x,
+                      y, z, x + 0.02, y, z, x, y, z + 0.02, 5 + 3 * k, 6 + 3 * k, 7 + 3 * k);
     }
     a_scene_ends("two thousand lights", json, obj);
 }

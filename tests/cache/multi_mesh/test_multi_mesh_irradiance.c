@@ -1,4 +1,5 @@
-/* Irradiance meshes: each light has its own, refined where radiance asks for it and its own shadows are, and nowhere else. */
+/* Irradiance meshes: each light has its own, refined where radiance asks for it and its own shadows are, and
+ * nowhere else. */
 #include "light_sample_support.h"
 
 #include "base/math.h"
@@ -13,7 +14,8 @@ typedef struct lit_floor {
     sl_counters counters;
 } lit_floor;
 
-/* A floor of two triangles, a lamp over its left half and one over its right; and, if asked for, a plate below the left one that the other's light passes. */
+/* A floor of two triangles, a lamp over its left half and one over its right; and, if asked for, a plate
+ * below the left one that the other's light passes. */
 static void make_with(lit_floor *f, bool plate, bool few_rays, float ambient) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
@@ -25,9 +27,16 @@ static void make_with(lit_floor *f, bool plate, bool few_rays, float ambient) {
     light_world_make(&f->world, &mesh);
     assert_int_equal(f->world.lights->count, 2);
     assert_int_equal(sl_topology_create(f->world.scene, false, &f->topology, NULL), SL_OK);
-    sl_irradiance_settings s = {.scene = f->world.scene, .topology = f->topology, .tracer = f->world.tracer, .lights = f->world.lights,
-                                .sampling = f->world.sampling, .perception = {.exposure = 30.0f, .threshold_scale = 4.0f}, .ambient = sl_grey(ambient),
-                                .few_rays = few_rays, .max_depth = 12, .threads = 1};
+    sl_irradiance_settings s = {.scene = f->world.scene,
+                                .topology = f->topology,
+                                .tracer = f->world.tracer,
+                                .lights = f->world.lights,
+                                .sampling = f->world.sampling,
+                                .perception = {.exposure = 30.0f, .threshold_scale = 4.0f},
+                                .ambient = sl_grey(ambient),
+                                .few_rays = few_rays,
+                                .max_depth = 12,
+                                .threads = 1};
     assert_int_equal(sl_irradiance_meshes_create(&s, &f->meshes, NULL), SL_OK);
 }
 
@@ -45,11 +54,17 @@ static void ask(lit_floor *f, int depth) {
     for (uint32_t face = 0; face <= 2; face += 2) {
         for (uint32_t q = 0; q <= SL_MESH_DYADIC; q += step) {
             for (uint32_t p = 0; p + q <= SL_MESH_DYADIC; p += step) {
-                sl_face_point x = {.face = face, .p = (uint16_t)p, .q = (uint16_t)q, .wanted_depth = depth < 3 ? depth : 3, .leaf = sl_mesh_face_middle(face)};
+                sl_face_point x = {.face = face,
+                                   .p = (uint16_t)p,
+                                   .q = (uint16_t)q,
+                                   .wanted_depth = depth < 3 ? depth : 3,
+                                   .leaf = sl_mesh_face_middle(face)};
                 float share[2];
                 bool valid;
-                assert_int_equal(sl_irradiance_at(f->meshes, 1, &x, share, &valid, &f->counters, NULL), SL_OK);
-                assert_true(valid && share[0] >= 0.0f && share[0] <= 1.0f && share[1] >= 0.0f && share[1] <= 1.0f);
+                assert_int_equal(sl_irradiance_at(f->meshes, 1, &x, share, &valid, &f->counters, NULL),
+                                 SL_OK);
+                assert_true(valid && share[0] >= 0.0f && share[0] <= 1.0f && share[1] >= 0.0f &&
+                            share[1] <= 1.0f);
             }
         }
     }
@@ -88,7 +103,8 @@ static void an_occluder_of_one_light_leaves_the_other_lights_mesh_as_it_was(void
             leaves[plate][l] = sl_irradiance_mesh(f.meshes, l)->leaf_count;
             vertices[plate][l] = sl_irradiance_mesh(f.meshes, l)->vertex_count;
         }
-        print_message("%s a plate: left lamp %zu leaves, right lamp %zu\n", plate ? "with" : "without", leaves[plate][LEFT], leaves[plate][RIGHT]);
+        print_message("%s a plate: left lamp %zu leaves, right lamp %zu\n", plate ? "with" : "without",
+                      leaves[plate][LEFT], leaves[plate][RIGHT]);
         discard(&f);
     }
     assert_true(leaves[1][LEFT] > leaves[0][LEFT]);
@@ -114,8 +130,10 @@ static void a_light_without_shadows_stays_coarse_and_is_sampled_once(void **stat
     make(&f, false);
     ask(&f, DEPTH);
     uint64_t samples = f.counters.value[SL_COUNT_LIGHT_SAMPLES];
-    uint64_t grid = 2 * 2 * (uint64_t)((1 << DEPTH) + 1) * ((1 << DEPTH) + 2) / 2; /* lights x faces x points */
-    print_message("%llu samples for %llu points and lights\n", (unsigned long long)samples, (unsigned long long)grid);
+    /* lights x faces x points */
+    uint64_t grid = 2 * 2 * (uint64_t)((1 << DEPTH) + 1) * ((1 << DEPTH) + 2) / 2;
+    print_message("%llu samples for %llu points and lights\n", (unsigned long long)samples,
+                  (unsigned long long)grid);
     assert_true(4 * samples < grid);
     ask(&f, DEPTH);
     assert_int_equal(f.counters.value[SL_COUNT_LIGHT_SAMPLES], samples);
@@ -128,14 +146,15 @@ static uint64_t ask_one(bool few_rays, float ambient, uint16_t q, float share[2]
     bool valid;
     make_with(&f, true, few_rays, ambient);
     sl_face_point x = {.q = q, .leaf = sl_mesh_face_middle(0)};
-    for (int round = 0; round < 2; round++) assert_int_equal(sl_irradiance_at(f.meshes, 1, &x, share, &valid, &f.counters, NULL), SL_OK);
+    for (int round = 0; round < 2; round++)
+        assert_int_equal(sl_irradiance_at(f.meshes, 1, &x, share, &valid, &f.counters, NULL), SL_OK);
     assert_true(valid);
     discard(&f);
     return f.counters.value[SL_COUNT_SHADOW_RAYS];
 }
 
-/* In two of the floor's corners, where ambient light is most of all; between them; and without ambient light in the first again, where the left lamp gives
- * nearly all. */
+/* In two of the floor's corners, where ambient light is most of all; between them; and without ambient light
+ * in the first again, where the left lamp gives nearly all. */
 static void a_lamp_that_gives_little_beside_others_is_sampled_by_few_rays(void **state) {
     (void)state;
     static const uint16_t place[4] = {0, SL_MESH_DYADIC, SL_MESH_DYADIC / 2, 0};
@@ -147,8 +166,9 @@ static void a_lamp_that_gives_little_beside_others_is_sampled_by_few_rays(void *
         uint64_t rays = ask_one(true, ambient, place[k], by_rays);
         float sum = by_pictures[LEFT] + by_pictures[RIGHT];
         for (int l = 0; l < 2; l++) assert_true(fabsf(by_rays[l] - by_pictures[l]) < 0.02f * sum);
-        print_message("F %.5f and %.5f, by rays %.5f and %.5f: %llu rays\n", (double)by_pictures[LEFT], (double)by_pictures[RIGHT], (double)by_rays[LEFT],
-                      (double)by_rays[RIGHT], (unsigned long long)rays);
+        print_message("F %.5f and %.5f, by rays %.5f and %.5f: %llu rays\n", (double)by_pictures[LEFT],
+                      (double)by_pictures[RIGHT], (double)by_rays[LEFT], (double)by_rays[RIGHT],
+                      (unsigned long long)rays);
         assert_int_equal(rays, expected[k]);
     }
 }
@@ -165,13 +185,20 @@ static void at_a_walls_foot_no_light_comes_from_behind_it(void **state) {
     lit_floor f = {.counters = {{0}}};
     light_world_make(&f.world, &mesh);
     assert_int_equal(sl_topology_create(f.world.scene, false, &f.topology, NULL), SL_OK);
-    sl_irradiance_settings s = {.scene = f.world.scene, .topology = f.topology, .tracer = f.world.tracer, .lights = f.world.lights,
-                                .sampling = f.world.sampling, .perception = {.exposure = 1.0f, .threshold_scale = 1.0f}, .max_depth = 12, .threads = 1};
+    sl_irradiance_settings s = {.scene = f.world.scene,
+                                .topology = f.topology,
+                                .tracer = f.world.tracer,
+                                .lights = f.world.lights,
+                                .sampling = f.world.sampling,
+                                .perception = {.exposure = 1.0f, .threshold_scale = 1.0f},
+                                .max_depth = 12,
+                                .threads = 1};
     assert_int_equal(sl_irradiance_meshes_create(&s, &f.meshes, NULL), SL_OK);
     for (uint32_t face = 0; face <= 2; face += 2) {
         for (uint32_t q = 0; q <= SL_MESH_DYADIC; q += SL_MESH_DYADIC / 8) {
             for (uint32_t p = 0; p + q <= SL_MESH_DYADIC; p += SL_MESH_DYADIC / 8) {
-                sl_face_point x = {.face = face, .p = (uint16_t)p, .q = (uint16_t)q, .leaf = sl_mesh_face_middle(face)};
+                sl_face_point x = {
+                    .face = face, .p = (uint16_t)p, .q = (uint16_t)q, .leaf = sl_mesh_face_middle(face)};
                 float share;
                 bool valid;
                 assert_int_equal(sl_irradiance_at(f.meshes, 1, &x, &share, &valid, &f.counters, NULL), SL_OK);

@@ -1,4 +1,5 @@
-/* The passes of a picture from within: what each leaves behind, which are left out, in which order meshes are served, what stays when the eye moves. */
+/* The passes of a picture from within: what each leaves behind, which are left out, in which order meshes are
+ * served, what stays when the eye moves. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -52,7 +53,9 @@ static void discard(run *r) {
 }
 
 static void look_from(run *r, float x) {
-    assert_int_equal(sl_scene_set_camera(r->scene, (float[]){278 + x, 273, -800}, (float[]){278, 273, 0}, (float[]){0, 1, 0}, 0.686f, NULL), SL_OK);
+    assert_int_equal(sl_scene_set_camera(r->scene, (float[]){278 + x, 273, -800}, (float[]){278, 273, 0},
+                                         (float[]){0, 1, 0}, 0.686f, NULL),
+                     SL_OK);
     assert_int_equal(sl_multi_mesh_method.edit(r->s, SL_CHANGED_CAMERA, NULL), SL_OK);
 }
 
@@ -72,7 +75,8 @@ static void materials_are_those_of_each_pixels_triangle(void **state) {
     for (size_t i = 0; i < 48 * 48; i++) {
         uint32_t t = r.s->id[i];
         sl_rgb none = {0, 0, 0};
-        const sl_material *material = t == SL_NO_INDEX ? NULL : &r.scene->materials[r.scene->material_index[t]];
+        const sl_material *material =
+            t == SL_NO_INDEX ? NULL : &r.scene->materials[r.scene->material_index[t]];
         assert_rgb((const float *const *)m->diffuse, i, material ? material->diffuse : none);
         assert_rgb((const float *const *)m->specular, i, material ? material->specular : none);
         assert_rgb((const float *const *)m->emission, i, material ? material->emission : none);
@@ -94,13 +98,15 @@ static void the_merge_is_the_sum_of_planes_times_reflectances(void **state) {
     const sl_materials_seen *m = r.s->materials;
     double most[SL_COMPONENTS] = {0};
     for (int i = 0; i < PIXELS; i++) {
-        size_t from = (size_t)((SIZE - 1 - i / SIZE) * SIZE + i % SIZE); /* planes have their bottom row first */
+        /* planes have their bottom row first */
+        size_t from = (size_t)((SIZE - 1 - i / SIZE) * SIZE + i % SIZE);
         for (int c = 0; c < 3; c++) {
             double kd = (double)m->diffuse[c][from], ks = (double)m->specular[c][from], part[SL_COMPONENTS];
             part[0] = kd * (double)r.s->planes[SL_DIRECT_DIFFUSE][c][from];
             part[1] = ks * (double)r.s->planes[SL_DIRECT_SPECULAR][c][from];
             part[2] = kd * (double)r.s->planes[SL_INDIRECT][c][from] / 3.14159265358979;
-            double sum = part[0] + part[1] + part[2] + (double)m->emission[c][from], shown = (double)image->planes[c * PIXELS + i];
+            double sum = part[0] + part[1] + part[2] + (double)m->emission[c][from],
+                   shown = (double)image->planes[c * PIXELS + i];
             assert_true(fabs(shown - sum) <= 1e-6 * sum);
             for (int k = 0; k < SL_COMPONENTS; k++) most[k] = fmax(most[k], part[k]);
         }
@@ -112,8 +118,9 @@ static void the_merge_is_the_sum_of_planes_times_reflectances(void **state) {
 
 /* ---- from the first picture on ---- */
 
-/* rho Phi / A until the coarse mesh is whole; then meshes take turns, the one with the highest priority first, so that their maxima fall together: as
- * long as either has leaves that are worth more than a hundredth of what was at first, neither is left more than four times as high as the other. */
+/* rho Phi / A until the coarse mesh is whole; then meshes take turns, the one with the highest priority
+ * first, so that their maxima fall together: as long as either has leaves that are worth more than a
+ * hundredth of what was at first, neither is left more than four times as high as the other. */
 static void meshes_are_served_so_that_their_largest_priorities_fall_together(void **state) {
     (void)state;
     run r = run_of(load_scene("scenes/cornell.json"), 96);
@@ -131,14 +138,16 @@ static void meshes_are_served_so_that_their_largest_priorities_fall_together(voi
     while (!r.done) {
         step(&r);
         if (!r.s->coarse_whole || r.s->phase != SL_PHASE_REFINE) continue;
-        float a = sl_displayed_priority(r.s->part[SL_DIRECT_DIFFUSE]), b = sl_displayed_priority(r.s->part[SL_INDIRECT]);
+        float a = sl_displayed_priority(r.s->part[SL_DIRECT_DIFFUSE]),
+              b = sl_displayed_priority(r.s->part[SL_INDIRECT]);
         float high = fmaxf(a, b), low = fminf(a, b);
         top = fmaxf(top, high);
         if (high < 0.01f * top || low <= 0.0f) continue;
         if (high <= 4.0f * low) together++;
         else apart++;
     }
-    print_message("%d updates with largest priorities within a factor of four, %d without\n", together, apart);
+    print_message("%d updates with largest priorities within a factor of four, %d without\n", together,
+                  apart);
     assert_true(together > 20);
     assert_true(4 * apart < together);
     discard(&r);
@@ -156,8 +165,10 @@ static void after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_
     (void)state;
     run r = run_of(load_scene("scenes/cornell-glossy.json"), 64);
     finish(&r);
-    const sl_mesh *specular = r.s->part[SL_DIRECT_SPECULAR]->mesh, *direct = r.s->part[SL_DIRECT_DIFFUSE]->mesh, *indirect = r.s->part[SL_INDIRECT]->mesh;
-    size_t leaves = direct->leaf_count, roots = direct->root_count, known = known_in(direct), gathered = known_in(indirect);
+    const sl_mesh *specular = r.s->part[SL_DIRECT_SPECULAR]->mesh,
+                  *direct = r.s->part[SL_DIRECT_DIFFUSE]->mesh, *indirect = r.s->part[SL_INDIRECT]->mesh;
+    size_t leaves = direct->leaf_count, roots = direct->root_count, known = known_in(direct),
+           gathered = known_in(indirect);
     assert_true(specular->leaf_count > specular->root_count);
     look_from(&r, 20.0f);
     step(&r); /* the view */
@@ -171,10 +182,12 @@ static void after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_
     discard(&r);
 }
 
-static uint64_t grown(const sl_counters *before, const run *r, sl_counter counter) { return r->s->counters.value[counter] - before->value[counter]; }
+static uint64_t grown(const sl_counters *before, const run *r, sl_counter counter) {
+    return r->s->counters.value[counter] - before->value[counter];
+}
 
-/* Leaves are judged by all components together, and these were known one after another. The meshes themselves have come to rest, whether or not it is
- * remembered that the picture is done. */
+/* Leaves are judged by all components together, and these were known one after another. The meshes themselves
+ * have come to rest, whether or not it is remembered that the picture is done. */
 static void told_to_look_again_it_has_nothing_to_ask(void **state) {
     (void)state;
     for (int quality = SL_QUALITY_DRAFT; quality <= SL_QUALITY_NORMAL; quality++) {
@@ -203,11 +216,14 @@ static void back_in_an_old_view_of_a_diffuse_scene_hardly_anything_is_sampled_ag
     r.s->done_count = 0;
     look_from(&r, 0.0f);
     finish(&r);
-    uint64_t light = grown(&before, &r, SL_COUNT_LIGHT_SAMPLES), gathers = grown(&before, &r, SL_COUNT_INDIRECT_SAMPLES);
-    print_message("%llu of %llu samples of light, %llu of %llu gathers\n", (unsigned long long)light, (unsigned long long)before.value[SL_COUNT_LIGHT_SAMPLES],
-                  (unsigned long long)gathers, (unsigned long long)before.value[SL_COUNT_INDIRECT_SAMPLES]);
+    uint64_t light = grown(&before, &r, SL_COUNT_LIGHT_SAMPLES),
+             gathers = grown(&before, &r, SL_COUNT_INDIRECT_SAMPLES);
+    print_message("%llu of %llu samples of light, %llu of %llu gathers\n", (unsigned long long)light,
+                  (unsigned long long)before.value[SL_COUNT_LIGHT_SAMPLES], (unsigned long long)gathers,
+                  (unsigned long long)before.value[SL_COUNT_INDIRECT_SAMPLES]);
     assert_true(500 * light <= before.value[SL_COUNT_LIGHT_SAMPLES]);
-    assert_true(50 * gathers <= before.value[SL_COUNT_INDIRECT_SAMPLES]); /* where the other view has found a difference on an edge */
+    /* where the other view has found a difference on an edge */
+    assert_true(50 * gathers <= before.value[SL_COUNT_INDIRECT_SAMPLES]);
     discard(&r);
 }
 
@@ -217,8 +233,11 @@ static const char square_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 
 
 static run run_of_floor(const char *material, const char *lights) {
     char json[512];
-    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"floor\": {%s}}, \"lights\": [%s], \"camera\": {\"eye\": [0, 3, 5], "
-             "\"target\": [0, 0, 0], \"fov_deg\": 40}}", material, lights);
+    snprintf(json, sizeof json,
+             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"floor\": {%s}}, "
+             "\"lights\": [%s], \"camera\": {\"eye\": [0, 3, 5], "
+             "\"target\": [0, 0, 0], \"fov_deg\": 40}}",
+             material, lights);
     run r = run_of(scene_from_text(json, square_obj), 24);
     finish(&r);
     return r;
@@ -227,7 +246,8 @@ static run run_of_floor(const char *material, const char *lights) {
 static void what_a_scene_has_no_use_for_is_not_done(void **state) {
     (void)state;
     static const char point[] = "{\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": 5}";
-    run r = run_of_floor("\"diffuse\": 0, \"specular\": 0.5, \"exponent\": 20", point); /* nothing is diffuse */
+    /* nothing is diffuse */
+    run r = run_of_floor("\"diffuse\": 0, \"specular\": 0.5, \"exponent\": 20", point);
     assert_null(r.s->part[SL_DIRECT_DIFFUSE]);
     assert_null(r.s->part[SL_INDIRECT]);
     assert_null(r.s->coarse);
@@ -250,31 +270,44 @@ static void what_a_scene_has_no_use_for_is_not_done(void **state) {
 
 static run run_of_text(const char *obj, const char *materials, const char *lights, const char *target) {
     char json[768];
-    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {%s}, \"lights\": [%s], \"camera\": {\"eye\": [0, 3, 5], "
-             "\"target\": [%s], \"fov_deg\": 40}}", materials, lights, target);
+    snprintf(json, sizeof json,
+             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {%s}, \"lights\": "
+             "[%s], \"camera\": {\"eye\": [0, 3, 5], "
+             "\"target\": [%s], \"fov_deg\": 40}}",
+             materials, lights, target);
     run r = run_of(scene_from_text(json, obj), 24);
     finish(&r);
     return r;
 }
 
-/* Light may fall on nothing because of where lamps look, or because something black stands before them; or nothing diffuse is seen. */
+/* Light may fall on nothing because of where lamps look, or because something black stands before them; or
+ * nothing diffuse is seen. */
 static void where_no_light_falls_nothing_is_gathered(void **state) {
     (void)state;
-    static const char grey[] = "\"floor\": {\"diffuse\": 0.5}, \"black\": {\"diffuse\": 0}", lamp[] = "{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
-        "\"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}", turned[] = "{\"type\": \"quad\", \"corner\": [-1, 2, -1], \"edge1\": [0, 0, 2], "
-        "\"edge2\": [2, 0, 0], \"radiance\": 1}", open_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nusemtl black\nv -9 -1 -9\nv -9 -1 9\nv 9 -1 9\nv 9 -1 -9\nf 5 6 7 8\n",
-        covered_obj[] = "usemtl floor\nv -7 0 -7\nv -7 0 7\nv 7 0 7\nv 7 0 -7\nf 1 2 3 4\nusemtl black\nv -5 1.9 -5\nv -5 1.9 5\nv 5 1.9 5\nv 5 1.9 -5\nf 5 6 7 8\n";
+    static const char grey[] = "\"floor\": {\"diffuse\": 0.5}, \"black\": {\"diffuse\": 0}",
+                      lamp[] = "{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
+                               "\"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}",
+                      turned[] = "{\"type\": \"quad\", \"corner\": [-1, 2, -1], \"edge1\": [0, 0, 2], "
+                                 "\"edge2\": [2, 0, 0], \"radiance\": 1}",
+                      open_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nusemtl "
+                                   "black\nv -9 -1 -9\nv -9 -1 9\nv 9 -1 9\nv 9 -1 -9\nf 5 6 7 8\n",
+                      covered_obj[] =
+                          "usemtl floor\nv -7 0 -7\nv -7 0 7\nv 7 0 7\nv 7 0 -7\nf 1 2 3 4\nusemtl black\nv "
+                          "-5 1.9 -5\nv -5 1.9 5\nv 5 1.9 5\nv 5 1.9 -5\nf 5 6 7 8\n";
     struct {
         const char *obj, *light, *target;
         bool coarse, gathers;
     } cases[] = {{open_obj, lamp, "0, 0, 0", true, true},          /* the lamp lights the floor */
                  {open_obj, turned, "0, 0, 0", true, false},       /* it shines away from it */
                  {covered_obj, lamp, "0, 2.5, 0", false, false},     /* nothing diffuse is seen */
-                 {covered_obj, lamp, "0, 0, 5.8", true, false}};      /* all of its light falls on what is black */
+                 /* all of its light falls on what is black */
+                 {covered_obj, lamp, "0, 0, 5.8", true, false}};
     for (int k = 0; k < 4; k++) {
         run r = run_of_text(cases[k].obj, grey, cases[k].light, cases[k].target);
         const uint64_t *count = r.s->counters.value;
-        print_message("%d: %llu coarse samples, %llu gathers\n", k, (unsigned long long)count[SL_COUNT_COARSE_SAMPLES], (unsigned long long)count[SL_COUNT_INDIRECT_SAMPLES]);
+        print_message("%d: %llu coarse samples, %llu gathers\n", k,
+                      (unsigned long long)count[SL_COUNT_COARSE_SAMPLES],
+                      (unsigned long long)count[SL_COUNT_INDIRECT_SAMPLES]);
         assert_true((count[SL_COUNT_COARSE_SAMPLES] > 0) == cases[k].coarse);
         assert_true((count[SL_COUNT_INDIRECT_SAMPLES] > 0) == cases[k].gathers);
         sl_image *image;
@@ -286,12 +319,18 @@ static void where_no_light_falls_nothing_is_gathered(void **state) {
     }
 }
 
-/* Of what a scene has but the view does not show there is no picture: no k_s, no emission, no specular mesh of leaves. */
+/* Of what a scene has but the view does not show there is no picture: no k_s, no emission, no specular mesh
+ * of leaves. */
 static void what_a_view_does_not_show_has_no_picture(void **state) {
     (void)state;
-    static const char two_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nusemtl shiny\nv -40 0 40\nv -40 0 44\nv -36 0 44\nv -36 0 40\nf 5 6 7 8\n";
-    run r = run_of_text(two_obj, "\"floor\": {\"diffuse\": 0.5}, \"shiny\": {\"diffuse\": 0.2, \"specular\": 0.5, \"exponent\": 20}",
-                        "{\"type\": \"quad\", \"corner\": [-1, 9, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}", "0, 0, 0");
+    static const char two_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nusemtl "
+                                  "shiny\nv -40 0 40\nv -40 0 44\nv -36 0 44\nv -36 0 40\nf 5 6 7 8\n";
+    run r = run_of_text(
+        two_obj,
+        "\"floor\": {\"diffuse\": 0.5}, \"shiny\": {\"diffuse\": 0.2, \"specular\": 0.5, \"exponent\": 20}",
+        "{\"type\": \"quad\", \"corner\": [-1, 9, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], "
+        "\"radiance\": 1}",
+        "0, 0, 0");
     assert_non_null(r.s->part[SL_DIRECT_SPECULAR]);
     assert_null(r.s->materials->specular[0]);
     assert_null(r.s->materials->emission[0]);
@@ -303,8 +342,11 @@ static void what_a_view_does_not_show_has_no_picture(void **state) {
 
 static run run_of_edit(const char *meshes, const char *materials, const char *lights, int size) {
     char json[1280];
-    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [%s], \"materials\": {\"floor\": {\"diffuse\": 0.5}%s}, \"lights\": [%s], "
-             "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0], \"fov_deg\": 40}}", meshes, materials, lights);
+    snprintf(json, sizeof json,
+             "{\"softlux\": 1, \"meshes\": [%s], \"materials\": {\"floor\": {\"diffuse\": 0.5}%s}, "
+             "\"lights\": [%s], "
+             "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0], \"fov_deg\": 40}}",
+             meshes, materials, lights);
     run r = run_in_quality(scene_from_text(json, square_obj), size, SL_QUALITY_NORMAL);
     finish(&r);
     return r;
@@ -326,7 +368,8 @@ static int told_from_a_cold_start(const run *r, int size) {
     int told = 0;
     for (int i = 0; i < size * size; i++) {
         const float *a = edited->planes + i, *b = cold->planes + i;
-        sl_rgb ours = {a[0], a[size * size], a[2 * size * size]}, theirs = {b[0], b[size * size], b[2 * size * size]};
+        sl_rgb ours = {a[0], a[size * size], a[2 * size * size]},
+               theirs = {b[0], b[size * size], b[2 * size * size]};
         told += sl_display_contrast(&r->s->perception, ours, theirs) > 1.0f;
     }
     sl_image_destroy(edited);
@@ -334,12 +377,17 @@ static int told_from_a_cold_start(const run *r, int size) {
     return told;
 }
 
-/* A point light rises out of the floor's plane: until then it falls on nothing, and nothing is gathered. And it sinks again. */
+/* A point light rises out of the floor's plane: until then it falls on nothing, and nothing is gathered. And
+ * it sinks again. */
 static void a_light_that_begins_to_fall_is_gathered_as_from_a_cold_start(void **state) {
     (void)state;
     enum { SIZE = 48 };
-    run r = run_of_edit("{\"file\": \"mesh.obj\"}", "", "{\"type\": \"point\", \"position\": [0, 0, 0], \"intensity\": 5, \"keyframes\": [{\"time\": 0, "
-                        "\"position\": [0, 0, 0]}, {\"time\": 1, \"position\": [0, 2, 0]}, {\"time\": 2, \"position\": [0, 0, 0]}]}", SIZE);
+    run r = run_of_edit(
+        "{\"file\": \"mesh.obj\"}", "",
+        "{\"type\": \"point\", \"position\": [0, 0, 0], \"intensity\": 5, \"keyframes\": [{\"time\": 0, "
+        "\"position\": [0, 0, 0]}, {\"time\": 1, \"position\": [0, 2, 0]}, {\"time\": 2, \"position\": [0, "
+        "0, 0]}]}",
+        SIZE);
     assert_false(r.s->plan.coarse);
     assert_null(r.s->part[SL_INDIRECT]);
     assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
@@ -358,9 +406,14 @@ static void a_light_that_begins_to_fall_is_gathered_as_from_a_cold_start(void **
 static void the_first_highlight_in_view_shows_as_from_a_cold_start(void **state) {
     (void)state;
     enum { SIZE = 48 };
-    run r = run_of_edit("{\"file\": \"mesh.obj\"}, {\"file\": \"mesh.obj\", \"name\": \"plate\", \"material\": \"shiny\", \"transform\": {\"scale\": 0.2}, "
-                        "\"keyframes\": [{\"time\": 0, \"translate\": [0, 0.5, 30]}, {\"time\": 1, \"translate\": [0.3, 0.5, 0.4]}]}", ", \"shiny\": {\"diffuse\": 0.2, \"specular\": 0.6, \"exponent\": 20}",
-                        "{\"type\": \"quad\", \"corner\": [-1, 4, -3], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 3}", SIZE);
+    run r = run_of_edit("{\"file\": \"mesh.obj\"}, {\"file\": \"mesh.obj\", \"name\": \"plate\", "
+                        "\"material\": \"shiny\", \"transform\": {\"scale\": 0.2}, "
+                        "\"keyframes\": [{\"time\": 0, \"translate\": [0, 0.5, 30]}, {\"time\": 1, "
+                        "\"translate\": [0.3, 0.5, 0.4]}]}",
+                        ", \"shiny\": {\"diffuse\": 0.2, \"specular\": 0.6, \"exponent\": 20}",
+                        "{\"type\": \"quad\", \"corner\": [-1, 4, -3], \"edge1\": [2, 0, 0], \"edge2\": [0, "
+                        "0, 2], \"radiance\": 3}",
+                        SIZE);
     assert_null(r.s->materials->specular[0]);
     assert_int_equal(r.s->part[SL_DIRECT_SPECULAR]->mesh->root_count, 0);
     assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
@@ -368,7 +421,8 @@ static void the_first_highlight_in_view_shows_as_from_a_cold_start(void **state)
     go_on_at(&r, 1.0);
     assert_non_null(r.s->materials->specular[0]);
     assert_true(r.s->part[SL_DIRECT_SPECULAR]->mesh->root_count > 0);
-    print_message("%llu samples of light, %llu for the first picture\n", (unsigned long long)grown(&before, &r, SL_COUNT_LIGHT_SAMPLES),
+    print_message("%llu samples of light, %llu for the first picture\n",
+                  (unsigned long long)grown(&before, &r, SL_COUNT_LIGHT_SAMPLES),
                   (unsigned long long)before.value[SL_COUNT_LIGHT_SAMPLES]);
     assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
     discard(&r);

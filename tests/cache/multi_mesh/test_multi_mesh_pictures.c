@@ -1,4 +1,5 @@
-/* Whole pictures by multi-mesh caching: closed forms, the path tracer on the same paths, what is done again and what is not. */
+/* Whole pictures by multi-mesh caching: closed forms, the path tracer on the same paths, what is done again
+ * and what is not. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -33,7 +34,8 @@ static sl_comparison against_path_tracer(const sl_scene *scene, const sl_setting
     sl_comparison c;
     assert_sound_picture(ours, "by multi-mesh caching");
     assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
-    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias, 100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
+    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias,
+                  100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
     sl_image_destroy(ours);
     sl_image_destroy(truth);
     return c;
@@ -55,7 +57,8 @@ static void the_cornell_box_is_lit_as_by_its_one_bounce_paths(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* A light enclosed in a sphere of albedo 1/2 lights it evenly with rho Phi / (4 pi R^2), wherever it is; a second bounce adds rho times that. */
+/* A light enclosed in a sphere of albedo 1/2 lights it evenly with rho Phi / (4 pi R^2), wherever it is; a
+ * second bounce adds rho times that. */
 static void a_sphere_cavity_is_lit_evenly_by_each_bounce(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/sphere.json");
@@ -70,7 +73,8 @@ static void a_sphere_cavity_is_lit_evenly_by_each_bounce(void **state) {
             sum += irradiance;
             worst = fmax(worst, fabs(irradiance / expected - 1.0));
         }
-        print_message("%u bounces: E_i %.4f, expected %.4f, largest difference %.2f %%\n", bounces, sum / 2304.0, expected, 100.0 * worst);
+        print_message("%u bounces: E_i %.4f, expected %.4f, largest difference %.2f %%\n", bounces,
+                      sum / 2304.0, expected, 100.0 * worst);
         assert_true(fabs(sum / 2304.0 / expected - 1.0) < 0.02);
         assert_true(worst < 0.06);
         sl_image_destroy(image);
@@ -80,17 +84,23 @@ static void a_sphere_cavity_is_lit_evenly_by_each_bounce(void **state) {
 
 /* Irradiance at p from a rectangle parallel to the floor at height h, by the four corners' closed form G. */
 static double corner_form(double x, double y) {
-    return (x / sqrt(1 + x * x) * atan(y / sqrt(1 + x * x)) + y / sqrt(1 + y * y) * atan(x / sqrt(1 + y * y))) / (2 * pi);
+    return (x / sqrt(1 + x * x) * atan(y / sqrt(1 + x * x)) +
+            y / sqrt(1 + y * y) * atan(x / sqrt(1 + y * y))) /
+           (2 * pi);
 }
 
-static const char floor_obj[] = "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n";
+static const char floor_obj[] =
+    "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n";
 
 /* A square lamp above a floor, nothing in between: within what an eye can tell of Lambert's formula. */
 static void an_empty_floor_under_a_lamp_is_lit_as_lambert_says(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
-                                      "\"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}], \"camera\": {\"eye\": [0, 6, 0], \"target\": [0, 0, 0], "
-                                      "\"up\": [0, 0, -1], \"fov_deg\": 60}}", floor_obj);
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": "
+                                      "[{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
+                                      "\"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}], "
+                                      "\"camera\": {\"eye\": [0, 6, 0], \"target\": [0, 0, 0], "
+                                      "\"up\": [0, 0, -1], \"fov_deg\": 60}}",
+                                      floor_obj);
     sl_settings settings = mesh_settings(64, 64);
     settings.quality = SL_QUALITY_HIGH;
     sl_image *image = render(scene, &settings, NULL);
@@ -99,17 +109,20 @@ static void an_empty_floor_under_a_lamp_is_lit_as_lambert_says(void **state) {
     int compared = 0;
     for (int i = 0; i < 64 * 64; i++) {
         if (!(kd[i] > 0.0f)) continue;
-        double x = ((i % 64) + 0.5) / 32.0 - 1.0, y = 1.0 - ((i / 64) + 0.5) / 32.0, reach = 6.0 * tan(pi / 6.0), h = 2.0;
+        double x = ((i % 64) + 0.5) / 32.0 - 1.0, y = 1.0 - ((i / 64) + 0.5) / 32.0,
+               reach = 6.0 * tan(pi / 6.0), h = 2.0;
         double px = x * reach, pz = -y * reach;
         if (fabs(px) < 2.1 && fabs(pz) < 2.1) continue; /* the lamp's back hides it from the camera */
         double left = (-1 - px) / h, right = (1 - px) / h, near = (-1 - pz) / h, far = (1 - pz) / h;
-        double form = corner_form(right, far) - corner_form(left, far) - corner_form(right, near) + corner_form(left, near);
+        double form = corner_form(right, far) - corner_form(left, far) - corner_form(right, near) +
+                      corner_form(left, near);
         double error = fabs((double)direct[i] / (double)kd[i] / form - 1.0);
         worst = fmax(worst, error);
         sum += error;
         compared++;
     }
-    print_message("%d pixels, mean difference %.2f %%, largest %.2f %%\n", compared, 100.0 * sum / compared, 100.0 * worst);
+    print_message("%d pixels, mean difference %.2f %%, largest %.2f %%\n", compared, 100.0 * sum / compared,
+                  100.0 * worst);
     assert_true(compared > 500);
     assert_true(sum / compared < 0.01);
     assert_true(worst < 0.06); /* three grey levels in the dark */
@@ -121,21 +134,27 @@ static void two_lamps_together_light_as_one_and_the_other(void **state) {
     (void)state;
     static const char *const lights[3] = {
         "{\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3}",
-        "{\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": [4, 2, 1]}",
-        ("{\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3}, {\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, "
-        "1], \"radiance\": [4, 2, 1]}")};
+        "{\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], "
+        "\"radiance\": [4, 2, 1]}",
+        ("{\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3}, {\"type\": \"quad\", \"corner\": "
+         "[-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, "
+         "1], \"radiance\": [4, 2, 1]}")};
     sl_image *image[3];
     for (int i = 0; i < 3; i++) {
         char json[1024];
-        snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s], \"camera\": {\"eye\": [0, 1.5, 6], \"target\": [0, 0, "
-                 "0], \"up\": [0, 1, 0], \"fov_deg\": 50}}", lights[i]);
+        snprintf(json, sizeof json,
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s], \"camera\": "
+                 "{\"eye\": [0, 1.5, 6], \"target\": [0, 0, "
+                 "0], \"up\": [0, 1, 0], \"fov_deg\": 50}}",
+                 lights[i]);
         sl_scene *scene = scene_from_text(json, floor_obj);
         sl_settings settings = mesh_settings(48, 48);
         settings.quality = SL_QUALITY_HIGH;
         image[i] = render(scene, &settings, NULL);
         sl_scene_destroy(scene);
     }
-    const float *a = sl_image_channel(image[0], "direct.R"), *b = sl_image_channel(image[1], "direct.R"), *both = sl_image_channel(image[2], "direct.R");
+    const float *a = sl_image_channel(image[0], "direct.R"), *b = sl_image_channel(image[1], "direct.R"),
+                *both = sl_image_channel(image[2], "direct.R");
     double difference = 0.0, sum = 0.0;
     for (int i = 0; i < 48 * 48; i++) {
         difference += fabs((double)a[i] + (double)b[i] - (double)both[i]);
@@ -147,7 +166,8 @@ static void two_lamps_together_light_as_one_and_the_other(void **state) {
     for (int i = 0; i < 3; i++) sl_image_destroy(image[i]);
 }
 
-/* Four small lamps in the Cornell box, whose shadows lie apart: a mesh for each takes far fewer samples than one for all, and the pictures are alike. */
+/* Four small lamps in the Cornell box, whose shadows lie apart: a mesh for each takes far fewer samples than
+ * one for all, and the pictures are alike. */
 static void lights_with_meshes_of_their_own_take_fewer_samples_than_one_mesh_for_all(void **state) {
     (void)state;
     char json[2048];
@@ -156,10 +176,14 @@ static void lights_with_meshes_of_their_own_take_fewer_samples_than_one_mesh_for
     assert_non_null(box);
     obj[fread(obj, 1, sizeof obj - 1, box)] = '\0';
     fclose(box);
-    int n = snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {\"eye\": [278, 273, -800], \"target\": [278, 273, 0], "
+    int n = snprintf(json, sizeof json,
+                     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {\"eye\": [278, "
+                     "273, -800], \"target\": [278, 273, 0], "
                      "\"fov_deg\": 39.3}, \"lights\": [");
     for (int i = 0; i < 4; i++)
-        n += snprintf(json + n, sizeof json - (size_t)n, "%s{\"type\": \"quad\", \"corner\": [%g, 540, %g], \"edge1\": [30, 0, 0], \"edge2\": [0, 0, 30], \"power\": 5e5}",
+        n += snprintf(json + n, sizeof json - (size_t)n,
+                      "%s{\"type\": \"quad\", \"corner\": [%g, 540, %g], \"edge1\": [30, 0, 0], \"edge2\": "
+                      "[0, 0, 30], \"power\": 5e5}",
                       i ? ", " : "", i & 1 ? 420.0 : 110.0, i & 2 ? 430.0 : 100.0);
     snprintf(json + n, sizeof json - (size_t)n, "]}");
     sl_scene *scene = scene_from_text(json, obj);
@@ -178,8 +202,10 @@ static void lights_with_meshes_of_their_own_take_fewer_samples_than_one_mesh_for
     }
     sl_comparison c;
     assert_int_equal(sl_image_compare(image[0], image[1], NULL, &c, NULL, NULL), SL_OK);
-    print_message("%llu samples, with one mesh for all %llu: %.2f times as many; relRMSE between the pictures %.2f %%\n", (unsigned long long)samples[0],
-                  (unsigned long long)samples[1], (double)samples[1] / (double)samples[0], 100.0 * c.rel_rmse);
+    print_message("%llu samples, with one mesh for all %llu: %.2f times as many; relRMSE between the "
+                  "pictures %.2f %%\n",
+                  (unsigned long long)samples[0], (unsigned long long)samples[1],
+                  (double)samples[1] / (double)samples[0], 100.0 * c.rel_rmse);
     assert_true(samples[1] * 10 > samples[0] * 15);
     assert_true(c.rel_rmse < 0.01);
     for (int k = 0; k < 2; k++) sl_image_destroy(image[k]);
@@ -195,13 +221,18 @@ static void to_the_end(sl_method *method) {
 
 static sl_counters counters_of(const sl_method *method) { return *sl_method_counters(method); }
 
-static uint64_t grown(const sl_counters *before, const sl_counters *after, sl_counter counter) { return after->value[counter] - before->value[counter]; }
-
-static void look_from(sl_scene *scene, float x) {
-    assert_int_equal(sl_scene_set_camera(scene, (float[]){278 + x, 273, -800}, (float[]){278, 273, 0}, (float[]){0, 1, 0}, 0.686f, NULL), SL_OK);
+static uint64_t grown(const sl_counters *before, const sl_counters *after, sl_counter counter) {
+    return after->value[counter] - before->value[counter];
 }
 
-/* There and back again, at the defaults of quality normal. Specular radiance is refined anew each time, from what is there. */
+static void look_from(sl_scene *scene, float x) {
+    assert_int_equal(sl_scene_set_camera(scene, (float[]){278 + x, 273, -800}, (float[]){278, 273, 0},
+                                         (float[]){0, 1, 0}, 0.686f, NULL),
+                     SL_OK);
+}
+
+/* There and back again, at the defaults of quality normal. Specular radiance is refined anew each time, from
+ * what is there. */
 static void back_in_an_old_view_no_irradiance_is_sampled_again(void **state) {
     (void)state;
     static const char *const names[] = {"scenes/cornell.json", "scenes/cornell-glossy.json"};
@@ -265,8 +296,12 @@ static void the_first_picture_takes_the_roots_vertices_and_the_ambient_light(voi
 /* The lamp shines away from the floor. */
 static void what_no_light_falls_on_is_black_without_a_picture_of_a_light(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
-                                      "\"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], \"radiance\": 1}], \"camera\": {\"eye\": [0, 1.5, 6], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 50}}", floor_obj);
+    sl_scene *scene =
+        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": "
+                        "\"quad\", \"corner\": [-1, 2, -1], "
+                        "\"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], \"radiance\": 1}], \"camera\": "
+                        "{\"eye\": [0, 1.5, 6], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 50}}",
+                        floor_obj);
     sl_settings settings = mesh_settings(32, 32);
     sl_counters counters;
     sl_image *image = render(scene, &settings, &counters);
@@ -322,9 +357,11 @@ static void after_a_ball_has_moved_most_samples_of_light_still_hold(void **state
     sl_counters after = counters_of(method);
     sl_comparison c;
     assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
-    uint64_t again = grown(&before, &after, SL_COUNT_LIGHT_SAMPLES), anew = fresh_counters.value[SL_COUNT_LIGHT_SAMPLES];
-    print_message("%llu light samples after the motion, %llu for a picture of its own; relRMSE between them %.2f %%\n", (unsigned long long)again,
-                  (unsigned long long)anew, 100.0 * c.rel_rmse);
+    uint64_t again = grown(&before, &after, SL_COUNT_LIGHT_SAMPLES),
+             anew = fresh_counters.value[SL_COUNT_LIGHT_SAMPLES];
+    print_message(
+        "%llu light samples after the motion, %llu for a picture of its own; relRMSE between them %.2f %%\n",
+        (unsigned long long)again, (unsigned long long)anew, 100.0 * c.rel_rmse);
     assert_true(again + 500 < anew); /* either makes a coarse mesh of its own, with some 1,900 samples */
     assert_true(c.rel_rmse < 0.05);
     sl_image_destroy(edited);
@@ -335,10 +372,14 @@ static void after_a_ball_has_moved_most_samples_of_light_still_hold(void **state
 
 static void after_a_lamp_has_moved_only_its_own_samples_are_taken_again(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text(
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], "
-        "\"radiance\": 4}, {\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3, \"keyframes\": [{\"time\": 0, \"position\": [1, 2, 1]}, {\"time\": 1, "
-        "\"position\": [0, 1, 1]}]}], \"camera\": {\"eye\": [0, 1.5, 6], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 50}}", floor_obj);
+    sl_scene *scene =
+        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": "
+                        "\"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], "
+                        "\"radiance\": 4}, {\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3, "
+                        "\"keyframes\": [{\"time\": 0, \"position\": [1, 2, 1]}, {\"time\": 1, "
+                        "\"position\": [0, 1, 1]}]}], \"camera\": {\"eye\": [0, 1.5, 6], \"target\": [0, 0, "
+                        "0], \"up\": [0, 1, 0], \"fov_deg\": 50}}",
+                        floor_obj);
     sl_settings settings = mesh_settings(48, 48);
     sl_method *method;
     unsigned changes = 0;
@@ -351,10 +392,13 @@ static void after_a_lamp_has_moved_only_its_own_samples_are_taken_again(void **s
     sl_counters after = counters_of(method);
     sl_comparison c;
     assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
-    uint64_t passes = grown(&before, &after, SL_COUNT_RASTER_PASSES) - grown(&before, &after, SL_COUNT_INDIRECT_SAMPLES);
-    uint64_t anew = fresh_counters.value[SL_COUNT_RASTER_PASSES] - fresh_counters.value[SL_COUNT_INDIRECT_SAMPLES];
-    print_message("%llu pictures of the lamp that stays after the motion, %llu for a picture of its own; relRMSE %.2f %%\n", (unsigned long long)passes,
-                  (unsigned long long)anew, 100.0 * c.rel_rmse);
+    uint64_t passes =
+        grown(&before, &after, SL_COUNT_RASTER_PASSES) - grown(&before, &after, SL_COUNT_INDIRECT_SAMPLES);
+    uint64_t anew =
+        fresh_counters.value[SL_COUNT_RASTER_PASSES] - fresh_counters.value[SL_COUNT_INDIRECT_SAMPLES];
+    print_message("%llu pictures of the lamp that stays after the motion, %llu for a picture of its own; "
+                  "relRMSE %.2f %%\n",
+                  (unsigned long long)passes, (unsigned long long)anew, 100.0 * c.rel_rmse);
     assert_true(grown(&before, &after, SL_COUNT_SHADOW_RAYS) > 0);
     assert_true(2 * passes < anew); /* where the other's new shadow has it looked at more closely */
     assert_true(c.rel_rmse < 0.03);

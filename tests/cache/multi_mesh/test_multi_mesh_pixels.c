@@ -4,12 +4,14 @@
 #include "cache/multi_mesh/path_kernels.h"
 #include "trace_scenes.h"
 
-static void look(const sl_scene *scene, const sl_raster *raster, unsigned threads, int width, int height, uint32_t *id, sl_visible_pixels **pixels) {
+static void look(const sl_scene *scene, const sl_raster *raster, unsigned threads, int width, int height,
+                 uint32_t *id, sl_visible_pixels **pixels) {
     sl_view view = sl_view_scene(scene, width, height);
     sl_target target = {width, height, id, NULL};
     sl_counters counters = {{0}};
     assert_int_equal(sl_raster_id(raster, &view, 1, &target, &counters, NULL), SL_OK);
-    assert_int_equal(sl_visible_pixels_sort(scene, raster, &view, id, threads, pixels, &counters, NULL), SL_OK);
+    assert_int_equal(sl_visible_pixels_sort(scene, raster, &view, id, threads, pixels, &counters, NULL),
+                     SL_OK);
 }
 
 enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
@@ -40,7 +42,8 @@ static void every_pixel_that_shows_something_is_listed_once_under_its_face(void 
         for (uint32_t i = v->face[e].first; i < v->face[e].first + v->face[e].count; i++) {
             assert_int_equal(id[v->pixel[i]], v->face[e].face / 2);
             assert_int_equal(listed[v->pixel[i]]++, 0);
-            assert_true(i == v->face[e].first || v->path[i] > v->path[i - 1] || (v->path[i] == v->path[i - 1] && v->pixel[i] > v->pixel[i - 1]));
+            assert_true(i == v->face[e].first || v->path[i] > v->path[i - 1] ||
+                        (v->path[i] == v->path[i - 1] && v->pixel[i] > v->pixel[i - 1]));
         }
     }
     assert_int_equal(sum, shown);
@@ -64,16 +67,19 @@ static void weights_lead_back_to_the_pixel_and_sides_are_those_of_surfaces(void 
         for (uint32_t i = v->face[e].first; i < v->face[e].first + v->face[e].count; i++) {
             sl_surface surface;
             sl_scene_surface(scene, v->face[e].face / 2, v->w1[i], v->w2[i], sl_v3(0, 0, 0), &surface);
-            sl_scene_surface(scene, v->face[e].face / 2, v->w1[i], v->w2[i], sl_sub(v->view.origin, surface.position), &surface);
+            sl_scene_surface(scene, v->face[e].face / 2, v->w1[i], v->w2[i],
+                             sl_sub(v->view.origin, surface.position), &surface);
             assert_int_equal(surface.front, !(v->face[e].face & 1u));
             sl_vec3 q = sl_sub(surface.position, v->view.origin);
             double clip[4];
             for (int r = 0; r < 4; r++) {
                 const float *m = v->view.clip[r];
-                clip[r] = (double)m[0] * (double)q.x + (double)m[1] * (double)q.y + (double)m[2] * (double)q.z + (double)m[3];
+                clip[r] = (double)m[0] * (double)q.x + (double)m[1] * (double)q.y +
+                          (double)m[2] * (double)q.z + (double)m[3];
             }
             double x = (clip[0] / clip[3] * 0.5 + 0.5) * WIDTH, y = (clip[1] / clip[3] * 0.5 + 0.5) * HEIGHT;
-            assert_true(fabs(x - (v->pixel[i] % WIDTH + 0.5)) < 0.6 && fabs(y - (v->pixel[i] / WIDTH + 0.5)) < 0.6);
+            assert_true(fabs(x - (v->pixel[i] % WIDTH + 0.5)) < 0.6 &&
+                        fabs(y - (v->pixel[i] / WIDTH + 0.5)) < 0.6);
         }
     }
     sl_visible_pixels_destroy(v);
@@ -107,7 +113,8 @@ static void the_order_is_the_same_with_any_threads(void **state) {
 static void pixels_of_one_path_are_in_the_order_of_the_screen(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-4000, -3000, 0), sl_v3(9000, 0, 0), sl_v3(0, 9000, 0), trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f));
+    trace_mesh_quad(&mesh, sl_v3(-4000, -3000, 0), sl_v3(9000, 0, 0), sl_v3(0, 9000, 0),
+                    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f));
     sl_scene *scene = trace_mesh_build(&mesh);
     scene->camera = room_camera(sl_v3(0.3f, 0.2f, 2), sl_v3(0.3f, 0.2f, 0));
     sl_raster *raster = raster_of(scene);
@@ -151,7 +158,8 @@ static void middle_of_path(uint32_t path, double w[3]) {
     w[0] = w[1] = w[2] = 1.0 / 3.0;
     for (int level = SL_PATH_LEVELS - 1; level >= 0; level--) {
         uint32_t child = path >> 2 * (SL_PATH_LEVELS - 1 - level) & 3u;
-        for (int c = 0; c < 3; c++) w[c] = child == 3 ? (1.0 - w[c]) * 0.5 : w[c] * 0.5 + ((uint32_t)c == child ? 0.5 : 0.0);
+        for (int c = 0; c < 3; c++)
+            w[c] = child == 3 ? (1.0 - w[c]) * 0.5 : w[c] * 0.5 + ((uint32_t)c == child ? 0.5 : 0.0);
     }
 }
 
@@ -166,7 +174,8 @@ static void a_path_leads_to_its_point_with_every_instruction_set(void **state) {
         w1[i] = a + b > 1.0f ? 1.0f - a : a;
         w2[i] = a + b > 1.0f ? 1.0f - b : b;
     }
-    w1[0] = w2[0] = 0.0f, w1[1] = 1.0f, w2[1] = 0.0f, w1[2] = 0.0f, w2[2] = 1.0f, w1[3] = w2[3] = 0.5f, w1[4] = 0.5f, w2[4] = 0.25f;
+    w1[0] = w2[0] = 0.0f, w1[1] = 1.0f, w2[1] = 0.0f, w1[2] = 0.0f, w2[2] = 1.0f, w1[3] = w2[3] = 0.5f,
+    w1[4] = 0.5f, w2[4] = 0.25f;
     w1[5] = NAN, w2[5] = 0.25f, w1[6] = 1e30f, w2[6] = -1e30f;
     sl_path_kernel_for(SL_ISA_BASELINE)(N, w1, w2, path);
     for (size_t i = 0; i < N; i++) {
@@ -193,13 +202,15 @@ static void a_patch_measures_what_of_it_is_in_the_picture(void **state) {
     assert_true(fabs((double)size.area - 1250.0) < 1.0 && fabs((double)size.edge - 70.71) < 0.1);
 
     /* Twice as near: a quarter of each triangle is cut to the picture's half. */
-    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 1), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 2.0f * 0.463647609f));
+    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 1), sl_v3(0, 0, 0), sl_v3(0, 1, 0),
+                                  2.0f * 0.463647609f));
     view = sl_view_scene(scene, 100, 100);
     face = sl_face_clip_of(scene, &view, 0);
     size = sl_face_part_size(&view, &face, whole_p, whole_q, SL_MESH_DYADIC);
     assert_true(fabs((double)size.area - 5000.0) < 1.0 && fabs((double)size.edge - 141.42) < 0.1);
 
-    /* The eye in the square's own plane, and the square partly behind it: nothing to see, nothing infinite. */
+    /* The eye in the square's own plane, and the square partly behind it: nothing to see, nothing infinite.
+     */
     assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 1.0f));
     view = sl_view_scene(scene, 100, 100);
     face = sl_face_clip_of(scene, &view, 0);

@@ -47,7 +47,8 @@ static void assert_priorities_are_up_to_date(rig *r) {
     for (size_t n = 0; n < mesh->node_count; n++) priority[n] = mesh->node[n].priority;
     sl_displayed_prioritise(r->mesh);
     for (uint32_t n = 0; n < mesh->node_count; n++) {
-        if (sl_mesh_is_used(mesh, n) && mesh->node[n].pixels) assert_true(priority[n] == mesh->node[n].priority);
+        if (sl_mesh_is_used(mesh, n) && mesh->node[n].pixels)
+            assert_true(priority[n] == mesh->node[n].priority);
     }
     free(priority);
 }
@@ -132,21 +133,24 @@ static void chain_and_heap_come_to_the_same_leaves(void **state) {
         roots = (double)roots_in_view(r.mesh);
         for (int k = 0; k < 3; k++) {
             double before = k == 0 ? 0.0 : rounds[k - 1];
-            chosen[s][k] = (k == 0 ? 0.0 : chosen[s][k - 1]) + chosen_after(&r, (size_t)(roots * rounds[k]) - (size_t)(roots * before));
+            chosen[s][k] = (k == 0 ? 0.0 : chosen[s][k - 1]) +
+                           chosen_after(&r, (size_t)(roots * rounds[k]) - (size_t)(roots * before));
         }
         rig_finish(&r);
         assert_true(sl_displayed_priority(r.mesh) <= 0.0f);
         visit_leaves(r.mesh, append_leaf, &list[s]);
         rig_discard(&r);
     }
-    printf("chain's chosen priority over the heap's after 0.1, 0.5, 2.5 tests a root (%.0f): %.2f %.2f %.2f\n", roots, chosen[1][0] / chosen[0][0],
-           chosen[1][1] / chosen[0][1], chosen[1][2] / chosen[0][2]);
+    printf(
+        "chain's chosen priority over the heap's after 0.1, 0.5, 2.5 tests a root (%.0f): %.2f %.2f %.2f\n",
+        roots, chosen[1][0] / chosen[0][0], chosen[1][1] / chosen[0][1], chosen[1][2] / chosen[0][2]);
     assert_true(chosen[1][2] / chosen[0][2] > 0.8);
     assert_true(chosen[1][0] <= chosen[0][0]);
     assert_int_equal(list[0].count, list[1].count);
     for (size_t i = 0; i < list[0].count; i++) {
         const sl_mesh_place *a = &list[0].leaf[i], *b = &list[1].leaf[i];
-        assert_true(a->face == b->face && a->depth == b->depth && !memcmp(a->p, b->p, sizeof a->p) && !memcmp(a->q, b->q, sizeof a->q));
+        assert_true(a->face == b->face && a->depth == b->depth && !memcmp(a->p, b->p, sizeof a->p) &&
+                    !memcmp(a->q, b->q, sizeof a->q));
     }
     free(list[0].leaf);
     free(list[1].leaf);

@@ -1,4 +1,5 @@
-/* Whole pictures of surfaces with holes, of files with vertices that are no numbers, and of strips at the foot of walls. */
+/* Whole pictures of surfaces with holes, of files with vertices that are no numbers, and of strips at the
+ * foot of walls. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,11 +28,13 @@ static sl_image *picture_of(const sl_scene *scene) {
 
 /* ---- holes ---- */
 
-/* A leaf between a lamp and a floor beside a wall, x from -1 to 1. Masked: its right half is clear. Else it ends at x = 0. */
+/* A leaf between a lamp and a floor beside a wall, x from -1 to 1. Masked: its right half is clear. Else it
+ * ends at x = 0. */
 static sl_scene *floor_below_a_leaf(bool masked) {
     static uint8_t texels[16] = {255, 255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 255, 255, 255, 255, 0};
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0), leaf = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 0);
+    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0),
+             leaf = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 0);
     uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 20.0f);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), white);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(4, 0, 0), sl_v3(0, 2, 0), white);
@@ -42,7 +45,8 @@ static sl_scene *floor_below_a_leaf(bool masked) {
         mesh.materials[leaf].alpha_texture = 0;
     }
     trace_mesh_quad(&mesh, sl_v3(-1, 0.8f, 1), sl_v3(masked ? 2.0f : 1.0f, 0, 0), sl_v3(0, 0, -2), leaf);
-    assert_true(sl_camera_look_at(&mesh.camera, sl_v3(0.3f, 3, 2.5f), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.9f));
+    assert_true(
+        sl_camera_look_at(&mesh.camera, sl_v3(0.3f, 3, 2.5f), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.9f));
     return trace_mesh_build(&mesh);
 }
 
@@ -59,7 +63,8 @@ static void a_masked_leaf_is_seen_and_shades_as_the_half_that_is_opaque(void **s
         sum[0] += (double)direct[1][i];
         sum[1] += (double)indirect[1][i];
     }
-    print_message("direct %.2f %%, indirect %.2f %% apart\n", 100.0 * off[0] / sum[0], 100.0 * off[1] / sum[1]);
+    print_message("direct %.2f %%, indirect %.2f %% apart\n", 100.0 * off[0] / sum[0],
+                  100.0 * off[1] / sum[1]);
     assert_true(off[0] < 0.02 * sum[0] && off[1] < 0.1 * sum[1]);
     sl_image_destroy(a);
     sl_image_destroy(b);
@@ -71,7 +76,8 @@ static void a_masked_leaf_is_seen_and_shades_as_the_half_that_is_opaque(void **s
 static sl_scene *floor_below_a_masked_lamp(uint8_t left) {
     uint8_t texels[16] = {255, 255, 255, left, 255, 255, 255, 0, 255, 255, 255, 0, 255, 255, 255, left};
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 20.0f);
+    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0),
+             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 20.0f);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), white);
     mesh.textures[0] = (sl_texture){NULL, 2, 2, true, texels};
     mesh.texture_count = 1;
@@ -95,7 +101,8 @@ static void a_masked_lamp_gives_the_light_of_what_its_mask_leaves(void **state) 
     static const char *const methods[] = {"multi-mesh", "direct-radiance"};
     for (int k = 0; k < 4; k++) {
         sl_scene *scene = floor_below_a_masked_lamp(k < 2 ? 255 : 0);
-        sl_settings ours = small_settings(methods[k % 2], SIDE, SIDE), truth = small_settings("path", SIDE, SIDE);
+        sl_settings ours = small_settings(methods[k % 2], SIDE, SIDE),
+                    truth = small_settings("path", SIDE, SIDE);
         truth.transport = "direct";
         truth.spp = 64;
         double mean = mean_green(scene, &ours), wanted = mean_green(scene, &truth);
@@ -109,12 +116,16 @@ static void a_masked_lamp_gives_the_light_of_what_its_mask_leaves(void **state) 
 /* ---- no numbers ---- */
 
 #define FLOOR_OBJ "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv 2 2 -2\nv -2 2 -2\nf 1 2 3 4\nf 1 4 5 6\n"
-static const char lit_json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-0.5, 2, 0], \"edge1\": [1, 0, 0], "
-                               "\"edge2\": [0, 0, 1], \"radiance\": 5}], \"camera\": {\"eye\": [0, 1.5, 3], \"target\": [0, 0.5, 0], \"fov_deg\": 60}}";
+static const char lit_json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": "
+                               "[{\"type\": \"quad\", \"corner\": [-0.5, 2, 0], \"edge1\": [1, 0, 0], "
+                               "\"edge2\": [0, 0, 1], \"radiance\": 5}], \"camera\": {\"eye\": [0, 1.5, 3], "
+                               "\"target\": [0, 0.5, 0], \"fov_deg\": 60}}";
 
 static void a_triangle_whose_vertices_are_no_numbers_changes_nothing_that_is_seen(void **state) {
     (void)state;
-    static const char *const bad[] = {FLOOR_OBJ "v nan nan nan\nf 1 2 7\n", FLOOR_OBJ "v 0 inf 0\nv nan 1 0\nf 7 8 2\n", FLOOR_OBJ "vn nan nan nan\nf 1//1 2//1 3//1\n"};
+    static const char *const bad[] = {FLOOR_OBJ "v nan nan nan\nf 1 2 7\n",
+                                      FLOOR_OBJ "v 0 inf 0\nv nan 1 0\nf 7 8 2\n",
+                                      FLOOR_OBJ "vn nan nan nan\nf 1//1 2//1 3//1\n"};
     sl_scene *good = scene_from_text(lit_json, FLOOR_OBJ);
     sl_image *expected = picture_of(good);
     for (int k = 0; k < 3; k++) {
@@ -136,15 +147,20 @@ static void a_triangle_whose_vertices_are_no_numbers_changes_nothing_that_is_see
 
 /* ---- the foot of a wall ---- */
 
-/* A strip of floor at the foot of a wall with a lamp behind: the way from the strip's vertices to the middles of its triangles runs along the wall. */
+/* A strip of floor at the foot of a wall with a lamp behind: the way from the strip's vertices to the middles
+ * of its triangles runs along the wall. */
 static void a_narrow_strip_at_the_foot_of_a_wall_gets_no_light_from_behind_it(void **state) {
     (void)state;
-    static const char *const strip[] = {"v 0 0 -2\nv 0 0 2\nv 0.05 0 2\nv 0.05 0 -2\nv 0 1 2\nv 0 1 -2\nf 1 2 3 4\nf 2 1 6 5\n",
-                                        "v 0 0 -2\nv 0 0 2\nv 0.05 0 2\nv 0.05 0 -2\nv 0 1 2\nv 0 1 -2\nf 2 3 4 1\nf 2 1 6 5\n"};
+    static const char *const strip[] = {
+        "v 0 0 -2\nv 0 0 2\nv 0.05 0 2\nv 0.05 0 -2\nv 0 1 2\nv 0 1 -2\nf 1 2 3 4\nf 2 1 6 5\n",
+        "v 0 0 -2\nv 0 0 2\nv 0.05 0 2\nv 0.05 0 -2\nv 0 1 2\nv 0 1 -2\nf 2 3 4 1\nf 2 1 6 5\n"};
     for (int k = 0; k < 2; k++) {
-        sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1, 0.2, -1], "
-                                          "\"edge1\": [0, 0.6, 0], \"edge2\": [0, 0, 2], \"radiance\": 50}], \"camera\": {\"eye\": [0.025, 0.1, 0.1], \"target\": "
-                                          "[0.025, 0, 0.1], \"up\": [0, 0, 1], \"fov_deg\": 60}}", strip[k]);
+        sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], "
+                                          "\"lights\": [{\"type\": \"quad\", \"corner\": [-1, 0.2, -1], "
+                                          "\"edge1\": [0, 0.6, 0], \"edge2\": [0, 0, 2], \"radiance\": 50}], "
+                                          "\"camera\": {\"eye\": [0.025, 0.1, 0.1], \"target\": "
+                                          "[0.025, 0, 0.1], \"up\": [0, 0, 1], \"fov_deg\": 60}}",
+                                          strip[k]);
         sl_image *image = picture_of(scene);
         const float *direct = sl_image_channel(image, "direct.G");
         double most = 0.0;

@@ -1,4 +1,5 @@
-/* What meshes do where memory ends: this file has its own of all that base/memory.h has, and it fails when told to. */
+/* What meshes do where memory ends: this file has its own of all that base/memory.h has, and it fails when
+ * told to. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -74,7 +75,8 @@ static long build(sl_mesh *mesh, bool failing) {
     uint32_t faces = (uint32_t)mesh->topology->face_count;
     long failures = 0;
     for (uint64_t i = 0; i < 3000; i++) {
-        step s = {mesh, sl_random_bits(key, 3 * i) % faces, sl_random_unit(key, 3 * i + 1), sl_random_unit(key, 3 * i + 2)};
+        step s = {mesh, sl_random_bits(key, 3 * i) % faces, sl_random_unit(key, 3 * i + 1),
+                  sl_random_unit(key, 3 * i + 2)};
         if (failing) failures += until_it_succeeds(take_step, &s, true, NULL);
         else assert_int_equal(take_step(&s), SL_OK);
     }

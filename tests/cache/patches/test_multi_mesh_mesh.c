@@ -50,20 +50,24 @@ static void split_all(sl_mesh *mesh, sl_mesh_place place, int levels) {
 static trace_mesh one_triangle(void) {
     trace_mesh m = trace_mesh_begin();
     trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&m, 0, 0, 0), b = trace_mesh_vertex(&m, 1, 0, 0), c = trace_mesh_vertex(&m, 0, 1, 0);
+    uint32_t a = trace_mesh_vertex(&m, 0, 0, 0), b = trace_mesh_vertex(&m, 1, 0, 0),
+             c = trace_mesh_vertex(&m, 0, 1, 0);
     trace_mesh_triangle(&m, a, b, c, 0);
     return m;
 }
 
-/* A flat field of columns x rows squares in z = 0, two triangles each, the last row only 1/64 high (slivers). Positions of vertices are exact. */
+/* A flat field of columns x rows squares in z = 0, two triangles each, the last row only 1/64 high (slivers).
+ * Positions of vertices are exact. */
 static trace_mesh field(int columns, int rows) {
     trace_mesh m = trace_mesh_begin();
     trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
     for (int y = 0; y <= rows; y++)
-        for (int x = 0; x <= columns; x++) trace_mesh_vertex(&m, (float)x, y < rows ? (float)y : (float)(rows - 1) + 0x1p-6f, 0);
+        for (int x = 0; x <= columns; x++)
+            trace_mesh_vertex(&m, (float)x, y < rows ? (float)y : (float)(rows - 1) + 0x1p-6f, 0);
     for (int y = 0; y < rows; y++)
         for (int x = 0; x < columns; x++) {
-            uint32_t a = (uint32_t)(y * (columns + 1) + x), b = a + 1, c = a + (uint32_t)columns + 1, d = c + 1;
+            uint32_t a = (uint32_t)(y * (columns + 1) + x), b = a + 1, c = a + (uint32_t)columns + 1,
+                     d = c + 1;
             trace_mesh_triangle(&m, a, b, d, 0);
             trace_mesh_triangle(&m, d, c, a, 0);
         }
@@ -76,7 +80,8 @@ static uint64_t stream(uint64_t n) { return sl_random_key(1, n); }
 static sl_mesh_place random_leaf(const sl_mesh *mesh, uint64_t key, uint64_t index, uint32_t sides) {
     uint32_t face = (sl_random_bits(key, 3 * index) % ((uint32_t)mesh->topology->face_count / sides)) * sides;
     float w1, w2;
-    return sl_mesh_locate(mesh, face, sl_random_unit(key, 3 * index + 1), sl_random_unit(key, 3 * index + 2), &w1, &w2);
+    return sl_mesh_locate(mesh, face, sl_random_unit(key, 3 * index + 1), sl_random_unit(key, 3 * index + 2),
+                          &w1, &w2);
 }
 
 /* Fronts alone, split at random places no deeper than `depth`. */
@@ -90,7 +95,9 @@ static void refine_randomly(world *w, int splits, int depth, uint64_t seed) {
 }
 
 /* Every vertex becomes known, with channel c a linear function of its position (or a random number). */
-static double linear(int channel, sl_vec3d p) { return 1.5 + 0.25 * channel + (0.5 - channel) * p.x + (2.0 + channel) * p.y - p.z; }
+static double linear(int channel, sl_vec3d p) {
+    return 1.5 + 0.25 * channel + (0.5 - channel) * p.x + (2.0 + channel) * p.y - p.z;
+}
 
 static void know_all(sl_mesh *mesh, const char *what) {
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
@@ -99,7 +106,9 @@ static void know_all(sl_mesh *mesh, const char *what) {
         mesh->state[v] = SL_VERTEX_KNOWN;
         for (int c = 0; c < mesh->channels; c++) {
             float *value = &mesh->value[v * (uint32_t)mesh->channels + (uint32_t)c];
-            *value = what[0] == 'l' ? (float)linear(c, sl_to_double(point.position)) : what[0] == 'r' ? sl_random_unit(stream(77), v * 3 + (uint32_t)c) : 0.7123f;
+            *value = what[0] == 'l'   ? (float)linear(c, sl_to_double(point.position))
+                     : what[0] == 'r' ? sl_random_unit(stream(77), v * 3 + (uint32_t)c)
+                                      : 0.7123f;
         }
     }
 }
@@ -110,7 +119,8 @@ static sl_vec3d position_in_face(const sl_topology *topology, uint32_t face, dou
     return sl_addd(p, sl_scaled(sl_to_double(topology->site_position[topology->site[2][face]]), w2));
 }
 
-static sl_vec3d position_in_place(const sl_topology *topology, const sl_mesh_place *place, const double w[3]) {
+static sl_vec3d position_in_place(const sl_topology *topology, const sl_mesh_place *place,
+                                  const double w[3]) {
     double p = 0, q = 0;
     for (int c = 0; c < 3; c++) {
         p += w[c] * place->p[c] / SL_MESH_DYADIC;
@@ -121,7 +131,8 @@ static sl_vec3d position_in_place(const sl_topology *topology, const sl_mesh_pla
 
 typedef void (*place_visitor)(const sl_mesh *mesh, const sl_mesh_place *place, void *context);
 
-static void visit_below(const sl_mesh *mesh, const sl_mesh_place *place, place_visitor visitor, void *context) {
+static void visit_below(const sl_mesh *mesh, const sl_mesh_place *place, place_visitor visitor,
+                        void *context) {
     visitor(mesh, place, context);
     for (int c = 0; !sl_mesh_is_leaf(mesh, place->node) && c < 4; c++) {
         sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
@@ -136,7 +147,7 @@ static void visit_all(const sl_mesh *mesh, place_visitor visitor, void *context)
     }
 }
 
-/* ---- counts and sharing ------------------------------------------------------------------------------------------- */
+/* ---- counts and sharing ---------------------------------------------------------------------- */
 
 static void a_triangle_split_d_times_has_the_leaves_and_vertices_of_a_grid(void **state) {
     (void)state;
@@ -181,7 +192,8 @@ static void a_crease_has_vertices_of_its_own_on_either_side_at_the_same_position
         split_all(w.mesh, sl_mesh_root_place(w.mesh, f), DEPTH);
     }
     assert_int_equal(w.mesh->vertex_count, 6 * (SIDE + 1) * (SIDE + 1));
-    /* Each vertex on one of the 12 edges has one partner with the same bits, each at one of the 8 corners two. */
+    /* Each vertex on one of the 12 edges has one partner with the same bits, each at one of the 8 corners
+     * two. */
     size_t pairs = 0;
     for (uint32_t i = 0; i < w.mesh->vertex_count; i++)
         for (uint32_t j = 0; j < i; j++) {
@@ -209,13 +221,15 @@ static void front_and_back_share_positions_and_nothing_else(void **state) {
     for (uint32_t p = 0; p <= 8; p++)
         for (uint32_t q = 0; p + q <= 8; q++) {
             sl_status status;
-            uint32_t front = sl_mesh_vertex_at(w.mesh, 0, p * 512, q * 512, &status, NULL), back = sl_mesh_vertex_at(w.mesh, 1, p * 512, q * 512, &status, NULL);
+            uint32_t front = sl_mesh_vertex_at(w.mesh, 0, p * 512, q * 512, &status, NULL),
+                     back = sl_mesh_vertex_at(w.mesh, 1, p * 512, q * 512, &status, NULL);
             sl_mesh_point a, b;
             sl_mesh_point_of(w.mesh, front, &a);
             sl_mesh_point_of(w.mesh, back, &b);
             assert_int_not_equal(front, back);
             assert_memory_equal(&a.position, &b.position, sizeof a.position);
-            assert_true(a.normal.z == 1.0f && b.normal.z == -1.0f && a.face == 0 && b.face == 1 && a.triangle == 0 && b.triangle == 0);
+            assert_true(a.normal.z == 1.0f && b.normal.z == -1.0f && a.face == 0 && b.face == 1 &&
+                        a.triangle == 0 && b.triangle == 0);
         }
     assert_int_equal(w.mesh->vertex_count, 2 * 45);
     discard(&w);
@@ -230,7 +244,8 @@ static void nudged_points_move_towards_the_middle_of_the_leaf_that_asks(void **s
     for (uint32_t n = 0; n < w.mesh->node_count; n++) {
         if (!sl_mesh_is_used(w.mesh, n)) continue;
         sl_mesh_place place = sl_mesh_place_of(w.mesh, n);
-        double p = (double)(place.p[0] + place.p[1] + place.p[2]) / 3.0 / SL_MESH_DYADIC, q = (double)(place.q[0] + place.q[1] + place.q[2]) / 3.0 / SL_MESH_DYADIC;
+        double p = (double)(place.p[0] + place.p[1] + place.p[2]) / 3.0 / SL_MESH_DYADIC,
+               q = (double)(place.q[0] + place.q[1] + place.q[2]) / 3.0 / SL_MESH_DYADIC;
         sl_vec3d middle = position_in_face(w.topology, place.face, p, q);
         for (int c = 0; c < 3; c++) {
             sl_mesh_point point, moved, centre;
@@ -238,7 +253,8 @@ static void nudged_points_move_towards_the_middle_of_the_leaf_that_asks(void **s
             sl_mesh_point_of(w.mesh, v, &point);
             sl_mesh_point_nudged(w.mesh, v, sl_mesh_leaf_middle(&place), 0.2, &moved);
             sl_mesh_point_nudged(w.mesh, v, sl_mesh_leaf_middle(&place), 1.0, &centre);
-            sl_vec3d step = sl_subd(sl_to_double(moved.position), sl_to_double(point.position)), whole = sl_subd(middle, sl_to_double(point.position));
+            sl_vec3d step = sl_subd(sl_to_double(moved.position), sl_to_double(point.position)),
+                     whole = sl_subd(middle, sl_to_double(point.position));
             assert_true(sl_lengthd(sl_subd(sl_to_double(centre.position), middle)) < 1e-6);
             assert_true(sl_lengthd(sl_subd(step, sl_scaled(whole, 0.2))) < 1e-6);
             assert_int_equal(moved.triangle, place.face / 2);
@@ -247,7 +263,7 @@ static void nudged_points_move_towards_the_middle_of_the_leaf_that_asks(void **s
     discard(&w);
 }
 
-/* ---- invariants ----------------------------------------------------------------------------------------------------- */
+/* ---- invariants ------------------------------------------------------------------------------ */
 
 typedef struct census {
     size_t leaves, nodes;
@@ -269,7 +285,9 @@ static void check_place(const sl_mesh *mesh, const sl_mesh_place *place, void *c
         sl_status status;
         uint32_t vertex = mesh->node[place->node].vertex[i];
         assert_true(vertex < mesh->vertex_count);
-        assert_int_equal(sl_mesh_vertex_at((sl_mesh *)(uintptr_t)mesh, place->face, place->p[i], place->q[i], &status, NULL), vertex);
+        assert_int_equal(sl_mesh_vertex_at((sl_mesh *)(uintptr_t)mesh, place->face, place->p[i], place->q[i],
+                                           &status, NULL),
+                         vertex);
     }
     for (int i = 0; !sl_mesh_is_leaf(mesh, place->node) && i < 4; i++)
         assert_int_equal(sl_mesh_parent(mesh, mesh->node[place->node].child + (uint32_t)i), place->node);
@@ -340,7 +358,8 @@ static void a_mesh_of_few_faces_takes_no_more_in_a_scene_of_many(void **state) {
         world w = world_of(&parts, 3, 8);
         uint32_t step = (uint32_t)w.topology->face_count / 50;
         for (uint32_t i = 0; i < 50; i++) root(&w, i * step); /* far from each other */
-        for (uint32_t i = 0; i < 50; i++) assert_int_equal(root(&w, i * step), sl_mesh_root_of(w.mesh, i * step));
+        for (uint32_t i = 0; i < 50; i++)
+            assert_int_equal(root(&w, i * step), sl_mesh_root_of(w.mesh, i * step));
         assert_int_equal(w.mesh->leaf_count, 50);
         bytes[k] = sl_mesh_memory_bytes(w.mesh);
         check_invariants(w.mesh);
@@ -363,7 +382,8 @@ static void a_cleared_mesh_starts_again_in_the_same_memory(void **state) {
     assert_int_equal(sl_mesh_memory_bytes(w.mesh), bytes);
     assert_int_equal(w.mesh->leaf_count, leaves);
     assert_int_equal(w.mesh->vertex_count, vertices);
-    for (size_t v = 0; v < vertices; v++) assert_true(w.mesh->state[v] == SL_VERTEX_UNKNOWN && w.mesh->value[3 * v] == 0.0f);
+    for (size_t v = 0; v < vertices; v++)
+        assert_true(w.mesh->state[v] == SL_VERTEX_UNKNOWN && w.mesh->value[3 * v] == 0.0f);
     check_invariants(w.mesh);
     discard(&w);
 }
@@ -374,14 +394,16 @@ static void children_keep_what_is_left_of_closed_edges(void **state) {
     world w = world_of(&parts, 1, 12);
     uint32_t node = root(&w, 0);
     sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
-    w.mesh->node[node].flags = SL_EDGE_CLOSED << 2 | SL_EDGE_SPLIT << 4; /* edge 1 closed (corners 2 and 0), edge 2 failed */
+    /* edge 1 closed (corners 2 and 0), edge 2 failed */
+    w.mesh->node[node].flags = SL_EDGE_CLOSED << 2 | SL_EDGE_SPLIT << 4;
     assert_int_equal(sl_mesh_split(w.mesh, &place, NULL), SL_OK);
     uint32_t wanted[4] = {SL_EDGE_CLOSED << 2, 0, SL_EDGE_CLOSED << 2, 0};
-    for (uint32_t c = 0; c < 4; c++) assert_int_equal(w.mesh->node[w.mesh->node[node].child + c].flags, wanted[c]);
+    for (uint32_t c = 0; c < 4; c++)
+        assert_int_equal(w.mesh->node[w.mesh->node[node].child + c].flags, wanted[c]);
     discard(&w);
 }
 
-/* ---- points and values ------------------------------------------------------------------------------------------------- */
+/* ---- points and values ----------------------------------------------------------------------- */
 
 static void a_point_is_found_in_the_leaf_that_holds_it(void **state) {
     (void)state;
@@ -390,13 +412,15 @@ static void a_point_is_found_in_the_leaf_that_holds_it(void **state) {
     refine_randomly(&w, 3000, 10, 6);
     for (uint64_t i = 0; i < 20000; i++) {
         uint32_t face = 2 * (sl_random_bits(stream(11), 3 * i) % 8);
-        float w1 = sl_random_unit(stream(11), 3 * i + 1), w2 = sl_random_unit(stream(11), 3 * i + 2) * (1.0f - w1), l1, l2;
+        float w1 = sl_random_unit(stream(11), 3 * i + 1),
+              w2 = sl_random_unit(stream(11), 3 * i + 2) * (1.0f - w1), l1, l2;
         if (i % 4 == 0) w1 = floorf(w1 * 16) / 16, w2 = floorf(w2 * 16) / 16; /* on borders */
         sl_mesh_place leaf = sl_mesh_locate(w.mesh, face, w1, w2, &l1, &l2);
         assert_true(sl_mesh_is_leaf(w.mesh, leaf.node) && leaf.face == face);
         assert_true(l1 >= 0.0f && l2 >= 0.0f && (double)l1 + (double)l2 <= 1.0 + 1e-7);
         double weights[3] = {1.0 - (double)l1 - (double)l2, l1, l2};
-        sl_vec3d there = position_in_place(w.topology, &leaf, weights), wanted = position_in_face(w.topology, face, w1, w2);
+        sl_vec3d there = position_in_place(w.topology, &leaf, weights),
+                 wanted = position_in_face(w.topology, face, w1, w2);
         assert_true(sl_lengthd(sl_subd(there, wanted)) < 1e-7);
         float again1, again2;
         sl_mesh_weights_within(&leaf, w1, w2, &again1, &again2);
@@ -411,9 +435,11 @@ static void points_on_borders_belong_to_one_child_and_points_outside_to_the_bord
     world w = world_of(&parts, 1, 12);
     uint32_t node = root(&w, 0);
     split_all(w.mesh, sl_mesh_root_place(w.mesh, 0), 1);
-    static const struct { float w1, w2; uint32_t child; } cases[] = {
-        {0.5f, 0.0f, 1}, {0.0f, 0.5f, 2}, {0.25f, 0.25f, 0}, {0.5f, 0.5f, 1}, {0.5f, 0.25f, 1}, {0.25f, 0.5f, 2}, {0.3f, 0.3f, 3},
-        {-0.1f, -2.0f, 0}, {1.1f, -0.1f, 1}, {-1e30f, 1e30f, 2}, {NAN, NAN, 0}, {INFINITY, NAN, 1}, {INFINITY, INFINITY, 1}};
+    static const struct { float w1, w2; uint32_t child;
+    } cases[] = {{0.5f, 0.0f, 1},        {0.0f, 0.5f, 2},    {0.25f, 0.25f, 0}, {0.5f, 0.5f, 1},
+                 {0.5f, 0.25f, 1},       {0.25f, 0.5f, 2},   {0.3f, 0.3f, 3},   {-0.1f, -2.0f, 0},
+                 {1.1f, -0.1f, 1},       {-1e30f, 1e30f, 2}, {NAN, NAN, 0},     {INFINITY, NAN, 1},
+                 {INFINITY, INFINITY, 1}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         float l1 = -1, l2 = -1;
         sl_mesh_place leaf = sl_mesh_locate(w.mesh, 0, cases[i].w1, cases[i].w2, &l1, &l2);
@@ -447,7 +473,8 @@ static void a_linear_field_is_reproduced_whatever_is_refined(void **state) {
         refine_randomly(&w, 2000, 9, 21);
         know_all(w.mesh, "linear");
         for (uint64_t i = 0; i < 20000; i++) {
-            float value[3], l1, l2, w1 = sl_random_unit(stream(17), 3 * i), w2 = (1.0f - w1) * sl_random_unit(stream(17), 3 * i + 1);
+            float value[3], l1, l2, w1 = sl_random_unit(stream(17), 3 * i),
+                                    w2 = (1.0f - w1) * sl_random_unit(stream(17), 3 * i + 1);
             uint32_t face = 2 * (sl_random_bits(stream(17), 3 * i + 2) % 18);
             sl_mesh_place leaf = sl_mesh_locate(w.mesh, face, w1, w2, &l1, &l2);
             assert_true(sl_mesh_interpolate(w.mesh, &leaf, l1, l2, hanging == 1, value));
@@ -469,12 +496,14 @@ static void a_leaf_without_hanging_vertices_is_linear(void **state) {
     assert_true(sl_mesh_fan_make(w.mesh, &place, true, &fan));
     assert_false(fan.hanging);
     for (uint64_t i = 0; i < 1000; i++) {
-        float value[3], plain[3], w1 = sl_random_unit(stream(19), 2 * i), w2 = sl_random_unit(stream(19), 2 * i + 1) * (1.0f - w1);
+        float value[3], plain[3], w1 = sl_random_unit(stream(19), 2 * i),
+                                  w2 = sl_random_unit(stream(19), 2 * i + 1) * (1.0f - w1);
         sl_mesh_fan_value(&fan, w1, w2, value);
         assert_true(sl_mesh_interpolate(w.mesh, &place, w1, w2, false, plain));
         for (int c = 0; c < 3; c++) {
             const float *v = w.mesh->value;
-            double wanted = (1.0 - (double)w1 - (double)w2) * (double)v[c] + (double)w1 * (double)v[3 + c] + (double)w2 * (double)v[6 + c];
+            double wanted = (1.0 - (double)w1 - (double)w2) * (double)v[c] + (double)w1 * (double)v[3 + c] +
+                            (double)w2 * (double)v[6 + c];
             assert_true(fabs((double)value[c] - wanted) < 3e-7);
             assert_true(value[c] == plain[c]);
         }
@@ -495,8 +524,10 @@ static void a_hanging_vertex_shows_its_value_and_the_centre_the_mean(void **stat
     float value;
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.5f, true, &value) && value == 5.0f);
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.5f, false, &value) && value == 0.7123f);
-    assert_true(sl_mesh_interpolate(w.mesh, &place, 1.0f / 3, 1.0f / 3, true, &value) && fabs((double)value - 0.7123) < 1e-5);
-    assert_true(sl_mesh_interpolate(w.mesh, &place, 0.75f, 0.25f, true, &value) && fabs((double)value - (5.0 + 0.7123) / 2) < 1e-6);
+    assert_true(sl_mesh_interpolate(w.mesh, &place, 1.0f / 3, 1.0f / 3, true, &value) &&
+                fabs((double)value - 0.7123) < 1e-5);
+    assert_true(sl_mesh_interpolate(w.mesh, &place, 0.75f, 0.25f, true, &value) &&
+                fabs((double)value - (5.0 + 0.7123) / 2) < 1e-6);
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.0f, true, &value) && value == 0.7123f);
     w.mesh->state[middle] = SL_VERTEX_REQUESTED;
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.5f, true, &value) && value == 0.7123f);
@@ -582,7 +613,7 @@ static void leaves_of_any_size_have_the_same_values_along_common_edges(void **st
     discard(&w);
 }
 
-/* ---- neighbours ------------------------------------------------------------------------------------------------------------ */
+/* ---- neighbours ------------------------------------------------------------------------------ */
 
 typedef struct leaf_list {
     sl_mesh_place place[4096];
@@ -597,14 +628,16 @@ static void collect(const sl_mesh *mesh, const sl_mesh_place *place, void *conte
 static bool holds_point(const sl_topology *topology, const sl_mesh_place *place, sl_vec3d p) {
     for (int c = 0; c < 3; c++) {
         double first[3] = {c == 0, c == 1, c == 2}, second[3] = {c == 2, c == 0, c == 1};
-        sl_vec3d a = position_in_place(topology, place, first), b = position_in_place(topology, place, second);
+        sl_vec3d a = position_in_place(topology, place, first),
+                 b = position_in_place(topology, place, second);
         if (sl_crossd(sl_subd(b, a), sl_subd(p, a)).z < 0.0) return false;
     }
     return true;
 }
 
 /* Whether a leaf holds any point between an edge's ends: exact, since all coordinates are dyadic. */
-static bool meets_edge(const sl_topology *topology, const sl_mesh_place *other, const sl_mesh_place *place, int edge) {
+static bool meets_edge(const sl_topology *topology, const sl_mesh_place *other, const sl_mesh_place *place,
+                       int edge) {
     for (int i = 1; i < 128; i++) {
         double w[3] = {0, 0, 0};
         w[(edge + 1) % 3] = 1.0 - i / 128.0;
@@ -664,7 +697,7 @@ static void nothing_is_next_to_a_crease(void **state) {
     discard(&w);
 }
 
-/* ---- hard triangles ---------------------------------------------------------------------------------------------------------- */
+/* ---- hard triangles -------------------------------------------------------------------------- */
 
 static void a_node_is_not_split_at_the_deepest_level(void **state) {
     (void)state;
@@ -692,7 +725,8 @@ static void splitting_ends_where_coordinates_do(void **state) {
     (void)state;
     trace_mesh parts = trace_mesh_begin();
     trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&parts, 1e7f, 0, 1e7f), b = trace_mesh_vertex(&parts, 1e7f, 0, 1e7f + 4), c = trace_mesh_vertex(&parts, 1e7f + 4, 0, 1e7f);
+    uint32_t a = trace_mesh_vertex(&parts, 1e7f, 0, 1e7f), b = trace_mesh_vertex(&parts, 1e7f, 0, 1e7f + 4),
+             c = trace_mesh_vertex(&parts, 1e7f + 4, 0, 1e7f);
     trace_mesh_triangle(&parts, a, b, c, 0);
     world w = world_of(&parts, 1, 12);
     root(&w, 0);
@@ -712,7 +746,8 @@ static void triangles_of_any_size_split_alike(void **state) {
         trace_mesh parts = trace_mesh_begin();
         trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
         float s = sizes[i];
-        uint32_t a = trace_mesh_vertex(&parts, 0, 0, 0), b = trace_mesh_vertex(&parts, 0, 0, s), c = trace_mesh_vertex(&parts, s, 0, 0);
+        uint32_t a = trace_mesh_vertex(&parts, 0, 0, 0), b = trace_mesh_vertex(&parts, 0, 0, s),
+                 c = trace_mesh_vertex(&parts, s, 0, 0);
         trace_mesh_triangle(&parts, a, b, c, 0);
         sl_scene *scene = trace_mesh_build(&parts);
         world w = {.scene = scene};
@@ -749,18 +784,19 @@ static void triangles_without_area_are_never_split(void **state) {
     discard(&w);
 }
 
-/* ---- memory -------------------------------------------------------------------------------------------------------------------- */
+/* ---- memory ---------------------------------------------------------------------------------- */
 
 static void a_mesh_element_costs_no_more_than_150_bytes(void **state) {
     (void)state;
     for (int channels = 1; channels <= 3; channels += 2)
-        for (int roots = 0; roots < 2; roots++) { /* a few faces split often; thousands that are split five times each, on average */
+        /* a few faces split often; thousands that are split five times each, on average */
+        for (int roots = 0; roots < 2; roots++) {
             trace_mesh parts = roots ? field(60, 60) : field(2, 2);
             world w = world_of(&parts, channels, 12);
             refine_randomly(&w, roots ? 36000 : 40000, 12, 50);
             double used = (double)sl_mesh_memory_bytes(w.mesh) / (double)w.mesh->leaf_count;
-            print_message("%d channels, %zu roots, %zu leaves, %zu vertices: %.1f bytes a leaf\n", channels, w.topology->face_count / 2,
-                          w.mesh->leaf_count, w.mesh->vertex_count, used);
+            print_message("%d channels, %zu roots, %zu leaves, %zu vertices: %.1f bytes a leaf\n", channels,
+                          w.topology->face_count / 2, w.mesh->leaf_count, w.mesh->vertex_count, used);
             assert_true(used < 150.0);
             discard(&w);
         }

@@ -20,7 +20,8 @@ static void levels_are_those_of_the_tone_map(void **state) {
     (void)state;
     for (int exponent = -20; exponent <= 30; exponent++)
         for (uint64_t i = 0; i < 50; i++) {
-            float radiance = ldexpf(1.0f + sl_random_unit(sl_random_key(3, (uint64_t)(exponent + 64)), i), exponent);
+            float radiance =
+                ldexpf(1.0f + sl_random_unit(sl_random_key(3, (uint64_t)(exponent + 64)), i), exponent);
             for (float exposure = 0.25f; exposure < 20.0f; exposure *= 5.0f) {
                 double wanted = exact_level((double)exposure * (double)radiance);
                 assert_true(fabs((double)sl_display_level(exposure, radiance) - wanted) < 1e-4);
@@ -52,10 +53,12 @@ static void what_is_no_radiance_is_black_and_infinity_white(void **state) {
 
 static void thresholds_run_linearly_between_their_knots(void **state) {
     (void)state;
-    static const float knots[][2] = {{0, 10}, {16, 8}, {32, 6}, {48, 5}, {64, 4}, {96, 3.5f}, {128, 3}, {200, 3}, {255, 3}, {-5, 10}, {NAN, 10}, {INFINITY, 3}};
+    static const float knots[][2] = {{0, 10},  {16, 8},  {32, 6},  {48, 5},  {64, 4},   {96, 3.5f},
+                                     {128, 3}, {200, 3}, {255, 3}, {-5, 10}, {NAN, 10}, {INFINITY, 3}};
     for (size_t i = 0; i < sizeof knots / sizeof knots[0]; i++) {
         assert_true(fabsf(sl_display_threshold(&plain, knots[i][0]) - knots[i][1]) < 1e-5f);
-        assert_true(fabsf(sl_display_threshold(&(sl_perception){1.0f, 0.5f}, knots[i][0]) - 0.5f * knots[i][1]) < 1e-5f);
+        assert_true(fabsf(sl_display_threshold(&(sl_perception){1.0f, 0.5f}, knots[i][0]) -
+                          0.5f * knots[i][1]) < 1e-5f);
     }
 }
 
@@ -68,7 +71,8 @@ static void nobody_tells_levels_below_10_apart(void **state) {
     /* T(D) = 10 - D / 8 there, more than 10 - D. */
     assert_true(brightest > 1e-4f);
     for (uint64_t i = 0; i < 2000; i++) {
-        sl_rgb a = {brightest * sl_random_unit(sl_random_key(1, 1), 2 * i), 0, brightest}, b = {brightest * sl_random_unit(sl_random_key(1, 1), 2 * i + 1), brightest, 0};
+        sl_rgb a = {brightest * sl_random_unit(sl_random_key(1, 1), 2 * i), 0, brightest},
+               b = {brightest * sl_random_unit(sl_random_key(1, 1), 2 * i + 1), brightest, 0};
         assert_true(sl_display_contrast(&plain, a, b) <= 1.0f);
     }
 }
@@ -101,7 +105,8 @@ static void the_exposure_turns_the_mean_into_middle_grey(void **state) {
         }
         static const float none[] = {0.0f, -1.0f, NAN, INFINITY};
         for (size_t i = 0; i < 4; i++) assert_true(sl_perception_exposure(scene, none[i]) == 1.0f);
-        assert_true(isfinite(sl_perception_exposure(scene, 1e-45f)) && sl_perception_exposure(scene, FLT_MAX) > 0.0f);
+        assert_true(isfinite(sl_perception_exposure(scene, 1e-45f)) &&
+                    sl_perception_exposure(scene, FLT_MAX) > 0.0f);
         sl_scene_destroy(scene);
     }
 }

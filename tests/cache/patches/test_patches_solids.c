@@ -69,9 +69,11 @@ static void what_is_open_wound_both_ways_or_flat_hides_nothing(void **state) {
     trace_mesh_quad(&parts, sl_v3(4, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0); /* two sheets back to back */
     uint32_t base = 3 * (uint32_t)(parts.triangle_count - 2);
     for (uint32_t i = 0; i < 2; i++)
-        trace_mesh_triangle(&parts, parts.indices[base + 3 * i], parts.indices[base + 3 * i + 2], parts.indices[base + 3 * i + 1], 0);
+        trace_mesh_triangle(&parts, parts.indices[base + 3 * i], parts.indices[base + 3 * i + 2],
+                            parts.indices[base + 3 * i + 1], 0);
     trace_mesh_box(&parts, sl_v3(0, 5, 0), sl_v3(1, 6, 1), false, 0);
-    trace_mesh_box(&parts, sl_v3(1, 5, 0), sl_v3(2, 6, 1), false, 0); /* they share a face's four corners: four triangles along its edges */
+    /* they share a face's four corners: four triangles along its edges */
+    trace_mesh_box(&parts, sl_v3(1, 5, 0), sl_v3(2, 6, 1), false, 0);
     world w = world_of(&parts);
     assert_hidden(w.solids, 0, (uint32_t)w.scene->triangle_count, false);
     discard(&w);
@@ -84,10 +86,14 @@ static void a_box_with_light_inside_hides_nothing(void **state) {
     for (int i = 0; i < CASES; i++) {
         trace_mesh parts = begin();
         trace_mesh_box(&parts, sl_v3(0, 0, 0), sl_v3(4, 3, 4), false, 0);
-        trace_mesh_quad(&parts, sl_v3(1, i == LAMP_INSIDE ? 2.9f : 3.5f, 1), sl_v3(1, 0, 0), sl_v3(0, 0, 1), i <= LAMP_OUTSIDE ? 1 : 0);
+        trace_mesh_quad(&parts, sl_v3(1, i == LAMP_INSIDE ? 2.9f : 3.5f, 1), sl_v3(1, 0, 0), sl_v3(0, 0, 1),
+                        i <= LAMP_OUTSIDE ? 1 : 0);
         if (i >= POINT_INSIDE) {
-            parts.lights[parts.light_count++] = (sl_light){.type = i == SUN ? SL_LIGHT_DIRECTIONAL : SL_LIGHT_POINT, .position = {2, i == POINT_OUTSIDE ? 9 : 1, 2},
-                                                           .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
+            parts.lights[parts.light_count++] =
+                (sl_light){.type = i == SUN ? SL_LIGHT_DIRECTIONAL : SL_LIGHT_POINT,
+                           .position = {2, i == POINT_OUTSIDE ? 9 : 1, 2},
+                           .direction = {0, -1, 0},
+                           .intensity = {1, 1, 1}};
         }
         world w = world_of(&parts);
         assert_hidden(w.solids, 0, 12, wanted[i]);
@@ -112,7 +118,8 @@ static void a_lit_box_is_solid_to_eyes_outside_only(void **state) {
     assert_true(sl_solids_hold(w.solids, tracer, at, up, SL_NO_INDEX, &outside, &counters));
     assert_false(sl_solids_hold(w.solids, tracer, at, up, SL_NO_INDEX, &inside, &counters));
     assert_false(sl_solids_hold(w.solids, tracer, at, up, SL_NO_INDEX, NULL, &counters));
-    assert_true(sl_solids_eye_matters(w.solids, inside, outside) && !sl_solids_eye_matters(w.solids, outside, outside));
+    assert_true(sl_solids_eye_matters(w.solids, inside, outside) &&
+                !sl_solids_eye_matters(w.solids, outside, outside));
     sl_tracer_destroy(tracer);
     discard(&w);
 }
@@ -125,7 +132,8 @@ enum { BOXES = sizeof boxes / sizeof boxes[0] };
 static trace_mesh furniture(void) {
     trace_mesh parts = begin();
     for (int b = 0; b < BOXES; b++)
-        trace_mesh_box(&parts, sl_v3(boxes[b][0], boxes[b][1], boxes[b][2]), sl_v3(boxes[b][3], boxes[b][4], boxes[b][5]), false, 0);
+        trace_mesh_box(&parts, sl_v3(boxes[b][0], boxes[b][1], boxes[b][2]),
+                       sl_v3(boxes[b][3], boxes[b][4], boxes[b][5]), false, 0);
     trace_mesh_quad(&parts, sl_v3(-5, 0, 8), sl_v3(15, 0, 0), sl_v3(0, 0, -13), 0);
     trace_mesh_quad(&parts, sl_v3(-5, 6, -5), sl_v3(15, 0, 0), sl_v3(0, 0, 13), 1);
     return parts;
@@ -136,7 +144,9 @@ static float depth_in_boxes(sl_vec3 p, float *nearest) {
     float least = INFINITY;
     *nearest = INFINITY;
     for (int b = 0; b < BOXES; b++) {
-        float x = fmaxf(boxes[b][0] - p.x, p.x - boxes[b][3]), y = fmaxf(boxes[b][1] - p.y, p.y - boxes[b][4]), z = fmaxf(boxes[b][2] - p.z, p.z - boxes[b][5]);
+        float x = fmaxf(boxes[b][0] - p.x, p.x - boxes[b][3]),
+              y = fmaxf(boxes[b][1] - p.y, p.y - boxes[b][4]),
+              z = fmaxf(boxes[b][2] - p.z, p.z - boxes[b][5]);
         float d = fmaxf(x, fmaxf(y, z));
         least = fminf(least, d);
         *nearest = fminf(*nearest, fabsf(d));
@@ -153,12 +163,14 @@ static void points_inside_of_solids_are_known_from_those_outside(void **state) {
     uint64_t key = sl_random_key(8, 1);
     size_t inside = 0;
     for (uint64_t i = 0; i < 4000; i++) {
-        sl_vec3 p = sl_v3(7 * sl_random_unit(key, 3 * i) - 0.5f, 4 * sl_random_unit(key, 3 * i + 1) - 0.5f, 4 * sl_random_unit(key, 3 * i + 2) - 0.5f);
+        sl_vec3 p = sl_v3(7 * sl_random_unit(key, 3 * i) - 0.5f, 4 * sl_random_unit(key, 3 * i + 1) - 0.5f,
+                          4 * sl_random_unit(key, 3 * i + 2) - 0.5f);
         sl_counters counters = {0};
         float nearest;
         bool wanted = depth_in_boxes(p, &nearest) < 0.0f;
         if (nearest < 0.001f) continue;
-        assert_int_equal(sl_solids_hold(w.solids, tracer, p, sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters), wanted);
+        assert_int_equal(sl_solids_hold(w.solids, tracer, p, sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters),
+                         wanted);
         inside += wanted;
     }
     assert_true(inside > 600);
@@ -177,13 +189,19 @@ static void a_floor_is_inside_where_a_leg_stands_on_it_and_a_leg_is_not(void **s
         for (int x = 0; x < 60; x++) {
             sl_vec3 p = sl_v3(-0.4f + 0.11f * (float)x, 0, -0.45f + 0.19f * (float)y);
             bool wanted = false;
-            for (int b = 0; b < BOXES; b++) wanted |= boxes[b][1] == 0.0f && p.x > boxes[b][0] && p.x < boxes[b][3] && p.z > boxes[b][2] && p.z < boxes[b][5];
-            assert_int_equal(sl_solids_hold(w.solids, tracer, p, sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters), wanted);
+            for (int b = 0; b < BOXES; b++)
+                wanted |= boxes[b][1] == 0.0f && p.x > boxes[b][0] && p.x < boxes[b][3] &&
+                          p.z > boxes[b][2] && p.z < boxes[b][5];
+            assert_int_equal(
+                sl_solids_hold(w.solids, tracer, p, sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters), wanted);
         }
     /* The first box's own side, top, and top where the second one stands. */
-    assert_false(sl_solids_hold(w.solids, tracer, sl_v3(0, 0.3f, 0.3f), sl_v3(-1, 0, 0), SL_NO_INDEX, NULL, &counters));
-    assert_false(sl_solids_hold(w.solids, tracer, sl_v3(0.9f, 1, 0.1f), sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters));
-    assert_true(sl_solids_hold(w.solids, tracer, sl_v3(0.5f, 1, 0.5f), sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters));
+    assert_false(sl_solids_hold(w.solids, tracer, sl_v3(0, 0.3f, 0.3f), sl_v3(-1, 0, 0), SL_NO_INDEX, NULL,
+                                &counters));
+    assert_false(
+        sl_solids_hold(w.solids, tracer, sl_v3(0.9f, 1, 0.1f), sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters));
+    assert_true(
+        sl_solids_hold(w.solids, tracer, sl_v3(0.5f, 1, 0.5f), sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters));
     sl_tracer_destroy(tracer);
     discard(&w);
 }

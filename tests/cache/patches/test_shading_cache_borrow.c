@@ -1,4 +1,5 @@
-/* Vertices without light of their own: inside other geometry, or where no number came. What they show, what splits them, what an edit does; and samples that are no number. */
+/* Vertices without light of their own: inside other geometry, or where no number came. What they show, what
+ * splits them, what an edit does; and samples that are no number. */
 #include "shading_cache_support.h"
 
 #include <math.h>
@@ -12,7 +13,8 @@
 static uint32_t vertex_at(const hierarchy *h, int u, int v) { /* in quarters of the root */
     sl_patch_place leaf = sl_patch_locate(h->patches, 0, u / 4.0, v / 4.0);
     for (int c = 0; c < leaf.corners; c++) {
-        if (4 * leaf.u[c] == u * SL_PATCH_DYADIC && 4 * leaf.v[c] == v * SL_PATCH_DYADIC) return sl_patch_corner(h->patches, leaf.patch, c);
+        if (4 * leaf.u[c] == u * SL_PATCH_DYADIC && 4 * leaf.v[c] == v * SL_PATCH_DYADIC)
+            return sl_patch_corner(h->patches, leaf.patch, c);
     }
     fail_msg("no vertex at (%d, %d) / 4", u, v);
     return SL_NO_INDEX;
@@ -33,7 +35,7 @@ static void give(hierarchy *h, uint32_t vertex, float irradiance) {
 
 static float value_of(const hierarchy *h, uint32_t vertex) { return h->patches->vertex[vertex].value[1]; }
 
-/* ---- what is lent ---------------------------------------------------------------------------------------------------------------- */
+/* ---- what is lent ---------------------------------------------------------------------------- */
 
 /* Around it: four at distance 1/2, in two leaves each, and four at 1/2 sqrt(2): weights 8 and 2, of 40. */
 static void a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_the_more(void **state) {
@@ -47,7 +49,9 @@ static void a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_
     evaluate(&h, buried, 777.0f, 2);
     sl_patches_borrow(h.patches, buried);
     assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
-    for (int c = 0; c < 3; c++) assert_true(fabs((double)h.patches->vertex[buried].value[c] - (6.0 + 6.0 * 8.0 / 40.0 + 12.0 * 2.0 / 40.0)) < 1e-5);
+    for (int c = 0; c < 3; c++)
+        assert_true(fabs((double)h.patches->vertex[buried].value[c] -
+                         (6.0 + 6.0 * 8.0 / 40.0 + 12.0 * 2.0 / 40.0)) < 1e-5);
     assert_true(fabs((double)sl_vertex_lobe(h.patches, buried)[2] - 0.6) < 1e-6);
     hierarchy_discard(&h);
 }
@@ -86,7 +90,8 @@ static void where_nothing_around_has_light_a_patch_above_lends_its_corners(void 
     evaluate(&h, vertex_at(&h, 0, 0), 16.0f, 3);
     assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
     assert_true(fabsf(value_of(&h, buried) - 9.0f) < 1e-5f);
-    assert_true(h.patches->flags[sl_patch_locate(h.patches, 0, 0.4, 0.4).patch] & SL_PATCH_DIRTY); /* for the display to see */
+    /* for the display to see */
+    assert_true(h.patches->flags[sl_patch_locate(h.patches, 0, 0.4, 0.4).patch] & SL_PATCH_DIRTY);
     hierarchy_discard(&h);
 }
 
@@ -116,28 +121,33 @@ static void what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_i
     hierarchy_discard(&h);
 }
 
-/* ---- what splits it -------------------------------------------------------------------------------------------------------------- */
+/* ---- what splits it -------------------------------------------------------------------------- */
 
 static void a_leaf_with_a_corner_inside_something_may_be_wrong_by_all_that_it_shows(void **state) {
     (void)state;
     hierarchy h = square_of(0, 6.0f);
     const sl_display_curve curve = {.reference = 1.0f};
-    uint32_t leaf = sl_patch_locate(h.patches, 0, 0.4, 0.4).patch, other = sl_patch_locate(h.patches, 0, 0.9, 0.9).patch;
+    uint32_t leaf = sl_patch_locate(h.patches, 0, 0.4, 0.4).patch,
+             other = sl_patch_locate(h.patches, 0, 0.9, 0.9).patch;
     assert_true(sl_patch_error(h.patches, &curve, leaf) == 0.0f);
     sl_patches_borrow(h.patches, vertex_at(&h, 2, 2));
-    assert_true(sl_patch_error(h.patches, &curve, leaf) == sl_vertex_level(h.patches, &curve, vertex_at(&h, 1, 1)));
+    assert_true(sl_patch_error(h.patches, &curve, leaf) ==
+                sl_vertex_level(h.patches, &curve, vertex_at(&h, 1, 1)));
     assert_true(sl_patch_error(h.patches, &curve, other) == 0.0f);
     hierarchy_discard(&h);
 }
 
-/* A box stands in the floor, the sun is straight above: the floor has the same light everywhere that it can be seen, however few samples there are. */
-static const char box_in_floor[] = "v -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 0 -2\n"
-                                   "v -0.5 -0.3 0.4\nv 0.4 -0.3 0.5\nv 0.5 -0.3 -0.4\nv -0.4 -0.3 -0.5\n"
-                                   "v -0.5 0.3 0.4\nv 0.4 0.3 0.5\nv 0.5 0.3 -0.4\nv -0.4 0.3 -0.5\n"
-                                   "f 1 2 3 4\nf 9 10 11 12\nf 8 7 6 5\nf 5 6 10 9\nf 6 7 11 10\nf 7 8 12 11\nf 8 5 9 12\n";
-static const char sun_above[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\"}],"
-                                "\"lights\": [{\"type\": \"directional\", \"direction\": [0, -1, 0], \"irradiance\": 3}],"
-                                "\"camera\": {\"eye\": [0, 4, 0.01], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
+/* A box stands in the floor, the sun is straight above: the floor has the same light everywhere that it can
+ * be seen, however few samples there are. */
+static const char box_in_floor[] =
+    "v -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 0 -2\n"
+    "v -0.5 -0.3 0.4\nv 0.4 -0.3 0.5\nv 0.5 -0.3 -0.4\nv -0.4 -0.3 -0.5\n"
+    "v -0.5 0.3 0.4\nv 0.4 0.3 0.5\nv 0.5 0.3 -0.4\nv -0.4 0.3 -0.5\n"
+    "f 1 2 3 4\nf 9 10 11 12\nf 8 7 6 5\nf 5 6 10 9\nf 6 7 11 10\nf 7 8 12 11\nf 8 5 9 12\n";
+static const char sun_above[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\"}],"
+    "\"lights\": [{\"type\": \"directional\", \"direction\": [0, -1, 0], \"irradiance\": 3}],"
+    "\"camera\": {\"eye\": [0, 4, 0.01], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
 
 static void around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere(void **state) {
     (void)state;
@@ -150,17 +160,19 @@ static void around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere(void **st
         sl_image *image = render(scene, &settings, &cost);
         float even = image->planes[0];
         assert_true(even > 0.1f);
-        for (int i = 0; i < 3 * 64 * 64; i++) assert_true(fabsf(image->planes[i] - even) < 0.004f * even); /* the box's top, too */
+        /* the box's top, too */
+        for (int i = 0; i < 3 * 64 * 64; i++) assert_true(fabsf(image->planes[i] - even) < 0.004f * even);
         assert_true(cost.value[SL_COUNT_POINTS_SHADED] > 40);
         sl_image_destroy(image);
     }
     sl_scene_destroy(scene);
 }
 
-static const char light_in_box[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\"}],"
-                                   "\"lights\": [{\"type\": \"directional\", \"direction\": [0, -1, 0], \"irradiance\": 3},"
-                                   "{\"type\": \"point\", \"position\": [0, 0.15, 0], \"intensity\": 1}],"
-                                   "\"camera\": {\"eye\": [0, 4, 0.01], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
+static const char light_in_box[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\"}],"
+    "\"lights\": [{\"type\": \"directional\", \"direction\": [0, -1, 0], \"irradiance\": 3},"
+    "{\"type\": \"point\", \"position\": [0, 0.15, 0], \"intensity\": 1}],"
+    "\"camera\": {\"eye\": [0, 4, 0.01], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
 
 static void light_that_is_shut_in_does_not_leak_out_at_the_foot(void **state) {
     (void)state;
@@ -169,7 +181,8 @@ static void light_that_is_shut_in_does_not_leak_out_at_the_foot(void **state) {
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
     settings.shading_cache.updates = 10;
     sl_image *image = render(scene, &settings, NULL);
-    for (int i = 0; i < 3 * 64 * 64; i++) assert_true(fabsf(image->planes[i] - image->planes[0]) < 0.004f * image->planes[0]);
+    for (int i = 0; i < 3 * 64 * 64; i++)
+        assert_true(fabsf(image->planes[i] - image->planes[0]) < 0.004f * image->planes[0]);
     sl_image_destroy(image);
     sl_scene_destroy(scene);
 }
@@ -192,7 +205,8 @@ static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
     sl_method *method, *cold;
     assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
     sl_image_destroy(picture_at_the_end(method));
-    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0.28f, 0), sl_v3(0.3f, 0, 0.3f), sl_v3(0, 1, 0), 1.5f));
+    assert_true(
+        sl_camera_look_at(&scene->camera, sl_v3(0, 0.28f, 0), sl_v3(0.3f, 0, 0.3f), sl_v3(0, 1, 0), 1.5f));
     assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
     assert_int_equal(sl_method_create(scene, &settings, &cold, NULL), SL_OK);
     sl_image *image = picture_at_the_end(method), *expected = picture_at_the_end(cold);
@@ -232,7 +246,7 @@ static void splits_around_what_is_inside_something_come_to_an_end(void **state) 
     sl_scene_destroy(scene);
 }
 
-/* ---- samples, committed ---------------------------------------------------------------------------------------------------------- */
+/* ---- samples, committed ---------------------------------------------------------------------- */
 
 /* A cache of one square, as far as a commit needs it. */
 typedef struct committing {
@@ -267,7 +281,8 @@ static void end(committing *c) {
     hierarchy_discard(&c->h);
 }
 
-static const sl_sample lit = {.irradiance = {4.0f, 4.0f, 4.0f}, .valid = true}, inside = {.valid = false}, broken = {.broken = true};
+static const sl_sample lit = {.irradiance = {4.0f, 4.0f, 4.0f}, .valid = true}, inside = {.valid = false},
+                       broken = {.broken = true};
 
 static void commit(committing *c, const sl_sample samples[4]) {
     for (int i = 0; i < 4; i++) c->s.sample[i] = samples[i];
@@ -281,7 +296,10 @@ static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for
     begin(&c);
     evaluate_all(&c.h, 2.0f, 1);
     sl_changes_edit(c.s.changes, SL_CHANGED_LIGHTS, NULL, c.s.now);
-    const sl_sample samples[4] = {lit, {.irradiance = {NAN, 1, 1}, .valid = true}, {.irradiance = {1, 1, INFINITY}, .valid = true}, broken};
+    const sl_sample samples[4] = {lit,
+                                  {.irradiance = {NAN, 1, 1}, .valid = true},
+                                  {.irradiance = {1, 1, INFINITY}, .valid = true},
+                                  broken};
     commit(&c, samples);
     assert_true(value_of(&c.h, 0) == 4.0f);
     for (uint32_t i = 1; i < 4; i++) {
@@ -290,7 +308,8 @@ static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for
         assert_int_equal(v->evaluated, 5);
         assert_false(v->borrowed);
     }
-    assert_int_equal(c.s.counters.value[SL_COUNT_NONFINITE], 2); /* the broken one's renderer has counted it */
+    /* the broken one's renderer has counted it */
+    assert_int_equal(c.s.counters.value[SL_COUNT_NONFINITE], 2);
     assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 1);
     end(&c);
 }
@@ -330,20 +349,23 @@ static void renderers_that_return_no_number_leave_the_picture_as_it_was(void **s
     c.s.settings.threads = 1;
     sl_shading_sample(&c.s, 4);
     assert_int_equal(sl_shading_commit(&c.s, 4, NULL), SL_OK);
-    for (uint32_t i = 0; i < 4; i++) assert_true(value_of(&c.h, i) == 2.0f && !c.h.patches->vertex[i].borrowed);
+    for (uint32_t i = 0; i < 4; i++)
+        assert_true(value_of(&c.h, i) == 2.0f && !c.h.patches->vertex[i].borrowed);
     assert_true(c.s.counters.value[SL_COUNT_NONFINITE] >= 4);
     c.s.renderer[0].destroy(c.s.renderer[0].state);
     end(&c);
 }
 
-/* A renderer for which all is inside something but what lies at least so far from the left side of the square, which is 2 wide. */
+/* A renderer for which all is inside something but what lies at least so far from the left side of the
+ * square, which is 2 wide. */
 typedef struct shy {
     float left;
     size_t asked;
     float x[8];
 } shy;
 
-static void render_far_from_the_side(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples, sl_counters *counters) {
+static void render_far_from_the_side(const void *state, size_t count, const sl_sample_request *requests,
+                                     unsigned threads, sl_sample *samples, sl_counters *counters) {
     shy *r = (shy *)(uintptr_t)state;
     (void)threads, (void)counters;
     for (size_t i = 0; i < count; i++) {
@@ -353,17 +375,20 @@ static void render_far_from_the_side(const void *state, size_t count, const sl_s
     }
 }
 
-/* By 1, 5 and 20 % of the patch that a vertex was made for, towards the middle of the root; a root's own corners go by the root. */
+/* By 1, 5 and 20 % of the patch that a vertex was made for, towards the middle of the root; a root's own
+ * corners go by the root. */
 static void a_vertex_inside_something_is_looked_for_beside_it_further_and_further(void **state) {
     (void)state;
     for (int deep = 0; deep < 2; deep++) {
         committing c;
         begin(&c);
         split_levels(&c.h, c.h.patches->root_patch[0], 2);
-        const double from = deep ? -0.5 : -1.0, way = deep ? 0.5 : 1.0; /* (1, 2) / 4: on the grid of the second split, a quarter of 2 wide */
+        /* (1, 2) / 4: on the grid of the second split, a quarter of 2 wide */
+        const double from = deep ? -0.5 : -1.0, way = deep ? 0.5 : 1.0;
         c.s.vertex[0] = deep ? vertex_at(&c.h, 1, 2) : vertex_at(&c.h, 0, 0);
         shy r = {.left = (float)(from + 0.19 * way)};
-        c.s.renderer[0] = (sl_sample_renderer){.name = "shy", .state = &r, .render = render_far_from_the_side};
+        c.s.renderer[0] =
+            (sl_sample_renderer){.name = "shy", .state = &r, .render = render_far_from_the_side};
         c.s.renderer_count = 1;
         sl_shading_sample(&c.s, 1);
         assert_int_equal(r.asked, 4);

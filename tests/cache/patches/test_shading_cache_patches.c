@@ -1,4 +1,5 @@
-/* The patch hierarchy: counts, sharing, hanging vertices, values, splits and drops in any order, eviction, memory. */
+/* The patch hierarchy: counts, sharing, hanging vertices, values, splits and drops in any order, eviction,
+ * memory. */
 #include "patch_support.h"
 
 #include <math.h>
@@ -26,7 +27,8 @@ static void a_square_split_to_depth_d_has_4_to_the_d_leaves_and_a_grid_of_vertic
     }
 }
 
-static void a_triangle_split_to_depth_d_has_4_to_the_d_leaves_and_a_triangular_grid_of_vertices(void **state) {
+static void a_triangle_split_to_depth_d_has_4_to_the_d_leaves_and_a_triangular_grid_of_vertices(
+    void **state) {
     (void)state;
     for (int d = 0; d <= 5; d++) {
         hierarchy h = hierarchy_of(triangle_scene(), 0);
@@ -40,13 +42,15 @@ static void a_triangle_split_to_depth_d_has_4_to_the_d_leaves_and_a_triangular_g
     }
 }
 
-static void nothing_is_there_before_it_is_wanted_and_nothing_is_evaluated_before_it_is_asked_for(void **state) {
+static void nothing_is_there_before_it_is_wanted_and_nothing_is_evaluated_before_it_is_asked_for(
+    void **state) {
     (void)state;
     hierarchy h = hierarchy_of(square_scene(), SL_PATCHES_LOBES);
     assert_int_equal(h.patches->patches_alive + h.patches->vertices_alive, 0);
     assert_int_equal(sl_patch_locate(h.patches, 0, 0.5, 0.5).patch, SL_NO_INDEX);
     split_levels(&h, want_root(&h, 0), 3);
-    for (size_t i = 0; i < h.patches->vertex_count; i++) assert_int_equal(h.patches->vertex[i].evaluated, SL_VERTEX_NEVER);
+    for (size_t i = 0; i < h.patches->vertex_count; i++)
+        assert_int_equal(h.patches->vertex[i].evaluated, SL_VERTEX_NEVER);
     assert_int_equal(h.patches->root_patch[1], SL_NO_INDEX);
     hierarchy_discard(&h);
 }
@@ -84,8 +88,10 @@ static void every_point_is_in_the_leaf_that_is_found_for_it(void **state) {
             assert_memory_equal(&place, &same, sizeof place);
             double low_u = 1, high_u = 0, low_v = 1, high_v = 0;
             for (int c = 0; c < place.corners; c++) {
-                low_u = fmin(low_u, (double)place.u[c] / SL_PATCH_DYADIC), high_u = fmax(high_u, (double)place.u[c] / SL_PATCH_DYADIC);
-                low_v = fmin(low_v, (double)place.v[c] / SL_PATCH_DYADIC), high_v = fmax(high_v, (double)place.v[c] / SL_PATCH_DYADIC);
+                low_u = fmin(low_u, (double)place.u[c] / SL_PATCH_DYADIC),
+                high_u = fmax(high_u, (double)place.u[c] / SL_PATCH_DYADIC);
+                low_v = fmin(low_v, (double)place.v[c] / SL_PATCH_DYADIC),
+                high_v = fmax(high_v, (double)place.v[c] / SL_PATCH_DYADIC);
             }
             assert_true(low_u <= u && u <= high_u && low_v <= v && v <= high_v);
             if (kind) { /* and on the right side of the slanted edge */
@@ -95,7 +101,8 @@ static void every_point_is_in_the_leaf_that_is_found_for_it(void **state) {
             }
             split(&h, place.patch);
         }
-        assert_int_equal(sl_patch_locate(h.patches, 0, -1e30, (double)NAN).patch, sl_patch_locate(h.patches, 0, 0.0, 0.0).patch);
+        assert_int_equal(sl_patch_locate(h.patches, 0, -1e30, (double)NAN).patch,
+                         sl_patch_locate(h.patches, 0, 0.0, 0.0).patch);
         assert_sound(h.patches);
         hierarchy_discard(&h);
     }
@@ -117,7 +124,8 @@ static void a_closed_box_shares_no_corner_and_a_flat_fan_shares_all(void **state
     mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     for (int i = 0; i < 2; i++) {
-        for (int j = 0; j < 2; j++) trace_mesh_quad(&mesh, sl_v3((float)i, (float)j, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
+        for (int j = 0; j < 2; j++)
+            trace_mesh_quad(&mesh, sl_v3((float)i, (float)j, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
     }
     hierarchy fan = hierarchy_of(trace_mesh_build(&mesh), 0);
     for (uint32_t r = 0; r < 8; r++) split_levels(&fan, want_root(&fan, r), 2);
@@ -131,7 +139,8 @@ static sl_scene *two_triangles(bool other_material, bool turned) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0), b = trace_mesh_vertex(&mesh, 1, 0, 0), c = trace_mesh_vertex(&mesh, 0, 1, 0);
+    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0), b = trace_mesh_vertex(&mesh, 1, 0, 0),
+             c = trace_mesh_vertex(&mesh, 0, 1, 0);
     uint32_t d = trace_mesh_vertex(&mesh, 1, 2, turned ? 0.01f : 0.0f);
     trace_mesh_triangle(&mesh, a, b, c, 0);
     trace_mesh_triangle(&mesh, d, c, b, other_material ? 1 : 0);
@@ -162,7 +171,8 @@ static void a_shared_vertex_is_evaluated_once_for_both(void **state) {
     split_levels(&h, want_root(&h, 2), 1);
     split_levels(&h, want_root(&h, 0), 1);
     sl_patches *p = h.patches;
-    for (size_t i = 0; i < p->vertex_count; i++) { /* what the renderer would answer: a function of position */
+    /* what the renderer would answer: a function of position */
+    for (size_t i = 0; i < p->vertex_count; i++) {
         sl_root_point point;
         sl_root_point_at(h.primitives, p->vertex[i].root, p->vertex[i].u, p->vertex[i].v, &point);
         p->vertex[i].value[0] = point.position.x + 10.0f * point.position.y;
@@ -188,9 +198,11 @@ static void structure_and_vertices_are_the_same_for_any_order_of_splits(void **s
     for (int order = 0; order < 4; order++) {
         trace_mesh mesh = trace_mesh_begin();
         trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-        for (int i = 0; i < 3; i++) trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
+        for (int i = 0; i < 3; i++)
+            trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
         hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
-        /* The same splits along a line across all three, in different orders, with detours that are taken back. */
+        /* The same splits along a line across all three, in different orders, with detours that are taken
+         * back. */
         for (int k = 0; k < 60; k++) {
             int i = order == 0 ? k : order == 1 ? 59 - k : order == 2 ? k * 7 % 60 : k * 23 % 60;
             double x = 3.0 * i / 60.0 + 0.02, y = 0.31 * x;
@@ -222,7 +234,8 @@ static void a_leaf_beside_finer_ones_knows_the_vertices_on_its_edge_in_order(voi
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    for (int i = 0; i < 2; i++) trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
+    for (int i = 0; i < 2; i++)
+        trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
     hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
     uint32_t coarse = want_root(&h, 0), fine = want_root(&h, 2), vertex[16];
     sl_patch_place place = sl_patch_place_of(h.patches, coarse);
@@ -331,7 +344,8 @@ static void split_and_drop_at_random(hierarchy *h, uint64_t steps, int deepest) 
             if (place.depth < deepest) split(h, place.patch);
         } else {
             uint32_t above = place.patch;
-            for (uint32_t k = choice >> 8; k % 3 && sl_patch_parent(p, above) != SL_NO_INDEX; k /= 3) above = sl_patch_parent(p, above);
+            for (uint32_t k = choice >> 8; k % 3 && sl_patch_parent(p, above) != SL_NO_INDEX; k /= 3)
+                above = sl_patch_parent(p, above);
             sl_patch_drop_children(p, above);
         }
         if (i % 5000 == 4999) assert_sound(p);
@@ -345,8 +359,10 @@ static void random_splits_and_drops_leave_a_sound_hierarchy(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    for (int i = 0; i < 2; i++) trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
-    uint32_t a = trace_mesh_vertex(&mesh, 0, 1, 0), b = trace_mesh_vertex(&mesh, 1, 1, 0), c = trace_mesh_vertex(&mesh, 0.5f, 2, 0);
+    for (int i = 0; i < 2; i++)
+        trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
+    uint32_t a = trace_mesh_vertex(&mesh, 0, 1, 0), b = trace_mesh_vertex(&mesh, 1, 1, 0),
+             c = trace_mesh_vertex(&mesh, 0.5f, 2, 0);
     trace_mesh_triangle(&mesh, a, b, c, 0);
     hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
     split_and_drop_at_random(&h, 100000, 9);
@@ -362,7 +378,8 @@ static void so_do_they_on_curved_surfaces_with_a_pole(void **state) {
     hierarchy_discard(&h);
 }
 
-/* What a display does that keeps a list of triangles for each leaf and makes those again that are marked: it never misses a vertex. */
+/* What a display does that keeps a list of triangles for each leaf and makes those again that are marked: it
+ * never misses a vertex. */
 static void leaves_that_are_not_marked_have_the_vertices_that_they_had(void **state) {
     (void)state;
     enum { ROOM = 256 };
@@ -373,10 +390,12 @@ static void leaves_that_are_not_marked_have_the_vertices_that_they_had(void **st
     for (uint32_t r = 0; r < 32; r += 2) want_root(&h, r);
     for (uint64_t i = 0; i < 600; i++) {
         for (size_t k = 0; k < p->patch_count; k++) p->flags[k] &= (uint8_t)~SL_PATCH_DIRTY;
-        sl_patch_place at = sl_patch_locate(p, 2 * (sl_random_bits(key, 3 * i) % 16), (double)sl_random_unit(key, 3 * i + 1),
-                                            (double)sl_random_unit(key, 3 * i + 2));
+        sl_patch_place at =
+            sl_patch_locate(p, 2 * (sl_random_bits(key, 3 * i) % 16), (double)sl_random_unit(key, 3 * i + 1),
+                            (double)sl_random_unit(key, 3 * i + 2));
         if (i % 4 != 3 && at.depth < 6) split(&h, at.patch);
-        else if (sl_patch_parent(p, at.patch) != SL_NO_INDEX) sl_patch_drop_children(p, sl_patch_parent(p, at.patch));
+        else if (sl_patch_parent(p, at.patch) != SL_NO_INDEX)
+            sl_patch_drop_children(p, sl_patch_parent(p, at.patch));
         assert_true(p->patch_count < 20000);
         for (uint32_t k = 0; k < p->patch_count; k++) {
             if (!sl_patch_is_alive(p, k) || !sl_patch_is_leaf(p, k)) continue;
@@ -421,7 +440,8 @@ static void slivers_keep_their_shape_and_are_split_like_others(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0), b = trace_mesh_vertex(&mesh, 1, 0, 0), c = trace_mesh_vertex(&mesh, 0.5f, 1e-4f, 0);
+    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0), b = trace_mesh_vertex(&mesh, 1, 0, 0),
+             c = trace_mesh_vertex(&mesh, 0.5f, 1e-4f, 0);
     trace_mesh_triangle(&mesh, a, b, c, 0);
     hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
     split_levels(&h, want_root(&h, 0), 4);
@@ -433,7 +453,8 @@ static void slivers_keep_their_shape_and_are_split_like_others(void **state) {
 
 static size_t seen_patches(const sl_patches *p, uint32_t since) {
     size_t count = 0;
-    for (uint32_t i = 0; i < p->patch_count; i++) count += sl_patch_is_alive(p, i) && p->patch[i].seen >= since;
+    for (uint32_t i = 0; i < p->patch_count; i++)
+        count += sl_patch_is_alive(p, i) && p->patch[i].seen >= since;
     return count;
 }
 
@@ -474,7 +495,8 @@ static void eviction_takes_what_was_not_seen_for_longest_down_to_nine_tenths(voi
     assert_true(p->patches_alive <= 576 && p->patches_alive > 576 - 4);
     assert_int_equal(counters.value[SL_COUNT_PATCHES_EVICTED], all - p->patches_alive);
     assert_int_equal(seen_patches(p, 100), 341);
-    assert_true(sl_patch_is_leaf(p, old_child + 2)); /* the oldest quarter went whole, and before the others */
+    /* the oldest quarter went whole, and before the others */
+    assert_true(sl_patch_is_leaf(p, old_child + 2));
     assert_sound(p);
     /* Whatever is wanted: what was seen within the window stays, and roots do. */
     assert_int_equal(sl_patches_evict(p, 1, 90, 0.8, &counters, NULL), SL_OK);
@@ -493,7 +515,8 @@ static void of_patches_seen_last_at_one_time_the_lower_index_goes_first(void **s
     split_levels(&h, root, 2);
     see(h.patches, root, 5, 9);
     sl_counters counters = {0};
-    assert_int_equal(sl_patches_evict(h.patches, 20, 90, 0.8, &counters, NULL), SL_OK); /* from 21 to 18 at most */
+    /* from 21 to 18 at most */
+    assert_int_equal(sl_patches_evict(h.patches, 20, 90, 0.8, &counters, NULL), SL_OK);
     uint32_t child = h.patches->patch[root].child;
     for (uint32_t k = 0; k < 4; k++) assert_int_equal(sl_patch_is_leaf(h.patches, child + k), k == 0);
     hierarchy_discard(&h);
@@ -538,7 +561,8 @@ static void turning_back_within_the_window_costs_no_sample(void **state) {
 }
 
 /* Frames may be drawn from what the display knew before. */
-static void children_that_were_dropped_leave_room_after_two_builds_of_the_display_and_not_before(void **state) {
+static void children_that_were_dropped_leave_room_after_two_builds_of_the_display_and_not_before(
+    void **state) {
     (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
     sl_patches *p = h.patches;
@@ -560,7 +584,9 @@ static void children_that_were_dropped_leave_room_after_two_builds_of_the_displa
 
 /* ---- memory ---- */
 
-static double bytes_a_patch(hierarchy *h) { return (double)sl_patches_memory_bytes(h->patches) / (double)h->patches->patches_alive; }
+static double bytes_a_patch(hierarchy *h) {
+    return (double)sl_patches_memory_bytes(h->patches) / (double)h->patches->patches_alive;
+}
 
 static void a_patch_takes_at_most_55_bytes(void **state) {
     (void)state;
@@ -573,11 +599,14 @@ static void a_patch_takes_at_most_55_bytes(void **state) {
     want_root(&edge, 0);
     for (int i = 0; i < 4000; i++) {
         double u = (i + 0.5) / 4000.0, v = 0.2 + 0.61 * u;
-        for (sl_patch_place at; (at = sl_patch_locate(edge.patches, 0, u, v)).depth < 9;) split(&edge, at.patch);
+        for (sl_patch_place at; (at = sl_patch_locate(edge.patches, 0, u, v)).depth < 9;)
+            split(&edge, at.patch);
     }
-    double of_square = bytes_a_patch(&square), of_triangle = bytes_a_patch(&triangle), of_edge = bytes_a_patch(&edge);
-    printf("bytes a patch: quads %.1f, triangles %.1f, quads along an edge %.1f (%zu patches, %zu vertices)\n", of_square, of_triangle,
-           of_edge, edge.patches->patches_alive, edge.patches->vertices_alive);
+    double of_square = bytes_a_patch(&square), of_triangle = bytes_a_patch(&triangle),
+           of_edge = bytes_a_patch(&edge);
+    printf(
+        "bytes a patch: quads %.1f, triangles %.1f, quads along an edge %.1f (%zu patches, %zu vertices)\n",
+        of_square, of_triangle, of_edge, edge.patches->patches_alive, edge.patches->vertices_alive);
     assert_true(of_square <= 55.0);
     assert_true(of_triangle <= 55.0);
     assert_true(of_edge <= 55.0);
@@ -590,7 +619,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_square_split_to_depth_d_has_4_to_the_d_leaves_and_a_grid_of_vertices),
         cmocka_unit_test(a_triangle_split_to_depth_d_has_4_to_the_d_leaves_and_a_triangular_grid_of_vertices),
-        cmocka_unit_test(nothing_is_there_before_it_is_wanted_and_nothing_is_evaluated_before_it_is_asked_for),
+        cmocka_unit_test(
+            nothing_is_there_before_it_is_wanted_and_nothing_is_evaluated_before_it_is_asked_for),
         cmocka_unit_test(splits_end_at_the_greatest_depth),
         cmocka_unit_test(every_point_is_in_the_leaf_that_is_found_for_it),
         cmocka_unit_test(a_closed_box_shares_no_corner_and_a_flat_fan_shares_all),
@@ -610,7 +640,8 @@ int main(void) {
         cmocka_unit_test(eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in_view),
         cmocka_unit_test(what_was_just_split_in_view_is_not_evicted_before_it_could_be_seen),
         cmocka_unit_test(turning_back_within_the_window_costs_no_sample),
-        cmocka_unit_test(children_that_were_dropped_leave_room_after_two_builds_of_the_display_and_not_before),
+        cmocka_unit_test(
+            children_that_were_dropped_leave_room_after_two_builds_of_the_display_and_not_before),
         cmocka_unit_test(a_patch_takes_at_most_55_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

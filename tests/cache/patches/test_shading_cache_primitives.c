@@ -1,4 +1,5 @@
-/* What the hierarchy stands on: quadrilaterals found among triangles, points of roots and back, edges and poles that are shared. */
+/* What the hierarchy stands on: quadrilaterals found among triangles, points of roots and back, edges and
+ * poles that are shared. */
 #include "patch_support.h"
 
 #include <math.h>
@@ -13,7 +14,8 @@ static sl_primitives *primitives_of(const sl_scene *scene) {
     sl_primitives *p;
     assert_int_equal(sl_primitives_find(scene, &p, NULL), SL_OK);
     for (size_t i = 0; i < p->count; i++) {
-        for (uint32_t t = 0; t < p->triangle_count[i]; t++) assert_int_equal(p->of_triangle[p->first_triangle[i] + t], i);
+        for (uint32_t t = 0; t < p->triangle_count[i]; t++)
+            assert_int_equal(p->of_triangle[p->first_triangle[i] + t], i);
     }
     return p;
 }
@@ -30,7 +32,8 @@ static void the_walls_and_boxes_of_the_cornell_box_are_quadrilaterals(void **sta
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_primitives *p = primitives_of(scene);
-    /* The published measurements are not quite those of parallelograms: the floor's and the ceiling's corners, and some sides of the boxes. */
+    /* The published measurements are not quite those of parallelograms: the floor's and the ceiling's
+     * corners, and some sides of the boxes. */
     size_t quads = count_of(p, SL_PRIMITIVE_QUAD), triangles = count_of(p, SL_PRIMITIVE_TRIANGLE);
     assert_int_equal(2 * quads + triangles, scene->triangle_count);
     assert_true(quads >= 5);
@@ -48,8 +51,9 @@ static void the_walls_and_boxes_of_the_cornell_box_are_quadrilaterals(void **sta
 
 static void every_face_of_an_obj_box_is_one_quadrilateral(void **state) {
     (void)state;
-    static const char obj[] = "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 0.3 0 1\nv 2.3 0 1\nv 2.3 3 1\nv 0.3 3 1\n"
-                              "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    static const char obj[] =
+        "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 0.3 0 1\nv 2.3 0 1\nv 2.3 3 1\nv 0.3 3 1\n"
+        "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
     sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}]}", obj);
     sl_primitives *p = primitives_of(scene);
     assert_int_equal(scene->triangle_count, 12);
@@ -81,11 +85,23 @@ static size_t primitives_in(const pair *p, const float *xyz, bool textured) {
     sl_texture texture = {.file = "t", .width = 1, .height = 1, .texels = texel};
     sl_material materials[2];
     for (int i = 0; i < 2; i++) {
-        materials[i] = (sl_material){.name = "m", .diffuse = {0.5f, 0.5f, 0.5f}, .texture = textured ? 0 : SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+        materials[i] = (sl_material){.name = "m",
+                                     .diffuse = {0.5f, 0.5f, 0.5f},
+                                     .texture = textured ? 0 : SL_NO_INDEX,
+                                     .alpha_texture = SL_NO_INDEX};
     }
-    sl_scene_parts parts = {.vertex_count = 6, .positions = xyz, .normals = p->normal, .texture_coordinates = p->uv, .triangle_count = 2,
-                            .indices = p->index, .material_index = p->material, .object_index = p->object, .material_count = 2,
-                            .materials = materials, .texture_count = 1, .textures = &texture};
+    sl_scene_parts parts = {.vertex_count = 6,
+                            .positions = xyz,
+                            .normals = p->normal,
+                            .texture_coordinates = p->uv,
+                            .triangle_count = 2,
+                            .indices = p->index,
+                            .material_index = p->material,
+                            .object_index = p->object,
+                            .material_count = 2,
+                            .materials = materials,
+                            .texture_count = 1,
+                            .textures = &texture};
     sl_scene *scene;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
     sl_primitives *found = primitives_of(scene);
@@ -140,7 +156,8 @@ static void three_triangles_of_a_strip_make_one_quadrilateral_and_a_triangle(voi
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0), b = trace_mesh_vertex(&mesh, 1, 0, 0), c = trace_mesh_vertex(&mesh, 0, 1, 0);
+    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0), b = trace_mesh_vertex(&mesh, 1, 0, 0),
+             c = trace_mesh_vertex(&mesh, 0, 1, 0);
     uint32_t d = trace_mesh_vertex(&mesh, 1, 1, 0), e = trace_mesh_vertex(&mesh, 0, 2, 0);
     trace_mesh_triangle(&mesh, a, b, c, 0);
     trace_mesh_triangle(&mesh, c, b, d, 0);
@@ -156,17 +173,19 @@ static void three_triangles_of_a_strip_make_one_quadrilateral_and_a_triangle(voi
 
 /* ---- points ---- */
 
-/* However a quadrilateral's triangles begin, (u, v) of its corners are (0,0), (1,0), (1,1), (0,1), and points are affine in (u, v). */
+/* However a quadrilateral's triangles begin, (u, v) of its corners are (0,0), (1,0), (1,1), (0,1), and points
+ * are affine in (u, v). */
 static void points_of_roots_and_their_parameters_agree(void **state) {
     (void)state;
     for (uint32_t turn = 0; turn < 9; turn++) {
         trace_mesh mesh = trace_mesh_begin();
         trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-        uint32_t corner[4] = {trace_mesh_vertex(&mesh, 0, 0, 1), trace_mesh_vertex(&mesh, 2, 0.5f, 1), trace_mesh_vertex(&mesh, 3, 1.5f, 1),
-                              trace_mesh_vertex(&mesh, 1, 1, 1)};
+        uint32_t corner[4] = {trace_mesh_vertex(&mesh, 0, 0, 1), trace_mesh_vertex(&mesh, 2, 0.5f, 1),
+                              trace_mesh_vertex(&mesh, 3, 1.5f, 1), trace_mesh_vertex(&mesh, 1, 1, 1)};
         uint32_t first[3] = {corner[0], corner[1], corner[2]}, second[3] = {corner[0], corner[2], corner[3]};
         trace_mesh_triangle(&mesh, first[turn % 3], first[(turn + 1) % 3], first[(turn + 2) % 3], 0);
-        trace_mesh_triangle(&mesh, second[turn / 3], second[(turn / 3 + 1) % 3], second[(turn / 3 + 2) % 3], 0);
+        trace_mesh_triangle(&mesh, second[turn / 3], second[(turn / 3 + 1) % 3], second[(turn / 3 + 2) % 3],
+                            0);
         sl_scene *scene = trace_mesh_build(&mesh);
         sl_primitives *p = primitives_of(scene);
         assert_int_equal(p->count, 1);
@@ -178,9 +197,11 @@ static void points_of_roots_and_their_parameters_agree(void **state) {
                     sl_root_point_at(p, root, i * SL_PATCH_DYADIC / 8, j * SL_PATCH_DYADIC / 8, &point);
                     sl_vec3 c[4];
                     for (int k = 0; k < 4; k++) c[k] = sl_scene_position(scene, p->corner[k][0]);
-                    sl_vec3 expected = sl_mad(sl_mad(c[0], (float)u, sl_sub(c[1], c[0])), (float)v, sl_sub(c[3], c[0]));
+                    sl_vec3 expected =
+                        sl_mad(sl_mad(c[0], (float)u, sl_sub(c[1], c[0])), (float)v, sl_sub(c[3], c[0]));
                     assert_true(distance(point.position, expected) < 1e-6);
-                    assert_true(point.normal.z == (root ? -1.0f : 1.0f) && point.geometric_normal.z == point.normal.z);
+                    assert_true(point.normal.z == (root ? -1.0f : 1.0f) &&
+                                point.geometric_normal.z == point.normal.z);
                     bool on_edge = i % 8 == 0 || j % 8 == 0 || i == j;
                     assert_int_equal(point.triangle == SL_NO_INDEX, on_edge);
                     float w1, w2;
@@ -209,7 +230,8 @@ static void points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces
         uint32_t primitive = sl_random_bits(key, 3 * k) % (uint32_t)p->count, root = 2 * primitive;
         if (p->kind[primitive] != SL_PRIMITIVE_BICUBIC) continue;
         const sl_bicubic *b = &scene->bicubics[p->bicubic[primitive]];
-        uint32_t u = sl_random_bits(key, 3 * k + 1) % (SL_PATCH_DYADIC + 1), v = sl_random_bits(key, 3 * k + 2) % (SL_PATCH_DYADIC + 1);
+        uint32_t u = sl_random_bits(key, 3 * k + 1) % (SL_PATCH_DYADIC + 1),
+                 v = sl_random_bits(key, 3 * k + 2) % (SL_PATCH_DYADIC + 1);
         if (k % 5 == 0) u = u / 4096 * 4096;
         if (k % 7 == 0) v = 0;
         sl_root_point point;
@@ -218,14 +240,19 @@ static void points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces
         sl_bicubic_at(b, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &position, &normal);
         assert_true(distance(point.position, position) < 0.5); /* the vase is 330 high */
         assert_true(distance(point.position, sl_root_position(p, root, u, v)) == 0.0);
-        assert_true(sl_dot(point.normal, normal) > 0.999f && sl_dot(point.normal, point.geometric_normal) > 0.9f);
+        assert_true(sl_dot(point.normal, normal) > 0.999f &&
+                    sl_dot(point.normal, point.geometric_normal) > 0.9f);
         float w1, w2;
         double back_u, back_v;
-        uint32_t t = sl_root_triangle_at(p, root, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &w1, &w2);
-        assert_true(t >= b->first_triangle && t < b->first_triangle + b->triangle_count && w1 >= 0.0f && w2 >= 0.0f && w1 + w2 <= 1.0001f);
+        uint32_t t =
+            sl_root_triangle_at(p, root, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &w1, &w2);
+        assert_true(t >= b->first_triangle && t < b->first_triangle + b->triangle_count && w1 >= 0.0f &&
+                    w2 >= 0.0f && w1 + w2 <= 1.0001f);
         sl_root_parameters(p, t, w1, w2, &back_u, &back_v);
-        if (v >= SL_PATCH_DYADIC / 16) { /* nearer to the pole half of the triangles are not there, and others stand for them */
-            assert_true(fabs(back_u - (double)u / SL_PATCH_DYADIC) < 1e-5 && fabs(back_v - (double)v / SL_PATCH_DYADIC) < 1e-5);
+        /* nearer to the pole half of the triangles are not there, and others stand for them */
+        if (v >= SL_PATCH_DYADIC / 16) {
+            assert_true(fabs(back_u - (double)u / SL_PATCH_DYADIC) < 1e-5 &&
+                        fabs(back_v - (double)v / SL_PATCH_DYADIC) < 1e-5);
         }
     }
     sl_primitives_destroy(p);
@@ -241,13 +268,26 @@ static sl_scene *disc_scene(int pole) {
     sl_bicubic b = {.steps = 16, .triangle_count = T};
     for (int k = 0; k < 16; k++) {
         int j = k / 4, i = k % 4; /* turned about so that row 0 becomes the edge */
-        int row = pole == 0 ? j : pole == 1 ? 3 - i : pole == 2 ? 3 - j : i, at = pole == 0 ? i : pole == 1 ? j : pole == 2 ? 3 - i : 3 - j;
+        int row = pole == 0   ? j
+                  : pole == 1 ? 3 - i
+                  : pole == 2 ? 3 - j
+                              : i,
+            at = pole == 0   ? i
+                 : pole == 1 ? j
+                 : pole == 2 ? 3 - i
+                             : 3 - j;
         float r = (float)row / 3.0f;
         b.point[j][i] = sl_v3(r * circle[at][0], 0, r * circle[at][1]);
     }
     sl_bicubic_tessellate(&b, xyz, normal, uv, index);
-    sl_scene_parts parts = {.vertex_count = V, .positions = xyz, .normals = normal, .texture_coordinates = uv, .triangle_count = T,
-                            .indices = index, .bicubic_count = 1, .bicubics = &b};
+    sl_scene_parts parts = {.vertex_count = V,
+                            .positions = xyz,
+                            .normals = normal,
+                            .texture_coordinates = uv,
+                            .triangle_count = T,
+                            .indices = index,
+                            .bicubic_count = 1,
+                            .bicubics = &b};
     sl_scene *scene;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
     assert_int_equal(scene->triangle_count, T - 16);
@@ -266,9 +306,15 @@ static void where_half_of_the_triangles_are_missing_the_others_hold_their_points
             sl_bicubic_at(b, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &expected, NULL);
             sl_root_point point;
             sl_root_point_at(p, 0, u, v, &point);
-            double from_pole = (double)(pole == 0 ? v : pole == 1 ? SL_PATCH_DYADIC - u : pole == 2 ? SL_PATCH_DYADIC - v : u) / SL_PATCH_DYADIC;
-            /* The arc's height over its chord; a cell's angle at the pole, or how far a trapezium's halves are from bilinear. */
-            assert_true(distance(point.position, expected) <= 2e-3 * from_pole + fmin(0.11 * from_pole, 2e-3) + 1e-6);
+            double from_pole = (double)(pole == 0   ? v
+                                        : pole == 1 ? SL_PATCH_DYADIC - u
+                                        : pole == 2 ? SL_PATCH_DYADIC - v
+                                                    : u) /
+                               SL_PATCH_DYADIC;
+            /* The arc's height over its chord; a cell's angle at the pole, or how far a trapezium's halves
+             * are from bilinear. */
+            assert_true(distance(point.position, expected) <=
+                        2e-3 * from_pole + fmin(0.11 * from_pole, 2e-3) + 1e-6);
             assert_true(fabs(fabs((double)point.normal.y) - 1.0) < 1e-5);
         }
         sl_root_place corner = {0, 0, 0}, along = {0, 0, 0};
@@ -323,11 +369,14 @@ static void mean_reflectance_is_that_of_the_texture(void **state) {
         float w1, w2;
         uint32_t t = sl_root_triangle_at(p, 0, u, v, &w1, &w2);
         sl_rgb through = sl_scene_diffuse(scene, t, w1, w2);
-        sl_vec3 c0 = sl_scene_position(scene, p->corner[0][0]), c1 = sl_scene_position(scene, p->corner[1][0]);
+        sl_vec3 c0 = sl_scene_position(scene, p->corner[0][0]),
+                c1 = sl_scene_position(scene, p->corner[1][0]);
         sl_vec3 c3 = sl_scene_position(scene, p->corner[3][0]);
-        sl_vec3 at = sl_mad(sl_mad(c0, (float)u, sl_sub(c1, c0)), (float)v, sl_sub(c3, c0)); /* (x, y) are texture coordinates here */
-        bool checked = (at.x < 0.5f) == (at.y < 0.5f), far_from_edges = fabs(fabs(fabs((double)at.x - 0.5) - 0.25)) < 0.1 &&
-                                                                        fabs(fabs(fabs((double)at.y - 0.5) - 0.25)) < 0.1;
+        /* (x, y) are texture coordinates here */
+        sl_vec3 at = sl_mad(sl_mad(c0, (float)u, sl_sub(c1, c0)), (float)v, sl_sub(c3, c0));
+        bool checked = (at.x < 0.5f) == (at.y < 0.5f),
+             far_from_edges = fabs(fabs(fabs((double)at.x - 0.5) - 0.25)) < 0.1 &&
+                              fabs(fabs(fabs((double)at.y - 0.5) - 0.25)) < 0.1;
         if (far_from_edges) assert_true(checked ? through.r < 0.25f : through.r > 0.25f);
     }
     sl_primitives_destroy(p);
@@ -344,7 +393,8 @@ static void a_canonical_place_is_where_the_point_is_with_its_normal(void **state
     for (uint32_t root = 0; root < 2 * p->count; root++) {
         int corners = p->kind[root / 2] == SL_PRIMITIVE_TRIANGLE ? 3 : 4;
         for (uint32_t k = 0; k < 17 * 17; k++) {
-            uint16_t u = (uint16_t)(k % 17 * SL_PATCH_DYADIC / 16), v = (uint16_t)(k / 17 * SL_PATCH_DYADIC / 16);
+            uint16_t u = (uint16_t)(k % 17 * SL_PATCH_DYADIC / 16),
+                     v = (uint16_t)(k / 17 * SL_PATCH_DYADIC / 16);
             if (corners == 3 && u + v > SL_PATCH_DYADIC) continue;
             sl_root_place at = {root, u, v}, canonical = sl_root_canonical(p, at);
             assert_true(same_root_place(canonical, sl_root_canonical(p, canonical)));
@@ -410,14 +460,22 @@ static void no_patch_without_area_is_made_of_a_surface(void **state) {
     static float xyz[3 * V], normal[3 * V], uv[2 * V];
     static uint32_t index[6 * N * N];
     sl_bicubic b = {.steps = N, .triangle_count = 2 * N * N};
-    for (int j = 0; j < 4; j++) { /* its rows 1 to 3 lie on each other: no area above v = some value is lost, but rows fold to a point at u = 0 */
+    /* its rows 1 to 3 lie on each other: no area above v = some value is lost, but rows fold to a point at u
+     * = 0 */
+    for (int j = 0; j < 4; j++) {
         for (int i = 0; i < 4; i++) b.point[j][i] = sl_v3((float)i, i == 0 ? 0.0f : (float)j * (float)i, 0);
     }
     for (int i = 0; i < 4; i++) b.point[3][i] = b.point[0][i];
     for (int i = 0; i < 4; i++) b.point[2][i] = b.point[1][i];
     sl_bicubic_tessellate(&b, xyz, normal, uv, index);
-    sl_scene_parts parts = {.vertex_count = V, .positions = xyz, .normals = normal, .texture_coordinates = uv, .triangle_count = 2 * N * N,
-                            .indices = index, .bicubic_count = 1, .bicubics = &b};
+    sl_scene_parts parts = {.vertex_count = V,
+                            .positions = xyz,
+                            .normals = normal,
+                            .texture_coordinates = uv,
+                            .triangle_count = 2 * N * N,
+                            .indices = index,
+                            .bicubic_count = 1,
+                            .bicubics = &b};
     sl_scene *scene;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
     hierarchy h = hierarchy_of(scene, 0);
@@ -443,7 +501,8 @@ static void shared_corners_of_many_facets_are_found_in_bounded_time(void **state
     uint32_t tip = trace_mesh_vertex(&mesh, 0, 1, 0);
     for (int i = 0; i < 20000; i++) { /* facets that all face elsewhere, about one point */
         float x = (float)(i - 10000) / 10000.0f;
-        uint32_t a = trace_mesh_vertex(&mesh, x, 0, x * x), b = trace_mesh_vertex(&mesh, x + 1e-4f, 0, (x + 1e-4f) * (x + 1e-4f));
+        uint32_t a = trace_mesh_vertex(&mesh, x, 0, x * x),
+                 b = trace_mesh_vertex(&mesh, x + 1e-4f, 0, (x + 1e-4f) * (x + 1e-4f));
         trace_mesh_triangle(&mesh, tip, a, b, 0);
     }
     sl_scene *scene = trace_mesh_build(&mesh);

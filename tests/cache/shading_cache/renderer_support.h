@@ -30,7 +30,8 @@ typedef struct shop {
 void shop_open(shop *s, sl_scene *scene);
 void shop_close(shop *s);
 
-typedef sl_status make_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
+typedef sl_status make_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
+                                sl_error *error);
 sl_sample_renderer shop_renderer(shop *s, make_renderer *make);
 sl_sample shop_sample(shop *s, const sl_sample_renderer *renderer, const sl_sample_request *request);
 

@@ -35,8 +35,15 @@ static world open_world(const char *path) {
 
 static void make_cache(world *w, int samples, unsigned threads) {
     w->tracer = w->own;
-    render_cache_settings s = {.scene = w->scene, .tracer = &w->tracer, .renderer = &w->renderer, .renderers = 1, .width = SIZE, .height = SIZE, .samples = samples,
-                               .threads = threads, .seed = 1};
+    render_cache_settings s = {.scene = w->scene,
+                               .tracer = &w->tracer,
+                               .renderer = &w->renderer,
+                               .renderers = 1,
+                               .width = SIZE,
+                               .height = SIZE,
+                               .samples = samples,
+                               .threads = threads,
+                               .seed = 1};
     assert_int_equal(render_cache_create(&s, &w->cache, NULL), SL_OK);
 }
 
@@ -65,10 +72,18 @@ static void run_frames(world *w, int frames) {
 /* What the pixel's ray says, with an arithmetic of its own; object: what it hits, or SL_NO_INDEX. */
 static sl_rgb truth(const world *w, int x, int y, uint32_t *object) {
     const sl_camera *c = &w->scene->camera;
-    double top = sl_tan(0.5 * (double)c->vertical_fov), u = top * (2.0 * (x + 0.5) / SIZE - 1.0), v = top * (1.0 - 2.0 * (y + 0.5) / SIZE);
-    sl_vec3 d = sl_normalize_or(sl_sub(sl_add(sl_scale(c->right, (float)u), sl_scale(c->up, (float)v)), c->back), sl_neg(c->back));
-    sl_ray16 ray = {.origin_x = {c->eye.x}, .origin_y = {c->eye.y}, .origin_z = {c->eye.z}, .direction_x = {d.x}, .direction_y = {d.y}, .direction_z = {d.z},
-                    .far = {INFINITY}, .skip = {SL_NO_INDEX}};
+    double top = sl_tan(0.5 * (double)c->vertical_fov), u = top * (2.0 * (x + 0.5) / SIZE - 1.0),
+           v = top * (1.0 - 2.0 * (y + 0.5) / SIZE);
+    sl_vec3 d = sl_normalize_or(
+        sl_sub(sl_add(sl_scale(c->right, (float)u), sl_scale(c->up, (float)v)), c->back), sl_neg(c->back));
+    sl_ray16 ray = {.origin_x = {c->eye.x},
+                    .origin_y = {c->eye.y},
+                    .origin_z = {c->eye.z},
+                    .direction_x = {d.x},
+                    .direction_y = {d.y},
+                    .direction_z = {d.z},
+                    .far = {INFINITY},
+                    .skip = {SL_NO_INDEX}};
     sl_hit16 hit;
     sl_counters counters = {{0}};
     sl_trace(w->tracer, &ray, 1, false, &hit, &counters);
@@ -79,12 +94,14 @@ static sl_rgb truth(const world *w, int x, int y, uint32_t *object) {
     sl_scene_surface(w->scene, hit.triangle[0], hit.w1[0], hit.w2[0], sl_neg(d), &s);
     sl_rgb e = sl_scene_emission(w->scene, hit.triangle[0], s.geometric_normal);
     float pi = (float)(1.0 / SL_PI);
-    return (sl_rgb){e.r + s.diffuse.r * 1.0f * pi, e.g + s.diffuse.g * 2.0f * pi, e.b + s.diffuse.b * 3.0f * pi};
+    return (sl_rgb){e.r + s.diffuse.r * 1.0f * pi, e.g + s.diffuse.g * 2.0f * pi,
+                    e.b + s.diffuse.b * 3.0f * pi};
 }
 
 static bool agrees(const world *w, int x, int y, sl_rgb t) {
     const float *p = render_cache_picture(w->cache) + y * SIZE + x;
-    return fabsf(p[0] - t.r) <= 1e-5f * (1.0f + t.r) && fabsf(p[SIZE * SIZE] - t.g) <= 1e-5f * (1.0f + t.g) && fabsf(p[2 * SIZE * SIZE] - t.b) <= 1e-5f * (1.0f + t.b);
+    return fabsf(p[0] - t.r) <= 1e-5f * (1.0f + t.r) && fabsf(p[SIZE * SIZE] - t.g) <= 1e-5f * (1.0f + t.g) &&
+           fabsf(p[2 * SIZE * SIZE] - t.b) <= 1e-5f * (1.0f + t.b);
 }
 
 /* Share of pixels that are right, of those whose object is `of` (SL_NO_INDEX: of all). */
@@ -119,7 +136,8 @@ static void few_samples_are_spread_over_the_picture(void **state) {
     run_frames(&w, 3);
     /* furnace: closed, all the same; a pixel next to a sample shows it, and no other does */
     int quarter[4] = {0};
-    for (int i = 0; i < SIZE * SIZE; i++) quarter[i / SIZE * 2 / SIZE * 2 + i % SIZE * 2 / SIZE] += render_cache_picture(w.cache)[i] > 0.0f;
+    for (int i = 0; i < SIZE * SIZE; i++)
+        quarter[i / SIZE * 2 / SIZE * 2 + i % SIZE * 2 / SIZE] += render_cache_picture(w.cache)[i] > 0.0f;
     for (int q = 0; q < 4; q++) assert_true(quarter[q] > 9 * 8 && quarter[q] < 9 * 24);
     run_frames(&w, 97);
     assert_true(render_cache_costs(w.cache).samples >= 1950 && render_cache_costs(w.cache).samples <= 2050);
@@ -174,10 +192,14 @@ static void points_go_along_with_their_object(void **state) {
 
 /* ---- a renderer whose light goes on in one half of the room ---- */
 
-static void render_half(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples, sl_counters *counters) {
+static void render_half(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
+                        sl_sample *samples, sl_counters *counters) {
     (void)threads, (void)counters;
     for (size_t i = 0; i < count; i++)
-        samples[i] = (sl_sample){.irradiance = sl_grey(*(const float *)state > 0.0f && requests[i].point.position.x < 278.0f ? 5.0f : 1.0f), .valid = true};
+        samples[i] = (sl_sample){
+            .irradiance =
+                sl_grey(*(const float *)state > 0.0f && requests[i].point.position.x < 278.0f ? 5.0f : 1.0f),
+            .valid = true};
 }
 
 static void samples_go_where_colours_are_found_to_change(void **state) {
@@ -215,7 +237,11 @@ static void the_picture_does_not_depend_on_threads(void **state) {
         world w = open_world("scenes/moving-ball.json");
         sl_sample_renderer constant = w.renderer;
         w.tracer = w.own;
-        sl_renderer_settings settings = {.scene = w.scene, .tracer = &w.tracer, .cache = {.area_samples = 16}, .seed = 1, .threads = threads};
+        sl_renderer_settings settings = {.scene = w.scene,
+                                         .tracer = &w.tracer,
+                                         .cache = {.area_samples = 16},
+                                         .seed = 1,
+                                         .threads = threads};
         assert_int_equal(sl_area_renderer(&settings, &w.renderer, NULL), SL_OK);
         make_cache(&w, 200, threads);
         run_frames(&w, 6);

@@ -1,5 +1,6 @@
-/* What each part of the choice of pixels is worth: the loop from priorities to work on a wall whose shading is a function known everywhere, so that
- * the error of what is shown is known, too, after any number of samples. */
+/* What each part of the choice of pixels is worth: the loop from priorities to work on a wall whose shading
+ * is a function known everywhere, so that the error of what is shown is known, too, after any number of
+ * samples. */
 #include <math.h>
 
 #include "base/math.h"
@@ -12,9 +13,12 @@ static const sl_display_curve curve = {.reference = 0.3f};
 
 /* ---- what is to be shown ---- */
 
-static bool in_spot(double x, double y) { return (x + 0.61) * (x + 0.61) + (y - 0.37) * (y - 0.37) < 0.05 * 0.05; }
+static bool in_spot(double x, double y) {
+    return (x + 0.61) * (x + 0.61) + (y - 0.37) * (y - 0.37) < 0.05 * 0.05;
+}
 
-/* A gentle gradient, a slanting shadow, and one of a small thing that lies inside of one of the first patches. */
+/* A gentle gradient, a slanting shadow, and one of a small thing that lies inside of one of the first
+ * patches. */
 static float with_shadows(double x, double y) {
     double light = 1.5 + 0.4 * x - 0.2 * y * y;
     if (0.8 * x + 0.55 * y > 0.25) light *= 0.2;
@@ -44,19 +48,23 @@ static void wall_point(int pixel, double *x, double *y) {
 }
 
 /* Fronts of squares, in rows. */
-static uint32_t root_at(double x, double y) { return 2 * ((uint32_t)(0.5 * ROOTS * (x + 1.0)) + ROOTS * (uint32_t)(0.5 * ROOTS * (y + 1.0))); }
+static uint32_t root_at(double x, double y) {
+    return 2 * ((uint32_t)(0.5 * ROOTS * (x + 1.0)) + ROOTS * (uint32_t)(0.5 * ROOTS * (y + 1.0)));
+}
 
 static void wall_begin(wall *w) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     for (int i = 0; i < ROOTS * ROOTS; i++) {
         float side = 2.0f / ROOTS;
-        trace_mesh_quad(&mesh, sl_v3(-1.0f + side * (float)(i % ROOTS), -1.0f + side * (float)(i / ROOTS), 0), sl_v3(side, 0, 0), sl_v3(0, side, 0), 0);
+        trace_mesh_quad(&mesh, sl_v3(-1.0f + side * (float)(i % ROOTS), -1.0f + side * (float)(i / ROOTS), 0),
+                        sl_v3(side, 0, 0), sl_v3(0, side, 0), 0);
     }
     w->h = hierarchy_of(trace_mesh_build(&mesh), 0);
     assert_int_equal(w->h.primitives->count, ROOTS * ROOTS);
     for (uint32_t i = 0; i < ROOTS * ROOTS; i++) want_root(&w->h, 2 * i);
-    w->camera = (sl_camera){sl_v3(0, 0, 1.0f / (float)sl_tan(0.5)), sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), 1.0f};
+    w->camera = (sl_camera){sl_v3(0, 0, 1.0f / (float)sl_tan(0.5)), sl_v3(1, 0, 0), sl_v3(0, 1, 0),
+                            sl_v3(0, 0, 1), 1.0f};
     w->samples = 0;
 }
 
@@ -74,7 +82,8 @@ static void see(wall *w) {
         uint32_t *leaf = &leaf_of_patch[w->patch[i]];
         if (*leaf == SL_NO_INDEX) {
             *leaf = (uint32_t)w->leaf_count;
-            w->leaves[w->leaf_count++] = (sl_leaf_priority){w->patch[i], 0, sl_patch_priority(w->h.patches, &curve, w->patch[i], 1, 0, 0), 0.0f};
+            w->leaves[w->leaf_count++] = (sl_leaf_priority){
+                w->patch[i], 0, sl_patch_priority(w->h.patches, &curve, w->patch[i], 1, 0, 0), 0.0f};
         }
         w->leaves[*leaf].pixels++;
         w->leaf[i] = *leaf;
@@ -91,12 +100,16 @@ static void update(wall *w, const sl_selection_settings *selection, bool plain) 
     size_t count, vertices;
     see(w);
     sl_priorities_normalise(w->leaf_count, w->leaves, plain);
-    assert_int_equal(sl_select_pixels(selection, SIZE, SIZE, w->leaf, w->leaf_count, w->leaves, w->choice, &count, &counters, NULL), SL_OK);
+    assert_int_equal(sl_select_pixels(selection, SIZE, SIZE, w->leaf, w->leaf_count, w->leaves, w->choice,
+                                      &count, &counters, NULL),
+                     SL_OK);
     for (size_t i = 0; i < count; i++) {
         uint32_t pixel = w->choice[i].pixel;
         place[i] = (sl_chosen_place){w->patch[pixel], w->u[pixel], w->v[pixel]};
     }
-    assert_int_equal(sl_work_out(w->h.patches, &curve, &work, &w->camera, SIZE, SIZE, count, place, vertex, &vertices, &counters, NULL), SL_OK);
+    assert_int_equal(sl_work_out(w->h.patches, &curve, &work, &w->camera, SIZE, SIZE, count, place, vertex,
+                                 &vertices, &counters, NULL),
+                     SL_OK);
     for (size_t i = 0; i < vertices; i++) {
         const sl_patch_vertex *v = &w->h.patches->vertex[vertex[i]];
         sl_vec3 p = sl_root_position(w->h.primitives, v->root, v->u, v->v);
@@ -114,7 +127,8 @@ static double error_of(const wall *w) {
         sl_patch_place leaf = sl_patch_locate(w->h.patches, root_at(x, y), (double)w->u[i], (double)w->v[i]);
         float value[3] = {0, 0, 0}, scale = 0.5f / (float)SL_PI;
         sl_patch_value(w->h.patches, &leaf, (double)w->u[i], (double)w->v[i], false, value);
-        double d = (double)sl_curve_level_of(&curve, scale * value[0]) - (double)sl_curve_level_of(&curve, scale * shown(x, y));
+        double d = (double)sl_curve_level_of(&curve, scale * value[0]) -
+                   (double)sl_curve_level_of(&curve, scale * shown(x, y));
         sum += d * d;
     }
     return sqrt(sum / PIXELS);
@@ -138,8 +152,12 @@ static void measure(const variant *way, double error[STEPS]) {
     static wall w;
     for (int k = 0; k < STEPS; k++) error[k] = 0.0;
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        sl_selection_settings s = {.how = way->how, .points = POINTS, .random_share = way->random, .flood_threshold = way->flood,
-                                   .per_patch = 16, .seed = seed};
+        sl_selection_settings s = {.how = way->how,
+                                   .points = POINTS,
+                                   .random_share = way->random,
+                                   .flood_threshold = way->flood,
+                                   .per_patch = 16,
+                                   .seed = seed};
         int idle = 0;
         wall_begin(&w);
         for (int k = 0; k < STEPS; k++) {
@@ -167,7 +185,8 @@ static void hits_and_floods_together_beat_either_alone_and_sorting(void **state)
     measure(&v, sorted);
     for (int k = 1; k < STEPS; k++) assert_true(two[k] < two[k - 1] && hits[k] < hits[k - 1]);
     for (int k = 0; k < STEPS; k++) assert_true(two[k] < hits[k]);
-    assert_true(two[3] < 0.95 * sorted[3]); /* patches of a pixel at the shadow's edge stay the first for ever */
+    /* patches of a pixel at the shadow's edge stay the first for ever */
+    assert_true(two[3] < 0.95 * sorted[3]);
 }
 
 static void clamped_priorities_need_half_the_samples_of_printed_ones(void **state) {

@@ -3,53 +3,69 @@
 
 #include "cache/shading_cache/caustic_map.h"
 
-/* A floor, a mirror of reflectance 0.8 at x = -1 whose front looks at +x, and a lamp of radiance 40, or a point light. */
+/* A floor, a mirror of reflectance 0.8 at x = -1 whose front looks at +x, and a lamp of radiance 40, or a
+ * point light. */
 static sl_scene *floor_and_mirror(bool lamp_of_extent, float exponent) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 40.0f);
-    uint32_t mirror = exponent > 0 ? trace_mesh_material(&mesh, 0, 0.8f, exponent, 0, 0) : trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 40.0f);
+    uint32_t mirror = exponent > 0 ? trace_mesh_material(&mesh, 0, 0.8f, exponent, 0, 0)
+                                   : trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-1, -10, 0), sl_v3(0, 20, 0), sl_v3(0, 0, 10), mirror);
-    trace_mesh_quad(&mesh, sl_v3(-1, -2, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), floor); /* a wall, which light reaches from the mirror */
-    if (lamp_of_extent) trace_mesh_quad(&mesh, sl_v3(0.45f, -1.0f, 0.5f), sl_v3(0, 0, 2.0f), sl_v3(0, 2.0f, 0), lamp); /* faces the mirror */
+    /* a wall, which light reaches from the mirror */
+    trace_mesh_quad(&mesh, sl_v3(-1, -2, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), floor);
+    /* faces the mirror */
+    if (lamp_of_extent)
+        trace_mesh_quad(&mesh, sl_v3(0.45f, -1.0f, 0.5f), sl_v3(0, 0, 2.0f), sl_v3(0, 2.0f, 0), lamp);
     else {
-        mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {1.5f, 0.2f, 2.0f}, .intensity = {10, 20, 30}};
+        mesh.lights[0] =
+            (sl_light){.type = SL_LIGHT_POINT, .position = {1.5f, 0.2f, 2.0f}, .intensity = {10, 20, 30}};
         mesh.light_count = 1;
     }
     return trace_mesh_build(&mesh);
 }
 
 static bool same_sample(const sl_sample *a, const sl_sample *b) {
-    return memcmp(&a->irradiance, &b->irradiance, sizeof a->irradiance) == 0 && memcmp(&a->variance, &b->variance, sizeof a->variance) == 0;
+    return memcmp(&a->irradiance, &b->irradiance, sizeof a->irradiance) == 0 &&
+           memcmp(&a->variance, &b->variance, sizeof a->variance) == 0;
 }
 
 static const sl_vec3 up = {0, 0, 1};
-static const sl_vec3 places[] = {{-0.5f, 0.1f, 0}, {0.1f, -1.3f, 0}, {1.0f, 0.7f, 0}, {2.2f, 1.5f, 0}, {-0.2f, 2.0f, 0}};
+static const sl_vec3 places[] = {
+    {-0.5f, 0.1f, 0}, {0.1f, -1.3f, 0}, {1.0f, 0.7f, 0}, {2.2f, 1.5f, 0}, {-0.2f, 2.0f, 0}};
 
 /* Within 4 errors of the estimate; and the estimate is a good one. */
-static void check(const char *what, sl_vec3 at, double found, double variance, double expected, double model) {
+static void check(const char *what, sl_vec3 at, double found, double variance, double expected,
+                  double model) {
     double error = sqrt(variance);
-    if (!(error < 0.2 * expected)) fail_msg("%s at (%g, %g): %g +- %g is too noisy for a test", what, (double)at.x, (double)at.y, found, error);
+    if (!(error < 0.2 * expected))
+        fail_msg("%s at (%g, %g): %g +- %g is too noisy for a test", what, (double)at.x, (double)at.y, found,
+                 error);
     if (!(fabs(found - expected) < 4.0 * error + model * expected)) {
-        fail_msg("%s at (%g, %g): %g +- %g, expected %g", what, (double)at.x, (double)at.y, found, error, expected);
+        fail_msg("%s at (%g, %g): %g +- %g, expected %g", what, (double)at.x, (double)at.y, found, error,
+                 expected);
     }
 }
 
-/* The image of the light behind the mirror shines. No bidirectional path finds that: to leave it out changes nothing. */
+/* The image of the light behind the mirror shines. No bidirectional path finds that: to leave it out changes
+ * nothing. */
 static void plane_mirrors_show_a_point_lights_image(void **state) {
     (void)state;
     shop s;
     shop_open(&s, floor_and_mirror(false, 0));
     sl_sample_renderer all = shop_renderer(&s, sl_bidirectional_renderer);
     s.settings.cache.caustics = true;
-    sl_sample_renderer r = shop_renderer(&s, sl_caustic_renderer), rest = shop_renderer(&s, sl_bidirectional_renderer);
+    sl_sample_renderer r = shop_renderer(&s, sl_caustic_renderer),
+                       rest = shop_renderer(&s, sl_bidirectional_renderer);
     for (int i = 0; i < 5; i++) {
         sl_sample_request q = request_at(places[i], up);
         sl_vec3d d = sl_subd(sl_v3d(-3.5, 0.2, 2.0), sl_to_double(places[i]));
         double r2 = sl_dotd(d, d), e = 0.8 * d.z / (r2 * sqrt(r2));
         sl_sample sample = shop_sample(&s, &r, &q);
         check("point light", places[i], (double)sample.irradiance.r, (double)sample.variance, 10.0 * e, 0.02);
-        assert_true(fabs((double)(sample.irradiance.b - 3.0f * sample.irradiance.r)) < 1e-4 * (double)sample.irradiance.b);
+        assert_true(fabs((double)(sample.irradiance.b - 3.0f * sample.irradiance.r)) <
+                    1e-4 * (double)sample.irradiance.b);
         sl_sample with = shop_sample(&s, &all, &q), without = shop_sample(&s, &rest, &q);
         assert_true(with.irradiance.g > 0.0f && same_sample(&with, &without));
     }
@@ -64,7 +80,8 @@ static double image_irradiance(sl_vec3 p) {
     enum { GRID = 60 };
     double e = 0.0, dx = (double)p.x + 2.45;
     for (int i = 0; i < GRID * GRID; i++) {
-        double y = (double)p.y + 1.0 - 2.0 * (i % GRID + 0.5) / GRID, z = 0.5 + 2.0 * (i / GRID + 0.5) / GRID, r2 = dx * dx + y * y + z * z;
+        double y = (double)p.y + 1.0 - 2.0 * (i % GRID + 0.5) / GRID, z = 0.5 + 2.0 * (i / GRID + 0.5) / GRID,
+               r2 = dx * dx + y * y + z * z;
         e += 0.8 * 40.0 * 4.0 / (GRID * GRID) * z * dx / (r2 * r2);
     }
     return e;
@@ -79,13 +96,15 @@ static void plane_mirrors_show_a_lamps_image(void **state) {
     for (int i = 0; i < 2; i++) { /* before the lamp, behind which its own back hides the image */
         sl_sample_request q = request_at(places[i], up);
         sl_sample sample = shop_sample(&s, &r, &q);
-        check("lamp", places[i], (double)sample.irradiance.g, (double)sample.variance, image_irradiance(places[i]), 0.02);
+        check("lamp", places[i], (double)sample.irradiance.g, (double)sample.variance,
+              image_irradiance(places[i]), 0.02);
     }
     r.destroy(r.state);
     shop_close(&s);
 }
 
-/* Photons and paths together carry what paths alone carry without photons, for mirrors and for polished surfaces. */
+/* Photons and paths together carry what paths alone carry without photons, for mirrors and for polished
+ * surfaces. */
 static void nothing_is_counted_twice(void **state) {
     (void)state;
     for (int polished = 0; polished < 2; polished++) {
@@ -94,12 +113,14 @@ static void nothing_is_counted_twice(void **state) {
         s.settings.cache.indirect_samples = 10000;
         sl_sample_renderer all = shop_renderer(&s, sl_bidirectional_renderer);
         s.settings.cache.caustics = true;
-        sl_sample_renderer rest = shop_renderer(&s, sl_bidirectional_renderer), caustics = shop_renderer(&s, sl_caustic_renderer);
+        sl_sample_renderer rest = shop_renderer(&s, sl_bidirectional_renderer),
+                           caustics = shop_renderer(&s, sl_caustic_renderer);
         for (int i = 0; i < 2; i++) {
             sl_sample_request q = request_at(places[i], up);
-            sl_sample a = shop_sample(&s, &all, &q), b = shop_sample(&s, &rest, &q), c = shop_sample(&s, &caustics, &q);
-            check(polished ? "polished" : "mirror", places[i], (double)(b.irradiance.g + c.irradiance.g), (double)(a.variance + b.variance + c.variance),
-                  (double)a.irradiance.g, 0.02);
+            sl_sample a = shop_sample(&s, &all, &q), b = shop_sample(&s, &rest, &q),
+                      c = shop_sample(&s, &caustics, &q);
+            check(polished ? "polished" : "mirror", places[i], (double)(b.irradiance.g + c.irradiance.g),
+                  (double)(a.variance + b.variance + c.variance), (double)a.irradiance.g, 0.02);
             assert_true((double)c.irradiance.g > 0.3 * (double)a.irradiance.g); /* neither part is idle */
             assert_true((double)b.irradiance.g > 0.02 * (double)a.irradiance.g);
         }
@@ -138,10 +159,16 @@ static void rough_surfaces_make_no_caustics(void **state) {
 static void mirrors_that_no_light_reaches_make_no_photons(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, -1), sl_v3(8, 0, 0), sl_v3(0, 8, 0), mirror);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_SPOT, .position = {0, 0, 2}, .direction = {0, 0, -1}, .intensity = sl_grey(1), .cos_inner = 0.9f, .cos_outer = 0.8f};
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_SPOT,
+                                .position = {0, 0, 2},
+                                .direction = {0, 0, -1},
+                                .intensity = sl_grey(1),
+                                .cos_inner = 0.9f,
+                                .cos_outer = 0.8f};
     mesh.light_count = 1;
     shop s;
     shop_open(&s, trace_mesh_build(&mesh));
@@ -178,7 +205,8 @@ static void aimed_photons_weigh_one_over_their_density(void **state) {
             if (sl_aim_cell(lights[l], whither) == AT) aimed += 1.0 / (N * N);
         }
         assert_true(fabs(area - 1.0) < 0.01 && fabs(part - 0.3) < 0.01);
-        double expected = lights[l] % 64 == 5 ? 0.75 / 18.0 + 0.25 / LIGHT : 0.0; /* nine cells around each hit */
+        /* nine cells around each hit */
+        double expected = lights[l] % 64 == 5 ? 0.75 / 18.0 + 0.25 / LIGHT : 0.0;
         assert_true(fabs(aimed - expected) < 0.005);
     }
 }
@@ -189,15 +217,19 @@ static void the_tree_finds_the_nearest(void **state) {
     enum { COUNT = 3000 };
     static sl_caustic_photon photon[COUNT];
     const uint64_t key = sl_random_key(5, 5);
-    for (uint32_t i = 0; i < COUNT; i++) { /* many on the same place, many on one plane, some that face elsewhere */
-        float x = sl_random_unit(key, 3 * i), y = sl_random_unit(key, 3 * i + 1), z = sl_random_unit(key, 3 * i + 2);
+    /* many on the same place, many on one plane, some that face elsewhere */
+    for (uint32_t i = 0; i < COUNT; i++) {
+        float x = sl_random_unit(key, 3 * i), y = sl_random_unit(key, 3 * i + 1),
+              z = sl_random_unit(key, 3 * i + 2);
         if (i % 10 == 0) x = y = 0.5f;
-        photon[i] = (sl_caustic_photon){.position = {x, y, i % 3 ? 0.0f : 0.1f * z}, .normal = i % 7 ? up : sl_v3(1, 0, 0), .id = i};
+        photon[i] = (sl_caustic_photon){
+            .position = {x, y, i % 3 ? 0.0f : 0.1f * z}, .normal = i % 7 ? up : sl_v3(1, 0, 0), .id = i};
     }
     sl_caustic_tree_build(photon, COUNT);
     const sl_caustic_map map = {photon, COUNT, COUNT};
     for (uint32_t k = 0; k < 50; k++) {
-        sl_vec3 p = k == 0 ? sl_v3(0.5f, 0.5f, 0) : sl_v3(sl_random_unit(key, 90000 + 2 * k), sl_random_unit(key, 90001 + 2 * k), 0);
+        sl_vec3 p = k == 0 ? sl_v3(0.5f, 0.5f, 0)
+                           : sl_v3(sl_random_unit(key, 90000 + 2 * k), sl_random_unit(key, 90001 + 2 * k), 0);
         double radius = k % 2 ? 0.05 : 0.6;
         sl_near_photon near[SL_CAUSTIC_NEIGHBOURS];
         size_t count = sl_caustic_nearest(&map, p, up, radius, near), better = 0, within = 0;

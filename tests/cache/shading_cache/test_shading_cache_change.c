@@ -1,4 +1,5 @@
-/* Change: what is stale after an edit, when an object is changing and when that ends, how coarse it becomes. */
+/* Change: what is stale after an edit, when an object is changing and when that ends, how coarse it becomes.
+ */
 #include <math.h>
 
 #include "base/random.h"
@@ -23,9 +24,15 @@ static world world_of(unsigned objects) {
         trace_mesh_quad(&mesh, sl_v3(3.0f * (float)i, 0, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
         object[2 * i] = object[2 * i + 1] = i;
     }
-    sl_scene_parts d = {.vertex_count = mesh.vertex_count, .positions = mesh.positions, .triangle_count = mesh.triangle_count, .indices = mesh.indices,
-                       .material_index = mesh.material_index, .object_index = object, .object_count = objects, .material_count = mesh.material_count,
-                       .materials = mesh.materials};
+    sl_scene_parts d = {.vertex_count = mesh.vertex_count,
+                        .positions = mesh.positions,
+                        .triangle_count = mesh.triangle_count,
+                        .indices = mesh.indices,
+                        .material_index = mesh.material_index,
+                        .object_index = object,
+                        .object_count = objects,
+                        .material_count = mesh.material_count,
+                        .materials = mesh.materials};
     world w;
     sl_scene *scene;
     sl_error error = {0};
@@ -99,7 +106,8 @@ static void an_object_that_moves_is_changing_at_once_and_the_others_are_stale(vo
 static void only_differences_above_the_threshold_are_changes(void **state) {
     (void)state;
     world w = world_of(1);
-    assert_false(sl_changes_compare(w.changes, 0, 0.0f, 1) || sl_changes_compare(w.changes, 0, 2.0f, 1) || sl_changes_compare(w.changes, 0, NAN, 1));
+    assert_false(sl_changes_compare(w.changes, 0, 0.0f, 1) || sl_changes_compare(w.changes, 0, 2.0f, 1) ||
+                 sl_changes_compare(w.changes, 0, NAN, 1));
     assert_false(w.changes->object[0].changing);
     assert_true(sl_changes_compare(w.changes, 0, 2.1f, 5));
     assert_true(w.changes->object[0].changing && w.changes->object[0].changed == 5);
@@ -116,7 +124,8 @@ static void a_still_scene_has_no_changes_in_a_thousand_updates(void **state) {
         for (uint32_t v = 0; v < 4; v++) {
             float before = sl_vertex_level(w.h.patches, &curve, v);
             evaluate(&w.h, v, 3.7f, now); /* the same samples give the same bits */
-            assert_false(sl_changes_compare(w.changes, 0, fabsf(sl_vertex_level(w.h.patches, &curve, v) - before), now));
+            assert_false(sl_changes_compare(w.changes, 0,
+                                            fabsf(sl_vertex_level(w.h.patches, &curve, v) - before), now));
         }
         sl_changes_settle(w.changes, stale, now);
         assert_false(w.changes->object[0].changing);
@@ -124,7 +133,8 @@ static void a_still_scene_has_no_changes_in_a_thousand_updates(void **state) {
     world_discard(&w);
 }
 
-/* A light has moved: a quarter of the picture's pixels shows something else now. Its patches have no priority, so epsilon has to find it. */
+/* A light has moved: a quarter of the picture's pixels shows something else now. Its patches have no
+ * priority, so epsilon has to find it. */
 static void a_light_that_moved_is_found_within_the_tests_that_epsilon_needs(void **state) {
     (void)state;
     enum { SIDE = 64, POINTS = 64, TRIALS = 200 };
@@ -138,31 +148,41 @@ static void a_light_that_moved_is_found_within_the_tests_that_epsilon_needs(void
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
         world w = world_of(1);
         sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 2);
-        sl_selection_settings s = {.points = POINTS, .random_share = 0.03f, .flood_threshold = 0.5f, .per_patch = 16, .seed = trial, .update = 2};
+        sl_selection_settings s = {.points = POINTS,
+                                   .random_share = 0.03f,
+                                   .flood_threshold = 0.5f,
+                                   .per_patch = 16,
+                                   .seed = trial,
+                                   .update = 2};
         sl_counters counters = {0};
         size_t count, first = 0;
-        assert_int_equal(sl_select_pixels(&s, SIDE, SIDE, leaf, 256, leaves, choice, &count, &counters, NULL), SL_OK);
+        assert_int_equal(sl_select_pixels(&s, SIDE, SIDE, leaf, 256, leaves, choice, &count, &counters, NULL),
+                         SL_OK);
         for (; first < count && !w.changes->object[0].changing; first++) {
             bool lit = choice[first].pixel / SIDE < SIDE / 4;
             sl_changes_compare(w.changes, 0, lit ? 30.0f : 0.0f, 2);
         }
         assert_true(w.changes->object[0].changing);                          /* in the first update: */
-        assert_true((double)counters.value[SL_COUNT_PIXEL_TESTS] <= 2 * POINTS / 0.03); /* M/epsilon tests are its mean */
+        /* M/epsilon tests are its mean */
+        assert_true((double)counters.value[SL_COUNT_PIXEL_TESTS] <= 2 * POINTS / 0.03);
         total += (double)first;
         world_discard(&w);
     }
-    assert_true(fabs(total / TRIALS - 4.0) < 4.0 * sqrt(12.0 / TRIALS)); /* geometric, a quarter: mean 4, variance 12 */
+    /* geometric, a quarter: mean 4, variance 12 */
+    assert_true(fabs(total / TRIALS - 4.0) < 4.0 * sqrt(12.0 / TRIALS));
 }
 
 /* ---- the end of a change ---- */
 
-static void a_change_ends_when_none_was_found_for_the_window_and_nothing_visible_is_from_before(void **state) {
+static void a_change_ends_when_none_was_found_for_the_window_and_nothing_visible_is_from_before(
+    void **state) {
     (void)state;
     world w = world_of(2);
     bool stale[2] = {true, true};
     sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 10);
     assert_true(sl_changes_compare(w.changes, 1, 10.0f, 12));
-    assert_int_equal(sl_changes_since(w.changes, 1), 10); /* what was evaluated since the edit is new enough, though the change was found later */
+    /* what was evaluated since the edit is new enough, though the change was found later */
+    assert_int_equal(sl_changes_since(w.changes, 1), 10);
     for (uint32_t now = 12; now < 20; now++) {
         sl_changes_settle(w.changes, stale, now);
         assert_true(w.changes->object[1].changing && !w.changes->object[0].changing);
@@ -197,18 +217,23 @@ static void an_object_in_motion_does_not_settle_before_its_last_move(void **stat
 
 static void how_coarse_depends_on_what_there_is_time_for(void **state) {
     (void)state;
-    assert_true(fabsf(sl_changes_coarsest(100000, 768, 5, false) - 26.04f) < 0.01f); /* pixels / (samples a second x seconds); of triangles half */
+    /* pixels / (samples a second x seconds); of triangles half */
+    assert_true(fabsf(sl_changes_coarsest(100000, 768, 5, false) - 26.04f) < 0.01f);
     assert_true(fabsf(sl_changes_coarsest(100000, 768, 5, true) - 13.02f) < 0.01f);
-    assert_true(sl_changes_coarsest(100000, 768, 2.5, false) == 2.0f * sl_changes_coarsest(100000, 768, 5, false));
-    assert_true(sl_changes_coarsest(0, 768, 5, false) == 0.0f && sl_changes_coarsest(NAN, 768, 5, false) == 0.0f);
-    assert_true(sl_changes_coarsest(1000, 768, 0, false) == FLT_MAX && sl_changes_coarsest(0, 0, 0, true) == 0.0f);
+    assert_true(sl_changes_coarsest(100000, 768, 2.5, false) ==
+                2.0f * sl_changes_coarsest(100000, 768, 5, false));
+    assert_true(sl_changes_coarsest(0, 768, 5, false) == 0.0f &&
+                sl_changes_coarsest(NAN, 768, 5, false) == 0.0f);
+    assert_true(sl_changes_coarsest(1000, 768, 0, false) == FLT_MAX &&
+                sl_changes_coarsest(0, 0, 0, true) == 0.0f);
 }
 
 /* Projected areas of all patches, of a root of so many pixels seen face on. */
 static float *areas_of(const sl_patches *p, double pixels) {
     float *area = calloc(p->patch_count + 1, sizeof *area);
     assert_non_null(area);
-    for (uint32_t i = 0; i < p->patch_count; i++) area[i] = (float)(pixels / (double)(1u << 2 * (p->flags[i] & SL_PATCH_LEVEL)));
+    for (uint32_t i = 0; i < p->patch_count; i++)
+        area[i] = (float)(pixels / (double)(1u << 2 * (p->flags[i] & SL_PATCH_LEVEL)));
     return area;
 }
 
@@ -226,13 +251,16 @@ static void what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them(voi
     size_t last = 0;
     for (int run = 0; run < 3; run++) { /* 5 s, again, and then less for a change that begins anew */
         double seconds = run < 2 ? 0.5 : 0.05;
-        float coarsest = sl_changes_coarsest(pixels, 768, seconds, false), *area = areas_of(w.h.patches, pixels);
-        size_t before = w.h.patches->patches_alive, gone = sl_changes_drop(w.changes, w.h.patches, area, coarsest, 0.5f * coarsest);
+        float coarsest = sl_changes_coarsest(pixels, 768, seconds, false),
+              *area = areas_of(w.h.patches, pixels);
+        size_t before = w.h.patches->patches_alive,
+               gone = sl_changes_drop(w.changes, w.h.patches, area, coarsest, 0.5f * coarsest);
         assert_int_equal(before - w.h.patches->patches_alive, gone);
         assert_sound(w.h.patches);
         size_t left = w.h.patches->leaves_alive - 4096;
         if (run == 1) assert_int_equal(gone, 0);
-        if (run != 1) assert_true(gone > 0 && (double)left <= 768.0 * seconds && 4.0 * (double)left > 768.0 * seconds);
+        if (run != 1)
+            assert_true(gone > 0 && (double)left <= 768.0 * seconds && 4.0 * (double)left > 768.0 * seconds);
         if (run == 2) assert_true(left < last);
         last = left;
         free(area);
@@ -243,12 +271,14 @@ static void what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them(voi
         sl_changes_compare(w.changes, 1, 10.0f, 10);
     }
     uint32_t root = w.h.patches->root_patch[2];
-    for (int c = 0; c < sl_patch_corners(w.h.patches, root); c++) /* coarse values stay, to be renewed first */
+    for (int c = 0; c < sl_patch_corners(w.h.patches, root);
+         c++) /* coarse values stay, to be renewed first */
         assert_int_equal(w.h.patches->vertex[sl_patch_corner(w.h.patches, root, c)].evaluated, 1);
     world_discard(&w);
 }
 
-/* What has been refined since is not coarsened again while the same change goes on, whatever else is found of it. */
+/* What has been refined since is not coarsened again while the same change goes on, whatever else is found of
+ * it. */
 static void what_is_refined_during_a_change_stays(void **state) {
     (void)state;
     world w = world_of(1);

@@ -1,4 +1,5 @@
-/* The display of the shading cache: Gouraud times texture, silhouettes, id map, hanging vertices, the two copies, motion, memory. */
+/* The display of the shading cache: Gouraud times texture, silhouettes, id map, hanging vertices, the two
+ * copies, motion, memory. */
 #include "shading_cache_support.h"
 
 #include <math.h>
@@ -36,11 +37,15 @@ static void map_ids(sl_display *display, unsigned threads, id_picture *out) {
     assert_int_equal(sl_display_id_map(display, threads, &ids, &counters, NULL), SL_OK);
 }
 
-static uint32_t below(uint64_t key, uint64_t index, size_t count) { return (uint32_t)((double)sl_random_unit(key, index) * (double)count); }
+static uint32_t below(uint64_t key, uint64_t index, size_t count) {
+    return (uint32_t)((double)sl_random_unit(key, index) * (double)count);
+}
 
-/* ---- scenes and samples -------------------------------------------------------------------------------------------------------- */
+/* ---- scenes and samples ---------------------------------------------------------------------- */
 
-static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) { assert_true(sl_camera_look_at(&scene->camera, eye, target, sl_v3(0, 1, 0), 0.9f)); }
+static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) {
+    assert_true(sl_camera_look_at(&scene->camera, eye, target, sl_v3(0, 1, 0), 0.9f));
+}
 
 /* A textured floor, a lamp, glossy and diffuse boxes, a bumpy ball of triangles; an open sky behind. */
 static sl_scene *room(bool glossy) {
@@ -49,8 +54,10 @@ static sl_scene *room(bool glossy) {
     trace_mesh mesh = trace_mesh_begin();
     mesh.textures[0] = (sl_texture){.file = (char *)"checks", .width = 8, .height = 8, .texels = texels};
     mesh.texture_count = 1;
-    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    uint32_t lamp = trace_mesh_material(&mesh, 0.1f, 0, 0, 0, 7), shiny = trace_mesh_material(&mesh, 0.3f, glossy ? 0.4f : 0, 20, 0, 0);
+    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
+             wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t lamp = trace_mesh_material(&mesh, 0.1f, 0, 0, 0, 7),
+             shiny = trace_mesh_material(&mesh, 0.3f, glossy ? 0.4f : 0, 20, 0, 0);
     mesh.materials[floor].texture = 0;
     trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), floor);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(4, 0, 0), sl_v3(0, 2, 0), wall);
@@ -100,7 +107,8 @@ static void change_at_random(hierarchy *h, uint64_t key, uint32_t update, int ch
         uint64_t at = 4 * i;
         uint32_t patch = below(key, at, h->patches->patch_count);
         float what = sl_random_unit(key, at + 1);
-        if (what < 0.1f || !h->patches->patch_count) want_root(h, below(key, at + 2, 2 * h->primitives->count));
+        if (what < 0.1f || !h->patches->patch_count)
+            want_root(h, below(key, at + 2, 2 * h->primitives->count));
         else if (!sl_patch_is_alive(h->patches, patch)) continue;
         else if (what < 0.55f) split(h, patch);
         else if (what < 0.62f) sl_patch_drop_children(h->patches, patch);
@@ -111,9 +119,10 @@ static void change_at_random(hierarchy *h, uint64_t key, uint32_t update, int ch
     }
 }
 
-/* ---- what a pixel must show ----------------------------------------------------------------------------------------------------- */
+/* ---- what a pixel must show ------------------------------------------------------------------ */
 
-/* The frame, evaluated pixel by pixel: the scene's triangles, its surfaces, sl_patch_value(). Where all that is there has samples and nothing hangs. */
+/* The frame, evaluated pixel by pixel: the scene's triangles, its surfaces, sl_patch_value(). Where all that
+ * is there has samples and nothing hangs. */
 static void assert_equals_evaluation(const hierarchy *h, const picture *shown, const id_picture *ids) {
     const sl_scene *s = h->scene;
     sl_raster *raster;
@@ -141,9 +150,12 @@ static void assert_equals_evaluation(const hierarchy *h, const picture *shown, c
             if (h->patches->lobes) assert_true(sl_patch_value(h->patches, &leaf, u, v, true, l));
             sl_rgb emission = sl_scene_emission(s, g->id[i], surface.geometric_normal);
             double pi = SL_PI;
-            expected.r = (float)((double)emission.r + (double)surface.diffuse.r * (double)e[0] / pi + (double)l[0]);
-            expected.g = (float)((double)emission.g + (double)surface.diffuse.g * (double)e[1] / pi + (double)l[1]);
-            expected.b = (float)((double)emission.b + (double)surface.diffuse.b * (double)e[2] / pi + (double)l[2]);
+            expected.r =
+                (float)((double)emission.r + (double)surface.diffuse.r * (double)e[0] / pi + (double)l[0]);
+            expected.g =
+                (float)((double)emission.g + (double)surface.diffuse.g * (double)e[1] / pi + (double)l[1]);
+            expected.b =
+                (float)((double)emission.b + (double)surface.diffuse.b * (double)e[2] / pi + (double)l[2]);
             assert_int_equal(ids->root[i], root);
             assert_true(fabs((double)ids->u[i] - u) < 1e-5 && fabs((double)ids->v[i] - v) < 1e-5);
             covered++;
@@ -155,7 +167,8 @@ static void assert_equals_evaluation(const hierarchy *h, const picture *shown, c
         const float want[3] = {expected.r, expected.g, expected.b};
         for (int c = 0; c < 3; c++) {
             if (fabsf(shown->plane[c][i] - want[c]) > 1e-5f * (1.0f + fabsf(want[c]))) {
-                fail_msg("pixel %u, channel %d: %g instead of %g", i, c, (double)shown->plane[c][i], (double)want[c]);
+                fail_msg("pixel %u, channel %d: %g instead of %g", i, c, (double)shown->plane[c][i],
+                         (double)want[c]);
             }
         }
     }
@@ -196,7 +209,8 @@ static void the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_o
         map_ids(display, 1, &ids);
         for (uint32_t i = 0; i < PIXELS; i++) {
             uint32_t leaf = SL_NO_INDEX;
-            if (ids.root[i] != SL_NO_INDEX) leaf = sl_patch_locate(h.patches, ids.root[i], (double)ids.u[i], (double)ids.v[i]).patch;
+            if (ids.root[i] != SL_NO_INDEX)
+                leaf = sl_patch_locate(h.patches, ids.root[i], (double)ids.u[i], (double)ids.v[i]).patch;
             assert_int_equal(ids.patch[i], leaf);
         }
         assert_int_not_equal(ids.root[at], SL_NO_INDEX);
@@ -220,8 +234,8 @@ static void parameters_of_pixels_are_those_of_the_triangles_that_they_show(void 
     for (int turn = 0; turn < 9; turn++) {
         trace_mesh mesh = trace_mesh_begin();
         trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-        uint32_t v[4] = {trace_mesh_vertex(&mesh, -1, -1, 0), trace_mesh_vertex(&mesh, 1, -1, 0.5f), trace_mesh_vertex(&mesh, 1.5f, 1, 0.5f),
-                         trace_mesh_vertex(&mesh, -0.5f, 1, 0)};
+        uint32_t v[4] = {trace_mesh_vertex(&mesh, -1, -1, 0), trace_mesh_vertex(&mesh, 1, -1, 0.5f),
+                         trace_mesh_vertex(&mesh, 1.5f, 1, 0.5f), trace_mesh_vertex(&mesh, -0.5f, 1, 0)};
         const uint32_t half[2][3] = {{v[0], v[1], v[2]}, {v[0], v[2], v[3]}};
         for (int k = 0; k < 2; k++) {
             int first = k ? turn / 3 : turn % 3;
@@ -256,7 +270,7 @@ static void parameters_of_pixels_are_those_of_the_triangles_that_they_show(void 
     assert_int_equal(quads, 9);
 }
 
-/* ---- before any sample ---------------------------------------------------------------------------------------------------------- */
+/* ---- before any sample ----------------------------------------------------------------------- */
 
 static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(void **state) {
     (void)state;
@@ -286,7 +300,9 @@ static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(
             const sl_material *material = sl_root_material(h.primitives, ids.root[i]);
             float emission = ids.root[i] % 2 ? 0.0f : material->emission.g;
             if (material->texture == SL_NO_INDEX) {
-                assert_true(fabs((double)shown.plane[1][i] - (double)(emission + material->diffuse.g * guess.g * (float)(1 / SL_PI))) < 1e-6);
+                assert_true(fabs((double)shown.plane[1][i] -
+                                 (double)(emission + material->diffuse.g * guess.g * (float)(1 / SL_PI))) <
+                            1e-6);
             }
         }
     }
@@ -311,13 +327,14 @@ static void a_split_without_samples_is_not_seen(void **state) {
     build_display(display, &h);
     draw(display, 1, &after);
     for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < PIXELS; i++) assert_true(fabs((double)before.plane[c][i] - (double)after.plane[c][i]) < 1e-5);
+        for (int i = 0; i < PIXELS; i++)
+            assert_true(fabs((double)before.plane[c][i] - (double)after.plane[c][i]) < 1e-5);
     }
     sl_display_destroy(display);
     hierarchy_discard(&h);
 }
 
-/* ---- hanging vertices ------------------------------------------------------------------------------------------------------------ */
+/* ---- hanging vertices ------------------------------------------------------------------------ */
 
 /* What the leaf at one side of a point shows there: (u, v) moved by next to nothing. */
 static void value_beside(const sl_display *d, uint32_t root, double u, double v, float value[6]) {
@@ -345,19 +362,25 @@ static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state
         }
         size_t fans = 0, tested = 0;
         for (uint32_t patch = 0; patch < h.patches->patch_count; patch++) {
-            if (!sl_patch_is_alive(h.patches, patch) || !sl_patch_is_leaf(h.patches, patch) || sl_patch_root(h.patches, patch) != 0) continue;
+            if (!sl_patch_is_alive(h.patches, patch) || !sl_patch_is_leaf(h.patches, patch) ||
+                sl_patch_root(h.patches, patch) != 0)
+                continue;
             sl_patch_place place = sl_patch_place_of(h.patches, patch);
             for (int e = 0; e < place.corners; e++) {
                 uint32_t hanging[512];
                 fans += sl_patch_hanging(h.patches, &place, e, hanging, 512) > 0;
                 int next = (e + 1) % place.corners, last = (e + 2) % place.corners;
-                for (uint64_t k = 0; k < 20; k++) { /* points of the edge, a little inside and a little outside */
+                /* points of the edge, a little inside and a little outside */
+                for (uint64_t k = 0; k < 20; k++) {
                     double t = (double)sl_random_unit(key, tested++), side = SL_PATCH_DYADIC, nudge = 1e-7;
                     double u = ((double)place.u[e] + t * ((double)place.u[next] - (double)place.u[e])) / side;
                     double v = ((double)place.v[e] + t * ((double)place.v[next] - (double)place.v[e])) / side;
-                    double inwards_u = ((double)place.u[last] - (double)place.u[e]) / side, inwards_v = ((double)place.v[last] - (double)place.v[e]) / side;
+                    double inwards_u = ((double)place.u[last] - (double)place.u[e]) / side,
+                           inwards_v = ((double)place.v[last] - (double)place.v[e]) / side;
                     double other_u = u - nudge * inwards_u, other_v = v - nudge * inwards_v;
-                    if (other_u < 0 || other_v < 0 || other_u > 1 || other_v > 1 || (kind && other_u + other_v > 1)) continue;
+                    if (other_u < 0 || other_v < 0 || other_u > 1 || other_v > 1 ||
+                        (kind && other_u + other_v > 1))
+                        continue;
                     float here[6], there[6];
                     value_beside(display, 0, u + nudge * inwards_u, v + nudge * inwards_v, here);
                     value_beside(display, 0, other_u, other_v, there);
@@ -378,7 +401,8 @@ static void a_fan_goes_through_its_corners_centre_and_hanging_vertices(void **st
     split(&h, root);
     uint32_t child = h.patches->patch[root].child;
     split(&h, child + 1);
-    split(&h, h.patches->patch[child + 1].child); /* beside child 0: vertices at a quarter and a half of its right edge */
+    /* beside child 0: vertices at a quarter and a half of its right edge */
+    split(&h, h.patches->patch[child + 1].child);
     sample_all(&h, 3);
     sl_display *display = display_of(&h, W, H, guess);
     build_display(display, &h);
@@ -391,16 +415,20 @@ static void a_fan_goes_through_its_corners_centre_and_hanging_vertices(void **st
     float value[6];
     for (int k = 0; k < 2; k++) {
         value_beside(display, 0, 0.5 - 0x1p-24, 0.5 * at[k] / SL_PATCH_DYADIC, value);
-        for (int c = 0; c < 3; c++) assert_true(fabs((double)value[c] - (double)h.patches->vertex[hanging[k]].value[c]) < 1e-5);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs((double)value[c] - (double)h.patches->vertex[hanging[k]].value[c]) < 1e-5);
     }
     value_beside(display, 0, 0.25, 0.25, value);
     for (int c = 0; c < 3; c++) {
         double mean = 0.0;
-        for (int k = 0; k < 4; k++) mean += 0.25 * (double)h.patches->vertex[sl_patch_corner(h.patches, child, k)].value[c];
+        for (int k = 0; k < 4; k++)
+            mean += 0.25 * (double)h.patches->vertex[sl_patch_corner(h.patches, child, k)].value[c];
         assert_true(fabs((double)value[c] - mean) < 1e-5);
     }
     value_beside(display, 0, 0.0, 0.0, value);
-    for (int c = 0; c < 3; c++) assert_true(fabs((double)value[c] - (double)h.patches->vertex[sl_patch_corner(h.patches, child, 0)].value[c]) < 1e-5);
+    for (int c = 0; c < 3; c++)
+        assert_true(fabs((double)value[c] -
+                         (double)h.patches->vertex[sl_patch_corner(h.patches, child, 0)].value[c]) < 1e-5);
     sl_display_destroy(display);
     hierarchy_discard(&h);
 }
@@ -412,7 +440,9 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
     split(&h, root);
     uint32_t child = h.patches->patch[root].child;
     for (int i = 0; i < 512; i++) { /* along the right edge of child 0 */
-        for (sl_patch_place at; (at = sl_patch_locate(h.patches, 0, 0.5, 0.5 * (i + 0.5) / 512.0)).depth < 10;) split(&h, at.patch);
+        for (sl_patch_place at;
+             (at = sl_patch_locate(h.patches, 0, 0.5, 0.5 * (i + 0.5) / 512.0)).depth < 10;)
+            split(&h, at.patch);
     }
     sample_all(&h, 2);
     sl_display *display = display_of(&h, W, H, guess);
@@ -424,14 +454,17 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
     float value[6];
     for (int k = 0; k < 511; k++) {
         value_beside(display, 0, 0.5 - 0x1p-24, 0.5 * at[k] / SL_PATCH_DYADIC, value);
-        for (int c = 0; c < 3; c++) assert_true(fabs((double)value[c] - (double)h.patches->vertex[hanging[k]].value[c]) < 1e-4);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs((double)value[c] - (double)h.patches->vertex[hanging[k]].value[c]) < 1e-4);
     }
     size_t words[2];
     for (int round = 0; round < 6; round++) { /* room that is given back is used again */
         sl_patch_drop_children(h.patches, child + 1);
         build_display(display, &h);
         for (int i = 0; i < 512; i++) {
-            for (sl_patch_place p; (p = sl_patch_locate(h.patches, 0, 0.5, 0.5 * (i + 0.5) / 512.0)).depth < 10;) split(&h, p.patch);
+            for (sl_patch_place p;
+                 (p = sl_patch_locate(h.patches, 0, 0.5, 0.5 * (i + 0.5) / 512.0)).depth < 10;)
+                split(&h, p.patch);
         }
         build_display(display, &h);
         if (round % 2) words[round / 2 % 2] = display->copy[0].fans.used + display->copy[1].fans.used;
@@ -441,7 +474,7 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
     hierarchy_discard(&h);
 }
 
-/* ---- two copies ------------------------------------------------------------------------------------------------------------------ */
+/* ---- two copies ------------------------------------------------------------------------------ */
 
 static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
     (void)state;
@@ -457,7 +490,8 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
             sl_display *fresh = display_of(&h, W, H, guess);
             build_display(fresh, &h);
             double turn = 0.7 * update;
-            look(h.scene, sl_v3((float)(3.0 * sl_cos(turn)), 1.2f, (float)(3.0 * sl_sin(turn))), sl_v3(0, 0.5f, 0));
+            look(h.scene, sl_v3((float)(3.0 * sl_cos(turn)), 1.2f, (float)(3.0 * sl_sin(turn))),
+                 sl_v3(0, 0.5f, 0));
             draw(display, 1, &one);
             draw(fresh, 1, &other);
             assert_memory_equal(&one, &other, sizeof one);
@@ -485,7 +519,9 @@ static void what_is_shown_stays_as_it_was_until_the_build_ends(void **state) {
     build_display(display, &h);
     draw(display, 1, &before);
     change_at_random(&h, sl_random_key(7, 7), 2, 1500);
-    draw(display, 1, &after); /* the patches have changed, grown and gone; what is shown has its own arrays, and nobody else has taken the vertices that it names */
+    /* the patches have changed, grown and gone; what is shown has its own arrays, and nobody else has taken
+     * the vertices that it names */
+    draw(display, 1, &after);
     assert_memory_equal(&before, &after, sizeof before);
     build_display(display, &h);
     draw(display, 1, &after);
@@ -514,20 +550,28 @@ static void frames_are_the_same_bits_with_any_number_of_threads(void **state) {
     hierarchy_discard(&h);
 }
 
-/* ---- colours in eight bytes ----------------------------------------------------------------------------------------------------- */
+/* ---- colours in eight bytes ------------------------------------------------------------------ */
 
 static void packed_colours_are_off_by_less_than_2_to_the_minus_18_of_the_largest_channel(void **state) {
     (void)state;
     uint64_t key = sl_random_key(71, 0);
     for (uint64_t i = 0; i < 20000; i++) {
         float colour[3], back[3], most = 0.0f, scale = sl_power_of_two((int)below(key, 5 * i, 200) - 80);
-        for (uint64_t c = 0; c < 3; c++) colour[c] = scale * sl_random_unit(key, 5 * i + 1 + c) * (sl_random_unit(key, 5 * i + 4) < 0.3f && c ? 0.0f : 1.0f);
+        for (uint64_t c = 0; c < 3; c++)
+            colour[c] = scale * sl_random_unit(key, 5 * i + 1 + c) *
+                        (sl_random_unit(key, 5 * i + 4) < 0.3f && c ? 0.0f : 1.0f);
         for (int c = 0; c < 3; c++) most = fmaxf(most, colour[c]);
         sl_unpack_colour(sl_pack_colour(colour), back);
-        for (int c = 0; c < 3; c++) assert_true(fabs((double)back[c] - (double)colour[c]) <= 0x1p-18 * (double)most);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs((double)back[c] - (double)colour[c]) <= 0x1p-18 * (double)most);
         for (int c = 0; c < 3; c++) assert_true(colour[c] > 0.0f || back[c] == 0.0f);
     }
-    const float hard[6][3] = {{0, 0, 0}, {1, 1, 1}, {NAN, -1, 2}, {INFINITY, 1, 0}, {0x1p-149f, 0, 0x1p-126f}, {0x1.fffffep127f, 0, 0}};
+    const float hard[6][3] = {{0, 0, 0},
+                              {1, 1, 1},
+                              {NAN, -1, 2},
+                              {INFINITY, 1, 0},
+                              {0x1p-149f, 0, 0x1p-126f},
+                              {0x1.fffffep127f, 0, 0}};
     const float want[6][3] = {{0, 0, 0}, {1, 1, 1}, {0, 0, 2}, {INFINITY, 0, 0}, {0, 0, 0}, {INFINITY, 0, 0}};
     for (int i = 0; i < 6; i++) {
         float back[3];
@@ -539,7 +583,7 @@ static void packed_colours_are_off_by_less_than_2_to_the_minus_18_of_the_largest
     }
 }
 
-/* ---- motion ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- motion ---------------------------------------------------------------------------------- */
 
 static void a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had(void **state) {
     (void)state;
@@ -562,15 +606,17 @@ static void a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had(void
     assert_int_equal(sl_display_move(display, NULL), SL_OK);
     draw(display, 1, &after);
     for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < PIXELS; i++) assert_true(fabs((double)before.plane[c][i] - (double)after.plane[c][i]) < 1e-4);
+        for (int i = 0; i < PIXELS; i++)
+            assert_true(fabs((double)before.plane[c][i] - (double)after.plane[c][i]) < 1e-4);
     }
     sl_display_destroy(display);
     hierarchy_discard(&h);
 }
 
-/* ---- memory ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- memory ---------------------------------------------------------------------------------- */
 
-/* A square as it comes to be: cut evenly, and further along a shadow's edge, until its leaves are a pixel or so. */
+/* A square as it comes to be: cut evenly, and further along a shadow's edge, until its leaves are a pixel or
+ * so. */
 static void patches_and_both_copies_take_few_bytes_a_patch(void **state) {
     (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
@@ -589,13 +635,17 @@ static void patches_and_both_copies_take_few_bytes_a_patch(void **state) {
         for (sl_patch_place at; (at = sl_patch_locate(h.patches, 0, u, v)).depth < 9;) split(&h, at.patch);
         if (i % 20) continue;
         for (uint32_t k = 0; k < h.patches->vertex_count; k++) {
-            if (is_alive(h.patches, k) && h.patches->vertex[k].evaluated == SL_VERTEX_NEVER) sample_field(&h, k, 2 + i);
+            if (is_alive(h.patches, k) && h.patches->vertex[k].evaluated == SL_VERTEX_NEVER)
+                sample_field(&h, k, 2 + i);
         }
         build_display(display, &h);
     }
-    double patches = (double)h.patches->patches_alive, tree = (double)sl_patches_memory_bytes(h.patches), shown = (double)sl_display_memory_bytes(display);
-    printf("%.0f patches, %.2f vertices and %.2f leaves each: %.1f bytes each, and %.1f in the display's two copies\n", patches,
-           (double)h.patches->vertices_alive / patches, (double)h.patches->leaves_alive / patches, tree / patches, shown / patches);
+    double patches = (double)h.patches->patches_alive, tree = (double)sl_patches_memory_bytes(h.patches),
+           shown = (double)sl_display_memory_bytes(display);
+    printf("%.0f patches, %.2f vertices and %.2f leaves each: %.1f bytes each, and %.1f in the display's two "
+           "copies\n",
+           patches, (double)h.patches->vertices_alive / patches, (double)h.patches->leaves_alive / patches,
+           tree / patches, shown / patches);
     assert_true((tree + shown) / patches <= 80.0);
     sl_display_destroy(display);
     hierarchy_discard(&h);

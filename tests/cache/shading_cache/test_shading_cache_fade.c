@@ -47,9 +47,12 @@ static void after_k_updates_1_minus_beta_to_the_k_is_left(void **state) {
         double left = (double)(sampled - shown(&s)) / (double)(sampled - 3.0f);
         assert_true(fabs(left - pow(1.0 - (double)beta, k)) < 1e-5);
         assert_true(k < 40);
-        for (size_t i = 0; i < s.h.patches->patch_count; i++) s.h.patches->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
+        for (size_t i = 0; i < s.h.patches->patch_count; i++)
+            s.h.patches->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
         sl_fades_go_on(&s.fades, s.h.patches, beta);
-        assert_true(s.h.patches->flags[s.h.patches->patch[s.h.patches->root_patch[0]].child] & SL_PATCH_DIRTY); /* the display hears of it */
+        /* the display hears of it */
+        assert_true(s.h.patches->flags[s.h.patches->patch[s.h.patches->root_patch[0]].child] &
+                    SL_PATCH_DIRTY);
     }
     assert_true(k > 20 && shown(&s) == sampled);
     end(&s);
@@ -123,7 +126,8 @@ static void pictures_jump_less_from_one_update_to_the_next(void **state) {
     assert_true(slowly > 0.0 && slowly < 0.6 * at_once);
 }
 
-/* Once a picture is done nothing fades any more: its samples are as many, and its error is that of a picture without. */
+/* Once a picture is done nothing fades any more: its samples are as many, and its error is that of a picture
+ * without. */
 static void a_picture_that_is_done_is_not_blurred_by_it(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");

@@ -1,5 +1,5 @@
-/* Hard cases of the whole shading cache: nothing to be seen, light that goes away, eyes in awkward places, and an end to it all; with things that move the same bits at any number
- * of threads. */
+/* Hard cases of the whole shading cache: nothing to be seen, light that goes away, eyes in awkward places,
+ * and an end to it all; with things that move the same bits at any number of threads. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -33,7 +33,9 @@ static uint64_t to_the_end(sl_method *method) {
 }
 
 static void look(sl_scene *scene, float x, float y, float z, float to_x, float to_y, float to_z) {
-    assert_int_equal(sl_scene_set_camera(scene, (const float[]){x, y, z}, (const float[]){to_x, to_y, to_z}, (const float[]){0, 1, 0}, 0.7f, NULL), SL_OK);
+    assert_int_equal(sl_scene_set_camera(scene, (const float[]){x, y, z}, (const float[]){to_x, to_y, to_z},
+                                         (const float[]){0, 1, 0}, 0.7f, NULL),
+                     SL_OK);
 }
 
 static float brightest(sl_method *method) {
@@ -66,15 +68,19 @@ static void who_sees_nothing_asks_for_nothing(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* The only light leaves the closed box: in the end nothing is left of it, though nothing else has told the walls so. */
+/* The only light leaves the closed box: in the end nothing is left of it, though nothing else has told the
+ * walls so. */
 static void a_light_that_goes_away_leaves_no_light_behind(void **state) {
     (void)state;
-    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],"
-                               "\"lights\": [{\"type\": \"point\", \"position\": [0, 0.5, 0], \"intensity\": 3,"
-                               "\"keyframes\": [{\"time\": 0, \"position\": [0, 0.5, 0]}, {\"time\": 1, \"position\": [0, 50, 0]}]}],"
-                               "\"camera\": {\"eye\": [0, 0, 0.9], \"target\": [0, 0, -1], \"up\": [0, 1, 0], \"fov_deg\": 60}}";
-    static const char box[] = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
-                              "f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 4 3 7 8\nf 5 6 2 1\n";
+    static const char json[] =
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],"
+        "\"lights\": [{\"type\": \"point\", \"position\": [0, 0.5, 0], \"intensity\": 3,"
+        "\"keyframes\": [{\"time\": 0, \"position\": [0, 0.5, 0]}, {\"time\": 1, \"position\": [0, 50, "
+        "0]}]}],"
+        "\"camera\": {\"eye\": [0, 0, 0.9], \"target\": [0, 0, -1], \"up\": [0, 1, 0], \"fov_deg\": 60}}";
+    static const char box[] =
+        "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+        "f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 4 3 7 8\nf 5 6 2 1\n";
     sl_scene *scene = scene_from_text(json, box);
     sl_settings settings = cache_settings(24, 24);
     settings.shading_cache.updates = 60;
@@ -96,7 +102,8 @@ static void a_light_that_goes_away_leaves_no_light_behind(void **state) {
 
 static void eyes_in_walls_on_walls_and_in_boxes_are_no_trouble(void **state) {
     (void)state;
-    const float eye[4][3] = {{278, 273, 559.2f}, {278, 0, 280}, {185, 100, 169}, {278, 548.8f, 279.5f}}; /* back wall, floor, within the short box, the lamp */
+    /* back wall, floor, within the short box, the lamp */
+    const float eye[4][3] = {{278, 273, 559.2f}, {278, 0, 280}, {185, 100, 169}, {278, 548.8f, 279.5f}};
     for (int i = 0; i < 4; i++) {
         sl_scene *scene = load_scene(room);
         sl_settings settings = cache_settings(20, 20);

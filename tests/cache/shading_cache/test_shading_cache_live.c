@@ -1,5 +1,6 @@
-/* The two loops of the shading cache beside each other: frames never wait for samples, and show what moves at once. Samples come from a renderer of the
- * tests' own, in the place of the one for area lights, which waits before a gate. */
+/* The two loops of the shading cache beside each other: frames never wait for samples, and show what moves at
+ * once. Samples come from a renderer of the tests' own, in the place of the one for area lights, which waits
+ * before a gate. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -21,7 +22,7 @@
 
 enum { W = 48, H = 40, PIXELS = W * H };
 
-/* ---- a renderer that waits --------------------------------------------------------------------------------------------------------- */
+/* ---- a renderer that waits ------------------------------------------------------------------- */
 
 static sl_monitor gate;
 static bool gate_is_open, edit_fails, edits_brighten;
@@ -52,8 +53,8 @@ static void let_one_batch_pass(void) {
     sl_monitor_leave(&gate);
 }
 
-static void render_behind_the_gate(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples,
-                                   sl_counters *counters) {
+static void render_behind_the_gate(const void *state, size_t count, const sl_sample_request *requests,
+                                   unsigned threads, sl_sample *samples, sl_counters *counters) {
     (void)state, (void)requests, (void)threads, (void)counters;
     sl_monitor_enter(&gate);
     waiting++;
@@ -79,13 +80,17 @@ static sl_status edit_or_fail(void *state, unsigned changes, sl_error *error) {
 
 static void nothing_to_destroy(void *state) { (void)state; }
 
-sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error) {
+sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
+                           sl_error *error) {
     (void)settings, (void)error;
-    *renderer = (sl_sample_renderer){.name = "waits", .render = render_behind_the_gate, .edit = edit_or_fail, .destroy = nothing_to_destroy};
+    *renderer = (sl_sample_renderer){.name = "waits",
+                                     .render = render_behind_the_gate,
+                                     .edit = edit_or_fail,
+                                     .destroy = nothing_to_destroy};
     return SL_OK;
 }
 
-/* ---- shows -------------------------------------------------------------------------------------------------------------------------- */
+/* ---- shows ----------------------------------------------------------------------------------- */
 
 static sl_settings show_settings(void) {
     sl_settings settings = small_settings("shading-cache", W, H);
@@ -144,7 +149,9 @@ static int pixels_apart(const float *a, const float *b) {
     int apart = 0;
     for (int i = 0; i < PIXELS; i++) {
         bool same = true;
-        for (int c = 0; c < 3; c++) same = same && fabsf(a[c * PIXELS + i] - b[c * PIXELS + i]) <= 1e-4f * (1e-3f + fabsf(b[c * PIXELS + i]));
+        for (int c = 0; c < 3; c++)
+            same = same &&
+                   fabsf(a[c * PIXELS + i] - b[c * PIXELS + i]) <= 1e-4f * (1e-3f + fabsf(b[c * PIXELS + i]));
         apart += !same;
     }
     return apart;
@@ -152,7 +159,7 @@ static int pixels_apart(const float *a, const float *b) {
 
 static const char ball[] = "scenes/moving-ball.json", walk[] = "scenes/walk.json";
 
-/* ---- frames and samples -------------------------------------------------------------------------------------------------------------- */
+/* ---- frames and samples ---------------------------------------------------------------------- */
 
 static void frames_keep_coming_while_samples_are_held_up(void **state) {
     (void)state;
@@ -224,11 +231,14 @@ static void samples_catch_up_where_things_are_now_and_then_rest(void **state) {
             pause_a_millisecond();
             assert_int_equal(frame_of(live, picture).updates, shown.updates);
         }
-        const float kd[4][3] = {{0.73f, 0.73f, 0.73f}, {0.63f, 0.065f, 0.05f}, {0.14f, 0.45f, 0.091f}, {0.75f, 0.6f, 0.2f}};
+        const float kd[4][3] = {
+            {0.73f, 0.73f, 0.73f}, {0.63f, 0.065f, 0.05f}, {0.14f, 0.45f, 0.091f}, {0.75f, 0.6f, 0.2f}};
         int lit = 0, covered = 0;
         for (int i = 0; i < PIXELS; i++) {
             covered += picture[i] > 0.0f;
-            for (int m = 0; m < 4; m++) lit += fabsf(picture[i] - 2.0f * kd[m][0]) < 2e-3f && fabsf(picture[PIXELS + i] - 2.0f * kd[m][1]) < 2e-3f;
+            for (int m = 0; m < 4; m++)
+                lit += fabsf(picture[i] - 2.0f * kd[m][0]) < 2e-3f &&
+                       fabsf(picture[PIXELS + i] - 2.0f * kd[m][1]) < 2e-3f;
         }
         assert_true(covered > PIXELS / 2 && lit > covered * 95 / 100);
     }
@@ -251,7 +261,8 @@ static sl_live_state frames_until_a_change_shows(sl_live *live, uint64_t changes
     return state;
 }
 
-/* The move shows at once; what it does to the light is late by the frames that are drawn while samples are held up, and is the first of the moves' that wait. */
+/* The move shows at once; what it does to the light is late by the frames that are drawn while samples are
+ * held up, and is the first of the moves' that wait. */
 static void frames_tell_how_late_the_light_is_that_a_move_has_changed(void **state) {
     (void)state;
     sl_scene *scene = load_scene(ball);
@@ -282,13 +293,16 @@ static void frames_tell_how_late_the_light_is_that_a_move_has_changed(void **sta
     sl_scene_destroy(scene);
 }
 
-/* ---- moves that wait ---------------------------------------------------------------------------------------------------------------- */
+/* ---- moves that wait ------------------------------------------------------------------------- */
 
 /* Two boards on a wall; one moves in the first second, the other in the next. */
 static sl_scene *two_boards(void) {
-    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": 3}}, "
-        "{\"file\": \"mesh.obj\", \"name\": \"left\", \"keyframes\": [{\"time\": 0, \"translate\": [-1, 0, 0.5]}, {\"time\": 1, \"translate\": [-1, 1, 0.5]}]}, "
-        "{\"file\": \"mesh.obj\", \"name\": \"right\", \"keyframes\": [{\"time\": 1, \"translate\": [1, 0, 0.5]}, {\"time\": 2, \"translate\": [1, -1, 0.5]}]}], "
+    static const char json[] =
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": 3}}, "
+        "{\"file\": \"mesh.obj\", \"name\": \"left\", \"keyframes\": [{\"time\": 0, \"translate\": [-1, 0, "
+        "0.5]}, {\"time\": 1, \"translate\": [-1, 1, 0.5]}]}, "
+        "{\"file\": \"mesh.obj\", \"name\": \"right\", \"keyframes\": [{\"time\": 1, \"translate\": [1, 0, "
+        "0.5]}, {\"time\": 2, \"translate\": [1, -1, 0.5]}]}], "
         "\"lights\": [{\"type\": \"point\", \"position\": [0, 0, 4], \"intensity\": 1}], "
         "\"camera\": {\"eye\": [0, 0, 6], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 40}}";
     return scene_from_text(json, "v -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0.5 0.5 0\nv -0.5 0.5 0\nf 1 2 3 4\n");
@@ -315,12 +329,16 @@ static void stop_brightened(sl_live *live) {
 /* By the default material's reflectance all pixels are either the background or of one brightness. */
 static void all_shading_is_of_after_the_edit(const float picture[3 * PIXELS], float expected) {
     int lit = 0, covered = 0;
-    for (int i = 0; i < PIXELS; i++) covered += picture[i] > 0.0f, lit += fabsf(picture[i] - expected) < 1e-3f * expected;
+    for (int i = 0; i < PIXELS; i++)
+        covered += picture[i] > 0.0f, lit += fabsf(picture[i] - expected) < 1e-3f * expected;
     assert_true(covered > PIXELS / 3 && lit == covered);
 }
 
-/* Updates need not go where things were in between, but what has moved in between has moved, and its light began to change with the first of the moves. */
-static void of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is(void **state) {
+/* Updates need not go where things were in between, but what has moved in between has moved, and its light
+ * began to change with the first of the moves. */
+static void
+of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is(
+    void **state) {
     (void)state;
     static float before[3 * PIXELS], picture[3 * PIXELS];
     sl_scene *scene = two_boards(), *there = two_boards();
@@ -355,7 +373,8 @@ static void of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_
 }
 
 /* Updates have taken the first move, and have not found its change yet. */
-static void a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leaves_the_earlier_ones_time(void **state) {
+static void a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leaves_the_earlier_ones_time(
+    void **state) {
     (void)state;
     sl_scene *scene = two_boards();
     sl_live *live = start_held_up(scene);
@@ -372,7 +391,8 @@ static void a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leave
     sl_scene_destroy(scene);
 }
 
-static void of_changes_that_were_found_between_two_frames_the_first_is_told_and_all_are_counted(void **state) {
+static void of_changes_that_were_found_between_two_frames_the_first_is_told_and_all_are_counted(
+    void **state) {
     (void)state;
     sl_scene *scene = two_boards();
     sl_live *live = start_held_up(scene);
@@ -388,7 +408,8 @@ static void of_changes_that_were_found_between_two_frames_the_first_is_told_and_
     sl_scene_destroy(scene);
 }
 
-static void of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture(void **state) {
+static void of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture(
+    void **state) {
     (void)state;
     sl_scene *scene = load_scene(walk);
     sl_settings settings = small_settings("path", W, H);
@@ -400,7 +421,8 @@ static void of_methods_without_a_display_a_move_is_a_change_that_shows_with_thei
         assert_int_equal(sl_live_move(live, 0.3 * (double)i, NULL), SL_OK);
         sl_live_state shown = frames_until_a_change_shows(live, i);
         assert_true(shown.updates >= updates + settings.spp);
-        assert_true(shown.changes_shown == i && shown.change_seconds == 0.3 * (double)i && shown.time_seconds == shown.change_seconds);
+        assert_true(shown.changes_shown == i && shown.change_seconds == 0.3 * (double)i &&
+                    shown.time_seconds == shown.change_seconds);
     }
     sl_live_stop(live, NULL);
     sl_scene_destroy(scene);
@@ -434,7 +456,7 @@ static void a_camera_of_ones_own_stays_whatever_moves(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- held back ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- held back ------------------------------------------------------------------------------- */
 
 static void motion_waits_for_the_quality_that_it_is_held_for(void **state) {
     (void)state;
@@ -480,7 +502,9 @@ static void what_is_held_back_is_all_that_was_asked_for(void **state) {
         wait_until_samples_are_held_up();
         for (int i = 0; i < 2; i++) {
             bool look = (i == 0) == look_first;
-            assert_int_equal(look ? sl_live_look(live, eye, target, up, 0.8f, NULL) : sl_live_move(live, 2.0, NULL), SL_OK);
+            assert_int_equal(look ? sl_live_look(live, eye, target, up, 0.8f, NULL)
+                                  : sl_live_move(live, 2.0, NULL),
+                             SL_OK);
             assert_true(frame_of(live, NULL).held);
         }
         open_gate(true);
@@ -489,9 +513,11 @@ static void what_is_held_back_is_all_that_was_asked_for(void **state) {
         assert_true(shown.time_seconds == 2.0);
         sl_live_stop(live, NULL);
         assert_int_equal(sl_scene_set_time(there, 2.0, NULL, NULL), SL_OK);
-        assert_true(sl_camera_look_at(&there->camera, sl_v3(1, 0.5f, 7), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.8f));
+        assert_true(
+            sl_camera_look_at(&there->camera, sl_v3(1, 0.5f, 7), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.8f));
         assert_memory_equal(&scene->camera, &there->camera, sizeof there->camera);
-        assert_memory_equal(scene->position_y, there->position_y, scene->vertex_count * sizeof *scene->position_y);
+        assert_memory_equal(scene->position_y, there->position_y,
+                            scene->vertex_count * sizeof *scene->position_y);
         sl_scene_destroy(scene);
         sl_scene_destroy(there);
     }
@@ -524,7 +550,7 @@ static void frames_of_a_series_wait_for_the_quality_that_they_are_held_for(void 
     assert_true(updates[0] > 4 && updates[1] > 2 * updates[0]);
 }
 
-/* ---- ends ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- ends ------------------------------------------------------------------------------------ */
 
 static void open_gate_soon(void *context) {
     (void)context;
@@ -596,7 +622,7 @@ static void what_cannot_be_shown_is_refused_and_leaves_nothing(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- methods without a display of their own ---------------------------------------------------------------------------------------------- */
+/* ---- methods without a display of their own -------------------------------------------------- */
 
 static void other_methods_show_their_pictures_as_they_come(void **state) {
     (void)state;
@@ -626,10 +652,13 @@ int main(void) {
         cmocka_unit_test(what_moves_is_shown_there_at_once_though_no_sample_comes),
         cmocka_unit_test(samples_catch_up_where_things_are_now_and_then_rest),
         cmocka_unit_test(frames_tell_how_late_the_light_is_that_a_move_has_changed),
-        cmocka_unit_test(of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is),
-        cmocka_unit_test(a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leaves_the_earlier_ones_time),
+        cmocka_unit_test(
+            of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is),
+        cmocka_unit_test(
+            a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leaves_the_earlier_ones_time),
         cmocka_unit_test(of_changes_that_were_found_between_two_frames_the_first_is_told_and_all_are_counted),
-        cmocka_unit_test(of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture),
+        cmocka_unit_test(
+            of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture),
         cmocka_unit_test(a_camera_of_ones_own_stays_whatever_moves),
         cmocka_unit_test(motion_waits_for_the_quality_that_it_is_held_for),
         cmocka_unit_test(what_is_held_back_is_all_that_was_asked_for),

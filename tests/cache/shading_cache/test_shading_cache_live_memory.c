@@ -61,10 +61,13 @@ static void a_window_without_memory_is_not_there_and_a_frame_without_is_drawn_la
     sl_display_settings settings = {32, 32, {1, 1, 1}, 1};
     assert_int_equal(sl_display_create(l.h.scene, l.h.primitives, &settings, &l.display, NULL), SL_OK);
     assert_true(until_it_succeeds(open_window, &l, false, NULL) > 10);
-    for (int k = 0; k < 3; k++) assert_int_equal(sl_display_build(l.display, l.h.patches, &l.counters, NULL), SL_OK);
-    assert_true(sl_camera_look_at(&l.scene_copy->camera, sl_v3(260, 200, -100), sl_v3(260, 150, 270), sl_v3(0, 1, 0), 0.9f));
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(sl_display_build(l.display, l.h.patches, &l.counters, NULL), SL_OK);
+    assert_true(sl_camera_look_at(&l.scene_copy->camera, sl_v3(260, 200, -100), sl_v3(260, 150, 270),
+                                  sl_v3(0, 1, 0), 0.9f));
     assert_true(until_it_succeeds(draw, &l, true, NULL) > 3); /* surfaces are to be cut anew */
-    for (int k = 0; k < 3; k++) assert_int_equal(sl_display_build(l.display, l.h.patches, &l.counters, NULL), SL_OK);
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(sl_display_build(l.display, l.h.patches, &l.counters, NULL), SL_OK);
     sl_window_destroy(l.window);
     sl_scene_copy_destroy(l.scene_copy);
     sl_display_destroy(l.display);

@@ -1,5 +1,6 @@
-/* The whole loop, looked at from the inside: what is asked for and what is left alone, what grows old and what an edit costs, and that in the end all is as if nothing had
- * ever moved. Samples are of direct light, so that a value is a function of its place. */
+/* The whole loop, looked at from the inside: what is asked for and what is left alone, what grows old and
+ * what an edit costs, and that in the end all is as if nothing had ever moved. Samples are of direct light,
+ * so that a value is a function of its place. */
 #include "shading_cache_support.h"
 
 #include <math.h>
@@ -10,7 +11,8 @@
 #include "matched.h"
 #include "rendering.h"
 
-enum { SIZE = 32, PIXELS = SIZE * SIZE, ROOM_FOR = 64 * 64 }; /* patches are kept as if of a picture of 64 x 64 at least */
+/* patches are kept as if of a picture of 64 x 64 at least */
+enum { SIZE = 32, PIXELS = SIZE * SIZE, ROOM_FOR = 64 * 64 };
 
 static sl_settings loop_settings(void) {
     sl_settings s = small_settings("shading-cache", SIZE, SIZE);
@@ -41,21 +43,32 @@ static uint64_t to_the_end(sl_method *method) {
     return updates;
 }
 
-static uint64_t count_of(const sl_method *method, sl_counter what) { return sl_method_counters(method)->value[what]; }
+static uint64_t count_of(const sl_method *method, sl_counter what) {
+    return sl_method_counters(method)->value[what];
+}
 
-static void edit(sl_method *method, unsigned changes) { assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK); }
+static void edit(sl_method *method, unsigned changes) {
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+}
 
-static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) { assert_true(sl_camera_look_at(&scene->camera, eye, target, sl_v3(0, 1, 0), 0.9f)); }
+static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) {
+    assert_true(sl_camera_look_at(&scene->camera, eye, target, sl_v3(0, 1, 0), 0.9f));
+}
 
 /* A room of six quadrilaterals with a floor of tiles, a light or a lamp in it, and the eye in its front. */
 static sl_scene *room_with(bool lamp) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
-    for (int i = 0; i < 4; i++) trace_mesh_quad(&mesh, sl_v3(-0.8f + 0.8f * (float)(i % 2), -0.9f, -0.8f + 0.8f * (float)(i / 2)), sl_v3(0, 0, 0.8f), sl_v3(0.8f, 0, 0), wall);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.3f, 0.5f, -0.2f}, .intensity = sl_grey(1.0f)};
+    for (int i = 0; i < 4; i++)
+        trace_mesh_quad(&mesh, sl_v3(-0.8f + 0.8f * (float)(i % 2), -0.9f, -0.8f + 0.8f * (float)(i / 2)),
+                        sl_v3(0, 0, 0.8f), sl_v3(0.8f, 0, 0), wall);
+    mesh.lights[0] =
+        (sl_light){.type = SL_LIGHT_POINT, .position = {0.3f, 0.5f, -0.2f}, .intensity = sl_grey(1.0f)};
     mesh.light_count = lamp ? 0 : 1;
-    if (lamp) trace_mesh_quad(&mesh, sl_v3(0.1f, 0.8f, -0.4f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f), trace_mesh_material(&mesh, 0, 0, 0, 0, 4));
+    if (lamp)
+        trace_mesh_quad(&mesh, sl_v3(0.1f, 0.8f, -0.4f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f),
+                        trace_mesh_material(&mesh, 0, 0, 0, 0, 4));
     sl_scene *scene = trace_mesh_build(&mesh);
     look(scene, sl_v3(0, 0, 0.9f), sl_v3(0, -0.2f, -1));
     return scene;
@@ -68,12 +81,15 @@ static sl_scene *room(void) { return room_with(false); }
 static int deepest(const sl_patches *p) {
     int depth = 0;
     for (uint32_t i = 0; i < p->patch_count; i++) {
-        if (sl_patch_is_alive(p, i) && (p->flags[i] & SL_PATCH_LEVEL) > depth) depth = p->flags[i] & SL_PATCH_LEVEL;
+        if (sl_patch_is_alive(p, i) && (p->flags[i] & SL_PATCH_LEVEL) > depth)
+            depth = p->flags[i] & SL_PATCH_LEVEL;
     }
     return depth;
 }
 
-static void some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patches_are_split_twice_at_once(void **state) {
+static void
+some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patches_are_split_twice_at_once(
+    void **state) {
     (void)state;
     for (int without = 0; without < 2; without++) {
         sl_scene *scene = room();
@@ -106,14 +122,17 @@ static void in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_spli
         for (uint32_t i = 0; i < s->patches->patch_count; i++) {
             if (!sl_patch_is_alive(s->patches, i) || s->patches->patch[i].seen != s->now) continue;
             sl_patch_place place = sl_patch_place_of(s->patches, i);
-            assert_int_equal(sl_patch_projected(s->patches, &place, &scene->camera, SIZE, SIZE).area > 1.2f * 2.0f, !sl_patch_is_leaf(s->patches, i));
+            assert_int_equal(sl_patch_projected(s->patches, &place, &scene->camera, SIZE, SIZE).area >
+                                 1.2f * 2.0f,
+                             !sl_patch_is_leaf(s->patches, i));
         }
         sl_method_destroy(method);
         sl_scene_destroy(scene);
     }
 }
 
-/* A value that comes in slowly ends with the picture, and does not begin on what is changing: what has changed is to be seen. */
+/* A value that comes in slowly ends with the picture, and does not begin on what is changing: what has
+ * changed is to be seen. */
 static void values_come_in_slowly_until_the_picture_is_done_and_not_where_something_changes(void **state) {
     (void)state;
     sl_scene *scene = room();
@@ -134,7 +153,8 @@ static void values_come_in_slowly_until_the_picture_is_done_and_not_where_someth
     for (int i = 1; i < 8; i++) {
         update(method);
         if (!found && s->changes->object[0].changing) found = s->now;
-        for (size_t k = 0; k < s->fades.count; k++) assert_true(!found || s->fades.fade[k].evaluated <= found);
+        for (size_t k = 0; k < s->fades.count; k++)
+            assert_true(!found || s->fades.fade[k].evaluated <= found);
         new += found && found < s->now && count_of(method, SL_COUNT_SPLITS) > 0;
     }
     assert_true(found > 0 && new > 2 && s->changes->object[0].changing);
@@ -142,9 +162,10 @@ static void values_come_in_slowly_until_the_picture_is_done_and_not_where_someth
     sl_scene_destroy(scene);
 }
 
-/* ---- what is asked for -------------------------------------------------------------------------------------------------------------- */
+/* ---- what is asked for ----------------------------------------------------------------------- */
 
-static void nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_there_are_vertices(void **state) {
+static void nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_there_are_vertices(
+    void **state) {
     (void)state;
     enum { MOST = 20000 };
     static uint32_t when[MOST];
@@ -175,7 +196,8 @@ static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_childre
     (void)state;
     static uint32_t patch[PIXELS];
     sl_scene *scene = room();
-    look(scene, sl_v3(0, 0, 3.6f), sl_v3(0, -0.2f, -1)); /* from outside: the front wall is seen from behind, around it is nothing */
+    /* from outside: the front wall is seen from behind, around it is nothing */
+    look(scene, sl_v3(0, 0, 3.6f), sl_v3(0, -0.2f, -1));
     sl_settings settings = loop_settings();
     sl_method *method = method_of(scene, &settings);
     const sl_shading_state *s = inside_of(method);
@@ -198,10 +220,12 @@ static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_childre
         }
     }
     assert_true(children > 500);
-    uint32_t *wanted = calloc(s->patches->patch_count, sizeof *wanted); /* of leaves, and of all that is above them */
+    /* of leaves, and of all that is above them */
+    uint32_t *wanted = calloc(s->patches->patch_count, sizeof *wanted);
     assert_non_null(wanted);
     for (int k = 0; k < PIXELS; k++) {
-        for (uint32_t at = s->ids.patch[k]; at != SL_NO_INDEX; at = sl_patch_parent(s->patches, at)) wanted[at]++;
+        for (uint32_t at = s->ids.patch[k]; at != SL_NO_INDEX; at = sl_patch_parent(s->patches, at))
+            wanted[at]++;
     }
     for (uint32_t i = 0; i < s->patches->patch_count; i++) {
         if (wanted[i]) assert_int_equal(s->patches->patch[i].pixels, wanted[i]);
@@ -219,7 +243,8 @@ static void patches_that_are_not_seen_are_left_alone(void **state) {
     trace_mesh_quad(&mesh, sl_v3(-2, -2, 0), sl_v3(4, 0, 0), sl_v3(0, 4, 0), wall);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, -1), sl_v3(2, 0, 0), sl_v3(0, 2, 0), wall);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, 5), sl_v3(0, 2, 0), sl_v3(2, 0, 0), wall);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.4f, 0.2f, 0.5f}, .intensity = sl_grey(1.0f)};
+    mesh.lights[0] =
+        (sl_light){.type = SL_LIGHT_POINT, .position = {0.4f, 0.2f, 0.5f}, .intensity = sl_grey(1.0f)};
     mesh.light_count = 1;
     sl_scene *scene = trace_mesh_build(&mesh);
     look(scene, sl_v3(0, 0, 3), sl_v3(0, 0, 0));
@@ -234,10 +259,12 @@ static void patches_that_are_not_seen_are_left_alone(void **state) {
         assert_true(sl_patch_is_leaf(p, patch));
         assert_int_equal(p->patch[patch].seen, 0);
         assert_int_equal(p->patch[patch].pixels, 0);
-        for (int c = 0; c < 4; c++) assert_int_equal(p->vertex[sl_patch_corner(p, patch, c)].evaluated, SL_VERTEX_NEVER);
+        for (int c = 0; c < 4; c++)
+            assert_int_equal(p->vertex[sl_patch_corner(p, patch, c)].evaluated, SL_VERTEX_NEVER);
     }
     const sl_shading_state *s = inside_of(method);
-    for (size_t i = 0; i < s->leaf_count; i++) assert_int_equal(sl_patch_root(p, s->leaf[i].patch), 0); /* nobody else has a priority */
+    /* nobody else has a priority */
+    for (size_t i = 0; i < s->leaf_count; i++) assert_int_equal(sl_patch_root(p, s->leaf[i].patch), 0);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
 }
@@ -257,7 +284,8 @@ static void a_textured_wall_in_even_light_is_exact_with_four_samples(void **stat
         mesh.texture_coordinates[2 * v] = mesh.positions[3 * v] * 0.5f + 0.5f;
         mesh.texture_coordinates[2 * v + 1] = mesh.positions[3 * v + 1] * 0.5f + 0.5f;
     }
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0.6f, -0.8f}, .intensity = {1, 2, 3}};
+    mesh.lights[0] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0.6f, -0.8f}, .intensity = {1, 2, 3}};
     mesh.light_count = 1;
     sl_scene *scene = trace_mesh_build(&mesh);
     look(scene, sl_v3(0.1f, 0.1f, 3), sl_v3(0, 0, 0));
@@ -271,8 +299,10 @@ static void a_textured_wall_in_even_light_is_exact_with_four_samples(void **stat
     assert_int_equal(cost.value[SL_COUNT_POINTS_SHADED], 4);
     float least = HUGE_VALF, most = 0.0f;
     for (int i = 0; i < 3 * PIXELS; i++) {
-        assert_true(fabsf(ours->planes[i] - truth->planes[i]) <= 1e-4f * (1e-3f + truth->planes[i])); /* both round; a texel is worth 0.7 times its neighbour */
-        if (i < PIXELS && truth->planes[i] > 0.0f) least = fminf(least, truth->planes[i]), most = fmaxf(most, truth->planes[i]);
+        /* both round; a texel is worth 0.7 times its neighbour */
+        assert_true(fabsf(ours->planes[i] - truth->planes[i]) <= 1e-4f * (1e-3f + truth->planes[i]));
+        if (i < PIXELS && truth->planes[i] > 0.0f)
+            least = fminf(least, truth->planes[i]), most = fmaxf(most, truth->planes[i]);
     }
     assert_true(most > 2.0f * least);
     sl_image_destroy(ours);
@@ -280,15 +310,17 @@ static void a_textured_wall_in_even_light_is_exact_with_four_samples(void **stat
     sl_scene_destroy(scene);
 }
 
-/* ---- age ---------------------------------------------------------------------------------------------------------------------------- */
+/* ---- age ------------------------------------------------------------------------------------- */
 
 /* Two walls beside each other, each a material; the sun comes from the eye. */
 static sl_scene *two_walls(float specular, float exponent, float other_specular, float other_exponent) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t one = trace_mesh_material(&mesh, 0.4f, specular, exponent, 0, 0), other = trace_mesh_material(&mesh, 0.4f, other_specular, other_exponent, 0, 0);
+    uint32_t one = trace_mesh_material(&mesh, 0.4f, specular, exponent, 0, 0),
+             other = trace_mesh_material(&mesh, 0.4f, other_specular, other_exponent, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-2.1f, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), one);
     trace_mesh_quad(&mesh, sl_v3(0.1f, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), other);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = sl_grey(2.0f)};
+    mesh.lights[0] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = sl_grey(2.0f)};
     mesh.light_count = 1;
     sl_scene *scene = trace_mesh_build(&mesh);
     look(scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
@@ -314,7 +346,8 @@ static void when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_
     turn(scene, method, 1);
     for (uint32_t i = 0; i < p->patch_count; i++) {
         if (!sl_patch_is_alive(p, i) || !sl_patch_is_leaf(p, i) || p->patch[i].seen != before) continue;
-        float still = sl_patch_priority(p, &s->curve, i, s->now + 5, 0, 0), turned = sl_patch_priority(p, &s->curve, i, s->now + 5, s->changes->eye_moved, 0);
+        float still = sl_patch_priority(p, &s->curve, i, s->now + 5, 0, 0),
+              turned = sl_patch_priority(p, &s->curve, i, s->now + 5, s->changes->eye_moved, 0);
         assert_true(sl_patch_root(p, i) < 2 ? turned == still : turned >= still + 5.0f);
     }
     to_the_end(method);
@@ -322,12 +355,14 @@ static void when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_
         if (p->vertex[v].references && p->vertex[v].evaluated > before) renewed[p->vertex[v].root / 2]++;
     }
     assert_true(renewed[1] > 20 && renewed[0] < 5); /* a few came into view */
-    assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), changes); /* light towards another eye tells of no change */
+    /* light towards another eye tells of no change */
+    assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), changes);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
 }
 
-/* The eye never rests, and there is not time for all. Leaves are too small for their size to count, and too dark for their differences: age alone does. */
+/* The eye never rests, and there is not time for all. Leaves are too small for their size to count, and too
+ * dark for their differences: age alone does. */
 static void the_glossier_of_two_walls_is_shaded_again_more_often(void **state) {
     (void)state;
     sl_scene *scene = two_walls(0.02f, 1.0f, 0.5f, 2000.0f);
@@ -354,9 +389,10 @@ static void the_glossier_of_two_walls_is_shaded_again_more_often(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- edits -------------------------------------------------------------------------------------------------------------------------- */
+/* ---- edits ----------------------------------------------------------------------------------- */
 
-static void an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change(void **state) {
+static void an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change(
+    void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = loop_settings();
@@ -384,7 +420,9 @@ static void an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_a
 
 static size_t visible_leaves(const sl_shading_state *s) {
     size_t leaves = 0;
-    for (uint32_t i = 0; i < s->patches->patch_count; i++) leaves += sl_patch_is_alive(s->patches, i) && sl_patch_is_leaf(s->patches, i) && s->patches->patch[i].seen > 0;
+    for (uint32_t i = 0; i < s->patches->patch_count; i++)
+        leaves += sl_patch_is_alive(s->patches, i) && sl_patch_is_leaf(s->patches, i) &&
+                  s->patches->patch[i].seen > 0;
     return leaves;
 }
 
@@ -393,7 +431,8 @@ static void move_light(sl_scene *scene, float x) {
     scene->version++;
 }
 
-/* All is one object, and all of it changes: what is seen has no more leaves than there is time for, and is the coarser the less time there is. */
+/* All is one object, and all of it changes: what is seen has no more leaves than there is time for, and is
+ * the coarser the less time there is. */
 static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(void **state) {
     (void)state;
     size_t left[2];
@@ -424,7 +463,8 @@ static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(v
     assert_true(left[1] < left[0]);
 }
 
-/* Found by whatever update shades the first vertex that the light has left; an edit that changes nothing is not waited for longer than there is anything to do. */
+/* Found by whatever update shades the first vertex that the light has left; an edit that changes nothing is
+ * not waited for longer than there is anything to do. */
 static void a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_it(void **state) {
     (void)state;
     sl_scene *scene = room();
@@ -461,8 +501,10 @@ static bool is_full_size(const sl_shading_state *s, uint32_t patch, float share)
     return area > 0.0f && area <= s->work.split_above;
 }
 
-/* Their corners were shaded anew before the split where they were not; that is no change, nor is the same again after an edit that changes nothing. */
-static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and_others_need_not(void **state) {
+/* Their corners were shaded anew before the split where they were not; that is no change, nor is the same
+ * again after an edit that changes nothing. */
+static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and_others_need_not(
+    void **state) {
     (void)state;
     sl_scene *scene = room_with(true);
     sl_settings settings = loop_settings();
@@ -476,7 +518,8 @@ static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and
             if (!sl_patch_is_alive(s->patches, i)) continue;
             sl_patch_place place = sl_patch_place_of(s->patches, i);
             uint32_t parent = sl_patch_parent(s->patches, i);
-            bool full = sl_patch_is_leaf(s->patches, i) && is_full_size(s, i, 1.0f) && parent != SL_NO_INDEX && is_full_size(s, parent, 0.25f);
+            bool full = sl_patch_is_leaf(s->patches, i) && is_full_size(s, i, 1.0f) &&
+                        parent != SL_NO_INDEX && is_full_size(s, parent, 0.25f);
             for (int c = 0; c < place.corners; c++) {
                 const sl_patch_vertex *v = &s->patches->vertex[sl_patch_corner(s->patches, i, c)];
                 bool here = v->evaluated != SL_VERTEX_NEVER && !v->borrowed;
@@ -486,7 +529,8 @@ static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and
                 dense += full && here && v->is_dense;
             }
         }
-        print_message("%zu corners of full-size leaves, %zu with dense points; %zu with few\n", full_size, dense, few);
+        print_message("%zu corners of full-size leaves, %zu with dense points; %zu with few\n", full_size,
+                      dense, few);
         assert_true(full_size > 1000 && dense == full_size && few > 0);
         assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), 0);
         edit(method, SL_CHANGED_LIGHTS);
@@ -496,7 +540,8 @@ static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and
 }
 
 /* 5 R = 9 G. */
-static void a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone(void **state) {
+static void a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone(
+    void **state) {
     (void)state;
     for (int by_channel = 0; by_channel < 2; by_channel++) {
         sl_scene *scene = room();
@@ -537,9 +582,12 @@ static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state
     assert_int_equal(sl_method_resolve(cold, &image[2], NULL), SL_OK);
     sl_image *truth = render(scene, &path, NULL);
     sl_comparison c[3];
-    for (int i = 0; i < 3; i++) assert_int_equal(sl_image_compare(image[i], truth, NULL, &c[i], NULL, NULL), SL_OK);
-    print_message("relRMSE: before %.3f %%, after the change %.3f %%, from a cold start %.3f %%\n", 100.0 * c[0].rel_rmse, 100.0 * c[1].rel_rmse, 100.0 * c[2].rel_rmse);
-    assert_true(c[0].rel_rmse > 10.0 * c[2].rel_rmse && fabs(c[1].rel_rmse - c[2].rel_rmse) < 0.02 * c[2].rel_rmse);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(sl_image_compare(image[i], truth, NULL, &c[i], NULL, NULL), SL_OK);
+    print_message("relRMSE: before %.3f %%, after the change %.3f %%, from a cold start %.3f %%\n",
+                  100.0 * c[0].rel_rmse, 100.0 * c[1].rel_rmse, 100.0 * c[2].rel_rmse);
+    assert_true(c[0].rel_rmse > 10.0 * c[2].rel_rmse &&
+                fabs(c[1].rel_rmse - c[2].rel_rmse) < 0.02 * c[2].rel_rmse);
     for (int i = 0; i < 3; i++) sl_image_destroy(image[i]);
     sl_image_destroy(truth);
     sl_method_destroy(warm);
@@ -547,9 +595,10 @@ static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state
     sl_scene_destroy(scene);
 }
 
-/* ---- memory ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- memory ---------------------------------------------------------------------------------- */
 
-static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was(void **state) {
+static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was(
+    void **state) {
     (void)state;
     for (int late = 0; late < 2; late++) {
         sl_scene *scene = room();
@@ -559,7 +608,8 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
         settings.shading_cache.ageing_window = late ? 5 : 2000;
         sl_method *method = method_of(scene, &settings);
         const sl_shading_state *s = inside_of(method);
-        const double limit = settings.shading_cache.cache_limit * ROOM_FOR + 2.0 * (double)s->primitives->count;
+        const double limit =
+            settings.shading_cache.cache_limit * ROOM_FOR + 2.0 * (double)s->primitives->count;
         to_the_end(method);
         sl_image *before, *after;
         assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
@@ -589,13 +639,16 @@ static sl_scene *before_the_eye(trace_mesh *mesh) {
     return scene;
 }
 
-/* Of triangles there is time for twice as many. Half of r T_c is a hundredth of the triangle: its patches of the second level are between what of it and what of quads may go. */
+/* Of triangles there is time for twice as many. Half of r T_c is a hundredth of the triangle: its patches of
+ * the second level are between what of it and what of quads may go. */
 static void of_triangles_half_as_small_patches_stay_when_something_changes(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, -1.2f, -1.2f, 0), trace_mesh_vertex(&mesh, 1.2f, -1.2f, 0), trace_mesh_vertex(&mesh, 0, 1.2f, 0), wall);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.4f, 0.2f, 0.5f}, .intensity = sl_grey(1.0f)};
+    trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, -1.2f, -1.2f, 0),
+                        trace_mesh_vertex(&mesh, 1.2f, -1.2f, 0), trace_mesh_vertex(&mesh, 0, 1.2f, 0), wall);
+    mesh.lights[0] =
+        (sl_light){.type = SL_LIGHT_POINT, .position = {0.4f, 0.2f, 0.5f}, .intensity = sl_grey(1.0f)};
     mesh.light_count = 1;
     sl_scene *scene = before_the_eye(&mesh);
     sl_settings settings = loop_settings();
@@ -617,13 +670,15 @@ static void of_triangles_half_as_small_patches_stay_when_something_changes(void 
     sl_scene_destroy(scene);
 }
 
-/* One lamp of two changes, and only one of two walls shows it; the other has to be shaded again before that is known. */
+/* One lamp of two changes, and only one of two walls shows it; the other has to be shaded again before that
+ * is known. */
 static sl_scene *two_walls_with_a_lamp_each(trace_mesh *mesh) {
     uint32_t wall = trace_mesh_material(mesh, 0.5f, 0, 0, 0, 0);
     for (int i = 0; i < 2; i++) {
         float x = i ? 0.5f : -0.5f;
         trace_mesh_quad(mesh, sl_v3(x - 0.5f, -1, 0), sl_v3(1, 0, 0), sl_v3(0, 2, 0), wall);
-        mesh->lights[i] = (sl_light){.type = SL_LIGHT_POINT, .position = {x, 0.2f, 0.3f}, .intensity = sl_grey(1.0f)};
+        mesh->lights[i] =
+            (sl_light){.type = SL_LIGHT_POINT, .position = {x, 0.2f, 0.3f}, .intensity = sl_grey(1.0f)};
     }
     trace_mesh_quad(mesh, sl_v3(0, -1, 0), sl_v3(0, 0, 0.9f), sl_v3(0, 2, 0), wall); /* between them */
     mesh->light_count = 2;
@@ -679,7 +734,8 @@ static void a_change_does_not_end_while_something_seen_is_from_before_it(void **
     sl_scene_destroy(scene);
 }
 
-/* Leaves that are new always have such corners. While a change lasts patches stay coarse: it would for good where there is much to refine. */
+/* Leaves that are new always have such corners. While a change lasts patches stay coarse: it would for good
+ * where there is much to refine. */
 static void a_change_ends_while_there_are_corners_that_were_never_evaluated(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -699,7 +755,8 @@ static void a_change_ends_while_there_are_corners_that_were_never_evaluated(void
     sl_scene_destroy(scene);
 }
 
-/* More patches than may be, all of them seen lately: those go that no pixel shows, and no others, and what was not seen for longer than the window. */
+/* More patches than may be, all of them seen lately: those go that no pixel shows, and no others, and what
+ * was not seen for longer than the window. */
 static void what_a_pixel_has_shown_within_the_window_stays_whatever_the_limit(void **state) {
     (void)state;
     enum { MOST = 20000, WINDOW = 12 };
@@ -714,7 +771,8 @@ static void what_a_pixel_has_shown_within_the_window_stays_whatever_the_limit(vo
     for (int i = 0; i < 70; i++) {
         if (i == 30) look(scene, sl_v3(0, 0, 0), sl_v3(1, 0.3f, 0.9f)), edit(method, SL_CHANGED_CAMERA);
         assert_true(p->patch_count < MOST);
-        for (uint32_t k = 0; k < p->patch_count; k++) had_children[k] = sl_patch_is_alive(p, k) && !sl_patch_is_leaf(p, k);
+        for (uint32_t k = 0; k < p->patch_count; k++)
+            had_children[k] = sl_patch_is_alive(p, k) && !sl_patch_is_leaf(p, k);
         size_t count = p->patch_count;
         update(method);
         for (uint32_t k = 0; k < count; k++) {
@@ -757,8 +815,8 @@ static void after_an_object_has_moved_all_becomes_what_it_is_from_a_cold_start(v
     sl_scene_destroy(scene);
 }
 
-/* At the edges of shadows leaves of a pixel differ at their corners for good. As long as they were chosen all the same the rest waited for a random pixel: 577 updates where
- * the points fill 22. */
+/* At the edges of shadows leaves of a pixel differ at their corners for good. As long as they were chosen all
+ * the same the rest waited for a random pixel: 577 updates where the points fill 22. */
 static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(void **state) {
     (void)state;
     static const sl_pixel_selection how[] = {SL_PIXELS_HIT_AND_TEST, SL_PIXELS_SYSTEMATIC, SL_PIXELS_SORTED};
@@ -770,12 +828,15 @@ static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(vo
             settings.shading_cache.selection = how[h];
             sl_method *method = method_of(scene, &settings);
             for (int pass = 0; pass < 2; pass++) {
-                uint64_t before = count_of(method, SL_COUNT_POINTS_SHADED), updates = to_the_end(method), points = count_of(method, SL_COUNT_POINTS_SHADED) - before;
-                print_message("%d, %d, %d: %d updates, %d points\n", lamp, h, pass, (int)updates, (int)points);
+                uint64_t before = count_of(method, SL_COUNT_POINTS_SHADED), updates = to_the_end(method),
+                         points = count_of(method, SL_COUNT_POINTS_SHADED) - before;
+                print_message("%d, %d, %d: %d updates, %d points\n", lamp, h, pass, (int)updates,
+                              (int)points);
                 assert_true(points > 1000 && updates <= 2 * points / 64 + 8);
                 edit(method, SL_CHANGED_LIGHTS); /* nothing has moved: all is shaded again */
             }
-            sl_changes_begin(inside_of(method)->changes, 0, 1000); /* of what is seen of it nothing is left to do, but it is seen */
+            /* of what is seen of it nothing is left to do, but it is seen */
+            sl_changes_begin(inside_of(method)->changes, 0, 1000);
             assert_true(fabsf(sl_shading_coarsest(inside_of(method), false) * 10000.0f - PIXELS) < 0.01f);
             sl_method_destroy(method);
             sl_scene_destroy(scene);
@@ -828,7 +889,8 @@ static void of_a_small_picture_all_patches_are_kept(void **state) {
 }
 
 /* cache_limit counts what was split; what the primitives are themselves is there in any case. */
-static void nothing_is_evicted_before_there_are_more_patches_than_the_limit_and_two_a_primitive(void **state) {
+static void nothing_is_evicted_before_there_are_more_patches_than_the_limit_and_two_a_primitive(
+    void **state) {
     (void)state;
     size_t most = 0;
     for (int less = -1; less < 2; less++) { /* without a limit; at it; one patch above it */
@@ -838,7 +900,8 @@ static void nothing_is_evicted_before_there_are_more_patches_than_the_limit_and_
         sl_method *method = method_of(scene, &settings);
         sl_shading_state *s = inside_of(method);
         const double primitives = 2.0 * (double)s->primitives->count;
-        s->settings.shading_cache.cache_limit = less < 0 ? 100.0 : ((double)most - (double)less - primitives + 0.5) / ROOM_FOR;
+        s->settings.shading_cache.cache_limit =
+            less < 0 ? 100.0 : ((double)most - (double)less - primitives + 0.5) / ROOM_FOR;
         to_the_end(method);
         look(scene, sl_v3(0, 0, 0.9f), sl_v3(0.3f, 0.9f, 1));
         edit(method, SL_CHANGED_CAMERA);
@@ -850,7 +913,7 @@ static void nothing_is_evicted_before_there_are_more_patches_than_the_limit_and_
     }
 }
 
-/* ---- a handful of pixels ------------------------------------------------------------------------------------------------------------ */
+/* ---- a handful of pixels --------------------------------------------------------------------- */
 
 /* A pixel sees all of the room, but shows what is in its middle. */
 static void pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_their_pixels(void **state) {
@@ -858,7 +921,8 @@ static void pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_th
     static const int sizes[][2] = {{1, 1}, {2, 1}, {1, 5}, {9, 9}};
     sl_scene *scene = room();
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        sl_settings settings = small_settings("shading-cache", sizes[i][0], sizes[i][1]), path = small_settings("path", sizes[i][0], sizes[i][1]);
+        sl_settings settings = small_settings("shading-cache", sizes[i][0], sizes[i][1]),
+                    path = small_settings("path", sizes[i][0], sizes[i][1]);
         settings.shading_cache.indirect = SL_INDIRECT_NONE;
         path.transport = "matched:shading-cache";
         path.shading_cache = settings.shading_cache;
@@ -874,7 +938,7 @@ static void pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_th
     sl_scene_destroy(scene);
 }
 
-/* ---- stages ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- stages ---------------------------------------------------------------------------------- */
 
 typedef struct stage_list {
     char names[512];
@@ -897,7 +961,8 @@ static void every_update_tells_its_stages_in_their_order(void **state) {
     for (int i = 0; i < 3; i++) {
         list.names[0] = 0;
         update(method);
-        assert_string_equal(list.names, "id map, priorities, selection, requests, samples, commit, display arrays, ");
+        assert_string_equal(list.names,
+                            "id map, priorities, selection, requests, samples, commit, display arrays, ");
     }
     sl_method_destroy(method);
     sl_scene_destroy(scene);
@@ -905,20 +970,26 @@ static void every_update_tells_its_stages_in_their_order(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_there_are_vertices),
+        cmocka_unit_test(
+            nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_there_are_vertices),
         cmocka_unit_test(pixels_of_patches_are_the_pictures_and_the_next_id_map_names_children),
         cmocka_unit_test(patches_that_are_not_seen_are_left_alone),
         cmocka_unit_test(a_textured_wall_in_even_light_is_exact_with_four_samples),
         cmocka_unit_test(when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_again),
         cmocka_unit_test(the_glossier_of_two_walls_is_shaded_again_more_often),
-        cmocka_unit_test(an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change),
+        cmocka_unit_test(
+            an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change),
         cmocka_unit_test(after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time),
-        cmocka_unit_test(leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and_others_need_not),
+        cmocka_unit_test(
+            leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and_others_need_not),
         cmocka_unit_test(a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_it),
-        cmocka_unit_test(a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone),
+        cmocka_unit_test(
+            a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone),
         cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),
-        cmocka_unit_test(patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),
-        cmocka_unit_test(some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patches_are_split_twice_at_once),
+        cmocka_unit_test(
+            patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),
+        cmocka_unit_test(
+            some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patches_are_split_twice_at_once),
         cmocka_unit_test(in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_split_for_less),
         cmocka_unit_test(values_come_in_slowly_until_the_picture_is_done_and_not_where_something_changes),
         cmocka_unit_test(of_triangles_half_as_small_patches_stay_when_something_changes),

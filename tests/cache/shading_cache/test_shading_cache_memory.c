@@ -1,4 +1,5 @@
-/* What patches and bicubic surfaces do where memory ends: this file has its own of all that base/memory.h has, and it fails when told to. */
+/* What patches and bicubic surfaces do where memory ends: this file has its own of all that base/memory.h
+ * has, and it fails when told to. */
 #include "patch_support.h"
 
 #include "base/counters.h"
@@ -11,14 +12,19 @@ static sl_scene *scene_of_quads_and_triangles(void) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_material(&mesh, 0.2f, 0.5f, 20, 0, 0);
-    for (int i = 0; i < 3; i++) trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
+    for (int i = 0; i < 3; i++)
+        trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 9), 1.0f, 3, 0.1f, false, 1);
     return trace_mesh_build(&mesh);
 }
 
 static sl_status load_vase(void *scene) { return sl_scene_load("scenes/vase.bpt", scene, NULL); }
-static sl_status find(void *h) { return sl_primitives_find(((hierarchy *)h)->scene, &((hierarchy *)h)->primitives, NULL); }
-static sl_status create(void *h) { return sl_patches_create(((hierarchy *)h)->primitives, true, &((hierarchy *)h)->patches, NULL); }
+static sl_status find(void *h) {
+    return sl_primitives_find(((hierarchy *)h)->scene, &((hierarchy *)h)->primitives, NULL);
+}
+static sl_status create(void *h) {
+    return sl_patches_create(((hierarchy *)h)->primitives, true, &((hierarchy *)h)->patches, NULL);
+}
 
 static void loading_finding_and_creating_without_memory_leave_nothing_behind(void **state) {
     (void)state;
@@ -52,7 +58,9 @@ static sl_status take_step(void *context) {
     size_t patches = p->patches_alive, vertices = p->vertices_alive;
     if (s->grow) status = sl_patch_split(p, patch, NULL);
     else if (sl_patch_parent(p, patch) != SL_NO_INDEX) sl_patch_drop_children(p, sl_patch_parent(p, patch));
-    if (status != SL_OK) assert_true(p->patches_alive == patches && p->vertices_alive == vertices && sl_patch_is_leaf(p, patch));
+    if (status != SL_OK)
+        assert_true(p->patches_alive == patches && p->vertices_alive == vertices &&
+                    sl_patch_is_leaf(p, patch));
     return status;
 }
 
@@ -125,7 +133,12 @@ static sl_status choose(void *context) {
     static sl_leaf_priority leaves[SIDE];
     for (uint32_t i = 0; i < SIDE * SIDE; i++) leaf[i] = i % SIDE;
     for (uint32_t i = 0; i < SIDE; i++) leaves[i] = (sl_leaf_priority){i, SIDE, 1.0f, 0.9f};
-    sl_selection_settings s = {.how = u->how, .points = 64, .random_share = 0.03f, .flood_threshold = 0.5f, .per_patch = 16, .seed = 1};
+    sl_selection_settings s = {.how = u->how,
+                               .points = 64,
+                               .random_share = 0.03f,
+                               .flood_threshold = 0.5f,
+                               .per_patch = 16,
+                               .seed = 1};
     return sl_select_pixels(&s, SIDE, SIDE, leaf, SIDE, leaves, u->choice, &u->choices, &u->counters, NULL);
 }
 
@@ -134,12 +147,15 @@ static sl_status work_out(void *context) {
     const sl_display_curve curve = {.reference = 1.0f};
     const sl_work_settings settings = {.split_above = 1.2f, .levels = 3, .crowd = 4, .now = 2};
     sl_camera camera = {sl_v3(0, 0, 2), sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), 1.0f};
-    return sl_work_out(u->h.patches, &curve, &settings, &camera, 512, 512, 64, u->place, u->vertex, &u->vertices, &u->counters, NULL);
+    return sl_work_out(u->h.patches, &curve, &settings, &camera, 512, 512, 64, u->place, u->vertex,
+                       &u->vertices, &u->counters, NULL);
 }
 
 static void assert_sound_patches(void *context) { assert_sound(((update *)context)->h.patches); }
 
-static sl_status create_changes(void *context) { return sl_changes_create(((update *)context)->h.scene, 2.0f, 3, &((update *)context)->changes, NULL); }
+static sl_status create_changes(void *context) {
+    return sl_changes_create(((update *)context)->h.scene, 2.0f, 3, &((update *)context)->changes, NULL);
+}
 
 static void an_update_without_memory_fails_and_the_next_one_does_the_same_as_ever(void **state) {
     (void)state;
@@ -157,8 +173,10 @@ static void an_update_without_memory_fails_and_the_next_one_does_the_same_as_eve
     want_root(&u.h, 0);
     for (uint32_t i = 0; i < u.h.patches->vertex_count; i++) u.h.patches->vertex[i].evaluated = 1;
     uint32_t root = u.h.patches->root_patch[0];
-    for (int i = 0; i < 64; i++) u.place[i] = (sl_chosen_place){root, (float)(i % 8) / 8.0f + 0.05f, (float)i / 64.0f};
-    until_it_succeeds(work_out, &u, true, assert_sound_patches); /* splits that succeeded stay: what is left is a hierarchy, and may grow on */
+    for (int i = 0; i < 64; i++)
+        u.place[i] = (sl_chosen_place){root, (float)(i % 8) / 8.0f + 0.05f, (float)i / 64.0f};
+    /* splits that succeeded stay: what is left is a hierarchy, and may grow on */
+    until_it_succeeds(work_out, &u, true, assert_sound_patches);
     assert_true(u.counters.value[SL_COUNT_SPLITS] >= 1 && u.vertices <= 4 * 64);
     hierarchy_discard(&u.h);
 }

@@ -1,4 +1,5 @@
-/* Whole pictures by the shading cache: the geometry from the first frame on, the path tracer on the same paths, edits. */
+/* Whole pictures by the shading cache: the geometry from the first frame on, the path tracer on the same
+ * paths, edits. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,7 +32,8 @@ static sl_image *path_picture(const sl_scene *scene, const sl_settings *settings
 static sl_comparison compared(const sl_image *ours, const sl_image *truth, const char *what) {
     sl_comparison c;
     assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
-    print_message("%s: bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", what, 100.0 * c.bias, 100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
+    print_message("%s: bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", what, 100.0 * c.bias,
+                  100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
     return c;
 }
 
@@ -118,7 +120,8 @@ static void after_a_light_has_moved_the_change_is_found_and_cleaned_up(void **st
     for (int i = 0; i < 3; i++) to_the_end(method), sl_method_edit(method, 0, NULL);
     assert_int_equal(sl_method_resolve(method, &later, NULL), SL_OK);
     assert_true(sl_method_counters(method)->value[SL_COUNT_CHANGES_DETECTED] > 0);
-    sl_comparison before = compared(at_once, truth, "at once"), after = compared(later, truth, "240 updates later");
+    sl_comparison before = compared(at_once, truth, "at once"),
+                  after = compared(later, truth, "240 updates later");
     assert_true(after.rel_rmse < 0.35 * before.rel_rmse);
     sl_image_destroy(at_once);
     sl_image_destroy(later);
@@ -191,9 +194,11 @@ static void small_pictures_have_points_enough_for_what_they_show(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* As the table of bench/bench_shading_tables.c counts: what a picture takes beyond what it takes before its first split (both copies of the display there, the list of
- * visible leaves, too), for each patch that splits have made. */
-static void a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_all_else_that_grows(void **state) {
+/* As the table of bench/bench_shading_tables.c counts: what a picture takes beyond what it takes before its
+ * first split (both copies of the display there, the list of visible leaves, too), for each patch that splits
+ * have made. */
+static void a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_all_else_that_grows(
+    void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = cache_settings(384, 384);
@@ -209,7 +214,8 @@ static void a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_a
     const uint64_t *count = sl_method_counters(method)->value;
     assert_int_equal(count[SL_COUNT_SPLITS], 0);
     double before = (double)sl_method_memory_bytes(method);
-    while (count[SL_COUNT_SPLITS] < 5000 && !progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    while (count[SL_COUNT_SPLITS] < 5000 && !progress.done)
+        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
     double patches = 4.0 * (double)count[SL_COUNT_SPLITS] - (double)count[SL_COUNT_PATCHES_EVICTED];
     double bytes = ((double)sl_method_memory_bytes(method) - before) / patches;
     print_message("%.0f patches, %.1f bytes each\n", patches, bytes);
@@ -228,7 +234,8 @@ int main(void) {
         cmocka_unit_test(a_still_scene_never_seems_to_change),
         cmocka_unit_test(bits_do_not_depend_on_threads),
         cmocka_unit_test(small_pictures_have_points_enough_for_what_they_show),
-        cmocka_unit_test(a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_all_else_that_grows),
+        cmocka_unit_test(
+            a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_all_else_that_grows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* Priorities of patches: display levels, the interpolation error that shows, age, and what is normal among the pixels of a picture. */
+/* Priorities of patches: display levels, the interpolation error that shows, age, and what is normal among
+ * the pixels of a picture. */
 #include <float.h>
 #include <math.h>
 
@@ -15,7 +16,8 @@ static double s_curve(double r) { return (r + 0.1) / (r + 10.0); }
 
 static void levels_are_those_of_the_s_curve(void **state) {
     (void)state;
-    assert_true(fabs(s_curve(0.0) - 0.01) < 1e-15 && fabs(s_curve(1.0) - 0.1) < 1e-15 && fabs(s_curve(3.0) * s_curve(1.0 / 3.0) - 0.01) < 1e-15);
+    assert_true(fabs(s_curve(0.0) - 0.01) < 1e-15 && fabs(s_curve(1.0) - 0.1) < 1e-15 &&
+                fabs(s_curve(3.0) * s_curve(1.0 / 3.0) - 0.01) < 1e-15);
     for (int exponent = -20; exponent <= 30; exponent++) {
         float y = ldexpf(1.3f, exponent);
         double s = s_curve((double)y / 2.0), wanted = 255.0 * sl_pow((s - 0.01) / 0.99, 1.0 / 2.2);
@@ -35,14 +37,17 @@ static void more_light_is_never_shown_as_darker(void **state) {
 
 static void luminance_is_five_nine_and_two_sixteenths(void **state) {
     (void)state;
-    assert_true(sl_curve_luminance((sl_rgb){16, 0, 0}) == 5.0f && sl_curve_luminance((sl_rgb){0, 16, 0}) == 9.0f);
-    assert_true(sl_curve_luminance((sl_rgb){0, 0, 16}) == 2.0f && sl_curve_luminance((sl_rgb){1, 1, 1}) == 1.0f);
+    assert_true(sl_curve_luminance((sl_rgb){16, 0, 0}) == 5.0f &&
+                sl_curve_luminance((sl_rgb){0, 16, 0}) == 9.0f);
+    assert_true(sl_curve_luminance((sl_rgb){0, 0, 16}) == 2.0f &&
+                sl_curve_luminance((sl_rgb){1, 1, 1}) == 1.0f);
 }
 
 static void a_scene_and_its_reference_scaled_alike_look_the_same(void **state) {
     (void)state;
     for (float y = 1e-4f; y < 1e4f; y *= 3.0f) {
-        sl_display_curve other = {.reference = 64.0f * curve.reference}, third = {.reference = 1e-3f * curve.reference};
+        sl_display_curve other = {.reference = 64.0f * curve.reference},
+                         third = {.reference = 1e-3f * curve.reference};
         assert_true(sl_curve_level_of(&curve, y) == sl_curve_level_of(&other, 64.0f * y));
         assert_true(fabsf(sl_curve_level_of(&curve, y) - sl_curve_level_of(&third, 1e-3f * y)) < 1e-3f);
     }
@@ -50,8 +55,10 @@ static void a_scene_and_its_reference_scaled_alike_look_the_same(void **state) {
 
 static void light_that_is_no_number_has_a_level_nevertheless(void **state) {
     (void)state;
-    assert_true(sl_curve_level(&curve, (sl_rgb){NAN, 1, 1}) == 0.0f && sl_curve_level(&curve, sl_grey(-1.0f)) == 0.0f);
-    assert_true(sl_curve_level(&curve, sl_grey(HUGE_VALF)) == 255.0f && sl_curve_level(&curve, sl_grey(FLT_MAX)) == 255.0f);
+    assert_true(sl_curve_level(&curve, (sl_rgb){NAN, 1, 1}) == 0.0f &&
+                sl_curve_level(&curve, sl_grey(-1.0f)) == 0.0f);
+    assert_true(sl_curve_level(&curve, sl_grey(HUGE_VALF)) == 255.0f &&
+                sl_curve_level(&curve, sl_grey(FLT_MAX)) == 255.0f);
     assert_true(sl_curve_level(&curve, sl_grey(0.0f)) == 0.0f);
     for (int i = 0; i < 3; i++) { /* references that are none */
         sl_display_curve none = {.reference = (float[]){0.0f, -1.0f, NAN}[i]};
@@ -78,9 +85,11 @@ static void errors_are_those_of_what_leaves_a_surface_not_of_what_arrives(void *
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 1);
     evaluate(&h, sl_patch_corner(h.patches, patch, 1), 5.0f, 1);
-    float wanted = sl_curve_level_of(&curve, 2.5f / (float)SL_PI) - sl_curve_level_of(&curve, 0.5f / (float)SL_PI);
+    float wanted =
+        sl_curve_level_of(&curve, 2.5f / (float)SL_PI) - sl_curve_level_of(&curve, 0.5f / (float)SL_PI);
     assert_true(fabsf(sl_patch_error(h.patches, &curve, patch) - wanted) < 1e-3f);
-    assert_true(sl_vertex_level(h.patches, &curve, sl_patch_corner(h.patches, patch, 1)) == sl_curve_level_of(&curve, 2.5f / (float)SL_PI));
+    assert_true(sl_vertex_level(h.patches, &curve, sl_patch_corner(h.patches, patch, 1)) ==
+                sl_curve_level_of(&curve, 2.5f / (float)SL_PI));
     hierarchy_discard(&h);
 }
 
@@ -94,18 +103,24 @@ static void an_edge_between_colours_that_are_equally_bright_shows_in_their_chann
     evaluate_all(&h, 1.0f, 1);
     assert_true(sl_patch_error(h.patches, &by_channel, patch) == 0.0f);
     for (int c = 0; c < 4; c++) {
-        for (int k = 0; k < 3; k++) h.patches->vertex[sl_patch_corner(h.patches, patch, c)].value[k] = c < 2 ? red[k] : green[k];
+        for (int k = 0; k < 3; k++)
+            h.patches->vertex[sl_patch_corner(h.patches, patch, c)].value[k] = c < 2 ? red[k] : green[k];
     }
     assert_true(sl_patch_error(h.patches, &curve, patch) < 1e-3f);
-    const float wanted = sl_curve_level_of(&curve, 4.5f / (float)SL_PI); /* of red: green and luminance have less; kd = 1/2 */
+    /* of red: green and luminance have less; kd = 1/2 */
+    const float wanted = sl_curve_level_of(&curve, 4.5f / (float)SL_PI);
     assert_true(fabsf(sl_patch_error(h.patches, &by_channel, patch) - wanted) < 1e-3f && wanted > 50.0f);
     evaluate_all(&h, 1.0f, 1);
     evaluate(&h, sl_patch_corner(h.patches, patch, 1), 5.0f, 1); /* of greys all four say the same */
-    assert_true(fabsf(sl_patch_error(h.patches, &by_channel, patch) - sl_patch_error(h.patches, &curve, patch)) < 1e-3f);
+    assert_true(fabsf(sl_patch_error(h.patches, &by_channel, patch) -
+                      sl_patch_error(h.patches, &curve, patch)) < 1e-3f);
     sl_rgb a = {9, 0, 0}, b = {0, 5, 0}, none = {NAN, HUGE_VALF, -1};
-    assert_true(sl_levels_apart(&curve, a, b) < 1e-3f && sl_levels_apart(&curve, a, a) == 0.0f && sl_levels_apart(&by_channel, a, a) == 0.0f);
-    assert_true(sl_levels_apart(&by_channel, a, b) == sl_curve_level_of(&curve, 9.0f) && sl_levels_apart(&by_channel, b, a) == sl_levels_apart(&by_channel, a, b));
-    assert_true(sl_levels_apart(&by_channel, none, sl_grey(0)) == 255.0f && sl_levels_apart(&curve, none, sl_grey(0)) == 0.0f);
+    assert_true(sl_levels_apart(&curve, a, b) < 1e-3f && sl_levels_apart(&curve, a, a) == 0.0f &&
+                sl_levels_apart(&by_channel, a, a) == 0.0f);
+    assert_true(sl_levels_apart(&by_channel, a, b) == sl_curve_level_of(&curve, 9.0f) &&
+                sl_levels_apart(&by_channel, b, a) == sl_levels_apart(&by_channel, a, b));
+    assert_true(sl_levels_apart(&by_channel, none, sl_grey(0)) == 255.0f &&
+                sl_levels_apart(&curve, none, sl_grey(0)) == 0.0f);
     hierarchy_discard(&h);
 }
 
@@ -123,7 +138,8 @@ static void light_on_the_front_of_a_lamp_hardly_shows(void **state) {
     evaluate_all(&h, 0.0f, 1);
     evaluate(&h, sl_patch_corner(h.patches, front, 0), 10.0f, 1);
     evaluate(&h, sl_patch_corner(h.patches, back, 0), 10.0f, 1);
-    assert_true(sl_patch_error(h.patches, &curve, front) < 0.05f && sl_patch_error(h.patches, &curve, back) > 50.0f);
+    assert_true(sl_patch_error(h.patches, &curve, front) < 0.05f &&
+                sl_patch_error(h.patches, &curve, back) > 50.0f);
     hierarchy_discard(&h);
 }
 
@@ -143,19 +159,22 @@ static void a_patch_with_a_corner_never_evaluated_has_no_error(void **state) {
     hierarchy h = hierarchy_of(triangle_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     for (int c = 0; c < 3; c++) {
-        assert_true(sl_patch_error(h.patches, &curve, patch) == -1.0f && sl_patch_priority(h.patches, &curve, patch, 9, 8, 8) == -1.0f);
+        assert_true(sl_patch_error(h.patches, &curve, patch) == -1.0f &&
+                    sl_patch_priority(h.patches, &curve, patch, 9, 8, 8) == -1.0f);
         evaluate(&h, sl_patch_corner(h.patches, patch, c), 1.0f, 1);
     }
     assert_true(sl_patch_error(h.patches, &curve, patch) == 0.0f);
     hierarchy_discard(&h);
 }
 
-static void a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others(void **state) {
+static void a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others(
+    void **state) {
     (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
     split_levels(&h, want_root(&h, 0), 2);
     evaluate_all(&h, 1.0f, 1);
-    sl_patch_place at = sl_patch_locate(h.patches, 0, 0.4, 0.4); /* its corner 2 is the middle of the square */
+    /* its corner 2 is the middle of the square */
+    sl_patch_place at = sl_patch_locate(h.patches, 0, 0.4, 0.4);
     uint32_t middle = sl_patch_corner(h.patches, at.patch, 2);
     evaluate(&h, middle, 3.0f, 2);
     int raised = 0;
@@ -177,7 +196,8 @@ static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corne
     hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 7);
-    assert_true(sl_patch_age(h.patches, patch, 20, 0, 2.0f) == 0.0f && sl_patch_age(h.patches, patch, 20, 7, 2.0f) == 0.0f);
+    assert_true(sl_patch_age(h.patches, patch, 20, 0, 2.0f) == 0.0f &&
+                sl_patch_age(h.patches, patch, 20, 7, 2.0f) == 0.0f);
     assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 26.0f);
     for (int c = 0; c < 3; c++) evaluate(&h, sl_patch_corner(h.patches, patch, c), 1.0f, 9);
     assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 26.0f);
@@ -225,11 +245,14 @@ static void of_two_ages_the_larger_counts_and_no_more_than_255_levels(void **sta
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 5);
     float c = sl_age_constant(sl_root_material(h.primitives, 0));
-    float eye = sl_patch_priority(h.patches, &curve, patch, 10, 6, 0), object = sl_patch_priority(h.patches, &curve, patch, 10, 4, 8);
-    assert_true(eye == 5.0f * c && object == eye && sl_patch_priority(h.patches, &curve, patch, 10, 6, 8) == eye);
+    float eye = sl_patch_priority(h.patches, &curve, patch, 10, 6, 0),
+          object = sl_patch_priority(h.patches, &curve, patch, 10, 4, 8);
+    assert_true(eye == 5.0f * c && object == eye &&
+                sl_patch_priority(h.patches, &curve, patch, 10, 6, 8) == eye);
     assert_true(sl_patch_priority(h.patches, &curve, patch, 10000, 6, 8) == 255.0f);
     evaluate(&h, sl_patch_corner(h.patches, patch, 0), 1e12f, 5);
-    assert_true(sl_patch_priority(h.patches, &curve, patch, 10000, 6, 8) > 255.0f + 200.0f); /* on top of the error */
+    /* on top of the error */
+    assert_true(sl_patch_priority(h.patches, &curve, patch, 10000, 6, 8) > 255.0f + 200.0f);
     hierarchy_discard(&h);
 }
 
@@ -241,7 +264,8 @@ static void the_glossier_a_material_the_faster_it_ages(void **state) {
     float last = sl_age_constant(&m);
     assert_true(last == 1.0f); /* exponent 0: nothing to be told apart in it */
     for (m.exponent = 1.0f; m.exponent < 1e6f; m.exponent *= 4.0f) {
-        double wanted = 1.0 + 8.0 * (cbrt(0.3 + 0.2) - cbrt(0.2)) * (1.0 - 1.0 / sqrt(2.0 * (double)m.exponent + 1.0));
+        double wanted =
+            1.0 + 8.0 * (cbrt(0.3 + 0.2) - cbrt(0.2)) * (1.0 - 1.0 / sqrt(2.0 * (double)m.exponent + 1.0));
         assert_true(sl_age_constant(&m) > last && fabs((double)sl_age_constant(&m) - wanted) < 1e-5);
         last = sl_age_constant(&m);
     }
@@ -270,12 +294,14 @@ static void where_few_pixels_carry_all_error_the_others_keep_no_chance_but_epsil
     (void)state;
     for (int percent = 1; percent <= 5; percent += 4) {
         sl_leaf_priority leaves[1000] = {{0}};
-        for (uint32_t i = 0; i < 1000; i++) leaves[i] = (sl_leaf_priority){i, 1, i < 10u * (unsigned)percent ? 40.0f : 0.0f, -1.0f};
+        for (uint32_t i = 0; i < 1000; i++)
+            leaves[i] = (sl_leaf_priority){i, 1, i < 10u * (unsigned)percent ? 40.0f : 0.0f, -1.0f};
         sl_priorities_normalise(1000, leaves, false);
         assert_true(leaves[999].normal == 0.0f && leaves[0].normal == 1.0f);
         double mean = mean_total(1000, leaves);
         assert_true(fabs(mean - (percent == 1 ? 0.040 : 0.079)) < 5e-4);
-        sl_priorities_normalise(1000, leaves, true); /* as printed: nearly uniform, whatever the distribution */
+        /* as printed: nearly uniform, whatever the distribution */
+        sl_priorities_normalise(1000, leaves, true);
         assert_true(fabs(mean_total(1000, leaves) - 0.515) < 0.01);
         assert_true(leaves[999].normal > 0.47f && leaves[999].normal < 0.49f);
     }
@@ -301,7 +327,8 @@ static void one_outlier_does_not_hide_ten_thousand_others(void **state) {
     (void)state;
     static sl_leaf_priority leaves[MANY];
     uint64_t key = sl_random_key(11, 0);
-    for (uint32_t i = 0; i < MANY; i++) leaves[i] = (sl_leaf_priority){i, 1, i ? sl_random_unit(key, i) : 1e6f, 0.0f};
+    for (uint32_t i = 0; i < MANY; i++)
+        leaves[i] = (sl_leaf_priority){i, 1, i ? sl_random_unit(key, i) : 1e6f, 0.0f};
     const double wanted[] = {40098.0, 1608.0, 65.0, 3.3, 1.66};
     double high = 1e6;
     for (int i = 0; i < 5; i++) {
@@ -310,14 +337,16 @@ static void one_outlier_does_not_hide_ten_thousand_others(void **state) {
     }
     sl_priorities_normalise(MANY, leaves, false);
     assert_true(leaves[0].normal == 1.0f);
-    for (int i = 1; i < MANY; i++) assert_true(fabs((double)leaves[i].normal - (double)leaves[i].priority / high) < 0.01);
+    for (int i = 1; i < MANY; i++)
+        assert_true(fabs((double)leaves[i].normal - (double)leaves[i].priority / high) < 0.01);
 }
 
 static void what_one_pixel_in_a_hundred_has_is_told_apart(void **state) {
     (void)state;
     sl_leaf_priority leaves[3000];
     uint64_t key = sl_random_key(12, 0);
-    for (uint32_t i = 0; i < 3000; i++) leaves[i] = (sl_leaf_priority){i, 1, i < 90 ? 20.0f + (float)i : sl_random_unit(key, i), 0.0f};
+    for (uint32_t i = 0; i < 3000; i++)
+        leaves[i] = (sl_leaf_priority){i, 1, i < 90 ? 20.0f + (float)i : sl_random_unit(key, i), 0.0f};
     sl_priorities_normalise(3000, leaves, false);
     for (uint32_t i = 0; i < 3000; i++) {
         if (i < 20) assert_true(leaves[i + 1].normal > leaves[i].normal);
@@ -343,7 +372,8 @@ static void leaves_never_evaluated_come_first_and_leave_the_others_as_they_are(v
     (void)state;
     sl_leaf_priority alone[50], mixed[60];
     uint64_t key = sl_random_key(5, 5);
-    for (uint32_t i = 0; i < 50; i++) mixed[i] = alone[i] = (sl_leaf_priority){i, 1 + i % 3, 10.0f * sl_random_unit(key, i), 0.0f};
+    for (uint32_t i = 0; i < 50; i++)
+        mixed[i] = alone[i] = (sl_leaf_priority){i, 1 + i % 3, 10.0f * sl_random_unit(key, i), 0.0f};
     for (uint32_t i = 50; i < 60; i++) mixed[i] = (sl_leaf_priority){i, 100, -1.0f, 0.0f};
     sl_priorities_normalise(50, alone, false);
     sl_priorities_normalise(60, mixed, false);
@@ -363,18 +393,21 @@ static void priorities_that_are_no_numbers_harm_nothing(void **state) {
         leaves[2].priority = FLT_MAX;
         sl_priorities_normalise(MANY / 10, leaves, plain);
         for (int i = 0; i < MANY / 10; i++) assert_true(leaves[i].normal >= 0.0f && leaves[i].normal <= 1.0f);
-        assert_true(leaves[0].normal == 1.0f && leaves[1].normal >= leaves[3].normal && leaves[2].normal == leaves[1].normal);
+        assert_true(leaves[0].normal == 1.0f && leaves[1].normal >= leaves[3].normal &&
+                    leaves[2].normal == leaves[1].normal);
     }
 }
 
 static void a_leaf_counts_by_its_pixels(void **state) {
     (void)state;
     sl_leaf_priority few[3] = {{0, 90, 1.0f, 0}, {1, 9, 5.0f, 0}, {2, 1, 30.0f, 0}}, many[100];
-    for (uint32_t i = 0; i < 100; i++) many[i] = (sl_leaf_priority){i, 1, i < 90 ? 1.0f : i < 99 ? 5.0f : 30.0f, 0};
+    for (uint32_t i = 0; i < 100; i++)
+        many[i] = (sl_leaf_priority){i, 1, i < 90 ? 1.0f : i < 99 ? 5.0f : 30.0f, 0};
     for (int plain = 0; plain < 2; plain++) {
         sl_priorities_normalise(3, few, plain);
         sl_priorities_normalise(100, many, plain);
-        assert_true(fabsf(few[0].normal - many[0].normal) < 1e-6f && fabsf(few[1].normal - many[95].normal) < 1e-6f);
+        assert_true(fabsf(few[0].normal - many[0].normal) < 1e-6f &&
+                    fabsf(few[1].normal - many[95].normal) < 1e-6f);
         assert_true(fabsf(few[2].normal - many[99].normal) < 1e-6f);
     }
 }
@@ -383,7 +416,10 @@ static void a_leaf_counts_by_its_pixels(void **state) {
 
 static void a_large_leaf_of_one_colour_counts_by_the_root_of_its_area_and_the_mean_of_the_rest(void **state) {
     (void)state;
-    sl_leaf_priority leaves[4] = {{.pixels = 128, .priority = 0.0f}, {.pixels = 128, .priority = 80.0f}, {.pixels = 32, .priority = 0.0f}, {.pixels = 512, .priority = -1.0f}};
+    sl_leaf_priority leaves[4] = {{.pixels = 128, .priority = 0.0f},
+                                  {.pixels = 128, .priority = 80.0f},
+                                  {.pixels = 32, .priority = 0.0f},
+                                  {.pixels = 512, .priority = -1.0f}};
     const double mean = 128.0 * 80.0 / 288.0;
     sl_priorities_raise(4, leaves, 16384);
     assert_true(fabs((double)leaves[0].priority - mean) < 1e-4); /* 1/128 of the picture */
@@ -392,10 +428,15 @@ static void a_large_leaf_of_one_colour_counts_by_the_root_of_its_area_and_the_me
     assert_true(leaves[3].priority == -1.0f);
 }
 
-static void neither_the_size_of_a_picture_nor_its_contrast_changes_what_large_leaves_count_among_others(void **state) {
+static void neither_the_size_of_a_picture_nor_its_contrast_changes_what_large_leaves_count_among_others(
+    void **state) {
     (void)state;
-    sl_leaf_priority leaves[3] = {{.pixels = 500, .priority = 3.0f}, {.pixels = 40, .priority = 60.0f}, {.pixels = 3, .priority = 9.0f}}, other[3];
-    for (int i = 0; i < 3; i++) other[i] = (sl_leaf_priority){.pixels = 4 * leaves[i].pixels, .priority = 2.0f * leaves[i].priority};
+    sl_leaf_priority leaves[3] = {{.pixels = 500, .priority = 3.0f},
+                                  {.pixels = 40, .priority = 60.0f},
+                                  {.pixels = 3, .priority = 9.0f}},
+                     other[3];
+    for (int i = 0; i < 3; i++)
+        other[i] = (sl_leaf_priority){.pixels = 4 * leaves[i].pixels, .priority = 2.0f * leaves[i].priority};
     sl_priorities_raise(3, leaves, 10000);
     sl_priorities_raise(3, other, 40000);
     assert_true(leaves[0].priority > 10.0f && leaves[1].priority == 60.0f);
@@ -422,7 +463,8 @@ int main(void) {
         cmocka_unit_test(light_on_the_front_of_a_lamp_hardly_shows),
         cmocka_unit_test(highlights_count_where_there_are_lobes),
         cmocka_unit_test(a_patch_with_a_corner_never_evaluated_has_no_error),
-        cmocka_unit_test(a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others),
+        cmocka_unit_test(
+            a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others),
         cmocka_unit_test(only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corner),
         cmocka_unit_test(what_hangs_on_an_edge_ages_the_leaf_that_shows_it),
         cmocka_unit_test(when_the_eye_moves_only_what_has_a_lobe_ages),
@@ -436,7 +478,8 @@ int main(void) {
         cmocka_unit_test(priorities_that_are_no_numbers_harm_nothing),
         cmocka_unit_test(a_leaf_counts_by_its_pixels),
         cmocka_unit_test(a_large_leaf_of_one_colour_counts_by_the_root_of_its_area_and_the_mean_of_the_rest),
-        cmocka_unit_test(neither_the_size_of_a_picture_nor_its_contrast_changes_what_large_leaves_count_among_others),
+        cmocka_unit_test(
+            neither_the_size_of_a_picture_nor_its_contrast_changes_what_large_leaves_count_among_others),
         cmocka_unit_test(where_nothing_differs_the_largest_leaf_comes_first),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

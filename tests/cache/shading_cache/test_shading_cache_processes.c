@@ -1,5 +1,6 @@
-/* Sample renderers as pure functions of (scene, requests): another process, which has loaded the scene itself and knows nothing of the cache, computes the same bits, be it
- * asked for all, for some, or in another order, and whatever else was asked for before. */
+/* Sample renderers as pure functions of (scene, requests): another process, which has loaded the scene itself
+ * and knows nothing of the cache, computes the same bits, be it asked for all, for some, or in another order,
+ * and whatever else was asked for before. */
 #include "renderer_support.h"
 
 #include <stdlib.h>
@@ -11,9 +12,11 @@ enum { REQUESTS = 60, KINDS = 3 };
 static const struct {
     const char *name;
     make_renderer *make;
-} kinds[KINDS] = {{"area", sl_area_renderer}, {"bidirectional", sl_bidirectional_renderer}, {"caustic", sl_caustic_renderer}};
+} kinds[KINDS] = {{"area", sl_area_renderer},
+                  {"bidirectional", sl_bidirectional_renderer},
+                  {"caustic", sl_caustic_renderer}};
 
-/* ---- requests and samples as they go through a pipe: no addresses, no gaps --------------------------------------------------------- */
+/* ---- requests and samples as they go through a pipe: no addresses, no gaps ------------------- */
 
 typedef struct wire_request {
     float position[3], normal[3], geometric[3], eye[3];
@@ -29,7 +32,10 @@ static void put3(float to[3], sl_vec3 v) { to[0] = v.x, to[1] = v.y, to[2] = v.z
 static sl_vec3 get3(const float from[3]) { return sl_v3(from[0], from[1], from[2]); }
 
 static wire_request pack(const sl_scene *scene, const sl_sample_request *q) {
-    wire_request w = {.triangle = q->point.triangle, .material = (uint32_t)(q->material - scene->materials), .radiance = q->radiance, .set = q->set};
+    wire_request w = {.triangle = q->point.triangle,
+                      .material = (uint32_t)(q->material - scene->materials),
+                      .radiance = q->radiance,
+                      .set = q->set};
     put3(w.position, q->point.position);
     put3(w.normal, q->point.normal);
     put3(w.geometric, q->point.geometric_normal);
@@ -38,12 +44,18 @@ static wire_request pack(const sl_scene *scene, const sl_sample_request *q) {
 }
 
 static sl_sample_request unpack(const sl_scene *scene, const wire_request *w) {
-    return (sl_sample_request){.point = {get3(w->position), get3(w->normal), get3(w->geometric), w->triangle}, .material = &scene->materials[w->material],
-                               .eye = get3(w->eye), .radiance = w->radiance != 0, .set = w->set};
+    return (sl_sample_request){.point = {get3(w->position), get3(w->normal), get3(w->geometric), w->triangle},
+                               .material = &scene->materials[w->material],
+                               .eye = get3(w->eye),
+                               .radiance = w->radiance != 0,
+                               .set = w->set};
 }
 
 static wire_sample pack_sample(const sl_sample *s) {
-    return (wire_sample){{s->irradiance.r, s->irradiance.g, s->irradiance.b}, {s->radiance.r, s->radiance.g, s->radiance.b}, s->variance, s->valid};
+    return (wire_sample){{s->irradiance.r, s->irradiance.g, s->irradiance.b},
+                         {s->radiance.r, s->radiance.g, s->radiance.b},
+                         s->variance,
+                         s->valid};
 }
 
 static bool read_all(int from, void *data, size_t bytes) {
@@ -66,7 +78,7 @@ static bool write_all(int to, const void *data, size_t bytes) {
     return true;
 }
 
-/* ---- the other process --------------------------------------------------------------------------------------------------------------- */
+/* ---- the other process ----------------------------------------------------------------------- */
 
 static void set_up(shop *s, sl_scene *scene) {
     shop_open(s, scene);
@@ -75,10 +87,13 @@ static void set_up(shop *s, sl_scene *scene) {
     s->settings.cache.caustics = true;
 }
 
-/* worker SCENE TIME KIND: a number of requests and then these on standard input, as many samples on standard output, until the input ends. */
+/* worker SCENE TIME KIND: a number of requests and then these on standard input, as many samples on standard
+ * output, until the input ends. */
 static int work(char **argv) {
     sl_scene *scene;
-    if (sl_scene_load(argv[0], &scene, NULL) != SL_OK || sl_scene_set_time(scene, atof(argv[1]), NULL, NULL) != SL_OK) return 1;
+    if (sl_scene_load(argv[0], &scene, NULL) != SL_OK ||
+        sl_scene_set_time(scene, atof(argv[1]), NULL, NULL) != SL_OK)
+        return 1;
     shop s;
     set_up(&s, scene);
     sl_sample_renderer renderer;
@@ -141,7 +156,7 @@ static void end_worker(const other_process *p) {
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-/* ---- the same bits -------------------------------------------------------------------------------------------------------------------- */
+/* ---- the same bits --------------------------------------------------------------------------- */
 
 /* Anywhere; of mirrors fewer, which have more triangles than all else. */
 static uint32_t triangle_number(const sl_scene *scene, uint64_t key, uint64_t i) {
@@ -197,7 +212,8 @@ static void assert_another_process_agrees(const char *path, const char *time, in
     ask(&there, 7, wire + 20, answers); /* again, some of them */
     assert_memory_equal(answers, expected + 20, 7 * sizeof *expected);
     ask(&there, REQUESTS, backwards, answers);
-    for (uint32_t i = 0; i < REQUESTS; i++) assert_memory_equal(&answers[REQUESTS - 1 - i], &expected[i], sizeof *expected);
+    for (uint32_t i = 0; i < REQUESTS; i++)
+        assert_memory_equal(&answers[REQUESTS - 1 - i], &expected[i], sizeof *expected);
     end_worker(&there);
     here.destroy(here.state);
     shop_close(&s);

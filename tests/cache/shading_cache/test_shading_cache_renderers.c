@@ -1,12 +1,14 @@
 /* Direct and indirect light at points, as the shading cache's sample renderers compute it. */
 #include "renderer_support.h"
 
-/* ---- lamps above a floor -------------------------------------------------------------------------------------------------- */
+/* ---- lamps above a floor --------------------------------------------------------------------- */
 
-/* A square lamp of radiance 1, its centre `height` above that of a floor; the floor's triangles are 0 and 1. */
+/* A square lamp of radiance 1, its centre `height` above that of a floor; the floor's triangles are 0 and 1.
+ */
 static trace_mesh lamp_over_floor(float side, float height, float radiance) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, radiance);
+    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, radiance);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-side / 2, height, -side / 2), sl_v3(side, 0, 0), sl_v3(0, 0, side), lamp);
     return mesh;
@@ -45,7 +47,8 @@ static void unoccluded_square_lamps_have_lamberts_irradiance(void **state) {
             double expected = 3.0 * square_irradiance((double)x, (double)z, (double)heights[i]);
             assert_true(sample.valid);
             if (!(fabs((double)sample.irradiance.g - expected) <= 2e-5 * expected)) {
-                fail_msg("height %g: %g, expected %g", (double)heights[i], (double)sample.irradiance.g, expected);
+                fail_msg("height %g: %g, expected %g", (double)heights[i], (double)sample.irradiance.g,
+                         expected);
             }
             assert_true(sample.variance == 0.0f);
         }
@@ -54,7 +57,8 @@ static void unoccluded_square_lamps_have_lamberts_irradiance(void **state) {
     }
 }
 
-/* Plain Halton points, 100 of them, err by 0.7, 3.5 and 12 % (root mean square) at heights of 2, 0.5 and 0.1 sides. */
+/* Plain Halton points, 100 of them, err by 0.7, 3.5 and 12 % (root mean square) at heights of 2, 0.5 and 0.1
+ * sides. */
 static void points_alone_err_more_the_nearer_the_lamp(void **state) {
     (void)state;
     static const float heights[] = {2.0f, 0.5f, 0.1f};
@@ -74,11 +78,13 @@ static void points_alone_err_more_the_nearer_the_lamp(void **state) {
             float x = sl_random_unit(key, 2 * k) - 0.5f, z = sl_random_unit(key, 2 * k + 1) - 0.5f;
             sl_sample_request q = request_at(sl_v3(x, 0, z), up);
             sl_sample sample = shop_sample(&s, &r, &q);
-            double expected = square_irradiance((double)x, (double)z, (double)heights[i]), off = (double)sample.irradiance.r / expected - 1.0;
+            double expected = square_irradiance((double)x, (double)z, (double)heights[i]),
+                   off = (double)sample.irradiance.r / expected - 1.0;
             squares += off * off / POINTS;
             predicted += (double)sample.variance / (expected * expected) / POINTS;
         }
-        printf("    height %g: %.2f %% (as independent samples: %.2f %%)\n", (double)heights[i], 100.0 * sqrt(squares), 100.0 * sqrt(predicted));
+        printf("    height %g: %.2f %% (as independent samples: %.2f %%)\n", (double)heights[i],
+               100.0 * sqrt(squares), 100.0 * sqrt(predicted));
         assert_true(sqrt(squares) > before && sqrt(squares) < most[i]);
         before = sqrt(squares);
         assert_true(sqrt(predicted) > sqrt(squares)); /* they are better spread than independent ones */
@@ -87,10 +93,10 @@ static void points_alone_err_more_the_nearer_the_lamp(void **state) {
     }
 }
 
-/* ---- shadows -------------------------------------------------------------------------------------------------------------- */
+/* ---- shadows --------------------------------------------------------------------------------- */
 
-/* Share of a square lamp's light, of side 1 at height 10, that reaches (x, 0, z) past a screen at height 5 which hides all with cos x + sin z > 0
- * there: by a fine grid on the lamp. */
+/* Share of a square lamp's light, of side 1 at height 10, that reaches (x, 0, z) past a screen at height 5
+ * which hides all with cos x + sin z > 0 there: by a fine grid on the lamp. */
 static double share_past_edge(double x, double z, double cosine, double sine) {
     enum { GRID = 300 };
     double seen = 0.0, all = 0.0;
@@ -103,17 +109,20 @@ static double share_past_edge(double x, double z, double cosine, double sine) {
     return seen / all;
 }
 
-/* A random straight edge before a square, seen share, plain Halton points: 1.6 % root mean square and 4.3 % at most with 100 points, 0.56 and 1.8 % with 400. */
+/* A random straight edge before a square, seen share, plain Halton points: 1.6 % root mean square and 4.3 %
+ * at most with 100 points, 0.56 and 1.8 % with 400. */
 static void half_hidden_squares_have_the_stated_accuracy(void **state) {
     (void)state;
     static const int samples[] = {100, 400};
-    static const double most_rms[] = {2.1e-2, 0.8e-2}, most[] = {6.5e-2, 2.7e-2}, least_rms[] = {1e-2, 0.3e-2};
+    static const double most_rms[] = {2.1e-2, 0.8e-2}, most[] = {6.5e-2, 2.7e-2},
+                        least_rms[] = {1e-2, 0.3e-2};
     const uint64_t key = sl_random_key(3, 0);
     double squares[2] = {0, 0}, largest[2] = {0, 0}, count = 0;
     for (int angle = 0; angle < 24; angle++) {
         double a = 0.13 + 0.261799 * angle, cosine = sl_cos(a), sine = sl_sin(a);
         trace_mesh mesh = lamp_over_floor(1.0f, 10.0f, 1.0f);
-        sl_vec3 across = sl_v3((float)(20 * cosine), 0, (float)(20 * sine)), along = sl_v3((float)(-20 * sine), 0, (float)(20 * cosine));
+        sl_vec3 across = sl_v3((float)(20 * cosine), 0, (float)(20 * sine)),
+                along = sl_v3((float)(-20 * sine), 0, (float)(20 * cosine));
         trace_mesh_quad(&mesh, sl_sub(sl_v3(0, 5, 0), along), across, sl_scale(along, 2), 0);
         shop s;
         shop_open(&s, trace_mesh_build(&mesh));
@@ -121,7 +130,8 @@ static void half_hidden_squares_have_the_stated_accuracy(void **state) {
             s.settings.cache.area_samples = samples[i];
             sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
             for (uint64_t k = 0; k < 8; k++) {
-                double shift = 1.2 * ((double)sl_random_unit(key, 8 * (uint64_t)angle + k) - 0.5), x = shift * cosine, z = shift * sine;
+                double shift = 1.2 * ((double)sl_random_unit(key, 8 * (uint64_t)angle + k) - 0.5),
+                       x = shift * cosine, z = shift * sine;
                 sl_sample_request q = request_at(sl_v3((float)x, 0, (float)z), up);
                 double e = (double)shop_sample(&s, &r, &q).irradiance.r / square_irradiance(x, z, 10.0);
                 double off = e - share_past_edge(x, z, cosine, sine);
@@ -135,12 +145,14 @@ static void half_hidden_squares_have_the_stated_accuracy(void **state) {
     }
     for (int i = 0; i < 2; i++) {
         double rms = sqrt(squares[i] / count);
-        printf("    %d points: %.2f %% root mean square, %.2f %% at most\n", samples[i], 100.0 * rms, 100.0 * largest[i]);
+        printf("    %d points: %.2f %% root mean square, %.2f %% at most\n", samples[i], 100.0 * rms,
+               100.0 * largest[i]);
         assert_true(rms < most_rms[i] && rms > least_rms[i] && largest[i] < most[i]);
     }
 }
 
-/* A lamp of width s at height H, a screen's edge at height b: the penumbra on the floor is s b / (H - b) wide. */
+/* A lamp of width s at height H, a screen's edge at height b: the penumbra on the floor is s b / (H - b)
+ * wide. */
 static void penumbras_have_their_width(void **state) {
     (void)state;
     static const float edge_heights[] = {1.0f, 2.5f, 4.0f};
@@ -152,8 +164,10 @@ static void penumbras_have_their_width(void **state) {
         shop_open(&s, trace_mesh_build(&mesh));
         s.settings.cache.area_samples = 1000;
         sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
-        double expected = (double)(s0 * b / (high - b)), step = expected / 200.0, first = INFINITY, dark = INFINITY;
-        for (int k = -300; k <= 300 && dark == INFINITY; k++) { /* the edge's shadow of the lamp's centre falls on x = 0 */
+        double expected = (double)(s0 * b / (high - b)), step = expected / 200.0, first = INFINITY,
+               dark = INFINITY;
+        /* the edge's shadow of the lamp's centre falls on x = 0 */
+        for (int k = -300; k <= 300 && dark == INFINITY; k++) {
             double x = k * step, whole = square_irradiance(x / (double)s0, 0, (double)(high / s0));
             sl_sample_request q = request_at(sl_v3((float)x, 0, 0), up);
             double e = (double)shop_sample(&s, &r, &q).irradiance.r;
@@ -168,12 +182,14 @@ static void penumbras_have_their_width(void **state) {
     }
 }
 
-/* All points see the lamp's same 64: its shadow's edge has as many steps. Dense points are asked for by leaves of one pixel, and change nothing where there is no edge. */
+/* All points see the lamp's same 64: its shadow's edge has as many steps. Dense points are asked for by
+ * leaves of one pixel, and change nothing where there is no edge. */
 static void dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_else_as_it_was(void **state) {
     (void)state;
     enum { POINTS = 240 };
     trace_mesh mesh = lamp_over_floor(0.8f, 5.0f, 1.0f);
-    trace_mesh_quad(&mesh, sl_v3(0, 2.5f, -30), sl_v3(0, 0, 60), sl_v3(30, 0, 0), 0); /* the edge is 0.8 wide */
+    /* the edge is 0.8 wide */
+    trace_mesh_quad(&mesh, sl_v3(0, 2.5f, -30), sl_v3(0, 0, 60), sl_v3(30, 0, 0), 0);
     shop s;
     shop_open(&s, trace_mesh_build(&mesh));
     s.settings.cache.area_samples = 20000;
@@ -196,7 +212,8 @@ static void dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_el
         }
         same += e[0] == e[1];
     }
-    printf("    error %.3g, dense %.3g; steps %d, %d; %d of %d the same\n", sqrt(error[0] / POINTS), sqrt(error[1] / POINTS), steps[0], steps[1], same, POINTS);
+    printf("    error %.3g, dense %.3g; steps %d, %d; %d of %d the same\n", sqrt(error[0] / POINTS),
+           sqrt(error[1] / POINTS), steps[0], steps[1], same, POINTS);
     assert_true(error[1] < 0.1 * error[0] && steps[1] > steps[0]);
     assert_true(same >= POINTS / 4 && same < POINTS / 2); /* a third lies beside the edge */
     s.settings.cache.area = SL_AREA_SAMPLED;
@@ -211,7 +228,8 @@ static void dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_el
     shop_close(&s);
 }
 
-/* Points are weighed alike where the lamp is far: of n of them that see it with chance p, E^2 p (1 - p) / (n - 1). */
+/* Points are weighed alike where the lamp is far: of n of them that see it with chance p, E^2 p (1 - p) / (n
+ * - 1). */
 static void the_variance_told_is_that_of_points_which_see_the_lamp_or_not(void **state) {
     (void)state;
     trace_mesh mesh = lamp_over_floor(0.4f, 10.0f, 3.0f);
@@ -224,22 +242,27 @@ static void the_variance_told_is_that_of_points_which_see_the_lamp_or_not(void *
         for (int k = -2; k <= 2; k++) {
             sl_sample_request q = request_at(sl_v3(0.05f * (float)k, 0, 0), up);
             sl_sample sample = shop_sample(&s, &r, &q);
-            double whole = 3.0 * square_irradiance(0.125 * (double)k, 0.0, 25.0), p = (double)sample.irradiance.r / whole, expected = whole * whole * p * (1.0 - p) / 63.0;
+            double whole = 3.0 * square_irradiance(0.125 * (double)k, 0.0, 25.0),
+                   p = (double)sample.irradiance.r / whole, expected = whole * whole * p * (1.0 - p) / 63.0;
             assert_true(p > 0.1 && p < 0.9);
-            if (!(fabs((double)sample.variance - expected) < 0.02 * expected)) fail_msg("%g, expected %g", (double)sample.variance, expected);
+            if (!(fabs((double)sample.variance - expected) < 0.02 * expected))
+                fail_msg("%g, expected %g", (double)sample.variance, expected);
         }
         r.destroy(r.state);
     }
     shop_close(&s);
 }
 
-/* A lamp in the floor's edge: of what looks over the horizon none of the points is a part. One ray to its middle says whether it is seen. */
+/* A lamp in the floor's edge: of what looks over the horizon none of the points is a part. One ray to its
+ * middle says whether it is seen. */
 static void a_sliver_of_a_lamp_above_the_horizon_shines(void **state) {
     (void)state;
     double e[3];
-    for (int what = 0; what < 3; what++) { /* all of the lamp, what is above the floor's plane alone, and that behind a screen */
+    /* all of the lamp, what is above the floor's plane alone, and that behind a screen */
+    for (int what = 0; what < 3; what++) {
         trace_mesh mesh = trace_mesh_begin();
-        uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1.0f);
+        uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+                 lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1.0f);
         float low = what == 1 ? 0.0f : -20.0f;
         trace_mesh_quad(&mesh, sl_v3(-0.5f, low, 0), sl_v3(1, 0, 0), sl_v3(0, 0.01f - low, 0), lamp);
         if (what == 2) trace_mesh_quad(&mesh, sl_v3(-5, -5, 0.5f), sl_v3(10, 0, 0), sl_v3(0, 10, 0), wall);
@@ -260,8 +283,9 @@ static uint64_t shadow_rays(shop *s, const sl_sample_renderer *r, const sl_sampl
     return s->counters.value[SL_COUNT_SHADOW_RAYS] - before;
 }
 
-/* A screen hides the lamp from the right of the floor. Where 64 points see all of it, or nothing, the others would say the same: they are spared, but where points alone
- * are to say how bright it is. Further sets have as many points as the first of those that are not dense. */
+/* A screen hides the lamp from the right of the floor. Where 64 points see all of it, or nothing, the others
+ * would say the same: they are spared, but where points alone are to say how bright it is. Further sets have
+ * as many points as the first of those that are not dense. */
 static void more_points_are_traced_where_a_shadow_has_an_edge_and_nowhere_else(void **state) {
     (void)state;
     trace_mesh mesh = lamp_over_floor(0.8f, 5.0f, 1.0f);
@@ -285,16 +309,18 @@ static void more_points_are_traced_where_a_shadow_has_an_edge_and_nowhere_else(v
     shop_close(&s);
 }
 
-/* ---- lights without extent ------------------------------------------------------------------------------------------------ */
+/* ---- lights without extent ------------------------------------------------------------------- */
 
 static void lights_without_extent_follow_their_formulas(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t glossy = trace_mesh_material(&mesh, 0.5f, 0.4f, 20, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), glossy);
-    trace_mesh_quad(&mesh, sl_v3(10, 3, -1), sl_v3(0, 0, 2), sl_v3(2, 0, 0), glossy); /* hides the first light from below it */
+    /* hides the first light from below it */
+    trace_mesh_quad(&mesh, sl_v3(10, 3, -1), sl_v3(0, 0, 2), sl_v3(2, 0, 0), glossy);
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {11, 6, 0}, .intensity = {30, 20, 10}};
-    mesh.lights[1] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.8f, 0.6f}, .intensity = {1, 2, 3}};
+    mesh.lights[1] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.8f, 0.6f}, .intensity = {1, 2, 3}};
     mesh.light_count = 2;
     shop s;
     shop_open(&s, trace_mesh_build(&mesh));
@@ -302,16 +328,20 @@ static void lights_without_extent_follow_their_formulas(void **state) {
     sl_sample_request q = request_on(s.scene, 0, 0.5f, 0.2f, true);
     q.radiance = true;
     q.eye = sl_v3(q.point.position.x - 3, 4, q.point.position.z + 1);
-    sl_vec3d p = sl_to_double(q.point.position), to_eye = sl_subd(sl_to_double(q.eye), p), mirrored = sl_v3d(-to_eye.x, to_eye.y, -to_eye.z);
+    sl_vec3d p = sl_to_double(q.point.position), to_eye = sl_subd(sl_to_double(q.eye), p),
+             mirrored = sl_v3d(-to_eye.x, to_eye.y, -to_eye.z);
     sl_vec3d d = sl_subd(sl_v3d(11, 6, 0), p);
-    double r2 = sl_dotd(d, d), distance = sqrt(r2), point = d.y / distance / r2, eye_distance = sl_lengthd(to_eye);
+    double r2 = sl_dotd(d, d), distance = sqrt(r2), point = d.y / distance / r2,
+           eye_distance = sl_lengthd(to_eye);
     double f[2] = {fmax(0, sl_dotd(mirrored, d) / (distance * eye_distance)),
                    fmax(0, sl_dotd(mirrored, sl_v3d(0, 0.8, -0.6)) / eye_distance)};
     for (int i = 0; i < 2; i++) f[i] = 0.4 * 22.0 / (2.0 * SL_PI) * sl_pow(f[i], 20.0);
     sl_sample sample = shop_sample(&s, &r, &q);
     const double e[3] = {30 * point + 0.8, 20 * point + 1.6, 10 * point + 2.4};
-    const double l[3] = {30 * point * f[0] + 0.8 * f[1], 20 * point * f[0] + 1.6 * f[1], 10 * point * f[0] + 2.4 * f[1]};
-    const float found[3] = {sample.irradiance.r, sample.irradiance.g, sample.irradiance.b}, lobe[3] = {sample.radiance.r, sample.radiance.g, sample.radiance.b};
+    const double l[3] = {30 * point * f[0] + 0.8 * f[1], 20 * point * f[0] + 1.6 * f[1],
+                         10 * point * f[0] + 2.4 * f[1]};
+    const float found[3] = {sample.irradiance.r, sample.irradiance.g, sample.irradiance.b},
+                lobe[3] = {sample.radiance.r, sample.radiance.g, sample.radiance.b};
     for (int c = 0; c < 3; c++) {
         assert_true(fabs((double)found[c] - e[c]) < 1e-5 * e[c]);
         assert_true(fabs((double)lobe[c] - l[c]) < 1e-4 * l[c] + 1e-6);
@@ -325,13 +355,14 @@ static void lights_without_extent_follow_their_formulas(void **state) {
     shop_close(&s);
 }
 
-/* ---- lobes ---------------------------------------------------------------------------------------------------------------- */
+/* ---- lobes ----------------------------------------------------------------------------------- */
 
 /* Phong lobe of a square lamp at height 2, by a fine grid. */
 static void lobes_reflect_a_lamps_points(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 12, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 12, 0, 0),
+             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), glossy);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     shop s;
@@ -344,12 +375,16 @@ static void lobes_reflect_a_lamps_points(void **state) {
         q.point.position = sl_v3(-0.5f, 0, -0.2f);
         q.radiance = true;
         q.eye = sl_v3(2, 3, 0.5f);
-        sl_vec3d p = sl_to_double(q.point.position), v = sl_subd(sl_to_double(q.eye), p), m = sl_scaled(sl_v3d(-v.x, v.y, -v.z), 1.0 / sl_lengthd(v));
+        sl_vec3d p = sl_to_double(q.point.position), v = sl_subd(sl_to_double(q.eye), p),
+                 m = sl_scaled(sl_v3d(-v.x, v.y, -v.z), 1.0 / sl_lengthd(v));
         double expected = 0.0;
         for (int i = 0; i < 300 * 300; i++) {
-            sl_vec3d d = sl_subd(sl_v3d(((double)(i % 300) + 0.5) / 300.0 - 0.5, 2.0, ((double)(i / 300) + 0.5) / 300.0 - 0.5), p);
+            sl_vec3d d = sl_subd(
+                sl_v3d(((double)(i % 300) + 0.5) / 300.0 - 0.5, 2.0, ((double)(i / 300) + 0.5) / 300.0 - 0.5),
+                p);
             double r2 = sl_dotd(d, d), alpha = fmax(0, sl_dotd(d, m) / sqrt(r2));
-            expected += 5.0 * 0.6 * 14.0 / (2 * SL_PI) * sl_pow(alpha, 12.0) * d.y * d.y / (r2 * r2) / 90000.0;
+            expected +=
+                5.0 * 0.6 * 14.0 / (2 * SL_PI) * sl_pow(alpha, 12.0) * d.y * d.y / (r2 * r2) / 90000.0;
         }
         double found = (double)shop_sample(&s, &r, &q).radiance.r;
         if (!(fabs(found - expected) < 0.01 * expected)) fail_msg("%g, expected %g", found, expected);
@@ -360,11 +395,13 @@ static void lobes_reflect_a_lamps_points(void **state) {
     shop_close(&s);
 }
 
-/* A lobe that is narrower than the distance between the lamp's points shows the lamp: ks L (n + 2) / (n + 1) cos. */
+/* A lobe that is narrower than the distance between the lamp's points shows the lamp: ks L (n + 2) / (n + 1)
+ * cos. */
 static void narrow_lobes_show_the_lamp(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t glossy = trace_mesh_material(&mesh, 0.0f, 0.6f, 20000, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t glossy = trace_mesh_material(&mesh, 0.0f, 0.6f, 20000, 0, 0),
+             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), glossy);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     shop s;
@@ -376,8 +413,10 @@ static void narrow_lobes_show_the_lamp(void **state) {
         q.point.position = sl_v3(1.0f, 0, 0.1f);
         q.radiance = true;
         q.eye = sl_v3(2.0f - x, 2.0f, 0.1f + x); /* mirrored: at (x, 2, 0.1 - x) of the lamp */
-        double found = (double)shop_sample(&s, &r, &q).radiance.g, cosine = 2.0 / sl_lengthd(sl_v3d(1.0 - (double)x, 2.0, (double)x));
-        if (!(fabs(found - 3.0 * cosine) < 0.04 * 3.0)) fail_msg("at %g: %g, expected %g", (double)x, found, 3.0 * cosine);
+        double found = (double)shop_sample(&s, &r, &q).radiance.g,
+               cosine = 2.0 / sl_lengthd(sl_v3d(1.0 - (double)x, 2.0, (double)x));
+        if (!(fabs(found - 3.0 * cosine) < 0.04 * 3.0))
+            fail_msg("at %g: %g, expected %g", (double)x, found, 3.0 * cosine);
         q.eye = sl_v3(2.6f, 2.0f, 0.1f); /* beside it */
         assert_true(shop_sample(&s, &r, &q).radiance.g < 1e-3f);
     }
@@ -385,25 +424,29 @@ static void narrow_lobes_show_the_lamp(void **state) {
     shop_close(&s);
 }
 
-/* ---- the environment ------------------------------------------------------------------------------------------------------ */
+/* ---- the environment ------------------------------------------------------------------------- */
 
 /* It is counted by one renderer: that of indirect light, or, without one, that of direct light. */
 static void the_sky_is_counted_once(void **state) {
     (void)state;
     sl_environment sky = {.present = true, .constant = {1.0f, 2.0f, 0.5f}};
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t black = trace_mesh_material(&mesh, 0.0f, 0.4f, 30, 0, 0), dark = trace_mesh_material(&mesh, 1e-6f, 0, 0, 0, 0);
+    uint32_t black = trace_mesh_material(&mesh, 0.0f, 0.4f, 30, 0, 0),
+             dark = trace_mesh_material(&mesh, 1e-6f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), black);
-    trace_mesh_quad(&mesh, sl_v3(0, 0, -5000), sl_v3(0, 0, 10000), sl_v3(0, 5000, 0), dark); /* hides half of it */
+    /* hides half of it */
+    trace_mesh_quad(&mesh, sl_v3(0, 0, -5000), sl_v3(0, 0, 10000), sl_v3(0, 5000, 0), dark);
     mesh.environment = &sky;
     shop s;
     shop_open(&s, trace_mesh_build(&mesh));
     for (int i = 0; i < 2; i++) {
         s.settings.cache.indirect = i ? SL_INDIRECT_NONE : SL_INDIRECT_BIDIRECTIONAL;
         s.settings.cache.area_samples = 400;
-        sl_sample_renderer direct = shop_renderer(&s, sl_area_renderer), indirect = shop_renderer(&s, sl_bidirectional_renderer);
+        sl_sample_renderer direct = shop_renderer(&s, sl_area_renderer),
+                           indirect = shop_renderer(&s, sl_bidirectional_renderer);
         sl_sample_request q = request_at(sl_v3(1e-3f, 0, 0), up);
-        sl_rgb d = shop_sample(&s, &direct, &q).irradiance, b = shop_sample(&s, &indirect, &q).irradiance, counted = i ? d : b;
+        sl_rgb d = shop_sample(&s, &direct, &q).irradiance, b = shop_sample(&s, &indirect, &q).irradiance,
+               counted = i ? d : b;
         if (!i) assert_true(d.r == 0.0f && d.g == 0.0f);
         assert_true(fabs((double)counted.g - SL_PI) < 0.03 * SL_PI);
         assert_true(fabs((double)counted.r - 0.5 * SL_PI) < 0.015 * SL_PI);
@@ -422,15 +465,18 @@ static void the_sky_is_counted_once(void **state) {
     shop_close(&s);
 }
 
-/* ---- indirect light ------------------------------------------------------------------------------------------------------- */
+/* ---- indirect light -------------------------------------------------------------------------- */
 
-static void check_within_errors(const char *what, double found, double variance, double expected, double model) {
+static void check_within_errors(const char *what, double found, double variance, double expected,
+                                double model) {
     double error = sqrt(variance);
     if (!(error < 0.1 * expected)) fail_msg("%s: %g +- %g is too noisy for a test", what, found, error);
-    if (!(fabs(found - expected) < 3.0 * error + model * expected)) fail_msg("%s: %g +- %g, expected %g", what, found, error, expected);
+    if (!(fabs(found - expected) < 3.0 * error + model * expected))
+        fail_msg("%s: %g +- %g, expected %g", what, found, error, expected);
 }
 
-/* Emission L and albedo rho all around: pi L of direct light, and rho pi L (1 + rho + ...) of up to six further bounces. */
+/* Emission L and albedo rho all around: pi L of direct light, and rho pi L (1 + rho + ...) of up to six
+ * further bounces. */
 static void furnaces_are_evenly_lit(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -438,26 +484,30 @@ static void furnaces_are_evenly_lit(void **state) {
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
     shop s;
     shop_open(&s, trace_mesh_build(&mesh));
-    sl_sample_renderer direct = shop_renderer(&s, sl_area_renderer), indirect = shop_renderer(&s, sl_bidirectional_renderer);
+    sl_sample_renderer direct = shop_renderer(&s, sl_area_renderer),
+                       indirect = shop_renderer(&s, sl_bidirectional_renderer);
     for (uint32_t t = 0; t < s.scene->triangle_count; t++) {
         sl_sample_request q = request_on(s.scene, t, 0.25f, 0.35f, true);
         sl_sample d = shop_sample(&s, &direct, &q), i = shop_sample(&s, &indirect, &q);
         assert_true(d.valid && i.valid);
         assert_true(fabs((double)d.irradiance.r - 2.0 * SL_PI) < 1e-3);
-        check_within_errors("furnace", (double)i.irradiance.r, (double)i.variance, 2.0 * SL_PI * 0.6 * (1.0 - sl_pow(0.6, 6)) / 0.4, 1e-3);
+        check_within_errors("furnace", (double)i.irradiance.r, (double)i.variance,
+                            2.0 * SL_PI * 0.6 * (1.0 - sl_pow(0.6, 6)) / 0.4, 1e-3);
     }
     direct.destroy(direct.state);
     indirect.destroy(indirect.state);
     shop_close(&s);
 }
 
-/* Inside a ball indirect light is even wherever the light is: E = rho Phi / (4 pi R^2 (1 - rho)), but for what comes after six bounces. */
+/* Inside a ball indirect light is even wherever the light is: E = rho Phi / (4 pi R^2 (1 - rho)), but for
+ * what comes after six bounces. */
 static void cavities_are_evenly_lit(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_sphere(&mesh, sl_v3(1, 0, 0), 2.0f, 60, 0.0f, true, wall);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {1.7f, 0.3f, 0.2f}, .intensity = sl_grey(3.0f)};
+    mesh.lights[0] =
+        (sl_light){.type = SL_LIGHT_POINT, .position = {1.7f, 0.3f, 0.2f}, .intensity = sl_grey(3.0f)};
     mesh.light_count = 1;
     shop s;
     shop_open(&s, trace_mesh_build(&mesh));
@@ -496,7 +546,8 @@ static void traced_irradiance(shop *s, const sl_sample_request *q, double mean[3
         rays.far[i] = INFINITY;
         rays.skip[i] = SL_NO_INDEX;
     }
-    const double per_kd[3] = {SL_PI / (double)q->material->diffuse.r, SL_PI / (double)q->material->diffuse.g, SL_PI / (double)q->material->diffuse.b};
+    const double per_kd[3] = {SL_PI / (double)q->material->diffuse.r, SL_PI / (double)q->material->diffuse.g,
+                              SL_PI / (double)q->material->diffuse.b};
     for (unsigned k = 0; k < SAMPLES; k++) {
         sl_rgb found[SL_PACKET];
         sl_path_tracer_radiance(path, &rays, SL_PACKET, 5, k, found, &s->counters);
@@ -524,7 +575,8 @@ static void direct_and_indirect_light_are_the_path_tracers(void **state) {
     shop_open(&s, load_scene("scenes/cornell.json"));
     s.settings.cache.area_samples = 256;
     s.settings.cache.indirect_samples = 1200;
-    sl_sample_renderer direct = shop_renderer(&s, sl_area_renderer), indirect = shop_renderer(&s, sl_bidirectional_renderer);
+    sl_sample_renderer direct = shop_renderer(&s, sl_area_renderer),
+                       indirect = shop_renderer(&s, sl_bidirectional_renderer);
     int precise = 0;
     for (uint32_t t = 0; t < s.scene->triangle_count; t += 3) {
         sl_sample_request q = request_on(s.scene, t, 0.3f, 0.25f, true);
@@ -532,12 +584,15 @@ static void direct_and_indirect_light_are_the_path_tracers(void **state) {
         if (!d.valid || !sl_material_is_diffuse(q.material) || sl_material_is_emitter(q.material)) continue;
         double mean[3], variance[3];
         traced_irradiance(&s, &q, mean, variance);
-        const float found[3] = {d.irradiance.r + i.irradiance.r, d.irradiance.g + i.irradiance.g, d.irradiance.b + i.irradiance.b};
+        const float found[3] = {d.irradiance.r + i.irradiance.r, d.irradiance.g + i.irradiance.g,
+                                d.irradiance.b + i.irradiance.b};
         for (int c = 0; c < 3; c++) {
-            double error = sqrt(variance[c] + 2.0 * (double)(d.variance + i.variance)); /* one channel may vary more than their mean */
+            /* one channel may vary more than their mean */
+            double error = sqrt(variance[c] + 2.0 * (double)(d.variance + i.variance));
             precise += mean[c] > 0.0 && error < 0.1 * mean[c];
             if (!(fabs((double)found[c] - mean[c]) < 4.0 * error)) {
-                fail_msg("triangle %u, channel %d: %g, the path tracer has %g (+- %g)", t, c, (double)found[c], mean[c], error);
+                fail_msg("triangle %u, channel %d: %g, the path tracer has %g (+- %g)", t, c,
+                         (double)found[c], mean[c], error);
             }
         }
     }
@@ -547,10 +602,11 @@ static void direct_and_indirect_light_are_the_path_tracers(void **state) {
     shop_close(&s);
 }
 
-/* ---- batches -------------------------------------------------------------------------------------------------------------- */
+/* ---- batches --------------------------------------------------------------------------------- */
 
 static bool same_sample(const sl_sample *a, const sl_sample *b) {
-    return memcmp(&a->irradiance, &b->irradiance, sizeof a->irradiance) == 0 && memcmp(&a->radiance, &b->radiance, sizeof a->radiance) == 0 &&
+    return memcmp(&a->irradiance, &b->irradiance, sizeof a->irradiance) == 0 &&
+           memcmp(&a->radiance, &b->radiance, sizeof a->radiance) == 0 &&
            memcmp(&a->variance, &b->variance, sizeof a->variance) == 0 && a->valid == b->valid;
 }
 
@@ -563,7 +619,8 @@ static void answers_depend_on_their_request_alone(void **state) {
     s.settings.cache.indirect_samples = 100;
     sl_sample_request q[COUNT];
     for (uint32_t i = 0; i < COUNT; i++) {
-        q[i] = request_on(s.scene, i * 7 % (uint32_t)s.scene->triangle_count, 0.01f * (float)i, 0.3f, i % 5 != 0);
+        q[i] = request_on(s.scene, i * 7 % (uint32_t)s.scene->triangle_count, 0.01f * (float)i, 0.3f,
+                          i % 5 != 0);
         q[i].radiance = i % 2;
         q[i].eye = s.scene->camera.eye;
         q[i].set = i % 3;
@@ -583,7 +640,8 @@ static void answers_depend_on_their_request_alone(void **state) {
             assert_memory_equal(&once, &threaded, sizeof once);
         }
         /* After an edit that changes nothing all is as it was. */
-        assert_int_equal(r.edit(r.state, SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA, NULL), SL_OK);
+        assert_int_equal(r.edit(r.state, SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA, NULL),
+                         SL_OK);
         r.render(r.state, COUNT, q, 1, parts, &split);
         for (int i = 0; i < COUNT; i++) assert_true(same_sample(&all[i], &parts[i]));
         r.destroy(r.state);
@@ -603,7 +661,10 @@ static void sets_of_samples_average(void **state) {
     double alone = 0.0, together = 0.0;
     for (int k = 0; k < 20; k++) {
         sl_sample_request q = request_at(sl_v3(0.06f * (float)k - 0.6f, 0, 0.1f), up);
-        double x = (double)q.point.position.x, exact = share_past_edge(x, (double)q.point.position.z, 1.0, 0.0) * square_irradiance(x, 0.1, 10.0), mean = 0.0;
+        double x = (double)q.point.position.x,
+               exact =
+                   share_past_edge(x, (double)q.point.position.z, 1.0, 0.0) * square_irradiance(x, 0.1, 10.0),
+               mean = 0.0;
         for (q.set = 0; q.set < 16; q.set++) {
             double off = (double)shop_sample(&s, &r, &q).irradiance.r - exact;
             alone += off * off / 16.0;
@@ -623,7 +684,8 @@ static void sets_of_samples_average(void **state) {
     q.set = 1;
     sl_sample second = shop_sample(&s, &r, &q);
     assert_false(same_sample(&first, &second));
-    assert_true(fabs((double)(second.irradiance.r - first.irradiance.r)) < 4.0 * sqrt((double)(first.variance + second.variance)));
+    assert_true(fabs((double)(second.irradiance.r - first.irradiance.r)) <
+                4.0 * sqrt((double)(first.variance + second.variance)));
     r.destroy(r.state);
     shop_close(&s);
 }
@@ -649,17 +711,20 @@ static void a_moved_light_is_seen_after_the_edit(void **state) {
 static void points_that_are_not_finite_are_broken_and_leave_the_batch_alone(void **state) {
     (void)state;
     sl_sample_renderer r = constant_renderer((sl_rgb){1, 2, 3});
-    sl_sample_request q[3] = {request_at(sl_v3(0, 0, 0), up), request_at(sl_v3(5, 0, 0), up), request_at(sl_v3(NAN, 0, 0), up)};
+    sl_sample_request q[3] = {request_at(sl_v3(0, 0, 0), up), request_at(sl_v3(5, 0, 0), up),
+                              request_at(sl_v3(NAN, 0, 0), up)};
     sl_sample samples[3];
     sl_counters counters = {{0}};
     r.render(r.state, 3, q, 2, samples, &counters);
-    for (int i = 0; i < 2; i++) assert_true(samples[i].valid && samples[i].irradiance.r == 1 && samples[i].irradiance.g == 2 && samples[i].irradiance.b == 3);
+    for (int i = 0; i < 2; i++)
+        assert_true(samples[i].valid && samples[i].irradiance.r == 1 && samples[i].irradiance.g == 2 &&
+                    samples[i].irradiance.b == 3);
     assert_false(samples[2].valid);
     assert_int_equal(counters.value[SL_COUNT_NONFINITE], 1);
     r.destroy(r.state);
 }
 
-/* ---- hard cases ----------------------------------------------------------------------------------------------------------- */
+/* ---- hard cases ------------------------------------------------------------------------------ */
 
 static sl_sample area_sample_at(trace_mesh *mesh, const sl_sample_request *q, bool sampled) {
     shop s;
@@ -676,7 +741,8 @@ static sl_sample area_sample_at(trace_mesh *mesh, const sl_sample_request *q, bo
 static void lamps_in_awkward_places_have_finite_light(void **state) {
     (void)state;
     for (int sampled = 0; sampled < 2; sampled++) {
-        /* A vertical lamp: edge-on from its own plane, touching the floor along an edge (limit 1/2 pi L right before it), and below the horizon. */
+        /* A vertical lamp: edge-on from its own plane, touching the floor along an edge (limit 1/2 pi L right
+         * before it), and below the horizon. */
         trace_mesh mesh = trace_mesh_begin();
         uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1.0f);
         trace_mesh_quad(&mesh, sl_v3(-1, 0, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), lamp);
@@ -696,7 +762,8 @@ static void lamps_in_awkward_places_have_finite_light(void **state) {
             trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), lamp);
             q = request_at(sl_v3(k ? 0.0f : 1.0f, 0, 0), k ? sl_v3(0, 0, 1) : up);
             sample = area_sample_at(&mesh, &q, sampled);
-            assert_true(sample.valid && isfinite(sample.irradiance.r) && sample.irradiance.r >= 0.0f && sample.irradiance.r <= 3.2f);
+            assert_true(sample.valid && isfinite(sample.irradiance.r) && sample.irradiance.r >= 0.0f &&
+                        sample.irradiance.r <= 3.2f);
         }
         /* Far away, where its closed form's terms would cancel. */
         mesh = lamp_over_floor(1e-4f, 10.0f, 1e8f);
@@ -723,14 +790,17 @@ static void lamps_shine_on_the_sides_they_say(void **state) {
         trace_mesh mesh = trace_mesh_begin();
         uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1.0f);
         mesh.materials[lamp].emission_two_sided = two_sided;
-        trace_mesh_quad(&mesh, sl_v3(-0.5f, 0, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp); /* its front is below */
+        /* its front is below */
+        trace_mesh_quad(&mesh, sl_v3(-0.5f, 0, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
         shop s;
         shop_open(&s, trace_mesh_build(&mesh));
         sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
-        sl_sample_request below = request_at(sl_v3(0, -1, 0), up), above = request_at(sl_v3(0, 1, 0), sl_neg(up));
+        sl_sample_request below = request_at(sl_v3(0, -1, 0), up),
+                          above = request_at(sl_v3(0, 1, 0), sl_neg(up));
         double expected = square_irradiance(0, 0, 1);
         assert_true(fabs((double)shop_sample(&s, &r, &below).irradiance.r - expected) < 1e-5);
-        assert_true(fabs((double)shop_sample(&s, &r, &above).irradiance.r - (two_sided ? expected : 0.0)) < 1e-5);
+        assert_true(fabs((double)shop_sample(&s, &r, &above).irradiance.r - (two_sided ? expected : 0.0)) <
+                    1e-5);
         r.destroy(r.state);
         shop_close(&s);
     }
@@ -740,7 +810,8 @@ static void scenes_without_light_are_black(void **state) {
     (void)state;
     static make_renderer *const makers[] = {sl_area_renderer, sl_bidirectional_renderer};
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&mesh, 0.5f, 0.3f, 10, 0, 0));
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
+                   trace_mesh_material(&mesh, 0.5f, 0.3f, 10, 0, 0));
     shop s;
     shop_open(&s, trace_mesh_build(&mesh));
     for (int m = 0; m < 2; m++) {
@@ -748,7 +819,8 @@ static void scenes_without_light_are_black(void **state) {
         sl_sample_request q = request_on(s.scene, 0, 0.3f, 0.3f, true);
         q.radiance = true;
         sl_sample sample = shop_sample(&s, &r, &q);
-        assert_true(sample.valid && sample.irradiance.r == 0.0f && sample.radiance.r == 0.0f && sample.variance == 0.0f);
+        assert_true(sample.valid && sample.irradiance.r == 0.0f && sample.radiance.r == 0.0f &&
+                    sample.variance == 0.0f);
         r.destroy(r.state);
     }
     shop_close(&s);
@@ -762,11 +834,13 @@ static void unsound_requests_are_refused(void **state) {
     shop_open(&s, trace_mesh_build(&mesh));
     for (int m = 0; m < 2; m++) {
         sl_sample_renderer r = shop_renderer(&s, makers[m]);
-        const sl_sample_request bad[] = {request_at(sl_v3(NAN, 0, 0), up), request_at(sl_v3(0, INFINITY, 0), up), request_at(sl_v3(0, 0, 0), sl_v3(0, NAN, 0)),
-                                         request_at(sl_v3(0, 0, 0), sl_v3(0, 0, 0))};
+        const sl_sample_request bad[] = {
+            request_at(sl_v3(NAN, 0, 0), up), request_at(sl_v3(0, INFINITY, 0), up),
+            request_at(sl_v3(0, 0, 0), sl_v3(0, NAN, 0)), request_at(sl_v3(0, 0, 0), sl_v3(0, 0, 0))};
         for (int i = 0; i < 4; i++) {
             sl_sample sample = shop_sample(&s, &r, &bad[i]);
-            assert_true(!sample.valid && sample.irradiance.r == 0.0f && sample.radiance.r == 0.0f && sample.variance == 0.0f);
+            assert_true(!sample.valid && sample.irradiance.r == 0.0f && sample.radiance.r == 0.0f &&
+                        sample.variance == 0.0f);
         }
         /* An eye in the point, or nowhere: a value all the same. */
         sl_sample_request q = request_on(s.scene, 0, 0.3f, 0.3f, true);
@@ -780,27 +854,31 @@ static void unsound_requests_are_refused(void **state) {
     shop_close(&s);
 }
 
-/* ---- points inside other geometry ----------------------------------------------------------------------------------------- */
+/* ---- points inside other geometry ------------------------------------------------------------ */
 
 enum { NOTHING, CLOSED_BOX, BOX_WITHOUT_BOTTOM, CANOPY };
 
 static sl_scene *room_with(int what, bool walls_look_inwards) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     trace_mesh_box(&mesh, sl_v3(-5, 0, -5), sl_v3(5, 5, 5), walls_look_inwards, wall);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 4.9f, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     const sl_vec3 a = {1, 0, 1}, x = {1, 0, 0}, y = {0, 2, 0}, z = {0, 0, 1};
     if (what == CLOSED_BOX) trace_mesh_box(&mesh, a, sl_v3(2, 2, 2), false, wall);
     if (what == BOX_WITHOUT_BOTTOM) { /* corners are shared: it hangs together */
         uint32_t v[8];
-        for (uint32_t i = 0; i < 8; i++) v[i] = trace_mesh_vertex(&mesh, i & 1 ? 2.0f : 1.0f, i & 2 ? 2.0f : 0.0f, i & 4 ? 2.0f : 1.0f);
-        static const uint8_t faces[5][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 4, 6, 2}, {1, 3, 7, 5}, {2, 6, 7, 3}};
+        for (uint32_t i = 0; i < 8; i++)
+            v[i] = trace_mesh_vertex(&mesh, i & 1 ? 2.0f : 1.0f, i & 2 ? 2.0f : 0.0f, i & 4 ? 2.0f : 1.0f);
+        static const uint8_t faces[5][4] = {
+            {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 4, 6, 2}, {1, 3, 7, 5}, {2, 6, 7, 3}};
         for (int f = 0; f < 5; f++) {
             trace_mesh_triangle(&mesh, v[faces[f][0]], v[faces[f][1]], v[faces[f][2]], wall);
             trace_mesh_triangle(&mesh, v[faces[f][0]], v[faces[f][2]], v[faces[f][3]], wall);
         }
     }
-    if (what == CANOPY) trace_mesh_quad(&mesh, sl_add(a, y), z, x, wall); /* looks up; from below its back is seen */
+    /* looks up; from below its back is seen */
+    if (what == CANOPY) trace_mesh_quad(&mesh, sl_add(a, y), z, x, wall);
     return trace_mesh_build(&mesh);
 }
 
@@ -811,10 +889,13 @@ static void points_below_boxes_are_invalid(void **state) {
             shop s;
             shop_open(&s, room_with(what, inwards));
             sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
-            sl_sample_request below = request_at(sl_v3(1.4f, 0, 1.6f), up), beside = request_at(sl_v3(0.9f, 0, 1.6f), up);
-            sl_sample_request top = request_at(sl_v3(1.4f, 2, 1.6f), up), edge = request_at(sl_v3(1, 2, 1.6f), up);
+            sl_sample_request below = request_at(sl_v3(1.4f, 0, 1.6f), up),
+                              beside = request_at(sl_v3(0.9f, 0, 1.6f), up);
+            sl_sample_request top = request_at(sl_v3(1.4f, 2, 1.6f), up),
+                              edge = request_at(sl_v3(1, 2, 1.6f), up);
             assert_int_equal(shop_sample(&s, &r, &below).valid, what == NOTHING || what == CANOPY);
-            assert_true(shop_sample(&s, &r, &beside).valid && shop_sample(&s, &r, &top).valid && shop_sample(&s, &r, &edge).valid);
+            assert_true(shop_sample(&s, &r, &beside).valid && shop_sample(&s, &r, &top).valid &&
+                        shop_sample(&s, &r, &edge).valid);
             assert_true(shop_sample(&s, &r, &beside).irradiance.r > 0.0f);
             r.destroy(r.state);
             shop_close(&s);
@@ -837,7 +918,8 @@ static void are_valid(trace_mesh *mesh, sl_vec3 eye, int count, const sl_vec3 *f
 
 static trace_mesh floor_and_light(float x, float y, float z) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-5, 0, -5), sl_v3(0, 0, 10), sl_v3(10, 0, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(-5, 0, -5), sl_v3(0, 0, 10), sl_v3(10, 0, 0),
+                    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {x, y, z}, .intensity = sl_grey(1.0f)};
     mesh.light_count = 1;
     return mesh;
@@ -853,7 +935,8 @@ static void to_an_eye_outside_what_is_sealed_is_solid_though_light_is_in_it(void
             uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, what == BULB ? 1.0f : 0.0f);
             static uint8_t texels[4] = {255, 255, 255, 255}; /* it might have holes */
             if (what == MASK) {
-                mesh.textures[0] = (sl_texture){.file = (char *)"hole", .width = 1, .height = 1, .texels = texels, .has_alpha = true};
+                mesh.textures[0] = (sl_texture){
+                    .file = (char *)"hole", .width = 1, .height = 1, .texels = texels, .has_alpha = true};
                 mesh.texture_count = 1;
                 mesh.materials[wall].alpha_texture = 0;
             }
@@ -865,7 +948,8 @@ static void to_an_eye_outside_what_is_sealed_is_solid_though_light_is_in_it(void
                 last[2] = b;
             }
             bool valid[2];
-            are_valid(&mesh, within ? sl_v3(1.5f, 1.5f, 1.5f) : sl_v3(0, 3, 0), 2, (sl_vec3[2]){{1.4f, 0, 1.6f}, {0.9f, 0, 1.6f}}, valid);
+            are_valid(&mesh, within ? sl_v3(1.5f, 1.5f, 1.5f) : sl_v3(0, 3, 0), 2,
+                      (sl_vec3[2]){{1.4f, 0, 1.6f}, {0.9f, 0, 1.6f}}, valid);
             assert_int_equal(valid[0], what != SEALED || within);
             assert_true(valid[1]);
         }
@@ -877,10 +961,13 @@ static void lawns_within_fences_and_floors_of_sheds_are_not_inside_anything(void
     (void)state;
     trace_mesh mesh = floor_and_light(0, 4, 0);
     uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), v[8];
-    static const uint8_t faces[5][4] = {{0, 2, 3, 1}, {0, 4, 6, 2}, {1, 3, 7, 5}, {4, 5, 7, 6}, {2, 6, 7, 3}}; /* back, left, right, front, top; they look outwards */
+    /* back, left, right, front, top; they look outwards */
+    static const uint8_t faces[5][4] = {{0, 2, 3, 1}, {0, 4, 6, 2}, {1, 3, 7, 5}, {4, 5, 7, 6}, {2, 6, 7, 3}};
     for (int shed = 0; shed < 2; shed++) {
         float side = shed ? 0.5f : 1.0f, high = shed ? 1.0f : 0.42f, x = shed ? 3.0f : -2.0f;
-        for (uint32_t i = 0; i < 8; i++) v[i] = trace_mesh_vertex(&mesh, x + (i & 1 ? side : -side), i & 2 ? high : 0.0f, i & 4 ? side : -side);
+        for (uint32_t i = 0; i < 8; i++)
+            v[i] = trace_mesh_vertex(&mesh, x + (i & 1 ? side : -side), i & 2 ? high : 0.0f,
+                                     i & 4 ? side : -side);
         for (int f = 0; f < 5; f++) {
             if (f == (shed ? 3 : 4)) continue;
             trace_mesh_triangle(&mesh, v[faces[f][0]], v[faces[f][1]], v[faces[f][2]], wall);

@@ -42,16 +42,23 @@ static void paint(picture *p, int x, int y, uint32_t leaf, float normal) {
 }
 
 static sl_selection_settings usual(int points) {
-    return (sl_selection_settings){.how = SL_PIXELS_HIT_AND_TEST, .points = points, .random_share = 0.03f, .flood_threshold = 2.0f, .per_patch = 10000,
+    return (sl_selection_settings){.how = SL_PIXELS_HIT_AND_TEST,
+                                   .points = points,
+                                   .random_share = 0.03f,
+                                   .flood_threshold = 2.0f,
+                                   .per_patch = 10000,
                                    .seed = 1};
 }
 
-/* Whatever the settings: no more choices than there may be, of pixels that show a leaf, each once, of no patch more than its share. */
+/* Whatever the settings: no more choices than there may be, of pixels that show a leaf, each once, of no
+ * patch more than its share. */
 static void choose(picture *p, const sl_selection_settings *s) {
     sl_counters zero = {0};
     size_t pixels = (size_t)p->width * (size_t)p->height;
     p->counters = zero;
-    assert_int_equal(sl_select_pixels(s, p->width, p->height, p->leaf, p->leaf_count, p->leaves, p->choice, &p->count, &p->counters, NULL), SL_OK);
+    assert_int_equal(sl_select_pixels(s, p->width, p->height, p->leaf, p->leaf_count, p->leaves, p->choice,
+                                      &p->count, &p->counters, NULL),
+                     SL_OK);
     assert_true(p->count <= 2 * (size_t)s->points);
     uint8_t *chosen = calloc(pixels, 1);
     int *in_leaf = calloc(p->leaf_count + 1, sizeof *in_leaf);
@@ -90,7 +97,8 @@ static void patches_are_chosen_as_often_as_their_pixels_and_priorities_say(void 
         sl_selection_settings s = usual(1);
         s.how = (sl_pixel_selection)how;
         double wanted[LEAVES], sum = 0.0, found[LEAVES] = {0}, chi = 0.0;
-        for (int i = 0; i < LEAVES; i++) sum += wanted[i] = (double)p.leaves[i].pixels * (0.03 + 0.97 * (double)normal[i]);
+        for (int i = 0; i < LEAVES; i++)
+            sum += wanted[i] = (double)p.leaves[i].pixels * (0.03 + 0.97 * (double)normal[i]);
         for (s.update = 0; s.update < UPDATES; s.update++) {
             choose(&p, &s);
             assert_int_equal(p.count, 1);
@@ -217,7 +225,8 @@ static void no_patch_gets_more_than_its_share_and_the_others_get_theirs(void **s
     (void)state;
     for (int how = 0; how < 3; how++) {
         picture p = picture_of(60, 40, 3);
-        for (int i = 0; i < 2400; i++) paint(&p, i % 60, i / 60, i < 2000 ? 0 : i < 2390 ? 1 : 2, i < 2000 ? 1.0f : 0.5f);
+        for (int i = 0; i < 2400; i++)
+            paint(&p, i % 60, i / 60, i < 2000 ? 0 : i < 2390 ? 1 : 2, i < 2000 ? 1.0f : 0.5f);
         sl_selection_settings s = usual(64);
         s.how = (sl_pixel_selection)how;
         s.per_patch = 16;
@@ -253,7 +262,8 @@ static void every_patch_never_evaluated_is_chosen_within_a_bounded_number_of_upd
 /* ---- floods ---- */
 
 static bool beside(const picture *p, uint32_t a, uint32_t b) {
-    int dx = abs((int)(a % (uint32_t)p->width) - (int)(b % (uint32_t)p->width)), dy = abs((int)(a / (uint32_t)p->width) - (int)(b / (uint32_t)p->width));
+    int dx = abs((int)(a % (uint32_t)p->width) - (int)(b % (uint32_t)p->width)),
+        dy = abs((int)(a / (uint32_t)p->width) - (int)(b / (uint32_t)p->width));
     return dx + dy == 1;
 }
 
@@ -278,11 +288,13 @@ static void one_hit_on_a_shadow_line_spreads_along_it(void **state) {
     s.random_share = 0.0f;
     for (s.update = 0; s.update < 20; s.update++) {
         choose(&p, &s);
-        assert_true(p.counters.value[SL_COUNT_PIXELS_FLOODED] == p.counters.value[SL_COUNT_PIXELS_HIT] || p.counters.value[SL_COUNT_PIXELS_FLOODED] == 64);
+        assert_true(p.counters.value[SL_COUNT_PIXELS_FLOODED] == p.counters.value[SL_COUNT_PIXELS_HIT] ||
+                    p.counters.value[SL_COUNT_PIXELS_FLOODED] == 64);
         for (size_t i = 0; i < p.count; i++) {
             assert_true(p.choice[i].leaf > 0);
             bool reached = p.choice[i].kind != SL_CHOICE_FLOOD;
-            for (size_t j = 0; j < i && !reached; j++) reached = beside(&p, p.choice[i].pixel, p.choice[j].pixel);
+            for (size_t j = 0; j < i && !reached; j++)
+                reached = beside(&p, p.choice[i].pixel, p.choice[j].pixel);
             assert_true(reached);
         }
     }
@@ -309,13 +321,15 @@ static void a_thousand_draws_miss_a_patch_of_one_pixel(void **state) {
     picture_discard(&p);
 }
 
-/* Whatever its priority: all is done in it. The steps of equal_steps do not go by it either, so that none is in vain. */
+/* Whatever its priority: all is done in it. The steps of equal_steps do not go by it either, so that none is
+ * in vain. */
 static void a_leaf_none_of_whose_pixels_count_is_never_chosen(void **state) {
     (void)state;
     static const sl_pixel_selection how[] = {SL_PIXELS_HIT_AND_TEST, SL_PIXELS_SYSTEMATIC, SL_PIXELS_SORTED};
     for (int h = 0; h < 3; h++) {
         picture p = picture_of(40, 40, 2);
-        for (int i = 0; i < 1600; i++) paint(&p, i % 40, i / 40, i % 40 == 7 ? 1 : 0, i % 40 == 7 ? 0.6f : 1.0f);
+        for (int i = 0; i < 1600; i++)
+            paint(&p, i % 40, i / 40, i % 40 == 7 ? 1 : 0, i % 40 == 7 ? 0.6f : 1.0f);
         p.leaves[0].pixels = 0;
         sl_selection_settings s = usual(20);
         s.how = how[h];
@@ -355,7 +369,8 @@ static void floods_take_nothing_below_their_seed_or_the_threshold(void **state) 
         within += p.choice[0].leaf == p.choice[1].leaf;
         upwards += p.leaves[p.choice[1].leaf].normal > seed;
     }
-    assert_true(within > floods / 2 && upwards > 10); /* also within one patch, where the paper's rule would stop, and into higher ones */
+    /* also within one patch, where the paper's rule would stop, and into higher ones */
+    assert_true(within > floods / 2 && upwards > 10);
     picture_discard(&p);
 }
 
@@ -378,7 +393,8 @@ static void floods_run_through_patches_that_have_their_share(void **state) {
 
 static void a_curve_passes_each_pixel_of_any_picture_once_and_goes_from_neighbour_to_neighbour(void **state) {
     (void)state;
-    static const int sizes[][2] = {{1, 1}, {1, 9}, {7, 1}, {2, 2}, {5, 3}, {16, 16}, {33, 20}, {64, 64}, {20, 100}};
+    static const int sizes[][2] = {{1, 1},   {1, 9},   {7, 1},   {2, 2},   {5, 3},
+                                   {16, 16}, {33, 20}, {64, 64}, {20, 100}};
     for (int k = 0; k < 9; k++) {
         int width = sizes[k][0], height = sizes[k][1];
         picture p = picture_of(width, height, 1);
@@ -389,7 +405,8 @@ static void a_curve_passes_each_pixel_of_any_picture_once_and_goes_from_neighbou
         choose(&p, &s); /* which sees that none is chosen twice */
         assert_int_equal(p.count, width * height);
         bool square = width == height && (width & (width - 1)) == 0;
-        for (size_t i = 1; square && i < p.count; i++) assert_true(beside(&p, p.choice[i - 1].pixel, p.choice[i].pixel));
+        for (size_t i = 1; square && i < p.count; i++)
+            assert_true(beside(&p, p.choice[i - 1].pixel, p.choice[i].pixel));
         picture_discard(&p);
     }
 }
@@ -416,7 +433,8 @@ static void equal_steps_choose_each_pixel_as_often_as_its_chance_says_and_in_no_
         for (size_t i = 0; i < p.count; i++) found[p.choice[i].pixel] += 1.0;
     }
     for (int i = 0; i < PIXELS; i++) {
-        double share = POINTS * (0.03 + 0.97 * (double)p.leaves[i].normal) / sum, error = sqrt(UPDATES * share * (1.0 - share));
+        double share = POINTS * (0.03 + 0.97 * (double)p.leaves[i].normal) / sum,
+               error = sqrt(UPDATES * share * (1.0 - share));
         worst = fmax(worst, fabs(found[i] - UPDATES * share) / error);
     }
     assert_true(worst < 4.5); /* of 2,000 normal deviates 3.5 is the median of the largest */
@@ -434,7 +452,8 @@ static void equal_steps_spread_evenly(void **state) {
     for (s.update = 0; s.update < 20; s.update++) {
         choose(&p, &s);
         int in_block[64] = {0};
-        for (size_t i = 0; i < p.count; i++) in_block[p.choice[i].pixel % 64 / 8 + p.choice[i].pixel / 64 / 8 * 8]++;
+        for (size_t i = 0; i < p.count; i++)
+            in_block[p.choice[i].pixel % 64 / 8 + p.choice[i].pixel / 64 / 8 * 8]++;
         for (int b = 0; b < 64; b++) assert_int_equal(in_block[b], 1);
     }
     picture_discard(&p);
@@ -445,7 +464,9 @@ static void equal_steps_spread_evenly(void **state) {
 static void sorted_choices_are_those_of_highest_priority_and_one_of_each_patch_before_two(void **state) {
     (void)state;
     picture p = picture_of(40, 30, 100);
-    for (int i = 0; i < 1200; i++) paint(&p, i % 40, i / 40, (uint32_t)(i % 40 / 4 + i / 40 / 3 * 10), 0.0f + (float)((i % 40 / 4 * 37 + i / 40 / 3 * 11) % 101) / 100.0f);
+    for (int i = 0; i < 1200; i++)
+        paint(&p, i % 40, i / 40, (uint32_t)(i % 40 / 4 + i / 40 / 3 * 10),
+              0.0f + (float)((i % 40 / 4 * 37 + i / 40 / 3 * 11) % 101) / 100.0f);
     sl_selection_settings s = usual(30);
     s.how = SL_PIXELS_SORTED;
     p.leaves[50].priority = -1.0f; /* never evaluated */

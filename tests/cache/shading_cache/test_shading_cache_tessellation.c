@@ -28,17 +28,23 @@ static const sl_tessellation *shown(const sl_display *d) { return &d->own.tessel
 /* Views around the vase, near and far, and from above. It is 330 high and stands at (260, 0, 270). */
 enum { VIEWS = 10 };
 static void look_from(sl_scene *scene, int view) {
-    double turn = 0.9 * view + 0.1, distance = view % 3 == 0 ? 900.0 : view % 3 == 1 ? 450.0 : 260.0, height = 60.0 + 70.0 * (view % 6);
-    sl_vec3 eye = sl_v3((float)(260.0 + distance * sl_cos(turn)), (float)height, (float)(270.0 + distance * sl_sin(turn)));
+    double turn = 0.9 * view + 0.1,
+           distance = view % 3 == 0   ? 900.0
+                      : view % 3 == 1 ? 450.0
+                                      : 260.0,
+           height = 60.0 + 70.0 * (view % 6);
+    sl_vec3 eye = sl_v3((float)(260.0 + distance * sl_cos(turn)), (float)height,
+                        (float)(270.0 + distance * sl_sin(turn)));
     assert_true(sl_camera_look_at(&scene->camera, eye, sl_v3(260, 150, 270), sl_v3(0, 1, 0), 0.8f));
 }
 
 static sl_vec3 vertex_at(const sl_tessellation *t, uint32_t v) { return sl_v3(t->x[v], t->y[v], t->z[v]); }
 
-/* ---- close to the surface -------------------------------------------------------------------------------------------------------- */
+/* ---- close to the surface -------------------------------------------------------------------- */
 
 static bool window_of(const sl_view *view, sl_vec3d p, double out[2]) {
-    double q[3] = {p.x - (double)view->origin.x, p.y - (double)view->origin.y, p.z - (double)view->origin.z}, clip[4];
+    double q[3] = {p.x - (double)view->origin.x, p.y - (double)view->origin.y, p.z - (double)view->origin.z},
+           clip[4];
     for (int i = 0; i < 4; i++) {
         const float *row = view->clip[i];
         clip[i] = (double)row[0] * q[0] + (double)row[1] * q[1] + (double)row[2] * q[2] + (double)row[3];
@@ -62,7 +68,8 @@ static void no_triangle_is_further_than_half_a_pixel_from_its_surface(void **sta
         sl_view view = sl_view_scene(h.scene, W, H);
         uint64_t key = sl_random_key(11, (uint64_t)k);
         for (uint32_t i = 0; i < t->triangle_count; i++) {
-            double w1 = (double)sl_random_unit(key, 2 * i), w2 = (double)sl_random_unit(key, 2 * i + 1), w[3], u = 0, v = 0, flat[2], round[2];
+            double w1 = (double)sl_random_unit(key, 2 * i), w2 = (double)sl_random_unit(key, 2 * i + 1), w[3],
+                   u = 0, v = 0, flat[2], round[2];
             if (w1 + w2 > 1.0) w1 = 1.0 - w1, w2 = 1.0 - w2;
             w[0] = 1.0 - w1 - w2, w[1] = w1, w[2] = w2;
             sl_vec3d p = {0, 0, 0};
@@ -75,7 +82,8 @@ static void no_triangle_is_further_than_half_a_pixel_from_its_surface(void **sta
             sl_vec3 surface;
             sl_bicubic_at(&h.scene->bicubics[h.primitives->bicubic[t->primitive[i]]], u, v, &surface, NULL);
             if (!window_of(&view, p, flat) || !window_of(&view, sl_to_double(surface), round)) continue;
-            worst = fmax(worst, sqrt((flat[0] - round[0]) * (flat[0] - round[0]) + (flat[1] - round[1]) * (flat[1] - round[1])));
+            worst = fmax(worst, sqrt((flat[0] - round[0]) * (flat[0] - round[0]) +
+                                     (flat[1] - round[1]) * (flat[1] - round[1])));
             tested++;
         }
     }
@@ -92,12 +100,14 @@ static void nearer_surfaces_are_cut_finer_and_what_is_out_of_sight_is_not(void *
     size_t count[3];
     const float distance[3] = {4000, 800, 330};
     for (int k = 0; k < 3; k++) {
-        assert_true(sl_camera_look_at(&h.scene->camera, sl_v3(260, 150, 270 - distance[k]), sl_v3(260, 150, 270), sl_v3(0, 1, 0), 0.8f));
+        assert_true(sl_camera_look_at(&h.scene->camera, sl_v3(260, 150, 270 - distance[k]),
+                                      sl_v3(260, 150, 270), sl_v3(0, 1, 0), 0.8f));
         build_display(display, &h);
         count[k] = shown(display)->triangle_count;
     }
     assert_true(count[0] < count[1] && count[1] < count[2]);
-    assert_true(sl_camera_look_at(&h.scene->camera, sl_v3(260, 150, -60), sl_v3(260, 150, -900), sl_v3(0, 1, 0), 0.8f));
+    assert_true(sl_camera_look_at(&h.scene->camera, sl_v3(260, 150, -60), sl_v3(260, 150, -900),
+                                  sl_v3(0, 1, 0), 0.8f));
     build_display(display, &h);
     assert_true(shown(display)->triangle_count < count[2]);
     sl_display_destroy(display);
@@ -120,7 +130,7 @@ static void nothing_is_cut_anew_while_the_view_stays(void **state) {
     hierarchy_discard(&h);
 }
 
-/* ---- no tears -------------------------------------------------------------------------------------------------------------------- */
+/* ---- no tears -------------------------------------------------------------------------------- */
 
 typedef struct directed_edge {
     sl_vec3 end[2];
@@ -129,7 +139,8 @@ typedef struct directed_edge {
 
 static int compare_ends(const void *a, const void *b) { return memcmp(a, b, offsetof(directed_edge, forth)); }
 
-/* The vase is closed but for its mouth, at height 330: every other edge of a triangle is that of one more, the other way round, to the bit. */
+/* The vase is closed but for its mouth, at height 330: every other edge of a triangle is that of one more,
+ * the other way round, to the bit. */
 static void triangles_meet_along_whole_edges(void **state) {
     (void)state;
     hierarchy h = vase();
@@ -141,7 +152,8 @@ static void triangles_meet_along_whole_edges(void **state) {
         directed_edge *edge = calloc(3 * t->triangle_count, sizeof *edge);
         size_t alone = 0;
         for (size_t i = 0; i < 3 * t->triangle_count; i++) {
-            sl_vec3 a = vertex_at(t, t->vertex[i % 3][i / 3]), b = vertex_at(t, t->vertex[(i + 1) % 3][i / 3]);
+            sl_vec3 a = vertex_at(t, t->vertex[i % 3][i / 3]),
+                    b = vertex_at(t, t->vertex[(i + 1) % 3][i / 3]);
             bool forth = memcmp(&a, &b, sizeof a) < 0;
             edge[i] = (directed_edge){{forth ? a : b, forth ? b : a}, forth};
         }
@@ -165,7 +177,8 @@ static void triangles_meet_along_whole_edges(void **state) {
     hierarchy_discard(&h);
 }
 
-/* What lies behind must not be seen through the vase: pixels all around which the scene's triangles show it. */
+/* What lies behind must not be seen through the vase: pixels all around which the scene's triangles show it.
+ */
 static void no_pixel_shows_what_is_behind(void **state) {
     (void)state;
     hierarchy h = vase();
@@ -185,7 +198,8 @@ static void no_pixel_shows_what_is_behind(void **state) {
         sl_display_ids ids = {.root = root};
         assert_int_equal(sl_display_id_map(display, 1, &ids, &counters, NULL), SL_OK);
         for (int i = 0; i < PIXELS; i++) {
-            on_it[i] = id[i] != SL_NO_INDEX && h.primitives->kind[h.primitives->of_triangle[id[i]]] == SL_PRIMITIVE_BICUBIC;
+            on_it[i] = id[i] != SL_NO_INDEX &&
+                       h.primitives->kind[h.primitives->of_triangle[id[i]]] == SL_PRIMITIVE_BICUBIC;
         }
         for (int y = 2; y < H - 2; y++) {
             for (int x = 2; x < W - 2; x++) {
@@ -204,9 +218,10 @@ static void no_pixel_shows_what_is_behind(void **state) {
     hierarchy_discard(&h);
 }
 
-/* ---- alpha masks ------------------------------------------------------------------------------------------------------------------- */
+/* ---- alpha masks ----------------------------------------------------------------------------- */
 
-/* Half of the vase is holes: each surface has one of half its width and height, in its middle, and another one around its corner. */
+/* Half of the vase is holes: each surface has one of half its width and height, in its middle, and another
+ * one around its corner. */
 static void pierce(sl_scene *scene) {
     sl_texture *mask = sl_allocate(1, sizeof *mask);
     mask->width = mask->height = 2;
@@ -220,7 +235,8 @@ static void pierce(sl_scene *scene) {
     scene->materials[scene->material_index[scene->bicubics[0].first_triangle]].alpha_texture = 0;
 }
 
-/* The scene's own triangles of the surfaces have masks of their own; where these show what is behind, or the vase, all around a pixel, so must the display. */
+/* The scene's own triangles of the surfaces have masks of their own; where these show what is behind, or the
+ * vase, all around a pixel, so must the display. */
 static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) {
     (void)state;
     sl_scene *scene;
@@ -242,7 +258,8 @@ static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) 
         assert_int_equal(sl_raster_id(raster, &view, 1, &target, &counters, NULL), SL_OK);
         const sl_tessellation *t = shown(display);
         sl_raster *whole; /* the same triangles, without holes: whether the vase is here at all */
-        sl_raster_mesh mesh = {t->vertex_count, t->triangle_count, t->x, t->y, t->z, {t->vertex[0], t->vertex[1], t->vertex[2]}};
+        sl_raster_mesh mesh = {
+            t->vertex_count, t->triangle_count, t->x, t->y, t->z, {t->vertex[0], t->vertex[1], t->vertex[2]}};
         assert_int_equal(sl_raster_create_mesh(&mesh, 1, &whole, NULL), SL_OK);
         assert_int_equal(sl_raster_id(whole, &own, 1, &cut, &counters, NULL), SL_OK);
         static bool covered[PIXELS];
@@ -250,7 +267,8 @@ static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) 
         sl_display_ids ids = {.root = root};
         assert_int_equal(sl_display_id_map(display, 1, &ids, &counters, NULL), SL_OK);
         for (int i = 0; i < PIXELS; i++) {
-            on_it[i] = id[i] != SL_NO_INDEX && h.primitives->kind[h.primitives->of_triangle[id[i]]] == SL_PRIMITIVE_BICUBIC;
+            on_it[i] = id[i] != SL_NO_INDEX &&
+                       h.primitives->kind[h.primitives->of_triangle[id[i]]] == SL_PRIMITIVE_BICUBIC;
         }
         for (int y = 2; y < H - 2; y++) {
             for (int x = 2; x < W - 2; x++) {
@@ -271,7 +289,7 @@ static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) 
     hierarchy_discard(&h);
 }
 
-/* ---- the cache between its vertices ---------------------------------------------------------------------------------------------- */
+/* ---- the cache between its vertices ---------------------------------------------------------- */
 
 static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no_sample(void **state) {
     (void)state;
@@ -279,7 +297,8 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), 2);
     for (uint32_t v = 0; v < h.patches->vertex_count; v++) {
         sl_patch_vertex *p = &h.patches->vertex[v];
-        for (int c = 0; c < 3; c++) p->value[c] = 1.0f + 0.5f * (float)(sl_hash64(v * 3 + (uint64_t)c) % 1000) / 1000.0f;
+        for (int c = 0; c < 3; c++)
+            p->value[c] = 1.0f + 0.5f * (float)(sl_hash64(v * 3 + (uint64_t)c) % 1000) / 1000.0f;
         p->evaluated = 7;
     }
     sl_display *display = display_of(&h, W, H, guess);
@@ -301,7 +320,8 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
             assert_true(sl_patch_value(h.patches, &leaf, (double)u[i], (double)v[i], false, e));
             sl_rgb kd = sl_root_material(h.primitives, root[i])->diffuse;
             const float want[3] = {kd.r * e[0], kd.g * e[1], kd.b * e[2]};
-            for (int c = 0; c < 3; c++) assert_true(fabs((double)plane[c][i] - (double)want[c] / SL_PI) < 1e-5);
+            for (int c = 0; c < 3; c++)
+                assert_true(fabs((double)plane[c][i] - (double)want[c] / SL_PI) < 1e-5);
             curved++;
         }
     }
@@ -313,7 +333,7 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
     hierarchy_discard(&h);
 }
 
-/* ---- motion ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- motion ---------------------------------------------------------------------------------- */
 
 static void translate_all(sl_scene *scene, float by) {
     for (size_t v = 0; v < scene->vertex_count; v++) scene->position_x[v] += by;
@@ -338,7 +358,8 @@ static void moved_surfaces_are_shown_where_they_are_before_any_update(void **sta
     size_t other = 0;
     for (int i = 0; i < PIXELS; i++) other += before[i] != after[i];
     assert_true(other > 500);
-    h.scene->camera.eye.x += 64.0f; /* from a camera that has moved along, nothing has changed but for rounding */
+    /* from a camera that has moved along, nothing has changed but for rounding */
+    h.scene->camera.eye.x += 64.0f;
     assert_int_equal(sl_display_id_map(display, 1, &ids, &counters, NULL), SL_OK);
     other = 0;
     for (int i = 0; i < PIXELS; i++) other += before[i] != after[i];
@@ -347,7 +368,7 @@ static void moved_surfaces_are_shown_where_they_are_before_any_update(void **sta
     hierarchy_discard(&h);
 }
 
-/* ---- hard cases ------------------------------------------------------------------------------------------------------------------ */
+/* ---- hard cases ------------------------------------------------------------------------------ */
 
 static void an_eye_within_or_on_a_surface_is_no_trouble(void **state) {
     (void)state;

@@ -1,4 +1,5 @@
-/* Windows of the display: another thread's frames, beside builds, from where its own copy of the scene stands. */
+/* Windows of the display: another thread's frames, beside builds, from where its own copy of the scene
+ * stands. */
 #include "shading_cache_support.h"
 
 #include <math.h>
@@ -33,7 +34,9 @@ static void draw_window(sl_display *display, sl_window *window, picture *out) {
     assert_int_equal(sl_window_draw(display, window, 1, planes, &counters, NULL), SL_OK);
 }
 
-static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) { assert_true(sl_camera_look_at(&scene->camera, eye, target, sl_v3(0, 1, 0), 0.9f)); }
+static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) {
+    assert_true(sl_camera_look_at(&scene->camera, eye, target, sl_v3(0, 1, 0), 0.9f));
+}
 
 /* A square that fills the picture, each vertex with the same irradiance. */
 static hierarchy wall(void) {
@@ -64,7 +67,7 @@ static void split_or_drop_at_random(hierarchy *h, uint64_t key) {
 
 static void pause_a_millisecond(void) { nanosleep(&(struct timespec){0, 1000000}, NULL); }
 
-/* ---- one thread builds, another one draws ---------------------------------------------------------------------------------------- */
+/* ---- one thread builds, another one draws ---------------------------------------------------- */
 
 /* The irradiance of build k is pi k: so each pixel shows kd k, with the number of the build that it is of. */
 typedef struct beside {
@@ -74,7 +77,9 @@ typedef struct beside {
     atomic_ullong frames, builds_seen, torn, out_of_order;
 } beside;
 
-static float shown_of(uint64_t builds) { return builds ? 0.5f * (float)builds : 0.5f * guess.r * (float)(1.0 / SL_PI); }
+static float shown_of(uint64_t builds) {
+    return builds ? 0.5f * (float)builds : 0.5f * guess.r * (float)(1.0 / SL_PI);
+}
 
 static void draw_on_and_on(void *context) {
     beside *b = context;
@@ -86,7 +91,8 @@ static void draw_on_and_on(void *context) {
         bool ok = sl_window_draw(b->display, b->window, 1, planes, &counters, NULL) == SL_OK;
         uint64_t builds = sl_window_builds(b->window);
         for (int i = 0; i < PIXELS; i++) {
-            for (int c = 0; c < 3; c++) ok = ok && fabsf(frame.plane[c][i] - shown_of(builds)) <= 1e-4f * shown_of(builds);
+            for (int c = 0; c < 3; c++)
+                ok = ok && fabsf(frame.plane[c][i] - shown_of(builds)) <= 1e-4f * shown_of(builds);
         }
         if (!ok) atomic_fetch_add(&b->torn, 1);
         if (builds < before) atomic_fetch_add(&b->out_of_order, 1);
@@ -106,7 +112,8 @@ static void every_frame_is_of_one_build_whole_and_none_older_than_the_last(void 
     sl_thread thread;
     assert_true(sl_thread_start(&thread, draw_on_and_on, &b));
     uint32_t update = 0;
-    for (; update < 3000 && (update < 40 || atomic_load(&b.builds_seen) < 20); update++) { /* as fast as it goes: it is the builds that wait */
+    /* as fast as it goes: it is the builds that wait */
+    for (; update < 3000 && (update < 40 || atomic_load(&b.builds_seen) < 20); update++) {
         split_or_drop_at_random(&h, sl_random_key(83, update));
         give_all(&h, (float)SL_PI * (float)(update + 1), update + 1);
         build_display(b.display, &h);
@@ -140,7 +147,8 @@ static void build_twice(void *context) {
     }
 }
 
-/* The first build writes to the hidden copy and goes through; the second one would write to what the frame reads. */
+/* The first build writes to the hidden copy and goes through; the second one would write to what the frame
+ * reads. */
 static void a_build_waits_for_the_frame_that_reads_what_it_would_write_to(void **state) {
     (void)state;
     hierarchy h = wall();
@@ -160,7 +168,7 @@ static void a_build_waits_for_the_frame_that_reads_what_it_would_write_to(void *
     hierarchy_discard(&h);
 }
 
-/* ---- where the copy stands ------------------------------------------------------------------------------------------------------- */
+/* ---- where the copy stands ------------------------------------------------------------------- */
 
 static hierarchy lit(sl_scene *scene) {
     hierarchy h = hierarchy_of(scene, 0);
@@ -169,7 +177,8 @@ static hierarchy lit(sl_scene *scene) {
         if (sl_patch_is_alive(h.patches, patch)) split(&h, patch);
     }
     for (uint32_t v = 0; v < h.patches->vertex_count; v++) {
-        for (int c = 0; c < 3; c++) h.patches->vertex[v].value[c] = sl_random_unit(sl_random_key(5, v), (uint64_t)c);
+        for (int c = 0; c < 3; c++)
+            h.patches->vertex[v].value[c] = sl_random_unit(sl_random_key(5, v), (uint64_t)c);
         h.patches->vertex[v].evaluated = 1;
     }
     return h;
@@ -192,7 +201,8 @@ static void assert_window_shows_another_time(const char *path, double time) {
     assert_int_equal(sl_scene_set_time(scene_copy, time, &changes, NULL), SL_OK);
     assert_true(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA));
     assert_int_equal(sl_window_move(display, window, NULL), SL_OK);
-    build_display(display, &h); /* of curved surfaces, too, the window's own frame is the first of a build's arrays */
+    /* of curved surfaces, too, the window's own frame is the first of a build's arrays */
+    build_display(display, &h);
     draw_window(display, window, &in_window);
     assert_int_equal(sl_scene_set_time(other.scene, time, &changes, NULL), SL_OK);
     assert_int_equal(sl_display_move(there, NULL), SL_OK);
@@ -220,7 +230,8 @@ static void a_window_looks_from_where_its_twin_looks(void **state) {
     assert_window_shows_another_time("scenes/walk.json", 2.5);
 }
 
-/* The vase turns once and for all where the tests of animation leave it: here the camera alone moves, and its surfaces are cut anew for it. */
+/* The vase turns once and for all where the tests of animation leave it: here the camera alone moves, and its
+ * surfaces are cut anew for it. */
 static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state) {
     (void)state;
     static picture in_window, there, near_by;
@@ -238,7 +249,8 @@ static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state)
     draw(display, &there);
     draw_window(display, window, &in_window);
     assert_memory_equal(&there, &in_window, sizeof there);
-    assert_memory_equal(&near_by, &in_window, sizeof there); /* the first frame after a build is cut for where it is looked from */
+    /* the first frame after a build is cut for where it is looked from */
+    assert_memory_equal(&near_by, &in_window, sizeof there);
     sl_window_destroy(window);
     sl_scene_copy_destroy(scene_copy);
     sl_display_destroy(display);
@@ -251,7 +263,8 @@ static void a_window_shows_textures_as_the_display_does(void **state) {
     sl_scene *scene = load_scene("scenes/bricks.json");
     size_t textured = 0;
     for (size_t m = 0; m < scene->material_count; m++) { /* its height maps make good pictures, too */
-        if (scene->materials[m].height_map) scene->materials[m].texture = scene->materials[m].height_map - 1, textured++;
+        if (scene->materials[m].height_map)
+            scene->materials[m].texture = scene->materials[m].height_map - 1, textured++;
     }
     assert_true(textured > 1);
     hierarchy h = lit(scene);
@@ -270,7 +283,7 @@ static void a_window_shows_textures_as_the_display_does(void **state) {
     hierarchy_discard(&h);
 }
 
-/* ---- scene copies ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- scene copies ---------------------------------------------------------------------------- */
 
 static void a_twin_moves_as_the_scene_would_and_the_scene_stays(void **state) {
     (void)state;

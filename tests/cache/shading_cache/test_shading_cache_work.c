@@ -22,7 +22,12 @@ static sl_camera camera_above(float pixels_a_unit) {
 static sl_work_settings usual(void) {
     stale_before[0] = 0;
     changing[0] = false;
-    return (sl_work_settings){.split_above = 1.2f, .levels = 3, .crowd = 4, .now = 2, .stale_before = stale_before, .changing = changing};
+    return (sl_work_settings){.split_above = 1.2f,
+                              .levels = 3,
+                              .crowd = 4,
+                              .now = 2,
+                              .stale_before = stale_before,
+                              .changing = changing};
 }
 
 typedef struct outcome {
@@ -32,9 +37,12 @@ typedef struct outcome {
 } outcome;
 static outcome out;
 
-static void work(hierarchy *h, const sl_work_settings *settings, const sl_camera *camera, size_t count, const sl_chosen_place *places) {
+static void work(hierarchy *h, const sl_work_settings *settings, const sl_camera *camera, size_t count,
+                 const sl_chosen_place *places) {
     sl_counters counters = {0};
-    assert_int_equal(sl_work_out(h->patches, &curve, settings, camera, WIDTH, HEIGHT, count, places, out.vertex, &out.count, &counters, NULL), SL_OK);
+    assert_int_equal(sl_work_out(h->patches, &curve, settings, camera, WIDTH, HEIGHT, count, places,
+                                 out.vertex, &out.count, &counters, NULL),
+                     SL_OK);
     out.splits = counters.value[SL_COUNT_SPLITS];
     assert_sound(h->patches);
     for (size_t i = 0; i < out.count; i++) {
@@ -47,7 +55,9 @@ static void work(hierarchy *h, const sl_work_settings *settings, const sl_camera
 static size_t grid_of_places(uint32_t patch, int n, sl_chosen_place *places) {
     size_t count = 0;
     for (int j = 0; j < n; j++) {
-        for (int i = 0; i < n; i++) places[count++] = (sl_chosen_place){patch, ((float)i + 0.5f) / (float)n, ((float)j + 0.5f) / (float)n};
+        for (int i = 0; i < n; i++)
+            places[count++] =
+                (sl_chosen_place){patch, ((float)i + 0.5f) / (float)n, ((float)j + 0.5f) / (float)n};
     }
     return count;
 }
@@ -55,7 +65,8 @@ static size_t grid_of_places(uint32_t patch, int n, sl_chosen_place *places) {
 static int deepest(const sl_patches *p) {
     int depth = 0;
     for (uint32_t i = 0; i < p->patch_count; i++) {
-        if (sl_patch_is_alive(p, i) && (p->flags[i] & SL_PATCH_LEVEL) > depth) depth = p->flags[i] & SL_PATCH_LEVEL;
+        if (sl_patch_is_alive(p, i) && (p->flags[i] & SL_PATCH_LEVEL) > depth)
+            depth = p->flags[i] & SL_PATCH_LEVEL;
     }
     return depth;
 }
@@ -74,7 +85,8 @@ static void a_patch_never_evaluated_gets_its_corners_and_stays_whole(void **stat
         work(&h, &settings, &camera, count, places);
         assert_int_equal(out.splits, 0);
         assert_int_equal(out.count, kind ? 3 : 4);
-        for (int c = 0; c < (kind ? 3 : 4); c++) assert_int_equal(out.vertex[c], sl_patch_corner(h.patches, patch, c));
+        for (int c = 0; c < (kind ? 3 : 4); c++)
+            assert_int_equal(out.vertex[c], sl_patch_corner(h.patches, patch, c));
         evaluate_all(&h, 1.0f, 1);
         evaluate(&h, sl_patch_corner(h.patches, patch, 1), 0.0f, SL_VERTEX_NEVER);
         work(&h, &settings, &camera, count, places);
@@ -99,7 +111,9 @@ static void corners_from_before_an_edit_are_shaded_again_before_anything_is_spli
     work(&h, &settings, &camera, 1, &place);
     assert_int_equal(out.count, 3);
     assert_int_equal(out.splits, 0);
-    for (int c = 0; c < 4; c++) assert_int_equal(sl_vertex_is_stale(h.patches, &settings, sl_patch_corner(h.patches, patch, c)), c != 2);
+    for (int c = 0; c < 4; c++)
+        assert_int_equal(sl_vertex_is_stale(h.patches, &settings, sl_patch_corner(h.patches, patch, c)),
+                         c != 2);
     settings.stale_before = NULL;
     work(&h, &settings, &camera, 1, &place);
     assert_int_equal(out.splits, 1);
@@ -154,14 +168,16 @@ static void sixteen_places_give_two_levels_in_one_update_and_no_number_more_than
         size_t count = grid_of_places(patch, side[k], places);
         work(&h, &settings, &camera, count, places);
         assert_int_equal(deepest(h.patches), depth[k]);
-        size_t n = (size_t)1 << depth[k]; /* all corners of the finest grid but the square's own; of its middle alone the first child's */
+        /* all corners of the finest grid but the square's own; of its middle alone the first child's */
+        size_t n = (size_t)1 << depth[k];
         assert_int_equal(out.count, k == 0 ? 3 : (n + 1) * (n + 1) - 4);
         assert_int_equal(h.patches->leaves_alive, n * n);
         hierarchy_discard(&h);
     }
 }
 
-static void patches_are_handled_in_the_order_of_their_first_places_and_vertices_are_asked_for_once(void **state) {
+static void patches_are_handled_in_the_order_of_their_first_places_and_vertices_are_asked_for_once(
+    void **state) {
     (void)state;
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
@@ -169,7 +185,8 @@ static void patches_are_handled_in_the_order_of_their_first_places_and_vertices_
     uint32_t root = want_root(&h, 0);
     split_levels(&h, root, 1);
     uint32_t first = h.patches->patch[root].child;
-    const sl_chosen_place places[] = {{first + 2, 0.9f, 0.9f}, {first, 0.1f, 0.1f}, {first + 2, 0.8f, 0.8f}, {first + 1, 0.9f, 0.1f}};
+    const sl_chosen_place places[] = {
+        {first + 2, 0.9f, 0.9f}, {first, 0.1f, 0.1f}, {first + 2, 0.8f, 0.8f}, {first + 1, 0.9f, 0.1f}};
     work(&h, &settings, &camera, 4, places);
     assert_int_equal(out.count, 8); /* 4 of the first, 3 more, 1 more */
     for (int c = 0; c < 4; c++) assert_int_equal(out.vertex[c], sl_patch_corner(h.patches, first + 2, c));
@@ -188,7 +205,11 @@ static void places_in_patches_that_are_gone_or_split_already_do_no_harm(void **s
     evaluate_all(&h, 1.0f, 1);
     uint32_t first = h.patches->patch[root].child, below = h.patches->patch[first].child;
     sl_patch_drop_children(h.patches, first);
-    const sl_chosen_place places[] = {{below, 0.1f, 0.1f}, {root, 0.9f, 0.9f}, {100000, 0.5f, 0.5f}, {SL_NO_INDEX, 0.5f, 0.5f}, {root, NAN, NAN}};
+    const sl_chosen_place places[] = {{below, 0.1f, 0.1f},
+                                      {root, 0.9f, 0.9f},
+                                      {100000, 0.5f, 0.5f},
+                                      {SL_NO_INDEX, 0.5f, 0.5f},
+                                      {root, NAN, NAN}};
     assert_false(sl_patch_is_alive(h.patches, below));
     work(&h, &settings, &camera, 5, places);
     assert_int_equal(out.splits, 2); /* the leaves that hold (0.9, 0.9), and (0, 0) for what is no number */
@@ -213,7 +234,9 @@ static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixe
             size_t count = 0;
             for (int i = 0; i < 64 * 64; i++) {
                 float u = ((float)(i % 64) + 0.5f) / 64.0f, v = ((float)(i / 64) + 0.5f) / 64.0f;
-                if (!kind || u + v < 1.0f) places[count++] = (sl_chosen_place){sl_patch_locate(h.patches, 0, (double)u, (double)v).patch, u, v};
+                if (!kind || u + v < 1.0f)
+                    places[count++] =
+                        (sl_chosen_place){sl_patch_locate(h.patches, 0, (double)u, (double)v).patch, u, v};
             }
             work(&h, &settings, &camera, count, places);
             for (size_t i = 0; i < out.count; i++) evaluate(&h, out.vertex[i], 1.0f, 1);
@@ -225,9 +248,11 @@ static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixe
             sl_patch_place place = sl_patch_place_of(h.patches, i);
             float area = sl_patch_projected(h.patches, &place, &camera, WIDTH, HEIGHT).area;
             assert_true(sl_patch_is_leaf(h.patches, i) ? area <= 1.2f : area > 1.2f);
-            assert_int_equal(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, i), area <= 1.2f);
+            assert_int_equal(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, i),
+                             area <= 1.2f);
         }
-        assert_true((double)h.patches->leaves_alive >= pixels / 1.2 && (double)h.patches->leaves_alive < 4.0 * pixels / 1.2);
+        assert_true((double)h.patches->leaves_alive >= pixels / 1.2 &&
+                    (double)h.patches->leaves_alive < 4.0 * pixels / 1.2);
         hierarchy_discard(&h);
     }
 }
@@ -260,11 +285,14 @@ static void of_what_is_polished_leaves_with_contrast_are_split_to_a_sixteenth_of
     static const struct {
         float specular, exponent, mirror, bright, pixels_a_unit;
         bool split, wanted;
-    } cases[] = {{0.5f, 200, 0, 4, 0.5f, true, true},  {0, 0, 0.5f, 4, 0.5f, true, true},    {0.5f, 20, 0, 4, 0.5f, false, true},  {0.5f, 200, 0, 1e-3f, 0.5f, false, true},
-                 {0.5f, 200, 0, 4, 0.12f, false, true}, {0.5f, 200, 0, 4, 0.16f, true, true}, {0.5f, 200, 0, 4, 0.5f, false, false}};
+    } cases[] = {{0.5f, 200, 0, 4, 0.5f, true, true},   {0, 0, 0.5f, 4, 0.5f, true, true},
+                 {0.5f, 20, 0, 4, 0.5f, false, true},   {0.5f, 200, 0, 1e-3f, 0.5f, false, true},
+                 {0.5f, 200, 0, 4, 0.12f, false, true}, {0.5f, 200, 0, 4, 0.16f, true, true},
+                 {0.5f, 200, 0, 4, 0.5f, false, false}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_material(&mesh, cases[i].mirror > 0.0f ? 0.0f : 0.3f, cases[i].specular, cases[i].exponent, cases[i].mirror, 0);
+        trace_mesh_material(&mesh, cases[i].mirror > 0.0f ? 0.0f : 0.3f, cases[i].specular, cases[i].exponent,
+                            cases[i].mirror, 0);
         trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
         hierarchy h = hierarchy_of(trace_mesh_build(&mesh), SL_PATCHES_LOBES);
         uint32_t patch = want_root(&h, 0);
@@ -275,7 +303,8 @@ static void of_what_is_polished_leaves_with_contrast_are_split_to_a_sixteenth_of
         settings.sharp = cases[i].wanted ? &curve : NULL;
         sl_camera camera = camera_above(cases[i].pixels_a_unit);
         sl_chosen_place place = {patch, 0.4f, 0.4f};
-        assert_int_equal(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, patch), !cases[i].split);
+        assert_int_equal(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, patch),
+                         !cases[i].split);
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, cases[i].split);
         hierarchy_discard(&h);
@@ -292,15 +321,18 @@ static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **stat
     sl_chosen_place place = {patch, 0.3f, 0.3f};
     evaluate_all(&h, 4.0f, 1);
     evaluate(&h, sl_patch_corner(h.patches, patch, 0), 4.5f, 1);
-    for (int c = 0; c < 4; c++) h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = 0.25f; /* sigma 1/2, of the difference 0.71 */
+    /* sigma 1/2, of the difference 0.71 */
+    for (int c = 0; c < 4; c++) h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = 0.25f;
     work(&h, &settings, &camera, 1, &place);
     assert_int_equal(out.count, 4);
     assert_int_equal(out.splits, 0);
-    for (int c = 0; c < 4; c++) assert_false(sl_vertex_is_stale(h.patches, &settings, sl_patch_corner(h.patches, patch, c)));
+    for (int c = 0; c < 4; c++)
+        assert_false(sl_vertex_is_stale(h.patches, &settings, sl_patch_corner(h.patches, patch, c)));
     /* The bound is at a difference of twice its standard error: 2 sqrt(2) sigma. */
     for (int above = 0; above < 2; above++) {
         float sigma = 0.5f / (2.0f * sqrtf(2.0f)) * (above ? 0.97f : 1.03f);
-        for (int c = 0; c < 4; c++) h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = sigma * sigma;
+        for (int c = 0; c < 4; c++)
+            h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = sigma * sigma;
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, above);
     }
@@ -315,7 +347,8 @@ static void black_corners_with_noise_are_noise(void **state) {
     settings.variance_aware = true;
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 0.0f, 1);
-    for (int c = 0; c < 4; c++) h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = c < 3 ? 1.0f : NAN;
+    for (int c = 0; c < 4; c++)
+        h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = c < 3 ? 1.0f : NAN;
     work(&h, &settings, &camera, 1, &(sl_chosen_place){patch, 0.3f, 0.3f});
     assert_int_equal(out.count, 4);
     assert_int_equal(out.splits, 0);
@@ -403,7 +436,8 @@ static void a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_i
     trace_mesh_quad(&mesh, sl_v3(-1e4f, -1e4f, 0), sl_v3(2e4f, 0, 0), sl_v3(0, 2e4f, 0), 0);
     hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
     uint32_t patch = want_root(&h, 0);
-    sl_camera along = {sl_v3(0, 0, 1), sl_v3(1, 0, 0), sl_v3(0, 0, 1), sl_v3(0, -1, 0), 1.0f}; /* looks along y, one above it: half the picture */
+    /* looks along y, one above it: half the picture */
+    sl_camera along = {sl_v3(0, 0, 1), sl_v3(1, 0, 0), sl_v3(0, 0, 1), sl_v3(0, -1, 0), 1.0f};
     assert_true(fabs((double)size_of(&h, patch, &along).area / (0.5 * WIDTH * HEIGHT) - 1.0) < 0.01);
     along.eye.z = 0.0f; /* in the floor */
     assert_true(size_of(&h, patch, &along).area < 1.0f);
@@ -425,8 +459,14 @@ static sl_scene *pipe_scene(void) {
         for (int i = 0; i < 4; i++) b.point[j][i] = sl_v3(x[i], (float)j - 1.5f, z[i]);
     }
     sl_bicubic_tessellate(&b, xyz, normal, uv, index);
-    sl_scene_parts parts = {.vertex_count = V, .positions = xyz, .normals = normal, .texture_coordinates = uv, .triangle_count = 2 * N * N,
-                            .indices = index, .bicubic_count = 1, .bicubics = &b};
+    sl_scene_parts parts = {.vertex_count = V,
+                            .positions = xyz,
+                            .normals = normal,
+                            .texture_coordinates = uv,
+                            .triangle_count = 2 * N * N,
+                            .indices = index,
+                            .bicubic_count = 1,
+                            .bicubics = &b};
     sl_scene *scene;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
     return scene;
@@ -459,7 +499,8 @@ static void patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further(
     }
     assert_int_equal(out.count + out.splits, 0);
     assert_int_equal(deepest(h.patches), SL_PATCH_DEPTH_MAX);
-    assert_true(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, sl_patch_locate(h.patches, 0, 0.65, 0.65).patch));
+    assert_true(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT,
+                                     sl_patch_locate(h.patches, 0, 0.65, 0.65).patch));
     hierarchy_discard(&h);
 }
 
@@ -484,7 +525,8 @@ int main(void) {
         cmocka_unit_test(when_the_eye_moves_corners_with_lobes_are_shaded_again),
         cmocka_unit_test(one_place_splits_its_patch_and_asks_for_the_new_corners_of_the_child_that_it_is_in),
         cmocka_unit_test(sixteen_places_give_two_levels_in_one_update_and_no_number_more_than_three),
-        cmocka_unit_test(patches_are_handled_in_the_order_of_their_first_places_and_vertices_are_asked_for_once),
+        cmocka_unit_test(
+            patches_are_handled_in_the_order_of_their_first_places_and_vertices_are_asked_for_once),
         cmocka_unit_test(places_in_patches_that_are_gone_or_split_already_do_no_harm),
         cmocka_unit_test(nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixels),
         cmocka_unit_test(patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down),

@@ -40,7 +40,8 @@ static bouncer bouncer_new(world *w, uint32_t bounces, unsigned threads) {
     sl_gather_settings visible = ray_gather(40);
     sl_second_settings settings = sl_second_settings_for(&visible, 0.3, bounces);
     settings.threads = threads;
-    if (sl_second_cache_create(w->scene, w->raster, w->tracer, &settings, &b.cache, &w->counters, &error) != SL_OK)
+    if (sl_second_cache_create(w->scene, w->raster, w->tracer, &settings, &b.cache, &w->counters, &error) !=
+        SL_OK)
         fail_msg("%s", error.message);
     b.report = sl_second_cache_report(b.cache);
     visible.hidden = sl_second_cache_light(b.cache);
@@ -122,7 +123,8 @@ static world *room(bool quad_light) {
     return w;
 }
 
-/* Everything emits L_e and reflects rho: b bounces add pi L_e (rho + ... + rho^b) to what arrives straight. */
+/* Everything emits L_e and reflects rho: b bounces add pi L_e (rho + ... + rho^b) to what arrives straight.
+ */
 static void the_furnace_sums_the_series(void **state) {
     (void)state;
     const double albedo = 0.6;
@@ -163,7 +165,8 @@ static void the_integrating_sphere_dims_by_its_albedo(void **state) {
             sum += e / 40;
             worst = fabs(e) > worst ? fabs(e) : worst;
         }
-        print_message("sphere, %u bounces: %+.4f on average, %.4f at most, %zu records\n", bounces[i], sum, worst, b.report.records);
+        print_message("sphere, %u bounces: %+.4f on average, %.4f at most, %zu records\n", bounces[i], sum,
+                      worst, b.report.records);
         assert_true(fabs(sum) < 0.004);
         assert_true(worst < 0.02);
         bouncer_free(&b);
@@ -171,7 +174,8 @@ static void the_integrating_sphere_dims_by_its_albedo(void **state) {
     world_free(w);
 }
 
-/* More bounces than matter: the iteration ends by itself, with all the light: E = <E_direct> rho / (1 - rho). */
+/* More bounces than matter: the iteration ends by itself, with all the light: E = <E_direct> rho / (1 - rho).
+ */
 static void bounces_that_change_nothing_are_left_out(void **state) {
     (void)state;
     const double albedo = 0.4, wanted = albedo / (1.0 - albedo);
@@ -191,8 +195,10 @@ static void bounces_that_change_nothing_are_left_out(void **state) {
 
 /* ---- the path tracer ---- */
 
-/* Indirect irradiance from the path tracer: rays in the cells of the hemisphere, each with its own walk of bounces - 1 surfaces. */
-static double reference_irradiance(const sl_path_tracer *path, const sl_scene *scene, const sl_gather_point *p, uint64_t stream) {
+/* Indirect irradiance from the path tracer: rays in the cells of the hemisphere, each with its own walk of
+ * bounces - 1 surfaces. */
+static double reference_irradiance(const sl_path_tracer *path, const sl_scene *scene,
+                                   const sl_gather_point *p, uint64_t stream) {
     enum { SIDE = 32, ROUNDS = 2 };
     sl_frame frame = sl_frame_from_normal(p->normal);
     sl_vec3 eye = sl_mad(p->position, 1e-5f * scene->diagonal, p->geometric_normal);
@@ -207,7 +213,8 @@ static double reference_irradiance(const sl_path_tracer *path, const sl_scene *s
                 unsigned cell = first + i;
                 uint64_t key = sl_random_key(stream, round);
                 double u = ((double)(cell / SIDE) + (double)sl_random_unit(key, 2 * cell)) / SIDE;
-                double v = ((double)(cell % SIDE) + (double)sl_random_unit(key, 2 * cell + 1)) / SIDE, r = sqrt(u);
+                double v = ((double)(cell % SIDE) + (double)sl_random_unit(key, 2 * cell + 1)) / SIDE,
+                       r = sqrt(u);
                 double x = r * sl_cos(2.0 * SL_PI * v), y = r * sl_sin(2.0 * SL_PI * v);
                 sl_vec3 d = sl_frame_to_world(&frame, sl_v3((float)x, (float)y, (float)sqrt(1.0 - u)));
                 rays.origin_x[i] = eye.x, rays.origin_y[i] = eye.y, rays.origin_z[i] = eye.z;
@@ -215,40 +222,55 @@ static double reference_irradiance(const sl_path_tracer *path, const sl_scene *s
                 rays.far[i] = INFINITY;
                 rays.skip[i] = p->triangle;
             }
-            sl_path_tracer_radiance(path, &rays, SL_PACKET, stream * 1000 + first, round, radiance, &counters);
+            sl_path_tracer_radiance(path, &rays, SL_PACKET, stream * 1000 + first, round, radiance,
+                                    &counters);
             for (unsigned i = 0; i < SL_PACKET; i++) sum += (double)sl_rgb_mean(radiance[i]);
         }
     }
     return sum * SL_PI / (SIDE * SIDE * ROUNDS);
 }
 
-static void compare_with_path_tracer(world *w, uint32_t bounces, uint32_t reference_bounces, double most_bias, double most_error) {
+static void compare_with_path_tracer(world *w, uint32_t bounces, uint32_t reference_bounces, double most_bias,
+                                     double most_error) {
     sl_error error;
     sl_path_tracer *path;
-    const sl_path_settings settings = {.width = 4, .height = 4, .threads = 1, .seed = 5,
-                                       .transport = {.sky_light = true, .direct_lobes = SL_LOBE_DIFFUSE, .receiver_lobes = SL_LOBE_DIFFUSE,
-                                                     .bounce_lobes = SL_LOBE_DIFFUSE, .bounces = reference_bounces,
-                                                     .direct_visibility = true, .bounce_visibility = true,
+    const sl_path_settings settings = {.width = 4,
+                                       .height = 4,
+                                       .threads = 1,
+                                       .seed = 5,
+                                       .transport = {.sky_light = true,
+                                                     .direct_lobes = SL_LOBE_DIFFUSE,
+                                                     .receiver_lobes = SL_LOBE_DIFFUSE,
+                                                     .bounce_lobes = SL_LOBE_DIFFUSE,
+                                                     .bounces = reference_bounces,
+                                                     .direct_visibility = true,
+                                                     .bounce_visibility = true,
                                                      .filter = SL_FILTER_CENTRE}};
-    if (sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK)
+        fail_msg("%s", error.message);
     bouncer b = bouncer_new(w, bounces, 2);
     sl_counters before = w->counters;
     double ours = 0.0, theirs = 0.0, squares = 0.0, reference_squares = 0.0;
     for (uint64_t n = 0; n < 40; n++) {
         sl_gather_point point = world_surface_point(w, n);
-        if (point.position.y < 0.01f && point.normal.y < 0.0f) continue; /* in the slit below a box, which no eye sees */
-        double e = (double)sl_rgb_mean(irradiance_at(&b, &point).value), r = reference_irradiance(path, w->scene, &point, n);
+        /* in the slit below a box, which no eye sees */
+        if (point.position.y < 0.01f && point.normal.y < 0.0f) continue;
+        double e = (double)sl_rgb_mean(irradiance_at(&b, &point).value),
+               r = reference_irradiance(path, w->scene, &point, n);
         ours += e;
         theirs += r;
         squares += (e - r) * (e - r);
         reference_squares += r * r;
     }
-    uint64_t misses = w->counters.value[SL_COUNT_SECOND_LEVEL_MISSES] - before.value[SL_COUNT_SECOND_LEVEL_MISSES];
-    uint64_t looked_up = w->counters.value[SL_COUNT_SECOND_LEVEL_LOOK_UPS] - before.value[SL_COUNT_SECOND_LEVEL_LOOK_UPS];
+    uint64_t misses =
+        w->counters.value[SL_COUNT_SECOND_LEVEL_MISSES] - before.value[SL_COUNT_SECOND_LEVEL_MISSES];
+    uint64_t looked_up =
+        w->counters.value[SL_COUNT_SECOND_LEVEL_LOOK_UPS] - before.value[SL_COUNT_SECOND_LEVEL_LOOK_UPS];
     double share = (double)misses / (double)looked_up;
-    print_message("room, %u bounces (%u computed), %zu second-level records: bias %+.4f, RMS %.4f, %.3f %% of %.3g look-ups missed\n",
-                  bounces, b.report.bounces, b.report.records, ours / theirs - 1.0, sqrt(squares / reference_squares), 100.0 * share,
-                  (double)looked_up);
+    print_message("room, %u bounces (%u computed), %zu second-level records: bias %+.4f, RMS %.4f, %.3f %% "
+                  "of %.3g look-ups missed\n",
+                  bounces, b.report.bounces, b.report.records, ours / theirs - 1.0,
+                  sqrt(squares / reference_squares), 100.0 * share, (double)looked_up);
     assert_true(fabs(ours / theirs - 1.0) < most_bias);
     assert_true(sqrt(squares / reference_squares) < most_error);
     assert_true(share < 0.015); /* measured: 0.009 */
@@ -306,7 +328,9 @@ static void hidden_records_stay_as_long_as_the_light_does(void **state) {
     assert_int_equal(sl_method_create(scene, &settings, &method, &error), SL_OK);
     for (int i = 0; i < 3; i++) {
         if (i == 1) assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.7f, &error), SL_OK);
-        if (i > 0) assert_int_equal(sl_method_edit(method, i == 1 ? SL_CHANGED_CAMERA : SL_CHANGED_LIGHTS, &error), SL_OK);
+        if (i > 0)
+            assert_int_equal(sl_method_edit(method, i == 1 ? SL_CHANGED_CAMERA : SL_CHANGED_LIGHTS, &error),
+                             SL_OK);
         do assert_int_equal(sl_method_update(method, &progress, &error), SL_OK);
         while (!progress.done);
         made[i] = sl_method_counters(method)->value[SL_COUNT_SECOND_LEVEL_RECORDS];
@@ -318,7 +342,8 @@ static void hidden_records_stay_as_long_as_the_light_does(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Two rooms without a door between them, each with its light: seen from one, the other has no second-level records. */
+/* Two rooms without a door between them, each with its light: seen from one, the other has no second-level
+ * records. */
 static void a_camera_that_goes_elsewhere_brings_hidden_records_there(void **state) {
     (void)state;
     world *w = world_new();
@@ -355,7 +380,8 @@ static void a_camera_that_goes_elsewhere_brings_hidden_records_there(void **stat
 
 /* A room open at the front; its walls are of different quads, so that the two rooms' floors are one plane. */
 static void open_room(world *w, float x0, float x1, uint32_t wall) {
-    const sl_vec3 a = sl_v3(x0, 0, 0), b = sl_v3(x1, 0, 0), c = sl_v3(x1, 0, 2), d = sl_v3(x0, 0, 2), up = sl_v3(0, 2, 0);
+    const sl_vec3 a = sl_v3(x0, 0, 0), b = sl_v3(x1, 0, 0), c = sl_v3(x1, 0, 2), d = sl_v3(x0, 0, 2),
+                  up = sl_v3(0, 2, 0);
     world_quad(w, a, d, c, b, wall);
     world_quad(w, sl_add(a, up), sl_add(b, up), sl_add(c, up), sl_add(d, up), wall);
     world_quad(w, a, b, sl_add(b, up), sl_add(a, up), wall);
@@ -363,7 +389,8 @@ static void open_room(world *w, float x0, float x1, uint32_t wall) {
     world_quad(w, b, c, sl_add(c, up), sl_add(b, up), wall);
 }
 
-/* Two rooms share the planes of their floors, ceilings and backs, and a wall that is a thousandth thick; the light is in one. */
+/* Two rooms share the planes of their floors, ceilings and backs, and a wall that is a thousandth thick; the
+ * light is in one. */
 static void no_bounce_leaks_through_a_thin_wall(void **state) {
     (void)state;
     world *w = world_new();
@@ -392,11 +419,16 @@ static void no_bounce_leaks_through_a_thin_wall(void **state) {
     world_free(w);
 }
 
-/* What one record of irradiance 1 tells a point of the sheet z = 0, both turned to +z, that is out of its reach. */
+/* What one record of irradiance 1 tells a point of the sheet z = 0, both turned to +z, that is out of its
+ * reach. */
 static float told_on_a_sheet(const world *w, sl_vec3 record_at) {
     const float a = 0.3f, offset = 1e-5f * w->scene->scale, zero = 0.0f, one = 1.0f;
     const uint32_t own = 0;
-    sl_record record = {.position = record_at, .normal = sl_v3(0, 0, 1), .radius = 0.1f, .irradiance = sl_grey(1.0f), .triangle = SL_NO_INDEX};
+    sl_record record = {.position = record_at,
+                        .normal = sl_v3(0, 0, 1),
+                        .radius = 0.1f,
+                        .irradiance = sl_grey(1.0f),
+                        .triangle = SL_NO_INDEX};
     const sl_weight_rules rules = {a, 1.0f / a, offset};
     sl_record_terms terms = sl_record_terms_of(&record, &rules);
     sl_second_walls walls = {.x = sl_v3(1, 0, 0), .y = sl_v3(0, 1, 0)};

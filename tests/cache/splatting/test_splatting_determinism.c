@@ -51,7 +51,8 @@ static void stage_open(stage *s) {
     sl_gather_settings gather = sl_gather_defaults();
     gather.kind = SL_GATHER_RAYS;
     gather.size = 8;
-    assert_int_equal(sl_gather_create(s->scene, s->raster, s->tracer, &gather, 1, &s->gather, &counters, NULL), SL_OK);
+    assert_int_equal(
+        sl_gather_create(s->scene, s->raster, s->tracer, &gather, 1, &s->gather, &counters, NULL), SL_OK);
     assert_int_equal(sl_gather_scratch_create(s->gather, &s->scratch[0], NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(SIDE, SIDE, &s->gbuffer, NULL), SL_OK);
     const sl_camera *c = &s->scene->camera;
@@ -60,21 +61,33 @@ static void stage_open(stage *s) {
     sl_view view = sl_view_pyramid(&frame, c->eye, -t, t, -t, t, SIDE, SIDE, 1e-5f * s->scene->diagonal);
     assert_int_equal(sl_raster_gbuffer(s->raster, &view, 1, s->gbuffer, &counters, NULL), SL_OK);
     const sl_gbuffer *g = s->gbuffer;
-    for (int i = 0; i < SIDE * SIDE; i++) s->receives[i] = g->material[i] != SL_NO_INDEX && g->diffuse_r[i] > 0.0f;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        s->receives[i] = g->material[i] != SL_NO_INDEX && g->diffuse_r[i] > 0.0f;
     s->pass = (sl_record_pass){
-        .gather = s->gather, .tracer = s->tracer, .scratch = s->scratch, .gbuffer = g,
-        .receivers = {SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z,
-                      s->receives},
+        .gather = s->gather,
+        .tracer = s->tracer,
+        .scratch = s->scratch,
+        .gbuffer = g,
+        .receivers = {SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y,
+                      g->normal_z, s->receives},
         .weights = {0.3f, 1.0f / 0.3f, 1e-5f * s->scene->diagonal},
         .covered_weight = 1.0f / (9.0f * 0.3f),
-        .radii = {.accuracy = 0.3, .minimum_pixels = 1.5, .maximum_radius = 0.1 * (double)s->scene->diagonal, .guard = true,
-                  .gather = SL_GATHER_RAYS, .plane_tangent = 2.7},
+        .radii = {.accuracy = 0.3,
+                  .minimum_pixels = 1.5,
+                  .maximum_radius = 0.1 * (double)s->scene->diagonal,
+                  .guard = true,
+                  .gather = SL_GATHER_RAYS,
+                  .plane_tangent = 2.7},
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = c,
         .near_distance = 1e-5f * s->scene->diagonal,
         .footprint_per_depth = 2.0f * t / SIDE,
         .neighbour_clamp = true,
-        .coverage = s->coverage, .owned = s->owned, .threads = 1, .scene = s->scene, .scale = s->scene->scale,
+        .coverage = s->coverage,
+        .owned = s->owned,
+        .threads = 1,
+        .scene = s->scene,
+        .scale = s->scene->scale,
     };
 }
 
@@ -143,7 +156,10 @@ static void in_the_end_every_receiver_is_covered_by_far_fewer_records(void **sta
 static size_t pixel_of(const stage *s, const sl_record *record) {
     const sl_gbuffer *g = s->gbuffer;
     size_t i = 0;
-    while (i < SIDE * SIDE && (g->position_x[i] != record->position.x || g->position_y[i] != record->position.y || g->position_z[i] != record->position.z)) i++;
+    while (i < SIDE * SIDE &&
+           (g->position_x[i] != record->position.x || g->position_y[i] != record->position.y ||
+            g->position_z[i] != record->position.z))
+        i++;
     assert_true(i < SIDE * SIDE);
     return i;
 }
@@ -215,21 +231,24 @@ static void a_moved_camera_keeps_the_records_and_looking_back_needs_none(void **
     const float eye[3] = {300, 290, -760}, target[3] = {270, 260, 0}, up[3] = {0, 1, 0};
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, home.vertical_fov, NULL), SL_OK);
     assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-    sl_image *too_early = NULL; /* resolving before the new view has its G-buffer shows nothing and spoils nothing */
+    /* resolving before the new view has its G-buffer shows nothing and spoils nothing */
+    sl_image *too_early = NULL;
     assert_int_equal(sl_method_resolve(method, &too_early, NULL), SL_OK);
     for (int i = 0; i < 40 * 40; i++) assert_true(too_early->planes[i] == 0.0f);
     sl_image_destroy(too_early);
     uint64_t second = finish(method) - first;
     sl_image *moved = NULL;
     assert_int_equal(sl_method_resolve(method, &moved, NULL), SL_OK);
-    const float *weight = sl_image_channel(moved, "weight.Y"), *indirect = sl_image_channel(moved, "indirect.R");
+    const float *weight = sl_image_channel(moved, "weight.Y"),
+                *indirect = sl_image_channel(moved, "indirect.R");
     for (int i = 0; i < 40 * 40; i++) assert_true(weight[i] > 0.0f || indirect[i] == 0.0f);
     sl_image_destroy(moved);
     assert_true(second < first / 2);
     scene->camera = home;
     assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
     uint64_t third = finish(method) - first - second;
-    assert_true(third <= first / 20); /* radii that shrank for the second view's records may open a few gaps */
+    /* radii that shrank for the second view's records may open a few gaps */
+    assert_true(third <= first / 20);
     assert_int_equal(sl_method_edit(method, SL_CHANGED_LIGHTS, NULL), SL_OK);
     assert_int_equal(finish(method) - first - second - third, first); /* new light: all anew */
     sl_method_destroy(method);

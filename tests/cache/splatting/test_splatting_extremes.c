@@ -25,16 +25,17 @@ static double mean_of(const sl_image *image, const char *name) {
     return sum / (double)pixels;
 }
 
-/* ---- glossy lobes under an even sky: what comes out is the lobe's albedo ---------------------------------------------- */
+/* ---- glossy lobes under an even sky: what comes out is the lobe's albedo --------------------- */
 
-/* The share that a lobe sends towards theta_o: the integral of (n + 2) / (2 pi) cos^n alpha cos theta over the hemisphere, by its own
- * distribution about the mirror direction. */
+/* The share that a lobe sends towards theta_o: the integral of (n + 2) / (2 pi) cos^n alpha cos theta over
+ * the hemisphere, by its own distribution about the mirror direction. */
 static double lobe_albedo(double exponent, double cosine) {
     enum { STEPS = 400 };
     double sine = sqrt(1.0 - cosine * cosine), sum = 0.0;
     for (int i = 0; i < STEPS; i++) {
         double c = pow((i + 0.5) / STEPS, 1.0 / (exponent + 1.0)), s = sqrt(1.0 - c * c);
-        for (int j = 0; j < STEPS; j++) sum += fmax(0.0, c * cosine + s * sine * cos(2.0 * pi * (j + 0.5) / STEPS));
+        for (int j = 0; j < STEPS; j++)
+            sum += fmax(0.0, c * cosine + s * sine * cos(2.0 * pi * (j + 0.5) / STEPS));
     }
     return sum / (STEPS * STEPS) * (exponent + 2.0) / (exponent + 1.0);
 }
@@ -46,8 +47,10 @@ static double glossy_plain(double exponent, double elevation, sl_gather_kind gat
     double angle = elevation * pi / 180.0;
     snprintf(json, sizeof json,
              "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}],\n"
-             " \"materials\": {\"m\": {\"diffuse\": 0, \"specular\": 1, \"exponent\": %g}}, \"environment\": {\"radiance\": 1},\n"
-             " \"camera\": {\"eye\": [0, %.9g, %.9g], \"target\": [0, 0, 0], \"up\": [0, 1, -0.1], \"fov_deg\": 0.01}}",
+             " \"materials\": {\"m\": {\"diffuse\": 0, \"specular\": 1, \"exponent\": %g}}, \"environment\": "
+             "{\"radiance\": 1},\n"
+             " \"camera\": {\"eye\": [0, %.9g, %.9g], \"target\": [0, 0, 0], \"up\": [0, 1, -0.1], "
+             "\"fov_deg\": 0.01}}",
              exponent, 10.0 * sin(angle), 10.0 * cos(angle));
     sl_scene *scene = scene_from_text(json, plain_obj);
     sl_settings settings = small_settings("splatting", 2, 2);
@@ -60,16 +63,19 @@ static double glossy_plain(double exponent, double elevation, sl_gather_kind gat
     return seen;
 }
 
-/* Whatever the order leaves of the lobe, its albedo is kept, for specular 1 and diffuse 0 too. Seen edge-on the albedo goes to 0, and
- * faster than a table over angles of view can tell. */
+/* Whatever the order leaves of the lobe, its albedo is kept, for specular 1 and diffuse 0 too. Seen edge-on
+ * the albedo goes to 0, and faster than a table over angles of view can tell. */
 static void glossy_lobes_of_any_exponent_reflect_their_albedo_of_an_even_sky(void **state) {
     (void)state;
-    const double exponents[] = {0.0, 1.0, 20.0, 1e4, 1e6}, elevations[] = {90.0, 40.0, 10.0, 0.2}, most[] = {0.001, 0.001, 0.001, 0.2};
+    const double exponents[] = {0.0, 1.0, 20.0, 1e4, 1e6}, elevations[] = {90.0, 40.0, 10.0, 0.2},
+                 most[] = {0.001, 0.001, 0.001, 0.2};
     for (int e = 0; e < 4; e++) {
         for (int x = 0; x < 5; x++) {
             double truth = lobe_albedo(exponents[x], sin(elevations[e] * pi / 180.0));
-            double seen = glossy_plain(exponents[x], elevations[e], (sl_gather_kind)(SL_GATHER_PLANE + (e + x) % 3));
-            if (!(fabs(seen - truth) < most[e] * truth)) fail_msg("exponent %g, elevation %g: %g, not %g", exponents[x], elevations[e], seen, truth);
+            double seen =
+                glossy_plain(exponents[x], elevations[e], (sl_gather_kind)(SL_GATHER_PLANE + (e + x) % 3));
+            if (!(fabs(seen - truth) < most[e] * truth))
+                fail_msg("exponent %g, elevation %g: %g, not %g", exponents[x], elevations[e], seen, truth);
         }
     }
 }
@@ -77,7 +83,8 @@ static void glossy_lobes_of_any_exponent_reflect_their_albedo_of_an_even_sky(voi
 /* ---- a room ---- */
 
 static sl_scene *room(double scale, double offset, const char *wall, const char *lamp, const char *lights) {
-    static const int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}};
+    static const int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1},
+                                     {-1, 1, -1},  {1, 1, -1},  {1, 1, 1},  {-1, 1, 1}};
     static const double box_size = 0.3, lamp_size = 0.4;
     char obj[4096], json[1024];
     int n = 0;
@@ -86,20 +93,25 @@ static sl_scene *room(double scale, double offset, const char *wall, const char 
                       offset + scale * corner[i][1], offset + scale * corner[i][2]);
     }
     for (int i = 0; i < 8; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * box_size * corner[i][0],
-                      offset + scale * (box_size * corner[i][1] - 1.0 + box_size), offset + scale * box_size * corner[i][2]);
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
+                      offset + scale * box_size * corner[i][0],
+                      offset + scale * (box_size * corner[i][1] - 1.0 + box_size),
+                      offset + scale * box_size * corner[i][2]);
     }
     for (int i = 0; i < 4; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * lamp_size * corner[i][0],
-                      offset + scale * 0.9, offset + scale * lamp_size * corner[i][2]);
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
+                      offset + scale * lamp_size * corner[i][0], offset + scale * 0.9,
+                      offset + scale * lamp_size * corner[i][2]);
     }
-    snprintf(obj + n, sizeof obj - (size_t)n,
-             "usemtl wall\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 4 8 5\nf 2 3 7 6\n"
-             "usemtl box\nf 9 10 11 12\nf 13 14 15 16\nf 9 10 14 13\nf 11 12 16 15\nf 9 12 16 13\nf 10 11 15 14\n"
-             "usemtl lamp\nf 17 18 19 20\n");
+    snprintf(
+        obj + n, sizeof obj - (size_t)n,
+        "usemtl wall\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 4 8 5\nf 2 3 7 6\n"
+        "usemtl box\nf 9 10 11 12\nf 13 14 15 16\nf 9 10 14 13\nf 11 12 16 15\nf 9 12 16 13\nf 10 11 15 14\n"
+        "usemtl lamp\nf 17 18 19 20\n");
     snprintf(json, sizeof json,
              "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-             " \"materials\": {\"wall\": {\"diffuse\": 0.6}, \"box\": {%s}, \"lamp\": {\"diffuse\": 0, %s\"two_sided\": true}},\n"
+             " \"materials\": {\"wall\": {\"diffuse\": 0.6}, \"box\": {%s}, \"lamp\": {\"diffuse\": 0, "
+             "%s\"two_sided\": true}},\n"
              "%s \"camera\": {\"eye\": [%.9g, %.9g, %.9g], \"target\": [%.9g, %.9g, %.9g], \"fov_deg\": 70}}",
              wall, lamp, lights, offset, offset, offset + 0.9 * scale, offset, offset - 0.3 * scale, offset);
     return scene_from_text(json, obj);
@@ -116,16 +128,19 @@ static light_of_room light_of(sl_scene *scene, const sl_settings *settings) {
     sl_counters counters;
     sl_image *image = render(scene, settings, &counters);
     assert_sound_picture(image, "a room");
-    light_of_room l = {mean_of(image, "R"), mean_of(image, "indirect.R"), mean_of(image, "glossy.R"), counters.value[SL_COUNT_RECORDS]};
+    light_of_room l = {mean_of(image, "R"), mean_of(image, "indirect.R"), mean_of(image, "glossy.R"),
+                       counters.value[SL_COUNT_RECORDS]};
     sl_image_destroy(image);
     sl_scene_destroy(scene);
     return l;
 }
 
-static void assert_same_light(const char *what, light_of_room a, light_of_room b, double factor, double tolerance) {
+static void assert_same_light(const char *what, light_of_room a, light_of_room b, double factor,
+                              double tolerance) {
     const double ours[] = {a.all, a.indirect, a.glossy}, wanted[] = {b.all, b.indirect, b.glossy};
     for (int i = 0; i < 3; i++) {
-        if (!(fabs(ours[i] - wanted[i] * factor) <= tolerance * wanted[i] * factor)) fail_msg("%s: %g, expected %g", what, ours[i], wanted[i] * factor);
+        if (!(fabs(ours[i] - wanted[i] * factor) <= tolerance * wanted[i] * factor))
+            fail_msg("%s: %g, expected %g", what, ours[i], wanted[i] * factor);
     }
 }
 
@@ -141,10 +156,12 @@ static void a_glossy_room_of_any_size_has_the_same_light_and_records(void **stat
         assert_int_equal(l.records, truth.records);
     }
     /* A float's step at 1e6 is 1/16: the walls are no longer where they were. */
-    assert_same_light("offset", light_of(room(100.0, 1e6, shiny, "\"emission\": 5, ", ""), &settings), truth, 1.0, 0.01);
+    assert_same_light("offset", light_of(room(100.0, 1e6, shiny, "\"emission\": 5, ", ""), &settings), truth,
+                      1.0, 0.01);
 }
 
-/* From 1e-20 to 1e20 radiance only scales; beyond that what gathers see is cut, below it is black, and nothing is lost but it. */
+/* From 1e-20 to 1e20 radiance only scales; beyond that what gathers see is cut, below it is black, and
+ * nothing is lost but it. */
 static void radiance_of_any_size_is_carried_cut_or_black(void **state) {
     (void)state;
     sl_settings settings = small_settings("splatting", 32, 32);
@@ -160,14 +177,18 @@ static void radiance_of_any_size_is_carried_cut_or_black(void **state) {
     }
 }
 
-/* Irradiance beyond floats, of each kind of light, by rays and by maps: the largest float, and what is black or in shadow stays black. */
+/* Irradiance beyond floats, of each kind of light, by rays and by maps: the largest float, and what is black
+ * or in shadow stays black. */
 static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
     (void)state;
     const char *const lamps[] = {"", "\"emission\": 3e38, ", "", "", ""};
     const char *const lights[] = {
-        " \"lights\": [{\"type\": \"point\", \"position\": [5e-5, 0, 0], \"intensity\": 1e37}],\n", "", " \"environment\": {\"radiance\": 3e38},\n",
-        " \"lights\": [{\"type\": \"directional\", \"direction\": [0, -1, -0.2], \"irradiance\": 3e38}, {\"type\": \"directional\", \"direction\": [0, -1, -0.1], \"irradiance\": 3e38}],\n",
-        " \"lights\": [{\"type\": \"spot\", \"position\": [1e-5, 8e-5, 0], \"direction\": [0, -1, 0], \"intensity\": 3e38, \"inner_deg\": 30, \"outer_deg\": 60}],\n"};
+        " \"lights\": [{\"type\": \"point\", \"position\": [5e-5, 0, 0], \"intensity\": 1e37}],\n", "",
+        " \"environment\": {\"radiance\": 3e38},\n",
+        " \"lights\": [{\"type\": \"directional\", \"direction\": [0, -1, -0.2], \"irradiance\": 3e38}, "
+        "{\"type\": \"directional\", \"direction\": [0, -1, -0.1], \"irradiance\": 3e38}],\n",
+        " \"lights\": [{\"type\": \"spot\", \"position\": [1e-5, 8e-5, 0], \"direction\": [0, -1, 0], "
+        "\"intensity\": 3e38, \"inner_deg\": 30, \"outer_deg\": 60}],\n"};
     for (int i = 0; i < 10; i++) {
         sl_settings settings = small_settings("splatting", 32, 32);
         settings.direct = i % 2 ? SL_DIRECT_SHADOW_MAPS : SL_DIRECT_RAYS;
@@ -179,11 +200,13 @@ static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
     }
 }
 
-/* Of an emitter whose irradiances, summed over samples, are beyond floats the visible share is still known. */
+/* Of an emitter whose irradiances, summed over samples, are beyond floats the visible share is still known.
+ */
 static void shadows_of_the_brightest_lamp_are_those_of_any(void **state) {
     (void)state;
     sl_settings settings = small_settings("splatting", 32, 32);
-    sl_scene *one = room(1.0, 0.0, shiny, "\"emission\": 1, ", ""), *most = room(1.0, 0.0, shiny, "\"emission\": 1.7e38, ", "");
+    sl_scene *one = room(1.0, 0.0, shiny, "\"emission\": 1, ", ""),
+             *most = room(1.0, 0.0, shiny, "\"emission\": 1.7e38, ", "");
     sl_image *truth = render(one, &settings, NULL), *image = render(most, &settings, NULL);
     const float *a = sl_image_channel(truth, "direct.G"), *b = sl_image_channel(image, "direct.G");
     size_t lit = 0;
@@ -215,30 +238,36 @@ static void where_nothing_shines_or_nothing_reflects_nothing_is_gathered(void **
     sl_scene *dark = room(1.0, 0.0, shiny, "", "");
     dark->environment.present = false; /* what scene files without light are given */
     dark->light_count = 0;
-    sl_scene *black = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"diffuse\": 0}},\n"
-                                      " \"environment\": {\"radiance\": 1}, \"camera\": {\"eye\": [0, 5, 0], \"target\": [0, 0, 0.001], \"fov_deg\": 40}}", plain_obj);
+    sl_scene *black = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": "
+                                      "\"m\"}], \"materials\": {\"m\": {\"diffuse\": 0}},\n"
+                                      " \"environment\": {\"radiance\": 1}, \"camera\": {\"eye\": [0, 5, 0], "
+                                      "\"target\": [0, 0, 0.001], \"fov_deg\": 40}}",
+                                      plain_obj);
     sl_scene *const scenes[] = {dark, black};
     for (int i = 0; i < 2; i++) {
         sl_counters counters;
         sl_image *image = render(scenes[i], &settings, &counters);
         assert_sound_picture(image, "darkness");
-        assert_int_equal(counters.value[SL_COUNT_RAYS] + counters.value[SL_COUNT_GATHERS] + counters.value[SL_COUNT_RECORDS], 0);
+        assert_int_equal(counters.value[SL_COUNT_RAYS] + counters.value[SL_COUNT_GATHERS] +
+                             counters.value[SL_COUNT_RECORDS],
+                         0);
         assert_true(mean_of(image, "R") == 0.0);
         sl_image_destroy(image);
         sl_scene_destroy(scenes[i]);
     }
 }
 
-/* Everything white: a closed room of albedo 1 that shines with radiance 1 itself sends 1 after no, 1 after one and 1 after two
- * reflections. */
+/* Everything white: a closed room of albedo 1 that shines with radiance 1 itself sends 1 after no, 1 after
+ * one and 1 after two reflections. */
 static void in_a_white_furnace_every_reflection_adds_one(void **state) {
     (void)state;
     static const char json[] =
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}],\n"
         " \"materials\": {\"m\": {\"diffuse\": 1, \"emission\": 1, \"two_sided\": true}},\n"
         " \"camera\": {\"eye\": [0.5, 0.4, 0.6], \"target\": [-1, -0.3, -1], \"fov_deg\": 70}}";
-    static const char obj[] = "v -1 -1 -1\nv 1 -1 -1\nv 1 -1 1\nv -1 -1 1\nv -1 1 -1\nv 1 1 -1\nv 1 1 1\nv -1 1 1\n"
-                              "f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 4 8 5\nf 2 3 7 6\n";
+    static const char obj[] =
+        "v -1 -1 -1\nv 1 -1 -1\nv 1 -1 1\nv -1 -1 1\nv -1 1 -1\nv 1 1 -1\nv 1 1 1\nv -1 1 1\n"
+        "f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 4 8 5\nf 2 3 7 6\n";
     sl_scene *scene = scene_from_text(json, obj);
     for (int g = SL_GATHER_PLANE; g <= SL_GATHER_RAYS; g++) {
         sl_settings settings = small_settings("splatting", 24, 24);
@@ -251,43 +280,50 @@ static void in_a_white_furnace_every_reflection_adds_one(void **state) {
         assert_true(fabs(mean_of(image, "indirect.G") - 1.0) < 0.02);
         float worst = 0.0f;
         for (int i = 0; i < 24 * 24; i++) worst = fmaxf(worst, fabsf(indirect[i] - 1.0f));
-        print_message("furnace: direct %.4f, indirect %.4f, worst %.3f\n", mean_of(image, "direct.G"), mean_of(image, "indirect.G"), (double)worst);
+        print_message("furnace: direct %.4f, indirect %.4f, worst %.3f\n", mean_of(image, "direct.G"),
+                      mean_of(image, "indirect.G"), (double)worst);
         assert_true(worst < 0.25f);
         sl_image_destroy(image);
     }
     sl_scene_destroy(scene);
 }
 
-/* ---- light and materials that a room does not often have, against the path tracer ----------------------------------------- */
+/* ---- light and materials that a room does not often have, against the path tracer ------------ */
 
 static void expect_path_tracer(const char *what, sl_scene *scene, double error, double bias) {
     sl_settings settings = small_settings("splatting", 20, 20);
     settings.quality = SL_QUALITY_NORMAL;
     matched m = matched_with_path_tracer(scene, &settings, 100, false);
-    print_message("%s: error %.4f (noise %.4f), bias %+.4f, %g records\n", what, m.error, m.noise, m.bias, m.records);
+    print_message("%s: error %.4f (noise %.4f), bias %+.4f, %g records\n", what, m.error, m.noise, m.bias,
+                  m.records);
     sl_scene_destroy(scene);
     if (!(m.error < error && fabs(m.bias) < bias)) fail_msg("%s", what);
 }
 
 static void boxes_of_odd_materials_have_the_path_tracers_light(void **state) {
     (void)state;
-    /* A lobe of 1e6 is a mirror; what twelve bands leave of it is blurred, so of that only the sum is right. */
-    static const char *const boxes[] = {"\"mirror\": 1", "\"diffuse\": 0.5, \"emission\": 2", "\"diffuse\": 0, \"specular\": 1, \"exponent\": 0",
+    /* A lobe of 1e6 is a mirror; what twelve bands leave of it is blurred, so of that only the sum is right.
+     */
+    static const char *const boxes[] = {"\"mirror\": 1", "\"diffuse\": 0.5, \"emission\": 2",
+                                        "\"diffuse\": 0, \"specular\": 1, \"exponent\": 0",
                                         "\"diffuse\": 0, \"specular\": 1, \"exponent\": 1e6"};
     const double error[] = {0.08, 0.08, 0.08, 0.25};
-    for (int i = 0; i < 4; i++) expect_path_tracer(boxes[i], room(1.0, 0.0, boxes[i], "\"emission\": 5, ", ""), error[i], 0.02);
+    for (int i = 0; i < 4; i++)
+        expect_path_tracer(boxes[i], room(1.0, 0.0, boxes[i], "\"emission\": 5, ", ""), error[i], 0.02);
 }
 
-static const char yard_obj[] =
-    "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 2 -2\nv 2 2 -2\nv -2 2 2\nf 1 2 3 4\nf 1 4 6 5\nf 1 5 7 2\n";
+static const char yard_obj[] = "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 2 -2\nv 2 2 -2\nv -2 2 2\nf 1 2 "
+                               "3 4\nf 1 4 6 5\nf 1 5 7 2\n";
 static const char yard_json[] =
-    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {%s}}, %s,\n"
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": "
+    "{%s}}, %s,\n"
     " \"camera\": {\"eye\": [3, 3, 3.5], \"target\": [0, 0.5, 0], \"fov_deg\": 40}}";
 
 static void a_yard_under_sky_or_sun_alone_has_the_path_tracers_light(void **state) {
     (void)state;
-    static const char *const lights[] = {"\"environment\": {\"radiance\": [1, 2, 3]}",
-                                         "\"lights\": [{\"type\": \"directional\", \"direction\": [-1, -1, -0.5], \"irradiance\": 3}]"};
+    static const char *const lights[] = {
+        "\"environment\": {\"radiance\": [1, 2, 3]}",
+        "\"lights\": [{\"type\": \"directional\", \"direction\": [-1, -1, -0.5], \"irradiance\": 3}]"};
     for (int i = 0; i < 4; i++) {
         char json[1024];
         snprintf(json, sizeof json, yard_json, i % 2 ? shiny : "\"diffuse\": 0.6", lights[i / 2]);

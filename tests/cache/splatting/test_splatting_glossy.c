@@ -1,5 +1,5 @@
-/* Radiance records: what a record's coefficients send to the eye from a pixel, against quadrature; and whole pictures of glossy
- * receivers. */
+/* Radiance records: what a record's coefficients send to the eye from a pixel, against quadrature; and whole
+ * pictures of glossy receivers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +35,8 @@ typedef struct {
 /* A smooth environment, seen from everywhere alike. */
 static double environment(int channel, sl_vec3d w) {
     const double tint[3] = {1.0, 0.4, 2.0};
-    return tint[channel] * (1.5 + 0.7 * w.x - 0.5 * w.y + 0.6 * w.z + 0.8 * w.x * w.y - 0.4 * w.y * w.z * w.z);
+    return tint[channel] *
+           (1.5 + 0.7 * w.x - 0.5 * w.y + 0.6 * w.z + 0.8 * w.x * w.y - 0.4 * w.y * w.z * w.z);
 }
 
 static sl_vec3d direction_at(const sl_frame *f, double cosine, double phi) {
@@ -52,12 +53,14 @@ static void project_environment(stage *s) {
     memset(s->coefficients, 0, sizeof s->coefficients);
     for (int j = 0; j < RINGS; j++) {
         for (int k = 0; k < SECTORS; k++) {
-            double c = (j + 0.5) / RINGS, phi = 2.0 * pi * (k + 0.5) / SECTORS, sine = sqrt(1.0 - c * c), values[160];
+            double c = (j + 0.5) / RINGS, phi = 2.0 * pi * (k + 0.5) / SECTORS, sine = sqrt(1.0 - c * c),
+                   values[160];
             sl_vec3d world = direction_at(&s->record.frame, c, phi);
             sl_hsh_evaluate(ORDER, sl_v3d(sine * cos(phi), sine * sin(phi), c), values);
             for (int channel = 0; channel < 3; channel++) {
                 double share = environment(channel, world) * 2.0 * pi / (RINGS * SECTORS);
-                for (size_t i = 0; i < stride; i++) s->coefficients[(size_t)channel * stride + i] += (float)(share * values[i]);
+                for (size_t i = 0; i < stride; i++)
+                    s->coefficients[(size_t)channel * stride + i] += (float)(share * values[i]);
             }
         }
     }
@@ -75,7 +78,8 @@ static double reflected(const stage *s, int channel, sl_vec3d to_viewer) {
             double c = (j + 0.5) / RINGS;
             sl_vec3d w = direction_at(&f, c, 2.0 * pi * (k + 0.5) / SECTORS);
             double cos_alpha = w.x * mirrored.x + w.y * mirrored.y + w.z * mirrored.z;
-            if (cos_alpha > 0.0) sum += pow(cos_alpha, (double)s->surface.exponent) * c * environment(channel, w);
+            if (cos_alpha > 0.0)
+                sum += pow(cos_alpha, (double)s->surface.exponent) * c * environment(channel, w);
         }
     }
     return sum * ((double)s->surface.exponent + 2.0) / (2.0 * pi) * 2.0 * pi / (RINGS * SECTORS);
@@ -119,7 +123,8 @@ static void a_pixel_with_the_records_normal_reflects_what_quadrature_says(void *
     }
 }
 
-/* The tilt brings up directions that the record did not see; they take their mirror image's light: the more, the further. */
+/* The tilt brings up directions that the record did not see; they take their mirror image's light: the more,
+ * the further. */
 static void a_tilted_pixel_reflects_what_quadrature_says_but_for_what_the_record_could_not_see(void **state) {
     (void)state;
     static stage s;
@@ -170,7 +175,8 @@ static void coefficients_are_translated_along_their_gradients_in_the_records_fra
     sl_glossy_destroy(s.glossy);
 }
 
-/* At a wall that is almost touched, where depth vanishes, gradients are beyond all measure: the lobe must not show them as a blot. */
+/* At a wall that is almost touched, where depth vanishes, gradients are beyond all measure: the lobe must not
+ * show them as a blot. */
 static void gradients_beyond_measure_change_what_is_reflected_by_half(void **state) {
     (void)state;
     static stage s;
@@ -181,7 +187,8 @@ static void gradients_beyond_measure_change_what_is_reflected_by_half(void **sta
     const float steep[] = {1e5f, -1e5f, 1e30f, INFINITY, NAN};
     for (int i = 0; i < 5; i++) {
         for (size_t j = 0; j < 3 * stride; j++) s.coefficients[3 * stride + j] = steep[i] * s.coefficients[j];
-        s.px = 0.01f * s.record.frame.x.x, s.py = 0.01f * s.record.frame.x.y, s.pz = 0.01f * s.record.frame.x.z;
+        s.px = 0.01f * s.record.frame.x.x, s.py = 0.01f * s.record.frame.x.y,
+        s.pz = 0.01f * s.record.frame.x.z;
         sl_glossy_kernel_for(sl_isa_best())(&s.view, &s.record, 0, moved);
         for (int c = 0; c < 3; c++) assert_true(moved[c] > 0.45f * there[c] && moved[c] < 1.55f * there[c]);
     }
@@ -222,20 +229,24 @@ static void an_eye_on_the_pixel_or_below_it_and_a_normal_that_is_none_give_numbe
 static sl_scene *box_with_back(const char *back, sl_settings *settings) {
     char json[1024], folder[512];
     assert_non_null(getcwd(folder, sizeof folder));
-    snprintf(json, sizeof json,
-             "{\"softlux\": 1, \"meshes\": [{\"file\": \"%s/scenes/cornell.obj\"}], \"materials\": {\"back\": %s},"
-             "\"camera\": {\"eye\": [278, 273, -800], \"target\": [278, 273, 0], \"up\": [0, 1, 0], \"fov_deg\": 39.3}}",
-             folder, back);
+    snprintf(
+        json, sizeof json,
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"%s/scenes/cornell.obj\"}], \"materials\": {\"back\": %s},"
+        "\"camera\": {\"eye\": [278, 273, -800], \"target\": [278, 273, 0], \"up\": [0, 1, 0], \"fov_deg\": "
+        "39.3}}",
+        folder, back);
     *settings = small_settings("splatting", 96, 96);
     return scene_from_text(json, NULL);
 }
 
-/* Gathers see diffuse lobes alone, so a glossy lobe more on one wall is nothing to the pixels of the others. */
+/* Gathers see diffuse lobes alone, so a glossy lobe more on one wall is nothing to the pixels of the others.
+ */
 static void a_glossy_wall_leaves_diffuse_pixels_as_they_were(void **state) {
     (void)state;
     sl_settings settings;
     sl_scene *diffuse = box_with_back("{\"diffuse\": [0.3, 0.3, 0.3]}", &settings);
-    sl_scene *glossy = box_with_back("{\"diffuse\": [0.3, 0.3, 0.3], \"specular\": [0.5, 0.5, 0.5], \"exponent\": 10}", &settings);
+    sl_scene *glossy = box_with_back(
+        "{\"diffuse\": [0.3, 0.3, 0.3], \"specular\": [0.5, 0.5, 0.5], \"exponent\": 10}", &settings);
     sl_image *a = render(diffuse, &settings, NULL), *b = render(glossy, &settings, NULL);
     const float *reflection = sl_image_channel(b, "glossy.R");
     assert_null(sl_image_channel(a, "glossy.R"));
@@ -274,8 +285,10 @@ static void the_glossy_box_agrees_with_the_path_tracer(void **state) {
 static void a_view_without_glossy_pixels_opens_no_radiance_cache(void **state) {
     (void)state;
     sl_settings settings;
-    sl_scene *scene = box_with_back("{\"diffuse\": [0.3, 0.3, 0.3], \"specular\": [0.5, 0.5, 0.5], \"exponent\": 10}", &settings);
-    const float eye[3] = {278, 273, 100}, up[3] = {0, 1, 0}, right_wall[3] = {0, 273, 101}, back_wall[3] = {278, 273, 500};
+    sl_scene *scene = box_with_back(
+        "{\"diffuse\": [0.3, 0.3, 0.3], \"specular\": [0.5, 0.5, 0.5], \"exponent\": 10}", &settings);
+    const float eye[3] = {278, 273, 100}, up[3] = {0, 1, 0}, right_wall[3] = {0, 273, 101},
+                back_wall[3] = {278, 273, 500};
     sl_method *method;
     assert_int_equal(sl_scene_set_camera(scene, eye, right_wall, up, 0.3f, NULL), SL_OK);
     assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);

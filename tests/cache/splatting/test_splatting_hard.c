@@ -1,5 +1,6 @@
-/* Radiance cache splatting where it is known to fail: section by section the cases that break careless caches, each with what must
- * come out, by closed forms where there are some, else by the path tracer on the same paths. */
+/* Radiance cache splatting where it is known to fail: section by section the cases that break careless
+ * caches, each with what must come out, by closed forms where there are some, else by the path tracer on the
+ * same paths. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,13 +23,16 @@ static const float *channel_of(const sl_image *image, const char *name) {
     return plane;
 }
 
-/* ---- a lit wall over a dark floor: corner, gradients, borders -------------------------------------------------------- */
+/* ---- a lit wall over a dark floor: corner, gradients, borders -------------------------------- */
 
-/* The wall x = 0, 3 high and 6 wide, lit squarely and evenly; the floor y = 0, that light only grazes, sees nothing else. So its
- * irradiance is that of a rectangle of even radiance, down to the corner, where R vanishes and the gradient is infinite. */
-static const char wall_obj[] = "v 0 0 -3\nv 0 0 3\nv 0 3 3\nv 0 3 -3\nv 6 0 -3\nv 6 0 3\nf 1 4 3 2\nf 1 2 6 5\n";
+/* The wall x = 0, 3 high and 6 wide, lit squarely and evenly; the floor y = 0, that light only grazes, sees
+ * nothing else. So its irradiance is that of a rectangle of even radiance, down to the corner, where R
+ * vanishes and the gradient is infinite. */
+static const char wall_obj[] =
+    "v 0 0 -3\nv 0 0 3\nv 0 3 3\nv 0 3 -3\nv 6 0 -3\nv 6 0 3\nf 1 4 3 2\nf 1 2 6 5\n";
 static const char wall_json[] =
-    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"diffuse\": 0.6}},\n"
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": "
+    "{\"diffuse\": 0.6}},\n"
     " \"lights\": [{\"type\": \"directional\", \"direction\": [-1, 0, 0], \"irradiance\": 3.14159265}],\n"
     " \"camera\": {\"eye\": [%g, %g, %g], \"target\": [%g, %g, %g], \"fov_deg\": 40}}";
 
@@ -38,7 +42,9 @@ typedef struct {
 
 static point sub(point a, point b) { return (point){a.x - b.x, a.y - b.y, a.z - b.z}; }
 static double dot(point a, point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static point cross(point a, point b) { return (point){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+static point cross(point a, point b) {
+    return (point){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 static point scaled(point a, double s) { return (point){a.x * s, a.y * s, a.z * s}; }
 static point unit(point a) { return scaled(a, 1.0 / sqrt(dot(a, a))); }
 
@@ -63,9 +69,12 @@ typedef struct {
 /* Where the floor is seen at a pixel; false: it is not. */
 static int floor_at(const camera *view, int x, int y, point *p) {
     const point eye = view->eye;
-    point forward = unit(sub(view->target, eye)), right = unit(cross(forward, (point){0, 1, 0})), up = cross(right, forward);
-    double t = tan(20.0 * pi / 180.0), u = (2.0 * (x + 0.5) / WALL_SIZE - 1.0) * t, v = (1.0 - 2.0 * (y + 0.5) / WALL_SIZE) * t;
-    point d = {forward.x + u * right.x + v * up.x, forward.y + u * right.y + v * up.y, forward.z + u * right.z + v * up.z};
+    point forward = unit(sub(view->target, eye)), right = unit(cross(forward, (point){0, 1, 0})),
+          up = cross(right, forward);
+    double t = tan(20.0 * pi / 180.0), u = (2.0 * (x + 0.5) / WALL_SIZE - 1.0) * t,
+           v = (1.0 - 2.0 * (y + 0.5) / WALL_SIZE) * t;
+    point d = {forward.x + u * right.x + v * up.x, forward.y + u * right.y + v * up.y,
+               forward.z + u * right.z + v * up.z};
     if (!(d.y < 0.0)) return 0;
     double s = -eye.y / d.y;
     *p = (point){eye.x + s * d.x, 0.0, eye.z + s * d.z};
@@ -74,7 +83,8 @@ static int floor_at(const camera *view, int x, int y, point *p) {
 
 typedef struct {
     double mean, worst; /* relative errors */
-    double jump;        /* largest change of the error from a pixel to the next, a third of the wall's height from it or more */
+    /* largest change of the error from a pixel to the next, a third of the wall's height from it or more */
+    double jump;
     double records;
 } floor_error;
 
@@ -94,8 +104,10 @@ static floor_error error_of_floor(const sl_image *image, const camera *view) {
             e.worst = fmax(e.worst, fabs(error[y][x]));
             count++;
             if (p.x < 1.0) continue;
-            if (x > 0 && isfinite(error[y][x - 1])) e.jump = fmax(e.jump, fabs(error[y][x] - error[y][x - 1]));
-            if (y > 0 && isfinite(error[y - 1][x])) e.jump = fmax(e.jump, fabs(error[y][x] - error[y - 1][x]));
+            if (x > 0 && isfinite(error[y][x - 1]))
+                e.jump = fmax(e.jump, fabs(error[y][x] - error[y][x - 1]));
+            if (y > 0 && isfinite(error[y - 1][x]))
+                e.jump = fmax(e.jump, fabs(error[y][x] - error[y - 1][x]));
         }
     }
     assert_true(count > WALL_SIZE * WALL_SIZE / 4);
@@ -105,7 +117,8 @@ static floor_error error_of_floor(const sl_image *image, const camera *view) {
 
 static sl_scene *wall_scene(const camera *view) {
     char json[1024];
-    snprintf(json, sizeof json, wall_json, view->eye.x, view->eye.y, view->eye.z, view->target.x, view->target.y, view->target.z);
+    snprintf(json, sizeof json, wall_json, view->eye.x, view->eye.y, view->eye.z, view->target.x,
+             view->target.y, view->target.z);
     return scene_from_text(json, wall_obj);
 }
 
@@ -131,16 +144,19 @@ static sl_settings floor_settings(sl_quality quality) {
     return settings;
 }
 
-static void expect_floor(const char *what, const sl_settings *settings, const camera *view, double mean, double worst, double records) {
+static void expect_floor(const char *what, const sl_settings *settings, const camera *view, double mean,
+                         double worst, double records) {
     floor_error e = measure_floor(settings, view);
-    print_message("%s: mean error %.4f, worst %.3f, jump %.4f, %g records\n", what, e.mean, e.worst, e.jump, e.records);
+    print_message("%s: mean error %.4f, worst %.3f, jump %.4f, %g records\n", what, e.mean, e.worst, e.jump,
+                  e.records);
     if (!(e.mean < mean && e.worst < worst && e.records < records)) fail_msg("%s", what);
 }
 
 static void a_floor_before_a_lit_wall_is_lamberts_into_the_corner(void **state) {
     (void)state;
     const sl_gather_kind gathers[] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
-    const double mean[] = {0.045, 0.02, 0.012}, worst[] = {0.2, 0.15, 0.15}; /* the plane does not see down to the corner */
+    /* the plane does not see down to the corner */
+    const double mean[] = {0.045, 0.02, 0.012}, worst[] = {0.2, 0.15, 0.15};
     for (int i = 0; i < 3; i++) {
         sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
         settings.gather = gathers[i];
@@ -148,8 +164,8 @@ static void a_floor_before_a_lit_wall_is_lamberts_into_the_corner(void **state) 
     }
 }
 
-/* R vanishes in the corner, and with it 1/R. Few pixels of 4096 get records of their own all the same, and a smaller a costs no
- * more than R_min lets it. */
+/* R vanishes in the corner, and with it 1/R. Few pixels of 4096 get records of their own all the same, and a
+ * smaller a costs no more than R_min lets it. */
 static void accuracies_from_a_thousandth_to_two_light_the_floor(void **state) {
     (void)state;
     const double accuracies[] = {0.001, 0.0011, 0.02, 1.0, 2.0}, worst[] = {0.15, 0.15, 0.15, 0.4, 0.8};
@@ -170,8 +186,8 @@ static void gathers_of_four_by_four_are_coarse_and_no_worse(void **state) {
     }
 }
 
-/* On the lit floor every border of a record would show: weights that do not vanish there jump by up to the records' disagreement. Gathers so fine
- * that their noise does not. */
+/* On the lit floor every border of a record would show: weights that do not vanish there jump by up to the
+ * records' disagreement. Gathers so fine that their noise does not. */
 static void no_border_of_a_record_shows(void **state) {
     (void)state;
     sl_settings settings = floor_settings(SL_QUALITY_HIGH);
@@ -226,23 +242,26 @@ static void an_eye_amid_the_records_sees_the_floor_as_it_is(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- close surfaces: the path tracer on the same paths ----------------------------------------------------------------- */
+/* ---- close surfaces: the path tracer on the same paths --------------------------------------- */
 
-static void expect_path_tracer(const char *what, const char *json, const char *obj, sl_quality quality, uint32_t spp, double error, double bias,
-                               double records) {
+static void expect_path_tracer(const char *what, const char *json, const char *obj, sl_quality quality,
+                               uint32_t spp, double error, double bias, double records) {
     sl_scene *scene = scene_from_text(json, obj);
     sl_settings settings = small_settings("splatting", 24, 24);
     settings.quality = quality;
     matched m = matched_with_path_tracer(scene, &settings, spp, true);
-    print_message("%s: error %.4f (noise %.4f), bias %+.4f, %g records\n", what, m.error, m.noise, m.bias, m.records);
+    print_message("%s: error %.4f (noise %.4f), bias %+.4f, %g records\n", what, m.error, m.noise, m.bias,
+                  m.records);
     sl_scene_destroy(scene);
     if (!(m.error < error && fabs(m.bias) < bias && m.records < records)) fail_msg("%s", what);
 }
 
 /* A wedge of 10 degrees: R is small everywhere. */
-static const char wedge_obj[] = "v 0 0 -3\nv 0 0 3\nv 6 0 3\nv 6 0 -3\nv 6 1.058 3\nv 6 1.058 -3\nf 1 2 3 4\nf 1 6 5 2\n";
+static const char wedge_obj[] =
+    "v 0 0 -3\nv 0 0 3\nv 6 0 3\nv 6 0 -3\nv 6 1.058 3\nv 6 1.058 -3\nf 1 2 3 4\nf 1 6 5 2\n";
 static const char wedge_json[] =
-    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"diffuse\": 0.6}},\n"
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": "
+    "{\"diffuse\": 0.6}},\n"
     " \"lights\": [{\"type\": \"point\", \"position\": [6, 0.5, 0], \"intensity\": 10}],\n"
     " \"camera\": {\"eye\": [9, 0.9, 2], \"target\": [3, 0.2, 0], \"fov_deg\": 30}}";
 
@@ -252,33 +271,43 @@ static void a_wedge_has_bounded_records_and_error(void **state) {
 }
 
 static const char lit_json[] =
-    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {%s}},\n"
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": "
+    "{%s}},\n"
     " \"lights\": [{\"type\": \"point\", \"position\": [0.3, 2.6, 0.8], \"intensity\": 10}],\n"
     " \"camera\": {\"eye\": [0.5, 1.7, 1.8], \"target\": [0, 0.6, 0], \"fov_deg\": 60}}";
-static const char dull[] = "\"diffuse\": 0.7", shiny[] = "\"diffuse\": 0.3, \"specular\": 0.6, \"exponent\": 8";
+static const char dull[] = "\"diffuse\": 0.7",
+                  shiny[] = "\"diffuse\": 0.3, \"specular\": 0.6, \"exponent\": 8";
 
 /* Quads of a box, its eight corners numbered from `first`. */
 static int append_box(char *out, size_t size, int first, point low, point high) {
     int n = 0;
     for (int i = 0; i < 8; i++) {
-        n += snprintf(out + n, size - (size_t)n, "v %g %g %g\n", i % 2 ? high.x : low.x, i / 2 % 2 ? high.y : low.y, i / 4 ? high.z : low.z);
+        n += snprintf(out + n, size - (size_t)n, "v %g %g %g\n", i % 2 ? high.x : low.x,
+                      i / 2 % 2 ? high.y : low.y, i / 4 ? high.z : low.z);
     }
-    static const int face[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    static const int face[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                   {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
     for (int f = 0; f < 6; f++)
-        n += snprintf(out + n, size - (size_t)n, "f %d %d %d %d\n", first + face[f][0], first + face[f][1], first + face[f][2], first + face[f][3]);
+        n += snprintf(out + n, size - (size_t)n, "f %d %d %d %d\n", first + face[f][0], first + face[f][1],
+                      first + face[f][2], first + face[f][3]);
     return n;
 }
 
 /* A room with boxes that stick in each other, in the floor and in the wall. */
 static void boxes_that_interpenetrate_have_the_path_tracers_light(void **state) {
     (void)state;
-    static const point corners[][2] = {{{-2, 0, -2}, {2, 3, 2}}, {{-1, -0.2, -1}, {1, 1, 0.5}}, {{0.5, 0.5, -0.5}, {1.5, 1.5, 0.7}}, {{-0.3, -0.5, -2.5}, {0.3, 1.2, 0.8}}};
+    static const point corners[][2] = {{{-2, 0, -2}, {2, 3, 2}},
+                                       {{-1, -0.2, -1}, {1, 1, 0.5}},
+                                       {{0.5, 0.5, -0.5}, {1.5, 1.5, 0.7}},
+                                       {{-0.3, -0.5, -2.5}, {0.3, 1.2, 0.8}}};
     char obj[4096], json[1024];
     int n = 0;
-    for (int i = 0; i < 4; i++) n += append_box(obj + n, sizeof obj - (size_t)n, 8 * i + 1, corners[i][0], corners[i][1]);
+    for (int i = 0; i < 4; i++)
+        n += append_box(obj + n, sizeof obj - (size_t)n, 8 * i + 1, corners[i][0], corners[i][1]);
     for (int i = 0; i < 2; i++) {
         snprintf(json, sizeof json, lit_json, i ? shiny : dull);
-        expect_path_tracer(i ? "shiny boxes" : "boxes", json, obj, SL_QUALITY_NORMAL, 100, i ? 0.3 : 0.2, 0.02, 24 * 24 / 2);
+        expect_path_tracer(i ? "shiny boxes" : "boxes", json, obj, SL_QUALITY_NORMAL, 100, i ? 0.3 : 0.2,
+                           0.02, 24 * 24 / 2);
     }
 }
 
@@ -305,23 +334,26 @@ static void coplanar_duplicates_change_nothing(void **state) {
 
 /* ---- curved surfaces ---- */
 
-/* A ball of 10 x 6 facets with smooth normals, radius r about (0, 1, 0); inside: its normals point inwards. */
+/* A ball of 10 x 6 facets with smooth normals, radius r about (0, 1, 0); inside: its normals point inwards.
+ */
 static int append_ball(char *out, size_t size, int first, double r, int inside) {
     enum { AROUND = 10, DOWN = 6 };
     int n = 0;
     for (int j = 0; j <= DOWN; j++) {
         for (int i = 0; i < AROUND; i++) {
             double t = pi * j / DOWN, p = 2.0 * pi * i / AROUND, s = inside ? -1.0 : 1.0;
-            n += snprintf(out + n, size - (size_t)n, "v %.9g %.9g %.9g\nvn %.9g %.9g %.9g\n", r * sin(t) * sin(p), 1.0 + r * cos(t),
-                          r * sin(t) * cos(p), s * sin(t) * sin(p), s * cos(t), s * sin(t) * cos(p));
+            n += snprintf(out + n, size - (size_t)n, "v %.9g %.9g %.9g\nvn %.9g %.9g %.9g\n",
+                          r * sin(t) * sin(p), 1.0 + r * cos(t), r * sin(t) * cos(p), s * sin(t) * sin(p),
+                          s * cos(t), s * sin(t) * cos(p));
         }
     }
     for (int j = 0; j < DOWN; j++) {
         for (int i = 0; i < AROUND; i++) {
             int a = j * AROUND + i, b = j * AROUND + (i + 1) % AROUND, c = a + AROUND, d = b + AROUND;
             int v[4] = {a + 1, c + 1, d + 1, b + 1};
-            n += snprintf(out + n, size - (size_t)n, "f %d//%d %d//%d %d//%d\nf %d//%d %d//%d %d//%d\n", v[0] + first, v[0], v[1] + first, v[1],
-                          v[2] + first, v[2], v[0] + first, v[0], v[2] + first, v[2], v[3] + first, v[3]);
+            n += snprintf(out + n, size - (size_t)n, "f %d//%d %d//%d %d//%d\nf %d//%d %d//%d %d//%d\n",
+                          v[0] + first, v[0], v[1] + first, v[1], v[2] + first, v[2], v[0] + first, v[0],
+                          v[2] + first, v[2], v[3] + first, v[3]);
         }
     }
     return n;
@@ -336,12 +368,14 @@ static void balls_seen_from_outside_and_inside_have_the_path_tracers_light(void 
         if (!inside) n = append_box(obj, sizeof obj, 1, (point){-2, 0, -2}, (point){2, 3, 2});
         append_ball(obj + n, sizeof obj - (size_t)n, inside ? 0 : 8, inside ? 3.0 : 0.8, inside);
         snprintf(json, sizeof json, lit_json, i % 2 ? shiny : dull);
-        expect_path_tracer(inside ? "inside a ball" : "a ball", json, obj, SL_QUALITY_NORMAL, 64, inside ? 0.05 : 0.2, 0.02, 24 * 24 / 2);
+        expect_path_tracer(inside ? "inside a ball" : "a ball", json, obj, SL_QUALITY_NORMAL, 64,
+                           inside ? 0.05 : 0.2, 0.02, 24 * 24 / 2);
     }
 }
 
-/* In the glossy box the back wall's lobe reflects the blue channel as darkly as the walls are: 0.01. Gradients of records at the edges of
- * boxes and floor made it shine by tens there, at some sizes of the picture. */
+/* In the glossy box the back wall's lobe reflects the blue channel as darkly as the walls are: 0.01.
+ * Gradients of records at the edges of boxes and floor made it shine by tens there, at some sizes of the
+ * picture. */
 static void no_record_of_the_glossy_box_makes_a_blot(void **state) {
     (void)state;
     const int sizes[] = {24, 40, 48};
@@ -360,13 +394,16 @@ static void no_record_of_the_glossy_box_makes_a_blot(void **state) {
 
 /* ---- what rays hardly find, and normals that say nothing ---- */
 
-/* A spot of 4 degrees on the ceiling of an empty room is all that shines on the floor: a patch of 0.0035 m^2, E = Phi albedo / pi
- * cos cos / d^2. Of a gather's rays few find it, so pixels scatter, but their mean is right. */
+/* A spot of 4 degrees on the ceiling of an empty room is all that shines on the floor: a patch of 0.0035 m^2,
+ * E = Phi albedo / pi cos cos / d^2. Of a gather's rays few find it, so pixels scatter, but their mean is
+ * right. */
 static void a_small_bright_patch_is_right_in_the_mean(void **state) {
     (void)state;
     static const char json[] =
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"diffuse\": 0.5}},\n"
-        " \"lights\": [{\"type\": \"spot\", \"position\": [0, 1, 0], \"direction\": [0, 1, 0], \"intensity\": 1000,\n"
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": "
+        "{\"m\": {\"diffuse\": 0.5}},\n"
+        " \"lights\": [{\"type\": \"spot\", \"position\": [0, 1, 0], \"direction\": [0, 1, 0], "
+        "\"intensity\": 1000,\n"
         "   \"inner_deg\": 1.9, \"outer_deg\": 1.9}],\n"
         " \"camera\": {\"eye\": [0, 1.9, 0], \"target\": [0, 0, 0], \"up\": [0, 0, -1], \"fov_deg\": 60}}";
     char obj[1024];
@@ -382,29 +419,36 @@ static void a_small_bright_patch_is_right_in_the_mean(void **state) {
         const float *indirect = channel_of(image, "indirect.G");
         double power = 1000.0 * 2.0 * pi * (1.0 - cos(1.9 * pi / 180.0)), sum = 0.0, truth = 0.0, worst = 0.0;
         for (int i = 0; i < 32 * 32; i++) {
-            double t = tan(30.0 * pi / 180.0) * 1.9, x = t * (2.0 * (i % 32 + 0.5) / 32 - 1.0), z = t * (2.0 * (i / 32 + 0.5) / 32 - 1.0);
+            double t = tan(30.0 * pi / 180.0) * 1.9, x = t * (2.0 * (i % 32 + 0.5) / 32 - 1.0),
+                   z = t * (2.0 * (i / 32 + 0.5) / 32 - 1.0);
             double d2 = x * x + z * z + 4.0, wanted = 0.5 / pi * (0.5 * power / pi) * (4.0 / d2) / d2;
             sum += (double)indirect[i];
             truth += wanted;
             worst = fmax(worst, (double)indirect[i] / wanted);
         }
-        print_message("a small bright patch: mean %.3f of the truth, brightest pixel %.2f\n", sum / truth, worst);
+        print_message("a small bright patch: mean %.3f of the truth, brightest pixel %.2f\n", sum / truth,
+                      worst);
         assert_true(fabs(sum / truth - 1.0) < 0.12 && worst < 6.0);
         sl_image_destroy(image);
     }
     sl_scene_destroy(scene);
 }
 
-/* Vertex normals that are opposite, zero, or no numbers: where they cancel there is no shading normal to be had. */
+/* Vertex normals that are opposite, zero, or no numbers: where they cancel there is no shading normal to be
+ * had. */
 static void shading_normals_that_cancel_or_are_none_give_light_all_the_same(void **state) {
     (void)state;
-    static const char normals[][100] = {"vn 0 1 0\nvn 0 -1 0\nvn 0 1 0\nvn 0 -1 0\n", "vn 0 0 0\nvn 0 0 0\nvn 0 0 0\nvn 0 0 0\n",
-                                        "vn 1 0 0\nvn -1 0 0\nvn 1 0 0\nvn -1 0 0\n", "vn nan 0 0\nvn inf 1 0\nvn 1e38 1e38 0\nvn 1e-40 1e-40 0\n"};
+    static const char normals[][100] = {"vn 0 1 0\nvn 0 -1 0\nvn 0 1 0\nvn 0 -1 0\n",
+                                        "vn 0 0 0\nvn 0 0 0\nvn 0 0 0\nvn 0 0 0\n",
+                                        "vn 1 0 0\nvn -1 0 0\nvn 1 0 0\nvn -1 0 0\n",
+                                        "vn nan 0 0\nvn inf 1 0\nvn 1e38 1e38 0\nvn 1e-40 1e-40 0\n"};
     char obj[2048], json[1024];
     for (int i = 0; i < 4; i++) {
         for (int k = 0; k < 2; k++) {
             int n = append_box(obj, sizeof obj, 1, (point){-2, 0, -2}, (point){2, 3, 2});
-            snprintf(obj + n, sizeof obj - (size_t)n, "v -1 0.5 -1\nv -1 0.5 1\nv 1 0.5 1\nv 1 0.5 -1\n%sf 9//1 10//2 11//3 12//4\n", normals[i]);
+            snprintf(obj + n, sizeof obj - (size_t)n,
+                     "v -1 0.5 -1\nv -1 0.5 1\nv 1 0.5 1\nv 1 0.5 -1\n%sf 9//1 10//2 11//3 12//4\n",
+                     normals[i]);
             snprintf(json, sizeof json, lit_json, k ? shiny : dull);
             sl_scene *scene = scene_from_text(json, obj);
             sl_settings settings = small_settings("splatting", 24, 24);
@@ -423,20 +467,24 @@ static void shading_normals_that_cancel_or_are_none_give_light_all_the_same(void
 
 /* ---- thin walls ---- */
 
-/* Two rooms of 2 x 2 x 2, open to the camera, share a wall that is 1/1000 thick, and the light hangs in the right one. What the
- * left room sees of the world is black; so it must stay black, though records of the right room lie a thousandth away. */
+/* Two rooms of 2 x 2 x 2, open to the camera, share a wall that is 1/1000 thick, and the light hangs in the
+ * right one. What the left room sees of the world is black; so it must stay black, though records of the
+ * right room lie a thousandth away. */
 static const char rooms_obj[] =
     "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
     "v 2.001 0 0\nv 4 0 0\nv 4 2 0\nv 2.001 2 0\nv 2.001 0 2\nv 4 0 2\nv 4 2 2\nv 2.001 2 2\n"
     "f 1 2 3 4\nf 1 4 8 5\nf 2 6 7 3\nf 1 5 6 2\nf 4 3 7 8\n"
     "f 9 10 11 12\nf 9 12 16 13\nf 10 14 15 11\nf 9 13 14 10\nf 12 11 15 16\n";
-/* One floor and one back wall, which the dividing wall stands on and leans against; open above. Behind the wall it is dark. */
+/* One floor and one back wall, which the dividing wall stands on and leans against; open above. Behind the
+ * wall it is dark. */
 static const char divided_obj[] =
     "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 0 0 2\nv 4 0 2\n"
-    "v 2 -0.2 -0.2\nv 2.001 -0.2 -0.2\nv 2.001 2 -0.2\nv 2 2 -0.2\nv 2 -0.2 2\nv 2.001 -0.2 2\nv 2.001 2 2\nv 2 2 2\n"
+    "v 2 -0.2 -0.2\nv 2.001 -0.2 -0.2\nv 2.001 2 -0.2\nv 2 2 -0.2\nv 2 -0.2 2\nv 2.001 -0.2 2\nv 2.001 2 "
+    "2\nv 2 2 2\n"
     "f 1 2 3 4\nf 1 5 6 2\nf 7 11 14 10\nf 8 9 13 12\nf 10 14 13 9\nf 11 12 13 14\nf 7 10 9 8\n";
 static const char rooms_json[] =
-    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {%s}},\n"
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": "
+    "{%s}},\n"
     " \"lights\": [{\"type\": \"point\", \"position\": [%s], \"intensity\": 10}],\n"
     " \"camera\": {\"eye\": [2, 1, 5.5], \"target\": [2, 1, 0], \"fov_deg\": 40}}";
 
@@ -447,8 +495,10 @@ static void assert_left_is_dark(const sl_scene *scene, const sl_settings *settin
     assert_sound_picture(image, what);
     const float *picture = channel_of(image, "G");
     double left = 0.0, right = 0.0;
-    for (int i = 0; i < ROOMS_WIDTH * ROOMS_HEIGHT; i++) *(i % ROOMS_WIDTH < ROOMS_WIDTH / 2 ? &left : &right) += (double)picture[i];
-    /* Not quite so where shadow maps light what a gather sees: the dividing wall ends, and its end is no sharper than a texel. */
+    for (int i = 0; i < ROOMS_WIDTH * ROOMS_HEIGHT; i++)
+        *(i % ROOMS_WIDTH < ROOMS_WIDTH / 2 ? &left : &right) += (double)picture[i];
+    /* Not quite so where shadow maps light what a gather sees: the dividing wall ends, and its end is no
+     * sharper than a texel. */
     double most = settings->direct == SL_DIRECT_SHADOW_MAPS ? 1e-5 * right : 0.0;
     if (left > most || !(right > 10.0)) fail_msg("%s: %g on the left, %g on the right", what, left, right);
     sl_image_destroy(image);
@@ -504,8 +554,8 @@ static void assert_all_is_dark(const char *obj, const char *light, const char *c
     sl_scene_destroy(scene);
 }
 
-/* A folding screen without thickness parts a room from wall to wall; the light is behind it. Records touch it,
- * and at its outlines the rasterizer, whose vertices are snapped, shows pixels of what is behind it. */
+/* A folding screen without thickness parts a room from wall to wall; the light is behind it. Records touch
+ * it, and at its outlines the rasterizer, whose vertices are snapped, shows pixels of what is behind it. */
 static void no_light_comes_through_a_folding_screen_without_thickness(void **state) {
     (void)state;
     static const char *const cameras[][2] = {{"0.8498448, 1.11755972, 1.72571254", "-0.354102"},
@@ -524,7 +574,8 @@ static void no_light_comes_through_a_folding_screen_without_thickness(void **sta
         assert_all_is_dark(obj, "0.3, 2, -1", cameras[i / 2], i % 2 ? SL_QUALITY_NORMAL : SL_QUALITY_DRAFT);
 }
 
-/* A closed cylinder of 24 facets on a floor, a lamp inside: at its outline facets turn their insides to the eye. */
+/* A closed cylinder of 24 facets on a floor, a lamp inside: at its outline facets turn their insides to the
+ * eye. */
 static void no_facet_of_a_cylinder_around_a_lamp_shows_its_inside(void **state) {
     (void)state;
     enum { FACETS = 24, TOP = 2 * FACETS + 1 };
@@ -540,8 +591,8 @@ static void no_facet_of_a_cylinder_around_a_lamp_shows_its_inside(void **state) 
                   "v 0 2 0\nv -3 0 -3\nv 3 0 -3\nv 3 0 3\nv -3 0 3\nf -1 -2 -3 -4\n");
     for (int i = 0; i < FACETS; i++) {
         int a = 2 * i + 1, b = 2 * ((i + 1) % FACETS) + 1;
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "f %d %d %d %d\nf %d %d %d\n", a, b, b + 1, a + 1, a + 1,
-                      b + 1, TOP);
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "f %d %d %d %d\nf %d %d %d\n", a, b, b + 1, a + 1,
+                      a + 1, b + 1, TOP);
     }
     for (int i = 0; i < 2; i++) assert_all_is_dark(obj, "0.1, 0.6, 0.05", cameras[i], SL_QUALITY_DRAFT);
 }
@@ -550,9 +601,9 @@ static void no_facet_of_a_cylinder_around_a_lamp_shows_its_inside(void **state) 
 
 static void pixels_without_geometry_ask_for_nothing(void **state) {
     (void)state;
-    static const char json[] =
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": [1, 2, 3]},\n"
-        " \"camera\": {\"eye\": [%s], \"target\": [0, 0, -10], \"fov_deg\": 40}}";
+    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": "
+                               "{\"radiance\": [1, 2, 3]},\n"
+                               " \"camera\": {\"eye\": [%s], \"target\": [0, 0, -10], \"fov_deg\": 40}}";
     static const char obj[] = "v -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0 0.5 0\nf 1 2 3\n";
     char text[512];
     for (int i = 0; i < 2; i++) { /* the triangle before the eye, then behind it */
@@ -561,7 +612,8 @@ static void pixels_without_geometry_ask_for_nothing(void **state) {
         sl_settings settings = small_settings("splatting", 33, 33);
         sl_counters counters;
         sl_image *image = render(scene, &settings, &counters);
-        const float *weight = channel_of(image, "weight.Y"), *sky = channel_of(image, "emission.B"), *picture = channel_of(image, "B");
+        const float *weight = channel_of(image, "weight.Y"), *sky = channel_of(image, "emission.B"),
+                    *picture = channel_of(image, "B");
         int seen = 0;
         for (int p = 0; p < 33 * 33; p++) {
             seen += sky[p] == 0.0f;

@@ -1,4 +1,5 @@
-/* Records kept on disk: what a second run makes of them, and what becomes of files that do not fit or are damaged. */
+/* Records kept on disk: what a second run makes of them, and what becomes of files that do not fit or are
+ * damaged. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -66,7 +67,9 @@ static void load(sl_method *method, const char *path) {
     if (sl_method_load(method, path, &error) != SL_OK) fail_msg("%s", error.message);
 }
 
-static uint64_t count_of(const sl_method *method, sl_counter counter) { return sl_method_counters(method)->value[counter]; }
+static uint64_t count_of(const sl_method *method, sl_counter counter) {
+    return sl_method_counters(method)->value[counter];
+}
 
 static uint8_t *read_file(const char *path, size_t *size) {
     FILE *file = fopen(path, "rb");
@@ -151,8 +154,10 @@ static uint64_t need_of(const sl_scene *scene, const sl_settings *settings) {
     return need;
 }
 
-/* Where there is no room for more records there is none for those of the file either. Returns whether records did end. */
-static bool expect_the_same_end(const place *p, sl_method *first, const sl_scene *scene, const sl_settings *settings) {
+/* Where there is no room for more records there is none for those of the file either. Returns whether records
+ * did end. */
+static bool expect_the_same_end(const place *p, sl_method *first, const sl_scene *scene,
+                                const sl_settings *settings) {
     sl_image *before = finish(first);
     const char *told = sl_method_reduction(first);
     const bool ended = told && strstr(told, "records end at");
@@ -178,7 +183,8 @@ static void records_from_a_file_end_where_those_that_were_made_did(void **state)
         settings.bounces = bounces;
         settings.memory_bytes = 0;
         const uint64_t need = need_of(scene, &settings);
-        for (uint64_t more = 0; more < 5; more++) { /* the bare need, and within or beyond what a bounce's records take */
+        /* the bare need, and within or beyond what a bounce's records take */
+        for (uint64_t more = 0; more < 5; more++) {
             settings.memory_bytes = need + more * (bounces == 1 ? 200000 : 2500000);
             sl_method *first = new_method(scene, &settings);
             ended += expect_the_same_end(*state, first, scene, &settings);
@@ -277,12 +283,14 @@ static void an_unfinished_run_can_be_gone_on_with(void **state) {
 
 /* ---- what does not fit ---- */
 
-static void expect_refusal(const char *path, const char *scene_path, const sl_settings *settings, const char *why) {
+static void expect_refusal(const char *path, const char *scene_path, const sl_settings *settings,
+                           const char *why) {
     sl_scene *scene = load_scene(scene_path);
     sl_method *method = new_method(scene, settings);
     sl_error error = {SL_OK, ""};
     sl_status status = sl_method_load(method, path, &error);
-    if (status == SL_OK || !strstr(error.message, why)) fail_msg("expected '%s', got '%s'", why, error.message);
+    if (status == SL_OK || !strstr(error.message, why))
+        fail_msg("expected '%s', got '%s'", why, error.message);
     assert_int_equal(status, SL_ERROR_INPUT);
     assert_null(strchr(error.message, '\n'));
     sl_method_destroy(method);
@@ -362,7 +370,8 @@ typedef struct {
 
 /* A small cache with records of both classes and second-level ones. */
 static sample sample_new(const place *p) {
-    sample s = {.scene = load_scene("scenes/cornell-glossy.json"), .settings = small_settings("splatting", 10, 10)};
+    sample s = {.scene = load_scene("scenes/cornell-glossy.json"),
+                .settings = small_settings("splatting", 10, 10)};
     s.settings.bounces = 2;
     s.settings.gather_size = 4;
     s.settings.harmonics_order = 1;
@@ -399,7 +408,8 @@ static void files_cut_short_are_refused_at_every_length(void **state) {
     const place *p = *state;
     sample s = sample_new(p);
     size_t step = s.size / 3000 + 1; /* every length near the ends, many between */
-    for (size_t size = 0; size < s.size; size += size < 400 || size + 400 > s.size ? 1 : step) expect_damage(p, &s, s.bytes, size);
+    for (size_t size = 0; size < s.size; size += size < 400 || size + 400 > s.size ? 1 : step)
+        expect_damage(p, &s, s.bytes, size);
     uint8_t *longer = calloc(s.size + 1, 1);
     assert_non_null(longer);
     memcpy(longer, s.bytes, s.size);
@@ -423,7 +433,8 @@ static void any_bit_that_differs_is_noticed(void **state) {
     sample_free(&s);
 }
 
-/* Nonsense with a checksum that fits: it is read or refused, but nothing is ever read or written where it must not be. */
+/* Nonsense with a checksum that fits: it is read or refused, but nothing is ever read or written where it
+ * must not be. */
 static void seal(uint8_t *bytes, size_t size) {
     uint64_t hash = size - 8;
     for (size_t i = 0; i < size - 8; i += 8) {

@@ -1,5 +1,6 @@
-/* The fragment program of radiance records against the plain one of moved lobes, at every order and on every instruction set: what
- * stands in the padding of vectors must never count. And how far such a record's gradients bear. */
+/* The fragment program of radiance records against the plain one of moved lobes, at every order and on every
+ * instruction set: what stands in the padding of vectors must never count. And how far such a record's
+ * gradients bear. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,7 +29,8 @@ typedef struct view_of_pixels {
 static float number(uint64_t index) { return 2.0f * sl_random_unit(sl_random_key(4, 0), index) - 1.0f; }
 
 static sl_vec3 direction(uint64_t index) {
-    return sl_normalize_or(sl_v3(number(3 * index), number(3 * index + 1), number(3 * index + 2)), sl_v3(0, 0, 1));
+    return sl_normalize_or(sl_v3(number(3 * index), number(3 * index + 1), number(3 * index + 2)),
+                           sl_v3(0, 0, 1));
 }
 
 static void open_view(view_of_pixels *v, int order) {
@@ -42,25 +44,29 @@ static void open_view(view_of_pixels *v, int order) {
         v->receives[i] = 1;
         v->material[i] = i == PIXELS - 1;
     }
-    v->receivers = (sl_splat_receivers){PIXELS, 1, v->position[0], v->position[1], v->position[2], v->normal[0], v->normal[1], v->normal[2],
-                                  v->receives};
+    v->receivers = (sl_splat_receivers){
+        PIXELS,       1,          v->position[0], v->position[1], v->position[2], v->normal[0], v->normal[1],
+        v->normal[2], v->receives};
     v->scene = (sl_scene){.material_count = 2, .materials = v->surfaces};
     assert_int_equal(sl_glossy_create(&v->scene, order, &v->glossy, NULL), SL_OK);
     v->view = (sl_glossy_view){v->glossy, &v->receivers, v->material, sl_scale(direction(77), 5.0f), NULL};
     for (size_t i = 0; i < 9 * stride; i++) {
         size_t place = i % stride, odd = sl_hsh_odd_start(order);
-        bool real = place < sl_hsh_even_count(order) || (place >= odd && place < odd + sl_hsh_odd_count(order));
+        bool real =
+            place < sl_hsh_even_count(order) || (place >= odd && place < odd + sl_hsh_odd_count(order));
         v->coefficients[i] = real ? number(2000 + i) : 0.0f;
     }
     v->record = (sl_glossy_record){{0.01f, -0.02f, 0.03f}, sl_frame_from_normal(up), v->coefficients};
 }
 
-static void expected_radiance(const view_of_pixels *v, int order, const sl_moved_lobe *lobe, size_t i, double radiance[3]) {
+static void expected_radiance(const view_of_pixels *v, int order, const sl_moved_lobe *lobe, size_t i,
+                              double radiance[3]) {
     float weights[SL_HSH_STRIDE_MAX];
     size_t stride = sl_hsh_stride(order);
     const sl_frame *f = &v->record.frame;
     sl_vec3 p = sl_v3(v->position[0][i], v->position[1][i], v->position[2][i]);
-    sl_vec3 n = sl_v3(v->normal[0][i], v->normal[1][i], v->normal[2][i]), out = sl_normalize_or(sl_sub(v->view.eye, p), n);
+    sl_vec3 n = sl_v3(v->normal[0][i], v->normal[1][i], v->normal[2][i]),
+            out = sl_normalize_or(sl_sub(v->view.eye, p), n);
     float up = sl_dot(out, n), seen = up > 0.0f ? up : 0.0f;
     sl_vec3 r = sl_sub(sl_scale(n, seen + up), out), delta = sl_sub(p, v->record.position);
     double dx = (double)sl_dot(delta, f->x), dy = (double)sl_dot(delta, f->y);
@@ -72,7 +78,8 @@ static void expected_radiance(const view_of_pixels *v, int order, const sl_moved
             here += (double)weights[j] * (double)c[0];
             change += (double)weights[j] * (dx * (double)c[3 * stride] + dy * (double)c[6 * stride]);
         }
-        radiance[k] = here + fmin(fmax(change, -0.5 * fabs(here)), 0.5 * fabs(here)); /* changes by half at most */
+        /* changes by half at most */
+        radiance[k] = here + fmin(fmax(change, -0.5 * fabs(here)), 0.5 * fabs(here));
     }
 }
 

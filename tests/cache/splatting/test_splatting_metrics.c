@@ -12,17 +12,27 @@
 #include "gather_world.h"
 #include "rendering.h"
 
-static const sl_gather_point at_origin = {.normal = {0, 0, 1}, .geometric_normal = {0, 0, 1}, .triangle = SL_NO_INDEX};
-static const sl_radius_metric metrics[] = {SL_METRIC_HARMONIC, SL_METRIC_MINIMUM, SL_METRIC_HESSIAN, SL_METRIC_ADAPTIVE};
+static const sl_gather_point at_origin = {
+    .normal = {0, 0, 1}, .geometric_normal = {0, 0, 1}, .triangle = SL_NO_INDEX};
+static const sl_radius_metric metrics[] = {SL_METRIC_HARMONIC, SL_METRIC_MINIMUM, SL_METRIC_HESSIAN,
+                                           SL_METRIC_ADAPTIVE};
 enum { METRICS = sizeof metrics / sizeof *metrics };
 
 static sl_radius_rules rules_with(sl_radius_metric metric, double accuracy) {
-    return (sl_radius_rules){.accuracy = accuracy, .minimum_pixels = 1.5, .maximum_radius = 100.0, .guard = false,
-                             .gather = SL_GATHER_RAYS, .plane_tangent = 2.7, .metric = metric};
+    return (sl_radius_rules){.accuracy = accuracy,
+                             .minimum_pixels = 1.5,
+                             .maximum_radius = 100.0,
+                             .guard = false,
+                             .gather = SL_GATHER_RAYS,
+                             .plane_tangent = 2.7,
+                             .metric = metric};
 }
 
 static sl_irradiance seen(float value, float curvature, float harmonic_mean, float nearest) {
-    return (sl_irradiance){.value = sl_grey(value), .curvature = {curvature, 0.0f}, .harmonic_mean = harmonic_mean, .nearest = nearest};
+    return (sl_irradiance){.value = sl_grey(value),
+                           .curvature = {curvature, 0.0f},
+                           .harmonic_mean = harmonic_mean,
+                           .nearest = nearest};
 }
 
 static double reach(const sl_irradiance *e, const sl_radius_rules *rules, float footprint) {
@@ -39,22 +49,26 @@ static void hessian_records_all_err_by_the_same_in_all(void **state) {
     for (int i = 0; i < 6; i++) {
         sl_irradiance e = seen(values[i / 3], curvatures[i % 3], 1.0f, 1.0f);
         double r = reach(&e, &rules, footprint), unit = (double)footprint * (double)footprint;
-        double error = 0.25 * 3.14159265358979 * fabs((double)curvatures[i % 3]) * r * r * r * r / ((double)values[i / 3] * unit);
+        double error = 0.25 * 3.14159265358979 * fabs((double)curvatures[i % 3]) * r * r * r * r /
+                       ((double)values[i / 3] * unit);
         if (i == 0) first = error;
         assert_true(fabs(error / first - 1.0) < 1e-4);
     }
     sl_irradiance e = seen(1.0f, 1.0f, 1.0f, 1.0f);
     double a = reach(&e, &rules, footprint);
     rules.accuracy = 0.15;
-    assert_true(fabs(reach(&e, &rules, footprint) / a - 0.5) < 1e-6);       /* accuracy is proportional to reach */
-    assert_true(fabs(reach(&e, &rules, 4 * footprint) / a - 1.0) < 1e-6);  /* four times the footprint, twice the reach */
+    /* accuracy is proportional to reach */
+    assert_true(fabs(reach(&e, &rules, footprint) / a - 0.5) < 1e-6);
+    /* four times the footprint, twice the reach */
+    assert_true(fabs(reach(&e, &rules, 4 * footprint) / a - 1.0) < 1e-6);
 }
 
 static void even_light_and_no_light_reach_as_far_as_things_are(void **state) {
     (void)state;
     sl_radius_rules rules = rules_with(SL_METRIC_HESSIAN, 0.5);
     rules.maximum_radius = 3.0;
-    sl_irradiance even = seen(1.0f, 0.0f, 0.8f, 0.1f), dark = seen(0.0f, 0.0f, 0.8f, 0.1f), broken = seen(1.0f, NAN, 0.8f, 0.1f);
+    sl_irradiance even = seen(1.0f, 0.0f, 0.8f, 0.1f), dark = seen(0.0f, 0.0f, 0.8f, 0.1f),
+                  broken = seen(1.0f, NAN, 0.8f, 0.1f);
     assert_true(fabs(reach(&even, &rules, 0.01f) - 0.8) < 1e-6);
     assert_true(fabs(reach(&dark, &rules, 0.01f) - 0.4) < 1e-6);
     even.harmonic_mean = INFINITY;
@@ -78,7 +92,8 @@ static void the_minimum_metric_reaches_half_way_to_the_nearest_thing_but_not_bey
     assert_true(fabs(reach(&e, &rules, 0.01f) - 0.015) < 1e-6);
 }
 
-/* Within its reach, whatever that is, no record says less than nothing, nor more than a radius (with the Hessian a reach) of E / |grad E| allows. */
+/* Within its reach, whatever that is, no record says less than nothing, nor more than a radius (with the
+ * Hessian a reach) of E / |grad E| allows. */
 static void extrapolation_stays_between_nothing_and_twice_the_light(void **state) {
     (void)state;
     for (int m = 0; m < METRICS; m++) {
@@ -96,10 +111,13 @@ static void neighbours_of_hessian_records_clamp_reaches(void **state) {
     (void)state;
     sl_reach_tree *tree;
     assert_int_equal(sl_reach_tree_create(&tree, NULL), SL_OK);
-    sl_record small = {.radius = 1.0f, .own_radius = 1.0f, .stretch = 4.0f}, large = {.radius = 40.0f, .own_radius = 40.0f, .stretch = 4.0f};
+    sl_record small = {.radius = 1.0f, .own_radius = 1.0f, .stretch = 4.0f},
+              large = {.radius = 40.0f, .own_radius = 40.0f, .stretch = 4.0f};
     large.position = sl_v3(2.0f, 0.0f, 0.0f);
-    assert_int_equal(sl_reach_tree_insert(tree, small.position, small.own_radius / small.stretch, NULL), SL_OK);
-    assert_int_equal(sl_reach_tree_insert(tree, large.position, large.own_radius / large.stretch, NULL), SL_OK);
+    assert_int_equal(sl_reach_tree_insert(tree, small.position, small.own_radius / small.stretch, NULL),
+                     SL_OK);
+    assert_int_equal(sl_reach_tree_insert(tree, large.position, large.own_radius / large.stretch, NULL),
+                     SL_OK);
     float clamped = sl_record_clamped_radius(tree, &large);
     assert_true(fabsf(0.25f * clamped - (0.25f + 2.0f)) < 1e-5f); /* a = 1/4: reaches 1/4 and the way */
     assert_true(sl_record_clamped_radius(tree, &small) == 1.0f);
@@ -129,7 +147,8 @@ static world *floor_with_walls(int walls) {
     world *w = world_new();
     uint32_t m = world_material(w, sl_grey(0.5f), sl_grey(0));
     world_quad(w, sl_v3(-9, -9, 0), sl_v3(9, -9, 0), sl_v3(9, 9, 0), sl_v3(-9, 9, 0), m);
-    const sl_vec3 along[3] = {{0, 1, 0}, {1, 0, 0}, {0, -1, 0}}, at[3] = {{1, 0, 0}, {0, 1.2f, 0}, {-1.4f, 0, 0}};
+    const sl_vec3 along[3] = {{0, 1, 0}, {1, 0, 0}, {0, -1, 0}},
+                  at[3] = {{1, 0, 0}, {0, 1.2f, 0}, {-1.4f, 0, 0}};
     for (int i = 0; i < walls; i++) {
         sl_vec3 a = sl_mad(at[i], -5.0f, along[i]), b = sl_mad(at[i], 5.0f, along[i]), up = sl_v3(0, 0, 2);
         world_quad(w, a, b, sl_add(b, up), sl_add(a, up), m);
@@ -170,7 +189,8 @@ static void the_third_wall_limits_the_reach(void **state) {
 
 /* ---- pictures ---- */
 
-/* Two rooms of 2 x 2 x 2, open to the camera, on one floor; between them a wall of a thousandth. The light hangs in the right one. */
+/* Two rooms of 2 x 2 x 2, open to the camera, on one floor; between them a wall of a thousandth. The light
+ * hangs in the right one. */
 static const char rooms_obj[] =
     "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nv 0 2 0\nv 4 2 0\nv 4 2 2\nv 0 2 2\n"
     "v 2 0 0\nv 2 2 0\nv 2 2 2\nv 2 0 2\nv 2.001 0 0\nv 2.001 2 0\nv 2.001 2 2\nv 2.001 0 2\n"
@@ -179,7 +199,8 @@ static const char rooms_obj[] =
 static const char rooms_json[] =
     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
     " \"lights\": [{\"type\": \"point\", \"position\": [3, 1, 1], \"intensity\": [10, 10, 10]}],\n"
-    " \"camera\": {\"eye\": [2.0005, 1.2, 6.5], \"target\": [2.0005, 0.9, 0], \"up\": [0, 1, 0], \"fov_deg\": 30}}";
+    " \"camera\": {\"eye\": [2.0005, 1.2, 6.5], \"target\": [2.0005, 0.9, 0], \"up\": [0, 1, 0], "
+    "\"fov_deg\": 30}}";
 
 static void no_metric_lets_light_through_a_wall_of_a_thousandth(void **state) {
     (void)state;
@@ -197,7 +218,8 @@ static void no_metric_lets_light_through_a_wall_of_a_thousandth(void **state) {
             if (i % WIDTH < WIDTH / 2) left += (double)indirect[i];
             else right += (double)indirect[i];
         }
-        print_message("metric %d, a = %.1f: %g in the dark room, %g in the light one\n", (int)metrics[run / 2], settings.accuracy, left, right);
+        print_message("metric %d, a = %.1f: %g in the dark room, %g in the light one\n",
+                      (int)metrics[run / 2], settings.accuracy, left, right);
         assert_true(right > 1.0);
         assert_true(left == 0.0);
         sl_image_destroy(image);
@@ -216,7 +238,8 @@ static double error_of(const sl_image *image, const sl_image *reference) {
     return sqrt(sum / squares);
 }
 
-/* Against many more records, of finer gathers. In larger pictures the two differ by more: 2.6 times in one of 400 rows. */
+/* Against many more records, of finer gathers. In larger pictures the two differ by more: 2.6 times in one of
+ * 400 rows. */
 static void the_hessian_needs_fewer_records_at_equal_error(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
@@ -237,8 +260,8 @@ static void the_hessian_needs_fewer_records_at_equal_error(void **state) {
     image[1] = render(scene, &settings, &counters[1]);
     uint64_t harmonic = counters[0].value[SL_COUNT_RECORDS], hessian = counters[1].value[SL_COUNT_RECORDS];
     double errors[2] = {error_of(image[0], reference), error_of(image[1], reference)};
-    print_message("harmonic: %llu records, error %.4f; hessian: %llu, %.4f\n", (unsigned long long)harmonic, errors[0],
-                  (unsigned long long)hessian, errors[1]);
+    print_message("harmonic: %llu records, error %.4f; hessian: %llu, %.4f\n", (unsigned long long)harmonic,
+                  errors[0], (unsigned long long)hessian, errors[1]);
     assert_true(6 * hessian < 5 * harmonic);
     assert_true(errors[1] < 1.05 * errors[0]);
     for (int i = 0; i < 2; i++) sl_image_destroy(image[i]);
@@ -246,7 +269,8 @@ static void the_hessian_needs_fewer_records_at_equal_error(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* In the same box the adaptive metric starts as the harmonic one, and adds records where neighbours disagree. */
+/* In the same box the adaptive metric starts as the harmonic one, and adds records where neighbours disagree.
+ */
 static void records_that_disagree_make_room_for_more(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");

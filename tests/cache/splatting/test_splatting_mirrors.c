@@ -15,12 +15,15 @@
 
 /* ---- pictures ---- */
 
-/* A corner of two mirrors, x = 2 and z = -2, above a glossy floor, and a wall behind the camera that is seen in the mirrors alone. */
-static const char corner_obj[] = "v -4 0 -2\nv 2 0 -2\nv 2 0 4\nv -4 0 4\nv -4 3 -2\nv 2 3 -2\nv 2 3 4\nv -4 3 4\n"
-                                 "usemtl floor\nf 1 4 3 2\nusemtl silver\nf 1 2 6 5\nf 2 3 7 6\nusemtl wall\nf 3 4 8 7\n";
+/* A corner of two mirrors, x = 2 and z = -2, above a glossy floor, and a wall behind the camera that is seen
+ * in the mirrors alone. */
+static const char corner_obj[] =
+    "v -4 0 -2\nv 2 0 -2\nv 2 0 4\nv -4 0 4\nv -4 3 -2\nv 2 3 -2\nv 2 3 4\nv -4 3 4\n"
+    "usemtl floor\nf 1 4 3 2\nusemtl silver\nf 1 2 6 5\nf 2 3 7 6\nusemtl wall\nf 3 4 8 7\n";
 static const char corner_json[] =
     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-    " \"materials\": {\"floor\": {\"diffuse\": 0.4, \"specular\": 0.4, \"exponent\": 12}, \"wall\": {\"diffuse\": [0.8, 0.5, 0.2]},\n"
+    " \"materials\": {\"floor\": {\"diffuse\": 0.4, \"specular\": 0.4, \"exponent\": 12}, \"wall\": "
+    "{\"diffuse\": [0.8, 0.5, 0.2]},\n"
     "               \"silver\": {\"mirror\": [0.9, 0.8, 0.7]}},\n"
     " \"lights\": [{\"type\": \"point\", \"position\": [-1, 2.5, 2], \"intensity\": [10, 10, 10]}],\n"
     " \"camera\": {\"eye\": [-2, 1.5, 3], \"target\": [1.5, 0.8, -2], \"up\": [0, 1, 0], \"fov_deg\": 60},\n"
@@ -47,7 +50,8 @@ static void what_mirrors_show_is_what_the_path_tracer_says(void **state) {
     sl_image *image = render(scene, &settings, NULL);
     assert_true(squared_error(scene, image, 128) < 0.0005);
     const float *weight = sl_image_channel(image, "weight.Y"), *direct = sl_image_channel(image, "direct.R");
-    for (int i = 0; i < 48 * 48; i++) assert_true(direct[i] == 0.0f || weight[i] > 0.0f); /* records reach all that is lit */
+    /* records reach all that is lit */
+    for (int i = 0; i < 48 * 48; i++) assert_true(direct[i] == 0.0f || weight[i] > 0.0f);
     sl_image_destroy(image);
     sl_scene_destroy(scene);
 }
@@ -69,7 +73,8 @@ static sl_image *finished(sl_method *method) {
     return image;
 }
 
-/* From a view of mirrors to one without and to another with them: nothing of an earlier view's mirrors is left, and its records stay. */
+/* From a view of mirrors to one without and to another with them: nothing of an earlier view's mirrors is
+ * left, and its records stay. */
 static void a_camera_may_turn_away_from_mirrors_and_back(void **state) {
     (void)state;
     static const float up[3] = {0.0f, 1.0f, 0.0f};
@@ -96,7 +101,8 @@ static void a_camera_may_turn_away_from_mirrors_and_back(void **state) {
 
 enum { WIDTH = 150, HEIGHT = 100, PIXELS = WIDTH * HEIGHT };
 
-/* Pixels that show something by way of a mirror: a disc of the picture, their positions a bent and folded sheet. */
+/* Pixels that show something by way of a mirror: a disc of the picture, their positions a bent and folded
+ * sheet. */
 static void show_a_disc(sl_gbuffer *g, sl_reflections *r) {
     r->pixel = malloc(PIXELS * sizeof *r->pixel);
     assert_non_null(r->pixel);
@@ -134,7 +140,8 @@ static void every_pixel_that_a_sphere_reaches_lies_in_one_rectangle_and_none_in_
         sl_vec3 centre = sl_v3(5.0f * n[0] - 0.5f, 9.0f * n[1] - 4.5f, n[2] - 0.5f);
         float reach = 1.5f * n[3] * n[3];
         int x = (int)(n[4] * 140.0f), y = (int)(n[5] * 90.0f);
-        sl_splat_rect seen = {x, y, x + (run % 3) * 5, y + 8}, rects[6], all = sl_rect_union(seen, sl_mirror_bounds(&blocks, centre, reach));
+        sl_splat_rect seen = {x, y, x + (run % 3) * 5, y + 8}, rects[6],
+                      all = sl_rect_union(seen, sl_mirror_bounds(&blocks, centre, reach));
         size_t count = sl_mirror_rects(&blocks, centre, reach, seen, NULL);
         assert_in_range(count, 0, 6);
         assert_int_equal(sl_mirror_rects(&blocks, centre, reach, seen, rects), count);

@@ -1,5 +1,5 @@
-/* The records of whole pictures, looked at one by one: the picture is their sum over all pixels, none lights another step of the stairs, none
- * made inside of something reaches out of it, and none is made twice. */
+/* The records of whole pictures, looked at one by one: the picture is their sum over all pixels, none lights
+ * another step of the stairs, none made inside of something reaches out of it, and none is made twice. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -32,7 +32,8 @@ static drawn draw(const sl_scene *scene, sl_settings settings) {
     sl_splatting_method.complete(&settings);
     sl_splatting_method.transport(&settings, &transport);
     assert_int_equal(sl_splatting_method.create(scene, &settings, &transport, &state, NULL), SL_OK);
-    for (sl_progress progress = {0}; !progress.done;) assert_int_equal(sl_splatting_method.update(state, &progress, NULL), SL_OK);
+    for (sl_progress progress = {0}; !progress.done;)
+        assert_int_equal(sl_splatting_method.update(state, &progress, NULL), SL_OK);
     assert_int_equal(sl_splatting_method.resolve(state, &d.image, NULL), SL_OK);
     d.state = state;
     return d;
@@ -54,8 +55,9 @@ static void add_up(const sl_record_cache *cache, size_t pixel, float sum[4]) {
         float w = sl_record_weight(&cache->pass, record, pixel);
         if (!(w > 0.0f)) continue;
         const sl_record_terms terms = sl_record_terms_of(record, &cache->pass.weights);
-        const sl_record_offsets o = sl_record_offsets_at(&terms, p->position_x[pixel], p->position_y[pixel], p->position_z[pixel],
-                                                         p->normal_x[pixel], p->normal_y[pixel], p->normal_z[pixel]);
+        const sl_record_offsets o =
+            sl_record_offsets_at(&terms, p->position_x[pixel], p->position_y[pixel], p->position_z[pixel],
+                                 p->normal_x[pixel], p->normal_y[pixel], p->normal_z[pixel]);
         for (int c = 0; c < 3; c++) sum[c] += w * sl_record_extrapolate(&terms, c, &o, sl_record_turn(&o));
         sum[3] += w;
     }
@@ -73,7 +75,9 @@ static void assert_sum_of_records(const drawn *d, const char *what) {
             add_up(cache, i, sum);
             receivers++;
             for (int c = 0; c < 4; c++) {
-                if (sum[c] != planes[c][i]) fail_msg("%s: pixel %zu, plane %d: %.9g, the records give %.9g", what, i, c, (double)planes[c][i], (double)sum[c]);
+                if (sum[c] != planes[c][i])
+                    fail_msg("%s: pixel %zu, plane %d: %.9g, the records give %.9g", what, i, c,
+                             (double)planes[c][i], (double)sum[c]);
             }
             assert_true(s->owned[i] || sum[3] >= cache->pass.covered_weight);
         }
@@ -104,19 +108,26 @@ enum { STEPS = 5 };
 static sl_scene *stairs(void) {
     char obj[4096];
     int n = snprintf(obj, sizeof obj, "v -1 0 -3\nv 1 0 -3\nv 1 3 -3\nv -1 3 -3\nf 1 2 3 4\n");
-    for (int i = 0; i < STEPS; i++) { /* tread i at height 0.2 i, from z = 1 - 0.4 i backwards, and the riser behind it */
+    /* tread i at height 0.2 i, from z = 1 - 0.4 i backwards, and the riser behind it */
+    for (int i = 0; i < STEPS; i++) {
         double y = 0.2 * i, front = 1.0 - 0.4 * i, back = i + 1 < STEPS ? front - 0.4 : -3.0;
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v -1 %g %g\nv 1 %g %g\nv 1 %g %g\nv -1 %g %g\nf -4 -3 -2 -1\n", y, front, y, front, y, back, y, back);
+        n += snprintf(obj + n, sizeof obj - (size_t)n,
+                      "v -1 %g %g\nv 1 %g %g\nv 1 %g %g\nv -1 %g %g\nf -4 -3 -2 -1\n", y, front, y, front, y,
+                      back, y, back);
         if (i + 1 < STEPS)
-            n += snprintf(obj + n, sizeof obj - (size_t)n, "v -1 %g %g\nv 1 %g %g\nv 1 %g %g\nv -1 %g %g\nf -4 -3 -2 -1\n", y, back, y, back, y + 0.2, back, y + 0.2, back);
+            n += snprintf(obj + n, sizeof obj - (size_t)n,
+                          "v -1 %g %g\nv 1 %g %g\nv 1 %g %g\nv -1 %g %g\nf -4 -3 -2 -1\n", y, back, y, back,
+                          y + 0.2, back, y + 0.2, back);
     }
-    return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-                           " \"lights\": [{\"type\": \"point\", \"position\": [0.3, 2.5, -1], \"intensity\": 10}],\n"
-                           " \"camera\": {\"eye\": [0.2, 2.6, 2.6], \"target\": [0, 0.3, -0.3], \"fov_deg\": 45}}",
-                           obj);
+    return scene_from_text(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+        " \"lights\": [{\"type\": \"point\", \"position\": [0.3, 2.5, -1], \"intensity\": 10}],\n"
+        " \"camera\": {\"eye\": [0.2, 2.6, 2.6], \"target\": [0, 0.3, -0.3], \"fov_deg\": 45}}",
+        obj);
 }
 
-/* Of records and pixels on treads of different height, how many are near enough; and that no such record counts. */
+/* Of records and pixels on treads of different height, how many are near enough; and that no such record
+ * counts. */
 static size_t assert_steps_apart(const sl_splat_state *s, int metric) {
     const sl_record_cache *cache = &s->cache[SL_RECEIVES_IRRADIANCE];
     const sl_splat_receivers *p = &cache->pass.receivers;
@@ -125,12 +136,14 @@ static size_t assert_steps_apart(const sl_splat_state *s, int metric) {
     for (size_t k = 0; k < cache->list.count; k++) {
         const sl_record *r = &cache->list.records[k];
         for (size_t i = 0; r->normal.y > 0.9f && i < sl_splat_pixels(s); i++) {
-            if (!p->receives[i] || !(p->normal_y[i] > 0.9f) || fabsf(p->position_y[i] - r->position.y) < 0.1f) continue;
+            if (!p->receives[i] || !(p->normal_y[i] > 0.9f) || fabsf(p->position_y[i] - r->position.y) < 0.1f)
+                continue;
             sl_vec3 delta = sl_sub(sl_v3(p->position_x[i], p->position_y[i], p->position_z[i]), r->position);
             near += sl_length(delta) < a * r->radius;
             if (sl_record_weight(&cache->pass, r, i) > 0.0f)
-                fail_msg("metric %d: a record at %g %g %g counts at %g %g %g", metric, (double)r->position.x, (double)r->position.y,
-                         (double)r->position.z, (double)p->position_x[i], (double)p->position_y[i], (double)p->position_z[i]);
+                fail_msg("metric %d: a record at %g %g %g counts at %g %g %g", metric, (double)r->position.x,
+                         (double)r->position.y, (double)r->position.z, (double)p->position_x[i],
+                         (double)p->position_y[i], (double)p->position_z[i]);
         }
     }
     return near;
@@ -138,7 +151,8 @@ static size_t assert_steps_apart(const sl_splat_state *s, int metric) {
 
 static void no_record_of_a_tread_counts_on_another(void **state) {
     (void)state;
-    const sl_radius_metric metrics[] = {SL_METRIC_HARMONIC, SL_METRIC_MINIMUM, SL_METRIC_HESSIAN, SL_METRIC_ADAPTIVE};
+    const sl_radius_metric metrics[] = {SL_METRIC_HARMONIC, SL_METRIC_MINIMUM, SL_METRIC_HESSIAN,
+                                        SL_METRIC_ADAPTIVE};
     sl_scene *scene = stairs();
     size_t near = 0;
     for (int i = 0; i < 8; i++) {
@@ -157,13 +171,18 @@ static void no_record_of_a_tread_counts_on_another(void **state) {
 
 /* ---- behind things ---- */
 
-/* The picture shows the face of a stone, one triangle. A record of another surface lies so far from the middle pixel, along the face and before it. */
+/* The picture shows the face of a stone, one triangle. A record of another surface lies so far from the
+ * middle pixel, along the face and before it. */
 static float weight_on_a_stone(const drawn *d, float along, float before) {
     const sl_record_pass *pass = &d->state->cache[SL_RECEIVES_IRRADIANCE].pass;
     const size_t pixel = 16 * 33 + 16;
     const sl_gbuffer *g = pass->gbuffer;
-    const sl_record record = {.position = sl_v3(g->position_x[pixel] + along, g->position_y[pixel], g->position_z[pixel] + before),
-                              .normal = sl_v3(0, 0, 1), .radius = 1.0f, .triangle = SL_NO_INDEX, .behind_a_wall = 1};
+    const sl_record record = {
+        .position = sl_v3(g->position_x[pixel] + along, g->position_y[pixel], g->position_z[pixel] + before),
+        .normal = sl_v3(0, 0, 1),
+        .radius = 1.0f,
+        .triangle = SL_NO_INDEX,
+        .behind_a_wall = 1};
     assert_true(pass->kernels->weight(&record, &pass->weights, &pass->receivers, pixel) > 0.0f);
     return sl_record_weight(pass, &record, pixel);
 }
@@ -171,10 +190,11 @@ static float weight_on_a_stone(const drawn *d, float along, float before) {
 /* Nothing is in the way from the joint to the stone's side but the stone's own face. */
 static void a_record_in_a_joint_does_not_light_the_face_before_it(void **state) {
     (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-                                      " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 2], \"intensity\": 1}],\n"
-                                      " \"camera\": {\"eye\": [0, 0, 3], \"target\": [0, 0, 0], \"fov_deg\": 40}}",
-                                      "v -1 -1 0\nv 1 -1 0\nv 0 1.5 0\nf 1 2 3\n");
+    sl_scene *scene =
+        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+                        " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 2], \"intensity\": 1}],\n"
+                        " \"camera\": {\"eye\": [0, 0, 3], \"target\": [0, 0, 0], \"fov_deg\": 40}}",
+                        "v -1 -1 0\nv 1 -1 0\nv 0 1.5 0\nf 1 2 3\n");
     sl_settings settings = small_settings("splatting", 33, 33);
     drawn d = draw(scene, settings);
     for (int i = -1; i <= 1; i += 2) {
@@ -194,15 +214,20 @@ static void a_record_in_a_joint_does_not_light_the_face_before_it(void **state) 
 static sl_scene *room_with_box(double half) {
     char obj[2048];
     const double x = 0.3, y = -1.0, z = 0.2;
-    int n = snprintf(obj, sizeof obj, "v -1 -1 -1\nv 1 -1 -1\nv 1 -1 1\nv -1 -1 1\nv -1 1 -1\nv 1 1 -1\nv 1 1 1\nv -1 1 1\n"
-                                      "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 4 1 5 8\nf 2 3 7 6\n");
+    int n = snprintf(obj, sizeof obj,
+                     "v -1 -1 -1\nv 1 -1 -1\nv 1 -1 1\nv -1 -1 1\nv -1 1 -1\nv 1 1 -1\nv 1 1 1\nv -1 1 1\n"
+                     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 4 1 5 8\nf 2 3 7 6\n");
     for (int i = 0; half > 0.0 && i < 8; i++)
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", x + (i % 2 ? half : -half), y + (i / 2 % 2 ? half : -half), z + (i / 4 ? half : -half));
-    if (half > 0.0) snprintf(obj + n, sizeof obj - (size_t)n, "f 9 11 12 10\nf 13 14 16 15\nf 9 10 14 13\nf 11 15 16 12\nf 9 13 15 11\nf 10 12 16 14\n");
-    return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-                           " \"lights\": [{\"type\": \"point\", \"position\": [0, 0.5, 0], \"intensity\": 1}],\n"
-                           " \"camera\": {\"eye\": [0, 0, 0.9], \"target\": [0, -1, 0], \"fov_deg\": 60}}",
-                           obj);
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", x + (i % 2 ? half : -half),
+                      y + (i / 2 % 2 ? half : -half), z + (i / 4 ? half : -half));
+    if (half > 0.0)
+        snprintf(obj + n, sizeof obj - (size_t)n,
+                 "f 9 11 12 10\nf 13 14 16 15\nf 9 10 14 13\nf 11 15 16 12\nf 9 13 15 11\nf 10 12 16 14\n");
+    return scene_from_text(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+        " \"lights\": [{\"type\": \"point\", \"position\": [0, 0.5, 0], \"intensity\": 1}],\n"
+        " \"camera\": {\"eye\": [0, 0, 0.9], \"target\": [0, -1, 0], \"fov_deg\": 60}}",
+        obj);
 }
 
 /* The floor's triangle that holds the point. */
@@ -224,7 +249,8 @@ static uint32_t floor_triangle(const sl_scene *scene, sl_vec3 p) {
     return hit.triangle[0];
 }
 
-/* The records of a picture of one pixel, which shows that point: the first, and how many they are after so many visits. */
+/* The records of a picture of one pixel, which shows that point: the first, and how many they are after so
+ * many visits. */
 static sl_record records_on_floor(double half, float footprint, int visits, size_t *count) {
     const sl_vec3 p = {0.3f, -1.0f, 0.2f}, up = {0, 1, 0};
     sl_scene *scene = room_with_box(half);
@@ -241,24 +267,40 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
     assert_int_equal(sl_gather_scratch_create(gather, &scratch, NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(1, 1, &g, NULL), SL_OK);
     g->position_x[0] = p.x, g->position_y[0] = p.y, g->position_z[0] = p.z;
-    g->normal_x[0] = g->geometric_x[0] = up.x, g->normal_y[0] = g->geometric_y[0] = up.y, g->normal_z[0] = g->geometric_z[0] = up.z;
+    g->normal_x[0] = g->geometric_x[0] = up.x, g->normal_y[0] = g->geometric_y[0] = up.y,
+    g->normal_z[0] = g->geometric_z[0] = up.z;
     g->id[0] = floor_triangle(scene, p);
     uint32_t receives = 1;
     uint8_t owned = 0;
     float coverage = 0.0f;
-    sl_record_pass pass = {
-        .gather = gather, .tracer = tracer, .scratch = &scratch, .gbuffer = g,
-        .receivers = {1, 1, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z, &receives},
-        .weights = {0.3f, 1.0f / 0.3f, 1e-5f * scene->diagonal}, .covered_weight = 1.0f / (9.0f * 0.3f),
-        .radii = {.accuracy = 0.3, .minimum_pixels = 1.5, .maximum_radius = 0.1 * (double)scene->diagonal, .guard = true, .gather = SL_GATHER_RAYS,
-                  .plane_tangent = 2.7},
-        .kernels = sl_splat_kernels_for(sl_isa_best()), .camera = &scene->camera, .near_distance = 1e-5f * scene->diagonal,
-        .footprint_per_depth = footprint, .coverage = &coverage, .owned = &owned, .threads = 1, .scale = scene->scale};
+    sl_record_pass pass = {.gather = gather,
+                           .tracer = tracer,
+                           .scratch = &scratch,
+                           .gbuffer = g,
+                           .receivers = {1, 1, g->position_x, g->position_y, g->position_z, g->normal_x,
+                                         g->normal_y, g->normal_z, &receives},
+                           .weights = {0.3f, 1.0f / 0.3f, 1e-5f * scene->diagonal},
+                           .covered_weight = 1.0f / (9.0f * 0.3f),
+                           .radii = {.accuracy = 0.3,
+                                     .minimum_pixels = 1.5,
+                                     .maximum_radius = 0.1 * (double)scene->diagonal,
+                                     .guard = true,
+                                     .gather = SL_GATHER_RAYS,
+                                     .plane_tangent = 2.7},
+                           .kernels = sl_splat_kernels_for(sl_isa_best()),
+                           .camera = &scene->camera,
+                           .near_distance = 1e-5f * scene->diagonal,
+                           .footprint_per_depth = footprint,
+                           .coverage = &coverage,
+                           .owned = &owned,
+                           .threads = 1,
+                           .scale = scene->scale};
     sl_record_list list = {0};
     for (int i = 0; i < visits; i++) {
         sl_traversal traversal;
         sl_traversal_start(&traversal, SL_ORDER_LINEAR, 1, 1);
-        while (traversal.stride) assert_int_equal(sl_traversal_advance(&traversal, &pass, &list, &counters, NULL), SL_OK);
+        while (traversal.stride)
+            assert_int_equal(sl_traversal_advance(&traversal, &pass, &list, &counters, NULL), SL_OK);
     }
     assert_true(list.count > 0);
     *count = list.count;
@@ -272,24 +314,28 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
     return record;
 }
 
-/* The eye stands 1e-5 of the diagonal off the surface, 3.5e-5 here; inside of a small box it tries again ten times as far out. Inside of a larger
- * one nothing is known of what is around: the record reaches as little as it may, and only what it sees. */
+/* The eye stands 1e-5 of the diagonal off the surface, 3.5e-5 here; inside of a small box it tries again ten
+ * times as far out. Inside of a larger one nothing is known of what is around: the record reaches as little
+ * as it may, and only what it sees. */
 static void a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself(void **state) {
     (void)state;
     const float footprint = 0.001f;
     size_t count;
-    sl_record free_one = records_on_floor(0.0, footprint, 1, &count), small = records_on_floor(2e-4, footprint, 1, &count);
+    sl_record free_one = records_on_floor(0.0, footprint, 1, &count),
+              small = records_on_floor(2e-4, footprint, 1, &count);
     sl_record larger = records_on_floor(1e-3, footprint, 1, &count);
-    assert_true(free_one.irradiance.g > 0.01f && free_one.radius > 2.0f * free_one.minimum_radius && !free_one.behind_a_wall);
-    print_message("E %.4f; in a small box %.4f, in a larger one %.4f\n", (double)free_one.irradiance.g, (double)small.irradiance.g, (double)larger.irradiance.g);
+    assert_true(free_one.irradiance.g > 0.01f && free_one.radius > 2.0f * free_one.minimum_radius &&
+                !free_one.behind_a_wall);
+    print_message("E %.4f; in a small box %.4f, in a larger one %.4f\n", (double)free_one.irradiance.g,
+                  (double)small.irradiance.g, (double)larger.irradiance.g);
     assert_true(fabsf(small.irradiance.g / free_one.irradiance.g - 1.0f) < 0.02f);
     assert_true(small.radius > 0.9f * free_one.radius && !small.behind_a_wall);
     assert_true(larger.irradiance.g < 0.01f * free_one.irradiance.g);
     assert_true(larger.radius == larger.minimum_radius && larger.behind_a_wall);
 }
 
-/* A record may be refused by its own pixel: of one without any reach D is no number. The pixel counts as covered all the same, or every visit would
- * make it another record. */
+/* A record may be refused by its own pixel: of one without any reach D is no number. The pixel counts as
+ * covered all the same, or every visit would make it another record. */
 static void a_pixel_gets_one_record_even_where_that_does_not_cover_it(void **state) {
     (void)state;
     size_t count;
@@ -300,7 +346,8 @@ static void a_pixel_gets_one_record_even_where_that_does_not_cover_it(void **sta
 
 /* ---- radiance records ---- */
 
-/* What comes in changes with direction, too: a radiance record reaches no further than the length over which its coefficients change. */
+/* What comes in changes with direction, too: a radiance record reaches no further than the length over which
+ * its coefficients change. */
 static void radiance_records_keep_within_the_length_of_their_coefficients(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
@@ -315,7 +362,8 @@ static void radiance_records_keep_within_the_length_of_their_coefficients(void *
     size_t limited = 0;
     for (size_t k = 0; k < cache->list.count; k++) {
         const sl_record *r = &cache->list.records[k];
-        float length = (float)sl_glossy_length(cache->glossy, cache->list.coefficients + k * cache->pass.coefficient_count);
+        float length = (float)sl_glossy_length(cache->glossy,
+                                               cache->list.coefficients + k * cache->pass.coefficient_count);
         assert_true(r->own_radius <= fmaxf(length, r->minimum_radius));
         limited += r->own_radius == length;
     }

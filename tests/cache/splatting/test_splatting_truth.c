@@ -20,8 +20,8 @@ static double mean_of(const sl_image *image, const char *channel) {
     return sum / (double)pixels;
 }
 
-/* Inside a sphere one diffuse bounce is the same everywhere: E = albedo <E_direct>, <E_direct> = power / (4 pi R^2) = 1 for a
- * light of intensity 1 and R = 1. So L = albedo / pi * albedo, for albedo 0.5. */
+/* Inside a sphere one diffuse bounce is the same everywhere: E = albedo <E_direct>, <E_direct> = power / (4
+ * pi R^2) = 1 for a light of intensity 1 and R = 1. So L = albedo / pi * albedo, for albedo 0.5. */
 static void one_bounce_in_the_integrating_sphere_is_uniform(void **state) {
     (void)state;
     const double wanted = 0.25 / 3.14159265358979;
@@ -42,8 +42,8 @@ static void one_bounce_in_the_integrating_sphere_is_uniform(void **state) {
 }
 
 /* The same paths by the path tracer: a missing 1/pi, a wrong cosine or a lost factor 2 would show at once. */
-static void compare_with_reference(const sl_scene *scene, const char *name, sl_quality quality, double most_relative_error,
-                                   double most_bias) {
+static void compare_with_reference(const sl_scene *scene, const char *name, sl_quality quality,
+                                   double most_relative_error, double most_bias) {
     sl_settings settings = small_settings("splatting", 96, 96), reference = small_settings("path", 96, 96);
     settings.quality = quality;
     reference.transport = "matched:splatting";
@@ -52,8 +52,8 @@ static void compare_with_reference(const sl_scene *scene, const char *name, sl_q
     sl_comparison result;
     assert_int_equal(sl_image_compare(ours, theirs, NULL, &result, NULL, NULL), SL_OK);
     double error = sqrt(fmax(0.0, result.rel_mse - result.rel_mse_noise));
-    print_message("%s: root of relMSE less noise %.4f (noise %.4f), bias %+.4f\n", name, error, sqrt(result.rel_mse_noise),
-                  result.bias);
+    print_message("%s: root of relMSE less noise %.4f (noise %.4f), bias %+.4f\n", name, error,
+                  sqrt(result.rel_mse_noise), result.bias);
     assert_int_equal(result.nonfinite, 0);
     assert_int_equal(result.negative, 0);
     assert_true(error < most_relative_error);
@@ -62,7 +62,8 @@ static void compare_with_reference(const sl_scene *scene, const char *name, sl_q
     sl_image_destroy(theirs);
 }
 
-static void expect_near_reference(const char *path, sl_quality quality, double most_relative_error, double most_bias) {
+static void expect_near_reference(const char *path, sl_quality quality, double most_relative_error,
+                                  double most_bias) {
     sl_scene *scene = load_scene(path);
     compare_with_reference(scene, path, quality, most_relative_error, most_bias);
     sl_scene_destroy(scene);
@@ -95,10 +96,12 @@ static void the_layers_add_up_to_the_picture(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Two rooms of 2 x 2 x 2, open to the camera, share a wall that is 1/1000 thick; the light hangs in the right one. What the left
- * room sees of the world outside is black, so it must stay exactly dark, though records of the right room lie a thousandth away. */
+/* Two rooms of 2 x 2 x 2, open to the camera, share a wall that is 1/1000 thick; the light hangs in the right
+ * one. What the left room sees of the world outside is black, so it must stay exactly dark, though records of
+ * the right room lie a thousandth away. */
 static const char thin_wall_obj[] =
-    "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n" /* 1..8: the dark room, x 0..2 */
+    "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n" /* 1..8: the dark room, x 0..2
+                                                                                */
     "v 2.001 0 0\nv 4 0 0\nv 4 2 0\nv 2.001 2 0\nv 2.001 0 2\nv 4 0 2\nv 4 2 2\nv 2.001 2 2\n"
     "f 1 2 3 4\nf 1 4 8 5\nf 2 6 7 3\nf 1 5 6 2\nf 4 3 7 8\n"
     "f 9 10 11 12\nf 9 12 16 13\nf 10 14 15 11\nf 9 13 14 10\nf 12 11 15 16\n";
@@ -119,7 +122,8 @@ static void no_light_leaks_through_a_wall_of_a_thousandth(void **state) {
         sl_image *image = render(scene, &settings, NULL);
         const float *indirect = sl_image_channel(image, "indirect.R");
         double left = 0.0, right = 0.0;
-        for (int i = 0; i < WIDTH * HEIGHT; i++) *(i % WIDTH < WIDTH / 2 ? &left : &right) += (double)indirect[i];
+        for (int i = 0; i < WIDTH * HEIGHT; i++)
+            *(i % WIDTH < WIDTH / 2 ? &left : &right) += (double)indirect[i];
         assert_true(right > 1.0);
         assert_true(left == 0.0);
         sl_image_destroy(image);
@@ -155,7 +159,8 @@ static const char plane_json[] =
     " \"materials\": {\"m\": {\"diffuse\": [0.5, 0.5, 0.5]%s}}, \"environment\": {\"radiance\": [2, 2, 2]},\n"
     " \"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 30}}";
 
-/* E = pi L on an open plane: reflected radiance is albedo times L, glossy lobe or not: the cache carries the diffuse light of the sky. */
+/* E = pi L on an open plane: reflected radiance is albedo times L, glossy lobe or not: the cache carries the
+ * diffuse light of the sky. */
 static void an_open_plane_under_an_even_sky_reflects_albedo_times_its_radiance(void **state) {
     (void)state;
     const char *const glossy[] = {"", ", \"specular\": [1e-6, 1e-6, 1e-6], \"exponent\": 5"};
@@ -174,12 +179,15 @@ static void an_open_plane_under_an_even_sky_reflects_albedo_times_its_radiance(v
 }
 
 /* A lamp and a sky together, and a niche that only bounced light reaches. */
-static const char niche_obj[] = "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nv -1 0 -1\nv 1 0 -1\nv 1 2 -1\nv -1 2 -1\n"
-                                "v -1 2 1\nv 1 2 1\nv -1 0 1\nf 1 2 3 4\nf 5 6 7 8\nf 8 7 10 9\nf 5 8 9 11\n";
+static const char niche_obj[] =
+    "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nv -1 0 -1\nv 1 0 -1\nv 1 2 -1\nv -1 2 -1\n"
+    "v -1 2 1\nv 1 2 1\nv -1 0 1\nf 1 2 3 4\nf 5 6 7 8\nf 8 7 10 9\nf 5 8 9 11\n";
 static const char niche_json[] =
     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}],\n"
-    " \"materials\": {\"m\": {\"diffuse\": [0.7, 0.6, 0.5]}}, \"environment\": {\"radiance\": [0.4, 0.5, 0.7]},\n"
-    " \"lights\": [{\"type\": \"quad\", \"corner\": [2, 2.5, -1], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1],\n"
+    " \"materials\": {\"m\": {\"diffuse\": [0.7, 0.6, 0.5]}}, \"environment\": {\"radiance\": [0.4, 0.5, "
+    "0.7]},\n"
+    " \"lights\": [{\"type\": \"quad\", \"corner\": [2, 2.5, -1], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, "
+    "1],\n"
     "   \"radiance\": [8, 7, 5]}],\n"
     " \"camera\": {\"eye\": [1.5, 2, 6], \"target\": [0.2, 0.8, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
 
@@ -203,13 +211,15 @@ static void passes_that_a_scene_does_not_need_do_not_run(void **state) {
     assert_int_equal(counters.value[SL_COUNT_SHADOW_LOOKUPS], 0);
 
     static const char mirror_json[] =
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"mirror\": [1, 1, 1]}},\n"
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": "
+        "{\"m\": {\"mirror\": [1, 1, 1]}},\n"
         " \"lights\": [{\"type\": \"point\", \"position\": [3, 1, 1], \"intensity\": [10, 10, 10]}]}";
     sl_scene *mirrors = scene_from_text(mirror_json, thin_wall_obj);
     sl_image_destroy(render(mirrors, &settings, &counters));
     sl_scene_destroy(mirrors);
     assert_int_equal(counters.value[SL_COUNT_GATHERS], 0);
-    assert_true(counters.value[SL_COUNT_RAYS] > 0 && counters.value[SL_COUNT_RAYS] <= 16 * 24 * 24); /* from mirror to mirror */
+    /* from mirror to mirror */
+    assert_true(counters.value[SL_COUNT_RAYS] > 0 && counters.value[SL_COUNT_RAYS] <= 16 * 24 * 24);
     assert_int_equal(counters.value[SL_COUNT_SHADOW_RAYS], 0);
     assert_int_equal(counters.value[SL_COUNT_SPLATS], 0);
     assert_int_equal(counters.value[SL_COUNT_RASTER_PASSES], 1);

@@ -1,5 +1,5 @@
-/* The walk-through: a frame ends after so many new records, what is there is kept, and what is still to come is filled in from
- * around. */
+/* The walk-through: a frame ends after so many new records, what is there is kept, and what is still to come
+ * is filled in from around. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +27,9 @@ static sl_method *start(const sl_scene *scene, const sl_settings *settings) {
     return method;
 }
 
-static uint64_t records_of(const sl_method *method) { return sl_method_counters(method)->value[SL_COUNT_RECORDS]; }
+static uint64_t records_of(const sl_method *method) {
+    return sl_method_counters(method)->value[SL_COUNT_RECORDS];
+}
 
 /* Updates to the end of a frame; returns whether anything is left to refine. */
 static bool finish_frame(sl_method *method) {
@@ -101,9 +103,11 @@ static void while_nothing_moves_pictures_settle_and_nothing_is_black_meanwhile(v
         frames[count] = picture_of(method);
     }
     assert_true(count >= 8);
-    const float *filled = sl_image_channel(frames[0], "indirect.G"), *done = sl_image_channel(frames[count - 1], "indirect.G");
+    const float *filled = sl_image_channel(frames[0], "indirect.G"),
+                *done = sl_image_channel(frames[count - 1], "indirect.G");
     for (int i = 0; i < SIDE * SIDE; i++) assert_true(filled[i] > 0.0f || !(done[i] > 0.0f));
-    for (int i = 1; i < count; i++) *(i <= count / 2 ? &first_changes : &last_changes) += change(frames[i], frames[i - 1]);
+    for (int i = 1; i < count; i++)
+        *(i <= count / 2 ? &first_changes : &last_changes) += change(frames[i], frames[i - 1]);
     assert_true(last_changes < 0.5 * first_changes);
     first_error = change(frames[0], frames[count - 1]);
     last_error = change(frames[count - 2], frames[count - 1]);
@@ -113,25 +117,31 @@ static void while_nothing_moves_pictures_settle_and_nothing_is_black_meanwhile(v
     sl_scene_destroy(scene);
 }
 
-/* A room whose floor is full of thin fins: what is gathered between them reaches far less than what is gathered beside them, so that
- * neighbours would shrink much of it. */
+/* A room whose floor is full of thin fins: what is gathered between them reaches far less than what is
+ * gathered beside them, so that neighbours would shrink much of it. */
 static sl_scene *room_of_fins(void) {
     enum { FINS = 12 };
     char obj[4096] = "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 3 -2\nv -2 3 2\nv 2 3 2\nv 2 3 -2\n"
                      "v -0.5 2.99 -0.5\nv 0.5 2.99 -0.5\nv 0.5 2.99 0.5\nv -0.5 2.99 0.5\n"
-                     "usemtl wall\nf 1 2 3 4\nf 5 8 7 6\nf 1 4 8 5\nf 1 5 6 2\nf 4 3 7 8\nusemtl lamp\nf 9 10 11 12\nusemtl wall\n";
+                     "usemtl wall\nf 1 2 3 4\nf 5 8 7 6\nf 1 4 8 5\nf 1 5 6 2\nf 4 3 7 8\nusemtl lamp\nf 9 "
+                     "10 11 12\nusemtl wall\n";
     size_t n = strlen(obj);
     for (int i = 0; i < FINS; i++) {
         double x = -1.2 + 0.2 * i, height = 0.1 + 0.03 * (i % 4);
-        n += (size_t)snprintf(obj + n, sizeof obj - n, "v %g 0 -1\nv %g 0 1\nv %g %g 1\nv %g %g -1\nf -4 -3 -2 -1\n", x, x, x, height, x, height);
+        n += (size_t)snprintf(obj + n, sizeof obj - n,
+                              "v %g 0 -1\nv %g 0 1\nv %g %g 1\nv %g %g -1\nf -4 -3 -2 -1\n", x, x, x, height,
+                              x, height);
     }
-    return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"wall\": {\"diffuse\": 0.6, \"two_sided\": true}, "
-                           "\"lamp\": {\"diffuse\": 0, \"emission\": 10}},\n \"camera\": {\"eye\": [0.4, 2, 3.5], \"target\": [0, 0.6, 0], \"fov_deg\": 55}}",
+    return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": "
+                           "{\"wall\": {\"diffuse\": 0.6, \"two_sided\": true}, "
+                           "\"lamp\": {\"diffuse\": 0, \"emission\": 10}},\n \"camera\": {\"eye\": [0.4, 2, "
+                           "3.5], \"target\": [0, 0.6, 0], \"fov_deg\": 55}}",
                            obj);
 }
 
-/* Records are added and never shrink: what a pixel has of them only grows. And so the change of the picture from frame to frame falls to the last,
- * over windows of frames, since a frame's records may all lie where few pixels see them. */
+/* Records are added and never shrink: what a pixel has of them only grows. And so the change of the picture
+ * from frame to frame falls to the last, over windows of frames, since a frame's records may all lie where
+ * few pixels see them. */
 static void in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end(void **state) {
     (void)state;
     enum { WINDOW = 4 };
@@ -147,7 +157,8 @@ static void in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end(void *
         assert_true(count < FRAMES_MAX);
         more = finish_frame(method);
         sl_image *image = picture_of(method);
-        const float *weight = sl_image_channel(image, "weight.Y"), *old = last ? sl_image_channel(last, "weight.Y") : weight;
+        const float *weight = sl_image_channel(image, "weight.Y"),
+                    *old = last ? sl_image_channel(last, "weight.Y") : weight;
         for (int i = 0; i < SIDE * SIDE; i++) assert_true(weight[i] >= old[i]);
         if (last) changes[count - 1] = change(image, last);
         sl_image_destroy(last);

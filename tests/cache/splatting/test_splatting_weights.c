@@ -1,4 +1,5 @@
-/* One record's contribution to a pixel (Algorithm 1 of radiance cache splatting), and how far a record reaches. */
+/* One record's contribution to a pixel (Algorithm 1 of radiance cache splatting), and how far a record
+ * reaches. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -62,7 +63,10 @@ static void patch_plane(patch *p) {
 }
 
 static sl_record record_at(float x, float y, float radius, float irradiance) {
-    return (sl_record){.position = {x, y, 0.0f}, .normal = {0.0f, 0.0f, 1.0f}, .radius = radius, .stretch = 1.0f,
+    return (sl_record){.position = {x, y, 0.0f},
+                       .normal = {0.0f, 0.0f, 1.0f},
+                       .radius = radius,
+                       .stretch = 1.0f,
                        .irradiance = {irradiance, irradiance, irradiance}};
 }
 
@@ -70,7 +74,8 @@ static const sl_weight_rules wards = {0.5f, 0.0f, 1e-6f}, smooth = {0.5f, 2.0f, 
 
 static void splat(patch *p, const sl_record *records, size_t count, const sl_weight_rules *rules) {
     into_tile(p);
-    for (size_t k = 0; k < count; k++) kernels()->splat(&records[k], rules, (sl_splat_rect){0, 0, SIDE, SIDE}, &tile);
+    for (size_t k = 0; k < count; k++)
+        kernels()->splat(&records[k], rules, (sl_splat_rect){0, 0, SIDE, SIDE}, &tile);
     out_of_tile(p);
 }
 
@@ -188,7 +193,8 @@ static void pixels_that_are_not_finite_and_records_there_add_nothing(void **stat
         p.px[0] = p.py[1] = p.pz[2] = p.nx[3] = p.ny[4] = p.nz[5] = bad[i];
         sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
         splat(&p, &record, 1, &wards);
-        for (int k = 0; k < 6; k++) assert_true(p.weight[k] == 0.0f && p.r[k] == 0.0f && p.g[k] == 0.0f && p.b[k] == 0.0f);
+        for (int k = 0; k < 6; k++)
+            assert_true(p.weight[k] == 0.0f && p.r[k] == 0.0f && p.g[k] == 0.0f && p.b[k] == 0.0f);
         assert_true(p.weight[6] > 0.0f && p.r[6] > 0.0f);
         patch_clear(&p);
         record.normal.x = bad[i];
@@ -224,8 +230,10 @@ static void nearly_parallel_normals_never_give_nan(void **state) {
     uint64_t key = sl_random_key(3, 4);
     for (uint64_t round = 0; round < 200; round++) {
         patch_clear(&p);
-        sl_vec3 n = sl_normalize_or(sl_v3(sl_random_unit(key, 3 * round) - 0.5f, sl_random_unit(key, 3 * round + 1) - 0.5f,
-                                          sl_random_unit(key, 3 * round + 2) - 0.5f), sl_v3(0, 0, 1));
+        sl_vec3 n = sl_normalize_or(sl_v3(sl_random_unit(key, 3 * round) - 0.5f,
+                                          sl_random_unit(key, 3 * round + 1) - 0.5f,
+                                          sl_random_unit(key, 3 * round + 2) - 0.5f),
+                                    sl_v3(0, 0, 1));
         sl_record record = record_at(0.0f, 0.0f, 1.0f, 1.0f);
         record.normal = n;
         for (int i = 0; i < PIXELS; i++) {
@@ -249,7 +257,8 @@ static void a_record_in_front_of_a_pixel_is_refused(void **state) {
     assert_true(p.weight[1] > 0.0f);
 }
 
-/* A record of the floor, far below the tread of a step: it sees another piece of the world. aR = 1, so half of it is the most. */
+/* A record of the floor, far below the tread of a step: it sees another piece of the world. aR = 1, so half
+ * of it is the most. */
 static void a_record_far_behind_a_pixel_is_refused(void **state) {
     (void)state;
     patch p;
@@ -285,14 +294,16 @@ static void coverage_has_the_bits_of_the_splatted_weight_on_every_instruction_se
     sl_record records[20];
     uint64_t key = sl_random_key(5, 6);
     for (uint64_t k = 0; k < 20; k++) {
-        records[k] = record_at(sl_random_unit(key, 4 * k), sl_random_unit(key, 4 * k + 1), 0.2f + sl_random_unit(key, 4 * k + 2), 1.0f);
+        records[k] = record_at(sl_random_unit(key, 4 * k), sl_random_unit(key, 4 * k + 1),
+                               0.2f + sl_random_unit(key, 4 * k + 2), 1.0f);
         records[k].translational[0] = sl_v3(sl_random_unit(key, 4 * k + 3), 0.3f, 0.0f);
         records[k].rotational[1] = sl_v3(0.3f, 0.1f, 0.0f);
         records[k].rotational_length[1] = 0.32f;
     }
     for (int isa = 0; isa <= (int)sl_isa_best(); isa++) {
         patch_plane(&p);
-        for (int i = 0; i < PIXELS; i++) p.pz[i] = 0.01f * sl_random_unit(key, 1000 + (uint64_t)i), p.receives[i] = i % 7 != 0;
+        for (int i = 0; i < PIXELS; i++)
+            p.pz[i] = 0.01f * sl_random_unit(key, 1000 + (uint64_t)i), p.receives[i] = i % 7 != 0;
         const sl_splat_kernels *k = sl_splat_kernels_for((sl_isa)isa);
         const sl_splat_rect some = {3, 1, SIDE - 5, SIDE - 2}; /* runs that fill no vector */
         uint64_t splatted = 0, covered = 0, expected = 0;
@@ -328,8 +339,12 @@ static void coverage_has_the_bits_of_the_splatted_weight_on_every_instruction_se
 static const sl_gather_point at_origin = {.normal = {0, 0, 1}, .geometric_normal = {0, 0, 1}, .triangle = 0};
 
 static sl_radius_rules rules_with(double accuracy, double maximum, bool guard) {
-    return (sl_radius_rules){.accuracy = accuracy, .minimum_pixels = 1.5, .maximum_radius = maximum, .guard = guard,
-                             .gather = SL_GATHER_RAYS, .plane_tangent = 2.7};
+    return (sl_radius_rules){.accuracy = accuracy,
+                             .minimum_pixels = 1.5,
+                             .maximum_radius = maximum,
+                             .guard = guard,
+                             .gather = SL_GATHER_RAYS,
+                             .plane_tangent = 2.7};
 }
 
 static sl_irradiance seen(float value, float slope, float harmonic_mean, float nearest) {
@@ -361,7 +376,8 @@ static void the_guard_keeps_a_record_from_reaching_through_a_wall(void **state) 
     assert_true(0.5f * sl_record_make(&at_origin, &e, &rules, 0.001f).radius > 1.0f);
 }
 
-/* The plane's lowest ray, of slope 1 / t, meets the wall so high up that r / cos theta' is (1 + t^2) / t^2 there. */
+/* The plane's lowest ray, of slope 1 / t, meets the wall so high up that r / cos theta' is (1 + t^2) / t^2
+ * there. */
 static void the_guard_knows_how_low_a_plane_sees(void **state) {
     (void)state;
     for (int i = 0; i < 3; i++) {
@@ -386,8 +402,8 @@ static void where_the_minimum_radius_overrides_the_guard_the_record_says_so(void
     assert_true(r.translational[0].x * r.radius <= 1.0001f); /* and its gradient shrank with it */
 }
 
-/* A lone wall at distance 1 gives a harmonic mean of 3 pi / 2, which with a = 0.15 stays below the guard's limit of 1 / a; a
- * footprint that asks for more than both still reaches through the wall. */
+/* A lone wall at distance 1 gives a harmonic mean of 3 pi / 2, which with a = 0.15 stays below the guard's
+ * limit of 1 / a; a footprint that asks for more than both still reaches through the wall. */
 static void a_footprint_beyond_the_wall_is_told_even_where_the_guard_did_not_limit(void **state) {
     (void)state;
     sl_radius_rules rules = rules_with(0.15, 100.0, true);
@@ -409,7 +425,8 @@ static void seeing_nothing_gives_the_maximum_radius(void **state) {
 static float brute_limit(const sl_record *records, size_t count, const sl_record *record) {
     float radius = record->own_radius;
     for (size_t j = 0; j < count; j++)
-        radius = fminf(radius, records[j].own_radius + sl_length(sl_sub(record->position, records[j].position)));
+        radius =
+            fminf(radius, records[j].own_radius + sl_length(sl_sub(record->position, records[j].position)));
     return radius > record->minimum_radius ? radius : record->minimum_radius;
 }
 
@@ -424,13 +441,16 @@ static void clamped_radii_are_lipschitz_and_do_not_depend_on_the_order(void **st
     assert_int_equal(sl_reach_tree_create(&reversed, NULL), SL_OK);
     for (uint64_t i = 0; i < N; i++) {
         float u = sl_random_unit(key, 3 * i + 2);
-        records[i] = record_at(10.0f * sl_random_unit(key, 3 * i), 10.0f * sl_random_unit(key, 3 * i + 1), 0.0f, 1.0f);
+        records[i] =
+            record_at(10.0f * sl_random_unit(key, 3 * i), 10.0f * sl_random_unit(key, 3 * i + 1), 0.0f, 1.0f);
         if (i < SAME_PLACE) records[i].position = sl_v3(3, 4, 0);
         records[i].own_radius = 0.1f + 5.0f * u * u;
     }
     for (size_t i = 0; i < N; i++) {
         assert_int_equal(sl_reach_tree_insert(tree, records[i].position, records[i].own_radius, NULL), SL_OK);
-        assert_int_equal(sl_reach_tree_insert(reversed, records[N - 1 - i].position, records[N - 1 - i].own_radius, NULL), SL_OK);
+        assert_int_equal(
+            sl_reach_tree_insert(reversed, records[N - 1 - i].position, records[N - 1 - i].own_radius, NULL),
+            SL_OK);
     }
     for (size_t i = 0; i < N; i++) radius[i] = sl_record_clamped_radius(tree, &records[i]);
     for (size_t i = 0; i < N; i++) {

@@ -1,5 +1,6 @@
-/* Pass R2: pixels lit from the atlas. A triangle's way into the atlas is an affine map, worked out once, so that a pixel costs two dot products
- * with its position, and one look-up on the side that it shows; where the octree costs a descent for each of eight voxels. */
+/* Pass R2: pixels lit from the atlas. A triangle's way into the atlas is an affine map, worked out once, so
+ * that a pixel costs two dot products with its position, and one look-up on the side that it shows; where the
+ * octree costs a descent for each of eight voxels. */
 #include "cache/light_octree/atlas/bake.h"
 
 #include "base/counters.h"
@@ -21,18 +22,24 @@ typedef struct map_task {
     sl_atlas_map *map;
 } map_task;
 
-static sl_vec3d corner_of(const sl_scene *scene, int k, size_t t) { return sl_to_double(sl_scene_position(scene, scene->vertex[k][t])); }
+static sl_vec3d corner_of(const sl_scene *scene, int k, size_t t) {
+    return sl_to_double(sl_scene_position(scene, scene->vertex[k][t]));
+}
 
-/* With edges e1 and e2 and n = e1 x e2 the weights of corners 1 and 2 grow along e2 x n / n^2 and n x e1 / n^2. */
+/* With edges e1 and e2 and n = e1 x e2 the weights of corners 1 and 2 grow along e2 x n / n^2 and n x e1 /
+ * n^2. */
 static sl_atlas_map map_of(const map_task *task, size_t t) {
     const float *c = task->atlas->coordinates + 6 * t;
-    sl_vec3d a = corner_of(task->scene, 0, t), e1 = sl_subd(corner_of(task->scene, 1, t), a), e2 = sl_subd(corner_of(task->scene, 2, t), a);
+    sl_vec3d a = corner_of(task->scene, 0, t), e1 = sl_subd(corner_of(task->scene, 1, t), a),
+             e2 = sl_subd(corner_of(task->scene, 2, t), a);
     sl_vec3d n = sl_crossd(e1, e2), w1 = sl_crossd(e2, n), w2 = sl_crossd(n, e1);
-    double square = sl_dotd(n, n), most = most_stretch * task->atlas->texels_per_unit / (double)task->atlas->size;
+    double square = sl_dotd(n, n),
+           most = most_stretch * task->atlas->texels_per_unit / (double)task->atlas->size;
     sl_atlas_map map = {.centre = sl_to_float(sl_addd(a, sl_scaled(sl_addd(e1, e2), 1.0 / 3.0)))};
     for (int k = 0; k < 2; k++) {
         double from = (double)c[k], by1 = (double)c[2 + k] - from, by2 = (double)c[4 + k] - from;
-        sl_vec3d along = sl_scaled(sl_addd(sl_scaled(w1, by1), sl_scaled(w2, by2)), square > 0.0 ? 1.0 / square : 0.0);
+        sl_vec3d along =
+            sl_scaled(sl_addd(sl_scaled(w1, by1), sl_scaled(w2, by2)), square > 0.0 ? 1.0 / square : 0.0);
         map.at[k] = (float)(from + (by1 + by2) / 3.0);
         map.along[k] = sl_lengthd(along) <= most ? sl_to_float(along) : sl_v3(0.0f, 0.0f, 0.0f);
     }
@@ -46,10 +53,12 @@ static void map_triangles(void *context, size_t index, unsigned worker) {
     for (size_t t = first; t < first + TRIANGLES_A_TASK && t < count; t++) task->map[t] = map_of(task, t);
 }
 
-sl_status sl_atlas_maps_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads, sl_atlas_map **maps, sl_error *error) {
+sl_status sl_atlas_maps_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads,
+                               sl_atlas_map **maps, sl_error *error) {
     map_task task = {atlas, scene, sl_allocate(scene->triangle_count, sizeof *task.map)};
     if (!task.map) return sl_fail_memory(error, "the maps of an atlas");
-    sl_parallel_for(sl_thread_count(threads), (scene->triangle_count + TRIANGLES_A_TASK - 1) / TRIANGLES_A_TASK, map_triangles, &task);
+    sl_parallel_for(sl_thread_count(threads),
+                    (scene->triangle_count + TRIANGLES_A_TASK - 1) / TRIANGLES_A_TASK, map_triangles, &task);
     *maps = task.map;
     return SL_OK;
 }
@@ -81,15 +90,18 @@ static void look_up(const application *a, look_ups *l) {
     float *const plane[4] = {irradiance[0], irradiance[1], irradiance[2], NULL};
     sl_texture_sample_many(a->canvas->side[l->side], l->count, l->s, l->t, NULL, plane);
     for (int k = 0; k < 3; k++) {
-        for (size_t n = 0; n < l->count; n++) a->out[k][l->pixel[n]] = kd[k][l->pixel[n]] * (float)(1.0 / SL_PI) * irradiance[k][n];
+        for (size_t n = 0; n < l->count; n++)
+            a->out[k][l->pixel[n]] = kd[k][l->pixel[n]] * (float)(1.0 / SL_PI) * irradiance[k][n];
     }
     l->count = 0;
 }
 
 static sl_atlas_side side_of(const application *a, const sl_atlas_map *map, size_t pixel) {
     const sl_gbuffer *g = a->gbuffer;
-    sl_vec3 front = sl_cross(map->along[0], map->along[1]), seen = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]);
-    if (!(sl_dot(front, front) > 0.0f)) front = sl_scene_geometric_normal(a->scene, g->id[pixel]); /* a sliver */
+    sl_vec3 front = sl_cross(map->along[0], map->along[1]),
+            seen = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]);
+    /* a sliver */
+    if (!(sl_dot(front, front) > 0.0f)) front = sl_scene_geometric_normal(a->scene, g->id[pixel]);
     return sl_dot(front, seen) < 0.0f ? SL_ATLAS_BACK : SL_ATLAS_FRONT;
 }
 
@@ -122,10 +134,12 @@ static void apply_row(void *context, size_t row, unsigned worker) {
     if (l.count > 0) look_up(a, &l);
 }
 
-sl_status sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_gbuffer *gbuffer, const sl_scene *scene, unsigned threads, float *r, float *g,
-                         float *b, sl_counters *counters, sl_error *error) {
+sl_status sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_gbuffer *gbuffer, const sl_scene *scene,
+                         unsigned threads, float *r, float *g, float *b, sl_counters *counters,
+                         sl_error *error) {
     threads = sl_thread_count(threads);
-    application a = {canvas, gbuffer, scene, {r, g, b}, sl_allocate((size_t)threads * LINE, sizeof *a.fetches)};
+    application a = {
+        canvas, gbuffer, scene, {r, g, b}, sl_allocate((size_t)threads * LINE, sizeof *a.fetches)};
     if (!a.fetches) return sl_fail_memory(error, "an atlas's look-ups");
     sl_parallel_for(threads, (size_t)gbuffer->height, apply_row, &a);
     for (unsigned t = 0; t < threads; t++) {

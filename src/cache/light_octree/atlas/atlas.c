@@ -1,7 +1,8 @@
-/* The atlas of a scene: charts, each flattened, all packed; and what is done with what a step refuses. A chart of which a face is flipped or overlaps
- * another is cut in two and both parts are flattened anew; where it is only slivers, they leave the chart as charts of one triangle. The last
- * word is spoken on the coordinates as they are stored, whole multiples of 2^-24: what rounding has flipped goes the same way, and all are
- * packed again. */
+/* The atlas of a scene: charts, each flattened, all packed; and what is done with what a step refuses. A
+ * chart of which a face is flipped or overlaps another is cut in two and both parts are flattened anew; where
+ * it is only slivers, they leave the chart as charts of one triangle. The last word is spoken on the
+ * coordinates as they are stored, whole multiples of 2^-24: what rounding has flipped goes the same way, and
+ * all are packed again. */
 #include "cache/light_octree/atlas/refine.h"
 
 #include <string.h>
@@ -15,7 +16,8 @@
 #define EXPECTED 0.65
 /* A map that shrinks or grows a chart by more than this is none. */
 #define ASTRAY 16.0
-/* Charts that stretch more than this on the mean are cut: corners of boxes, mostly, whose three sides have no conformal map but a bad one. */
+/* Charts that stretch more than this on the mean are cut: corners of boxes, mostly, whose three sides have no
+ * conformal map but a bad one. */
 #define STRETCH 1.1
 
 typedef struct making {
@@ -37,7 +39,8 @@ typedef struct making {
 
 /* Largest over smallest singular value of the map from a face's own plane to the atlas. */
 static double face_stretch(const sl_atlas_faces *f, size_t face, const double *s) {
-    sl_vec3d p = sl_atlas_corner(f, 3 * face), a = sl_subd(sl_atlas_corner(f, 3 * face + 1), p), b = sl_subd(sl_atlas_corner(f, 3 * face + 2), p);
+    sl_vec3d p = sl_atlas_corner(f, 3 * face), a = sl_subd(sl_atlas_corner(f, 3 * face + 1), p),
+             b = sl_subd(sl_atlas_corner(f, 3 * face + 2), p);
     double length = sl_lengthd(a), twice = sl_lengthd(sl_crossd(a, b));
     if (!(length > 0.0) || !(twice > 0.0)) return 1.0;
     double x = sl_dotd(a, b) / length, y = twice / length; /* corners (0,0), (length,0), (x,y) */
@@ -61,12 +64,15 @@ static double chart_stretch(const making *m, const sl_atlas_chart *c) {
     return area > 0.0 ? sum / area : 1.0;
 }
 
-/* A chart's coordinates in whole grid units, at the density of the moment. They do not depend on where the chart will lie. */
+/* A chart's coordinates in whole grid units, at the density of the moment. They do not depend on where the
+ * chart will lie. */
 static void snap(const making *m, const sl_atlas_chart *c, int64_t *corner) {
     double scale = m->density / m->settings->size * SL_ATLAS_GRID, larger = fmax(c->width, c->height);
-    if (larger * scale > 0x1p28) scale = 0x1p28 / larger; /* far too large for the atlas: only to see what overlaps */
+    /* far too large for the atlas: only to see what overlaps */
+    if (larger * scale > 0x1p28) scale = 0x1p28 / larger;
     for (size_t i = 0; i < 6 * c->count; i++)
-        corner[i] = (int64_t)floor(m->charts.corner[6 * (size_t)m->charts.face[c->first + i / 6] + i % 6] * scale + 0.5);
+        corner[i] = (int64_t)floor(
+            m->charts.corner[6 * (size_t)m->charts.face[c->first + i / 6] + i % 6] * scale + 0.5);
 }
 
 /* Marks what is flipped or overlaps in a chart. */
@@ -90,7 +96,8 @@ static void flatten_task(void *context, size_t index, unsigned worker) {
     const sl_atlas_chart *chart = &m->charts.chart[id];
     bool fresh = !chart->flat;
     double scale = 1.0;
-    m->failed[index] = (fresh && !sl_atlas_flatten(&m->charts, &m->faces, id, m->local, &scale)) || (chart->count > 1 && !find_bad(m, chart));
+    m->failed[index] = (fresh && !sl_atlas_flatten(&m->charts, &m->faces, id, m->local, &scale)) ||
+                       (chart->count > 1 && !find_bad(m, chart));
     if (m->failed[index] || chart->count == 1 || !fresh) return;
     if (!(scale * ASTRAY > 1.0 && scale < ASTRAY) || chart_stretch(m, chart) > STRETCH)
         for (size_t i = 0; i < chart->count; i++) m->bad[m->charts.face[chart->first + i]] = 1;
@@ -119,8 +126,11 @@ static sl_status mend(making *m, sl_error *error) {
     }
     sl_status status = sl_atlas_charts_set_apart(&m->charts, &m->faces, m->bad, error);
     memset(m->bad, 0, m->faces.count);
-    if (status == SL_OK && cuts) status = sl_atlas_charts_split(&m->charts, &m->faces, m->list, cuts, m->threads, error);
-    return status == SL_OK ? sl_atlas_charts_unbend(&m->charts, &m->faces, sl_cos(m->settings->bend), m->threads, error) : status;
+    if (status == SL_OK && cuts)
+        status = sl_atlas_charts_split(&m->charts, &m->faces, m->list, cuts, m->threads, error);
+    return status == SL_OK
+               ? sl_atlas_charts_unbend(&m->charts, &m->faces, sl_cos(m->settings->bend), m->threads, error)
+               : status;
 }
 
 /* Until every chart is flat and without a bad face at the density of the moment. */
@@ -142,7 +152,8 @@ static sl_status flatten_all(making *m, bool *changed, sl_error *error) {
 
 /* ---- coordinates ---- */
 
-/* A triangle alone may be too thin for the grid: it gets at least one unit of height along its longest edge, which lies along an axis. */
+/* A triangle alone may be too thin for the grid: it gets at least one unit of height along its longest edge,
+ * which lies along an axis. */
 static void thicken(int64_t *p) {
     int64_t low[2] = {p[0], p[1]}, high[2] = {p[0], p[1]};
     for (size_t k = 2; k < 6; k++) {
@@ -172,9 +183,11 @@ static void place_task(void *context, size_t id, unsigned worker) {
         for (size_t k = 0; k < 2; k++) low[k] = corner[i + k] < low[k] ? corner[i + k] : low[k];
     }
     double unit = SL_ATLAS_GRID / m->settings->size;
-    int64_t origin[2] = {(int64_t)floor(at->x * unit + 0.5) - low[0], (int64_t)floor(at->y * unit + 0.5) - low[1]};
+    int64_t origin[2] = {(int64_t)floor(at->x * unit + 0.5) - low[0],
+                         (int64_t)floor(at->y * unit + 0.5) - low[1]};
     for (size_t i = 0; i < 6 * c->count; i++)
-        m->coordinates[6 * (size_t)m->charts.face[c->first + i / 6] + i % 6] = (float)((double)(corner[i] + origin[i % 2]) / SL_ATLAS_GRID);
+        m->coordinates[6 * (size_t)m->charts.face[c->first + i / 6] + i % 6] =
+            (float)((double)(corner[i] + origin[i % 2]) / SL_ATLAS_GRID);
     sl_free(corner);
 }
 
@@ -183,11 +196,13 @@ static sl_status pack_all(making *m, sl_error *error) {
     int needed = 0;
     bool changed = true;
     for (double hint = 0.0; changed; hint = m->density) {
-        sl_status status = sl_atlas_pack(&m->charts, &m->faces, m->settings->size, m->settings->gutter, hint, m->place, &m->density, &needed, error);
+        sl_status status = sl_atlas_pack(&m->charts, &m->faces, m->settings->size, m->settings->gutter, hint,
+                                         m->place, &m->density, &needed, error);
         if (status != SL_OK) return status;
         if (!(m->density > 0.0))
-            return sl_fail(error, SL_ERROR_RESOURCES, "an atlas of %d x %d texels is too small for %zu charts: a size of %d would do", m->settings->size,
-                           m->settings->size, m->charts.count, needed);
+            return sl_fail(error, SL_ERROR_RESOURCES,
+                           "an atlas of %d x %d texels is too small for %zu charts: a size of %d would do",
+                           m->settings->size, m->settings->size, m->charts.count, needed);
         status = flatten_all(m, &changed, error);
         if (status != SL_OK) return status;
     }
@@ -221,18 +236,24 @@ static bool measure(const making *m, sl_atlas *a) {
 /* ---- the atlas ---- */
 
 static sl_status check(const sl_scene *scene, const sl_atlas_settings *s, sl_error *error) {
-    if (s->size < 4 || s->size > 16384) return sl_fail(error, SL_ERROR_USAGE, "an atlas's size must be 4 to 16384 texels, not %d", s->size);
+    if (s->size < 4 || s->size > 16384)
+        return sl_fail(error, SL_ERROR_USAGE, "an atlas's size must be 4 to 16384 texels, not %d", s->size);
     if (s->gutter < 0 || s->gutter > s->size / 4)
-        return sl_fail(error, SL_ERROR_USAGE, "an atlas's gutter must be 0 to %d texels, not %d", s->size / 4, s->gutter);
-    if (!(s->bend > 0.0 && s->bend <= SL_PI)) return sl_fail(error, SL_ERROR_USAGE, "a chart must be allowed to bend by more than 0 and at most 180 degrees");
-    if (!scene->triangle_count) return sl_fail(error, SL_ERROR_INPUT, "a scene without triangles has no atlas");
+        return sl_fail(error, SL_ERROR_USAGE, "an atlas's gutter must be 0 to %d texels, not %d", s->size / 4,
+                       s->gutter);
+    if (!(s->bend > 0.0 && s->bend <= SL_PI))
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "a chart must be allowed to bend by more than 0 and at most 180 degrees");
+    if (!scene->triangle_count)
+        return sl_fail(error, SL_ERROR_INPUT, "a scene without triangles has no atlas");
     return SL_OK;
 }
 
 static sl_status make(making *m, const sl_scene *scene, sl_atlas *a, sl_error *error) {
     size_t count = scene->triangle_count;
     sl_status status = sl_atlas_faces_create(scene, &m->faces, error);
-    if (status == SL_OK) status = sl_atlas_charts_create(&m->faces, m->settings->bend, m->threads, &m->charts, error);
+    if (status == SL_OK)
+        status = sl_atlas_charts_create(&m->faces, m->settings->bend, m->threads, &m->charts, error);
     if (status != SL_OK) return status;
     m->place = sl_allocate(count, sizeof *m->place);
     m->local = sl_allocate(count, sizeof *m->local);
@@ -253,7 +274,8 @@ static sl_status make(making *m, const sl_scene *scene, sl_atlas *a, sl_error *e
     return measure(m, a) ? SL_OK : sl_fail_memory(error, "an atlas");
 }
 
-sl_status sl_atlas_create(const sl_scene *scene, const sl_atlas_settings *settings, sl_atlas **atlas, sl_error *error) {
+sl_status sl_atlas_create(const sl_scene *scene, const sl_atlas_settings *settings, sl_atlas **atlas,
+                          sl_error *error) {
     *atlas = NULL;
     sl_status status = check(scene, settings, error);
     if (status != SL_OK) return status;
@@ -284,4 +306,6 @@ void sl_atlas_destroy(sl_atlas *a) {
     sl_free(a);
 }
 
-size_t sl_atlas_bytes(const sl_atlas *a) { return sizeof *a + a->triangle_count * (sizeof *a->chart + 6 * sizeof *a->coordinates); }
+size_t sl_atlas_bytes(const sl_atlas *a) {
+    return sizeof *a + a->triangle_count * (sizeof *a->chart + 6 * sizeof *a->coordinates);
+}

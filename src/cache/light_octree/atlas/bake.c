@@ -1,4 +1,5 @@
-/* Pass R1', render to the atlas: triangles are drawn at their places in it. An atlas holds irradiance, which no camera changes. */
+/* Pass R1', render to the atlas: triangles are drawn at their places in it. An atlas holds irradiance, which
+ * no camera changes. */
 #include "cache/light_octree/atlas/bake.h"
 
 #include <string.h>
@@ -14,7 +15,8 @@ enum { READ_AROUND = 1 };
 
 /* ---- the canvas ---- */
 
-/* Rings around what has a surface point: a texel without any belongs to ring k if one of its 8 neighbours is in ring k - 1. */
+/* Rings around what has a surface point: a texel without any belongs to ring k if one of its 8 neighbours is
+ * in ring k - 1. */
 static void grow_rings(uint8_t *ring, int size) {
     for (uint8_t k = 1; k <= SL_ATLAS_RINGS; k++)
         for (int y = 0; y < size; y++)
@@ -22,7 +24,9 @@ static void grow_rings(uint8_t *ring, int size) {
                 uint8_t *here = &ring[(size_t)y * (size_t)size + (size_t)x];
                 for (int n = 0; *here == SL_ATLAS_VOID && n < 9; n++) {
                     int i = x + n % 3 - 1, j = y + n / 3 - 1;
-                    if (i >= 0 && j >= 0 && i < size && j < size && ring[(size_t)j * (size_t)size + (size_t)i] == k - 1) *here = k;
+                    if (i >= 0 && j >= 0 && i < size && j < size &&
+                        ring[(size_t)j * (size_t)size + (size_t)i] == k - 1)
+                        *here = k;
                 }
             }
 }
@@ -50,16 +54,19 @@ static bool list_texels(sl_atlas_canvas *c, const uint32_t *triangle, const floa
     return true;
 }
 
-sl_status sl_atlas_canvas_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads, sl_atlas_canvas **canvas, sl_error *error) {
+sl_status sl_atlas_canvas_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads,
+                                 sl_atlas_canvas **canvas, sl_error *error) {
     size_t texels = (size_t)atlas->size * (size_t)atlas->size;
     sl_atlas_canvas *c = sl_allocate(1, sizeof *c);
     uint32_t *triangle = sl_allocate(texels, sizeof *triangle);
     float *w = sl_allocate(texels, 2 * sizeof *w);
-    sl_status status = c && triangle && w ? sl_atlas_texels(atlas, scene, READ_AROUND, threads, triangle, w, w + texels, error)
+    sl_status status = c && triangle && w ? sl_atlas_texels(atlas, scene, READ_AROUND, threads, triangle, w,
+                                                            w + texels, error)
                                           : sl_fail_memory(error, "the canvas of an atlas");
     if (status == SL_OK) {
         c->atlas = atlas;
-        if (!list_texels(c, triangle, w, w + texels)) status = sl_fail_memory(error, "the canvas of an atlas");
+        if (!list_texels(c, triangle, w, w + texels))
+            status = sl_fail_memory(error, "the canvas of an atlas");
     }
     if (status == SL_OK) status = sl_atlas_maps_create(atlas, scene, threads, &c->map, error);
     sl_free(triangle);
@@ -82,8 +89,10 @@ void sl_atlas_canvas_destroy(sl_atlas_canvas *c) {
 }
 
 size_t sl_atlas_canvas_bytes(const sl_atlas_canvas *c) {
-    size_t texels = (size_t)c->atlas->size * (size_t)c->atlas->size, sides = (size_t)(c->side[0] != NULL) + (c->side[1] != NULL);
-    return sizeof *c + c->atlas->triangle_count * sizeof *c->map + c->count * (2 * sizeof(uint32_t) + 2 * sizeof(float)) + texels * (1 + sides * 4 * sizeof(float));
+    size_t texels = (size_t)c->atlas->size * (size_t)c->atlas->size,
+           sides = (size_t)(c->side[0] != NULL) + (c->side[1] != NULL);
+    return sizeof *c + c->atlas->triangle_count * sizeof *c->map +
+           c->count * (2 * sizeof(uint32_t) + 2 * sizeof(float)) + texels * (1 + sides * 4 * sizeof(float));
 }
 
 /* ---- R1': into the atlas ---- */
@@ -99,12 +108,15 @@ typedef struct baking {
 static void bake_batch(void *context, size_t batch, unsigned worker) {
     const baking *b = context;
     const sl_atlas_canvas *c = b->canvas;
-    size_t first = batch * SL_ATLAS_BATCH, count = c->count - first < SL_ATLAS_BATCH ? c->count - first : SL_ATLAS_BATCH;
+    size_t first = batch * SL_ATLAS_BATCH,
+           count = c->count - first < SL_ATLAS_BATCH ? c->count - first : SL_ATLAS_BATCH;
     float *rgb = b->scratch + 3 * SL_ATLAS_BATCH * (size_t)worker;
-    b->shader(b->context, worker, count, c->triangle + first, c->w1 + first, c->w2 + first, rgb, rgb + SL_ATLAS_BATCH, rgb + 2 * SL_ATLAS_BATCH);
+    b->shader(b->context, worker, count, c->triangle + first, c->w1 + first, c->w2 + first, rgb,
+              rgb + SL_ATLAS_BATCH, rgb + 2 * SL_ATLAS_BATCH);
     for (size_t i = 0; i < count; i++) {
         float *texel = b->texels + 4 * (size_t)c->texel[first + i];
-        for (size_t k = 0; k < 3; k++) texel[k] = isfinite(rgb[k * SL_ATLAS_BATCH + i]) ? rgb[k * SL_ATLAS_BATCH + i] : 0.0f;
+        for (size_t k = 0; k < 3; k++)
+            texel[k] = isfinite(rgb[k * SL_ATLAS_BATCH + i]) ? rgb[k * SL_ATLAS_BATCH + i] : 0.0f;
         texel[3] = 1.0f;
     }
 }
@@ -125,19 +137,22 @@ static void fill_rings(const sl_atlas_canvas *c, float *texels) {
                     for (size_t d = 0; d < 3; d++) sum[d] += (double)texels[4 * there + d];
                     count += 1.0;
                 }
-                for (size_t d = 0; d < 3; d++) texels[4 * here + d] = (float)(sum[d] / count); /* a ring's texel has such a neighbour */
+                /* a ring's texel has such a neighbour */
+                for (size_t d = 0; d < 3; d++) texels[4 * here + d] = (float)(sum[d] / count);
                 texels[4 * here + 3] = 1.0f;
             }
 }
 
-sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, unsigned threads, sl_atlas_shader *shader, void *context,
-                        sl_error *error) {
+sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, unsigned threads,
+                        sl_atlas_shader *shader, void *context, sl_error *error) {
     threads = sl_thread_count(threads);
     if (!canvas->side[side]) {
-        sl_status status = sl_texture_image_create(canvas->atlas->size, canvas->atlas->size, false, &canvas->side[side], error);
+        sl_status status = sl_texture_image_create(canvas->atlas->size, canvas->atlas->size, false,
+                                                   &canvas->side[side], error);
         if (status != SL_OK) return status;
     }
-    baking b = {canvas, canvas->side[side]->texels, shader, context, sl_allocate((size_t)threads * SL_ATLAS_BATCH, 3 * sizeof *b.scratch)};
+    baking b = {canvas, canvas->side[side]->texels, shader, context,
+                sl_allocate((size_t)threads * SL_ATLAS_BATCH, 3 * sizeof *b.scratch)};
     if (!b.scratch) return sl_fail_memory(error, "filling an atlas");
     sl_parallel_for(threads, (canvas->count + SL_ATLAS_BATCH - 1) / SL_ATLAS_BATCH, bake_batch, &b);
     fill_rings(canvas, b.texels);
@@ -156,32 +171,47 @@ typedef struct octree_source {
     sl_counters *counters;
 } octree_source;
 
-static void shade_points(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1, const float *w2, float *r,
-                         float *g, float *b) {
+static void shade_points(void *context, unsigned worker, size_t count, const uint32_t *triangle,
+                         const float *w1, const float *w2, float *r, float *g, float *b) {
     const octree_source *o = context;
     float *p = o->plane + 6 * SL_ATLAS_BATCH * (size_t)worker;
     for (size_t i = 0; i < count; i++) {
         sl_vec3 n = sl_scene_geometric_normal(o->scene, triangle[i]);
         sl_surface surface;
-        sl_scene_surface(o->scene, triangle[i], w1[i], w2[i], o->side == SL_ATLAS_FRONT ? n : sl_neg(n), &surface);
-        const float values[6] = {surface.position.x, surface.position.y, surface.position.z, surface.normal.x, surface.normal.y, surface.normal.z};
+        sl_scene_surface(o->scene, triangle[i], w1[i], w2[i], o->side == SL_ATLAS_FRONT ? n : sl_neg(n),
+                         &surface);
+        const float values[6] = {surface.position.x, surface.position.y, surface.position.z,
+                                 surface.normal.x,   surface.normal.y,   surface.normal.z};
         for (size_t k = 0; k < 6; k++) p[k * SL_ATLAS_BATCH + i] = values[k];
     }
     const float *n = p + 3 * SL_ATLAS_BATCH;
-    sl_octree_points points = {.count = count, .x = p, .y = p + SL_ATLAS_BATCH, .z = p + 2 * SL_ATLAS_BATCH, .normal_x = n,
-                               .normal_y = n + SL_ATLAS_BATCH, .normal_z = n + 2 * SL_ATLAS_BATCH, .view_x = n, .view_y = n + SL_ATLAS_BATCH,
+    sl_octree_points points = {.count = count,
+                               .x = p,
+                               .y = p + SL_ATLAS_BATCH,
+                               .z = p + 2 * SL_ATLAS_BATCH,
+                               .normal_x = n,
+                               .normal_y = n + SL_ATLAS_BATCH,
+                               .normal_z = n + 2 * SL_ATLAS_BATCH,
+                               .view_x = n,
+                               .view_y = n + SL_ATLAS_BATCH,
                                .view_z = n + 2 * SL_ATLAS_BATCH};
     sl_octree_shade(o->shading, &points, o->scratch[worker], r, g, b, &o->counters[worker]);
     sl_count(&o->counters[worker], SL_COUNT_FRAGMENTS_SHADED, count);
 }
 
-sl_status sl_atlas_bake_octree(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_scene *scene, const sl_octree_shading *shading,
-                               unsigned threads, sl_counters *counters, sl_error *error) {
+sl_status sl_atlas_bake_octree(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_scene *scene,
+                               const sl_octree_shading *shading, unsigned threads, sl_counters *counters,
+                               sl_error *error) {
     threads = sl_thread_count(threads);
-    octree_source o = {scene, shading, side, sl_allocate(threads, sizeof *o.scratch), sl_allocate((size_t)threads * SL_ATLAS_BATCH, 6 * sizeof *o.plane),
+    octree_source o = {scene,
+                       shading,
+                       side,
+                       sl_allocate(threads, sizeof *o.scratch),
+                       sl_allocate((size_t)threads * SL_ATLAS_BATCH, 6 * sizeof *o.plane),
                        sl_allocate(threads, sizeof *o.counters)};
     sl_status status = o.scratch && o.plane && o.counters ? SL_OK : sl_fail_memory(error, "filling an atlas");
-    for (unsigned t = 0; status == SL_OK && t < threads; t++) status = sl_octree_scratch_create(&o.scratch[t], error);
+    for (unsigned t = 0; status == SL_OK && t < threads; t++)
+        status = sl_octree_scratch_create(&o.scratch[t], error);
     if (status == SL_OK) status = sl_atlas_bake(canvas, side, threads, shade_points, &o, error);
     for (unsigned t = 0; status == SL_OK && t < threads; t++) sl_counters_add(counters, &o.counters[t]);
     for (unsigned t = 0; o.scratch && t < threads; t++) sl_octree_scratch_destroy(o.scratch[t]);

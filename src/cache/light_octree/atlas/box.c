@@ -1,4 +1,5 @@
-/* The smallest box around a chart: one of its sides lies along an edge of the convex hull (Freeman, Shapira 1975). */
+/* The smallest box around a chart: one of its sides lies along an edge of the convex hull (Freeman, Shapira
+ * 1975). */
 #include "cache/light_octree/atlas/parts.h"
 
 #include <stdlib.h>
@@ -15,7 +16,8 @@ static double turn(const double *a, const double *b, const double *p) {
     return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
 }
 
-/* Counter-clockwise, by Andrew's monotone chain; sorts the points. hull has room for count + 1 points more than there are. */
+/* Counter-clockwise, by Andrew's monotone chain; sorts the points. hull has room for count + 1 points more
+ * than there are. */
 static size_t convex_hull(double *sorted, size_t count, double *hull) {
     size_t n = 0;
     qsort(sorted, count, 2 * sizeof *sorted, by_place);
@@ -45,7 +47,8 @@ static void extent(const double *p, size_t count, double c, double s, double low
 }
 
 bool sl_atlas_smallest_box(double *point, size_t count) {
-    double *sorted = sl_allocate(count, 2 * sizeof *sorted), *hull = sl_allocate(2 * count + 2, 2 * sizeof *hull);
+    double *sorted = sl_allocate(count, 2 * sizeof *sorted),
+           *hull = sl_allocate(2 * count + 2, 2 * sizeof *hull);
     double low[2], high[2], c = 1.0, s = 0.0, least = HUGE_VAL;
     bool good = sorted && hull;
     for (size_t i = 0; good && i < 2 * count; i++) sorted[i] = point[i];

@@ -1,6 +1,7 @@
-/* Which faces go together (Sander et al. 2003): charts grow from seeds, new seeds are planted in the middle of the charts, charts
- * grow anew, until the seeds stay where they are. How many seeds: one a connected part to begin with, one more in every place that no
- * chart may reach without bending too far. Connected parts are independent, so they are done in parallel. */
+/* Which faces go together (Sander et al. 2003): charts grow from seeds, new seeds are planted in the middle
+ * of the charts, charts grow anew, until the seeds stay where they are. How many seeds: one a connected part
+ * to begin with, one more in every place that no chart may reach without bending too far. Connected parts are
+ * independent, so they are done in parallel. */
 #include "cache/light_octree/atlas/parts.h"
 
 #include <string.h>
@@ -78,7 +79,8 @@ typedef struct seed_bed {
     size_t count;
 } seed_bed;
 
-/* Gives each connected region of the unclaimed faces a number from bed->count on; returns the number of regions. */
+/* Gives each connected region of the unclaimed faces a number from bed->count on; returns the number of
+ * regions. */
 static size_t number_unclaimed(const sl_atlas_region *r, const seed_bed *bed, size_t left_count) {
     size_t regions = 0;
     for (size_t i = 0; i < left_count; i++) {
@@ -91,7 +93,9 @@ static size_t number_unclaimed(const sl_atlas_region *r, const seed_bed *bed, si
             uint32_t face = bed->stack[--depth];
             for (size_t h = 3 * (size_t)face; h < 3 * (size_t)face + 3; h++) {
                 uint32_t opposite = r->faces->opposite[h];
-                if (opposite == SL_NO_INDEX || r->member[opposite / 3] != r->id || r->chart[opposite / 3] != SL_NO_INDEX) continue;
+                if (opposite == SL_NO_INDEX || r->member[opposite / 3] != r->id ||
+                    r->chart[opposite / 3] != SL_NO_INDEX)
+                    continue;
                 r->chart[opposite / 3] = id;
                 bed->stack[depth++] = opposite / 3;
             }
@@ -113,7 +117,8 @@ static bool claim_the_rest(sl_atlas_region *r, seed_bed *bed, double cos_bend) {
         rest.count = left_count;
         bool good = sl_atlas_centres(&rest, bed->count + regions, bed->centre);
         for (size_t i = 0; i < left_count; i++) r->chart[bed->left[i]] = SL_NO_INDEX;
-        for (size_t i = bed->count; i < bed->count + regions; i++) bed->seed[i] = (sl_atlas_seed){bed->centre[i], {0.0, 0.0, 0.0}};
+        for (size_t i = bed->count; i < bed->count + regions; i++)
+            bed->seed[i] = (sl_atlas_seed){bed->centre[i], {0.0, 0.0, 0.0}};
         r->queue = rest.queue;
         if (!good || !sl_atlas_grow(r, bed->seed, bed->count, bed->count + regions, cos_bend)) return false;
         bed->count += regions;
@@ -154,11 +159,18 @@ static void plant_part(void *context, size_t part, unsigned worker) {
     const planting *p = context;
     (void)worker;
     size_t first = p->parts->first[part], count = p->parts->first[part + 1] - first;
-    sl_atlas_region r = {.faces = p->faces, .member = p->parts->of_face, .id = (uint32_t)part, .face = p->parts->face + first,
-                         .count = count, .chart = p->chart, .cost = p->cost};
-    seed_bed bed = {sl_allocate(count, sizeof *bed.seed), sl_allocate(count, sizeof *bed.centre), sl_allocate(count, sizeof *bed.left),
-                    sl_allocate(count, sizeof *bed.stack), sl_allocate(count, sizeof *bed.normal), 0};
-    p->failed[part] = !bed.seed || !bed.centre || !bed.left || !bed.stack || !bed.normal || !grow_part(p, &r, &bed);
+    sl_atlas_region r = {.faces = p->faces,
+                         .member = p->parts->of_face,
+                         .id = (uint32_t)part,
+                         .face = p->parts->face + first,
+                         .count = count,
+                         .chart = p->chart,
+                         .cost = p->cost};
+    seed_bed bed = {sl_allocate(count, sizeof *bed.seed),   sl_allocate(count, sizeof *bed.centre),
+                    sl_allocate(count, sizeof *bed.left),   sl_allocate(count, sizeof *bed.stack),
+                    sl_allocate(count, sizeof *bed.normal), 0};
+    p->failed[part] =
+        !bed.seed || !bed.centre || !bed.left || !bed.stack || !bed.normal || !grow_part(p, &r, &bed);
     p->chart_count[part] = bed.count;
     sl_free(bed.seed);
     sl_free(bed.centre);
@@ -190,7 +202,8 @@ static bool collect(const planting *p, sl_atlas_charts *charts) {
         count += p->chart_count[i];
     }
     bool good = allocate_charts(charts, p->faces->count, count);
-    for (size_t f = 0; good && f < p->faces->count; f++) charts->of_face[f] = (uint32_t)offset[p->parts->of_face[f]] + p->chart[f];
+    for (size_t f = 0; good && f < p->faces->count; f++)
+        charts->of_face[f] = (uint32_t)offset[p->parts->of_face[f]] + p->chart[f];
     if (good) sl_atlas_charts_list(charts, p->faces);
     sl_free(offset);
     return good;
@@ -212,7 +225,8 @@ void sl_atlas_charts_list(sl_atlas_charts *charts, const sl_atlas_faces *faces) 
     }
 }
 
-sl_status sl_atlas_charts_create(const sl_atlas_faces *faces, double bend, unsigned threads, sl_atlas_charts *charts, sl_error *error) {
+sl_status sl_atlas_charts_create(const sl_atlas_faces *faces, double bend, unsigned threads,
+                                 sl_atlas_charts *charts, sl_error *error) {
     part_list parts;
     *charts = (sl_atlas_charts){0};
     planting p = {.faces = faces, .parts = &parts, .cos_bend = sl_cos(bend)};
@@ -230,7 +244,8 @@ sl_status sl_atlas_charts_create(const sl_atlas_faces *faces, double bend, unsig
     sl_free(p.cost);
     sl_free(p.chart_count);
     sl_free(p.failed);
-    sl_status status = good ? sl_atlas_charts_refine(charts, faces, p.cos_bend, threads, error) : sl_fail_memory(error, "an atlas's charts");
+    sl_status status = good ? sl_atlas_charts_refine(charts, faces, p.cos_bend, threads, error)
+                            : sl_fail_memory(error, "an atlas's charts");
     if (status != SL_OK) sl_atlas_charts_release(charts);
     return status;
 }

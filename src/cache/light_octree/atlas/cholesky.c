@@ -1,6 +1,7 @@
-/* The linear system of least squares conformal maps. Conjugate gradients alone are slow on it: every polynomial of the complex plane is nearly
- * conformal on a fine mesh, so that many eigenvalues are nearly 0. A complete Cholesky factor as preconditioner leaves one or two steps, and with
- * rows in nested dissection order (George 1973) its fill on a surface of n vertices is only O(n log n). */
+/* The linear system of least squares conformal maps. Conjugate gradients alone are slow on it: every
+ * polynomial of the complex plane is nearly conformal on a fine mesh, so that many eigenvalues are nearly 0.
+ * A complete Cholesky factor as preconditioner leaves one or two steps, and with rows in nested dissection
+ * order (George 1973) its fill on a surface of n vertices is only O(n log n). */
 #include "cache/light_octree/atlas/parts.h"
 
 #include <stdlib.h>
@@ -47,17 +48,20 @@ static void dissect(dissection *d, located *item, size_t count) {
     uint32_t right = d->halves + 1;
     d->halves += 2;
     for (size_t i = 0; i < count; i++) d->side[item[i].row] = i < half ? right - 1 : right;
-    located *cut = item + half; /* separators are gathered behind what stays, then moved past the second half */
+    /* separators are gathered behind what stays, then moved past the second half */
+    located *cut = item + half;
     for (size_t i = 0; i < half; i++) {
         uint32_t r = item[i].row;
         bool touches = false;
-        for (size_t e = d->a->first[r]; e < d->a->first[r + 1]; e++) touches |= d->side[d->a->column[e]] == right;
+        for (size_t e = d->a->first[r]; e < d->a->first[r + 1]; e++)
+            touches |= d->side[d->a->column[e]] == right;
         item[i].key = touches;
         separators += touches;
     }
     qsort(item, half, sizeof *item, by_key);
     keep = half - separators;
-    for (size_t i = 0; i < separators; i++) { /* rotate: swap the separators with the end of the second half */
+    /* rotate: swap the separators with the end of the second half */
+    for (size_t i = 0; i < separators; i++) {
         located s = item[keep + i];
         item[keep + i] = cut[count - half - separators + i];
         cut[count - half - separators + i] = s;
@@ -68,7 +72,10 @@ static void dissect(dissection *d, located *item, size_t count) {
 }
 
 static bool nested_dissection(const sl_hermitian *a, const double *place, uint32_t *row_at) {
-    dissection d = {.a = a, .place = place, .item = sl_allocate(a->count, sizeof *d.item), .side = sl_allocate(a->count, sizeof *d.side)};
+    dissection d = {.a = a,
+                    .place = place,
+                    .item = sl_allocate(a->count, sizeof *d.item),
+                    .side = sl_allocate(a->count, sizeof *d.side)};
     bool good = d.item && d.side;
     if (good) {
         for (uint32_t i = 0; i < a->count; i++) d.item[i].row = i;
@@ -92,9 +99,10 @@ typedef struct factor {
     double *re, *im, *diagonal;
 } factor;
 
-/* The columns with an entry in row k of L, ascending along each path of the elimination tree: the paths from A's entries to k (Liu 1990). They
- * are written to the end of `list`; returns where they begin. */
-static size_t row_pattern(const sl_hermitian *a, const factor *l, uint32_t k, uint32_t *mark, uint32_t *list, uint32_t *path) {
+/* The columns with an entry in row k of L, ascending along each path of the elimination tree: the paths from
+ * A's entries to k (Liu 1990). They are written to the end of `list`; returns where they begin. */
+static size_t row_pattern(const sl_hermitian *a, const factor *l, uint32_t k, uint32_t *mark, uint32_t *list,
+                          uint32_t *path) {
     size_t top = l->count;
     uint32_t r = l->row_at[k];
     mark[k] = k + 1;
@@ -128,8 +136,10 @@ static void elimination_tree(const sl_hermitian *a, factor *l, uint32_t *ancesto
     }
 }
 
-/* Row k: solves L' y = (A's column k above the diagonal) along the pattern, then the row is y^* and the pivot what is left of A's. */
-static void factor_row(const sl_hermitian *a, factor *l, uint32_t k, const uint32_t *list, size_t top, double *x_re, double *x_im) {
+/* Row k: solves L' y = (A's column k above the diagonal) along the pattern, then the row is y^* and the pivot
+ * what is left of A's. */
+static void factor_row(const sl_hermitian *a, factor *l, uint32_t k, const uint32_t *list, size_t top,
+                       double *x_re, double *x_im) {
     uint32_t r = l->row_at[k];
     double pivot = 0.0, own = 0.0;
     for (size_t e = a->first[r]; e < a->first[r + 1]; e++) { /* A's column k is the conjugate of its row */
@@ -184,10 +194,11 @@ static bool factorize(const sl_hermitian *a, const double *place, factor *l) {
     l->first = sl_allocate(n + 1, sizeof *l->first);
     l->end = sl_allocate(n, sizeof *l->end);
     l->diagonal = sl_allocate(n, sizeof *l->diagonal);
-    uint32_t *mark = sl_allocate(n, sizeof *mark), *list = sl_allocate(n, sizeof *list), *path = sl_allocate(n, sizeof *path);
+    uint32_t *mark = sl_allocate(n, sizeof *mark), *list = sl_allocate(n, sizeof *list),
+             *path = sl_allocate(n, sizeof *path);
     double *x = sl_allocate(n, 2 * sizeof *x);
-    bool good = l->row_at && l->at && l->parent && l->first && l->end && l->diagonal && mark && list && path && x &&
-                nested_dissection(a, place, l->row_at);
+    bool good = l->row_at && l->at && l->parent && l->first && l->end && l->diagonal && mark && list &&
+                path && x && nested_dissection(a, place, l->row_at);
     if (good) {
         for (uint32_t k = 0; k < n; k++) l->at[l->row_at[k]] = k;
         elimination_tree(a, l, path);
@@ -199,7 +210,8 @@ static bool factorize(const sl_hermitian *a, const double *place, factor *l) {
     if (good) {
         memcpy(l->end, l->first, n * sizeof *l->end);
         memset(mark, 0, n * sizeof *mark);
-        for (uint32_t k = 0; k < n; k++) factor_row(a, l, k, list, row_pattern(a, l, k, mark, list, path), x, x + n);
+        for (uint32_t k = 0; k < n; k++)
+            factor_row(a, l, k, list, row_pattern(a, l, k, mark, list, path), x, x + n);
     }
     sl_free(mark);
     sl_free(list);
@@ -259,7 +271,8 @@ static double inner(const double *x, const double *y, size_t count) {
     return sum;
 }
 
-static void iterate(const sl_hermitian *a, const factor *l, double limit, double *x, double *r, double *scratch, unsigned *iterations) {
+static void iterate(const sl_hermitian *a, const factor *l, double limit, double *x, double *r,
+                    double *scratch, unsigned *iterations) {
     size_t n = 2 * a->count;
     double *z = scratch, *p = scratch + n, *ap = scratch + 2 * n, *w = scratch + 3 * n;
     double rz = 0.0;
@@ -278,7 +291,8 @@ static void iterate(const sl_hermitian *a, const factor *l, double limit, double
     }
 }
 
-bool sl_hermitian_solve(const sl_hermitian *a, const double *place, const double *b, double *x, double tolerance, unsigned *iterations) {
+bool sl_hermitian_solve(const sl_hermitian *a, const double *place, const double *b, double *x,
+                        double tolerance, unsigned *iterations) {
     size_t n = 2 * a->count;
     double *r = sl_allocate(n, sizeof *r), *scratch = sl_allocate(n, 4 * sizeof *scratch);
     bool good = r && scratch;

@@ -1,7 +1,9 @@
-/* A chart in the plane by least squares conformal maps (Levy et al. 2002). With a face's corners x_j + i y_j in its own plane and
- * U_j = u_j + i v_j in the chart's, the map of the face is conformal where W_1 U_1 + W_2 U_2 + W_3 U_3 = 0, W_1 = (x_3 - x_2) + i (y_3 - y_2) and so
- * on; the sum of |.|^2 / (2 area) over the faces is minimised with two border vertices pinned. As a form in complex numbers that is Hermitian:
- * H_jk = sum of conj(W_j) W_k / (2 area). The first guess is the projection along the chart's normal: for a planar chart it is the answer. */
+/* A chart in the plane by least squares conformal maps (Levy et al. 2002). With a face's corners x_j + i y_j
+ * in its own plane and U_j = u_j + i v_j in the chart's, the map of the face is conformal where W_1 U_1 + W_2
+ * U_2 + W_3 U_3 = 0, W_1 = (x_3 - x_2) + i (y_3 - y_2) and so on; the sum of |.|^2 / (2 area) over the faces
+ * is minimised with two border vertices pinned. As a form in complex numbers that is Hermitian: H_jk = sum of
+ * conj(W_j) W_k / (2 area). The first guess is the projection along the chart's normal: for a planar chart it
+ * is the answer. */
 #include "cache/light_octree/atlas/parts.h"
 
 #include <stdlib.h>
@@ -38,7 +40,8 @@ static void unite(uint32_t *up, uint32_t a, uint32_t b) {
     else up[a] = b;
 }
 
-/* Corners are one vertex where an edge inside the chart glues them: a point that two borders of the chart pass is two vertices. */
+/* Corners are one vertex where an edge inside the chart glues them: a point that two borders of the chart
+ * pass is two vertices. */
 static bool gather_vertices(flattening *t, const uint32_t *of_face, uint32_t chart, uint32_t *local) {
     size_t corners = 3 * t->count;
     uint32_t *up = sl_allocate(corners, sizeof *up);
@@ -68,7 +71,8 @@ static bool gather_vertices(flattening *t, const uint32_t *of_face, uint32_t cha
     }
     for (uint32_t c = 0; c < corners; c++) {
         uint32_t opposite = t->faces->opposite[3 * t->face[c / 3] + c % 3];
-        if (opposite == SL_NO_INDEX || of_face[opposite / 3] != chart) t->border[t->vertex[c]] = t->border[t->vertex[sl_atlas_next(c)]] = true;
+        if (opposite == SL_NO_INDEX || of_face[opposite / 3] != chart)
+            t->border[t->vertex[c]] = t->border[t->vertex[sl_atlas_next(c)]] = true;
     }
     sl_free(up);
     return true;
@@ -78,12 +82,14 @@ static bool gather_vertices(flattening *t, const uint32_t *of_face, uint32_t cha
 
 static sl_vec3d mean_normal(const flattening *t) {
     sl_vec3d sum = {0.0, 0.0, 0.0};
-    for (size_t i = 0; i < t->count; i++) sum = sl_addd(sum, sl_scaled(t->faces->normal[t->face[i]], t->faces->area[t->face[i]]));
+    for (size_t i = 0; i < t->count; i++)
+        sum = sl_addd(sum, sl_scaled(t->faces->normal[t->face[i]], t->faces->area[t->face[i]]));
     double length = sl_lengthd(sum);
     if (length > 0.0) return sl_scaled(sum, 1.0 / length);
     size_t c = 3 * (size_t)t->face[0]; /* slivers alone: the first one's plane */
     sl_vec3d p = sl_atlas_corner(t->faces, c);
-    sl_vec3d n = sl_crossd(sl_subd(sl_atlas_corner(t->faces, c + 1), p), sl_subd(sl_atlas_corner(t->faces, c + 2), p));
+    sl_vec3d n =
+        sl_crossd(sl_subd(sl_atlas_corner(t->faces, c + 1), p), sl_subd(sl_atlas_corner(t->faces, c + 2), p));
     length = sl_lengthd(n);
     return length > 0.0 ? sl_scaled(n, 1.0 / length) : sl_v3d(0.0, 0.0, 1.0);
 }
@@ -91,7 +97,9 @@ static sl_vec3d mean_normal(const flattening *t) {
 static void project(const flattening *t) {
     sl_vec3d n = mean_normal(t), o = sl_atlas_corner(t->faces, t->corner[0]);
     double x = fabs(n.x), y = fabs(n.y), z = fabs(n.z);
-    sl_vec3d axis = x <= y && x <= z ? sl_v3d(1.0, 0.0, 0.0) : y <= z ? sl_v3d(0.0, 1.0, 0.0) : sl_v3d(0.0, 0.0, 1.0);
+    sl_vec3d axis = x <= y && x <= z ? sl_v3d(1.0, 0.0, 0.0)
+                    : y <= z         ? sl_v3d(0.0, 1.0, 0.0)
+                                     : sl_v3d(0.0, 0.0, 1.0);
     sl_vec3d right = sl_crossd(axis, n);
     right = sl_scaled(right, 1.0 / sl_lengthd(right)); /* |axis x n| >= sqrt(2/3) */
     sl_vec3d up = sl_crossd(n, right);
@@ -109,7 +117,8 @@ static double distance_squared(const flattening *t, uint32_t a, uint32_t b) {
     return sl_dotd(d, d);
 }
 
-/* The two border vertices farthest apart; from a long border, the end of a walk from farthest to farthest. False: there is no border. */
+/* The two border vertices farthest apart; from a long border, the end of a walk from farthest to farthest.
+ * False: there is no border. */
 static bool choose_pins(const flattening *t, uint32_t pin[2]) {
     enum { ALL_PAIRS = 3000, WALK = 8 };
     size_t count = 0;
@@ -155,7 +164,8 @@ static int by_column(const void *x, const void *y) {
 /* W_1, W_2, W_3 of a face as pairs; returns the weight 1 / (2 area). */
 static double face_equation(const sl_atlas_faces *f, uint32_t face, double w[6]) {
     sl_vec3d p = sl_atlas_corner(f, 3 * (size_t)face);
-    sl_vec3d a = sl_subd(sl_atlas_corner(f, 3 * (size_t)face + 1), p), b = sl_subd(sl_atlas_corner(f, 3 * (size_t)face + 2), p);
+    sl_vec3d a = sl_subd(sl_atlas_corner(f, 3 * (size_t)face + 1), p),
+             b = sl_subd(sl_atlas_corner(f, 3 * (size_t)face + 2), p);
     double length = sl_lengthd(a), twice = sl_lengthd(sl_crossd(a, b));
     double x3 = length > 0.0 ? sl_dotd(a, b) / length : 0.0, y3 = length > 0.0 ? twice / length : 0.0;
     w[0] = x3 - length, w[1] = y3; /* corners (0,0), (length,0), (x3,y3) */
@@ -171,21 +181,25 @@ static double face_equation(const sl_atlas_faces *f, uint32_t face, double w[6])
     return twice > 0.0 ? 1.0 / twice : 0.0;
 }
 
-/* Writes conj(W_j) W_k / (2 area) of all faces into the rows of their vertices; first[v] becomes the end of row v. */
+/* Writes conj(W_j) W_k / (2 area) of all faces into the rows of their vertices; first[v] becomes the end of
+ * row v. */
 static void fill_rows(const flattening *t, size_t *first, entry *all) {
     for (size_t i = 0; i < t->count; i++) {
         double w[6], weight = face_equation(t->faces, t->face[i], w);
         for (size_t j = 0; j < 3; j++)
             for (size_t k = 0; k < 3; k++) {
                 size_t at = first[t->vertex[3 * i + j]]++;
-                all[at] = (entry){t->vertex[3 * i + k], (uint32_t)i, weight * (w[2 * j] * w[2 * k] + w[2 * j + 1] * w[2 * k + 1]),
+                all[at] = (entry){t->vertex[3 * i + k], (uint32_t)i,
+                                  weight * (w[2 * j] * w[2 * k] + w[2 * j + 1] * w[2 * k + 1]),
                                   weight * (w[2 * j] * w[2 * k + 1] - w[2 * j + 1] * w[2 * k])};
             }
     }
 }
 
-/* The rows of the free vertices: columns of free ones into the matrix, of pinned ones, times their place, to the right hand side. */
-static void assemble(const flattening *t, const uint32_t *row_of, const size_t *end, entry *all, sl_hermitian *h, double *b) {
+/* The rows of the free vertices: columns of free ones into the matrix, of pinned ones, times their place, to
+ * the right hand side. */
+static void assemble(const flattening *t, const uint32_t *row_of, const size_t *end, entry *all,
+                     sl_hermitian *h, double *b) {
     size_t begin = 0, at = 0;
     for (size_t v = 0; v < t->vertices; begin = end[v++]) {
         uint32_t row = row_of[v];
@@ -213,8 +227,8 @@ static void assemble(const flattening *t, const uint32_t *row_of, const size_t *
 
 static bool solve(const flattening *t, const uint32_t pin[2]) {
     size_t n = t->vertices, entries = 9 * t->count;
-    sl_hermitian h = {n - 2, sl_allocate(n, sizeof *h.first), sl_allocate(entries, sizeof *h.column), sl_allocate(entries, sizeof *h.re),
-                      sl_allocate(entries, sizeof *h.im)};
+    sl_hermitian h = {n - 2, sl_allocate(n, sizeof *h.first), sl_allocate(entries, sizeof *h.column),
+                      sl_allocate(entries, sizeof *h.re), sl_allocate(entries, sizeof *h.im)};
     entry *all = sl_allocate(entries, sizeof *all);
     size_t *first = sl_allocate(n + 2, sizeof *first);
     uint32_t *row_of = sl_allocate(n, sizeof *row_of);
@@ -279,7 +293,8 @@ double sl_atlas_fit(sl_atlas_charts *charts, uint32_t id) {
     return sane ? scale : 0.0;
 }
 
-/* Where no map is found (no border, numbers beyond all bounds) the projection stays: the search for overlaps finds what is wrong with it. */
+/* Where no map is found (no border, numbers beyond all bounds) the projection stays: the search for overlaps
+ * finds what is wrong with it. */
 static bool map(const flattening *t) {
     uint32_t pin[2] = {0, 0};
     project(t);
@@ -300,7 +315,8 @@ static bool map(const flattening *t) {
     return true;
 }
 
-bool sl_atlas_flatten(sl_atlas_charts *charts, const sl_atlas_faces *faces, uint32_t id, uint32_t *local, double *scale) {
+bool sl_atlas_flatten(sl_atlas_charts *charts, const sl_atlas_faces *faces, uint32_t id, uint32_t *local,
+                      double *scale) {
     sl_atlas_chart *chart = &charts->chart[id];
     flattening t = {.faces = faces, .face = charts->face + chart->first, .count = chart->count};
     bool good = gather_vertices(&t, charts->of_face, id, local);
@@ -310,7 +326,8 @@ bool sl_atlas_flatten(sl_atlas_charts *charts, const sl_atlas_faces *faces, uint
     else good = good && map(&t);
     good = good && sl_atlas_smallest_box(t.u, t.vertices);
     for (size_t c = 0; good && c < 3 * t.count; c++)
-        memcpy(charts->corner + 6 * (size_t)t.face[c / 3] + 2 * (c % 3), t.u + 2 * (size_t)t.vertex[c], 2 * sizeof *t.u);
+        memcpy(charts->corner + 6 * (size_t)t.face[c / 3] + 2 * (c % 3), t.u + 2 * (size_t)t.vertex[c],
+               2 * sizeof *t.u);
     chart->flat = good;
     *scale = good ? sl_atlas_fit(charts, id) : 0.0;
     sl_free(t.vertex);

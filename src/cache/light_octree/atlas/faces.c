@@ -1,6 +1,7 @@
-/* Which faces share an edge. A scene's vertices are split by normal and texture coordinates, so it is positions that say which corners
- * meet: equal bits, equal point. Along an edge of two faces that run opposite ways these are glued; where more meet, pairs that run opposite
- * ways are glued, the flattest first; all else is a border. */
+/* Which faces share an edge. A scene's vertices are split by normal and texture coordinates, so it is
+ * positions that say which corners meet: equal bits, equal point. Along an edge of two faces that run
+ * opposite ways these are glued; where more meet, pairs that run opposite ways are glued, the flattest first;
+ * all else is a border. */
 #include "cache/light_octree/atlas/parts.h"
 
 #include <stdlib.h>
@@ -18,7 +19,8 @@
 /* ---- points ---- */
 
 static uint64_t position_hash(const uint32_t bits[3]) {
-    uint64_t h = bits[0] * UINT64_C(0x9e3779b97f4a7c15) ^ bits[1] * UINT64_C(0xc2b2ae3d27d4eb4f) ^ bits[2] * UINT64_C(0x165667b19e3779f9);
+    uint64_t h = bits[0] * UINT64_C(0x9e3779b97f4a7c15) ^ bits[1] * UINT64_C(0xc2b2ae3d27d4eb4f) ^
+                 bits[2] * UINT64_C(0x165667b19e3779f9);
     h ^= h >> 29;
     h *= UINT64_C(0xbf58476d1ce4e5b9);
     return h ^ h >> 32;
@@ -80,7 +82,8 @@ static half_edge *sorted_half_edges(const sl_atlas_faces *f, size_t points) {
             sorted[first[e.low + 1]++] = e;
         }
         for (size_t p = 0; p < points; p++)
-            if (first[p + 1] - first[p] > 1) qsort(sorted + first[p], first[p + 1] - first[p], sizeof *sorted, by_edge);
+            if (first[p + 1] - first[p] > 1)
+                qsort(sorted + first[p], first[p + 1] - first[p], sizeof *sorted, by_edge);
     } else {
         sl_free(sorted);
         sorted = NULL;
@@ -94,7 +97,8 @@ static void glue(sl_atlas_faces *f, uint32_t a, uint32_t b) {
     f->opposite[b] = a;
 }
 
-/* More than two faces at one edge: the flattest pair of those that run opposite ways, then the flattest of the rest. */
+/* More than two faces at one edge: the flattest pair of those that run opposite ways, then the flattest of
+ * the rest. */
 static void glue_flattest(sl_atlas_faces *f, const half_edge *e, size_t count) {
     enum { MOST = 64 }; /* a fan of more pages than this stays open */
     if (count > MOST) return;
@@ -104,7 +108,9 @@ static void glue_flattest(sl_atlas_faces *f, const half_edge *e, size_t count) {
         for (size_t i = 0; i < count; i++)
             for (size_t j = i + 1; j < count; j++) {
                 uint32_t a = e[i].index, b = e[j].index;
-                if (f->opposite[a] != SL_NO_INDEX || f->opposite[b] != SL_NO_INDEX || f->point[a] == f->point[b]) continue;
+                if (f->opposite[a] != SL_NO_INDEX || f->opposite[b] != SL_NO_INDEX ||
+                    f->point[a] == f->point[b])
+                    continue;
                 double flatness = sl_dotd(f->normal[a / 3], f->normal[b / 3]);
                 if (flatness > best) best = flatness, left = a, right = b;
             }
@@ -119,9 +125,12 @@ static bool glue_all(sl_atlas_faces *f, size_t points) {
     if (!sorted) return false;
     memset(f->opposite, 0xff, count * sizeof *f->opposite);
     for (size_t i = 0, end; i < count; i = end) {
-        for (end = i + 1; end < count && sorted[end].low == sorted[i].low && sorted[end].high == sorted[i].high;) end++;
+        for (end = i + 1;
+             end < count && sorted[end].low == sorted[i].low && sorted[end].high == sorted[i].high;)
+            end++;
         uint32_t a = sorted[i].index, b = sorted[end - 1].index;
-        if (end - i == 2 && f->point[a] != f->point[b] && sl_dotd(f->normal[a / 3], f->normal[b / 3]) > FOLD) glue(f, a, b);
+        if (end - i == 2 && f->point[a] != f->point[b] && sl_dotd(f->normal[a / 3], f->normal[b / 3]) > FOLD)
+            glue(f, a, b);
         if (end - i > 2) glue_flattest(f, sorted + i, end - i);
     }
     sl_free(sorted);
@@ -154,7 +163,8 @@ sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_err
     f->centre = sl_allocate(count, sizeof *f->centre);
     f->area = sl_allocate(count, sizeof *f->area);
     uint32_t *first_at = sl_allocate(scene->vertex_count, sizeof *first_at);
-    bool good = f->point && f->opposite && f->normal && f->centre && f->area && first_at && weld(scene, first_at);
+    bool good =
+        f->point && f->opposite && f->normal && f->centre && f->area && first_at && weld(scene, first_at);
     if (good) {
         for (size_t c = 0; c < 3 * count; c++) f->point[c] = first_at[scene->vertex[c % 3][c / 3]];
         for (uint32_t face = 0; face < count; face++) measure(f, face);

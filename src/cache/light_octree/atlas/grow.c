@@ -1,5 +1,6 @@
-/* Charts grow over faces as in Sander et al. 2003: Dijkstra from all seeds at once, a step from face F to F' costing
- * (1 - n_C . n_F') |x_F - x_F'|, so that a chart runs freely over what is flat and stops where the surface turns. */
+/* Charts grow over faces as in Sander et al. 2003: Dijkstra from all seeds at once, a step from face F to F'
+ * costing (1 - n_C . n_F') |x_F - x_F'|, so that a chart runs freely over what is flat and stops where the
+ * surface turns. */
 #include "cache/light_octree/atlas/parts.h"
 
 #include <string.h>
@@ -65,12 +66,14 @@ static double agreement(sl_vec3d chart_normal, sl_vec3d face_normal) {
     return sl_dotd(chart_normal, face_normal);
 }
 
-bool sl_atlas_grow(sl_atlas_region *r, const sl_atlas_seed *seed, size_t first, size_t count, double cos_bend) {
+bool sl_atlas_grow(sl_atlas_region *r, const sl_atlas_seed *seed, size_t first, size_t count,
+                   double cos_bend) {
     const sl_atlas_faces *f = r->faces;
     sl_vec3d *sum = sl_allocate(count, sizeof *sum); /* area-weighted normals of what each chart has so far */
     bool good = sum != NULL;
     r->queue.count = 0;
-    for (size_t i = first; good && i < count; i++) good = push(&r->queue, (sl_atlas_queue_entry){0.0, seed[i].face, (uint32_t)i});
+    for (size_t i = first; good && i < count; i++)
+        good = push(&r->queue, (sl_atlas_queue_entry){0.0, seed[i].face, (uint32_t)i});
     while (good && r->queue.count) {
         sl_atlas_queue_entry e = pop(&r->queue);
         sl_vec3d own = seed[e.chart].normal;
@@ -88,7 +91,8 @@ bool sl_atlas_grow(sl_atlas_region *r, const sl_atlas_seed *seed, size_t first, 
             double turn = agreement(own, f->normal[to]);
             if (turn < cos_bend && !running) continue;
             double step = sl_lengthd(sl_subd(f->centre[to], f->centre[e.face]));
-            good = push(&r->queue, (sl_atlas_queue_entry){e.cost + (1.0 + COMPACT - turn) * step, to, e.chart});
+            good =
+                push(&r->queue, (sl_atlas_queue_entry){e.cost + (1.0 + COMPACT - turn) * step, to, e.chart});
         }
     }
     sl_free(sum);
@@ -126,7 +130,9 @@ bool sl_atlas_centres(sl_atlas_region *r, size_t chart_count, uint32_t *centre) 
         for (uint32_t k = 0; good && k < 3; k++) {
             uint32_t to = neighbour(r, 3 * e.face + k);
             if (to == SL_NO_INDEX || r->chart[to] != e.chart || r->cost[to] >= 0.0) continue;
-            good = push(&r->queue, (sl_atlas_queue_entry){e.cost + sl_lengthd(sl_subd(f->centre[to], f->centre[e.face])), to, e.chart});
+            good = push(&r->queue,
+                        (sl_atlas_queue_entry){e.cost + sl_lengthd(sl_subd(f->centre[to], f->centre[e.face])),
+                                               to, e.chart});
         }
     }
     return good;

@@ -1,6 +1,7 @@
-/* Whether triangles in the plane overlap, decided exactly: their corners are whole numbers. Each must have positive area, and the insides of
- * two must be disjoint, which they are if and only if the line through an edge of one has the other on its outer side. That replaces what
- * could be said of discs (positive everywhere and a border that does not cross itself), and holds for charts with holes as well. */
+/* Whether triangles in the plane overlap, decided exactly: their corners are whole numbers. Each must have
+ * positive area, and the insides of two must be disjoint, which they are if and only if the line through an
+ * edge of one has the other on its outer side. That replaces what could be said of discs (positive everywhere
+ * and a border that does not cross itself), and holds for charts with holes as well. */
 #include "cache/light_octree/atlas/parts.h"
 
 #include "base/memory.h"
@@ -85,7 +86,9 @@ static bool fill_grid(grid *g, const box *boxes, size_t count) {
 
 /* The pair is tested in one cell alone: the one with the lower left corner of what the boxes share. */
 static bool belongs(const grid *g, const box *a, const box *b, size_t cell) {
-    box shared = {{a->low[0] > b->low[0] ? a->low[0] : b->low[0], a->low[1] > b->low[1] ? a->low[1] : b->low[1]}, {0, 0}};
+    box shared = {
+        {a->low[0] > b->low[0] ? a->low[0] : b->low[0], a->low[1] > b->low[1] ? a->low[1] : b->low[1]},
+        {0, 0}};
     shared.high[0] = a->high[0] < b->high[0] ? a->high[0] : b->high[0];
     shared.high[1] = a->high[1] < b->high[1] ? a->high[1] : b->high[1];
     if (shared.low[0] >= shared.high[0] || shared.low[1] >= shared.high[1]) return false;
@@ -99,7 +102,8 @@ static void test_cell(const grid *g, const int64_t *corner, const box *boxes, si
         for (size_t j = i + 1; j < g->first[cell + 1]; j++) {
             uint32_t a = g->triangle[i], b = g->triangle[j]; /* a < b */
             if (bad[a] || bad[b] || !belongs(g, &boxes[a], &boxes[b], cell)) continue;
-            if (!separated_by(corner + 6 * (size_t)a, corner + 6 * (size_t)b) && !separated_by(corner + 6 * (size_t)b, corner + 6 * (size_t)a))
+            if (!separated_by(corner + 6 * (size_t)a, corner + 6 * (size_t)b) &&
+                !separated_by(corner + 6 * (size_t)b, corner + 6 * (size_t)a))
                 bad[b] = 1;
         }
 }

@@ -1,6 +1,7 @@
-/* All charts in one texture (the horizon of Levy et al. 2002): from the tallest to the lowest, each is put where its top stays lowest,
- * in any of four quarter turns; charts fit into each other as their outlines do. The horizon remembers what is free below it, so that small
- * charts come to lie in the holes that large ones left. The density is the highest at which all stay inside. */
+/* All charts in one texture (the horizon of Levy et al. 2002): from the tallest to the lowest, each is put
+ * where its top stays lowest, in any of four quarter turns; charts fit into each other as their outlines do.
+ * The horizon remembers what is free below it, so that small charts come to lie in the holes that large ones
+ * left. The density is the highest at which all stay inside. */
 #include "cache/light_octree/atlas/parts.h"
 
 #include <stdlib.h>
@@ -12,10 +13,11 @@
 
 /* A little more than the gutter, for what rounding takes. */
 #define SLACK 0x1p-8
-/* The horizon is kept CLASSES times: the one of class k forgets gaps lower than 2^k texels, so that thick charts need not look into thin gaps. */
+/* The horizon is kept CLASSES times: the one of class k forgets gaps lower than 2^k texels, so that thick
+ * charts need not look into thin gaps. */
 enum { CLASSES = 6 };
-/* Outlines wider than this many columns move in longer steps, so that they stop no oftener than this in a width of their own; a few charts may be
- * tried everywhere. */
+/* Outlines wider than this many columns move in longer steps, so that they stop no oftener than this in a
+ * width of their own; a few charts may be tried everywhere. */
 enum { STEPS = 8, FEW_CHARTS = 256 };
 /* So many charts look into large gaps alone. */
 enum { MANY_CHARTS = 8192 };
@@ -78,7 +80,9 @@ static bool gather_borders(packing *p, const sl_atlas_faces *faces) {
                 uint32_t h = 3 * c->face[j / 3] + (uint32_t)(j % 3), opposite = faces->opposite[h];
                 if (opposite != SL_NO_INDEX && c->of_face[opposite / 3] == i) continue;
                 if (fill) memcpy(p->segment + 4 * at, c->corner + 2 * (size_t)h, 2 * sizeof *p->segment);
-                if (fill) memcpy(p->segment + 4 * at + 2, c->corner + 2 * (size_t)sl_atlas_next(h), 2 * sizeof *p->segment);
+                if (fill)
+                    memcpy(p->segment + 4 * at + 2, c->corner + 2 * (size_t)sl_atlas_next(h),
+                           2 * sizeof *p->segment);
                 at++;
             }
         }
@@ -135,7 +139,8 @@ static int outline(packing *p, uint32_t chart, double density, int turns) {
     }
     for (int i = 0; i < columns; i++) {
         p->class_of[i] = p->charts->count > MANY_CHARTS ? CLASSES - 1 : 0;
-        while (p->class_of[i] + 1 < CLASSES && p->high[i] - p->low[i] >= (double)(2 << p->class_of[i])) p->class_of[i]++;
+        while (p->class_of[i] + 1 < CLASSES && p->high[i] - p->low[i] >= (double)(2 << p->class_of[i]))
+            p->class_of[i]++;
     }
     return columns;
 }
@@ -177,7 +182,8 @@ static double lift(const column *c, double y, double low, double high) {
     return y;
 }
 
-/* For each column of texels the bottom of the lowest gap that is as high as the thinnest column of the outline (or THIN). */
+/* For each column of texels the bottom of the lowest gap that is as high as the thinnest column of the
+ * outline (or THIN). */
 static void find_gaps(packing *p, int room, int columns) {
     double thinnest = HUGE_VAL;
     int class = p->charts->count > MANY_CHARTS ? CLASSES - 1 : 0;
@@ -192,7 +198,8 @@ static void find_gaps(packing *p, int room, int columns) {
 static double rest(const packing *p, int x, int columns, double limit) {
     double y = 0.0;
     for (int c = 0; c < columns; c++) y = p->gap[x + c] - p->low[c] > y ? p->gap[x + c] - p->low[c] : y;
-    for (int c = 0, settled = 0; settled < columns && y <= limit; c = c + 1 < columns ? c + 1 : 0) { /* until it has gone round without being lifted */
+    /* until it has gone round without being lifted */
+    for (int c = 0, settled = 0; settled < columns && y <= limit; c = c + 1 < columns ? c + 1 : 0) {
         double lifted = lift(&p->horizon[p->class_of[c] * p->widest + x + c], y, p->low[c], p->high[c]);
         settled = lifted > y ? 1 : settled + 1;
         y = lifted;
@@ -200,14 +207,15 @@ static double rest(const packing *p, int x, int columns, double limit) {
     return y;
 }
 
-/* The lowest place for the outline in low[] and high[] where its top is below the best one's. Wide outlines move in steps, and then to the left as far
- * as they get without being lifted. */
+/* The lowest place for the outline in low[] and high[] where its top is below the best one's. Wide outlines
+ * move in steps, and then to the left as far as they get without being lifted. */
 static void try_turn(packing *p, int room, int columns, double height, int turns, spot *best) {
     int step = columns > STEPS && p->charts->count > FEW_CHARTS ? columns / STEPS : 1;
     bool found = false;
     find_gaps(p, room, columns);
     for (int x = 0; x + columns <= room; x += step) {
-        int blocked = columns - 1; /* the last column without any gap that would do: the outline cannot cover it */
+        /* the last column without any gap that would do: the outline cannot cover it */
+        int blocked = columns - 1;
         while (blocked >= 0 && p->gap[x + blocked] + p->thin < best->top) blocked--;
         if (blocked >= 0) {
             x += blocked + 1 - step;
@@ -248,7 +256,8 @@ static bool take(column *c, span s, double thinnest) {
 
 static bool take_spot(packing *p, int room, int columns, const spot *s) {
     double around = (double)p->gutter + SLACK;
-    for (int i = s->x - p->gutter < 0 ? 0 : s->x - p->gutter; i < s->x + columns + p->gutter && i < room; i++) {
+    for (int i = s->x - p->gutter < 0 ? 0 : s->x - p->gutter; i < s->x + columns + p->gutter && i < room;
+         i++) {
         span taken = {HUGE_VAL, -HUGE_VAL};
         for (int c = i - s->x - p->gutter; c <= i - s->x + p->gutter; c++) {
             if (c < 0 || c >= columns) continue;
@@ -263,8 +272,8 @@ static bool take_spot(packing *p, int room, int columns, const spot *s) {
     return true;
 }
 
-/* The height that all charts need at a density, in a strip of `size` texels with half a gutter left free on both sides; infinite where it would
- * pass `most`. False: no memory. */
+/* The height that all charts need at a density, in a strip of `size` texels with half a gutter left free on
+ * both sides; infinite where it would pass `most`. False: no memory. */
 static bool pack_strip(packing *p, int size, double density, double most, sl_atlas_place *place,
                        double *highest) {
     int room = size - p->gutter;
@@ -277,12 +286,14 @@ static bool pack_strip(packing *p, int size, double density, double most, sl_atl
         for (int turns = 0; turns < (c->area > BOX_LIKE * c->width * c->height ? 2 : 4); turns++) {
             double across = density * (turns % 2 ? c->height : c->width);
             if (across + SLACK > (double)room) continue;
-            try_turn(p, room, outline(p, chart, density, turns), density * (turns % 2 ? c->width : c->height), turns, &best);
+            try_turn(p, room, outline(p, chart, density, turns), density * (turns % 2 ? c->width : c->height),
+                     turns, &best);
         }
         *highest = best.x < 0 ? HUGE_VAL : fmax(best.top, *highest);
         if (best.x < 0) return true;
         if (!take_spot(p, room, outline(p, chart, density, best.turns), &best)) return false;
-        place[chart] = (sl_atlas_place){best.x + 0.5 * (p->gutter + SLACK), best.y + 0.5 * p->gutter, best.turns};
+        place[chart] =
+            (sl_atlas_place){best.x + 0.5 * (p->gutter + SLACK), best.y + 0.5 * p->gutter, best.turns};
     }
     return true;
 }
@@ -297,15 +308,18 @@ static double likely_density(const packing *p, double room) {
         squares += c->width * c->height;
         sides += c->width + c->height;
     }
-    double half = 0.5 * p->gutter * sides, rest = room * room - (double)p->charts->count * p->gutter * p->gutter;
+    double half = 0.5 * p->gutter * sides,
+           rest = room * room - (double)p->charts->count * p->gutter * p->gutter;
     if (!(squares > 0.0) || !(rest > 0.0)) return 0.0;
     return rest / (half + sqrt(half * half + squares * rest));
 }
 
-/* The highest density found, at least `least`; 0 if not even that fits. Steps up or down until the answer is bracketed, then halves the bracket. With
- * a hint: the first one that fits from there down. */
-static bool search(packing *p, int size, double hint, double least, sl_atlas_place *place, sl_atlas_place *trial, double *fits) {
-    double room = (double)(size - p->gutter), most = 0.0, density = fmax(hint > 0.0 ? hint : LIKELY * likely_density(p, room), least), height;
+/* The highest density found, at least `least`; 0 if not even that fits. Steps up or down until the answer is
+ * bracketed, then halves the bracket. With a hint: the first one that fits from there down. */
+static bool search(packing *p, int size, double hint, double least, sl_atlas_place *place,
+                   sl_atlas_place *trial, double *fits) {
+    double room = (double)(size - p->gutter), most = 0.0,
+           density = fmax(hint > 0.0 ? hint : LIKELY * likely_density(p, room), least), height;
     *fits = 0.0;
     for (int t = 0; t < TRIES && !(*fits > 0.0 && most > 0.0 && most < PRECISION * *fits); t++) {
         if (!pack_strip(p, size, density, room, trial, &height)) return false;
@@ -330,7 +344,8 @@ static bool sufficient_size(packing *p, double least, sl_atlas_place *trial, int
     while (*size < SIZE_MOST) {
         if (!widen_horizon(p, *size) || !pack_strip(p, *size, least, HUGE_VAL, trial, &height)) return false;
         if (height + p->gutter <= (double)*size) return true;
-        double next = height < HUGE_VAL ? ceil(sqrt((double)*size * (height + p->gutter))) : 1.25 * (double)*size;
+        double next =
+            height < HUGE_VAL ? ceil(sqrt((double)*size * (height + p->gutter))) : 1.25 * (double)*size;
         *size = next > (double)SIZE_MOST ? SIZE_MOST : next > (double)*size ? (int)next : *size + 1;
     }
     return true;
@@ -353,8 +368,8 @@ static void release(packing *p) {
     sl_free(p->order);
 }
 
-sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *faces, int size, int gutter, double hint, sl_atlas_place *place,
-                        double *density, int *needed, sl_error *error) {
+sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *faces, int size, int gutter,
+                        double hint, sl_atlas_place *place, double *density, int *needed, sl_error *error) {
     packing p = {.charts = charts, .gutter = gutter};
     sl_atlas_place *trial = sl_allocate(charts->count, sizeof *trial);
     double area = 0.0;
