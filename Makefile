@@ -86,13 +86,11 @@ SHARED_SOURCES := $(filter-out $(TEST_SOURCES) $(BENCH_SOURCES) tests/fuzz/%,\
 PARTS := $(BUILD)/libparts.a
 PARTS_OBJECTS := $(call objects,$(SHARED_SOURCES)) $(filter-out %/main.o,$(APP_OBJECTS) $(IMPORT_OBJECTS))
 
-.PHONY: all setup demo check check-all test conformance fuzz-targets fuzz golden lessons scenes bench report auto-table \
-        clean help
-.DELETE_ON_ERROR:
-.SECONDARY:
+.PHONY: all setup demo check check-all test conformance fuzz-targets fuzz golden lessons scenes bench report \
+        auto-table clean help
+.DELETE_ON_ERROR .SECONDARY:
 
 # ---- what is built ---------------------------------------------------------------------------------------
-
 link = $(call run,LD,$@) mkdir -p $(@D) && \
        $(CC) $(OPTIMISE) $(OPENMP) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDFLAGS)
 compile = $(call run,CC,$<) mkdir -p $(@D) && $(CC) $(ALL_CFLAGS)
@@ -170,7 +168,7 @@ check-all: setup ## that, and the tests that take longer: two hours on two cores
 	@tests/check-all.sh
 test: all $(TESTS) $(BUILD)/generate ## build and run the tests of one configuration
 	@./tests/run.sh $(BUILD)
-conformance: $(filter $(BUILD)/tests/test_osmesa_%,$(TESTS)) $(BUILD)/generate ## what methods draw beside what OSMesa draws
+conformance: $(filter $(BUILD)/tests/test_osmesa_%,$(TESTS)) $(BUILD)/generate ## what methods draw beside OSMesa
 	@tests/conformance.sh $(BUILD)
 fuzz-targets: $(FUZZERS)
 fuzz: ## try inputs that nobody wrote, FUZZ_SECONDS=60 for each of FUZZ_TARGETS (clang with libFuzzer)
