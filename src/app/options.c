@@ -93,8 +93,8 @@ static bool take_setting(const sl_command_line *line, const sl_setting *setting,
     const char *flag = sl_setting_flag(setting);
     if (line->quality_given && strcmp(flag, "quality") == 0) *line->quality_given = true;
     if (sl_settings_set(line->settings, setting->name, text, &error) == SL_OK) return true;
-    return mistake(status, "--%s%s", setting->everyday ? flag : setting->name,
-                   error.message + strlen(setting->name));
+    return mistake(status, "--%s%s%s", setting->everyday ? "" : "set ",
+                   setting->everyday ? flag : setting->name, error.message + strlen(setting->name));
 }
 
 /* --set light-octree.depth=6 */

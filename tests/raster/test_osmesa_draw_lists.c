@@ -14,7 +14,7 @@
 #include "rendering.h"
 #include "scene/scene.h"
 
-enum { EVERY = 50, DEPTH_STEPS = 8 };
+enum { EVERY = 50, DEPTH_STEPS = 16 };
 
 typedef struct tally {
     uint64_t draws, judged, pixels, id, depth, near;

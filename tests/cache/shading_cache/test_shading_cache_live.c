@@ -618,7 +618,7 @@ static void what_cannot_be_shown_is_refused_and_leaves_nothing(void **state) {
     settings.shading_cache.hold_levels = 256.0;
     assert_int_equal(sl_live_start(scene, &settings, &live, &error), SL_ERROR_USAGE);
     assert_null(live);
-    assert_non_null(strstr(error.message, "quality"));
+    assert_non_null(strstr(error.message, "hold"));
     sl_scene_destroy(scene);
 }
 
