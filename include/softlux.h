@@ -58,10 +58,10 @@ extern "C" {
 /** The numbers are also the program's exit statuses; 1 is kept for a comparison that failed its bounds. */
 typedef enum sl_status {
     SL_OK = 0,
-    /* *< what was asked for cannot be: a NULL, a number out of range, an unknown name, functions in the wrong
+    /** what was asked for cannot be: a NULL, a number out of range, an unknown name, functions in the wrong
      * order */
     SL_ERROR_USAGE = 2,
-    /* *< a file cannot be read, or it and the pictures and scenes that were given are not what they ought to
+    /** a file cannot be read, or it and the pictures and scenes that were given are not what they ought to
      * be */
     SL_ERROR_INPUT = 3,
     SL_ERROR_OUTPUT = 4,   /**< a file cannot be written */
@@ -80,10 +80,10 @@ typedef struct sl_error {
  */
 typedef enum sl_counter {
     SL_COUNT_RASTER_PASSES,        /**< renders of the scene into some target */
-    /* *< ... that were not needed: no geometry or no light there, or nothing to be lit by it */
+    /** ... that were not needed: no geometry or no light there, or nothing to be lit by it */
     SL_COUNT_RASTER_PASSES_SKIPPED,
     SL_COUNT_CLUSTERS_TESTED,
-    /* *< rejected whole: outside, between pixel centres, or hidden in every tile that they touch */
+    /** rejected whole: outside, between pixel centres, or hidden in every tile that they touch */
     SL_COUNT_CLUSTERS_CULLED,
     SL_COUNT_TRIANGLES_SUBMITTED,  /**< reached the transform */
     SL_COUNT_TRIANGLES_CULLED,     /**< outside the view, or covering no pixel centre */
@@ -100,10 +100,10 @@ typedef enum sl_counter {
     SL_COUNT_RECORDS,
     SL_COUNT_RECORDS_DISCARDED,    /**< speculative records found covered at commit */
     SL_COUNT_SPLATS,
-    /* *< records that gathers see and the eye does not: more than one bounce */
+    /** records that gathers see and the eye does not: more than one bounce */
     SL_COUNT_SECOND_LEVEL_RECORDS,
     SL_COUNT_SECOND_LEVEL_LOOK_UPS,      /**< points where gathers asked for their irradiance */
-    /* *< ... and no second-level record covered the point: others stood in */
+    /** ... and no second-level record covered the point: others stood in */
     SL_COUNT_SECOND_LEVEL_MISSES,
     SL_COUNT_MAP_PHOTONS,          /**< sample photons of direct radiance maps */
     SL_COUNT_MAP_PHOTONS_DROPPED,  /**< ... that lie too near to the light, or hold no light */
@@ -116,7 +116,7 @@ typedef enum sl_counter {
     SL_COUNT_DIRECTIONAL_LIGHTS,   /**< virtual ones, of all voxels */
     SL_COUNT_TEXTURE_FETCHES,      /**< of the octree, its lights, and the atlas */
     SL_COUNT_LIGHT_SAMPLES,        /**< irradiance from one light at one vertex */
-    /* *< ... that needed no picture: the light is turned away, below the horizon, or nothing is in between */
+    /** ... that needed no picture: the light is turned away, below the horizon, or nothing is in between */
     SL_COUNT_LIGHT_SAMPLES_SKIPPED,
     SL_COUNT_COARSE_SAMPLES,       /**< vertices of the coarse mesh, which gathers see */
     SL_COUNT_INDIRECT_SAMPLES,     /**< gathers of indirect irradiance at vertices */
@@ -130,10 +130,10 @@ typedef enum sl_counter {
     SL_COUNT_POINTS_SHADED,        /**< vertices whose shading a sample renderer computed */
     SL_COUNT_PATCHES_EVICTED,
     SL_COUNT_CHANGES_DETECTED,     /**< vertices that were found to look otherwise than before */
-    /* *< edits of objects or lights that were found to change shading; several before the first is found are
+    /** edits of objects or lights that were found to change shading; several before the first is found are
      * one */
     SL_COUNT_CHANGES_SHOWN,
-    /* *< ... updates from them to the pictures that show it first, the last one included: latency */
+    /** ... updates from them to the pictures that show it first, the last one included: latency */
     SL_COUNT_UPDATES_TO_SHOW,
     SL_COUNT_FRAMES_DISPLAYED,
     SL_COUNT_SAMPLES,              /**< path-tracer samples: pixels times samples a pixel */
@@ -165,7 +165,7 @@ typedef struct sl_image {
     int width;    /**< pixels, at least 1 */
     int height;   /**< likewise */
     int channels; /**< planes; width * height * channels is 2^31 at most */
-    /* *< channels of them, NUL-terminated; owned by the image, as are the arrays below */
+    /** channels of them, NUL-terminated; owned by the image, as are the arrays below */
     char (*channel_name)[SL_CHANNEL_NAME_MAX];
     float *planes;          /**< planes[channel][row][column], without gaps */
     sl_metadatum *metadata; /**< in the order in which it was set; see sl_image_set_metadata() */
@@ -209,7 +209,7 @@ typedef enum sl_tone_curve {
 typedef struct sl_tone {
     sl_tone_curve curve;  /**< what compresses bright values */
     float exposure_stops; /**< values are multiplied by 2 to this power */
-    /* *< exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added. Not for
+    /** exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added. Not for
      * golden images: twice the light, the same picture */
     bool automatic;
 } sl_tone;
@@ -237,12 +237,12 @@ typedef struct sl_comparison {
     uint64_t values;      /**< how many values were compared: 3 a pixel */
     uint64_t nonfinite;   /**< NaN or infinite values under the mask, of both images together */
     uint64_t negative;    /**< values below 0 under the mask, of both images together */
-    /* *< every bit of every R, G, B value under the mask is equal, be it finite or not */
+    /** every bit of every R, G, B value under the mask is equal, be it finite or not */
     bool identical;
     double rmse;          /**< sqrt(mean (x-r)^2) */
     double rel_rmse;      /**< rmse / |mean(r)| */
     double rel_mse;       /**< mean((x-r)^2 / (r^2 + 0.01 mean(r)^2)) */
-    /* *< the same without the largest 0.1 % of the terms (rounded down to a whole number) */
+    /** the same without the largest 0.1 % of the terms (rounded down to a whole number) */
     double rel_mse_trimmed;
     double rel_mse_noise; /**< the reference's own share of rel_mse: mean((A-B)^2 / 4 / (r^2 + ...)) where it
                              has the layers even.* and odd.*, two independent halves (the path tracers write
@@ -298,7 +298,7 @@ typedef struct sl_viewpoint {
 } sl_viewpoint;
 /** Which axis of a mesh file points up. */
 typedef enum sl_up_axis {
-    /* *< as the format has it; formats that do not say (STL, PLY, OFF, OBJ) are y up, but where the shape
+    /** as the format has it; formats that do not say (STL, PLY, OFF, OBJ) are y up, but where the shape
      * tells that they are z up */
     SL_UP_AUTO,
     SL_UP_Y,
@@ -306,13 +306,13 @@ typedef enum sl_up_axis {
 } sl_up_axis;
 /** What loading a scene may do. {0} is what sl_scene_load() does. */
 typedef struct sl_load_options {
-    /* *< files that a scene names may lie outside of its folder: absolute names, "..", symbolic links; else
+    /** files that a scene names may lie outside of its folder: absolute names, "..", symbolic links; else
      * they are refused */
     bool allow_outside;
-    /* *< of a mesh file that is loaded alone; a scene file says it itself ("up"), and other than AUTO is
+    /** of a mesh file that is loaded alone; a scene file says it itself ("up"), and other than AUTO is
      * refused for one (USAGE) */
     sl_up_axis up_axis;
-    /* *< or NULL; read while loading alone. USAGE: an eye at its target, an up vector along the view */
+    /** or NULL; read while loading alone. USAGE: an eye at its target, an up vector along the view */
     const sl_viewpoint *view;
 } sl_load_options;
 /** The same as it is told to; options must not be NULL. */
@@ -368,9 +368,9 @@ typedef struct sl_mark {
 typedef struct sl_pass {
     const char *method;   /**< "splatting" */
     const char *name;     /**< "splat irradiance records" */
-    /* *< equation, algorithm or pass of the paper, "Algorithm 1, equation (9)"; or its words for it */
+    /** equation, algorithm or pass of the paper, "Algorithm 1, equation (9)"; or its words for it */
     const char *source;
-    /* *< what the pass made, row 0 at the top; valid during the call only; may be NULL */
+    /** what the pass made, row 0 at the top; valid during the call only; may be NULL */
     const sl_image *buffer;
     const sl_counters *counters; /**< what this pass alone cost */
     const sl_mark *marks;        /**< mark_count of them, valid during the call only */
@@ -392,14 +392,14 @@ typedef struct sl_settings sl_settings;
 typedef struct sl_setting {
     const char *name;     /**< "light-octree.depth", or "spp" where several methods heed it */
     const char *methods;  /**< those that do, "splatting, multi-mesh"; "": all */
-    /* *< what a value is: "N", "DEGREES", "WxH"; or the choices, "auto|rays|shadow-maps"; "": a flag, 0 or
+    /** what a value is: "N", "DEGREES", "WxH"; or the choices, "auto|rays|shadow-maps"; "": a flag, 0 or
      * 1 */
     const char *unit;
     const char *symbol;   /**< the paper's, "k"; or "" */
     const char *help;     /**< one line */
     double minimum;       /**< in that unit */
     double maximum;       /**< not above the minimum: there are no bounds */
-    /* *< default at draft, normal and high quality; 0 where otherwise tells, and of flags and choices: the
+    /** default at draft, normal and high quality; 0 where otherwise tells, and of flags and choices: the
      * first */
     double by_quality[3];
     const char *otherwise; /**< how it is chosen, "by density"; or NULL */
@@ -433,7 +433,7 @@ typedef struct sl_method sl_method;
 typedef struct sl_progress {
     uint64_t batches;  /**< done so far */
     double fraction;   /**< an estimate in [0,1] */
-    /* *< with splatting.records-per-frame: the frame has what it may have; resolve it, then edit or go on
+    /** with splatting.records-per-frame: the frame has what it may have; resolve it, then edit or go on
      * refining */
     bool frame_done;
     bool done;         /**< nothing left to refine; until an edit, updating again changes nothing */
@@ -490,7 +490,7 @@ SL_API const char *sl_method_reduction(sl_method *method);
 
 /** One thing that made a pixel: a record, a photon, a voxel's light, a vertex of a mesh. */
 typedef struct sl_explanation_term {
-    /* *< of the picture, that it adds to: "indirect", "direct", "emission"; a constant string */
+    /** of the picture, that it adds to: "indirect", "direct", "emission"; a constant string */
     const char *layer;
     const char *kind;       /**< "irradiance record"; a constant string */
     uint64_t index;         /**< which one, by the method's own numbers */
@@ -506,7 +506,7 @@ typedef struct sl_explanation {
     float pixel[3];       /**< R, G, B of the picture */
     size_t count;         /**< terms */
     sl_explanation_term *terms; /**< in the order in which the method adds them */
-    /* *< what rounding of the method's own sums, in float, has left: parts in a million */
+    /** what rounding of the method's own sums, in float, has left: parts in a million */
     double rounding[3];
 } sl_explanation;
 
@@ -538,20 +538,20 @@ typedef struct sl_live sl_live;
 /** What a frame shows. */
 typedef struct sl_live_state {
     uint64_t frames;      /**< drawn so far, this one included */
-    /* *< how often the shading that it shows has been brought up to date: a frame is of one version whole */
+    /** how often the shading that it shows has been brought up to date: a frame is of one version whole */
     uint64_t versions;
     uint64_t updates;     /**< done so far */
     double time_seconds;  /**< the scene's time that the frame shows */
-    /* *< how wrong what is seen seems to be, in displayed levels of 255, as the last update found it;
+    /** how wrong what is seen seems to be, in displayed levels of 255, as the last update found it;
      * negative: unknown */
     double error_levels;
     uint64_t changes_shown; /**< moves whose change of light frames have shown, of methods other than the
                              Shading Cache once their picture has been finished there; several before the
                              first of them shows are one */
-    /* *< the scene's time of the last of those moves, and of its first where it was several: what shading
+    /** the scene's time of the last of those moves, and of its first where it was several: what shading
      * lags behind by, to a frame that shows one more */
     double change_seconds;
-    /* *< ... and how many frames after the first that could have shown it that was; 0: in that one */
+    /** ... and how many frames after the first that could have shown it that was; 0: in that one */
     uint64_t change_frames;
     bool held;            /**< a move waits for shading-cache.hold */
     bool done;            /**< nothing is left to refine: updates rest until something moves */
@@ -583,22 +583,22 @@ SL_API sl_status sl_live_frame(sl_live *live, const sl_image **frame, sl_live_st
  * same transport and pixel filter, and no noise. Judged are the pixels that show surfaces: those that show a
  * lamp or the sky itself (not in a mirror) are in neither error nor mean, unless there are no others. */
 typedef struct sl_error_estimate {
-    /* *< an estimate of sl_comparison.rel_rmse over these pixels; 0 where the picture is better than the
+    /** an estimate of sl_comparison.rel_rmse over these pixels; 0 where the picture is better than the
      * probes can tell */
     double rel_rmse;
-    /* *< with 95 % confidence the error is not above that; infinite where nothing can be promised */
+    /** with 95 % confidence the error is not above that; infinite where nothing can be promised */
     double bound;
     double least;       /**< with 95 % confidence it is not below that */
-    /* *< the bound that a picture without any error would have by the same probes; 0 by a picture's own
+    /** the bound that a picture without any error would have by the same probes; 0 by a picture's own
      * halves */
     double resolution;
     double rmse;        /**< the estimate in units of radiance */
     double mean;        /**< of the converged picture, estimated */
     double noise;       /**< rmse of the probes' own values: what one half of their samples is off by */
-    /* *< pixels that were looked at: all that are judged where a picture's own halves tell */
+    /** pixels that were looked at: all that are judged where a picture's own halves tell */
     uint64_t probes;
     uint64_t samples;   /**< that the probes have traced so far, for this picture and others */
-    /* *< pixels of the picture with a value that is NaN or infinite: left out, and nothing is promised */
+    /** pixels of the picture with a value that is NaN or infinite: left out, and nothing is promised */
     uint64_t nonfinite;
     bool blind; /**< light of lights without extent by way of mirrors would count, but no path from an eye
                    finds it: the converged picture meant here is without it */

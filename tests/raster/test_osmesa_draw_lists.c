@@ -1,8 +1,8 @@
 /* What OSMesa judges is what draws: the passes that every method asks for while it renders the Cornell box, a
  * room and a cave are handed to OSMesa as they come, all large ones and every fiftieth small view, and whole
  * frames are compared. Triangle numbers agree in every bit, and so do depths of large views, told OpenGL's way
- * (the methods' own is 1/w, which OpenGL does not store); in small views depths may be a few steps of a float
- * apart and are counted by themselves; Gouraud's values within the roundings of OSMesa's planes,
+ * (the methods' own is 1/w, which OpenGL does not store); in small views depths may be 256 steps of a float
+ * (1.5e-5) apart and are counted by themselves; Gouraud's values agree within the roundings of OSMesa's planes,
  * which begin at the target's corner. */
 #define _XOPEN_SOURCE 700
 #include "osmesa_soup.h"
@@ -14,7 +14,7 @@
 #include "rendering.h"
 #include "scene/scene.h"
 
-enum { EVERY = 50, DEPTH_STEPS = 16 };
+enum { EVERY = 50, DEPTH_STEPS = 256 };
 
 typedef struct tally {
     uint64_t draws, judged, pixels, id, depth, near;

@@ -269,7 +269,7 @@ static inline float place_on_disc(sl_vec3 d, sl_vec3 axis, sl_vec3 normal, float
     float t = (normal.x * d.x + normal.y * d.y + normal.z * d.z) / (fabsf(towards) > 1e-9f ? towards : 1e-9f);
     float x = t * axis.x - d.x, y = t * axis.y - d.y, z = t * axis.z - d.z;
     float place = (x * x + y * y + z * z) / (4.0f * (extent > 1e-30f ? extent : 1e-30f));
-    return (t > 0.0f) & (place < 1e6f) ? place : 1e6f;
+    return ((t > 0.0f) & (place < 1e6f)) ? place : 1e6f;
 }
 
 static inline float rimmed_disc(float n, float a, float place) {
