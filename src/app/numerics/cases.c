@@ -276,6 +276,7 @@ const sl_known_limit sl_known_limits[] = {
     {"path", "reflectance 0", 0.5, "noise of the lamp's outline alone"},
     {"bidirectional", "reflectance 0", 0.5, "noise of the lamp's outline alone"},
     {"light-octree", "one row", 0.5, "voxels blur the two pixels in which all of the room is"},
+    {"multi-mesh", "turned inside out", 0.05, "bodies wound inside out are not known for solids"},
     {"shading-cache", "exponent 1e5", 0.25, "what sharp lobes show is cached at vertices"},
     {"shading-cache", "mirrors", 0.2, "what mirrors show is cached at vertices"},
     {NULL, NULL, 0, NULL}};
