@@ -37,38 +37,16 @@ static const struct {
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
 /* What ends a command that renders: last words win. Some only go with others. */
-static const char *const least[] = {"--size",
-                                    "3x2",
-                                    "--threads",
-                                    "1",
-                                    "--spp",
-                                    "1",
-                                    "--gather-size",
-                                    "8",
-                                    "--photons",
-                                    "2",
-                                    "--map-size",
-                                    "4",
-                                    "--cube-size",
-                                    "8",
-                                    "--shadow-size",
-                                    "16",
-                                    "--depth",
-                                    "2",
-                                    "--points",
-                                    "20",
-                                    "--stored-photons",
-                                    "100",
-                                    "--indirect-samples",
-                                    "2",
-                                    "--area-samples",
-                                    "4",
-                                    "--quiet"};
+static const char *const least[] = {
+    "--size", "3x2", "--threads", "1", "--spp", "1", "--photons", "2", "--depth", "2", "--stored-photons", "100",
+    "--set", "gather-size=8", "--set", "direct-radiance.map-size=4", "--set", "direct-radiance.cube-size=8",
+    "--set", "direct-radiance.shadow-size=16", "--set", "shading-cache.points=20",
+    "--set", "shading-cache.indirect-samples=2", "--set", "shading-cache.area-samples=4", "--quiet"};
 static const char *const least_of_series[] = {"--frames", "1"}, *const least_of_others[] = {"--time", "0.05"},
                          *const least_without_error[] = {"--batches", "2"};
 
 static size_t add_words(char *argv[], size_t argc, const char *const *words, size_t count) {
-    static char ends[ENDS_MAX][32]; /* commands may write to their words */
+    static char ends[ENDS_MAX][40]; /* commands may write to their words */
     static size_t next;
     for (size_t i = 0; i < count; i++) argv[argc++] = strcpy(ends[next++ % ENDS_MAX], words[i]);
     return argc;
