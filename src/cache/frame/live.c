@@ -20,7 +20,7 @@
 #include "scene/animation.h"
 #include "scene/copy.h"
 
-/* Where things are: all that it takes to put any scene_copy there. */
+/* Where things are: all that it takes to put any copy of the scene there. */
 typedef struct pose {
     uint64_t number;           /* 0, 1, 2, ... as they were asked for */
     bool timed;                /* false: as the scene was found */
@@ -282,7 +282,7 @@ static void ask(sl_live *l, unsigned changes, sl_status status, const sl_error *
     sl_monitor_leave(&l->meeting);
 }
 
-/* The scene_copy goes at once. A window that could not follow shows nothing any more; a time at which nothing
+/* The copy follows at once. A window that could not follow shows nothing any more; a time at which nothing
  * can be is another matter. */
 static sl_status go(sl_live *l, sl_error *error) {
     unsigned changes = 0;
