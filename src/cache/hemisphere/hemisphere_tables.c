@@ -18,8 +18,7 @@ static double cosine_primitive(double u, double v) {
     return 0.5 * (u / pu * sl_atan(v / pu) + v / pv * sl_atan(u / pv));
 }
 
-/* omega_x d omega = u du dv / l^4; the same function makes the hemicube's side faces, where the cosine is z /
- * l. */
+/* omega_x d omega = u du dv / l^4. */
 static double tangential_primitive(double u, double v) {
     double pu = sqrt(1.0 + u * u);
     return -0.5 * sl_atan(v / pu) / pu;
@@ -33,10 +32,6 @@ double sl_plane_cosine_weight(double u0, double u1, double v0, double v1) {
 sl_vec3d sl_plane_vector(double u0, double u1, double v0, double v1) {
     return sl_v3d(box(tangential_primitive, u0, u1, v0, v1), box(tangential_transposed, u0, u1, v0, v1),
                   box(cosine_primitive, u0, u1, v0, v1));
-}
-
-double sl_side_cosine_weight(double u0, double u1, double z0, double z1) {
-    return box(tangential_transposed, u0, u1, z0, z1);
 }
 
 /* I(c; v0, v1) = integral of dv / (1 + c^2 + v^2)^2: a wall between two columns of the plane. */

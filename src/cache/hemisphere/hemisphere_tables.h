@@ -19,10 +19,6 @@ sl_vec3d sl_plane_vector(double u0, double u1, double v0, double v1);
 /* Of dv / l^4 along the wall u = c, from v0 to v1: what sl_wall_vector() is there. With q = p(c):
  *     I = [v / (2 q^2 (q^2 + v^2)) + atan(v / q) / (2 q^3)] from v0 to v1. */
 double sl_plane_wall(double c, double v0, double v1);
-/* Half side face of the hemicube, u sideways, z upwards: direction (u, z, 1) / l with the normal along z, so
- * that the cosine weight is the integral of z du dz / l^4: box X^T, X^T(u, z) = -atan(u / p(z)) / (2 p(z)).
- */
-double sl_side_cosine_weight(double u0, double u1, double z0, double z1);
 /* Any cell bounded by great circles, corners a_i counter-clockwise seen from outside, of any length. Integral
  * of omega d omega, of which the z component is the cosine weight (Lambert's formula), theta_i being the
  * angle between a_i and a_i+1: V = sum over edges of theta_i (a_i x a_i+1) / (2 |a_i x a_i+1|). */

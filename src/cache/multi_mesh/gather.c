@@ -1,7 +1,7 @@
 /* The gather: the scene's triangle ids from the point, under 160 degrees both ways; colours of the coarse
  * mesh there; times weights; summed by halving to 16 x 16, which are read back and added. Beyond 160 degrees:
  * nothing, made up for by division by the share that is seen (the loss is 2.5 % under an even sky, but all of
- * what stands lower than 10 degrees above the horizon), or four strips, the rest of a hemicube. */
+ * what stands lower than 10 degrees above the horizon). */
 #include <string.h>
 
 #include "base/counters.h"
@@ -12,10 +12,8 @@
 #include "cache/multi_mesh/gather_kernels.h"
 #include "cache/multi_mesh/gather_sky.h"
 
-enum { SIDES = 4, SIZE_MAX_PIXELS = 4096 };
+enum { SIZE_MAX_PIXELS = 4096 };
 
-/* The four strips lie one above the other in a picture of half the size: half as many pixels along an edge as
- * above, yet of a smaller angle than those in the middle of it. */
 struct sl_mesh_gather {
     const sl_scene *scene;
     const sl_raster *raster;
@@ -28,16 +26,14 @@ struct sl_mesh_gather {
     float *triangle;               /* SL_MESH_GATHER_FLOATS each */
     /* tangents of the columns (and rows) of the view above; weights of its pixels */
     float *x, *weight;
-    float *side_x, *side_y, *side_weight; /* of one strip */
     sl_gather_sky *sky;            /* NULL: no environment, or a constant one */
-    float *lod, *side_lod;         /* at which it is looked up; NULL without */
+    float *lod;                    /* at which it is looked up; NULL without */
 };
 
 struct sl_mesh_gather_scratch {
     int size;
     uint32_t *id;
     float *planes;                 /* three of the picture, three times weights */
-    float *side_planes;
     float *halved, *sums;
     sl_raster_scratch *raster;
 };
@@ -74,11 +70,6 @@ static void fill_triangles(sl_mesh_gather *g) {
     }
 }
 
-static int strip_width(const sl_mesh_gather *g) { return g->settings.size / 2; }
-static int strip_height(const sl_mesh_gather *g) {
-    return g->settings.size / 2 / SIDES > 0 ? g->settings.size / 2 / SIDES : 1;
-}
-
 /* Pixels of the view above, an octant from the middle outwards: eight have the same bits. The midpoint rule
  * is off by up to 1 % for a pixel of 64 x 64 at 160 degrees. */
 static void fill_weights(int size, double t, float *weight) {
@@ -96,40 +87,21 @@ static void fill_weights(int size, double t, float *weight) {
     }
 }
 
-/* Pixels of a strip, over [-1, 1] x [0, v] of a plane that stands upright at unit distance. */
-static void fill_side_weights(int width, int height, double v, float *weight) {
-    int half = width / 2;
-    for (int k = 0; k < height * half; k++) {
-        int y = k / half, i = k % half;
-        double inside = sl_side_cosine_weight((double)i / half, (double)(i + 1) / half, v * y / height,
-                                              v * (y + 1) / height);
-        weight[y * width + half + i] = weight[y * width + half - 1 - i] = (float)inside;
-    }
-}
-
 static void fill_tables(sl_mesh_gather *g) {
-    int n = g->settings.size, width = strip_width(g), height = strip_height(g);
+    int n = g->settings.size;
     double t = (double)g->tangent;
     for (int i = 0; i < n; i++) g->x[i] = (float)(t * ((2.0 * i + 1.0) / n - 1.0));
     fill_weights(n, t, g->weight);
-    for (int i = 0; i < width; i++) g->side_x[i] = (float)((2.0 * i + 1.0) / width - 1.0);
-    for (int j = 0; j < height; j++) g->side_y[j] = (float)((j + 0.5) / height / t);
-    fill_side_weights(width, height, 1.0 / t, g->side_weight);
 }
 
 static bool fill_lods(sl_mesh_gather *g) {
-    int n = g->settings.size, width = strip_width(g), height = strip_height(g);
+    int n = g->settings.size;
     if (!g->sky) return true;
     g->lod = sl_allocate((size_t)n * (size_t)n, sizeof *g->lod);
-    g->side_lod = sl_allocate((size_t)width * (size_t)height, sizeof *g->side_lod);
-    if (!g->lod || !g->side_lod) return false;
+    if (!g->lod) return false;
     for (int i = 0; i < n * n; i++) {
         double x = (double)g->x[i % n], y = (double)g->x[i / n];
         g->lod[i] = sl_gather_sky_lod(2.0 * (double)g->tangent / n, x * x + y * y);
-    }
-    for (int i = 0; i < width * height; i++) {
-        double x = (double)g->side_x[i % width], y = (double)g->side_y[i / width];
-        g->side_lod[i] = sl_gather_sky_lod(2.0 / width, x * x + y * y);
     }
     return true;
 }
@@ -139,11 +111,7 @@ static sl_status make_tables(sl_mesh_gather *g, sl_error *error) {
     g->triangle = sl_allocate(g->scene->triangle_count + 1, SL_MESH_GATHER_FLOATS * sizeof *g->triangle);
     g->x = sl_allocate(n, sizeof *g->x);
     g->weight = sl_allocate(n * n, sizeof *g->weight);
-    g->side_x = sl_allocate((size_t)strip_width(g), sizeof *g->side_x);
-    g->side_y = sl_allocate((size_t)strip_height(g), sizeof *g->side_y);
-    g->side_weight = sl_allocate((size_t)(strip_width(g) * strip_height(g)), sizeof *g->side_weight);
-    if (!g->triangle || !g->x || !g->weight || !g->side_x || !g->side_y || !g->side_weight)
-        return sl_fail_memory(error, "the gather's tables");
+    if (!g->triangle || !g->x || !g->weight) return sl_fail_memory(error, "the gather's tables");
     fill_triangles(g);
     fill_tables(g);
     sl_status status = sl_gather_sky_create(&g->scene->environment, &g->sky, error);
@@ -179,19 +147,15 @@ void sl_mesh_gather_destroy(sl_mesh_gather *g) {
     sl_free(g->triangle);
     sl_free(g->x);
     sl_free(g->weight);
-    sl_free(g->side_x);
-    sl_free(g->side_y);
-    sl_free(g->side_weight);
     sl_free(g->lod);
-    sl_free(g->side_lod);
     sl_gather_sky_destroy(g->sky);
     sl_free(g);
 }
 
 size_t sl_mesh_gather_memory_bytes(const sl_mesh_gather *g) {
-    size_t n = (size_t)g->settings.size, width = (size_t)strip_width(g), height = (size_t)strip_height(g);
-    size_t floats = (g->scene->triangle_count + 1) * SL_MESH_GATHER_FLOATS + n + width + height +
-                    (n * n + width * height) * (g->sky ? 2 : 1);
+    size_t n = (size_t)g->settings.size;
+    size_t floats =
+        (g->scene->triangle_count + 1) * SL_MESH_GATHER_FLOATS + n + n * n * (g->sky ? 2 : 1);
     return sizeof *g + sl_gather_sky_memory_bytes(g->sky) + floats * sizeof(float);
 }
 
@@ -200,16 +164,14 @@ sl_status sl_mesh_gather_scratch_create(const sl_mesh_gather *g, sl_mesh_gather_
     *scratch = NULL;
     sl_mesh_gather_scratch *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "a gather's scratch");
-    size_t n = (size_t)g->settings.size, pixels = n * n,
-           side = (size_t)strip_width(g) * (size_t)strip_height(g) * SIDES;
+    size_t n = (size_t)g->settings.size, pixels = n * n;
     s->size = g->settings.size;
     s->id = sl_allocate(pixels, sizeof *s->id);
     s->planes = sl_allocate(6 * pixels, sizeof *s->planes);
-    s->side_planes = sl_allocate(g->settings.strips ? 6 * side : 1, sizeof *s->side_planes);
     s->halved = sl_allocate(pixels / 2 + 1, sizeof *s->halved);
     s->sums = sl_allocate(3 * (size_t)g->settings.reduced * (size_t)g->settings.reduced, sizeof *s->sums);
     sl_status status = SL_OK;
-    if (!s->id || !s->planes || !s->side_planes || !s->halved || !s->sums)
+    if (!s->id || !s->planes || !s->halved || !s->sums)
         status = sl_fail_memory(error, "a gather's pictures");
     if (status == SL_OK) status = sl_raster_scratch_create(g->raster, s->size, s->size, &s->raster, error);
     if (status == SL_OK) *scratch = s;
@@ -222,7 +184,6 @@ void sl_mesh_gather_scratch_destroy(sl_mesh_gather_scratch *s) {
     sl_raster_scratch_destroy(s->raster);
     sl_free(s->id);
     sl_free(s->planes);
-    sl_free(s->side_planes);
     sl_free(s->halved);
     sl_free(s->sums);
     sl_free(s);
@@ -331,47 +292,6 @@ static void gather_above(const shot *s, double sum[3]) {
     add_up(s, s->scratch->planes + 3 * plane, n, sum);
 }
 
-/* ---- the strips below it --------------------------------------------------------------------- */
-
-/* The share beyond the field of view can be noticed. */
-static bool wants_strips(const sl_mesh_gather *g) {
-    if (!g->settings.strips) return false;
-    const sl_environment *e = &g->scene->environment;
-    float surface = sl_rgb_max(sl_coarse_brightest(g->coarse)), sky = g->sky ? sl_gather_sky_brightest(g->sky)
-                                                                      : e->present ? sl_rgb_max(e->constant)
-                                                                                   : 0.0f;
-    float brightest = surface > sky ? surface : sky;
-    return (1.0 - 1.0 / g->over_coverage) * SL_PI * (double)brightest > (double)g->settings.noticed;
-}
-
-/* The eye is raised a little: faces in the point's own plane do not rise above the horizon, whatever the
- * rounding. */
-static void gather_sides(const shot *s, double sum[3]) {
-    const sl_mesh_gather *g = s->gather;
-    int width = strip_width(g), height = strip_height(g);
-    size_t strip = (size_t)width * (size_t)height, plane = SIDES * strip;
-    const sl_frame *f = &s->frame;
-    const sl_vec3 outward[SIDES] = {f->x, f->y, sl_neg(f->x), sl_neg(f->y)};
-    sl_vec3 eye = sl_mad(s->eye, 0.125f * g->near, s->horizon);
-    for (int side = 0; side < SIDES; side++) {
-        sl_frame frame = {outward[(side + 3) % SIDES], f->z, outward[side]};
-        sl_view view =
-            sl_view_pyramid(&frame, eye, -1.0f, 1.0f, 0.0f, 1.0f / g->tangent, width, height, g->near);
-        view.skip_triangle = s->skip;
-        sl_target target = {.width = width, .height = height, .id = s->scratch->id};
-        sl_raster_id_small(g->raster, &view, &target, s->scratch->raster, s->counters);
-        sl_mesh_gather_pixels pixels = pixels_of(s, &frame, eye, width, height, s->scratch->id,
-                                                 s->scratch->side_planes + (size_t)side * strip, plane);
-        pixels.x = g->side_x;
-        pixels.y = g->side_y;
-        pixels.weight = g->side_weight;
-        g->shade(&pixels);
-        sl_gather_sky_add(g->sky, &pixels, g->side_lod);
-    }
-    sl_count(s->counters, SL_COUNT_FRAGMENTS_SHADED, plane);
-    add_up(s, s->scratch->side_planes + 3 * plane, width, sum);
-}
-
 /* ---- all of it ------------------------------------------------------------------------------- */
 
 static float finite(double value) { return value > 0.0 && value < 1e37 ? (float)value : 0.0f; }
@@ -391,12 +311,8 @@ sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_mesh_point *point,
     look_from(&s, point);
     double sum[3] = {0.0, 0.0, 0.0};
     gather_above(&s, sum);
-    double scale = g->settings.undivided ? 1.0 : g->over_coverage;
-    if (wants_strips(g)) {
-        gather_sides(&s, sum);
-        scale = 1.0;
-    }
-    return (sl_rgb){finite(scale * sum[0]), finite(scale * sum[1]), finite(scale * sum[2])};
+    return (sl_rgb){finite(g->over_coverage * sum[0]), finite(g->over_coverage * sum[1]),
+                    finite(g->over_coverage * sum[2])};
 }
 
 void sl_mesh_gather_picture(const sl_mesh_gather_scratch *scratch, int *size, const float *planes[3]) {

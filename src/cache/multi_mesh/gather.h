@@ -62,9 +62,6 @@ typedef struct sl_mesh_gather_settings {
     int size;                  /* N of N x N pixels, a power of two */
     int reduced;               /* 16 */
     float fov;                 /* radians, both ways */
-    bool undivided;            /* the share that lies beyond is not made up for */
-    bool strips;               /* the four sides as well, where (1 - C) pi L_max exceeds `noticed` */
-    float noticed;             /* W/m^2 */
 } sl_mesh_gather_settings;
 typedef struct sl_mesh_gather sl_mesh_gather;
 /* Emitters are black in it (their light is direct light), the environment is not. Scene, raster and coarse

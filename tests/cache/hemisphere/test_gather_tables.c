@@ -48,9 +48,6 @@ static void closed_forms_equal_the_polygon_form(void **state) {
         assert_near(closed.y, general.y, 1e-15);
         assert_near(closed.z, general.z, 1e-15);
         assert_near(sl_plane_cosine_weight(u0, u1, v0, v1), general.z, 1e-15);
-        double z0 = 0.004 * i, z1 = z0 + 0.1;
-        sl_vec3d side[4] = {sl_v3d(1, u0, z1), sl_v3d(1, u0, z0), sl_v3d(1, u1, z0), sl_v3d(1, u1, z1)};
-        assert_near(sl_side_cosine_weight(u0, u1, z0, z1), sl_cell_vector(side, 4).z, 1e-15);
         assert_true(sl_border_vector(2.0, u0, u1).y > 0.0);
     }
 }

@@ -28,12 +28,11 @@ static double sum_of(const float *w, int count) {
     return sum;
 }
 
-static void the_picture_and_its_strips_are_the_whole_hemisphere(void **state) {
+static void the_weight_of_the_whole_picture_is_its_share_of_the_hemisphere(void **state) {
     (void)state;
     for (double degrees = 60; degrees < 179; degrees += 20) {
         double t = sl_tan(half_angle(degrees)), above = sl_plane_cosine_weight(-t, t, -t, t);
         assert_true(near(above / SL_PI, coverage(half_angle(degrees)), 1e-12));
-        assert_true(near(above + 4.0 * sl_side_cosine_weight(-1.0, 1.0, 0.0, 1.0 / t), SL_PI, 1e-12));
     }
 }
 
@@ -68,26 +67,21 @@ static sl_scene *box_scene(float diffuse) {
 
 static void an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point(void **state) {
     (void)state;
-    for (int mode = 0; mode < 3; mode++) {
-        sl_mesh_gather_settings settings = usual_settings();
-        settings.undivided = mode == 1;
-        settings.strips = mode == 2;
-        gathering g = gathering_of(box_scene(0.5f), 0.3f, 3, &settings);
-        set_all(&g, (sl_rgb){1.0f, 2.0f, 0.0f});
-        double share = mode == 1 ? coverage(half_angle(160)) : 1.0;
-        for (uint32_t face = 0; face < 24; face += 2) {
-            for (int k = 0; k < 4; k++) {
-                const float w[4][2] = {{0.3f, 0.3f}, {0.5f, 0.5f}, {0, 0}, {1, 0}};
-                sl_mesh_point p = face_point(g.scene, face, w[k][0], w[k][1]);
-                sl_rgb e = take(&g, &p);
-                assert_true(near((double)e.r, share * SL_PI * 0.5, 2e-5));
-                assert_true(near((double)e.g, share * SL_PI, 4e-5));
-                assert_true(e.b == 0.0f);
-            }
+    sl_mesh_gather_settings settings = usual_settings();
+    gathering g = gathering_of(box_scene(0.5f), 0.3f, 3, &settings);
+    set_all(&g, (sl_rgb){1.0f, 2.0f, 0.0f});
+    for (uint32_t face = 0; face < 24; face += 2) {
+        for (int k = 0; k < 4; k++) {
+            const float w[4][2] = {{0.3f, 0.3f}, {0.5f, 0.5f}, {0, 0}, {1, 0}};
+            sl_mesh_point p = face_point(g.scene, face, w[k][0], w[k][1]);
+            sl_rgb e = take(&g, &p);
+            assert_true(near((double)e.r, SL_PI * 0.5, 2e-5));
+            assert_true(near((double)e.g, SL_PI, 4e-5));
+            assert_true(e.b == 0.0f);
         }
-        assert_int_equal(g.counters.value[SL_COUNT_INDIRECT_SAMPLES], 48);
-        gathering_destroy(&g);
     }
+    assert_int_equal(g.counters.value[SL_COUNT_INDIRECT_SAMPLES], 48);
+    gathering_destroy(&g);
 }
 
 /* Between any two points of a sphere the form factor is the same, so what arrives is the mean over all of it:
@@ -97,7 +91,6 @@ static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) 
     trace_mesh m = lit_mesh();
     trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 24, 0.0f, true, trace_mesh_material(&m, 0.4f, 0, 0, 0, 0));
     sl_mesh_gather_settings settings = usual_settings();
-    settings.strips = true;
     gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
     for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++) {
         sl_coarse_vertex at = sl_coarse_vertices(g.coarse)[v];
@@ -110,8 +103,8 @@ static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) 
         sl_mesh_point p = face_point(g.scene, 2 * t, 1.0f / 3.0f, 1.0f / 3.0f);
         sl_rgb e = take(&g, &p);
         assert_true(near((double)e.r, 0.4 * SL_PI, 2e-4));
-        assert_true(near((double)e.g, 0.4 * SL_PI, 0.012 * 0.4 * SL_PI));
-        assert_true(near((double)e.b, 0.4 * SL_PI, 0.012 * 0.4 * SL_PI));
+        assert_true(near((double)e.g, 0.4 * SL_PI, 0.05 * 0.4 * SL_PI));
+        assert_true(near((double)e.b, 0.4 * SL_PI, 0.05 * 0.4 * SL_PI));
     }
     gathering_destroy(&g);
 }
@@ -127,11 +120,9 @@ static sl_scene *wall_of_elevation(double psi) {
     return trace_mesh_build(&m);
 }
 
-static double wall_irradiance(double degrees, bool undivided, bool strips) {
+static double wall_irradiance(double degrees) {
     sl_mesh_gather_settings settings = usual_settings();
     settings.size = 2048; /* an edge along pixels is half a pixel off: 3 % of this with 256 */
-    settings.undivided = undivided;
-    settings.strips = strips;
     gathering g = gathering_of(wall_of_elevation(degrees / 180.0 * SL_PI), 1e9f, 0, &settings);
     set_all(&g, sl_grey(1.0f));
     sl_mesh_point p = free_point(sl_v3(0, 0, 0), sl_v3(0, 0, 1));
@@ -140,17 +131,13 @@ static double wall_irradiance(double degrees, bool undivided, bool strips) {
     return e / (SL_PI * 0.5 * (1.0 - sl_cos(degrees / 180.0 * SL_PI)));
 }
 
-static void walls_lose_what_stands_low_and_strips_bring_it_back(void **state) {
+static void walls_lose_the_part_that_stands_low(void **state) {
     (void)state;
-    assert_true(near(wall_irradiance(45, true, false), 1.0 - 0.077, 0.004));
-    assert_true(near(wall_irradiance(20, true, false), 1.0 - 0.317, 0.01));
-    assert_true(wall_irradiance(9, true, false) < 1e-6);
-    assert_true(near(wall_irradiance(45, false, false), 1.0 - 0.054, 0.004));
-    assert_true(near(wall_irradiance(60, false, false), 1.0 - 0.023, 0.004));
-    assert_true(near(wall_irradiance(90, false, false), 1.0, 0.003));
-    assert_true(near(wall_irradiance(9, false, true), 1.0, 0.02));
-    assert_true(near(wall_irradiance(45, false, true), 1.0, 0.003));
-    assert_true(near(wall_irradiance(90, false, true), 1.0, 0.003));
+    assert_true(wall_irradiance(9) < 1e-6);
+    assert_true(near(wall_irradiance(20), (1.0 - 0.317) / coverage(half_angle(160)), 0.01));
+    assert_true(near(wall_irradiance(45), 1.0 - 0.054, 0.004));
+    assert_true(near(wall_irradiance(60), 1.0 - 0.023, 0.004));
+    assert_true(near(wall_irradiance(90), 1.0, 0.003));
 }
 
 /* From a floor towards a wall of limited height: as the point moves, the wall's edges cross the picture's
@@ -183,12 +170,12 @@ static void edges_along_the_axes_make_no_bands(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_share_lost_beyond_the_picture_is_the_papers_two_percent_and_a_half),
-        cmocka_unit_test(the_picture_and_its_strips_are_the_whole_hemisphere),
+        cmocka_unit_test(the_weight_of_the_whole_picture_is_its_share_of_the_hemisphere),
         cmocka_unit_test(halving_to_sixteen_and_adding_up_gives_the_sum_in_double),
         cmocka_unit_test(an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point),
         cmocka_unit_test(in_a_sphere_every_point_gathers_the_mean_of_all_of_it),
         cmocka_unit_test(edges_along_the_axes_make_no_bands),
-        cmocka_unit_test(walls_lose_what_stands_low_and_strips_bring_it_back),
+        cmocka_unit_test(walls_lose_the_part_that_stands_low),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
