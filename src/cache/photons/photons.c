@@ -27,7 +27,7 @@ typedef struct light_path {
     sl_rgb flux;
     uint32_t skip;
     sl_rgb sky_share;  /* of the flux: stored at the first hit already; 0: nothing is */
-    bool parallel, mirrors_alone;
+    bool parallel, specular_alone;
     uint64_t key;
 } light_path;
 
@@ -53,6 +53,7 @@ typedef struct photon_job {
     const sl_tracer *tracer;
     const sl_photon_sources *sources;
     sl_photon_store store;
+    float polished;
     const sl_environment *sky;
     uint64_t seed, first_chunk;
     path_block *blocks;          /* a worker each */
@@ -131,7 +132,7 @@ static unsigned emit_paths(const photon_job *job, uint64_t chunk, path_block *bl
         p->sky_share = sky_share_of(job, &photon);
         p->skip = photon.triangle;
         p->parallel = photon.parallel;
-        p->mirrors_alone = true;
+        p->specular_alone = true;
         block->alive[alive++] = (uint16_t)i;
     }
     return alive;
@@ -183,15 +184,15 @@ static void store_photon(chunk_result *r, unsigned path, const light_path *p, sl
                           .flux = {flux.r, flux.g, flux.b},
                           .direction = sl_octahedral_encode(sl_neg(p->direction)),
                           .normal = sl_octahedral_encode(surface->geometric_normal),
-                          .flags = bounces | (bounces > 0 && p->mirrors_alone ? SL_PHOTON_CAUSTIC : 0u)};
+                          .flags = bounces | (bounces > 0 && p->specular_alone ? SL_PHOTON_CAUSTIC : 0u)};
     r->path[r->count++] = (uint16_t)path;
 }
 
-static bool is_stored(sl_photon_store store, unsigned bounces, bool mirrors_alone) {
+static bool is_stored(sl_photon_store store, unsigned bounces, bool specular_alone) {
     switch (store) {
     case SL_STORE_INDIRECT: return bounces > 0;
     case SL_STORE_ALL: return true;
-    case SL_STORE_CAUSTIC: return bounces > 0 && mirrors_alone;
+    case SL_STORE_CAUSTIC: return bounces > 0 && specular_alone;
     }
     return false;
 }
@@ -250,14 +251,14 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
     sl_surface surface;
     sl_scene_surface(job->scene, triangle, w1, w2, to_light, &surface);
     if (!sl_is_finite(surface.position)) return false;
-    if (!sl_material_is_mirror(surface.material)) {
+    if (!sl_is_specular(surface.material, job->polished)) {
         bool wanted = sl_takes_photons(surface.material);
-        if (wanted && is_stored(job->store, bounces, p->mirrors_alone))
+        if (wanted && is_stored(job->store, bounces, p->specular_alone))
             store_photon(r, path, p, p->flux, bounces, &surface);
         else if (wanted && sl_rgb_max(p->sky_share) > 0.0f)
             store_photon(r, path, p, sl_rgb_mul(p->flux, p->sky_share), bounces, &surface);
         if (job->store == SL_STORE_CAUSTIC) return false;
-        p->mirrors_alone = false;
+        p->specular_alone = false;
     }
     float number[4];
     sl_vec3 direction;
@@ -401,16 +402,15 @@ static size_t chunks_at_once(const sl_photon_list *list, const sl_photon_options
 
 static bool can_store(const sl_scene *scene, const sl_photon_options *options) {
     sl_photon_store store = options->store;
-    bool reflects = false, mirrors = false, accepts = false;
+    bool reflects = false, specular = false, accepts = false;
     for (size_t i = 0; i < scene->material_count; i++) {
         const sl_material *m = &scene->materials[i];
-        bool mirror = sl_material_is_mirror(m);
-        mirrors |= mirror;
+        specular |= sl_is_specular(m, options->polished);
         accepts |= sl_takes_photons(m);
-        reflects |= mirror || sl_material_is_diffuse(m) || sl_material_is_glossy(m);
+        reflects |= sl_material_is_mirror(m) || sl_material_is_diffuse(m) || sl_material_is_glossy(m);
     }
     return scene->triangle_count > 0 && accepts &&
-           (store == SL_STORE_ALL || (store == SL_STORE_CAUSTIC ? mirrors : reflects));
+           (store == SL_STORE_ALL || (store == SL_STORE_CAUSTIC ? specular : reflects));
 }
 
 /* Some chunks, committed in order up to the one with which the list is complete. */
@@ -463,6 +463,7 @@ sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const
                           .tracer = tracer,
                           .sources = l->sources,
                           .store = options->store,
+                          .polished = options->polished,
                           .sky = options->sky,
                           .seed = options->seed};
         status = trace_chunks(&job, options, chunks, l, done, counters, error);

@@ -14,7 +14,15 @@ typedef struct sl_photon {
     uint32_t flags;     /* bits 0-7: bounces before this hit; SL_PHOTON_CAUSTIC */
 } sl_photon;
 
-enum { SL_PHOTON_BOUNCES = 0xff, SL_PHOTON_CAUSTIC = 0x100 /* mirrors alone between the light and here */ };
+/* SL_PHOTON_CAUSTIC: specular surfaces alone lie between the light and here. */
+enum { SL_PHOTON_BOUNCES = 0xff, SL_PHOTON_CAUSTIC = 0x100 };
+
+/* Returns whether a caustic passes: mirrors, and from the exponent `polished` on (0: none) lobes without a
+ * diffuse part. */
+static inline bool sl_is_specular(const sl_material *m, float polished) {
+    return sl_material_is_mirror(m) || (polished > 0.0f && sl_material_is_glossy(m) &&
+                                        !sl_material_is_diffuse(m) && m->exponent >= polished);
+}
 
 /* Where photons are stored. */
 static inline bool sl_takes_photons(const sl_material *m) {
@@ -28,6 +36,7 @@ typedef struct sl_photon_options {
     uint64_t stored;          /* stop at the end of the chunk in which so many are stored */
     uint64_t emitted_at_most; /* 0: 8 times stored, and at least 2^20: a scene that stores few must end too */
     sl_photon_store store;
+    float polished;           /* what is specular for SL_STORE_CAUSTIC: sl_is_specular() */
     /* part of the environment; with SL_STORE_INDIRECT its first hits are stored too, with its share of their
      * flux. NULL: none */
     const sl_environment *sky;

@@ -1,6 +1,6 @@
 /* Caustics on diffuse surfaces, L S+ D: what bidirectional path tracing seldom finds from one point, and of
- * lights without extent never. Irradiance is the photons' density, by the k nearest and Epanechnikov's kernel
- * (Silverman 1986),
+ * lights without extent never. Irradiance is the density of photons (Jensen 1996, cache/photons), by the k
+ * nearest and Epanechnikov's kernel (Silverman 1986),
  *
  *     E = sum_i Phi_i 2 (1 - d_i^2 / r^2) / (pi r^2),   r the distance of the (k+1)-st,
  *
@@ -16,24 +16,59 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/shading_cache/caustic_map.h"
+#include "cache/photons/photon_tree.h"
 #include "cache/shading_cache/renderer_parts.h"
+
+/* NEIGHBOURS: k + 1. Where none of the first photons ends in a caustic no more are sent. */
+enum { NEIGHBOURS = 201, STORED = 120000, EMITTED = 1 << 22, FIRST_CHUNKS = 64 };
 
 /* Photons are looked for so far, as a share of the diagonal of the scene's central region; where fewer are
  * found than wanted, light is faint. */
 static const double farthest = 0.02;
+/* Distances off the tangent plane count four times; normals as far apart as 45 degrees are of one surface. */
+static const double flatness = 0.25, least_cosine = 0.7;
 /* Quotients of cosines beyond that are facets seen from the side. */
 static const double steepest = 4.0;
 
 typedef struct renderer {
     sl_renderer_settings settings;
-    sl_caustic_map map;
+    sl_photon_tree *tree;      /* NULL: no caustics */
 } renderer;
 
+static sl_status trace(const sl_renderer_settings *s, sl_photon_list **list, sl_error *error) {
+    const sl_photon_options options = {.stored = STORED,
+                                       .emitted_at_most = EMITTED,
+                                       .store = SL_STORE_CAUSTIC,
+                                       .polished = SL_POLISHED,
+                                       .seed = s->seed,
+                                       .threads = s->threads};
+    sl_counters uncounted = {{0}};
+    bool done;
+    sl_status status = sl_photons_trace(s->scene, *s->tracer, &options, FIRST_CHUNKS, list, &done, &uncounted,
+                                        error);
+    if (status == SL_OK && !done && (*list)->count > 0)
+        status = sl_photons_trace(s->scene, *s->tracer, &options, SIZE_MAX, list, &done, &uncounted, error);
+    return status;
+}
+
+static sl_status make_map(renderer *r, sl_error *error) {
+    sl_photon_tree_destroy(r->tree);
+    r->tree = NULL;
+    sl_photon_list *list = NULL;
+    sl_status status = trace(&r->settings, &list, error);
+    if (status == SL_OK && list->count > 0)
+        return sl_photon_tree_create(list, r->settings.threads, &r->tree, error);
+    sl_photon_list_destroy(list);
+    return status;
+}
+
+/* ---- at a point ------------------------------------------------------------------------------ */
+
 /* What a photon counts for on a surface shaded with this normal. */
-static double cosine_quotient(const sl_root_point *p, const sl_caustic_photon *photon) {
-    double shading = (double)sl_dot(p->normal, photon->to_light),
-           geometric = (double)sl_dot(p->geometric_normal, photon->to_light);
+static double cosine_quotient(const sl_root_point *p, const sl_photon *photon) {
+    sl_vec3 to_light = sl_octahedral_decode(photon->direction);
+    double shading = (double)sl_dot(p->normal, to_light),
+           geometric = (double)sl_dot(p->geometric_normal, to_light);
     return shading > 0.0 && geometric > 0.0 ? fmin(shading / geometric, steepest) : 0.0;
 }
 
@@ -42,27 +77,38 @@ static void render_point(const void *state, const sl_sample_request *request, un
     (void)worker;
     const renderer *r = state;
     const sl_root_point *p = &request->point;
-    if (r->map.count == 0 || !sl_request_wants_irradiance(request)) return;
-    sl_near_photon near[SL_CAUSTIC_NEIGHBOURS];
+    if (!r->tree || !sl_request_wants_irradiance(request)) return;
+    uint32_t place[NEIGHBOURS];
+    double distance[NEIGHBOURS];
+    uint64_t keys[3 * NEIGHBOURS + 2 * SL_PHOTON_BUCKET];
     double radius = farthest * (double)sl_scene_central_diagonal(r->settings.scene);
-    size_t count = sl_caustic_nearest(&r->map, p->position, p->geometric_normal, radius, near);
-    double squared = count == SL_CAUSTIC_NEIGHBOURS ? near[0].squared : radius * radius;
-    sl_count(counters, SL_COUNT_PHOTONS_GATHERED, count);
-    if (!(squared > 0.0)) squared = 1e-12 * radius * radius; /* all in one place */
-    double sum[3] = {0.0}, squares = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        const sl_caustic_photon *photon = &r->map.photon[near[i].place];
+    const sl_photon_query query = {.centre = p->position,
+                                   .normal = p->geometric_normal,
+                                   .flatness = flatness,
+                                   .radius = radius,
+                                   .minimum = 1e-6 * radius, /* all in one place */
+                                   .cos_acceptance = least_cosine,
+                                   .neighbours = NEIGHBOURS};
+    sl_gathered_photons near = {.place = place, .distance = distance, .keys = keys};
+    sl_photon_tree_gather(r->tree, &query, &near);
+    sl_count(counters, SL_COUNT_PHOTONS_GATHERED, near.count);
+    double squared = near.radius * near.radius, sum[3] = {0.0}, squares = 0.0;
+    for (size_t i = 0; i < near.count; i++) {
+        const sl_photon *photon = &sl_photon_tree_list(r->tree)->photon[place[i]];
         double weight =
-            2.0 * fmax(1.0 - near[i].squared / squared, 0.0) / (SL_PI * squared) * cosine_quotient(p, photon);
-        sum[0] += weight * (double)photon->flux.r;
-        sum[1] += weight * (double)photon->flux.g;
-        sum[2] += weight * (double)photon->flux.b;
-        double mean = weight * (double)sl_rgb_mean(photon->flux);
+            2.0 * fmax(1.0 - distance[i] / squared, 0.0) / (SL_PI * squared) * cosine_quotient(p, photon);
+        double mean = 0.0;
+        for (int c = 0; c < 3; c++) {
+            sum[c] += weight * (double)photon->flux[c];
+            mean += weight * (double)photon->flux[c] / 3.0;
+        }
         squares += mean * mean;
     }
     sample->irradiance = (sl_rgb){(float)sum[0], (float)sum[1], (float)sum[2]};
     sample->variance = (float)squares; /* photons arrive independently */
 }
+
+/* ---- the renderer ---------------------------------------------------------------------------- */
 
 static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
                    sl_sample *samples, sl_counters *counters) {
@@ -70,16 +116,13 @@ static void render(const void *state, size_t count, const sl_sample_request *req
 }
 
 static sl_status edit(void *state, unsigned changes, sl_error *error) {
-    renderer *r = state;
-    if (!(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) return SL_OK;
-    sl_caustic_map_release(&r->map);
-    return sl_caustic_map_make(&r->settings, &r->map, error);
+    return changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS) ? make_map(state, error) : SL_OK;
 }
 
 static void destroy(void *state) {
     renderer *r = state;
     if (!r) return;
-    sl_caustic_map_release(&r->map);
+    sl_photon_tree_destroy(r->tree);
     sl_free(r);
 }
 
@@ -89,7 +132,7 @@ sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_re
     renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;
-    sl_status status = sl_caustic_map_make(settings, &r->map, error);
+    sl_status status = make_map(r, error);
     if (status != SL_OK) {
         destroy(r);
         return status;

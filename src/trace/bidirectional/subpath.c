@@ -286,7 +286,6 @@ void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t 
         float where[3], whither[3];
         sl_sequence_point(m->sequence, w.key, SET_WHERE, w.index, where);
         sl_sequence_point(m->sequence, w.key, SET_WHITHER, w.index, whither);
-        float aimed = m->aim ? m->aim(m->aim_context, i, where, whither) : 1.0f;
         w.vertex = 2;
         paths[i]->count = 0;
         if (!light_subpaths_join(m)) continue;
@@ -294,7 +293,6 @@ void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t 
         if (!sl_emission_sample(m, where, whither, light, &w.origin, &w.direction, &w.pdf, &w.parallel))
             continue;
         paths[i]->count = 1;
-        if (m->aim) light->weight = sl_rgb_scale(light->weight, aimed);
         w.weight = light->weight;
         w.roulette_scale = 1.0f / sl_rgb_max(light->weight);
         w.skip = light->triangle;

@@ -67,10 +67,6 @@ typedef struct sl_path_maker {
     double radius;            /* through which distant light comes */
     bool light_image;         /* light subpaths are joined to the camera (t = 1), */
     bool direct_image;        /* those of one surface too (s = 2) */
-    /* Where light is wanted: changes the numbers that start light subpath `lane` of a packet and returns what
-     * its weight is multiplied by, 1 over the new density. NULL: none. */
-    float (*aim)(void *context, unsigned lane, float where[3], float whither[3]);
-    void *aim_context;
     /* connections that carry less are taken in a share of cases, and count for more there; 0: all are
      * taken */
     float least;

@@ -1,7 +1,7 @@
 /* Caustics by photons: closed forms of plane mirrors, and nothing twice beside bidirectional paths. */
 #include "renderer_support.h"
 
-#include "cache/shading_cache/caustic_map.h"
+#include "cache/photons/photons.h"
 
 /* A floor, a mirror of reflectance 0.8 at x = -1 whose front looks at +x, and a lamp of radiance 40, or a
  * point light. */
@@ -131,32 +131,31 @@ static void nothing_is_counted_twice(void **state) {
     }
 }
 
-/* Surfaces that are less than polished, and those with a diffuse part, are left to bidirectional paths. */
-static void rough_surfaces_make_no_caustics(void **state) {
-    (void)state;
-    sl_material m = {.specular = sl_grey(0.5f), .exponent = SL_POLISHED};
-    assert_true(sl_material_is_specular(&m));
-    m.exponent = 0.99f * SL_POLISHED;
-    assert_false(sl_material_is_specular(&m));
-    m.exponent = 1000.0f;
-    m.diffuse = sl_grey(0.1f);
-    assert_false(sl_material_is_specular(&m));
+static void check_no_caustics(sl_scene *scene) {
     shop s;
-    shop_open(&s, floor_and_mirror(true, 20.0f));
-    sl_caustic_map map;
-    assert_int_equal(sl_caustic_map_make(&s.settings, &map, NULL), SL_OK);
-    assert_int_equal(map.count, 0);
-    assert_int_equal(map.emitted, 0);
+    shop_open(&s, scene);
     sl_sample_renderer r = shop_renderer(&s, sl_caustic_renderer);
     sl_sample_request q = request_at(places[0], up);
     sl_sample sample = shop_sample(&s, &r, &q);
     assert_true(sample.valid && sample.irradiance.r == 0.0f && sample.variance == 0.0f);
     r.destroy(r.state);
-    sl_caustic_map_release(&map);
     shop_close(&s);
 }
 
-static void mirrors_that_no_light_reaches_make_no_photons(void **state) {
+/* Surfaces that are less than polished, and those with a diffuse part, are left to bidirectional paths. */
+static void rough_surfaces_make_no_caustics(void **state) {
+    (void)state;
+    sl_material m = {.specular = sl_grey(0.5f), .exponent = SL_POLISHED};
+    assert_true(sl_is_specular(&m, SL_POLISHED));
+    m.exponent = 0.99f * SL_POLISHED;
+    assert_false(sl_is_specular(&m, SL_POLISHED));
+    m.exponent = 1000.0f;
+    m.diffuse = sl_grey(0.1f);
+    assert_false(sl_is_specular(&m, SL_POLISHED));
+    check_no_caustics(floor_and_mirror(true, 20.0f));
+}
+
+static void mirrors_that_no_light_reaches_make_no_caustics(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
@@ -170,85 +169,7 @@ static void mirrors_that_no_light_reaches_make_no_photons(void **state) {
                                 .cos_inner = 0.9f,
                                 .cos_outer = 0.8f};
     mesh.light_count = 1;
-    shop s;
-    shop_open(&s, trace_mesh_build(&mesh));
-    sl_caustic_map map;
-    assert_int_equal(sl_caustic_map_make(&s.settings, &map, NULL), SL_OK);
-    assert_int_equal(map.count, 0);
-    assert_int_equal(map.emitted, 0); /* none but those that looked for them */
-    sl_caustic_map_release(&map);
-    shop_close(&s);
-}
-
-/* Aimed numbers are spread as their density says, wherever there were hits: sums of weights are areas. */
-static void aimed_photons_weigh_one_over_their_density(void **state) {
-    (void)state;
-    static double hits[SL_AIM_ALL];
-    static sl_caustic_aim aim;
-    enum { LIGHT = SL_AIM_PLANE, ROW = SL_AIM_CELLS, AT = 5 * LIGHT + 4 * ROW - 1 };
-    hits[AT] = 40.0;
-    hits[5 * LIGHT + 9 * ROW + 4] = 1.0;
-    hits[63 * LIGHT] = 3.0;
-    sl_caustic_aim_make(hits, &aim);
-    static const uint32_t lights[] = {4, 5, 63, 64 + 5};
-    for (int l = 0; l < 4; l++) {
-        double area = 0.0, part = 0.0, aimed = 0.0;
-        enum { N = 512 };
-        for (int i = 0; i < N * N; i++) {
-            float whither[3] = {((float)(i % N) + 0.5f) / N, ((float)(i / N) + 0.5f) / N, 0.7f};
-            double weight = (double)sl_caustic_aim_warp(&aim, lights[l], whither) / (N * N);
-            assert_true(weight > 0.0 && weight * (N * N) <= 4.01);
-            for (int k = 0; k < 2; k++) assert_true(whither[k] >= 0.0f && whither[k] < 1.0f);
-            assert_true(whither[2] == 0.7f);
-            area += weight;
-            if (whither[0] < 0.3f) part += weight;
-            if (sl_aim_cell(lights[l], whither) == AT) aimed += 1.0 / (N * N);
-        }
-        assert_true(fabs(area - 1.0) < 0.01 && fabs(part - 0.3) < 0.01);
-        /* nine cells around each hit */
-        double expected = lights[l] % 64 == 5 ? 0.75 / 18.0 + 0.25 / LIGHT : 0.0;
-        assert_true(fabs(aimed - expected) < 0.005);
-    }
-}
-
-/* The k nearest by the tree are those that looking at every photon finds. */
-static void the_tree_finds_the_nearest(void **state) {
-    (void)state;
-    enum { COUNT = 3000 };
-    static sl_caustic_photon photon[COUNT];
-    const uint64_t key = sl_random_key(5, 5);
-    /* many on the same place, many on one plane, some that face elsewhere */
-    for (uint32_t i = 0; i < COUNT; i++) {
-        float x = sl_random_unit(key, 3 * i), y = sl_random_unit(key, 3 * i + 1),
-              z = sl_random_unit(key, 3 * i + 2);
-        if (i % 10 == 0) x = y = 0.5f;
-        photon[i] = (sl_caustic_photon){
-            .position = {x, y, i % 3 ? 0.0f : 0.1f * z}, .normal = i % 7 ? up : sl_v3(1, 0, 0), .id = i};
-    }
-    sl_caustic_tree_build(photon, COUNT);
-    const sl_caustic_map map = {photon, COUNT, COUNT};
-    for (uint32_t k = 0; k < 50; k++) {
-        sl_vec3 p = k == 0 ? sl_v3(0.5f, 0.5f, 0)
-                           : sl_v3(sl_random_unit(key, 90000 + 2 * k), sl_random_unit(key, 90001 + 2 * k), 0);
-        double radius = k % 2 ? 0.05 : 0.6;
-        sl_near_photon near[SL_CAUSTIC_NEIGHBOURS];
-        size_t count = sl_caustic_nearest(&map, p, up, radius, near), better = 0, within = 0;
-        bool found[COUNT] = {false};
-        for (size_t i = 0; i < count; i++) {
-            assert_false(found[near[i].place]);
-            found[near[i].place] = true;
-            assert_true(near[i].squared <= near[0].squared && near[i].squared <= radius * radius);
-        }
-        for (size_t i = 0; i < COUNT; i++) {
-            sl_vec3d d = sl_subd(sl_to_double(photon[i].position), sl_to_double(p));
-            double squared = d.x * d.x + d.y * d.y + 16.0 * d.z * d.z;
-            if (photon[i].normal.z < 0.5f || !(squared <= radius * radius * (1.0 - 1e-12))) continue;
-            within++;
-            if (!found[i] && count > 0 && squared < near[0].squared * (1.0 - 1e-12)) better++;
-        }
-        assert_int_equal(better, 0);
-        assert_int_equal(count, within < SL_CAUSTIC_NEIGHBOURS ? within : SL_CAUSTIC_NEIGHBOURS);
-    }
+    check_no_caustics(trace_mesh_build(&mesh));
 }
 
 static void maps_are_the_same_bits_with_any_threads_and_follow_edits(void **state) {
@@ -283,9 +204,7 @@ int main(void) {
         cmocka_unit_test(plane_mirrors_show_a_lamps_image),
         cmocka_unit_test(nothing_is_counted_twice),
         cmocka_unit_test(rough_surfaces_make_no_caustics),
-        cmocka_unit_test(mirrors_that_no_light_reaches_make_no_photons),
-        cmocka_unit_test(aimed_photons_weigh_one_over_their_density),
-        cmocka_unit_test(the_tree_finds_the_nearest),
+        cmocka_unit_test(mirrors_that_no_light_reaches_make_no_caustics),
         cmocka_unit_test(maps_are_the_same_bits_with_any_threads_and_follow_edits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
