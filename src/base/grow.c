@@ -15,6 +15,14 @@ bool sl_regrow(void *block, size_t used, size_t capacity, size_t size) {
     return true;
 }
 
+bool sl_make_room(void *block, size_t count, size_t *room, size_t size) {
+    const size_t more = 2 * *room + 8;
+    if (count < *room) return true;
+    if (!sl_regrow(block, count, more, size)) return false;
+    *room = more;
+    return true;
+}
+
 size_t sl_grown_capacity(size_t capacity, size_t needed) {
     size_t grown = capacity + capacity / 4;
     return grown > needed ? grown : needed;

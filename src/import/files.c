@@ -1,8 +1,6 @@
-#define _XOPEN_SOURCE 700 /* fmemopen() */
 #include "import/files.h"
 
 #include <errno.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,25 +63,11 @@ static bool note(sl_import_files *files, const char *path) {
     return more[files->opened_count] && ++files->opened_count;
 }
 
-static const sl_import_text *text_of(const sl_import_files *files, const char *path) {
-    struct stat about;
-    if (files->text_count == 0 || stat(path, &about) != 0) return NULL;
-    for (const sl_import_text *t = files->texts; t < files->texts + files->text_count; t++) {
-        if (t->file.st_dev == about.st_dev && t->file.st_ino == about.st_ino) return t;
-    }
-    return NULL;
-}
-
-static FILE *open_stream(const sl_import_files *files, const char *path) {
-    const sl_import_text *text = text_of(files, path);
-    return text ? fmemopen((void *)(uintptr_t)text->data, text->size, "r") : fopen(path, "rb");
-}
-
 static struct aiFile *open_file(struct aiFileIO *procedures, const char *path, const char *mode) {
     sl_import_files *files = (sl_import_files *)(void *)procedures->UserData;
     if (mode[0] != 'r' || !sl_file_exists(path) || !is_allowed(files, path)) return NULL;
     struct aiFile *file = malloc(sizeof *file);
-    FILE *stream = file && note(files, path) ? open_stream(files, path) : NULL;
+    FILE *stream = file && note(files, path) ? fopen(path, "rb") : NULL;
     if (!stream) {
         files->starved |= sl_status_of_errno(errno, SL_ERROR_INPUT) == SL_ERROR_RESOURCES;
         free(file);
@@ -99,30 +83,7 @@ static void close_file(struct aiFileIO *procedures, struct aiFile *file) {
     free(file);
 }
 
-/* ---- texts --------------------------------------------------------------------------------------------- */
-
-static bool add_text(sl_import_files *files, const char **at, const char *end) {
-    uint32_t lengths[2];
-    if ((size_t)(end - *at) < sizeof lengths) return false;
-    memcpy(lengths, *at, sizeof lengths);
-    const char *name = *at + sizeof lengths;
-    if ((size_t)(end - name) < (size_t)lengths[0] + 1 + lengths[1]) return false;
-    *at = name + lengths[0] + 1 + lengths[1];
-    sl_import_text *more = realloc(files->texts, (files->text_count + 1) * sizeof *more);
-    if (!more) return false;
-    files->texts = more;
-    more[files->text_count] = (sl_import_text){.data = name + lengths[0] + 1, .size = lengths[1]};
-    if (lengths[1] && stat(name, &more[files->text_count].file) == 0) files->text_count++;
-    return true;
-}
-
-bool sl_import_files_init(sl_import_files *files, const char *path, const char *folder, const char *texts,
-                          size_t size) {
+void sl_import_files_init(sl_import_files *files, const char *path, const char *folder) {
     *files = (sl_import_files){.path = path, .folder = folder};
     files->procedures = (struct aiFileIO){open_file, close_file, (aiUserData)(void *)files};
-    const char *end = texts + size;
-    while (texts < end) {
-        if (!add_text(files, &texts, end)) return false;
-    }
-    return true;
 }

@@ -45,21 +45,6 @@ static void close_what_came_along(void) {
     for (int descriptor = 3; descriptor < MOST_DESCRIPTORS; descriptor++) close(descriptor);
 }
 
-static char *read_input(size_t *size) {
-    size_t room = 1 << 16;
-    char *data = malloc(room);
-    *size = 0;
-    for (ssize_t got; data && (got = read(STDIN_FILENO, data + *size, room - *size)) != 0;) {
-        if (got < 0) break;
-        *size += (size_t)got;
-        if (*size < room) continue;
-        char *more = realloc(data, room *= 2);
-        if (!more) free(data);
-        data = more;
-    }
-    return data;
-}
-
 static sl_import_outcome outcome_of(const sl_import_files *files, const struct aiScene *scene,
                                     const char **text) {
     *text = "";
@@ -93,8 +78,6 @@ int sl_import_serve(int argc, char **argv) {
     close_what_came_along();
     keep_within(strtoul(argv[2], NULL, 10), strtoull(argv[3], NULL, 10));
     sl_import_files files;
-    size_t size;
-    const char *texts = read_input(&size);
-    bool taken = texts && sl_import_files_init(&files, argv[4], argc > 5 ? argv[5] : NULL, texts, size);
-    _exit(taken && import(argv[4], &files) ? 0 : 1);
+    sl_import_files_init(&files, argv[4], argc > 5 ? argv[5] : NULL);
+    _exit(import(argv[4], &files) ? 0 : 1);
 }

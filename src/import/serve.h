@@ -4,8 +4,7 @@
 #define SL_IMPORT_SERVE_H
 
 /* The program's main(). Arguments: version, seconds of processor time, bytes of addresses, the file, and the
- * folder that all others must lie below, if any. On standard input: texts that are read in place of files
- * (scene/import_process.h). */
+ * folder that all others must lie below, if any. */
 int sl_import_serve(int argc, char **argv);
 
 #endif

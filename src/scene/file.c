@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 
 bool sl_file_exists(const char *path) {
@@ -138,4 +139,35 @@ const char *sl_nearest_name(const char *name, const char *const *names, size_t c
         if (is_nearer(names[i], names[best], name)) best = i;
     }
     return count ? names[best] : NULL;
+}
+
+/* Returns the first place in the alphabet that does not come before this name's. */
+static size_t find_place(const sl_names *n, const char *name) {
+    size_t low = 0, high = n->count;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (strcmp(n->name[n->sorted[middle]], name) < 0) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
+bool sl_names_find(sl_names *n, const char *name, uint32_t *number) {
+    const size_t place = find_place(n, name);
+    if (place == n->count || strcmp(n->name[n->sorted[place]], name) != 0) {
+        if (!sl_make_room(&n->name, n->count, &n->name_room, sizeof *n->name) ||
+            !sl_make_room(&n->sorted, n->count, &n->sorted_room, sizeof *n->sorted))
+            return false;
+        memmove(n->sorted + place + 1, n->sorted + place, (n->count - place) * sizeof *n->sorted);
+        n->sorted[place] = (uint32_t)n->count;
+        n->name[n->count++] = name;
+    }
+    *number = n->sorted[place];
+    return true;
+}
+
+void sl_names_release(sl_names *n) {
+    sl_free(n->name);
+    sl_free(n->sorted);
+    *n = (sl_names){0};
 }

@@ -30,4 +30,15 @@ bool sl_file_has_extension(const char *path, const char *extension);
  * those that begin with it, or it with them, where there are any; NULL if count is 0. */
 const char *sl_nearest_name(const char *name, const char *const *names, size_t count);
 
+/* Names that are told apart by the order in which they were added; zeroed: none. They are not copied. */
+typedef struct sl_names {
+    const char **name;
+    uint32_t *sorted; /* their numbers */
+    size_t count, name_room, sorted_room;
+} sl_names;
+
+/* Finds the number of a name, or adds it. False: there is no memory. */
+bool sl_names_find(sl_names *names, const char *name, uint32_t *number);
+void sl_names_release(sl_names *names);
+
 #endif

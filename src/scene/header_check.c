@@ -104,102 +104,7 @@ static sl_status check(header *h, const char *data, size_t size) {
                    h->path, h->smallest, left - 1.0);
 }
 
-/* ---- OFF ------------------------------------------------------------------------------------- */
-
-/* Past blanks, ends of lines and comments. */
-static const char *next_word(const char *at) {
-    for (at += strspn(at, " \t\r\n\f"); *at == '#'; at += strspn(at, " \t\r\n\f"))
-        at += strcspn(at, "\r\n\f");
-    return at;
-}
-
-/* Past the line that begins here, and past empty ones. */
-static const char *line_after(const char *at) {
-    at += strcspn(at, "\r\n\f");
-    return at + strspn(at, "\r\n\f");
-}
-
-static unsigned long lines_between(const char *from, const char *to) {
-    unsigned long lines = 0;
-    for (; from < to; from++) lines += *from == '\n' || (*from == '\r' && from[1] != '\n');
-    return lines;
-}
-
-/* The digits here, as the importer reads a number: no sign, no point. */
-static bool read_whole(const char **at, double *number) {
-    const char *from = *at;
-    for (*number = 0.0; **at >= '0' && **at <= '9'; ++*at) *number = 10.0 * *number + (**at - '0');
-    return *at > from;
-}
-
-static bool read_whole_of_line(const char **at, double *number) {
-    *at += strspn(*at, " \t");
-    return read_whole(at, number);
-}
-
-static bool read_whole_of_header(const char **at, double *number) {
-    *at = next_word(*at);
-    return read_whole(at, number) && strchr(" \t\r\n\f#", **at); /* or the file's end */
-}
-
-/* The importer takes the last vertex for one that there is none of. */
-static bool is_face(const char *at, double vertices) {
-    double corners, vertex;
-    if (!read_whole_of_line(&at, &corners) || corners < 1.0 || corners > 9.0) return false;
-    for (; corners > 0.0; corners--) {
-        if (!read_whole_of_line(&at, &vertex) || vertex >= vertices) return false;
-    }
-    return true;
-}
-
-/* A line a vertex, a line a face. The importer takes one face off its count for each that does not have one
- * to nine corners, and goes on reading: below none. */
-static sl_status check_off_faces(const char *path, const char *data, const char *at, double vertices,
-                                 double faces, sl_error *error) {
-    for (double i = 0.0; i < vertices && *at; i++) at = line_after(at);
-    for (double i = 0.0; i < faces && *at; i++, at = line_after(at)) {
-        if (is_face(at, vertices)) continue;
-        return sl_fail(
-            error, SL_ERROR_INPUT,
-            "%s:%lu: expected a face: a number of corners from 1 to 9, and so many vertices below %.0f", path,
-            lines_between(data, at) + 1, vertices);
-    }
-    return SL_OK;
-}
-
-/* Past "OFF" and the letters before it that say what a vertex has. NULL: it is not there. Without it the
- * importer would lose a first digit 4. */
-static const char *after_magic(const char *at) {
-    static const char *const letters[] = {"ST", "C", "N", "4", "n"};
-    for (size_t i = 0; i < sizeof letters / sizeof *letters; i++) {
-        size_t length = strlen(letters[i]);
-        if (strncmp(at, letters[i], length) == 0) at += length;
-    }
-    return strncmp(at, "OFF", 3) == 0 ? at + 3 : NULL;
-}
-
-/* "OFF", then how many vertices, faces and edges there are, in one line or several; some writers have no
- * blank between. A vertex takes two bytes a coordinate ("0 0 0\n"), a face two. */
-static sl_status check_off(const char *path, const char *data, size_t size, sl_error *error) {
-    double dimension = 3.0, vertices, faces, edges;
-    const char *begin = next_word(data), *at = after_magic(begin);
-    if (!at)
-        return sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected an OFF file, which begins with 'OFF'", path,
-                       lines_between(data, begin) + 1);
-    bool has_dimension = at - begin > 3 && at[-4] == 'n';
-    if ((has_dimension && !read_whole_of_header(&at, &dimension)) || !read_whole_of_header(&at, &vertices) ||
-        !read_whole_of_header(&at, &faces) || !read_whole_of_header(&at, &edges)) {
-        return sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected how many vertices, faces and edges there are",
-                       path, lines_between(data, at) + 1);
-    }
-    double smallest = 2.0 * dimension * vertices + 2.0 * faces;
-    if (smallest <= (double)size) return check_off_faces(path, data, next_word(at), vertices, faces, error);
-    return sl_fail(error, SL_ERROR_INPUT,
-                   "%s: expected at least %.0f bytes for %.0f vertices and %.0f faces, got %zu", path,
-                   smallest, vertices, faces, size);
-}
-
-static bool begins_with(const char *data, size_t size, const char *word) {
+static bool begins_with_line(const char *data, size_t size, const char *word) {
     size_t length = strlen(word);
     return size > length && memcmp(data, word, length) == 0 && (data[length] == '\n' || data[length] == '\r');
 }
@@ -210,9 +115,7 @@ sl_status sl_header_check(const char *path, sl_error *error) {
     sl_status status = sl_file_read(path, &data, &size, error);
     if (status != SL_OK) return status;
     header h = {.path = path, .line = 1, .error = error};
-    if (sl_file_has_extension(path, ".ply") || begins_with(data, size, "ply")) status = check(&h, data, size);
-    else if (sl_file_has_extension(path, ".off") || begins_with(data, size, "OFF"))
-        status = check_off(path, data, size, error);
+    if (sl_file_has_extension(path, ".ply") || begins_with_line(data, size, "ply")) status = check(&h, data, size);
     sl_free(data);
     return status;
 }

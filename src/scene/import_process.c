@@ -49,13 +49,6 @@ sl_import_limits sl_import_limits_of(const char *path) {
     return (sl_import_limits){10.0 * processor, (unsigned)processor, addresses};
 }
 
-void sl_import_add_text(sl_text *texts, const char *path, const char *data, size_t size) {
-    const uint32_t lengths[2] = {(uint32_t)strlen(path), (uint32_t)size};
-    sl_text_add(texts, (const char *)lengths, sizeof lengths);
-    sl_text_add(texts, path, lengths[0] + 1);
-    sl_text_add(texts, data, size);
-}
-
 /* ---- starting ------------------------------------------------------------------------------------------ */
 
 static const char *program_path(void) {
@@ -121,11 +114,11 @@ static sl_status start(helper *h, const char *folder) {
 
 /* ---- talking ------------------------------------------------------------------------------------------- */
 
-/* Whether something can be sent or received, or the line has ended, before the deadline. */
-static bool wait_for(helper *h, short event) {
+/* Returns whether something can be received, or the line has ended, before the deadline. */
+static bool wait_for_line(helper *h) {
     for (;;) {
         double left = h->deadline - seconds_now();
-        struct pollfd line = {.fd = h->line, .events = event};
+        struct pollfd line = {.fd = h->line, .events = POLLIN};
         h->late = !(left > 0.0);
         if (h->late) return false;
         int ready = poll(&line, 1, (int)fmin(ceil(1e3 * left), 1e6));
@@ -134,40 +127,16 @@ static bool wait_for(helper *h, short event) {
     }
 }
 
-/* False: the process has ended, or time has. */
-static bool send_all(helper *h, const char *data, size_t size) {
-    while (size) {
-        if (!wait_for(h, POLLOUT)) return false;
-        ssize_t sent = send(h->line, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
-        if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;
-        if (sent <= 0) return false;
-        data += sent;
-        size -= (size_t)sent;
-    }
-    return true;
-}
-
 /* Returns how many bytes came before the line ended, or time did. */
 static size_t receive(helper *h, void *to, size_t size) {
     size_t got = 0;
-    while (got < size && wait_for(h, POLLIN)) {
+    while (got < size && wait_for_line(h)) {
         ssize_t more = recv(h->line, (char *)to + got, size - got, MSG_DONTWAIT);
         if (more < 0 && (errno == EAGAIN || errno == EINTR)) continue;
         if (more <= 0) break;
         got += (size_t)more;
     }
     return got;
-}
-
-static void tell(helper *h, const sl_text *plain, const sl_text *texts) {
-    bool there = true;
-    if (plain->size) {
-        const uint32_t lengths[2] = {(uint32_t)strlen(h->path), (uint32_t)plain->size};
-        there = send_all(h, (const char *)lengths, sizeof lengths) && send_all(h, h->path, lengths[0] + 1) &&
-                send_all(h, plain->data, plain->size);
-    }
-    if (there && texts->size) send_all(h, texts->data, texts->size);
-    shutdown(h->line, SHUT_WR);
 }
 
 /* ---- the end ------------------------------------------------------------------------------------------- */
@@ -236,19 +205,15 @@ static sl_status hear(helper *h, void **reply, size_t *size, bool *whole) {
     return SL_OK;
 }
 
-sl_status sl_import_run(const char *path, const char *folder, sl_text *plain, sl_text *texts,
-                        sl_import_limits limits, void **reply, size_t *size, sl_error *error) {
+sl_status sl_import_run(const char *path, const char *folder, sl_import_limits limits, void **reply,
+                        size_t *size, sl_error *error) {
     helper h = {.path = path, .program = program_path(), .limits = limits, .error = error};
     bool whole;
     int how = 0;
     *reply = NULL;
-    sl_status status = sl_text_check(texts, path, error);
-    if (status == SL_OK) status = start(&h, folder);
-    bool started = status == SL_OK;
-    if (started) tell(&h, plain, texts);
-    sl_text_release(plain);
-    sl_text_release(texts);
-    if (!started) return status;
+    sl_status status = start(&h, folder);
+    if (status != SL_OK) return status;
+    shutdown(h.line, SHUT_WR);
     status = hear(&h, reply, size, &whole);
     bool known = reap(&h, &how);
     if (status == SL_OK && whole) return SL_OK;

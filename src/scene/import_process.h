@@ -3,7 +3,9 @@
 #ifndef SL_SCENE_IMPORT_PROCESS_H
 #define SL_SCENE_IMPORT_PROCESS_H
 
-#include "scene/text.h"
+#include <stddef.h>
+#include <stdint.h>
+
 #include "softlux.h"
 
 /* What a process may take; beyond that it is ended. */
@@ -16,16 +18,11 @@ typedef struct sl_import_limits {
 /* By the file's size: far more than a sound file takes, on a slow machine too. */
 sl_import_limits sl_import_limits_of(const char *path);
 
-/* Text to be read in place of a file, with its name, as the process is told it. */
-void sl_import_add_text(sl_text *texts, const char *path, const char *data, size_t size);
-
 /* Has a file imported, and returns the whole reply (import_reply.h), to be freed. folder: the other files
- * must lie below it; NULL: they may lie anywhere. `plain`, if it is not empty, is read in place of the file
- * itself, and `texts` (of sl_import_add_text()) in place of those that it names; both are released. Nothing
- * of the caller's is touched: signals, children, descriptors, environment, folder. A process that crashes,
- * takes too much or answers by halves is an input error; one that cannot be started, or has no memory, an
- * error of resources. */
-sl_status sl_import_run(const char *path, const char *folder, sl_text *plain, sl_text *texts,
-                        sl_import_limits limits, void **reply, size_t *size, sl_error *error);
+ * must lie below it; NULL: they may lie anywhere. Nothing of the caller's is touched: signals, children,
+ * descriptors, environment, folder. A process that crashes, takes too much or answers by halves is an input
+ * error; one that cannot be started, or has no memory, an error of resources. */
+sl_status sl_import_run(const char *path, const char *folder, sl_import_limits limits, void **reply,
+                        size_t *size, sl_error *error);
 
 #endif

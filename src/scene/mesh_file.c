@@ -10,7 +10,7 @@
 #include "scene/gltf.h"
 #include "scene/header_check.h"
 #include "scene/import_process.h"
-#include "scene/obj_check.h"
+#include "scene/obj_file.h"
 
 typedef struct importer {
     const char *path;
@@ -229,13 +229,13 @@ static sl_status add_reply(const char *path, const sl_import *file, const sl_glt
     return status == SL_OK ? sl_mesh_file_add(path, file, gltf, placement, model, error) : status;
 }
 
-static sl_status import(const char *path, const sl_gltf *gltf, sl_text *plain, sl_text *libraries,
-                        const sl_affine *placement, sl_model *model, sl_error *error) {
+static sl_status import(const char *path, const sl_gltf *gltf, const sl_affine *placement, sl_model *model,
+                        sl_error *error) {
     void *reply;
     size_t size;
     sl_import file;
     sl_status status =
-        sl_import_run(path, model->folder, plain, libraries, sl_import_limits_of(path), &reply, &size, error);
+        sl_import_run(path, model->folder, sl_import_limits_of(path), &reply, &size, error);
     if (status != SL_OK) return status;
     status = sl_import_reply_read(path, reply, size, &file, error);
     if (status == SL_OK) status = add_reply(path, &file, gltf, placement, model, error);
@@ -244,25 +244,27 @@ static sl_status import(const char *path, const sl_gltf *gltf, sl_text *plain, s
     return status;
 }
 
-/* What the importer would read wrong or tell less well. */
-static sl_status check_first(const char *path, sl_model *model, bool is_gltf, sl_gltf *gltf, sl_text *plain,
-                             sl_text *libraries, sl_error *error) {
-    if (is_gltf) return sl_gltf_read(path, model, gltf, error);
-    if (sl_file_has_extension(path, ".obj")) return sl_obj_check(path, model, plain, libraries, error);
-    return sl_header_check(path, error);
+static sl_status load_gltf(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
+    sl_gltf gltf;
+    sl_status status = sl_gltf_read(path, model, &gltf, error);
+    if (status == SL_OK) status = import(path, &gltf, placement, model, error);
+    sl_gltf_release(&gltf);
+    return status;
+}
+
+static sl_status load_other(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
+    sl_status status = sl_header_check(path, error);
+    return status == SL_OK ? import(path, NULL, placement, model, error) : status;
 }
 
 sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
+    static const struct {
+        const char *extension;
+        sl_status (*load)(const char *, const sl_affine *, sl_model *, sl_error *);
+    } formats[] = {{".bpt", sl_bicubic_file_load}, {".obj", sl_obj_file_load}, {".off", sl_off_file_load},
+                   {".gltf", load_gltf},           {".glb", load_gltf},        {"", load_other}};
+    size_t i = 0;
+    while (!sl_file_has_extension(path, formats[i].extension)) i++;
     sl_status status = sl_model_note_file(model, path, error);
-    if (status != SL_OK) return status;
-    if (sl_file_has_extension(path, ".bpt")) return sl_bicubic_file_load(path, placement, model, error);
-    bool is_gltf = sl_file_has_extension(path, ".gltf") || sl_file_has_extension(path, ".glb");
-    sl_gltf gltf = {0};
-    sl_text plain = {0}, libraries = {0};
-    status = check_first(path, model, is_gltf, &gltf, &plain, &libraries, error);
-    if (status == SL_OK) {
-        status = import(path, is_gltf ? &gltf : NULL, &plain, &libraries, placement, model, error);
-    }
-    sl_gltf_release(&gltf);
-    return status;
+    return status == SL_OK ? formats[i].load(path, placement, model, error) : status;
 }

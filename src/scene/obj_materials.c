@@ -1,208 +1,245 @@
 #include "scene/obj_materials.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
 #include "scene/file.h"
-#include "scene/import_process.h"
-#include "scene/mtl_text.h"
+#include "scene/lines.h"
 
-enum { LONGEST_TOLD = 512 /* bytes of a name in a warning */ };
+/* ---- the table ---------------------------------------------------------------------------------------- */
 
-static int told(size_t length) { return length < LONGEST_TOLD ? (int)length : LONGEST_TOLD; }
-
-static void add_material(sl_obj_materials *m, const char *name, size_t length, unsigned long line) {
-    const size_t room = sl_grown_capacity(m->room, m->count + 64);
-    if (m->count == m->room && !sl_regrow(&m->material, m->count, room, sizeof *m->material))
-        m->starved = true;
-    else if (m->count == m->room) m->room = room;
-    if (m->starved) return;
-    m->material[m->count++] = (sl_obj_material){m->names.size, length, NULL, line};
-    sl_text_add(&m->names, name, length);
-    m->starved = m->names.starved;
-}
-
-/* ---- libraries ------------------------------------------------------------------------------- */
-
-static void add_names(sl_obj_materials *m, const sl_text *library) {
-    static const char word[] = "newmtl ";
-    const size_t length = strlen(word);
-    for (size_t byte = 0; byte < library->size;) {
-        const char *at = library->data + byte, *end = memchr(at, '\n', library->size - byte);
-        byte += (size_t)(end - at) + 1;
-        if ((size_t)(end - at) > length && memcmp(at, word, length) == 0)
-            add_material(m, at + length, (size_t)(end - at) - length, 0);
-    }
-}
-
-static sl_status read_library(sl_obj_materials *m, const char *path, sl_error *error) {
-    sl_text plain;
-    if (!sl_file_is_below(m->model->folder, path)) return SL_OK; /* importing it says why not */
-    sl_status status = sl_mtl_text_read(path, m->model, &plain, error);
-    if (status != SL_OK) return status;
-    add_names(m, &plain);
-    if (plain.size) sl_import_add_text(m->texts, path, plain.data, plain.size);
-    if (plain.size) m->readable++;
-    else m->unreadable++; /* perhaps for being in UTF-16 */
-    sl_text_release(&plain);
-    return SL_OK;
-}
-
-/* The path of a library if there is one of that name, to be freed; else NULL. */
-static sl_status find_library(const sl_obj_materials *m, const char *name, size_t length, char **path,
-                              sl_error *error) {
-    char copy[4096];
-    *path = NULL;
-    if (length == 0 || length >= sizeof copy) return SL_OK;
-    memcpy(copy, name, length);
-    copy[length] = 0;
-    *path = sl_file_beside(m->path, copy);
-    if (!*path) return sl_fail_memory(error, "a file name");
-    if (sl_file_exists(*path)) return SL_OK;
-    sl_free(*path);
-    *path = NULL;
-    return SL_OK;
-}
-
-static sl_status add_library(sl_obj_materials *m, const char *name, size_t length, bool *exists,
-                             sl_error *error) {
-    char *path;
-    sl_status status = find_library(m, name, length, &path, error);
-    *exists = path != NULL;
-    if (!path) return status;
-    status = read_library(m, path, error);
-    sl_free(path);
-    sl_text_add(&m->libraries, "mtllib ", 7);
-    sl_text_add(&m->libraries, name, length);
-    sl_text_add(&m->libraries, "\n", 1);
-    return status;
-}
-
-static void warn_of_library(sl_obj_materials *m, unsigned long line, const char *name, size_t length) {
-    m->unreadable++;
-    sl_model_warn(m->model, "%s:%lu: material library '%.*s' does not exist; its materials are grey", m->path,
-                  line, told(length), name);
-}
-
-/* Who gives both files another name often leaves the old one in the first. */
-static sl_status take_library_of_same_name(sl_obj_materials *m, unsigned long line, const char *missing,
-                                           size_t missing_length, sl_error *error) {
-    const char *slash = strrchr(m->path, '/'), *name = slash ? slash + 1 : m->path;
-    char same[4096];
-    int length = snprintf(same, sizeof same, "%.*s.mtl", (int)(strlen(name) - strlen(".obj")), name);
-    bool exists;
-    sl_status status = add_library(m, same, (size_t)length, &exists, error);
-    if (!exists) warn_of_library(m, line, missing, missing_length);
-    if (!exists || status != SL_OK) return status;
-    sl_model_warn(m->model, "%s:%lu: material library '%.*s' does not exist; '%.*s' is read in its place",
-                  m->path, line, told(missing_length), missing, told((size_t)length), same);
-    return SL_OK;
-}
-
-static size_t name_length(const char *at, const char *end) {
-    size_t length = 0;
-    while (at + length < end && at[length] != ' ' && at[length] != '\t' && at[length] != '\v') length++;
-    return length;
-}
-
-/* Names between blanks, up to a comment. Where none of them is that of a file they are one name, for the
- * warning. */
-static sl_status read_several(sl_obj_materials *m, unsigned long line, const char *names, const char *end,
-                              sl_error *error) {
-    bool exists, any = false;
-    size_t length;
-    sl_status status = SL_OK;
-    for (const char *at = names; status == SL_OK && at < end && *at != '#'; at += length + 1) {
-        length = name_length(at, end);
-        status = add_library(m, at, length, &exists, error);
-        any |= exists;
-    }
-    if (!any && status == SL_OK)
-        return take_library_of_same_name(m, line, names, (size_t)(end - names), error);
-    for (const char *at = names; status == SL_OK && at < end && *at != '#'; at += length + 1) {
-        char *path;
-        length = name_length(at, end);
-        status = find_library(m, at, length, &path, error);
-        if (status == SL_OK && length && !path) warn_of_library(m, line, at, length);
-        sl_free(path);
-    }
-    return status;
-}
-
-sl_status sl_obj_materials_read(sl_obj_materials *m, unsigned long line, const char *names, size_t length,
+sl_status sl_obj_materials_find(sl_obj_materials *m, const char *name, unsigned long line, uint32_t *index,
                                 sl_error *error) {
-    bool exists;
-    sl_status status = add_library(m, names, length, &exists, error);
-    return exists || status != SL_OK ? status : read_several(m, line, names, names + length, error);
-}
-
-/* ---- names that are used --------------------------------------------------------------------- */
-
-/* Of one statement after another that names the same material the first is remembered. */
-void sl_obj_materials_use(sl_obj_materials *m, unsigned long line, const char *name, size_t length) {
-    const sl_obj_material *last = m->count ? &m->material[m->count - 1] : NULL;
-    if (m->starved || (last && last->line && last->length == length &&
-                       memcmp(m->names.data + last->start, name, length) == 0))
-        return;
-    add_material(m, name, length, line);
-}
-
-/* By name, and of one name by line. */
-static int compare_materials(const void *first, const void *second) {
-    const sl_obj_material *a = first, *b = second;
-    int order = memcmp(a->name, b->name, a->length < b->length ? a->length : b->length);
-    if (order) return order;
-    if (a->length != b->length) return a->length < b->length ? -1 : 1;
-    return a->line < b->line ? -1 : a->line > b->line;
-}
-
-static bool are_of_one_name(const sl_obj_material *a, const sl_obj_material *b) {
-    return a->length == b->length && memcmp(a->name, b->name, a->length) == 0;
-}
-
-static int compare_lines(const void *first, const void *second) {
-    const sl_obj_material *a = first, *b = second;
-    return a->line < b->line ? -1 : a->line > b->line;
-}
-
-/* Puts the first uses of names that no library has to the front, by line, and returns how many they are. */
-static size_t find_unknown_materials(sl_obj_materials *m) {
-    sl_obj_material *all = m->material, last = {0};
-    size_t unknown = 0;
-    for (size_t i = 0; i < m->count; i++) all[i].name = m->names.data + all[i].start;
-    qsort(all, m->count, sizeof *all, compare_materials);
-    /* of one name that of a library comes first, then the first use */
-    for (size_t i = 0; i < m->count; i++) {
-        bool seen = i > 0 && are_of_one_name(&last, &all[i]);
-        last = all[i];
-        if (last.line && !seen) all[unknown++] = last;
+    if (!*name) name = "DefaultMaterial";
+    if (!sl_make_room(&m->material, m->count, &m->material_room, sizeof *m->material) ||
+        !sl_make_room(&m->line, m->count, &m->line_room, sizeof *m->line) ||
+        !sl_names_find(&m->names, name, index))
+        return sl_fail_memory(error, "the materials");
+    if (*index == m->count) {
+        m->material[m->count].name = (char *)(uintptr_t)name; /* which nobody writes to */
+        m->line[m->count++] = line;
     }
-    qsort(all, unknown, sizeof *all, compare_lines);
-    return unknown;
-}
-
-/* A file without libraries has names for others to give materials to. */
-static void warn_of_unknown_materials(sl_obj_materials *m) {
-    if (!m->readable || m->unreadable || !m->count) return;
-    size_t unknown = find_unknown_materials(m);
-    for (const sl_obj_material *u = m->material; u < m->material + unknown; u++) {
-        sl_model_warn(m->model, "%s:%lu: no material library has '%.*s'; it is grey", m->path, u->line,
-                      told(u->length), u->name);
-    }
-}
-
-sl_status sl_obj_materials_conclude(sl_obj_materials *m, sl_error *error) {
-    if (m->starved) return sl_fail_memory(error, m->path);
-    warn_of_unknown_materials(m);
+    if (line == 0) m->line[*index] = 0;
     return SL_OK;
 }
 
 void sl_obj_materials_release(sl_obj_materials *m) {
-    sl_text_release(&m->libraries);
-    sl_text_release(&m->names);
+    for (size_t i = 0; i < m->text_count; i++) sl_free(m->text[i]);
+    sl_free(m->text);
     sl_free(m->material);
+    sl_free(m->line);
+    sl_names_release(&m->names);
+}
+
+/* ---- values ------------------------------------------------------------------------------------------- */
+
+typedef enum kind { NAME, COLOUR, NUMBER, TEXTURE, UNUSED } kind;
+
+typedef struct statement {
+    const char *word;
+    kind kind;
+    int to; /* sl_import_field or sl_import_map */
+    float most;
+    const char *text; /* what is expected, or what is not used */
+} statement;
+
+static const char colour[] = "a colour: 1 or 3 numbers of at least 0";
+static const statement statements[] = {
+    {"newmtl", NAME, 0, 0.0f, ""},
+    {"Kd", COLOUR, SL_IMPORT_DIFFUSE, FLT_MAX, colour},
+    {"Ks", COLOUR, SL_IMPORT_SPECULAR, FLT_MAX, colour},
+    {"Ke", COLOUR, SL_IMPORT_EMISSIVE, FLT_MAX, colour},
+    {"Ns", NUMBER, SL_IMPORT_SHININESS, (float)SL_LARGEST_EXPONENT,
+     "an exponent Ns: a number from 0 to 1000000"},
+    {"d", NUMBER, SL_IMPORT_OPACITY, 1.0f, "an opacity d: a number from 0 to 1"},
+    {"Tr", NUMBER, SL_IMPORT_OPACITY, 1.0f, "a transparency Tr: a number from 0 to 1"},
+    {"illum", NUMBER, SL_IMPORT_ILLUM, 10.0f, "an illumination model illum: a number from 0 to 10"},
+    {"map_Kd", TEXTURE, SL_IMPORT_MAP_DIFFUSE, 0.0f, ""},
+    {"map_d", TEXTURE, SL_IMPORT_MAP_OPACITY, 0.0f, ""},
+    {"map_bump", TEXTURE, SL_IMPORT_MAP_HEIGHT, 0.0f, ""},
+    {"bump", TEXTURE, SL_IMPORT_MAP_HEIGHT, 0.0f, ""},
+    {"norm", UNUSED, 0, 0.0f, "a normal map"},
+    {"disp", UNUSED, 0, 0.0f, "a displacement map"},
+    {"refl", UNUSED, 0, 0.0f, "a reflection map"},
+    {"map_Ks", UNUSED, 0, 0.0f, "a texture of Ks"},
+    {"map_Ns", UNUSED, 0, 0.0f, "a texture of Ns"},
+    {"map_Ke", UNUSED, 0, 0.0f, "a texture of Ke"},
+    {"map_Pr", UNUSED, 0, 0.0f, "a texture of roughness"},
+    {"map_Pm", UNUSED, 0, 0.0f, "a texture of metalness"},
+};
+enum { STATEMENTS = sizeof statements / sizeof statements[0] };
+
+typedef struct reader {
+    sl_lines lines;
+    sl_obj_materials *materials;
+    uint32_t current; /* SL_NO_INDEX before the first newmtl */
+    unsigned told;    /* which statements that are not used, bit by bit */
+} reader;
+
+static float *field(reader *r, int which) {
+    sl_import_material *m = &r->materials->material[r->current];
+    m->has |= 1u << which;
+    return m->value[which];
+}
+
+static void warn(const reader *r, const char *what, const char *of, const char *why) {
+    sl_model_warn(r->materials->model, "%s:%lu: %s%s%s", r->lines.path, r->lines.line, what, of, why);
+}
+
+/* One number stands for all three. */
+static sl_status read_colour(reader *r, const statement *s, char *at) {
+    float value[3];
+    int count = 0;
+    for (char *end; !sl_is_line_end(at) && count < 3; at = end, count++) {
+        end = sl_read_number(at, &value[count]);
+        if (!end || !(value[count] >= 0.0f && value[count] <= s->most))
+            return sl_lines_fail(&r->lines, s->text, at);
+    }
+    if (count != 1 && count != 3)
+        return sl_fail(r->lines.error, SL_ERROR_INPUT, "%s:%lu: expected %s, got %d", r->lines.path,
+                       r->lines.line, s->text, count);
+    if (!sl_is_line_end(at)) warn(r, "what stands behind the third number of ", s->word, " is not used");
+    for (int i = 0; i < 3; i++) field(r, s->to)[i] = value[count == 3 ? i : 0];
+    return SL_OK;
+}
+
+/* An exponent that is negative, as some exporters write it for what is dull, or so large that no picture
+ * tells is cut to its limits. -halo says where more of an opacity is seen through; all is drawn opaque. */
+static sl_status read_number(reader *r, const statement *s, char *at) {
+    float value;
+    if (s->to == SL_IMPORT_OPACITY && sl_word_is(at, "-halo")) at = sl_word_after(at);
+    char *end = sl_read_number(at, &value);
+    if (!end || isnan(value) || !sl_is_line_end(end)) return sl_lines_fail(&r->lines, s->text, at);
+    const bool beyond = !(value >= 0.0f && value <= s->most);
+    if (beyond && s->to != SL_IMPORT_SHININESS) return sl_lines_fail(&r->lines, s->text, at);
+    *sl_word_end(at) = 0;
+    if (beyond) warn(r, "exponent Ns ", at, " is not from 0 to 1000000; cut to that");
+    value = fminf(fmaxf(value, 0.0f), s->most);
+    if (s->to == SL_IMPORT_ILLUM) value = floorf(value);
+    field(r, s->to)[0] = sl_word_is(s->word, "Tr") ? 1.0f - value : value;
+    return SL_OK;
+}
+
+/* ---- textures ----------------------------------------------------------------------------------------- */
+
+/* The least and the most words that stand behind an option of a texture, and those that change nothing. */
+typedef struct option {
+    const char *word;
+    int least, most;
+    bool numbers;
+    const char *none;
+} option;
+
+static const option options[] = {
+    {"-blendu", 1, 1, false, "on"},  {"-blendv", 1, 1, false, "on"}, {"-clamp", 1, 1, false, "off"},
+    {"-cc", 1, 1, false, "off"},     {"-imfchan", 1, 1, false, "l"}, {"-type", 1, 1, false, ""},
+    {"-texres", 1, 1, true, ""},     {"-boost", 1, 1, true, "0"},    {"-bm", 1, 1, true, "1"},
+    {"-mm", 2, 2, true, "0 1"},      {"-o", 1, 3, true, "0 0 0"},    {"-s", 1, 3, true, "1 1 1"},
+    {"-t", 1, 3, true, "0 0 0"}};
+
+static const option *option_at(const char *at) {
+    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {
+        if (sl_word_is(at, options[i].word)) return &options[i];
+    }
+    return NULL;
+}
+
+/* Returns what stands behind one word of an option; NULL: it is none, or the file's name, which comes last.
+ */
+static char *skip_value(const option *o, const char *none, char *at, bool *changes) {
+    float value = 0.0f, as_it_is = 0.0f;
+    if (sl_is_line_end(at) || sl_is_line_end(sl_word_after(at))) return NULL;
+    if (o->numbers && !sl_read_number(at, &value)) return NULL;
+    if (o->numbers && *none) as_it_is = (float)(*none - '0');
+    *changes |= !*none || (o->numbers ? value != as_it_is : !sl_word_is(at, none));
+    return sl_word_after(at);
+}
+
+static sl_status skip_option(reader *r, const option *o, char **at) {
+    static const char *const expected[] = {"a number", "two numbers", "1 to 3 numbers"};
+    bool changes = false;
+    const char *none = o->none;
+    char *value = sl_word_after(*at);
+    for (int i = 0; i < o->most; i++) {
+        char *next = skip_value(o, none, value, &changes);
+        if (!next && i < o->least) {
+            char text[80];
+            snprintf(text, sizeof text, "%s behind %s and then a file's name",
+                     o->numbers ? expected[o->most - 1] : "a word", o->word);
+            return sl_lines_fail(&r->lines, text, value);
+        }
+        if (!next) break;
+        value = next;
+        none += *none && o->numbers && none[1] ? 2 : 0;
+    }
+    if (changes) warn(r, "the texture's option ", o->word, " is not applied");
+    *at = value;
+    return SL_OK;
+}
+
+/* Cuts a name where a comment begins, unless there is a file of the whole. */
+static sl_status cut_name(reader *r, char *name) {
+    char *path = sl_file_beside(r->lines.path, name);
+    if (!path) return sl_fail_memory(r->lines.error, "a file name");
+    char *comment = sl_file_exists(path) ? NULL : name;
+    sl_free(path);
+    while (comment && (comment = strchr(comment, '#')) && comment > name &&
+           sl_word_end(comment - 1) != comment - 1)
+        comment++;
+    if (!comment) return SL_OK;
+    while (comment > name && (comment[-1] == ' ' || comment[-1] == '\t')) comment--;
+    *comment = 0;
+    return SL_OK;
+}
+
+static sl_status read_texture(reader *r, const statement *s, char *at) {
+    const option *o;
+    sl_status status = SL_OK;
+    while (status == SL_OK && (o = option_at(at))) status = skip_option(r, o, &at);
+    if (status == SL_OK) status = cut_name(r, at);
+    if (status != SL_OK) return status;
+    if (*at) r->materials->material[r->current].map[s->to] = at;
+    else warn(r, s->word, " names no file", "");
+    return SL_OK;
+}
+
+/* ---- the library -------------------------------------------------------------------------------------- */
+
+static sl_status read_statement(reader *r, char *at) {
+    int i = 0;
+    while (i < STATEMENTS && !sl_word_is(at, statements[i].word)) i++;
+    if (i == STATEMENTS || (r->current == SL_NO_INDEX && statements[i].kind != NAME)) return SL_OK;
+    const statement *s = &statements[i];
+    char *rest = sl_word_after(at);
+    switch (s->kind) {
+    case NAME: return sl_obj_materials_find(r->materials, rest, 0, &r->current, r->lines.error);
+    case COLOUR: return read_colour(r, s, rest);
+    case NUMBER: return read_number(r, s, rest);
+    case TEXTURE: return read_texture(r, s, rest);
+    default: break;
+    }
+    char what[64];
+    snprintf(what, sizeof what, "%s, %s,", s->word, s->text);
+    if (!(r->told >> i & 1u)) warn(r, what, " is not used", "");
+    r->told |= 1u << i;
+    return SL_OK;
+}
+
+sl_status sl_obj_materials_read(sl_obj_materials *m, const char *path, sl_error *error) {
+    reader r = {.materials = m, .current = SL_NO_INDEX};
+    char *text, *line;
+    sl_status status = sl_lines_open(path, &text, &r.lines, error);
+    if (status != SL_OK) return status;
+    if (!sl_make_room(&m->text, m->text_count, &m->text_room, sizeof *m->text)) {
+        sl_free(text);
+        return sl_fail_memory(error, path);
+    }
+    m->text[m->text_count++] = text;
+    while (status == SL_OK && (line = sl_lines_next(&r.lines))) status = read_statement(&r, line);
+    return status;
 }

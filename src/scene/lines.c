@@ -1,0 +1,152 @@
+#include "scene/lines.h"
+
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "scene/file.h"
+
+enum { MOST_DECIMALS = 15 /* of a fraction; more are passed over */, MOST_EXPONENT = 1000 };
+
+static bool is_blank(char c) { return c == ' ' || c == '\t'; }
+static bool is_end(char c) { return c == '\n' || c == '\r'; }
+static bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+static char *skip_blanks(char *at) {
+    while (is_blank(*at)) at++;
+    return at;
+}
+
+/* ---- lines ------------------------------------------------------------------------------------------ */
+
+static size_t end_bytes(const char *at) { return at[0] == '\r' && at[1] == '\n' ? 2 : 1; }
+
+static sl_status refuse_zeros(const char *text, size_t size, const char *path, sl_error *error) {
+    const char *zero = text + strlen(text);
+    unsigned long line = 1;
+    if (zero == text + size) return SL_OK;
+    for (const char *at = text; at < zero; at += is_end(*at) ? end_bytes(at) : 1) line += is_end(*at);
+    return sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected text, got a byte that is zero", path, line);
+}
+
+sl_status sl_lines_open(const char *path, char **text, sl_lines *lines, sl_error *error) {
+    size_t size;
+    sl_status status = sl_file_read(path, text, &size, error);
+    if (status == SL_OK) status = refuse_zeros(*text, size, path, error);
+    if (status != SL_OK) {
+        sl_free(*text);
+        *text = NULL;
+        return status;
+    }
+    size_t mark = strncmp(*text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* of UTF-8 */
+    *lines = (sl_lines){path, *text + mark, *text + size, 1, 1, error};
+    return SL_OK;
+}
+
+static char *cut_line(sl_lines *l) {
+    char *start = l->at, *at = start;
+    bool comment = false;
+    l->line = l->next++;
+    for (; *at && !is_end(*at); at++) {
+        comment |= *at == '#' && (at == start || is_blank(at[-1]));
+        if (*at == '\f' || *at == '\v') *at = ' ';
+        if (comment || *at != '\\' || !is_end(at[1])) continue;
+        const size_t bytes = 1 + end_bytes(at + 1);
+        memset(at, ' ', bytes);
+        at += bytes - 1;
+        l->next++;
+    }
+    l->at = *at ? at + end_bytes(at) : l->end;
+    while (at > start && is_blank(at[-1])) at--;
+    *at = 0;
+    return skip_blanks(start);
+}
+
+char *sl_lines_next(sl_lines *l) {
+    while (l->at < l->end) {
+        char *line = cut_line(l);
+        if (*line) return line;
+    }
+    l->line = l->next;
+    return NULL;
+}
+
+sl_status sl_lines_fail(const sl_lines *l, const char *expected, const char *got) {
+    if (!got)
+        return sl_fail(l->error, SL_ERROR_INPUT, "%s:%lu: expected %s, got the end of the file", l->path,
+                       l->line, expected);
+    const int length = (int)strcspn(got, " \t");
+    return sl_fail(l->error, SL_ERROR_INPUT, "%s:%lu: expected %s, got '%.*s'", l->path, l->line, expected,
+                   length < 40 ? length : 40, got);
+}
+
+/* ---- words ------------------------------------------------------------------------------------------ */
+
+char *sl_word_end(char *at) { return at + strcspn(at, " \t"); }
+char *sl_word_after(char *at) { return skip_blanks(sl_word_end(at)); }
+bool sl_word_is(const char *at, const char *word) {
+    return strcspn(at, " \t") == strlen(word) && strncasecmp(at, word, strlen(word)) == 0;
+}
+bool sl_is_line_end(const char *at) { return !*at || *at == '#'; }
+
+/* ---- numbers ---------------------------------------------------------------------------------------- */
+
+static bool ends_number(const char *at) { return is_blank(*at) || sl_is_line_end(at); }
+
+/* Reads digits as a whole number, the first so many of them. */
+static double digits(char **at, int most, int *count) {
+    double value = 0.0;
+    for (*count = 0; is_digit(**at); ++*at) {
+        if (*count < most) value = 10.0 * value + (**at - '0'), ++*count;
+    }
+    return value;
+}
+
+static double power_of_ten(int exponent) {
+    double power = 1.0;
+    for (int i = 0; i < (exponent < 0 ? -exponent : exponent); i++) power *= 10.0;
+    return exponent < 0 ? 1.0 / power : power;
+}
+
+static char *read_exponent(char *at, float *value) {
+    int count;
+    const bool negative = *at == '-';
+    at += *at == '-' || *at == '+';
+    const int exponent = (int)fmin(digits(&at, MOST_DECIMALS, &count), MOST_EXPONENT);
+    *value *= (float)power_of_ten(negative ? -exponent : exponent);
+    if (isnan(*value)) *value = 0.0f; /* 0 times infinity */
+    return count ? at : NULL;
+}
+
+/* Reads nan and inf with any ending, and behind a point what an old C library prints: 1.#INF, 1.#QNAN. */
+static char *read_nonfinite(char *at, float *value) {
+    static const char *const names[] = {"nan", "inf", "#in", "#qnan", "#snan"};
+    for (int i = 0; i < 5; i++) {
+        if (strncasecmp(at, names[i], strlen(names[i])) != 0) continue;
+        *value = i == 1 ? INFINITY : NAN;
+        return sl_word_after(at);
+    }
+    return NULL;
+}
+
+char *sl_read_number(char *at, float *value) {
+    const bool negative = *at == '-';
+    int whole, decimals = 0;
+    at += *at == '-' || *at == '+';
+    char *end = *at == '#' ? NULL : read_nonfinite(at, value);
+    if (end) return end;
+    *value = (float)digits(&at, INT32_MAX, &whole);
+    if (*at == '.' || *at == ',') {
+        at++;
+        const double fraction = digits(&at, MOST_DECIMALS, &decimals);
+        *value += (float)(fraction / power_of_ten(decimals));
+        end = at[-1] == '.' && *at == '#' ? read_nonfinite(at, value) : NULL;
+    }
+    if (whole + decimals == 0) return NULL;
+    if (end) return end;
+    if (*at == 'e' || *at == 'E') at = read_exponent(at + 1, value);
+    if (negative) *value = -*value;
+    return at && ends_number(at) ? skip_blanks(at) : NULL;
+}

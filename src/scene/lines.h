@@ -1,0 +1,35 @@
+/* Text files line by line, and the words and numbers of a line. */
+#ifndef SL_SCENE_LINES_H
+#define SL_SCENE_LINES_H
+
+#include "softlux.h"
+
+typedef struct sl_lines {
+    const char *path;
+    char *at, *end;           /* what is left of the text, which is cut into lines in place */
+    unsigned long line, next; /* numbers of the line at hand and of the one behind it */
+    sl_error *error;
+} sl_lines;
+
+/* Reads a file whose lines are in *text then, to be freed. A byte that is zero is an input error. */
+sl_status sl_lines_open(const char *path, char **text, sl_lines *lines, sl_error *error);
+/* Returns the next line that is not empty, without blanks at its ends, or NULL. An end behind a backslash is
+ * a blank, but for that of a comment, where a path of Windows may stand. */
+char *sl_lines_next(sl_lines *lines);
+/* Fails with the line at hand, what was expected there and the word that is there instead; NULL: the file
+ * ends. */
+sl_status sl_lines_fail(const sl_lines *lines, const char *expected, const char *got);
+
+char *sl_word_end(char *at);
+char *sl_word_after(char *at); /* the beginning of the next one */
+/* Compares the word at hand; upper and lower case are the same. */
+bool sl_word_is(const char *at, const char *word);
+/* Returns whether nothing or a comment is left of the line. */
+bool sl_is_line_end(const char *at);
+
+/* Returns what stands behind a decimal number, or one that is not finite, and the blanks behind it; NULL
+ * where there is none. Whole part and fraction are rounded to float one by one, as importers of mesh files
+ * do. */
+char *sl_read_number(char *at, float *value);
+
+#endif

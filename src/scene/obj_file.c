@@ -1,0 +1,296 @@
+#include "scene/obj_file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "scene/file.h"
+#include "scene/lines.h"
+#include "scene/mesh_file.h"
+#include "scene/obj_materials.h"
+#include "scene/polygons.h"
+
+/* Positions, texture coordinates, normals: the numbers that each may have, and the largest index that a face
+ * names, with its line. Faces may name what comes later in the file, so it is judged at the end. */
+typedef struct kind {
+    const char *word, *name, *lengths;
+    unsigned allowed; /* bit n: n numbers */
+    unsigned long largest, largest_line;
+} kind;
+
+typedef struct reader {
+    sl_lines lines;
+    kind kinds[SL_CORNER_PARTS];
+    sl_polygons polygons;
+    sl_obj_materials materials;
+    sl_names objects;
+    uint32_t object, material; /* of the faces to come */
+    bool has_library, lacks_library;
+    unsigned long short_faces, first_short; /* faces of fewer than three corners, and the line of the first */
+    sl_model *model;
+} reader;
+
+static sl_status fail(const reader *r, const char *expected, const char *got) {
+    return sl_lines_fail(&r->lines, expected, got);
+}
+
+static sl_status memory_if_not(const reader *r, bool added) {
+    return added ? SL_OK : sl_fail_memory(r->lines.error, r->lines.path);
+}
+
+/* ---- numbers ------------------------------------------------------------------------------------------ */
+
+/* Coordinates may be homogeneous; a texture of one dimension has no second number, and colours are not used.
+ */
+static sl_status finish_value(reader *r, sl_corner_part part, unsigned count, float value[8]) {
+    if (part == SL_CORNER_POSITION && count == 4) {
+        if (value[3] == 0.0f)
+            return sl_fail(r->lines.error, SL_ERROR_INPUT,
+                           "%s:%lu: expected the fourth number of a vertex to be other than 0: it divides",
+                           r->lines.path, r->lines.line);
+        for (int i = 0; i < 3; i++) value[i] /= value[3];
+    }
+    if (count == 6) sl_model_warn(r->model, "%s: vertex colours are not used", r->lines.path);
+    for (int i = 0; part == SL_CORNER_UV && i < 2; i++) value[i] = isfinite(value[i]) ? value[i] : 0.0f;
+    return memory_if_not(r, sl_polygons_add_value(&r->polygons, part, value));
+}
+
+static sl_status read_value(reader *r, sl_corner_part part, char *at) {
+    const kind *k = &r->kinds[part];
+    float value[8] = {0};
+    unsigned count = 0;
+    char expected[80];
+    snprintf(expected, sizeof expected, "%s numbers for a %s", k->lengths, k->name);
+    for (char *end; !sl_is_line_end(at) && count < 8; at = end, count++) {
+        end = sl_read_number(at, &value[count]);
+        if (!end) return fail(r, expected, at);
+    }
+    if (k->allowed >> count & 1u) return finish_value(r, part, count, value);
+    return sl_fail(r->lines.error, SL_ERROR_INPUT, "%s:%lu: expected %s, got %u", r->lines.path,
+                   r->lines.line, expected, count);
+}
+
+/* ---- faces -------------------------------------------------------------------------------------------- */
+
+static bool ends_word(const char *at) { return *at == ' ' || *at == '\t' || sl_is_line_end(at); }
+
+/* Reads an index as the file has it into one from 0. */
+static sl_status read_index(reader *r, sl_corner_part part, char **at, uint32_t *index) {
+    kind *k = &r->kinds[part];
+    const char *word = *at;
+    const bool negative = *word == '-';
+    const unsigned long count = r->polygons.count[part];
+    unsigned long value = 0;
+    char *digit = *at + (negative || *word == '+');
+    for (*at = digit; **at >= '0' && **at <= '9'; ++*at) {
+        if (value < 1000000000000ul) value = 10 * value + (unsigned long)(**at - '0');
+    }
+    char expected[80];
+    snprintf(expected, sizeof expected, "a %s index", k->name);
+    if (*at == digit) return fail(r, expected, word);
+    if (value == 0 || (negative && value > count))
+        return sl_fail(r->lines.error, SL_ERROR_INPUT,
+                       "%s:%lu: %s index %s%lu is out of range: expected 1 or more, or -1 to -%lu",
+                       r->lines.path, r->lines.line, k->name, negative ? "-" : "", value, count);
+    if (!negative && value > k->largest) {
+        k->largest = value;
+        k->largest_line = r->lines.line;
+    }
+    *index = (uint32_t)(negative ? count - value : value - 1);
+    return SL_OK;
+}
+
+/* v, v/vt, v//vn or v/vt/vn */
+static sl_status read_corner(reader *r, char **at, sl_corner *corner) {
+    *corner = (sl_corner){{SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
+    sl_status status = read_index(r, SL_CORNER_POSITION, at, &corner->at[0]);
+    for (int part = 1; part < SL_CORNER_PARTS && status == SL_OK && **at == '/'; part++) {
+        ++*at;
+        if (**at != '/' && !ends_word(*at)) status = read_index(r, part, at, &corner->at[part]);
+    }
+    if (status == SL_OK && !ends_word(*at)) return fail(r, "face corners like 1, 1/2, 1//3 or 1/2/3", *at);
+    *at += strspn(*at, " \t");
+    return status;
+}
+
+static bool have_the_same(const sl_corner *a, const sl_corner *b) {
+    return (a->at[1] == SL_NO_INDEX) == (b->at[1] == SL_NO_INDEX) &&
+           (a->at[2] == SL_NO_INDEX) == (b->at[2] == SL_NO_INDEX);
+}
+
+static sl_status read_corners(reader *r, char *at, bool alike, uint32_t *count) {
+    sl_corner corner, first = {{0}};
+    sl_status status = SL_OK;
+    for (*count = 0; status == SL_OK && !sl_is_line_end(at);) {
+        status = read_corner(r, &at, &corner);
+        if (status == SL_OK) status = memory_if_not(r, sl_polygons_add_corner(&r->polygons, corner));
+        if ((*count)++ == 0) first = corner;
+        if (status != SL_OK || !alike || have_the_same(&first, &corner)) continue;
+        return sl_fail(r->lines.error, SL_ERROR_INPUT,
+                       "%s:%lu: expected face corners that all have the same, as in 1/1 2/2 3/3: corner %u "
+                       "has other indices than the first",
+                       r->lines.path, r->lines.line, *count);
+    }
+    return status;
+}
+
+static sl_status read_face(reader *r, char *at) {
+    uint32_t count;
+    sl_status status = read_corners(r, at, true, &count);
+    if (status != SL_OK) return status;
+    if (count < 3) {
+        r->polygons.corner_count -= count;
+        if (r->short_faces++ == 0) r->first_short = r->lines.line;
+        return SL_OK;
+    }
+    return memory_if_not(r, sl_polygons_add(&r->polygons, (sl_polygon){count, r->material, r->object}));
+}
+
+/* Lines and points are not drawn. */
+static sl_status read_undrawn(reader *r, char *at) {
+    uint32_t count;
+    sl_status status = read_corners(r, at, false, &count);
+    r->polygons.corner_count -= count;
+    return status;
+}
+
+/* ---- libraries ---------------------------------------------------------------------------------------- */
+
+/* Reads the library of that name, if there is one. */
+static sl_status read_library(reader *r, const char *name, bool *exists) {
+    sl_error problem;
+    char *path = sl_file_beside(r->lines.path, name);
+    sl_status status = memory_if_not(r, path);
+    *exists = path && sl_file_exists(path);
+    if (*exists) {
+        r->has_library = true;
+        status = sl_model_may_read(r->model, path, &problem);
+        if (status != SL_OK)
+            sl_fail(r->lines.error, status, "%s: names %s", r->lines.path, problem.message);
+        else status = sl_model_note_file(r->model, path, r->lines.error);
+        if (status == SL_OK) status = sl_obj_materials_read(&r->materials, path, r->lines.error);
+    }
+    sl_free(path);
+    return status;
+}
+
+static void warn_of_library(reader *r, const char *name, const char *in_its_place) {
+    sl_model_warn(r->model,
+                  in_its_place
+                      ? "%s:%lu: material library '%.512s' does not exist; '%.512s' is read in its place"
+                      : "%s:%lu: material library '%.512s' does not exist; its materials are grey",
+                  r->lines.path, r->lines.line, name, in_its_place);
+    r->lacks_library |= !in_its_place;
+}
+
+/* Who gives both files another name often leaves the old one in the first. */
+static sl_status read_library_of_same_name(reader *r, const char *missing) {
+    const char *slash = strrchr(r->lines.path, '/'), *name = slash ? slash + 1 : r->lines.path;
+    char same[4096];
+    bool exists;
+    snprintf(same, sizeof same, "%.*s.mtl", (int)(strlen(name) - strlen(".obj")), name);
+    sl_status status = read_library(r, same, &exists);
+    warn_of_library(r, missing, exists ? same : NULL);
+    return status;
+}
+
+/* Reads one library, whose name may have blanks in it, or several up to a comment, if there is none of that
+ * name. */
+static sl_status read_libraries(reader *r, char *names) {
+    enum { MOST_TOLD = 16 };
+    const char *missing[MOST_TOLD];
+    size_t lost = 0;
+    bool exists, any = false;
+    sl_status status = read_library(r, names, &exists);
+    if (exists || status != SL_OK) return status;
+    for (char *at = names, *next; status == SL_OK && !sl_is_line_end(at); at = next) {
+        next = sl_word_after(at);
+        *sl_word_end(at) = 0;
+        status = read_library(r, at, &exists);
+        any |= exists;
+        if (!exists && lost < MOST_TOLD) missing[lost++] = at;
+    }
+    if (status == SL_OK && !any && lost) return read_library_of_same_name(r, missing[0]);
+    for (size_t i = 0; i < lost; i++) warn_of_library(r, missing[i], NULL);
+    return status;
+}
+
+/* ---- the file ----------------------------------------------------------------------------------------- */
+
+static sl_status read_statement(reader *r, char *at) {
+    char *rest = sl_word_after(at);
+    for (int part = 0; part < SL_CORNER_PARTS; part++) {
+        if (sl_word_is(at, r->kinds[part].word)) return read_value(r, part, rest);
+    }
+    /* fo is an old name of the same */
+    if (sl_word_is(at, "f") || sl_word_is(at, "fo")) return read_face(r, rest);
+    if (sl_word_is(at, "l") || sl_word_is(at, "p")) return read_undrawn(r, rest);
+    if (sl_word_is(at, "o") || sl_word_is(at, "g"))
+        return memory_if_not(r, sl_names_find(&r->objects, rest, &r->object));
+    if (sl_word_is(at, "mtllib")) return read_libraries(r, rest);
+    if (sl_word_is(at, "usemtl"))
+        return sl_obj_materials_find(&r->materials, rest, r->lines.line, &r->material, r->lines.error);
+    return SL_OK;
+}
+
+static sl_status check_largest(const reader *r) {
+    for (int part = 0; part < SL_CORNER_PARTS; part++) {
+        const kind *k = &r->kinds[part];
+        if (k->largest <= r->polygons.count[part]) continue;
+        return sl_fail(r->lines.error, SL_ERROR_INPUT,
+                       "%s:%lu: %s index %lu is out of range: the file has %zu", r->lines.path,
+                       k->largest_line, k->name, k->largest, r->polygons.count[part]);
+    }
+    return SL_OK;
+}
+
+/* A file without libraries has names for others to give materials to. */
+static void tell_of_the_whole(const reader *r) {
+    const char *path = r->lines.path;
+    if (r->short_faces == 1)
+        sl_model_warn(r->model, "%s:%lu: a face of fewer than three corners is not drawn", path,
+                      r->first_short);
+    else if (r->short_faces)
+        sl_model_warn(r->model, "%s:%lu: this face and %lu more of fewer than three corners are not drawn",
+                      path, r->first_short, r->short_faces - 1);
+    for (size_t i = 1; i < r->materials.count && r->has_library && !r->lacks_library; i++) {
+        if (r->materials.line[i])
+            sl_model_warn(r->model, "%s:%lu: no material library has '%.512s'; it is grey", path,
+                          r->materials.line[i], r->materials.material[i].name);
+    }
+}
+
+static sl_status finish(reader *r, const sl_affine *placement) {
+    const uint32_t first_material = (uint32_t)r->model->material_count;
+    const sl_import materials = {.material_count = (uint32_t)r->materials.count,
+                                 .materials = r->materials.material};
+    sl_status status = check_largest(r);
+    if (status != SL_OK) return status;
+    tell_of_the_whole(r);
+    status = sl_mesh_materials(r->lines.path, &materials, NULL, r->model, r->lines.error);
+    return status == SL_OK ? sl_polygons_place(&r->polygons, &r->objects, placement, first_material, r->model,
+                                               r->lines.error)
+                           : status;
+}
+
+sl_status sl_obj_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
+    reader r = {.kinds = {{"v", "vertex", "3, 4 or 6", 1 << 3 | 1 << 4 | 1 << 6, 0, 0},
+                          {"vt", "texture coordinate", "1, 2 or 3", 1 << 1 | 1 << 2 | 1 << 3, 0, 0},
+                          {"vn", "normal", "3", 1 << 3, 0, 0}},
+                .materials = {.model = model},
+                .model = model};
+    char *text, *line;
+    sl_status status = sl_lines_open(path, &text, &r.lines, error);
+    /* the first material is that of faces that name none, and so is the first object */
+    if (status == SL_OK) status = sl_obj_materials_find(&r.materials, "", 0, &r.material, error);
+    if (status == SL_OK) status = memory_if_not(&r, sl_names_find(&r.objects, "defaultobject", &r.object));
+    while (status == SL_OK && (line = sl_lines_next(&r.lines))) status = read_statement(&r, line);
+    if (status == SL_OK) status = finish(&r, placement);
+    sl_polygons_release(&r.polygons);
+    sl_names_release(&r.objects);
+    sl_obj_materials_release(&r.materials);
+    sl_free(text);
+    return status;
+}
