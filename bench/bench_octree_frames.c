@@ -139,7 +139,7 @@ static bool is_seen(const octree_view *v, int side) {
 
 static void bake(bench_report *r, const char *scene, const frames *octree, baked *b) {
     sl_atlas_settings settings = {
-        .size = octree_settings().atlas_size, .gutter = 2, .bend = 75.0 / 57.29577951308232, .threads = 2};
+        .size = octree_settings().atlas_size, .gutter = 2, .bend = 60.0 / 57.29577951308232, .threads = 2};
     const sl_scene *s = octree->view->scene;
     sl_error error;
     sl_counters counters = {{0}};
@@ -162,7 +162,8 @@ static void bake(bench_report *r, const char *scene, const frames *octree, baked
     snprintf(b->text, sizeof b->text,
              "Atlas of %s: %zu charts over %.0f %% of %d x %d texels, %.2f processor s; %d sides are seen "
              "and filled in %.2f s.",
-             scene, b->atlas->chart_count, 100.0 * b->atlas->coverage, settings.size, settings.size, charts,
+             scene, b->atlas->chart_count, 100.0 * (double)b->canvas->covered / ((double)settings.size * settings.size),
+             settings.size, settings.size, charts,
              sides, octree_seconds(1) - from);
 }
 

@@ -38,10 +38,9 @@ allow cache/audit "($below|cache/(audit|frame/))"
 allow app '(app/|scene/(features|scene)|base/(vec|error|sanitized|values)|image/(color|formats|output_file|tone)|trace/trace|cache/frame/(method|settings)\.h)'
 # Nobody can look up numbers of a document that is not here: features, formulas in boxes, pages by their names; in tests and experiments no more than
 # in the library. A section's number stands in one line with the year of the paper that has it, or "of the paper" where its experiments are repeated,
-# or with OpenGL's version; flip.c says once whose they are; a pass announces its own paper's. The light octree's header names its passes (G1 to R2).
+# or with OpenGL's version; flip.c says once whose they are; a pass announces its own paper's.
 refer() { grep -rnIE --exclude-dir=golden --exclude-dir=corpus --exclude=layers.sh "$1" . ../include ../tests ../bench; }
-found=$(refer 'cache-math|radiance-cache-splatting|boxed formula|(^|[^A-Za-z/_])spec/|(^|[^A-Za-z0-9_])[FG][0-9]{1,2}([^A-Za-z0-9_.]|$)' |
-    grep -v '^\./cache/light_octree/.*[^A-Za-z]G[1-4]' || true)
+found=$(refer 'cache-math|radiance-cache-splatting|boxed formula|(^|[^A-Za-z/_])spec/|(^|[^A-Za-z0-9_])[FG][0-9]{1,2}([^A-Za-z0-9_.]|$)' || true)
 [ -z "$found" ] || { echo "refers to what is not in the repository: $found"; bad=1; }
 found=$(refer '[Ss]ections? [0-9]' | grep -vE '(19|20)[0-9][0-9]|OpenGL [0-9]|[Ss]ection [0-9.]+ of the paper|"sections? [0-9]|^\./image/flip\.c:' || true)
 [ -z "$found" ] || { echo "whose section? $found"; bad=1; }

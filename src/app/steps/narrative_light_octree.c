@@ -48,7 +48,8 @@ static const sl_narrative_pass passes[] = {
              M_SUB(M_I("&#x3C9;"), M_I("i")),
      "sl_voxel_lights_compute(), src/cache/light_octree/voxel_lights.c", NULL, SL_SHOW_LIGHT},
     {"atlas", "A texture for all surfaces",
-     "The surfaces are cut into charts, unrolled with their angles kept, and packed into one texture. Light "
+     "The surfaces are cut into charts that bend little, each laid flat onto its mean plane, and packed into one "
+     "texture. Light "
      "is rendered there once; every later view looks it up.",
      NULL, "sl_lit_atlas_create(), src/cache/light_octree/pixels.c", NULL, SL_SHOW_LIGHT},
     {"indirect light", "Pixels lit by the octree",

@@ -1,7 +1,7 @@
-/* The explanation of a pixel: R1 told backwards, by its own kernel. Around the pixel lie eight voxels; each
- * gives the lights of one set, its light times its trilinear weight times what the surface reflects. The
- * kernel is linear in the lights: asked about one of them it says what that one adds, and asked about a voxel
- * that holds the constant 1, the others 0, how much that voxel weighs. */
+/* The explanation of a pixel: its shading, taken apart by the shader's own kernel. Around the pixel lie eight
+ * voxels; each gives the lights of one set, its light times its trilinear weight times what the surface
+ * reflects. The kernel is linear in the lights: asked about one of them it says what that one adds, and asked
+ * about a voxel that holds the constant 1, the others 0, how much that voxel weighs. */
 #include "cache/light_octree/explanation.h"
 
 #include "base/math.h"

@@ -1,217 +1,247 @@
-/* The method: what it holds, from its creation to its end, and what edits leave of that. */
+/* One picture, in the order of the paper (Vivanloc, Hoelt, Hong, Paulin 2007): photons are traced and kept,
+ * the octree's leaves take the nearest of them, K-means condenses their directions to a few virtual
+ * directional lights, two textures hold octree and lights, and the pixels are shaded as by any other lights:
+ *
+ *     E = kappa sum Phi_i / A          from the k nearest photons, over the surface A that they lie on
+ *     L = sum f_r(d_j, v, n) c_j (n . d_j)+     over a voxel's lights (c_j, d_j), then trilinearly over
+ * voxels
+ *
+ * Each depth of the octree from 4 on is shown as soon as it is done. The paper numbers no equations. */
 #include "base/error.h"
-#include "base/memory.h"
-#include "cache/light_octree/state.h"
 #include "cache/light_octree/explanation.h"
+#include "cache/light_octree/photon_pixels.h"
+#include "cache/light_octree/state.h"
+#include "cache/light_octree/voxel_work.h"
 
-/* How far the sky in the octree may rise above its own mean. */
-static const double sky_contrast = 10.0;
+#include <stdio.h>
+#include <string.h>
 
-/* ---- what there is, and its end ---- */
+enum { LEAVES = 4096 /* an update's */ };
 
-static void forget_light(sl_octree_state *s) {
-    sl_octree_forget_level(&s->next);
-    sl_octree_forget_level(&s->shown);
-    sl_photon_tree_destroy(s->tree);
-    sl_photon_list_destroy(s->photons);
-    sl_direct_destroy(s->direct);
-    sl_environment_release(&s->sky);
-    sl_environment_release(&s->sun);
-    s->tree = NULL;
+/* ---- Photon map ---- */
+
+static sl_status finish_photons(sl_octree_state *s, sl_error *error) {
+    sl_announce_pass(&s->announcer, "photons", "photon map");
+    sl_photon_list *list = s->photons;
+    if (list) sl_octree_announce_photons(&s->announcer, list);
     s->photons = NULL;
-    s->direct = NULL;
-    sl_cube_map_destroy(s->cube);
-    s->cube = NULL;
-}
-
-static void forget_geometry(sl_octree_state *s) {
-    sl_lit_atlas_destroy(s->atlas);
-    s->atlas = NULL;
-    sl_tracer_destroy(s->tracer);
-    sl_raster_destroy(s->raster);
-    s->tracer = NULL;
-    s->raster = NULL;
-}
-
-static void octree_destroy(void *state) {
-    sl_octree_state *s = state;
-    if (!s) return;
-    forget_light(s);
-    forget_geometry(s);
-    sl_reflections_destroy(s->reflections);
-    sl_gbuffer_destroy(s->gbuffer);
-    sl_free(s->planes);
-    sl_free(s);
-}
-
-static sl_status make_geometry(sl_octree_state *s, sl_error *error) {
-    sl_status status = sl_raster_create(s->scene, s->settings.threads, &s->raster, error);
-    bool rays = s->plan.photons || (s->plan.mirrors && !s->settings.light_octree.environment_mirrors);
-    if (status == SL_OK && rays)
-        status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->tracer, error);
-    return status;
-}
-
-static sl_status make_light(sl_octree_state *s, sl_error *error) {
-    sl_status status = SL_OK;
-    bool cube = !s->cube && s->plan.mirrors && s->settings.light_octree.environment_mirrors &&
-                s->scene->environment.present;
-    if (cube) status = sl_environment_cube(&s->scene->environment, s->settings.threads, &s->cube, error);
-    if (status != SL_OK || !s->plan.direct) return status;
-    const sl_environment *sampled = s->plan.environment ? &s->scene->environment : NULL;
-    if (s->plan.sky) {
-        status = sl_environment_split(&s->scene->environment, sky_contrast, &s->sky, &s->sun, error);
-        sampled = s->sun.present ? &s->sun : NULL;
+    if (!list || !list->count) {
+        sl_photon_list_destroy(list);
+        s->phase = SL_OCTREE_PHASE_DONE;
+        return SL_OK;
     }
-    if (status != SL_OK) return status;
-    sl_direct_settings direct = {.light_samples = s->settings.spp,
-                                 .seed = s->settings.seed,
-                                 .threads = s->settings.threads,
-                                 .sun = sampled};
-    return sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
+    sl_status status = sl_photon_tree_create(list, s->settings.threads, &s->tree, error);
+    if (status != SL_OK) return status; /* without photons again */
+    s->phase = SL_OCTREE_PHASE_OCTREE;
+    s->depth = s->plan.first_depth;
+    return SL_OK;
 }
 
-static sl_status octree_create(const sl_scene *scene, const sl_settings *settings,
-                               const sl_transport *transport, void **state, sl_error *error) {
-    (void)transport; /* its own: sl_octree_transport() */
-    sl_octree_state *s = sl_allocate(1, sizeof *s);
-    if (!s) return sl_fail_memory(error, "the light octree");
-    s->scene = scene;
-    s->settings = *settings;
-    s->announcer =
-        (sl_announcer){.observer = settings->observer, .method = "light-octree", .counters = &s->counters};
-    s->plan = sl_octree_plan_make(scene, settings);
-    s->planes = sl_allocate(SL_OCTREE_PLANES * sl_octree_state_pixels(s), sizeof *s->planes);
-    sl_status status = s->planes ? sl_gbuffer_create(settings->width, settings->height, &s->gbuffer, error)
-                                 : sl_fail_memory(error, "the picture");
-    if (status == SL_OK) status = make_geometry(s, error);
-    if (status == SL_OK) status = make_light(s, error);
-    if (status != SL_OK) {
-        octree_destroy(s);
+static sl_status trace_photons(sl_octree_state *s, sl_error *error) {
+    if (!s->plan.photons) {
+        s->phase = SL_OCTREE_PHASE_DONE;
+        return SL_OK;
+    }
+    if (s->tree) { /* of an earlier view */
+        s->phase = s->shown.octree ? SL_OCTREE_PHASE_SHADE : SL_OCTREE_PHASE_OCTREE;
+        return SL_OK;
+    }
+    sl_photon_options options = {.stored = s->settings.light_octree.photons,
+                                 .store = s->settings.light_octree.store,
+                                 .sky = s->sky.present ? &s->sky : NULL,
+                                 .seed = s->settings.seed,
+                                 .threads = s->settings.threads};
+    bool done = false;
+    sl_status status = sl_photons_trace(s->scene, s->tracer, &options, sl_octree_photon_chunks(&s->settings),
+                                        &s->photons, &done, &s->counters, error);
+    return status == SL_OK && done ? finish_photons(s, error) : status;
+}
+
+/* ---- Octree ---- */
+
+/* Of a scattered scene the central region, unless most photons lie elsewhere: where there is light, it is to
+ * be seen. */
+static sl_octree_root root_of(const sl_octree_state *s) {
+    const sl_photon_list *photons = sl_photon_tree_list(s->tree);
+    const sl_octree_root core = sl_octree_root_of_core(s->scene);
+    size_t inside = 0;
+    for (size_t i = 0; i < photons->count; i++) {
+        const float *p = photons->photon[i].position;
+        inside += sl_octree_root_holds(&core, sl_v3(p[0], p[1], p[2]));
+    }
+    return 2 * inside >= photons->count ? core : sl_octree_root_of_all(s->scene);
+}
+
+static sl_status start_level(sl_octree_state *s, sl_error *error) {
+    const sl_light_octree_settings *o = &s->settings.light_octree;
+    unsigned threads = s->settings.threads;
+    const sl_octree_root root = root_of(s);
+    sl_status status =
+        sl_octree_create_in(s->scene, &root, s->depth, o->dilation, threads, &s->next.octree, error);
+    if (status != SL_OK) return status;
+    sl_announce_pass(&s->announcer, "octree", "octree, K-means of its photons");
+    s->leaf = 0;
+    s->radius = o->radius > 0.0 ? o->radius
+                                : sl_voxel_radius(s->next.octree, (size_t)o->neighbours,
+                                                  sl_photon_tree_list(s->tree)->count);
+    if (o->photons_at_pixels) { /* no lights in between */
+        sl_octree_forget_level(&s->shown);
+        s->shown = s->next;
+        s->next = (sl_octree_level){NULL, NULL, NULL};
+        s->phase = SL_OCTREE_PHASE_SHADE;
         return status;
     }
-    for (size_t k = 0; k < 3; k++) {
-        s->direct_light[k] = s->planes + k * sl_octree_state_pixels(s);
-        s->indirect_light[k] = s->planes + (3 + k) * sl_octree_state_pixels(s);
+    sl_voxel_light_options options = sl_octree_light_options(o, s->radius);
+    status = sl_voxel_lights_create(s->scene, s->next.octree, s->next.octree, s->tree, &options, threads,
+                                    &s->next.lights, error);
+    if (status == SL_OK) s->phase = SL_OCTREE_PHASE_LIGHTS;
+    else sl_octree_forget_level(&s->next);
+    return status;
+}
+
+/* ---- Virtual directional lights: the photons around a voxel, condensed by K-means ---- */
+
+/* E = kappa sum Phi_i / A from the photons on either side, which share the n lights by E. On a flat matt
+ * surface one light along the normal says all; else clusters of photons' directions omega_i become lights
+ * (d_j, c_j):
+ *
+ *     V_j = sum kappa Y(Phi_i) / (A max(n_i . omega_i, epsilon)) omega_i,   d_j = V_j / |V_j|,
+ *     c_j = |V_j| sum Phi_i / sum Y(Phi_i)          (voxel_lobes.c; the clusters: cluster.c) */
+sl_voxel_result sl_voxel_make_lights(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                                     const sl_voxel_gather *gather, sl_voxel_worker *w,
+                                     const sl_voxel_set *set, sl_directional_light *light) {
+    const sl_lobe_photons *photons[2] = {&gather->front, &gather->back};
+    double area[2], scale[2],
+        both = sl_luminance_of_photons(photons[0]) + sl_luminance_of_photons(photons[1]);
+    sl_voxel_result result = {.surface = sl_voxel_areas(work, o, gather, w, area)};
+    result.density = gather->kappa * both / result.surface;
+    for (int side = 0; side < 2; side++) {
+        scale[side] = gather->kappa / area[side];
+        result.irradiance[side] = scale[side] * sl_luminance_of_photons(photons[side]);
     }
-    *state = s;
-    return SL_OK;
+    bool flat = set->flat && o->lobes == SL_LOBES_PERPENDICULAR;
+    int room = sl_lobe_texels(o), front = sl_lights_of_front(result.irradiance, room);
+    result.lights =
+        sl_lobes_of_photons(photons[0], o, scale[0], set->normal, flat, front, light, &result.spread);
+    int back = front < room ? room - result.lights : 0;
+    result.lights += sl_lobes_of_photons(photons[1], o, scale[1], sl_neg(set->normal), flat, back,
+                                         light + result.lights, &result.spread);
+    return result;
 }
 
-/* ---- the method ---- */
-
-/* A level has about four times the leaves of the one before. */
-static double levels_done(const sl_octree_state *s, double share) {
-    double all = 1.0;
-    for (int d = s->depth; d < s->settings.light_octree.depth; d++) all *= 0.25;
-    return all * (0.25 + 0.75 * share);
+/* The k photons nearest to the centroid of the voxel's surfaces, in a flat ellipsoid; k by an estimate of the
+ * error (voxel_error.c), or those in the voxel alone. */
+static sl_voxel_gather gather_photons(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                                      const sl_voxel_set *set, sl_voxel_worker *w) {
+    sl_photon_query query = sl_voxel_query_of_set(work, o, set, set->centroid, o->radius);
+    if (o->own_photons) return sl_voxel_own_photons(work, set, &query, w);
+    return o->estimated_radius ? sl_voxel_gather_estimated(work, o, &query, w)
+                               : sl_voxel_gather_photons(work, &query, w);
 }
 
-/* Shares of the whole that the phases take, roughly, for the progress bar alone. */
-static double fraction_done(const sl_octree_state *s) {
-    double stored = s->photons ? (double)s->photons->count / (double)s->settings.light_octree.photons : 0.0;
+void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w) {
+    const sl_voxel_work *work = lights->work;
+    const sl_voxel_light_options *o = &lights->options;
+    sl_voxel_set *set = &lights->set[index];
+    sl_directional_light *light = lights->light + index * (size_t)lights->texels;
+    memset(light, 0, (size_t)lights->texels * sizeof *light);
+    set->done = true;
+    if (!work->tree) return;
+    sl_voxel_choose_side(work, o, set, w);
+    sl_voxel_gather gather = gather_photons(work, o, set, w);
+    sl_voxel_report_gather(set, &gather, &w->counters);
+    if (gather.front.count + gather.back.count == 0) return; /* dark: nothing to cluster */
+    bool few = gather.found < SL_VOXEL_FEW && !o->own_photons && o->lobes != SL_LOBES_NONE;
+    sl_voxel_result result = sl_voxel_make_lights(work, o, &gather, w, set, light);
+    if (few) sl_voxel_take_directions_of_parent(lights, set, w, &result, light);
+    sl_voxel_report_lights(set, o, &result, &w->counters);
+}
+
+/* ---- Octree texture: bricks of nodes, and a texture of lights ---- */
+
+static sl_status finish_level(sl_octree_state *s, sl_error *error) {
+    const sl_octree_level *n = &s->next;
+    bool dense = n->octree->depth <= 7; /* an index of 8 MiB at most */
+    sl_status status = sl_voxel_texture_create(n->octree, n->lights, dense, &s->next.texture, error);
+    if (status != SL_OK) return status;
+    sl_octree_forget_level(&s->shown);
+    s->shown = s->next;
+    s->next = (sl_octree_level){NULL, NULL, NULL};
+    sl_octree_announce_lights(&s->announcer, s->shown.octree, s->shown.lights);
+    s->lit = false;
+    if (s->atlas) s->atlas->filled[SL_ATLAS_FRONT] = s->atlas->filled[SL_ATLAS_BACK] = false;
+    s->phase = SL_OCTREE_PHASE_SHADE;
+    return status;
+}
+
+static sl_status light_leaves(sl_octree_state *s, sl_error *error) {
+    size_t left = s->next.octree->leaf_count - s->leaf, count = left < LEAVES ? left : LEAVES;
+    sl_voxel_lights_compute(s->next.lights, s->leaf, count, s->settings.threads, &s->counters);
+    s->leaf += count;
+    return s->leaf == s->next.octree->leaf_count ? finish_level(s, error) : SL_OK;
+}
+
+/* ---- Rendering: pixels from the octree, or by way of a texture atlas ---- */
+
+static sl_status gather_at_pixels(sl_octree_state *s, sl_error *error) {
+    sl_photon_pixels pixels = {.scene = s->scene,
+                               .gbuffer = s->gbuffer,
+                               .octree = s->shown.octree,
+                               .tree = s->tree,
+                               .settings = &s->settings.light_octree,
+                               .radius = s->radius,
+                               .threads = s->settings.threads};
+    return sl_photon_light_pixels(&pixels, s->indirect_light, &s->counters, error);
+}
+
+/* Makes the atlas once; its light is that of the octree that is shown. */
+static sl_status ready_atlas(sl_octree_state *s, sl_error *error) {
+    if (!s->settings.light_octree.atlas || s->atlas) return SL_OK;
+    sl_status status = sl_lit_atlas_create(s->scene, s->settings.light_octree.atlas_size, s->settings.threads,
+                                           &s->atlas, error);
+    sl_announce_pass(&s->announcer, "atlas", "render to texture atlas");
+    return status;
+}
+
+static sl_status light_pixels(sl_octree_state *s, sl_error *error) {
+    sl_octree_shading shading = sl_octree_state_shading(s);
+    sl_octree_pixels pixels = {.scene = s->scene,
+                               .gbuffer = s->gbuffer,
+                               .reflections = s->reflections,
+                               .shading = &shading,
+                               .atlas = s->atlas,
+                               .eye = s->scene->camera.eye,
+                               .threads = s->settings.threads};
+    return sl_octree_light_pixels(&pixels, s->indirect_light, &s->counters, error);
+}
+
+static sl_status shade(sl_octree_state *s, sl_error *error) {
+    char name[48];
+    int depth = s->shown.octree->depth;
+    bool gathered = s->settings.light_octree.photons_at_pixels;
+    sl_status status = gathered ? gather_at_pixels(s, error) : ready_atlas(s, error);
+    if (status == SL_OK && !gathered) status = light_pixels(s, error);
+    if (status != SL_OK) return status;
+    s->lit = true;
+    if (gathered) snprintf(name, sizeof name, "indirect light, photons at pixels");
+    else snprintf(name, sizeof name, "indirect light, depth %d", depth);
+    sl_octree_announce_picture(s, name, "light from the octree", s->indirect_light[0]);
+    s->depth = depth + 1;
+    s->phase = s->depth <= s->settings.light_octree.depth ? SL_OCTREE_PHASE_OCTREE : SL_OCTREE_PHASE_DONE;
+    return status;
+}
+
+/* ---- One after the other, and again with each deeper octree ---- */
+
+sl_status sl_octree_step(sl_octree_state *s, sl_error *error) {
     switch (s->phase) {
-    case SL_OCTREE_PHASE_GBUFFER: return 0.0;
-    case SL_OCTREE_PHASE_DIRECT: return 0.3 * (double)s->direct_row / (double)s->settings.height;
-    case SL_OCTREE_PHASE_PHOTONS: return 0.3 + 0.2 * (stored < 1.0 ? stored : 1.0);
-    case SL_OCTREE_PHASE_OCTREE: return 0.5 + 0.5 * levels_done(s, 0.0);
-    case SL_OCTREE_PHASE_LIGHTS:
-        return 0.5 + 0.5 * levels_done(s, (double)s->leaf / (double)s->next.octree->leaf_count);
-    case SL_OCTREE_PHASE_SHADE: return 0.5 + 0.5 * levels_done(s, 1.0);
-    case SL_OCTREE_PHASE_DONE: return 1.0;
+    case SL_OCTREE_PHASE_GBUFFER: return sl_octree_draw_gbuffer(s, error);
+    case SL_OCTREE_PHASE_DIRECT: return sl_octree_light_rows(s, error);
+    case SL_OCTREE_PHASE_PHOTONS: return trace_photons(s, error);
+    case SL_OCTREE_PHASE_OCTREE: return start_level(s, error);
+    case SL_OCTREE_PHASE_LIGHTS: return light_leaves(s, error);
+    case SL_OCTREE_PHASE_SHADE: return shade(s, error);
+    case SL_OCTREE_PHASE_DONE: return SL_OK;
     }
-    return 1.0;
-}
-
-static sl_status octree_update(void *state, sl_progress *progress, sl_error *error) {
-    sl_octree_state *s = state;
-    if (!s->raster)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
-    sl_status status = sl_octree_step(s, error);
-    progress->fraction = fraction_done(s);
-    progress->frame_done = progress->done = s->phase == SL_OCTREE_PHASE_DONE;
-    return status;
-}
-
-static sl_status octree_resolve(void *state, sl_image **image, sl_error *error) {
-    sl_octree_state *s = state;
-    sl_octree_composition parts = {
-        .scene = s->scene,
-        .gbuffer = s->gbuffer,
-        .reflections = s->reflections,
-        .direct = {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
-        .indirect = {s->indirect_light[0], s->indirect_light[1], s->indirect_light[2]},
-        .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
-        .threads = s->settings.threads};
-    sl_status status = sl_octree_compose(&parts, image, error);
-    if (status == SL_OK) status = sl_octree_write_report(s, *image, error);
-    if (status != SL_OK) {
-        sl_image_destroy(*image);
-        *image = NULL;
-    }
-    return status;
-}
-
-/* Photons and voxels do not know the camera. */
-static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
-    sl_octree_state *s = state;
-    sl_status status = SL_OK;
-    s->phase = SL_OCTREE_PHASE_GBUFFER;
-    sl_octree_forget_level(&s->next);
-    bool geometry = (changes & SL_CHANGED_OBJECTS) || !s->raster; /* an earlier edit may have failed */
-    if (geometry || (changes & SL_CHANGED_LIGHTS)) forget_light(s);
-    if (geometry) {
-        forget_geometry(s);
-        status = make_geometry(s, error);
-    }
-    if (status == SL_OK && !s->direct) status = make_light(s, error);
-    if (status != SL_OK) { /* all or nothing: the next edit starts anew */
-        forget_light(s);
-        forget_geometry(s);
-    }
-    return status;
-}
-
-static sl_status octree_explanation(void *state, int x, int y, sl_explanation_writer *writer,
-                                    sl_error *error) {
-    (void)error;
-    const sl_octree_state *s = state;
-    const sl_light_octree_settings *o = &s->settings.light_octree;
-    bool voxels = s->lit && !o->photons_at_pixels;
-    sl_octree_told told = {.scene = s->scene,
-                           .gbuffer = s->gbuffer,
-                           .reflections = s->reflections,
-                           .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
-                           .shading = sl_octree_state_shading(s),
-                           .atlas = s->atlas != NULL,
-                           .otherwise = o->photons_at_pixels
-                                            ? "the photons nearest to the pixel"
-                                            : "lights of voxels that made way for smaller ones"};
-    if (!voxels) told.shading.texture = NULL;
-    sl_octree_tell(&told, (size_t)y * (size_t)s->settings.width + (size_t)x, writer);
     return SL_OK;
 }
-
-static const sl_counters *octree_counters(const void *state) {
-    return &((const sl_octree_state *)state)->counters;
-}
-
-static size_t octree_memory_bytes(const void *state) { return sl_octree_state_bytes(state); }
-
-const sl_method_class sl_light_octree_method = {
-    .name = "light-octree",
-    .complete = sl_octree_complete,
-    .create = octree_create,
-    .destroy = octree_destroy,
-    .update = octree_update,
-    .resolve = octree_resolve,
-    .edit = octree_edit,
-    .counters = octree_counters,
-    .memory_bytes = octree_memory_bytes,
-    .need = sl_octree_need,
-    .reductions = sl_octree_reductions,
-    .transport = sl_octree_transport,
-    .plan = sl_octree_plan_write,
-    .explanation = octree_explanation,
-    .any_transport = false,
-};

@@ -1,25 +1,22 @@
 /* The light octree (Vivanloc, Hoelt, Hong, Paulin 2007): a photon map condensed, voxel by voxel, into a few
- * directional lights, which shaders then use like any others. Passes have names here: G what is made from
- * geometry, P from photons, R what renders. Read in this order:
+ * directional lights, which shaders then use like any others.
  *
- *   plan.c            which passes a scene needs
- *   passes.c          the passes of one picture, one after another; state.h: what is between them
- *   light_octree.c    what a method holds of that, and what edits leave; report.c: what is said of it
- *
- *   ../photons/       P1: photon tracing, from all lights; P2: the kd-tree, and the k nearest photons
- *   octree.c          G1: the voxels, on geometry; triangle_cells.c, coplanar.c; octree_cuts.c: a shallower
- * one voxel_gather.c    P3: a voxel's photons, and over which area they were strewn: photon_area.c exactly,
- * surroundings.c for all triangles, photon_hull.c without those that no photon met own_photons.c     P3
- * without a search: the photons in the voxel voxel_error.c     P3: how many photons, by an estimate of the
- * error cluster.c         P4: K-means on their directions voxel_lobes.c     P4: what each cluster's colour
- * means voxel_lights.c    P3 and P4 for every voxel; voxel_sets.c, normal_groups.c: several sets of lights in
- * a voxel direction_packing.c, voxel_texture.c   P5: all of it in textures, as the hardware holds it shade.c
- * R1: surface points lit from the octree atlas/            G2 to G4, R1' and R2: the same by way of a texture
- * atlas pixels.c          which pixels go which way
- *   ../reflect/       what mirrors show
- *   compose.c         the picture and its layers
- *   explanation.c           a picture told backwards, pixel by pixel; what can be seen of photons and lights
- *   direct_photons.c  the photon map shown as it is: what the octree is compared with
+ *   light_octree.c    the paper: one picture, step by step; state.h: what is between the steps
+ *   method.c          what a method holds of that, what edits leave, direct light; plan.c, memory.c: which
+ * passes a scene needs, and how much memory; report.c: what is said of a picture
+ *   ../photons/       photon tracing, the kd-tree, and the k nearest photons
+ *   octree.c          the voxels, on geometry; triangle_cells.c, coplanar.c, octree_cuts.c
+ *   voxel_gather.c    a voxel's photons; voxel_error.c: how many; own_photons.c: those in it, without a
+ * search photon_area.c     the area that they were strewn over; surroundings.c: of all triangles around;
+ *                     photon_hull.c: without what no photon met
+ *   cluster.c         K-means on their directions; voxel_lobes.c: from clusters to lights
+ *   voxel_lights.c    the lights of every voxel; voxel_sets.c, normal_groups.c: several sets in a voxel
+ *   voxel_texture.c   all of it in textures, as the hardware holds it; direction_packing.c
+ *   shade.c           surface points lit from the octree; pixels.c: which pixels go which way
+ *   atlas/            the same by way of a texture atlas
+ *   compose.c         the picture and its layers; ../reflect/: what mirrors show
+ *   explanation.c     what made a pixel; what can be seen of photons and lights
+ *   photon_pixels.c   the photon map shown as it is: what the octree is compared with
  */
 #ifndef SL_CACHE_LIGHT_OCTREE_H
 #define SL_CACHE_LIGHT_OCTREE_H

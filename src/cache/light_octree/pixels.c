@@ -13,7 +13,7 @@ enum { GUTTER = 2 };
 
 sl_status sl_lit_atlas_create(const sl_scene *scene, int size, unsigned threads, sl_lit_atlas **atlas,
                               sl_error *error) {
-    sl_atlas_settings settings = {size, GUTTER, 75.0 / 180.0 * SL_PI, threads};
+    sl_atlas_settings settings = {size, GUTTER, 60.0 / 180.0 * SL_PI, threads};
     sl_lit_atlas *a = sl_allocate(1, sizeof *a);
     if (!a) return sl_fail_memory(error, "the atlas");
     sl_status status = sl_atlas_create(scene, &settings, &a->atlas, error);
@@ -59,13 +59,6 @@ static void leave_to_octree(pixel_ways *w, const sl_gbuffer *g, size_t pixel) {
     w->other_count++;
 }
 
-static sl_atlas_side side_seen(const sl_octree_pixels *p, size_t i) {
-    const sl_gbuffer *g = p->gbuffer;
-    sl_vec3 geometric = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]);
-    return sl_dot(geometric, sl_scene_geometric_normal(p->scene, g->id[i])) > 0.0f ? SL_ATLAS_FRONT
-                                                                                   : SL_ATLAS_BACK;
-}
-
 static sl_status find_ways(const sl_octree_pixels *p, pixel_ways *w, sl_error *error) {
     const sl_gbuffer *g = p->gbuffer;
     size_t pixels = (size_t)g->width * (size_t)g->height;
@@ -84,7 +77,8 @@ static sl_status find_ways(const sl_octree_pixels *p, pixel_ways *w, sl_error *e
         const sl_material *m = &p->scene->materials[w->material[i]];
         /* they depend on the view, or vary within a texel */
         if (sl_material_is_glossy(m) || sl_material_is_bumpy(m)) leave_to_octree(w, g, i);
-        else if (w->id[i] != last) w->seen[side_seen(p, i)] = true; /* a triangle shows one side to a view */
+        /* a triangle shows one side to a view */
+        else if (w->id[i] != last) w->seen[sl_atlas_side_seen(p->scene, g, i)] = true;
         last = w->id[i];
     }
     return SL_OK;

@@ -1,5 +1,5 @@
-/* Indirect light of a picture's pixels: from the octree (pass R1), or by way of the atlas where light does
- * not depend on the view (passes R1' and R2). Glossy surfaces, and what mirrors show, look into the octree in
+/* Indirect light of a picture's pixels: from the octree, or by way of the atlas where light does
+ * not depend on the view. Glossy surfaces, and what mirrors show, look into the octree in
  * either case. */
 #ifndef SL_CACHE_LIGHT_OCTREE_PIXELS_H
 #define SL_CACHE_LIGHT_OCTREE_PIXELS_H

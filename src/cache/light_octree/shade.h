@@ -1,4 +1,4 @@
-/* Pass R1: the light that surface points send to the eye, from the octree and its lights: L_o = sum f_r c_j
+/* The light that surface points send to the eye, from the octree and its lights: L_o = sum f_r c_j
  * (n . d_j)+ in each of the eight voxels around, then their trilinear mean. Points that share their eight
  * voxels are shaded together: the octree is descended once for all of them, and the loop over their lights is
  * arithmetic alone. */

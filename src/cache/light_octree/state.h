@@ -61,9 +61,14 @@ static inline size_t sl_octree_state_pixels(const sl_octree_state *s) {
 }
 
 void sl_octree_forget_level(sl_octree_level *level);
+void sl_octree_announce_picture(sl_octree_state *s, const char *name, const char *source,
+                                const float *planes);
+/* The G-buffer, with what mirrors show; and the next rows of direct light (method.c). */
+sl_status sl_octree_draw_gbuffer(sl_octree_state *s, sl_error *error);
+sl_status sl_octree_light_rows(sl_octree_state *s, sl_error *error);
 sl_octree_shading sl_octree_state_shading(const sl_octree_state *s);
 
-/* The next step of the pass that is under way (passes.c). */
+/* The next step of the pass that is under way (light_octree.c). */
 sl_status sl_octree_step(sl_octree_state *s, sl_error *error);
 /* Into a picture's metadata: softlux.octree.*, what it was made from, and softlux.warning, what is to be said
  * against that (report.c). */

@@ -1,4 +1,4 @@
-/* P3: a voxel's photons, side by side, and the area A that they were strewn over: E = kappa sum Phi_i / A.
+/* A voxel's photons, side by side, and the area A that they were strewn over: E = kappa sum Phi_i / A.
  * Where the k-th photon set the radius kappa is (k - 1) / k, since k / A would be k / (k - 1) times too much
  * on average; else it is 1. */
 #include "base/math.h"

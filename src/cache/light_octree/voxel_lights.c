@@ -14,25 +14,17 @@ double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t phot
     return radius > voxel ? radius : voxel;
 }
 
-/* ---- P4: lights ---- */
+/* ---- a set of lights: parts of sl_voxel_light_set() ---- */
 
-typedef struct voxel_result {
-    int lights;
-    double irradiance[2];      /* E, luminance, on either side */
-    sl_lobe_spread spread;
-    double surface;            /* area of all the surfaces that the photons were strewn over */
-    double density;            /* flux over that area: luminance */
-} voxel_result;
-
-static double luminance_of(const sl_lobe_photons *photons) {
+double sl_luminance_of_photons(const sl_lobe_photons *photons) {
     double sum = 0.0;
     for (size_t i = 0; i < photons->count; i++) sum += photons->luminance[i];
     return sum;
 }
 
-/* How many of n lights the front gets: by irradiance, and at least one for each side that is lit. One light,
- * or one value, is the brighter side's. */
-static int front_share(const double irradiance[2], int lights) {
+/* Returns how many of n lights the front gets: by irradiance, and at least one for each side that is lit. One
+ * light, or one value, is the brighter side's. */
+int sl_lights_of_front(const double irradiance[2], int lights) {
     double front = irradiance[0], back = irradiance[1];
     if (!(back > 0.0)) return lights;
     if (!(front > 0.0)) return 0;
@@ -41,64 +33,34 @@ static int front_share(const double irradiance[2], int lights) {
     return share < 1 ? 1 : share > lights - 1 ? lights - 1 : share;
 }
 
-/* At most `room` lights of the photons on one side. */
-static int lights_of_side(const sl_lobe_photons *photons, const sl_voxel_light_options *o, double scale,
-                          sl_vec3 normal, bool flat, int room, sl_directional_light *light,
-                          sl_lobe_spread *spread) {
-    if (flat && room > 0) return sl_lobe_along_normal(photons, scale, normal, light);
-    return sl_lobes_of_photons(photons, o, scale, normal, room, light, spread);
-}
-
-static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_options *o,
-                                const sl_voxel_gather *gather, sl_voxel_worker *w, const sl_voxel_set *set,
-                                sl_directional_light *light) {
-    sl_vec3 normal = set->normal;
-    double area[2], scale[2];
-    voxel_result result = {0};
-    result.surface = sl_voxel_areas(work, o, gather, w, area);
-    result.density =
-        gather->kappa * (luminance_of(&gather->front) + luminance_of(&gather->back)) / result.surface;
-    const sl_lobe_photons *photons[2] = {&gather->front, &gather->back};
-    for (int side = 0; side < 2; side++) {
-        scale[side] = gather->kappa / area[side];
-        result.irradiance[side] = scale[side] * luminance_of(photons[side]);
-    }
-    bool flat = set->flat && o->lobes == SL_LOBES_PERPENDICULAR;
-    int room = sl_lobe_texels(o), front = front_share(result.irradiance, room);
-    result.lights = lights_of_side(photons[0], o, scale[0], normal, flat, front, light, &result.spread);
-    int back = front < room ? room - result.lights : 0;
-    result.lights += lights_of_side(photons[1], o, scale[1], sl_neg(normal), flat, back,
-                                    light + result.lights, &result.spread);
-    return result;
-}
-
 static void scale_lights(sl_directional_light *light, int count, double factor) {
     for (int i = 0; i < count; i++) {
         for (int c = 0; c < 3; c++) light[i].color[c] = (float)((double)light[i].color[c] * factor);
     }
 }
 
-static sl_photon_query query_of_set(const sl_voxel_work *work, const sl_voxel_light_options *o,
+sl_photon_query sl_voxel_query_of_set(const sl_voxel_work *work, const sl_voxel_light_options *o,
                                     const sl_voxel_set *set, sl_vec3 centre, double radius) {
     sl_photon_query query = sl_voxel_query(work, o, centre, set->normal, radius);
     query.both_sides = query.both_sides && !set->opposed;
     return query;
 }
 
-/* Too few photons to tell directions by: those of the cell above, twice as large, scaled to the voxel's own
+/* Too few photons tell no directions: those of the cell above, twice as large, are scaled to the voxel's own
  * irradiance. */
-static void borrow_directions(const sl_voxel_work *work, const sl_voxel_lights *lights,
-                              const sl_voxel_set *set, sl_voxel_worker *w, voxel_result *own,
-                              sl_directional_light *light, bool *borrowed) {
+void sl_voxel_take_directions_of_parent(const sl_voxel_lights *lights, sl_voxel_set *set, sl_voxel_worker *w,
+                                        sl_voxel_result *own, sl_directional_light *light) {
+    const sl_voxel_work *work = lights->work;
     const sl_voxel_light_options *o = &lights->options;
     uint32_t parent = work->parents ? sl_octree_find(work->parents, work->octree->leaf[set->leaf].morton >> 3)
                                     : SL_NO_INDEX;
     if (parent == SL_NO_INDEX) return;
-    sl_photon_query query = query_of_set(work, o, set, work->parents->leaf[parent].centroid, 2.0 * o->radius);
+    sl_photon_query query =
+        sl_voxel_query_of_set(work, o, set, work->parents->leaf[parent].centroid, 2.0 * o->radius);
     sl_voxel_gather gather = sl_voxel_gather_photons(work, &query, w);
     if (gather.found <= set->photons) return;
     sl_directional_light wider[SL_VOXEL_LIGHTS_MAX] = {{{0}, 0}};
-    voxel_result result = make_lights(work, o, &gather, w, set, wider);
+    sl_voxel_result result = sl_voxel_make_lights(work, o, &gather, w, set, wider);
     double from = result.irradiance[0] + result.irradiance[1], to = own->irradiance[0] + own->irradiance[1];
     if (!(from > 0.0 && to > 0.0)) return;
     scale_lights(wider, result.lights, to / from);
@@ -107,11 +69,11 @@ static void borrow_directions(const sl_voxel_work *work, const sl_voxel_lights *
     own->spread = result.spread;
     own->irradiance[0] = result.irradiance[0] * (to / from);
     own->irradiance[1] = result.irradiance[1] * (to / from);
-    *borrowed = true;
+    set->from_parent = true;
 }
 
 static float power_ratio(const sl_voxel_gather *gather) {
-    double most = 0.0, sum = luminance_of(&gather->front) + luminance_of(&gather->back);
+    double most = 0.0, sum = sl_luminance_of_photons(&gather->front) + sl_luminance_of_photons(&gather->back);
     size_t count = gather->front.count + gather->back.count;
     for (size_t i = 0; i < gather->front.count; i++)
         most = gather->front.luminance[i] > most ? gather->front.luminance[i] : most;
@@ -120,7 +82,16 @@ static float power_ratio(const sl_voxel_gather *gather) {
     return sum > 0.0 ? (float)(most * (double)count / sum) : 0.0f;
 }
 
-static void report_set(sl_voxel_set *set, const voxel_result *result) {
+void sl_voxel_report_gather(sl_voxel_set *set, const sl_voxel_gather *gather, sl_counters *counters) {
+    set->photons = (uint32_t)gather->found;
+    set->radius = (float)gather->ellipsoid.radius;
+    set->power_ratio = power_ratio(gather);
+    set->from_parent = false;
+    sl_count(counters, SL_COUNT_PHOTONS_GATHERED, gather->found);
+}
+
+void sl_voxel_report_lights(sl_voxel_set *set, const sl_voxel_light_options *o, const sl_voxel_result *result,
+                            sl_counters *counters) {
     const sl_lobe_spread *s = &result->spread;
     set->lights = (uint8_t)result->lights;
     set->area = (float)result->surface;
@@ -130,33 +101,7 @@ static void report_set(sl_voxel_set *set, const voxel_result *result) {
     set->mean_angle = s->weight > 0.0 ? (float)(s->angle / s->weight) : 0.0f;
     set->both_sides = result->irradiance[0] > 0.0 && result->irradiance[1] > 0.0;
     if (result->irradiance[1] > 0.0 && !(result->irradiance[0] > 0.0)) sl_voxel_turn(set);
-}
-
-static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w) {
-    const sl_voxel_work *work = lights->work;
-    const sl_voxel_light_options *o = &lights->options;
-    sl_voxel_set *set = &lights->set[index];
-    sl_directional_light *light = lights->light + index * (size_t)lights->texels;
-    memset(light, 0, (size_t)lights->texels * sizeof *light);
-    set->done = true;
-    if (!work->tree) return;
-    sl_voxel_choose_side(work, o, set, w);
-    sl_photon_query query = query_of_set(work, o, set, set->centroid, o->radius);
-    sl_voxel_gather gather = o->own_photons        ? sl_voxel_own_photons(work, set, &query, w)
-                             : o->estimated_radius ? sl_voxel_gather_estimated(work, o, &query, w)
-                                                   : sl_voxel_gather_photons(work, &query, w);
-    set->photons = (uint32_t)gather.found;
-    set->radius = (float)gather.ellipsoid.radius;
-    set->power_ratio = power_ratio(&gather);
-    sl_count(&w->counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
-    if (gather.front.count + gather.back.count == 0) return; /* dark: nothing to cluster */
-    bool few = gather.found < SL_VOXEL_FEW && !o->own_photons, borrowed = false;
-    voxel_result result = make_lights(work, o, &gather, w, set, light);
-    if (few && o->lobes != SL_LOBES_NONE) borrow_directions(work, lights, set, w, &result, light, &borrowed);
-    set->from_parent = borrowed;
-    report_set(set, &result);
-    if (o->lobes != SL_LOBES_NONE)
-        sl_count(&w->counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result.lights);
+    if (o->lobes != SL_LOBES_NONE) sl_count(counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result->lights);
 }
 
 /* ---- batches of leaves ---- */
@@ -175,7 +120,7 @@ static void compute_task(void *context, size_t index, unsigned worker) {
     for (size_t leaf = first; leaf < end; leaf++) {
         bool lit = false;
         for (uint32_t set = lights->first_set[leaf]; set < lights->first_set[leaf + 1]; set++) {
-            compute_set(lights, set, w);
+            sl_voxel_light_set(lights, set, w);
             lit |= lights->set[set].lights > 0;
         }
         sl_count(&w->counters, SL_COUNT_LEAVES, 1);

@@ -161,10 +161,10 @@ static int one_irradiance(const sl_lobe_photons *p, double scale, sl_directional
     return 1;
 }
 
-int sl_lobe_along_normal(const sl_lobe_photons *p, double scale, sl_vec3 normal,
+/* One light along the normal, which makes the same irradiance there. */
+static int light_along_normal(const sl_lobe_photons *p, double scale, sl_vec3 normal,
                          sl_directional_light *light) {
     sl_vec3d d = sl_to_double(normal);
-    if (p->count == 0 || !(scale > 0.0 && scale <= DBL_MAX)) return 0;
     light->packed = sl_direction_pack(d);
     return one_irradiance(p, scale * packing_gain(d, light->packed, normal), light);
 }
@@ -172,8 +172,10 @@ int sl_lobe_along_normal(const sl_lobe_photons *p, double scale, sl_vec3 normal,
 int sl_lobe_texels(const sl_voxel_light_options *o) { return o->lobes == SL_LOBES_NONE ? 1 : o->lights; }
 
 int sl_lobes_of_photons(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale,
-                        sl_vec3 normal, int room, sl_directional_light *light, sl_lobe_spread *spread) {
+                        sl_vec3 normal, bool flat, int room, sl_directional_light *light,
+                        sl_lobe_spread *spread) {
     if (p->count == 0 || room < 1 || !(scale > 0.0 && scale <= DBL_MAX)) return 0;
+    if (flat) return light_along_normal(p, scale, normal, light);
     if (o->lobes == SL_LOBES_NONE) return one_irradiance(p, scale, light);
     return directional_lights(p, o, scale, normal, room, light, spread);
 }

@@ -28,14 +28,12 @@ typedef struct sl_lobe_spread {
     double cost, angle, weight;  /* J, sum w angle, sum w: of all clusters */
 } sl_lobe_spread;
 
-/* E = scale * sum of fluxes, scale = kappa / A. normal: n_v on the photons' side, or (0,0,0). Writes at most
- * `room` lights; returns how many texels are used. spread (clusters alone) is added to. */
+/* E = scale * sum of fluxes, scale = kappa / A. normal: n_v on the photons' side, or (0,0,0). flat: the
+ * surface reflects light of all directions alike, and one light along its normal makes the same irradiance.
+ * Writes at most `room` lights; returns how many texels are used. spread (clusters alone) is added to. */
 int sl_lobes_of_photons(const sl_lobe_photons *photons, const sl_voxel_light_options *options, double scale,
-                        sl_vec3 normal, int room, sl_directional_light *light, sl_lobe_spread *spread);
-/* Of a flat surface that reflects light of all directions alike: one light along its normal, which makes the
- * same irradiance there. */
-int sl_lobe_along_normal(const sl_lobe_photons *photons, double scale, sl_vec3 normal,
-                         sl_directional_light *light);
+                        sl_vec3 normal, bool flat, int room, sl_directional_light *light,
+                        sl_lobe_spread *spread);
 int sl_lobe_texels(const sl_voxel_light_options *options);
 
 #endif

@@ -1,5 +1,6 @@
-/* What the parts of lighting voxels share: voxel_gather.c (P3), voxel_lights.c (P4), voxel_sets.c (memory,
- * and which sets a voxel has). */
+/* What the parts of lighting voxels share: light_octree.c (a set of lights, step by step), voxel_gather.c
+ * (its photons and their area), voxel_lights.c (all sets), voxel_sets.c (memory, and which sets a voxel has).
+ */
 #ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_WORK_H
 #define SL_CACHE_LIGHT_OCTREE_VOXEL_WORK_H
 
@@ -108,6 +109,33 @@ void sl_voxel_look_around(const sl_voxel_work *work, const sl_ellipsoid *ellipso
  * (photons beside the geometry) is taken for the disc. */
 double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
                       const sl_voxel_gather *gather, sl_voxel_worker *w, double area[2]);
+
+/* ---- light_octree.c ---- */
+
+typedef struct sl_voxel_result {
+    int lights;
+    double irradiance[2];      /* E, luminance, on either side */
+    sl_lobe_spread spread;
+    double surface;            /* area of all the surfaces that the photons were strewn over */
+    double density;            /* flux over that area: luminance */
+} sl_voxel_result;
+
+sl_voxel_result sl_voxel_make_lights(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                                     const sl_voxel_gather *gather, sl_voxel_worker *w,
+                                     const sl_voxel_set *set, sl_directional_light *light);
+void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w);
+
+/* ---- voxel_lights.c ---- */
+
+double sl_luminance_of_photons(const sl_lobe_photons *photons);
+int sl_lights_of_front(const double irradiance[2], int lights);
+sl_photon_query sl_voxel_query_of_set(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                                      const sl_voxel_set *set, sl_vec3 centre, double radius);
+void sl_voxel_take_directions_of_parent(const sl_voxel_lights *lights, sl_voxel_set *set, sl_voxel_worker *w,
+                                        sl_voxel_result *own, sl_directional_light *light);
+void sl_voxel_report_gather(sl_voxel_set *set, const sl_voxel_gather *gather, sl_counters *counters);
+void sl_voxel_report_lights(sl_voxel_set *set, const sl_voxel_light_options *o, const sl_voxel_result *result,
+                            sl_counters *counters);
 
 /* ---- voxel_error.c ---- */
 

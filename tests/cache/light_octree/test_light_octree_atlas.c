@@ -1,5 +1,5 @@
-/* The texture atlas of the light octree: what every atlas must be (each triangle mapped once, none flipped,
- * none overlapping, gutters kept), on surfaces that are closed, torn, doubled, thin or flat. */
+/* The texture atlas of the light octree: what every atlas must be (each triangle mapped once, none
+ * overlapping, gutters kept), on surfaces that are closed, torn, doubled, thin or flat. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +16,7 @@
 #include "cache/light_octree/atlas/parts.h"
 #include "trace_scenes.h"
 
-#define BEND (75.0 * SL_PI / 180.0)
+#define BEND (60.0 * SL_PI / 180.0)
 
 static sl_atlas_settings usual(int size) {
     return (sl_atlas_settings){.size = size, .gutter = 2, .bend = BEND, .threads = 2};
@@ -67,14 +67,6 @@ static void torus(float u, float v, float p[3]) { /* u = 0 and u = 1 are the sam
     p[0] = (2.0f + 0.7f * d) * c;
     p[1] = (2.0f + 0.7f * d) * s;
     p[2] = 0.7f * t;
-}
-
-static void third_of_a_cylinder(float u, float v, float p[3]) {
-    float s, c;
-    sl_sincos_turnf(u / 3.0f, &s, &c);
-    p[0] = c;
-    p[1] = s;
-    p[2] = 2.0f * v;
 }
 
 static void rough(float u, float v, float p[3]) {
@@ -136,70 +128,57 @@ static bool boxes_meet(const float *a, const float *b) {
     return true;
 }
 
-static void assert_one_to_one(const sl_atlas *atlas, const sl_scene *scene) {
-    const float *s = atlas->coordinates;
-    for (size_t i = 0; i < scene->triangle_count; i++) {
-        const float *t = s + 6 * i;
-        assert_true(atlas->chart[i] < atlas->chart_count);
-        for (size_t k = 0; k < 6; k++) {
-            double grid = (double)t[k] * SL_ATLAS_GRID;
-            assert_true(t[k] >= 0.0f && t[k] <= 1.0f && grid == floor(grid));
-        }
-        double area = ((double)t[2] - (double)t[0]) * ((double)t[5] - (double)t[1]) -
-                      ((double)t[3] - (double)t[1]) * ((double)t[4] - (double)t[0]);
-        assert_true(area > 0.0); /* exact: 25 bits times 25 bits */
-        for (size_t j = 0; j < i; j++)
-            if (boxes_meet(t, s + 6 * j)) assert_true(shared_area(t, s + 6 * j) < 1e-13);
-    }
+/* s, t of a triangle's corners. */
+static void corners_of(const sl_atlas *atlas, const sl_scene *scene, size_t triangle, float st[6]) {
+    const sl_atlas_chart *chart = &atlas->chart[atlas->chart_of[triangle]];
+    for (int k = 0; k < 3; k++)
+        sl_atlas_point(chart, sl_scene_position(scene, scene->vertex[k][triangle]), &st[2 * k],
+                       &st[2 * k + 1]);
 }
 
-/* The normals of a chart lie in a cone about some axis; slivers, whose normals are noise, aside. The axis is
- * looked for long, so that it is nearly the best. */
+static float *all_corners(const sl_atlas *atlas, const sl_scene *scene) {
+    float *st = sl_allocate(scene->triangle_count, 6 * sizeof *st);
+    for (size_t t = 0; t < scene->triangle_count; t++) corners_of(atlas, scene, t, st + 6 * t);
+    return st;
+}
+
+static void assert_one_to_one(const sl_atlas *atlas, const sl_scene *scene) {
+    float *s = all_corners(atlas, scene);
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        assert_true(atlas->chart_of[i] < atlas->chart_count);
+        for (size_t k = 0; k < 6; k++) assert_true(s[6 * i + k] >= 0.0f && s[6 * i + k] <= 1.0f);
+        for (size_t j = 0; j < i; j++)
+            if (boxes_meet(s + 6 * i, s + 6 * j)) assert_true(shared_area(s + 6 * i, s + 6 * j) < 1e-8);
+    }
+    sl_free(s);
+}
+
+/* No normal of a chart is farther from its plane's than the limit; slivers, whose normals are noise, aside.
+ */
 static void assert_bends_within(const sl_atlas *atlas, const sl_scene *scene, double bend) {
     sl_atlas_faces faces;
-    sl_vec3d *axis = sl_allocate(atlas->chart_count, sizeof *axis),
-             *worst = sl_allocate(atlas->chart_count, sizeof *worst);
-    double *least = sl_allocate(atlas->chart_count, sizeof *least), limit = sl_cos(bend + 0.02);
-    uint8_t *good = sl_allocate(atlas->chart_count, 1);
+    double limit = sl_cos(bend + 1e-6);
     assert_int_equal(sl_atlas_faces_create(scene, &faces, NULL), SL_OK);
-    for (size_t f = 0; f < faces.count; f++)
-        axis[atlas->chart[f]] = sl_addd(axis[atlas->chart[f]], sl_scaled(faces.normal[f], faces.area[f]));
-    for (int step = 1; step <= 60; step++) {
-        for (size_t c = 0; c < atlas->chart_count; c++) {
-            double length = sl_lengthd(axis[c]);
-            if (length > 0.0) axis[c] = sl_scaled(axis[c], 1.0 / length);
-            least[c] = 2.0;
-        }
-        for (size_t f = 0; f < faces.count; f++) {
-            uint32_t c = atlas->chart[f];
-            double cosine = sl_dotd(faces.normal[f], axis[c]);
-            if (sl_dotd(faces.normal[f], faces.normal[f]) > 0.0 && cosine < least[c])
-                least[c] = cosine, worst[c] = faces.normal[f];
-        }
-        for (size_t c = 0; c < atlas->chart_count; c++) {
-            good[c] |= least[c] >= limit;
-            if (least[c] < 2.0)
-                axis[c] = sl_addd(axis[c], sl_scaled(sl_subd(worst[c], axis[c]), 1.0 / (step + 1)));
-        }
+    for (size_t f = 0; f < faces.count; f++) {
+        const sl_atlas_chart *chart = &atlas->chart[atlas->chart_of[f]];
+        sl_vec3 front = sl_normalize_or(sl_cross(chart->along[0], chart->along[1]), sl_v3(0.0f, 0.0f, 0.0f));
+        if (sl_dotd(faces.normal[f], faces.normal[f]) > 0.0)
+            assert_true(sl_dotd(faces.normal[f], sl_to_double(front)) >= limit);
     }
-    for (size_t c = 0; c < atlas->chart_count; c++) assert_true(good[c]);
     sl_atlas_faces_release(&faces);
-    sl_free(axis);
-    sl_free(worst);
-    sl_free(least);
-    sl_free(good);
 }
 
 typedef struct texels {
     uint32_t *triangle;
     float *w1, *w2;
+    size_t covered;
 } texels;
 
-static texels texels_of(const sl_atlas *atlas, const sl_scene *scene, int gutter) {
+static texels texels_of(const sl_atlas *atlas, const sl_scene *scene) {
     size_t count = (size_t)atlas->size * (size_t)atlas->size;
     texels t = {sl_allocate(count, sizeof *t.triangle), sl_allocate(count, sizeof *t.w1),
-                sl_allocate(count, sizeof *t.w2)};
-    assert_int_equal(sl_atlas_texels(atlas, scene, gutter, 2, t.triangle, t.w1, t.w2, NULL), SL_OK);
+                sl_allocate(count, sizeof *t.w2), 0};
+    assert_int_equal(sl_atlas_texels(atlas, scene, 2, t.triangle, t.w1, t.w2, &t.covered, NULL), SL_OK);
     return t;
 }
 
@@ -209,8 +188,10 @@ static void free_texels(texels *t) {
     sl_free(t->w2);
 }
 
-static void atlas_point(const sl_atlas *atlas, size_t triangle, double w1, double w2, double at[2]) {
-    const float *s = atlas->coordinates + 6 * triangle;
+static void atlas_point(const sl_atlas *atlas, const sl_scene *scene, size_t triangle, double w1, double w2,
+                        double at[2]) {
+    float s[6];
+    corners_of(atlas, scene, triangle, s);
     for (size_t d = 0; d < 2; d++)
         at[d] =
             atlas->size * ((1.0 - w1 - w2) * (double)s[d] + w1 * (double)s[2 + d] + w2 * (double)s[4 + d]);
@@ -219,21 +200,21 @@ static void atlas_point(const sl_atlas *atlas, size_t triangle, double w1, doubl
 /* A bilinear look-up at any point of a triangle reads, with any weight at all, only texels that hold points
  * of the triangle's own chart. */
 static void assert_nothing_bleeds(const sl_atlas *atlas, const sl_scene *scene) {
-    texels map = texels_of(atlas, scene, 2);
+    texels map = texels_of(atlas, scene);
     for (uint32_t t = 0; t < scene->triangle_count; t++)
         for (uint32_t n = 0; n < 12; n++) {
             double w1 = n < 3 ? n == 1 : (double)sl_random_unit(1, 12 * (uint64_t)t + n),
                    w2 = n < 3 ? n == 2 : (double)sl_random_unit(2, 12 * (uint64_t)t + n), at[2];
             if (w1 + w2 > 1.0) w1 = 1.0 - w1, w2 = 1.0 - w2;
-            atlas_point(atlas, t, w1, w2, at);
+            atlas_point(atlas, scene, t, w1, w2, at);
             int x = (int)floor(at[0] - 0.5), y = (int)floor(at[1] - 0.5);
             for (int k = 0; k < 4; k++) {
                 int i = x + (k & 1), j = y + (k >> 1);
                 double weight = (1.0 - fabs(at[0] - 0.5 - i)) * (1.0 - fabs(at[1] - 0.5 - j));
-                if (weight < 1e-6) continue;
+                if (weight < 1e-4) continue;
                 assert_true(i >= 0 && j >= 0 && i < atlas->size && j < atlas->size);
                 uint32_t owner = map.triangle[(size_t)j * (size_t)atlas->size + (size_t)i];
-                assert_true(owner != SL_NO_INDEX && atlas->chart[owner] == atlas->chart[t]);
+                assert_true(owner != SL_NO_INDEX && atlas->chart_of[owner] == atlas->chart_of[t]);
             }
         }
     free_texels(&map);
@@ -243,8 +224,7 @@ static void assert_sound(const sl_atlas *atlas, const sl_scene *scene) {
     assert_one_to_one(atlas, scene);
     assert_bends_within(atlas, scene, BEND);
     assert_nothing_bleeds(atlas, scene);
-    assert_true(atlas->coverage > 0.0 && atlas->coverage < 1.0 && atlas->stretch >= 1.0 &&
-                atlas->stretch < 1e5);
+    assert_true(atlas->stretch >= 1.0 - 1e-9 && atlas->stretch <= 1.0 / sl_cos(BEND));
     assert_true(atlas->texels_per_unit > 0.0);
 }
 
@@ -261,122 +241,51 @@ static size_t charts_of_sound_atlas(sl_scene *scene, int size) {
 
 /* ---- flattening ---- */
 
-static void a_planar_chart_is_a_similarity(void **state) {
-    (void)state;
-    sl_scene *scene = scene_of(tilted_plane, 17, 13);
-    sl_atlas_faces faces;
-    sl_atlas_charts charts;
-    assert_int_equal(sl_atlas_faces_create(scene, &faces, NULL), SL_OK);
-    assert_int_equal(sl_atlas_charts_create(&faces, BEND, 1, &charts, NULL), SL_OK);
-    assert_int_equal(charts.count, 1);
-    uint32_t *local = sl_allocate(faces.count, sizeof *local);
-    double scale;
-    assert_true(sl_atlas_flatten(&charts, &faces, 0, local, &scale));
-    for (size_t h = 0; h < 3 * faces.count; h++) {
-        const double *a = charts.corner + 2 * h, *b = charts.corner + 2 * (size_t)sl_atlas_next((uint32_t)h);
-        double length = sl_lengthd(
-            sl_subd(sl_atlas_corner(&faces, sl_atlas_next((uint32_t)h)), sl_atlas_corner(&faces, h)));
-        double mapped = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
-        /* positions are floats, so the plane is one to 1e-7 */
-        assert_true(fabs(mapped / length - 1.0) < 2e-6);
-    }
-    sl_free(local);
-    sl_atlas_charts_release(&charts);
-    sl_atlas_faces_release(&faces);
-    sl_scene_destroy(scene);
-}
-
-/* On the grid of whole numbers a plane is exact: so is its map. */
+/* On the grid of whole numbers a plane is exact: so is its map, but for rounding to float. */
 static void exact_plane(float u, float v, float p[3]) {
     p[0] = 16.0f * u;
     p[1] = 16.0f * v;
     p[2] = 32.0f * u + 32.0f * v;
 }
 
-static void a_plane_of_whole_numbers_is_a_similarity_to_1e_8(void **state) {
+static void a_planar_chart_is_a_similarity(void **state) {
     (void)state;
-    sl_scene *scene = scene_of(exact_plane, 16, 16);
-    sl_atlas_faces faces;
-    sl_atlas_charts charts;
-    double scale;
-    assert_int_equal(sl_atlas_faces_create(scene, &faces, NULL), SL_OK);
-    assert_int_equal(sl_atlas_charts_create(&faces, BEND, 1, &charts, NULL), SL_OK);
-    uint32_t *local = sl_allocate(faces.count, sizeof *local);
-    assert_true(sl_atlas_flatten(&charts, &faces, 0, local, &scale));
-    for (uint32_t h = 0; h < 3 * faces.count; h++) {
-        const double *a = charts.corner + 2 * (size_t)h, *b = charts.corner + 2 * (size_t)sl_atlas_next(h);
-        double length =
-            sl_lengthd(sl_subd(sl_atlas_corner(&faces, sl_atlas_next(h)), sl_atlas_corner(&faces, h)));
-        assert_true(fabs(sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])) / length - 1.0) <
-                    1e-8);
+    surface *planes[] = {tilted_plane, exact_plane};
+    for (int n = 0; n < 2; n++) {
+        sl_scene *scene = scene_of(planes[n], 16, 16);
+        sl_atlas_faces faces;
+        sl_atlas_charts charts;
+        assert_int_equal(sl_atlas_faces_create(scene, &faces, NULL), SL_OK);
+        assert_int_equal(sl_atlas_charts_create(&faces, BEND, &charts, NULL), SL_OK);
+        assert_int_equal(charts.count, 1);
+        for (uint32_t h = 0; h < 3 * faces.count; h++) {
+            sl_vec3d e = sl_subd(sl_atlas_corner(&faces, sl_atlas_next(h)), sl_atlas_corner(&faces, h));
+            double x = sl_dotd(e, charts.plane[0].right), y = sl_dotd(e, charts.plane[0].up);
+            assert_true(fabs(sqrt(x * x + y * y) / sl_lengthd(e) - 1.0) < (n ? 1e-8 : 2e-6));
+        }
+        sl_atlas_charts_release(&charts);
+        sl_atlas_faces_release(&faces);
+        sl_scene_destroy(scene);
     }
-    sl_free(local);
-    sl_atlas_charts_release(&charts);
-    sl_atlas_faces_release(&faces);
-    sl_scene_destroy(scene);
 }
 
-static void a_developable_surface_is_unrolled_without_stretch(void **state) {
+/* Round and round, and up: a turn lies above the one before. */
+static void ramp(float u, float v, float p[3]) {
+    float s, c;
+    sl_sincos_turnf(3.0f * u - floorf(3.0f * u), &s, &c);
+    p[0] = (1.0f + v) * c;
+    p[1] = (1.0f + v) * s;
+    p[2] = 1.5f * u;
+}
+
+static void what_would_lie_on_its_own_chart_leaves_it(void **state) {
     (void)state;
-    sl_scene *scene = scene_of(third_of_a_cylinder, 24, 20);
+    sl_scene *scene = scene_of(ramp, 90, 6);
     sl_atlas *atlas = atlas_of(scene, 256);
-    assert_int_equal(atlas->chart_count, 1);
-    assert_true(atlas->stretch < 1.0001);
     assert_sound(atlas, scene);
+    assert_in_range(atlas->chart_count, 3, 8);
     sl_atlas_destroy(atlas);
     sl_scene_destroy(scene);
-}
-
-static void a_bell_is_one_nearly_conformal_chart(void **state) {
-    (void)state;
-    sl_scene *scene = scene_of(bell, 40, 40);
-    sl_atlas *atlas = atlas_of(scene, 256);
-    assert_int_equal(atlas->chart_count, 1);
-    assert_true(atlas->stretch < 1.02);
-    assert_sound(atlas, scene);
-    sl_atlas_destroy(atlas);
-    sl_scene_destroy(scene);
-}
-
-/* A = B B^* + I of a chain with branches, solved against a known x. */
-static void the_solver_needs_few_steps_to_1e_10(void **state) {
-    (void)state;
-    enum { SIDE = 23, N = SIDE * SIDE };
-    sl_hermitian a = {N, sl_allocate(N + 1, sizeof *a.first), sl_allocate(5 * N, sizeof *a.column),
-                      sl_allocate(5 * N, sizeof *a.re), sl_allocate(5 * N, sizeof *a.im)};
-    static double place[2 * N], truth[2 * N], b[2 * N], x[2 * N];
-    size_t at = 0;
-    unsigned steps;
-    for (int r = 0; r < N; r++) {
-        int i = r % SIDE, j = r / SIDE,
-            to[5] = {j ? r - SIDE : -1, i ? r - 1 : -1, r, i + 1 < SIDE ? r + 1 : -1,
-                     j + 1 < SIDE ? r + SIDE : -1};
-        place[2 * r] = i, place[2 * r + 1] = j;
-        truth[2 * r] = sl_sin(0.1 * r), truth[2 * r + 1] = sl_cos(0.3 * r);
-        a.first[r] = at;
-        for (int k = 0; k < 5; k++) {
-            if (to[k] < 0) continue;
-            a.column[at] = (uint32_t)to[k];
-            a.re[at] = k == 2 ? 4.0001 : -0.8;
-            a.im[at++] = k == 2 ? 0.0 : (k < 2 ? 0.6 : -0.6); /* |entry| = 1; Hermitian */
-        }
-    }
-    a.first[N] = at;
-    for (size_t r = 0; r < N; r++)
-        for (size_t e = a.first[r]; e < a.first[r + 1]; e++) {
-            const double *t = truth + 2 * (size_t)a.column[e];
-            b[2 * r] += a.re[e] * t[0] - a.im[e] * t[1];
-            b[2 * r + 1] += a.re[e] * t[1] + a.im[e] * t[0];
-        }
-    assert_true(sl_hermitian_solve(&a, place, b, x, 1e-10, &steps));
-    assert_true(steps >= 1 && steps <= 3);
-    for (size_t i = 0; i < 2 * N; i++) assert_true(fabs(x[i] - truth[i]) < 1e-5);
-    assert_true(sl_hermitian_solve(&a, place, b, truth, 1e-10, &steps));
-    assert_int_equal(steps, 0); /* the first guess is good enough */
-    sl_free(a.first);
-    sl_free(a.column);
-    sl_free(a.re);
-    sl_free(a.im);
 }
 
 /* ---- surfaces of all kinds ---- */
@@ -387,12 +296,12 @@ static void a_sphere_is_cut_into_few_charts(void **state) {
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_sphere(&mesh, sl_v3(0.0f, 0.0f, 0.0f), 1.0f, 24, 0.0f, false, 0);
     size_t charts = charts_of_sound_atlas(trace_mesh_build(&mesh), 256);
-    assert_in_range(charts, 2, 8);
+    assert_in_range(charts, 4, 16);
 }
 
 static void a_torus_is_cut_into_few_charts(void **state) {
     (void)state;
-    assert_in_range(charts_of_sound_atlas(scene_of(torus, 48, 24), 256), 4, 16);
+    assert_in_range(charts_of_sound_atlas(scene_of(torus, 48, 24), 256), 6, 40);
 }
 
 static void vertices_split_by_normals_hold_no_chart_apart(void **state) {
@@ -403,12 +312,12 @@ static void vertices_split_by_normals_hold_no_chart_apart(void **state) {
     assert_int_equal(charts_of_sound_atlas(trace_mesh_build(&mesh), 128), 1);
 }
 
-static void a_box_has_a_chart_a_side_or_fewer(void **state) {
+static void a_box_has_a_chart_a_side(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_box(&mesh, sl_v3(-1.0f, -2.0f, -0.5f), sl_v3(1.0f, 2.0f, 0.5f), true, 0);
-    assert_in_range(charts_of_sound_atlas(trace_mesh_build(&mesh), 128), 2, 6);
+    assert_in_range(charts_of_sound_atlas(trace_mesh_build(&mesh), 128), 6, 6);
 }
 
 static void a_rough_surface_keeps_all_promises(void **state) {
@@ -498,29 +407,22 @@ static void numbers_far_from_one(void **state) {
 static void texels_name_the_point_that_lies_there(void **state) {
     (void)state;
     sl_scene *scene = scene_of(torus, 24, 12);
-    for (int size = 100; size <= 256; size += 156) { /* also where a texel is no whole number of grid units */
+    for (int size = 100; size <= 256; size += 156) {
         sl_atlas *atlas = atlas_of(scene, size);
-        texels bare = texels_of(atlas, scene, 0), map = texels_of(atlas, scene, 2);
+        texels map = texels_of(atlas, scene);
         size_t inside = 0, around = 0;
-        for (int j = 0; j < size; j++)
-            for (int i = 0; i < size; i++) {
-                size_t t = (size_t)j * (size_t)size + (size_t)i;
-                double at[2];
-                if (bare.triangle[t] != SL_NO_INDEX) {
-                    inside++;
-                    assert_int_equal(map.triangle[t], bare.triangle[t]);
-                    assert_true(map.w1[t] == bare.w1[t] && map.w2[t] == bare.w2[t]);
-                }
-                if (map.triangle[t] == SL_NO_INDEX) continue;
-                assert_true(map.w1[t] >= 0.0f && map.w2[t] >= 0.0f && map.w1[t] + map.w2[t] <= 1.0f);
-                atlas_point(atlas, map.triangle[t], (double)map.w1[t], (double)map.w2[t], at);
-                double off = fmax(fabs(at[0] - i - 0.5), fabs(at[1] - j - 0.5));
-                assert_true(off < (bare.triangle[t] != SL_NO_INDEX ? 1e-4 : 2.0 + 1e-4));
-                around += bare.triangle[t] == SL_NO_INDEX;
-            }
-        assert_true(inside > 0 && around > 0);
-        assert_true(fabs(atlas->coverage - (double)inside / ((double)size * size)) < 1e-12);
-        free_texels(&bare);
+        for (size_t t = 0; t < (size_t)size * (size_t)size; t++) {
+            double at[2], x = (double)(t % (size_t)size) + 0.5, y = (double)(t / (size_t)size) + 0.5;
+            if (map.triangle[t] == SL_NO_INDEX) continue;
+            assert_true(map.w1[t] >= 0.0f && map.w2[t] >= 0.0f && map.w1[t] + map.w2[t] <= 1.0f);
+            atlas_point(atlas, scene, map.triangle[t], (double)map.w1[t], (double)map.w2[t], at);
+            double off = fmax(fabs(at[0] - x), fabs(at[1] - y));
+            inside += off < 1e-3;
+            around += off >= 1e-3;
+            assert_true(off < 1.4143);
+        }
+        assert_true(inside > 0 && around > 0 && inside >= map.covered &&
+                    inside < map.covered + map.covered / 100 + 5);
         free_texels(&map);
         sl_atlas_destroy(atlas);
     }
@@ -530,32 +432,26 @@ static void texels_name_the_point_that_lies_there(void **state) {
 static void charts_stay_a_gutter_apart(void **state) {
     (void)state;
     sl_scene *scene = scene_of(torus, 24, 12);
-    for (int gutter = 1; gutter <= 5; gutter++) {
+    for (int gutter = 2; gutter <= 5; gutter++) {
         sl_atlas_settings settings = usual(256);
         sl_atlas *atlas = NULL;
         settings.gutter = gutter;
         assert_int_equal(sl_atlas_create(scene, &settings, &atlas, NULL), SL_OK);
+        float *s = all_corners(atlas, scene), half = 0.5f * (float)gutter / 256.0f;
         for (size_t a = 0; a < scene->triangle_count; a++)
             for (size_t b = 0; b < a; b++) {
-                if (atlas->chart[a] == atlas->chart[b]) continue;
-                /* the box of a's triangle may only reach b's if the triangles' bodies do not */
-                float grown[6], half = (float)gutter / 256.0f;
-                const float *s = atlas->coordinates + 6 * a;
-                float low[2] = {fminf(fminf(s[0], s[2]), s[4]) - half, fminf(fminf(s[1], s[3]), s[5]) - half};
-                float high[2] = {fmaxf(fmaxf(s[0], s[2]), s[4]) + half,
-                                 fmaxf(fmaxf(s[1], s[3]), s[5]) + half};
-                memcpy(grown, (float[6]){low[0], low[1], high[0], low[1], high[0], high[1]}, sizeof grown);
-                if (!boxes_meet(grown, atlas->coordinates + 6 * b)) continue;
-                /* a square of the gutter around each corner touches nothing of the other chart */
-                for (int k = 0; k < 3; k++) {
-                    const float *c = s + 2 * k;
-                    float h = half * 0.9999f;
-                    float square[12] = {c[0] - h, c[1] - h, c[0] + h, c[1] - h, c[0] + h, c[1] + h,
-                                        c[0] - h, c[1] - h, c[0] + h, c[1] + h, c[0] - h, c[1] + h};
-                    assert_true(shared_area(atlas->coordinates + 6 * b, square) <= 1e-12);
-                    assert_true(shared_area(atlas->coordinates + 6 * b, square + 6) <= 1e-12);
+                float grown[2][6];
+                if (atlas->chart_of[a] == atlas->chart_of[b]) continue;
+                for (int n = 0; n < 2; n++) {
+                    const float *t = s + 6 * (n ? b : a);
+                    for (int d = 0; d < 2; d++) {
+                        grown[n][d] = fminf(fminf(t[d], t[2 + d]), t[4 + d]) - half;
+                        grown[n][2 + d] = grown[n][4 + d] = fmaxf(fmaxf(t[d], t[2 + d]), t[4 + d]) + half;
+                    }
                 }
+                assert_false(boxes_meet(grown[0], grown[1]));
             }
+        sl_free(s);
         sl_atlas_destroy(atlas);
     }
     sl_scene_destroy(scene);
@@ -579,7 +475,7 @@ static void more_charts_than_texels_is_an_error_that_says_which_size_would_do(vo
     const char *size = strstr(error.message, "a size of ");
     assert_non_null(size);
     settings.size = atoi(size + strlen("a size of "));
-    assert_in_range(settings.size, 17, 200);
+    assert_in_range(settings.size, 17, 250);
     assert_int_equal(sl_atlas_create(scene, &settings, &atlas, &error), SL_OK);
     assert_sound(atlas, scene);
     assert_int_equal(atlas->chart_count, 500);
@@ -619,17 +515,15 @@ static void the_atlas_does_not_depend_on_the_number_of_threads(void **state) {
             assert_int_equal(sl_atlas_create(scenes[n], &settings, &atlas, NULL), SL_OK);
             if (first) {
                 assert_int_equal(atlas->chart_count, first->chart_count);
-                assert_memory_equal(atlas->chart, first->chart,
-                                    scenes[n]->triangle_count * sizeof *atlas->chart);
-                assert_memory_equal(atlas->coordinates, first->coordinates,
-                                    scenes[n]->triangle_count * 6 * sizeof *atlas->coordinates);
-                assert_true(atlas->stretch == first->stretch && atlas->coverage == first->coverage);
+                assert_memory_equal(atlas->chart_of, first->chart_of,
+                                    scenes[n]->triangle_count * sizeof *atlas->chart_of);
+                assert_memory_equal(atlas->chart, first->chart, atlas->chart_count * sizeof *atlas->chart);
                 sl_atlas_destroy(atlas);
             } else {
                 first = atlas;
             }
         }
-        assert_true(sl_atlas_bytes(first) >= 28 * scenes[n]->triangle_count);
+        assert_true(sl_atlas_bytes(first) >= 4 * scenes[n]->triangle_count);
         sl_atlas_destroy(first);
         sl_scene_destroy(scenes[n]);
     }
@@ -644,26 +538,20 @@ static void assert_scene_fits(const char *path, size_t charts_max, double covera
         return;
     }
     sl_atlas *atlas = atlas_of(scene, 1024);
-    size_t count = scene->triangle_count;
-    int64_t *corner = sl_allocate(count, 6 * sizeof *corner);
-    uint8_t *bad = sl_allocate(count, 1);
-    for (size_t i = 0; i < 6 * count; i++)
-        corner[i] = (int64_t)((double)atlas->coordinates[i] * SL_ATLAS_GRID);
-    assert_int_equal(sl_atlas_overlap(corner, count, bad), 0); /* all charts together */
+    texels map = texels_of(atlas, scene);
     assert_bends_within(atlas, scene, BEND);
     assert_nothing_bleeds(atlas, scene);
     assert_in_range(atlas->chart_count, 1, charts_max);
-    assert_true(atlas->coverage >= coverage_min && atlas->stretch <= stretch_max);
-    sl_free(corner);
-    sl_free(bad);
+    assert_true((double)map.covered >= coverage_min * 1024.0 * 1024.0 && atlas->stretch <= stretch_max);
+    free_texels(&map);
     sl_atlas_destroy(atlas);
     sl_scene_destroy(scene);
 }
 
 static void whole_scenes_fill_most_of_a_texture(void **state) {
     (void)state;
-    assert_scene_fits("scenes/generated/room.json", 1200, 0.6, 1.02);
-    assert_scene_fits("scenes/generated/cave.json", 700, 0.65, 1.06);
+    assert_scene_fits("scenes/generated/room.json", 1700, 0.5, 1.03);
+    assert_scene_fits("scenes/generated/cave.json", 1300, 0.4, 1.25);
 }
 
 static void the_search_for_overlaps_finds_what_is_there(void **state) {
@@ -675,27 +563,29 @@ static void the_search_for_overlaps_finds_what_is_there(void **state) {
     static const int64_t flat[] = {0, 0, 5, 5, 10, 10};
     /* no corner inside the other */
     static const int64_t cross[] = {-100, -1, 100, 0, -100, 1, -1, -100, 1, -100, 0, 100};
-    uint8_t bad[3];
-    assert_int_equal(sl_atlas_overlap(touching, 3, bad), 0);
-    assert_int_equal(sl_atlas_overlap(crossing, 2, bad), 1);
-    assert_int_equal(sl_atlas_overlap(inside, 2, bad), 1);
-    assert_int_equal(sl_atlas_overlap(flipped, 1, bad), 1);
-    assert_int_equal(sl_atlas_overlap(flat, 1, bad), 1);
-    assert_int_equal(sl_atlas_overlap(cross, 2, bad), 1);
+    const struct {
+        const int64_t *corner;
+        size_t count, bad;
+    } cases[] = {{touching, 3, 0}, {crossing, 2, 1}, {inside, 2, 1},
+                 {flipped, 1, 1},  {flat, 1, 1},     {cross, 2, 1}};
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        uint8_t bad[3];
+        size_t found = 0;
+        assert_true(sl_atlas_overlap(cases[n].corner, cases[n].count, bad));
+        for (size_t i = 0; i < cases[n].count; i++) found += bad[i];
+        assert_int_equal(found, cases[n].bad);
+    }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_planar_chart_is_a_similarity),
-        cmocka_unit_test(a_plane_of_whole_numbers_is_a_similarity_to_1e_8),
-        cmocka_unit_test(a_developable_surface_is_unrolled_without_stretch),
-        cmocka_unit_test(a_bell_is_one_nearly_conformal_chart),
-        cmocka_unit_test(the_solver_needs_few_steps_to_1e_10),
+        cmocka_unit_test(what_would_lie_on_its_own_chart_leaves_it),
         cmocka_unit_test(the_search_for_overlaps_finds_what_is_there),
         cmocka_unit_test(a_sphere_is_cut_into_few_charts),
         cmocka_unit_test(a_torus_is_cut_into_few_charts),
         cmocka_unit_test(vertices_split_by_normals_hold_no_chart_apart),
-        cmocka_unit_test(a_box_has_a_chart_a_side_or_fewer),
+        cmocka_unit_test(a_box_has_a_chart_a_side),
         cmocka_unit_test(a_rough_surface_keeps_all_promises),
         cmocka_unit_test(many_pages_at_one_edge_and_a_moebius_strip),
         cmocka_unit_test(doubled_faces_lie_in_different_charts),

@@ -44,7 +44,7 @@ static double ratio_on_tilt(const cloud *c, const sl_voxel_light_options *o, dou
     }
     sl_directional_light light[8] = {{{0}, 0}};
     sl_lobe_spread spread = {0};
-    int count = sl_lobes_of_photons(&c->photons, o, 1.0, c->normal, o->lights, light, &spread);
+    int count = sl_lobes_of_photons(&c->photons, o, 1.0, c->normal, false, o->lights, light, &spread);
     for (int j = 0; j < count; j++) {
         double cosine = sl_dotd(n, sl_to_double(sl_direction_unpack(light[j].packed)));
         sum += (double)light[j].color[0] * (o->lobes == SL_LOBES_SURFACE ? 1.0 : cosine > 0.0 ? cosine : 0.0);
@@ -114,7 +114,7 @@ static void a_bent_surface_makes_the_light_that_its_photons_brought(void **state
             sl_directional_light light[8] = {{{0}, 0}};
             sl_lobe_spread spread = {0};
             double made = 0.0;
-            int count = sl_lobes_of_photons(&p, &o, 1.0 / CLOUD, sl_v3(0, 0, 1), n, light, &spread);
+            int count = sl_lobes_of_photons(&p, &o, 1.0 / CLOUD, sl_v3(0, 0, 1), false, n, light, &spread);
             for (int j = 0; j < count; j++)
                 made += (double)light[j].color[0] * fmax(0.0, (double)sl_direction_unpack(light[j].packed).z);
             if (split) assert_true(fabs(made - 1.0) < 1e-5);
@@ -137,11 +137,12 @@ static void photons_that_carry_nothing_are_left_out(void **state) {
     sl_lobe_spread spread = {0};
     sl_voxel_light_options o = plain_options(4);
     /* one direction, one light */
-    assert_int_equal(sl_lobes_of_photons(&p, &o, 2.0, sl_v3(0, 0, 1), 4, light, &spread), 1);
+    assert_int_equal(sl_lobes_of_photons(&p, &o, 2.0, sl_v3(0, 0, 1), false, 4, light, &spread), 1);
     assert_true(fabsf(light[0].color[0] - 2.0f) < 1e-5f && light[1].color[0] == 0.0f);
-    assert_int_equal(sl_lobes_of_photons(&p, &o, (double)INFINITY, sl_v3(0, 0, 1), 4, light, &spread), 0);
+    assert_int_equal(sl_lobes_of_photons(&p, &o, (double)INFINITY, sl_v3(0, 0, 1), false, 4, light, &spread),
+                     0);
     p.count = 0;
-    assert_int_equal(sl_lobes_of_photons(&p, &o, 2.0, sl_v3(0, 0, 1), 4, light, &spread), 0);
+    assert_int_equal(sl_lobes_of_photons(&p, &o, 2.0, sl_v3(0, 0, 1), false, 4, light, &spread), 0);
     sl_lobe_photons_release(&p);
 }
 
@@ -156,7 +157,7 @@ static void opposed_directions_make_finite_lights(void **state) {
         sl_voxel_light_options o = plain_options(n);
         sl_directional_light light[2] = {{{0}, 0}};
         sl_lobe_spread spread = {0};
-        assert_int_equal(sl_lobes_of_photons(&p, &o, 1.0, sl_v3(0, 0, 0), n, light, &spread), n);
+        assert_int_equal(sl_lobes_of_photons(&p, &o, 1.0, sl_v3(0, 0, 0), false, n, light, &spread), n);
         for (int j = 0; j < n; j++) assert_true(isfinite(light[j].color[0]) && light[j].color[0] >= 0.0f);
         if (n == 2) assert_true(light[0].color[0] == 2.0f && light[1].color[0] == 2.0f);
     }

@@ -1,6 +1,5 @@
-/* Pass R2: pixels lit from the atlas. A triangle's way into the atlas is an affine map, worked out once, so
- * that a pixel costs two dot products with its position, and one look-up on the side that it shows; where the
- * octree costs a descent for each of eight voxels. */
+/* Pixels lit from the atlas: a pixel costs two dot products with its position and one look-up on the side
+ * that it shows, where the octree costs a descent for each of eight voxels. */
 #include "cache/light_octree/atlas/bake.h"
 
 #include "base/counters.h"
@@ -9,61 +8,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-enum { TRIANGLES_A_TASK = 4096, BATCH = SL_TEXTURE_BLOCK };
-
-/* A map that enlarges so many times more than the atlas as a whole is a sliver's, and noise. */
-static const double most_stretch = 64.0;
-
-/* ---- maps ---- */
-
-typedef struct map_task {
-    const sl_atlas *atlas;
-    const sl_scene *scene;
-    sl_atlas_map *map;
-} map_task;
-
-static sl_vec3d corner_of(const sl_scene *scene, int k, size_t t) {
-    return sl_to_double(sl_scene_position(scene, scene->vertex[k][t]));
-}
-
-/* With edges e1 and e2 and n = e1 x e2 the weights of corners 1 and 2 grow along e2 x n / n^2 and n x e1 /
- * n^2. */
-static sl_atlas_map map_of(const map_task *task, size_t t) {
-    const float *c = task->atlas->coordinates + 6 * t;
-    sl_vec3d a = corner_of(task->scene, 0, t), e1 = sl_subd(corner_of(task->scene, 1, t), a),
-             e2 = sl_subd(corner_of(task->scene, 2, t), a);
-    sl_vec3d n = sl_crossd(e1, e2), w1 = sl_crossd(e2, n), w2 = sl_crossd(n, e1);
-    double square = sl_dotd(n, n),
-           most = most_stretch * task->atlas->texels_per_unit / (double)task->atlas->size;
-    sl_atlas_map map = {.centre = sl_to_float(sl_addd(a, sl_scaled(sl_addd(e1, e2), 1.0 / 3.0)))};
-    for (int k = 0; k < 2; k++) {
-        double from = (double)c[k], by1 = (double)c[2 + k] - from, by2 = (double)c[4 + k] - from;
-        sl_vec3d along =
-            sl_scaled(sl_addd(sl_scaled(w1, by1), sl_scaled(w2, by2)), square > 0.0 ? 1.0 / square : 0.0);
-        map.at[k] = (float)(from + (by1 + by2) / 3.0);
-        map.along[k] = sl_lengthd(along) <= most ? sl_to_float(along) : sl_v3(0.0f, 0.0f, 0.0f);
-    }
-    return map;
-}
-
-static void map_triangles(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const map_task *task = context;
-    size_t first = index * TRIANGLES_A_TASK, count = task->scene->triangle_count;
-    for (size_t t = first; t < first + TRIANGLES_A_TASK && t < count; t++) task->map[t] = map_of(task, t);
-}
-
-sl_status sl_atlas_maps_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads,
-                               sl_atlas_map **maps, sl_error *error) {
-    map_task task = {atlas, scene, sl_allocate(scene->triangle_count, sizeof *task.map)};
-    if (!task.map) return sl_fail_memory(error, "the maps of an atlas");
-    sl_parallel_for(sl_thread_count(threads),
-                    (scene->triangle_count + TRIANGLES_A_TASK - 1) / TRIANGLES_A_TASK, map_triangles, &task);
-    *maps = task.map;
-    return SL_OK;
-}
-
-/* ---- pixels ---- */
+enum { BATCH = SL_TEXTURE_BLOCK };
 
 typedef struct application {
     const sl_atlas_canvas *canvas;
@@ -96,13 +41,10 @@ static void look_up(const application *a, look_ups *l) {
     l->count = 0;
 }
 
-static sl_atlas_side side_of(const application *a, const sl_atlas_map *map, size_t pixel) {
-    const sl_gbuffer *g = a->gbuffer;
-    sl_vec3 front = sl_cross(map->along[0], map->along[1]),
-            seen = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]);
-    /* a sliver */
-    if (!(sl_dot(front, front) > 0.0f)) front = sl_scene_geometric_normal(a->scene, g->id[pixel]);
-    return sl_dot(front, seen) < 0.0f ? SL_ATLAS_BACK : SL_ATLAS_FRONT;
+sl_atlas_side sl_atlas_side_seen(const sl_scene *scene, const sl_gbuffer *g, size_t pixel) {
+    sl_vec3 seen = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]);
+    return sl_dot(seen, sl_scene_geometric_normal(scene, g->id[pixel])) < 0.0f ? SL_ATLAS_BACK
+                                                                               : SL_ATLAS_FRONT;
 }
 
 static void apply_row(void *context, size_t row, unsigned worker) {
@@ -110,23 +52,22 @@ static void apply_row(void *context, size_t row, unsigned worker) {
     const sl_gbuffer *g = a->gbuffer;
     look_ups l = {.count = 0};
     uint32_t last = SL_NO_INDEX;
-    sl_atlas_map map = {.at = {0.0f, 0.0f}};
+    const sl_atlas_chart *chart = NULL;
     bool lit = false;
     for (size_t i = row * (size_t)g->width; i < (row + 1) * (size_t)g->width; i++) {
         for (int k = 0; k < 3; k++) a->out[k][i] = 0.0f;
         if (g->material[i] == SL_NO_INDEX) continue;
         if (g->id[i] != last) { /* a triangle shows one side to a view */
             last = g->id[i];
-            map = a->canvas->map[last];
-            sl_atlas_side side = side_of(a, &map, i);
+            chart = &a->canvas->atlas->chart[a->canvas->atlas->chart_of[last]];
+            sl_atlas_side side = sl_atlas_side_seen(a->scene, g, i);
             lit = a->canvas->side[side] && !sl_material_is_mirror(&a->scene->materials[g->material[i]]);
             if (lit && side != l.side && l.count > 0) look_up(a, &l);
             if (lit) l.side = side;
         }
         if (!lit) continue;
-        sl_vec3 p = sl_sub(sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]), map.centre);
-        l.s[l.count] = map.at[0] + sl_dot(map.along[0], p);
-        l.t[l.count] = map.at[1] + sl_dot(map.along[1], p);
+        sl_atlas_point(chart, sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]), &l.s[l.count],
+                       &l.t[l.count]);
         l.pixel[l.count++] = i;
         a->fetches[worker * LINE]++;
         if (l.count == BATCH) look_up(a, &l);

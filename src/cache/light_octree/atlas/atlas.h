@@ -1,11 +1,11 @@
-/* A texture atlas over a scene's triangles: charts grown over the faces (Sander et al. 2003), each flattened
- * conformally (least squares conformal maps, Levy et al. 2002), packed into a square.
+/* A texture atlas over a scene's triangles. A chart is a connected piece of surface that bends little, laid
+ * flat by projection onto its mean plane, so that one affine map takes all of its points to the atlas.
  *
- *   charts.c     which faces go together
- *   conformal.c  a chart in the plane
- *   pack.c       all charts in one texture
- *   atlas.c      the three of them, and what is done with what they refuse
- *   gutter.c     texels around charts, so that filtering finds no seams
+ *   faces.c      which triangles share an edge
+ *   charts.c     which go together, each chart's plane, and what leaves charts again; overlap.c
+ *   pack.c       shelves of charts in one square
+ *   atlas.c      all of that in order
+ *   texels.c     which surface point each texel holds, so that filtering finds no seams
  */
 #ifndef SL_CACHE_LIGHT_OCTREE_ATLAS_H
 #define SL_CACHE_LIGHT_OCTREE_ATLAS_H
@@ -15,24 +15,29 @@
 typedef struct sl_atlas_settings {
     int size;          /* texels a side */
     int gutter;        /* texels between charts: 2 */
-    double bend;       /* radians between a chart's axis and its faces' normals at most: 75 degrees */
+    double bend;       /* radians between a chart's plane and its triangles at most, below 90 degrees */
     unsigned threads;
 } sl_atlas_settings;
 
+/* s and t, in [0,1], of a point p of a chart: at + along . (p - centre). along[0] x along[1] points to the
+ * front. */
+typedef struct sl_atlas_chart {
+    sl_vec3 centre;
+    sl_vec3 along[2];
+    float at[2];
+} sl_atlas_chart;
+
 typedef struct sl_atlas {
     int size;
-    size_t triangle_count;
-    size_t chart_count;
-    uint32_t *chart;        /* of each triangle */
-    float *coordinates;     /* s, t in [0,1] of corners 0, 1, 2: 6 floats a triangle */
-    double texels_per_unit; /* the common density: texels for a length of 1 in the scene */
-    /* mean over the area of (largest / smallest singular value): 1 is conformal everywhere */
-    double stretch;
-    double coverage;        /* share of the texels that lie in a chart */
-    size_t single;          /* charts of one triangle that nothing else could be done with */
+    size_t triangle_count, chart_count;
+    uint32_t *chart_of;     /* of each triangle */
+    sl_atlas_chart *chart;
+    double texels_per_unit; /* the common density: texels for a length of 1 in a chart's plane */
+    double stretch;         /* mean over the area of (largest / smallest singular value) of the projections */
+    size_t single;          /* charts of one triangle */
 } sl_atlas;
 
-/* Every triangle is mapped once, no two overlap, none is flipped. Deterministic. Where all cannot fit the
+/* Every triangle lies in one chart, and no two of a chart overlap. Deterministic. Where all cannot fit the
  * density sinks; where it would sink below a texel a chart, that is an error which says which size would do.
  */
 sl_status sl_atlas_create(const sl_scene *scene, const sl_atlas_settings *settings, sl_atlas **atlas,
@@ -40,10 +45,17 @@ sl_status sl_atlas_create(const sl_scene *scene, const sl_atlas_settings *settin
 void sl_atlas_destroy(sl_atlas *atlas);
 size_t sl_atlas_bytes(const sl_atlas *atlas);
 
-/* Which triangle each texel's centre lies in, and where (barycentric weights of corners 1 and 2); SL_NO_INDEX
- * outside all charts. Texels whose centre lies just outside a chart, within `gutter`, take the nearest point
- * of it. Arrays of size*size, row 0 at the bottom. */
-sl_status sl_atlas_texels(const sl_atlas *atlas, const sl_scene *scene, int gutter, unsigned threads,
-                          uint32_t *triangle, float *w1, float *w2, sl_error *error);
+static inline void sl_atlas_point(const sl_atlas_chart *chart, sl_vec3 p, float *s, float *t) {
+    sl_vec3 d = sl_sub(p, chart->centre);
+    *s = chart->at[0] + sl_dot(chart->along[0], d);
+    *t = chart->at[1] + sl_dot(chart->along[1], d);
+}
+
+/* Which triangle each texel holds a point of, and where (barycentric weights of corners 1 and 2); SL_NO_INDEX
+ * where there is none. A texel whose centre lies outside all charts, but less than a texel away in x and in
+ * y, takes the nearest point. Arrays of size*size, row 0 at the bottom; *covered: how many centres lie in a
+ * chart. */
+sl_status sl_atlas_texels(const sl_atlas *atlas, const sl_scene *scene, unsigned threads, uint32_t *triangle,
+                          float *w1, float *w2, size_t *covered, sl_error *error);
 
 #endif

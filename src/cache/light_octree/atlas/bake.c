@@ -1,5 +1,5 @@
-/* Pass R1', render to the atlas: triangles are drawn at their places in it. An atlas holds irradiance, which
- * no camera changes. */
+/* Renders to the atlas: its texels get the light of the surface points that they hold. It is irradiance,
+ * which no camera changes. */
 #include "cache/light_octree/atlas/bake.h"
 
 #include <string.h>
@@ -10,26 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-/* Bilinear look-ups in a chart read texels less than this far outside it. */
-enum { READ_AROUND = 1 };
-
 /* ---- the canvas ---- */
-
-/* Rings around what has a surface point: a texel without any belongs to ring k if one of its 8 neighbours is
- * in ring k - 1. */
-static void grow_rings(uint8_t *ring, int size) {
-    for (uint8_t k = 1; k <= SL_ATLAS_RINGS; k++)
-        for (int y = 0; y < size; y++)
-            for (int x = 0; x < size; x++) {
-                uint8_t *here = &ring[(size_t)y * (size_t)size + (size_t)x];
-                for (int n = 0; *here == SL_ATLAS_VOID && n < 9; n++) {
-                    int i = x + n % 3 - 1, j = y + n / 3 - 1;
-                    if (i >= 0 && j >= 0 && i < size && j < size &&
-                        ring[(size_t)j * (size_t)size + (size_t)i] == k - 1)
-                        *here = k;
-                }
-            }
-}
 
 /* Keeps the texels that have a surface point, in order. */
 static bool list_texels(sl_atlas_canvas *c, const uint32_t *triangle, const float *w1, const float *w2) {
@@ -39,18 +20,15 @@ static bool list_texels(sl_atlas_canvas *c, const uint32_t *triangle, const floa
     c->triangle = sl_allocate(c->count, sizeof *c->triangle);
     c->w1 = sl_allocate(c->count, sizeof *c->w1);
     c->w2 = sl_allocate(c->count, sizeof *c->w2);
-    c->ring = sl_allocate(texels, sizeof *c->ring);
-    if (!c->texel || !c->triangle || !c->w1 || !c->w2 || !c->ring) return false;
+    if (!c->texel || !c->triangle || !c->w1 || !c->w2) return false;
     size_t at = 0;
     for (size_t i = 0; i < texels; i++) {
-        c->ring[i] = triangle[i] == SL_NO_INDEX ? SL_ATLAS_VOID : 0;
         if (triangle[i] == SL_NO_INDEX) continue;
         c->texel[at] = (uint32_t)i;
         c->triangle[at] = triangle[i];
         c->w1[at] = w1[i];
         c->w2[at++] = w2[i];
     }
-    grow_rings(c->ring, c->atlas->size);
     return true;
 }
 
@@ -60,15 +38,14 @@ sl_status sl_atlas_canvas_create(const sl_atlas *atlas, const sl_scene *scene, u
     sl_atlas_canvas *c = sl_allocate(1, sizeof *c);
     uint32_t *triangle = sl_allocate(texels, sizeof *triangle);
     float *w = sl_allocate(texels, 2 * sizeof *w);
-    sl_status status = c && triangle && w ? sl_atlas_texels(atlas, scene, READ_AROUND, threads, triangle, w,
-                                                            w + texels, error)
+    sl_status status = c && triangle && w ? sl_atlas_texels(atlas, scene, threads, triangle, w, w + texels,
+                                                            &c->covered, error)
                                           : sl_fail_memory(error, "the canvas of an atlas");
     if (status == SL_OK) {
         c->atlas = atlas;
         if (!list_texels(c, triangle, w, w + texels))
             status = sl_fail_memory(error, "the canvas of an atlas");
     }
-    if (status == SL_OK) status = sl_atlas_maps_create(atlas, scene, threads, &c->map, error);
     sl_free(triangle);
     sl_free(w);
     *canvas = status == SL_OK ? c : NULL;
@@ -82,8 +59,6 @@ void sl_atlas_canvas_destroy(sl_atlas_canvas *c) {
     sl_free(c->triangle);
     sl_free(c->w1);
     sl_free(c->w2);
-    sl_free(c->ring);
-    sl_free(c->map);
     for (int s = 0; s < 2; s++) sl_texture_image_destroy(c->side[s]);
     sl_free(c);
 }
@@ -91,11 +66,11 @@ void sl_atlas_canvas_destroy(sl_atlas_canvas *c) {
 size_t sl_atlas_canvas_bytes(const sl_atlas_canvas *c) {
     size_t texels = (size_t)c->atlas->size * (size_t)c->atlas->size,
            sides = (size_t)(c->side[0] != NULL) + (c->side[1] != NULL);
-    return sizeof *c + c->atlas->triangle_count * sizeof *c->map +
-           c->count * (2 * sizeof(uint32_t) + 2 * sizeof(float)) + texels * (1 + sides * 4 * sizeof(float));
+    return sizeof *c + c->count * (2 * sizeof(uint32_t) + 2 * sizeof(float)) +
+           texels * sides * 4 * sizeof(float);
 }
 
-/* ---- R1': into the atlas ---- */
+/* ---- light into the texels ---- */
 
 typedef struct baking {
     sl_atlas_canvas *canvas;
@@ -121,28 +96,6 @@ static void bake_batch(void *context, size_t batch, unsigned worker) {
     }
 }
 
-/* A texel of ring k takes the mean of its neighbours in rings below k, in row order. */
-static void fill_rings(const sl_atlas_canvas *c, float *texels) {
-    int size = c->atlas->size;
-    for (int k = 1; k <= SL_ATLAS_RINGS; k++)
-        for (int y = 0; y < size; y++)
-            for (int x = 0; x < size; x++) {
-                size_t here = (size_t)y * (size_t)size + (size_t)x;
-                double sum[3] = {0.0, 0.0, 0.0}, count = 0.0;
-                if (c->ring[here] != k) continue;
-                for (int n = 0; n < 9; n++) {
-                    int i = x + n % 3 - 1, j = y + n / 3 - 1;
-                    size_t there = (size_t)j * (size_t)size + (size_t)i;
-                    if (i < 0 || j < 0 || i >= size || j >= size || c->ring[there] >= k) continue;
-                    for (size_t d = 0; d < 3; d++) sum[d] += (double)texels[4 * there + d];
-                    count += 1.0;
-                }
-                /* a ring's texel has such a neighbour */
-                for (size_t d = 0; d < 3; d++) texels[4 * here + d] = (float)(sum[d] / count);
-                texels[4 * here + 3] = 1.0f;
-            }
-}
-
 sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, unsigned threads,
                         sl_atlas_shader *shader, void *context, sl_error *error) {
     threads = sl_thread_count(threads);
@@ -155,7 +108,6 @@ sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, unsigned th
                 sl_allocate((size_t)threads * SL_ATLAS_BATCH, 3 * sizeof *b.scratch)};
     if (!b.scratch) return sl_fail_memory(error, "filling an atlas");
     sl_parallel_for(threads, (canvas->count + SL_ATLAS_BATCH - 1) / SL_ATLAS_BATCH, bake_batch, &b);
-    fill_rings(canvas, b.texels);
     sl_free(b.scratch);
     return SL_OK;
 }

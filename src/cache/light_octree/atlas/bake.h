@@ -1,10 +1,9 @@
-/* Passes R1' and R2: light that does not depend on the view is kept in an atlas, and put on pixels with one
- * texture look-up each.
+/* Light that does not depend on the view is kept in an atlas, and put on pixels with one texture look-up
+ * each.
  *
  *   sl_atlas_canvas_create()  which texels hold which surface points; as long as the geometry stays
- *   sl_atlas_bake()           R1': fills the texels, whenever the light has changed
- *   sl_atlas_apply()          R2: looks the picture up at the pixels of a G-buffer, whenever the camera has
- * moved
+ *   sl_atlas_bake()           fills the texels, whenever the light has changed
+ *   sl_atlas_apply()          looks the picture up at the pixels of a G-buffer, whenever the camera has moved
  *
  * Surfaces have two sides, and different light on each: a side is a picture of its own, and only those that
  * are seen need be filled. */
@@ -17,28 +16,20 @@
 
 typedef enum sl_atlas_side { SL_ATLAS_FRONT, SL_ATLAS_BACK } sl_atlas_side; /* front: counter-clockwise */
 
-/* Where a triangle lies in the atlas, as a function of the point: s = at[0] + along[0] . (p - centre), t
- * likewise. No chart is flipped, so that along[0] x along[1] points to the front. */
-typedef struct sl_atlas_map {
-    sl_vec3 centre;
-    float at[2];
-    sl_vec3 along[2];
-} sl_atlas_map;
+/* The side that a pixel of a G-buffer shows. */
+sl_atlas_side sl_atlas_side_seen(const sl_scene *scene, const sl_gbuffer *gbuffer, size_t pixel);
 
 typedef struct sl_atlas_canvas {
     const sl_atlas *atlas;
-    sl_atlas_map *map;          /* of each triangle */
     /* of texels that hold a surface point: those in a chart, and those around it that filtering reads */
     size_t count;
+    size_t covered;             /* of them, those whose centres lie in a chart */
     uint32_t *texel, *triangle; /* ascending; row * size + column */
     float *w1, *w2;
-    /* of each texel: 0 holds a surface point, 1 and 2 take the mean of their neighbours, SL_ATLAS_VOID
-     * nothing */
-    uint8_t *ring;
     sl_texture_image *side[2];  /* RGBA, alpha 1 where there is something; NULL: never filled */
 } sl_atlas_canvas;
 
-enum { SL_ATLAS_VOID = 255, SL_ATLAS_RINGS = 2, SL_ATLAS_BATCH = 4096 };
+enum { SL_ATLAS_BATCH = 4096 };
 
 /* The atlas must outlive it. */
 sl_status sl_atlas_canvas_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads,
@@ -51,8 +42,7 @@ size_t sl_atlas_canvas_bytes(const sl_atlas_canvas *canvas);
 typedef void sl_atlas_shader(void *context, unsigned worker, size_t count, const uint32_t *triangle,
                              const float *w1, const float *w2, float *r, float *g, float *b);
 
-/* Workers are below sl_thread_count(threads). What is not finite becomes 0. Texels beyond those with a
- * surface point are filled from covered 8-neighbours, two rings. */
+/* Workers are below sl_thread_count(threads). What is not finite becomes 0. */
 sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, unsigned threads,
                         sl_atlas_shader *shader, void *context, sl_error *error);
 /* Irradiance from the octree's lights, on the shading normal turned to the side. */
@@ -60,9 +50,6 @@ sl_status sl_atlas_bake_octree(sl_atlas_canvas *canvas, sl_atlas_side side, cons
                                const sl_octree_shading *shading, unsigned threads, sl_counters *counters,
                                sl_error *error);
 
-/* apply.c: the map of each triangle; slivers have their centre's texel everywhere. */
-sl_status sl_atlas_maps_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads,
-                               sl_atlas_map **maps, sl_error *error);
 /* Irradiance times kd / pi at the pixels of a G-buffer, bilinear, one look-up each; background, mirrors and
  * sides that were never filled are 0. */
 sl_status sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_gbuffer *gbuffer, const sl_scene *scene,

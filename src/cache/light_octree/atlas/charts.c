@@ -1,259 +1,235 @@
-/* Which faces go together (Sander et al. 2003): charts grow from seeds, new seeds are planted in the middle
- * of the charts, charts grow anew, until the seeds stay where they are. How many seeds: one a connected part
- * to begin with, one more in every place that no chart may reach without bending too far. Connected parts are
- * independent, so they are done in parallel. */
+/* Which faces go together: from the largest face that is left a chart grows over its neighbours as long as
+ * they turn no farther from its plane than the limit, first from the face's own plane, then once more from
+ * the mean of what that found. Projected onto it, two faces of a chart may still overlap, as on a winding
+ * ramp: the later ones leave, and grow charts of their own. */
 #include "cache/light_octree/atlas/parts.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "base/parallel.h"
-#include "cache/light_octree/atlas/refine.h"
 
-enum { ROUNDS = 20 };
+/* Of so many turns within a quarter the one with the smallest box is taken. */
+enum { TURNS = 16 };
 
-/* ---- connected parts ---- */
+typedef struct ranked_face {
+    double area;
+    uint32_t face;
+} ranked_face;
 
-typedef struct part_list {
-    size_t count;
-    size_t *first;          /* count + 1 */
-    uint32_t *face;         /* part by part, ascending */
-    uint32_t *of_face;
-} part_list;
-
-static void release_parts(part_list *p) {
-    sl_free(p->first);
-    sl_free(p->face);
-    sl_free(p->of_face);
-}
-
-static bool connected_parts(const sl_atlas_faces *f, part_list *p) {
-    *p = (part_list){0};
-    uint32_t *stack = sl_allocate(f->count, sizeof *stack);
-    p->of_face = sl_allocate(f->count, sizeof *p->of_face);
-    p->face = sl_allocate(f->count, sizeof *p->face);
-    p->first = sl_allocate(f->count + 2, sizeof *p->first);
-    bool good = stack && p->of_face && p->face && p->first;
-    if (good) memset(p->of_face, 0xff, f->count * sizeof *p->of_face);
-    for (uint32_t start = 0; good && start < f->count; start++) {
-        if (p->of_face[start] != SL_NO_INDEX) continue;
-        uint32_t id = (uint32_t)p->count++;
-        size_t depth = 0;
-        stack[depth++] = start;
-        p->of_face[start] = id;
-        while (depth) {
-            uint32_t face = stack[--depth];
-            for (size_t h = 3 * (size_t)face; h < 3 * (size_t)face + 3; h++) {
-                if (f->opposite[h] == SL_NO_INDEX || p->of_face[f->opposite[h] / 3] != SL_NO_INDEX) continue;
-                p->of_face[f->opposite[h] / 3] = id;
-                stack[depth++] = f->opposite[h] / 3;
-            }
-        }
-    }
-    sl_free(stack);
-    if (!good) return false;
-    for (size_t i = 0; i < f->count; i++) p->first[p->of_face[i] + 2]++;
-    for (size_t c = 2; c < p->count + 2; c++) p->first[c] += p->first[c - 1];
-    for (uint32_t i = 0; i < f->count; i++) p->face[p->first[p->of_face[i] + 1]++] = i;
-    return true;
-}
-
-/* ---- the charts of one part ---- */
-
-typedef struct planting {
+typedef struct growing {
     const sl_atlas_faces *faces;
-    const part_list *parts;
+    sl_atlas_charts *charts;
     double cos_bend;
-    uint32_t *chart;        /* of each face, counted from 0 in each part */
-    double *cost;
-    size_t *chart_count;    /* of each part */
-    bool *failed;           /* of each part */
-} planting;
+    size_t listed;          /* of charts->face */
+    ranked_face *order;
+} growing;
 
-typedef struct seed_bed {
-    sl_atlas_seed *seed;
-    uint32_t *centre, *left, *stack; /* as many as there are faces */
-    sl_vec3d *normal;
-    size_t count;
-} seed_bed;
+static int by_area(const void *x, const void *y) {
+    const ranked_face *a = x, *b = y;
+    if (a->area != b->area) return a->area > b->area ? -1 : 1;
+    return (a->face > b->face) - (a->face < b->face);
+}
 
-/* Gives each connected region of the unclaimed faces a number from bed->count on; returns the number of
- * regions. */
-static size_t number_unclaimed(const sl_atlas_region *r, const seed_bed *bed, size_t left_count) {
-    size_t regions = 0;
-    for (size_t i = 0; i < left_count; i++) {
-        if (r->chart[bed->left[i]] != SL_NO_INDEX) continue;
-        uint32_t id = (uint32_t)(bed->count + regions++);
-        size_t depth = 0;
-        bed->stack[depth++] = bed->left[i];
-        r->chart[bed->left[i]] = id;
-        while (depth) {
-            uint32_t face = bed->stack[--depth];
-            for (size_t h = 3 * (size_t)face; h < 3 * (size_t)face + 3; h++) {
-                uint32_t opposite = r->faces->opposite[h];
-                if (opposite == SL_NO_INDEX || r->member[opposite / 3] != r->id ||
-                    r->chart[opposite / 3] != SL_NO_INDEX)
-                    continue;
-                r->chart[opposite / 3] = id;
-                bed->stack[depth++] = opposite / 3;
-            }
+/* ---- growing ---- */
+
+/* Slivers, which have no normal, go with everything. */
+static bool agrees(const growing *g, sl_vec3d axis, uint32_t face) {
+    sl_vec3d n = g->faces->normal[face];
+    return sl_dotd(n, n) == 0.0 || sl_dotd(axis, axis) == 0.0 || sl_dotd(n, axis) >= g->cos_bend;
+}
+
+static void claim(growing *g, uint32_t id, uint32_t face) {
+    g->charts->of_face[face] = id;
+    g->charts->face[g->listed++] = face;
+}
+
+/* Claims what is connected to the seed, nearest first. Returns the mean normal, by area, or 0. */
+static sl_vec3d spread(growing *g, uint32_t id, uint32_t seed, sl_vec3d axis) {
+    const uint32_t *face = g->charts->face;
+    sl_vec3d sum = {0.0, 0.0, 0.0};
+    size_t next = g->listed;
+    claim(g, id, seed);
+    for (; next < g->listed; next++) {
+        sum = sl_addd(sum, sl_scaled(g->faces->normal[face[next]], g->faces->area[face[next]]));
+        for (uint32_t h = 3 * face[next]; h < 3 * face[next] + 3; h++) {
+            uint32_t opposite = g->faces->opposite[h];
+            if (opposite == SL_NO_INDEX || g->charts->of_face[opposite / 3] != SL_NO_INDEX) continue;
+            if (agrees(g, axis, opposite / 3)) claim(g, id, opposite / 3);
         }
     }
-    return regions;
+    double length = sl_lengthd(sum);
+    return length > 0.0 ? sl_scaled(sum, 1.0 / length) : sl_v3d(0.0, 0.0, 0.0);
 }
 
-/* Plants a seed in the middle of every region that nothing claimed and lets it grow, until all is claimed. */
-static bool claim_the_rest(sl_atlas_region *r, seed_bed *bed, double cos_bend) {
-    for (;;) {
-        size_t left_count = 0;
-        for (size_t i = 0; i < r->count; i++)
-            if (r->chart[r->face[i]] == SL_NO_INDEX) bed->left[left_count++] = r->face[i];
-        if (!left_count) return true;
-        size_t regions = number_unclaimed(r, bed, left_count);
-        sl_atlas_region rest = *r;
-        rest.face = bed->left;
-        rest.count = left_count;
-        bool good = sl_atlas_centres(&rest, bed->count + regions, bed->centre);
-        for (size_t i = 0; i < left_count; i++) r->chart[bed->left[i]] = SL_NO_INDEX;
-        for (size_t i = bed->count; i < bed->count + regions; i++)
-            bed->seed[i] = (sl_atlas_seed){bed->centre[i], {0.0, 0.0, 0.0}};
-        r->queue = rest.queue;
-        if (!good || !sl_atlas_grow(r, bed->seed, bed->count, bed->count + regions, cos_bend)) return false;
-        bed->count += regions;
+static void unclaim(growing *g, size_t first) {
+    for (size_t i = first; i < g->listed; i++) g->charts->of_face[g->charts->face[i]] = SL_NO_INDEX;
+    g->listed = first;
+}
+
+/* Returns the normal of the chart's plane. */
+static sl_vec3d grow(growing *g, uint32_t id, uint32_t seed) {
+    size_t first = g->listed;
+    sl_vec3d axis = g->faces->normal[seed], mean = spread(g, id, seed, axis);
+    if (sl_dotd(mean, mean) > 0.0 && agrees(g, mean, seed)) {
+        unclaim(g, first);
+        spread(g, id, seed, mean);
+        axis = mean;
+    }
+    return sl_dotd(axis, axis) > 0.0 ? axis : sl_v3d(0.0, 0.0, 1.0);
+}
+
+/* ---- the plane ---- */
+
+typedef struct extent {
+    double low[2], high[2];
+} extent;
+
+static extent extent_of(const growing *g, const sl_atlas_plane *p) {
+    extent e = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+    for (size_t c = 3 * p->first; c < 3 * (p->first + p->count); c++) {
+        sl_vec3d at =
+            sl_subd(sl_atlas_corner(g->faces, 3 * (size_t)g->charts->face[c / 3] + c % 3), p->origin);
+        const double xy[2] = {sl_dotd(at, p->right), sl_dotd(at, p->up)};
+        for (int k = 0; k < 2; k++) {
+            e.low[k] = fmin(e.low[k], xy[k]);
+            e.high[k] = fmax(e.high[k], xy[k]);
+        }
+    }
+    return e;
+}
+
+/* Along the longest edge of the chart's border; boxes and rooms are laid straight by it. */
+static sl_vec3d longest_border(const growing *g, const sl_atlas_plane *p, sl_vec3d axis) {
+    sl_vec3d best = {0.0, 0.0, 0.0};
+    for (size_t c = 3 * p->first; c < 3 * (p->first + p->count); c++) {
+        uint32_t h = 3 * g->charts->face[c / 3] + (uint32_t)(c % 3), opposite = g->faces->opposite[h];
+        if (opposite != SL_NO_INDEX && g->charts->of_face[opposite / 3] == g->charts->of_face[h / 3])
+            continue;
+        sl_vec3d e = sl_subd(sl_atlas_corner(g->faces, sl_atlas_next(h)), sl_atlas_corner(g->faces, h));
+        e = sl_subd(e, sl_scaled(axis, sl_dotd(e, axis)));
+        if (sl_dotd(e, e) > sl_dotd(best, best)) best = e;
+    }
+    double length = sl_lengthd(best);
+    if (length > 0.0) return sl_scaled(best, 1.0 / length);
+    return sl_to_double(sl_frame_from_normal(sl_to_float(axis)).x);
+}
+
+/* Turns the plane's axes so that the chart's box is small, its longer side along `right`. */
+static void lay_out(const growing *g, sl_atlas_plane *p, sl_vec3d axis) {
+    p->origin = sl_atlas_corner(g->faces, 3 * (size_t)g->charts->face[p->first]);
+    sl_vec3d x = longest_border(g, p, axis), y = sl_crossd(axis, x);
+    double least = HUGE_VAL;
+    sl_atlas_plane best = *p;
+    extent box = {{0.0, 0.0}, {0.0, 0.0}};
+    for (int turn = 0; turn < 2 * TURNS; turn++) {
+        double angle = 0.5 * SL_PI * turn / TURNS, c = sl_cos(angle), s = sl_sin(angle);
+        p->right = sl_addd(sl_scaled(x, c), sl_scaled(y, s));
+        p->up = sl_subd(sl_scaled(y, c), sl_scaled(x, s));
+        extent e = extent_of(g, p);
+        double width = e.high[0] - e.low[0], height = e.high[1] - e.low[1];
+        if (height > width || !(width * height < least)) continue;
+        least = width * height;
+        best = *p;
+        box = e;
+    }
+    *p = best;
+    p->width = box.high[0] - box.low[0];
+    p->height = box.high[1] - box.low[1];
+    p->origin = sl_addd(p->origin, sl_addd(sl_scaled(p->right, box.low[0]), sl_scaled(p->up, box.low[1])));
+}
+
+/* ---- overlaps ---- */
+
+/* What is far finer than a texel may be rounded. */
+static const double grid = 0x1p27;
+
+static void snap(const growing *g, const sl_atlas_plane *p, uint32_t face, int64_t corner[6]) {
+    double scale = grid / fmax(p->width, p->height);
+    for (size_t k = 0; k < 3; k++) {
+        sl_vec3d at = sl_subd(sl_atlas_corner(g->faces, 3 * (size_t)face + k), p->origin);
+        corner[2 * k] = (int64_t)floor(sl_dotd(at, p->right) * scale + 0.5);
+        corner[2 * k + 1] = (int64_t)floor(sl_dotd(at, p->up) * scale + 0.5);
     }
 }
 
-/* Seeds move to the middle of their charts and learn their charts' normals; returns whether any moved. */
-static bool replant(const sl_atlas_region *r, seed_bed *bed) {
-    bool moved = false;
-    for (size_t c = 0; c < bed->count; c++) bed->normal[c] = sl_v3d(0.0, 0.0, 0.0);
-    for (size_t i = 0; i < r->count; i++) {
-        uint32_t face = r->face[i], c = r->chart[face];
-        bed->normal[c] = sl_addd(bed->normal[c], sl_scaled(r->faces->normal[face], r->faces->area[face]));
+/* Removes faces that overlap earlier ones, never the first. Slivers cover nothing. False: no memory. */
+static bool drop_overlaps(growing *g, sl_atlas_plane *p) {
+    uint32_t *face = g->charts->face + p->first;
+    size_t count = 0, kept = 0;
+    if (p->count == 1 || !(p->width > 0.0)) return true;
+    int64_t *corner = sl_allocate(p->count, 6 * sizeof *corner);
+    uint8_t *bad = sl_allocate(p->count, sizeof *bad);
+    bool good = corner && bad;
+    for (size_t i = 0; good && i < p->count; i++) {
+        if (sl_dotd(g->faces->normal[face[i]], g->faces->normal[face[i]]) > 0.0)
+            snap(g, p, face[i], corner + 6 * count++);
     }
-    for (size_t c = 0; c < bed->count; c++) {
-        double length = sl_lengthd(bed->normal[c]);
-        if (bed->seed[c].face != bed->centre[c]) moved = true;
-        bed->seed[c].face = bed->centre[c];
-        bed->seed[c].normal = length > 0.0 ? sl_scaled(bed->normal[c], 1.0 / length) : sl_v3d(0.0, 0.0, 0.0);
+    good = good && sl_atlas_overlap(corner, count, bad);
+    for (size_t i = 0, at = 0; good && i < p->count; i++) {
+        bool sliver = sl_dotd(g->faces->normal[face[i]], g->faces->normal[face[i]]) == 0.0;
+        if (i == 0 || sliver || !bad[at]) face[kept++] = face[i];
+        else g->charts->of_face[face[i]] = SL_NO_INDEX;
+        at += !sliver;
     }
-    return moved;
-}
-
-static bool grow_part(const planting *p, sl_atlas_region *r, seed_bed *bed) {
-    for (size_t i = 0; i < r->count; i++) r->chart[r->face[i]] = SL_NO_INDEX;
-    for (int round = 0; round < ROUNDS; round++) {
-        for (size_t i = 0; i < r->count; i++) r->chart[r->face[i]] = SL_NO_INDEX;
-        if (bed->count && !sl_atlas_grow(r, bed->seed, 0, bed->count, p->cos_bend)) return false;
-        if (!claim_the_rest(r, bed, p->cos_bend)) return false;
-        if (bed->count == r->count) return true;
-        if (!sl_atlas_centres(r, bed->count, bed->centre)) return false;
-        if (!replant(r, bed)) return true;
+    if (good) {
+        p->count = kept;
+        g->listed = p->first + kept;
     }
-    return true;
-}
-
-static void plant_part(void *context, size_t part, unsigned worker) {
-    const planting *p = context;
-    (void)worker;
-    size_t first = p->parts->first[part], count = p->parts->first[part + 1] - first;
-    sl_atlas_region r = {.faces = p->faces,
-                         .member = p->parts->of_face,
-                         .id = (uint32_t)part,
-                         .face = p->parts->face + first,
-                         .count = count,
-                         .chart = p->chart,
-                         .cost = p->cost};
-    seed_bed bed = {sl_allocate(count, sizeof *bed.seed),   sl_allocate(count, sizeof *bed.centre),
-                    sl_allocate(count, sizeof *bed.left),   sl_allocate(count, sizeof *bed.stack),
-                    sl_allocate(count, sizeof *bed.normal), 0};
-    p->failed[part] =
-        !bed.seed || !bed.centre || !bed.left || !bed.stack || !bed.normal || !grow_part(p, &r, &bed);
-    p->chart_count[part] = bed.count;
-    sl_free(bed.seed);
-    sl_free(bed.centre);
-    sl_free(bed.left);
-    sl_free(bed.stack);
-    sl_free(bed.normal);
-    sl_free(r.queue.entry);
+    sl_free(corner);
+    sl_free(bad);
+    return good;
 }
 
 /* ---- all charts ---- */
 
-static bool allocate_charts(sl_atlas_charts *c, size_t faces, size_t count) {
-    c->count = count;
-    c->capacity = faces;
-    c->chart = sl_allocate(faces, sizeof *c->chart);
-    c->face = sl_allocate(faces, sizeof *c->face);
-    c->of_face = sl_allocate(faces, sizeof *c->of_face);
-    c->corner = sl_allocate(faces, 6 * sizeof *c->corner);
-    return c->chart && c->face && c->of_face && c->corner;
+/* A round over all faces; those that leave their charts are the next one's. */
+static bool grow_round(growing *g, bool *left) {
+    *left = false;
+    for (size_t i = 0; i < g->faces->count; i++) {
+        uint32_t seed = g->order[i].face;
+        if (g->charts->of_face[seed] != SL_NO_INDEX) continue;
+        uint32_t id = (uint32_t)g->charts->count++;
+        sl_atlas_plane *p = &g->charts->plane[id];
+        *p = (sl_atlas_plane){.first = g->listed};
+        sl_vec3d axis = grow(g, id, seed);
+        size_t grown = p->count = g->listed - p->first;
+        lay_out(g, p, axis);
+        if (!drop_overlaps(g, p)) return false;
+        *left = *left || p->count < grown;
+        if (p->count < grown) lay_out(g, p, axis);
+    }
+    return true;
 }
 
-/* Numbers the charts through all parts and lists their faces. */
-static bool collect(const planting *p, sl_atlas_charts *charts) {
-    size_t count = 0, parts = p->parts->count;
-    size_t *offset = sl_allocate(parts, sizeof *offset);
-    if (!offset) return false;
-    for (size_t i = 0; i < parts; i++) {
-        offset[i] = count;
-        count += p->chart_count[i];
+sl_status sl_atlas_charts_create(const sl_atlas_faces *faces, double bend, sl_atlas_charts *charts,
+                                 sl_error *error) {
+    size_t count = faces->count;
+    *charts = (sl_atlas_charts){.plane = sl_allocate(count, sizeof *charts->plane),
+                                .face = sl_allocate(count, sizeof *charts->face),
+                                .of_face = sl_allocate(count, sizeof *charts->of_face)};
+    growing g = {.faces = faces,
+                 .charts = charts,
+                 .cos_bend = sl_cos(bend),
+                 .order = sl_allocate(count, sizeof *g.order)};
+    bool good = charts->plane && charts->face && charts->of_face && g.order, left = true;
+    for (uint32_t f = 0; good && f < count; f++) {
+        g.order[f] = (ranked_face){faces->area[f], f};
+        charts->of_face[f] = SL_NO_INDEX;
     }
-    bool good = allocate_charts(charts, p->faces->count, count);
-    for (size_t f = 0; good && f < p->faces->count; f++)
-        charts->of_face[f] = (uint32_t)offset[p->parts->of_face[f]] + p->chart[f];
-    if (good) sl_atlas_charts_list(charts, p->faces);
-    sl_free(offset);
-    return good;
-}
-
-void sl_atlas_charts_list(sl_atlas_charts *charts, const sl_atlas_faces *faces) {
-    size_t at = 0;
-    for (size_t c = 0; c < charts->count; c++) charts->chart[c] = (sl_atlas_chart){0};
-    for (size_t f = 0; f < faces->count; f++) charts->chart[charts->of_face[f]].count++;
-    for (size_t c = 0; c < charts->count; c++) {
-        charts->chart[c].first = at;
-        at += charts->chart[c].count;
-        charts->chart[c].count = 0;
-    }
-    for (uint32_t f = 0; f < faces->count; f++) {
-        sl_atlas_chart *c = &charts->chart[charts->of_face[f]];
-        charts->face[c->first + c->count++] = f;
-        c->area += faces->area[f];
-    }
-}
-
-sl_status sl_atlas_charts_create(const sl_atlas_faces *faces, double bend, unsigned threads,
-                                 sl_atlas_charts *charts, sl_error *error) {
-    part_list parts;
-    *charts = (sl_atlas_charts){0};
-    planting p = {.faces = faces, .parts = &parts, .cos_bend = sl_cos(bend)};
-    bool good = connected_parts(faces, &parts);
-    p.chart = sl_allocate(faces->count, sizeof *p.chart);
-    p.cost = sl_allocate(faces->count, sizeof *p.cost);
-    p.chart_count = sl_allocate(parts.count, sizeof *p.chart_count);
-    p.failed = sl_allocate(parts.count, sizeof *p.failed);
-    good = good && p.chart && p.cost && p.chart_count && p.failed;
-    if (good) sl_parallel_for(threads, parts.count, plant_part, &p);
-    for (size_t i = 0; good && i < parts.count; i++) good = !p.failed[i];
-    good = good && collect(&p, charts);
-    release_parts(&parts);
-    sl_free(p.chart);
-    sl_free(p.cost);
-    sl_free(p.chart_count);
-    sl_free(p.failed);
-    sl_status status = good ? sl_atlas_charts_refine(charts, faces, p.cos_bend, threads, error)
-                            : sl_fail_memory(error, "an atlas's charts");
-    if (status != SL_OK) sl_atlas_charts_release(charts);
-    return status;
+    if (good) qsort(g.order, count, sizeof *g.order, by_area);
+    while (good && left) good = grow_round(&g, &left);
+    sl_free(g.order);
+    if (good) return SL_OK;
+    sl_atlas_charts_release(charts);
+    return sl_fail_memory(error, "an atlas's charts");
 }
 
 void sl_atlas_charts_release(sl_atlas_charts *c) {
-    sl_free(c->chart);
+    sl_free(c->plane);
     sl_free(c->face);
     sl_free(c->of_face);
-    sl_free(c->corner);
     *c = (sl_atlas_charts){0};
 }

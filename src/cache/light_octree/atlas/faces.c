@@ -1,7 +1,6 @@
 /* Which faces share an edge. A scene's vertices are split by normal and texture coordinates, so it is
  * positions that say which corners meet: equal bits, equal point. Along an edge of two faces that run
- * opposite ways these are glued; where more meet, pairs that run opposite ways are glued, the flattest first;
- * all else is a border. */
+ * opposite ways these are glued; where more meet, the flattest such pairs; all else is a border. */
 #include "cache/light_octree/atlas/parts.h"
 
 #include <stdlib.h>
@@ -97,8 +96,7 @@ static void glue(sl_atlas_faces *f, uint32_t a, uint32_t b) {
     f->opposite[b] = a;
 }
 
-/* More than two faces at one edge: the flattest pair of those that run opposite ways, then the flattest of
- * the rest. */
+/* Glues the flattest pair of faces at an edge that run opposite ways, then the flattest of the rest. */
 static void glue_flattest(sl_atlas_faces *f, const half_edge *e, size_t count) {
     enum { MOST = 64 }; /* a fan of more pages than this stays open */
     if (count > MOST) return;
@@ -119,6 +117,7 @@ static void glue_flattest(sl_atlas_faces *f, const half_edge *e, size_t count) {
     }
 }
 
+/* Glues all half-edges. False: no memory. */
 static bool glue_all(sl_atlas_faces *f, size_t points) {
     size_t count = 3 * f->count;
     half_edge *sorted = sorted_half_edges(f, points);
@@ -128,10 +127,7 @@ static bool glue_all(sl_atlas_faces *f, size_t points) {
         for (end = i + 1;
              end < count && sorted[end].low == sorted[i].low && sorted[end].high == sorted[i].high;)
             end++;
-        uint32_t a = sorted[i].index, b = sorted[end - 1].index;
-        if (end - i == 2 && f->point[a] != f->point[b] && sl_dotd(f->normal[a / 3], f->normal[b / 3]) > FOLD)
-            glue(f, a, b);
-        if (end - i > 2) glue_flattest(f, sorted + i, end - i);
+        if (end - i > 1) glue_flattest(f, sorted + i, end - i);
     }
     sl_free(sorted);
     return true;
@@ -151,7 +147,6 @@ static void measure(sl_atlas_faces *f, uint32_t face) {
     double twice = sl_lengthd(n);
     f->area[face] = 0.5 * twice;
     f->normal[face] = twice > SLIVER * longest * longest ? sl_scaled(n, 1.0 / twice) : sl_v3d(0.0, 0.0, 0.0);
-    f->centre[face] = sl_scaled(sl_addd(sl_addd(p[0], p[1]), p[2]), 1.0 / 3.0);
 }
 
 sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_error *error) {
@@ -160,11 +155,10 @@ sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_err
     f->point = sl_allocate(3 * count, sizeof *f->point);
     f->opposite = sl_allocate(3 * count, sizeof *f->opposite);
     f->normal = sl_allocate(count, sizeof *f->normal);
-    f->centre = sl_allocate(count, sizeof *f->centre);
     f->area = sl_allocate(count, sizeof *f->area);
     uint32_t *first_at = sl_allocate(scene->vertex_count, sizeof *first_at);
     bool good =
-        f->point && f->opposite && f->normal && f->centre && f->area && first_at && weld(scene, first_at);
+        f->point && f->opposite && f->normal && f->area && first_at && weld(scene, first_at);
     if (good) {
         for (size_t c = 0; c < 3 * count; c++) f->point[c] = first_at[scene->vertex[c % 3][c / 3]];
         for (uint32_t face = 0; face < count; face++) measure(f, face);
@@ -180,7 +174,6 @@ void sl_atlas_faces_release(sl_atlas_faces *f) {
     sl_free(f->point);
     sl_free(f->opposite);
     sl_free(f->normal);
-    sl_free(f->centre);
     sl_free(f->area);
     *f = (sl_atlas_faces){0};
 }

@@ -108,9 +108,9 @@ static void test_cell(const grid *g, const int64_t *corner, const box *boxes, si
         }
 }
 
-size_t sl_atlas_overlap(const int64_t *corner, size_t count, uint8_t *bad) {
+bool sl_atlas_overlap(const int64_t *corner, size_t count, uint8_t *bad) {
     grid g = {{0}, {0}, 0, NULL, NULL};
-    if (!count) return 0;
+    if (!count) return true;
     box *boxes = sl_allocate(count, sizeof *boxes);
     for (size_t i = 0; boxes && i < count; i++) {
         boxes[i] = box_of(corner + 6 * i);
@@ -119,10 +119,8 @@ size_t sl_atlas_overlap(const int64_t *corner, size_t count, uint8_t *bad) {
     bool good = boxes && (count == 1 || fill_grid(&g, boxes, count));
     if (good && count > 1)
         for (size_t c = 0; c < g.side * g.side; c++) test_cell(&g, corner, boxes, c, bad);
-    size_t found = 0;
-    for (size_t i = 0; good && i < count; i++) found += bad[i];
     sl_free(boxes);
     sl_free(g.first);
     sl_free(g.triangle);
-    return good ? found : SIZE_MAX;
+    return good;
 }

@@ -1,0 +1,298 @@
+/* The method: what it holds, from its creation to its end, and what edits leave of that. */
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/light_octree/state.h"
+#include "cache/light_octree/explanation.h"
+
+#include <string.h>
+
+enum { DIRECT_ROWS = 64 /* an update's */ };
+
+/* How far the sky in the octree may rise above its own mean. */
+static const double sky_contrast = 10.0;
+
+/* ---- what there is, and its end ---- */
+
+void sl_octree_forget_level(sl_octree_level *level) {
+    sl_voxel_texture_destroy(level->texture);
+    sl_voxel_lights_destroy(level->lights);
+    sl_octree_destroy(level->octree);
+    *level = (sl_octree_level){NULL, NULL, NULL};
+}
+
+static void forget_light(sl_octree_state *s) {
+    sl_octree_forget_level(&s->next);
+    sl_octree_forget_level(&s->shown);
+    sl_photon_tree_destroy(s->tree);
+    sl_photon_list_destroy(s->photons);
+    sl_direct_destroy(s->direct);
+    sl_environment_release(&s->sky);
+    sl_environment_release(&s->sun);
+    s->tree = NULL;
+    s->photons = NULL;
+    s->direct = NULL;
+    sl_cube_map_destroy(s->cube);
+    s->cube = NULL;
+}
+
+static void forget_geometry(sl_octree_state *s) {
+    sl_lit_atlas_destroy(s->atlas);
+    s->atlas = NULL;
+    sl_tracer_destroy(s->tracer);
+    sl_raster_destroy(s->raster);
+    s->tracer = NULL;
+    s->raster = NULL;
+}
+
+static void octree_destroy(void *state) {
+    sl_octree_state *s = state;
+    if (!s) return;
+    forget_light(s);
+    forget_geometry(s);
+    sl_reflections_destroy(s->reflections);
+    sl_gbuffer_destroy(s->gbuffer);
+    sl_free(s->planes);
+    sl_free(s);
+}
+
+static sl_status make_geometry(sl_octree_state *s, sl_error *error) {
+    sl_status status = sl_raster_create(s->scene, s->settings.threads, &s->raster, error);
+    bool rays = s->plan.photons || (s->plan.mirrors && !s->settings.light_octree.environment_mirrors);
+    if (status == SL_OK && rays)
+        status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->tracer, error);
+    return status;
+}
+
+static sl_status make_light(sl_octree_state *s, sl_error *error) {
+    sl_status status = SL_OK;
+    bool cube = !s->cube && s->plan.mirrors && s->settings.light_octree.environment_mirrors &&
+                s->scene->environment.present;
+    if (cube) status = sl_environment_cube(&s->scene->environment, s->settings.threads, &s->cube, error);
+    if (status != SL_OK || !s->plan.direct) return status;
+    const sl_environment *sampled = s->plan.environment ? &s->scene->environment : NULL;
+    if (s->plan.sky) {
+        status = sl_environment_split(&s->scene->environment, sky_contrast, &s->sky, &s->sun, error);
+        sampled = s->sun.present ? &s->sun : NULL;
+    }
+    if (status != SL_OK) return status;
+    sl_direct_settings direct = {.light_samples = s->settings.spp,
+                                 .seed = s->settings.seed,
+                                 .threads = s->settings.threads,
+                                 .sun = sampled};
+    return sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
+}
+
+static sl_status octree_create(const sl_scene *scene, const sl_settings *settings,
+                               const sl_transport *transport, void **state, sl_error *error) {
+    (void)transport; /* its own: sl_octree_transport() */
+    sl_octree_state *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "the light octree");
+    s->scene = scene;
+    s->settings = *settings;
+    s->announcer =
+        (sl_announcer){.observer = settings->observer, .method = "light-octree", .counters = &s->counters};
+    s->plan = sl_octree_plan_make(scene, settings);
+    s->planes = sl_allocate(SL_OCTREE_PLANES * sl_octree_state_pixels(s), sizeof *s->planes);
+    sl_status status = s->planes ? sl_gbuffer_create(settings->width, settings->height, &s->gbuffer, error)
+                                 : sl_fail_memory(error, "the picture");
+    if (status == SL_OK) status = make_geometry(s, error);
+    if (status == SL_OK) status = make_light(s, error);
+    if (status != SL_OK) {
+        octree_destroy(s);
+        return status;
+    }
+    for (size_t k = 0; k < 3; k++) {
+        s->direct_light[k] = s->planes + k * sl_octree_state_pixels(s);
+        s->indirect_light[k] = s->planes + (3 + k) * sl_octree_state_pixels(s);
+    }
+    *state = s;
+    return SL_OK;
+}
+
+/* ---- settings of the parts ---- */
+
+sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o, double radius) {
+    return (sl_voxel_light_options){.neighbours = (size_t)o->neighbours,
+                                    .radius = radius,
+                                    .flatness = o->flatness,
+                                    .acceptance = o->acceptance,
+                                    .area = o->area,
+                                    .lobes = o->lobes,
+                                    .lights = o->lights,
+                                    .unit_weights = o->unit_weights,
+                                    .own_photons = o->own_photons,
+                                    .split_by_normal = !o->whole_voxels && !o->own_photons,
+                                    .estimated_radius = !o->fixed_neighbours};
+}
+
+/* A whole voxel's normal is the mean of what is in it: to weigh by it does harm. */
+sl_octree_shading sl_octree_shading_of(const sl_light_octree_settings *o, const sl_voxel_texture *texture) {
+    bool split = !o->whole_voxels && !o->own_photons;
+    return (sl_octree_shading){.texture = texture,
+                               .filter = o->filter,
+                               .keep_void_dark = o->keep_void_dark,
+                               .facing = split && !o->keep_void_dark};
+}
+
+sl_octree_shading sl_octree_state_shading(const sl_octree_state *s) {
+    return sl_octree_shading_of(&s->settings.light_octree, s->shown.texture);
+}
+
+/* ---- what is seen, and direct light: other passes, beside the octree ---- */
+
+void sl_octree_announce_picture(sl_octree_state *s, const char *name, const char *source,
+                                const float *planes) {
+    sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, 3, planes, true);
+}
+
+sl_status sl_octree_draw_gbuffer(sl_octree_state *s, sl_error *error) {
+    sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    sl_status status =
+        sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
+    sl_reflections_destroy(s->reflections);
+    s->reflections = NULL;
+    if (status == SL_OK && s->plan.mirrors && s->settings.light_octree.environment_mirrors)
+        status = sl_reflect_environment(s->scene, s->cube, s->settings.threads, s->gbuffer, &s->reflections,
+                                        &s->counters, error);
+    else if (status == SL_OK && s->plan.mirrors)
+        status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections,
+                                   &s->counters, error);
+    if (status != SL_OK) return status;
+    sl_announce_gbuffer(&s->announcer, "direct light beside the octree", s->gbuffer);
+    s->lit = false;
+    memset(s->planes, 0, SL_OCTREE_PLANES * sl_octree_state_pixels(s) * sizeof *s->planes);
+    s->direct_row = 0;
+    s->phase = s->plan.direct ? SL_OCTREE_PHASE_DIRECT : SL_OCTREE_PHASE_PHOTONS;
+    return status;
+}
+
+sl_status sl_octree_light_rows(sl_octree_state *s, sl_error *error) {
+    int end =
+        s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
+    sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0],
+                                      s->direct_light[1], s->direct_light[2], &s->counters, error);
+    if (status != SL_OK) return status;
+    s->direct_row = end;
+    if (end < s->settings.height) return status;
+    sl_octree_announce_picture(s, "direct light", "direct light beside the octree", s->direct_light[0]);
+    s->phase = SL_OCTREE_PHASE_PHOTONS;
+    return status;
+}
+
+/* ---- the method ---- */
+
+/* A level has about four times the leaves of the one before. */
+static double levels_done(const sl_octree_state *s, double share) {
+    double all = 1.0;
+    for (int d = s->depth; d < s->settings.light_octree.depth; d++) all *= 0.25;
+    return all * (0.25 + 0.75 * share);
+}
+
+/* Shares of the whole that the phases take, roughly, for the progress bar alone. */
+static double fraction_done(const sl_octree_state *s) {
+    double stored = s->photons ? (double)s->photons->count / (double)s->settings.light_octree.photons : 0.0;
+    switch (s->phase) {
+    case SL_OCTREE_PHASE_GBUFFER: return 0.0;
+    case SL_OCTREE_PHASE_DIRECT: return 0.3 * (double)s->direct_row / (double)s->settings.height;
+    case SL_OCTREE_PHASE_PHOTONS: return 0.3 + 0.2 * (stored < 1.0 ? stored : 1.0);
+    case SL_OCTREE_PHASE_OCTREE: return 0.5 + 0.5 * levels_done(s, 0.0);
+    case SL_OCTREE_PHASE_LIGHTS:
+        return 0.5 + 0.5 * levels_done(s, (double)s->leaf / (double)s->next.octree->leaf_count);
+    case SL_OCTREE_PHASE_SHADE: return 0.5 + 0.5 * levels_done(s, 1.0);
+    case SL_OCTREE_PHASE_DONE: return 1.0;
+    }
+    return 1.0;
+}
+
+static sl_status octree_update(void *state, sl_progress *progress, sl_error *error) {
+    sl_octree_state *s = state;
+    if (!s->raster)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    sl_status status = sl_octree_step(s, error);
+    progress->fraction = fraction_done(s);
+    progress->frame_done = progress->done = s->phase == SL_OCTREE_PHASE_DONE;
+    return status;
+}
+
+static sl_status octree_resolve(void *state, sl_image **image, sl_error *error) {
+    sl_octree_state *s = state;
+    sl_octree_composition parts = {
+        .scene = s->scene,
+        .gbuffer = s->gbuffer,
+        .reflections = s->reflections,
+        .direct = {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
+        .indirect = {s->indirect_light[0], s->indirect_light[1], s->indirect_light[2]},
+        .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
+        .threads = s->settings.threads};
+    sl_status status = sl_octree_compose(&parts, image, error);
+    if (status == SL_OK) status = sl_octree_write_report(s, *image, error);
+    if (status != SL_OK) {
+        sl_image_destroy(*image);
+        *image = NULL;
+    }
+    return status;
+}
+
+/* Photons and voxels do not know the camera. */
+static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
+    sl_octree_state *s = state;
+    sl_status status = SL_OK;
+    s->phase = SL_OCTREE_PHASE_GBUFFER;
+    sl_octree_forget_level(&s->next);
+    bool geometry = (changes & SL_CHANGED_OBJECTS) || !s->raster; /* an earlier edit may have failed */
+    if (geometry || (changes & SL_CHANGED_LIGHTS)) forget_light(s);
+    if (geometry) {
+        forget_geometry(s);
+        status = make_geometry(s, error);
+    }
+    if (status == SL_OK && !s->direct) status = make_light(s, error);
+    if (status != SL_OK) { /* all or nothing: the next edit starts anew */
+        forget_light(s);
+        forget_geometry(s);
+    }
+    return status;
+}
+
+static sl_status octree_explanation(void *state, int x, int y, sl_explanation_writer *writer,
+                                    sl_error *error) {
+    (void)error;
+    const sl_octree_state *s = state;
+    const sl_light_octree_settings *o = &s->settings.light_octree;
+    bool voxels = s->lit && !o->photons_at_pixels;
+    sl_octree_told told = {.scene = s->scene,
+                           .gbuffer = s->gbuffer,
+                           .reflections = s->reflections,
+                           .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
+                           .shading = sl_octree_state_shading(s),
+                           .atlas = s->atlas != NULL,
+                           .otherwise = o->photons_at_pixels
+                                            ? "the photons nearest to the pixel"
+                                            : "lights of voxels that made way for smaller ones"};
+    if (!voxels) told.shading.texture = NULL;
+    sl_octree_tell(&told, (size_t)y * (size_t)s->settings.width + (size_t)x, writer);
+    return SL_OK;
+}
+
+static const sl_counters *octree_counters(const void *state) {
+    return &((const sl_octree_state *)state)->counters;
+}
+
+static size_t octree_memory_bytes(const void *state) { return sl_octree_state_bytes(state); }
+
+const sl_method_class sl_light_octree_method = {
+    .name = "light-octree",
+    .complete = sl_octree_complete,
+    .create = octree_create,
+    .destroy = octree_destroy,
+    .update = octree_update,
+    .resolve = octree_resolve,
+    .edit = octree_edit,
+    .counters = octree_counters,
+    .memory_bytes = octree_memory_bytes,
+    .need = sl_octree_need,
+    .reductions = sl_octree_reductions,
+    .transport = sl_octree_transport,
+    .plan = sl_octree_plan_write,
+    .explanation = octree_explanation,
+    .any_transport = false,
+};
