@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "cache/multi_mesh/coarse_light.h"
+#include "cache/multi_mesh/coarse.h"
 #include "cache/multi_mesh/gather.h"
 #include "cache/patches/mesh.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
@@ -255,12 +255,12 @@ static void studio_open(const mesh_world *w, int depth, studio *s) {
 }
 
 static void light_coarse(studio *s) {
-    size_t count = sl_coarse_vertex_count(s->coarse);
+    size_t count = s->coarse->vertex_count;
     sl_rgb *radiance = sl_allocate(count, sizeof *radiance);
     sl_counters counters = {{0}};
     if (!radiance) bench_fail("memory", NULL);
     double from = mesh_seconds(1);
-    sl_coarse_light_take(s->light, count, sl_coarse_vertices(s->coarse), radiance, &counters);
+    sl_coarse_light_take(s->light, count, s->coarse->vertex, radiance, &counters);
     for (size_t i = 0; i < count; i++) sl_coarse_set(s->coarse, i, radiance[i]);
     sl_coarse_finish(s->coarse, 1);
     s->coarse_seconds = mesh_seconds(1) - from;
@@ -326,7 +326,7 @@ static void table_of_costs(bench_report *r, const bench_options *o, const mesh_w
         bench_row(r, "indirect, %d x %d|%.4f|%.2f|%s|%s", sizes[i], sizes[i], ms, ms / direct,
                   sizes[i] == 256 ? "9" : "", sizes[i] == 256 ? "10" : "");
     }
-    double vertices = (double)sl_coarse_vertex_count(s.coarse), each = 1e3 * s.coarse_seconds / vertices;
+    double vertices = (double)s.coarse->vertex_count, each = 1e3 * s.coarse_seconds / vertices;
     bench_row(r, "a coarse vertex|%.4f|%.2f|1.63|1.8", each, each / direct);
     bench_say(r,
               "\nThe coarse mesh (depth 4): %.0f vertices, %llu samples, %.2f s; the paper: 9,200 in 15 s. "

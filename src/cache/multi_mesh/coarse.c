@@ -1,19 +1,14 @@
 /* The coarse mesh: which faces it has, how finely they are cut, and its vertices, each listed once. */
+#include "cache/multi_mesh/coarse.h"
+
 #include <math.h>
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/coarse_tables.h"
-
-/* Cells in which corners of small faces share a sample: half as wide as edges may be long, and of the
- * diagonal of the scene's central region no more than that. */
-static const double CELL = 0.5, CELL_MOST = 1.0 / 48.0;
-/* Slices may be longer than others by this. */
-static const double STRETCH = 4.0;
 
 /* ---- what is to be sampled ------------------------------------------------------------------- */
 
-/* Can light that leaves this face be seen, and does any leave it? */
+/* Tells whether light that leaves this face can be seen, and any leaves it. */
 static bool is_wanted(const sl_scene *scene, const sl_topology *topology, uint32_t face) {
     uint32_t triangle = face / 2;
     if (topology->degenerate[triangle]) return false;
@@ -21,54 +16,26 @@ static bool is_wanted(const sl_scene *scene, const sl_topology *topology, uint32
     return sl_material_is_diffuse(&scene->materials[scene->material_index[triangle]]);
 }
 
-/* Lengths of edges, k opposite to corner k; the area. */
-static double measure(const sl_scene *scene, uint32_t triangle, double length[3]) {
+static double longest_edge(const sl_scene *scene, uint32_t triangle) {
     sl_vec3d p[3];
+    double longest = 0.0;
     for (int k = 0; k < 3; k++) p[k] = sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle]));
-    for (int k = 0; k < 3; k++) length[k] = sl_lengthd(sl_subd(p[(k + 2) % 3], p[(k + 1) % 3]));
-    return 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
-}
-
-/* Returns the length that a slice across a long face may have. The narrower the face, the less of it is to be
- * seen, and the less it takes in a picture of all the scene if light changes along a slice: slices have the
- * area of other coarse triangles, but are not absurdly long. */
-static double slice_edge(double edge, double longest, double area) {
-    double width = 2.0 * area / longest, longer = width > 0.0 ? sqrt(0.5 * edge / width) : 1.0;
-    return edge * fmin(fmax(longer, 1.0), STRETCH);
-}
-
-/* A face's level by its longest edge, and whether it is enough to slice it: then the far corner becomes the
- * lattice's corner 0. */
-static bool cut(sl_coarse *c, uint32_t face, const sl_coarse_settings *settings) {
-    double length[3], edge = (double)settings->edge;
-    double area = measure(c->scene, face / 2, length);
-    int shortest = length[1] < length[0] ? 1 : 0, level = 0, depth = settings->depth;
-    if (settings->finer && settings->finer[face / 2]) {
-        edge *= SL_COARSE_FINER;
-        depth = depth + 2 < SL_MESH_DEPTH_MAX ? depth + 2 : SL_MESH_DEPTH_MAX;
-    }
-    if (length[2] < length[shortest]) shortest = 2;
-    double longest = length[0] > length[1] ? length[0] : length[1];
-    if (length[2] > longest) longest = length[2];
-    bool sliced = length[shortest] <= edge && 2.0 * length[shortest] < longest;
-    if (sliced) edge = slice_edge(edge, longest, area);
-    for (; level < depth && longest > edge; level++) longest *= 0.5;
-    c->level[face] = (uint8_t)level;
-    sliced = sliced && level > 0;
-    c->turn[face / 2] = (uint8_t)(sliced ? shortest : 0);
-    c->face[face].rows = sliced ? -(1 << level) : 1 << level;
-    return sliced;
+    for (int k = 0; k < 3; k++) longest = fmax(longest, sl_lengthd(sl_subd(p[(k + 1) % 3], p[k])));
+    return longest;
 }
 
 static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
     for (uint32_t face = 0; face < c->topology->face_count; face++) {
+        int level = 0;
         c->level[face] = SL_COARSE_ABSENT;
         c->face[face].rows = 1;
         if (!is_wanted(c->scene, c->topology, face)) continue;
-        bool sliced = cut(c, face, settings);
+        double longest = longest_edge(c->scene, face / 2);
+        for (; level < settings->depth && longest > (double)settings->edge; level++) longest *= 0.5;
+        c->level[face] = (uint8_t)level;
+        c->face[face].rows = 1 << level;
         for (int k = 0; k < 3; k++) {
             uint8_t *along = &c->edge_level[c->topology->edge[k][face]];
-            if (sliced && k == c->turn[face / 2]) continue; /* the short edge stays whole */
             if (c->level[face] > *along) *along = c->level[face];
         }
     }
@@ -76,11 +43,10 @@ static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
 
 /* ---- vertices -------------------------------------------------------------------------------- */
 
-/* The k-th of n equal steps from the first to the second end of the edge opposite to a corner of the lattice;
- * on the edge, steps count from its lower site. */
+/* The k-th of n equal steps from the first to the second end of the edge opposite to a corner; on the edge,
+ * steps count from its lower site. */
 static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int corner, int k, int n) {
     const sl_topology *t = c->topology;
-    corner = (corner + c->turn[face / 2]) % 3;
     uint32_t edge = t->edge[corner][face];
     bool forwards = t->site[(corner + 1) % 3][face] <= t->site[(corner + 2) % 3][face];
     int steps = forwards ? k : n - k, finer = c->edge_level[edge] - c->level[face];
@@ -88,10 +54,10 @@ static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int corner, in
 }
 
 uint32_t sl_coarse_lattice_vertex(const sl_coarse *c, uint32_t face, int i, int j) {
-    int n = sl_coarse_rows(c, face), h = n - i - j, turn = c->turn[face / 2];
-    if (h == n) return c->site_vertex[c->topology->site[turn][face]];
-    if (i == n) return c->site_vertex[c->topology->site[(1 + turn) % 3][face]];
-    if (j == n) return c->site_vertex[c->topology->site[(2 + turn) % 3][face]];
+    int n = c->face[face].rows, h = n - i - j;
+    if (h == n) return c->site_vertex[c->topology->site[0][face]];
+    if (i == n) return c->site_vertex[c->topology->site[1][face]];
+    if (j == n) return c->site_vertex[c->topology->site[2][face]];
     if (h == 0) return vertex_on_edge(c, face, 0, j, n);
     if (i == 0) return vertex_on_edge(c, face, 1, h, n);
     if (j == 0) return vertex_on_edge(c, face, 2, i, n);
@@ -100,7 +66,7 @@ uint32_t sl_coarse_lattice_vertex(const sl_coarse *c, uint32_t face, int i, int 
 
 /* Numbers in the order of first use. An edge's vertices are numbered all at once, by the first of the finest
  * faces along it: coarser ones use every second of them, every fourth, ... */
-static size_t number_vertices(sl_coarse *c, const uint32_t *stand_in) {
+static size_t number_vertices(sl_coarse *c) {
     const sl_topology *t = c->topology;
     size_t count = 0;
     for (size_t s = 0; s < t->site_count; s++) c->site_vertex[s] = SL_NO_INDEX;
@@ -109,59 +75,56 @@ static size_t number_vertices(sl_coarse *c, const uint32_t *stand_in) {
         if (c->level[face] == SL_COARSE_ABSENT) continue;
         size_t n = (size_t)1 << c->level[face];
         for (int k = 0; k < 3; k++) {
-            uint32_t *vertex = &c->site_vertex[stand_in[t->site[k][face]]];
+            uint32_t *vertex = &c->site_vertex[t->site[k][face]];
             if (*vertex == SL_NO_INDEX) *vertex = (uint32_t)count++;
         }
         for (int k = 0; k < 3; k++) {
             uint32_t edge = t->edge[k][face], *vertex = &c->edge_vertex[edge];
             if (c->level[face] < c->edge_level[edge] || *vertex != SL_NO_INDEX) continue;
-            if (sl_coarse_is_sliced(c, face) && k == c->turn[face / 2]) continue;
             *vertex = (uint32_t)count;
             count += n - 1;
         }
         c->inner_vertex[face] = (uint32_t)count;
-        if (!sl_coarse_is_sliced(c, face)) count += (n - 1) * (n - 2) / 2;
+        count += (n - 1) * (n - 2) / 2;
         if (count >= SL_NO_INDEX) return SIZE_MAX;
     }
-    for (size_t s = 0; s < t->site_count; s++) c->site_vertex[s] = c->site_vertex[stand_in[s]];
     return count;
 }
 
-/* The site at a lattice point; SL_NO_INDEX: there is none. */
-static uint32_t site_at(const sl_coarse *c, uint32_t face, int i, int j) {
-    int n = sl_coarse_rows(c, face), turn = c->turn[face / 2];
-    if (i + j == 0) return c->topology->site[turn][face];
-    if (i == n || j == n) return c->topology->site[(turn + (i == n ? 1 : 2)) % 3][face];
-    return SL_NO_INDEX;
+/* Where light is asked for. At a face's rim that is within, half-way to the middle of a coarse triangle:
+ * things meet at rims, and corners there are darker than what lies between them, or stick in the next thing
+ * altogether. Gathers see areas, of which such corners tell nothing (in the cathedral, with coarse triangles
+ * of two metres, a quarter of all light). Weights of 0 grow by a sixth of a coarse triangle's. */
+static void move_within(int rows, sl_coarse_vertex *v) {
+    int weight[3] = {SL_MESH_DYADIC - v->p - v->q, v->p, v->q}, step = SL_MESH_DYADIC / (6 * rows),
+        zeros = 0, sum = 0;
+    for (int k = 0; k < 3; k++) zeros += weight[k] == 0;
+    for (int k = 0; k < 3; k++) sum += weight[k] = weight[k] == 0 ? step : weight[k] - zeros * step / (3 - zeros);
+    int most = weight[1] > weight[0] ? 1 : 0;
+    if (weight[2] > weight[most]) most = 2;
+    weight[most] += SL_MESH_DYADIC - sum; /* halves of odd steps */
+    v->lit_p = (uint16_t)weight[1];
+    v->lit_q = (uint16_t)weight[2];
 }
 
-/* Each vertex by the first of the finest faces that have it; a cluster's where the site is that stands for
- * it. */
-static void place_vertex(sl_coarse *c, const uint32_t *stand_in, uint32_t face, int i, int j) {
+/* Each vertex by the first of the finest faces that have it. */
+static void place_vertex(sl_coarse *c, uint32_t face, int i, int j) {
     sl_coarse_vertex *vertex = &c->vertex[sl_coarse_lattice_vertex(c, face, i, j)];
-    uint32_t site = site_at(c, face, i, j);
-    if (site != SL_NO_INDEX && stand_in[site] != site) return;
     if (vertex->face != SL_NO_INDEX && vertex->depth >= c->level[face]) return;
-    int n = sl_coarse_rows(c, face), step = SL_MESH_DYADIC / n, turn = c->turn[face / 2];
-    const int weight[3] = {n - i - j, i, j}; /* of the lattice's corners */
+    int rows = c->face[face].rows, step = SL_MESH_DYADIC / rows;
     *vertex = (sl_coarse_vertex){.face = face,
-                                 .p = (uint16_t)(weight[(4 - turn) % 3] * step),
-                                 .q = (uint16_t)(weight[(5 - turn) % 3] * step),
+                                 .p = (uint16_t)(i * step),
+                                 .q = (uint16_t)(j * step),
                                  .depth = c->level[face]};
+    move_within(rows, vertex);
 }
 
-static void place_vertices(sl_coarse *c, const uint32_t *stand_in) {
+static void place_vertices(sl_coarse *c) {
     for (size_t v = 0; v < c->vertex_count; v++) c->vertex[v].face = SL_NO_INDEX;
     for (uint32_t face = 0; face < c->topology->face_count; face++) {
-        if (c->level[face] == SL_COARSE_ABSENT) continue;
-        int n = sl_coarse_rows(c, face);
-        for (int i = 0; sl_coarse_is_sliced(c, face) && i <= n; i++) {
-            place_vertex(c, stand_in, face, i, 0);
-            place_vertex(c, stand_in, face, 0, i);
-        }
-        for (int j = 0; !sl_coarse_is_sliced(c, face) && j <= n; j++) {
-            for (int i = 0; i <= n - j; i++) place_vertex(c, stand_in, face, i, j);
-        }
+        int n = c->face[face].rows;
+        for (int j = 0; c->level[face] != SL_COARSE_ABSENT && j <= n; j++)
+            for (int i = 0; i <= n - j; i++) place_vertex(c, face, i, j);
     }
 }
 
@@ -173,7 +136,7 @@ static size_t number_triangles(sl_coarse *c) {
     for (uint32_t face = 0; face < c->topology->face_count; face++) {
         bool absent = c->level[face] == SL_COARSE_ABSENT;
         c->face[face].first = absent ? SL_COARSE_BLACK : (int32_t)count;
-        if (!absent) count += (size_t)sl_coarse_triangles(c, face);
+        if (!absent) count += (size_t)1 << 2 * c->level[face];
         /* kernels index floats by int32_t */
         if (count > (size_t)INT32_MAX / SL_COARSE_FLOATS) return SIZE_MAX;
     }
@@ -195,15 +158,12 @@ static void colour_nothing(sl_coarse *c) {
 static bool allocate_faces(sl_coarse *c) {
     const sl_topology *t = c->topology;
     c->level = sl_allocate(t->face_count, sizeof *c->level);
-    c->turn = sl_allocate(t->face_count / 2, sizeof *c->turn);
     c->edge_level = sl_allocate(t->edge_count, sizeof *c->edge_level);
     c->site_vertex = sl_allocate(t->site_count, sizeof *c->site_vertex);
     c->edge_vertex = sl_allocate(t->edge_count, sizeof *c->edge_vertex);
     c->inner_vertex = sl_allocate(t->face_count, sizeof *c->inner_vertex);
     c->face = sl_allocate(t->face_count + 2, sizeof *c->face);
-    c->block_brightest = sl_allocate(t->face_count / SL_COARSE_BLOCK + 1, sizeof *c->block_brightest);
-    return c->level && c->turn && c->edge_level && c->site_vertex && c->edge_vertex && c->inner_vertex &&
-           c->face && c->block_brightest;
+    return c->level && c->edge_level && c->site_vertex && c->edge_vertex && c->inner_vertex && c->face;
 }
 
 static bool allocate_values(sl_coarse *c) {
@@ -215,23 +175,6 @@ static bool allocate_values(sl_coarse *c) {
     return c->vertex && c->value && c->valid && c->reflectance && c->colour;
 }
 
-static sl_status make_vertices(sl_coarse *c, const sl_coarse_settings *settings, uint32_t *stand_in,
-                               sl_error *error) {
-    double cell =
-        fmin(CELL * (double)settings->edge, CELL_MOST * (double)sl_scene_central_diagonal(c->scene));
-    sl_status status = sl_coarse_cluster(c, cell, stand_in, error);
-    if (status != SL_OK) return status;
-    c->vertex_count = number_vertices(c, stand_in);
-    c->triangle_count = number_triangles(c);
-    if (c->vertex_count == SIZE_MAX || c->triangle_count == SIZE_MAX) {
-        return sl_fail(error, SL_ERROR_RESOURCES,
-                       "the coarse mesh has too many triangles: raise its edge or lower its depth");
-    }
-    if (!allocate_values(c)) return sl_fail_memory(error, "the coarse mesh");
-    place_vertices(c, stand_in);
-    return sl_coarse_leave_borders(c, error);
-}
-
 static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error *error) {
     if (settings->depth < 0 || settings->depth > SL_MESH_DEPTH_MAX || !(settings->edge >= 0.0f)) {
         return sl_fail(error, SL_ERROR_USAGE, "coarse mesh: depth must be 0 to %d and edge not negative",
@@ -239,12 +182,16 @@ static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error
     }
     if (!allocate_faces(c)) return sl_fail_memory(error, "the coarse mesh's faces");
     choose_levels(c, settings);
-    uint32_t *stand_in = sl_allocate(c->topology->site_count, sizeof *stand_in);
-    sl_status status =
-        stand_in ? make_vertices(c, settings, stand_in, error) : sl_fail_memory(error, "the coarse mesh");
-    sl_free(stand_in);
-    if (status == SL_OK) colour_nothing(c);
-    return status;
+    c->vertex_count = number_vertices(c);
+    c->triangle_count = number_triangles(c);
+    if (c->vertex_count == SIZE_MAX || c->triangle_count == SIZE_MAX) {
+        return sl_fail(error, SL_ERROR_RESOURCES,
+                       "the coarse mesh has too many triangles: raise its edge or lower its depth");
+    }
+    if (!allocate_values(c)) return sl_fail_memory(error, "the coarse mesh");
+    place_vertices(c);
+    colour_nothing(c);
+    return SL_OK;
 }
 
 sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology,
@@ -254,7 +201,6 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology,
     if (!c) return sl_fail_memory(error, "the coarse mesh");
     c->scene = scene;
     c->topology = topology;
-    c->edge = settings->edge;
     sl_status status = make(c, settings, error);
     if (status == SL_OK) *coarse = c;
     else sl_coarse_destroy(c);
@@ -263,9 +209,8 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology,
 
 void sl_coarse_destroy(sl_coarse *c) {
     if (!c) return;
-    void *blocks[] = {c->level,        c->turn,   c->edge_level,     c->site_vertex, c->edge_vertex,
-                      c->inner_vertex, c->vertex, c->value,          c->valid,       c->face,
-                      c->reflectance,  c->colour, c->block_brightest};
+    void *blocks[] = {c->level,  c->edge_level, c->site_vertex, c->edge_vertex, c->inner_vertex, c->vertex,
+                      c->value, c->valid,      c->face,        c->reflectance, c->colour};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) sl_free(blocks[k]);
     sl_free(c);
 }
@@ -276,11 +221,7 @@ size_t sl_coarse_memory_bytes(const sl_coarse *c) {
            by_edge = sizeof *c->edge_level + sizeof *c->edge_vertex;
     size_t by_vertex = sizeof *c->vertex + sizeof *c->value + sizeof *c->valid;
     size_t by_triangle = sizeof *c->reflectance + SL_COARSE_FLOATS * sizeof *c->colour;
-    return sizeof *c + t->face_count / 2 * sizeof *c->turn + t->face_count * by_face +
-           t->edge_count * by_edge + t->site_count * sizeof *c->site_vertex + c->vertex_count * by_vertex +
+    return sizeof *c + t->face_count * by_face + t->edge_count * by_edge +
+           t->site_count * sizeof *c->site_vertex + c->vertex_count * by_vertex +
            c->triangle_count * by_triangle;
 }
-
-size_t sl_coarse_vertex_count(const sl_coarse *c) { return c->vertex_count; }
-size_t sl_coarse_triangle_count(const sl_coarse *c) { return c->triangle_count; }
-const sl_coarse_vertex *sl_coarse_vertices(const sl_coarse *c) { return c->vertex; }

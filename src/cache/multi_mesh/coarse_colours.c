@@ -1,7 +1,22 @@
 /* The coarse mesh's colours: what bounces off it, k_d(x') U_dd(x'). The paper's equation (7) lacks k_d(x'),
  * without which no colour would bleed and indirect light would be too bright by 1 / k_d. */
+#include "cache/multi_mesh/coarse.h"
+
+#include <math.h>
+
 #include "base/parallel.h"
-#include "cache/multi_mesh/coarse_tables.h"
+
+enum { FACES_A_TASK = 512 };
+
+/* A coarse triangle of a face: its lattice corners. */
+typedef struct place {
+    int i[3], j[3];
+} place;
+
+static place place_of(int i, int j, int on_head) {
+    if (on_head) return (place){{i + 1, i, i + 1}, {j + 1, j + 1, j}};
+    return (place){{i, i + 1, i}, {j, j, j + 1}};
+}
 
 /* products and sums of N^2 of them stay finite when scaled by weights */
 static const float VALUE_MAX = 1e30f;
@@ -40,10 +55,10 @@ static int samples_along(const sl_scene *scene, uint32_t triangle, int parts) {
 
 /* The mean k_d of a coarse triangle, at the middles of m x m equal triangles, as far as the alpha mask lets
  * one see them. */
-static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const sl_coarse_place *p, int m) {
+static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const place *p, int m) {
     const sl_scene *scene = c->scene;
     uint32_t triangle = face / 2;
-    int rows = sl_coarse_rows(c, face), turn = c->turn[triangle];
+    int rows = c->face[face].rows;
     double r = 0.0, g = 0.0, b = 0.0, count = 0.0;
     for (int s = 0; s < m * m; s++) {
         int j = 0, at = s;
@@ -51,8 +66,7 @@ static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const sl_coars
         double third = at % 2 ? 2.0 / 3.0 : 1.0 / 3.0, x = (at / 2 + third) / m, y = (j + third) / m;
         double u = (p->i[0] + x * (p->i[1] - p->i[0]) + y * (p->i[2] - p->i[0])) / rows;
         double v = (p->j[0] + x * (p->j[1] - p->j[0]) + y * (p->j[2] - p->j[0])) / rows;
-        const double weight[3] = {1.0 - u - v, u, v}; /* of the lattice's corners */
-        float w1 = (float)weight[(4 - turn) % 3], w2 = (float)weight[(5 - turn) % 3];
+        float w1 = (float)u, w2 = (float)v;
         if (!sl_scene_is_opaque(scene, triangle, w1, w2)) continue;
         sl_rgb k = sl_scene_diffuse_nearest(scene, triangle, w1, w2);
         r += (double)k.r;
@@ -67,7 +81,7 @@ static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const sl_coars
 /* ---- colours --------------------------------------------------------------------------------- */
 
 /* U_dd at a coarse triangle's corners; where one has none, the mean of the others. */
-static void corner_values(const sl_coarse *c, uint32_t face, const sl_coarse_place *p, sl_rgb value[3]) {
+static void corner_values(const sl_coarse *c, uint32_t face, const place *p, sl_rgb value[3]) {
     sl_rgb sum = sl_grey(0.0f);
     int valid[3], count = 0;
     for (int k = 0; k < 3; k++) {
@@ -81,21 +95,13 @@ static void corner_values(const sl_coarse *c, uint32_t face, const sl_coarse_pla
     for (int k = 0; k < 3; k++) value[k] = valid[k] ? value[k] : mean;
 }
 
-static sl_rgb brighter(sl_rgb a, sl_rgb b) {
-    return (sl_rgb){a.r > b.r ? a.r : b.r, a.g > b.g ? a.g : b.g, a.b > b.b ? a.b : b.b};
-}
-
-static void finish_triangle(sl_coarse *c, uint32_t face, const sl_coarse_place *p, size_t at, int samples,
-                            sl_rgb *brightest) {
+static void finish_triangle(sl_coarse *c, uint32_t face, const place *p, size_t at, int samples) {
     if (!c->reflectance_known) c->reflectance[at] = mean_reflectance(c, face, p, samples);
     sl_rgb colour[3];
     corner_values(c, face, p, colour);
-    for (int k = 0; k < 3; k++) {
-        colour[k] = sl_rgb_mul(colour[k], c->reflectance[at]);
-        *brightest = brighter(*brightest, colour[k]);
-    }
     float *out = c->colour + at * SL_COARSE_FLOATS;
     for (int k = 0; k < 3; k++) {
+        colour[k] = sl_rgb_mul(colour[k], c->reflectance[at]);
         sl_rgb rgb = k ? sl_rgb_sub(colour[k], colour[0]) : colour[0];
         out[3 * k] = rgb.r;
         out[3 * k + 1] = rgb.g;
@@ -103,65 +109,41 @@ static void finish_triangle(sl_coarse *c, uint32_t face, const sl_coarse_place *
     }
 }
 
-static void finish_face(sl_coarse *c, uint32_t face, sl_rgb *brightest) {
-    int n = sl_coarse_rows(c, face),
-        samples = c->reflectance_known ? 0 : samples_along(c->scene, face / 2, sl_coarse_triangles(c, face));
+static void finish_face(sl_coarse *c, uint32_t face) {
+    int n = c->face[face].rows,
+        samples = c->reflectance_known ? 0 : samples_along(c->scene, face / 2, n * n);
     size_t at = (size_t)c->face[face].first;
-    for (int k = 0; sl_coarse_is_sliced(c, face) && k < 2 * n; k++) {
-        sl_coarse_place place = sl_coarse_slice_place(k / 2, k % 2);
-        if (k != 1) finish_triangle(c, face, &place, at + (size_t)k, samples, brightest);
-    }
-    for (int j = 0; !sl_coarse_is_sliced(c, face) && j < n; j++) {
+    for (int j = 0; j < n; j++) {
         for (int k = 0; k < 2 * (n - j) - 1; k++) {
-            sl_coarse_place place = sl_coarse_place_of(k / 2, j, k % 2);
-            finish_triangle(c, face, &place, at++, samples, brightest);
+            place p = place_of(k / 2, j, k % 2);
+            finish_triangle(c, face, &p, at++, samples);
         }
     }
 }
 
-static void finish_block(void *context, size_t block, unsigned worker) {
+static void finish_some(void *context, size_t task, unsigned worker) {
     (void)worker;
     sl_coarse *c = context;
-    sl_rgb brightest = sl_grey(0.0f);
-    size_t end = (block + 1) * SL_COARSE_BLOCK < c->topology->face_count ? (block + 1) * SL_COARSE_BLOCK
-                                                                         : c->topology->face_count;
-    for (size_t face = block * SL_COARSE_BLOCK; face < end; face++) {
-        if (c->level[face] != SL_COARSE_ABSENT) finish_face(c, (uint32_t)face, &brightest);
-    }
-    c->block_brightest[block] = brightest;
+    size_t end = (task + 1) * FACES_A_TASK;
+    for (size_t face = task * FACES_A_TASK; face < end && face < c->topology->face_count; face++)
+        if (c->level[face] != SL_COARSE_ABSENT) finish_face(c, (uint32_t)face);
 }
 
 void sl_coarse_finish(sl_coarse *c, unsigned threads) {
-    size_t blocks = (c->topology->face_count + SL_COARSE_BLOCK - 1) / SL_COARSE_BLOCK;
-    sl_parallel_for(sl_thread_count(threads), blocks, finish_block, c);
+    size_t tasks = (c->topology->face_count + FACES_A_TASK - 1) / FACES_A_TASK;
+    sl_parallel_for(sl_thread_count(threads), tasks, finish_some, c);
     c->reflectance_known = true;
-    c->brightest = sl_grey(0.0f);
-    for (size_t b = 0; b < blocks; b++) c->brightest = brighter(c->brightest, c->block_brightest[b]);
 }
 
-sl_rgb sl_coarse_brightest(const sl_coarse *c) { return c->brightest; }
-
-/* ---- a point's value ------------------------------------------------------------------------- */
-
-static sl_coarse_place place_of_number(const sl_coarse *c, uint32_t face, int number) {
-    int n = sl_coarse_rows(c, face), j = 0;
-    if (sl_coarse_is_sliced(c, face)) return sl_coarse_slice_place(number / 2, number % 2);
-    for (; number >= 2 * (n - j) - 1; j++) number -= 2 * (n - j) - 1;
-    return sl_coarse_place_of(number / 2, j, number % 2);
-}
-
-sl_rgb sl_coarse_value(const sl_coarse *c, uint32_t face, float w1, float w2) {
-    if (face >= c->topology->face_count || c->level[face] == SL_COARSE_ABSENT) return sl_grey(0.0f);
-    w1 = w1 > 0.0f ? (w1 < 1.0f ? w1 : 1.0f) : 0.0f;
-    w2 = w2 > 0.0f ? (w2 < 1.0f - w1 ? w2 : 1.0f - w1) : 0.0f;
-    const float weight[3] = {1.0f - w1 - w2 > 0.0f ? 1.0f - w1 - w2 : 0.0f, w1, w2};
-    int turn = c->turn[face / 2];
-    float a, b;
-    int number = sl_coarse_locate(weight[(1 + turn) % 3], weight[(2 + turn) % 3], c->face[face].rows, &a, &b);
-    sl_coarse_place place = place_of_number(c, face, number);
-    sl_rgb v[3];
-    corner_values(c, face, &place, v);
-    sl_rgb sum = sl_rgb_add(sl_rgb_add(v[0], sl_rgb_scale(sl_rgb_sub(v[1], v[0]), a)),
-                            sl_rgb_scale(sl_rgb_sub(v[2], v[0]), b));
-    return (sl_rgb){sane(sum.r), sane(sum.g), sane(sum.b)};
+sl_rgb sl_coarse_brightest(const sl_coarse *c) {
+    float most[3] = {0.0f, 0.0f, 0.0f};
+    for (size_t t = SL_COARSE_FIRST; t < c->triangle_count; t++) {
+        const float *colour = c->colour + t * SL_COARSE_FLOATS;
+        for (int k = 0; k < 3; k++) {
+            float more = colour[3 + k] > colour[6 + k] ? colour[3 + k] : colour[6 + k],
+                  value = colour[k] + (more > 0.0f ? more : 0.0f);
+            most[k] = value > most[k] ? value : most[k];
+        }
+    }
+    return (sl_rgb){most[0], most[1], most[2]};
 }

@@ -1,4 +1,4 @@
-#include "cache/multi_mesh/coarse_light.h"
+#include "cache/multi_mesh/coarse.h"
 
 #include <math.h>
 

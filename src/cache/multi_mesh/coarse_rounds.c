@@ -58,14 +58,14 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
 static void light_coarse(sl_multi_mesh_state *s, size_t count) {
     if (!s->coarse_light) return;
     sl_rgb *radiance = s->coarse_direct + s->coarse_done;
-    sl_coarse_light_take(s->coarse_light, count, sl_coarse_vertices(s->coarse) + s->coarse_done, radiance,
+    sl_coarse_light_take(s->coarse_light, count, s->coarse->vertex + s->coarse_done, radiance,
                          &s->counters);
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
 }
 
 /* U_dd, and E_i / pi where it is known, is what gathers see. */
 static void set_coarse(sl_multi_mesh_state *s) {
-    for (size_t i = 0; i < sl_coarse_vertex_count(s->coarse); i++) {
+    for (size_t i = 0; i < s->coarse->vertex_count; i++) {
         sl_rgb more =
             s->coarse_indirect ? sl_rgb_scale(s->coarse_indirect[i], (float)(1.0 / SL_PI)) : sl_grey(0.0f);
         sl_coarse_set(s->coarse, i, sl_rgb_add(s->coarse_direct[i], more));
@@ -92,41 +92,24 @@ static void end_coarse(sl_multi_mesh_state *s) {
     s->coarse_whole = true;
 }
 
-/* Makes the coarse mesh anew where corners differ by more than a quarter of what bounces on the average;
- * *again: it did. */
-static sl_status judge_coarse(sl_multi_mesh_state *s, bool *again, sl_error *error) {
-    uint8_t *finer = NULL;
-    float noticed = sl_rgb_mean(s->ambient) * (float)(0.25 / SL_PI);
-    *again = false;
-    if (s->coarse_judged || !s->coarse_light) return SL_OK;
-    s->coarse_judged = true;
-    sl_status status = sl_coarse_find_contrasts(s->coarse, noticed, &finer, error);
-    *again = finer != NULL;
-    if (finer) status = sl_multi_mesh_make_coarse(s, finer, error);
-    sl_free(finer);
-    return status;
-}
-
 /* The environment's light is gathered past surfaces that are black. */
 static void blacken_coarse(sl_multi_mesh_state *s) {
-    for (size_t i = 0; i < sl_coarse_vertex_count(s->coarse); i++) sl_coarse_set(s->coarse, i, sl_grey(0.0f));
+    for (size_t i = 0; i < s->coarse->vertex_count; i++) sl_coarse_set(s->coarse, i, sl_grey(0.0f));
     sl_coarse_finish(s->coarse, s->settings.threads);
 }
 
 /* The light of lamps is there. The environment's wants to be gathered, and so does a second bounce. */
 static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
-    bool again, sky = s->scene->environment.present;
+    bool sky = s->scene->environment.present;
     set_coarse(s);
     sl_coarse_finish(s->coarse, s->settings.threads);
-    sl_status status = judge_coarse(s, &again, error);
-    if (status != SL_OK || again) return status;
     sl_announce_pass(&s->announcer, "coarse mesh", "for equation (7)");
     if (is_dark(s)) {
         leave_out_indirect(s);
         return SL_OK;
     }
     if (sky) blacken_coarse(s);
-    status = ready_gather(s, error);
+    sl_status status = ready_gather(s, error);
     s->coarse_gathers = s->settings.bounces - 1 + (sky ? 1 : 0);
     if (status != SL_OK) return status;
     if (s->coarse_gathers == 0) {
@@ -134,12 +117,12 @@ static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
         return SL_OK;
     }
     s->coarse_done = 0;
-    s->coarse_indirect = sl_allocate(sl_coarse_vertex_count(s->coarse), sizeof *s->coarse_indirect);
+    s->coarse_indirect = sl_allocate(s->coarse->vertex_count, sizeof *s->coarse_indirect);
     return s->coarse_indirect ? SL_OK : sl_fail_memory(error, "the coarse mesh's gathers");
 }
 
 static void gather_for_coarse(sl_multi_mesh_state *s, size_t count) {
-    const sl_coarse_vertex *vertex = sl_coarse_vertices(s->coarse) + s->coarse_done;
+    const sl_coarse_vertex *vertex = s->coarse->vertex + s->coarse_done;
     sl_mesh_point points[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) {
         sl_face_point x = {.face = vertex[i].face, .p = vertex[i].lit_p, .q = vertex[i].lit_q};
@@ -160,7 +143,7 @@ static void finish_gathers(sl_multi_mesh_state *s) {
 }
 
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
-    size_t all = s->plan.coarse ? sl_coarse_vertex_count(s->coarse) : 0, left = all - s->coarse_done;
+    size_t all = s->plan.coarse ? s->coarse->vertex_count : 0, left = all - s->coarse_done;
     size_t count = left < COARSE_VERTICES ? left : COARSE_VERTICES;
     sl_status status = SL_OK;
     if (s->coarse_indirect) gather_for_coarse(s, count);
@@ -169,9 +152,6 @@ sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
     if (status != SL_OK || s->coarse_done < all) return status;
     if (s->coarse_indirect) finish_gathers(s);
     else status = finish_direct(s, error);
-    /* it was made anew */
-    if (status == SL_OK && s->coarse_done == 0 && all > 0 && !s->coarse_indirect)
-        return sl_multi_mesh_extend_coarse(s, error);
     if (!s->coarse_whole) return status;
     sl_multi_mesh_announce_gather(s);
     s->phase = SL_PHASE_FIRST; /* of the indirect mesh */

@@ -30,27 +30,21 @@ void sl_displayed_destroy(sl_displayed *d) {
     if (!d) return;
     sl_mesh_destroy(d->mesh);
     sl_free(d->first);
-    sl_free(d->middle);
-    sl_free(d->hanging);
     sl_free(d->heap);
     sl_free(d->heap_place);
-    sl_free(d->dirty);
     sl_free(d);
 }
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {
     return sizeof *d + sl_mesh_memory_bytes(d->mesh)
-           + (4 * d->node_capacity + 2 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t)
-           + d->hanging_capacity * sizeof(sl_hanging_vertex);
+           + (d->node_capacity + 2 * d->heap_capacity) * sizeof(uint32_t);
 }
 
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
     size_t capacity = d->mesh->node_capacity, used = d->node_capacity;
     if (capacity <= used) return SL_OK;
-    if (!sl_regrow(&d->first, used, capacity, sizeof *d->first) ||
-        !sl_regrow(&d->middle, used, capacity, sizeof *d->middle)) {
+    if (!sl_regrow(&d->first, used, capacity, sizeof *d->first))
         return sl_fail_memory(error, "displayed mesh");
-    }
     d->node_capacity = capacity;
     return SL_OK;
 }
@@ -137,7 +131,6 @@ static void forget_view(sl_displayed *d) {
     }
     d->heap_count = 0;
     d->chain_entry = SL_NO_INDEX;
-    d->dirty_count = 0;
     d->dirty_all = true;
     d->corners_asked = false;
 }
@@ -184,9 +177,8 @@ size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, uint32_t *face, s
 
 void sl_displayed_restart(sl_displayed *d) {
     sl_mesh_clear(d->mesh);
-    d->hanging_count = 0;
     d->pixels = NULL;
-    d->heap_count = d->dirty_count = 0;
+    d->heap_count = 0;
     d->dirty_all = d->corners_asked = false;
     d->chain_entry = SL_NO_INDEX;
 }

@@ -61,12 +61,6 @@ typedef struct sl_displayed_settings {
     unsigned threads;
 } sl_displayed_settings;
 
-/* A vertex on a leaf's edge. */
-typedef struct sl_hanging_vertex {
-    uint32_t vertex;
-    uint8_t edge, at;             /* in 1/2^SL_FAN_LEVELS */
-} sl_hanging_vertex;
-
 typedef struct sl_displayed {
     sl_displayed_settings settings;
     sl_mesh *mesh;                /* its own; 3 channels */
@@ -74,22 +68,13 @@ typedef struct sl_displayed {
     /* by node: its pixels are first .. first + node.pixels in pixels' arrays; */
     uint32_t *first;
     size_t node_capacity;
-    /* Vertices on leaves' edges, remembered until the leaf is marked to be drawn again. */
-    uint32_t (
-        *middle)[3]; /* by node with SL_NODE_SIMPLE: the known vertex in the middle of each edge, or
-                        SL_NO_INDEX; with SL_NODE_LISTED: the first in hanging, and how many there are */
-    sl_hanging_vertex *hanging;
-    size_t hanging_count, hanging_capacity;
     /* selection */
     uint32_t *heap;               /* entries of pixels->face, highest priority on top, lower face on a tie */
     uint32_t *heap_place;         /* by entry; SL_NO_INDEX: the component does not want it */
     size_t heap_count, heap_capacity;
     uint32_t chain_entry;         /* the chain's current root */
     uint64_t chain_draws;
-    /* what is to be drawn again */
-    uint32_t *dirty;              /* leaves, */
-    size_t dirty_count, dirty_capacity;
-    bool dirty_all;               /* ... or all of them */
+    bool dirty_all;               /* all leaves are to be drawn, not those with SL_NODE_DIRTY alone */
     /* roots' corners are being sampled: what touches them changes when they become known */
     bool corners_asked;
 } sl_displayed;
@@ -133,8 +118,8 @@ bool sl_displayed_wants_probes(const sl_displayed *displayed, const sl_mesh_plac
 /* The i-th of a leaf's node.pixels pixels: an index into the arrays of the view. */
 uint32_t sl_displayed_pixel(const sl_displayed *displayed, const sl_mesh_place *leaf, uint32_t i);
 /* It has been: does any probe say that its corners do not tell what lies between them? */
-sl_status sl_displayed_probed(sl_displayed *displayed, const sl_mesh_place *leaf, bool contradicted,
-                              sl_counters *counters, sl_error *error);
+void sl_displayed_probed(sl_displayed *displayed, const sl_mesh_place *leaf, bool contradicted,
+                         sl_counters *counters);
 /* Levels from the root at which the size criterion is met here: as deep as irradiance meshes must be,
  * whatever their edges say. Where a probe has told of something between corners, a level deeper than the
  * leaf: its vertices are not to be interpolated. */

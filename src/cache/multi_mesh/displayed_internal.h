@@ -3,7 +3,6 @@
 #define SL_MULTI_MESH_DISPLAYED_INTERNAL_H
 
 #include "cache/multi_mesh/displayed.h"
-#include "cache/multi_mesh/draw_kernels.h"
 
 /* ---- displayed.c ---- */
 
@@ -89,8 +88,7 @@ void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node);
 /* ---- refine.c ---- */
 
 /* A leaf stays as it is: parents whose children are all closed by now go, and priorities are raised. */
-sl_status sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters,
-                             sl_error *error);
+void sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters);
 
 /* ---- probed.c ---- */
 
@@ -112,17 +110,11 @@ void sl_displayed_heap_update(sl_displayed *d, uint32_t entry);
 /* Tests the edge's middle and those of its parts, as far as they are known. */
 sl_edge_state sl_displayed_test_edge(const sl_displayed *d, const sl_mesh_place *place, int edge);
 /* The edge's middle has become known: leaves beyond the edge are drawn again, and split if they can tell. */
-sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle,
-                                       sl_error *error);
+void sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle);
 
 /* ---- draw.c ---- */
 
-sl_leaf_weights sl_displayed_weights_of(const sl_mesh_place *place);
 /* A leaf's vertices or those on its edges have changed: it is drawn again. */
-sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error);
-/* Forgets what has been remembered of leaves' edges. */
-void sl_displayed_forget_edges(sl_displayed *d);
-/* All leaves' may have. */
-void sl_displayed_mark_all(sl_displayed *d);
+void sl_displayed_mark(sl_displayed *d, uint32_t leaf);
 
 #endif

@@ -107,16 +107,13 @@ static void tell(sl_displayed *d, uint32_t leaf, uint32_t middle) {
     }
 }
 
-sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle,
-                                       sl_error *error) {
+void sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle) {
     uint32_t leaf[NEIGHBOURS];
     size_t count = sl_mesh_neighbours(d->mesh, place, edge, leaf, NEIGHBOURS),
            listed = count < NEIGHBOURS ? count : NEIGHBOURS;
-    if (count > NEIGHBOURS) sl_displayed_mark_all(d);
-    sl_status status = SL_OK;
-    for (size_t i = 0; i < listed && status == SL_OK; i++) {
+    d->dirty_all |= count > NEIGHBOURS;
+    for (size_t i = 0; i < listed; i++) {
         tell(d, leaf[i], middle);
-        if (d->settings.hanging) status = sl_displayed_mark(d, leaf[i], error);
+        if (d->settings.hanging) sl_displayed_mark(d, leaf[i]);
     }
-    return status;
 }

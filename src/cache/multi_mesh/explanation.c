@@ -5,6 +5,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/multi_mesh/displayed_internal.h"
+#include "cache/patches/fan.h"
 
 /* ---- a pixel's vertices ---- */
 
@@ -12,7 +13,7 @@ typedef struct weighted_vertex {
     uint32_t vertex;
     double weight;
 } weighted_vertex;
-enum { VERTICES = 5 }; /* three corners, two vertices of an edge */
+enum { VERTICES = 5 /* three corners, two vertices of an edge */, STEPS = SL_FAN_EDGE - 1 };
 
 /* Where a pixel's face was sorted: its entry and the pixel's place in the view's arrays. False: the mesh does
  * not show there. */
@@ -52,7 +53,7 @@ static bool find_shown(const sl_displayed *d, sl_mesh_place *place, int *known) 
     return true;
 }
 
-/* Between the two vertices of edge e around a point, in steps of 1/SL_FULL_FAN_STEPS: shares of the edge's
+/* Between the two vertices of edge e around a point, in steps of 1/2^SL_FAN_LEVELS: shares of the edge's
  * ends (by corner), the rest is others'. */
 static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int e, double steps, double share,
                          double corner[3], weighted_vertex *out) {
@@ -61,7 +62,7 @@ static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int 
     if (d->settings.hanging) sl_mesh_edge_vertices(d->mesh, place, e, &list);
     while (low + 1 < list.count && (double)list.at[low + 1] <= steps) low++;
     int high = low + 1;
-    double from = low < 0 ? 0.0 : list.at[low], to = high < list.count ? list.at[high] : SL_FULL_FAN_STEPS;
+    double from = low < 0 ? 0.0 : list.at[low], to = high < list.count ? list.at[high] : STEPS;
     double rest = (steps - from) / (to - from);
     if (low < 0) corner[ends[0]] += share * (1.0 - rest);
     else out[made++] = (weighted_vertex){list.vertex[low], share * (1.0 - rest)};
@@ -70,19 +71,14 @@ static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int 
     return (size_t)made;
 }
 
-/* The fan of draw_kernels.c: with b the smallest weight the point lies s = 1 - 3 b of the way from the centre
- * to a point of the edge opposite. */
+/* The fan of mesh_interpolate.c. */
 static size_t weigh_vertices(const sl_displayed *d, const sl_mesh_place *place, int known, float w1, float w2,
                              weighted_vertex out[VERTICES]) {
-    sl_leaf_weights of = sl_displayed_weights_of(place);
-    sl_fan_weights fan = sl_fan_weights_at(&of, w1, w2);
-    const float w[3] = {fan.a, fan.b, fan.c};
-    int e = w[0] <= w[1] && w[0] <= w[2] ? 0 : w[1] <= w[2] ? 1 : 2;
-    double least = (double)w[e], s = fmax(0.0, 1.0 - 3.0 * least), first = (double)w[(e + 1) % 3] - least,
-           second = (double)w[(e + 2) % 3] - least;
-    double corner[3] = {(1.0 - s) / 3.0, (1.0 - s) / 3.0, (1.0 - s) / 3.0}, lost = 0.0;
-    double steps = first + second > 0.0 ? SL_FULL_FAN_STEPS * (second / (first + second)) : 0.0;
-    size_t count = weigh_edge(d, place, e, steps, s, corner, out);
+    float own_w1, own_w2;
+    sl_mesh_weights_within(place, w1, w2, &own_w1, &own_w2);
+    sl_fan_place fan = sl_fan_place_of(true, own_w1, own_w2);
+    double s = (double)fan.out, centre = (1.0 - s) / 3.0, corner[3] = {centre, centre, centre}, lost = 0.0;
+    size_t count = weigh_edge(d, place, (fan.edge + 2) % 3, STEPS * (double)fan.along, s, corner, out);
     const uint32_t *vertex = d->mesh->node[place->node].vertex;
     for (int c = 0; c < 3; c++) lost += d->mesh->state[vertex[c]] == SL_VERTEX_KNOWN ? 0.0 : corner[c];
     for (int c = 0; c < 3; c++) /* the mean of the others stands in for a corner that is of no use */

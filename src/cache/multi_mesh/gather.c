@@ -58,12 +58,11 @@ static sl_status check(const sl_mesh_gather_settings *s, const sl_scene *scene, 
     return SL_OK;
 }
 
-/* From the corner where the coarse mesh's lattice begins. */
 static void fill_triangles(sl_mesh_gather *g) {
     const sl_scene *s = g->scene;
     for (size_t t = 0; t < s->triangle_count; t++) {
         sl_vec3 p[3];
-        for (int k = 0; k < 3; k++) p[k] = sl_scene_position(s, s->vertex[(k + g->coarse->turn[t]) % 3][t]);
+        for (int k = 0; k < 3; k++) p[k] = sl_scene_position(s, s->vertex[k][t]);
         p[1] = sl_sub(p[1], p[0]);
         p[2] = sl_sub(p[2], p[0]);
         memcpy(g->triangle + t * SL_MESH_GATHER_FLOATS, p, sizeof p);

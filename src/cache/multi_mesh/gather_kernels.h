@@ -4,7 +4,7 @@
 #define SL_MULTI_MESH_GATHER_KERNELS_H
 
 #include "base/isa.h"
-#include "cache/multi_mesh/coarse_tables.h"
+#include "cache/multi_mesh/gather.h"
 
 /* of a triangle: its corner 0, edges from there to corners 1 and 2; three to spare */
 enum { SL_MESH_GATHER_FLOATS = 12 };

@@ -1,13 +1,12 @@
 /* Irradiance meshes, one a light (irradiance.h says what they are for). In this order:
  *
- *   where vertices are   a vertex as a place in its face, and that place in the world
- *   fetch                F of one light at one point: down the light's quadtree to a corner, to the middle of
- * a leaf's edge, or to a leaf that may be interpolated. On the way leaves are tested and cut. Missing samples
- * are wanted, and the fetch waits samples              all that are wanted are taken, by all threads, and put
- * into the meshes in the order in which they were wanted rounds               sl_irradiance_at(): fetches for
- * many points and all lights, then samples, until no fetch waits what moves sl_irradiance_meshes_follow():
- * samples that lights or objects have made wrong are forgotten memory, life
- */
+ *   a vertex as a place in its face, and that place in the world;
+ *   fetch: F of one light at one point, down the light's quadtree to a corner, to the middle of a leaf's
+ *   edge, or to a leaf that may be interpolated. On the way leaves are tested and cut. Missing samples are
+ *   wanted, and the fetch waits;
+ *   samples: all that are wanted are taken, by all threads, and put into the meshes in the order in which
+ *   they were wanted;
+ *   rounds (sl_irradiance_at()): fetches for many points and all lights, then samples, until none waits. */
 #include "cache/multi_mesh/irradiance.h"
 
 #include "base/counters.h"
@@ -50,7 +49,6 @@ struct sl_irradiance_meshes {
     size_t wanted_count, wanted_capacity;
     sample_worker *worker;
     bool sparing;              /* what is known will do */
-    float judged_by[4];        /* the exposure, and the ambient light, when all edges were open last */
     double inwards;            /* how far vertices on edges are moved into their faces */
 };
 
@@ -442,89 +440,6 @@ sl_status sl_irradiance_at(sl_irradiance_meshes *m, size_t count, const sl_face_
     return SL_OK;
 }
 
-/* ---- what moves ---- */
-
-static bool has_changed(const sl_irradiance_meshes *m, uint32_t light, uint32_t vertex,
-                        const sl_irradiance_changes *changes) {
-    sl_mesh_point at;
-    sl_mesh_point_of(m->mesh[light], vertex, &at);
-    return changes->triangle_moved[at.face / 2] ||
-           sl_light_is_crossed(changes, &m->settings.lights->light[light], at.position);
-}
-
-static bool is_unknown(const sl_mesh *mesh, uint32_t vertex) {
-    return vertex == SL_NO_INDEX || mesh->state[vertex] == SL_VERTEX_UNKNOWN;
-}
-
-/* Edges whose samples went are to be tested again, or all. What was cut stays cut. */
-static void reopen_below(sl_mesh *mesh, const sl_mesh_place *place, bool all) {
-    for (int i = 0; i < 3; i++) {
-        uint32_t a = mesh->node[place->node].vertex[(i + 1) % 3],
-                 b = mesh->node[place->node].vertex[(i + 2) % 3];
-        if (all || is_unknown(mesh, a) || is_unknown(mesh, b) ||
-            is_unknown(mesh, sl_mesh_find_middle(mesh, place, i)))
-            set_edge_state(mesh, place->node, i, SL_EDGE_UNTESTED);
-    }
-    if (sl_mesh_is_leaf(mesh, place->node)) return;
-    for (int c = 0; c < 4; c++) {
-        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
-        reopen_below(mesh, &child, all);
-    }
-}
-
-/* judged_anew: what a light's share shows is seen beside other light, or at another exposure. */
-static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_irradiance_changes *changes,
-                         bool judged_anew) {
-    sl_mesh *mesh = m->mesh[light];
-    mesh->topology = m->settings.topology;
-    if (changes->light_changed[light]) {
-        sl_mesh_clear(mesh);
-        return;
-    }
-    if (changes->box_count == 0 && !judged_anew) return;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++)
-        if (has_changed(m, light, v, changes)) mesh->state[v] = SL_VERTEX_UNKNOWN;
-    for (uint32_t n = 0; n < mesh->node_count; n++) {
-        if (!sl_mesh_is_root(mesh, n)) continue;
-        sl_mesh_place root = sl_mesh_root_place(mesh, mesh->node[n].parent & ~SL_MESH_ROOT);
-        reopen_below(mesh, &root, judged_anew);
-    }
-}
-
-/* Tells whether edges are judged by much else than they were; if so, stores by what. */
-static bool judge_anew(sl_irradiance_meshes *m) {
-    const sl_irradiance_settings *s = &m->settings;
-    const float now[4] = {s->perception.exposure, s->ambient.r, s->ambient.g, s->ambient.b};
-    bool anew = false;
-    for (int i = 0; i < 4; i++) anew |= !sl_is_much_the_same((double)now[i], (double)m->judged_by[i]);
-    if (anew) memcpy(m->judged_by, now, sizeof now);
-    return anew;
-}
-
-static void forget_scratch(sl_irradiance_meshes *m) {
-    for (unsigned t = 0; m->worker && t < m->settings.threads; t++) {
-        sl_light_sample_scratch_destroy(m->worker[t].scratch);
-        m->worker[t].scratch = NULL;
-    }
-}
-
-static sl_status make_scratch(sl_irradiance_meshes *m, sl_error *error) {
-    sl_status status = SL_OK;
-    for (unsigned t = 0; t < m->settings.threads && status == SL_OK; t++)
-        status = sl_light_sample_scratch_create(m->settings.sampling, &m->worker[t].scratch, error);
-    return status;
-}
-
-sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *m, const sl_irradiance_settings *settings,
-                                      const sl_irradiance_changes *changes, sl_error *error) {
-    forget_scratch(m);
-    m->settings = *settings;
-    const bool judged_anew = judge_anew(m);
-    m->inwards = 5.0 * sl_light_sampling_step(settings->sampling);
-    for (uint32_t l = 0; l < settings->lights->count; l++) follow_light(m, l, changes, judged_anew);
-    return make_scratch(m, error);
-}
-
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *m, bool sparing) { m->sparing = sparing; }
 
 /* ---- life ---- */
@@ -535,7 +450,6 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     sl_irradiance_meshes *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "irradiance meshes");
     m->settings = *settings;
-    judge_anew(m);
     m->inwards = 5.0 * sl_light_sampling_step(settings->sampling);
     size_t lights = settings->lights->count;
     m->mesh = sl_allocate(lights, sizeof(sl_mesh *));
@@ -543,7 +457,8 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     sl_status status = m->mesh && m->worker ? SL_OK : sl_fail_memory(error, "irradiance meshes");
     for (size_t l = 0; l < lights && status == SL_OK; l++)
         status = sl_mesh_create(settings->topology, 1, settings->max_depth, &m->mesh[l], error);
-    if (status == SL_OK) status = make_scratch(m, error);
+    for (unsigned t = 0; t < settings->threads && status == SL_OK; t++)
+        status = sl_light_sample_scratch_create(settings->sampling, &m->worker[t].scratch, error);
     if (status != SL_OK) {
         sl_irradiance_meshes_destroy(m);
         return status;
@@ -555,7 +470,8 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *m) {
     if (!m) return;
     for (size_t l = 0; m->mesh && l < m->settings.lights->count; l++) sl_mesh_destroy(m->mesh[l]);
-    forget_scratch(m);
+    for (unsigned t = 0; m->worker && t < m->settings.threads; t++)
+        sl_light_sample_scratch_destroy(m->worker[t].scratch);
     sl_free(m->mesh);
     sl_free(m->worker);
     sl_free(m->wanted);

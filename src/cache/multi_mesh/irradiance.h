@@ -13,7 +13,6 @@
 #define SL_MULTI_MESH_IRRADIANCE_H
 
 #include "cache/light/light_sample.h"
-#include "cache/multi_mesh/changes.h"
 #include "cache/patches/mesh.h"
 #include "cache/patches/perception.h"
 
@@ -61,10 +60,5 @@ sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_
 /* From now on what is known will do, whatever depth is wanted: samples are taken only where there is nothing
  * to interpolate. (Or no longer.) */
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *meshes, bool sparing);
-
-/* Takes the world as it is now (settings; topology of the same structure, as many lights) and keeps the
- * samples that are still true. After a failure the meshes can be destroyed, no more. */
-sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *meshes, const sl_irradiance_settings *settings,
-                                      const sl_irradiance_changes *changes, sl_error *error);
 
 #endif

@@ -233,8 +233,8 @@ static sl_status serve_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *e
     for (size_t i = 0; i < r->leaf_count && status == SL_OK; i++)
         status = sl_displayed_commit(s->part[r->leaf[i].part], &r->leaf[i].place, &s->counters, error);
     for (size_t i = 0; i < r->probed_count && status == SL_OK; i++)
-        status = sl_displayed_probed(s->part[r->probed[i].part], &r->probed[i].place,
-                                     r->probed[i].contradicted, &s->counters, error);
+        sl_displayed_probed(s->part[r->probed[i].part], &r->probed[i].place, r->probed[i].contradicted,
+                            &s->counters);
     return status;
 }
 

@@ -1,20 +1,17 @@
 /* Multi-mesh caching with hardware sampling: progressive global illumination from several meshes over the
  * same triangles, each refined on its own. Read in this order:
  *
- *   plan.c           which passes a scene needs
- *   multi_mesh.c     the paper: the passes of a picture, update by update
- *   state.c          made, edited, measured
- *   coarse_rounds.c  the coarse mesh, some vertices a batch
- *   explanation.c          a picture told backwards, pixel by pixel
- *   marks.c          what can be seen of the meshes while they are made
- *   world.c          what outlives a picture, and what is kept when lights and objects move
- *   pixels.c         visible sizes                                                             pass 1
- *   displayed.c      a mesh as the eye uses it: priorities, tests, drawing                      progressive
- * sampling, pass 3 irradiance.c     a mesh for each light, refined only where radiance asks for it changes.c
- * what is still true when lights and objects have moved direct.c         direct diffuse and specular radiance
- * from them coarse.c         the coarse mesh of the whole scene, which indirect gathers see coarse_light.c
- * ... direct light on it gather.c         the 160-degree gather merge.c          the five pictures into one
- * passes 2, 4
+ *   plan.c             which passes a scene needs
+ *   multi_mesh.c       the paper: the passes of a picture, update by update
+ *   world.c, state.c   what a picture is made from; made, edited, measured
+ *   pixels.c           visible sizes (image pass 1)
+ *   displayed.h        a mesh as the eye uses it: priorities, tests, drawing (progressive sampling, pass 3)
+ *   irradiance.c       a mesh for each light, refined only where radiance asks for it
+ *   direct.c           direct diffuse and specular radiance from them
+ *   coarse.h           the coarse mesh of the whole scene, which indirect gathers see
+ *   gather.c           the 160-degree gather
+ *   merge.c            materials, and the five pictures into one (passes 2 and 4)
+ *   explanation.c      a picture told backwards, pixel by pixel; marks.c: what can be seen of the meshes
  *
  * Faces, their shared corners and the quadtrees on them are those of cache/patches; single lights are sampled
  * in cache/light. */

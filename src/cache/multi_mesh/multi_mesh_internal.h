@@ -3,7 +3,6 @@
 #define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 
 #include "cache/frame/announce.h"
-#include "cache/multi_mesh/coarse_light.h"
 #include "cache/multi_mesh/displayed.h"
 #include "cache/multi_mesh/gather.h"
 #include "cache/multi_mesh/irradiance.h"
@@ -34,7 +33,6 @@ typedef struct sl_multi_mesh_state {
     sl_sampled_lights *lights;
     sl_light_sampling *sampling;
     sl_irradiance_meshes *irradiance;
-    sl_object_places *places;       /* where objects were when all this was made */
     sl_coarse *coarse;
     sl_coarse_light *coarse_light;  /* NULL: no light to be coarse about */
     sl_mesh_gather *gather;
@@ -45,7 +43,7 @@ typedef struct sl_multi_mesh_state {
     /* ... E_i of the environment or a second bounce; NULL: not yet, or the coarse mesh is whole */
     sl_rgb *coarse_indirect;
     uint32_t coarse_gathers;        /* rounds of these that are left */
-    bool coarse_judged, coarse_whole; /* cut where its light says so */
+    bool coarse_whole;
 
     /* what depends on the view */
     uint32_t *id;
@@ -105,10 +103,6 @@ const char *sl_multi_mesh_filled(const void *state);
 /* ---- world.c ---- */
 
 sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error);
-/* The coarse mesh, its light not yet asked for; finer: sl_coarse_settings. */
-sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, const uint8_t *finer, sl_error *error);
-/* After lights or objects have moved. */
-sl_status sl_multi_mesh_follow_world(sl_multi_mesh_state *s, sl_error *error);
 void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);
 
 /* A vertex of a displayed mesh that is to be sampled. */

@@ -3,10 +3,7 @@
  *
  * Within a face, pixels are in the order of their way down a quadtree of triangles (mesh.h): those of any
  * node of any mesh lie together, and its children's are found by bisection. So one sort serves all meshes of
- * a view, whatever their splits.
- *
- *   pixels.c          the sort
- *   path_kernels.c    the ways down */
+ * a view, whatever their splits. */
 #ifndef SL_MULTI_MESH_PIXELS_H
 #define SL_MULTI_MESH_PIXELS_H
 

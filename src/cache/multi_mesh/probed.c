@@ -43,10 +43,10 @@ bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_mesh_place 
     return false;
 }
 
-sl_status sl_displayed_probed(sl_displayed *d, const sl_mesh_place *leaf, bool contradicted,
-                              sl_counters *counters, sl_error *error) {
+void sl_displayed_probed(sl_displayed *d, const sl_mesh_place *leaf, bool contradicted,
+                         sl_counters *counters) {
     sl_mesh_node *node = &d->mesh->node[leaf->node];
-    if (!d->pixels || !sl_mesh_is_leaf(d->mesh, leaf->node)) return SL_OK;
+    if (!d->pixels || !sl_mesh_is_leaf(d->mesh, leaf->node)) return;
     node->flags &= ~(uint32_t)SL_NODE_TAKEN;
     /* its vertices are asked for once more, and its edges tested again */
     if (sl_is_unprobed(d, node) && contradicted) {
@@ -55,5 +55,5 @@ sl_status sl_displayed_probed(sl_displayed *d, const sl_mesh_place *leaf, bool c
         sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
         sl_mesh_set_probed_size(node, sl_displayed_size(d, &clip, leaf).edge);
     }
-    return sl_displayed_close(d, leaf, counters, error);
+    sl_displayed_close(d, leaf, counters);
 }

@@ -5,10 +5,6 @@
  * six pixels lies between four such pixels. Where it says something else, n x n rays tell by how much, and
  * whether an eye could tell.
  *
- * Of indirect light only darkness is doubted: corners and middles of edges may all lie where nothing arrives
- * (a ceiling's in walls, and under its lamp). A leaf with next to nothing at its corners gathers once more,
- * at one of its pixels.
- *
  * Nothing is asked of lights that could not be missed there, nor where corners are in the penumbra: that
  * their edges know. What is asked depends on the view and on what the meshes know, and is forgotten at once.
  */
@@ -28,8 +24,6 @@ static const float ALL = 0.9f, NOTHING = 0.05f;
 /* Less than that, to what arrives there altogether, no eye can tell (a grey level of 255 is a fortieth of the
  * light). */
 static const float UNSEEN = 0.01f;
-/* Of the light that bounces on the average: next to nothing. */
-static const float DARK = 0.1f;
 
 typedef struct probed_leaf {
     const sl_multi_mesh_state *s;
@@ -38,7 +32,6 @@ typedef struct probed_leaf {
     const sl_mesh_place *place;
     sl_mesh_point corner[3];
     sl_counters *counters;
-    unsigned worker;
 } probed_leaf;
 
 static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
@@ -187,33 +180,14 @@ static bool has_probes(const probed_leaf *leaf) {
     return false;
 }
 
-static bool is_contradicted_by_gather(const probed_leaf *leaf) {
-    const sl_multi_mesh_state *s = leaf->s;
-    const sl_mesh_node *node = &leaf->d->mesh->node[leaf->place->node];
-    const sl_visible_pixels *pixels = leaf->d->pixels;
-    for (int i = 0; i < 3; i++) {
-        const float *value = &leaf->d->mesh->value[3 * (size_t)node->vertex[i]];
-        if (sl_rgb_mean((sl_rgb){value[0], value[1], value[2]}) > DARK * sl_rgb_mean(s->ambient))
-            return false;
-    }
-    uint32_t pixel = sl_displayed_pixel(leaf->d, leaf->place, node->pixels / 2);
-    float w1 = pixels->w1[pixel], w2 = pixels->w2[pixel];
-    sl_rgb value;
-    sl_mesh_point point = point_at(leaf, w1 * (float)SL_MESH_DYADIC, w2 * (float)SL_MESH_DYADIC);
-    return value_at(leaf, w1, w2, &value) &&
-           shows(leaf, w1, w2, value,
-                 sl_mesh_gather_take(s->gather, &point, s->gatherer[leaf->worker].scratch, leaf->counters));
-}
-
 static bool is_contradicted(probed_leaf *leaf) {
     const sl_mesh *mesh = leaf->d->mesh;
-    if (leaf->part != SL_INDIRECT && !has_probes(leaf)) return false;
+    if (!has_probes(leaf)) return false;
     for (int i = 0; i < 3; i++) {
         uint32_t vertex = mesh->node[leaf->place->node].vertex[i];
         if (mesh->state[vertex] != SL_VERTEX_KNOWN) return false;
         sl_mesh_point_of(mesh, vertex, &leaf->corner[i]);
     }
-    if (leaf->part == SL_INDIRECT) return is_contradicted_by_gather(leaf);
     for (size_t l = 0; l < leaf->s->lights->count; l++)
         if (is_contradicted_by(leaf, l)) return true;
     return false;
@@ -227,14 +201,14 @@ typedef struct probing {
 } probing;
 
 static void probe_one(void *context, size_t i, unsigned worker) {
+    (void)worker;
     const probing *p = context;
     sl_probed_leaf *of = &p->leaf[i];
     probed_leaf leaf = {.s = p->s,
                         .part = of->part,
                         .d = p->s->part[of->part],
                         .place = &of->place,
-                        .counters = &of->counters,
-                        .worker = worker};
+                        .counters = &of->counters};
     of->contradicted = is_contradicted(&leaf);
 }
 

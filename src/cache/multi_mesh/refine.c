@@ -45,19 +45,18 @@ sl_status sl_displayed_request(sl_displayed *d, const sl_mesh_place *leaf, uint3
 
 /* Tests what is untested, and tells neighbours of middles that they may not know. Whether all three have a
  * value. */
-static sl_status test_edges(sl_displayed *d, const sl_mesh_place *leaf, bool *complete, sl_error *error) {
+static bool test_edges(sl_displayed *d, const sl_mesh_place *leaf) {
     sl_mesh_node *node = &d->mesh->node[leaf->node];
-    sl_status status = SL_OK;
-    *complete = true;
-    for (int e = 0; e < 3 && status == SL_OK; e++) {
+    bool complete = true;
+    for (int e = 0; e < 3; e++) {
         uint32_t middle = sl_mesh_find_middle(d->mesh, leaf, e);
         bool settled = sl_displayed_is_settled(d, middle);
-        *complete &= settled && sl_displayed_is_settled(d, node->vertex[e]);
+        complete &= settled && sl_displayed_is_settled(d, node->vertex[e]);
         if (sl_edge_of(node, e) == SL_EDGE_UNTESTED)
             node->flags |= (uint32_t)sl_displayed_test_edge(d, leaf, e) << 2 * e;
-        if (settled) status = sl_displayed_tell_neighbours(d, leaf, e, middle, error);
+        if (settled) sl_displayed_tell_neighbours(d, leaf, e, middle);
     }
-    return status;
+    return complete;
 }
 
 /* ---- split ---- */
@@ -74,13 +73,13 @@ static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *err
     }
     sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
     sl_displayed_hand_down(d, leaf);
-    for (int c = 0; c < 4 && status == SL_OK; c++) {
+    for (int c = 0; c < 4; c++) {
         sl_mesh_place child = sl_mesh_child_place(d->mesh, leaf, c);
         sl_displayed_judge_size(d, &clip, &child);
         d->mesh->node[child.node].priority = sl_displayed_leaf_priority(d, &child);
-        status = sl_displayed_mark(d, child.node, error);
+        sl_displayed_mark(d, child.node);
     }
-    return status;
+    return SL_OK;
 }
 
 /* ---- undo ---- */
@@ -106,7 +105,6 @@ static bool undo(sl_displayed *d, const sl_mesh_place *place) {
     for (int e = 0; e < 3; e++) { /* neighbours may have seen more on it by now */
         if (sl_displayed_test_edge(d, place, e) == SL_EDGE_SPLIT) return false;
     }
-    for (int c = 0; c < 4; c++) mesh->node[node->child + (uint32_t)c].flags &= ~(uint32_t)SL_NODE_DIRTY;
     sl_mesh_collapse(mesh, place->node);
     sl_face_clip clip = sl_face_clip_of(mesh->topology->scene, &d->pixels->view, place->face);
     sl_mesh_set_tested_size(node, sl_displayed_size(d, &clip, place).edge);
@@ -115,34 +113,23 @@ static bool undo(sl_displayed *d, const sl_mesh_place *place) {
     return true;
 }
 
-static sl_status undo_upwards(sl_displayed *d, sl_mesh_place place, uint32_t *highest, sl_counters *counters,
-                              sl_error *error) {
-    while (undo(d, &place)) {
-        *highest = place.node;
+/* Collapses parents that are closed by now; what is above is brought up to date. */
+static void settle_above(sl_displayed *d, sl_mesh_place parent, uint32_t highest, sl_counters *counters) {
+    while (undo(d, &parent)) {
+        highest = parent.node;
         sl_count(counters, SL_COUNT_COLLAPSES, 1);
-        sl_status status = sl_displayed_mark(d, place.node, error);
-        if (status != SL_OK) return status;
-        uint32_t parent = sl_mesh_parent(d->mesh, place.node);
-        if (parent == SL_NO_INDEX) break;
-        place = sl_mesh_place_of(d->mesh, parent);
+        sl_displayed_mark(d, parent.node);
+        if (sl_mesh_parent(d->mesh, parent.node) == SL_NO_INDEX) break;
+        parent = sl_mesh_place_of(d->mesh, sl_mesh_parent(d->mesh, parent.node));
     }
-    return SL_OK;
+    sl_displayed_raise(d, parent.face, highest);
 }
 
-/* Parents that are closed by now go; what is above is brought up to date. */
-static sl_status settle_above(sl_displayed *d, const sl_mesh_place *leaf, sl_mesh_place parent,
-                              uint32_t highest, sl_counters *counters, sl_error *error) {
-    sl_status status = undo_upwards(d, parent, &highest, counters, error);
-    sl_displayed_raise(d, leaf->face, highest);
-    return status;
-}
-
-sl_status sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters,
-                             sl_error *error) {
+void sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters) {
     sl_mesh_place parent =
         leaf->depth > 0 ? sl_mesh_place_of(d->mesh, sl_mesh_parent(d->mesh, leaf->node)) : *leaf;
     d->mesh->node[leaf->node].priority = sl_displayed_leaf_priority(d, leaf);
-    return settle_above(d, leaf, parent, leaf->node, counters, error);
+    settle_above(d, parent, leaf->node, counters);
 }
 
 /* Edges that have just been closed: whether the leaf is to be probed. */
@@ -160,13 +147,16 @@ sl_status sl_displayed_commit(sl_displayed *d, const sl_mesh_place *leaf, sl_cou
     mesh->node[leaf->node].flags &= ~(uint32_t)SL_NODE_TAKEN;
     d->dirty_all |= d->corners_asked;
     d->corners_asked = false;
-    bool complete, was_closed = sl_all_edges_closed(&mesh->node[leaf->node]);
-    sl_status status = test_edges(d, leaf, &complete, error);
-    if (status == SL_OK) status = sl_displayed_mark(d, leaf->node, error);
+    bool was_closed = sl_all_edges_closed(&mesh->node[leaf->node]), complete = test_edges(d, leaf);
+    sl_displayed_mark(d, leaf->node);
     if (!was_closed && sl_all_edges_closed(&mesh->node[leaf->node])) judge_closed(d, leaf);
-    if (status == SL_OK && complete && will_split(d, leaf)) status = split(d, leaf, error);
+    sl_status status = complete && will_split(d, leaf) ? split(d, leaf, error) : SL_OK;
     if (status != SL_OK) return status;
-    if (sl_mesh_is_leaf(mesh, leaf->node)) return sl_displayed_close(d, leaf, counters, error);
+    if (sl_mesh_is_leaf(mesh, leaf->node)) {
+        sl_displayed_close(d, leaf, counters);
+        return SL_OK;
+    }
     sl_count(counters, SL_COUNT_SPLITS, 1);
-    return settle_above(d, leaf, *leaf, mesh->node[leaf->node].child, counters, error);
+    settle_above(d, *leaf, mesh->node[leaf->node].child, counters);
+    return SL_OK;
 }

@@ -56,17 +56,18 @@ static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *set
     return SL_OK;
 }
 
-/* The eye: specular radiance starts again, all else stays. Lights and objects: samples of direct light stay
- * where they still hold. */
+/* The eye: specular radiance starts again, all else stays. Lights and objects: all starts again. */
 static sl_status multi_mesh_edit(void *state, unsigned changes, sl_error *error) {
     sl_multi_mesh_state *s = state;
     sl_status status = SL_OK;
     s->phase = SL_PHASE_VIEW;
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) {
         sl_multi_mesh_forget_view(s);
+        sl_multi_mesh_forget_world(s);
         s->full = false;
         s->done_count = 0;
-        status = sl_multi_mesh_follow_world(s, error);
+        s->plan = sl_multi_mesh_plan_make(s->scene, &s->settings); /* light may fall where none fell */
+        status = sl_multi_mesh_make_world(s, error);
         if (status != SL_OK) sl_multi_mesh_forget_world(s);
     } else if (s->part[SL_DIRECT_SPECULAR]) {
         sl_displayed_restart(s->part[SL_DIRECT_SPECULAR]);
@@ -288,9 +289,9 @@ void sl_multi_mesh_census(const void *state, sl_mesh_census census[SL_MESH_KINDS
     }
     if (s->irradiance) census[SL_MESH_IRRADIANCE].bytes = sl_irradiance_meshes_bytes(s->irradiance);
     if (s->coarse) {
-        size_t vertices = sl_coarse_vertex_count(s->coarse);
+        size_t vertices = s->coarse->vertex_count;
         census[SL_MESH_COARSE] =
-            (sl_mesh_census){sl_coarse_triangle_count(s->coarse), vertices,
+            (sl_mesh_census){s->coarse->triangle_count, vertices,
                              s->coarse_whole ? vertices : s->coarse_done, sl_coarse_memory_bytes(s->coarse)};
     }
 }

@@ -1,7 +1,6 @@
 /* The world that a picture is made from, as long as lights and objects stay where they are: rays, corners,
  * lights and how they are sampled, irradiance meshes, the coarse mesh, the meshes that the eye sees. When
- * lights or objects move, samples of direct light that still hold are taken along (changes.c); what gathers
- * and eyes see starts again. */
+ * lights or objects move all of it is made anew. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include <math.h>
@@ -51,8 +50,7 @@ static sl_rgb shown_radiance(const void *context, sl_component part, uint32_t fa
 
 /* ---- what there is, and its end ---- */
 
-/* What gathers see, and what the eye sees: all that does not survive a light or an object that moves. */
-static void forget_pictures(sl_multi_mesh_state *s) {
+void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     for (int i = 0; i < SL_COMPONENTS; i++) {
         sl_displayed_destroy(s->part[i]);
         s->part[i] = NULL;
@@ -65,25 +63,19 @@ static void forget_pictures(sl_multi_mesh_state *s) {
     sl_mesh_gather_destroy(s->gather);
     sl_coarse_light_destroy(s->coarse_light);
     sl_coarse_destroy(s->coarse);
-    s->gatherer = NULL;
-    s->coarse_direct = s->coarse_indirect = NULL;
-    s->gather = NULL;
-    s->coarse_light = NULL;
-    s->coarse = NULL;
-}
-
-void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
-    forget_pictures(s);
     sl_irradiance_meshes_destroy(s->irradiance);
-    sl_object_places_destroy(s->places);
     sl_light_sampling_destroy(s->sampling);
     sl_sampled_lights_destroy(s->lights);
     sl_topology_destroy(s->by_exponent);
     sl_topology_destroy(s->topology);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
+    s->gatherer = NULL;
+    s->coarse_direct = s->coarse_indirect = NULL;
+    s->gather = NULL;
+    s->coarse_light = NULL;
+    s->coarse = NULL;
     s->irradiance = NULL;
-    s->places = NULL;
     s->sampling = NULL;
     s->lights = NULL;
     s->by_exponent = s->topology = NULL;
@@ -145,7 +137,7 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     float coarser = part == SL_INDIRECT ? 2.0f : 1.0f; /* no shadow in it is as small as those of a lamp */
     float scale = pixel_scale(&s->settings), area = scale * scale * coarser * coarser * (float)m->leaf_area;
     bool small = scale < 1.0f;
-    bool probed = part == SL_INDIRECT || m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE;
+    bool probed = part != SL_INDIRECT && (m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE);
     sl_displayed_settings settings = {
         .component = part,
         .leaf_area = area,
@@ -170,20 +162,17 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     return sl_displayed_create(topology, &settings, &s->part[part], error);
 }
 
-sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, const uint8_t *finer, sl_error *error) {
+/* Makes the coarse mesh, its light not yet asked for. */
+static sl_status make_coarse(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings),
-                                 s->settings.multi_mesh.coarse_depth, finer};
+                                 s->settings.multi_mesh.coarse_depth};
     s->coarse_done = 0;
-    s->coarse_judged = finer != NULL;
     s->coarse_whole = false;
-    sl_coarse_destroy(s->coarse);
-    sl_free(s->coarse_direct);
-    s->coarse_direct = NULL;
     sl_status status = sl_coarse_create(s->scene, s->topology, &coarse, &s->coarse, error);
     if (status != SL_OK || !s->plan.coarse) return status;
-    s->coarse_direct = sl_allocate(sl_coarse_vertex_count(s->coarse), sizeof *s->coarse_direct);
+    s->coarse_direct = sl_allocate(s->coarse->vertex_count, sizeof *s->coarse_direct);
     if (!s->coarse_direct) return sl_fail_memory(error, "the coarse mesh");
-    if (!s->plan.lights || s->coarse_light) return SL_OK;
+    if (!s->plan.lights) return SL_OK;
     sl_coarse_light_settings light = {.scene = s->scene,
                                       .topology = s->topology,
                                       .tracer = s->tracer,
@@ -195,7 +184,7 @@ sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, const uint8_t *finer
 
 static sl_status make_pictures(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    if (s->plan.indirect) status = sl_multi_mesh_make_coarse(s, NULL, error);
+    if (s->plan.indirect) status = make_coarse(s, error);
     if (status == SL_OK && s->plan.direct_diffuse) status = make_part(s, SL_DIRECT_DIFFUSE, error);
     if (status == SL_OK && s->plan.direct_specular) status = make_part(s, SL_DIRECT_SPECULAR, error);
     if (status == SL_OK && s->plan.indirect) status = make_part(s, SL_INDIRECT, error);
@@ -222,80 +211,5 @@ sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error) {
     if (status == SL_OK && s->plan.several_exponents)
         status = sl_topology_create(s->scene, true, &s->by_exponent, error);
     if (status == SL_OK && s->plan.lights) status = make_lights(s, error);
-    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
     return status == SL_OK ? make_pictures(s, error) : status;
-}
-
-/* ---- lights and objects that move ---- */
-
-/* The world as it is now, beside what is left of the old one. */
-typedef struct old_world {
-    sl_topology *topology, *by_exponent;
-    sl_sampled_lights *lights;
-    sl_light_sampling *sampling;
-    sl_tracer *tracer;
-    sl_object_places *places;
-} old_world;
-
-static void forget_old_world(old_world *old) {
-    sl_light_sampling_destroy(old->sampling);
-    sl_sampled_lights_destroy(old->lights);
-    sl_topology_destroy(old->by_exponent);
-    sl_topology_destroy(old->topology);
-    sl_tracer_destroy(old->tracer);
-    sl_object_places_destroy(old->places);
-}
-
-/* New rays, corners, lights and places beside the old ones; the irradiance meshes still hold those. */
-static sl_status renew_world(sl_multi_mesh_state *s, old_world *old, sl_error *error) {
-    unsigned threads = s->settings.threads;
-    *old = (old_world){s->topology, s->by_exponent, s->lights, s->sampling, s->tracer, s->places};
-    s->topology = s->by_exponent = NULL;
-    s->lights = NULL;
-    s->sampling = NULL;
-    s->tracer = NULL;
-    s->places = NULL;
-    sl_status status = sl_raster_move(s->raster, threads, error);
-    if (status == SL_OK) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
-    if (status == SL_OK) status = sl_topology_create(s->scene, false, &s->topology, error);
-    if (status == SL_OK && s->plan.several_exponents)
-        status = sl_topology_create(s->scene, true, &s->by_exponent, error);
-    if (status == SL_OK) status = make_sampling(s, error);
-    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
-    return status;
-}
-
-static sl_status keep_samples(sl_multi_mesh_state *s, const old_world *old, sl_error *error) {
-    sl_irradiance_settings irradiance = irradiance_settings(s);
-    if (s->lights->count != old->lights->count || !sl_topology_same_structure(s->topology, old->topology)) {
-        sl_irradiance_meshes_destroy(s->irradiance);
-        s->irradiance = NULL;
-        return sl_irradiance_meshes_create(&irradiance, &s->irradiance, error);
-    }
-    sl_irradiance_changes *changes;
-    sl_status status =
-        sl_irradiance_changes_find(s->scene, old->places, s->places, old->lights, s->lights, &changes, error);
-    if (status == SL_OK) status = sl_irradiance_meshes_follow(s->irradiance, &irradiance, changes, error);
-    sl_irradiance_changes_destroy(changes);
-    return status;
-}
-
-sl_status sl_multi_mesh_follow_world(sl_multi_mesh_state *s, sl_error *error) {
-    old_world old;
-    forget_pictures(s);
-    s->plan = sl_multi_mesh_plan_make(s->scene, &s->settings); /* light may fall where none fell */
-    set_perception(s);
-    if (!s->irradiance) { /* there was no light, or an earlier edit failed */
-        sl_multi_mesh_forget_world(s);
-        return sl_multi_mesh_make_world(s, error);
-    }
-    sl_status status = renew_world(s, &old, error);
-    if (status == SL_OK) status = keep_samples(s, &old, error);
-    if (status == SL_OK) status = make_pictures(s, error);
-    if (status != SL_OK) { /* which may hold the old lights still */
-        sl_irradiance_meshes_destroy(s->irradiance);
-        s->irradiance = NULL;
-    }
-    forget_old_world(&old);
-    return status;
 }

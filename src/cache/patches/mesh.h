@@ -43,8 +43,6 @@ enum {
     SL_NODE_SMALL = 0x800, /* meets the size criterion in the view as it stands (displayed meshes) */
     /* a node above it is closed and small there: only another view asked for more */
     SL_NODE_SETTLED = 0x1000,
-    SL_NODE_SIMPLE = 0x2000,  /* nothing on its edges but their middles, which sl_displayed.middle names */
-    SL_NODE_LISTED = 0x4000,  /* what is on its edges is in sl_displayed.hanging */
     SL_NODE_TESTED_SHIFT = 16 /* the upper half: of leaves with closed edges sl_mesh_tested_size() or
                                  sl_mesh_probed_size(), of others sl_mesh_minor() */
 };

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cache/patches/fan.h"
 #include "cache/patches/mesh.h"
 
 typedef struct edge_end {
@@ -104,18 +105,17 @@ static void edge_value(const sl_mesh_fan *fan, int edge, float t, float *value) 
 void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value) {
     w1 = clamp01(w1);
     w2 = clamp01(w2);
-    float w[3] = {clamp01(1.0f - w1 - w2), w1, w2};
     if (!fan->hanging) {
         for (int i = 0; i < fan->channels; i++)
             value[i] = fan->corner[0][i] + (w1 * (fan->corner[1][i] - fan->corner[0][i]) +
                                             w2 * (fan->corner[2][i] - fan->corner[0][i]));
         return;
     }
-    int edge = w[0] <= w[1] && w[0] <= w[2] ? 0 : w[1] <= w[2] ? 1 : 2;
-    float least = w[edge], s = clamp01(1.0f - 3.0f * least), on_edge[3];
-    float first = w[(edge + 1) % 3] - least, second = w[(edge + 2) % 3] - least, sum = first + second;
-    edge_value(fan, edge, sum > 0.0f ? clamp01(second / sum) : 0.0f, on_edge);
-    for (int i = 0; i < fan->channels; i++) value[i] = fan->centre[i] + s * (on_edge[i] - fan->centre[i]);
+    sl_fan_place at = sl_fan_place_of(true, w1, w2);
+    float on_edge[3];
+    edge_value(fan, (at.edge + 2) % 3, at.along, on_edge);
+    for (int i = 0; i < fan->channels; i++)
+        value[i] = fan->centre[i] + at.out * (on_edge[i] - fan->centre[i]);
 }
 
 bool sl_mesh_interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, float w1, float w2, bool hanging,

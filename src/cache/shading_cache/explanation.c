@@ -41,7 +41,7 @@ static void plain_shares(const sl_leaf *leaf, const uint32_t corner[4], shares *
 static void fan_shares(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
                        shares *s) {
     int corners = leaf->triangle ? 3 : 4;
-    sl_fan_place place = sl_fan_place_of(leaf);
+    sl_fan_place place = sl_fan_place_of(leaf->triangle, leaf->a, leaf->b);
     uint32_t end[2];
     double along = (double)sl_fan_piece(copy, leaf, corner, &place, end), out = (double)place.out;
     for (int c = 0; c < corners; c++) add_share(s, corner[c], (1.0 - out) / corners);

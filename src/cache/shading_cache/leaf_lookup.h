@@ -3,8 +3,7 @@
 #ifndef SL_SHADING_CACHE_LEAF_LOOKUP_H
 #define SL_SHADING_CACHE_LEAF_LOOKUP_H
 
-#include <math.h>
-
+#include "cache/patches/fan.h"
 #include "cache/shading_cache/display_parts.h"
 
 /* Places in a root count in 2^-24: so many digits has a float below 1, and no leaf is smaller than 2^-14. All
@@ -142,28 +141,6 @@ static inline void sl_display_value(const sl_display_copy *copy, size_t colours,
     if (colours == 2) sl_unpack_colour(*sl_display_lobe(copy, vertex), value + 3);
 }
 
-/* The edge towards which a point lies as seen from the centre (edge i is corner i to i + 1), how far along
- * it, and how far out from the centre. */
-typedef struct sl_fan_place {
-    int edge;
-    float along, out;
-} sl_fan_place;
-
-static inline sl_fan_place sl_fan_place_of(const sl_leaf *leaf) {
-    float a = leaf->a, b = leaf->b;
-    if (!leaf->triangle) {
-        float x = 2.0f * a - 1.0f, y = 2.0f * b - 1.0f, ax = fabsf(x), ay = fabsf(y), out = ax > ay ? ax : ay;
-        int edge = ay >= ax ? (y < 0.0f ? 0 : 2) : (x > 0.0f ? 1 : 3);
-        float ahead = edge == 0 ? x : edge == 1 ? y : edge == 2 ? -x : -y;
-        return (sl_fan_place){edge, out > 0.0f ? 0.5f + 0.5f * (ahead / out) : 0.5f, out};
-    }
-    float w[3] = {1.0f - a - b > 0.0f ? 1.0f - a - b : 0.0f, a, b};
-    int edge = w[2] <= w[0] && w[2] <= w[1] ? 0 : w[0] <= w[1] ? 1 : 2;
-    float least = w[(edge + 2) % 3], from = w[edge] - least, to = w[(edge + 1) % 3] - least;
-    return (sl_fan_place){edge, from + to > 0.0f ? to / (from + to) : 0.5f,
-                          from + to < 1.0f ? from + to : 1.0f};
-}
-
 /* Ends of the piece of the edge on which the place lies, and how far along the piece it is. The fan's
  * vertices are ordered around the leaf. */
 static inline float sl_fan_piece(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
@@ -223,7 +200,7 @@ static inline void sl_leaf_value(const sl_display_copy *copy, size_t colours, co
         }
         return;
     }
-    sl_fan_place place = sl_fan_place_of(leaf);
+    sl_fan_place place = sl_fan_place_of(leaf->triangle, leaf->a, leaf->b);
     uint32_t end[2];
     float along = sl_fan_piece(copy, leaf, field->corner, &place, end), from[6], to[6];
     sl_display_value(copy, colours, end[0], from);

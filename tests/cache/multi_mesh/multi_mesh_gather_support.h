@@ -35,7 +35,7 @@ static inline sl_mesh_gather_settings usual_settings(void) {
 static inline gathering gathering_of(sl_scene *scene, float edge, int depth,
                                      const sl_mesh_gather_settings *settings) {
     gathering g = {.scene = scene};
-    sl_coarse_settings coarse = {edge, depth, NULL};
+    sl_coarse_settings coarse = {edge, depth};
     assert_int_equal(sl_raster_create(scene, 1, &g.raster, NULL), SL_OK);
     assert_int_equal(sl_topology_create(scene, false, &g.topology, NULL), SL_OK);
     assert_int_equal(sl_coarse_create(scene, g.topology, &coarse, &g.coarse, NULL), SL_OK);
@@ -54,7 +54,7 @@ static inline void gathering_destroy(gathering *g) {
 }
 
 static inline void set_all(gathering *g, sl_rgb value) {
-    for (size_t v = 0; v < sl_coarse_vertex_count(g->coarse); v++) sl_coarse_set(g->coarse, v, value);
+    for (size_t v = 0; v < g->coarse->vertex_count; v++) sl_coarse_set(g->coarse, v, value);
     sl_coarse_finish(g->coarse, 1);
 }
 
@@ -71,6 +71,15 @@ static inline sl_mesh_point face_point(const sl_scene *scene, uint32_t face, flo
     sl_vec3 normal = sl_scale(sl_scene_geometric_normal(scene, face / 2), face % 2 ? -1.0f : 1.0f);
     return (sl_mesh_point){sl_mad(sl_mad(a, w1, sl_sub(b, a)), w2, sl_sub(c, a)), normal, normal, face / 2,
                            face};
+}
+
+/* What bounces off at a point of a face, as gathers look it up: after sl_coarse_finish(). */
+static inline sl_rgb coarse_colour(const sl_coarse *c, uint32_t face, float w1, float w2) {
+    float a, b, value[3];
+    int at = c->face[face].first + sl_coarse_locate(w1, w2, c->face[face].rows, &a, &b);
+    const float *colour = c->colour + (size_t)at * SL_COARSE_FLOATS;
+    for (int k = 0; k < 3; k++) value[k] = colour[k] + a * colour[3 + k] + b * colour[6 + k];
+    return (sl_rgb){value[0], value[1], value[2]};
 }
 
 static inline sl_rgb take(gathering *g, const sl_mesh_point *point) {

@@ -2,7 +2,7 @@
 #include "light_sample_support.h"
 
 #include "base/counters.h"
-#include "cache/multi_mesh/coarse_light.h"
+#include "cache/multi_mesh/coarse.h"
 #include "cache/multi_mesh/irradiance.h"
 
 enum { LAMPS = 40, POINTS = 50 };
@@ -160,12 +160,12 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
     assert_int_equal(sl_coarse_light_create(&s, &h.light, NULL), SL_OK);
     sl_coarse *coarse;
     assert_int_equal(
-        sl_coarse_create(h.world.scene, h.topology, &(sl_coarse_settings){100.0f, 0, NULL}, &coarse, NULL),
+        sl_coarse_create(h.world.scene, h.topology, &(sl_coarse_settings){100.0f, 0}, &coarse, NULL),
         SL_OK);
     size_t floor = 0;
-    for (size_t i = 0; i < sl_coarse_vertex_count(coarse); i++) {
+    for (size_t i = 0; i < coarse->vertex_count; i++) {
         sl_rgb radiance;
-        const sl_coarse_vertex *v = &sl_coarse_vertices(coarse)[i];
+        const sl_coarse_vertex *v = &coarse->vertex[i];
         if (v->face != 0 && v->face != 2) continue;
         sl_coarse_light_take(h.light, 1, v, &radiance, &h.counters);
         floor++;

@@ -2,7 +2,6 @@
  * by bit, with any threads. */
 #include <stdio.h>
 
-#include "cache/multi_mesh/draw_kernels.h"
 #include "multi_mesh_field.h"
 
 static sl_rgb stripes(const void *context, sl_vec3 p) {
@@ -227,64 +226,6 @@ static void the_same_bits_with_any_threads(void **state) {
     release_planes(first);
 }
 
-/* A leaf with corners 0, 1, 2 red, green, blue, and vertices in the middle of edges 1 and 2 that stand out.
- */
-static void fans_of_one_leaf(sl_simple_fan *simple, sl_full_fan *full) {
-    static const float corner[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
-                       middle[3][3] = {{0, 0.5f, 0.5f}, {0.9f, 0.8f, 0.1f}, {0, 0, 0}};
-    sl_leaf_weights weights = {0.25f, 0.5f, 4, 0, 0, 4};
-    *simple = (sl_simple_fan){.weights = weights, .centre = {1 / 3.0f, 1 / 3.0f, 1 / 3.0f}};
-    memcpy(simple->corner, corner, sizeof corner);
-    memcpy(simple->middle, middle, sizeof middle);
-    *full = (sl_full_fan){.weights = weights, .centre = {1 / 3.0f, 1 / 3.0f, 1 / 3.0f}};
-    for (int e = 0; e < 3; e++) {
-        for (int i = 0; i <= SL_FULL_FAN_STEPS; i++) {
-            float t = (float)i / SL_FULL_FAN_STEPS, s = t <= 0.5f ? 2.0f * t : 2.0f - 2.0f * t;
-            const float *end = corner[t <= 0.5f ? (e + 1) % 3 : (e + 2) % 3];
-            for (int k = 0; k < 3; k++)
-                full->edge[k][e * (SL_FULL_FAN_STEPS + 1) + i] = end[k] + s * (middle[e][k] - end[k]);
-        }
-    }
-}
-
-static void both_ways_to_draw_a_leaf_agree_with_every_instruction_set(void **state) {
-    (void)state;
-    enum { N = 333 };
-    sl_simple_fan simple;
-    sl_full_fan full;
-    fans_of_one_leaf(&simple, &full);
-    float w1[N], w2[N], out[2][3][N], first[2][3][N];
-    uint32_t pixel[N];
-    uint64_t key = sl_random_key(2, 2);
-    for (uint32_t i = 0; i < N; i++) {
-        float a = sl_random_unit(key, 2 * i), b = sl_random_unit(key, 2 * i + 1);
-        a = i < 3 ? (float)(i == 1) : a, b = i < 3 ? (float)(i == 2) : b;
-        if (a + b > 1.0f) a = 1.0f - a, b = 1.0f - b;
-        w1[i] = 0.25f + 0.25f * a;
-        w2[i] = 0.5f + 0.25f * b;
-        pixel[i] = N - 1 - i;
-    }
-    w1[7] = NAN;
-    w1[8] = 1e30f;
-    for (int isa = SL_ISA_BASELINE; isa <= (int)sl_isa_best(); isa++) {
-        sl_draw_kernels kernels = sl_draw_kernels_for((sl_isa)isa);
-        float *planes[2][3] = {{out[0][0], out[0][1], out[0][2]}, {out[1][0], out[1][1], out[1][2]}};
-        kernels.simple(&simple, N, pixel, w1, w2, planes[0]);
-        kernels.full(&full, N, pixel, w1, w2, planes[1]);
-        if (isa == SL_ISA_BASELINE) memcpy(first, out, sizeof out);
-        assert_memory_equal(first, out, sizeof out);
-    }
-    for (int k = 0; k < 3; k++) {
-        for (int i = 0; i < N; i++) {
-            /* no weights: any colour of the leaf's will do */
-            bool outside = i == N - 1 - 7 || i == N - 1 - 8;
-            assert_true(outside || fabsf(out[0][k][i] - out[1][k][i]) < 1e-5f);
-            assert_true(out[0][k][i] >= -1e-6f && out[0][k][i] <= 1.0f + 1e-6f);
-        }
-        for (int c = 0; c < 3; c++) assert_true(fabsf(out[0][k][N - 1 - c] - simple.corner[c][k]) < 1e-6f);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mesh_of_one_colour_split_at_random_has_neither_holes_nor_steps),
@@ -294,7 +235,6 @@ int main(void) {
         cmocka_unit_test(a_drawn_pixel_has_the_value_that_the_mesh_has_there),
         cmocka_unit_test(leaves_without_values_show_what_stands_in),
         cmocka_unit_test(the_same_bits_with_any_threads),
-        cmocka_unit_test(both_ways_to_draw_a_leaf_agree_with_every_instruction_set),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

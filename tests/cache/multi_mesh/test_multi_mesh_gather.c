@@ -92,8 +92,8 @@ static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) 
     trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 24, 0.0f, true, trace_mesh_material(&m, 0.4f, 0, 0, 0, 0));
     sl_mesh_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
-    for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++) {
-        sl_coarse_vertex at = sl_coarse_vertices(g.coarse)[v];
+    for (size_t v = 0; v < g.coarse->vertex_count; v++) {
+        sl_coarse_vertex at = g.coarse->vertex[v];
         sl_mesh_point p =
             face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
         sl_coarse_set(g.coarse, v, (sl_rgb){1.0f, 1.0f + 0.9f * p.position.x, 1.0f + p.position.y});

@@ -68,12 +68,12 @@ static void one_bounce_and_two_bounces_in_a_sphere(void **state) {
                       trace_mesh_material(&m, (float)rho, 0, 0, 0, 0));
     sl_mesh_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
-    size_t count = sl_coarse_vertex_count(g.coarse);
+    size_t count = g.coarse->vertex_count;
     set_all(&g, sl_grey((float)(direct / SL_PI)));
     sl_rgb *first = malloc(count * sizeof *first);
     assert_non_null(first);
     for (size_t v = 0; v < count; v++) {
-        sl_coarse_vertex at = sl_coarse_vertices(g.coarse)[v];
+        sl_coarse_vertex at = g.coarse->vertex[v];
         sl_mesh_point p =
             face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
         /* that side is not looked at */
@@ -109,7 +109,7 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
     trace_mesh_quad(&m, sl_v3(-0.8f, -0.5f, -0.3f), sl_v3(0, 0.15f, 0), sl_v3(1.6f, 0, 0), light_grey);
     sl_mesh_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 0.3f, 5, &settings);
-    for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++)
+    for (size_t v = 0; v < g.coarse->vertex_count; v++)
         sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 5.0f});
     sl_coarse_finish(g.coarse, 1);
     sl_mesh_point p =
@@ -132,10 +132,10 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
     int off = 0;
     for (size_t i = 0; i < 128 * 128; i++) {
         assert_true(id[i] != SL_NO_INDEX);
-        sl_rgb value = sl_coarse_value(g.coarse, 2 * id[i], w1[i], w2[i]);
+        sl_rgb value = coarse_colour(g.coarse, 2 * id[i], w1[i], w2[i]);
         float diffuse = id[i] < 12 ? 0.5f : 0.7f;
-        off += !near((double)planes[0][i], (double)(diffuse * value.r), 0.02) ||
-               !near((double)planes[1][i], (double)(diffuse * value.g), 0.003);
+        off += !near((double)planes[0][i], (double)value.r, 0.02) ||
+               !near((double)planes[1][i], (double)value.g, 0.003);
         assert_true(near((double)planes[2][i], (double)(diffuse * 5.0f), 1e-5));
     }
     assert_true(off < 128 * 128 / 500); /* where vertices were snapped across an edge of the coarse mesh */
@@ -159,7 +159,7 @@ static void gathers_have_the_same_bits_with_every_instruction_set_and_whatever_w
                           trace_mesh_material(&m, 0.7f, 0, 0, 0, 0));
         sl_mesh_gather_settings settings = usual_settings();
         gathering g = gathering_of(trace_mesh_build(&m), 0.2f, 3, &settings);
-        for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++)
+        for (size_t v = 0; v < g.coarse->vertex_count; v++)
             sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 0.1f});
         sl_coarse_finish(g.coarse, 1);
         for (uint32_t i = 0; i < 16; i++) { /* forwards, then backwards */

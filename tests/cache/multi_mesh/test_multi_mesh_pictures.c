@@ -331,83 +331,6 @@ static void a_diffuse_scene_has_no_specular_mesh_and_a_point_light_no_pictures(v
     sl_scene_destroy(scene);
 }
 
-/* ---- lights and objects that move ---- */
-
-static sl_image *picture_of(sl_method *method) {
-    sl_image *image;
-    to_the_end(method);
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-    return image;
-}
-
-/* The ball throws a shadow elsewhere; what its shadow never touched holds. */
-static void after_a_ball_has_moved_most_samples_of_light_still_hold(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/moving-ball.json");
-    sl_settings settings = mesh_settings(64, 64);
-    sl_method *method;
-    unsigned changes = 0;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    to_the_end(method);
-    assert_int_equal(sl_scene_set_time(scene, 0.5, &changes, NULL), SL_OK);
-    assert_true(changes & SL_CHANGED_OBJECTS);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    sl_counters before = counters_of(method), fresh_counters;
-    sl_image *edited = picture_of(method), *fresh = render(scene, &settings, &fresh_counters);
-    sl_counters after = counters_of(method);
-    sl_comparison c;
-    assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
-    uint64_t again = grown(&before, &after, SL_COUNT_LIGHT_SAMPLES),
-             anew = fresh_counters.value[SL_COUNT_LIGHT_SAMPLES];
-    print_message(
-        "%llu light samples after the motion, %llu for a picture of its own; relRMSE between them %.2f %%\n",
-        (unsigned long long)again, (unsigned long long)anew, 100.0 * c.rel_rmse);
-    assert_true(again + 500 < anew); /* either makes a coarse mesh of its own, with some 1,900 samples */
-    assert_true(c.rel_rmse < 0.05);
-    sl_image_destroy(edited);
-    sl_image_destroy(fresh);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
-static void after_a_lamp_has_moved_only_its_own_samples_are_taken_again(void **state) {
-    (void)state;
-    sl_scene *scene =
-        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": "
-                        "\"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], "
-                        "\"radiance\": 4}, {\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3, "
-                        "\"keyframes\": [{\"time\": 0, \"position\": [1, 2, 1]}, {\"time\": 1, "
-                        "\"position\": [0, 1, 1]}]}], \"camera\": {\"eye\": [0, 1.5, 6], \"target\": [0, 0, "
-                        "0], \"up\": [0, 1, 0], \"fov_deg\": 50}}",
-                        floor_obj);
-    sl_settings settings = mesh_settings(48, 48);
-    sl_method *method;
-    unsigned changes = 0;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    to_the_end(method);
-    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    sl_counters before = counters_of(method), fresh_counters;
-    sl_image *edited = picture_of(method), *fresh = render(scene, &settings, &fresh_counters);
-    sl_counters after = counters_of(method);
-    sl_comparison c;
-    assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
-    uint64_t passes =
-        grown(&before, &after, SL_COUNT_RASTER_PASSES) - grown(&before, &after, SL_COUNT_INDIRECT_SAMPLES);
-    uint64_t anew =
-        fresh_counters.value[SL_COUNT_RASTER_PASSES] - fresh_counters.value[SL_COUNT_INDIRECT_SAMPLES];
-    print_message("%llu pictures of the lamp that stays after the motion, %llu for a picture of its own; "
-                  "relRMSE %.2f %%\n",
-                  (unsigned long long)passes, (unsigned long long)anew, 100.0 * c.rel_rmse);
-    assert_true(grown(&before, &after, SL_COUNT_SHADOW_RAYS) > 0);
-    assert_true(2 * passes < anew); /* where the other's new shadow has it looked at more closely */
-    assert_true(c.rel_rmse < 0.03);
-    sl_image_destroy(edited);
-    sl_image_destroy(fresh);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 /* ---- limits ---- */
 
 static bool warns_of_gloss(const char *scene_file) {
@@ -451,8 +374,6 @@ int main(void) {
         cmocka_unit_test(the_first_picture_takes_the_roots_vertices_and_the_ambient_light),
         cmocka_unit_test(what_no_light_falls_on_is_black_without_a_picture_of_a_light),
         cmocka_unit_test(a_diffuse_scene_has_no_specular_mesh_and_a_point_light_no_pictures),
-        cmocka_unit_test(after_a_ball_has_moved_most_samples_of_light_still_hold),
-        cmocka_unit_test(after_a_lamp_has_moved_only_its_own_samples_are_taken_again),
         cmocka_unit_test(gloss_that_reflects_lamps_alone_is_told),
         cmocka_unit_test(bits_do_not_depend_on_threads),
     };

@@ -1,7 +1,6 @@
 /* Which pixels show which face, and how large patches are on the screen. */
 #include "multi_mesh_field.h"
 
-#include "cache/multi_mesh/path_kernels.h"
 #include "trace_scenes.h"
 
 static void look(const sl_scene *scene, const sl_raster *raster, unsigned threads, int width, int height,
@@ -153,42 +152,6 @@ static void a_picture_of_nothing_has_no_pixels(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Where a path leads, in weights of the root's corners: the middle of its last triangle. */
-static void middle_of_path(uint32_t path, double w[3]) {
-    w[0] = w[1] = w[2] = 1.0 / 3.0;
-    for (int level = SL_PATH_LEVELS - 1; level >= 0; level--) {
-        uint32_t child = path >> 2 * (SL_PATH_LEVELS - 1 - level) & 3u;
-        for (int c = 0; c < 3; c++)
-            w[c] = child == 3 ? (1.0 - w[c]) * 0.5 : w[c] * 0.5 + ((uint32_t)c == child ? 0.5 : 0.0);
-    }
-}
-
-static void a_path_leads_to_its_point_with_every_instruction_set(void **state) {
-    (void)state;
-    enum { N = 3001 };
-    float w1[N], w2[N];
-    uint32_t path[N], other[N];
-    uint64_t key = sl_random_key(5, 1);
-    for (uint64_t i = 0; i < N; i++) {
-        float a = sl_random_unit(key, 2 * i), b = sl_random_unit(key, 2 * i + 1);
-        w1[i] = a + b > 1.0f ? 1.0f - a : a;
-        w2[i] = a + b > 1.0f ? 1.0f - b : b;
-    }
-    w1[0] = w2[0] = 0.0f, w1[1] = 1.0f, w2[1] = 0.0f, w1[2] = 0.0f, w2[2] = 1.0f, w1[3] = w2[3] = 0.5f,
-    w1[4] = 0.5f, w2[4] = 0.25f;
-    w1[5] = NAN, w2[5] = 0.25f, w1[6] = 1e30f, w2[6] = -1e30f;
-    sl_path_kernel_for(SL_ISA_BASELINE)(N, w1, w2, path);
-    for (size_t i = 0; i < N; i++) {
-        double w[3], a = isnan(w1[i]) ? 0.0 : fmin((double)w1[i], 1.0), b = fmax((double)w2[i], 0.0);
-        middle_of_path(path[i], w);
-        assert_true(fabs(w[1] - a) <= 1.0 / 4096 && fabs(w[2] - b) <= 1.0 / 4096);
-    }
-    for (int isa = SL_ISA_BASELINE; isa <= (int)sl_isa_best(); isa++) {
-        sl_path_kernel_for((sl_isa)isa)(N, w1, w2, other);
-        assert_memory_equal(path, other, sizeof path);
-    }
-}
-
 static void a_patch_measures_what_of_it_is_in_the_picture(void **state) {
     (void)state;
     sl_scene *scene = square_scene();
@@ -233,7 +196,6 @@ int main(void) {
         cmocka_unit_test(the_order_is_the_same_with_any_threads),
         cmocka_unit_test(pixels_of_one_path_are_in_the_order_of_the_screen),
         cmocka_unit_test(a_picture_of_nothing_has_no_pixels),
-        cmocka_unit_test(a_path_leads_to_its_point_with_every_instruction_set),
         cmocka_unit_test(a_patch_measures_what_of_it_is_in_the_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,127 @@
+/* The coarse mesh: every face of the scene that may be seen and reflects (not a solid's inner side, not
+ * degenerate), cut until its edges are short enough, with U_dd = sum E_d / pi at its vertices. Gathers see it.
+ *
+ * A face of level l is cut into n^2 coarse triangles, n = 2^l, by n - 1 lines along each of its sides:
+ *
+ *     2         Lattice point (i, j) has weights i/n and j/n of the face's corners 1 and 2. Row j holds
+ *     |\        2 (n - j) - 1 triangles, upright ones (corners (i, j), (i+1, j), (i, j+1)) and between
+ *     |_\       them those on their heads ((i+1, j+1), (i, j+1), (i+1, j)): triangle number
+ *     |\ |\     j (2n - j) + 2i + (1 if on its head). The corners of either kind are in the order of the
+ *     0-\|-\ 1  face's corners 0, 1, 2: weights within it follow from the face's.
+ *
+ * Vertices are shared: one for each site in use, 2^l - 1 on each edge (l the highest level of the faces along
+ * it), and those inside a face.
+ *
+ *   coarse.c           levels and vertices
+ *   coarse_colours.c   values times the bounce's reflectance
+ *   coarse_light.c     direct light at its vertices
+ *   coarse_rounds.c    some vertices an update */
+#ifndef SL_MULTI_MESH_COARSE_H
+#define SL_MULTI_MESH_COARSE_H
+
+#include "cache/light/light_sample.h"
+#include "cache/patches/mesh.h"
+
+typedef struct sl_coarse_settings {
+    float edge;                /* scene units: longer edges are split, */
+    int depth;                 /* ... at most so often */
+} sl_coarse_settings;
+
+/* A point to be sampled. */
+typedef struct sl_coarse_vertex {
+    uint32_t face;
+    uint16_t p, q;             /* weights of corners 1 and 2 in 1/SL_MESH_DYADIC */
+    uint16_t lit_p, lit_q;     /* ... and of where light is asked for: at a face's rim a little within */
+    uint8_t depth;             /* of the coarse triangle */
+} sl_coarse_vertex;
+
+enum {
+    SL_COARSE_ABSENT = 0xff, /* level of a face that is not in the coarse mesh */
+    SL_COARSE_FLOATS = 12 /* of a coarse triangle: colour at its corner 0, differences of those at corners 1
+                             and 2 from it; three to spare */
+};
+
+/* The first coarse triangles stand for faces that are absent and for what lies beyond all faces. */
+enum { SL_COARSE_BLACK, SL_COARSE_NOTHING, SL_COARSE_FIRST };
+
+/* By face: where its coarse triangles begin, and n. */
+typedef struct sl_coarse_face {
+    int32_t first, rows;
+} sl_coarse_face;
+
+typedef struct sl_coarse {
+    const sl_scene *scene;
+    const sl_topology *topology;
+    uint8_t *level;            /* by face, or SL_COARSE_ABSENT */
+    uint8_t *edge_level;       /* by edge */
+    uint32_t *site_vertex;     /* by site, or SL_NO_INDEX */
+    uint32_t *edge_vertex;     /* by edge: the first of those on it, counted from its lower site */
+    uint32_t *inner_vertex;    /* by face: the first of those inside it */
+    size_t vertex_count;
+    sl_coarse_vertex *vertex;
+    sl_rgb *value;             /* U_dd by vertex */
+    uint8_t *valid;            /* 0: what was set was not a number */
+    size_t triangle_count;     /* coarse ones */
+    sl_coarse_face *face;      /* by face; two more for nothing, as if that were one more scene triangle */
+    sl_rgb *reflectance;       /* by coarse triangle: k_d, the mean of its texture */
+    bool reflectance_known;
+    float *colour;             /* by coarse triangle, SL_COARSE_FLOATS each */
+} sl_coarse;
+
+sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology,
+                           const sl_coarse_settings *settings, sl_coarse **coarse, sl_error *error);
+void sl_coarse_destroy(sl_coarse *coarse);
+size_t sl_coarse_memory_bytes(const sl_coarse *coarse);
+/* U_dd at vertex i; with two bounces U_dd + E_i / pi. Where it is not finite (or never set) the other
+ * corners' mean stands in, triangle by triangle, and sl_coarse_get() has no number. */
+void sl_coarse_set(sl_coarse *coarse, size_t vertex, sl_rgb radiosity_over_pi);
+sl_rgb sl_coarse_get(const sl_coarse *coarse, size_t vertex);
+/* Colours times reflectance, in the form that gathers draw: after a round of sl_coarse_set(). */
+void sl_coarse_finish(sl_coarse *coarse, unsigned threads);
+/* Returns the brightest of all colours, by channel. */
+sl_rgb sl_coarse_brightest(const sl_coarse *coarse);
+
+/* The vertex at lattice point (i, j) of a face that is in the mesh. */
+uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i, int j);
+
+/* Where lattice point (u, v) of n rows lies: the triangle's number, and the weights of its corners 1 and 2.
+ */
+static inline int sl_coarse_locate(float w1, float w2, int n, float *a, float *b) {
+    float u = w1 * (float)n, v = w2 * (float)n;
+    int j = (int)v;
+    j = j < n - 1 ? j : n - 1;
+    int last = n - 1 - j, i = (int)u;
+    i = i < last ? i : last;
+    float x = u - (float)i, y = v - (float)j;
+    int on_head = (x + y > 1.0f) & (i < last);
+    *a = on_head ? 1.0f - x : x;
+    *b = on_head ? 1.0f - y : y;
+    return j * (2 * n - j) + 2 * i + on_head;
+}
+
+/* ---- coarse_light.c ---- */
+
+/* Direct light of the coarse mesh's vertices. A gather sees hundreds of them at once, so a few rays a light
+ * are enough, noise and all; and of many lights those that could give most are asked, in that order (Ward
+ * 1994), until the others together could add but little: these are taken to be as visible as the former were.
+ * Nothing is kept for the picture's own meshes, nor are these refined for it. */
+typedef struct sl_coarse_light_settings {
+    const sl_scene *scene;     /* all of these must outlive it */
+    const sl_topology *topology;
+    const sl_tracer *tracer;
+    const sl_sampled_lights *lights;
+    const sl_light_sampling *sampling;
+    unsigned threads;
+} sl_coarse_light_settings;
+
+typedef struct sl_coarse_light sl_coarse_light;
+sl_status sl_coarse_light_create(const sl_coarse_light_settings *settings, sl_coarse_light **light,
+                                 sl_error *error);
+void sl_coarse_light_destroy(sl_coarse_light *light);
+size_t sl_coarse_light_memory_bytes(const sl_coarse_light *light);
+/* U_dd of each vertex; NaN where it lies inside other geometry. A pure function of the vertex and the scene.
+ * Counts SL_COUNT_LIGHT_SAMPLES. */
+void sl_coarse_light_take(sl_coarse_light *light, size_t count, const sl_coarse_vertex *vertex,
+                          sl_rgb *radiance, sl_counters *counters);
+
+#endif
