@@ -245,11 +245,11 @@ static double row(bench_report *r, const world *w, const char *scene, const inst
 enum { MANY_SAMPLES = 16 };
 
 static void plane_rows(bench_report *r, const world *w, const char *scene, double fov, uint32_t samples,
-                       double e[4], double *radial_ms, double *best) {
-    static const char *const names[] = {"plane, plain", "plane, LC04", "plane, radial", "plane, axial"};
-    static const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL};
+                       double e[3], double *radial_ms, double *best) {
+    static const char *const names[] = {"plane, plain", "plane, LC04", "plane, radial"};
+    static const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL};
     double ms;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 3; i++) {
         instrument m = {names[i], SL_GATHER_PLANE, 64, fov, borders[i], samples};
         e[i] = row(r, w, scene, &m, &ms, best);
         if (borders[i] == SL_BORDER_RADIAL) *radial_ms = ms;
@@ -260,7 +260,7 @@ static void table_1(bench_report *r, const bench_options *o, const world *w, con
                     double *best) {
     static const double fovs[] = {126.87, 140.0};
     static const uint32_t samples[] = {1, MANY_SAMPLES};
-    double ms, radial_ms = 0.0, errors[2][2][4];
+    double ms, radial_ms = 0.0, errors[2][2][3];
     bench_table(r, scene,
                 "scene|instrument|N|FOV|cells|light spp|relRMS %|hemisphere %|RMSE/mean %|bias %|ms");
     for (int s = 0; s < 2; s++) {
@@ -295,17 +295,17 @@ static void fov_sweep(bench_report *r, const bench_options *o, const world *w, c
     char name[80];
     snprintf(name, sizeof name, "%s-fov", scene);
     bench_say(r, "\n%s, by field of view: the hemisphere's error alone\n", scene);
-    bench_table(r, name, "scene|FOV|F|plain %|LC04 %|radial %|axial %");
+    bench_table(r, name, "scene|FOV|F|plain %|LC04 %|radial %");
     for (size_t f = 0; f < sizeof fovs / sizeof *fovs; f += o->brief ? 3 : 1) {
-        double half = 0.5 * fovs[f] * SL_PI / 180.0, sine = sl_sin(half), e[4];
-        for (int i = 0; i < 4; i++) {
+        double half = 0.5 * fovs[f] * SL_PI / 180.0, sine = sl_sin(half), e[3];
+        for (int i = 0; i < 3; i++) {
             instrument m = {"", SL_GATHER_PLANE, 64, fovs[f], (sl_border)i, 1};
             for (int k = 0; k < 2; k++)
                 gather_points(w, &m, false, 1 + (uint64_t)k, some_points(w), w->threads, w->gathered[k]);
             e[i] = 100.0 * errors_of(w, some_points(w), w->gathered[0], w->gathered[1]).hemisphere;
         }
-        bench_row(r, "%s|%.2f|%.4f|%.2f|%.2f|%.2f|%.2f", scene, fovs[f], 4.0 / SL_PI * sine * sl_atan(sine),
-                  e[0], e[1], e[2], e[3]);
+        bench_row(r, "%s|%.2f|%.4f|%.2f|%.2f|%.2f", scene, fovs[f], 4.0 / SL_PI * sine * sl_atan(sine),
+                  e[0], e[1], e[2]);
     }
 }
 

@@ -45,7 +45,6 @@ static sl_settings small_picture(const sl_scene *scene, const sl_settings *base,
     s.threads = base->threads;
     s.spp = 16;
     s.bounces = 64;
-    s.glossy_hits = true;
     return s;
 }
 
@@ -76,7 +75,8 @@ sl_status sl_auto_look(const sl_scene *scene, const sl_settings *base, sl_auto_k
     double direct = 0.0, one = 0.0, surfaces = 0.0, all;
     sl_status status = mean_light(scene, base, "path", "direct", &direct, error);
     if (status == SL_OK) status = mean_light(scene, base, "path", "one-bounce", &one, error);
-    if (status == SL_OK) status = mean_light(scene, base, "path", "matched:splatting", &surfaces, error);
+    if (status == SL_OK) /* bounces off glossy surfaces count as mirrored where there are mirrors */
+        status = mean_light(scene, base, "path", mirrors ? "matched:splatting" : "full", &surfaces, error);
     all = surfaces;
     if (status == SL_OK && mirrors) status = mean_light(scene, base, "bidirectional", "full", &all, error);
     one = at_least(one, direct); /* noise must not make shares negative */

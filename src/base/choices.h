@@ -28,9 +28,7 @@ typedef enum sl_traversal_order {
 typedef enum sl_radius_metric {
     SL_METRIC_AUTO,     /* the one that measured best */
     SL_METRIC_HARMONIC, /* harmonic mean distance (Ward et al. 1988), the paper's */
-    SL_METRIC_MINIMUM,  /* minimum distance (Tabellion and Lamorlette 2004) */
-    SL_METRIC_HESSIAN,  /* second derivatives, occlusion included (Schwarzhaupt et al. 2012) */
-    SL_METRIC_ADAPTIVE  /* disagreement with neighbours (Krivanek et al. 2006) */
+    SL_METRIC_HESSIAN   /* second derivatives, occlusion included (Schwarzhaupt et al. 2012) */
 } sl_radius_metric;
 
 /* ---- Direct Radiance Mapping ---- */

@@ -89,8 +89,7 @@ static void the_settings_that_a_picture_tells_make_it_again(void **state) {
     static const char *const lines[] = {
         "-m splatting",
         "-m splatting -a 0.712345678901234 --set gather=trace --set splatting.hit-samples=2 --set "
-        "metric=minimum "
-        "--set harmonics=3 --set glossy-hits=1 --bounces 2 --seed 7",
+        "metric=harmonic --set harmonics=3 --bounces 2 --seed 7",
         "-m direct-radiance",
         "-m direct-radiance -M 5 --set map=frustum --set map-fov=77.7 --set weight=15 --visibility blocks "
         "--set mirror-light=trick",

@@ -194,7 +194,7 @@ static sl_status post_sentries(const sl_second_cache *cache, float *missed, sl_c
 static sl_status make_gather(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                              sl_error *error) {
     unsigned threads = cache->settings.threads;
-    cache->settings.gather.hidden = &cache->light;
+    cache->settings.gather.second = &cache->light;
     sl_status status = sl_gather_create(cache->scene, raster, cache->tracer, &cache->settings.gather, threads,
                                         &cache->gather, counters, error);
     if (status != SL_OK) return status;

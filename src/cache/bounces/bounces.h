@@ -49,7 +49,7 @@ sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster,
 sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                                  sl_error *error);
 void sl_second_cache_destroy(sl_second_cache *cache);
-/* E^(bounces - 1), for sl_gather_settings.hidden; lives as long as the cache. */
+/* E^(bounces - 1), for sl_gather_settings.second; lives as long as the cache. */
 const sl_second_light *sl_second_cache_light(const sl_second_cache *cache);
 /* To a file and from it. The reader's file has been checked to be of this scene and of these settings. */
 void sl_second_cache_write(const sl_second_cache *cache, sl_cache_writer *writer);

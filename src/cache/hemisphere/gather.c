@@ -1,4 +1,3 @@
-#include "cache/hemisphere/glossy_hits.h"
 #include "cache/hemisphere/light_scratch.h"
 
 #include <string.h>
@@ -215,8 +214,6 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
         s->block && s->pixels && s->texel ? SL_OK : sl_fail_memory(error, "a gather's buffers");
     if (status == SL_OK && gather->sources)
         status = sl_light_scratch_create(gather, slots, false, &s->light, error);
-    if (status == SL_OK && sl_glossy_hits_wanted(gather))
-        status = sl_glossy_hits_create(slots, &s->glossy, error);
     if (status == SL_OK && t->kind != SL_GATHER_RAYS) {
         status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
     }
@@ -241,7 +238,6 @@ void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
     if (!scratch) return;
     sl_raster_scratch_destroy(scratch->raster);
     sl_light_scratch_destroy(scratch->light);
-    sl_glossy_hits_destroy(scratch->glossy);
     sl_free(scratch->block);
     sl_free(scratch->pixels);
     sl_free(scratch->texel);

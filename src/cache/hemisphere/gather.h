@@ -3,7 +3,7 @@
  * extended to the horizon hemicube  five raster renders, N x N and four halves rays      N x N rays in the
  * cells of the concentric map, equal cosine weights each with harmonic mean distance, rotational and
  * translational gradients (Ward et al. 1988, Ward and Heckbert 1992). What is seen is shaded with direct
- * light (one diffuse bounce), and with what sl_gather_settings.hidden knows to arrive there by more bounces.
+ * light (one diffuse bounce), and with what sl_gather_settings.second knows to arrive there by more bounces.
  */
 #ifndef SL_CACHE_GATHER_H
 #define SL_CACHE_GATHER_H
@@ -12,7 +12,7 @@
 #include "cache/light/shadow_maps.h"
 #include "trace/trace.h"
 
-typedef enum sl_border { SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL } sl_border;
+typedef enum sl_border { SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL } sl_border;
 
 typedef struct sl_second_points {
     size_t count;
@@ -44,10 +44,9 @@ typedef struct sl_gather_settings {
                                          carries; or NULL. It must outlive the gather */
     sl_direct_kind direct;    /* how what is seen is lit: shadow rays or shadow maps */
     uint32_t hit_samples;     /* shadow rays: light samples a hit; 0 counts as 1, the default */
-    bool glossy_hits;         /* what is seen reflects direct light by its glossy lobe, too */
     /* by shadow maps: these, which must outlive the gather; NULL: it makes its own */
     const sl_shadow_maps *maps;
-    const sl_second_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
+    const sl_second_light *second; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
     /* n: gathers also yield n^2 coefficients of incoming radiance; 0: irradiance alone */
     int harmonics_order;

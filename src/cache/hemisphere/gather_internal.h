@@ -66,8 +66,6 @@ typedef struct sl_gather_planes {
     float *mean;                            /* of r, g, b */
 } sl_gather_planes;
 
-typedef struct sl_glossy_hits sl_glossy_hits; /* glossy_hits.h */
-
 struct sl_gather_scratch {
     const sl_gather *gather;
     float *block;
@@ -80,7 +78,6 @@ struct sl_gather_scratch {
     sl_gather_hits hits;
     sl_gather_planes planes;
     sl_light_scratch *light; /* or NULL */
-    sl_glossy_hits *glossy;  /* or NULL: what is seen reflects by its diffuse lobe alone */
     sl_raster_scratch *raster;
     uint32_t *target_id;
     float *target_depth, *target_w1, *target_w2;

@@ -92,26 +92,17 @@ static sl_vec3d radial_extension(int n, double t, int x, int y, double u0, doubl
     return sum;
 }
 
-/* Grid line i of n + 1 from -t to t; the outermost lines go to infinity where the border is extended along
- * the axes. */
-static double plane_line(int n, double t, int i, bool to_infinity) {
-    /* its square is finite; beyond it the primitives have reached their limits */
-    const double infinity = 1e30;
-    if (to_infinity && i == 0) return -infinity;
-    if (to_infinity && i == n) return infinity;
-    return t * (2.0 * i / n - 1.0);
-}
+/* Returns grid line i of n + 1 from -t to t. */
+static double plane_line(int n, double t, int i) { return t * (2.0 * i / n - 1.0); }
 
 static void fill_plane(sl_gather_tables *tables, double t, sl_border border) {
     int n = tables->size;
-    bool axial = border == SL_BORDER_AXIAL;
     for (int y = 0; y < n; y++) {
         for (int x = 0; x < n; x++) {
-            double u0 = plane_line(n, t, x, false), u1 = plane_line(n, t, x + 1, false);
-            double v0 = plane_line(n, t, y, false), v1 = plane_line(n, t, y + 1, false);
+            double u0 = plane_line(n, t, x), u1 = plane_line(n, t, x + 1);
+            double v0 = plane_line(n, t, y), v1 = plane_line(n, t, y + 1);
             size_t i = (size_t)y * (size_t)n + (size_t)x;
-            sl_vec3d vector = sl_plane_vector(plane_line(n, t, x, axial), plane_line(n, t, x + 1, axial),
-                                              plane_line(n, t, y, axial), plane_line(n, t, y + 1, axial));
+            sl_vec3d vector = sl_plane_vector(u0, u1, v0, v1);
             if (border == SL_BORDER_RADIAL)
                 vector = sl_addd(vector, radial_extension(n, t, x, y, u0, u1, v0, v1));
             set_cell(tables, i, vector, sl_v3d(0.5 * (u0 + u1), 0.5 * (v0 + v1), 1.0));
@@ -122,8 +113,7 @@ static void fill_plane(sl_gather_tables *tables, double t, sl_border border) {
 }
 
 static sl_vec3d plane_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
-    return sl_v3d(plane_line(t->size, half_tangent, x, false), plane_line(t->size, half_tangent, y, false),
-                  1.0);
+    return sl_v3d(plane_line(t->size, half_tangent, x), plane_line(t->size, half_tangent, y), 1.0);
 }
 
 /* [LC04]: everything over the share F of the cosine-weighted hemisphere that the plane covers. */

@@ -23,10 +23,6 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
         h->irradiance_r[q->slot[i]] += q->light[i].r;
         h->irradiance_g[q->slot[i]] += q->light[i].g;
         h->irradiance_b[q->slot[i]] += q->light[i].b;
-        if (q->view->scratch->glossy)
-            sl_glossy_hits_add(q->view, q->slot[i],
-                               sl_v3(q->rays.direction_x[i], q->rays.direction_y[i], q->rays.direction_z[i]),
-                               q->light[i]);
     }
     q->count = 0;
 }

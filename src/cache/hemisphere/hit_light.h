@@ -2,7 +2,7 @@
 #ifndef SL_CACHE_GATHER_HIT_LIGHT_H
 #define SL_CACHE_GATHER_HIT_LIGHT_H
 
-#include "cache/hemisphere/glossy_hits.h"
+#include "cache/hemisphere/gather_internal.h"
 
 /* Shadow rays wait here until there are sixteen. */
 typedef struct sl_shadow_queue {
@@ -24,6 +24,11 @@ void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 dir
                        sl_rgb irradiance, uint32_t tag);
 void sl_flush_shadow_rays(sl_shadow_queue *q);
 
+/* Returns the sum of kd over the channels; 0 where nothing is seen. */
+static inline float sl_hit_reflectance(const sl_gather_view *view, size_t k) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    return h->triangle[k] == SL_NO_INDEX ? 0.0f : h->diffuse_r[k] + h->diffuse_g[k] + h->diffuse_b[k];
+}
 static inline bool sl_hit_reflects(const sl_gather_view *view, size_t k) {
     return sl_hit_reflectance(view, k) > 0.0f;
 }

@@ -1,6 +1,5 @@
 /* What the gather sees, lit by direct light (hit_light.c, or shadow maps) and by what more bounces bring:
- * outgoing radiance L = kd / pi * E of a Lambertian bounce; and where asked for, what glossy lobes reflect of
- * the direct light (glossy_hits.c). */
+ * outgoing radiance L = kd / pi * E of a Lambertian bounce. */
 #include "cache/hemisphere/hit_light.h"
 
 #include "base/counters.h"
@@ -120,13 +119,12 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
                                  h->normal_z + k};
         sl_shadow_maps_irradiance(view->gather->maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
                                   h->irradiance_b + k, counters);
-        if (view->scratch->glossy) sl_glossy_hits_add_maps(view, &block, k, parts, counters);
     }
 }
 
 /* Light that has met more than one surface before it arrives at what the gather sees. */
-static void add_hidden_light(const sl_gather_view *view, sl_counters *counters) {
-    const sl_second_light *hidden = view->gather->settings.hidden;
+static void add_second_light(const sl_gather_view *view, sl_counters *counters) {
+    const sl_second_light *second = view->gather->settings.second;
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_second_points points = {.count = view->scratch->slots,
                                      .triangle = h->triangle,
@@ -136,7 +134,7 @@ static void add_hidden_light(const sl_gather_view *view, sl_counters *counters) 
                                      .normal_x = h->normal_x,
                                      .normal_y = h->normal_y,
                                      .normal_z = h->normal_z};
-    hidden->irradiance(hidden->context, &points, h->irradiance_r, h->irradiance_g, h->irradiance_b, counters);
+    second->irradiance(second->context, &points, h->irradiance_r, h->irradiance_g, h->irradiance_b, counters);
 }
 
 /* ---- radiance of the cells ------------------------------------------------------------------- */
@@ -176,7 +174,6 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
                        h->diffuse_g[k] * inverse_pi * h->irradiance_g[k],
                        h->diffuse_b[k] * inverse_pi * h->irradiance_b[k]};
     radiance = sl_rgb_add(radiance, sl_gather_emission(view, k));
-    if (view->scratch->glossy) radiance = sl_rgb_add(radiance, view->scratch->glossy->radiance[k]);
     radiance = (sl_rgb){share * sane(radiance.r, nonfinite), share * sane(radiance.g, nonfinite),
                         share * sane(radiance.b, nonfinite)};
     float nearest_depth = 2.0f * view->gather->offset;
@@ -202,7 +199,6 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
 static void begin_slots(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
     drop_below_horizon(view, first, count);
     make_surfaces(view, first, count);
-    if (view->scratch->glossy) sl_glossy_hits_begin(view, first, count);
     if (view->gather->maps) light_by_maps(view, first, count, counters);
     else sl_gather_light_first(view, first, count, counters);
 }
@@ -219,7 +215,7 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
     sl_gather_add_rays(view, counters);
     begin_slots(view, t->used, s->slots - t->used, counters);
     if (!gather->maps) sl_gather_light_sampled(view, counters);
-    if (gather->settings.hidden) add_hidden_light(view, counters);
+    if (gather->settings.second) add_second_light(view, counters);
     for (size_t k = 0; k < s->slots; k++) {
         float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[s->slot_cell[k]];
         write_slot(view, k, length, &nonfinite);

@@ -103,7 +103,7 @@ static sl_status prepare(trials *t, sl_error *error) {
     g->settings.size = SIZE;
     g->settings.hit_samples = 1;
     g->settings.more_rays = 0.0f;
-    g->settings.hidden = NULL;
+    g->settings.second = NULL;
     t->per_point = SIZE * SIZE + 2;
     sl_status status = sl_gather_tables_create(SL_GATHER_RAYS, SIZE, (double)g->half_tangent,
                                                g->settings.border, &g->tables, error);

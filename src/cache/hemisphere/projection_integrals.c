@@ -93,36 +93,6 @@ static void add_radial_extension(const integral *q, range r) {
     }
 }
 
-/* Axial extension of the same edge: plane coordinates go to infinity, a = t / x^2 with d omega = da db / l^3.
- */
-static void add_axial_extension(const integral *q, range r) {
-    double t = q->in->half_tangent;
-    const sl_rule *g = &q->in->coarse, *f = &q->in->fine;
-    for (int i = 0; i < g->count; i++) {
-        double b = r.b0 + (r.b1 - r.b0) * g->node[i];
-        for (int j = 0; j < f->count; j++) {
-            double x = f->node[j], z = x * x; /* the direction (t / z, b, 1) in units of 1 / z */
-            sl_vec3d d = sl_v3d(t, b * z, z);
-            add_point(q, d, g->weight[i] * f->weight[j] * (r.b1 - r.b0) * t * 2.0 * x * z * inverse_cube(d));
-        }
-    }
-}
-
-/* What lies beyond a corner of the picture along both axes, the half with a > b: a = t / s, b = a r, s from 0
- * to 1. */
-static void add_axial_corner(const integral *q) {
-    double t = q->in->half_tangent;
-    const sl_rule *f = &q->in->fine;
-    for (int i = 0; i < f->count; i++) {
-        for (int j = 0; j < f->count; j++) {
-            /* b >= t: r >= s. With s = r p, roots of p and r: d = (1, r, r p / t) t / s. */
-            double x = f->node[i], y = f->node[j], p = x * x, ratio = y * y;
-            sl_vec3d d = sl_v3d(1.0, ratio, ratio * p / t);
-            add_point(q, d, f->weight[i] * f->weight[j] * 4.0 * x * y * ratio / t * inverse_cube(d));
-        }
-    }
-}
-
 /* A side face of the hemicube, b sideways, a from 1 at the top to 2 at the horizon: the direction (1, b, z),
  * z = 2 - a = x^2. */
 static void add_side_cell(const integral *q, range r) {
@@ -169,11 +139,6 @@ static range cell_range(const sl_instrument *in, int x, int y) {
                    grid_line(in, y + 1)};
 }
 
-static void add_border(const integral *q, range r) {
-    if (q->in->border == SL_BORDER_RADIAL) add_radial_extension(q, r);
-    if (q->in->border == SL_BORDER_AXIAL) add_axial_extension(q, r);
-}
-
 void sl_cell_harmonics(const sl_instrument *in, int x, int y, double *sums) {
     range r = cell_range(in, x, y);
     integral q = {in, false, sums}, exchanged = {in, true, sums};
@@ -181,12 +146,8 @@ void sl_cell_harmonics(const sl_instrument *in, int x, int y, double *sums) {
     if (in->kind == SL_GATHER_PLANE) {
         bool right = x == in->width - 1, top = y == in->width - 1;
         add_plane_cell(&q, r);
-        if (right) add_border(&q, r);
-        if (top) add_border(&exchanged, exchange(r));
-        if (right && top && in->border == SL_BORDER_AXIAL) {
-            add_axial_corner(&q);
-            add_axial_corner(&exchanged);
-        }
+        if (in->border == SL_BORDER_RADIAL && right) add_radial_extension(&q, r);
+        if (in->border == SL_BORDER_RADIAL && top) add_radial_extension(&exchanged, exchange(r));
     } else if (in->kind == SL_GATHER_HEMICUBE) {
         if (r.a1 > 1.0 && r.a0 >= 1.0) add_side_cell(&q, r);
         else if (r.b0 >= 1.0) add_side_cell(&exchanged, exchange(r));

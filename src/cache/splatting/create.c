@@ -27,7 +27,7 @@ static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache)
 
 /* Second-level records stay as long as geometry and lights do; where the camera goes to other places, there
  * will be more. */
-sl_second_settings sl_splat_hidden_settings(const sl_splat_state *s) {
+sl_second_settings sl_splat_second_settings(const sl_splat_state *s) {
     sl_second_settings settings =
         sl_second_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
     settings.aspect = (float)s->settings.width / (float)s->settings.height;
@@ -35,10 +35,10 @@ sl_second_settings sl_splat_hidden_settings(const sl_splat_state *s) {
     return settings;
 }
 
-static sl_status open_hidden(sl_splat_state *s, sl_error *error) {
-    if (s->settings.bounces < 2 || s->hidden) return SL_OK;
-    const sl_second_settings settings = sl_splat_hidden_settings(s);
-    return sl_second_cache_create(s->scene, s->raster, s->tracer, &settings, &s->hidden, &s->counters, error);
+static sl_status open_second(sl_splat_state *s, sl_error *error) {
+    if (s->settings.bounces < 2 || s->second) return SL_OK;
+    const sl_second_settings settings = sl_splat_second_settings(s);
+    return sl_second_cache_create(s->scene, s->raster, s->tracer, &settings, &s->second, &s->counters, error);
 }
 
 static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
@@ -46,9 +46,9 @@ static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error 
     sl_gather_settings settings = s->plan.gather;
     bool radiance = cache->class == SL_RECEIVES_RADIANCE;
     settings.harmonics_order = radiance ? s->plan.harmonics_order : 0;
-    sl_status status = open_hidden(s, error);
+    sl_status status = open_second(s, error);
     if (status != SL_OK) return status;
-    settings.hidden = s->hidden ? sl_second_cache_light(s->hidden) : NULL;
+    settings.second = s->second ? sl_second_cache_light(s->second) : NULL;
     status = sl_gather_create(s->scene, s->raster, s->tracer, &settings, threads, &cache->gather,
                               &s->counters, error);
     if (status == SL_OK) {
@@ -113,7 +113,6 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .mirrors = &s->mirrors,
         .near_distance = 1e-5f * scale,
         .footprint_per_depth = (float)footprint_per_depth,
-        .neighbour_clamp = true,
         .coverage = s->coverage,
         .owned = s->owned,
         .seed = s->settings.seed,
@@ -127,14 +126,14 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
 
 static void destroy_transport(sl_splat_state *s) {
     sl_splat_close_caches(s);
-    sl_second_cache_destroy(s->hidden);
+    sl_second_cache_destroy(s->second);
     sl_direct_destroy(s->direct);
     sl_shadow_maps_destroy(s->maps);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     sl_environment_release(&s->sky);
     sl_environment_release(&s->sun);
-    s->hidden = NULL;
+    s->second = NULL;
     s->direct = NULL;
     s->maps = NULL;
     s->tracer = NULL;
@@ -249,12 +248,12 @@ size_t sl_splat_memory_bytes(const void *state) {
         const sl_record_cache *cache = &s->cache[c];
         bytes += cache->list.capacity *
                  (sizeof(sl_record) + cache->pass.coefficient_count * sizeof(float));
-        if (cache->list.reaches) bytes += sl_reach_tree_bytes(cache->list.reaches);
+        bytes += cache->list.reaches.capacity * sizeof(sl_reach_node);
         if (cache->receives) bytes += pixels * sizeof *cache->receives;
         if (cache->gather) bytes += sl_gather_memory_bytes(cache->gather);
         if (cache->glossy) bytes += sl_glossy_bytes(cache->glossy);
     }
-    if (s->hidden) bytes += sl_second_cache_bytes(s->hidden);
+    if (s->second) bytes += sl_second_cache_bytes(s->second);
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);

@@ -6,6 +6,7 @@
 #include "base/isa.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "base/print.h"
 #include "cache/splatting/record_weight.h"
 #include "cache/splatting/state.h"
 
@@ -115,6 +116,16 @@ sl_status sl_splat_explanation(void *state, int x, int y, sl_explanation_writer 
         }
     }
     return SL_OK;
+}
+
+/* Second-level records are made with the first cache. */
+void sl_splat_announce_second_level(sl_splat_state *s) {
+    char name[128];
+    sl_second_report r = sl_second_cache_report(s->second);
+    sl_print(name, sizeof name,
+             "%zu second-level records, %u bounces%s: the last changed them by at most %.2g", r.records,
+             (unsigned)r.bounces, r.converged ? ", more would change nothing" : "", (double)r.change);
+    sl_announce_pass(&s->announcer, name, "beyond the paper: more bounces");
 }
 
 /* ---- what a record saw ---- */

@@ -13,7 +13,7 @@ enum {
     OF_RADIANCE = 28,
     OF_MIRRORS = 96,
     RECORDS_LEAST = 1000,
-    TREE_A_RECORD = 64,
+    TREE_A_RECORD = sizeof(sl_reach_node),
     AN_EMITTER = 400,
     A_SAMPLE = 260
 };
@@ -61,9 +61,9 @@ bool sl_splat_is_full(sl_splat_state *s) {
         bytes +=
             (double)list->count * ((double)sizeof(sl_record) +
                                    (double)sl_splat_coefficients(s, (sl_receiver_class)c) * sizeof(float));
-        if (list->reaches) bytes += (double)sl_reach_tree_bytes_of_points(list->reaches);
+        bytes += (double)list->reaches.count * sizeof(sl_reach_node);
     }
-    if (s->hidden) bytes += (double)sl_second_cache_bytes_in_use(s->hidden);
+    if (s->second) bytes += (double)sl_second_cache_bytes_in_use(s->second);
     s->full = 3.0 * bytes > (double)s->settings.memory_bytes;
     size_t count = s->cache[0].list.count + s->cache[1].list.count;
     if (s->full) snprintf(s->filled, sizeof s->filled, "records end at %zu", count);

@@ -40,7 +40,6 @@ static sl_gather_settings chosen_gather(const sl_settings *settings) {
     g.size = chosen_quality(settings).gather_size;
     g.direct = settings->direct;
     g.hit_samples = settings->hit_samples ? settings->hit_samples : 1;
-    g.glossy_hits = settings->glossy_hits;
     g.seed = settings->seed;
     g.emission = false; /* what the direct pass samples is black in the gather */
     return g;
@@ -62,9 +61,7 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
 }
 
 /* L S* E, L (D|G) S* E, L D+ (D|G) S* E: as many diffuse bounces as asked for, mirrors S before the eye
- * alone. With glossy hits L (D|G) (D|G) E. Exact for one bounce: of more, surfaces reflect light that has met
- * others by their diffuse lobes alone, and the paths declared here are then a little more than those
- * computed. */
+ * alone. */
 void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
@@ -72,7 +69,7 @@ void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
         .eye_mirrors = true,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
-        .bounce_lobes = settings->glossy_hits ? SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY : SL_LOBE_DIFFUSE,
+        .bounce_lobes = SL_LOBE_DIFFUSE,
         .bounces = settings->bounces ? settings->bounces : 1,
         .direct_visibility = true,
         .bounce_visibility = true,
@@ -119,9 +116,6 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
                      left_out > 5.0 ? ": it looks blurred" : "");
     else
         sl_plan_pass(writer, false, "hemispherical harmonics", "no glossy lobe to hold");
-    sl_plan_pass(writer, glossy && settings->glossy_hits, "glossy hits", "%s",
-                 settings->glossy_hits ? "what gathers see reflects direct light by its glossy lobe, too"
-                                       : "what gathers see is diffuse");
     bool more = settings->bounces > 1;
     sl_plan_pass(writer, more && light && receivers, "second-level records", "%u bounce%s",
                  (unsigned)settings->bounces,

@@ -20,14 +20,6 @@ static double unit_of(const sl_radius_rules *rules, double footprint) {
     return rules->minimum_pixels > 0.0 ? footprint : 0.25 * rules->minimum_reach;
 }
 
-/* Tabellion and Lamorlette 2004: the distance to the nearest surface, no farther than 10 pixels at their own
- * accuracy, which is a = 1/2 here. Distances to surfaces' planes, so that the inside of a sphere has its
- * radius and not 0. */
-static double minimum_reach(const sl_irradiance *irradiance, const sl_radius_rules *rules, double unit) {
-    double nearest = (double)irradiance->nearest, farthest = 20.0 * unit;
-    return rules->accuracy * (nearest < farthest ? nearest : farthest);
-}
-
 /* Linear extrapolation errs by lambda r^2 / 2 at most, lambda the larger second derivative: over a disc, pi
  * lambda reach^4 / 4 in all (Jarosz et al. 2012). As many pixels see a piece of surface as footprints u^2 fit
  * on it, so the error that a record adds to the picture is that over Y u^2, and the same for every record
@@ -45,12 +37,8 @@ static double hessian_reach(const sl_irradiance *irradiance, const sl_radius_rul
 }
 
 static double metric_radius(const sl_irradiance *irradiance, const sl_radius_rules *rules, double footprint) {
-    double unit = unit_of(rules, footprint);
-    switch (rules->metric) {
-    case SL_METRIC_MINIMUM: return minimum_reach(irradiance, rules, unit) / rules->accuracy;
-    case SL_METRIC_HESSIAN: return hessian_reach(irradiance, rules, unit) / rules->accuracy;
-    default: return (double)irradiance->harmonic_mean;
-    }
+    if (rules->metric != SL_METRIC_HESSIAN) return (double)irradiance->harmonic_mean;
+    return hessian_reach(irradiance, rules, unit_of(rules, footprint)) / rules->accuracy;
 }
 
 /* ---- the rules of the radius (record.h has the list) ---- */

@@ -46,9 +46,7 @@ typedef struct sl_radius_rules {
 
 /* How far a record reaches, by metric (record.c has the formulas):
  *   harmonic  a times the cosine-weighted harmonic mean distance: what can change is near
- *   minimum   a times the least distance, and no more than 20 a pixels
- *   hessian   so far that the error of linear extrapolation, summed over what it lights, is the same for
- * every record adaptive  as harmonic; then shrinks where neighbours disagree (adaptive.c)
+ *   hessian   so far that the error of linear extrapolation, summed over what it lights, is the same for all
  *
  * Then come the rules of the radius. sigma is sl_record.stretch, Y the mean of the channels of E:
  *

@@ -1,31 +1,27 @@
-/* Algorithm 2 of Gautron et al. 2005, corrected where the paper errs:
+/* Radiance cache splatting: Algorithm 2 of Gautron, Krivanek, Bouatouch, Pattanaik 2005, corrected where the
+ * paper errs. Its steps are this file's headings; Algorithm 1, what one record does to one pixel, is
+ * splat_kernels.c.
  *
- *   1  G-buffer, edges and mirrors by rays    update 0
- *   1b emission and direct light              one update for every DIRECT_ROWS rows
- *   2  splat existing records                 none are there at the start; after a camera edit all of them
- *   3  coverage                               kept as records are committed; the same sums, so nothing to
- * read back 4  new records where uncovered            one update a batch (traversal.c) 4b clamp radii to
- * neighbours, visit once more  one update, then step 4 again 5  splat the new records only resolve 6
- * normalise, times albedo / pi, add direct and emission   resolve
+ *     step 1   G-buffer                                     the first update of a view
+ *     step 1b  direct light, which the paper takes as known one update for every DIRECT_ROWS rows
+ *     step 2   splat the records of earlier views           nothing at the start
+ *     step 3   read back the sums of weights                kept on this side: the same sums
+ *     step 4   new records where a pixel is uncovered       one update a batch (traversal.c)
+ *     step 4b  clamp radii to neighbours, visit once more   one update, then step 4 again
+ *     step 5   splat the new records, and only those        resolve
+ *     step 6   normalise, times albedo / pi, add the rest   resolve
  *
  * Steps 4 and 4b run for the diffuse receivers (irradiance records), then for the glossy ones (radiance
  * records). With a budget of records a frame ends in the midst of them; the next goes on where it stopped. */
 #include "cache/splatting/splatting.h"
 
-#include "base/counters.h"
 #include "base/error.h"
-#include "base/memory.h"
-#include "base/parallel.h"
-#include "base/print.h"
-#include "cache/splatting/state.h"
 #include "cache/splatting/explanation.h"
+#include "cache/splatting/state.h"
 
-#include <stdio.h>
 #include <string.h>
 
 enum { DIRECT_ROWS = 64 };
-
-/* ---- what observers are told ---- */
 
 static void announce(sl_splat_state *s, const char *name, const char *source, int channels,
                      const float *planes, bool bottom_first) {
@@ -33,66 +29,24 @@ static void announce(sl_splat_state *s, const char *name, const char *source, in
                 bottom_first);
 }
 
-/* ---- steps 1 and 1b ---- */
+/* ---- steps 2 and 3: splat what earlier views have left, and see what that covers ---- */
 
-/* The class of a pixel with geometry; SL_RECEIVER_CLASSES where it reflects nothing but mirrors. */
-static sl_receiver_class class_of(const sl_splat_state *s, size_t i) {
-    const sl_gbuffer *g = s->gbuffer;
-    if (sl_material_is_glossy(&s->scene->materials[g->material[i]])) return SL_RECEIVES_RADIANCE;
-    bool diffuse = g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f;
-    return diffuse ? SL_RECEIVES_IRRADIANCE : SL_RECEIVER_CLASSES;
-}
-
-static bool is_sound(const sl_gbuffer *g, size_t i) {
-    return sl_is_finite(sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i])) &&
-           sl_is_finite(sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
-}
-
-/* Which pixels ask for which records. A normal that is not finite would ask for ever. */
-static void classify_receivers(sl_splat_state *s) {
-    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
-        s->cache[c].receivers = 0;
-        if (s->cache[c].receives)
-            memset(s->cache[c].receives, 0, sl_splat_pixels(s) * sizeof *s->cache[c].receives);
-    }
-    for (size_t i = 0; i < sl_splat_pixels(s); i++) {
-        if (s->gbuffer->material[i] == SL_NO_INDEX) continue;
-        sl_receiver_class class = class_of(s, i);
-        if (!is_sound(s->gbuffer, i)) {
-            sl_count(&s->counters, SL_COUNT_NONFINITE, 1);
-        } else if (class < SL_RECEIVER_CLASSES && s->cache[class].receives) {
-            s->cache[class].receives[i] = 1;
-            s->cache[class].receivers++;
-        }
-    }
-}
-
-/* The second-level records have been made with the first cache. */
-static void announce_hidden(sl_splat_state *s) {
-    char name[128];
-    sl_second_report r = sl_second_cache_report(s->hidden);
-    sl_print(name, sizeof name,
-             "%zu second-level records, %u bounces%s: the last changed them by at most %.2g", r.records,
-             (unsigned)r.bounces, r.converged ? ", more would change nothing" : "", (double)r.change);
-    sl_announce_pass(&s->announcer, name, "beyond the paper: more bounces");
-}
-
-/* Step 2 and 3: what is there from earlier views covers this one. */
-static sl_status welcome_records(sl_splat_state *s, sl_error *error) {
+static sl_status cover_by_old_records(sl_splat_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    bool had_hidden = s->hidden;
-    if (had_hidden) status = sl_second_cache_follow(s->hidden, s->raster, &s->counters, error);
+    const bool had_second = s->second;
+    if (had_second) status = sl_second_cache_follow(s->second, s->raster, &s->counters, error);
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) {
         sl_record_cache *cache = &s->cache[c];
         if (cache->receivers) status = sl_splat_open_cache(s, cache, error);
         if (status == SL_OK && cache->receivers && cache->list.count)
             status = sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
     }
-    if (s->hidden && !had_hidden) announce_hidden(s);
+    if (s->second && !had_second) sl_splat_announce_second_level(s);
     return status;
 }
 
-/* What they show takes their place. */
+/* ---- step 1: G-buffer; what mirrors show takes their place ---- */
+
 static sl_status follow_mirrors(sl_splat_state *s, sl_error *error) {
     sl_reflections_destroy(s->reflections);
     s->reflections = NULL;
@@ -111,17 +65,16 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     if (status == SL_OK) status = follow_mirrors(s, error);
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "Algorithm 2, step 1", s->gbuffer);
-    classify_receivers(s);
-    status = welcome_records(s, error);
+    sl_splat_classify(s);
     s->direct_row = 0;
     s->frame_records = 0;
     s->phase = s->plan.direct ? SL_PHASE_DIRECT : SL_PHASE_DONE;
-    return status;
+    return cover_by_old_records(s, error);
 }
 
-/* ---- step 4 ---- */
+/* ---- step 1b: direct light ---- */
 
-/* The first class from `class` on that any pixel belongs to. */
+/* The first class from `class` on that any pixel belongs to is next. */
 static void start_records(sl_splat_state *s, int class) {
     while (class < SL_RECEIVER_CLASSES && !s->cache[class].receivers) class++;
     s->class = class;
@@ -143,6 +96,8 @@ static sl_status light_rows(sl_splat_state *s, sl_error *error) {
     start_records(s, 0);
     return SL_OK;
 }
+
+/* ---- step 4: new records where a pixel's sum of weights is below the threshold (10) ---- */
 
 static sl_status new_records(sl_splat_state *s, sl_error *error) {
     sl_record_cache *cache = &s->cache[s->class];
@@ -167,37 +122,7 @@ static sl_status new_records(sl_splat_state *s, sl_error *error) {
     return SL_OK;
 }
 
-/* ---- step 4b ---- */
-
-typedef struct {
-    const sl_record_list *list;
-    float *radii;
-} clamp_context;
-
-static void clamp_one(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const clamp_context *c = context;
-    c->radii[index] = sl_record_clamped_radius(c->list->reaches, &c->list->records[index]);
-}
-
-/* New radii, no larger than the old ones; *shrunk: some are smaller. */
-static sl_status clamp_radii(sl_record_cache *cache, unsigned threads, bool *shrunk, sl_error *error) {
-    sl_record_list *list = &cache->list;
-    *shrunk = false;
-    if (!cache->pass.neighbour_clamp || cache->clamped == list->count) return SL_OK;
-    float *radii = sl_allocate(list->count, sizeof *radii);
-    if (!radii) return sl_fail_memory(error, "record radii");
-    clamp_context context = {list, radii};
-    sl_parallel_for(threads, list->count, clamp_one, &context);
-    for (size_t i = 0; i < list->count; i++) {
-        if (!(radii[i] < list->records[i].radius)) continue;
-        sl_record_set_radius(&list->records[i], radii[i]);
-        *shrunk = true;
-    }
-    cache->clamped = list->count;
-    sl_free(radii);
-    return SL_OK;
-}
+/* ---- step 4b: neighbour clamping (Krivanek et al. 2006) ---- */
 
 static void forget_sums(sl_splat_state *s, sl_record_cache *cache) {
     const sl_splat_buffer *b = &s->splats;
@@ -216,12 +141,12 @@ static void forget_sums(sl_splat_state *s, sl_record_cache *cache) {
  */
 static sl_status clamp_to_neighbours(sl_splat_state *s, sl_error *error) {
     sl_record_cache *cache = &s->cache[s->class];
-    bool shrunk;
-    bool grown = cache->clamped != cache->list.count;
-    sl_status status = clamp_radii(cache, s->settings.threads, &shrunk, error);
-    if (status == SL_OK && grown && cache->pass.radii.metric == SL_METRIC_ADAPTIVE)
-        status = sl_adapt_radii(&cache->pass, &cache->list, &shrunk, error);
+    bool shrunk = false;
+    sl_status status = cache->clamped == cache->list.count
+                           ? SL_OK
+                           : sl_record_list_clamp(&cache->list, s->settings.threads, &shrunk, error);
     if (status != SL_OK) return status;
+    cache->clamped = cache->list.count;
     if (!shrunk) {
         start_records(s, s->class + 1);
         return SL_OK;
@@ -232,56 +157,9 @@ static sl_status clamp_to_neighbours(sl_splat_state *s, sl_error *error) {
     return sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
 }
 
-/* ---- updates ---- */
+/* ---- step 5: splat the new records ---- */
 
-/* Shares of the whole that each phase takes, roughly, for the progress bar alone. */
-static double fraction_done(const sl_splat_state *s) {
-    const sl_traversal *t = &s->cache[s->class < SL_RECEIVER_CLASSES ? s->class : 0].traversal;
-    double visited = t->total ? (double)t->visited / (double)t->total : 0.0, all = 0.0, done = 0.0;
-    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
-        all += (double)s->cache[c].receivers;
-        if (c < s->class) done += (double)s->cache[c].receivers;
-    }
-    double share =
-        s->class < SL_RECEIVER_CLASSES && all > 0.0 ? (double)s->cache[s->class].receivers / all : 0.0;
-    double before = 0.2 + 0.8 * (all > 0.0 ? done / all : 0.0);
-    switch (s->phase) {
-    case SL_PHASE_GBUFFER: return 0.0;
-    case SL_PHASE_DIRECT: return 0.02 + 0.18 * (double)s->direct_row / (double)s->settings.height;
-    case SL_PHASE_RECORDS: return before + 0.8 * share * 0.9 * visited;
-    case SL_PHASE_CLAMP: return before + 0.8 * share * 0.9;
-    case SL_PHASE_SECOND: return before + 0.8 * share * (0.9 + 0.1 * visited);
-    case SL_PHASE_DONE: return 1.0;
-    }
-    return 1.0;
-}
-
-static sl_status splat_update(void *state, sl_progress *progress, sl_error *error) {
-    sl_splat_state *s = state;
-    if (!s->raster)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
-    sl_status status = SL_OK;
-    if (s->settings.records_per_frame && s->frame_records >= s->settings.records_per_frame)
-        s->frame_records = 0;
-    switch (s->phase) {
-    case SL_PHASE_GBUFFER: status = draw_gbuffer(s, error); break;
-    case SL_PHASE_DIRECT: status = light_rows(s, error); break;
-    case SL_PHASE_RECORDS:
-    case SL_PHASE_SECOND: status = new_records(s, error); break;
-    case SL_PHASE_CLAMP: status = clamp_to_neighbours(s, error); break;
-    case SL_PHASE_DONE: break;
-    }
-    progress->fraction = fraction_done(s);
-    progress->done = s->phase == SL_PHASE_DONE;
-    progress->frame_done = progress->done || (s->settings.records_per_frame &&
-                                              s->frame_records >= s->settings.records_per_frame);
-    return status;
-}
-
-/* ---- steps 5 and 6 ---- */
-
-/* Step 5: only what has not been splatted yet; with the earlier ones the sums are those of one pass over all,
- * bit for bit. */
+/* With the earlier ones the sums are those of one pass over all, bit for bit. */
 static sl_status splat_new_records(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
     /* before its G-buffer a new view has nothing to splat on */
     bool ready = cache->receivers && s->phase != SL_PHASE_GBUFFER;
@@ -297,6 +175,8 @@ static sl_status splat_new_records(sl_splat_state *s, sl_record_cache *cache, sl
                  s->splats.glossy[0], true);
     return SL_OK;
 }
+
+/* ---- step 6: L_o = (rho / pi) E (6), E the normalised sum (1); and what else there is ---- */
 
 static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     sl_splat_state *s = state;
@@ -330,6 +210,44 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     announce(s, "sum of emission, direct and indirect light", "Algorithm 2, step 6", 3, (*image)->planes,
              false);
     return SL_OK;
+}
+
+/* ---- updates: one step, or a part of one, at a time ---- */
+
+/* For the progress bar alone. */
+static double fraction_done(const sl_splat_state *s) {
+    double all = 0.0, done = 0.0;
+    if (s->phase == SL_PHASE_GBUFFER) return 0.0;
+    if (s->phase == SL_PHASE_DIRECT) return 0.2 * (double)s->direct_row / (double)s->settings.height;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        const sl_traversal *t = &s->cache[c].traversal;
+        double visited = c < s->class ? 1.0 : c > s->class ? 0.0 : (double)t->visited / (double)t->total;
+        if (c == s->class) visited = s->phase == SL_PHASE_SECOND ? 0.9 + 0.1 * visited : 0.9 * visited;
+        all += (double)s->cache[c].receivers;
+        done += (double)s->cache[c].receivers * visited;
+    }
+    return s->phase == SL_PHASE_DONE ? 1.0 : 0.2 + 0.8 * (done / all);
+}
+
+static sl_status splat_update(void *state, sl_progress *progress, sl_error *error) {
+    sl_splat_state *s = state;
+    const uint64_t budget = s->settings.records_per_frame;
+    if (!s->raster)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    sl_status status = SL_OK;
+    if (budget && s->frame_records >= budget) s->frame_records = 0;
+    switch (s->phase) {
+    case SL_PHASE_GBUFFER: status = draw_gbuffer(s, error); break;
+    case SL_PHASE_DIRECT: status = light_rows(s, error); break;
+    case SL_PHASE_RECORDS:
+    case SL_PHASE_SECOND: status = new_records(s, error); break;
+    case SL_PHASE_CLAMP: status = clamp_to_neighbours(s, error); break;
+    case SL_PHASE_DONE: break;
+    }
+    progress->fraction = fraction_done(s);
+    progress->done = s->phase == SL_PHASE_DONE;
+    progress->frame_done = progress->done || (budget && s->frame_records >= budget);
+    return status;
 }
 
 /* ---- edits: records live in the world, so a new camera keeps them; new geometry or light drops them ---- */

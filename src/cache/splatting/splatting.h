@@ -1,12 +1,15 @@
 /* Radiance cache splatting (Gautron, Krivanek, Bouatouch, Pattanaik 2005). Read in this order:
  *
- *   plan.c           which passes a scene needs, and the qualities
  *   splatting.c      Algorithm 2: the passes of one picture
+ *   plan.c           which passes a scene needs, and the qualities
  *   create.c         what it needs, made when it is needed
  *   edges.c          step 1: pixels at edges, looked at again by rays
- *   ../direct/       step 1b: direct light of every pixel
- *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by
- * one record.c         a record and how far it reaches
+ *   receivers.c      step 1: which pixels ask for which records
+ *   ../light/        step 1b: direct light of every pixel
+ *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if alone
+ *   record.c         a record and how far it reaches
+ *   record_weight.h  its weight and what it says: equations (2), (3) and (8)
+ *   record_walls.c   walls that stand within its reach
  *   ../bounces/      more than one bounce: the light that falls on what gathers see
  *   splat.c          steps 4 and 5: records onto the screen
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel, its weight and irradiance
@@ -15,7 +18,7 @@
  *   compose.c        step 6: the picture and its layers
  *   keep.c           records on disk, for another run
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture
- *   explanation.c          what made a pixel
+ *   explanation.c    what made a pixel
  */
 #ifndef SL_CACHE_SPLATTING_H
 #define SL_CACHE_SPLATTING_H
@@ -45,7 +48,7 @@ typedef enum sl_receiver_class {
 
 typedef struct sl_record_list {
     sl_record *records;
-    sl_reach_tree *reaches;   /* of the same records; NULL before the first */
+    sl_reach_tree reaches;    /* of the same records */
     float *coefficients;      /* coefficient_count of the pass for each; NULL: irradiance records */
     size_t count, capacity;
 } sl_record_list;
@@ -53,6 +56,8 @@ typedef struct sl_record_list {
 /* coefficients: coefficient_count of them, or NULL. */
 sl_status sl_record_list_append(sl_record_list *list, const sl_record *record, const float *coefficients,
                                 size_t coefficient_count, sl_error *error);
+/* Rule 5 of record.h for all records: none grows; *shrunk: some are smaller. */
+sl_status sl_record_list_clamp(sl_record_list *list, unsigned threads, bool *shrunk, sl_error *error);
 void sl_record_list_clear(sl_record_list *list);
 void sl_record_list_free(sl_record_list *list);
 
@@ -84,7 +89,6 @@ typedef struct sl_record_pass {
     const sl_mirror_blocks *mirrors;
     float near_distance, footprint_per_depth;
     float covered_weight;     /* w_min: a pixel whose sum of weights reaches it is covered */
-    bool neighbour_clamp;
     float *coverage;          /* sum of w, bottom row first */
     uint8_t *owned;           /* pixels that have a record of their own count as covered */
     uint64_t seed;
@@ -99,8 +103,6 @@ void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int w
  * visited one by one. Done where traversal->stride becomes 0. */
 sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
                                sl_counters *counters, sl_error *error);
-/* Records that disagree with nearer ones shrink (adaptive.c); *shrunk becomes true where any does. */
-sl_status sl_adapt_radii(const sl_record_pass *pass, sl_record_list *list, bool *shrunk, sl_error *error);
 /* Adds the records' weights to the coverage. */
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error);
 /* Step 5: records [first, count) of the list add (w E', w, 1), and radiance records what the glossy lobe

@@ -48,7 +48,7 @@ typedef struct sl_splat_state {
     sl_shadow_maps *maps;
     sl_direct *direct;
     /* more than one bounce: irradiance of what gathers see; made with the first cache */
-    sl_second_cache *hidden;
+    sl_second_cache *second;
     sl_environment sky, sun;    /* of the scene's environment; what is black is not present */
     sl_gbuffer *gbuffer;
     sl_reflections *reflections; /* pixels that show something by way of mirrors; NULL: none */
@@ -70,6 +70,11 @@ typedef struct sl_splat_state {
     sl_announcer announcer;
 } sl_splat_state;
 
+/* ---- receivers.c ---- */
+
+/* Marks and counts each class's receivers in the G-buffer. */
+void sl_splat_classify(sl_splat_state *state);
+
 /* ---- create.c ---- */
 
 sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
@@ -82,7 +87,7 @@ sl_status sl_splat_open_cache(sl_splat_state *state, sl_record_cache *cache, sl_
 void sl_splat_prepare_pass(const sl_splat_state *state, sl_record_cache *cache);
 /* Gathers and what goes with them; the records stay. */
 void sl_splat_close_caches(sl_splat_state *state);
-sl_second_settings sl_splat_hidden_settings(const sl_splat_state *state);
+sl_second_settings sl_splat_second_settings(const sl_splat_state *state);
 size_t sl_splat_memory_bytes(const void *state);
 
 /* ---- memory.c ---- */

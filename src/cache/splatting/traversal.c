@@ -213,8 +213,7 @@ static sl_status commit(const gather_batch *batch, size_t count, void *candidate
             sl_count(counters, SL_COUNT_RECORDS_DISCARDED, 1);
             continue;
         }
-        if (pass->neighbour_clamp && list->reaches)
-            sl_record_set_radius(&c->record, sl_record_clamped_radius(list->reaches, &c->record));
+        sl_record_set_radius(&c->record, sl_record_clamped_radius(&list->reaches, &c->record));
         const float *coefficients = floats ? c->coefficients : NULL;
         sl_status status = sl_record_list_append(list, &c->record, coefficients, floats, error);
         if (status != SL_OK) return status;

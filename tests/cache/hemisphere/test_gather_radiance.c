@@ -63,12 +63,11 @@ static void sums_of_cells(sl_gather_kind kind, int size, sl_border border, int o
 
 static void cells_sum_to_the_hemisphere(void **state) {
     (void)state;
-    const sl_border borders[4] = {SL_BORDER_RADIAL, SL_BORDER_RADIAL, SL_BORDER_RADIAL, SL_BORDER_AXIAL};
     const int sizes[6] = {8, 13, 24, 40, 64, 128};
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 6; i++) {
             double total[SL_HSH_STRIDE_MAX];
-            sums_of_cells(kinds[k % 3], sizes[i], borders[k], 10, total);
+            sums_of_cells(kinds[k], sizes[i], SL_BORDER_RADIAL, 10, total);
             for (int l = 0; l < 10; l++) { /* of one quadrant; all else cancels with the mirror images */
                 for (int m = 0; m <= l; m += 2) {
                     assert_near(4 * total[sl_hsh_even(l, m)], l == 0 ? sqrt(2 * SL_PI) : 0, 1e-12);
@@ -461,7 +460,7 @@ static void radiance_that_is_no_number_stays_out(void **state) {
     world *w = world_room(false);
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(kinds[k], 32, 10);
-        s.hidden = &hidden;
+        s.second = &hidden;
         gatherer g = gatherer_new(w, &s);
         float c[FLOATS_MAX];
         radiance_at(&g, sl_v3(2, 0, 3.7f), sl_v3(0, 1, 0), c);

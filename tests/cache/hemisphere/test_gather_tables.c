@@ -115,22 +115,13 @@ static void every_instrument_weighs_pi(void **state) {
 
 static void borders_differ_as_computed(void **state) {
     (void)state;
-    const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL};
+    const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL};
     /* sin of the half angle, t = 2 */
-    const double s = sqrt(0.8), sums[] = {4 * s * sl_atan(s), SL_PI, SL_PI, SL_PI};
-    for (size_t k = 0; k < 4; k++) {
+    const double s = sqrt(0.8), sums[] = {4 * s * sl_atan(s), SL_PI, SL_PI};
+    for (size_t k = 0; k < 3; k++) {
         sl_gather_tables *t;
         assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, 2.0, borders[k], &t, NULL), SL_OK);
         assert_near(t->weight_sum, sums[k], 1e-12);
-        double corner = (double)t->weight[0] + (double)t->weight[63] + (double)t->weight[63 * 64] +
-                        (double)t->weight[64 * 64 - 1];
-        /* the corner pixels own 4.2 % beyond the plane's corners, and what borders on it */
-        if (borders[k] == SL_BORDER_AXIAL) {
-            double beyond = 4 * sl_plane_cosine_weight(2, 1e30, 2, 1e30),
-                   all = 4 * sl_plane_cosine_weight(1.9375, 1e30, 1.9375, 1e30);
-            assert_near(beyond / SL_PI, 0.042, 0.0005);
-            assert_near(corner, all, 1e-7);
-        }
         /* the middle of an edge with what lies beyond it, and the centre */
         if (borders[k] == SL_BORDER_RADIAL) {
             assert_near((double)t->weight[32], 1.64e-4 + 3.12e-3, 1e-5);

@@ -44,7 +44,7 @@ static bouncer bouncer_new(world *w, uint32_t bounces, unsigned threads) {
         SL_OK)
         fail_msg("%s", error.message);
     b.report = sl_second_cache_report(b.cache);
-    visible.hidden = sl_second_cache_light(b.cache);
+    visible.second = sl_second_cache_light(b.cache);
     b.gatherer = gatherer_new(w, &visible);
     return b;
 }
@@ -86,7 +86,7 @@ static void what_the_hits_receive_is_reflected(void **state) {
     for (int k = 0; k < 3; k++) {
         sl_gather_settings settings = ray_gather(32);
         settings.kind = kinds[k];
-        settings.hidden = &light;
+        settings.second = &light;
         sl_irradiance got = gather_once(w, &settings, sl_v3(0.1f, -1.0f, 0.2f), sl_v3(0, 1, 0));
         assert_true(fabs((double)got.value.r - 0.5) < 1e-4);
         assert_true(fabs((double)got.value.g - 0.5) < 1e-4);
@@ -315,7 +315,7 @@ static void the_cornell_box_with_four_bounces_is_what_the_path_tracer_says(void 
 }
 
 /* A camera that moves keeps the second-level records; a light that moves does not. */
-static void hidden_records_stay_as_long_as_the_light_does(void **state) {
+static void second_level_records_stay_as_long_as_the_light_does(void **state) {
     (void)state;
     const float eye[3] = {320, 300, -300}, target[3] = {60, 100, 300}, up[3] = {0, 1, 0};
     sl_scene *scene = load_scene("scenes/cornell.json");
@@ -344,7 +344,7 @@ static void hidden_records_stay_as_long_as_the_light_does(void **state) {
 
 /* Two rooms without a door between them, each with its light: seen from one, the other has no second-level
  * records. */
-static void a_camera_that_goes_elsewhere_brings_hidden_records_there(void **state) {
+static void a_camera_that_goes_elsewhere_brings_second_level_records_there(void **state) {
     (void)state;
     world *w = world_new();
     uint32_t wall = world_material(w, sl_grey(0.6f), sl_grey(0.0f));
@@ -448,7 +448,7 @@ static float told_on_a_sheet(const world *w, sl_vec3 record_at) {
 }
 
 /* The sheet is one triangle, the point's own: it stands between the point and what lies behind it. */
-static void a_hidden_record_behind_a_points_own_triangle_tells_it_nothing(void **state) {
+static void a_second_level_record_behind_a_points_own_triangle_tells_it_nothing(void **state) {
     (void)state;
     world *w = world_new();
     uint32_t wall = world_material(w, sl_grey(0.5f), sl_grey(0.0f));
@@ -460,7 +460,7 @@ static void a_hidden_record_behind_a_points_own_triangle_tells_it_nothing(void *
     world_free(w);
 }
 
-static void hidden_records_do_not_depend_on_threads(void **state) {
+static void second_level_records_do_not_depend_on_threads(void **state) {
     (void)state;
     world *w = room(true);
     sl_irradiance first[8];
@@ -478,7 +478,7 @@ static void hidden_records_do_not_depend_on_threads(void **state) {
     world_free(w);
 }
 
-static void a_scene_without_anything_to_see_has_no_hidden_records(void **state) {
+static void a_scene_without_anything_to_see_has_no_second_level_records(void **state) {
     (void)state;
     world *w = world_new();
     uint32_t wall = world_material(w, sl_grey(0.5f), sl_grey(0.0f));
@@ -503,12 +503,12 @@ int main(void) {
         cmocka_unit_test(four_bounces_are_those_of_the_path_tracer),
         cmocka_unit_test(many_bounces_are_all_of_the_light),
         cmocka_unit_test(the_cornell_box_with_four_bounces_is_what_the_path_tracer_says),
-        cmocka_unit_test(hidden_records_stay_as_long_as_the_light_does),
-        cmocka_unit_test(a_camera_that_goes_elsewhere_brings_hidden_records_there),
+        cmocka_unit_test(second_level_records_stay_as_long_as_the_light_does),
+        cmocka_unit_test(a_camera_that_goes_elsewhere_brings_second_level_records_there),
         cmocka_unit_test(no_bounce_leaks_through_a_thin_wall),
-        cmocka_unit_test(a_hidden_record_behind_a_points_own_triangle_tells_it_nothing),
-        cmocka_unit_test(hidden_records_do_not_depend_on_threads),
-        cmocka_unit_test(a_scene_without_anything_to_see_has_no_hidden_records),
+        cmocka_unit_test(a_second_level_record_behind_a_points_own_triangle_tells_it_nothing),
+        cmocka_unit_test(second_level_records_do_not_depend_on_threads),
+        cmocka_unit_test(a_scene_without_anything_to_see_has_no_second_level_records),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -82,7 +82,6 @@ static void stage_open(stage *s) {
         .camera = c,
         .near_distance = 1e-5f * s->scene->diagonal,
         .footprint_per_depth = 2.0f * t / SIDE,
-        .neighbour_clamp = true,
         .coverage = s->coverage,
         .owned = s->owned,
         .threads = 1,

@@ -225,7 +225,7 @@ static void so_they_do_where_some_records_are_out_of_view(void **state) {
     settings.harmonics_order = 10;
     sl_error error;
     const uint64_t need = need_of(scene, &settings);
-    settings.memory_bytes = need + 800000;
+    settings.memory_bytes = need + 400000;
     sl_method *first = new_method(scene, &settings);
     sl_image_destroy(finish(first));
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.8f, &error), SL_OK);

@@ -8,14 +8,14 @@
 
 #include <math.h>
 
+#include "base/memory.h"
 #include "cache/splatting/record_weight.h"
 #include "gather_world.h"
 #include "rendering.h"
 
 static const sl_gather_point at_origin = {
     .normal = {0, 0, 1}, .geometric_normal = {0, 0, 1}, .triangle = SL_NO_INDEX};
-static const sl_radius_metric metrics[] = {SL_METRIC_HARMONIC, SL_METRIC_MINIMUM, SL_METRIC_HESSIAN,
-                                           SL_METRIC_ADAPTIVE};
+static const sl_radius_metric metrics[] = {SL_METRIC_HARMONIC, SL_METRIC_HESSIAN};
 enum { METRICS = sizeof metrics / sizeof *metrics };
 
 static sl_radius_rules rules_with(sl_radius_metric metric, double accuracy) {
@@ -79,19 +79,6 @@ static void even_light_and_no_light_reach_as_far_as_things_are(void **state) {
     assert_true(fabs(reach(&edge, &rules, 0.01f) - 0.015) < 1e-6); /* 1.5 footprints */
 }
 
-static void the_minimum_metric_reaches_half_way_to_the_nearest_thing_but_not_beyond_ten_pixels(void **state) {
-    (void)state;
-    sl_radius_rules rules = rules_with(SL_METRIC_MINIMUM, 0.5);
-    sl_irradiance e = seen(1.0f, 1.0f, 9.0f, 0.12f);
-    assert_true(fabs(reach(&e, &rules, 0.01f) - 0.06) < 1e-6);
-    e.nearest = 7.0f;
-    assert_true(fabs(reach(&e, &rules, 0.01f) - 0.10) < 1e-6);
-    e.nearest = INFINITY;
-    assert_true(fabs(reach(&e, &rules, 0.01f) - 0.10) < 1e-6);
-    e.nearest = 0.0f;
-    assert_true(fabs(reach(&e, &rules, 0.01f) - 0.015) < 1e-6);
-}
-
 /* Within its reach, whatever that is, no record says less than nothing, nor more than a radius (with the
  * Hessian a reach) of E / |grad E| allows. */
 static void extrapolation_stays_between_nothing_and_twice_the_light(void **state) {
@@ -109,19 +96,18 @@ static void extrapolation_stays_between_nothing_and_twice_the_light(void **state
 /* Where it is the reach that neighbours limit, it grows by no more than the way between them. */
 static void neighbours_of_hessian_records_clamp_reaches(void **state) {
     (void)state;
-    sl_reach_tree *tree;
-    assert_int_equal(sl_reach_tree_create(&tree, NULL), SL_OK);
+    sl_reach_tree tree = {0};
     sl_record small = {.radius = 1.0f, .own_radius = 1.0f, .stretch = 4.0f},
               large = {.radius = 40.0f, .own_radius = 40.0f, .stretch = 4.0f};
     large.position = sl_v3(2.0f, 0.0f, 0.0f);
-    assert_int_equal(sl_reach_tree_insert(tree, small.position, small.own_radius / small.stretch, NULL),
+    assert_int_equal(sl_reach_tree_insert(&tree, small.position, small.own_radius / small.stretch, NULL),
                      SL_OK);
-    assert_int_equal(sl_reach_tree_insert(tree, large.position, large.own_radius / large.stretch, NULL),
+    assert_int_equal(sl_reach_tree_insert(&tree, large.position, large.own_radius / large.stretch, NULL),
                      SL_OK);
-    float clamped = sl_record_clamped_radius(tree, &large);
+    float clamped = sl_record_clamped_radius(&tree, &large);
     assert_true(fabsf(0.25f * clamped - (0.25f + 2.0f)) < 1e-5f); /* a = 1/4: reaches 1/4 and the way */
-    assert_true(sl_record_clamped_radius(tree, &small) == 1.0f);
-    sl_reach_tree_destroy(tree);
+    assert_true(sl_record_clamped_radius(&tree, &small) == 1.0f);
+    sl_free(tree.nodes);
 }
 
 /* ---- walls ---- */
@@ -269,22 +255,6 @@ static void the_hessian_needs_fewer_records_at_equal_error(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* In the same box the adaptive metric starts as the harmonic one, and adds records where neighbours disagree.
- */
-static void records_that_disagree_make_room_for_more(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = small_settings("splatting", 96, 96);
-    sl_counters counters[2];
-    settings.accuracy = 0.5;
-    for (int i = 0; i < 2; i++) {
-        settings.metric = i ? SL_METRIC_ADAPTIVE : SL_METRIC_HARMONIC;
-        sl_image_destroy(render(scene, &settings, &counters[i]));
-    }
-    assert_true(counters[1].value[SL_COUNT_RECORDS] > counters[0].value[SL_COUNT_RECORDS]);
-    sl_scene_destroy(scene);
-}
-
 static void every_metric_has_the_same_bits_at_any_number_of_threads(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
@@ -307,14 +277,12 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hessian_records_all_err_by_the_same_in_all),
         cmocka_unit_test(even_light_and_no_light_reach_as_far_as_things_are),
-        cmocka_unit_test(the_minimum_metric_reaches_half_way_to_the_nearest_thing_but_not_beyond_ten_pixels),
         cmocka_unit_test(extrapolation_stays_between_nothing_and_twice_the_light),
         cmocka_unit_test(neighbours_of_hessian_records_clamp_reaches),
         cmocka_unit_test(a_record_does_not_count_behind_the_walls_around_it_and_reaches_along_them),
         cmocka_unit_test(the_third_wall_limits_the_reach),
         cmocka_unit_test(no_metric_lets_light_through_a_wall_of_a_thousandth),
         cmocka_unit_test(the_hessian_needs_fewer_records_at_equal_error),
-        cmocka_unit_test(records_that_disagree_make_room_for_more),
         cmocka_unit_test(every_metric_has_the_same_bits_at_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/random.h"
 #include "cache/splatting/record.h"
 
@@ -435,10 +436,8 @@ static void clamped_radii_are_lipschitz_and_do_not_depend_on_the_order(void **st
     enum { N = 300, SAME_PLACE = 30 };
     static sl_record records[N];
     static float radius[N];
-    sl_reach_tree *tree, *reversed;
+    sl_reach_tree tree = {0}, reversed = {0};
     uint64_t key = sl_random_key(7, 8);
-    assert_int_equal(sl_reach_tree_create(&tree, NULL), SL_OK);
-    assert_int_equal(sl_reach_tree_create(&reversed, NULL), SL_OK);
     for (uint64_t i = 0; i < N; i++) {
         float u = sl_random_unit(key, 3 * i + 2);
         records[i] =
@@ -447,22 +446,23 @@ static void clamped_radii_are_lipschitz_and_do_not_depend_on_the_order(void **st
         records[i].own_radius = 0.1f + 5.0f * u * u;
     }
     for (size_t i = 0; i < N; i++) {
-        assert_int_equal(sl_reach_tree_insert(tree, records[i].position, records[i].own_radius, NULL), SL_OK);
+        assert_int_equal(sl_reach_tree_insert(&tree, records[i].position, records[i].own_radius, NULL),
+                         SL_OK);
         assert_int_equal(
-            sl_reach_tree_insert(reversed, records[N - 1 - i].position, records[N - 1 - i].own_radius, NULL),
+            sl_reach_tree_insert(&reversed, records[N - 1 - i].position, records[N - 1 - i].own_radius, NULL),
             SL_OK);
     }
-    for (size_t i = 0; i < N; i++) radius[i] = sl_record_clamped_radius(tree, &records[i]);
+    for (size_t i = 0; i < N; i++) radius[i] = sl_record_clamped_radius(&tree, &records[i]);
     for (size_t i = 0; i < N; i++) {
-        assert_true(radius[i] == sl_record_clamped_radius(reversed, &records[i]));
+        assert_true(radius[i] == sl_record_clamped_radius(&reversed, &records[i]));
         assert_true(radius[i] == brute_limit(records, N, &records[i]));
         for (size_t j = 0; j < N; j++) {
             float distance = sl_length(sl_sub(records[i].position, records[j].position));
             assert_true(radius[i] <= radius[j] + distance + 1e-5f);
         }
     }
-    sl_reach_tree_destroy(tree);
-    sl_reach_tree_destroy(reversed);
+    sl_free(tree.nodes);
+    sl_free(reversed.nodes);
 }
 
 int main(void) {
