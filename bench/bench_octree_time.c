@@ -285,7 +285,7 @@ static void clusters(bench_report *r, const bench_options *o, const char *path) 
               "300 photons after the cosine law, rms.\n",
               w.name, settings.depth, octree->leaf_count, none);
     bench_table(r, w.name,
-                "n|s|clusters s|/ gathers|paper s|rms deg|per axis|mean|rms, w = 1|per axis|law|paper deg");
+                "n|s|clusters s|/ gathers|paper s|rms deg|per axis|rms, w = 1|per axis|law|paper deg");
     for (int i = 0; i < NS; i++) {
         sl_voxel_statistics s, u;
         settings.lights = ns[i];
@@ -298,9 +298,9 @@ static void clusters(bench_report *r, const bench_options *o, const char *path) 
         sl_voxel_lights_statistics(light.lights, octree, &u);
         octree_light_free(&light);
         settings.unit_weights = false;
-        bench_row(r, "%d|%.3f|%.3f|%.2f|%d|%.1f|%.1f|%.1f|%.1f|%.1f|%.1f|%.1f", ns[i], time, time - none,
+        bench_row(r, "%d|%.3f|%.3f|%.2f|%d|%.1f|%.1f|%.1f|%.1f|%.1f|%.1f", ns[i], time, time - none,
                   time / none, paper_seconds[i], degrees * s.rms_angle, degrees * s.axis_angle,
-                  degrees * s.mean_angle, degrees * u.rms_angle, degrees * u.axis_angle, law_spread[i],
+                  degrees * u.rms_angle, degrees * u.axis_angle, law_spread[i],
                   paper_spread[i]);
         falls = falls && s.rms_angle < before;
         before = s.rms_angle;

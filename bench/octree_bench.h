@@ -3,7 +3,6 @@
 #ifndef SL_BENCH_OCTREE_H
 #define SL_BENCH_OCTREE_H
 
-#include "cache/light_octree/direct_photons.h"
 #include "cache/light_octree/light_octree.h"
 #include "common.h"
 

@@ -58,7 +58,7 @@ void octree_light_voxels(const sl_scene *scene, const sl_octree *octree, const s
     if (!(radius > 0.0))
         radius = sl_voxel_radius(octree, (size_t)settings->neighbours, sl_photon_tree_list(tree)->count);
     sl_voxel_light_options options = sl_octree_light_options(settings, radius);
-    if (sl_voxel_lights_create(scene, octree, octree, tree, &options, threads, &light->lights, &error) !=
+    if (sl_voxel_lights_create(scene, octree, tree, &options, threads, &light->lights, &error) !=
         SL_OK)
         bench_fail("lights", &error);
     sl_voxel_lights_compute(light->lights, 0, octree->leaf_count, threads, &counters);

@@ -175,5 +175,4 @@ void sl_cluster_directions(const sl_directions *d, int wanted, uint8_t *of, doub
     memset(of, 0xff, d->count);
     while (clusters->iterations < SL_CLUSTER_ITERATIONS && step(&kernel, d, of, clusters) > 0) {}
     clusters->rms_angle = spread(clusters->cost, weight);
-    clusters->mean_angle = kernel.angles(d, clusters->centre, of) / weight;
 }

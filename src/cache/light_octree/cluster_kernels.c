@@ -148,37 +148,3 @@ size_t SL_KERNEL(sl_cluster_farthest)(const sl_directions *d, sl_vec3d centre, d
     *value = best[lane];
     return (size_t)where[lane] + (size_t)lane;
 }
-
-/* Arc cosine in [-1,1] (Abramowitz and Stegun, 4.4.46). */
-static inline double arc_cosine(double x) {
-    double a = fabs(x), p = -0.0012624911;
-    a = a < 1.0 ? a : 1.0;
-    p = p * a + 0.0066700901;
-    p = p * a - 0.0170881256;
-    p = p * a + 0.0308918810;
-    p = p * a - 0.0501743046;
-    p = p * a + 0.0889789874;
-    p = p * a - 0.2145988016;
-    p = p * a + 1.5707963050;
-    p = p * sqrt(1.0 - a);
-    return x < 0.0 ? SL_PI - p : p;
-}
-
-double SL_KERNEL(sl_cluster_angles)(const sl_directions *d, const sl_vec3d *centre,
-                                    const uint8_t *restrict of) {
-    double sum[LANES] = {0};
-    for (size_t first = 0; first < d->count; first += LANES) {
-        points p = load(d, first);
-        double cx[LANES], cy[LANES], cz[LANES];
-        for (size_t l = 0; l < LANES; l++) {
-            const sl_vec3d *c = &centre[first + l < d->count ? of[first + l] : 0];
-            cx[l] = c->x;
-            cy[l] = c->y;
-            cz[l] = c->z;
-        }
-#pragma omp simd
-        for (int l = 0; l < LANES; l++)
-            sum[l] += p.weight[l] * arc_cosine(p.x[l] * cx[l] + p.y[l] * cy[l] + p.z[l] * cz[l]);
-    }
-    return join(sum);
-}

@@ -20,23 +20,17 @@ typedef size_t sl_assign_kernel(const sl_directions *directions, int clusters, c
  * the lower, and its value. */
 typedef size_t sl_farthest_kernel(const sl_directions *directions, sl_vec3d centre, double *nearest,
                                   double *value);
-/* sum w angle(omega, d): d is the centre of the point's cluster; 2e-8 off at most. */
-typedef double sl_angles_kernel(const sl_directions *directions, const sl_vec3d *centre, const uint8_t *of);
 
 typedef struct sl_cluster_kernels {
     sl_assign_kernel *assign;
     sl_farthest_kernel *farthest;
-    sl_angles_kernel *angles;
 } sl_cluster_kernels;
 
 SL_KERNEL_VARIANTS(sl_assign_kernel, sl_cluster_assign);
 SL_KERNEL_VARIANTS(sl_farthest_kernel, sl_cluster_farthest);
-SL_KERNEL_VARIANTS(sl_angles_kernel, sl_cluster_angles);
 
 static inline sl_cluster_kernels sl_cluster_kernels_for(sl_isa isa) {
-    return (sl_cluster_kernels){
-        SL_KERNEL_OF(isa, sl_cluster_assign), SL_KERNEL_OF(isa, sl_cluster_farthest),
-        SL_KERNEL_OF(isa, sl_cluster_angles)};
+    return (sl_cluster_kernels){SL_KERNEL_OF(isa, sl_cluster_assign), SL_KERNEL_OF(isa, sl_cluster_farthest)};
 }
 
 #endif

@@ -1,13 +1,14 @@
-#include "cache/light_octree/coplanar.h"
-
+/* Coplanar triangles that lie over one another (a face modelled twice, decals, both windings of one sheet, a
+ * table's legs on the floor) are one surface: its area, where photons fall, counts once. */
 #include <stdlib.h>
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/parallel.h"
 #include "base/random.h"
+#include "cache/light_octree/octree_leaves.h"
 
-enum { CHUNK = 4096, CANDIDATES = 64, CORNERS = 6 };
+/* Each triangle is compared with so many that follow it in its plane. */
+enum { CANDIDATES = 64, CORNERS = 6 };
 
 /* ---- planes ---- */
 
@@ -20,9 +21,7 @@ typedef struct shares_pass {
     const sl_scene *scene;
     sl_vec3d middle;
     double size;
-    plane_entry *entry;
     float *share;
-    bool *covered;          /* of each chunk: some triangle is */
 } shares_pass;
 
 static bool comes_before(sl_vec3 a, sl_vec3 b) {
@@ -59,36 +58,19 @@ static sl_vec3d plane_normal(const sl_vec3d corner[3]) {
 
 static uint64_t bin(double v) { return (uint64_t)(int64_t)floor(v + 0.5); }
 
-static void hash_chunk(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const shares_pass *pass = context;
-    size_t end =
-        (index + 1) * CHUNK < pass->scene->triangle_count ? (index + 1) * CHUNK : pass->scene->triangle_count;
-    for (size_t t = index * CHUNK; t < end; t++) {
-        sl_vec3d corner[3];
-        sorted_corners(pass, (uint32_t)t, corner);
-        sl_vec3d n = plane_normal(corner);
-        uint64_t key = sl_hash64(bin(700.0 * n.x) << 32 ^ bin(700.0 * n.y) << 16 ^ bin(700.0 * n.z));
-        key = sl_hash64(key ^ bin(30011.0 * sl_dotd(n, corner[0]) / pass->size));
-        pass->entry[t] = (plane_entry){(uint32_t)(key >> 32), (uint32_t)t};
-    }
+static plane_entry entry_of(const shares_pass *pass, uint32_t t) {
+    sl_vec3d corner[3];
+    sorted_corners(pass, t, corner);
+    sl_vec3d n = plane_normal(corner);
+    uint64_t key = sl_hash64(bin(700.0 * n.x) << 32 ^ bin(700.0 * n.y) << 16 ^ bin(700.0 * n.z));
+    key = sl_hash64(key ^ bin(30011.0 * sl_dotd(n, corner[0]) / pass->size));
+    return (plane_entry){(uint32_t)(key >> 32), t};
 }
 
-/* Stable, by hash: triangles stay in ascending order. */
-static void sort_entries(plane_entry **entry, plane_entry **spare, size_t count) {
-    for (unsigned shift = 0; shift < 32; shift += 11) {
-        size_t start[2048] = {0}, sum = 0;
-        for (size_t i = 0; i < count; i++) start[(*entry)[i].hash >> shift & 2047]++;
-        for (size_t d = 0; d < 2048; d++) {
-            size_t here = start[d];
-            start[d] = sum;
-            sum += here;
-        }
-        for (size_t i = 0; i < count; i++) (*spare)[start[(*entry)[i].hash >> shift & 2047]++] = (*entry)[i];
-        plane_entry *other = *entry;
-        *entry = *spare;
-        *spare = other;
-    }
+static int by_plane(const void *a, const void *b) {
+    const plane_entry *p = a, *q = b;
+    if (p->hash != q->hash) return p->hash < q->hash ? -1 : 1;
+    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
 }
 
 /* ---- overlaps in one plane ---- */
@@ -193,10 +175,8 @@ static void cover(const shares_pass *pass, flat_triangle *a, flat_triangle *b) {
     lesser->covered += overlap(a, b) / lesser->area;
 }
 
-static bool cover_group(const shares_pass *pass, const plane_entry *entry, size_t count) {
-    flat_triangle *flat = malloc(count * sizeof *flat);
-    if (!flat) return false; /* then duplicates count twice */
-    bool any = false;
+static void cover_group(const shares_pass *pass, const plane_entry *entry, flat_triangle *flat,
+                        size_t count) {
     for (size_t i = 0; i < count; i++) flat[i] = flatten(pass, entry[i].triangle);
     qsort(flat, count, sizeof *flat, by_left);
     for (size_t i = 0; i < count; i++) {
@@ -204,51 +184,32 @@ static bool cover_group(const shares_pass *pass, const plane_entry *entry, size_
             cover(pass, &flat[i], &flat[k]);
     }
     for (size_t i = 0; i < count; i++) {
-        if (!(flat[i].covered > 1e-4)) continue;
-        pass->share[flat[i].triangle] = flat[i].covered < 1.0 - 1e-4 ? (float)(1.0 - flat[i].covered) : 0.0f;
-        any = true;
-    }
-    free(flat);
-    return any;
-}
-
-/* The groups that begin in this part of the list. */
-static void cover_chunk(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const shares_pass *pass = context;
-    size_t total = pass->scene->triangle_count,
-           end = (index + 1) * CHUNK < total ? (index + 1) * CHUNK : total;
-    for (size_t i = index * CHUNK; i < end; i++) {
-        if (i > 0 && pass->entry[i].hash == pass->entry[i - 1].hash) continue;
-        size_t last = i + 1;
-        while (last < total && pass->entry[last].hash == pass->entry[i].hash) last++;
-        if (last - i > 1) pass->covered[index] |= cover_group(pass, pass->entry + i, last - i);
+        if (flat[i].covered > 1e-4)
+            pass->share[flat[i].triangle] =
+                flat[i].covered < 1.0 - 1e-4 ? (float)(1.0 - flat[i].covered) : 0.0f;
     }
 }
 
-sl_status sl_coplanar_shares(const sl_scene *scene, unsigned threads, float **share, sl_error *error) {
-    *share = NULL;
-    size_t count = scene->triangle_count, chunks = (count + CHUNK - 1) / CHUNK;
+sl_status sl_coplanar_shares(const sl_scene *scene, float *share, sl_error *error) {
+    size_t count = scene->triangle_count;
     shares_pass pass = {
         .scene = scene,
         .size = (double)scene->scale,
         .middle = sl_scaled(sl_addd(sl_to_double(scene->box_min), sl_to_double(scene->box_max)), 0.5),
-        .entry = sl_allocate(count, sizeof *pass.entry),
-        .share = sl_allocate(count, sizeof *pass.share),
-        .covered = sl_allocate(chunks, sizeof *pass.covered)};
-    plane_entry *spare = sl_allocate(count, sizeof *spare);
-    bool good = pass.entry && pass.share && pass.covered && spare, any = false;
-    if (good) {
-        for (size_t i = 0; i < count; i++) pass.share[i] = 1.0f;
-        sl_parallel_for(threads, chunks, hash_chunk, &pass);
-        sort_entries(&pass.entry, &spare, count);
-        sl_parallel_for(threads, chunks, cover_chunk, &pass);
-        for (size_t i = 0; i < chunks; i++) any |= pass.covered[i];
+        .share = share};
+    plane_entry *entry = sl_allocate(count, sizeof *entry);
+    flat_triangle *flat = sl_allocate(count, sizeof *flat);
+    bool good = entry && flat;
+    for (uint32_t t = 0; good && t < count; t++) {
+        entry[t] = entry_of(&pass, t);
+        share[t] = 1.0f;
     }
-    sl_free(pass.entry);
-    sl_free(spare);
-    sl_free(pass.covered);
-    if (any) *share = pass.share;
-    else sl_free(pass.share);
+    if (good) qsort(entry, count, sizeof *entry, by_plane);
+    for (size_t i = 0, end; good && i < count; i = end) {
+        for (end = i + 1; end < count && entry[end].hash == entry[i].hash;) end++;
+        if (end - i > 1) cover_group(&pass, entry + i, flat, end - i);
+    }
+    sl_free(entry);
+    sl_free(flat);
     return good ? SL_OK : sl_fail_memory(error, "coplanar triangles");
 }

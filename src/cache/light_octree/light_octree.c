@@ -72,6 +72,13 @@ static sl_octree_root root_of(const sl_octree_state *s) {
     return 2 * inside >= photons->count ? core : sl_octree_root_of_all(s->scene);
 }
 
+static void show_level(sl_octree_state *s) {
+    sl_octree_forget_level(&s->shown);
+    s->shown = s->next;
+    s->next = (sl_octree_level){NULL, NULL, NULL};
+    s->phase = SL_OCTREE_PHASE_SHADE;
+}
+
 static sl_status start_level(sl_octree_state *s, sl_error *error) {
     const sl_light_octree_settings *o = &s->settings.light_octree;
     unsigned threads = s->settings.threads;
@@ -84,18 +91,12 @@ static sl_status start_level(sl_octree_state *s, sl_error *error) {
     s->radius = o->radius > 0.0 ? o->radius
                                 : sl_voxel_radius(s->next.octree, (size_t)o->neighbours,
                                                   sl_photon_tree_list(s->tree)->count);
-    if (o->photons_at_pixels) { /* no lights in between */
-        sl_octree_forget_level(&s->shown);
-        s->shown = s->next;
-        s->next = (sl_octree_level){NULL, NULL, NULL};
-        s->phase = SL_OCTREE_PHASE_SHADE;
-        return status;
-    }
     sl_voxel_light_options options = sl_octree_light_options(o, s->radius);
-    status = sl_voxel_lights_create(s->scene, s->next.octree, s->next.octree, s->tree, &options, threads,
+    status = sl_voxel_lights_create(s->scene, s->next.octree, s->tree, &options, threads,
                                     &s->next.lights, error);
-    if (status == SL_OK) s->phase = SL_OCTREE_PHASE_LIGHTS;
-    else sl_octree_forget_level(&s->next);
+    if (status != SL_OK) sl_octree_forget_level(&s->next);
+    else if (o->photons_at_pixels) show_level(s); /* no lights in between */
+    else s->phase = SL_OCTREE_PHASE_LIGHTS;
     return status;
 }
 
@@ -111,12 +112,11 @@ sl_voxel_result sl_voxel_make_lights(const sl_voxel_work *work, const sl_voxel_l
                                      const sl_voxel_gather *gather, sl_voxel_worker *w,
                                      const sl_voxel_set *set, sl_directional_light *light) {
     const sl_lobe_photons *photons[2] = {&gather->front, &gather->back};
-    double area[2], scale[2],
-        both = sl_luminance_of_photons(photons[0]) + sl_luminance_of_photons(photons[1]);
-    sl_voxel_result result = {.surface = sl_voxel_areas(work, o, gather, w, area)};
-    result.density = gather->kappa * both / result.surface;
+    sl_voxel_area area = sl_voxel_areas(work, o, gather, w);
+    double both = sl_luminance_of_photons(photons[0]) + sl_luminance_of_photons(photons[1]), scale[2];
+    sl_voxel_result result = {.surface = area.all, .density = gather->kappa * both / area.all};
     for (int side = 0; side < 2; side++) {
-        scale[side] = gather->kappa / area[side];
+        scale[side] = gather->kappa / area.side[side];
         result.irradiance[side] = scale[side] * sl_luminance_of_photons(photons[side]);
     }
     bool flat = set->flat && o->lobes == SL_LOBES_PERPENDICULAR;
@@ -164,13 +164,10 @@ static sl_status finish_level(sl_octree_state *s, sl_error *error) {
     bool dense = n->octree->depth <= 7; /* an index of 8 MiB at most */
     sl_status status = sl_voxel_texture_create(n->octree, n->lights, dense, &s->next.texture, error);
     if (status != SL_OK) return status;
-    sl_octree_forget_level(&s->shown);
-    s->shown = s->next;
-    s->next = (sl_octree_level){NULL, NULL, NULL};
+    show_level(s);
     sl_octree_announce_lights(&s->announcer, s->shown.octree, s->shown.lights);
     s->lit = false;
     if (s->atlas) s->atlas->filled[SL_ATLAS_FRONT] = s->atlas->filled[SL_ATLAS_BACK] = false;
-    s->phase = SL_OCTREE_PHASE_SHADE;
     return status;
 }
 
@@ -182,17 +179,6 @@ static sl_status light_leaves(sl_octree_state *s, sl_error *error) {
 }
 
 /* ---- Rendering: pixels from the octree, or by way of a texture atlas ---- */
-
-static sl_status gather_at_pixels(sl_octree_state *s, sl_error *error) {
-    sl_photon_pixels pixels = {.scene = s->scene,
-                               .gbuffer = s->gbuffer,
-                               .octree = s->shown.octree,
-                               .tree = s->tree,
-                               .settings = &s->settings.light_octree,
-                               .radius = s->radius,
-                               .threads = s->settings.threads};
-    return sl_photon_light_pixels(&pixels, s->indirect_light, &s->counters, error);
-}
 
 /* Makes the atlas once; its light is that of the octree that is shown. */
 static sl_status ready_atlas(sl_octree_state *s, sl_error *error) {
@@ -219,8 +205,11 @@ static sl_status shade(sl_octree_state *s, sl_error *error) {
     char name[48];
     int depth = s->shown.octree->depth;
     bool gathered = s->settings.light_octree.photons_at_pixels;
-    sl_status status = gathered ? gather_at_pixels(s, error) : ready_atlas(s, error);
-    if (status == SL_OK && !gathered) status = light_pixels(s, error);
+    sl_status status = gathered ? SL_OK : ready_atlas(s, error);
+    if (gathered)
+        sl_photons_light_pixels(s->scene, s->gbuffer, s->shown.lights, s->settings.threads, s->indirect_light,
+                                &s->counters);
+    else if (status == SL_OK) status = light_pixels(s, error);
     if (status != SL_OK) return status;
     s->lit = true;
     if (gathered) snprintf(name, sizeof name, "indirect light, photons at pixels");

@@ -5,7 +5,7 @@
  *   method.c          what a method holds of that, what edits leave, direct light; plan.c, memory.c: which
  * passes a scene needs, and how much memory; report.c: what is said of a picture
  *   ../photons/       photon tracing, the kd-tree, and the k nearest photons
- *   octree.c          the voxels, on geometry; triangle_cells.c, coplanar.c, octree_cuts.c
+ *   octree.c          the voxels, on geometry; triangle_cells.c, coplanar.c
  *   voxel_gather.c    a voxel's photons; voxel_error.c: how many; own_photons.c: those in it, without a
  * search photon_area.c     the area that they were strewn over; surroundings.c: of all triangles around;
  *                     photon_hull.c: without what no photon met

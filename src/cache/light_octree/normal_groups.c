@@ -16,46 +16,27 @@ static bool is_flat(const sl_scene *scene, uint32_t triangle) {
     return flat;
 }
 
-typedef struct leaf_range {
-    size_t first, end;
-} leaf_range;
-
-static leaf_range leaves_of(const sl_octree *octree, const sl_octree *geometry, size_t index) {
-    int shift = 3 * (geometry->depth - octree->depth);
-    uint64_t code = octree->leaf[index].morton;
-    return (leaf_range){sl_octree_lower_bound(geometry, code << shift),
-                        sl_octree_lower_bound(geometry, (code + 1) << shift)};
-}
-
-size_t sl_voxel_pieces_max(const sl_octree *octree, const sl_octree *geometry) {
+size_t sl_voxel_pieces_max(const sl_octree *octree) {
     size_t most = 0;
-    for (size_t i = 0; i < octree->leaf_count; i++) {
-        leaf_range range = leaves_of(octree, geometry, i);
-        size_t count = 0;
-        for (size_t k = range.first; k < range.end; k++) count += geometry->leaf[k].triangle_count;
-        most = count > most ? count : most;
-    }
+    for (size_t i = 0; i < octree->leaf_count; i++)
+        most = octree->leaf[i].triangle_count > most ? octree->leaf[i].triangle_count : most;
     return most;
 }
 
-static size_t collect(const sl_cell_space *space, const sl_octree *geometry, leaf_range range, sl_vec3d base,
-                      sl_voxel_piece *pieces) {
+static size_t collect(const sl_cell_space *space, const sl_octree *octree, const sl_octree_leaf *leaf,
+                      const uint32_t cell[3], sl_voxel_piece *pieces) {
     size_t count = 0;
-    for (size_t k = range.first; k < range.end; k++) {
-        const sl_octree_leaf *leaf = &geometry->leaf[k];
-        uint32_t cell[3];
-        sl_morton_decode(leaf->morton, cell);
-        for (uint32_t i = 0; i < leaf->triangle_count; i++) {
-            uint32_t number = geometry->triangle[leaf->first_triangle + i];
-            sl_cell_triangle t = sl_cell_space_triangle(space, number);
-            sl_triangle_part part;
-            double area = sl_clip_to_cell(space, &t, cell, 0.0, &part), length = sl_lengthd(t.normal);
-            area *= geometry->share ? part.area * (double)geometry->share[number] : part.area;
-            if (!(area > 0.0 && length > 0.0)) continue;
-            pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length),
-                                               sl_scaled(sl_subd(part.centroid, base), area), area, -1,
-                                               is_flat(space->scene, number)};
-        }
+    sl_vec3d base = sl_v3d(cell[0], cell[1], cell[2]);
+    for (uint32_t i = 0; i < leaf->triangle_count; i++) {
+        uint32_t number = octree->triangle[leaf->first_triangle + i];
+        sl_cell_triangle t = sl_cell_space_triangle(space, number);
+        sl_triangle_part part;
+        double area = sl_clip_to_cell(space, &t, cell, 0.0, &part), length = sl_lengthd(t.normal);
+        area *= octree->share ? part.area * (double)octree->share[number] : part.area;
+        if (!(area > 0.0 && length > 0.0)) continue;
+        pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length),
+                                           sl_scaled(sl_subd(part.centroid, base), area), area, -1,
+                                           is_flat(space->scene, number)};
     }
     return count;
 }
@@ -85,15 +66,15 @@ static double height_above(const group_sum *sum, const sl_voxel_piece *piece) {
     return sl_dotd(sum->seed, piece->moment) / piece->area - sum->height;
 }
 
-static bool belongs_to(const group_sum *sum, const sl_voxel_piece *piece, double apart) {
-    return sl_dotd(piece->normal, sum->seed) >= COS_45 && fabs(height_above(sum, piece)) <= apart;
+static bool belongs_to(const group_sum *sum, const sl_voxel_piece *piece) {
+    return sl_dotd(piece->normal, sum->seed) >= COS_45 && fabs(height_above(sum, piece)) <= layers_apart;
 }
 
-static void join_nearest(group_sum *sums, int groups, double cells, sl_voxel_piece *piece) {
+static void join_nearest(group_sum *sums, int groups, sl_voxel_piece *piece) {
     int best = 0;
     double most = -INFINITY;
     for (int g = 0; g < groups; g++) {
-        double nearness = sl_dotd(sums[g].seed, piece->normal) - fabs(height_above(&sums[g], piece)) / cells;
+        double nearness = sl_dotd(sums[g].seed, piece->normal) - fabs(height_above(&sums[g], piece));
         if (nearness > most) best = g;
         most = fmax(most, nearness);
     }
@@ -101,8 +82,7 @@ static void join_nearest(group_sum *sums, int groups, double cells, sl_voxel_pie
 }
 
 /* Returns whether a group was started and is worth keeping; what is not goes to others at the end. */
-static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, size_t count, double least,
-                        double apart) {
+static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, size_t count, double least) {
     size_t seed = count;
     for (size_t i = 0; i < count; i++) {
         if (pieces[i].group < 0 && (seed == count || pieces[i].area > pieces[seed].area)) seed = i;
@@ -112,11 +92,11 @@ static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, siz
     sums[groups].height = height_above(&sums[groups], &pieces[seed]);
     double area = 0.0;
     for (size_t i = 0; i < count; i++) {
-        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i], apart)) area += pieces[i].area;
+        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i])) area += pieces[i].area;
     }
     if (groups > 0 && area < least) return false;
     for (size_t i = 0; i < count; i++) {
-        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i], apart))
+        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i]))
             join_group(sums, groups, &pieces[i]);
     }
     return true;
@@ -136,21 +116,21 @@ static void measure_heights(const sl_voxel_piece *pieces, size_t count, sl_vec3d
     }
 }
 
-int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const sl_octree *geometry,
-                     size_t index, sl_voxel_piece *pieces, sl_normal_group groups[SL_VOXEL_SETS_MAX]) {
+int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, size_t index,
+                     sl_voxel_piece *pieces, sl_normal_group groups[SL_VOXEL_SETS_MAX]) {
     uint32_t cell[3];
     sl_morton_decode(octree->leaf[index].morton, cell);
-    double cells = (double)(1u << (geometry->depth - octree->depth)), total = 0.0;
-    sl_vec3d base = sl_scaled(sl_v3d(cell[0], cell[1], cell[2]), cells);
-    size_t pieces_here = collect(space, geometry, leaves_of(octree, geometry, index), base, pieces);
+    double total = 0.0;
+    sl_vec3d base = sl_v3d(cell[0], cell[1], cell[2]);
+    size_t pieces_here = collect(space, octree, &octree->leaf[index], cell, pieces);
     for (size_t i = 0; i < pieces_here; i++) total += pieces[i].area;
     group_sum sums[SL_VOXEL_SETS_MAX];
     int count = 0;
     while (count < SL_VOXEL_SETS_MAX &&
-           start_group(sums, count, pieces, pieces_here, 0.01 * total, layers_apart * cells))
+           start_group(sums, count, pieces, pieces_here, 0.01 * total))
         count++;
     for (size_t i = 0; count > 0 && i < pieces_here; i++) {
-        if (pieces[i].group < 0) join_nearest(sums, count, cells, &pieces[i]);
+        if (pieces[i].group < 0) join_nearest(sums, count, &pieces[i]);
     }
     for (int g = 0; g < count; g++) {
         double length = sl_lengthd(sums[g].vector);

@@ -24,11 +24,10 @@ typedef struct sl_voxel_piece {
 /* Greedy: the largest piece not yet in a group starts one, and all within 45 degrees of it join that lie at
  * about its height: a floor and the ground below it see different light. What is left after
  * SL_VOXEL_SETS_MAX, and groups below a hundredth of the area, go to the nearest. Returns how many, largest
- * first seed first; 0 where nothing has an area. The pieces of leaf `index` of `octree` are those of its
- * leaves in `geometry`. */
-int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const sl_octree *geometry,
-                     size_t index, sl_voxel_piece *pieces, sl_normal_group groups[SL_VOXEL_SETS_MAX]);
+ * first seed first; 0 where nothing has an area. */
+int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, size_t index,
+                     sl_voxel_piece *pieces, sl_normal_group groups[SL_VOXEL_SETS_MAX]);
 /* The most pieces that a leaf has. */
-size_t sl_voxel_pieces_max(const sl_octree *octree, const sl_octree *geometry);
+size_t sl_voxel_pieces_max(const sl_octree *octree);
 
 #endif

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/light_octree/coplanar.h"
 #include "cache/light_octree/octree_leaves.h"
 
 /* What lies around a core takes light from it, too. */
@@ -186,7 +185,7 @@ static void sort_pairs(uint64_t **pair, uint64_t **spare, size_t count, int code
 
 /* n_v and c_v by area of what lies in the voxel: so they do not depend on how a surface is cut into
  * triangles. */
-static void measure_leaf(const builder *b, sl_octree_leaf *leaf, sl_vec3 *area_vector) {
+static void measure_leaf(const builder *b, sl_octree_leaf *leaf) {
     uint32_t cell[3];
     sl_morton_decode(leaf->morton, cell);
     sl_vec3d vector = {0}, centre = {0}, touch_centre = {0}, touch_normal = {0};
@@ -217,7 +216,6 @@ static void measure_leaf(const builder *b, sl_octree_leaf *leaf, sl_vec3 *area_v
     leaf->centroid =
         sl_to_float(sl_addd(sl_scaled(sl_addd(middle, centre), 1.0 / b->space.scale), b->space.origin));
     leaf->area = (float)(area * cell_area);
-    *area_vector = sl_to_float(sl_scaled(vector, cell_area));
 }
 
 static void measure_block(void *context, size_t index, unsigned worker) {
@@ -225,7 +223,7 @@ static void measure_block(void *context, size_t index, unsigned worker) {
     const builder *b = context;
     size_t first = index * LEAF_BLOCK, end = first + LEAF_BLOCK;
     if (end > b->octree->leaf_count) end = b->octree->leaf_count;
-    for (size_t i = first; i < end; i++) measure_leaf(b, &b->octree->leaf[i], &b->octree->area_vector[i]);
+    for (size_t i = first; i < end; i++) measure_leaf(b, &b->octree->leaf[i]);
 }
 
 /* Cells in which nothing takes photons are no leaves. */
@@ -258,6 +256,14 @@ static void fill_leaves(sl_octree *octree, const uint64_t *pair) {
     }
 }
 
+static sl_status allocate_leaves(sl_octree *octree, size_t leaves, size_t triangles, sl_error *error) {
+    octree->leaf_count = leaves;
+    octree->triangle_count = triangles;
+    octree->leaf = sl_allocate(leaves, sizeof *octree->leaf);
+    octree->triangle = sl_allocate(triangles, sizeof *octree->triangle);
+    return octree->leaf && octree->triangle ? SL_OK : sl_fail_memory(error, "the octree");
+}
+
 /* From the chunks' pairs to leaves. */
 static sl_status make_leaves(builder *b, size_t chunks, unsigned threads, sl_error *error) {
     size_t count = 0, at = 0;
@@ -276,7 +282,7 @@ static sl_status make_leaves(builder *b, size_t chunks, unsigned threads, sl_err
         }
         sort_pairs(&pair, &spare, count, 3 * b->octree->depth);
         count = drop_dark_cells(b->space.scene, pair, count);
-        status = sl_octree_allocate_leaves(b->octree, count_leaves(pair, count), count, error);
+        status = allocate_leaves(b->octree, count_leaves(pair, count), count, error);
     }
     if (status == SL_OK) {
         fill_leaves(b->octree, pair);
@@ -306,18 +312,19 @@ sl_octree_root sl_octree_root_of_core(const sl_scene *scene) {
                        sl_scene_is_scattered(scene) ? AROUND_CORE : 1.0);
 }
 
-static sl_status drop_dark_shares(sl_octree *octree, const sl_scene *scene, sl_error *error) {
-    size_t dark = 0;
-    for (size_t i = 0; i < scene->triangle_count; i++)
-        dark += !sl_takes_photons(&scene->materials[scene->material_index[i]]);
-    if (dark == 0) return SL_OK;
-    bool all = octree->share == NULL;
-    if (all) octree->share = sl_allocate(scene->triangle_count, sizeof *octree->share);
+/* Surfaces that take no photons have no share of the area. */
+static sl_status find_shares(sl_octree *octree, const sl_scene *scene, sl_error *error) {
+    bool all = true;
+    octree->share = sl_allocate(scene->triangle_count, sizeof *octree->share);
     if (!octree->share) return sl_fail_memory(error, "the octree");
+    sl_status status = sl_coplanar_shares(scene, octree->share, error);
     for (size_t i = 0; i < scene->triangle_count; i++) {
         if (!sl_takes_photons(&scene->materials[scene->material_index[i]])) octree->share[i] = 0.0f;
-        else if (all) octree->share[i] = 1.0f;
+        all = all && octree->share[i] == 1.0f;
     }
+    if (!all || status != SL_OK) return status;
+    sl_free(octree->share);
+    octree->share = NULL;
     return SL_OK;
 }
 
@@ -350,8 +357,7 @@ sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root,
     if (status == SL_OK) {
         threads = sl_thread_count(threads);
         sl_parallel_for(threads, chunks, visit_chunk, &b);
-        status = sl_coplanar_shares(scene, threads, &octree->share, error);
-        if (status == SL_OK) status = drop_dark_shares(octree, scene, error);
+        status = find_shares(octree, scene, error);
         if (status == SL_OK) status = make_leaves(&b, chunks, threads, error);
         for (size_t i = 0; i < chunks; i++) free(b.chunk[i].pair);
     }
@@ -364,13 +370,59 @@ sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root,
 void sl_octree_destroy(sl_octree *octree) {
     if (!octree) return;
     sl_free(octree->leaf);
-    sl_free(octree->area_vector);
     sl_free(octree->share);
     sl_free(octree->triangle);
     sl_free(octree);
 }
 
 size_t sl_octree_bytes(const sl_octree *octree) {
-    return sizeof *octree + octree->leaf_count * (sizeof *octree->leaf + sizeof *octree->area_vector) +
+    return sizeof *octree + octree->leaf_count * sizeof *octree->leaf +
            octree->triangle_count * sizeof *octree->triangle;
+}
+
+/* ---- look-ups ---- */
+
+size_t sl_octree_lower_bound(const sl_octree *octree, uint64_t morton) {
+    size_t first = 0, count = octree->leaf_count;
+    while (count > 0) {
+        size_t half = count / 2;
+        if (octree->leaf[first + half].morton < morton) {
+            first += half + 1;
+            count -= half + 1;
+        } else {
+            count = half;
+        }
+    }
+    return first;
+}
+
+uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton) {
+    size_t leaf = sl_octree_lower_bound(octree, morton);
+    return leaf < octree->leaf_count && octree->leaf[leaf].morton == morton ? (uint32_t)leaf : SL_NO_INDEX;
+}
+
+static uint32_t cell_at(double x, double cells) {
+    return (uint32_t)(x > 0.0 ? (x < cells - 1.0 ? floor(x) : cells - 1.0) : 0.0); /* NaN: 0 */
+}
+
+sl_vec3 sl_octree_parent_centroid(const sl_octree *octree, uint32_t leaf) {
+    uint64_t parent = octree->leaf[leaf].morton >> 3;
+    size_t first = sl_octree_lower_bound(octree, parent << 3),
+           end = sl_octree_lower_bound(octree, (parent + 1) << 3);
+    sl_vec3d base = sl_to_double(octree->leaf[first].centroid), centre = {0}, plain = {0};
+    double area = 0.0;
+    for (size_t i = first; i < end; i++) {
+        sl_vec3d offset = sl_subd(sl_to_double(octree->leaf[i].centroid), base);
+        area += (double)octree->leaf[i].area;
+        centre = sl_addd(centre, sl_scaled(offset, (double)octree->leaf[i].area));
+        plain = sl_addd(plain, offset);
+    }
+    return sl_to_float(sl_addd(base, area > 0.0 ? sl_scaled(centre, 1.0 / area)
+                                                : sl_scaled(plain, 1.0 / (double)(end - first))));
+}
+
+uint64_t sl_octree_morton_at(const sl_octree *octree, sl_vec3 p) {
+    double cells = (double)(1u << octree->depth);
+    sl_vec3d u = sl_scaled(sl_subd(sl_to_double(p), octree->origin), cells / octree->edge);
+    return sl_morton_encode(cell_at(u.x, cells), cell_at(u.y, cells), cell_at(u.z, cells));
 }

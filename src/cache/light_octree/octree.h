@@ -1,5 +1,5 @@
 /* The octree over the scene's geometry: a cell is split while it meets a triangle, down to a depth; leaves in
- * Morton order. A shallower octree is a cut of a deeper one. There are leaves where a surface reflects
+ * Morton order. There are leaves where a surface reflects
  * diffusely or glossily: black ones (most lamps) and mirrors ask for no light, and photons there would only
  * bleed onto what is near. They are in those leaves' lists nevertheless, since they may hide others.
  *
@@ -29,12 +29,11 @@ typedef struct sl_octree {
     double edge;            /* of the root cube */
     size_t leaf_count;
     sl_octree_leaf *leaf;
-    sl_vec3 *area_vector;   /* of each leaf: sum area n, for cuts */
-    /* of each of the scene's triangles: which share of its area counts, 0 where no photon is stored (and
-     * coplanar.h); NULL: all of it, and in cuts */
+    /* of each of the scene's triangles: which share of its area counts, 0 where no photon is stored and
+     * where larger ones lie over it; NULL: all of it */
     float *share;
     size_t triangle_count;
-    uint32_t *triangle;     /* leaf by leaf, ascending in each; empty (counts 0) in cuts */
+    uint32_t *triangle;     /* leaf by leaf, ascending in each */
 } sl_octree;
 
 /* The root cube: a box made cubic and enlarged by 1e-4. Beyond it surfaces have no indirect light. */
@@ -59,13 +58,14 @@ sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsi
 /* The same in another root cube than that of all the scene. */
 sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,
                               unsigned threads, sl_octree **octree, sl_error *error);
-sl_status sl_octree_cut(const sl_octree *octree, int depth, sl_octree **cut, sl_error *error);
 void sl_octree_destroy(sl_octree *octree);
 size_t sl_octree_bytes(const sl_octree *octree);
 /* The number of the leaf with that Morton code, or SL_NO_INDEX. */
 uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton);
 /* The first leaf whose code is not below that one. */
 size_t sl_octree_lower_bound(const sl_octree *octree, uint64_t morton);
+/* The centroid of what lies in the cell above a leaf, by area. */
+sl_vec3 sl_octree_parent_centroid(const sl_octree *octree, uint32_t leaf);
 /* The code of the cell (clamped to the root) that holds a point. */
 uint64_t sl_octree_morton_at(const sl_octree *octree, sl_vec3 p);
 static inline double sl_octree_voxel(const sl_octree *octree) {

@@ -21,7 +21,8 @@ sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t tri
 double sl_clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *triangle, const uint32_t cell[3],
                        double dilate, sl_triangle_part *part);
 
-/* Arrays for so many leaves and triangles of their lists. */
-sl_status sl_octree_allocate_leaves(sl_octree *octree, size_t leaves, size_t triangles, sl_error *error);
+/* Writes of each triangle's area the share that no larger coplanar triangle covers (of equal ones none of a
+ * lower number). Planes count as equal within 1e-6 of the scene's size (coplanar.c). */
+sl_status sl_coplanar_shares(const sl_scene *scene, float *share, sl_error *error);
 
 #endif

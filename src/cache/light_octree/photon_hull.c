@@ -4,7 +4,6 @@
 #include <stdbool.h>
 
 #include "base/memory.h"
-#include "cache/light_octree/photon_hull_kernels.h"
 
 enum { PHOTONS_LEAST = 16 };
 
@@ -33,35 +32,54 @@ void sl_hull_points_release(sl_hull_points *p) {
 
 /* ---- most points are far inside (Akl and Toussaint 1978) ---- */
 
-/* The octagon of the points that lie farthest out, or what is left of it where some are the same; false: all
- * points are in one place. */
-static bool octagon(const sl_hull_points *p, const sl_hull_kernels *kernel, sl_hull_edges *edges) {
-    uint32_t extreme[SL_HULL_WAYS];
-    float x[SL_HULL_WAYS], y[SL_HULL_WAYS];
-    int corners = 0;
-    kernel->extremes(p->x, p->y, p->count, extreme);
-    for (int w = 0; w < SL_HULL_WAYS; w++) {
-        float px = p->x[extreme[w]], py = p->y[extreme[w]];
-        if (corners > 0 && px == x[corners - 1] && py == y[corners - 1]) continue;
-        x[corners] = px;
-        y[corners++] = py;
+enum { WAYS = 8 };
+
+/* A convex polygon, counter-clockwise. */
+typedef struct octagon {
+    int corners;
+    float x[WAYS], y[WAYS];
+} octagon;
+
+/* The points that lie farthest along (1,0), (1,1), (0,1) and on; those that are the same count once. */
+static octagon octagon_of(const sl_hull_points *p) {
+    octagon o = {.corners = 0};
+    size_t farthest[WAYS] = {0};
+    float most[WAYS];
+    for (int w = 0; w < WAYS; w++) most[w] = -INFINITY;
+    for (size_t i = 0; i < p->count; i++) {
+        float x = p->x[i], y = p->y[i];
+        const float along[WAYS] = {x, x + y, y, y - x, -x, -x - y, -y, x - y};
+        for (int w = 0; w < WAYS; w++) {
+            farthest[w] = along[w] > most[w] ? i : farthest[w];
+            most[w] = along[w] > most[w] ? along[w] : most[w];
+        }
     }
-    if (corners > 1 && x[corners - 1] == x[0] && y[corners - 1] == y[0]) corners--;
-    edges->count = corners;
-    for (int e = 0; e < corners; e++) {
-        int next = e + 1 < corners ? e + 1 : 0;
-        edges->x[e] = x[e];
-        edges->y[e] = y[e];
-        edges->along_x[e] = x[next] - x[e];
-        edges->along_y[e] = y[next] - y[e];
+    for (int w = 0; w < WAYS; w++) {
+        float x = p->x[farthest[w]], y = p->y[farthest[w]];
+        if (o.corners > 0 && x == o.x[o.corners - 1] && y == o.y[o.corners - 1]) continue;
+        o.x[o.corners] = x;
+        o.y[o.corners++] = y;
     }
-    return corners > 1;
+    if (o.corners > 1 && o.x[o.corners - 1] == o.x[0] && o.y[o.corners - 1] == o.y[0]) o.corners--;
+    return o;
 }
 
-static float slack_of(const sl_hull_edges *edges) {
+/* Lists the points that are not clearly inside; returns how many. */
+static size_t find_outer(const octagon *o, sl_hull_points *p) {
     float size = 0.0f;
-    for (int e = 0; e < edges->count; e++) size = fmaxf(size, fmaxf(fabsf(edges->x[e]), fabsf(edges->y[e])));
-    return 1e-5f * size * size;
+    size_t count = 0;
+    for (int e = 0; e < o->corners; e++) size = fmaxf(size, fmaxf(fabsf(o->x[e]), fabsf(o->y[e])));
+    for (size_t i = 0; i < p->count; i++) {
+        bool outer = false;
+        for (int e = 0; e < o->corners && !outer; e++) {
+            int next = e + 1 < o->corners ? e + 1 : 0;
+            float dx = o->x[next] - o->x[e], dy = o->y[next] - o->y[e];
+            outer = dx * (p->y[i] - o->y[e]) - dy * (p->x[i] - o->x[e]) <= 1e-5f * size * size;
+        }
+        p->outer[count] = (uint32_t)i;
+        count += outer;
+    }
+    return count;
 }
 
 /* ---- the hull of the rest (Andrew 1979) ---- */
@@ -103,11 +121,10 @@ static size_t chain_around(const sl_hull_points *p, size_t count) {
 }
 
 sl_photon_hull sl_photon_hull_of(sl_hull_points *p) {
-    sl_hull_kernels kernel = sl_hull_kernels_for(sl_isa_best());
-    sl_hull_edges edges;
     sl_photon_hull hull = {0.0, 0};
-    if (p->count < 3 || !octagon(p, &kernel, &edges)) return hull;
-    size_t count = kernel.outside(p->x, p->y, p->count, &edges, slack_of(&edges), p->outer);
+    if (p->count < 3) return hull;
+    octagon o = octagon_of(p);
+    size_t count = o.corners > 1 ? find_outer(&o, p) : 0;
     if (count < 3) return hull;
     sort_outer(p, count);
     hull.corners = chain_around(p, count);

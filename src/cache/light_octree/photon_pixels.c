@@ -1,144 +1,76 @@
 #include "cache/light_octree/photon_pixels.h"
 
-#include "base/error.h"
-#include "base/math.h"
-#include "base/memory.h"
+#include "base/counters.h"
 #include "base/parallel.h"
-#include "cache/light_octree/direct_photons.h"
-#include "cache/light_octree/surroundings.h"
+#include "cache/light_octree/voxel_work.h"
+#include "trace/bsdf.h"
 
-enum { PIXELS_AT_ONCE = 16384 };
-
-/* ---- the area that photons are strewn over ---- */
-
-typedef struct strewn {
-    const sl_surroundings *surroundings;
-    sl_surroundings_marks *marks; /* a worker */
-    double least_cosine;
-    sl_photon_area kind;
-} strewn;
-
-/* As of a voxel's photons (voxel_gather.c): next to no surface means that the disc is nearer to the truth. A
- * plane's section is that of the pixel's own plane, which is the disc. */
-static double area_of(const void *context, const sl_ellipsoid *e, unsigned worker) {
-    const strewn *s = context;
-    double disc = sl_disc_area(e);
-    if (s->kind != SL_PHOTON_AREA_CLIP) return disc;
-    sl_strewn_area found = sl_surroundings_area(s->surroundings, e, s->least_cosine, &s->marks[worker]);
-    double area = found.sheet ? found.front + found.back : found.front;
-    return area > 1e-3 * disc ? area : disc;
+static void add(double sum[3], sl_rgb reflected, const sl_lobe_photons *p, size_t i) {
+    const float f[3] = {reflected.r, reflected.g, reflected.b};
+    for (int c = 0; c < 3; c++) sum[c] += (double)f[c] * (double)p->flux[c][i] * p->inverse_cosine[i];
 }
 
-static void forget(strewn *s, sl_surroundings *surroundings, unsigned workers) {
-    for (unsigned w = 0; s->marks && w < workers; w++) sl_free(s->marks[w].mark);
-    sl_free(s->marks);
-    sl_surroundings_destroy(surroundings);
-}
-
-static sl_status look_around(const sl_photon_pixels *p, unsigned workers, strewn *s,
-                             sl_surroundings **surroundings, sl_error *error) {
-    *surroundings = NULL;
-    if (s->kind != SL_PHOTON_AREA_CLIP) return SL_OK;
-    sl_status status =
-        sl_surroundings_create(p->scene, p->octree, p->radius / 16.0, p->threads, surroundings, error);
-    if (status != SL_OK) return status;
-    s->surroundings = *surroundings;
-    s->marks = sl_allocate(workers, sizeof *s->marks);
-    for (unsigned w = 0; s->marks && w < workers; w++) {
-        s->marks[w].mark = sl_allocate(p->scene->triangle_count, sizeof *s->marks[w].mark);
-        if (!s->marks[w].mark) return sl_fail_memory(error, "photons of pixels");
+sl_rgb sl_photons_radiance(sl_voxel_lights *lights, unsigned worker, const sl_surface *surface,
+                           sl_vec3 to_viewer) {
+    const sl_voxel_work *work = lights->work;
+    const sl_voxel_light_options *o = &lights->options;
+    sl_voxel_worker *w = &work->worker[worker];
+    if (!work->tree || sl_material_is_mirror(surface->material)) return sl_grey(0.0f);
+    sl_photon_query query = sl_voxel_query(work, o, surface->position, surface->geometric_normal, o->radius);
+    query.both_sides = false;
+    sl_voxel_gather gather = sl_voxel_gather_photons(work, &query, w);
+    sl_bsdf bsdf = sl_bsdf_make(surface, to_viewer, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
+    const sl_lobe_photons *p = &gather.front;
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (size_t i = 0; i < p->count; i++) {
+        sl_vec3 to_light = sl_v3(p->x[i], p->y[i], p->z[i]);
+        add(sum, sl_bsdf_reflect(&bsdf, to_light, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY), p, i);
     }
-    return s->marks ? SL_OK : sl_fail_memory(error, "photons of pixels");
+    double area = sl_voxel_areas(work, o, &gather, w).side[0], scale = area > 0.0 ? gather.kappa / area : 0.0;
+    sl_count(&w->counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
+    sl_rgb radiance = {(float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale)};
+    return sl_rgb_is_finite(radiance) ? radiance : sl_grey(0.0f);
 }
 
 /* ---- pixels ---- */
 
-typedef struct points {
-    size_t *pixel;
-    sl_surface *surface;
-    sl_vec3 *to_viewer;
-    sl_rgb *radiance;
-} points;
+typedef struct pixel_pass {
+    const sl_scene *scene;
+    const sl_gbuffer *gbuffer;
+    sl_voxel_lights *lights;
+    float *const *out;
+} pixel_pass;
 
-static bool allocate(points *list, size_t room) {
-    list->pixel = sl_allocate(room, sizeof *list->pixel);
-    list->surface = sl_allocate(room, sizeof *list->surface);
-    list->to_viewer = sl_allocate(room, sizeof *list->to_viewer);
-    list->radiance = sl_allocate(room, sizeof *list->radiance);
-    return list->pixel && list->surface && list->to_viewer && list->radiance;
+static sl_rgb light_of_pixel(const pixel_pass *pass, unsigned worker, size_t i) {
+    const sl_gbuffer *g = pass->gbuffer;
+    if (g->material[i] == SL_NO_INDEX) return sl_grey(0.0f);
+    sl_vec3 viewer = g->seen_from ? g->seen_from[i] : pass->scene->camera.eye;
+    sl_surface s = {.position = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
+                    .geometric_normal = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]),
+                    .normal = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]),
+                    .diffuse = {g->diffuse_r[i], g->diffuse_g[i], g->diffuse_b[i]},
+                    .material = &pass->scene->materials[g->material[i]],
+                    .front = true};
+    return sl_photons_radiance(pass->lights, worker, &s,
+                               sl_normalize_or(sl_sub(viewer, s.position), s.geometric_normal));
 }
 
-static void release(points *list) {
-    sl_free(list->pixel);
-    sl_free(list->surface);
-    sl_free(list->to_viewer);
-    sl_free(list->radiance);
-}
-
-static void take_point(const sl_photon_pixels *p, size_t pixel, points *list, size_t at) {
-    const sl_gbuffer *g = p->gbuffer;
-    sl_vec3 viewer = g->seen_from ? g->seen_from[pixel] : p->scene->camera.eye;
-    sl_surface *s = &list->surface[at];
-    *s = (sl_surface){.position = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]),
-                      .geometric_normal =
-                          sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]),
-                      .normal = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]),
-                      .diffuse = {g->diffuse_r[pixel], g->diffuse_g[pixel], g->diffuse_b[pixel]},
-                      .material = &p->scene->materials[g->material[pixel]],
-                      .front = true};
-    list->to_viewer[at] = sl_normalize_or(sl_sub(viewer, s->position), s->geometric_normal);
-    list->pixel[at] = pixel;
-}
-
-/* The next pixels that show a surface; *next moves behind them. */
-static size_t take_points(const sl_photon_pixels *p, size_t *next, size_t pixels, points *list) {
-    size_t count = 0;
-    for (; *next < pixels && count < PIXELS_AT_ONCE; ++*next) {
-        if (p->gbuffer->material[*next] != SL_NO_INDEX) take_point(p, *next, list, count++);
+static void light_row(void *context, size_t row, unsigned worker) {
+    const pixel_pass *pass = context;
+    size_t width = (size_t)pass->gbuffer->width;
+    for (size_t i = row * width; i < (row + 1) * width; i++) {
+        sl_rgb radiance = light_of_pixel(pass, worker, i);
+        pass->out[0][i] = radiance.r;
+        pass->out[1][i] = radiance.g;
+        pass->out[2][i] = radiance.b;
     }
-    return count;
 }
 
-static sl_status light_points(const sl_photon_pixels *p, const sl_direct_photons *photons, points *list,
-                              float *const indirect[3], sl_counters *counters, sl_error *error) {
-    size_t pixels = (size_t)p->gbuffer->width * (size_t)p->gbuffer->height, next = 0, count;
-    sl_status status = SL_OK;
-    while (status == SL_OK && (count = take_points(p, &next, pixels, list)) > 0) {
-        status = sl_direct_photons_radiance(photons, count, list->surface, list->to_viewer, list->radiance,
-                                            NULL, counters, error);
-        for (size_t i = 0; status == SL_OK && i < count; i++) {
-            indirect[0][list->pixel[i]] = list->radiance[i].r;
-            indirect[1][list->pixel[i]] = list->radiance[i].g;
-            indirect[2][list->pixel[i]] = list->radiance[i].b;
-        }
-    }
-    return status;
-}
-
-sl_status sl_photon_light_pixels(const sl_photon_pixels *p, float *const indirect[3], sl_counters *counters,
-                                 sl_error *error) {
-    const sl_light_octree_settings *o = p->settings;
-    size_t pixels = (size_t)p->gbuffer->width * (size_t)p->gbuffer->height;
-    unsigned workers = sl_thread_count(p->threads);
-    strewn areas = {.least_cosine = sl_cos(o->acceptance), .kind = o->area};
-    sl_surroundings *surroundings;
-    points list = {NULL, NULL, NULL, NULL};
-    for (int k = 0; k < 3; k++) {
-        for (size_t i = 0; i < pixels; i++) indirect[k][i] = 0.0f;
-    }
-    sl_status status = look_around(p, workers, &areas, &surroundings, error);
-    if (status == SL_OK && !allocate(&list, PIXELS_AT_ONCE))
-        status = sl_fail_memory(error, "photons of pixels");
-    const sl_direct_photons photons = {.tree = p->tree,
-                                       .neighbours = (size_t)o->neighbours,
-                                       .radius = p->radius,
-                                       .flatness = o->flatness,
-                                       .cos_acceptance = areas.least_cosine,
-                                       .area = area_of,
-                                       .area_context = &areas,
-                                       .threads = p->threads};
-    if (status == SL_OK) status = light_points(p, &photons, &list, indirect, counters, error);
-    release(&list);
-    forget(&areas, surroundings, workers);
-    return status;
+void sl_photons_light_pixels(const sl_scene *scene, const sl_gbuffer *gbuffer, sl_voxel_lights *lights,
+                             unsigned threads, float *const indirect[3], sl_counters *counters) {
+    pixel_pass pass = {scene, gbuffer, lights, indirect};
+    threads = sl_thread_count(threads);
+    if (threads > lights->work->workers) threads = lights->work->workers;
+    sl_parallel_for(threads, (size_t)gbuffer->height, light_row, &pass);
+    sl_voxel_lights_count(lights, counters);
 }

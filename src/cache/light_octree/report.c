@@ -69,7 +69,7 @@ static void write_warning(const sl_octree_state *s, const sl_voxel_statistics *v
 }
 
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error) {
-    if (!s->shown.lights || !s->shown.octree->leaf_count) return SL_OK;
+    if (!s->shown.texture || !s->shown.octree->leaf_count) return SL_OK;
     char text[256];
     sl_voxel_statistics v;
     sl_voxel_lights_statistics(s->shown.lights, s->shown.octree, &v);

@@ -68,6 +68,7 @@ typedef struct candidate {
     ranked_photon farthest;
     double radius, sum, squares;  /* of luminance */
     double density, scatter;
+    sl_voxel_area area;
     bool little_area;
 } candidate;
 
@@ -104,10 +105,10 @@ static void look_around(const sl_voxel_work *work, const sl_voxel_gather *gather
 /* A candidate's density, and what it scatters by. */
 static double density_of(const sl_voxel_work *work, const sl_voxel_light_options *o,
                          const sl_voxel_gather *gather, candidate *c, sl_voxel_worker *w) {
-    double sides[2];
     sl_voxel_gather nearer = *gather;
     nearer.ellipsoid.radius = c->radius;
-    double area = sl_voxel_areas(work, o, &nearer, w, sides);
+    c->area = sl_voxel_areas(work, o, &nearer, w);
+    double area = c->area.all;
     double kappa = c->count > 1 ? (double)(c->count - 1) / (double)c->count : 1.0,
            density = kappa * c->sum / area;
     c->scatter = c->sum > 0.0 ? density * sqrt(c->squares) / c->sum : 0.0;
@@ -129,7 +130,9 @@ static sl_voxel_gather keep_nearest(const sl_voxel_work *work, const sl_photon_q
     g->count = kept;
     g->radius = c->radius;
     g->full = true;
-    return sl_voxel_of_gathered(work, query, w);
+    sl_voxel_gather gather = sl_voxel_of_gathered(work, query, w);
+    gather.area = c->area;
+    return gather;
 }
 
 sl_voxel_gather sl_voxel_gather_estimated(const sl_voxel_work *work, const sl_voxel_light_options *o,
@@ -152,5 +155,7 @@ sl_voxel_gather sl_voxel_gather_estimated(const sl_voxel_work *work, const sl_vo
         if (chosen && low > high) return keep_nearest(work, query, chosen, w);
         chosen = c;
     }
+    if (count > 0 && widest.ellipsoid.radius == candidates[largest].radius)
+        widest.area = candidates[largest].area;
     return widest; /* no two disagree */
 }

@@ -1,7 +1,9 @@
 /* A voxel's photons, side by side, and the area A that they were strewn over: E = kappa sum Phi_i / A.
  * Where the k-th photon set the radius kappa is (k - 1) / k, since k / A would be k / (k - 1) times too much
  * on average; else it is 1. */
+#include "base/error.h"
 #include "base/math.h"
+#include "base/memory.h"
 #include "cache/light_octree/voxel_work.h"
 
 /* Of a voxel: what lies off a surface by no more lies on it. */
@@ -90,6 +92,51 @@ static void split_sides(const sl_voxel_work *work, const sl_photon_query *query,
     gather->mean_place = sl_scaled(places, 1.0 / count);
 }
 
+/* ---- the photons in the voxel, without a search ---- */
+
+/* The map as a histogram: each voxel counts the photons that lie in it, as in the paper's figure 16a. Where a
+ * voxel clips a sliver of a plane it counts few, and such voxels make bands; the k nearest about the centroid
+ * do not know what a voxel clips. */
+static uint32_t leaf_of(const sl_octree *octree, const sl_photon *p) {
+    sl_vec3 at = sl_v3(p->position[0], p->position[1], p->position[2]);
+    const sl_octree_root root = {octree->origin, octree->edge};
+    return sl_octree_root_holds(&root, at) ? sl_octree_find(octree, sl_octree_morton_at(octree, at))
+                                           : SL_NO_INDEX;
+}
+
+void sl_own_photons_release(sl_own_photons *own) {
+    sl_free(own->first);
+    sl_free(own->place);
+    *own = (sl_own_photons){NULL, NULL, 0};
+}
+
+/* Counting sort by leaf, in order of ids. */
+sl_status sl_own_photons_find(const sl_octree *octree, const sl_photon_tree *tree, sl_own_photons *own,
+                              sl_error *error) {
+    const sl_photon_list *list = sl_photon_tree_list(tree);
+    size_t leaves = octree->leaf_count;
+    uint32_t *leaf = sl_allocate(list->count, sizeof *leaf), *by_id = sl_allocate(list->count, sizeof *by_id);
+    own->first = sl_allocate(leaves + 2, sizeof *own->first);
+    own->place = sl_allocate(list->count, sizeof *own->place);
+    bool good = leaf && by_id && own->first && own->place;
+    for (size_t i = 0; good && i < list->count; i++) by_id[sl_photon_tree_id(tree, i)] = (uint32_t)i;
+    for (size_t id = 0; good && id < list->count; id++) {
+        leaf[id] = leaf_of(octree, &list->photon[by_id[id]]);
+        if (leaf[id] != SL_NO_INDEX) own->first[leaf[id] + 2]++; /* else rounding has put it outside */
+    }
+    for (size_t i = 0; good && i < leaves; i++) {
+        own->most = own->first[i + 2] > own->most ? own->first[i + 2] : own->most;
+        own->first[i + 2] += own->first[i + 1];
+    }
+    for (size_t id = 0; good && id < list->count; id++) {
+        if (leaf[id] != SL_NO_INDEX) own->place[own->first[leaf[id] + 1]++] = by_id[id];
+    }
+    sl_free(leaf);
+    sl_free(by_id);
+    if (!good) sl_own_photons_release(own);
+    return good ? SL_OK : sl_fail_memory(error, "the photons of voxels");
+}
+
 sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_set *set,
                                      const sl_photon_query *query, sl_voxel_worker *w) {
     const sl_octree_leaf *leaf = &work->octree->leaf[set->leaf];
@@ -98,12 +145,14 @@ sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_s
     bool touched = !((double)leaf->area > 1e-6 * voxel * voxel); /* but by rounding nothing is in it */
     w->gathered.count = touched ? 0 : work->own.first[set->leaf + 1] - first;
     for (size_t i = 0; i < w->gathered.count; i++) w->gathered.place[i] = work->own.place[first + i];
-    sl_voxel_gather gather = {.found = w->gathered.count, .kappa = 1.0, .own_area = (double)leaf->area};
+    sl_voxel_gather gather = {.found = w->gathered.count, .kappa = 1.0};
     gather.ellipsoid = (sl_ellipsoid){sl_to_double(query->centre), sl_to_double(query->normal),
-                                      query->flatness, sqrt(gather.own_area / SL_PI)};
+                                      query->flatness, sqrt((double)leaf->area / SL_PI)};
     split_sides(work, query, w, &gather);
     return gather;
 }
+
+/* ---- the nearest photons ---- */
 
 sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query,
                                         sl_voxel_worker *w) {
@@ -117,12 +166,13 @@ sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_
     sl_voxel_gather gather = {.found = found,
                               .kappa =
                                   w->gathered.full && found > 0 ? (double)(found - 1) / (double)found : 1.0,
-                              .coincident = w->gathered.radius <= query->minimum,
                               .ellipsoid = {sl_to_double(query->centre), sl_to_double(query->normal),
                                             query->flatness, w->gathered.radius}};
     split_sides(work, query, w, &gather);
     return gather;
 }
+
+/* ---- the area that they were strewn over ---- */
 
 static bool is_same(const sl_ellipsoid *a, const sl_ellipsoid *b) {
     return a->radius == b->radius && a->flatness == b->flatness && a->centre.x == b->centre.x &&
@@ -145,15 +195,15 @@ static double share_by_hull(sl_photon_places *p, const sl_ellipsoid *e, int side
     return sl_photon_hull_share(&hull, p->hull.count, flat);
 }
 
-/* Surface that no photon met counts for nothing. */
+/* Takes out surface that no photon met. */
 static void leave_out_hidden(const sl_strewn_area *strewn, bool together, sl_photon_places *places,
-                             sl_remembered_area *a) {
-    double both = fmin(strewn->front_flat + strewn->back_flat, sl_disc_area(&a->ellipsoid));
-    double front = share_by_hull(places, &a->ellipsoid, 0, together ? both : strewn->front_flat);
-    double back = share_by_hull(places, &a->ellipsoid, 1, together ? both : strewn->back_flat);
-    a->side[0] *= front;
-    a->side[1] *= back;
-    a->all = front * strewn->front + back * strewn->back;
+                             const sl_ellipsoid *e, sl_voxel_area *area) {
+    double both = fmin(strewn->front_flat + strewn->back_flat, sl_disc_area(e));
+    double front = share_by_hull(places, e, 0, together ? both : strewn->front_flat);
+    double back = share_by_hull(places, e, 1, together ? both : strewn->back_flat);
+    area->side[0] *= front;
+    area->side[1] *= back;
+    area->all = front * strewn->front + back * strewn->back;
 }
 
 static double least_cosine_of(const sl_voxel_work *work) {
@@ -175,41 +225,30 @@ static sl_strewn_area strewn_over(const sl_voxel_work *work, const sl_ellipsoid 
     return sl_surroundings_area(work->surroundings, e, least_cosine_of(work), &w->marks);
 }
 
-static sl_remembered_area clipped_area(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
-    for (int i = 0; i < SL_AREAS_REMEMBERED; i++) {
-        if (is_same(&w->remembered[i].ellipsoid, e)) return w->remembered[i];
-    }
+static sl_voxel_area clipped_area(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
     sl_strewn_area strewn = strewn_over(work, e, w);
     bool together = strewn.sheet || !work->by_side, has_normal = sl_dotd(e->normal, e->normal) > 0.0;
-    sl_remembered_area area = {*e, {strewn.front, strewn.back}, strewn.front + strewn.back};
-    if (together) area.side[0] = area.side[1] = area.all;
-    if (w->places.x && work->by_side && has_normal) leave_out_hidden(&strewn, together, &w->places, &area);
-    w->remembered[w->next_remembered] = area;
-    w->next_remembered = (w->next_remembered + 1) % SL_AREAS_REMEMBERED;
+    double all = strewn.front + strewn.back;
+    sl_voxel_area area = {{together ? all : strewn.front, together ? all : strewn.back}, all};
+    if (w->places.x && work->by_side && has_normal) leave_out_hidden(&strewn, together, &w->places, e, &area);
     return area;
 }
 
-double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
-                      const sl_voxel_gather *gather, sl_voxel_worker *w, double area[2]) {
+sl_voxel_area sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                             const sl_voxel_gather *gather, sl_voxel_worker *w) {
     const sl_ellipsoid *e = &gather->ellipsoid;
     double disc = sl_disc_area(e);
-    double all = 0.0;
-    area[0] = area[1] = disc;
-    if (o->own_photons) return disc; /* the voxel's own surfaces, as large */
-    if (o->area == SL_PHOTON_AREA_SECTION) {
+    sl_voxel_area area = {{disc, disc}, 0.0};
+    if (gather->area.all > 0.0) return gather->area;
+    if (o->area == SL_PHOTON_AREA_CLIP && !o->own_photons) area = clipped_area(work, e, w);
+    else if (o->area == SL_PHOTON_AREA_SECTION && !o->own_photons) {
         double length = sl_lengthd(gather->mean_normal);
-        if (length > 0.0) {
-            sl_vec3d n = sl_scaled(gather->mean_normal, 1.0 / length);
-            area[0] = area[1] = sl_section_area(e, n, sl_dotd(n, gather->mean_place));
-        }
-    } else if (o->area == SL_PHOTON_AREA_CLIP) {
-        sl_remembered_area clipped = clipped_area(work, e, w);
-        all = clipped.all;
-        area[0] = clipped.side[0];
-        area[1] = clipped.side[1];
+        sl_vec3d n = length > 0.0 ? sl_scaled(gather->mean_normal, 1.0 / length) : e->normal;
+        area.side[0] = area.side[1] = sl_section_area(e, n, sl_dotd(n, gather->mean_place));
     }
     for (int side = 0; side < 2; side++) {
-        if (!(area[side] > 1e-3 * disc)) area[side] = disc;
+        if (!(area.side[side] > 1e-3 * disc)) area.side[side] = disc;
     }
-    return all > 1e-3 * disc ? all : area[0];
+    if (!(area.all > 1e-3 * disc)) area.all = area.side[0];
+    return area;
 }

@@ -52,11 +52,10 @@ void sl_voxel_take_directions_of_parent(const sl_voxel_lights *lights, sl_voxel_
                                         sl_voxel_result *own, sl_directional_light *light) {
     const sl_voxel_work *work = lights->work;
     const sl_voxel_light_options *o = &lights->options;
-    uint32_t parent = work->parents ? sl_octree_find(work->parents, work->octree->leaf[set->leaf].morton >> 3)
-                                    : SL_NO_INDEX;
-    if (parent == SL_NO_INDEX) return;
+    if (work->octree->depth < 2) return;
+    sl_vec3 centre = sl_octree_parent_centroid(work->octree, set->leaf);
     sl_photon_query query =
-        sl_voxel_query_of_set(work, o, set, work->parents->leaf[parent].centroid, 2.0 * o->radius);
+        sl_voxel_query_of_set(work, o, set, centre, 2.0 * o->radius);
     sl_voxel_gather gather = sl_voxel_gather_photons(work, &query, w);
     if (gather.found <= set->photons) return;
     sl_directional_light wider[SL_VOXEL_LIGHTS_MAX] = {{{0}, 0}};
@@ -98,7 +97,6 @@ void sl_voxel_report_lights(sl_voxel_set *set, const sl_voxel_light_options *o, 
     set->density = (float)result->density;
     set->irradiance = (float)(result->irradiance[0] + result->irradiance[1]);
     set->rms_angle = s->weight > 0.0 ? (float)(2.0 * sl_asin(0.5 * sqrt(s->cost / s->weight))) : 0.0f;
-    set->mean_angle = s->weight > 0.0 ? (float)(s->angle / s->weight) : 0.0f;
     set->both_sides = result->irradiance[0] > 0.0 && result->irradiance[1] > 0.0;
     if (result->irradiance[1] > 0.0 && !(result->irradiance[0] > 0.0)) sl_voxel_turn(set);
     if (o->lobes != SL_LOBES_NONE) sl_count(counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result->lights);
@@ -128,6 +126,14 @@ static void compute_task(void *context, size_t index, unsigned worker) {
     }
 }
 
+void sl_voxel_lights_count(sl_voxel_lights *lights, sl_counters *counters) {
+    sl_voxel_work *work = lights->work;
+    for (unsigned i = 0; i < work->workers; i++) {
+        sl_counters_add(counters, &work->worker[i].counters);
+        work->worker[i].counters = (sl_counters){{0}};
+    }
+}
+
 void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count, unsigned threads,
                              sl_counters *counters) {
     if (first >= lights->leaf_count) return;
@@ -137,10 +143,7 @@ void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count
     threads = sl_thread_count(threads);
     if (threads > work->workers) threads = work->workers;
     sl_parallel_for(threads, (count + SL_LEAVES_A_TASK - 1) / SL_LEAVES_A_TASK, compute_task, &batch);
-    for (unsigned i = 0; i < work->workers; i++) {
-        sl_counters_add(counters, &work->worker[i].counters);
-        work->worker[i].counters = (sl_counters){{0}};
-    }
+    sl_voxel_lights_count(lights, counters);
 }
 
 /* ---- statistics ---- */
@@ -166,7 +169,6 @@ void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *
         s->max_power_ratio =
             (double)set->power_ratio > s->max_power_ratio ? (double)set->power_ratio : s->max_power_ratio;
         s->rms_angle += e * rms * rms;
-        s->mean_angle += e * (double)set->mean_angle;
         s->flux += (double)set->density * (double)octree->leaf[set->leaf].area / (double)in_leaf;
         weight += e;
     }
@@ -174,6 +176,5 @@ void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *
     s->mean_photons = s->sets > 0 ? (double)s->photons / (double)s->sets : 0.0;
     s->mean_radius /= lit;
     s->rms_angle = weight > 0.0 ? sqrt(s->rms_angle / weight) : 0.0;
-    s->mean_angle = weight > 0.0 ? s->mean_angle / weight : 0.0;
     s->axis_angle = s->rms_angle * sqrt(0.5);
 }

@@ -46,7 +46,7 @@ typedef struct sl_voxel_set {
     float area;            /* of the surfaces that the photons lie on, both faces of a wall together */
     float irradiance;      /* E, luminance; the sum of both sides */
     float density;         /* flux over that area */
-    float rms_angle, mean_angle; /* the spread of the clusters: radians, by weight */
+    float rms_angle;       /* the spread of the clusters: radians, by weight */
     float power_ratio;     /* largest over mean power of a photon: fireflies */
     uint8_t lights;        /* used */
     /* another of the voxel's sets faces the other way: light of that side is that one's */
@@ -69,9 +69,8 @@ typedef struct sl_voxel_lights {
     struct sl_voxel_work *work;
 } sl_voxel_lights;
 
-/* `octree` may be a cut; `geometry` is the octree with the triangles (the same, if it is no cut). All must
- * outlive the lights. */
-sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree, const sl_octree *geometry,
+/* Scene, octree and tree must outlive the lights. */
+sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree,
                                  const sl_photon_tree *tree, const sl_voxel_light_options *options,
                                  unsigned threads, sl_voxel_lights **lights, sl_error *error);
 /* The lights of leaves [first, first + count). Adds what was gathered, leaves, and lights to the counters. */
@@ -87,7 +86,6 @@ typedef struct sl_voxel_statistics {
     double mean_photons, mean_radius, max_radius;
     double rms_angle;        /* sqrt of the mean square, by irradiance: radians */
     double axis_angle;       /* the same along one tangent axis: rms / sqrt(2) */
-    double mean_angle;
     double flux;             /* sum of flux density times the voxel's own area: luminance, W */
     double max_power_ratio;
 } sl_voxel_statistics;

@@ -139,7 +139,6 @@ static int directional_lights(const sl_lobe_photons *p, const sl_voxel_light_opt
     sl_clusters clusters;
     sl_cluster_directions(&directions, room < o->lights ? room : o->lights, p->of, p->nearest, &clusters);
     spread->cost += clusters.cost;
-    spread->angle += clusters.mean_angle * sum;
     spread->weight += sum;
     lobe lobes[SL_VOXEL_LIGHTS_MAX];
     sum_lobes(p, clusters.count, lobes);

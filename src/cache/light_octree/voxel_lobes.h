@@ -25,7 +25,7 @@ void sl_lobe_photons_add(sl_lobe_photons *photons, sl_vec3 direction, sl_vec3 no
 static const double SL_GRAZING = 0.05; /* epsilon: bounds a photon's weight, not its energy */
 
 typedef struct sl_lobe_spread {
-    double cost, angle, weight;  /* J, sum w angle, sum w: of all clusters */
+    double cost, weight;  /* J, sum w: of all clusters */
 } sl_lobe_spread;
 
 /* E = scale * sum of fluxes, scale = kappa / A. normal: n_v on the photons' side, or (0,0,0). flat: the

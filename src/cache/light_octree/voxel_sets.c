@@ -61,7 +61,6 @@ static void destroy_work(sl_voxel_work *work) {
     }
     sl_free(work->worker);
     sl_own_photons_release(&work->own);
-    sl_octree_destroy(work->parents);
     sl_surroundings_destroy(work->surroundings);
     sl_free(work);
 }
@@ -75,15 +74,13 @@ static sl_status create_work(sl_voxel_lights *lights, unsigned threads, sl_error
     work->worker = sl_allocate(work->workers, sizeof *work->worker);
     if (!work->worker) return sl_fail_memory(error, "lights of voxels");
     sl_status status = SL_OK;
-    if (work->octree->depth > 1)
-        status = sl_octree_cut(work->octree, work->octree->depth - 1, &work->parents, error);
     if (status == SL_OK && o->own_photons && work->tree)
         status = sl_own_photons_find(work->octree, work->tree, &work->own, error);
     if (status == SL_OK && o->area == SL_PHOTON_AREA_CLIP && !o->own_photons) {
-        status = sl_surroundings_create(work->scene, work->geometry, o->radius / 8.0, work->workers,
+        status = sl_surroundings_create(work->scene, work->octree, o->radius / 8.0, work->workers,
                                         &work->surroundings, error);
     }
-    size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree, work->geometry) : 0;
+    size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree) : 0;
     for (unsigned i = 0; status == SL_OK && i < work->workers; i++)
         status = create_worker(lights, pieces, &work->worker[i], error);
     return status;
@@ -104,7 +101,7 @@ static void group_leaves(void *context, size_t index, unsigned worker) {
     size_t end = (index + 1) * SL_LEAVES_A_TASK < task->lights->leaf_count ? (index + 1) * SL_LEAVES_A_TASK
                                                                            : task->lights->leaf_count;
     for (size_t leaf = index * SL_LEAVES_A_TASK; leaf < end; leaf++) {
-        task->count[leaf] = (uint8_t)sl_normal_groups(&task->space, work->octree, work->geometry, leaf,
+        task->count[leaf] = (uint8_t)sl_normal_groups(&task->space, work->octree, leaf,
                                                       work->worker[worker].pieces, task->groups[leaf]);
     }
 }
@@ -174,8 +171,8 @@ static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl
 static sl_status split_sets(sl_voxel_lights *lights, sl_error *error) {
     const sl_voxel_work *work = lights->work;
     group_task task = {.lights = lights,
-                       .space = sl_cell_space_of(work->scene, work->geometry->origin, work->geometry->edge,
-                                                 work->geometry->depth),
+                       .space = sl_cell_space_of(work->scene, work->octree->origin, work->octree->edge,
+                                                 work->octree->depth),
                        .groups = sl_allocate(lights->leaf_count, sizeof *task.groups),
                        .count = sl_allocate(lights->leaf_count, 1)};
     sl_status status = task.groups && task.count ? SL_OK : sl_fail_memory(error, "normals of voxels");
@@ -189,7 +186,7 @@ static sl_status split_sets(sl_voxel_lights *lights, sl_error *error) {
     return status;
 }
 
-sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree, const sl_octree *geometry,
+sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree,
                                  const sl_photon_tree *tree, const sl_voxel_light_options *options,
                                  unsigned threads, sl_voxel_lights **result, sl_error *error) {
     *result = NULL;
@@ -204,7 +201,7 @@ sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree,
     if (status == SL_OK) {
         bool photons = tree && sl_photon_tree_list(tree)->count > 0;
         *lights->work = (sl_voxel_work){
-            .scene = scene, .octree = octree, .geometry = geometry, .tree = photons ? tree : NULL};
+            .scene = scene, .octree = octree, .tree = photons ? tree : NULL};
         status = create_work(lights, threads, error);
     }
     if (status == SL_OK)
@@ -227,7 +224,6 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
     const sl_voxel_work *work = lights->work;
     size_t bytes = sizeof *lights + sizeof *work + (lights->leaf_count + 1) * sizeof *lights->first_set;
     bytes += lights->set_count * (sizeof *lights->set + (size_t)lights->texels * sizeof *lights->light);
-    bytes += work->parents ? sl_octree_bytes(work->parents) : 0;
     bytes += work->surroundings ? sl_surroundings_bytes(work->surroundings) : 0;
     size_t marks = work->surroundings ? work->scene->triangle_count * sizeof(uint32_t) : 0;
     size_t a_photon = work->surroundings ? 105 : 69; /* with its place for the hull, or without */

@@ -13,14 +13,6 @@ enum { SL_LEAVES_A_TASK = 16 };
 
 struct ranked_photon;
 
-/* The last areas that were worked out: to choose k takes those of several ellipsoids, and one of them is the
- * voxel's in the end. */
-enum { SL_AREAS_REMEMBERED = 4 };
-typedef struct sl_remembered_area {
-    sl_ellipsoid ellipsoid;   /* radius 0: nothing yet */
-    double side[2], all;      /* A for the photons in front and behind; of all surfaces together */
-} sl_remembered_area;
-
 /* What lies in ellipsoids that will be asked for, from one visit. */
 typedef struct sl_seen_around {
     int count;
@@ -44,8 +36,6 @@ typedef struct sl_voxel_worker {
     sl_photon_places places;
     sl_surroundings_marks marks;
     sl_seen_around seen;
-    sl_remembered_area remembered[SL_AREAS_REMEMBERED];
-    unsigned next_remembered;
     sl_voxel_piece *pieces;
     sl_counters counters;
 } sl_voxel_worker;
@@ -59,9 +49,8 @@ typedef struct sl_own_photons {
 
 typedef struct sl_voxel_work {
     const sl_scene *scene;
-    const sl_octree *octree, *geometry;
+    const sl_octree *octree;
     const sl_photon_tree *tree;
-    sl_octree *parents;           /* the cut above; NULL at depth 1 */
     sl_surroundings *surroundings; /* clip area alone */
     sl_own_photons own;           /* own_photons alone */
     double cos_acceptance;
@@ -71,12 +60,16 @@ typedef struct sl_voxel_work {
     sl_voxel_worker *worker;
 } sl_voxel_work;
 
+/* A for the photons in front and behind, and that of all surfaces together; all 0: not worked out. */
+typedef struct sl_voxel_area {
+    double side[2], all;
+} sl_voxel_area;
+
 typedef struct sl_voxel_gather {
     sl_ellipsoid ellipsoid;       /* R; f = 1 without a normal */
     double kappa;
     size_t found;
-    bool coincident;
-    double own_area;              /* own photons: of the surfaces in the voxel */
+    sl_voxel_area area;
     sl_lobe_photons front, back;  /* by the side of n_v; all in front where sides are not told apart */
     sl_vec3d mean_normal, mean_place; /* of the photons, turned to n_v's side; about the centre */
 } sl_voxel_gather;
@@ -96,7 +89,7 @@ sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_phot
 /* Of those that the worker has gathered. */
 sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_query *query,
                                      sl_voxel_worker *w);
-/* own_photons.c: the photons of every leaf; and those of one. */
+/* The photons of every leaf; and those of one. */
 sl_status sl_own_photons_find(const sl_octree *octree, const sl_photon_tree *tree, sl_own_photons *own,
                               sl_error *error);
 void sl_own_photons_release(sl_own_photons *own);
@@ -105,10 +98,9 @@ sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_s
 /* Before areas of several ellipsoids are asked for that differ in radius alone, the largest first. */
 void sl_voxel_look_around(const sl_voxel_work *work, const sl_ellipsoid *ellipsoid, int count,
                           sl_voxel_worker *w);
-/* A for the photons in front and behind; returns that of all surfaces together. What is next to nothing
- * (photons beside the geometry) is taken for the disc. */
-double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
-                      const sl_voxel_gather *gather, sl_voxel_worker *w, double area[2]);
+/* What is next to nothing (photons beside the geometry) is taken for the disc. */
+sl_voxel_area sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
+                             const sl_voxel_gather *gather, sl_voxel_worker *w);
 
 /* ---- light_octree.c ---- */
 
@@ -127,6 +119,8 @@ void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
 
 /* ---- voxel_lights.c ---- */
 
+/* Moves what the workers have counted to the counters. */
+void sl_voxel_lights_count(sl_voxel_lights *lights, sl_counters *counters);
 double sl_luminance_of_photons(const sl_lobe_photons *photons);
 int sl_lights_of_front(const double irradiance[2], int lights);
 sl_photon_query sl_voxel_query_of_set(const sl_voxel_work *work, const sl_voxel_light_options *o,

@@ -56,7 +56,7 @@ static inline lit light_up(const sl_scene *scene, int depth, sl_photon_list *lis
     lit l = {.octree = octree_of(scene, depth, 1)};
     sl_error error;
     if (sl_photon_tree_create(list, 1, &l.tree, &error) != SL_OK) fail_msg("%s", error.message);
-    if (sl_voxel_lights_create(scene, l.octree, l.octree, l.tree, options, threads, &l.lights, &error) !=
+    if (sl_voxel_lights_create(scene, l.octree, l.tree, options, threads, &l.lights, &error) !=
         SL_OK)
         fail_msg("%s", error.message);
     sl_voxel_lights_compute(l.lights, 0, l.octree->leaf_count, threads, &l.counters);

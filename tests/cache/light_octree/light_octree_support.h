@@ -27,7 +27,7 @@ static inline sl_voxel_lights *lights_of(const sl_scene *scene, const sl_octree 
                                          const sl_voxel_light_options *options) {
     sl_voxel_lights *lights = NULL;
     sl_error error;
-    if (sl_voxel_lights_create(scene, octree, octree, NULL, options, 1, &lights, &error) != SL_OK)
+    if (sl_voxel_lights_create(scene, octree, NULL, options, 1, &lights, &error) != SL_OK)
         fail_msg("%s", error.message);
     return lights;
 }

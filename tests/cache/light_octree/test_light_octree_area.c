@@ -1,16 +1,10 @@
 /* How much surface an ellipsoid holds, in closed form, by counting points, and where photons tell: at edges
  * and in corners. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <cmocka.h>
+#include "light_octree_support.h"
 
-#include "base/math.h"
 #include "base/memory.h"
-#include "base/random.h"
-#include "cache/light_octree/direct_photons.h"
+#include "cache/light_octree/photon_area.h"
+#include "cache/light_octree/photon_pixels.h"
 
 static double number(uint64_t stream, uint64_t i) {
     return (double)sl_random_unit(sl_random_key(31, stream), i);
@@ -182,104 +176,91 @@ static sl_photon_list *corner_photons(void) {
     return list;
 }
 
-/* The floor alone, as the photons are accepted: its unit square. */
-static double floor_area(const void *context, const sl_ellipsoid *e, unsigned worker) {
-    (void)worker;
-    (void)context;
-    sl_vec3d o = {0, 0, 0}, x = {1, 0, 0}, y = {0, 1, 0}, xy = {1, 1, 0};
-    return sl_triangle_in_ellipsoid(e, o, x, xy) + sl_triangle_in_ellipsoid(e, o, xy, y);
+/* The corner's three walls. */
+static sl_scene *corner(void) {
+    const float xyz[54] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 1,
+                           0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1};
+    return scene_of_triangles(xyz, 6);
 }
 
-/* Mean irradiance over points of the floor, all along its edge, in its corners or in the middle. */
-static double mean_irradiance(const sl_photon_tree *tree, sl_ellipsoid_area *area, int where,
-                              unsigned threads) {
+static sl_voxel_lights *corner_lights(const sl_scene *scene, const sl_octree *octree,
+                                      const sl_photon_tree *tree, sl_photon_area area) {
+    sl_voxel_lights *lights = NULL;
+    sl_voxel_light_options o = plain_options(4);
+    o.radius = 0.5;
+    o.area = area;
+    assert_int_equal(sl_voxel_lights_create(scene, octree, tree, &o, 2, &lights, NULL), SL_OK);
+    return lights;
+}
+
+static sl_surface surface_at(float x, float y, float z, const sl_material *material) {
+    return (sl_surface){.position = {x, y, z},
+                        .geometric_normal = {0, 0, 1},
+                        .normal = {0, 0, 1},
+                        .diffuse = material->diffuse,
+                        .material = material,
+                        .front = true};
+}
+
+/* Mean irradiance over points of the floor, all along its edge, in its corners or in the middle: of a Lambert
+ * surface L = rho E / pi. */
+static double mean_irradiance(sl_voxel_lights *lights, int where) {
     enum { POINTS = 1000 };
-    static sl_surface surfaces[POINTS];
-    static sl_vec3 to_viewer[POINTS];
-    static sl_rgb radiance[POINTS], irradiance[POINTS];
     const sl_material white = {
         .diffuse = {1, 0.5f, 0.25f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+    double sum = 0.0;
     for (uint64_t i = 0; i < POINTS; i++) {
         float x = 0.2f + 0.6f * (float)number(13, i), y = 0.2f + 0.6f * (float)number(14, i);
         if (where > 0) y = (float)(i % 2);
         if (where > 1) x = (float)(i / 2 % 2);
-        surfaces[i] = (sl_surface){.position = {x, y, 0},
-                                   .geometric_normal = {0, 0, 1},
-                                   .normal = {0, 0, 1},
-                                   .diffuse = white.diffuse,
-                                   .material = &white,
-                                   .front = true};
-        to_viewer[i] = sl_v3(0, 0, 1);
-    }
-    sl_direct_photons photons = {.tree = tree,
-                                 .neighbours = 50,
-                                 .radius = 0.5,
-                                 .flatness = 0.25,
-                                 .cos_acceptance = 0.5,
-                                 .area = area,
-                                 .threads = threads};
-    sl_counters counters = {{0}};
-    sl_error error;
-    assert_int_equal(sl_direct_photons_radiance(&photons, POINTS, surfaces, to_viewer, radiance, irradiance,
-                                                &counters, &error),
-                     SL_OK);
-    assert_int_equal(counters.value[SL_COUNT_PHOTONS_GATHERED], 50 * POINTS);
-    double sum = 0.0;
-    for (int i = 0; i < POINTS; i++) {
-        sum += (double)irradiance[i].r / POINTS;
-        assert_true(fabs((double)irradiance[i].g / (double)irradiance[i].r - 2.0) < 1e-5);
-        /* Lambert: L = rho E / pi */
-        assert_true(fabs((double)radiance[i].r / (double)irradiance[i].r - 1.0 / SL_PI) < 1e-5);
-        assert_true(fabs((double)radiance[i].g / (double)irradiance[i].r - 1.0 / SL_PI) < 1e-5);
+        sl_surface surface = surface_at(x, y, 0.0f, &white);
+        sl_rgb radiance = sl_photons_radiance(lights, 0, &surface, sl_v3(0, 0, 1));
+        sum += (double)radiance.r * SL_PI / POINTS;
+        /* twice the light, half the albedo */
+        assert_true(fabs((double)radiance.g - (double)radiance.r) < 1e-5);
     }
     return sum;
 }
 
 static void clipped_area_is_right_at_edges_and_corners_where_the_disc_is_not(void **state) {
     (void)state;
+    sl_scene *scene = corner();
+    sl_octree *octree = octree_of(scene, 3, 1);
     sl_photon_tree *tree;
-    sl_error error;
-    assert_int_equal(sl_photon_tree_create(corner_photons(), 2, &tree, &error), SL_OK);
-    assert_true(fabs(mean_irradiance(tree, NULL, 0, 2) - 1.0) < 0.02);
-    assert_true(fabs(mean_irradiance(tree, floor_area, 0, 2) - 1.0) < 0.02);
-    assert_true(fabs(mean_irradiance(tree, floor_area, 1, 2) - 1.0) < 0.03);
-    assert_true(fabs(mean_irradiance(tree, NULL, 1, 2) - 0.5) < 0.02);
+    assert_int_equal(sl_photon_tree_create(corner_photons(), 2, &tree, NULL), SL_OK);
+    sl_voxel_lights *disc = corner_lights(scene, octree, tree, SL_PHOTON_AREA_DISC),
+                    *clip = corner_lights(scene, octree, tree, SL_PHOTON_AREA_CLIP);
+    assert_true(fabs(mean_irradiance(disc, 0) - 1.0) < 0.02);
+    assert_true(fabs(mean_irradiance(clip, 0) - 1.0) < 0.02);
+    assert_true(fabs(mean_irradiance(clip, 1) - 1.0) < 0.04);
+    assert_true(fabs(mean_irradiance(disc, 1) - 0.5) < 0.02);
     /* Four corners: each a sample of 50 photons, 14 % apart. */
-    assert_true(fabs(mean_irradiance(tree, floor_area, 2, 2) - 1.0) < 0.21);
-    assert_true(fabs(mean_irradiance(tree, NULL, 2, 2) - 0.25) < 0.06);
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        assert_true(mean_irradiance(tree, floor_area, 1, threads) == mean_irradiance(tree, floor_area, 1, 2));
-    }
+    assert_true(fabs(mean_irradiance(clip, 2) - 1.0) < 0.21);
+    assert_true(fabs(mean_irradiance(disc, 2) - 0.25) < 0.06);
+    sl_voxel_lights_destroy(disc);
+    sl_voxel_lights_destroy(clip);
     sl_photon_tree_destroy(tree);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
 }
 
 static void mirrors_and_surfaces_without_photons_are_dark(void **state) {
     (void)state;
+    sl_scene *scene = corner();
+    sl_octree *octree = octree_of(scene, 3, 1);
     sl_photon_tree *tree;
-    sl_error error;
-    assert_int_equal(sl_photon_tree_create(corner_photons(), 1, &tree, &error), SL_OK);
+    assert_int_equal(sl_photon_tree_create(corner_photons(), 1, &tree, NULL), SL_OK);
+    sl_voxel_lights *lights = corner_lights(scene, octree, tree, SL_PHOTON_AREA_CLIP);
     const sl_material mirror = {.mirror = {1, 1, 1}}, white = {.diffuse = {1, 1, 1}};
-    sl_surface surfaces[2] = {{.position = {0.5f, 0.5f, 0},
-                               .geometric_normal = {0, 0, 1},
-                               .normal = {0, 0, 1},
-                               .material = &mirror},
-                              {.position = {9, 9, 9},
-                               .geometric_normal = {0, 0, 1},
-                               .normal = {0, 0, 1},
-                               .diffuse = {1, 1, 1},
-                               .material = &white}};
-    sl_vec3 to_viewer[2] = {{0, 0, 1}, {0, 0, 1}};
-    sl_rgb radiance[2];
-    sl_direct_photons photons = {
-        .tree = tree, .neighbours = 50, .radius = 0.5, .flatness = 0.25, .cos_acceptance = 0.5, .threads = 1};
-    sl_counters counters = {{0}};
-    assert_int_equal(
-        sl_direct_photons_radiance(&photons, 2, surfaces, to_viewer, radiance, NULL, &counters, &error),
-        SL_OK);
-    for (int i = 0; i < 2; i++)
-        assert_true(radiance[i].r == 0.0f && radiance[i].g == 0.0f && radiance[i].b == 0.0f);
-    assert_int_equal(counters.value[SL_COUNT_PHOTONS_GATHERED], 0);
+    sl_surface surfaces[2] = {surface_at(0.5f, 0.5f, 0, &mirror), surface_at(9, 9, 9, &white)};
+    for (int i = 0; i < 2; i++) {
+        sl_rgb radiance = sl_photons_radiance(lights, 0, &surfaces[i], sl_v3(0, 0, 1));
+        assert_true(radiance.r == 0.0f && radiance.g == 0.0f && radiance.b == 0.0f);
+    }
+    sl_voxel_lights_destroy(lights);
     sl_photon_tree_destroy(tree);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
 }
 
 int main(void) {

@@ -14,12 +14,6 @@ static sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) 
     return octree;
 }
 
-static sl_octree *cut_of(const sl_octree *octree, int depth) {
-    sl_octree *cut = NULL;
-    assert_int_equal(sl_octree_cut(octree, depth, &cut, NULL), SL_OK);
-    return cut;
-}
-
 static sl_scene *sphere(unsigned rings, float radius) {
     trace_mesh mesh = trace_mesh_begin();
     /* the root: two outliers in its corners */
@@ -102,14 +96,12 @@ static void a_sphere_has_the_leaves_that_were_counted(void **state) {
     (void)state;
     sl_scene *scene = sphere(150, 0.94f * 1.0001f);
     const size_t counts[] = {1064, 4304, 17072};
-    sl_octree *deepest = octree_of(scene, 6, 2);
     for (int depth = 4; depth <= 6; depth++) {
-        sl_octree *octree = cut_of(deepest, depth);
+        sl_octree *octree = octree_of(scene, depth, 2);
         if (octree->leaf_count != counts[depth - 4] + 2)
             fail_msg("depth %d: %zu leaves", depth, octree->leaf_count);
         sl_octree_destroy(octree);
     }
-    sl_octree_destroy(deepest);
     sl_scene_destroy(scene);
 }
 
@@ -259,31 +251,18 @@ static void normals_and_centroids_do_not_depend_on_tessellation(void **state) {
     free(fine);
 }
 
-static void a_cut_is_the_shallower_octree(void **state) {
+static void the_centroid_of_a_cell_above_is_that_of_the_shallower_octree(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(9, 8);
-    sl_octree *deep = octree_of(scene, 6, 2);
-    for (int depth = 1; depth <= 6; depth++) {
-        sl_octree *cut = cut_of(deep, depth), *alone = octree_of(scene, depth, 2);
-        double voxel = sl_octree_voxel(cut);
-        assert_true(cut->leaf_count == alone->leaf_count && cut->depth == depth && cut->edge == alone->edge);
-        for (size_t i = 0; i < cut->leaf_count; i++) {
-            const sl_octree_leaf *a = &cut->leaf[i], *b = &alone->leaf[i];
-            assert_true(a->morton == b->morton);
-            if (!(fabs((double)a->area - (double)b->area) < 1e-4 * voxel * voxel))
-                fail_msg("depth %d leaf %zu: %.9g %.9g of %g; n %g %g %g, c %g %g %g", depth, i,
-                         (double)a->area, (double)b->area, voxel * voxel, a->normal.x, a->normal.y,
-                         a->normal.z, a->centroid.x, a->centroid.y, a->centroid.z);
-            assert_true((double)sl_length(sl_sub(a->centroid, b->centroid)) < 1e-4 * voxel);
-            assert_true(sl_length(sl_sub(a->normal, b->normal)) < 1e-4f);
-        }
-        check_samples(scene, cut, 5000);
-        sl_octree_destroy(cut);
-        sl_octree_destroy(alone);
+    sl_octree *deep = octree_of(scene, 6, 2), *shallow = octree_of(scene, 5, 2);
+    for (uint32_t i = 0; i < deep->leaf_count; i++) {
+        uint32_t parent = sl_octree_find(shallow, deep->leaf[i].morton >> 3);
+        assert_true(parent != SL_NO_INDEX);
+        sl_vec3 apart = sl_sub(sl_octree_parent_centroid(deep, i), shallow->leaf[parent].centroid);
+        assert_true((double)sl_length(apart) < 1e-4 * sl_octree_voxel(shallow));
     }
-    sl_octree *none;
-    assert_int_equal(sl_octree_cut(deep, 7, &none, NULL), SL_ERROR_USAGE);
     sl_octree_destroy(deep);
+    sl_octree_destroy(shallow);
     sl_scene_destroy(scene);
 }
 
@@ -487,7 +466,7 @@ int main(void) {
         cmocka_unit_test(huge_coordinates_and_tiny_detail_keep_every_sample_in_a_leaf),
         cmocka_unit_test(geometry_in_cell_faces_is_in_both_voxels_and_counted_once),
         cmocka_unit_test(normals_and_centroids_do_not_depend_on_tessellation),
-        cmocka_unit_test(a_cut_is_the_shallower_octree),
+        cmocka_unit_test(the_centroid_of_a_cell_above_is_that_of_the_shallower_octree),
         cmocka_unit_test(opposite_surfaces_leave_a_voxel_without_a_normal),
         cmocka_unit_test(grown_voxels_are_more),
         cmocka_unit_test(coplanar_duplicates_count_once),

@@ -81,9 +81,8 @@ static sl_octree *made_octree(int depth, size_t leaves) {
     assert_non_null(octree);
     *octree = (sl_octree){.depth = depth, .edge = 1.0, .leaf_count = leaves};
     octree->leaf = sl_allocate(leaves, sizeof *octree->leaf);
-    octree->area_vector = sl_allocate(leaves, sizeof *octree->area_vector);
     octree->triangle = sl_allocate(0, 1);
-    assert_true(octree->leaf && octree->area_vector && octree->triangle);
+    assert_true(octree->leaf && octree->triangle);
     for (size_t i = 0; i < leaves; i++)
         octree->leaf[i] = (sl_octree_leaf){.morton = i, .area = 1.0f, .normal = {0, 0, 1}};
     return octree;
