@@ -193,7 +193,6 @@ static void paper(sl_radiance_map_settings *m) {
     m->filter = SL_MAP_FILTER_RADIANCE;
 }
 static void polygon(sl_radiance_map_settings *m) { m->weight = SL_WEIGHT_POLYGON; }
-static void blocks(sl_radiance_map_settings *m) { m->visibility = SL_VISIBILITY_BLOCKS; }
 static void rays(sl_radiance_map_settings *m) { m->visibility = SL_VISIBILITY_RAYS; }
 static void polygon_rays(sl_radiance_map_settings *m) {
     m->weight = SL_WEIGHT_POLYGON;
@@ -209,7 +208,6 @@ static const extension extensions[] = {
     {"8-bit positions", eight_bit},
     {"polygon weight", polygon},
     {"light by curved mirrors", traced},
-    {"visibility by blocks", blocks},
     {"visibility by rays", rays},
     {"polygon, rays", polygon_rays},
 };

@@ -52,7 +52,7 @@ same splatting-rooms scenes/two-rooms.json -m splatting -q draft -s 96x64
 # Direct radiance mapping: glossy surfaces and photons, mirrors planar and curved, moving samples, polygons, rays to photons; the light octree
 # with its area and its sky, its other lobes, and by way of the atlas.
 same radiance-glossy scenes/cornell-glossy.json -m direct-radiance -q draft -s 96x96
-same radiance-balls scenes/mirror-balls.json -m direct-radiance -q normal --visibility blocks -s 96x96
+same radiance-balls scenes/mirror-balls.json -m direct-radiance -q normal --visibility rays -s 96x96
 same radiance-polygons scenes/cornell-lamp.json -m direct-radiance -q high --visibility rays -s 64x64
 same octree-mirror scenes/cornell-mirror.json -m light-octree -q draft --stored-photons 30000 -s 96x96
 same octree-glossy scenes/cornell-glossy.json -m light-octree -q draft --stored-photons 20000 --set light-octree.lobes=surface -s 64x64

@@ -66,8 +66,7 @@ typedef enum sl_mirror_light {
 /* Occlusion between a receiver and the photons, which the paper leaves out. */
 typedef enum sl_photon_visibility {
     SL_VISIBILITY_NONE,
-    SL_VISIBILITY_RAYS,   /* a ray for each pixel and photon */
-    SL_VISIBILITY_BLOCKS  /* rays for one pixel of each block, carried to its neighbours on one surface */
+    SL_VISIBILITY_RAYS   /* a ray for each pixel and photon */
 } sl_photon_visibility;
 
 /* ---- the light octree ---- */

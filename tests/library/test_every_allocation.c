@@ -123,7 +123,7 @@ static void render_twice(const fault_case *c, fault_outcome *o) {
         settings.shading_cache.caustics = most == 0; /* photons take their time */
         settings.light_octree.atlas = true;
         settings.light_octree.atlas_size = 64;
-        settings.radiance_map.visibility = SL_VISIBILITY_BLOCKS;
+        settings.radiance_map.visibility = SL_VISIBILITY_RAYS;
         settings.radiance_map.traced_light_mirrors = true;
     }
     o->status = sl_scene_set_time(scene, 0.0, NULL, &o->error);

@@ -40,10 +40,13 @@ static const sl_narrative_pass passes[] = {
      NULL, "sl_receivers_render(), src/cache/direct_radiance/receivers.c", NULL, SL_SHOW_NORMALS},
     {"G-buffer: albedo", "What each pixel reflects", "The diffuse reflectance, textures included.", NULL,
      "sl_receivers_render(), src/cache/direct_radiance/receivers.c", NULL, SL_SHOW_COLOUR},
-    {"direct light", "Direct light", "Each pixel sums the lights that the depth cubes say it sees.",
+    {"direct light", "Direct light",
+     "Each pixel sums the lights that the depth cubes say it sees. A curved mirror shows a cube of pictures "
+     "that "
+     "was drawn around its middle, lit like everything else.",
      M_SUB(M_I("L"), M_I("d")) M_O("=") M_SUM(M_T("lights")) M_SUB(M_I("f"), M_I("r")) M_TIMES M_I("V")
          M_TIMES M_FRAC(M_I("I"), M_SUP(M_I("r"), M_N("2"))) M_TIMES M_T("cos") M_I("&#x3B8;"),
-     "sl_light_directly(), src/cache/direct_radiance/direct.c", "direct", SL_SHOW_LIGHT},
+     "sl_direct_light_tile(), src/cache/direct_radiance/direct.c", "direct", SL_SHOW_LIGHT},
     {"indirect light", "Indirect light",
      "Each pixel sums all sample photons: no search, no structure, the same few for everyone. A photon is no "
      "point but has an area; so its weight stays bounded for receivers that are near. The paper leaves out "
@@ -53,10 +56,7 @@ static const sl_narrative_pass passes[] = {
          M_TIMES M_SUB(M_I("&#x3A8;"), M_I("j")) M_TIMES M_FRAC(
              M_T("cos") M_I("&#x3B8;") M_TIMES M_T("cos") M_SUP(M_I("&#x3B8;"), M_O("&#x2032;")),
              M_SUP(M_I("r"), M_N("2")) M_O("+") M_FRAC(M_I("A"), M_I("&#x3C0;"))),
-     "sl_light_indirectly(), src/cache/direct_radiance/indirect.c", "indirect", SL_SHOW_LIGHT},
-    {"curved mirrors", "Curved mirrors",
-     "A curved mirror shows a cube of pictures that was drawn around its middle, lit like everything else.",
-     NULL, "sl_curved_mirrors_reflect(), src/cache/direct_radiance/mirror_objects.c", NULL, SL_SHOW_LIGHT},
+     "sl_indirect_light_tile(), src/cache/direct_radiance/indirect.c", "indirect", SL_SHOW_LIGHT},
     {NULL, NULL, NULL, NULL, NULL, NULL, SL_SHOW_LIGHT}};
 
 const sl_narrative sl_direct_radiance_narrative = {

@@ -14,17 +14,17 @@
 
 #include <string.h>
 
-static sl_light_source source_of(const sl_map_light *light, const sl_map_light_point *point) {
+static sl_light_source source_of(const sl_map_light *light) {
     static const sl_source_kind kinds[] = {[SL_MAP_LIGHT_POINT] = SL_SOURCE_POINT,
                                            [SL_MAP_LIGHT_SPOT] = SL_SOURCE_SPOT,
                                            [SL_MAP_LIGHT_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL,
                                            [SL_MAP_LIGHT_AREA] = SL_SOURCE_AREA};
     return (sl_light_source){.kind = kinds[light->kind],
-                             .position = point->position,
+                             .position = light->position,
                              .direction = light->direction,
                              .cos_inner = light->cos_inner,
                              .cos_outer = light->cos_outer,
-                             .colour = point->intensity};
+                             .colour = light->intensity};
 }
 
 /* cos theta / r^2, and cos theta' of an area light or the edge of a spot. */
@@ -40,26 +40,22 @@ static void arrive(const sl_direct_light *d, const sl_light_points *points, cons
     }
 }
 
-/* An area light's point stands for a part of its area, as large as the point's share of the intensity. */
-static sl_lobe_target target_of(const sl_map_light *light, const sl_map_light_point *point) {
+static sl_lobe_target target_of(const sl_map_light *light) {
     const bool parallel = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
-    sl_lobe_target target = {.towards = parallel ? sl_neg(light->direction) : point->position,
+    sl_lobe_target target = {.towards = parallel ? sl_neg(light->direction) : light->position,
                              .direction = parallel};
-    const float whole = sl_rgb_max(light->intensity),
-                share = whole > 0.0f ? sl_rgb_max(point->intensity) / whole : 0.0f;
-    if (light->kind != SL_MAP_LIGHT_AREA || !(share <= 1.0f)) return target;
+    if (light->kind != SL_MAP_LIGHT_AREA) return target;
     target.normal = light->direction;
-    target.extent = light->area * share * (float)(0.25 / SL_PI);
+    target.extent = light->area * (float)(0.25 / SL_PI);
     target.two_sided = light->two_sided;
     return target;
 }
 
-static void add_light_point(const sl_direct_light *d, const sl_receiver_tile *tile, bool glossy, size_t index,
-                            sl_tile_light *light, sl_counters *counters) {
-    const sl_map_light_point *point = &d->pass->lights->point[index];
-    const sl_map_light *of = &d->pass->lights->light[point->light];
+static void add_light(const sl_direct_light *d, const sl_receiver_tile *tile, bool glossy, size_t index,
+                      sl_tile_light *light, sl_counters *counters) {
+    const sl_map_light *of = &d->pass->lights->light[index];
     const sl_light_points points = sl_receiver_tile_points(tile);
-    const sl_light_source source = source_of(of, point);
+    const sl_light_source source = source_of(of);
     sl_arrivals arrivals;
     /* it has no distance, and stands on nothing */
     const bool parallel = of->kind == SL_MAP_LIGHT_DIRECTIONAL;
@@ -74,13 +70,13 @@ static void add_light_point(const sl_direct_light *d, const sl_receiver_tile *ti
     d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, e[0], e[1], e[2]);
     if (!glossy) return;
     float power[SL_TILE_PIXELS];
-    const sl_lobe_target target = target_of(of, point);
+    const sl_lobe_target target = target_of(of);
     d->kernels.receiver_lobe(tile, &target, power);
     d->kernels.multiply(tile->padded, power, lit);
     d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, l[0], l[1], l[2]);
 }
 
-/* ---- a tile, a picture ---- */
+/* ---- a tile ---- */
 
 sl_direct_light sl_direct_light_of(const sl_light_pass *pass) {
     double nearest = 1e-6 * (double)pass->scene->scale;
@@ -92,40 +88,15 @@ void sl_direct_light_tile(const sl_direct_light *d, const sl_receiver_tile *tile
                           const sl_tile_target *to, sl_counters *counters) {
     sl_tile_light light;
     memset(&light, 0, glossy ? sizeof light : sizeof light.irradiance);
-    for (size_t p = 0; p < d->pass->lights->point_count; p++)
-        add_light_point(d, tile, glossy, p, &light, counters);
+    for (size_t i = 0; i < d->pass->lights->count; i++) add_light(d, tile, glossy, i, &light, counters);
     d->kernels.reflect_to(tile, &light, glossy, to->width, to->direct);
-}
-
-typedef struct {
-    sl_direct_light light;
-    sl_tile_target to;
-} picture_pass;
-
-static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
-    const picture_pass *p = context;
-    sl_direct_light_tile(&p->light, tile, glossy, &p->to, counters);
-}
-
-sl_status sl_light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
-                            sl_counters *counters, sl_error *error) {
-    if (pass->lights->point_count == 0) return SL_OK;
-    float *const *direct = picture->direct;
-    picture_pass p = {sl_direct_light_of(pass),
-                      {.width = receivers->width, .direct = {direct[0], direct[1], direct[2]}}};
-    sl_receiver_kinds kinds;
-    sl_status status = sl_receiver_kinds_find(pass->scene, sl_grey(0.0f), &kinds, error);
-    if (status == SL_OK)
-        status = sl_receiver_tiles_run(receivers, &kinds, pass->threads, light_tile, &p, counters, error);
-    sl_receiver_kinds_release(&kinds);
-    return status;
 }
 
 enum { SMALLEST = 16, LARGEST = 8192, ALL_TEXELS = 1 << 25 /* of all cubes together: 128 MiB */ };
 
 struct sl_shadow_cubes {
     size_t count;
-    sl_shadow_cube *cube; /* of each light point */
+    sl_shadow_cube *cube; /* of each light */
     size_t texels;
     sl_shadow_cube_kernel *lit;
 };
@@ -149,12 +120,11 @@ typedef struct {
 } drawing;
 
 /* A picture of the side, without its lower half (half > 0) or its upper one (half < 0). */
-static sl_view view_of_side(const drawing *d, const sl_map_light_point *point, const sl_shadow_cube *cube,
+static sl_view view_of_side(const drawing *d, const sl_map_light *light, const sl_shadow_cube *cube,
                             int side, int half, const float clearance[2]) {
-    const sl_map_light *light = &d->lights->light[point->light];
     double reach = (double)cube->tangent * (double)cube->size / (double)(cube->size - 2);
     bool back = side == SL_LIGHT_BACK || half < 0;
-    sl_light_picture picture = {point->position,
+    sl_light_picture picture = {light->position,
                                 sl_light_side(&cube->frame, side),
                                 -reach,
                                 reach,
@@ -178,21 +148,21 @@ static void propose(const drawing *d, const sl_view *view, int side, bool shines
 }
 
 /* An area light's front and back see what lies on their own sides only. */
-static size_t passes_of(const drawing *d, const sl_map_light_point *point, const sl_shadow_cube *cube,
+static size_t passes_of(const drawing *d, size_t index, const sl_shadow_cube *cube,
                         side_pass pass[PASSES_MAX]) {
-    const sl_map_light *light = &d->lights->light[point->light];
+    const sl_map_light *light = &d->lights->light[index];
     bool area = light->kind == SL_MAP_LIGHT_AREA;
     float clearance[2] = {0};
     size_t count = 0;
     for (int back = 0; back < 2 && area; back++)
-        clearance[back] = sl_map_light_clearance(d->scene, d->lights, point->light, point->position, back);
+        clearance[back] = sl_map_light_clearance(d->lights, index, back);
     for (int side = 0; side < SL_LIGHT_SIDES; side++) {
         bool halves = area && side != SL_LIGHT_AHEAD && side != SL_LIGHT_BACK,
              shines = sl_light_shines_on(light, side);
-        sl_view view = view_of_side(d, point, cube, side, halves ? 1 : 0, clearance);
+        sl_view view = view_of_side(d, light, cube, side, halves ? 1 : 0, clearance);
         propose(d, &view, side, shines, pass, &count);
         if (!halves || !light->two_sided) continue;
-        view = view_of_side(d, point, cube, side, -1, clearance);
+        view = view_of_side(d, light, cube, side, -1, clearance);
         propose(d, &view, side, shines, pass, &count);
     }
     return count;
@@ -226,12 +196,12 @@ static void give_picture(sl_shadow_cube *cube, int side, size_t *next) {
     cube->mask[side] = -1;
 }
 
-static sl_status draw_cube(sl_shadow_cubes *cubes, const drawing *d, const sl_map_light_point *point,
-                           sl_shadow_cube *cube, sl_error *error) {
+static sl_status draw_cube(sl_shadow_cubes *cubes, const drawing *d, size_t index, sl_shadow_cube *cube,
+                           sl_error *error) {
     side_pass pass[PASSES_MAX];
     sl_view views[PASSES_MAX];
     sl_target targets[PASSES_MAX];
-    size_t passes = passes_of(d, point, cube, pass), pictures = 0;
+    size_t passes = passes_of(d, index, cube, pass), pictures = 0;
     for (size_t i = 0; i < passes; i++) give_picture(cube, pass[i].side, &pictures);
     if (!allocate(cubes, cube, pictures)) return sl_fail_memory(error, "a depth cube");
     for (size_t i = 0; i < passes; i++) clear_other_half(cube, &pass[i]);
@@ -266,16 +236,16 @@ static sl_status draw_parallel(sl_shadow_cubes *cubes, const drawing *d, const s
 
 static bool is_dark(sl_rgb intensity) { return !(sl_rgb_max(intensity) > 0.0f); }
 
-/* Points of one light share its texels: n x n of them have 1 / n each. And all together have no more than
+/* Points of one lamp share its texels: n x n of them have 1 / n each. And all together have no more than
  * fits. */
-static int size_of(const sl_map_lights *lights, uint32_t light, int size) {
-    size_t points = 0;
-    double texels = 6.0 * (double)size * (double)size, divisor = 1.0, all;
-    for (size_t i = 0; i < lights->point_count; i++) points += lights->point[i].light == light;
-    while (divisor * divisor * divisor * divisor < (double)points) divisor += 0.25;
-    all = texels * (double)lights->count;
-    double shrink = all > (double)ALL_TEXELS ? sqrt((double)ALL_TEXELS / all) : 1.0;
-    int result = (int)((double)size * shrink / divisor) & ~1;
+static int size_of(const sl_map_lights *lights, const sl_map_light *light, int size) {
+    double lamps = 0.0, divisor = 1.0;
+    for (size_t i = 0; i < lights->count; i++)
+        lamps += 1.0 / (double)(lights->light[i].siblings > 1 ? lights->light[i].siblings : 1);
+    while (divisor * divisor * divisor * divisor < (double)light->siblings) divisor += 0.25;
+    const double all = 6.0 * (double)size * (double)size * lamps,
+                 shrink = all > (double)ALL_TEXELS ? sqrt((double)ALL_TEXELS / all) : 1.0;
+    const int result = (int)((double)size * shrink / divisor) & ~1;
     return result > SMALLEST ? result : SMALLEST;
 }
 
@@ -291,22 +261,21 @@ static float rounding_of(const sl_scene *s) { return 4e-7f * sl_scene_coordinate
 static sl_status draw_all(sl_shadow_cubes *cubes, const drawing *d, int size, sl_error *error) {
     float rounding = rounding_of(d->scene);
     for (size_t i = 0; i < cubes->count; i++) {
-        const sl_map_light_point *point = &d->lights->point[i];
-        const sl_map_light *light = &d->lights->light[point->light];
+        const sl_map_light *light = &d->lights->light[i];
         sl_shadow_cube *cube = &cubes->cube[i];
-        *cube = (sl_shadow_cube){.size = size_of(d->lights, point->light, size),
-                                 .eye = point->position,
+        *cube = (sl_shadow_cube){.size = size_of(d->lights, light, size),
+                                 .eye = light->position,
                                  .frame = sl_light_frame(light),
                                  .tangent = tangent_of(light),
                                  .rounding = rounding};
         sl_status status = SL_OK;
-        if (is_dark(point->intensity) || !sl_is_finite(point->position)) {
+        if (is_dark(light->intensity) || !sl_is_finite(light->position)) {
             sl_count(d->counters, SL_COUNT_RASTER_PASSES_SKIPPED,
                      light->kind == SL_MAP_LIGHT_DIRECTIONAL ? 1 : SL_LIGHT_SIDES);
             if (!allocate(cubes, cube, 0)) status = sl_fail_memory(error, "a depth cube");
         } else {
             status = light->kind == SL_MAP_LIGHT_DIRECTIONAL ? draw_parallel(cubes, d, light, cube, error)
-                                                             : draw_cube(cubes, d, point, cube, error);
+                                                             : draw_cube(cubes, d, i, cube, error);
         }
         if (status != SL_OK) return status;
     }
@@ -323,8 +292,8 @@ sl_status sl_shadow_cubes_render(const sl_scene *scene, const sl_raster *raster,
     drawing d = {scene, raster, lights, threads, counters};
     sl_shadow_cubes *cubes = sl_allocate(1, sizeof *cubes);
     if (!cubes) return sl_fail_memory(error, "the depth cubes");
-    *cubes = (sl_shadow_cubes){.count = lights->point_count,
-                               .cube = sl_allocate(lights->point_count, sizeof *cubes->cube),
+    *cubes = (sl_shadow_cubes){.count = lights->count,
+                               .cube = sl_allocate(lights->count, sizeof *cubes->cube),
                                .lit = sl_shadow_cube_kernel_for(sl_isa_best())};
     sl_status status =
         cubes->cube ? draw_all(cubes, &d, size, error) : sl_fail_memory(error, "the depth cubes");
@@ -346,7 +315,7 @@ size_t sl_shadow_cubes_bytes(const sl_shadow_cubes *cubes) {
 
 /* ---- looking up ---- */
 
-void sl_shadow_cubes_lit(const sl_shadow_cubes *cubes, size_t light_point, size_t count, const float *px,
+void sl_shadow_cubes_lit(const sl_shadow_cubes *cubes, size_t light, size_t count, const float *px,
                          const float *py, const float *pz, const float *nx, const float *ny, const float *nz,
                          float *lit, sl_counters *counters) {
     if (!cubes) return;
@@ -354,7 +323,7 @@ void sl_shadow_cubes_lit(const sl_shadow_cubes *cubes, size_t light_point, size_
         size_t block = count - i < SL_SHADOW_BLOCK ? count - i : SL_SHADOW_BLOCK, wanted = 0;
         for (size_t k = 0; k < block; k++) wanted += lit[i + k] != 0.0f;
         if (!wanted) continue;
-        cubes->lit(&cubes->cube[light_point], block, px + i, py + i, pz + i, nx + i, ny + i, nz + i, lit + i);
+        cubes->lit(&cubes->cube[light], block, px + i, py + i, pz + i, nx + i, ny + i, nz + i, lit + i);
         sl_count(counters, SL_COUNT_SHADOW_LOOKUPS, wanted);
     }
 }

@@ -56,12 +56,10 @@ void sl_radiance_darken(sl_radiance_state *s) {
     sl_map_photons_destroy(s->photons);
     sl_radiance_map_destroy(s->map);
     sl_shadow_cubes_destroy(s->cubes);
-    sl_map_lights_destroy(s->divided);
     sl_map_lights_destroy(s->lights);
     s->photons = NULL;
     s->map = NULL;
     s->cubes = NULL;
-    s->divided = NULL;
     s->lights = NULL;
     s->lit = false;
 }
@@ -69,11 +67,7 @@ void sl_radiance_darken(sl_radiance_state *s) {
 /* Lights are points with an intensity by direction: Phi / 4 pi (3), of area lights Phi cos theta / pi (6),
  * (7). */
 static sl_status find_lights(sl_radiance_state *s, sl_error *error) {
-    const int divided = s->settings.radiance_map.emitter_samples;
-    sl_status status = sl_map_lights_find(s->scene, divided, &s->lights, error);
-    if (status != SL_OK || !s->plan.shadows) return status;
-    return sl_map_lights_find_openings(s->scene, s->raster, (unsigned)divided, s->settings.threads, s->lights,
-                                       &s->openings, &s->counters, error);
+    return sl_map_lights_find(s->scene, s->settings.radiance_map.emitter_samples, &s->lights, error);
 }
 
 static sl_status draw_depth_cubes(sl_radiance_state *s, sl_error *error) {
@@ -86,18 +80,14 @@ static sl_status draw_depth_cubes(sl_radiance_state *s, sl_error *error) {
 
 /* ---- The direct radiance map: positions, radiance, normals (pass 2) ---- */
 
-/* Each point of a divided light takes pictures of its own. */
 static sl_status draw_map(sl_radiance_state *s, sl_error *error) {
     const sl_radiance_map_options options = {.mirrors = s->plan.planar ? s->planar : NULL,
                                              .lambertian = !s->plan.glossy,
                                              .normals = s->plan.normals,
                                              .tracer = s->tracer,
                                              .threads = s->settings.threads};
-    sl_status status = sl_map_lights_by_point(s->lights, &s->divided, error);
-    const sl_map_lights *lights = s->divided ? s->divided : s->lights;
-    if (status == SL_OK)
-        status = sl_radiance_map_render(s->scene, s->raster, lights, &s->settings.radiance_map, &options,
-                                        &s->map, &s->counters, error);
+    sl_status status = sl_radiance_map_render(s->scene, s->raster, s->lights, &s->settings.radiance_map,
+                                              &options, &s->map, &s->counters, error);
     if (status == SL_OK) sl_radiance_announce_map(s);
     return status;
 }
@@ -118,8 +108,7 @@ sl_light_pass sl_radiance_lighting(const sl_radiance_state *s) {
                            .cubes = s->cubes,
                            .photons = s->photons,
                            .weight = m->weight,
-                           .tracer = s->tracer,
-                           .visibility = m->visibility,
+                           .tracer = m->visibility == SL_VISIBILITY_NONE ? NULL : s->tracer,
                            .threads = s->settings.threads};
 }
 
@@ -128,12 +117,9 @@ static sl_status report_map(sl_radiance_state *s, sl_error *error) {
     s->report = (sl_map_report){.captured = sl_radiance_maps_captured(s->map),
                                 .received = NAN,
                                 .way = sl_radiance_map_mean_way(s->map),
-                                .diagonal = (double)s->scene->diagonal,
-                                .openings = s->openings};
-    if (s->settings.radiance_map.visibility != SL_VISIBILITY_NONE) return SL_OK;
-    sl_light_pass light = sl_radiance_lighting(s);
-    sl_status status = s->points ? SL_OK : sl_report_points_spread(s->scene, &s->points, error);
-    return status == SL_OK ? sl_flux_received(&light, s->points, &s->report.received, error) : status;
+                                .diagonal = (double)s->scene->diagonal};
+    const sl_light_pass light = sl_radiance_lighting(s);
+    return light.tracer ? SL_OK : sl_flux_received(&light, &s->report.received, error);
 }
 
 sl_status sl_radiance_light_up(sl_radiance_state *s, sl_error *error) {
@@ -173,61 +159,7 @@ sl_light_pass sl_radiance_indirect_lighting(const sl_radiance_state *s) {
 
 /* ---- The picture: planar mirrors, direct and indirect illumination (passes 5 to 8) ---- */
 
-static sl_status ready_planes(sl_radiance_state *s, sl_error *error) {
-    const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
-    if (s->planes) {
-        memset(s->planes, 0, SL_RADIANCE_PLANES * pixels * sizeof *s->planes);
-        return SL_OK;
-    }
-    s->planes = sl_allocate(SL_RADIANCE_PLANES * pixels, sizeof *s->planes);
-    if (!s->planes) return sl_fail_memory(error, "the picture");
-    for (size_t k = 0; k < 3; k++) {
-        s->layers.emission[k] = s->planes + k * pixels;
-        s->layers.direct[k] = s->planes + (3 + k) * pixels;
-        s->layers.indirect[k] = s->planes + (6 + k) * pixels;
-    }
-    s->layers.spread = s->planes + 9 * pixels;
-    return SL_OK;
-}
-
-static void announce_light(sl_radiance_state *s, const char *name, const char *source, const float *planes) {
-    sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, 3, planes, true);
-}
-
-/* Pass by pass over whole planes. */
-static sl_status draw_passes(sl_radiance_state *s, sl_error *error) {
-    unsigned threads = s->settings.threads;
-    sl_status status = ready_planes(s, error);
-    if (status != SL_OK) return status;
-    sl_announce_gbuffer(&s->announcer, "importons", s->receivers->gbuffer);
-    sl_add_emission(s->scene, s->receivers, threads, s->layers.emission, &s->counters);
-    sl_light_pass light = sl_radiance_lighting(s);
-    sl_lit_picture picture = {{s->layers.direct[0], s->layers.direct[1], s->layers.direct[2]},
-                              {s->layers.indirect[0], s->layers.indirect[1], s->layers.indirect[2]}};
-    if (s->plan.receivers) /* (5), (9) */
-        status = sl_light_directly(&light, s->receivers, &picture, &s->counters, error);
-    announce_light(s, "direct light", "(5), (9)", s->layers.direct[0]);
-    const sl_light_pass of_photons = sl_radiance_indirect_lighting(s); /* (10), weights (11), (14), (15) */
-    if (status == SL_OK && s->photons)
-        status =
-            sl_light_indirectly(&of_photons, s->receivers, &picture, s->layers.spread, &s->counters, error);
-    announce_light(s, "indirect light", "(10)", s->layers.indirect[0]);
-    if (status == SL_OK && s->plan.curved) {
-        status = draw_environment_cubes(s, &light, error);
-        if (status == SL_OK)
-            sl_curved_mirrors_reflect(s->curved, s->receivers, threads, s->layers.emission, s->layers.direct,
-                                      s->layers.indirect, &s->counters);
-        announce_light(s, "curved mirrors", "environment cubes", s->layers.direct[0]);
-    }
-    return status;
-}
-
-bool sl_radiance_in_strips(const sl_radiance_state *s) {
-    return !s->announcer.observer &&
-           (s->settings.radiance_map.visibility == SL_VISIBILITY_NONE || !s->photons);
-}
-
-/* The same for a few rows at a time, in the cache of one thread. */
+/* A few rows at a time, in the cache of one thread: (5), (9), and (10) with its weights (11), (14), (15). */
 sl_status sl_radiance_draw_image(const sl_radiance_state *s, sl_image **image, sl_counters *counters,
                                  sl_error *error) {
     const sl_light_pass light = sl_radiance_indirect_lighting(s);
@@ -235,21 +167,18 @@ sl_status sl_radiance_draw_image(const sl_radiance_state *s, sl_image **image, s
                                 .outline = s->receivers,
                                 .light = &light,
                                 .curved = s->curved,
-                                .direct = s->plan.receivers && s->lights->point_count > 0,
                                 .layers = !s->settings.radiance_map.without_layers};
     return sl_radiance_draw_strips(&pass, image, counters, error);
 }
 
 sl_status sl_radiance_draw(sl_radiance_state *s, sl_error *error) {
-    const sl_radiance_map_settings *m = &s->settings.radiance_map;
     const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
-    const bool strips = sl_radiance_in_strips(s);
-    sl_status status = (strips ? sl_receivers_outline : sl_receivers_render)(
-        s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL, m->reflections, s->settings.threads,
-        &s->receivers, &s->counters, error);
-    if (status != SL_OK) return status;
-    if (!strips) return draw_passes(s, error);
     const sl_light_pass light = sl_radiance_lighting(s);
-    status = draw_environment_cubes(s, &light, error);
-    return status == SL_OK ? sl_radiance_draw_image(s, &s->image, &s->counters, error) : status;
+    sl_status status = sl_receivers_outline(s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL,
+                                            s->settings.radiance_map.reflections, s->settings.threads,
+                                            &s->receivers, &s->counters, error);
+    if (status == SL_OK) status = draw_environment_cubes(s, &light, error);
+    if (status == SL_OK) status = sl_radiance_draw_image(s, &s->image, &s->counters, error);
+    if (status == SL_OK) sl_radiance_announce_light(s);
+    return status;
 }

@@ -5,18 +5,17 @@
  *   direct_radiance.c   the paper: the passes of one frame
  *   plan.c              which of them a scene needs
  *
- *   lights.c            the lights as points from which pictures are taken, (3), (6); light_groups.c,
- * light_points.c: emissive triangles as few lights, and lights divided direct.c            passes 1 and 6:
- * depth cubes; direct light by (5), (9); sight_kernels.c: the cubes' answers map.c               pass 2: the
- * direct radiance map, (12), (13); map_faces.c which pictures a light takes, map_pictures.c the pictures
- *   photons.c           pass 3: sample photons; photon_groups.c: many texels to a photon
- *   mirrors.c           pass 4: environment cubes of curved mirrors; mirror_objects.c: which, and what they
- * show receivers.c         passes 5 and 6: the surfaces seen, planar mirrors included, in tiles;
- * receiver_kernels.c: loops over lanes indirect.c          pass 7: (10), the sum over all photons, weighed by
- * (11), (14), (15), and (14) put right visibility.c        indirect shadows, which the paper leaves open
- *   picture.c           passes 5 to 8 strip by strip: emission, light, the picture and its layers
- *   report.c            how much light the map holds, and how much of the photons' arrives
- *   method.c            the method's interface: frames, edits, memory, what made a pixel
+ *   lights.c            the lights as points from which pictures are taken, (3), (6)
+ *   direct.c            passes 1 and 6: depth cubes; direct light by (5), (9)
+ *   map.c               pass 2: the direct radiance map, (12), (13); map_faces.c: which pictures a light
+ * takes; map_pictures.c: the pictures photons.c           pass 3: sample photons; photon_groups.c: many
+ * texels to a photon mirrors.c           pass 4: environment cubes of curved mirrors; mirror_objects.c:
+ * which, and what they show receivers.c         passes 5 and 6: the surfaces seen, planar mirrors included,
+ * in tiles; receiver_kernels.c: loops over lanes indirect.c          pass 7: (10), the sum over all photons,
+ * weighed by (11), (14), (15), and (14) put right; indirect shadows, which the paper leaves open picture.c
+ * passes 5 to 8 strip by strip: emission, light, the picture and its layers report.c            how much
+ * light the map holds, and how much of the photons' arrives method.c            the method's interface:
+ * frames, edits, memory, what made a pixel
  */
 #ifndef SL_CACHE_DIRECT_RADIANCE_DIRECT_RADIANCE_H
 #define SL_CACHE_DIRECT_RADIANCE_DIRECT_RADIANCE_H
@@ -28,22 +27,6 @@
 #include "cache/frame/method.h"
 #include "raster/textures/textures.h"
 #include "trace/trace.h"
-
-/* Three planes each of width*height, row 0 at the bottom. */
-typedef struct sl_radiance_layers {
-    float *emission[3], *direct[3], *indirect[3];
-    float *spread; /* uncertainty of the indirect sum, luminance */
-} sl_radiance_layers;
-
-/* Pass 8: R, G, B = throughput (emission + direct + indirect), and where all layers are wanted each of the
- * three alone and the spread, top row first. */
-sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, bool all,
-                              unsigned threads, sl_image **image, sl_error *error);
-/* The same in parts: a picture of which every pixel is still to be written, and rows of the receivers and
- * layers given, which may be some rows of it themselves. */
-sl_status sl_radiance_picture_create(int width, int height, bool all, sl_image **image, sl_error *error);
-void sl_radiance_compose_rows(const sl_radiance_layers *layers, const sl_receivers *receivers, size_t first,
-                              size_t end, sl_image *image);
 
 /* ---- the plan (plan.c): settings completed, and the passes that a scene needs ---- */
 
@@ -70,29 +53,15 @@ bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings)
 void sl_radiance_transport(const sl_settings *settings, sl_transport *transport);
 void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
-/* Tells if a point of the scene's surface can hide another from a light, one of the light's own triangles
- * included. */
-typedef enum sl_shadow_casters {
-    /* all of it bounds one convex space, or one convex body, and no light without extent is beyond any of its
-     * planes */
-    SL_NO_SHADOWS,
-    SL_SHADOWS_OF_WALLS,    /* convex, but a light shines from outside */
-    SL_SHADOWS_OF_SURFACES  /* not convex, or so large that it would take long to find out */
-} sl_shadow_casters;
-sl_shadow_casters sl_scene_shadow_casters(const sl_scene *scene);
+/* Tells if a point of the scene's surface can hide another from a light: not where all of it bounds one
+ * convex space, or one convex body, and no light without extent is beyond any of its planes. */
+bool sl_scene_throws_shadows(const sl_scene *scene);
 
-/* memory.c */
 sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings);
 extern const sl_reduction sl_radiance_reductions[];
 
 /* Passes 6 and 7: light on receivers. Direct light by (5) and (9) with shadow cubes; indirect light by (10),
  * the sum over the photons. */
-
-/* Radiance towards the eye, three planes each of width*height, row 0 at the bottom; before the mirrors'
- * throughput. */
-typedef struct sl_lit_picture {
-    float *direct[3], *indirect[3];
-} sl_lit_picture;
 
 typedef struct sl_light_pass {
     const sl_scene *scene;
@@ -100,46 +69,25 @@ typedef struct sl_light_pass {
     const sl_shadow_cubes *cubes;        /* NULL: no shadows */
     const sl_map_photons *photons;       /* NULL: no indirect light */
     sl_photon_weight weight;             /* not AUTO */
-    const sl_tracer *tracer;             /* for visibility; NULL with SL_VISIBILITY_NONE */
-    sl_photon_visibility visibility;
+    const sl_tracer *tracer;             /* asks whether receivers see photons; NULL: they all do */
     /* curved mirrors receive indirect light with k_s times that; 0: they do not */
     sl_rgb trick_albedo;
     unsigned threads;
 } sl_light_pass;
 
-/* Adds direct light to picture->direct. Pixels of mirrors, of emitters' black surfaces and of the background
- * stay as they are. */
-sl_status sl_light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
-                            sl_counters *counters, sl_error *error);
-/* Adds indirect light to picture->indirect: every pixel sums its even and its odd photons, each in index
- * order, and adds the two sums: the same bits at any number of threads. spread (a plane, or NULL) gets half
- * the difference of the luminances that the even and the odd photons alone would give: what the pixel's sum
- * is uncertain by. */
-sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers,
-                              sl_lit_picture *picture, float *spread, sl_counters *counters, sl_error *error);
-
-/* (10) alone, of receivers that are in no picture: without visibility. The pass must outlive its sums. */
+/* (10): what is made once for a frame of its photons. The pass must outlive its sums. */
 typedef struct sl_photon_sums sl_photon_sums;
 /* with photons, not NULL */
 sl_status sl_photon_sums_create(const sl_light_pass *pass, sl_photon_sums **sums, sl_error *error);
 void sl_photon_sums_destroy(sl_photon_sums *sums);
+/* Sums the photons in index order, without the receivers' lobes. */
 void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_tile *tile,
                                sl_tile_light *light);
-
-/* E_j(x) of one photon by one weight (receivers.h), W/m^2: the plain form that the lanes agree with bit by
- * bit. n: the receiver's geometric normal decides what is above its horizon, the shading normal `shading`
- * gives the cosine. */
-sl_rgb sl_photon_irradiance(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_vec3 x,
-                            sl_vec3 n, sl_vec3 shading);
-
-/* Passes 6 and 7 as programs for tiles: what is made once for a picture, and what is done with each of its
- * tiles. */
 
 /* Where a tile's light is added: planes of `width` that the tile's pixels are indices of. */
 typedef struct sl_tile_target {
     int width;
     float *direct[3], *indirect[3];
-    float *spread; /* or NULL */
 } sl_tile_target;
 
 typedef struct sl_direct_light {
@@ -149,63 +97,32 @@ typedef struct sl_direct_light {
     sl_receiver_kernels kernels;
 } sl_direct_light;
 
+/* Add to a tile's pixels, before the mirrors' throughput: each sum in the order of lights or photons, the
+ * same bits at any number of threads. */
 sl_direct_light sl_direct_light_of(const sl_light_pass *pass);
 void sl_direct_light_tile(const sl_direct_light *light, const sl_receiver_tile *tile, bool glossy,
                           const sl_tile_target *to, sl_counters *counters);
-/* sl_photon_sums_create() makes it. */
 void sl_indirect_light_tile(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
                             const sl_tile_target *to, sl_counters *counters);
-/* Prepares visibility, where the pass has it, from receivers of a whole picture. */
-sl_status sl_photon_sums_see(sl_photon_sums *sums, const sl_receivers *receivers,
-                             const sl_receiver_kinds *kinds, sl_counters *counters, sl_error *error);
 /* Lists the radiance that each photon alone sends from one of the tile's receivers towards the eye, in index
  * order; weight: of its diffuse part, and 0 for what the receiver does not see. */
 typedef void sl_photon_told(void *context, size_t photon, float weight, const float radiance[3]);
 void sl_indirect_light_apart(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
                              size_t lane, sl_photon_told *told, void *context, sl_counters *counters);
 
-/* Does a receiver see a photon? The paper leaves that out, so that its indirect light casts no shadows; this
- * extension asks by rays.
- *
- *   rays     one for each pixel and photon whose light would be more than nothing
- *   blocks   one for each block of 4 x 4 pixels and photon; pixels take the answer of the blocks around that
- * stand on the same surface, and ask themselves where none does or the answers differ: at a shadow's edge
- */
-
-typedef struct sl_sight sl_sight;
-
-/* Returns the weights of a photon at a tile's receivers, as if all of them saw it. */
-typedef void sl_weigh_photon(const void *context, const sl_receiver_tile *tile, size_t photon, float *weight);
-
-/* Traces the blocks' rays, where it is by blocks. */
-sl_status sl_sight_create(const sl_light_pass *pass, const sl_receivers *receivers,
-                          const sl_receiver_kinds *kinds, sl_weigh_photon *weigh, const void *context,
-                          sl_sight **sight, sl_counters *counters, sl_error *error);
-void sl_sight_destroy(sl_sight *sight);
-
-/* Before a tile's photons. */
-void sl_sight_begin_tile(const sl_sight *sight, const sl_receiver_tile *tile, sl_tile_sight *around);
-/* Sets around->seen for photons first, first + 1, ...: count of them, at most SL_SIGHT_PHOTONS; first is a
- * multiple of that. */
-void sl_sight_see(const sl_sight *sight, const sl_receiver_tile *tile, sl_tile_sight *around, size_t first,
-                  size_t count, sl_counters *counters);
-
 /* Light seen directly: emitters' shining sides, and the environment where nothing stands before it. */
 
-/* Adds to three planes, before the mirrors' throughput: L_e on the shining side of emitters; the environment
- * in each background pixel's direction, which is that of its own path; and k_s times the environment's mean
- * where a planar mirror lies beyond the nesting limit. */
-void sl_add_emission(const sl_scene *scene, const sl_receivers *receivers, unsigned threads,
-                     float *const emission[3], sl_counters *counters);
-/* The same row by row: what is found out once for a picture, and row y of the receivers that it is given,
- * which may be some rows of it. */
+/* What is found out once for a picture. */
 typedef struct sl_emission {
     const sl_scene *scene;
     sl_rgb mean;  /* of the environment, where it is wanted */
     bool none;    /* nothing shines */
 } sl_emission;
 sl_emission sl_emission_of(const sl_scene *scene, const sl_receivers *picture);
-/* Returns whether anything was added. */
+/* Adds to row y of three planes, before the mirrors' throughput: L_e on the shining side of emitters; the
+ * environment in each background pixel's direction, which is that of its own path; and k_s times the
+ * environment's mean where a planar mirror lies beyond the nesting limit. The receivers may be some rows of
+ * the picture. Returns whether anything was added. */
 bool sl_emission_add_row(const sl_emission *e, const sl_receivers *receivers, size_t y,
                          float *const emission[3]);
 /* Mean radiance of the environment over all directions; black where there is none. */
@@ -235,8 +152,8 @@ size_t sl_curved_mirrors_bytes(const sl_curved_mirrors *mirrors);
 /* Adds, at the pixels of curved mirrors, k_s times what their cubes hold along the reflected eye vector:
  * emission, direct and indirect light apart, three planes each; before the planar mirrors' throughput. */
 void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receivers *receivers,
-                               unsigned threads, float *const emission[3], float *const direct[3],
-                               float *const indirect[3], sl_counters *counters);
+                               float *const emission[3], float *const direct[3], float *const indirect[3],
+                               sl_counters *counters);
 
 /* The trick (SL_MIRROR_LIGHT_TRICK): the indirect light that is missing in a cube is k_s (rho / pi) E at the
  * reflected point. A curved mirror that receives it as if it were diffuse takes k_s times the mean diffuse
@@ -300,32 +217,19 @@ typedef struct sl_map_report {
                         where there is nothing to divide by */
     double way;      /* mean b of the map's texels; 0 without any */
     double diagonal; /* of the scene */
-    sl_light_openings openings; /* of area lights */
 } sl_map_report;
-
-/* Points all over a scene's receiving surfaces, as many to a square metre everywhere, that stay where they
- * are on their triangles when these move. */
-typedef struct sl_report_points sl_report_points;
-sl_status sl_report_points_spread(const sl_scene *scene, sl_report_points **points, sl_error *error);
-/* After objects have moved: spreads them anew if that has changed how much area there is by more than a
- * hundredth. NULL is allowed. */
-void sl_report_points_follow(sl_report_points *points);
-void sl_report_points_destroy(sl_report_points *points);
-size_t sl_report_points_bytes(const sl_report_points *points);
 
 double sl_radiance_maps_captured(const sl_radiance_map *map);
 double sl_radiance_map_mean_way(const sl_radiance_map *map);
-/* *received by the pass's weight and photons, without visibility. The points' places are read from the scene
- * anew. */
-sl_status sl_flux_received(const sl_light_pass *pass, sl_report_points *points, double *received,
-                           sl_error *error);
+/* *received by the pass's weight and photons, without visibility, at points all over the receiving surfaces.
+ */
+sl_status sl_flux_received(const sl_light_pass *pass, double *received, sl_error *error);
 
 /* (15) divides by the square of the scene's diagonal: in a scene more than ten times as large as the way of
  * the light there is next to nothing left. One line; empty where there is nothing to say. */
 void sl_map_report_warning(const sl_map_report *report, sl_photon_weight weight, char *text, size_t size);
 /* Metadata of a picture: softlux.flux_captured, softlux.flux_received, softlux.warning. The latter tells also
- * of maps that hold less than half of the flux, of photons whose flux arrives more than 1.25 times, and of
- * points that bars have moved. */
+ * of maps that hold less than half of the flux, and of photons whose flux arrives more than 1.25 times. */
 sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weight, sl_image *image,
                               sl_error *error);
 
@@ -334,20 +238,23 @@ sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weig
 typedef struct sl_strip_pass {
     const sl_raster *raster;
     const sl_receivers *outline;  /* sl_receivers_outline() */
-    const sl_light_pass *light;   /* without visibility */
+    const sl_light_pass *light;
     const sl_curved_mirrors *curved; /* or NULL */
-    bool direct;                  /* there are receivers and lights */
     bool layers;                  /* wanted, besides R, G, B */
 } sl_strip_pass;
 
-/* The same picture and the same costs as sl_raster_resolve(), sl_add_emission(), sl_light_directly(),
- * sl_light_indirectly(), sl_curved_mirrors_reflect() and sl_radiance_compose() one after another. */
+/* The channels of a picture with layers: R, G, B = throughput (emission + direct + indirect), and each of the
+ * three alone; top row first. */
+enum {
+    SL_RADIANCE_EMISSION = 3,
+    SL_RADIANCE_DIRECT = 6,
+    SL_RADIANCE_INDIRECT = 9,
+    SL_RADIANCE_CHANNELS = 12
+};
 sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, sl_counters *counters,
                                   sl_error *error);
 
 /* ---- a frame (direct_radiance.c) ---- */
-
-enum { SL_RADIANCE_PLANES = 10 };
 
 /* Shared by all explanations of a picture's pixels (method.c). */
 typedef struct sl_radiance_explanation sl_radiance_explanation;
@@ -361,26 +268,21 @@ typedef struct sl_radiance_state {
     sl_tracer *tracer;             /* visibility and traced mirrors alone */
     sl_mirrors *planar;
 
-    /* divided: each point of them as a light that takes pictures of its own; or NULL */
-    sl_map_lights *lights, *divided;
-    sl_light_openings openings;    /* what stands before them */
+    sl_map_lights *lights;
     sl_shadow_cubes *cubes;        /* pass 1 */
     sl_radiance_map *map;          /* pass 2 */
     sl_map_photons *photons;       /* pass 3 */
-    sl_report_points *points;      /* where arriving flux is measured; they stay on their triangles */
     sl_map_report report;
     sl_curved_mirrors *curved;     /* pass 4 */
     sl_receivers *receivers;       /* passes 5 and 6 */
-    float *planes;                 /* of light, as large as the picture; NULL where it is drawn in strips */
-    sl_radiance_layers layers;
-    sl_image *image;               /* drawn in strips; NULL: handed over already, or not drawn yet */
+    sl_image *image;               /* NULL: handed over already, or not drawn yet */
     sl_radiance_explanation *explanation; /* of this picture's pixels; NULL until one is explained */
 
     sl_rgb trick_albedo;           /* of curved mirrors that receive indirect light as if they were diffuse */
 
     bool placed;                   /* raster, tracer and planar mirrors are those of the scene as it stands */
     bool lit;                      /* passes 1 to 3 as well */
-    bool drawn;                    /* receivers and layers are those of this frame */
+    bool drawn;                    /* receivers are those of this frame */
     sl_counters counters;
     sl_announcer announcer;
 } sl_radiance_state;
@@ -389,21 +291,20 @@ typedef struct sl_radiance_state {
 sl_status sl_radiance_place(sl_radiance_state *state, sl_error *error);
 /* Passes 1 to 3: what depends on the lights, and not on the camera. */
 sl_status sl_radiance_light_up(sl_radiance_state *state, sl_error *error);
-/* Passes 4 to 8, into the image or, where passes are looked at or visibility is wanted, into the layers. */
+/* Passes 4 to 8, into the image. */
 sl_status sl_radiance_draw(sl_radiance_state *state, sl_error *error);
 sl_status sl_radiance_draw_image(const sl_radiance_state *state, sl_image **image, sl_counters *counters,
                                  sl_error *error);
-/* Tells whether passes 5 to 8 are drawn strip by strip. Whole planes, pass by pass, are for observers, and
- * for visibility, which asks around each pixel. */
-bool sl_radiance_in_strips(const sl_radiance_state *state);
 /* The light pass of this frame; in the indirect pass curved mirrors may receive light as if they were
  * diffuse. */
 sl_light_pass sl_radiance_lighting(const sl_radiance_state *state);
 sl_light_pass sl_radiance_indirect_lighting(const sl_radiance_state *state);
 void sl_radiance_forget_geometry(sl_radiance_state *state);
 void sl_radiance_darken(sl_radiance_state *state);
-/* Hands the map's pictures, and photons as points coloured by their flux, to an observer (method.c). */
+/* Hand the map's pictures, photons as points coloured by their flux, and the light in the picture to an
+ * observer (method.c). */
 void sl_radiance_announce_map(sl_radiance_state *state);
+void sl_radiance_announce_light(sl_radiance_state *state);
 void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons);
 
 #endif

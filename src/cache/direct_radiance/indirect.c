@@ -2,9 +2,7 @@
  *
  * Where photons and receivers are Lambertian that is a sum of irradiances (the kernel in receiver_kernels.c).
  * Whatever else is wanted of a photon (its lobe, the receiver's, whether it is seen) is done with its weight
- * first, photon by photon, in the same order and with the same bits. Even and odd photons have sums of their
- * own, which are added at the end: their difference tells how much the whole depends on which photons were
- * taken. */
+ * first, photon by photon, in the same order and with the same bits. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -12,6 +10,7 @@
 #include "cache/direct_radiance/receivers.h"
 #include "trace/bsdf.h"
 
+#include <math.h>
 #include <string.h>
 
 struct sl_photon_sums {
@@ -22,11 +21,8 @@ struct sl_photon_sums {
     sl_lobe_registers *lobe;    /* NULL where all photons are Lambertian */
     sl_photon_polygon *polygon; /* NULL unless polygons are wanted */
     bool plain;                 /* all photons are Lambertian, and of one form */
-    /* of the even and the odd photons' sum in half the difference of what each would be alone */
-    float share[2];
-    sl_sight *sight;            /* NULL: photons are seen from everywhere */
+    sl_vec3 *ray_end;           /* of each photon; NULL: photons are seen from everywhere */
     sl_receiver_kernels kernels;
-    sl_sight_kernels sight_kernels;
 };
 typedef sl_photon_sums indirect_pass;
 
@@ -34,31 +30,40 @@ typedef sl_photon_sums indirect_pass;
 
 static bool make_tables(indirect_pass *p) {
     const sl_map_photons *photons = p->pass->photons;
-    bool lobes = photons->lobe != NULL, polygons = p->pass->weight == SL_WEIGHT_POLYGON && photons->quad;
+    const bool seen = p->pass->tracer != NULL, lobes = photons->lobe != NULL,
+               polygons = p->pass->weight == SL_WEIGHT_POLYGON && photons->quad;
     p->photon = sl_allocate(p->count, sizeof *p->photon);
     p->form = sl_allocate(p->count, sizeof *p->form);
     if (lobes) p->lobe = sl_allocate(p->count, sizeof *p->lobe);
     if (polygons) p->polygon = sl_allocate(p->count, sizeof *p->polygon);
-    return p->photon && p->form && (!lobes || p->lobe) && (!polygons || p->polygon);
+    if (seen) p->ray_end = sl_allocate(p->count, sizeof *p->ray_end);
+    return p->photon && p->form && (!lobes || p->lobe) && (!polygons || p->polygon) && (!seen || p->ray_end);
+}
+
+/* A photon that stands for several texels lies at their mean, which on a curved surface is a little inside.
+ * Within a group normals differ by at most 20 degrees: the mean is at most 0.09 of the footprint's radius
+ * deep. */
+static sl_vec3 ray_end(const sl_map_photon *p, float offset) {
+    const float area = p->cos_alpha > 0.0f ? p->footprint / p->cos_alpha : 0.0f,
+                lift = 0.1f * sqrtf(area * (float)(1.0 / SL_PI));
+    return sl_mad(p->position, lift > offset && isfinite(lift) ? lift : offset, p->normal);
 }
 
 static void fill_tables(indirect_pass *p) {
     const sl_map_photons *photons = p->pass->photons;
-    p->plain = !p->lobe;
+    p->plain = !p->lobe && !p->ray_end;
     for (size_t j = 0; j < p->count; j++) {
         p->form[j] = sl_photon_load(photons, j, p->pass->weight, &p->photon[j]);
+        if (p->ray_end) p->ray_end[j] = ray_end(&photons->photon[j], 1e-5f * p->pass->scene->scale);
         if (p->lobe) (void)sl_photon_with_lobe(photons, j, p->pass->weight, &p->lobe[j]);
         if (p->form[j] != SL_FORM_POLYGON) continue;
         sl_photon_polygon_of(photons, j, &p->polygon[j]);
         p->plain = false;
     }
-    size_t odd = p->count / 2, even = p->count - odd;
-    p->share[0] = 0.5f * (float)p->count / (float)even;
-    p->share[1] = odd ? -0.5f * (float)p->count / (float)odd : 0.0f;
 }
 
 static void release(indirect_pass *p) {
-    sl_sight_destroy(p->sight);
+    sl_free(p->ray_end);
     sl_free(p->photon);
     sl_free(p->form);
     sl_free(p->lobe);
@@ -84,22 +89,42 @@ static void weigh(const indirect_pass *p, const sl_receiver_tile *tile, size_t j
     p->kernels.weigh_polygon(tile, r, &p->polygon[j], pi[0], weight);
 }
 
-static void weigh_unseen(const void *context, const sl_receiver_tile *tile, size_t j, float *weight) {
-    const indirect_pass *p = context;
-    weigh(p, tile, j, &p->photon[j], weight);
-}
-
 static void add(const indirect_pass *p, size_t count, sl_rgb colour, const float *weight,
                 const float *visible, float (*sum)[SL_TILE_PIXELS]) {
     p->kernels.light.accumulate(count, colour, weight, visible, sum[0], sum[1], sum[2]);
 }
 
-/* Of this photon and the next ones. */
-static void see(const indirect_pass *p, const sl_receiver_tile *tile, size_t first, sl_tile_sight *around,
-                sl_counters *counters) {
-    size_t left = p->count - first;
-    sl_sight_see(p->sight, tile, around, first, left < SL_SIGHT_PHOTONS ? left : SL_SIGHT_PHOTONS, counters);
+/* ---- does a receiver see a photon? ---- */
+
+static void set_ray(const indirect_pass *p, const sl_receiver_tile *t, size_t i, size_t j, unsigned k,
+                    sl_ray16 *rays) {
+    const sl_scene *scene = p->pass->scene;
+    const sl_vec3 at = sl_v3(t->x[i], t->y[i], t->z[i]);
+    const sl_vec3 origin = sl_mad(at, sl_scene_offset_at(scene, 1e-5f * scene->scale, at),
+                                  sl_v3(t->geometric_x[i], t->geometric_y[i], t->geometric_z[i]));
+    sl_ray16_set(rays, k, origin, sl_sub(p->ray_end[j], origin), 0.0f, 0.9999f, t->triangle[i]);
 }
+
+/* Sets visible to 0 where something stands before photon j: a ray from each receiver that it would light,
+ * sixteen together. */
+static void see(const indirect_pass *p, const sl_receiver_tile *tile, size_t j, const float *weight,
+                float *visible, sl_counters *counters) {
+    sl_ray16 rays = {0};
+    size_t lane[SL_PACKET];
+    unsigned count = 0;
+    for (size_t i = 0; i < tile->count; i++) {
+        if (weight[i] > 0.0f) {
+            lane[count] = i;
+            set_ray(p, tile, i, j, count++, &rays);
+        }
+        if (count < SL_PACKET && (i + 1 < tile->count || count == 0)) continue;
+        const uint32_t hidden = sl_trace_occluded(p->pass->tracer, &rays, count, true, counters);
+        for (unsigned k = 0; k < count; k++) visible[lane[k]] = hidden >> k & 1u ? 0.0f : 1.0f;
+        count = 0;
+    }
+}
+
+/* ---- all that is done with a photon ---- */
 
 /* With the weights that know photons to have an area. */
 static sl_lobe_target target_of(const indirect_pass *p, size_t j, const sl_photon_registers *r) {
@@ -113,7 +138,7 @@ static sl_lobe_target target_of(const indirect_pass *p, size_t j, const sl_photo
 }
 
 static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j,
-                       sl_tile_sight *around, sl_tile_light *sum, sl_counters *counters) {
+                       sl_tile_light *sum, sl_counters *counters) {
     const sl_photon_registers r = p->photon[j];
     const sl_rgb colour = {r.red, r.green, r.blue};
     const size_t count = tile->padded;
@@ -121,10 +146,7 @@ static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, boo
         of_receiver[SL_TILE_PIXELS];
     weigh(p, tile, j, &r, weight);
     for (size_t i = 0; i < count; i++) visible[i] = 1.0f;
-    if (p->sight) {
-        if (j % SL_SIGHT_PHOTONS == 0) see(p, tile, j, around, counters);
-        p->sight_kernels.tell(count, around, j % SL_SIGHT_PHOTONS, visible);
-    }
+    if (p->ray_end) see(p, tile, j, weight, visible, counters);
     add(p, count, colour, weight, visible, sum->irradiance);
     if (p->lobe) {
         p->kernels.photon_lobe(tile, &r, &p->lobe[j], of_photon);
@@ -143,30 +165,21 @@ static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, boo
 
 /* ---- a tile ---- */
 
-/* All photons, even and odd ones apart, and both together. */
-static void sum_photons(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy,
-                        sl_tile_light half[2], sl_tile_light *sum, sl_counters *counters) {
-    static const float whole[2] = {1.0f, 1.0f};
-    sl_tile_sight around;
-    for (int h = 0; h < 2; h++) memset(&half[h], 0, glossy ? sizeof half[h] : sizeof half[h].irradiance);
-    if (p->plain && !p->sight && !glossy) {
-        p->kernels.sum(tile, p->photon, p->count, sl_weight_is_cosine(p->pass->weight), half);
-    } else {
-        if (p->sight) sl_sight_begin_tile(p->sight, tile, &around);
-        for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, &around, &half[j % 2], counters);
+static void sum_photons(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, sl_tile_light *sum,
+                        sl_counters *counters) {
+    memset(sum, 0, glossy ? sizeof *sum : sizeof sum->irradiance);
+    if (p->plain && !glossy) {
+        p->kernels.sum(tile, p->photon, p->count, sl_weight_is_cosine(p->pass->weight), sum);
+        return;
     }
-    p->kernels.combine(tile->padded, glossy, half, whole, sum);
+    for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, sum, counters);
 }
 
 void sl_indirect_light_tile(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy,
                             const sl_tile_target *to, sl_counters *counters) {
-    sl_tile_light half[2], sum, difference;
-    sum_photons(p, tile, glossy, half, &sum, counters);
+    sl_tile_light sum;
+    sum_photons(p, tile, glossy, &sum, counters);
     p->kernels.reflect_to(tile, &sum, glossy, to->width, to->indirect);
-    if (to->spread) {
-        p->kernels.combine(tile->padded, glossy, half, p->share, &difference);
-        p->kernels.reflect_spread(tile, &difference, glossy, to->spread);
-    }
     sl_count(counters, SL_COUNT_PHOTON_LOOK_UPS, tile->count * p->count);
 }
 
@@ -183,13 +196,11 @@ static sl_rgb reflected(const sl_receiver_tile *tile, const sl_tile_light *light
 
 void sl_indirect_light_apart(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy, size_t lane,
                              sl_photon_told *told, void *context, sl_counters *counters) {
-    sl_tile_sight around;
     sl_tile_light one;
-    if (p->sight) sl_sight_begin_tile(p->sight, tile, &around);
     for (size_t j = 0; j < p->count; j++) {
         float weight[SL_TILE_PIXELS];
         memset(&one, 0, sizeof one);
-        add_photon(p, tile, glossy, j, &around, &one, counters);
+        add_photon(p, tile, glossy, j, &one, counters);
         const sl_rgb radiance = reflected(tile, &one, glossy, lane);
         if (radiance.r == 0.0f && radiance.g == 0.0f && radiance.b == 0.0f) continue;
         weigh(p, tile, j, &p->photon[j], weight);
@@ -197,54 +208,14 @@ void sl_indirect_light_apart(const sl_photon_sums *p, const sl_receiver_tile *ti
     }
 }
 
-/* ---- a picture ---- */
-
-sl_status sl_photon_sums_see(sl_photon_sums *sums, const sl_receivers *receivers,
-                             const sl_receiver_kinds *kinds, sl_counters *counters, sl_error *error) {
-    if (sums->pass->visibility == SL_VISIBILITY_NONE || !sums->pass->tracer) return SL_OK;
-    return sl_sight_create(sums->pass, receivers, kinds, weigh_unseen, sums, &sums->sight, counters, error);
-}
-
-typedef struct {
-    const sl_photon_sums *sums;
-    sl_tile_target to;
-} picture_pass;
-
-static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
-    const picture_pass *p = context;
-    sl_indirect_light_tile(p->sums, tile, glossy, &p->to, counters);
-}
-
-sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers,
-                              sl_lit_picture *picture, float *spread, sl_counters *counters,
-                              sl_error *error) {
-    if (!pass->photons || pass->photons->count == 0) return SL_OK;
-    sl_photon_sums *sums = NULL;
-    sl_receiver_kinds kinds = {.of_material = NULL};
-    float *const *indirect = picture->indirect;
-    sl_status status = sl_photon_sums_create(pass, &sums, error);
-    if (status != SL_OK) return status;
-    picture_pass p = {
-        sums,
-        {.width = receivers->width, .indirect = {indirect[0], indirect[1], indirect[2]}, .spread = spread}};
-    status = sl_receiver_kinds_find(pass->scene, pass->trick_albedo, &kinds, error);
-    if (status == SL_OK) status = sl_photon_sums_see(sums, receivers, &kinds, counters, error);
-    if (status == SL_OK)
-        status = sl_receiver_tiles_run(receivers, &kinds, pass->threads, light_tile, &p, counters, error);
-    sl_receiver_kinds_release(&kinds);
-    sl_photon_sums_destroy(sums);
-    return status;
-}
-
-/* ---- sums without a picture ---- */
+/* ---- a frame's ---- */
 
 sl_status sl_photon_sums_create(const sl_light_pass *pass, sl_photon_sums **sums, sl_error *error) {
     *sums = sl_allocate(1, sizeof **sums);
     if (!*sums) return sl_fail_memory(error, "photons of a frame");
     **sums = (sl_photon_sums){.pass = pass,
                               .count = pass->photons->count,
-                              .kernels = sl_receiver_kernels_for(sl_isa_best()),
-                              .sight_kernels = sl_sight_kernels_for(sl_isa_best())};
+                              .kernels = sl_receiver_kernels_for(sl_isa_best())};
     if (make_tables(*sums)) {
         fill_tables(*sums);
         return SL_OK;
@@ -262,16 +233,15 @@ void sl_photon_sums_destroy(sl_photon_sums *sums) {
 
 void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_tile *tile,
                                sl_tile_light *light) {
-    sl_tile_light half[2];
     sl_counters ignored = {{0}};
-    sum_photons(sums, tile, false, half, light, &ignored);
+    sum_photons(sums, tile, false, light, &ignored);
 }
 
 /* The samples that stand for the same light's hemisphere in (11), those included where nothing is; photons
  * made by hand are a sample each. */
 static float samples_of_light(const sl_map_photons *photons, size_t photon) {
     size_t samples = 0;
-    for (size_t l = 0; l < SL_MAP_POINTS_MAX; l++) {
+    for (size_t l = 0; l < SL_MAP_LIGHTS_MAX; l++) {
         size_t first = photons->first_of_light[l], end = photons->first_of_light[l + 1];
         if (photon >= first && photon < end)
             samples = photons->samples_of_light[l] ? photons->samples_of_light[l] : end - first;
@@ -355,34 +325,4 @@ void sl_photon_polygon_of(const sl_map_photons *photons, size_t photon, sl_photo
     polygon->over_area = q->area > 0.0f ? 1.0f / q->area : 0.0f;
     for (int t = 0; t < 2; t++)
         polygon->triangle[t] = triangle_of(q->corner[0], q->corner[1 + t], q->corner[2 + t], normal);
-}
-
-/* ---- the plain form ---- */
-
-/* Pi / A_q at one point, by the lanes' kernel. */
-static float polygon_weight(const sl_map_photons *photons, size_t photon, const sl_photon_registers *p,
-                            sl_vec3 x, sl_vec3 n, sl_vec3 shading) {
-    sl_light_points at = {1, &x.x, &x.y, &x.z, &n.x, &n.y, &n.z, &shading.x, &shading.y, &shading.z};
-    sl_photon_polygon polygon;
-    float pi[2] = {0.0f, 0.0f};
-    sl_photon_polygon_of(photons, photon, &polygon);
-    for (int t = 0; t < 2; t++) sl_polygon_light_baseline(&at, &polygon.triangle[t], &pi[t]);
-    return sl_polygon_weight(p, &polygon, x, n, pi[0] + pi[1]);
-}
-
-sl_rgb sl_photon_irradiance(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_vec3 x,
-                            sl_vec3 n, sl_vec3 shading) {
-    sl_photon_registers p;
-    sl_weight_form form = sl_photon_load(photons, photon, weight, &p);
-    float w = form == SL_FORM_COSINE ? sl_cosine_weight(&p, x, n, shading)
-              : form == SL_FORM_DISC ? sl_disc_weight(&p, x, n, shading)
-                                     : polygon_weight(photons, photon, &p, x, n, shading);
-    sl_rgb e = {p.red * w, p.green * w, p.blue * w};
-    if (!photons->lobe) return e;
-    sl_lobe_registers lobe;
-    (void)sl_photon_with_lobe(photons, photon, weight, &lobe);
-    sl_vec3 d = sl_v3(x.x - p.x, x.y - p.y, x.z - p.z);
-    float power = sl_lobe_power(lobe.x * d.x + lobe.y * d.y + lobe.z * d.z, sl_dot(d, d), lobe.exponent),
-          share = w * power;
-    return (sl_rgb){e.r + lobe.colour.r * share, e.g + lobe.colour.g * share, e.b + lobe.colour.b * share};
 }

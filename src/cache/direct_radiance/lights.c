@@ -1,10 +1,12 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "base/random.h"
 #include "cache/direct_radiance/lights.h"
 
 #include <math.h>
-#include <string.h>
+
+#define FAR_APART 1e30
 
 /* ---- what a light gives ---- */
 
@@ -42,256 +44,167 @@ sl_rgb sl_map_light_flux(const sl_map_light *light) {
     return sl_rgb_scale(light->intensity, (float)directions_of(light));
 }
 
-/* ---- seeds: lights before any are merged ---- */
+/* ---- points of the scene's lights ---- */
 
 typedef struct {
     const sl_scene *scene;
-    sl_map_lights *out;
-    size_t groups, seeds, clusters; /* seeds: the scene's lights, then groups of emitters */
-    uint32_t *group;                /* of each emitter */
-    uint32_t *cluster;              /* of each seed */
-    sl_light_seed *seed;
-    sl_vec3d *centre, *normal;      /* of each seed: sums by flux, until they are divided */
-    double *weight;                 /* of each cluster: fluxes added */
+    const sl_sampled_lights *lamps;
+    sl_map_light *light;
+    size_t count;
 } finding;
 
-enum { KIND_TWO_SIDED = SL_MAP_LIGHT_AREA + 1 };
+enum { SIDES_OF_SOLIDS = 6 };
 
-static sl_map_light light_of(const sl_light *l) {
-    static const sl_map_light_kind kinds[] = {[SL_LIGHT_POINT] = SL_MAP_LIGHT_POINT,
-                                              [SL_LIGHT_SPOT] = SL_MAP_LIGHT_SPOT,
-                                              [SL_LIGHT_DIRECTIONAL] = SL_MAP_LIGHT_DIRECTIONAL};
-    sl_map_light light = {.kind = kinds[l->type],
-                          .intensity = l->intensity,
-                          .cos_inner = l->cos_inner,
-                          .cos_outer = l->cos_outer};
-    if (l->type != SL_LIGHT_DIRECTIONAL) light.position = l->position;
-    if (l->type != SL_LIGHT_POINT) light.direction = l->direction;
-    return light;
+static size_t points_of(const sl_sampled_light *lamp, int n) {
+    const size_t each = (size_t)n * (size_t)n;
+    return lamp->kind == SL_SAMPLED_AREA ? each : lamp->kind == SL_SAMPLED_SOLID ? SIDES_OF_SOLIDS * each : 1;
 }
 
-/* Emitters of different colours are weighed by their mean. */
-static double power_of(const sl_emitter *e) {
-    return (e->two_sided ? 2.0 : 1.0) * (double)sl_rgb_mean(e->radiance) * (double)e->area *
-           (double)e->opaque;
+static size_t points_of_all(const sl_sampled_lights *lamps, int n) {
+    size_t points = 0;
+    for (size_t i = 0; i < lamps->count; i++) points += points_of(&lamps->light[i], n);
+    return points;
 }
 
-/* Of what its mask leaves. */
-static sl_vec3d middle_of_masked(const sl_scene *s, uint32_t triangle) {
-    sl_vec3d sum = {0}, at;
-    const int count = sl_scene_mask_points(s, triangle);
-    int opaque = 0;
-    for (int i = 0; i < count; i++) {
-        if (!sl_map_light_mask_point(s, triangle, i, &at)) continue;
-        sum = sl_addd(sum, at);
-        opaque++;
+static sl_map_light light_of(const sl_sampled_light *lamp) {
+    static const sl_map_light_kind kinds[] = {[SL_SAMPLED_POINT] = SL_MAP_LIGHT_POINT,
+                                              [SL_SAMPLED_SPOT] = SL_MAP_LIGHT_SPOT,
+                                              [SL_SAMPLED_DIRECTIONAL] = SL_MAP_LIGHT_DIRECTIONAL,
+                                              [SL_SAMPLED_AREA] = SL_MAP_LIGHT_AREA,
+                                              [SL_SAMPLED_SOLID] = SL_MAP_LIGHT_AREA};
+    return (sl_map_light){.kind = kinds[lamp->kind],
+                          .position = lamp->position,
+                          .direction = lamp->kind == SL_SAMPLED_AREA ? lamp->normal : lamp->direction,
+                          .intensity = lamp->colour,
+                          .cos_inner = lamp->cos_inner,
+                          .cos_outer = lamp->cos_outer,
+                          .two_sided = lamp->two_sided};
+}
+
+/* Number `index` of n x n in a planar light, evenly over a parallelogram; of other lights the points are
+ * spread over their triangles in turn. */
+static sl_vec3 point_of(const sl_sampled_light *lamp, const sl_light_surface *surface, size_t index, int n,
+                        sl_vec3 *normal) {
+    const size_t count = points_of(lamp, n), side = (size_t)n;
+    if (surface->parallelogram) {
+        const double u = ((double)(index % side) + 0.5) / n, v = ((double)(index / side) + 0.5) / n;
+        const sl_vec3d along = sl_addd(sl_scaled(surface->e1, u), sl_scaled(surface->e2, v));
+        return sl_to_float(sl_addd(surface->corner, along));
     }
-    return sl_scaled(sum, opaque > 0 ? 1.0 / opaque : 0.0);
+    const double u[2] = {((double)index + 0.5) / (double)count,
+                         ((double)(sl_van_der_corput((uint32_t)index) >> 8) + 0.5) * 0x1p-24};
+    size_t triangle;
+    double weight[2];
+    const sl_vec3 p = sl_to_float(sl_light_surface_point(lamp, surface, u, &triangle, weight));
+    const sl_vec3 *corner = &lamp->corner[3 * triangle];
+    const sl_vec3 across = sl_cross(sl_sub(corner[1], corner[0]), sl_sub(corner[2], corner[0]));
+    if (lamp->kind == SL_SAMPLED_SOLID) *normal = sl_normalize_or(across, *normal);
+    return p;
 }
 
-static sl_vec3d middle_of(const sl_scene *s, uint32_t triangle) {
-    sl_vec3d sum = {0};
-    if (sl_scene_has_alpha(s, triangle)) return middle_of_masked(s, triangle);
-    for (int k = 0; k < 3; k++)
-        sum = sl_addd(sum, sl_to_double(sl_scene_position(s, s->vertex[k][triangle])));
-    return sl_scaled(sum, 1.0 / 3.0);
-}
-
-static void add_to_seed(finding *f, uint32_t emitter) {
-    const sl_emitter *e = &f->scene->emitters[emitter];
-    size_t i = f->scene->light_count + f->group[emitter];
-    double power = power_of(e);
-    f->seed[i].kind = e->two_sided ? KIND_TWO_SIDED : SL_MAP_LIGHT_AREA;
-    f->seed[i].power += power;
-    f->centre[i] = sl_addd(f->centre[i], sl_scaled(middle_of(f->scene, e->triangle), power));
-    f->normal[i] = sl_addd(f->normal[i],
-                           sl_scaled(sl_to_double(sl_scene_geometric_normal(f->scene, e->triangle)), power));
-}
-
-static void sow(finding *f) {
-    const sl_scene *s = f->scene;
-    for (size_t i = 0; i < s->light_count; i++) {
-        sl_map_light light = light_of(&s->lights[i]);
-        double power = (double)sl_rgb_mean(light.intensity) * directions_of(&light);
-        f->seed[i] =
-            (sl_light_seed){(int)light.kind, power > 0.0 ? power : 0.0, light.position, light.direction};
+static sl_status add_area(finding *f, const sl_sampled_light *lamp, int n, sl_error *error) {
+    sl_light_surface surface;
+    sl_status status = sl_light_surface_make(lamp, &surface, error);
+    if (status != SL_OK) return status;
+    const size_t count = points_of(lamp, n);
+    const double area = surface.area / (double)count;
+    for (size_t i = 0; i < count && surface.area > 0.0; i++) {
+        sl_map_light *l = &f->light[f->count++];
+        *l = light_of(lamp);
+        if (count > 1) l->position = point_of(lamp, &surface, i, n, &l->direction);
+        l->area = (float)area;
+        l->intensity = sl_rgb_scale(lamp->radiance, (float)(area * (double)lamp->opaque));
+        l->lamp = (uint32_t)(lamp - f->lamps->light);
+        l->siblings = (uint32_t)count;
     }
-    for (uint32_t e = 0; e < s->emitter_count; e++) {
-        if (f->group[e] != SL_NO_INDEX) add_to_seed(f, e);
-    }
-    for (size_t i = s->light_count; i < f->seeds; i++) {
-        f->seed[i].position = sl_to_float(sl_scaled(f->centre[i], 1.0 / f->seed[i].power));
-        f->seed[i].normal =
-            sl_normalize_or(sl_to_float(sl_scaled(f->normal[i], 1.0 / f->seed[i].power)), sl_v3(0, 0, 1));
-    }
-}
-
-/* ---- lights without extent ---- */
-
-/* The merged light stands in the middle by flux, shines as widely as its widest part, and has the flux of
- * both. */
-static void merge_light(finding *f, size_t index) {
-    const sl_light_seed *seed = &f->seed[index];
-    sl_map_light part = light_of(&f->scene->lights[index]), *into = &f->out->light[f->cluster[index]];
-    double *weight = &f->weight[f->cluster[index]], share;
-    if (*weight < 0.0) {
-        *into = part;
-        *weight = seed->power;
-        return;
-    }
-    share = *weight + seed->power > 0.0 ? seed->power / (*weight + seed->power) : 0.0;
-    sl_rgb flux = sl_rgb_add(sl_map_light_flux(into), sl_map_light_flux(&part));
-    into->position = sl_mad(into->position, (float)share, sl_sub(part.position, into->position));
-    into->direction = sl_normalize_or(
-        sl_mad(into->direction, (float)share, sl_sub(part.direction, into->direction)), into->direction);
-    into->cos_inner = part.cos_inner < into->cos_inner ? part.cos_inner : into->cos_inner;
-    into->cos_outer = part.cos_outer < into->cos_outer ? part.cos_outer : into->cos_outer;
-    double directions = directions_of(into);
-    into->intensity = sl_rgb_scale(flux, directions > 0.0 ? (float)(1.0 / directions) : 0.0f);
-    *weight += seed->power;
-}
-
-/* ---- area lights ---- */
-
-static uint32_t light_of_emitter(const finding *f, uint32_t emitter) {
-    return f->group[emitter] == SL_NO_INDEX ? SL_NO_INDEX
-                                            : f->cluster[f->scene->light_count + f->group[emitter]];
-}
-
-static void add_emitter(finding *f, uint32_t emitter, uint32_t light) {
-    const sl_emitter *e = &f->scene->emitters[emitter];
-    sl_map_light *l = &f->out->light[light];
-    l->kind = SL_MAP_LIGHT_AREA;
-    l->two_sided = e->two_sided;
-    l->count++;
-    f->out->light_of_triangle[e->triangle] = light;
-}
-
-/* Sums over the emitters in double; the strongest one's normal where normals cancel. */
-static void place_area_light(const finding *f, sl_map_light *l) {
-    sl_vec3d centre = {0}, normal = {0}, intensity = {0};
-    double sum = 0.0, most = -1.0, area = 0.0;
-    sl_vec3 strongest = {0};
-    for (size_t i = 0; i < l->count; i++) {
-        const sl_emitter *e = &f->scene->emitters[f->out->emitter[l->first + i]];
-        sl_vec3 n = sl_scene_geometric_normal(f->scene, e->triangle);
-        double power = power_of(e);
-        sum += power;
-        area += (double)e->area;
-        intensity = sl_addd(intensity, sl_scaled(sl_v3d(e->radiance.r, e->radiance.g, e->radiance.b),
-                                                 (double)e->area * (double)e->opaque));
-        centre = sl_addd(centre, sl_scaled(middle_of(f->scene, e->triangle), power));
-        normal = sl_addd(normal, sl_scaled(sl_to_double(n), power));
-        if (power > most) strongest = n;
-        most = power > most ? power : most;
-    }
-    l->area = (float)area;
-    l->intensity = (sl_rgb){(float)intensity.x, (float)intensity.y, (float)intensity.z};
-    l->position = sl_to_float(sl_scaled(centre, 1.0 / sum));
-    normal = sl_scaled(normal, 1.0 / sum);
-    l->direction = sl_lengthd(normal) > 1e-3 ? sl_normalize_or(sl_to_float(normal), strongest) : strongest;
-}
-
-float sl_map_light_clearance(const sl_scene *scene, const sl_map_lights *lights, size_t light, sl_vec3 eye,
-                             bool back) {
-    const sl_map_light *l = &lights->light[light];
-    sl_vec3d n = sl_scaled(sl_to_double(l->direction), back ? -1.0 : 1.0), o = sl_to_double(eye);
-    double most = 0.0;
-    for (size_t i = 0; i < l->count; i++) {
-        uint32_t triangle = scene->emitters[lights->emitter[l->first + i]].triangle;
-        for (int k = 0; k < 3; k++) {
-            double height =
-                sl_dotd(n, sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])), o));
-            most = height > most ? height : most;
-        }
-    }
-    return (float)most;
-}
-
-/* A bulging light hides what lies before it from its own middle. */
-static void bring_forward(const finding *f, size_t light) {
-    sl_map_light *l = &f->out->light[light];
-    float height = l->two_sided ? 0.0f : sl_map_light_clearance(f->scene, f->out, light, l->position, false);
-    if (height > 1e-5f * f->scene->scale) l->position = sl_mad(l->position, height, l->direction);
-}
-
-static void gather_emitters(finding *f) {
-    sl_map_lights *out = f->out;
-    size_t count = 0;
-    for (uint32_t e = 0; e < f->scene->emitter_count; e++) {
-        uint32_t light = light_of_emitter(f, e);
-        if (light != SL_NO_INDEX) add_emitter(f, e, light);
-    }
-    for (size_t i = 0; i < out->count; i++) {
-        out->light[i].first = count;
-        count += out->light[i].count;
-        out->light[i].count = 0;
-    }
-    out->emitter_count = count;
-    for (uint32_t e = 0; e < f->scene->emitter_count; e++) {
-        uint32_t light = light_of_emitter(f, e);
-        if (light != SL_NO_INDEX) out->emitter[out->light[light].first + out->light[light].count++] = e;
-    }
-    for (size_t i = 0; i < out->count; i++) {
-        if (out->light[i].kind != SL_MAP_LIGHT_AREA) continue;
-        place_area_light(f, &out->light[i]);
-        bring_forward(f, i);
-    }
-}
-
-/* ---- all ---- */
-
-static sl_status divide(finding *f, int n, sl_error *error) {
-    sl_map_lights *out = f->out;
-    size_t most = 0;
-    for (size_t i = 0; i < out->count; i++)
-        most += out->light[i].kind == SL_MAP_LIGHT_AREA ? (size_t)n * (size_t)n : 1;
-    out->point = sl_allocate(most, sizeof *out->point);
-    if (!out->point) return sl_fail_memory(error, "the lights' points");
-    for (size_t i = 0; i < out->count; i++) {
-        const sl_map_light *l = &out->light[i];
-        sl_map_light_point *point = out->point + out->point_count;
-        size_t count = 1;
-        if (l->kind == SL_MAP_LIGHT_AREA)
-            count = sl_map_light_divide(f->scene, l, out->emitter + l->first, n, point);
-        else *point = (sl_map_light_point){.position = l->position, .intensity = l->intensity};
-        for (size_t k = 0; k < count; k++) point[k].light = (uint32_t)i;
-        out->point_count += count;
-        if (l->kind != SL_MAP_LIGHT_DIRECTIONAL) out->flux = sl_rgb_add(out->flux, sl_map_light_flux(l));
-    }
+    sl_light_surface_release(&surface);
     return SL_OK;
 }
 
-static sl_status merge(finding *f, sl_error *error) {
-    f->seeds = f->scene->light_count + f->groups;
-    f->seed = sl_allocate(f->seeds, sizeof *f->seed);
-    f->cluster = sl_allocate(f->seeds, sizeof *f->cluster);
-    f->centre = sl_allocate(f->seeds, sizeof *f->centre);
-    f->normal = sl_allocate(f->seeds, sizeof *f->normal);
-    if (!f->seed || !f->cluster || !f->centre || !f->normal) return sl_fail_memory(error, "the lights");
-    sow(f);
-    return sl_light_seeds_merge(f->seed, f->seeds, SL_MAP_LIGHTS_MAX, sl_scene_central_diagonal(f->scene),
-                                f->cluster, &f->clusters, error);
+static sl_status add_all(finding *f, int n, sl_error *error) {
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < f->lamps->count && status == SL_OK; i++) {
+        const sl_sampled_light *lamp = &f->lamps->light[i];
+        if (sl_light_has_extent(lamp)) {
+            status = add_area(f, lamp, n, error);
+            continue;
+        }
+        f->light[f->count] = light_of(lamp);
+        f->light[f->count].lamp = (uint32_t)i;
+        f->light[f->count++].siblings = 1;
+    }
+    return status;
 }
 
-static sl_status make(finding *f, int subdivision, sl_error *error) {
-    const sl_scene *s = f->scene;
-    sl_map_lights *out = f->out;
-    out->count = f->clusters;
-    out->light = sl_allocate(out->count, sizeof *out->light);
-    out->emitter = sl_allocate(s->emitter_count, sizeof *out->emitter);
-    f->weight = sl_allocate(out->count, sizeof *f->weight);
-    if (s->emitter_count)
-        out->light_of_triangle = sl_allocate(s->triangle_count, sizeof *out->light_of_triangle);
-    if (!out->light || !out->emitter || !f->weight || (s->emitter_count && !out->light_of_triangle))
-        return sl_fail_memory(error, "the lights");
-    for (size_t i = 0; i < out->count; i++) f->weight[i] = -1.0;
-    for (size_t t = 0; out->light_of_triangle && t < s->triangle_count; t++)
-        out->light_of_triangle[t] = SL_NO_INDEX;
-    for (size_t i = 0; i < s->light_count; i++) merge_light(f, i);
-    gather_emitters(f);
-    return divide(f, subdivision, error);
+/* ---- too many of them ---- */
+
+static double power_of(const sl_map_light *l) {
+    const double power = (double)sl_rgb_mean(l->intensity) * directions_of(l);
+    return power > 0.0 && isfinite(power) ? power : 0.0;
 }
+
+/* Squared, in the scene's sizes: a turn by a right angle counts as much as a way of half the scene. */
+static double distance_of(const sl_map_light *a, const sl_map_light *b, double size) {
+    const sl_vec3 way = sl_sub(a->position, b->position), turn = sl_sub(a->direction, b->direction);
+    if (a->kind != b->kind || a->two_sided != b->two_sided) return FAR_APART;
+    return (double)sl_dot(way, way) / (size * size) + 0.125 * (double)sl_dot(turn, turn);
+}
+
+/* Chooses lights one by one, the one that has most power times squared distance from those before; writes of
+ * each light which of the chosen is nearest. */
+static void choose(const finding *f, size_t most, uint32_t *nearest, double *distance) {
+    const double size = (double)sl_scene_central_diagonal(f->scene);
+    for (size_t i = 0; i < f->count; i++) distance[i] = FAR_APART;
+    for (size_t k = 0; k < most; k++) {
+        size_t best = 0;
+        for (size_t i = 1; i < f->count; i++) {
+            if (power_of(&f->light[i]) * distance[i] > power_of(&f->light[best]) * distance[best]) best = i;
+        }
+        for (size_t i = 0; i < f->count; i++) {
+            const double d = i == best ? -1.0 : distance_of(&f->light[i], &f->light[best], size);
+            if (!(d < distance[i])) continue;
+            distance[i] = d;
+            nearest[i] = (uint32_t)best;
+        }
+    }
+}
+
+/* Stands in the middle by flux, shines as widely as the wider of both, and has the flux of both. */
+static void merge_light(sl_map_light *into, const sl_map_light *part) {
+    const double power = power_of(into) + power_of(part);
+    const float share = power > 0.0 ? (float)(power_of(part) / power) : 0.0f;
+    const sl_rgb flux = sl_rgb_add(sl_map_light_flux(into), sl_map_light_flux(part));
+    into->position = sl_mad(into->position, share, sl_sub(part->position, into->position));
+    into->direction = sl_normalize_or(
+        sl_mad(into->direction, share, sl_sub(part->direction, into->direction)), into->direction);
+    into->cos_inner = fminf(into->cos_inner, part->cos_inner);
+    into->cos_outer = fminf(into->cos_outer, part->cos_outer);
+    into->area += part->area;
+    into->lamp = into->lamp == part->lamp ? into->lamp : SL_NO_INDEX;
+    into->siblings = 1;
+    const double directions = directions_of(into);
+    into->intensity = sl_rgb_scale(flux, directions > 0.0 ? (float)(1.0 / directions) : 0.0f);
+}
+
+static sl_status merge(finding *f, size_t most, sl_error *error) {
+    uint32_t *nearest = sl_allocate(f->count, sizeof *nearest);
+    double *distance = sl_allocate(f->count, sizeof *distance);
+    size_t kept = 0;
+    if (nearest && distance) {
+        choose(f, most, nearest, distance);
+        for (size_t i = 0; i < f->count; i++)
+            if (distance[i] >= 0.0 && distance[i] < FAR_APART)
+                merge_light(&f->light[nearest[i]], &f->light[i]);
+        for (size_t i = 0; i < f->count; i++)
+            if (distance[i] < 0.0) f->light[kept++] = f->light[i];
+        f->count = kept;
+    }
+    sl_free(nearest);
+    sl_free(distance);
+    return kept ? SL_OK : sl_fail_memory(error, "the lights");
+}
+
+/* ---- all ---- */
 
 sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_lights **lights,
                              sl_error *error) {
@@ -300,62 +213,42 @@ sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_ligh
         return sl_fail(error, SL_ERROR_USAGE,
                        "area lights are divided into 1 x 1 to 64 x 64 points, not %d x %d", subdivision,
                        subdivision);
-    finding f = {.scene = scene,
-                 .out = sl_allocate(1, sizeof *f.out),
-                 .group = sl_allocate(scene->emitter_count, sizeof *f.group)};
-    sl_status status = f.out && f.group ? sl_emitters_group(scene, f.group, &f.groups, error)
-                                        : sl_fail_memory(error, "the lights");
-    if (status == SL_OK) status = merge(&f, error);
-    if (status == SL_OK) status = make(&f, subdivision, error);
-    sl_free(f.group);
-    sl_free(f.seed);
-    sl_free(f.cluster);
-    sl_free(f.centre);
-    sl_free(f.normal);
-    sl_free(f.weight);
-    if (status != SL_OK) sl_map_lights_destroy(f.out);
-    else *lights = f.out;
-    return status;
-}
-
-static void copy_points(const sl_map_lights *lights, sl_map_lights *out) {
-    out->count = out->point_count = lights->point_count;
-    out->emitter_count = lights->emitter_count;
-    out->flux = lights->flux;
-    if (out->emitter_count) memcpy(out->emitter, lights->emitter, out->emitter_count * sizeof *out->emitter);
-    for (size_t i = 0; i < out->count; i++) {
-        const sl_map_light_point *point = &lights->point[i];
-        out->light[i] = lights->light[point->light];
-        out->light[i].position = point->position;
-        out->light[i].intensity = point->intensity;
-        out->point[i] = (sl_map_light_point){(uint32_t)i, point->position, point->intensity};
-    }
-}
-
-sl_status sl_map_lights_by_point(const sl_map_lights *lights, sl_map_lights **by_point, sl_error *error) {
-    *by_point = NULL;
-    if (lights->point_count == lights->count || lights->point_count > SL_MAP_POINTS_MAX) return SL_OK;
     sl_map_lights *out = sl_allocate(1, sizeof *out);
-    if (!out) return sl_fail_memory(error, "the lights' points");
-    out->light = sl_allocate(lights->point_count, sizeof *out->light);
-    out->point = sl_allocate(lights->point_count, sizeof *out->point);
-    out->emitter = sl_allocate(lights->emitter_count + 1, sizeof *out->emitter);
-    if (!out->light || !out->point || !out->emitter) {
-        sl_map_lights_destroy(out);
-        return sl_fail_memory(error, "the lights' points");
+    if (!out) return sl_fail_memory(error, "the lights");
+    sl_status status = sl_sampled_lights_find(scene, &out->lamps, error);
+    if (status == SL_OK) {
+        int n = subdivision;
+        while (n > 1 && points_of_all(out->lamps, n) > SL_MAP_LIGHTS_MAX) n--;
+        out->light = sl_allocate(points_of_all(out->lamps, n), sizeof *out->light);
+        finding f = {scene, out->lamps, out->light, 0};
+        status = out->light ? add_all(&f, n, error) : sl_fail_memory(error, "the lights");
+        if (status == SL_OK && f.count > SL_MAP_LIGHTS_MAX) status = merge(&f, SL_MAP_LIGHTS_MAX, error);
+        out->count = f.count;
     }
-    copy_points(lights, out);
-    *by_point = out;
-    return SL_OK;
+    if (status != SL_OK) sl_map_lights_destroy(out);
+    else *lights = out;
+    return status;
 }
 
 void sl_map_lights_destroy(sl_map_lights *lights) {
     if (!lights) return;
+    sl_sampled_lights_destroy(lights->lamps);
     sl_free(lights->light);
-    sl_free(lights->emitter);
-    sl_free(lights->light_of_triangle);
-    sl_free(lights->point);
     sl_free(lights);
+}
+
+float sl_map_light_clearance(const sl_map_lights *lights, size_t light, bool back) {
+    const sl_map_light *l = &lights->light[light];
+    if (l->kind != SL_MAP_LIGHT_AREA || !lights->lamps || l->lamp == SL_NO_INDEX) return 0.0f;
+    const sl_sampled_light *lamp = &lights->lamps->light[l->lamp];
+    const sl_vec3d n = sl_scaled(sl_to_double(l->direction), back ? -1.0 : 1.0),
+                   o = sl_to_double(l->position);
+    double most = 0.0;
+    for (size_t k = 0; k < 3 * lamp->triangles; k++) {
+        const double height = sl_dotd(n, sl_subd(sl_to_double(lamp->corner[k]), o));
+        most = height > most ? height : most;
+    }
+    return (float)most;
 }
 
 sl_frame sl_light_frame(const sl_map_light *light) {

@@ -15,10 +15,9 @@ typedef struct {
     const sl_map_lights *lights;
     const sl_radiance_map_options *options;
     sl_face_shape shape;
-    sl_mirror_triangles mirror_triangles;
     sl_planned_face *face;
-    size_t count, room, stencil_texels;
-    uint32_t *stencil;
+    size_t count, room;
+    uint32_t *seen; /* the triangles in the lights' own faces */
     sl_counters *counters;
 } planning;
 
@@ -44,25 +43,6 @@ static void skip(planning *p, int passes) {
 
 static size_t texels_of(const sl_map_face *f) { return (size_t)f->width * (size_t)f->height; }
 
-/* The light's own picture in a mirror. */
-static sl_status plan_mirrored(planning *p, const sl_map_light *light, const sl_planned_face *of,
-                               uint32_t mirror, sl_error *error) {
-    sl_planned_face *next = next_face(p, error), mirrored;
-    if (!next) return SL_ERROR_RESOURCES;
-    if (!sl_map_face_in_mirror(p->scene, p->options->mirrors, &p->mirror_triangles, mirror, light, &p->shape,
-                               of, &mirrored))
-        return SL_OK;
-    if (!sl_raster_meets(p->raster, &mirrored.through) || !sl_raster_meets(p->raster, &mirrored.face.view)) {
-        skip(p, 1);
-        return SL_OK;
-    }
-    mirrored.stencil = p->stencil_texels;
-    p->stencil_texels += texels_of(&mirrored.face);
-    *next = mirrored;
-    p->count++;
-    return SL_OK;
-}
-
 /* Where the paper aims its light. */
 static sl_vec3 aim_of(const sl_scene *s, const sl_map_light *light) {
     return sl_normalize_or(sl_sub(sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min)), light->position),
@@ -77,9 +57,8 @@ static bool is_dark(const sl_map_light *light) {
 static sl_status plan_light(planning *p, uint32_t index, sl_error *error) {
     const sl_map_light *light = &p->lights->light[index];
     sl_planned_face face[SL_LIGHT_FACES_MAX];
-    float clearance[2] = {0};
-    for (int back = 0; back < 2 && light->kind == SL_MAP_LIGHT_AREA; back++)
-        clearance[back] = sl_map_light_clearance(p->scene, p->lights, index, light->position, back);
+    const float clearance[2] = {sl_map_light_clearance(p->lights, index, false),
+                                sl_map_light_clearance(p->lights, index, true)};
     int dark = 0,
         count = sl_light_faces(p->scene, light, &p->shape, aim_of(p->scene, light), clearance, face, &dark);
     skip(p, is_dark(light) ? dark + count : dark);
@@ -96,57 +75,82 @@ static sl_status plan_light(planning *p, uint32_t index, sl_error *error) {
             skip(p, 1);
         }
     }
-    sl_status status = SL_OK;
-    for (uint32_t m = 0; p->options->mirrors && m < p->options->mirrors->count; m++) {
-        for (int f = 0; f < count && status == SL_OK; f++)
-            status = plan_mirrored(p, light, &face[f], m, error);
-    }
-    return status;
+    return SL_OK;
 }
 
-/* ---- stencils ---- */
+/* ---- what the lights themselves see, and see in mirrors ---- */
 
-static bool mirror_is_seen(const planning *p, const sl_planned_face *f) {
-    const uint32_t *seen = p->stencil + f->stencil;
-    for (size_t i = 0; i < texels_of(&f->face); i++) {
-        if (seen[i] != SL_NO_INDEX && p->options->mirrors->of_triangle[seen[i]] == f->face.mirror)
-            return true;
-    }
-    return false;
-}
-
-/* Draws where the lights see mirrors; faces in which they see none are dropped. */
-static sl_status draw_stencils(planning *p, sl_error *error) {
-    size_t count = 0, kept = 0;
+static sl_status draw_seen(planning *p, sl_error *error) {
     sl_view *views = sl_allocate(p->count, sizeof *views);
     sl_target *targets = sl_allocate(p->count, sizeof *targets);
-    p->stencil = sl_allocate(p->stencil_texels, sizeof *p->stencil);
-    sl_status status =
-        views && targets && p->stencil ? SL_OK : sl_fail_memory(error, "a radiance map's mirrors");
+    size_t texels = 0;
+    for (size_t f = 0; f < p->count; f++) {
+        p->face[f].seen = texels;
+        texels += texels_of(&p->face[f].face);
+    }
+    p->seen = sl_allocate(texels, sizeof *p->seen);
+    sl_status status = views && targets && p->seen ? SL_OK : sl_fail_memory(error, "a radiance map's faces");
     for (size_t f = 0; f < p->count && status == SL_OK; f++) {
         const sl_planned_face *face = &p->face[f];
-        if (face->face.mirror == SL_NO_INDEX) continue;
-        views[count] = face->through;
-        targets[count++] = (sl_target){face->face.width, face->face.height, p->stencil + face->stencil, NULL};
+        views[f] = face->face.view;
+        targets[f] = (sl_target){face->face.width, face->face.height, p->seen + face->seen, NULL};
     }
     if (status == SL_OK)
-        status =
-            sl_map_triangles_draw(p->raster, count, views, targets, p->options->threads, p->counters, error);
-    for (size_t f = 0; f < p->count && status == SL_OK; f++) {
-        if (p->face[f].face.mirror == SL_NO_INDEX || mirror_is_seen(p, &p->face[f]))
-            p->face[kept++] = p->face[f];
-        else skip(p, 1);
-    }
-    if (status == SL_OK) p->count = kept;
+        status = sl_map_triangles_draw(p->raster, p->count, views, targets, p->options->threads, p->counters,
+                                       error);
     sl_free(views);
     sl_free(targets);
     return status;
 }
 
+static bool mirror_is_seen(const planning *p, const sl_planned_face *f, uint32_t mirror) {
+    const uint32_t *seen = p->seen + f->seen;
+    for (size_t i = 0; i < texels_of(&f->face); i++) {
+        if (seen[i] != SL_NO_INDEX && p->options->mirrors->of_triangle[seen[i]] == mirror) return true;
+    }
+    return false;
+}
+
+static sl_status add_mirrored(planning *p, const sl_planned_face *of, uint32_t mirror, sl_error *error) {
+    sl_planned_face *next = next_face(p, error);
+    if (!next) return SL_ERROR_RESOURCES;
+    const sl_map_light *light = &p->lights->light[of->face.light];
+    if (!sl_map_face_in_mirror(p->scene, p->options->mirrors, mirror, light, of, next)) return SL_OK;
+    if (sl_raster_meets(p->raster, &next->face.view)) p->count++;
+    else skip(p, 1);
+    return SL_OK;
+}
+
+/* Lists the faces anew, each light's own ones followed by what they show in mirrors. */
+static sl_status add_mirrors(planning *p, sl_error *error) {
+    sl_planned_face *own = p->face;
+    const size_t count = p->count;
+    sl_status status = SL_OK;
+    p->face = NULL;
+    p->count = p->room = 0;
+    for (size_t first = 0, end; first < count && status == SL_OK; first = end) {
+        for (end = first; end < count && own[end].face.light == own[first].face.light; end++) {
+            sl_planned_face *next = next_face(p, error);
+            if (!next) status = SL_ERROR_RESOURCES;
+            if (!next) break;
+            *next = own[end];
+            p->count++;
+        }
+        for (uint32_t m = 0; m < p->options->mirrors->count; m++) {
+            for (size_t f = first; f < end && status == SL_OK; f++)
+                if (mirror_is_seen(p, &own[f], m)) status = add_mirrored(p, &own[f], m, error);
+        }
+    }
+    sl_free(own);
+    return status;
+}
+
 static sl_status plan(planning *p, sl_error *error) {
-    sl_status status = sl_mirror_triangles_list(p->scene, p->options->mirrors, &p->mirror_triangles, error);
+    sl_status status = SL_OK;
     for (uint32_t i = 0; i < p->lights->count && status == SL_OK; i++) status = plan_light(p, i, error);
-    return status == SL_OK && p->stencil_texels ? draw_stencils(p, error) : status;
+    if (status == SL_OK) status = draw_seen(p, error);
+    if (status == SL_OK && p->options->mirrors) status = add_mirrors(p, error);
+    return status;
 }
 
 /* ---- the map ---- */
@@ -226,7 +230,7 @@ static sl_status render(planning *p, const sl_radiance_map_settings *settings, s
     sl_status status = plan(p, error);
     if (status == SL_OK) status = make_map(p, map, traced, error);
     sl_map_drawing drawing = {p->scene, p->raster,  settings, p->options,
-                              p->face,  p->stencil, map,      p->counters};
+                              p->face,  p->seen, map,      p->counters};
     if (status == SL_OK) status = sl_map_pictures_draw(&drawing, error);
     if (status == SL_OK && traced) status = sl_map_trace_mirrors(&drawing, error);
     return status;
@@ -260,9 +264,8 @@ sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster,
                              .shape = settings->shape,
                              .fov = settings->map_fov};
     status = render(&p, settings, map, error);
-    sl_mirror_triangles_free(&p.mirror_triangles);
     sl_free(p.face);
-    sl_free(p.stencil);
+    sl_free(p.seen);
     if (status != SL_OK) sl_radiance_map_destroy(map);
     else *out = map;
     return status;

@@ -10,8 +10,8 @@
  * there
  *     +-----+
  *
- * Planar mirrors near the light show it again: the light's mirror image takes pictures of its own, cut to the
- * mirror; y is real, and b = |y - L'| is the whole way. */
+ * Planar mirrors near the light show it again: the light's mirror image takes pictures of its own, as far as
+ * the light's show the mirror; y is real, and b = |y - L'| is the whole way. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_MAP_H
 #define SL_CACHE_DIRECT_RADIANCE_MAP_H
 
@@ -104,13 +104,12 @@ double sl_printed_tilted_footprint(double footprint, double cos_alpha);
 /* Two hemicubes. */
 enum { SL_LIGHT_FACES_MAX = 10 };
 
-/* A face that is planned; of those of mirrors also the view in which the mirror itself is seen. */
+/* A face that is planned. */
 typedef struct sl_planned_face {
     sl_map_face face;
     bool back;         /* of an area light */
     float clearance;   /* sl_map_light_clearance() of that side */
-    sl_view through;
-    size_t stencil;    /* where its mirror's picture begins */
+    size_t seen;       /* where the triangles that the light itself sees in that picture begin */
 } sl_planned_face;
 
 typedef struct sl_face_shape {
@@ -137,30 +136,14 @@ float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face);
 
 /* Planar mirrors in a light's view: the light's image L' behind the mirror takes pictures of its own.
  *
- *        L                 The picture is one of L's own, cut to the rectangle around the mirror, and
- * reflected: every \    y           texel sees y along the unfolded way from L', within the solid angle in
- * which L sees it by way
- *       ___\__/___         of the mirror (a plane mirror keeps solid angles). Texels in which L does not see
- * the mirror
- *           \/   mirror    itself (something stands before it, or it ends) are empty: a first pass, the
- * stencil, tells. */
+ *        L                 The picture is one of L's own, reflected: every texel sees y along the unfolded
+ * way \    y           from L', within the solid angle in which L sees it by way of the mirror (a plane
+ *       ___\__/___         mirror keeps solid angles). Texels in which L does not see the mirror itself
+ *           \/   mirror    (something stands before it, or it ends) are empty. */
 
-/* The triangles of each mirror, mirror after mirror: mirror m's are triangle[first[m]] to triangle[first[m +
- * 1]]. */
-typedef struct sl_mirror_triangles {
-    size_t *first;
-    uint32_t *triangle;
-} sl_mirror_triangles;
-
-sl_status sl_mirror_triangles_list(const sl_scene *scene, const sl_mirrors *mirrors,
-                                   sl_mirror_triangles *list, sl_error *error);
-void sl_mirror_triangles_free(sl_mirror_triangles *list);
-
-/* The face that `of` sees in mirror m; false where the mirror lies outside of it, or the light in the
- * mirror's plane. Blocks are about as large as the picture's own, and at least half as many each way. */
-bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirror_triangles *list,
-                           uint32_t mirror, const sl_map_light *light, const sl_face_shape *shape,
-                           const sl_planned_face *of, sl_planned_face *mirrored);
+/* The face that `of` sees in mirror m; false where the light lies in the mirror's plane. */
+bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, uint32_t mirror,
+                           const sl_map_light *light, const sl_planned_face *of, sl_planned_face *mirrored);
 
 /* Passes 2a to 2c: the faces' triangles, and what they are resolved to. */
 
@@ -170,7 +153,7 @@ typedef struct sl_map_drawing {
     const sl_radiance_map_settings *settings;
     const sl_radiance_map_options *options;
     const sl_planned_face *planned; /* of each face of the map */
-    const uint32_t *stencil;        /* triangles that mirrors' faces' lights see */
+    const uint32_t *seen;           /* triangles that the lights themselves see */
     sl_radiance_map *map;           /* faces and planes are there; pictures are written */
     sl_counters *counters;
 } sl_map_drawing;
@@ -296,9 +279,9 @@ typedef struct sl_map_photons {
     sl_map_photon *photon;   /* in order of light, face, row, column, group: of every sum */
     sl_photon_lobe *lobe;    /* NULL where all surfaces are Lambertian */
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
-    size_t first_of_light[SL_MAP_POINTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
+    size_t first_of_light[SL_MAP_LIGHTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
     /* M: a sample may have no photon, or a few groups of them */
-    size_t samples_of_light[SL_MAP_POINTS_MAX];
+    size_t samples_of_light[SL_MAP_LIGHTS_MAX];
     /* samples without a photon: nearer to the light than 1e-4 of the diagonal of the scene's central region,
      * or without light */
     size_t dropped;

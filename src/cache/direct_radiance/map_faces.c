@@ -168,112 +168,6 @@ sl_view sl_map_face_view(const sl_scene *scene, const sl_map_light *light, const
     return sl_light_picture_view(scene, light, &picture);
 }
 
-/* ---- which triangles ---- */
-
-sl_status sl_mirror_triangles_list(const sl_scene *scene, const sl_mirrors *mirrors,
-                                   sl_mirror_triangles *list, sl_error *error) {
-    size_t count = mirrors ? mirrors->count : 0, next = 0;
-    *list = (sl_mirror_triangles){sl_allocate(count + 2, sizeof *list->first), NULL};
-    if (!list->first) return sl_fail_memory(error, "the mirrors' triangles");
-    for (uint32_t t = 0; count && t < scene->triangle_count; t++) {
-        if (mirrors->of_triangle[t] != SL_NO_INDEX) list->first[mirrors->of_triangle[t] + 2]++;
-    }
-    for (size_t m = 2; m < count + 2; m++) list->first[m] += list->first[m - 1];
-    next = list->first[count + 1];
-    list->triangle = sl_allocate(next, sizeof *list->triangle);
-    if (!list->triangle) return sl_fail_memory(error, "the mirrors' triangles");
-    for (uint32_t t = 0; count && t < scene->triangle_count; t++) {
-        if (mirrors->of_triangle[t] != SL_NO_INDEX)
-            list->triangle[list->first[mirrors->of_triangle[t] + 1]++] = t;
-    }
-    return SL_OK; /* first[m + 1] has run from the beginning of m's to their end */
-}
-
-void sl_mirror_triangles_free(sl_mirror_triangles *list) {
-    sl_free(list->first);
-    sl_free(list->triangle);
-}
-
-/* ---- the rectangle around a mirror ---- */
-
-enum { CORNERS_MAX = 12 };
-
-/* A point of the picture plane is (x, y) / w. */
-typedef struct {
-    double x, y, w;
-} projected;
-
-typedef struct {
-    double left, right, bottom, top;
-} rectangle;
-
-/* Keeps a x + b y + c w >= least. */
-static int cut(const projected *in, int count, double a, double b, double c, double least, projected *out) {
-    int kept = 0;
-    for (int i = 0; i < count; i++) {
-        projected p = in[i], q = in[(i + 1) % count];
-        double dp = a * p.x + b * p.y + c * p.w - least, dq = a * q.x + b * q.y + c * q.w - least;
-        if (dp >= 0.0) out[kept++] = p;
-        if ((dp >= 0.0) != (dq >= 0.0)) {
-            double t = dp / (dp - dq);
-            out[kept++] = (projected){p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.w + t * (q.w - p.w)};
-        }
-    }
-    return kept;
-}
-
-static projected project(const sl_map_face *f, bool parallel, sl_vec3 p) {
-    sl_vec3d d = sl_subd(sl_to_double(p), sl_to_double(f->eye));
-    return (projected){sl_dotd(d, sl_to_double(f->frame.x)), sl_dotd(d, sl_to_double(f->frame.y)),
-                       parallel ? 1.0 : sl_dotd(d, sl_to_double(f->frame.z))};
-}
-
-static void include_triangle(const sl_scene *s, uint32_t t, const sl_map_face *f, bool parallel,
-                             rectangle *r) {
-    projected a[CORNERS_MAX], b[CORNERS_MAX];
-    for (int k = 0; k < 3; k++) a[k] = project(f, parallel, sl_scene_position(s, s->vertex[k][t]));
-    int count = cut(a, 3, 0, 0, 1, 1e-6 * (double)s->scale, b);
-    count = cut(b, count, 1, 0, -f->left, 0, a);
-    count = cut(a, count, -1, 0, f->right, 0, b);
-    count = cut(b, count, 0, 1, -f->bottom, 0, a);
-    count = cut(a, count, 0, -1, f->top, 0, b);
-    for (int i = 0; i < count; i++) {
-        double x = b[i].x / b[i].w, y = b[i].y / b[i].w;
-        r->left = x < r->left ? x : r->left;
-        r->right = x > r->right ? x : r->right;
-        r->bottom = y < r->bottom ? y : r->bottom;
-        r->top = y > r->top ? y : r->top;
-    }
-}
-
-static rectangle rectangle_around(const sl_scene *s, const sl_mirror_triangles *list, uint32_t mirror,
-                                  const sl_map_face *f, bool parallel) {
-    rectangle r = {INFINITY, -INFINITY, INFINITY, -INFINITY};
-    for (size_t i = list->first[mirror]; i < list->first[mirror + 1]; i++)
-        include_triangle(s, list->triangle[i], f, parallel, &r);
-    return r;
-}
-
-/* Blocks along a side: in proportion, and at least half of them all. */
-static int blocks_along(double part, double whole, int blocks, int most) {
-    int least = (most + 1) / 2, count = (int)((double)blocks * part / whole * (1.0 - 1e-9)) + 1;
-    return count < least ? least : count > most ? most : count;
-}
-
-static bool cut_to(sl_map_face *f, const rectangle *r, const sl_face_shape *shape) {
-    double wide = f->right - f->left, high = f->top - f->bottom;
-    if (!(r->right - r->left > 1e-6 * wide) || !(r->top - r->bottom > 1e-6 * high)) return false;
-    f->columns = blocks_along(r->right - r->left, wide, f->columns, shape->samples);
-    f->rows = blocks_along(r->top - r->bottom, high, f->rows, shape->samples);
-    f->width = f->columns * shape->texels;
-    f->height = f->rows * shape->texels;
-    f->left = r->left;
-    f->right = r->right;
-    f->bottom = r->bottom;
-    f->top = r->top;
-    return true;
-}
-
 /* ---- reflection ---- */
 
 static sl_vec3 reflect_direction(const sl_plane *plane, sl_vec3 v) {
@@ -309,22 +203,16 @@ static bool parallel_in_mirror(const sl_scene *s, const sl_plane *plane, double 
     return true;
 }
 
-bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirror_triangles *list,
-                           uint32_t mirror, const sl_map_light *light, const sl_face_shape *shape,
-                           const sl_planned_face *of, sl_planned_face *out) {
+bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, uint32_t mirror,
+                           const sl_map_light *light, const sl_planned_face *of, sl_planned_face *out) {
     const sl_plane *plane = &mirrors->plane[mirror];
-    bool parallel = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
+    const sl_view *through = &of->face.view;
     *out = *of;
-    if (list->first[mirror] == list->first[mirror + 1]) return false;
-    rectangle r = rectangle_around(scene, list, mirror, &of->face, parallel);
-    if (!cut_to(&out->face, &r, shape)) return false;
-    out->through = sl_map_face_view(scene, light, out);
     out->face.mirror = mirror;
-    out->face.reflectance =
-        scene->materials[scene->material_index[list->triangle[list->first[mirror]]]].mirror;
+    out->face.reflectance = scene->materials[mirrors->material[mirror]].mirror;
     out->face.eye = sl_to_float(sl_plane_reflect(plane, sl_to_double(of->face.eye)));
     out->face.frame = reflect_frame(plane, &of->face.frame);
-    if (parallel)
-        return parallel_in_mirror(scene, plane, mirrors->offset, &out->through, &out->face, &out->face.view);
-    return sl_view_mirrored(&out->through, plane, mirrors->offset, &out->face.view);
+    if (light->kind == SL_MAP_LIGHT_DIRECTIONAL)
+        return parallel_in_mirror(scene, plane, mirrors->offset, through, &out->face, &out->face.view);
+    return sl_view_mirrored(through, plane, mirrors->offset, &out->face.view);
 }

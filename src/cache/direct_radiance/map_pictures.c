@@ -6,6 +6,8 @@
 #include "cache/direct_radiance/map.h"
 #include "trace/trace.h"
 
+#include <string.h>
+
 enum {
     PIXELS = 256, /* resolved together */
     VIEWS = 8     /* drawn together */
@@ -130,11 +132,11 @@ static void resolve_face(void *context, size_t index, unsigned worker) {
 
 /* ---- all ---- */
 
-/* Texels in which the light does not see the mirror do not see what the mirror shows either. */
+/* Of a mirror's picture the texels in which the light sees the mirror. */
 static void apply_stencil(const sl_map_drawing *d, const sl_map_face *face, const sl_planned_face *planned) {
     size_t texels = (size_t)face->width * (size_t)face->height;
     for (size_t i = 0; i < texels; i++) {
-        uint32_t seen = d->stencil[planned->stencil + i];
+        uint32_t seen = d->seen[planned->seen + i];
         if (seen == SL_NO_INDEX || d->options->mirrors->of_triangle[seen] != face->mirror)
             d->map->triangle[face->first + i] = SL_NO_INDEX;
     }
@@ -150,19 +152,26 @@ sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_
     return status;
 }
 
+/* The lights' own faces are drawn already. */
 static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
     sl_radiance_map *map = d->map;
     sl_view *views = sl_allocate(map->face_count, sizeof *views);
     sl_target *targets = sl_allocate(map->face_count, sizeof *targets);
     sl_status status = views && targets ? SL_OK : sl_fail_memory(error, "a radiance map's faces");
+    size_t count = 0;
     for (size_t f = 0; f < map->face_count && status == SL_OK; f++) {
-        views[f] = map->face[f].view;
-        targets[f] =
-            (sl_target){map->face[f].width, map->face[f].height, map->triangle + map->face[f].first, NULL};
+        const sl_map_face *face = &map->face[f];
+        uint32_t *triangle = map->triangle + face->first;
+        const size_t texels = (size_t)face->width * (size_t)face->height;
+        if (face->mirror == SL_NO_INDEX)
+            memcpy(triangle, d->seen + d->planned[f].seen, texels * sizeof *triangle);
+        if (face->mirror == SL_NO_INDEX) continue;
+        views[count] = face->view;
+        targets[count++] = (sl_target){face->width, face->height, triangle, NULL};
     }
     if (status == SL_OK)
-        status = sl_map_triangles_draw(d->raster, map->face_count, views, targets, d->options->threads,
-                                       d->counters, error);
+        status = sl_map_triangles_draw(d->raster, count, views, targets, d->options->threads, d->counters,
+                                       error);
     for (size_t f = 0; f < map->face_count && status == SL_OK; f++) {
         if (map->face[f].mirror != SL_NO_INDEX) apply_stencil(d, &map->face[f], &d->planned[f]);
     }
@@ -189,9 +198,8 @@ sl_status sl_map_pictures_draw(const sl_map_drawing *d, sl_error *error) {
 }
 
 /* A texel's light leaves as a narrow pyramid. Its middle ray gives the end point y, its four corner rays what
- * becomes of its cross-section: a convex mirror spreads it, a concave one draws it together. Where all five
- * end by way of mirrors, the corner rays' last legs are cut with y's tangent plane; the quad's area, seen
- * along the middle ray, is the spread that takes the place of b^2 dOmega. */
+ * becomes of its cross-section: a convex mirror spreads it, a concave one draws it together. The area between
+ * their ends, seen along the middle ray, takes the place of b^2 dOmega. */
 
 enum { RAYS = 5, LEGS_MAX = 9 };
 
@@ -273,38 +281,24 @@ static void follow(const sl_map_drawing *d, leg way[RAYS], sl_counters *counters
 
 /* ---- the area at their end ---- */
 
-/* Where a leg meets the plane through y; false if it does not, in front of it. */
-static bool meet(const leg *way, sl_vec3d y, sl_vec3d n, sl_vec3d *p) {
-    sl_vec3d o = sl_to_double(way->origin), d = sl_to_double(way->direction);
-    double slope = sl_dotd(d, n), t = sl_dotd(sl_subd(y, o), n) / (slope < 0.0 ? slope : -1.0);
-    *p = sl_addd(o, sl_scaled(d, t));
-    return way->arrived && slope < -1e-4 && t > 0.0 && isfinite(t);
+static sl_vec3d end_of(const sl_map_drawing *d, const leg *way) {
+    sl_surface s;
+    sl_scene_surface(d->scene, way->triangle, way->w1, way->w2, sl_neg(way->direction), &s);
+    return sl_to_double(s.position);
 }
 
-/* Perpendicular to the middle ray. Of four corners or three; without as many (the texel lies across the
- * mirror's rim), as if the mirrors were flat. Never so small that radiance would grow without bound where
- * light is focused. */
-static float spread_of(const leg way[RAYS], const sl_surface *end, double angle) {
-    sl_vec3d y = sl_to_double(end->position), n = sl_to_double(end->geometric_normal), corner[4];
-    double flat = way[0].way * way[0].way * angle, cosine = fabs(sl_dotd(n, sl_to_double(way[0].direction))),
-           area;
-    bool met[4];
-    int count = 0;
-    for (int k = 0; k < 4; k++)
-        count += met[k] = meet(&way[k + 1], y, n, &corner[k]) && way[k + 1].mirrors == way[0].mirrors;
-    if (count == 4) {
-        area = 0.5 * sl_lengthd(sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1])));
-    } else if (count == 3) {
-        int missing = 0;
-        while (met[missing]) missing++;
-        sl_vec3d a = corner[(missing + 2) % 4];
-        area = sl_lengthd(
-            sl_crossd(sl_subd(corner[(missing + 1) % 4], a), sl_subd(corner[(missing + 3) % 4], a)));
-    } else {
-        return (float)flat;
+/* Returns the area between the corner rays' ends, perpendicular to the middle ray; as if the mirrors were
+ * flat where not all corners go the middle's way (the texel lies across the mirror's rim). Never so small
+ * that radiance would grow without bound where light is focused. */
+static float spread_of(const sl_map_drawing *d, const leg way[RAYS], double angle) {
+    const double flat = way[0].way * way[0].way * angle;
+    sl_vec3d corner[4];
+    for (int k = 0; k < 4; k++) {
+        if (!way[k + 1].arrived || way[k + 1].mirrors != way[0].mirrors) return (float)flat;
+        corner[k] = end_of(d, &way[k + 1]);
     }
-    double spread = area * cosine, least = 1e-4 * flat;
-    return (float)(spread > least ? spread : least);
+    const sl_vec3d twice = sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1]));
+    return (float)fmax(0.5 * fabs(sl_dotd(twice, sl_to_double(way[0].direction))), 1e-4 * flat);
 }
 
 /* ---- texels ---- */
@@ -322,7 +316,7 @@ static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, s
     const sl_map_light *light = &map->lights->light[f->light];
     sl_surface end;
     sl_scene_surface(d->scene, way[0].triangle, way[0].w1, way[0].w2, sl_neg(way[0].direction), &end);
-    float spread = spread_of(way, &end, (double)map->block_angle[i]);
+    float spread = spread_of(d, way, (double)map->block_angle[i]);
     if (!(spread > 0.0f) || !isfinite(spread)) return;
     sl_rgb carried = sl_rgb_mul(sl_map_light_intensity(light, departure), way[0].carried);
     sl_texel_light arriving = {sl_neg(way[0].direction), sl_rgb_scale(carried, map->block_angle[i] / spread),

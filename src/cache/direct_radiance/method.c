@@ -40,6 +40,25 @@ void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons)
     sl_free(marks);
 }
 
+/* The receivers whole, since strips leave none, and the layers of the picture. */
+void sl_radiance_announce_light(sl_radiance_state *s) {
+    const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    sl_counters ignored = {{0}};
+    sl_receivers *r = NULL;
+    if (!s->announcer.observer || s->settings.radiance_map.without_layers) return;
+    if (sl_announcing(&s->announcer) &&
+        sl_receivers_render(s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL,
+                            s->settings.radiance_map.reflections, s->settings.threads, &r, &ignored,
+                            NULL) == SL_OK)
+        sl_announce_gbuffer(&s->announcer, "importons", r->gbuffer);
+    sl_receivers_destroy(r);
+    sl_announce(&s->announcer, "direct light", "(5), (9)", s->settings.width, s->settings.height, 3,
+                s->image->planes + SL_RADIANCE_DIRECT * pixels, false);
+    sl_announce(&s->announcer, "indirect light", "(10)", s->settings.width, s->settings.height, 3,
+                s->image->planes + SL_RADIANCE_INDIRECT * pixels, false);
+}
+
 /* ---- a pixel explained: (10) photon by photon ---- */
 
 struct sl_radiance_explanation {
@@ -69,12 +88,8 @@ static sl_status explanation_create(const sl_light_pass *light, const sl_raster 
                                            &explanation->receivers, &ignored, error);
     if (status == SL_OK)
         status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &explanation->kinds, error);
-    if (status == SL_OK && light->photons && light->photons->count) {
+    if (status == SL_OK && light->photons && light->photons->count)
         status = sl_photon_sums_create(&explanation->light, &explanation->sums, error);
-        if (status == SL_OK)
-            status = sl_photon_sums_see(explanation->sums, explanation->receivers, &explanation->kinds,
-                                        &ignored, error);
-    }
     if (status != SL_OK) explanation_destroy(explanation);
     else *out = explanation;
     return status;
@@ -163,8 +178,6 @@ static void radiance_destroy(void *state) {
     sl_receivers_destroy(s->receivers);
     sl_radiance_darken(s);
     sl_radiance_forget_geometry(s);
-    sl_report_points_destroy(s->points);
-    sl_free(s->planes);
     sl_free(s);
 }
 
@@ -199,12 +212,9 @@ static sl_status radiance_update(void *state, sl_progress *progress, sl_error *e
     return status;
 }
 
-/* A picture of strips is handed over; to have it again it is drawn again, which is not counted. */
+/* A picture is handed over; to have it again it is drawn again, which is not counted. */
 static sl_status give_picture(sl_radiance_state *s, sl_image **image, sl_error *error) {
     sl_counters ignored = {{0}};
-    if (!sl_radiance_in_strips(s))
-        return sl_radiance_compose(&s->layers, s->receivers, !s->settings.radiance_map.without_layers,
-                                   s->settings.threads, image, error);
     if (!s->image) return sl_radiance_draw_image(s, image, &ignored, error);
     *image = s->image;
     s->image = NULL;
@@ -229,10 +239,7 @@ static sl_status radiance_edit(void *state, unsigned changes, sl_error *error) {
     sl_radiance_state *s = state;
     forget_picture(s);
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) sl_radiance_darken(s);
-    if (changes & SL_CHANGED_OBJECTS) {
-        s->placed = false; /* and planned anew */
-        sl_report_points_follow(s->points);
-    }
+    if (changes & SL_CHANGED_OBJECTS) s->placed = false; /* and planned anew */
     /* they may have left a convex room */
     if (s->placed && (changes & SL_CHANGED_LIGHTS))
         s->plan.shadows = sl_radiance_has_shadows(s->scene, &s->settings);
@@ -246,14 +253,13 @@ static const sl_counters *radiance_counters(const void *state) {
 static size_t radiance_memory_bytes(const void *state) {
     const sl_radiance_state *s = state;
     const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
-    size_t bytes = sizeof *s + (s->planes ? SL_RADIANCE_PLANES * pixels * sizeof *s->planes : 0);
+    size_t bytes = sizeof *s + explanation_bytes(s->explanation);
     if (s->image) bytes += (size_t)s->image->channels * pixels * sizeof *s->image->planes;
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->cubes) bytes += sl_shadow_cubes_bytes(s->cubes);
     if (s->map) bytes += sl_radiance_map_bytes(s->map);
     if (s->photons) bytes += sl_map_photons_bytes(s->photons);
-    bytes += sl_report_points_bytes(s->points) + explanation_bytes(s->explanation);
     if (s->curved) bytes += sl_curved_mirrors_bytes(s->curved);
     if (s->receivers) bytes += sl_receivers_bytes(s->receivers);
     return bytes;

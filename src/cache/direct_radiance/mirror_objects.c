@@ -128,7 +128,6 @@ typedef struct {
     const sl_curved_mirrors *mirrors;
     const sl_receivers *receivers;
     float *const *plane[SL_CUBE_PARTS];
-    _Atomic uint64_t looked_up;
 } reflecting;
 
 /* Neighbours that show the same mirror, looked up together. */
@@ -179,34 +178,26 @@ static void look_up(const reflecting *r, look_ups *l) {
     l->count = 0;
 }
 
-static void reflect_row(void *context, size_t y, unsigned worker) {
-    (void)worker;
-    reflecting *r = context;
-    const size_t width = (size_t)r->receivers->width;
-    uint64_t count = 0;
+void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receivers *receivers,
+                               float *const emission[3], float *const direct[3], float *const indirect[3],
+                               sl_counters *counters) {
+    if (!mirrors) return;
+    const reflecting r = {mirrors, receivers, {emission, direct, indirect}};
+    const size_t pixels = (size_t)receivers->width * (size_t)receivers->height;
+    uint64_t parts = 0, count = 0;
     look_ups l = {.cube = SL_NO_INDEX, .count = 0};
-    for (size_t i = y * width; i < (y + 1) * width; i++) {
-        const uint32_t cube = cube_at(r, i);
+    for (int p = 0; p < SL_CUBE_PARTS; p++) parts += mirrors->cube[0].part[p] != NULL;
+    for (size_t i = 0; i < pixels; i++) {
+        const uint32_t cube = cube_at(&r, i);
         if (cube == SL_NO_INDEX) continue;
-        if (cube != l.cube || l.count == SL_TEXTURE_BLOCK) look_up(r, &l);
+        if (cube != l.cube || l.count == SL_TEXTURE_BLOCK) look_up(&r, &l);
         l.cube = cube;
-        append(r, i, &l);
+        append(&r, i, &l);
         count++;
     }
-    look_up(r, &l);
-    if (count) r->looked_up += count;
-}
-
-void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receivers *receivers,
-                               unsigned threads, float *const emission[3], float *const direct[3],
-                               float *const indirect[3], sl_counters *counters) {
-    if (!mirrors) return;
-    reflecting r = {.mirrors = mirrors, .receivers = receivers, .plane = {emission, direct, indirect}};
-    uint64_t parts = 0;
-    for (int p = 0; p < SL_CUBE_PARTS; p++) parts += mirrors->cube[0].part[p] != NULL;
-    sl_parallel_for(sl_thread_count(threads), (size_t)receivers->height, reflect_row, &r);
-    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, r.looked_up);
-    sl_count(counters, SL_COUNT_TEXTURE_FETCHES, r.looked_up * parts);
+    look_up(&r, &l);
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, count);
+    sl_count(counters, SL_COUNT_TEXTURE_FETCHES, count * parts);
 }
 
 /* ---- the trick ---- */

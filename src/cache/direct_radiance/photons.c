@@ -100,7 +100,7 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
     sl_photon_list list = {.scene = scene, .map = map, .photons = p};
     sl_take_photons *take = way_to_take(settings);
     size_t face = 0;
-    for (size_t light = 0; light < SL_MAP_POINTS_MAX && status == SL_OK; light++) {
+    for (size_t light = 0; light < SL_MAP_LIGHTS_MAX && status == SL_OK; light++) {
         p->first_of_light[light] = p->count;
         /* no pictures of that light were needed */
         if (face == map->face_count || map->face[face].light != light) continue;
@@ -109,7 +109,7 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
         status = take(&list, map->face + face, faces, error);
         face += faces;
     }
-    p->first_of_light[SL_MAP_POINTS_MAX] = p->count;
+    p->first_of_light[SL_MAP_LIGHTS_MAX] = p->count;
     if (status != SL_OK) {
         sl_map_photons_destroy(p);
         *photons = NULL;
@@ -360,7 +360,7 @@ void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photo
         sl_photon_quad *quad = &photons->quad[photons->count];
         sl_photon_quad_find(list->map, face, s, quad);
         if (!holds_surface(quad, s)) *quad = (sl_photon_quad){0};
-        /* 0.09 of the radius, as in visibility.c; or rounding */
+        /* 0.09 of the radius, as in indirect.c; or rounding */
         quad->depth = sqrtf(quad->area) * (s->bent ? 0.05f : 1e-4f);
     }
     photons->count++;

@@ -1,29 +1,27 @@
 /* Passes 5 to 8 at once, four rows of the picture after another. What the hardware keeps in targets as large
- * as the picture (a G-buffer of fourteen planes, ten of light) is here as large as a strip, which one thread
- * resolves, lights and composes while it is in its cache: out of it goes nothing but the picture. Each
- * pixel's arithmetic is that of the passes one by one, and so are its bits. */
+ * as the picture (a G-buffer of fourteen planes, nine of light) is here as large as a strip, which one thread
+ * resolves, lights and composes while it is in its cache: out of it goes nothing but the picture. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/direct_radiance/direct_radiance.h"
 #include "cache/direct_radiance/receivers.h"
-#include "cache/frame/picture_value.h"
 #include "image/unset.h"
 
 #include <string.h>
 
 /* APART: floats between planes, lest at widths that are powers of two the same pixel of all of them fell into
  * the same lines of the cache. */
-enum { SURFACE_PLANES = 13, LIGHT_PLANES = 10, APART = 112 };
+enum { SURFACE_PLANES = 13, LIGHT_PLANES = 9, APART = 112 };
 
 /* A thread's part of the picture. */
 typedef struct {
     sl_gbuffer gbuffer;
     float *surface; /* the G-buffer's planes */
-    float *light;   /* and those of light: direct, indirect, spread, emission */
+    float *light;   /* and those of light: direct, indirect, emission */
     bool shines;    /* there is something in those of emission, which there seldom is */
-    sl_radiance_layers layers;
+    float *emission[3];
     sl_tile_target target;
 } strip;
 
@@ -37,6 +35,7 @@ typedef struct {
     sl_direct_light direct;
     sl_photon_sums *sums; /* NULL: no indirect light */
     sl_image *image;
+    sl_compose_kernel *compose;
     strip *worker;
     unsigned workers;
     size_t room;            /* from plane to plane of a strip */
@@ -54,12 +53,10 @@ static void set_planes(const drawing *d, strip *s) {
     g->material = (uint32_t *)(void *)(s->surface + (SURFACE_PLANES - 1) * d->room);
     s->target = (sl_tile_target){.width = d->outline->width};
     for (size_t k = 0; k < 3; k++) {
-        s->layers.direct[k] = s->target.direct[k] = s->light + k * d->room;
-        s->layers.indirect[k] = s->target.indirect[k] = s->light + (3 + k) * d->room;
-        s->layers.emission[k] = s->light + (7 + k) * d->room;
+        s->target.direct[k] = s->light + k * d->room;
+        s->target.indirect[k] = s->light + (3 + k) * d->room;
+        s->emission[k] = s->light + (6 + k) * d->room;
     }
-    s->layers.spread = s->light + 6 * d->room;
-    s->target.spread = d->pass->layers ? s->layers.spread : NULL;
 }
 
 static bool allocate_workers(drawing *d) {
@@ -133,7 +130,7 @@ static void light_both(void *context, const sl_receiver_tile *tile, bool glossy,
 /* Passes 6 and 7: of the same tiles, but where the trick makes other receivers of mirrors. */
 static void light_strip(const drawing *d, const strip *s, const sl_receivers *rows, sl_counters *counters) {
     tile_program program = {d, &s->target};
-    const bool direct = d->pass->direct, indirect = d->sums != NULL;
+    const bool direct = d->pass->light->lights->count > 0, indirect = d->sums != NULL;
     if (direct && indirect && !d->trick) {
         sl_receiver_tiles_strip(rows, &d->kinds, 0, light_both, &program, counters);
         return;
@@ -142,6 +139,32 @@ static void light_strip(const drawing *d, const strip *s, const sl_receivers *ro
     if (indirect)
         sl_receiver_tiles_strip(rows, d->trick ? &d->tricked : &d->kinds, 0, light_indirectly, &program,
                                 counters);
+}
+
+/* ---- pass 8: the accumulation targets as a picture ---- */
+
+static const char *const layer_names[SL_RADIANCE_CHANNELS] = {
+    "R",        "G",        "B",        "emission.R", "emission.G", "emission.B",
+    "direct.R", "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B"};
+
+/* Rows count from the bottom, as on the hardware; images have row 0 at the top. */
+static void compose_row(const drawing *d, const strip *s, const sl_receivers *r, size_t row) {
+    const sl_image *image = d->image;
+    const size_t width = (size_t)image->width, height = (size_t)image->height, pixels = width * height;
+    const size_t from = row * width, to = (height - 1 - (size_t)r->first_row - row) * width;
+    const bool all = d->pass->layers;
+    for (size_t k = 0; k < 3; k++) {
+        float *out = image->planes + k * pixels + to;
+        const sl_compose_row channel = {width,
+                                        r->throughput[k] ? r->throughput[k] + from : NULL,
+                                        s->emission[k] + from,
+                                        s->target.direct[k] + from,
+                                        s->target.indirect[k] + from,
+                                        {out, all ? out + SL_RADIANCE_EMISSION * pixels : NULL,
+                                         all ? out + SL_RADIANCE_DIRECT * pixels : NULL,
+                                         all ? out + SL_RADIANCE_INDIRECT * pixels : NULL}};
+        d->compose(&channel);
+    }
 }
 
 static void draw_strip(void *context, size_t index, unsigned worker) {
@@ -155,12 +178,12 @@ static void draw_strip(void *context, size_t index, unsigned worker) {
     memset(s->light, 0, (s->shines ? LIGHT_PLANES : LIGHT_PLANES - 3) * d->room * sizeof *s->light);
     s->shines = d->pass->curved != NULL; /* which may show what shines */
     for (size_t y = 0; y < (size_t)rows.height; y++)
-        s->shines |= sl_emission_add_row(&d->emission, &rows, y, s->layers.emission);
+        s->shines |= sl_emission_add_row(&d->emission, &rows, y, s->emission);
     if (!d->emission.none) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, pixels);
     light_strip(d, s, &rows, counters);
-    sl_curved_mirrors_reflect(d->pass->curved, &rows, 1, s->layers.emission, s->layers.direct,
-                              s->layers.indirect, counters);
-    sl_radiance_compose_rows(&s->layers, &rows, 0, (size_t)rows.height, d->image);
+    sl_curved_mirrors_reflect(d->pass->curved, &rows, s->emission, s->target.direct, s->target.indirect,
+                              counters);
+    for (size_t row = 0; row < (size_t)rows.height; row++) compose_row(d, s, &rows, row);
 }
 
 /* ---- the picture ---- */
@@ -179,7 +202,9 @@ static sl_status prepare(drawing *d, size_t strips, sl_error *error) {
     if (status != SL_OK) return status;
     d->counters = sl_allocate(strips, sizeof *d->counters);
     if (!d->counters || !allocate_workers(d)) return sl_fail_memory(error, "the picture");
-    return sl_radiance_picture_create(all->width, all->height, d->pass->layers, &d->image, error);
+    return sl_image_create_unset(all->width, all->height,
+                                 d->pass->layers ? SL_RADIANCE_CHANNELS : SL_RADIANCE_EMISSION, layer_names,
+                                 &d->image, error);
 }
 
 sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, sl_counters *counters,
@@ -190,6 +215,7 @@ sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, s
                  .outline = all,
                  .emission = sl_emission_of(pass->light->scene, all),
                  .direct = sl_direct_light_of(pass->light),
+                 .compose = sl_compose_kernel_for(sl_isa_best()),
                  .workers = sl_thread_count(pass->light->threads),
                  .room = SL_TILE_HEIGHT * (size_t)all->width + APART};
     sl_status status = prepare(&d, strips, error);
@@ -200,67 +226,6 @@ sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, s
     }
     release(&d);
     return status;
-}
-
-/* Pass 8: the accumulation targets as a picture. */
-
-enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, SPREAD = 12, LAYERS };
-
-static const char *const layer_names[LAYERS] = {
-    "R",        "G",        "B",          "emission.R", "emission.G", "emission.B", "direct.R",
-    "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B", "spread.Y"};
-
-sl_status sl_radiance_picture_create(int width, int height, bool layers, sl_image **image, sl_error *error) {
-    return sl_image_create_unset(width, height, layers ? LAYERS : EMISSION, layer_names, image, error);
-}
-
-/* Rows count from the bottom, as on the hardware; images have row 0 at the top. */
-static void compose_row(const sl_radiance_layers *layers, const sl_receivers *r, size_t row,
-                        sl_compose_kernel *compose, sl_image *image) {
-    size_t width = (size_t)image->width, height = (size_t)image->height, pixels = width * height;
-    size_t from = row * width, to = (height - 1 - (size_t)r->first_row - row) * width;
-    bool all = image->channels == LAYERS;
-    for (size_t k = 0; k < 3; k++) {
-        float *out = image->planes + k * pixels + to;
-        const sl_compose_row channel = {width,
-                                        r->throughput[k] ? r->throughput[k] + from : NULL,
-                                        layers->emission[k] + from,
-                                        layers->direct[k] + from,
-                                        layers->indirect[k] + from,
-                                        {out + PICTURE * pixels, all ? out + EMISSION * pixels : NULL,
-                                         all ? out + DIRECT * pixels : NULL,
-                                         all ? out + INDIRECT * pixels : NULL}};
-        compose(&channel);
-    }
-    for (size_t x = 0; x < width && all; x++)
-        image->planes[SPREAD * pixels + to + x] = sl_picture_value(layers->spread[from + x]);
-}
-
-void sl_radiance_compose_rows(const sl_radiance_layers *layers, const sl_receivers *r, size_t first,
-                              size_t end, sl_image *image) {
-    sl_compose_kernel *compose = sl_compose_kernel_for(sl_isa_best());
-    for (size_t row = first; row < end; row++) compose_row(layers, r, row, compose, image);
-}
-
-typedef struct {
-    const sl_radiance_layers *layers;
-    const sl_receivers *receivers;
-    sl_image *image;
-} composing;
-
-static void compose_one(void *context, size_t row, unsigned worker) {
-    (void)worker;
-    const composing *c = context;
-    sl_radiance_compose_rows(c->layers, c->receivers, row, row + 1, c->image);
-}
-
-sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, bool all,
-                              unsigned threads, sl_image **image, sl_error *error) {
-    sl_status status = sl_radiance_picture_create(receivers->width, receivers->height, all, image, error);
-    if (status != SL_OK) return status;
-    composing c = {layers, receivers, *image};
-    sl_parallel_for(threads, (size_t)receivers->height, compose_one, &c);
-    return SL_OK;
 }
 
 /* Light seen directly, L S* E: it takes no light pass, only what each pixel shows. */
@@ -355,24 +320,4 @@ sl_emission sl_emission_of(const sl_scene *scene, const sl_receivers *picture) {
     bool wanted = sky && (scene->environment.width == 0 || ends_in_a_mirror(picture));
     return (sl_emission){scene, wanted ? sl_environment_mean(&scene->environment) : sl_grey(0.0f),
                          !sky && scene->emitter_count == 0};
-}
-
-typedef struct {
-    sl_emission of;
-    const sl_receivers *receivers;
-    float *const *emission;
-} emitting;
-
-static void emit_row(void *context, size_t y, unsigned worker) {
-    (void)worker;
-    const emitting *e = context;
-    (void)sl_emission_add_row(&e->of, e->receivers, y, e->emission);
-}
-
-void sl_add_emission(const sl_scene *scene, const sl_receivers *receivers, unsigned threads,
-                     float *const emission[3], sl_counters *counters) {
-    emitting e = {sl_emission_of(scene, receivers), receivers, emission};
-    if (e.of.none) return;
-    sl_parallel_for(sl_thread_count(threads), (size_t)receivers->height, emit_row, &e);
-    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, (size_t)receivers->width * (size_t)receivers->height);
 }

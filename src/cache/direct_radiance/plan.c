@@ -28,7 +28,7 @@ static bool has_receivers(const sl_features *f) {
 bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings) {
     const sl_features f = sl_scene_features(scene);
     return has_receivers(&f) && !settings->radiance_map.local_light_only &&
-           sl_scene_shadow_casters(scene) != SL_NO_SHADOWS;
+           sl_scene_throws_shadows(scene);
 }
 
 sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings, bool planar,
@@ -83,23 +83,20 @@ static const char *const weight_words[] = {"by quality",
 static const char *const filter_words[] = {"by default", "the texel at each sample",
                                            "radiance from a MIP level", "the flux of all texels, in groups"};
 
-static const char *why_cubes(const sl_scene *scene, const sl_radiance_plan *p,
-                             const sl_radiance_map_settings *m) {
-    static const char *const words[] = {
-        [SL_NO_SHADOWS] = "nothing can stand before a light: it is convex, with its lights inside",
-        [SL_SHADOWS_OF_WALLS] = "of every light: it is convex, but a light shines from outside",
-        [SL_SHADOWS_OF_SURFACES] = "of every light: surfaces can stand before others"};
+static const char *why_cubes(const sl_radiance_plan *p, const sl_radiance_map_settings *m) {
     if (m->local_light_only) return "local light only";
-    return p->receivers ? words[sl_scene_shadow_casters(scene)] : "nothing is lit";
+    if (!p->receivers) return "nothing is lit";
+    return p->shadows ? "of every light: surfaces can stand before others"
+                      : "nothing can stand before a light: it is convex, with its lights inside";
 }
 
 /* Tells what the paper leaves out, as far as the scene has it. */
-static void write_limits(const sl_scene *scene, const sl_radiance_plan *p, const sl_radiance_map_settings *m,
+static void write_limits(const sl_radiance_plan *p, const sl_radiance_map_settings *m,
                          sl_plan_writer *writer) {
     if (p->environment) sl_plan_limit(writer, "the environment is seen, but lights nothing");
     if (!p->map) return;
     sl_plan_limit(writer, "one bounce: light reflected more often is not there");
-    if (m->visibility == SL_VISIBILITY_NONE && sl_scene_shadow_casters(scene) == SL_SHADOWS_OF_SURFACES)
+    if (m->visibility == SL_VISIBILITY_NONE && p->shadows)
         sl_plan_limit(writer, "indirect light goes through walls and furniture: --visibility rays stops it");
 }
 
@@ -108,7 +105,7 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
     sl_features f = sl_scene_features(scene);
     sl_radiance_plan p = sl_radiance_plan_make(scene, settings, false, false);
     size_t point_like = f.point_lights + f.spot_lights + f.directional_lights;
-    sl_plan_pass(writer, p.shadows, "depth cubes", "%s", why_cubes(scene, &p, m));
+    sl_plan_pass(writer, p.shadows, "depth cubes", "%s", why_cubes(&p, m));
     sl_plan_pass(writer, p.map, "direct radiance maps",
                  "%zu lights without extent, %zu emissive triangles; %d x %d texels a face", point_like,
                  f.emitters, m->map_size, m->map_size);
@@ -130,7 +127,7 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
                                                      : "shadow rays");
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
                  f.environment ? ", environment" : "");
-    write_limits(scene, &p, m, writer);
+    write_limits(&p, m, writer);
 }
 
 /* ---- convex scenes, in which nothing throws a shadow ---- */
@@ -170,32 +167,28 @@ static unsigned side_of_light(const sl_light *light, const plane *p) {
 
 /* Every plane has all vertices and all lights on one side of it, so no straight line from a light, or from
  * one point of the surface to another, meets it in between. A single pair of lamp and wall fails the test,
- * and rightly so: a lamp has a back. */
-sl_shadow_casters sl_scene_shadow_casters(const sl_scene *scene) {
+ * and rightly so: a lamp has a back. Scenes so large that it would take long count as not convex. */
+bool sl_scene_throws_shadows(const sl_scene *scene) {
     enum { TESTS_AT_MOST = 1 << 24 };
-    bool outside = false;
-    if (scene->triangle_count * (scene->vertex_count + scene->light_count) > TESTS_AT_MOST)
-        return SL_SHADOWS_OF_SURFACES;
+    if (scene->triangle_count * (scene->vertex_count + scene->light_count) > TESTS_AT_MOST) return true;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         const plane p = plane_of(scene, t);
-        const unsigned sides = sides_of_vertices(scene, &p);
-        if (sides == BOTH) return SL_SHADOWS_OF_SURFACES;
-        for (size_t i = 0; i < scene->light_count && !outside; i++)
-            outside = (sides | side_of_light(&scene->lights[i], &p)) == BOTH;
+        unsigned sides = sides_of_vertices(scene, &p);
+        for (size_t i = 0; i < scene->light_count; i++) sides |= side_of_light(&scene->lights[i], &p);
+        if (sides == BOTH) return true;
     }
-    return outside ? SL_SHADOWS_OF_WALLS : SL_NO_SHADOWS;
+    return false;
 }
 
 /* ---- memory: pictures from the lights, for the most part ---- */
 
-/* A picture has the order of receivers 4 and 13 layers; drawn pass by pass (visibility) 120 more; mirrors
- * tell of two ways a pixel. A texel of a map: 22 planes and the rasterizer's 6. A photon: itself, its lobe,
- * its polygon, and the weights of a reordering. Texels of a depth cube are there twice while it is drawn. */
+/* A picture has the order of receivers 4 and 12 layers; mirrors tell of two ways a pixel. A texel of a map:
+ * 22 planes and the rasterizer's 6. A photon: itself, its lobe, its polygon, and the weights of a reordering.
+ * Texels of a depth cube are there twice while it is drawn. */
 enum {
     FACES = 6,
-    LAYERS = 13,
+    LAYERS = 12,
     A_PIXEL = 8,
-    BY_PASSES = 120,
     OF_MIRRORS = 140,
     A_TEXEL = 28 * 4,
     A_PHOTON = 512,
@@ -205,14 +198,10 @@ enum {
 
 static double smaller(double a, double b) { return a < b ? a : b; }
 
-/* Maps are taken from no more than SL_MAP_LIGHTS_MAX lights, and from no more points of them than
- * SL_MAP_POINTS_MAX. */
-static double light_points(const sl_scene *scene, const sl_radiance_map_settings *m, double *lights) {
-    *lights = smaller(sl_need_lights(scene), SL_MAP_LIGHTS_MAX);
+/* Maps and depth cubes are taken from no more points than that. */
+static double light_points(const sl_scene *scene, const sl_radiance_map_settings *m) {
     const double n = m->emitter_samples;
-    double points = smaller((double)scene->light_count, SL_MAP_LIGHTS_MAX) +
-                    n * n * smaller(sl_need_emitters(scene), SL_MAP_LIGHTS_MAX);
-    return points;
+    return smaller((double)scene->light_count + n * n * sl_need_emitters(scene), SL_MAP_LIGHTS_MAX);
 }
 
 static double map_bytes(const sl_radiance_map_settings *m, double pictures, double directional) {
@@ -224,7 +213,7 @@ static double map_bytes(const sl_radiance_map_settings *m, double pictures, doub
 sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     const sl_features f = sl_scene_features(scene);
-    double lights, points = light_points(scene, m, &lights);
+    const double points = light_points(scene, m);
     const double cube = (double)m->shadow_size * m->shadow_size * FACES * sizeof(float);
     const double curved =
         f.mirror_triangles ? CURVED * 3.0 * FACES * 16.0 * (double)m->cube_size * m->cube_size : 0.0;
@@ -232,17 +221,15 @@ sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settin
     const bool rays = m->visibility != SL_VISIBILITY_NONE || m->traced_light_mirrors;
     /* Where light comes by planar mirrors each light has a picture more for each of them; a few at most
      * count. */
-    const double pictures = smaller(points, SL_MAP_POINTS_MAX) * (f.mirror_triangles ? 3.0 : 1.0);
+    const double pictures = points * (f.mirror_triangles ? 3.0 : 1.0);
     const double suns = smaller((double)f.directional_lights, SL_MAP_LIGHTS_MAX);
-    return (sl_memory_need){
-        .hierarchies =
-            rays ? sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count)
-                 : sl_raster_memory_need(scene->triangle_count),
-        .caches = points * cube + map_bytes(m, pictures, suns) + curved +
-                  sl_need_of_threads(settings, A_THREAD) + 8.0 * triangles + 4e6,
-        .picture = sl_need_of_pixels(settings, A_PIXEL + 4.0 * layers +
-                                                   (m->visibility != SL_VISIBILITY_NONE ? BY_PASSES : 0) +
-                                                   (f.mirror_triangles ? OF_MIRRORS : 0))};
+    return (sl_memory_need){.hierarchies = rays ? sl_tracer_memory_need(scene->triangle_count) +
+                                                      sl_raster_memory_kept(scene->triangle_count)
+                                                : sl_raster_memory_need(scene->triangle_count),
+                            .caches = points * cube + map_bytes(m, pictures, suns) + curved +
+                                      sl_need_of_threads(settings, A_THREAD) + 8.0 * triangles + 4e6,
+                            .picture = sl_need_of_pixels(
+                                settings, A_PIXEL + 4.0 * layers + (f.mirror_triangles ? OF_MIRRORS : 0))};
 }
 
 const sl_reduction sl_radiance_reductions[] = {

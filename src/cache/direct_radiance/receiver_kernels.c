@@ -131,36 +131,8 @@ void SL_KERNEL(sl_receivers_reflect_to)(const sl_receiver_tile *t, const sl_tile
     }
 }
 
-void SL_KERNEL(sl_receivers_spread)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy,
-                                    float *plane) {
-    float radiance[3][SL_TILE_PIXELS], spread[SL_TILE_PIXELS];
-    for (int c = 0; c < 3; c++) reflect(t, light, glossy, c, radiance[c]);
-    const size_t padded = t->padded;
-#pragma omp simd
-    for (size_t i = 0; i < padded; i++)
-        spread[i] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
-    for (size_t i = 0; i < t->count; i++) plane[t->pixel[i]] = spread[i];
-}
-
-void SL_KERNEL(sl_receivers_combine)(size_t count, bool glossy, const sl_tile_light half[2],
-                                     const float share[2], sl_tile_light *sum) {
-    const float of_even = share[0], of_odd = share[1];
-    for (int c = 0; c < 3; c++) {
-        const float *restrict even = half[0].irradiance[c], *restrict odd = half[1].irradiance[c];
-        float *restrict out = sum->irradiance[c];
-#pragma omp simd
-        for (size_t i = 0; i < count; i++) out[i] = of_even * even[i] + of_odd * odd[i];
-        const float *restrict even_lobe = half[0].lobe[c], *restrict odd_lobe = half[1].lobe[c];
-        float *restrict out_lobe = sum->lobe[c];
-        if (!glossy) continue;
-#pragma omp simd
-        for (size_t i = 0; i < count; i++) out_lobe[i] = of_even * even_lobe[i] + of_odd * odd_lobe[i];
-    }
-}
-
-/* (10): sums over photons. Photons pass one after another over the lanes of a tile, each of which has two
- * accumulators a channel, for even and for odd photons: the order of every pixel's sums is the photons' own.
- */
+/* (10): sums over photons. Photons pass one after another over the lanes of a tile: the order of every
+ * pixel's sums is the photons' own. */
 
 static inline sl_vec3 receiver(const sl_receiver_tile *t, size_t i) {
     return sl_v3(t->x[i], t->y[i], t->z[i]);
@@ -189,11 +161,11 @@ static inline void add_photon(const sl_receiver_tile *t, const sl_photon_registe
 }
 
 void SL_KERNEL(sl_photons_sum)(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count,
-                               bool cosine, sl_tile_light half[2]) {
+                               bool cosine, sl_tile_light *sum) {
     if (cosine) {
-        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], true, half[j % 2].irradiance);
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], true, sum->irradiance);
     } else {
-        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], false, half[j % 2].irradiance);
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], false, sum->irradiance);
     }
 }
 

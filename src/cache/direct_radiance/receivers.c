@@ -224,6 +224,7 @@ void sl_receiver_tile_fetch(const sl_gbuffer *g, const sl_receiver_kernels *kern
                                        t->geometric_y, t->geometric_z, t->normal_x,   t->normal_y,
                                        t->normal_z,    t->diffuse[0],  t->diffuse[1], t->diffuse[2]};
     t->padded = (t->count + SL_TILE_LANES - 1) / SL_TILE_LANES * SL_TILE_LANES;
+    for (size_t i = 0; i < t->count; i++) t->triangle[i] = g->id[t->pixel[i]];
     if (t->whole) {
         kernels->fetch_rows(from, (size_t)g->width, t);
         return;
@@ -330,31 +331,4 @@ void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_ki
             sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile.count);
         }
     }
-}
-
-typedef struct {
-    const sl_receivers *receivers;
-    const sl_receiver_kinds *kinds;
-    sl_tile_program *program;
-    void *context;
-    sl_counters *counters; /* one a strip */
-} strips;
-
-static void run_strip(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const strips *s = context;
-    sl_receiver_tiles_strip(s->receivers, s->kinds, (int)index * SL_TILE_HEIGHT, s->program, s->context,
-                            &s->counters[index]);
-}
-
-sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds,
-                                unsigned threads, sl_tile_program *program, void *context,
-                                sl_counters *counters, sl_error *error) {
-    size_t count = (size_t)((receivers->height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
-    strips s = {receivers, kinds, program, context, sl_allocate(count, sizeof *s.counters)};
-    if (!s.counters) return sl_fail_memory(error, "light on receivers");
-    sl_parallel_for(sl_thread_count(threads), count, run_strip, &s);
-    for (size_t i = 0; i < count; i++) sl_counters_add(counters, &s.counters[i]);
-    sl_free(s.counters);
-    return SL_OK;
 }

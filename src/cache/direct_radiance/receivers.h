@@ -79,7 +79,7 @@ typedef struct sl_receiver_tile {
      * light */
     size_t padded;
     bool whole;    /* all pixels of a tile that lies in the picture whole, row by row */
-    uint32_t pixel[SL_TILE_PIXELS];
+    uint32_t pixel[SL_TILE_PIXELS], triangle[SL_TILE_PIXELS];
     _Alignas(64) float x[SL_TILE_PIXELS], y[SL_TILE_PIXELS], z[SL_TILE_PIXELS];
     float geometric_x[SL_TILE_PIXELS], geometric_y[SL_TILE_PIXELS], geometric_z[SL_TILE_PIXELS];
     float normal_x[SL_TILE_PIXELS], normal_y[SL_TILE_PIXELS], normal_z[SL_TILE_PIXELS];
@@ -111,17 +111,11 @@ void sl_receiver_kinds_release(sl_receiver_kinds *kinds);
 sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer *gbuffer, size_t pixel);
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
 
-/* Lights a tile that has pixels to be lit. Costs are counted apart for every strip of tiles. */
+/* Lights a tile that has pixels to be lit. */
 typedef void sl_tile_program(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters);
-/* Diffuse pixels of a tile first, then glossy ones; strips of tiles are shared out to threads. Counts the
- * fragments. */
-/* A strip of tiles from row y0 on, by this thread. */
+/* A strip of tiles from row y0 on: diffuse pixels of a tile first, then glossy ones. Counts the fragments. */
 void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_kinds *kinds, int y0,
                              sl_tile_program *program, void *context, sl_counters *counters);
-sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds,
-                                unsigned threads, sl_tile_program *program, void *context,
-                                sl_counters *counters, sl_error *error);
-
 /* E_j(x): what photon j at y sends to receiver x. d = y - x, r = |d|; cos = (n_x . d)+ / r and cos' = (-n_y .
  * d)+ / r are the cosines at the receiver and at the photon. Psi: the photon's flux, W/sr; L_o: its radiance,
  * Psi = L_o A; A': its footprint perpendicular to the light, alpha: the angle at which the light falls there,
@@ -147,8 +141,7 @@ sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver
  * facing
  *
  * and a third one, the photon's footprint as a polygon. What does not depend on x is computed once a frame
- * and uploaded as three registers a photon. The plain form and the lanes of the kernels are the functions of
- * this page: they have the same bits. */
+ * and uploaded as three registers a photon. */
 
 /* Three vectors of four floats. */
 typedef struct sl_photon_registers {
@@ -309,29 +302,17 @@ typedef void sl_fetch_rows_kernel(const float *const plane[SL_TILE_PLANES], size
 /* Does a tile of the picture (one that lies in it whole) show one material? Then pixel gets all of its
  * pixels. */
 typedef bool sl_survey_kernel(const uint32_t *material, uint32_t first, uint32_t width, uint32_t *pixel);
-/* Radiance that leaves towards the eye. */
-typedef void sl_reflect_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
-                               float (*radiance)[SL_TILE_PIXELS]);
-
-/* The same, added to three planes of that width. */
+/* Radiance that leaves towards the eye, added to three planes of that width. */
 typedef void sl_reflect_to_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
                                   int width, float *const planes[3]);
-/* Its luminance's absolute value, into a plane. */
-typedef void sl_reflect_spread_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
-                                      float *plane);
 /* lit_i: 1 where 0 < weight_i <= largest, else 0. Is any? */
 typedef bool sl_reached_kernel(size_t count, const float *weight, float largest, float *lit);
 /* a_i = b_i > 0 ? a_i : 0 */
 typedef void sl_where_kernel(size_t count, const float *b, float *a);
 
-/* share[0] half[0] + share[1] half[1] */
-typedef void sl_combine_kernel(size_t count, bool glossy, const sl_tile_light half[2], const float share[2],
-                               sl_tile_light *sum);
-
-/* (10) over Lambertian photons in index order: adds the even ones to the irradiance of half[0], the odd ones
- * to that of half[1]. */
+/* (10) over Lambertian photons in index order: adds to the irradiance. */
 typedef void sl_photon_sum_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photons,
-                                  size_t count, bool cosine, sl_tile_light half[2]);
+                                  size_t count, bool cosine, sl_tile_light *sum);
 /* One photon's weight, or its polygon's where pi (its Pi by Lambert's formula) is given. */
 typedef void sl_photon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon,
                                     bool cosine, float *weight);
@@ -363,10 +344,8 @@ typedef struct sl_receiver_kernels {
     sl_fetch_rows_kernel *fetch_rows;
     sl_survey_kernel *survey;
     sl_reflect_to_kernel *reflect_to;
-    sl_reflect_spread_kernel *reflect_spread;
     sl_reached_kernel *reached;
     sl_where_kernel *where;
-    sl_combine_kernel *combine;
     sl_photon_sum_kernel *sum;
     sl_photon_weigh_kernel *weigh;
     sl_polygon_weigh_kernel *weigh_polygon;
@@ -381,10 +360,8 @@ SL_KERNEL_VARIANTS(sl_prepare_kernel, sl_receivers_prepare);
 SL_KERNEL_VARIANTS(sl_fetch_rows_kernel, sl_receivers_fetch_rows);
 SL_KERNEL_VARIANTS(sl_survey_kernel, sl_receivers_survey);
 SL_KERNEL_VARIANTS(sl_reflect_to_kernel, sl_receivers_reflect_to);
-SL_KERNEL_VARIANTS(sl_reflect_spread_kernel, sl_receivers_spread);
 SL_KERNEL_VARIANTS(sl_reached_kernel, sl_receivers_reached);
 SL_KERNEL_VARIANTS(sl_where_kernel, sl_receivers_where);
-SL_KERNEL_VARIANTS(sl_combine_kernel, sl_receivers_combine);
 SL_KERNEL_VARIANTS(sl_photon_sum_kernel, sl_photons_sum);
 SL_KERNEL_VARIANTS(sl_photon_weigh_kernel, sl_photon_weigh);
 SL_KERNEL_VARIANTS(sl_polygon_weigh_kernel, sl_photon_polygon);
@@ -397,8 +374,7 @@ static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
     return (sl_receiver_kernels){
         SL_KERNEL_OF(isa, sl_receivers_prepare), SL_KERNEL_OF(isa, sl_receivers_fetch_rows),
         SL_KERNEL_OF(isa, sl_receivers_survey), SL_KERNEL_OF(isa, sl_receivers_reflect_to),
-        SL_KERNEL_OF(isa, sl_receivers_spread), SL_KERNEL_OF(isa, sl_receivers_reached),
-        SL_KERNEL_OF(isa, sl_receivers_where), SL_KERNEL_OF(isa, sl_receivers_combine),
+        SL_KERNEL_OF(isa, sl_receivers_reached), SL_KERNEL_OF(isa, sl_receivers_where),
         SL_KERNEL_OF(isa, sl_photons_sum), SL_KERNEL_OF(isa, sl_photon_weigh),
         SL_KERNEL_OF(isa, sl_photon_polygon), SL_KERNEL_OF(isa, sl_photon_lobe_power),
         SL_KERNEL_OF(isa, sl_receiver_lobe_power), SL_KERNEL_OF(isa, sl_receiver_mirror_eye),
@@ -425,53 +401,6 @@ SL_KERNEL_VARIANTS(sl_compose_kernel, sl_compose_row);
 
 static inline sl_compose_kernel *sl_compose_kernel_for(sl_isa isa) {
     return SL_KERNEL_OF(isa, sl_compose_row);
-}
-
-/* Visibility carried from blocks of pixels to pixels: the loops over lanes, in sight_kernels.c. */
-
-/* Visibility of 32 photons from a tile's receivers, a bit each, and the four blocks around each of its
- * pixels. */
-enum { SL_SIGHT_PHOTONS = 32, SL_SIGHT_BLOCKS = 4 };
-typedef struct sl_tile_sight {
-    _Alignas(64) uint32_t wanted[SL_TILE_PIXELS];   /* light would arrive */
-    uint32_t seen[SL_TILE_PIXELS], unsure[SL_TILE_PIXELS];
-    int32_t block[SL_SIGHT_BLOCKS][SL_TILE_PIXELS];
-    uint32_t fits[SL_SIGHT_BLOCKS][SL_TILE_PIXELS]; /* all bits, or none */
-} sl_tile_sight;
-
-/* Of the pixels that stand for blocks: position, geometric normal, shading normal. */
-enum { SL_BLOCK_PLANES = 9 };
-typedef struct sl_block_planes {
-    float *value[SL_BLOCK_PLANES];
-} sl_block_planes;
-
-typedef void sl_sight_fit_kernel(const sl_receiver_tile *tile, const sl_block_planes *planes,
-                                 const float *reach_squared, float offset_squared, sl_tile_sight *around);
-/* Of a word of every block's answers: seen is what the blocks that fit and know agree on, unsure the rest. A
- * block has answers for the photons that would send light to its pixel. */
-typedef void sl_sight_agree_kernel(size_t count, const uint32_t *known, const uint32_t *seen, size_t words,
-                                   size_t word, sl_tile_sight *around);
-/* wanted: adds the bit of a photon where its weight is more than 0. */
-typedef void sl_sight_want_kernel(size_t count, unsigned bit, const float *weight, sl_tile_sight *around);
-/* 1 or 0, by one bit. */
-typedef void sl_sight_tell_kernel(size_t count, const sl_tile_sight *around, unsigned bit, float *visible);
-
-typedef struct sl_sight_kernels {
-    sl_sight_fit_kernel *fit;
-    sl_sight_agree_kernel *agree;
-    sl_sight_want_kernel *want;
-    sl_sight_tell_kernel *tell;
-} sl_sight_kernels;
-
-SL_KERNEL_VARIANTS(sl_sight_fit_kernel, sl_sight_fit);
-SL_KERNEL_VARIANTS(sl_sight_agree_kernel, sl_sight_agree);
-SL_KERNEL_VARIANTS(sl_sight_want_kernel, sl_sight_want);
-SL_KERNEL_VARIANTS(sl_sight_tell_kernel, sl_sight_tell);
-
-static inline sl_sight_kernels sl_sight_kernels_for(sl_isa isa) {
-    return (sl_sight_kernels){
-        SL_KERNEL_OF(isa, sl_sight_fit), SL_KERNEL_OF(isa, sl_sight_agree),
-        SL_KERNEL_OF(isa, sl_sight_want), SL_KERNEL_OF(isa, sl_sight_tell)};
 }
 
 #endif

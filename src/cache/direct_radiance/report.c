@@ -12,6 +12,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* each point is two receivers, one on either side */
 enum { TILES = 16, POINTS = TILES * SL_TILE_PIXELS / 2 };
@@ -24,15 +25,23 @@ static const double LEAST_CAPTURED = 0.5, MOST_RECEIVED = 1.25;
 
 /* ---- how much of the lights' flux the maps hold ---- */
 
+static bool same_pictures(const sl_map_light *a, const sl_map_light *b) {
+    return a->kind == SL_MAP_LIGHT_AREA && b->kind == a->kind && a->lamp == b->lamp &&
+           memcmp(&a->direction, &b->direction, sizeof a->direction) == 0;
+}
+
 double sl_radiance_maps_captured(const sl_radiance_map *map) {
-    double held = 0.0, flux = 0.0;
+    double held = 0.0, flux = 0.0, share = 1.0;
     for (uint32_t l = 0; l < map->lights->count; l++) {
         const sl_map_light *light = &map->lights->light[l];
         double watts =
             light->kind == SL_MAP_LIGHT_DIRECTIONAL ? 0.0 : (double)sl_rgb_mean(sl_map_light_flux(light));
         if (!(watts > 0.0) || !isfinite(watts)) continue;
         flux += watts;
-        held += watts * sl_radiance_map_captured(map, l);
+        /* points of one planar lamp have the same pictures */
+        if (!(l > 0 && same_pictures(&map->lights->light[l - 1], light)))
+            share = sl_radiance_map_captured(map, l);
+        held += watts * share;
     }
     return flux > 0.0 ? held / flux : 1.0;
 }
@@ -53,14 +62,13 @@ double sl_radiance_map_mean_way(const sl_radiance_map *map) {
 typedef struct report_point {
     uint32_t triangle;
     float w1, w2;
-    double area; /* of its triangle when points were spread */
 } report_point;
 
-struct sl_report_points {
+typedef struct {
     const sl_scene *scene;
     double share; /* of the receiving area for each point; 0: nothing receives */
     report_point point[POINTS];
-};
+} report_points;
 
 static double area_of(const sl_scene *s, uint32_t t) {
     sl_vec3d a = sl_to_double(sl_scene_position(s, s->vertex[0][t]));
@@ -79,10 +87,10 @@ static double receiving_area(const sl_scene *s, uint32_t t) {
 /* Uniform over a triangle, from two numbers in [0,1): along it the point's place among those of the same
  * triangle, across it multiples of the golden ratio, so that a wall of two triangles is covered as evenly as
  * a mesh of thousands. */
-static report_point point_in(uint32_t triangle, double area, double along, size_t index) {
+static report_point point_in(uint32_t triangle, double along, size_t index) {
     double across = (double)index * 0.61803398874989485, side = sqrt(along);
     across -= floor(across);
-    return (report_point){triangle, (float)(side * (1.0 - across)), (float)(side * across), area};
+    return (report_point){triangle, (float)(side * (1.0 - across)), (float)(side * across)};
 }
 
 static double all_area(const sl_scene *scene) {
@@ -92,37 +100,21 @@ static double all_area(const sl_scene *scene) {
 }
 
 /* The middles of equal shares of all area, triangle after triangle. */
-static void spread(const sl_scene *scene, sl_report_points *points) {
+static void spread(const sl_scene *scene, report_points *points) {
     double total = all_area(scene), before = 0.0;
     size_t next = 0;
+    points->scene = scene;
     points->share = total / POINTS;
     for (uint32_t t = 0; t < scene->triangle_count && total > 0.0; t++) {
         double area = receiving_area(scene, t);
         for (; next < POINTS && ((double)next + 0.5) * points->share < before + area; next++)
             points->point[next] =
-                point_in(t, area, (((double)next + 0.5) * points->share - before) / area, next);
+                point_in(t, (((double)next + 0.5) * points->share - before) / area, next);
         before += area;
     }
     /* rounding of the sums */
     for (size_t k = next; k < POINTS; k++) points->point[k] = k ? points->point[k - 1] : (report_point){0};
 }
-
-sl_status sl_report_points_spread(const sl_scene *scene, sl_report_points **points, sl_error *error) {
-    *points = sl_allocate(1, sizeof **points);
-    if (!*points) return sl_fail_memory(error, "points of a report");
-    (*points)->scene = scene;
-    spread(scene, *points);
-    return SL_OK;
-}
-
-void sl_report_points_follow(sl_report_points *points) {
-    if (!points) return;
-    const double before = points->share * POINTS, now = all_area(points->scene);
-    if (!sl_is_much_the_same(now, before)) spread(points->scene, points);
-}
-
-void sl_report_points_destroy(sl_report_points *points) { sl_free(points); }
-size_t sl_report_points_bytes(const sl_report_points *points) { return points ? sizeof *points : 0; }
 
 /* ---- how much of the photons' flux arrives ---- */
 
@@ -136,7 +128,7 @@ static void put_receiver(sl_receiver_tile *tile, size_t i, sl_vec3 p, sl_vec3 n)
 }
 
 /* Fronts in even lanes, backs in odd ones. */
-static void fill(const sl_report_points *points, size_t tile_index, sl_receiver_tile *tile) {
+static void fill(const report_points *points, size_t tile_index, sl_receiver_tile *tile) {
     const sl_scene *s = points->scene;
     *tile = (sl_receiver_tile){.count = SL_TILE_PIXELS, .padded = SL_TILE_PIXELS};
     for (size_t i = 0; i < SL_TILE_PIXELS / 2; i++) {
@@ -151,12 +143,11 @@ static void fill(const sl_report_points *points, size_t tile_index, sl_receiver_
 }
 
 typedef struct {
-    const sl_report_points *points;
+    const report_points *points;
     const sl_photon_sums *sums;
     double arriving[TILES]; /* W */
 } receiving;
 
-/* A deformed triangle counts for what it has become. */
 static void receive_tile(void *context, size_t index, unsigned worker) {
     (void)worker;
     receiving *r = context;
@@ -166,11 +157,8 @@ static void receive_tile(void *context, size_t index, unsigned worker) {
     fill(r->points, index, &tile);
     sl_photon_sums_irradiance(r->sums, &tile, &light);
     for (size_t i = 0; i < SL_TILE_PIXELS; i++) {
-        const report_point *p = &r->points->point[index * (SL_TILE_PIXELS / 2) + i / 2];
-        sl_rgb e = {light.irradiance[0][i], light.irradiance[1][i], light.irradiance[2][i]};
-        if (p->area > 0.0)
-            sum += (double)sl_luminance(e) * r->points->share *
-                   (area_of(r->points->scene, p->triangle) / p->area);
+        const sl_rgb e = {light.irradiance[0][i], light.irradiance[1][i], light.irradiance[2][i]};
+        sum += (double)sl_luminance(e) * r->points->share;
     }
     r->arriving[index] = sum;
 }
@@ -188,21 +176,25 @@ static double reflected_flux(const sl_map_photons *photons) {
     return sum;
 }
 
-sl_status sl_flux_received(const sl_light_pass *pass, sl_report_points *points, double *received,
-                           sl_error *error) {
+sl_status sl_flux_received(const sl_light_pass *pass, double *received, sl_error *error) {
     *received = NAN;
-    double sent = pass->photons ? reflected_flux(pass->photons) : 0.0, sum = 0.0;
-    if (!(sent > 0.0) || !(points->share > 0.0)) return SL_OK;
-    receiving r = {.points = points};
+    const double sent = pass->photons ? reflected_flux(pass->photons) : 0.0;
+    if (!(sent > 0.0)) return SL_OK;
+    report_points *points = sl_allocate(1, sizeof *points);
     sl_photon_sums *sums = NULL;
-    sl_status status = sl_photon_sums_create(pass, &sums, error);
-    if (status != SL_OK) return status;
-    r.sums = sums;
-    sl_parallel_for(sl_thread_count(pass->threads), TILES, receive_tile, &r);
+    sl_status status = points ? sl_photon_sums_create(pass, &sums, error)
+                              : sl_fail_memory(error, "points of a report");
+    if (status == SL_OK) {
+        receiving r = {.points = points, .sums = sums};
+        double sum = 0.0;
+        spread(pass->scene, points);
+        sl_parallel_for(sl_thread_count(pass->threads), TILES, receive_tile, &r);
+        for (size_t i = 0; i < TILES; i++) sum += r.arriving[i];
+        if (points->share > 0.0) *received = sum / sent;
+    }
     sl_photon_sums_destroy(sums);
-    for (size_t i = 0; i < TILES; i++) sum += r.arriving[i];
-    *received = sum / sent;
-    return SL_OK;
+    sl_free(points);
+    return status;
 }
 
 /* ---- told with the picture ---- */
@@ -222,27 +214,6 @@ static sl_status stamp_share(sl_image *image, const char *key, double share, sl_
     char text[32];
     sl_print(text, sizeof text, "%.4f", share);
     return isfinite(share) ? sl_image_set_metadata(image, key, text, error) : SL_OK;
-}
-
-/* One lamp in ten. */
-static bool are_many(size_t points, size_t of) { return points > 0 && 10 * points >= of; }
-
-static sl_status warn_of_lights(const sl_map_report *report, sl_image *image, sl_error *error) {
-    const sl_light_openings *o = &report->openings;
-    sl_status status = SL_OK;
-    if (are_many(o->moved, o->points))
-        status = sl_warn(image, error,
-                         "area lights stand close behind bars or frames: %zu of %zu points of theirs were "
-                         "moved to where light gets out, "
-                         "and few points cast rough shadows; --emitter-samples 8 takes more",
-                         o->moved, o->points);
-    if (status == SL_OK && are_many(o->shut, o->points))
-        status = sl_warn(image, error,
-                         "area lights are shut in: from %zu of %zu points of theirs next to no light gets "
-                         "farther than the light is "
-                         "wide",
-                         o->shut, o->points);
-    return status;
 }
 
 static sl_status warn_of_flux(const sl_map_report *report, sl_image *image, sl_error *error) {
@@ -269,41 +240,21 @@ sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weig
     if (status == SL_OK) status = stamp_share(image, "softlux.flux_received", report->received, error);
     if (status == SL_OK && text[0]) status = sl_warn(image, error, "%s", text);
     if (status == SL_OK) status = warn_of_flux(report, image, error);
-    if (status == SL_OK) status = warn_of_lights(report, image, error);
     return status;
 }
 
-/* ---- the share of a light's flux that leaves inside its map's pictures, in closed form for points and areas
- * ---- */
+/* ---- the share of a light's flux that leaves inside its map's pictures ---- */
 
-/* Form factor of a face towards a plane at its eye: Lambert's formula, of a rectangle that lies above the
- * plane. */
-static double cosine_share(const sl_map_face *f, sl_vec3 normal) {
-    const sl_vec3d n = {(double)sl_dot(normal, f->frame.x), (double)sl_dot(normal, f->frame.y),
-                        (double)sl_dot(normal, f->frame.z)};
-    const sl_vec3d corner[4] = {
-        {f->left, f->bottom, 1}, {f->right, f->bottom, 1}, {f->right, f->top, 1}, {f->left, f->top, 1}};
+/* Intensity at the middles of a face's texels, times their solid angles. */
+static double flux_through(const sl_map_light *light, const sl_map_face *f) {
+    const double wide = (f->right - f->left) / f->width, high = (f->top - f->bottom) / f->height;
     double sum = 0.0;
-    for (int k = 0; k < 4; k++) {
-        const sl_vec3d a = corner[k], b = corner[(k + 1) % 4];
-        const sl_vec3d across = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-        double length = sqrt(sl_dotd(across, across));
-        if (length > 0.0) sum += sl_atan2(length, sl_dotd(a, b)) * sl_dotd(across, n) / length;
-    }
-    return fabs(sum) / (2.0 * SL_PI);
-}
-
-/* A spot's: its intensity at the middles of many cells, times their solid angles. */
-static double spot_flux(const sl_map_light *light, const sl_map_face *f) {
-    enum { CELLS = 96 };
-    double sum = 0.0, wide = (f->right - f->left) / CELLS, high = (f->top - f->bottom) / CELLS;
-    for (int i = 0; i < CELLS * CELLS; i++) {
-        double x = f->left + wide * (0.5 + (double)(i % CELLS)),
-               y = f->bottom + high * (0.5 + (double)(i / CELLS));
-        double squared = 1.0 + x * x + y * y, inverse = 1.0 / sqrt(squared);
-        sl_vec3 d =
-            sl_frame_to_world(&f->frame, sl_v3((float)(x * inverse), (float)(y * inverse), (float)inverse));
-        sum += (double)sl_rgb_mean(sl_map_light_intensity(light, d)) * wide * high * inverse / squared;
+    for (int i = 0; i < f->width * f->height; i++) {
+        const double x = f->left + wide * (i % f->width), y = f->bottom + high * (i / f->width);
+        const sl_vec3 along = sl_v3((float)(x + 0.5 * wide), (float)(y + 0.5 * high), 1.0f);
+        const sl_vec3 d = sl_normalize_or(sl_frame_to_world(&f->frame, along), f->frame.z);
+        sum += (double)sl_rgb_mean(sl_map_light_intensity(light, d)) *
+               sl_rectangle_solid_angle(x, y, x + wide, y + high);
     }
     return sum;
 }
@@ -321,20 +272,14 @@ static double share_of(const sl_map_light *light, const sl_planned_face *face, i
                        double flux) {
     double sum = 0.0;
     if (light->kind == SL_MAP_LIGHT_SPOT && holds_cone(light, &face->face, count, dark)) return 1.0;
-    for (int i = 0; i < count; i++) {
-        const sl_map_face *f = &face[i].face;
-        sum += light->kind == SL_MAP_LIGHT_POINT
-                   ? sl_rectangle_solid_angle(f->left, f->bottom, f->right, f->top) / (4.0 * SL_PI)
-               : light->kind == SL_MAP_LIGHT_AREA
-                   ? cosine_share(f, light->direction) / (light->two_sided ? 2.0 : 1.0)
-                   : spot_flux(light, f) / flux;
-    }
-    return sum < 1.0 ? sum : 1.0;
+    for (int i = 0; i < count; i++) sum += flux_through(light, &face[i].face);
+    return sum < flux ? sum / flux : 1.0;
 }
 
 double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light) {
+    enum { CELLS = 24 };
     const sl_map_light *l = &map->lights->light[light];
-    sl_face_shape shape = {map->shape, map->fov, 2, 1};
+    sl_face_shape shape = {map->shape, map->fov, CELLS, 1};
     sl_planned_face face[SL_LIGHT_FACES_MAX];
     const float clearance[2] = {0};
     double flux = (double)sl_rgb_mean(sl_map_light_flux(l));

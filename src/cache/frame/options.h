@@ -72,7 +72,7 @@
       RESEARCH, "a photon's: numbers are the paper's equations") \
     O(sl_map_filter, filter, "map-filter", "auto|point|radiance|flux", 0, 0, NOTHING, "", RESEARCH, \
       "what a photon takes from the map around it") \
-    O(sl_photon_visibility, visibility, "visibility", "none|rays|blocks", 0, 0, NOTHING, "", USER(0), \
+    O(sl_photon_visibility, visibility, "visibility", "none|rays", 0, 0, NOTHING, "", USER(0), \
       "indirect shadows, which the paper leaves out") \
     O(sl_mirror_light, mirror_light, "mirror-light", "full|trick|direct", 0, 0, NOTHING, "", RESEARCH, \
       "indirect light in curved mirrors") \

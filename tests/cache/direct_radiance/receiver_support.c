@@ -64,6 +64,82 @@ void free_planes(planes *p) {
     for (int c = 0; c < 3; c++) free(p->value[c]);
 }
 
+/* ---- light ---- */
+
+typedef struct {
+    sl_tile_target to;
+    sl_direct_light direct;
+    sl_photon_sums *sums;
+} lighting;
+
+static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+    const lighting *l = context;
+    if (l->sums) sl_indirect_light_tile(l->sums, tile, glossy, &l->to, counters);
+    else sl_direct_light_tile(&l->direct, tile, glossy, &l->to, counters);
+}
+
+static void light_picture(const sl_light_pass *pass, const sl_receivers *r, sl_rgb trick,
+                          sl_lit_picture *picture, sl_photon_sums *sums, sl_counters *counters) {
+    lighting l = {{.width = r->width}, sl_direct_light_of(pass), sums};
+    sl_receiver_kinds kinds;
+    assert_int_equal(sl_receiver_kinds_find(pass->scene, trick, &kinds, NULL), SL_OK);
+    for (int k = 0; k < 3; k++) {
+        l.to.direct[k] = picture->direct[k];
+        l.to.indirect[k] = picture->indirect[k];
+    }
+    for (int y = 0; y < r->height; y += SL_TILE_HEIGHT)
+        sl_receiver_tiles_strip(r, &kinds, y, light_tile, &l, counters);
+    sl_receiver_kinds_release(&kinds);
+}
+
+void light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
+                    sl_counters *counters) {
+    light_picture(pass, receivers, sl_grey(0.0f), picture, NULL, counters);
+}
+
+void light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
+                      sl_counters *counters) {
+    sl_photon_sums *sums = NULL;
+    if (!pass->photons || !pass->photons->count) return;
+    assert_int_equal(sl_photon_sums_create(pass, &sums, NULL), SL_OK);
+    light_picture(pass, receivers, pass->trick_albedo, picture, sums, counters);
+    sl_photon_sums_destroy(sums);
+}
+
+/* Pi / A_q at one point, by the lanes' kernel. */
+static float polygon_weight(const sl_map_photons *photons, size_t photon, const sl_photon_registers *p,
+                            sl_vec3 x, sl_vec3 n, sl_vec3 shading) {
+    sl_light_points at = {1, &x.x, &x.y, &x.z, &n.x, &n.y, &n.z, &shading.x, &shading.y, &shading.z};
+    sl_photon_polygon polygon;
+    float pi[2] = {0.0f, 0.0f};
+    sl_photon_polygon_of(photons, photon, &polygon);
+    for (int t = 0; t < 2; t++) sl_polygon_light_baseline(&at, &polygon.triangle[t], &pi[t]);
+    return sl_polygon_weight(p, &polygon, x, n, pi[0] + pi[1]);
+}
+
+sl_rgb sl_photon_irradiance(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_vec3 x,
+                            sl_vec3 n, sl_vec3 shading) {
+    sl_photon_registers p;
+    sl_weight_form form = sl_photon_load(photons, photon, weight, &p);
+    float w = form == SL_FORM_COSINE ? sl_cosine_weight(&p, x, n, shading)
+              : form == SL_FORM_DISC ? sl_disc_weight(&p, x, n, shading)
+                                     : polygon_weight(photons, photon, &p, x, n, shading);
+    sl_rgb e = {p.red * w, p.green * w, p.blue * w};
+    if (!photons->lobe) return e;
+    sl_lobe_registers lobe;
+    (void)sl_photon_with_lobe(photons, photon, weight, &lobe);
+    sl_vec3 d = sl_v3(x.x - p.x, x.y - p.y, x.z - p.z);
+    float power = sl_lobe_power(lobe.x * d.x + lobe.y * d.y + lobe.z * d.z, sl_dot(d, d), lobe.exponent),
+          share = w * power;
+    return (sl_rgb){e.r + lobe.colour.r * share, e.g + lobe.colour.g * share, e.b + lobe.colour.b * share};
+}
+
+void add_emission(const sl_scene *scene, const sl_receivers *receivers, float *const emission[3]) {
+    const sl_emission e = sl_emission_of(scene, receivers);
+    for (size_t y = 0; y < (size_t)receivers->height; y++)
+        (void)sl_emission_add_row(&e, receivers, y, emission);
+}
+
 /* ---- photons ---- */
 
 sl_map_photons *make_photons(size_t count, float diagonal) {
@@ -72,7 +148,7 @@ sl_map_photons *make_photons(size_t count, float diagonal) {
     p->count = count;
     p->photon = calloc(count, sizeof *p->photon);
     assert_non_null(p->photon);
-    for (size_t l = 1; l <= SL_MAP_POINTS_MAX; l++) p->first_of_light[l] = count;
+    for (size_t l = 1; l <= SL_MAP_LIGHTS_MAX; l++) p->first_of_light[l] = count;
     p->nearest = 1e-6f * diagonal;
     p->box_diagonal = diagonal;
     return p;

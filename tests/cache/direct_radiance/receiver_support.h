@@ -24,6 +24,20 @@ typedef struct planes {
 planes make_planes(size_t count);
 void free_planes(planes *p);
 
+/* Radiance towards the eye, three planes each of width*height, row 0 at the bottom; before the mirrors'
+ * throughput. */
+typedef struct sl_lit_picture {
+    float *direct[3], *indirect[3];
+} sl_lit_picture;
+/* Passes 6 and 7 over a whole picture, strip after strip. */
+void light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
+                    sl_counters *counters);
+void light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
+                      sl_counters *counters);
+
+/* Light seen directly, added to three planes. */
+void add_emission(const sl_scene *scene, const sl_receivers *receivers, float *const emission[3]);
+
 /* ---- photons ---- */
 
 sl_map_photons *make_photons(size_t count, float diagonal);
@@ -48,6 +62,11 @@ sl_map_photons *cube_photons(meet_surface *meet, const void *context, sl_vec3d l
  * irradiance. */
 double exact_irradiance(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m,
                         double reflectance, sl_vec3d x, sl_vec3d n);
+/* E_j(x) of one photon by one weight (receivers.h), W/m^2: the plain form that the lanes agree with bit by
+ * bit. n: the receiver's geometric normal decides what is above its horizon, the shading normal `shading`
+ * gives the cosine. */
+sl_rgb sl_photon_irradiance(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_vec3 x,
+                            sl_vec3 n, sl_vec3 shading);
 /* Sum of all photons by the plain form, one channel. */
 double irradiance_at(const sl_map_photons *photons, sl_photon_weight weight, sl_vec3d x, sl_vec3d n);
 

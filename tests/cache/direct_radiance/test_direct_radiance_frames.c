@@ -97,62 +97,6 @@ static void in_the_cornell_box_it_is_the_light_of_its_paths(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- strips, and passes one by one ---- */
-
-static void look_away(void *context, const sl_pass *pass) { *(size_t *)context += pass->buffer != NULL; }
-
-static const char mirrored_room[] =
-    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"m\": {\"mirror\": [0.8, 0.7, "
-    "0.6]}, \"d\": {\"diffuse\": [0.5, 0.6, 0.7]}},"
-    " \"lights\": [{\"type\": \"point\", \"position\": [0.4, 2, 1], \"intensity\": [3, 2, 1]}],"
-    " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 0.8, 0], \"fov_deg\": 50}}";
-static const char mirrored_obj[] =
-    "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 3 -2\nv 2 3 -2\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
-    "usemtl d\nf 1 4 3 2\nusemtl m\nf 1 2 6 5\nusemtl d\nf 7 8 9 10\n";
-
-static void assert_strips_are_the_passes(const sl_scene *scene) {
-    size_t pictures = 0;
-    const sl_observer observer = {&pictures, look_away};
-    sl_settings strips = radiance_settings(0), passes;
-    strips.width = 70;
-    strips.height = 41;
-    passes = strips;
-    passes.observer = &observer;
-    sl_counters cost, cost_of_passes;
-    sl_image *a = render(scene, &strips, &cost), *b = render(scene, &passes, &cost_of_passes);
-    assert_true(pictures > 3);
-    assert_true(same_picture(a, b));
-    assert_memory_equal(&cost, &cost_of_passes, sizeof cost);
-    sl_image_destroy(a);
-    sl_image_destroy(b);
-}
-
-/* Without an observer passes 5 to 8 run strip by strip, with one as passes over whole planes: the same bits,
- * and the same bill. Sizes that no tile divides, planar mirrors, lobes, and a sky that pixels see in their
- * own directions. */
-static void strips_have_the_bits_and_the_costs_of_the_passes_one_by_one(void **state) {
-    (void)state;
-    static const char *const paths[] = {"scenes/cornell.json", "scenes/cornell-glossy.json",
-                                        "scenes/cornell-mirror.json", "scenes/two-rooms.json",
-                                        "scenes/generated/castle.json"};
-    for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
-        sl_scene *scene;
-        sl_error error;
-        if (sl_scene_load(paths[i], &scene, &error) != SL_OK) {
-            print_message("%s: not there, not compared\n", paths[i]);
-            continue;
-        }
-        assert_strips_are_the_passes(scene);
-        sl_scene_destroy(scene);
-    }
-    sl_scene *scene = scene_from_text(mirrored_room, mirrored_obj);
-    size_t mirrors = 0;
-    for (size_t m = 0; m < scene->material_count; m++) mirrors += sl_material_is_mirror(&scene->materials[m]);
-    assert_int_equal(mirrors, 1);
-    assert_strips_are_the_passes(scene);
-    sl_scene_destroy(scene);
-}
-
 /* R, G and B are the same without the layers; and a picture may be resolved again, for nothing. */
 static void a_picture_without_layers_is_the_same_picture(void **state) {
     (void)state;
@@ -235,37 +179,6 @@ static void the_light_of_two_lights_is_the_sum_of_each(void **state) {
         assert_true(fabsf(image[2]->planes[i] - sum) <= 1e-5f * (1.0f + sum));
     }
     for (int k = 0; k < 3; k++) sl_image_destroy(image[k]);
-}
-
-/* A board under the middle of a long lamp: from there no picture shows anything else. From the lamp's other
- * places most do. */
-static void a_lamp_whose_middle_is_covered_lights_from_beside_it(void **state) {
-    (void)state;
-    static const char obj[] =
-        "v -3 0 -3\nv 3 0 -3\nv 3 0 3\nv -3 0 3\nv -3 3 -3\nv 3 3 -3\nf 1 4 3 2\nf 1 2 6 5\n"
-        "v -0.3 2.9 -0.3\nv 0.3 2.9 -0.3\nv 0.3 2.9 0.3\nv -0.3 2.9 0.3\nf 7 8 9 10\n";
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": "
-                                      "[{\"type\": \"quad\", \"corner\": [-1.5, 3, -1.5], "
-                                      "\"edge1\": [3, 0, 0], \"edge2\": [0, 0, 3], \"radiance\": [5, 5, "
-                                      "5]}], \"camera\": {\"eye\": [0, 1, 5], "
-                                      "\"target\": [0, 1, 0], \"fov_deg\": 60}}",
-                                      obj);
-    sl_settings settings = radiance_settings(32), reference = small_settings("path", 32, 32);
-    reference.transport = "matched:direct-radiance";
-    reference.spp = 64;
-    sl_image *one = render(scene, &settings, NULL);
-    settings.radiance_map.emitter_samples = 3;
-    sl_image *nine = render(scene, &settings, NULL), *truth = render(scene, &reference, NULL);
-    print_message("mean by one point %.4f, by nine %.4f, by the path tracer %.4f\n", mean_of(one, ""),
-                  mean_of(nine, ""), mean_of(truth, ""));
-    assert_true(fabs(mean_of(one, "indirect.") - mean_of(nine, "indirect.")) <
-                0.25 * mean_of(nine, "indirect."));
-    assert_true(fabs(mean_of(one, "") - mean_of(truth, "")) < 0.15 * mean_of(truth, ""));
-    assert_true(fabs(mean_of(nine, "") - mean_of(truth, "")) < 0.15 * mean_of(truth, ""));
-    sl_image_destroy(one);
-    sl_image_destroy(nine);
-    sl_image_destroy(truth);
-    sl_scene_destroy(scene);
 }
 
 /* ---- every frame anew ---- */
@@ -387,18 +300,6 @@ static void light_does_not_come_through_the_walls_of_a_convex_room(void **state)
         assert_true(direct_light_in_corner(outside[i % 3], objs[i / 3], &looked_up) < 1e-3);
 }
 
-static void lights_within_a_convex_corner_need_no_depth_cube(void **state) {
-    (void)state;
-    static const char *const within[] = {
-        "{\"type\": \"point\", \"position\": [1, 1, 1], \"intensity\": 10}",
-        "{\"type\": \"directional\", \"direction\": [-0.7, -0.38, -0.9], \"irradiance\": 10}"};
-    uint64_t looked_up;
-    for (int i = 0; i < 2; i++) {
-        assert_true(direct_light_in_corner(within[i], i ? turned_corner_obj : corner_obj, &looked_up) > 0.1);
-        assert_int_equal(looked_up, 0);
-    }
-}
-
 /* From within to without, and back in. */
 static void assert_walls_get_in_the_way(sl_scene *scene) {
     sl_settings settings = radiance_settings(24);
@@ -442,23 +343,6 @@ static void without_light_there_is_one_pass(void **state) {
         step_obj);
     assert_int_equal(c.value[SL_COUNT_RASTER_PASSES], 1);
     assert_int_equal(c.value[SL_COUNT_MAP_PHOTONS], 0);
-}
-
-static void a_light_that_faces_the_void_gives_no_indirect_light(void **state) {
-    (void)state;
-    sl_scene *scene =
-        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": "
-                        "\"spot\", \"position\": [0, 2, 1], "
-                        "\"direction\": [0, 1, 0], \"intensity\": [5, 5, 5], \"outer_deg\": 30}],"
-                        " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}",
-                        step_obj);
-    sl_settings settings = radiance_settings(16);
-    sl_counters counters;
-    sl_image *image = render(scene, &settings, &counters);
-    assert_int_equal(counters.value[SL_COUNT_PHOTON_LOOK_UPS], 0);
-    assert_true(mean_of(image, "") == 0.0);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
 }
 
 /* ---- determinism ---- */
@@ -573,21 +457,17 @@ static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_picture_is_emission_and_direct_and_indirect_light),
-        cmocka_unit_test(strips_have_the_bits_and_the_costs_of_the_passes_one_by_one),
         cmocka_unit_test(a_picture_without_layers_is_the_same_picture),
         cmocka_unit_test(every_frame_tells_the_hash_of_its_own_scene),
         cmocka_unit_test(in_the_cornell_box_it_is_the_light_of_its_paths),
         cmocka_unit_test(the_light_of_two_lights_is_the_sum_of_each),
-        cmocka_unit_test(a_lamp_whose_middle_is_covered_lights_from_beside_it),
         cmocka_unit_test(frame_k_alone_is_frame_k_of_the_series),
         cmocka_unit_test(a_new_camera_keeps_what_the_lights_see),
         cmocka_unit_test(a_convex_room_needs_no_depth_cube),
         cmocka_unit_test(light_does_not_come_through_the_walls_of_a_convex_room),
-        cmocka_unit_test(lights_within_a_convex_corner_need_no_depth_cube),
         cmocka_unit_test(a_light_that_leaves_a_convex_room_finds_its_walls_in_the_way),
         cmocka_unit_test(a_convex_room_that_leaves_its_light_puts_its_walls_in_the_way),
         cmocka_unit_test(without_light_there_is_one_pass),
-        cmocka_unit_test(a_light_that_faces_the_void_gives_no_indirect_light),
         cmocka_unit_test(frames_have_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(scenes_tiny_huge_and_far_away_give_the_same_picture),
         cmocka_unit_test(odd_lights_leave_no_hole_in_the_picture),

@@ -2,6 +2,7 @@
  * that is seen directly. */
 #include "cache/direct_radiance/direct_radiance.h"
 #include "raster_support.h"
+#include "receiver_support.h"
 
 enum { W = 96, H = 72, PIXELS = W * H, MAX = 4096 };
 
@@ -263,12 +264,11 @@ static void two_mirrors_face_to_face_end_at_the_nesting_limit(void **state) {
     static float red[PIXELS], green[PIXELS], blue[PIXELS];
     for (int reflections = 0; reflections <= 3; reflections++) {
         sl_receivers *r = receivers_of(scene, raster, &view, mirrors, reflections, 1);
-        sl_counters counters = {{0}};
         int left = 0;
         memset(red, 0, sizeof red);
         memset(green, 0, sizeof green);
         memset(blue, 0, sizeof blue);
-        sl_add_emission(scene, r, 2, (float *const[3]){red, green, blue}, &counters);
+        add_emission(scene, r, (float *const[3]){red, green, blue});
         for (int i = 0; i < PIXELS; i++) {
             assert_true(isfinite(red[i]) && isfinite(AT(r->gbuffer, normal, i).x));
             uint32_t id = r->gbuffer->id[i];
@@ -312,25 +312,6 @@ static void reflectances_multiply_along_a_path(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void receivers_are_the_same_at_any_number_of_threads(void **state) {
-    (void)state;
-    static mesh m;
-    sl_scene *scene = face_to_face(&m, NULL);
-    sl_raster *raster = raster_of(scene);
-    sl_mirrors *mirrors = mirrors_of(scene, 2);
-    sl_view view = view_number(0, sl_v3(0.2f, 0.1f, 1.5f), sl_v3(0, 0, -2));
-    sl_receivers *one = receivers_of(scene, raster, &view, mirrors, 3, 1),
-                 *three = receivers_of(scene, raster, &view, mirrors, 3, 3);
-    assert_same_gbuffer(one->gbuffer, three->gbuffer, PIXELS);
-    assert_memory_equal(one->path, three->path, PIXELS);
-    for (int k = 0; k < 3; k++) assert_memory_equal(one->throughput[k], three->throughput[k], 4 * PIXELS);
-    sl_receivers_destroy(one);
-    sl_receivers_destroy(three);
-    sl_mirrors_destroy(mirrors);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 /* ---- emission ---- */
 
 static void emitters_shine_from_their_front_in_mirrors_too(void **state) {
@@ -346,9 +327,8 @@ static void emitters_shine_from_their_front_in_mirrors_too(void **state) {
     sl_view view = view_number(0, sl_v3(4, 0.25f, 1.5f), sl_v3(0, 0, -1));
     sl_receivers *r = receivers_of(scene, raster, &view, mirrors, 1, 1);
     static float red[PIXELS], green[PIXELS], blue[PIXELS];
-    sl_counters counters = {{0}};
     for (int i = 0; i < PIXELS; i++) red[i] = 0.5f; /* added to */
-    sl_add_emission(scene, r, 1, (float *const[3]){red, green, blue}, &counters);
+    add_emission(scene, r, (float *const[3]){red, green, blue});
     int back = 0, front = 0;
     bool turned = scene->geometric_normal_x[0] > 0.0f;
     for (int i = 0; i < PIXELS; i++) {
@@ -400,11 +380,10 @@ static void the_environment_is_seen_in_the_direction_that_the_mirror_sends_the_e
     for (int face = 0; face < 6; face++) {
         sl_view view = view_number(2 + face, sl_v3(0.7f, 0.2f, 0.1f), sl_v3(0, 0, 0));
         sl_receivers *r = receivers_of(scene, raster, &view, mirrors, 1, 1);
-        sl_counters counters = {{0}};
         memset(red, 0, sizeof red);
         memset(green, 0, sizeof green);
         memset(blue, 0, sizeof blue);
-        sl_add_emission(scene, r, 2, (float *const[3]){red, green, blue}, &counters);
+        add_emission(scene, r, (float *const[3]){red, green, blue});
         for (int i = 0; i < view.width * view.height; i++) {
             bool reflected = r->path && r->path[i];
             sl_vec3 d = direction_of_pixel(&view, i);
@@ -448,7 +427,6 @@ int main(void) {
         cmocka_unit_test(what_a_view_leaves_out_is_seen_in_its_mirrors),
         cmocka_unit_test(two_mirrors_face_to_face_end_at_the_nesting_limit),
         cmocka_unit_test(reflectances_multiply_along_a_path),
-        cmocka_unit_test(receivers_are_the_same_at_any_number_of_threads),
         cmocka_unit_test(emitters_shine_from_their_front_in_mirrors_too),
         cmocka_unit_test(the_environment_is_seen_in_the_direction_that_the_mirror_sends_the_eye),
         cmocka_unit_test(the_mean_of_an_environment_is_taken_by_solid_angle),

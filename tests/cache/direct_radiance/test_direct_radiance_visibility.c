@@ -1,4 +1,4 @@
-/* Indirect shadows: rays between receivers and photons, one by one or for blocks of pixels. */
+/* Indirect shadows: rays between receivers and photons, one by one. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -69,12 +69,11 @@ static planes light_up(const stage *s, const sl_map_photons *photons, sl_photon_
     sl_light_pass pass = {.scene = s->scene,
                           .photons = photons,
                           .weight = SL_WEIGHT_FLUX,
-                          .tracer = s->tracer,
-                          .visibility = visibility,
+                          .tracer = visibility == SL_VISIBILITY_NONE ? NULL : s->tracer,
                           .threads = threads};
     planes p = make_planes(PIXELS);
     sl_lit_picture picture = {.indirect = {p.value[0], p.value[1], p.value[2]}};
-    assert_int_equal(sl_light_indirectly(&pass, s->receivers, &picture, NULL, counters, NULL), SL_OK);
+    light_indirectly(&pass, s->receivers, &picture, counters);
     return p;
 }
 
@@ -113,15 +112,10 @@ static void nothing_changes_where_nothing_is_in_the_way(void **state) {
     sl_map_photons *photons = cube_photons(meet_unit_cube, NULL, sl_v3d(0.4, 0.7, 0.5), 6, 3, 0.7, sqrt(3.0));
     sl_counters costs = {{0}};
     planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs),
-           rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs),
-           blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
-    for (int c = 0; c < 3; c++) {
-        assert_memory_equal(open.value[c], rays.value[c], PIXELS * sizeof(float));
-        assert_memory_equal(open.value[c], blocks.value[c], PIXELS * sizeof(float));
-    }
+           rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
+    for (int c = 0; c < 3; c++) assert_memory_equal(open.value[c], rays.value[c], PIXELS * sizeof(float));
     free_planes(&open);
     free_planes(&rays);
-    free_planes(&blocks);
     free_photons(photons);
     end_stage(&s);
 }
@@ -131,62 +125,11 @@ static void no_ray_is_traced_where_no_light_would_arrive(void **state) {
     stage s = make_stage(true);
     sl_map_photons *photons = ceiling_photons(3);
     for (size_t j = 0; j < photons->count; j++) photons->photon[j].normal = sl_v3(0, 1, 0);
-    for (int v = SL_VISIBILITY_RAYS; v <= SL_VISIBILITY_BLOCKS; v++) {
-        sl_counters costs = {{0}};
-        planes p = light_up(&s, photons, (sl_photon_visibility)v, 1, &costs);
-        assert_int_equal(costs.value[SL_COUNT_SHADOW_RAYS], 0);
-        for (int i = 0; i < PIXELS; i++) assert_true(p.value[0][i] == 0.0f);
-        free_planes(&p);
-    }
-    free_photons(photons);
-    end_stage(&s);
-}
-
-/* Shadows larger than a block come out as with a ray for each pixel; rays are spent at their edges. */
-static void blocks_give_the_same_shadow_for_fewer_rays(void **state) {
-    (void)state;
-    stage s = make_stage(true);
-    sl_map_photons *photons = ceiling_photons(1);
-    sl_counters of_rays = {{0}}, of_blocks = {{0}};
-    planes rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &of_rays),
-           blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &of_blocks);
-    uint64_t edge = 0;
-    for (int i = 0; i < PIXELS; i++) edge += fabsf(from_shadow(i % WIDTH, i / WIDTH)) < 8.0f / HEIGHT;
-    for (int c = 0; c < 3; c++) assert_memory_equal(rays.value[c], blocks.value[c], PIXELS * sizeof(float));
-    assert_true(of_blocks.value[SL_COUNT_SHADOW_RAYS] >= PIXELS / 16 + 100);
-    assert_true(of_blocks.value[SL_COUNT_SHADOW_RAYS] <= PIXELS / 16 + edge / 2);
-    assert_int_equal(of_rays.value[SL_COUNT_SHADOW_RAYS], PIXELS);
-    free_planes(&rays);
-    free_planes(&blocks);
-    free_photons(photons);
-    end_stage(&s);
-}
-
-/* A post one pixel wide before the floor, off the pixels that stand for blocks: its pixels must be traced
- * themselves. */
-static void pixels_that_no_block_fits_ask_themselves(void **state) {
-    (void)state;
-    stage s = make_stage(true);
-    sl_map_photons *photons = ceiling_photons(1);
-    for (int y = 0; y < HEIGHT; y++) {
-        sl_vec3 p = floor_point(51, y);
-        p.y = 0.3f;
-        set_receiver(s.receivers, (size_t)(y * WIDTH + 51), p, sl_v3(0, 0.8f, 0.6f), sl_v3(0, 0.8f, 0.6f),
-                     sl_grey(0.5f), 0);
-    }
     sl_counters costs = {{0}};
-    planes rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs),
-           blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
-    int dark = 0, lit = 0;
-    for (int y = 0; y < HEIGHT; y++) {
-        size_t i = (size_t)(y * WIDTH + 51);
-        assert_true(rays.value[0][i] == blocks.value[0][i]);
-        dark += rays.value[0][i] == 0.0f;
-        lit += rays.value[0][i] > 0.0f;
-    }
-    assert_true(dark > 5 && lit > 5);
-    free_planes(&rays);
-    free_planes(&blocks);
+    planes p = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
+    assert_int_equal(costs.value[SL_COUNT_SHADOW_RAYS], 0);
+    for (int i = 0; i < PIXELS; i++) assert_true(p.value[0][i] == 0.0f);
+    free_planes(&p);
     free_photons(photons);
     end_stage(&s);
 }
@@ -194,40 +137,6 @@ static void pixels_that_no_block_fits_ask_themselves(void **state) {
 /* Pixels in the plate's shadow, each like the lit pixels that stand for the blocks around in all but one
  * thing. */
 typedef enum { OTHER_OBJECT, OTHER_SHADING, OTHER_SIDE, OTHER_PLANE, FAR_AWAY, DIFFERENCES } difference;
-
-static void put_into_shadow(const stage *s, size_t i, float z, difference d) {
-    const sl_vec3 up = sl_v3(0, 1, 0), tilted = sl_v3(0, 0.8f, 0.6f);
-    const sl_vec3 p = sl_v3(d == FAR_AWAY ? 0.62f : 0.674f, d == OTHER_PLANE ? 0.05f : 0.0f, z);
-    set_receiver(s->receivers, i, p, d == OTHER_SIDE ? tilted : up, d == OTHER_SHADING ? tilted : up,
-                 sl_grey(0.5f), 0);
-    if (d == OTHER_OBJECT) s->receivers->gbuffer->id[i] = 11;
-}
-
-static void blocks_of_another_surface_do_not_light_a_pixel_in_shadow(void **state) {
-    (void)state;
-    /* rows of pixels that stand for blocks; beside a column of such */
-    enum { COLUMN = 70, FIRST = 29, LAST = 49 };
-    for (int d = 0; d < DIFFERENCES; d++) {
-        stage s = make_stage(true);
-        sl_map_photons *photons = ceiling_photons(1);
-        s.scene->object_index[11] = 1;
-        for (int y = FIRST; y <= LAST; y += 4)
-            put_into_shadow(&s, (size_t)(y * WIDTH + COLUMN), floor_point(COLUMN, y).z, (difference)d);
-        sl_counters costs = {{0}};
-        planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs),
-               blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
-        for (int y = FIRST; y <= LAST; y += 4) {
-            /* stands for its block, and is lit */
-            assert_true(blocks.value[0][y * WIDTH + COLUMN - 1] > 0.0f);
-            assert_true(open.value[0][y * WIDTH + COLUMN] > 0.0f);
-            if (blocks.value[0][y * WIDTH + COLUMN] != 0.0f) fail_msg("difference %d: lit", d);
-        }
-        free_planes(&open);
-        free_planes(&blocks);
-        free_photons(photons);
-        end_stage(&s);
-    }
-}
 
 /* The mean of a group of texels on a ball lies inside the ball. */
 static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
@@ -262,21 +171,19 @@ static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
     stage s = make_stage(true);
     for (int i = 0; i < PIXELS; i += 3) s.receivers->gbuffer->material[i] = i % 2 ? 1 : SL_NO_INDEX;
     sl_map_photons *photons = ceiling_photons(40);
-    for (int v = SL_VISIBILITY_RAYS; v <= SL_VISIBILITY_BLOCKS; v++) {
-        sl_counters first = {{0}};
-        planes expected = light_up(&s, photons, (sl_photon_visibility)v, 1, &first);
-        for (unsigned k = 0; k < 3; k++) {
-            sl_counters costs = {{0}};
-            assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
-            planes got = light_up(&s, photons, (sl_photon_visibility)v, k + 1, &costs);
-            unsetenv("SOFTLUX_ISA");
-            for (int c = 0; c < 3; c++)
-                assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
-            assert_memory_equal(&first, &costs, sizeof costs);
-            free_planes(&got);
-        }
-        free_planes(&expected);
+    sl_counters first = {{0}};
+    planes expected = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &first);
+    for (unsigned k = 0; k < 3; k++) {
+        sl_counters costs = {{0}};
+        assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
+        planes got = light_up(&s, photons, SL_VISIBILITY_RAYS, k + 1, &costs);
+        unsetenv("SOFTLUX_ISA");
+        for (int c = 0; c < 3; c++)
+            assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
+        assert_memory_equal(&first, &costs, sizeof costs);
+        free_planes(&got);
     }
+    free_planes(&expected);
     free_photons(photons);
     end_stage(&s);
 }
@@ -286,9 +193,6 @@ int main(void) {
         cmocka_unit_test(rays_leave_the_plates_shadow_on_the_floor),
         cmocka_unit_test(nothing_changes_where_nothing_is_in_the_way),
         cmocka_unit_test(no_ray_is_traced_where_no_light_would_arrive),
-        cmocka_unit_test(blocks_give_the_same_shadow_for_fewer_rays),
-        cmocka_unit_test(pixels_that_no_block_fits_ask_themselves),
-        cmocka_unit_test(blocks_of_another_surface_do_not_light_a_pixel_in_shadow),
         cmocka_unit_test(photon_a_little_inside_its_curved_surface_is_seen),
         cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
     };
