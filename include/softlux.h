@@ -622,9 +622,8 @@ SL_API void sl_error_probe_destroy(sl_error_probe *probe); /**< NULL is allowed 
 SL_API sl_status sl_error_probe_estimate(sl_error_probe *probe, const sl_image *image, uint64_t probes,
                                          uint32_t samples, sl_error_estimate *estimate, sl_error *error);
 /** The same with few probes, and more until it is clear whether the error is within rel_rmse: until bound <=
- * rel_rmse; or least is not far below rel_rmse, and it would take many more to tell; or the probe's counters
- * would have more than so many rays and shadow rays. 0: a number that grows as 1/rel_rmse^2. USAGE: rel_rmse
- * is not above 0. */
+ * rel_rmse, or least is above it, or the probe's counters would have more than so many rays and shadow rays.
+ * 0: a number that grows as 1/rel_rmse^2. USAGE: rel_rmse is not above 0. */
 SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse,
                                       uint64_t rays, sl_error_estimate *estimate, sl_error *error);
 /** How much of the first picture's error is left in the second, which was judged last: with 95 % confidence

@@ -156,6 +156,24 @@ static void tell(const climb *c, const candidate *p) {
     fprintf(stderr, "\n");
 }
 
+/* If every step that is left leaves as much of the error as this one, the last does not do either. */
+static bool ends_above(const climb *c, unsigned step) {
+    double error = c->judged.rel_rmse;
+    for (unsigned i = step + 1; i < c->steps; i++) error *= c->left;
+    return c->left > worthwhile && error > too_near * c->o->error;
+}
+
+/* How much of the last picture's error is left in this one. Where that is so much that the climb would end,
+ * both are judged by many probes: few may be off all the same way. */
+static sl_status compare_with_last(climb *c, const sl_image *image, unsigned step, sl_error *error) {
+    enum { MANY_PROBES = 4096, MANY_SAMPLES = 64 };
+    sl_status status = sl_error_probe_left(c->probe, c->last, image, &c->left, error);
+    if (status != SL_OK || step + 1 >= c->steps || !ends_above(c, step) || c->judged.probes >= MANY_PROBES / 2)
+        return status;
+    status = sl_error_probe_estimate(c->probe, image, MANY_PROBES, MANY_SAMPLES, &c->judged, error);
+    return status == SL_OK ? sl_error_probe_left(c->probe, c->last, image, &c->left, error) : status;
+}
+
 /* Holds a step's picture against the last one's, and keeps it for the next. */
 static sl_status hold_against_last(climb *c, const sl_image *image, unsigned step, sl_error *error) {
     static const char *const names[] = {"R", "G", "B"};
@@ -163,7 +181,7 @@ static sl_status hold_against_last(climb *c, const sl_image *image, unsigned ste
     sl_status status = SL_OK;
     c->left = 0.0;
     if (c->last && c->last_step >= sl_ladder_refines_all_from(c->asked.method))
-        status = sl_error_probe_left(c->probe, c->last, image, &c->left, error);
+        status = compare_with_last(c, image, step, error);
     if (status == SL_OK && !c->last)
         status = sl_image_create(image->width, image->height, 3, names, &c->last, error);
     for (size_t i = 0; status == SL_OK && i < 3; i++)
@@ -182,14 +200,14 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
     p.effort = c->effort = sl_effort_in_rays(sl_method_counters(method));
     p.json = sl_picture_json(o, c->scene, method, p.image, progress, p.seconds);
     if (c->o->error > 0.0) {
-        status = judge(c, p.image, &p.estimate, error);
+        status = judge(c, p.image, &c->judged, error);
+        if (status == SL_OK && c->steps && progress->done && !(c->judged.bound <= c->o->error))
+            status = hold_against_last(c, p.image, step, error);
+        p.estimate = c->judged;
         if (status == SL_OK) status = stamp(c, p.image, &p.estimate, error);
         if (status == SL_OK) add_json(c, p.json, &p.estimate);
         c->reached = status == SL_OK && p.estimate.bound <= c->o->error;
-        if (status == SL_OK && c->steps && progress->done && !c->reached)
-            status = hold_against_last(c, p.image, step, error);
     }
-    c->judged = p.estimate;
     if (status == SL_OK) tell(c, &p);
     if (status == SL_OK && is_better(c, &p)) {
         release(&c->best);
@@ -292,13 +310,6 @@ static bool bound_cannot_follow(const climb *c, unsigned step) {
     return may_do && !cheap && probes * ratio * ratio > fmax(next, probe_rays_at_least);
 }
 
-/* If every step that is left leaves as much of the error as this one, the last does not do either. */
-static bool ends_above(const climb *c, unsigned step) {
-    double error = c->judged.rel_rmse;
-    for (unsigned i = step + 1; i < c->steps; i++) error *= c->left;
-    return error > too_near * c->o->error;
-}
-
 /* Notes why; false where another step may do. */
 static bool is_in_vain(climb *c, unsigned step) {
     if (!(c->o->error > 0.0)) return false;
@@ -307,7 +318,7 @@ static bool is_in_vain(climb *c, unsigned step) {
     else if (step + 1 < c->steps && bound_cannot_follow(c, step))
         snprintf(c->why, sizeof c->why,
                  "and probes that take no longer than the pictures can promise no more");
-    else if (step + 1 < c->steps && c->left > worthwhile && ends_above(c, step))
+    else if (step + 1 < c->steps && ends_above(c, step))
         snprintf(c->why, sizeof c->why, "and with finer settings at least %d %% of the error was left",
                  (int)(100.0 * c->left));
     else

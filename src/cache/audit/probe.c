@@ -194,9 +194,6 @@ sl_status sl_error_probe_estimate(sl_error_probe *p, const sl_image *image, uint
 /* ---- until it is clear ----------------------------------------------------------------------- */
 
 enum { FIRST_PROBES = 256, FIRST_SAMPLES = 16 };
-/* To tell an error from one that is a little larger takes more than to make a better picture. */
-static const double too_near = 0.75;
-
 /* Noise of the probes' own values adds its square, over the root of their number, to what the squared error
  * is uncertain by: while it is above the error asked for, twice the samples lower that fourfold for the same
  * price as twice the probes. So it is, too, when every pixel has become a probe. */
@@ -236,7 +233,7 @@ sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double 
     double most = status != SL_OK ? 0.0 : rays ? (double)rays : usual_price(&a, rel_rmse);
     if (status == SL_OK) choose(&a, probes);
     if (status == SL_OK) status = audit_estimate(&a, probes, samples, e, error);
-    while (status == SL_OK && !(e->bound <= rel_rmse) && !(e->least > too_near * rel_rmse) && !e->nonfinite) {
+    while (status == SL_OK && !(e->bound <= rel_rmse) && !(e->least > rel_rmse) && !e->nonfinite) {
         if (wants_samples(&a, e, rel_rmse, probes)) samples *= 2;
         else probes *= 2;
         choose(&a, probes);

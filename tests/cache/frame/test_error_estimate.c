@@ -376,6 +376,26 @@ static void the_back_of_a_lamp_is_a_surface_and_where_only_sky_is_seen_all_pixel
     }
 }
 
+static void an_error_a_little_below_what_is_asked_is_found_to_be_within(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("path", SIZE, SIZE);
+    sl_image *image = reference_of(scene, "full", 64);
+    add_to_picture(image, (float)(0.2 * mean_of(image)));
+    for (settings.seed = 0; settings.seed < 10; settings.seed++) {
+        sl_error_estimate e;
+        sl_error_probe *probe = probe_of(scene, &settings);
+        double truth = estimate_with(probe, image, SIZE * SIZE, 64).rel_rmse;
+        sl_error_probe_destroy(probe);
+        probe = probe_of(scene, &settings);
+        assert_int_equal(sl_error_probe_judge(probe, image, 1.06 * truth, 0, &e, NULL), SL_OK);
+        assert_true(e.bound <= 1.06 * truth && e.least <= truth);
+        sl_error_probe_destroy(probe);
+    }
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 static void a_judgement_traces_no_more_than_it_may(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
@@ -589,6 +609,7 @@ int main(void) {
         cmocka_unit_test(a_lamp_that_is_seen_is_in_neither_error_nor_mean),
         cmocka_unit_test(pixels_at_the_rim_of_a_lamp_are_left_out_where_pixels_are_boxes),
         cmocka_unit_test(the_back_of_a_lamp_is_a_surface_and_where_only_sky_is_seen_all_pixels_count),
+        cmocka_unit_test(an_error_a_little_below_what_is_asked_is_found_to_be_within),
         cmocka_unit_test(a_judgement_traces_no_more_than_it_may),
         cmocka_unit_test(a_black_scene_has_no_error_and_a_lit_one_in_black_has_all),
         cmocka_unit_test(nothing_is_promised_for_a_picture_with_a_value_that_is_no_number),
