@@ -179,10 +179,11 @@ lessons: all ## write the pictures of docs/lessons anew
 	@./tests/lessons.sh $(BUILD) --update
 scenes: $(BUILD)/generate ## generate the larger scenes into scenes/generated/
 	@$(BUILD)/generate scenes/generated
-bench: all $(BENCHES) ## speed against error
-	@./bench/run.sh $(BUILD)
+bench: all scenes $(BENCHES) ## speed against error
+	@$(BUILD)/softlux bench scenes/cornell.json scenes/generated/atrium.json -o $(BUILD)/report
+	@$(BUILD)/bench/bench_raster
 bench-%: all $(BENCHES) ## the experiments of docs/METHOD-experiments.md; BRIEF=1: a short form
-	@./bench/$(subst -,_,$*).sh $(BUILD) $(if $(BRIEF),--brief)
+	@./bench/experiments.sh $* $(BUILD) $(if $(BRIEF),--brief)
 report: all $(BUILD)/generate ## speed against error, every method on many scenes: docs/report/
 	@./bench/report.sh $(BUILD)
 auto-table: $(BUILD)/bench/bench_auto ## src/app/auto_table.h anew from docs/report/

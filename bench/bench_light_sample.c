@@ -370,7 +370,7 @@ int main(int argc, char **argv) {
     static bench b;
     bench_options o = bench_options_parse(argc, argv, "build/light-sample");
     sl_error error = {0};
-    b.repetitions = o.once ? 3 : REPETITIONS;
+    b.repetitions = o.brief ? 3 : REPETITIONS;
     bench_report_open(&b.report, &o, "light_sample");
     if (!bench_open_scene(&b.report, "scenes/generated/room.json", &b.scene)) return 1;
     need(sl_raster_create(b.scene, 1, &b.raster, &error), "raster", &error);

@@ -80,7 +80,7 @@ static int play(shading_world *w, const film *f, int block, rival *v, int which,
 
 static void open_rivals(shading_world *w, const sl_settings *settings, shading_run *run, int points,
                         rival rivals[2]) {
-    shading_run_open(run, w, settings, false);
+    shading_run_open(run, w, settings);
     rivals[0] = (rival){.run = run};
     rivals[1] = (rival){.cache = shading_rival(w, points)};
 }
@@ -194,7 +194,7 @@ static void jump(bench_report *r, const bench_options *o, const char *path) {
         rival v = {0};
         if (i < JUMPS) {
             name = jump_variant(i, &s.shading_cache);
-            shading_run_open(&run, &w, &s, false);
+            shading_run_open(&run, &w, &s);
             v.run = &run;
         } else {
             v.cache = shading_rival(&w, (int)per_update);

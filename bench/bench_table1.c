@@ -12,7 +12,8 @@
 #include "base/math.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "splat_bench.h"
+#include "cache/splatting/splatting.h"
+#include "common.h"
 #include "timing.h"
 
 typedef struct world {

@@ -1,25 +1,8 @@
-/* Speed against error: which trials none beats, where two curves meet, and both as SVG, its axes logarithmic.
- */
+/* Curves of speed against error: between their points, and as SVG, its axes logarithmic. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "common.h"
-
-static int by_seconds(const void *a, const void *b) {
-    double x = ((const bench_point *)a)->seconds, y = ((const bench_point *)b)->seconds;
-    return (x > y) - (x < y);
-}
-
-bench_series bench_envelope(const bench_series *all) {
-    bench_series sorted = *all, e = *all;
-    e.count = 0;
-    qsort(sorted.point, sorted.count, sizeof *sorted.point, by_seconds);
-    for (size_t i = 0; i < sorted.count; i++) {
-        if (e.count && sorted.point[i].rel_mse >= e.point[e.count - 1].rel_mse) continue;
-        if (sorted.point[i].rel_mse > 0.0) e.point[e.count++] = sorted.point[i];
-    }
-    return e;
-}
 
 double bench_between(const bench_series *s, double at, bool seconds_wanted) {
     for (size_t i = 0; i + 1 < s->count; i++) {

@@ -86,25 +86,6 @@ void bench_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
     sl_gbuffer_destroy(gbuffer);
 }
 
-bool bench_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const bench_pixels *pixels, size_t i,
-                         sl_surface *surface, uint32_t *triangle) {
-    sl_ray16 ray;
-    bench_camera_ray(scene, pixels->width, pixels->height, pixels->index[i], &ray, 0);
-    return sees_surface(scene, tracer, &ray, surface, triangle);
-}
-
-void bench_pixels_keep_glossy(const sl_scene *scene, const sl_tracer *tracer, bench_pixels *pixels) {
-    size_t kept = 0;
-    for (size_t i = 0; i < pixels->count; i++) {
-        sl_surface surface;
-        uint32_t triangle;
-        if (bench_pixel_surface(scene, tracer, pixels, i, &surface, &triangle) &&
-            sl_material_is_glossy(surface.material))
-            pixels->index[kept++] = pixels->index[i];
-    }
-    pixels->count = kept;
-}
-
 void bench_pixels_free(bench_pixels *pixels) {
     free(pixels->index);
     pixels->index = NULL;

@@ -11,23 +11,16 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
     bench_options o = {0};
     snprintf(o.folder, sizeof o.folder, "%s", folder);
     for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--brief") == 0) o.brief = o.once = true;
-        else if (strcmp(argv[i], "--once") == 0) o.once = true;
+        if (strcmp(argv[i], "--brief") == 0) o.brief = true;
         else if (strcmp(argv[i], "--pictures") == 0) o.pictures = true;
         else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) o.only = argv[++i];
-        else if (strcmp(argv[i], "--rows") == 0 && i + 1 < argc) o.rows = argv[++i];
-        else if (strcmp(argv[i], "--samples") == 0 && i + 1 < argc)
-            o.samples = (uint32_t)strtoul(argv[++i], NULL, 10);
         else if (strcmp(argv[i], "--points") == 0 && i + 1 < argc)
             o.points = (size_t)strtoul(argv[++i], NULL, 10);
-        else if (strcmp(argv[i], "--size") == 0 && i + 1 < argc) o.size = atoi(argv[++i]);
         else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc)
             snprintf(o.folder, sizeof o.folder, "%s", argv[++i]);
         else {
             fprintf(stderr,
-                    "usage: %s [--brief] [--once] [--only TEXT|=NAME] [--rows TEXT] [--points N] [--size N] "
-                    "[--samples N]"
-                    " [--pictures] [--out FOLDER]\n",
+                    "usage: %s [--brief] [--only TEXT|=NAME] [--points N] [--pictures] [--out FOLDER]\n",
                     argv[0]);
             exit(2);
         }
@@ -43,8 +36,6 @@ static bool wanted(const char *pattern, const char *name) {
 }
 
 bool bench_wants(const bench_options *o, const char *scene) { return wanted(o->only, scene); }
-
-bool bench_wants_row(const bench_options *o, const char *setting) { return wanted(o->rows, setting); }
 
 _Noreturn void bench_fail(const char *what, const sl_error *error) {
     fprintf(stderr, "%s: %s\n", what, error ? error->message : "failed");
@@ -160,17 +151,6 @@ void bench_scene_name(const char *path, char name[64]) {
 }
 
 /* ---- pictures ---- */
-
-bool bench_pick(const sl_image *image, const char *prefix, const bench_pixels *pixels, float *values) {
-    for (size_t c = 0; c < 3; c++) {
-        char name[SL_CHANNEL_NAME_MAX];
-        snprintf(name, sizeof name, "%s%s%c", prefix ? prefix : "", prefix ? "." : "", "RGB"[c]);
-        const float *plane = sl_image_channel(image, name);
-        if (!plane) return false;
-        for (size_t i = 0; i < pixels->count; i++) values[3 * i + c] = plane[pixels->index[i]];
-    }
-    return true;
-}
 
 void bench_write_picture(const bench_report *r, const char *scene, const char *what, const sl_image *image) {
     char path[700];

@@ -1,35 +1,51 @@
 #!/bin/sh
-# bench/experiments.sh NAME PROGRAMS BUILD [--brief|--once] [--docs] [EXPERIMENT ...]: the experiments on one method, all of PROGRAMS or those
-# named; what splatting.sh and direct_radiance.sh share. Tables go to the terminal and, as Markdown and CSV, to build/NAME/ (brief ones to
-# build/NAME-brief/). With --docs the Markdown, without columns that hold nothing, also replaces what stands between the markers of
-# docs/NAME-experiments.md.
+# bench/experiments.sh METHOD BUILD [--brief] [--docs] [SCENE ...]: the experiments on one method: the tables of bench/METHOD.trials, those of
+# bench/frames.trials that are its own, and programs for what trials cannot measure. METHOD is also bidirectional, estimates or raster.
+# Tables go to BUILD/METHOD/ (brief ones, of small pictures, to BUILD/METHOD-brief/). With --docs they also replace what stands between the marks
+# of docs pages. Interrupted, the same command goes on. From outside: REFERENCE_BUDGET of each reference in processor seconds (60).
 set -eu
 cd "$(dirname "$0")/.."
-name=$1 programs=$2 build=$3
-shift 3
-folder=build/$name options='' docs='' experiments=''
+method=$1 build=$2 brief='' docs='' scenes=''
+shift 2
 for word in "$@"; do
     case $word in
-    --brief) options='--brief' folder=build/$name-brief ;;
-    --once) options='--once' ;;
-    --docs) docs=docs/$name-experiments.md ;;
-    *) experiments="$experiments $word" ;;
+    --brief) brief=--brief ;;
+    --docs) docs=yes ;;
+    *) scenes="$scenes $word" ;;
     esac
 done
+case $method in
+splatting) programs='table1' frames=splatting pages=docs/splatting-experiments.md ;;
+direct-radiance) programs='' frames=radiance pages=docs/direct-radiance-experiments.md ;;
+light-octree) programs='' frames=octree pages=docs/light-octree-experiments.md ;;
+multi-mesh) programs='light_sample' frames=mesh pages=docs/multi-mesh-experiments.md ;;
+shading-cache) programs='shading_equal shading_moving' frames='' pages=docs/shading-cache-experiments.md ;;
+bidirectional) programs='' frames='' pages=docs/bidirectional.md ;;
+estimates) programs='' frames='' pages=docs/error-estimates.md ;;
+raster) make -s BUILD="$build" scenes && exec "$build/bench/bench_raster" ;;
+*) echo "unknown method: $method" >&2 && exit 2 ;;
+esac
+out=$build/$method${brief:+-brief}
 [ -f scenes/generated/ring.json ] || make -s scenes >/dev/null
-for experiment in ${experiments:-$programs}; do
-    [ -x "$build/bench/bench_$experiment" ] || continue
-    echo "== $experiment: softlux $("$build/softlux" --version | cut -d' ' -f2), commit $(git rev-parse --short HEAD 2>/dev/null || echo unknown)," \
-        "$(nproc) processors,$(sed -n 's/^model name[^:]*:/ /p' /proc/cpuinfo | head -n 1)"
-    "$build/bench/bench_$experiment" $options --pictures --out "$folder"
-    [ -n "$docs" ] || continue
-    awk -f bench/full_columns.awk "$folder/$experiment.md" >"$folder/$experiment-full.md"
-    awk -v name="$experiment" -v file="$folder/$experiment-full.md" '
-        $0 == "<!-- end " name " -->" { while ((getline line < file) > 0) print line; print ""; inside = 0 }
-        !inside { print }
-        $0 == "<!-- begin " name " -->" { inside = 1 }' "$docs" >"$docs.new"
-    mv "$docs.new" "$docs"
-    for picture in "$folder"/*.svg; do
-        if [ -f "$picture" ]; then cp "$picture" docs/pictures/; fi
+mkdir -p "$out"
+# shellcheck disable=SC2086 # lists
+"$build/softlux" bench $scenes --trials "bench/$method.trials" -o "$out" --allow-outside --reference-budget "${REFERENCE_BUDGET:-60}" \
+    ${brief:+--size 48x48 --repeats 1 --reference-budget 2}
+[ -z "$frames" ] || "$build/bench/bench_frames" bench/frames.trials --table "$frames" ${brief:+--size 48 --frames 10} | tee "$out/frames.md"
+for program in $programs; do
+    "$build/bench/bench_$program" $brief --pictures --out "$out"
+    printf '<!-- table %s -->\n' "$program" >"$out/$program-table.md"
+    cat "$out/$program.md" >>"$out/$program-table.md"
+    echo '<!-- end -->' >>"$out/$program-table.md"
+done
+# Frames beside updates, by the clock.
+if [ "$method" = shading-cache ]; then
+    [ -n "$brief" ] && seconds=2 || seconds=10
+    for scene in study study-walk pool-walk; do
+        "$build/softlux" live "scenes/generated/$scene.json" --fps 0 --seconds "$seconds" --json >"$out/live-$scene.json"
     done
+fi
+[ -n "$docs" ] || exit 0
+for tables in "$out"/tables.md "$out"/frames.md "$out"/*-table.md; do
+    if [ -f "$tables" ]; then bench/fill_tables.sh "$tables" "$pages"; fi
 done

@@ -500,11 +500,3 @@ double render_cache_covered(const render_cache *c) {
     for (size_t i = 0; i < c->pixels; i++) covered += c->kept[i] != SL_NO_INDEX;
     return (double)covered / (double)c->pixels;
 }
-
-size_t render_cache_memory_bytes(const render_cache *c) {
-    return sizeof *c + c->capacity * sizeof *c->point +
-           c->pixels *
-               (2 * sizeof *c->shown + sizeof *c->depth + 3 * sizeof *c->picture + sizeof *c->priority) +
-           most_samples(&c->s) *
-               (sizeof *c->chosen + sizeof *c->request + 2 * sizeof *c->sample + sizeof *c->fresh);
-}

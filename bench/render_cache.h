@@ -50,6 +50,5 @@ const float *render_cache_picture(const render_cache *cache);
 /* Points that pixels show; 1 everywhere: no gap left. */
 double render_cache_covered(const render_cache *cache);
 render_cache_bill render_cache_costs(const render_cache *cache);
-size_t render_cache_memory_bytes(const render_cache *cache);
 
 #endif

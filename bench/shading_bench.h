@@ -17,7 +17,7 @@ typedef struct shading_world {
     sl_sample_renderer renderer[2];
     int renderers;
     bench_pixels pixels;             /* that are judged, of the view as it stands */
-    bench_reference limit;           /* what the renderers say of them; both halves are the same */
+    float *limit;                    /* what the renderers say of them: 3 values each */
     sl_display_curve display;        /* radiance to grey levels, as the cache itself reckons */
 } shading_world;
 
@@ -30,9 +30,6 @@ void shading_close(shading_world *w);
 unsigned shading_move(shading_world *w, double time);
 /* The limit for one pixel of each block x block, from the disk if it is there. */
 void shading_judge(shading_world *w, int block);
-/* What the renderers say of the same pixels where a caustic renderer is one of them, but without it: no
- * caustics of mirrors on diffuse surfaces. 3 values a pixel. */
-void shading_limit_without_caustics(shading_world *w, float *values);
 /* Of R, G, B planes against the limit: root mean square of the difference in displayed levels, 0 to 255, over
  * pixels and channels. What lamps are brighter than white by so counts for nothing, and what shows in the
  * dark for something. */
@@ -40,24 +37,15 @@ double shading_error(shading_world *w, const float *planes);
 
 /* ---- the cache ---- */
 
-enum { SHADING_STAGES = 8 };
-typedef struct shading_stage {
-    const char *name;
-    double ms;                       /* of all updates together; processor time of all threads */
-} shading_stage;
-
 typedef struct shading_run {
     shading_world *world;
     sl_method *method;
-    sl_observer observer;
-    shading_stage stage[SHADING_STAGES];
-    double last;                     /* when the last stage ended */
-    double seconds, wall;            /* of all updates; processor seconds of all threads, and the clock's */
+    double seconds; /* of all updates; of the processor, all threads */
     uint64_t updates;
 } shading_run;
 
-/* settings: NULL for the world's. watched: stages are timed; observers cost a little. */
-void shading_run_open(shading_run *run, shading_world *w, const sl_settings *settings, bool watched);
+/* settings: NULL for the world's. */
+void shading_run_open(shading_run *run, shading_world *w, const sl_settings *settings);
 void shading_run_close(shading_run *run);
 void shading_run_edit(shading_run *run, unsigned changes);
 void shading_run_update(shading_run *run);

@@ -60,7 +60,8 @@ bool shading_open(bench_report *r, const bench_options *o, const char *path, int
 
 static void forget_pixels(shading_world *w) {
     bench_pixels_free(&w->pixels);
-    bench_reference_free(&w->limit);
+    free(w->limit);
+    w->limit = NULL;
 }
 
 void shading_close(shading_world *w) {
@@ -98,32 +99,18 @@ void shading_judge(shading_world *w, int block) {
     forget_pixels(w);
     bench_pixels_make(w->scene, w->tracer, w->settings.width, w->settings.height, block, &w->pixels);
     size_t count = w->pixels.count;
-    w->limit =
-        (bench_reference){.count = count, .samples = 1, .half = {calloc(3 * count + 1, sizeof(float)), NULL}};
-    if (!w->limit.half[0]) bench_fail("pixels", NULL);
-    w->limit.half[1] = w->limit.half[0];
+    w->limit = calloc(3 * count + 1, sizeof *w->limit);
+    if (!w->limit) bench_fail("pixels", NULL);
     const sl_shading_cache_settings *c = &w->settings.shading_cache;
     const uint64_t what[] = {sl_scene_hash(w->scene), (uint64_t)w->settings.width,
                              (uint64_t)c->indirect_samples, (uint64_t)c->area_samples, (uint64_t)c->area};
     uint64_t hash =
         bench_hash(bench_hash(3, what, sizeof what), w->pixels.index, count * sizeof *w->pixels.index);
-    if (bench_store_load("shading", hash, 3 * count, w->limit.half[0])) return;
+    if (bench_store_load("shading", hash, 3 * count, w->limit)) return;
     render_cache_settings s = rival_settings(w, 1);
-    if (render_cache_reference(&s, count, w->pixels.index, w->limit.half[0], &error) != SL_OK)
+    if (render_cache_reference(&s, count, w->pixels.index, w->limit, &error) != SL_OK)
         bench_fail("reference", &error);
-    bench_store_save("shading", hash, 3 * count, w->limit.half[0]);
-}
-
-void shading_limit_without_caustics(shading_world *w, float *values) {
-    shading_world other = *w;
-    sl_error error;
-    other.settings.shading_cache.caustics = true;
-    other.renderers = 0;
-    make_renderers(&other); /* they have the address of the copy's tracer, and go before it does */
-    render_cache_settings s = rival_settings(&other, 1);
-    if (render_cache_reference(&s, w->pixels.count, w->pixels.index, values, &error) != SL_OK)
-        bench_fail("reference", &error);
-    for (int i = 0; i < other.renderers; i++) other.renderer[i].destroy(other.renderer[i].state);
+    bench_store_save("shading", hash, 3 * count, w->limit);
 }
 
 double shading_error(shading_world *w, const float *planes) {
@@ -131,7 +118,7 @@ double shading_error(shading_world *w, const float *planes) {
     double sum = 0.0;
     for (size_t i = 0; i < w->pixels.count; i++) {
         for (size_t k = 0; k < 3; k++) {
-            float shown = planes[k * pixels + w->pixels.index[i]], right = w->limit.half[0][3 * i + k];
+            float shown = planes[k * pixels + w->pixels.index[i]], right = w->limit[3 * i + k];
             double apart =
                 (double)sl_curve_level_of(&w->display, shown) - (double)sl_curve_level_of(&w->display, right);
             sum += apart * apart / (3.0 * (double)w->pixels.count);
@@ -142,27 +129,11 @@ double shading_error(shading_world *w, const float *planes) {
 
 /* ---- the cache ---- */
 
-/* What an observer's own picture takes falls to the stage that is announced with one. */
-static void end_stage(void *context, const sl_pass *pass) {
-    shading_run *run = context;
-    double now = process_ms();
-    for (int i = 0; i < SHADING_STAGES; i++) {
-        shading_stage *s = &run->stage[i];
-        if (s->name && strcmp(s->name, pass->name) != 0) continue;
-        s->name = pass->name;
-        s->ms += now - run->last;
-        break;
-    }
-    run->last = process_ms();
-}
-
-void shading_run_open(shading_run *run, shading_world *w, const sl_settings *settings, bool watched) {
+void shading_run_open(shading_run *run, shading_world *w, const sl_settings *settings) {
     sl_settings s = settings ? *settings : w->settings;
     sl_error error;
     memset(run, 0, sizeof *run);
     run->world = w;
-    run->observer = (sl_observer){run, end_stage};
-    s.observer = watched ? &run->observer : NULL;
     if (sl_method_create(w->scene, &s, &run->method, &error) != SL_OK) bench_fail("shading cache", &error);
 }
 
@@ -176,10 +147,9 @@ void shading_run_edit(shading_run *run, unsigned changes) {
 void shading_run_update(shading_run *run) {
     sl_progress progress = {0};
     sl_error error;
-    double from = run->last = process_ms(), wall = wall_ms();
+    double from = process_ms();
     if (sl_method_update(run->method, &progress, &error) != SL_OK) bench_fail("update", &error);
     run->seconds += 1e-3 * (process_ms() - from);
-    run->wall += 1e-3 * (wall_ms() - wall);
     run->updates++;
 }
 

@@ -34,8 +34,9 @@ static const char details[] =
     "example: softlux bench scenes/cornell.json -o build/report";
 
 typedef struct request {
-    const char *scenes[MOST_SCENES];
-    char references[SL_BENCH_PATH];
+    const char *scenes[MOST_SCENES], *trials_path;
+    char references[SL_BENCH_PATH], of_trials[MOST_SCENES][SL_BENCH_PATH];
+    sl_trials trials;
     int scene_count, size[2];
     uint64_t repeats, threads, reference_threads, memory;
     sl_bench_options options;
@@ -83,6 +84,9 @@ static bool parse(int argc, char **argv, request *q, int *status) {
     const sl_option options[] = {
         {"output", 'o', SL_OPTION_TEXT, &o->folder, NULL, "DIR",
          "folder of the report, made with those above it [softlux-report]", 0, 0, NULL},
+        {"trials", 0, SL_OPTION_TEXT, &q->trials_path, NULL, "FILE",
+         "run these, in the file's scenes where none are named, and write the tables that it asks for", 0, 0,
+         NULL},
         {"methods", 'm', SL_OPTION_TEXT, &o->methods, NULL, "LIST", "which, with commas between [all]", 0, 0,
          NULL},
         {"qualities", 'q', SL_OPTION_TEXT, &o->qualities, NULL, "LIST",
@@ -119,16 +123,22 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print the rows as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
         {.name = NULL}};
-    const sl_command_line line = {"softlux bench SCENE... [-o DIR] [options]",
+    const sl_command_line line = {"softlux bench SCENE...|--trials FILE [-o DIR] [options]",
                                   "Speed against error of every method, as tables and plots.",
                                   details,
                                   options,
-                                  1,
+                                  0,
                                   MOST_SCENES,
                                   NULL,
                                   NULL};
     if (!sl_options_parse(&line, argc, argv, q->scenes, &q->scene_count, status) || !check_lists(o, status))
         return false;
+    if (!q->scene_count && !q->trials_path) {
+        fprintf(stderr, "softlux: usage: %s\n", line.usage);
+        *status = SL_ERROR_USAGE;
+        return false;
+    }
+    o->own_scenes = q->scene_count > 0;
     o->repeats = (int)q->repeats;
     o->threads = (unsigned)q->threads;
     o->reference_threads = (unsigned)q->reference_threads;
@@ -138,6 +148,31 @@ static bool parse(int argc, char **argv, request *q, int *status) {
     sl_reference_default_folder(q->references);
     if (!o->references) o->references = q->references;
     return true;
+}
+
+static bool has_scene(const request *q, const char *scene, size_t length) {
+    for (int i = 0; i < q->scene_count; i++)
+        if (strlen(q->scenes[i]) == length && strncmp(q->scenes[i], scene, length) == 0) return true;
+    return false;
+}
+
+/* Where no scenes are named: those of the trials, in their order. */
+static sl_status take_trials(request *q, sl_error *error) {
+    sl_bench_options *o = &q->options;
+    sl_status status = sl_trials_read(q->trials_path, &q->trials, error);
+    o->trials = &q->trials;
+    if (o->width == 0) o->width = q->trials.width, o->height = q->trials.height;
+    for (size_t i = 0; i < q->trials.count && status == SL_OK && !o->own_scenes; i++) {
+        const char *at = q->trials.trial[i].scenes, *scene;
+        size_t length;
+        while ((scene = sl_trials_next_scene(&at, &length)) && q->scene_count < MOST_SCENES) {
+            if (has_scene(q, scene, length)) continue;
+            char *copy = q->of_trials[q->scene_count];
+            snprintf(copy, SL_BENCH_PATH, "%.*s", (int)length, scene);
+            q->scenes[q->scene_count++] = copy;
+        }
+    }
+    return status;
 }
 
 /* ---- a scene ---- */
@@ -250,8 +285,10 @@ static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_r
     if (status != SL_OK || s->trouble[0]) return status;
     if (!o->references_only) status = sl_schedule_run(o, s, journal, error);
     if (status == SL_OK) status = sl_schedule_rows(o, s, journal, error);
-    if (status == SL_OK && !o->references_only) status = sl_audits_run(o, s, journal, error);
-    if (status == SL_OK && !o->references_only) status = sl_kinds_look(o, s, journal, error);
+    bool ladder = !o->trials->table_count && !o->references_only;
+    if (status == SL_OK && o->trials->audits && !o->references_only)
+        status = sl_audits_run(o, s, journal, error);
+    if (status == SL_OK && ladder) status = sl_kinds_look(o, s, journal, error);
     if (status == SL_OK && !o->trials_only && sl_evaluate(o, s, error) != SL_OK) {
         fprintf(stderr, "softlux: %s: no errors: %s\n", s->name, error->message);
         if (error->status == SL_ERROR_OUTPUT) status = SL_ERROR_OUTPUT;
@@ -366,7 +403,7 @@ static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_sta
 }
 
 int sl_command_bench(int argc, char **argv) {
-    request q;
+    static request q;
     sl_bench_results results = {0};
     sl_journal *journal = NULL;
     sl_error error;
@@ -379,14 +416,17 @@ int sl_command_bench(int argc, char **argv) {
     results.threads = (int)q.options.threads;
     results.repeats = q.options.repeats;
     name_machine(&results);
-    results.scenes = calloc((size_t)q.scene_count, sizeof *results.scenes);
+    sl_status status = take_trials(&q, &error);
+    results.trials = &q.trials;
+    results.scenes = calloc((size_t)q.scene_count + 1, sizeof *results.scenes);
     snprintf(path, sizeof path, "%s/journal.jsonl", q.options.folder);
-    sl_status status = check_files(&q.options, &error);
+    if (status == SL_OK) status = check_files(&q.options, &error);
     if (status == SL_OK) status = sl_journal_open(path, &journal, &error);
     if (status == SL_OK) take_program(&q.options, journal);
     if (status == SL_OK && results.scenes) status = measure_all(&q, journal, &results, &error);
     exit_status = conclude(&q.options, &results, status, &error);
     sl_journal_close(journal);
     sl_bench_results_free(&results);
+    sl_trials_free(&q.trials);
     return exit_status;
 }

@@ -207,6 +207,8 @@ static void sets_of_light_paths_that_a_scene_cannot_tell_apart_share_a_reference
     sl_reference_path("folder", &diffuse, "matched:direct-radiance", a);
     sl_reference_path("folder", &open, "matched:direct-radiance", b);
     assert_string_not_equal(a, b);
+    /* Options change paths. */
+    assert_false(sl_reference_is_same(&diffuse, "matched:splatting", "matched:splatting --bounces 2"));
     sl_reference_path("folder", &diffuse, "full", a);
     sl_reference_path("folder", &open, "matched:light-octree", b);
     assert_string_equal(a, b);
@@ -279,21 +281,64 @@ static void missing_light_is_never_told_as_no_error(void **state) {
 
 /* ---- trials ---- */
 
-static void every_trial_s_arguments_mean_something_and_are_its_own(void **state) {
+static void every_trial_s_arguments_are_its_own_and_name_its_light_paths(void **state) {
     (void)state;
-    const sl_trial *t;
-    for (size_t i = 0; (t = sl_trial_at(i)); i++) {
+    sl_trials all;
+    sl_error error;
+    assert_int_equal(sl_trials_read(NULL, &all, &error), SL_OK);
+    for (size_t i = 0; i < all.count; i++) {
+        const sl_trial *t = &all.trial[i];
         sl_settings s;
         assert_true(sl_trial_settings(t->arguments, &s));
-        assert_string_equal(s.method, t->method);
-        assert_true(strlen(t->arguments) < SL_BENCH_ARGUMENTS);
-        for (size_t k = 0; k < i; k++) assert_string_not_equal(t->arguments, sl_trial_at(k)->arguments);
+        for (size_t k = 0; k < i; k++) assert_string_not_equal(t->arguments, all.trial[k].arguments);
         if (strncmp(t->transport, "matched:", 8) == 0) assert_string_equal(t->transport + 8, t->method);
         else if (s.transport) assert_string_equal(s.transport, t->transport);
     }
-    sl_settings s;
-    assert_true(sl_trial_settings("-m path --transport one-bounce --set filter=centre --spp 7", &s));
-    assert_true(s.spp == 7 && s.filter == SL_FILTER_CENTRE);
+    assert_true(all.truth[SL_BENCH_MATCHED] && all.truth[SL_BENCH_FULL] && all.audits);
+    sl_trials_free(&all);
+}
+
+static void a_file_of_trials_is_read_line_by_line(void **state) {
+    (void)state;
+    sl_trials all;
+    sl_error error;
+    size_t length;
+    const char *path =
+        scene_file_text("a.trials", "# two\nsize 8x6\nscenes a.json b.json\ntruth full\nwith -m path\n"
+                                    "trial draft = -q draft\ntable t: cpu, full, part.x\n"
+                                    "trial four, no options =\ncurve c\ntrial 2 = --spp 2\n");
+    assert_int_equal(sl_trials_read(path, &all, &error), SL_OK);
+    assert_true(all.count == 3 && all.table_count == 1 && all.width == 8 && all.height == 6);
+    assert_true(all.truth[SL_BENCH_FULL] && !all.truth[SL_BENCH_MATCHED] && !all.audits);
+    assert_int_equal(all.trial[0].quality, SL_BENCH_DRAFT);
+    assert_int_equal(all.trial[0].table, -1);
+    assert_string_equal(all.trial[1].name, "four, no options");
+    assert_string_equal(all.trial[1].arguments, "-m path");
+    assert_string_equal(all.trial[1].curve, "path");
+    assert_true(all.trial[1].look && !all.trial[1].ordered && all.trial[2].ordered);
+    assert_string_equal(all.trial[2].curve, "c");
+    const char *at = all.trial[2].scenes, *scene = sl_trials_next_scene(&at, &length);
+    assert_true(length == 6 && strncmp(scene, "a.json", length) == 0);
+    scene = sl_trials_next_scene(&at, &length);
+    assert_true(length == 6 && strncmp(scene, "b.json", length) == 0);
+    assert_null(sl_trials_next_scene(&at, &length));
+    sl_trials_free(&all);
+}
+
+static void a_line_of_trials_that_means_nothing_is_named(void **state) {
+    (void)state;
+    static const char *const lines[] = {"nonsense\n", "\ntrial a = -m path\n",
+                                        "truth full\nwith -m path\ntrial a\n", "size 0x1\n", "table t\n"};
+    static const char *const where[] = {
+        "bad.trials:1: ", "bad.trials:2: ", "bad.trials:3: ", "bad.trials:1: ", "bad.trials:1: "};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        sl_trials all;
+        sl_error error;
+        assert_int_equal(sl_trials_read(scene_file_text("bad.trials", lines[i]), &all, &error),
+                         SL_ERROR_INPUT);
+        assert_non_null(strstr(error.message, where[i]));
+        sl_trials_free(&all);
+    }
 }
 
 int main(void) {
@@ -309,7 +354,9 @@ int main(void) {
         cmocka_unit_test(a_scene_that_nothing_could_be_measured_of_has_no_lead),
         cmocka_unit_test(spreads_know_their_middle_and_their_ends),
         cmocka_unit_test(missing_light_is_never_told_as_no_error),
-        cmocka_unit_test(every_trial_s_arguments_mean_something_and_are_its_own),
+        cmocka_unit_test(every_trial_s_arguments_are_its_own_and_name_its_light_paths),
+        cmocka_unit_test(a_file_of_trials_is_read_line_by_line),
+        cmocka_unit_test(a_line_of_trials_that_means_nothing_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -357,6 +357,31 @@ static void two_programs_measure_and_a_third_tells(void **state) {
     free(tables);
 }
 
+static void a_file_of_trials_becomes_a_table_with_its_columns(void **state) {
+    (void)state;
+    char path[128];
+    snprintf(path, sizeof path, "%s/my.trials", base);
+    FILE *out = fopen(path, "w");
+    assert_non_null(out);
+    fputs("truth matched:direct-radiance\nwith -m direct-radiance -q draft\n"
+          "table light: cpu, matched, part.direct, counter.map_photons, nothing\ntrial as it is =\n"
+          "trial polygons = --set weight=polygon\n",
+          out);
+    fclose(out);
+    const char *const more[] = {"--trials", path, "-q", "curve", NULL};
+    assert_int_equal(finish(start("trials", more)), 0);
+    char *text = file_of("trials", "tables.md"), cpu[32], error[32], direct[32];
+    const char *row = strstr(text, "| cornell | as it is |");
+    unsigned photons = 0;
+    assert_non_null(strstr(text, "<!-- table light -->\n| scene | trial | cpu | matched | part.direct | "));
+    assert_non_null(strstr(text, "| cornell | polygons |"));
+    int found = sscanf(row, "| cornell | as it is | %31[^|]| %31[^|]| %31[^|]| %u |  |", cpu, error, direct,
+                       &photons);
+    assert_int_equal(found, 4);
+    assert_true(strtod(cpu, NULL) > 0.0 && strtod(error, NULL) > 0.0 && photons > 9);
+    free(text);
+}
+
 static int make_folder(void **state) {
     (void)state;
     return mkdtemp(base) ? 0 : -1;
@@ -381,6 +406,7 @@ int main(void) {
         cmocka_unit_test(a_report_alone_runs_no_trial),
         cmocka_unit_test(finer_settings_are_left_out_once_a_cheaper_one_was_stopped),
         cmocka_unit_test(two_programs_measure_and_a_third_tells),
+        cmocka_unit_test(a_file_of_trials_becomes_a_table_with_its_columns),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

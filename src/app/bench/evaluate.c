@@ -36,23 +36,25 @@ static bool list_references(const sl_bench_options *o, sl_bench_scene *s) {
     s->reference_count = 0;
     s->references = calloc(s->row_count + 3, sizeof *s->references);
     if (!s->references) return false;
-    add_reference(s, "full");
-    add_reference(s, "one-bounce");
+    if (o->trials->truth[SL_BENCH_FULL]) add_reference(s, "full");
+    if (o->trials->truth[SL_BENCH_ONE_BOUNCE]) add_reference(s, "one-bounce");
     for (size_t i = 0; i < s->row_count; i++) {
-        if (s->rows[i].end == SL_BENCH_RAN || o->references_only) add_reference(s, s->rows[i].transport);
+        if (o->trials->truth[SL_BENCH_MATCHED] && (s->rows[i].end == SL_BENCH_RAN || o->references_only))
+            add_reference(s, s->rows[i].transport);
     }
-    add_reference(s, "direct");
+    if (o->trials->truth[SL_BENCH_FULL]) add_reference(s, "direct");
     return true;
 }
 
-static bool is_judged_by(const sl_bench_row *row, const char *transport, sl_bench_truth truth) {
-    if (row->end != SL_BENCH_RAN) return false;
+static bool is_judged_by(const sl_bench_options *o, const sl_bench_row *row, const char *transport,
+                         sl_bench_truth truth) {
+    if (row->end != SL_BENCH_RAN || !o->trials->truth[truth]) return false;
     return strcmp(transport, truth == SL_BENCH_MATCHED ? row->transport : sl_bench_truth_name(truth)) == 0;
 }
 
-static bool is_used_by(const sl_bench_row *row, const char *transport) {
+static bool is_used_by(const sl_bench_options *o, const sl_bench_row *row, const char *transport) {
     for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
-        if (is_judged_by(row, transport, (sl_bench_truth)t)) return true;
+        if (is_judged_by(o, row, transport, (sl_bench_truth)t)) return true;
     }
     return false;
 }
@@ -60,14 +62,14 @@ static bool is_used_by(const sl_bench_row *row, const char *transport) {
 /* ---- as good as they have to be ---- */
 
 /* The smallest error that would be told with this reference, and what share of it is in doubt; 0: none. */
-static double smallest_error(const sl_bench_scene *s, const sl_bench_reference *r, const sl_image *reference,
-                             const sl_image *mask, double *doubt) {
+static double smallest_error(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_reference *r,
+                             const sl_image *reference, const sl_image *mask, double *doubt) {
     double smallest = *doubt = 0.0;
     for (size_t i = 0; i < s->row_count; i++) {
         sl_image *picture = NULL;
         sl_bench_error e;
         sl_error error;
-        if (!is_used_by(&s->rows[i], r->transport) ||
+        if (!is_used_by(o, &s->rows[i], r->transport) ||
             sl_image_read(s->rows[i].picture, &picture, NULL) != SL_OK)
             continue;
         if (sl_judge_quickly(picture, reference, mask, &e, &error) == SL_OK && e.known && e.rel_rmse > 0.0 &&
@@ -81,7 +83,8 @@ static double smallest_error(const sl_bench_scene *s, const sl_bench_reference *
 }
 
 /* Reads the reference as it stands, and sees how good it is and should be. */
-static void look_at(const sl_bench_scene *s, sl_bench_reference *r, const sl_image *mask) {
+static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r,
+                    const sl_image *mask) {
     sl_image *image = NULL;
     double mean;
     sl_error error;
@@ -90,7 +93,7 @@ static void look_at(const sl_bench_scene *s, sl_bench_reference *r, const sl_ima
     if (sl_reference_read(image, &r->pairs, &r->seconds) &&
         sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
         r->samples = sl_reference_samples(r->pairs);
-        r->wanted = wanted_share * smallest_error(s, r, image, mask, &r->doubt);
+        r->wanted = wanted_share * smallest_error(o, s, r, image, mask, &r->doubt);
     }
     sl_image_destroy(image);
 }
@@ -112,10 +115,10 @@ static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_b
                         const sl_image *mask, sl_error *error) {
     sl_status status = SL_OK;
     sl_reference_path(o->references, s, r->transport, r->file);
-    look_at(s, r, mask);
+    look_at(o, s, r, mask);
     while (status == SL_OK && !r->trouble[0] && !sl_interrupted() && !is_good_enough(o, r)) {
         status = sl_reference_extend(o, s, 1, r, error);
-        if (status == SL_OK && !r->trouble[0]) look_at(s, r, mask);
+        if (status == SL_OK && !r->trouble[0]) look_at(o, s, r, mask);
         show(o, s, r);
     }
     return status;
@@ -135,12 +138,12 @@ static void check_promise(sl_bench_row *row, const sl_image *picture, const sl_i
     row->promise.measured = e.rel_rmse;
 }
 
-static void judge_row(sl_bench_row *row, const sl_bench_reference *r, const sl_image *reference,
-                      const sl_image *mask) {
+static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_bench_reference *r,
+                      const sl_image *reference, const sl_image *mask) {
     sl_image *picture = NULL;
-    if (!is_used_by(row, r->transport) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
+    if (!is_used_by(o, row, r->transport) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
     for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
-        if (!is_judged_by(row, r->transport, (sl_bench_truth)t)) continue;
+        if (!is_judged_by(o, row, r->transport, (sl_bench_truth)t)) continue;
         if (t == SL_BENCH_MATCHED) check_promise(row, picture, reference, mask);
         sl_image *difference = NULL;
         sl_error error;
@@ -174,16 +177,19 @@ static void compare_with_full(sl_bench_reference *r, const sl_image *reference, 
     sl_image_destroy(difference);
 }
 
-static void judge_all(sl_bench_scene *s, const sl_image *mask) {
+static void judge_all(const sl_bench_options *o, sl_bench_scene *s, const sl_image *mask) {
     sl_image *full = NULL;
     for (size_t i = 0; i < s->reference_count; i++) {
         sl_bench_reference *r = &s->references[i];
         sl_image *reference = NULL;
         if (!r->samples || sl_image_read(r->file, &reference, NULL) != SL_OK) continue;
-        for (size_t k = 0; k < s->row_count; k++) judge_row(&s->rows[k], r, reference, mask);
-        if (i == 0) full = reference;
-        else compare_with_full(r, reference, full, mask);
-        if (i > 0) sl_image_destroy(reference);
+        for (size_t k = 0; k < s->row_count; k++) judge_row(o, &s->rows[k], r, reference, mask);
+        if (strcmp(r->transport, "full") == 0) {
+            full = reference;
+            continue;
+        }
+        compare_with_full(r, reference, full, mask);
+        sl_image_destroy(reference);
     }
     if (full) s->picture = sl_picture_text(full, true);
     sl_image_destroy(full);
@@ -201,7 +207,7 @@ sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *er
         s->pixels_compared += mask->planes[i] > 0.5f;
     for (size_t i = 0; i < s->reference_count && status == SL_OK; i++)
         status = refine(o, s, &s->references[i], mask, error);
-    if (status == SL_OK && !o->references_only) judge_all(s, mask);
+    if (status == SL_OK && !o->references_only) judge_all(o, s, mask);
     if (!o->quiet && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
     sl_image_destroy(mask);
     return status;

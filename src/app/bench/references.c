@@ -21,14 +21,24 @@ void sl_reference_default_folder(char path[SL_BENCH_PATH]) {
     else snprintf(path, SL_BENCH_PATH, "softlux-references");
 }
 
+/* Paths may be named with options that change them: "matched:splatting --bounces 2". */
+static bool settings_of(const char *transport, char name[SL_BENCH_PATHS], sl_settings *settings) {
+    char arguments[SL_BENCH_ARGUMENTS];
+    int length = (int)strcspn(transport, " ");
+    snprintf(name, SL_BENCH_PATHS, "%.*s", length, transport);
+    snprintf(arguments, sizeof arguments, "-m path --set filter=centre%s", transport + length);
+    if (!sl_trial_settings(arguments, settings)) return false;
+    settings->transport = name;
+    return true;
+}
+
 /* What there is not in a scene, no path of it can meet. */
 static bool transport_of(const sl_bench_scene *s, const char *name, sl_transport *t) {
-    sl_settings settings = sl_settings_default();
+    sl_settings settings;
+    char word[SL_BENCH_PATHS];
     unsigned lobes = SL_LOBE_DIFFUSE | (s->glossy ? SL_LOBE_GLOSSY : 0u) | (s->mirrors ? SL_LOBE_MIRROR : 0u);
-    settings.method = "path";
-    settings.transport = name;
-    settings.filter = SL_FILTER_CENTRE;
-    if (sl_method_transport(&settings, t, NULL) != SL_OK) return false;
+    if (!settings_of(name, word, &settings) || sl_method_transport(&settings, t, NULL) != SL_OK)
+        return false;
     t->direct_lobes &= lobes;
     t->receiver_lobes &= lobes;
     t->bounce_lobes &= lobes;
@@ -55,14 +65,14 @@ void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *
                        char path[SL_BENCH_PATH]) {
     /* whose files stand for others' of the same paths */
     static const char *const plain[] = {"full", "one-bounce", "direct"};
-    char name[SL_BENCH_NAME];
+    char name[SL_BENCH_PATHS + 16];
     /* Files of the plain name may be kept from when it had the sky's light in it. */
     snprintf(name, sizeof name, "%s%s", transport, leaves_out_the_sky(s, transport) ? "-skyless" : "");
     for (size_t i = sizeof plain / sizeof *plain; i-- > 0;) {
         if (sl_reference_is_same(s, plain[i], transport)) snprintf(name, sizeof name, "%s", plain[i]);
     }
     for (char *c = name; *c; c++) {
-        if (*c == ':') *c = '-';
+        if (*c == ':' || *c == ' ' || *c == '/') *c = '-';
     }
     snprintf(path, SL_BENCH_PATH, "%s/%s-%dx%d-%s-centres-%s.exr", folder, s->hash, s->width, s->height, name,
              SL_VERSION);
@@ -128,13 +138,12 @@ static void begin(const extension *e, double *sums, uint64_t *pairs, double *sec
 static sl_status add_chunk(const extension *e, const sl_scene *scene, uint64_t chunk, double *sums,
                            sl_error *error) {
     sl_settings settings = sl_settings_default();
+    char name[SL_BENCH_PATHS];
     sl_progress progress = {0};
     sl_method *method = NULL;
     sl_image *image = NULL;
     size_t pixels = (size_t)e->width * (size_t)e->height;
-    settings.method = "path";
-    settings.transport = e->transport;
-    settings.filter = SL_FILTER_CENTRE;
+    settings_of(e->transport, name, &settings);
     settings.width = e->width;
     settings.height = e->height;
     settings.threads = e->threads;

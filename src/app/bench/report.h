@@ -13,6 +13,8 @@ sl_status sl_report_markdown(const sl_bench_results *results, const char *folder
 sl_status sl_report_html(const sl_bench_results *results, const char *folder, sl_error *error);
 /* tables.md: what a page in words quotes, each table between <!-- table NAME --> and <!-- end -->. */
 sl_status sl_report_summary(const sl_bench_results *results, const char *folder, sl_error *error);
+/* The same file of the tables of a file of trials: a row for each trial in each scene. */
+void sl_report_trials(FILE *out, const sl_bench_results *results);
 /* SCENE-one-bounce.svg and the like. */
 sl_status sl_report_plots(const sl_bench_results *results, const char *folder, sl_error *error);
 /* To the terminal: what matters, a line each. */

@@ -70,14 +70,21 @@ typedef struct sl_bench_part {
     double share; /* of the processor time of a picture */
 } sl_bench_part;
 
-enum { SL_BENCH_PARTS = 12, SL_BENCH_NAME = 48, SL_BENCH_ARGUMENTS = 256, SL_BENCH_PATH = 1024 };
+enum {
+    SL_BENCH_PARTS = 12,
+    SL_BENCH_NAME = 80,
+    SL_BENCH_PATHS = 128,
+    SL_BENCH_ARGUMENTS = 400,
+    SL_BENCH_PATH = 1024
+};
 
 /* One setting of one method. */
 typedef struct sl_bench_row {
     char method[SL_BENCH_NAME], curve[SL_BENCH_NAME], name[SL_BENCH_NAME];
-    char transport[SL_BENCH_NAME]; /* the light paths that are its own truth */
+    char transport[SL_BENCH_PATHS]; /* the light paths that are its own truth */
     char arguments[SL_BENCH_ARGUMENTS]; /* of softlux render: the same picture again */
     sl_bench_quality quality;
+    int table; /* of its trials' file; -1: none */
     sl_bench_end end;
     char why[256];             /* where it did not run to its end */
     /* seconds until the picture was there, reading the scene not included; cpu: of all threads */
@@ -95,7 +102,7 @@ typedef struct sl_bench_row {
 
 /* A picture by the path tracer, and how far it can be trusted. */
 typedef struct sl_bench_reference {
-    char transport[SL_BENCH_NAME];
+    char transport[SL_BENCH_PATHS];
     char file[SL_BENCH_PATH];
     uint64_t samples; /* a pixel */
     uint64_t pairs;   /* of chunks */
@@ -126,7 +133,9 @@ typedef struct sl_bench_scene {
     char *picture; /* the full reference as a PNG in base 64; or NULL */
 } sl_bench_scene;
 
+typedef struct sl_trials sl_trials;
 typedef struct sl_bench_results {
+    const sl_trials *trials;
     char version[32], machine[128], date[32];
     int processors, threads, repeats;
     /* a fixed amount of arithmetic, seconds by the clock, again and again between the trials */

@@ -59,26 +59,27 @@ static int by_turn(const void *a, const void *b) {
     return x->trial < y->trial ? -1 : x->trial > y->trial;
 }
 
-static bool is_wanted(const sl_bench_options *o, const sl_trial *t) {
-    return sl_list_names(o->methods, t->method) &&
+/* Scenes named on the command line stand for those of the trials' file. */
+static bool is_wanted(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t) {
+    const char *at = t->scenes, *scene;
+    size_t length;
+    bool here = !at || o->own_scenes;
+    while (!here && (scene = sl_trials_next_scene(&at, &length)))
+        here = strlen(s->path) == length && strncmp(s->path, scene, length) == 0;
+    return here && sl_list_names(o->methods, t->method) &&
            sl_list_names(o->qualities, sl_bench_quality_name(t->quality));
 }
 
-/* Of the tracers one look is enough: they have one pass, and a first picture does not depend on how many
- * samples follow. */
-static bool is_looked_at(const sl_trial *t) {
-    bool tracer = strcmp(t->method, "path") == 0 || strcmp(t->method, "bidirectional") == 0;
-    return t->quality != SL_BENCH_CURVE && (!tracer || t->quality == SL_BENCH_DRAFT);
-}
-
-static bool list_jobs(const sl_bench_options *o, job_list *l) {
-    const sl_trial *t, *before = NULL;
+static bool list_jobs(const sl_bench_options *o, const sl_bench_scene *s, job_list *l) {
+    const sl_trial *before = NULL;
     size_t rank = 0;
     *l = (job_list){0};
-    for (size_t i = 0; (t = sl_trial_at(i)); before = t, i++) {
+    for (size_t i = 0; i < o->trials->count; i++) {
+        const sl_trial *t = &o->trials->trial[i];
         rank = before && strcmp(before->curve, t->curve) == 0 ? rank + 1 : 0;
-        if (!is_wanted(o, t)) continue;
-        for (int r = is_looked_at(t) ? -1 : 0; r < o->repeats; r++) {
+        before = t;
+        if (!is_wanted(o, s, t)) continue;
+        for (int r = t->look ? -1 : 0; r < o->repeats; r++) {
             if (!add_job(l, t, rank, r)) return false;
         }
     }
@@ -132,8 +133,7 @@ static double seconds_of(const cJSON *entry) {
  * NULL: none. */
 static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_scene *s,
                                       const sl_journal *journal, const sl_trial *trial) {
-    const sl_trial *t;
-    for (size_t i = 0; (t = sl_trial_at(i)) && t != trial; i++) {
+    for (const sl_trial *t = o->trials->trial; trial->ordered && t != trial; t++) {
         const job first = {t, 0, 0};
         const cJSON *entry = strcmp(t->curve, trial->curve) == 0 ? find_entry(o, s, journal, &first) : NULL;
         if (entry && (end_of(entry) == SL_BENCH_STOPPED ||
@@ -155,6 +155,7 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
     if (j->repeat == 0) return !stopped_before(o, s, journal, j->trial);
     entry = find_entry(o, s, journal, &first);
     if (!entry || end_of(entry) != SL_BENCH_RAN) return false;
+    if (j->repeat < 0 && j->trial->table >= 0) return true; /* its table asks for it */
     return seconds_of(entry) < (double)(j->repeat < 0 ? LONG_LOOK_SECONDS : LONG_SECONDS);
 }
 
@@ -162,16 +163,18 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
 
 void sl_trial_picture(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t,
                       char path[SL_BENCH_PATH]) {
-    char name[SL_BENCH_ARGUMENTS];
+    char name[128];
     size_t n = 0;
+    uint32_t hash = 2166136261u; /* Fowler, Noll and Vo: names are cut off where arguments are long */
+    for (const char *c = t->arguments; *c; c++) hash = (hash ^ (unsigned char)*c) * 16777619u;
     for (const char *c = t->arguments; *c && n < sizeof name - 1; c++) {
         if (*c == ' ' && n && name[n - 1] != '_') name[n++] = '_';
         else if (*c != ' ' && *c != '-') name[n++] = *c;
         else if (*c == '-' && n && name[n - 1] != '_') name[n++] = '-';
     }
     name[n] = '\0';
-    snprintf(path, SL_BENCH_PATH, "%s/pictures/%s-%dx%d-%.8s-%s.exr", o->folder, s->hash, s->width, s->height,
-             o->program, name);
+    snprintf(path, SL_BENCH_PATH, "%s/pictures/%s-%dx%d-%.8s-%s-%08x.exr", o->folder, s->hash, s->width,
+             s->height, o->program, name, hash);
 }
 
 cJSON *sl_schedule_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key,
@@ -237,7 +240,7 @@ sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl
     sl_status status = SL_OK;
     double from = sl_seconds_now();
     if (o->report_only) return SL_OK;
-    if (!list_jobs(o, &l)) {
+    if (!list_jobs(o, s, &l)) {
         free(l.jobs);
         snprintf(error->message, sizeof error->message, "not enough memory for a list of trials");
         return error->status = SL_ERROR_RESOURCES;
@@ -304,6 +307,7 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     snprintf(row->arguments, sizeof row->arguments, "%s", t->arguments);
     snprintf(row->transport, sizeof row->transport, "%s", t->transport);
     row->quality = t->quality;
+    row->table = t->table;
     row->end = SL_BENCH_LEFT_OUT;
     const sl_trial *cheaper = stopped_before(o, s, journal, t);
     if (cheaper)
@@ -335,17 +339,16 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
 
 sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const sl_journal *journal,
                            sl_error *error) {
-    size_t count = 0;
-    while (sl_trial_at(count)) count++;
-    s->rows = calloc(count, sizeof *s->rows);
+    size_t count = o->trials->count;
+    s->rows = calloc(count + 1, sizeof *s->rows);
     s->row_count = 0;
     if (!s->rows) {
         snprintf(error->message, sizeof error->message, "not enough memory for the rows of a report");
         return error->status = SL_ERROR_RESOURCES;
     }
     for (size_t i = 0; i < count; i++) {
-        if (!is_wanted(o, sl_trial_at(i))) continue;
-        const sl_trial *t = sl_trial_at(i);
+        const sl_trial *t = &o->trials->trial[i];
+        if (!is_wanted(o, s, t)) continue;
         make_row(o, s, journal, t, &s->rows[s->row_count]);
         /* nobody tried it */
         bool untold = o->report_only && s->rows[s->row_count].end == SL_BENCH_LEFT_OUT &&

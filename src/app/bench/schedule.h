@@ -6,9 +6,11 @@
 #include "app/bench/trials.h"
 
 typedef struct sl_bench_options {
+    const sl_trials *trials;          /* that are to be run */
     const char *folder;               /* of the report */
     const char *references;           /* folder */
     const char *methods, *qualities;  /* lists with commas between, or NULL: all */
+    bool own_scenes;                  /* not those of the trials' file */
     int width, height;                /* 0: as the scene says, made small */
     int repeats;
     /* seconds: of all trials of a scene; of one; of processor time of each reference. 0: none */

@@ -2,6 +2,7 @@
  * file of them, each between two marks, which bench/fill_tables.sh puts into the page. */
 #include "app/bench/curves.h"
 #include "app/bench/report.h"
+#include "app/bench/trials.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -311,6 +312,10 @@ static void put_left_out(FILE *out, const sl_bench_results *r) {
 }
 
 static void put_tables(FILE *out, const sl_bench_results *results) {
+    if (results->trials->table_count) {
+        sl_report_trials(out, results);
+        return;
+    }
     put_machine(out, results);
     put_goal(out, results);
     put_best(out, results);

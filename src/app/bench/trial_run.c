@@ -132,7 +132,7 @@ bool sl_trial_work(void *context, char **answer) {
     sl_status status = sl_trial_settings(run->trial->arguments, &settings) ? SL_OK : SL_ERROR_USAGE;
     settings.width = run->width;
     settings.height = run->height;
-    settings.threads = run->threads;
+    if (!settings.threads) settings.threads = run->threads;
     settings.observer = run->look ? &observer : NULL;
     if (status == SL_OK) status = sl_scene_load_with(run->scene_path, &run->load, &scene, &error);
     if (status == SL_OK) status = make_picture(scene, &settings, &watch, &m, &error);

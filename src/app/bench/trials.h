@@ -1,5 +1,5 @@
 /* What is run: every method over its three qualities, and over finer and coarser settings that make a curve
- * of time against error. */
+ * of time against error; or the trials of a file (bench/METHOD.trials), with the tables that it asks for. */
 #ifndef SL_APP_BENCH_TRIALS_H
 #define SL_APP_BENCH_TRIALS_H
 
@@ -7,20 +7,45 @@
 #include "app/bench/results.h"
 
 typedef struct sl_trial {
-    const char *method, *curve, *name;
-    const char *arguments; /* of softlux render: what makes this picture, size, threads and file apart */
-    const char *transport; /* the paths that are its own truth */
+    char method[SL_BENCH_NAME], curve[SL_BENCH_NAME], name[SL_BENCH_NAME];
+    char arguments[SL_BENCH_ARGUMENTS]; /* of softlux render: what makes this picture, size and file apart */
+    char transport[SL_BENCH_PATHS];     /* the paths that are its own truth */
     sl_bench_quality quality;
+    const char *scenes; /* that it is run with, with spaces between; NULL: all */
+    int table;          /* -1: none */
+    bool ordered;       /* its curve's trials before it take less time */
+    bool look;          /* once more with an observer, for the parts of its time and for a first picture */
 } sl_trial;
 
-/* All trials, a method after the other, in each from cheap to dear; NULL past the end. */
-const sl_trial *sl_trial_at(size_t index);
+/* What a file of trials asks for as Markdown: a row for each of its trials in each scene. */
+typedef struct sl_trial_table {
+    char name[SL_BENCH_NAME];
+    const char *columns; /* with commas between (report_trials.c) */
+} sl_trial_table;
+
+enum { SL_TRIAL_TABLES = 32 };
+struct sl_trials {
+    size_t count, table_count;
+    sl_trial *trial; /* a method after the other, in each from cheap to dear */
+    sl_trial_table table[SL_TRIAL_TABLES];
+    bool truth[SL_BENCH_TRUTHS]; /* that errors are told against */
+    bool audits;                 /* errors are also told without a reference */
+    int width, height;           /* 0: as the scenes say */
+    char *text;                  /* of the file */
+};
+
+/* Those of a file, or with NULL the ladder of all methods. A line that means nothing is an error that names
+ * it. */
+sl_status sl_trials_read(const char *path, sl_trials *trials, sl_error *error);
+void sl_trials_free(sl_trials *trials);
+/* The next scene of a list after `*at`, of which it is the length; NULL: there is none. */
+const char *sl_trials_next_scene(const char **at, size_t *length);
 
 typedef struct sl_trial_run {
     const sl_trial *trial;
     const char *scene_path;
     int width, height;
-    unsigned threads;
+    unsigned threads; /* where the trial's arguments name none */
     /* not for the clock: with an observer, for the parts of the time and for the first picture */
     bool look;
     const char *picture; /* EXR to write; or NULL */
@@ -30,7 +55,7 @@ typedef struct sl_trial_run {
 /* In a child: runs the trial of an sl_trial_run and reports a JSON object: cpu_seconds, wall_seconds,
  * peak_bytes, method_bytes, batches, counters; of a look first_picture and parts. */
 sl_child_work sl_trial_work;
-/* The settings that the arguments mean; false: they are wrong, which is a mistake of the table. */
+/* The settings that the arguments mean; false: they are wrong, which has been told. */
 bool sl_trial_settings(const char *arguments, sl_settings *settings);
 
 #endif

@@ -22,7 +22,7 @@ enum { SAMPLES_A_TASK = 4 };
 
 /* Of what an eye can tell. Errors of the lights' meshes add up, and to those of the mesh that asks: with 8
  * lights, meshes as coarse as the threshold allows make pictures that one mesh for all makes from fewer
- * samples (bench_mesh_joint). */
+ * samples (the table joint of bench/multi-mesh.trials). */
 static const float TOLERANCE = 0.25f;
 
 /* A sample that a round wants: a vertex of a light's mesh. */

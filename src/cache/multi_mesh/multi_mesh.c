@@ -81,7 +81,7 @@ static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint
 /* Returns the depth to which a light's mesh is cut whatever its edges say. A leaf's edges have their middles
  * sampled, so its samples are as close to each other as corners of leaves a level deeper: several lights'
  * meshes are left that much coarser, which for the same error takes a quarter to a third of the samples of
- * eight lights away (bench_mesh_joint). With one light samples where nothing changes are few (in the room 8
+ * eight lights away (bench/multi-mesh.trials: joint). With one light samples where nothing changes are few (in the room 8
  * %, at 5 % more error). */
 static int irradiance_depth(const sl_multi_mesh_state *s, int wanted) {
     if (s->settings.multi_mesh.joint_mesh) return SL_MESH_DEPTH_MAX;

@@ -194,7 +194,7 @@ static void small_pictures_have_points_enough_for_what_they_show(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* As the table of bench/bench_shading_tables.c counts: what a picture takes beyond what it takes before its
+/* What a picture takes beyond what it takes before its
  * first split (both copies of the display there, the list of visible leaves, too), for each patch that splits
  * have made. */
 static void a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_all_else_that_grows(
