@@ -5,173 +5,119 @@
  * normal and high are 1, 3.6 and 18 there), and their counts where nothing was measured. */
 #include "app/ladder.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-typedef struct splatting_step {
+#define DRAFT SL_QUALITY_DRAFT
+#define NORMAL SL_QUALITY_NORMAL
+#define HIGH SL_QUALITY_HIGH
+
+typedef struct step {
+    const char *method;
     sl_quality quality;
-    double accuracy, glossy_accuracy;
-    int gather_size;
-    uint32_t light_samples;
+    bool own; /* where the quality stands */
     double cost;
-} splatting_step;
+    const char *settings; /* for what was left open */
+} step;
 
-static const splatting_step splatting[] = {
-    {SL_QUALITY_DRAFT, 0.5, 0.3, 20, 8, 1.0},       {SL_QUALITY_DRAFT, 0.35, 0.25, 26, 12, 2.0},
-    {SL_QUALITY_NORMAL, 0.25, 0.2, 32, 16, 4.0},    {SL_QUALITY_HIGH, 0.17, 0.15, 42, 32, 9.0},
-    {SL_QUALITY_HIGH, 0.12, 0.12, 52, 64, 20.0},    {SL_QUALITY_HIGH, 0.085, 0.1, 72, 128, 60.0},
-    {SL_QUALITY_HIGH, 0.06, 0.085, 100, 256, 180.0}, {SL_QUALITY_HIGH, 0.04, 0.07, 144, 512, 600.0},
+static const step steps[] = {
+    {"splatting", DRAFT, true, 1.0, "accuracy=0.5 glossy-accuracy=0.3 gather-size=20 spp=8"},
+    {"splatting", DRAFT, false, 2.0, "accuracy=0.35 glossy-accuracy=0.25 gather-size=26 spp=12"},
+    {"splatting", NORMAL, true, 4.0, "accuracy=0.25 glossy-accuracy=0.2 gather-size=32 spp=16"},
+    {"splatting", HIGH, false, 9.0, "accuracy=0.17 glossy-accuracy=0.15 gather-size=42 spp=32"},
+    {"splatting", HIGH, true, 20.0, "accuracy=0.12 glossy-accuracy=0.12 gather-size=52 spp=64"},
+    {"splatting", HIGH, false, 60.0, "accuracy=0.085 glossy-accuracy=0.1 gather-size=72 spp=128"},
+    {"splatting", HIGH, false, 180.0, "accuracy=0.06 glossy-accuracy=0.085 gather-size=100 spp=256"},
+    {"splatting", HIGH, false, 600.0, "accuracy=0.04 glossy-accuracy=0.07 gather-size=144 spp=512"},
+    {"light-octree", DRAFT, true, 1.0, "depth=5 stored-photons=150000 neighbours=150 spp=8"},
+    {"light-octree", DRAFT, false, 2.0, "depth=5 stored-photons=300000 neighbours=200 spp=12"},
+    {"light-octree", NORMAL, true, 3.0, "depth=5 stored-photons=600000 neighbours=300 spp=16"},
+    {"light-octree", HIGH, true, 11.0, "depth=6 stored-photons=1200000 neighbours=500 spp=64"},
+    {"light-octree", HIGH, false, 30.0, "depth=7 stored-photons=3000000 neighbours=700 spp=128"},
+    {"light-octree", HIGH, false, 80.0, "depth=7 stored-photons=8000000 neighbours=1000 spp=256"},
+    {"light-octree", HIGH, false, 220.0, "depth=7 stored-photons=20000000 neighbours=1600 spp=512"},
+    {"direct-radiance", DRAFT, true, 1.0, "photons=3 emitter-samples=1 shadow-size=512"},
+    {"direct-radiance", NORMAL, true, 2.0, "photons=6 emitter-samples=2 shadow-size=512"},
+    {"direct-radiance", HIGH, true, 10.0, "photons=8 emitter-samples=2 shadow-size=512"},
+    {"direct-radiance", HIGH, false, 40.0, "photons=8 emitter-samples=4 shadow-size=1024"},
+    {"direct-radiance", HIGH, false, 200.0, "photons=12 emitter-samples=6 shadow-size=1024"},
+    {"direct-radiance", HIGH, false, 1000.0, "photons=16 emitter-samples=10 shadow-size=1024"},
+    {"multi-mesh", DRAFT, true, 1.0,
+     "threshold=2 leaf-area=256 leaf-edge=32 gather-size=64 coarse-depth=3 light-size=64"},
+    {"multi-mesh", NORMAL, false, 2.0,
+     "threshold=1.4 leaf-area=128 leaf-edge=22 gather-size=64 coarse-depth=4 light-size=64"},
+    {"multi-mesh", NORMAL, true, 3.0,
+     "threshold=1 leaf-area=64 leaf-edge=16 gather-size=64 coarse-depth=4 light-size=64"},
+    {"multi-mesh", NORMAL, false, 6.0,
+     "threshold=0.7 leaf-area=32 leaf-edge=11 gather-size=64 coarse-depth=4 light-size=64"},
+    {"multi-mesh", HIGH, true, 16.0,
+     "threshold=0.5 leaf-area=16 leaf-edge=8 gather-size=128 coarse-depth=5 light-size=64"},
+    {"multi-mesh", HIGH, false, 40.0,
+     "threshold=0.25 leaf-area=8 leaf-edge=6 gather-size=128 coarse-depth=5 light-size=128"},
+    {"multi-mesh", HIGH, false, 200.0,
+     "threshold=0.1 leaf-area=2 leaf-edge=2 gather-size=256 coarse-depth=6 light-size=256"},
+    {"shading-cache", DRAFT, true, 1.0, "indirect-samples=100 area-samples=64 points-a-pixel=0.03"},
+    {"shading-cache", NORMAL, false, 4.0, "indirect-samples=200 area-samples=64 points-a-pixel=0.06"},
+    {"shading-cache", NORMAL, true, 16.0, "indirect-samples=400 area-samples=64 points-a-pixel=0.12"},
+    {"shading-cache", HIGH, false, 60.0, "indirect-samples=700 area-samples=128 points-a-pixel=0.25"},
+    {"shading-cache", HIGH, true, 200.0, "indirect-samples=1200 area-samples=256 points-a-pixel=0.5"},
+    {"shading-cache", HIGH, false, 1300.0, "indirect-samples=4000 area-samples=512 points-a-pixel=1"},
 };
+enum { STEPS = sizeof steps / sizeof steps[0] };
 
-typedef struct octree_step {
-    sl_quality quality;
-    int depth;
-    uint64_t photons;
-    int neighbours;
-    uint32_t light_samples;
-    double cost;
-} octree_step;
-
-static const octree_step octree[] = {
-    {SL_QUALITY_DRAFT, 5, 150000, 150, 8, 1.0},     {SL_QUALITY_DRAFT, 5, 300000, 200, 12, 2.0},
-    {SL_QUALITY_NORMAL, 5, 600000, 300, 16, 3.0},   {SL_QUALITY_HIGH, 6, 1200000, 500, 64, 11.0},
-    {SL_QUALITY_HIGH, 7, 3000000, 700, 128, 30.0},  {SL_QUALITY_HIGH, 7, 8000000, 1000, 256, 80.0},
-    {SL_QUALITY_HIGH, 7, 20000000, 1600, 512, 220.0},
-};
-
-typedef struct map_step {
-    sl_quality quality;
-    int samples, emitter_samples, shadow_size;
-    double cost;
-} map_step;
-
-static const map_step map[] = {
-    {SL_QUALITY_DRAFT, 3, 1, 512, 1.0},    {SL_QUALITY_NORMAL, 6, 2, 512, 2.0},
-    {SL_QUALITY_HIGH, 8, 2, 512, 10.0},    {SL_QUALITY_HIGH, 8, 4, 1024, 40.0},
-    {SL_QUALITY_HIGH, 12, 6, 1024, 200.0}, {SL_QUALITY_HIGH, 16, 10, 1024, 1000.0},
-};
-
-typedef struct mesh_step {
-    sl_quality quality;
-    double threshold_scale, leaf_area, leaf_edge;
-    int gather_size, coarse_depth, light_size;
-    double cost;
-} mesh_step;
-
-static const mesh_step mesh[] = {
-    {SL_QUALITY_DRAFT, 2.0, 256.0, 32.0, 64, 3, 64, 1.0},
-    {SL_QUALITY_NORMAL, 1.4, 128.0, 22.0, 64, 4, 64, 2.0},
-    {SL_QUALITY_NORMAL, 1.0, 64.0, 16.0, 64, 4, 64, 3.0},
-    {SL_QUALITY_NORMAL, 0.7, 32.0, 11.0, 64, 4, 64, 6.0},
-    {SL_QUALITY_HIGH, 0.5, 16.0, 8.0, 128, 5, 64, 16.0},
-    {SL_QUALITY_HIGH, 0.25, 8.0, 6.0, 128, 5, 128, 40.0},
-    {SL_QUALITY_HIGH, 0.1, 2.0, 2.0, 256, 6, 256, 200.0},
-};
-
-typedef struct shading_step {
-    sl_quality quality;
-    double points_a_pixel;
-    int indirect_samples, area_samples;
-    double cost;
-} shading_step;
-
-static const shading_step shading[] = {
-    {SL_QUALITY_DRAFT, 0.03, 100, 64, 1.0},   {SL_QUALITY_NORMAL, 0.06, 200, 64, 4.0},
-    {SL_QUALITY_NORMAL, 0.12, 400, 64, 16.0}, {SL_QUALITY_HIGH, 0.25, 700, 128, 60.0},
-    {SL_QUALITY_HIGH, 0.5, 1200, 256, 200.0}, {SL_QUALITY_HIGH, 1.0, 4000, 512, 1300.0},
-};
-
-#define RUNGS(table) ((unsigned)(sizeof(table) / sizeof(table)[0]))
-
-/* ---- what was left open ---- */
-
-static void take_int(int *asked, int step) { *asked = *asked ? *asked : step; }
-static void take_real(double *asked, double step) { *asked = *asked > 0.0 ? *asked : step; }
-static void take_count(uint32_t *asked, uint32_t step) { *asked = *asked ? *asked : step; }
-
-static void take_splatting(sl_settings *s, const splatting_step *r) {
-    s->quality = r->quality;
-    take_real(&s->accuracy, r->accuracy);
-    take_real(&s->glossy_accuracy, r->glossy_accuracy);
-    take_int(&s->gather_size, r->gather_size);
-    take_count(&s->spp, r->light_samples);
+/* The method's first step; NULL where it has none. */
+static const step *first_of(const char *method) {
+    for (size_t i = 0; method && i < STEPS; i++)
+        if (strcmp(steps[i].method, method) == 0) return &steps[i];
+    return NULL;
 }
-
-static void take_octree(sl_settings *s, const octree_step *r) {
-    sl_light_octree_settings *o = &s->light_octree;
-    s->quality = r->quality;
-    take_int(&o->depth, r->depth);
-    if (!o->photons) o->photons = r->photons;
-    take_int(&o->neighbours, r->neighbours);
-    take_count(&s->spp, r->light_samples);
-}
-
-static void take_map(sl_settings *s, const map_step *r) {
-    sl_radiance_map_settings *m = &s->radiance_map;
-    s->quality = r->quality;
-    take_int(&m->samples, r->samples);
-    take_int(&m->emitter_samples, r->emitter_samples);
-    take_int(&m->shadow_size, r->shadow_size);
-}
-
-static void take_mesh(sl_settings *s, const mesh_step *r) {
-    sl_multi_mesh_settings *m = &s->multi_mesh;
-    s->quality = r->quality;
-    take_real(&m->threshold_scale, r->threshold_scale);
-    take_real(&m->leaf_area, r->leaf_area);
-    take_real(&m->leaf_edge, r->leaf_edge);
-    take_int(&s->gather_size, r->gather_size);
-    take_int(&m->coarse_depth, r->coarse_depth);
-    take_int(&m->light_size, r->light_size);
-}
-
-static void take_shading(sl_settings *s, const shading_step *r) {
-    enum { POINTS = 64 }; /* of an update, where nothing else was asked for */
-    sl_shading_cache_settings *c = &s->shading_cache;
-    double points = r->points_a_pixel * (double)s->width * (double)s->height;
-    s->quality = r->quality;
-    take_int(&c->indirect_samples, r->indirect_samples);
-    take_int(&c->area_samples, r->area_samples);
-    if (s->width > 0) take_count(&c->updates, 1u + (uint32_t)(points / (c->points ? c->points : POINTS)));
-}
-
-/* ---- by a method's name ---- */
-
-static bool is(const char *method, const char *name) { return method && strcmp(method, name) == 0; }
 
 unsigned sl_ladder_steps(const char *method) {
-    if (is(method, "splatting")) return RUNGS(splatting);
-    if (is(method, "light-octree")) return RUNGS(octree);
-    if (is(method, "direct-radiance")) return RUNGS(map);
-    if (is(method, "multi-mesh")) return RUNGS(mesh);
-    if (is(method, "shading-cache")) return RUNGS(shading);
-    return 0;
+    const step *first = first_of(method), *s = first;
+    while (s && s < steps + STEPS && strcmp(s->method, method) == 0) s++;
+    return first ? (unsigned)(s - first) : 0;
 }
 
 unsigned sl_ladder_rung_of(const char *method, sl_quality quality) {
-    static const unsigned usual[] = {0, 2, 4};
-    if (is(method, "light-octree")) return quality == SL_QUALITY_HIGH ? 3 : usual[quality];
-    return is(method, "direct-radiance") ? (unsigned)quality : usual[quality];
+    unsigned count = sl_ladder_steps(method);
+    for (unsigned i = 0; i < count; i++)
+        if (first_of(method)[i].own && first_of(method)[i].quality == quality) return i;
+    return 0;
 }
 
-sl_settings sl_ladder_settings(const sl_settings *asked, unsigned step) {
+/* So many updates that points come to that share of the pixels. */
+static void take_updates(sl_settings *s, double points_a_pixel) {
+    enum { POINTS = 64 }; /* of an update, where nothing else was asked for */
+    sl_shading_cache_settings *c = &s->shading_cache;
+    double points = points_a_pixel * (double)s->width * (double)s->height;
+    if (s->width > 0 && !c->updates) c->updates = 1u + (uint32_t)(points / (c->points ? c->points : POINTS));
+}
+
+/* NAME=VALUE, where the settings leave it open. */
+static void take(sl_settings *s, char *word) {
+    char *value = strchr(word, '='), asked[64];
+    *value++ = '\0';
+    if (strcmp(word, "points-a-pixel") == 0) take_updates(s, strtod(value, NULL));
+    else if (sl_settings_get(s, word, asked, sizeof asked, NULL) == SL_OK && strcmp(asked, "0") == 0)
+        (void)sl_settings_set(s, word, value, NULL);
+}
+
+sl_settings sl_ladder_settings(const sl_settings *asked, unsigned index) {
     sl_settings s = *asked;
-    const char *method = asked->method;
-    if (step >= sl_ladder_steps(method)) return s;
-    if (is(method, "splatting")) take_splatting(&s, &splatting[step]);
-    if (is(method, "light-octree")) take_octree(&s, &octree[step]);
-    if (is(method, "direct-radiance")) take_map(&s, &map[step]);
-    if (is(method, "multi-mesh")) take_mesh(&s, &mesh[step]);
-    if (is(method, "shading-cache")) take_shading(&s, &shading[step]);
+    char text[128], *rest = NULL;
+    if (index >= sl_ladder_steps(asked->method)) return s;
+    const step *of = first_of(asked->method) + index;
+    s.quality = of->quality;
+    snprintf(text, sizeof text, "%s", of->settings);
+    for (char *w = strtok_r(text, " ", &rest); w; w = strtok_r(NULL, " ", &rest)) take(&s, w);
     return s;
 }
 
-unsigned sl_ladder_refines_all_from(const char *method) { return is(method, "multi-mesh") ? 5 : 3; }
+unsigned sl_ladder_refines_all_from(const char *method) {
+    return method && strcmp(method, "multi-mesh") == 0 ? 5 : 3;
+}
 
-double sl_ladder_cost(const char *method, unsigned step) {
-    if (step >= sl_ladder_steps(method)) return 1.0;
-    if (is(method, "splatting")) return splatting[step].cost;
-    if (is(method, "light-octree")) return octree[step].cost;
-    if (is(method, "direct-radiance")) return map[step].cost;
-    if (is(method, "multi-mesh")) return mesh[step].cost;
-    return shading[step].cost;
+double sl_ladder_cost(const char *method, unsigned index) {
+    return index < sl_ladder_steps(method) ? first_of(method)[index].cost : 1.0;
 }
