@@ -120,7 +120,6 @@ static bool parse(int argc, char **argv, request *q, int *status) {
          0, 0, NULL},
         {"allow-outside", 0, SL_OPTION_FLAG, &o->load.allow_outside, NULL, NULL,
          "files that scenes name may lie outside of their folders", 0, 0, NULL},
-        {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print the rows as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
         {.name = NULL}};
     const sl_command_line line = {"softlux bench SCENE...|--trials FILE [-o DIR] [options]",
@@ -393,11 +392,10 @@ static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_sta
     size_t measured = 0;
     for (size_t i = 0; i < r->scene_count; i++) {
         measured += !r->scenes[i].trouble[0];
-        if (r->scenes[i].trouble[0] && (o->quiet || o->json))
+        if (r->scenes[i].trouble[0] && o->quiet)
             fprintf(stderr, "softlux: %s\n", r->scenes[i].trouble);
     }
-    if (o->json) sl_report_json(r, stdout);
-    else if (!o->quiet && !o->trials_only && !o->references_only) sl_report_terminal(r, stdout);
+    if (!o->quiet && !o->trials_only && !o->references_only) sl_report_terminal(r, stdout);
     if (r->interrupted) return sl_interrupted_status();
     return measured ? 0 : SL_ERROR_INPUT;
 }

@@ -4,9 +4,12 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
-void sl_put_escaped(FILE *out, const char *text) {
-    for (; *text; text++) {
+void sl_put_escaped(FILE *out, const char *text) { sl_put_escaped_part(out, text, strlen(text)); }
+
+void sl_put_escaped_part(FILE *out, const char *text, size_t length) {
+    for (const char *end = text + length; text < end; text++) {
         switch (*text) {
         case '&': fputs("&amp;", out); break;
         case '<': fputs("&lt;", out); break;

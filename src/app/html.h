@@ -9,6 +9,7 @@
 
 /* Text as HTML and SVG have it. */
 void sl_put_escaped(FILE *out, const char *text);
+void sl_put_escaped_part(FILE *out, const char *text, size_t length);
 /* Bytes in base 64, which the caller frees; NULL: no memory. */
 char *sl_base_64(const void *bytes, size_t count);
 /* As PNG in base 64, which the caller frees; NULL: no memory. tone: of radiance; else values as they are. */

@@ -44,7 +44,7 @@ static _Noreturn void be_the_program(const char *folder, const char *const *more
                                   references,
                                   "--reference-threads",
                                   "1",
-                                  "--json"};
+                                  "--quiet"};
     for (size_t i = 0; i < sizeof common / sizeof *common; i++) argv[argc++] = strdup(common[i]);
     for (; *more; more++) argv[argc++] = strdup(*more);
     if (nowhere >= 0) dup2(nowhere, 1);

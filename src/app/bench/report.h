@@ -19,10 +19,12 @@ void sl_report_trials(FILE *out, const sl_bench_results *results);
 sl_status sl_report_plots(const sl_bench_results *results, const char *folder, sl_error *error);
 /* To the terminal: what matters, a line each. */
 void sl_report_terminal(const sl_bench_results *results, FILE *out);
-/* The rows as one JSON object. */
-void sl_report_json(const sl_bench_results *results, FILE *out);
 
 /* ---- what the writers share ---- */
+
+/* The report's beginning, and what it says of a scene, as Markdown. */
+void sl_report_overview(FILE *out, const sl_bench_results *results);
+void sl_report_scene(FILE *out, const sl_bench_scene *scene);
 
 /* Writes text as folder/name. */
 sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error);

@@ -1,11 +1,5 @@
-/* One line a row: for programs. And the same as JSON. */
+/* One line a row: for programs. */
 #include "app/bench/report.h"
-
-#include "app/utf8.h"
-
-#include <cjson/cJSON.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const char head[] = "scene,hash,width,height,method,curve,setting,quality,transport,arguments,end,why,"
                            "runs,cpu_seconds,cpu_least,cpu_most,wall_seconds,wall_least,"
@@ -70,71 +64,4 @@ static void put_csv(FILE *out, const sl_bench_results *results) {
 
 sl_status sl_report_csv(const sl_bench_results *results, const char *folder, sl_error *error) {
     return sl_report_compose(results, folder, "results.csv", put_csv, error);
-}
-
-/* ---- JSON ---- */
-
-static void add_spread(cJSON *to, const char *name, const sl_bench_spread *s) {
-    cJSON *o = cJSON_AddObjectToObject(to, name);
-    cJSON_AddNumberToObject(o, "median", s->median);
-    cJSON_AddNumberToObject(o, "least", s->least);
-    cJSON_AddNumberToObject(o, "most", s->most);
-}
-
-static cJSON *row_object(const sl_bench_row *r) {
-    cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "method", r->method);
-    cJSON_AddStringToObject(o, "curve", r->curve);
-    cJSON_AddStringToObject(o, "setting", r->name);
-    cJSON_AddStringToObject(o, "quality", sl_bench_quality_name(r->quality));
-    cJSON_AddStringToObject(o, "arguments", r->arguments);
-    cJSON_AddStringToObject(o, "end", sl_bench_end_name(r->end));
-    if (r->end != SL_BENCH_RAN) cJSON_AddStringToObject(o, "why", r->why);
-    cJSON_AddNumberToObject(o, "runs", r->cpu.count);
-    add_spread(o, "cpu_seconds", &r->cpu);
-    add_spread(o, "wall_seconds", &r->wall);
-    cJSON_AddNumberToObject(o, "first_picture_cpu_seconds", r->first_picture);
-    cJSON_AddNumberToObject(o, "peak_bytes", (double)r->peak_bytes);
-    cJSON *errors = cJSON_AddObjectToObject(o, "errors");
-    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
-        const sl_bench_error *e = &r->error[t];
-        if (!e->known) continue;
-        cJSON *one = cJSON_AddObjectToObject(errors, sl_bench_truth_name((sl_bench_truth)t));
-        cJSON_AddNumberToObject(one, "rel_rmse", e->rel_rmse);
-        cJSON_AddBoolToObject(one, "is_bound", e->lost);
-        cJSON_AddNumberToObject(one, "doubt", e->doubt);
-        cJSON_AddNumberToObject(one, "reference_noise", e->noise);
-        cJSON_AddNumberToObject(one, "rel_mse", e->rel_mse);
-        cJSON_AddNumberToObject(one, "bias", e->bias);
-        cJSON_AddNumberToObject(one, "flip", e->flip);
-    }
-    return o;
-}
-
-void sl_report_json(const sl_bench_results *results, FILE *out) {
-    cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "version", results->version);
-    cJSON_AddStringToObject(root, "machine", results->machine);
-    cJSON_AddNumberToObject(root, "processors", results->processors);
-    cJSON_AddNumberToObject(root, "threads", results->threads);
-    cJSON_AddBoolToObject(root, "noisy", results->noisy);
-    cJSON_AddNumberToObject(root, "unrest", results->unrest);
-    cJSON_AddBoolToObject(root, "interrupted", results->interrupted);
-    cJSON *scenes = cJSON_AddArrayToObject(root, "scenes");
-    for (size_t s = 0; s < results->scene_count; s++) {
-        const sl_bench_scene *scene = &results->scenes[s];
-        cJSON *o = cJSON_CreateObject();
-        cJSON_AddStringToObject(o, "scene", scene->path);
-        cJSON_AddStringToObject(o, "hash", scene->hash);
-        cJSON_AddNumberToObject(o, "width", scene->width);
-        cJSON_AddNumberToObject(o, "height", scene->height);
-        if (scene->trouble[0]) cJSON_AddStringToObject(o, "trouble", scene->trouble);
-        cJSON *rows = cJSON_AddArrayToObject(o, "rows");
-        for (size_t i = 0; i < scene->row_count; i++) cJSON_AddItemToArray(rows, row_object(&scene->rows[i]));
-        cJSON_AddItemToArray(scenes, o);
-    }
-    char *text = cJSON_Print(root);
-    if (text) fprintf(out, "%s\n", sl_utf8_mend(text));
-    cJSON_free(text);
-    cJSON_Delete(root);
 }

@@ -48,7 +48,7 @@ static void put_row(FILE *out, const sl_bench_row *r) {
     char text[64];
     fprintf(out, "| %s | %s |", r->curve, r->name);
     if (r->end != SL_BENCH_RAN) {
-        fprintf(out, " %s: %s | | | | | | | |\n", sl_bench_end_name(r->end), r->why);
+        fprintf(out, " %s: %s | | | | | | | | `%s` |\n", sl_bench_end_name(r->end), r->why, r->arguments);
         return;
     }
     put_spread(out, &r->cpu);
@@ -60,7 +60,7 @@ static void put_row(FILE *out, const sl_bench_row *r) {
         fprintf(out, " %s |", text);
     }
     sl_promise_text(&r->promise, text);
-    fprintf(out, " %s |\n", text);
+    fprintf(out, " %s | `%s` |\n", text, r->arguments);
 }
 
 static void put_times(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, const char *title) {
@@ -119,7 +119,7 @@ static void put_leads(FILE *out, const sl_bench_results *r, double error) {
         if (lead.path_seconds > 0.0) sl_seconds_text(lead.path_seconds, path);
         if (lead.method && lead.path_seconds > 0.0)
             snprintf(times, sizeof times, "%.1f", lead.path_seconds / lead.seconds);
-        fprintf(out, "| %s | %s | %s | %s%s | %s%s |\n", r->scenes[i].name,
+        fprintf(out, "| [%s](#%s) | %s | %s | %s%s | %s%s |\n", r->scenes[i].name, r->scenes[i].name,
                 lead.method ? lead.method : "none gets there", seconds, lead.path_later ? "more than " : "",
                 path, lead.path_later && lead.method ? "more than " : "", times);
     }
@@ -139,7 +139,7 @@ void sl_report_promises(FILE *out, const sl_bench_results *r) {
     }
 }
 
-static void put_scene(FILE *out, const sl_bench_scene *s) {
+void sl_report_scene(FILE *out, const sl_bench_scene *s) {
     fprintf(out, "\n## %s\n\n", s->name);
     if (s->trouble[0]) {
         fprintf(out, "Nothing was measured: %s\n", s->trouble);
@@ -148,8 +148,8 @@ static void put_scene(FILE *out, const sl_bench_scene *s) {
     fprintf(out, "`%s`, %d x %d, %llu triangles, %llu pixels compared.\n\n", s->path, s->width, s->height,
             (unsigned long long)s->triangles, (unsigned long long)s->pixels_compared);
     fputs("| method | setting | cpu s | wall s | first picture, cpu s | peak MB | matched | one bounce | "
-          "full | whole picture, told without a reference |\n"
-          "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
+          "full | whole picture, told without a reference | options |\n"
+          "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n",
           out);
     for (size_t i = 0; i < s->row_count; i++) put_row(out, &s->rows[i]);
     static const char *const plots[] = {"one-bounce", "full", "matched", "parts"};
@@ -165,7 +165,7 @@ static void put_scene(FILE *out, const sl_bench_scene *s) {
     put_references(out, s);
 }
 
-static void put_report(FILE *out, const sl_bench_results *results) {
+void sl_report_overview(FILE *out, const sl_bench_results *results) {
     fputs("# Speed against error\n\n", out);
     put_head(out, results);
     put_leads(out, results, 0.05);
@@ -176,7 +176,11 @@ static void put_report(FILE *out, const sl_bench_results *results) {
           "95 %.\n\n",
           out);
     sl_report_promises(out, results);
-    for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
+}
+
+static void put_report(FILE *out, const sl_bench_results *results) {
+    sl_report_overview(out, results);
+    for (size_t s = 0; s < results->scene_count; s++) sl_report_scene(out, &results->scenes[s]);
 }
 
 sl_status sl_report_markdown(const sl_bench_results *results, const char *folder, sl_error *error) {

@@ -17,7 +17,7 @@ typedef struct sl_bench_options {
     double budget, limit, reference_budget;
     uint64_t memory_bytes;            /* of one trial; 0: none */
     unsigned threads, reference_threads; /* 0: all processors */
-    bool quiet, json;
+    bool quiet;
     bool report_only; /* no trial is run: the journal is taken as it is */
     bool trials_only; /* no errors, no report */
     bool references_only; /* as good as their budget makes them */
