@@ -164,7 +164,7 @@ static void table_of_samples(bench *b, size_t first) {
     for (int r = 0; r < b->repetitions; r++) {
         for (size_t k = first; k < b->case_count; k++) time_once(b, &b->cases[k], r);
     }
-    bench_table(&b->report, "samples",
+    bench_table(&b->report,
                 "Estimator|N|samples|us, part of the light seen|us, all points|rms error|largest error");
     for (size_t k = first; k < b->case_count; k++) {
         bench_case *c = &b->cases[k];
@@ -197,7 +197,7 @@ static double time_of(const bench_case *c) { return c->partial_us; }
 
 static void table_of_equal_error(bench *b, size_t first) {
     const bench_case *ray = &b->cases[first + 3 * SIZES];
-    bench_table(&b->report, "equal-error",
+    bench_table(&b->report,
                 "Rays|us|rms error|Window, ratio: N of the same error (8 or more)|us|rays take|Frustum: "
                 "N|us|rays take");
     for (size_t k = 0; k < SIZES; k++) {
@@ -313,7 +313,7 @@ static void table_of_edges(bench *b, size_t first) {
         count[1] +=
             measure_edge(b, 2.0 * SL_PI * (double)sl_random_unit(key, 1000), key, squares[1], largest[1]);
     }
-    bench_table(&b->report, "edge",
+    bench_table(&b->report,
                 "Estimator|N|rms error, edge along the light's sides|largest|rms error, edge at random "
                 "angles|largest");
     for (size_t k = 0; k < 4 * SIZES; k++) {
@@ -341,7 +341,7 @@ static double closed_form_us(const bench *b) {
 static void table_of_parts(bench *b, size_t first) {
     double form[REPETITIONS], reduce[REPETITIONS];
     bench_table(
-        &b->report, "parts",
+        &b->report,
         "N|us|summing and reading back, us|its share|fixed and for each pixel: from this and the next N");
     for (size_t k = 0; k < SIZES; k++) {
         bench_case *c = &b->cases[first + k];

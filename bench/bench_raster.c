@@ -1,4 +1,4 @@
-/* The simulated raster hardware beside OSMesa (Mesa's llvmpipe), and beside rays.
+/* The simulated raster hardware beside OSMesa (Mesa's llvmpipe).
  *
  *     build/bench/bench_raster [--threads N] [--only TEXT] [--ours] [--csv] [--brief]
  *
@@ -76,11 +76,6 @@ static void all_tables(const options *o) {
     measure_head(&m, title);
     all_rows(&m, room, file, files);
     if (!m.csv) printf("%d of %d rows miss what is wanted\n", m.missed, m.rows);
-    if (!o->ours) roofline_print(&m);
-    for (int k = 0; k < 3; k++) bench_rays(&m, &room[k]);
-    for (int k = 0; k < files; k++) {
-        if (!access(file[k].path, R_OK)) bench_rays(&m, &file[k]);
-    }
     for (int k = 0; k < 3; k++) {
         bench_scene_close(&file[k]);
         bench_scene_close(&room[k]);

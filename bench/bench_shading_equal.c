@@ -30,7 +30,7 @@ static bool is_due(double *next, double points) {
     return true;
 }
 
-static void run_cache(bench_report *r, const bench_options *o, shading_world *w, double most, curve *c) {
+static void run_cache(shading_world *w, double most, curve *c) {
     shading_run run;
     double next = 1.0;
     shading_run_open(&run, w, NULL);
@@ -41,12 +41,11 @@ static void run_cache(bench_report *r, const bench_options *o, shading_world *w,
         if (is_due(&next, points)) add(c, points, run.seconds, shading_run_error(&run));
         if (points == before) break; /* nothing left to refine */
     }
-    if (o->pictures) shading_run_picture(&run, r, "cache");
     shading_run_close(&run);
 }
 
 /* Both fills have the same points. */
-static void run_rival(bench_report *r, const bench_options *o, shading_world *w, double most, curve *narrow,
+static void run_rival(shading_world *w, double most, curve *narrow,
                       curve *wide) {
     render_cache *cache = shading_rival(w, w->settings.shading_cache.points);
     sl_counters counters = {{0}};
@@ -60,7 +59,6 @@ static void run_rival(bench_report *r, const bench_options *o, shading_world *w,
         add(narrow, points, spent, shading_rival_error(w, cache, false));
         add(wide, points, spent, shading_rival_error(w, cache, true));
     }
-    if (o->pictures) shading_rival_picture(w, cache, r, "rendercache");
     render_cache_destroy(cache);
 }
 
@@ -87,7 +85,7 @@ static void text_of(double value, char text[24]) {
 static void equal_quality(bench_report *r, const shading_world *w, curve curves[4]) {
     static const double shares[] = {0.005, 0.01, 0.029, 0.1};
     double pixels = (double)w->settings.width * (double)w->settings.height;
-    bench_table(r, w->name,
+    bench_table(r,
                 "scene|points / pixel|points|RMS levels|RenderCache needs|times|wide fill needs|times|cache "
                 "s|RenderCache s|times|path tracer s|times");
     for (int i = 0; i < 4; i++) {
@@ -112,7 +110,7 @@ static void equal_quality(bench_report *r, const shading_world *w, curve curves[
 static void ratios(bench_report *r, const shading_world *w, curve curves[4]) {
     static const double nmrs[] = {10, 30, 100, 300, 1000, 2500};
     double pixels = (double)w->settings.width * (double)w->settings.height;
-    bench_table(r, "nmr", "scene|NMR s|points in 10 s|cache RMS levels|RenderCache|wide fill");
+    bench_table(r, "scene|NMR s|points in 10 s|cache RMS levels|RenderCache|wide fill");
     for (int i = 0; i < 6; i++) {
         double points = 10.0 * pixels / nmrs[i];
         char text[3][24];
@@ -138,20 +136,11 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
               w.pixels.count);
     for (int i = 0; i < 4; i++) curves[i].by_points.count = curves[i].by_time.count = 0;
     double pixels = (double)size * (double)size;
-    run_cache(r, o, &w, (o->brief ? 0.06 : 0.15) * pixels, &curves[0]);
-    run_rival(r, o, &w, (o->brief ? 0.12 : 0.5) * pixels, &curves[1], &curves[2]);
+    run_cache(&w, (o->brief ? 0.06 : 0.15) * pixels, &curves[0]);
+    run_rival(&w, (o->brief ? 0.12 : 0.5) * pixels, &curves[1], &curves[2]);
     run_path(&w, o, &curves[3]);
     equal_quality(r, &w, curves);
     ratios(r, &w, curves);
-    bench_series drawn[4];
-    static const char *const names[4] = {"shading cache", "RenderCache", "RenderCache, wide fill",
-                                         "path tracer"},
-                             *const colors[4] = {"#06c", "#c40", "#a3a", "#282"};
-    for (int i = 0; i < 4; i++)
-        drawn[i] = curves[i].by_time, drawn[i].name = names[i], drawn[i].color = colors[i],
-        drawn[i].line = true;
-    bench_draw_curves(r, w.name, drawn, 4);
-    bench_say(r, "\n![error over time, %s](pictures/%s-%s.svg)\n", w.name, r->name, w.name);
     shading_close(&w);
 }
 
@@ -159,7 +148,6 @@ int main(int argc, char **argv) {
     bench_options o = bench_options_parse(argc, argv, "build/shading-cache");
     bench_report r;
     bench_report_open(&r, &o, "shading_equal");
-    r.error_axis = "RMS error, grey levels";
     experiment(&r, &o, "scenes/generated/study.json");
     experiment(&r, &o, "scenes/generated/loft.json");
     experiment(&r, &o, "scenes/generated/pool.json");

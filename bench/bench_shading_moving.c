@@ -119,10 +119,6 @@ static void motion(bench_report *r, const bench_options *o, const char *path, fi
     }
     bench_say(r, "| %s | path tracer, 1 sample a pixel | | | %.2f | %.1f | | |\n", w.name, path_seconds,
               path_error);
-    if (o->pictures) {
-        shading_run_picture(&run, r, "moved");
-        shading_rival_picture(&w, rivals[1].cache, r, "moved-rendercache");
-    }
     close_rivals(rivals);
     shading_close(&w);
 }
@@ -217,7 +213,7 @@ int main(int argc, char **argv) {
               "\n%d x %d, %d paths a point. Error while things move and after they have, by updates. The "
               "RenderCache, its gaps filled widely, gets the same points an update.\n",
               o.brief ? 256 : 512, o.brief ? 256 : 512, o.brief ? 25 : PATHS);
-    bench_table(&r, "motion",
+    bench_table(&r,
                 "scene|when|updates|points|cache s|cache RMS levels|RenderCache s|RenderCache RMS levels");
     f.duration = 1.0;
     motion(&r, &o, "scenes/generated/study-walk.json", f);
@@ -227,7 +223,7 @@ int main(int argc, char **argv) {
     bench_say(&r, "\n256 x 256, 25 paths a point. The lamp (the chair) jumps after 100 updates: what it "
                   "takes until half, and nine tenths, of what that added to the error are gone.\n");
     bench_table(
-        &r, "jump",
+        &r,
         "scene|cache|RMS before|after the jump|updates to 50 %|points|s|updates to 90 %|points|s|RMS then");
     jump(&r, &o, "scenes/generated/study-lamp.json");
     jump(&r, &o, "scenes/generated/study-chair.json");

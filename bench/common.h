@@ -2,8 +2,7 @@
  *
  *   common_pixels.c  which pixels are compared: one of each block of a picture, and random points for gathers
  *   common_store.c   what was dear to compute, kept on disk
- *   common_curve.c   curves of speed against error, and their drawings
- *   common_report.c  options, tables as Markdown and CSV, pictures
+ *   common_report.c  options, tables as Markdown, curves of speed against error
  */
 #ifndef SL_BENCH_COMMON_H
 #define SL_BENCH_COMMON_H
@@ -17,7 +16,6 @@
 
 typedef struct bench_options {
     bool brief;            /* small pictures, few samples: does everything work? Its figures say little */
-    bool pictures;         /* writes pictures too */
     const char *only;      /* scenes whose name holds this text, or, after a '=', is this; NULL: all */
     size_t points;         /* of table 1; 0: as many as the paper */
     char folder[512];      /* for tables and pictures */
@@ -30,17 +28,15 @@ bool bench_wants(const bench_options *o, const char *scene);
 _Noreturn void bench_fail(const char *what, const sl_error *error);
 
 typedef struct bench_report {
-    FILE *text, *table;    /* NAME.md; NAME-TABLE.csv, or NULL */
-    char folder[512], name[64];
+    FILE *text; /* NAME.md */
     int widths[32];
-    const char *error_axis; /* what drawings call their errors; NULL: relMSE */
 } bench_report;
 
 void bench_report_open(bench_report *r, const bench_options *o, const char *name);
 void bench_report_close(bench_report *r);
 __attribute__((format(printf, 2, 3))) void bench_say(bench_report *r, const char *format, ...);
-/* Cells are separated by '|'. A table ends with the next, or the report. */
-void bench_table(bench_report *r, const char *table, const char *header);
+/* Cells are separated by '|'. */
+void bench_table(bench_report *r, const char *header);
 __attribute__((format(printf, 2, 3))) void bench_row(bench_report *r, const char *format, ...);
 
 /* ---- scenes ---- */
@@ -79,27 +75,17 @@ bool bench_store_load(const char *word, uint64_t hash, size_t count, float *valu
 void bench_store_save(const char *word, uint64_t hash, size_t count, const float *values);
 uint64_t bench_hash(uint64_t hash, const void *bytes, size_t size);
 
-/* ---- speed against error (common_curve.c) ---- */
+/* ---- speed against error (common_report.c) ---- */
 
 enum { BENCH_POINTS = 128 };
 typedef struct bench_point {
     double seconds, rel_mse;
-    char what[64];
 } bench_point;
 typedef struct bench_series {
-    const char *name, *color; /* name: NULL is left out of the drawing's legend */
-    bool line;                /* points are joined */
     size_t count;
     bench_point point[BENCH_POINTS];
 } bench_series;
 
 /* Seconds at an error, or error at seconds: log-log between neighbours, never beyond the ends (then 0). */
 double bench_between(const bench_series *series, double at, bool seconds_wanted);
-/* NAME-SCENE.svg, NAME the report's. */
-void bench_draw_curves(const bench_report *r, const char *scene, const bench_series *series, size_t count);
-
-/* ---- pictures ---- */
-
-/* A PNG in the report's folder: SCENE-WHAT.png. */
-void bench_write_picture(const bench_report *r, const char *scene, const char *what, const sl_image *image);
 #endif

@@ -1,4 +1,5 @@
-/* Options, tables as Markdown for people and as CSV for programs, and pictures. */
+/* Options, tables as Markdown, and curves. */
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,6 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
     snprintf(o.folder, sizeof o.folder, "%s", folder);
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--brief") == 0) o.brief = true;
-        else if (strcmp(argv[i], "--pictures") == 0) o.pictures = true;
         else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) o.only = argv[++i];
         else if (strcmp(argv[i], "--points") == 0 && i + 1 < argc)
             o.points = (size_t)strtoul(argv[++i], NULL, 10);
@@ -20,7 +20,7 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
             snprintf(o.folder, sizeof o.folder, "%s", argv[++i]);
         else {
             fprintf(stderr,
-                    "usage: %s [--brief] [--only TEXT|=NAME] [--points N] [--pictures] [--out FOLDER]\n",
+                    "usage: %s [--brief] [--only TEXT|=NAME] [--points N] [--out FOLDER]\n",
                     argv[0]);
             exit(2);
         }
@@ -56,19 +56,11 @@ static FILE *open_file(const char *path) {
 void bench_report_open(bench_report *r, const bench_options *o, const char *name) {
     char path[700];
     memset(r, 0, sizeof *r);
-    snprintf(r->folder, sizeof r->folder, "%s", o->folder);
-    snprintf(r->name, sizeof r->name, "%s", name);
-    snprintf(path, sizeof path, "%s/%s.md", r->folder, name);
+    snprintf(path, sizeof path, "%s/%s.md", o->folder, name);
     r->text = open_file(path);
 }
 
-static void end_table(bench_report *r) {
-    if (r->table) fclose(r->table);
-    r->table = NULL;
-}
-
 void bench_report_close(bench_report *r) {
-    end_table(r);
     fclose(r->text);
 }
 
@@ -99,23 +91,16 @@ static void write_cells(bench_report *r, const char *line, bool header) {
         if (header) r->widths[column & 31] = length > 7 ? length : 7;
         at += snprintf(text + at, sizeof text - (size_t)at, "| %*.*s ", column ? r->widths[column & 31] : -14,
                        length, cell);
-        fprintf(r->table, "%s%.*s", column ? "," : "", length, cell);
         cell = end ? end + 1 : NULL;
     }
     snprintf(text + at, sizeof text - (size_t)at, "|\n");
     write_both(r, text);
-    fputc('\n', r->table);
-    fflush(r->table);
     if (!header) return;
     for (int i = 0; i < column; i++) write_both(r, i ? "|---:" : "|:---");
     write_both(r, "|\n");
 }
 
-void bench_table(bench_report *r, const char *table, const char *header) {
-    char path[700];
-    end_table(r);
-    snprintf(path, sizeof path, "%s/%s-%s.csv", r->folder, r->name, table);
-    r->table = open_file(path);
+void bench_table(bench_report *r, const char *header) {
     write_both(r, "\n");
     write_cells(r, header, true);
 }
@@ -150,12 +135,15 @@ void bench_scene_name(const char *path, char name[64]) {
     if (dot) *dot = '\0';
 }
 
-/* ---- pictures ---- */
+/* ---- speed against error ---- */
 
-void bench_write_picture(const bench_report *r, const char *scene, const char *what, const sl_image *image) {
-    char path[700];
-    sl_error error;
-    sl_tone tone = {SL_TONE_REINHARD, 0.0f, true};
-    snprintf(path, sizeof path, "%s/%s-%s.png", r->folder, scene, what);
-    if (sl_image_write_png(image, path, tone, &error) != SL_OK) fprintf(stderr, "%s\n", error.message);
+double bench_between(const bench_series *s, double at, bool seconds_wanted) {
+    for (size_t i = 0; i + 1 < s->count; i++) {
+        const bench_point *p = &s->point[i], *q = &s->point[i + 1];
+        double x0 = seconds_wanted ? p->rel_mse : p->seconds, x1 = seconds_wanted ? q->rel_mse : q->seconds;
+        double y0 = seconds_wanted ? p->seconds : p->rel_mse, y1 = seconds_wanted ? q->seconds : q->rel_mse;
+        if ((at - x0) * (at - x1) > 0.0 || x0 == x1) continue;
+        return exp(log(y0) + (log(y1) - log(y0)) * (log(at) - log(x0)) / (log(x1) - log(x0)));
+    }
+    return 0.0;
 }

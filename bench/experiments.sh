@@ -33,7 +33,7 @@ mkdir -p "$out"
     ${brief:+--size 48x48 --repeats 1 --reference-budget 2}
 [ -z "$frames" ] || "$build/bench/bench_frames" bench/frames.trials --table "$frames" ${brief:+--size 48 --frames 10} | tee "$out/frames.md"
 for program in $programs; do
-    "$build/bench/bench_$program" $brief --pictures --out "$out"
+    "$build/bench/bench_$program" $brief --out "$out"
     printf '<!-- table %s -->\n' "$program" >"$out/$program-table.md"
     cat "$out/$program.md" >>"$out/$program-table.md"
     echo '<!-- end -->' >>"$out/$program-table.md"

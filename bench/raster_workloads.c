@@ -55,8 +55,7 @@ void bench_id_map(measurer *m, bench_scene *scene, int width, int height) {
                     bench_allocate(pixels, 4)};
     w.context = &p;
     w.peer = peer_ids(&scene->mesh, p.view, 1, true);
-    figures f = measure_row(m, &w);
-    roofline_note(scene, w.name, &f, 1.0, (double)pixels);
+    measure_row(m, &w);
     sl_free(p.id);
     sl_free(p.depth);
 }
@@ -75,8 +74,7 @@ void bench_depth_cube(measurer *m, bench_scene *scene) {
         p.view[face] = sl_view_cube_face(middle, face, SIZE, 1e-3f * s->diagonal);
     w.context = &p;
     w.peer = peer_ids(&scene->mesh, p.view, 6, false);
-    figures f = measure_row(m, &w);
-    roofline_note(scene, w.name, &f, 1.0, 6.0 * (double)pixels);
+    measure_row(m, &w);
     sl_free(p.depth);
 }
 
@@ -126,8 +124,7 @@ void bench_gbuffer(measurer *m, bench_scene *scene) {
     p.planes.material = NULL;
     w.context = &p;
     w.peer = peer_gbuffer(&scene->mesh, &p.view);
-    figures f = measure_row(m, &w);
-    roofline_note(scene, w.name, &f, 1.0, 11.0 / 2.0 * SIZE * SIZE);
+    measure_row(m, &w);
     sl_gbuffer_destroy(g);
 }
 
@@ -191,8 +188,7 @@ static void run_gathers(measurer *m, workload *w, gather_pass *p, int size) {
     w->wanted = wanted_gather;
     w->renders = (double)p->scene->points;
     w->peer = peer_ids(&p->scene->mesh, p->view, p->scene->points * p->each, true);
-    figures f = measure_row(m, w);
-    roofline_note(p->scene, w->name, &f, w->renders, (p->each > 1 ? 3.0 : 1.0) * (double)pixels);
+    measure_row(m, w);
     for (int t = 0; t < THREADS; t++) {
         sl_raster_scratch_destroy(p->scratch[t]);
         sl_free(p->id[t]);

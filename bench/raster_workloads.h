@@ -20,16 +20,4 @@ void bench_fill(measurer *m);
 void bench_small_triangles(measurer *m);
 void bench_reduction(measurer *m);
 
-/* ---- raster_roofline.c ----------------------------------------------------------------------- */
-
-/* Keeps what a row has counted until the roofline is printed. renders: in the run that was counted; pixels:
- * written in one render, eight bytes each. */
-void roofline_note(const bench_scene *scene, const char *name, const figures *f, double renders,
-                   double pixels);
-void roofline_print(const measurer *m);
-
-/* ---- raster_rays.c --------------------------------------------------------------------------- */
-
-void bench_rays(measurer *m, bench_scene *scene);
-
 #endif

@@ -51,15 +51,12 @@ void shading_run_edit(shading_run *run, unsigned changes);
 void shading_run_update(shading_run *run);
 uint64_t shading_run_points(const shading_run *run);
 double shading_run_error(shading_run *run);
-void shading_run_picture(shading_run *run, const bench_report *r, const char *what);
 
 /* ---- rivals ---- */
 
 render_cache *shading_rival(const shading_world *w, int samples);
 /* Of its picture as things are now, narrow gaps filled or wide ones, too. */
 double shading_rival_error(shading_world *w, render_cache *cache, bool wide_fill);
-void shading_rival_picture(const shading_world *w, const render_cache *cache, const bench_report *r,
-                           const char *what);
 /* The path tracer on the cache's paths, that many samples a pixel of the whole picture: its error; *seconds:
  * of the processor. */
 double shading_path_error(shading_world *w, uint32_t samples, double *seconds);

@@ -171,12 +171,6 @@ double shading_run_error(shading_run *run) {
     return e;
 }
 
-void shading_run_picture(shading_run *run, const bench_report *r, const char *what) {
-    sl_image *image = picture_of(run);
-    bench_write_picture(r, run->world->name, what, image);
-    sl_image_destroy(image);
-}
-
 /* ---- rivals ---- */
 
 render_cache *shading_rival(const shading_world *w, int samples) {
@@ -190,17 +184,6 @@ render_cache *shading_rival(const shading_world *w, int samples) {
 double shading_rival_error(shading_world *w, render_cache *cache, bool wide_fill) {
     render_cache_show(cache, wide_fill);
     return shading_error(w, render_cache_picture(cache));
-}
-
-void shading_rival_picture(const shading_world *w, const render_cache *cache, const bench_report *r,
-                           const char *what) {
-    sl_image *image;
-    sl_error error;
-    int size = w->settings.width;
-    if (sl_image_create(size, size, 3, NULL, &image, &error) != SL_OK) bench_fail("picture", &error);
-    memcpy(image->planes, render_cache_picture(cache), 3 * (size_t)size * (size_t)size * sizeof(float));
-    bench_write_picture(r, w->name, what, image);
-    sl_image_destroy(image);
 }
 
 double shading_path_error(shading_world *w, uint32_t samples, double *seconds) {
