@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "app/options.h"
 #include "app/same_file.h"
+#include "base/error.h"
 #include "base/values.h"
 #include "image/output_file.h"
 #include "scene/features.h"
@@ -252,8 +253,7 @@ static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_
     sl_status status = sl_child_run(describe_work, &d, &limits, &end, error);
     if (status != SL_OK) return status;
     if (end.outcome == SL_CHILD_DONE && strncmp(end.text, refused, strlen(refused)) == 0) {
-        snprintf(error->message, sizeof error->message, "%s", end.text + strlen(refused));
-        status = error->status = SL_ERROR_USAGE;
+        status = sl_fail(error, SL_ERROR_USAGE, "%s", end.text + strlen(refused));
     } else if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
     else if (sscanf(end.text, "%16s %d %d %llu %d %d %d", s->hash, &s->width, &s->height, &triangles, &glossy,
                     &mirrors, &sky) != 7)

@@ -3,6 +3,11 @@
 #include <stdio.h>
 #include <string.h>
 
+bool sl_name_ends_with(const char *name, const char *end) {
+    size_t n = strlen(name), m = strlen(end);
+    return n >= m && strcmp(name + n - m, end) == 0;
+}
+
 /* Where the number begins and ends, and its width. */
 static bool find_number(const char *name, const char **begin, const char **end, int *width) {
     const char *p = strchr(name, '%');

@@ -146,7 +146,7 @@ static bool are_stages_told(const show_options *o) {
     return !o->settings.memory_bytes && (o->json || !o->quiet);
 }
 
-static sl_status play(show *s, sl_scene *scene, sl_stages *stages, sl_error *error) {
+static sl_status play(show *s, sl_scene *scene, sl_pass_times *stages, sl_error *error) {
     sl_settings settings = s->o->settings;
     if (are_stages_told(s->o)) settings.observer = &stages->observer;
     sl_status status = sl_live_start(scene, &settings, &s->live, error);
@@ -170,8 +170,8 @@ static sl_status choose_method(show_options *o, const sl_scene *scene, sl_error 
 }
 
 static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *error) {
-    sl_stages stages;
-    sl_stages_begin(&stages);
+    static sl_pass_times stages;
+    sl_pass_times_begin(&stages, sl_thread_seconds);
     int width = o->settings.width, height = o->settings.height;
     if (!width) sl_scene_film(scene, &width, &height);
     show s = {.o = o, .tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given}};

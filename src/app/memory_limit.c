@@ -1,5 +1,6 @@
 #include "app/memory_limit.h"
 
+#include "base/error.h"
 #include "base/sanitized.h"
 
 #include <math.h>
@@ -39,8 +40,7 @@ sl_status sl_load_within_memory(const char *path, const sl_load_options *load, c
         status == SL_ERROR_INPUT && (strstr(error->message, "bad_alloc") ||
                                      strstr(error->message, "llocation") || strstr(error->message, "memory"));
     if (!settings->memory_bytes || (status != SL_ERROR_RESOURCES && !by_reader)) return status;
-    snprintf(error->message, sizeof error->message,
-             "%s: %.0fM of memory are not enough to load it; give more memory", path,
-             (double)settings->memory_bytes / 0x1p20);
-    return error->status = SL_ERROR_RESOURCES;
+    return sl_fail(error, SL_ERROR_RESOURCES,
+                   "%s: %.0fM of memory are not enough to load it; give more memory", path,
+                   (double)settings->memory_bytes / 0x1p20);
 }

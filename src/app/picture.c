@@ -5,6 +5,7 @@
 #include "app/clock.h"
 #include "app/frame_name.h"
 #include "app/utf8.h"
+#include "base/error.h"
 #include "image/output_file.h"
 #include "image/tone.h"
 
@@ -16,22 +17,20 @@
 
 /* ---- names of files ---- */
 
-static bool ends_with(const char *text, const char *end) {
-    size_t n = strlen(text), m = strlen(end);
-    return n >= m && strcmp(text + n - m, end) == 0;
-}
-
-bool sl_picture_is_png(const char *path) { return ends_with(path, ".png"); }
+bool sl_picture_is_png(const char *path) { return sl_name_ends_with(path, ".png"); }
 
 bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
-    bool known = ends_with(o->output, ".exr") || ends_with(o->output, ".png") || ends_with(o->output, ".pfm");
+    bool known = sl_name_ends_with(o->output, ".exr") || sl_name_ends_with(o->output, ".png") ||
+                 sl_name_ends_with(o->output, ".pfm");
     if (known && (!o->frames || sl_frame_pattern_is_good(o->output))) return true;
-    error->status = SL_ERROR_USAGE;
-    snprintf(error->message, sizeof error->message,
-             known ? "--output: for --frames expected a name with the frame's number in it, as "
-                     "frame-%%04d.png; got '%s'"
-                   : "--output: expected a name that ends with .exr, .png or .pfm, got '%s'",
-             o->output);
+    if (known)
+        sl_fail(error, SL_ERROR_USAGE,
+                "--output: for --frames expected a name with the frame's number in it, as frame-%%04d.png; "
+                "got '%s'",
+                o->output);
+    else
+        sl_fail(error, SL_ERROR_USAGE,
+                "--output: expected a name that ends with .exr, .png or .pfm, got '%s'", o->output);
     return false;
 }
 
@@ -185,9 +184,8 @@ static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_me
                         sl_error *error) {
     sl_status status = sl_method_create(scene, &o->settings, method, error);
     if (status == SL_OK && (o->load_cache || o->save_cache) && !sl_method_keeps_cache(*method)) {
-        snprintf(error->message, sizeof error->message, "--%s-cache: %s keeps no cache",
+        status = sl_fail(error, SL_ERROR_USAGE, "--%s-cache: %s keeps no cache",
                  o->load_cache ? "load" : "save", o->settings.method);
-        status = error->status = SL_ERROR_USAGE;
     }
     if (status == SL_OK && o->load_cache) status = sl_method_load(*method, o->load_cache, error);
     return status;

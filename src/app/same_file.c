@@ -1,6 +1,7 @@
 #include "app/same_file.h"
 
 #include "app/frame_name.h"
+#include "base/error.h"
 #include "scene/scene.h"
 
 #include <stdio.h>
@@ -38,11 +39,11 @@ static bool is_one_of(const char *pattern, const char *other) {
 sl_status sl_spare_scene(const sl_scene *scene, const char *option, const char *file, sl_error *error) {
     for (size_t i = 0; file && i < scene->file_count; i++) {
         if (!are_same(file, scene->files[i]) && !is_one_of(file, scene->files[i])) continue;
-        snprintf(error->message, sizeof error->message,
-                 "--%s: expected a file of its own, got '%.400s', which would take the place of %.400s, a "
-                 "file of the scene",
-                 option, file, scene->files[i]);
-        return error->status = SL_ERROR_USAGE;
+        return sl_fail(
+            error, SL_ERROR_USAGE,
+            "--%s: expected a file of its own, got '%.400s', which would take the place of %.400s, a "
+            "file of the scene",
+            option, file, scene->files[i]);
     }
     return SL_OK;
 }

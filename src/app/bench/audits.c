@@ -70,19 +70,6 @@ static void take(const cJSON *entry, sl_bench_promise *p) {
     p->cpu_seconds = cJSON_GetObjectItem(result, "cpu_seconds")->valuedouble;
 }
 
-static sl_status run(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_row *row,
-                     const char *key, sl_journal *journal, sl_error *error) {
-    const sl_child_limits limits = {o->limit, 0, sl_interrupted};
-    audit a = {s->path, row, s->width, s->height, o->threads, o->load};
-    sl_child_end end;
-    sl_status status = sl_child_run(audit_work, &a, &limits, &end, error);
-    if (status != SL_OK || end.outcome == SL_CHILD_INTERRUPTED) {
-        free(end.text);
-        return status;
-    }
-    return sl_journal_add(journal, sl_schedule_entry(o, s, key, &end), error);
-}
-
 sl_status sl_audits_run(const sl_bench_options *o, sl_bench_scene *s, sl_journal *journal, sl_error *error) {
     sl_status status = SL_OK;
     for (size_t i = 0; i < s->row_count && status == SL_OK; i++) {
@@ -95,7 +82,8 @@ sl_status sl_audits_run(const sl_bench_options *o, sl_bench_scene *s, sl_journal
             if (!o->quiet && isatty(STDERR_FILENO))
                 fprintf(stderr, "\r\033[K%s, error without a reference: %s, %s", s->name, row->curve,
                         row->name);
-            status = run(o, s, row, key, journal, error);
+            audit a = {s->path, row, s->width, s->height, o->threads, o->load};
+            status = sl_schedule_child(o, s, key, o->limit, audit_work, &a, journal, error);
         }
         if (status == SL_OK) take(sl_journal_find(journal, key), &row->promise);
     }

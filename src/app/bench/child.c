@@ -2,6 +2,7 @@
 
 #include "app/clock.h"
 
+#include "base/error.h"
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -104,9 +105,7 @@ static void explain(int how, const sl_child_limits *limits, const report *r, sl_
 }
 
 static sl_status fail_to_start(sl_error *error) {
-    error->status = SL_ERROR_RESOURCES;
-    snprintf(error->message, sizeof error->message, "cannot start a process: %s", strerror(errno));
-    return error->status;
+    return sl_fail(error, SL_ERROR_RESOURCES, "cannot start a process: %s", strerror(errno));
 }
 
 sl_status sl_child_run(sl_child_work *work, void *context, const sl_child_limits *limits, sl_child_end *end,

@@ -5,6 +5,7 @@
 #include "app/html.h"
 #include "app/clock.h"
 
+#include "base/error.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -199,9 +200,7 @@ sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *er
     sl_image *mask = sl_reference_mask(o, s, error);
     if (!mask) return error->status;
     sl_status status = list_references(o, s) ? SL_OK : SL_ERROR_RESOURCES;
-    if (status != SL_OK)
-        snprintf(error->message, sizeof error->message, "not enough memory for a list of references"),
-            error->status = status;
+    if (status != SL_OK) sl_fail_memory(error, "a list of references");
     s->pixels_compared = 0;
     for (size_t i = 0; i < (size_t)s->width * (size_t)s->height; i++)
         s->pixels_compared += mask->planes[i] > 0.5f;

@@ -18,9 +18,8 @@ struct sl_journal {
 };
 
 static sl_status fail(sl_error *error, const char *path, const char *what) {
-    error->status = sl_status_of_errno(errno, SL_ERROR_OUTPUT);
-    snprintf(error->message, sizeof error->message, "cannot %s %s: %s", what, path, strerror(errno));
-    return error->status;
+    return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_OUTPUT), "cannot %s %s: %s", what, path,
+                   strerror(errno));
 }
 
 /* FNV-1a; begun with FIRST_HASH. */

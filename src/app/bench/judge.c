@@ -1,4 +1,5 @@
 #include "app/bench/judge.h"
+#include "base/error.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,9 +19,8 @@ static sl_status find_halves(const sl_image *reference, const sl_image *mask, ha
         found = found && h->a[k] && h->b[k];
     }
     if (found) return SL_OK;
-    snprintf(error->message, sizeof error->message,
-             "a reference without its two halves, or of another size than its mask");
-    return error->status = SL_ERROR_INPUT;
+    return sl_fail(error, SL_ERROR_INPUT,
+                   "a reference without its two halves, or of another size than its mask");
 }
 
 sl_status sl_judge_noise(const sl_image *reference, const sl_image *mask, double *noise, double *mean,
@@ -90,9 +90,8 @@ sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, c
                  sl_image_channel(picture, "R") && sl_image_channel(picture, "G") &&
                  sl_image_channel(picture, "B");
     if (status == SL_OK && !alike) {
-        snprintf(error->message, sizeof error->message,
-                 "a picture without R, G, B or of another size than its reference");
-        status = error->status = SL_ERROR_INPUT;
+        status =
+            sl_fail(error, SL_ERROR_INPUT, "a picture without R, G, B or of another size than its reference");
     }
     if (status != SL_OK || !(mean > 0.0)) return status;
     squares s = squared_errors(picture, &h, mask);

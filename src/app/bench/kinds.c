@@ -60,18 +60,10 @@ static void take(const cJSON *result, sl_bench_scene *s) {
 }
 
 sl_status sl_kinds_look(const sl_bench_options *o, sl_bench_scene *s, sl_journal *journal, sl_error *error) {
-    const sl_child_limits limits = {0.0, 0, sl_interrupted};
     look l = {s, o->load};
-    sl_child_end end;
     char key[256];
     snprintf(key, sizeof key, "%s %dx%d, %s %s, kind", s->hash, s->width, s->height, SL_VERSION, o->program);
-    sl_status status = SL_OK;
-    if (!sl_journal_find(journal, key)) {
-        status = sl_child_run(look_work, &l, &limits, &end, error);
-        if (status != SL_OK) return status;
-        if (end.outcome == SL_CHILD_INTERRUPTED) free(end.text);
-        else status = sl_journal_add(journal, sl_schedule_entry(o, s, key, &end), error);
-    }
+    sl_status status = sl_schedule_child(o, s, key, 0.0, look_work, &l, journal, error);
     const cJSON *entry = sl_journal_find(journal, key);
     if (entry) take(cJSON_GetObjectItem(entry, "result"), s);
     return status;

@@ -1,6 +1,7 @@
 #include "app/bench/references.h"
 
 #include "app/clock.h"
+#include "base/error.h"
 #include "cache/frame/method.h"
 #include "image/output_file.h"
 
@@ -215,9 +216,8 @@ sl_status sl_reference_make_folder(const char *path, sl_error *error) {
         if (path[i] != '/' && path[i]) continue;
         snprintf(part, sizeof part, "%.*s", (int)i, path);
         if (mkdir(part, 0777) == 0 || errno == EEXIST) continue;
-        snprintf(error->message, sizeof error->message, "cannot make the folder %.900s: %s", part,
+        return sl_fail(error, SL_ERROR_OUTPUT, "cannot make the folder %.900s: %s", part,
                  strerror(errno));
-        return error->status = SL_ERROR_OUTPUT;
     }
     snprintf(part, sizeof part, "%.1000s/reference.exr", path);
     return sl_output_check(part, error);

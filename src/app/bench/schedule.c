@@ -4,6 +4,7 @@
 
 #include "app/bench/calibration.h"
 #include "app/clock.h"
+#include "base/error.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -177,7 +178,7 @@ void sl_trial_picture(const sl_bench_options *o, const sl_bench_scene *s, const 
              s->height, o->program, name, hash);
 }
 
-cJSON *sl_schedule_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key,
+static cJSON *make_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key,
                          sl_child_end *end) {
     cJSON *entry = cJSON_CreateObject(),
           *result = end->outcome == SL_CHILD_DONE ? cJSON_Parse(end->text) : NULL;
@@ -190,6 +191,19 @@ cJSON *sl_schedule_entry(const sl_bench_options *o, const sl_bench_scene *s, con
     free(end->text);
     end->text = NULL;
     return entry;
+}
+
+sl_status sl_schedule_child(const sl_bench_options *o, const sl_bench_scene *s, const char *key,
+                            double seconds, sl_child_work *work, void *context, sl_journal *journal,
+                            sl_error *error) {
+    const sl_child_limits limits = {seconds, 0, sl_interrupted};
+    sl_child_end end;
+    if (sl_journal_find(journal, key)) return SL_OK;
+    sl_status status = sl_child_run(work, context, &limits, &end, error);
+    if (status == SL_OK && end.outcome != SL_CHILD_INTERRUPTED)
+        return sl_journal_add(journal, make_entry(o, s, key, &end), error);
+    free(end.text);
+    return status;
 }
 
 static sl_status run_job(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal,
@@ -208,7 +222,7 @@ static sl_status run_job(const sl_bench_options *o, const sl_bench_scene *s, sl_
         free(end.text);
         return status;
     }
-    cJSON *entry = sl_schedule_entry(o, s, key, &end);
+    cJSON *entry = make_entry(o, s, key, &end);
     cJSON_AddStringToObject(entry, "arguments", j->trial->arguments);
     cJSON_AddNumberToObject(entry, "limit", o->limit);
     cJSON_AddNumberToObject(entry, "memory", (double)o->memory_bytes);
@@ -242,8 +256,7 @@ sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl
     if (o->report_only) return SL_OK;
     if (!list_jobs(o, s, &l)) {
         free(l.jobs);
-        snprintf(error->message, sizeof error->message, "not enough memory for a list of trials");
-        return error->status = SL_ERROR_RESOURCES;
+        return sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for a list of trials");
     }
     for (size_t i = 0; i < l.count && status == SL_OK && !sl_interrupted(); i++) {
         double spent = sl_seconds_now() - from;
@@ -343,8 +356,7 @@ sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const s
     s->rows = calloc(count + 1, sizeof *s->rows);
     s->row_count = 0;
     if (!s->rows) {
-        snprintf(error->message, sizeof error->message, "not enough memory for the rows of a report");
-        return error->status = SL_ERROR_RESOURCES;
+        return sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for the rows of a report");
     }
     for (size_t i = 0; i < count; i++) {
         const sl_trial *t = &o->trials->trial[i];

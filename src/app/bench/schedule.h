@@ -34,10 +34,11 @@ sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene 
 /* The rows of the scene from what the journal holds of it. */
 sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal,
                            sl_error *error);
-/* What a child told, as the journal keeps it: key, program, scene, end, why, result. Takes the child's text.
- */
-cJSON *sl_schedule_entry(const sl_bench_options *options, const sl_bench_scene *scene, const char *key,
-                         sl_child_end *end);
+/* Does work in a child, unless the journal has its key, and adds what it told: key, program, scene, end, why,
+ * result. */
+sl_status sl_schedule_child(const sl_bench_options *options, const sl_bench_scene *scene, const char *key,
+                            double seconds, sl_child_work *work, void *context, sl_journal *journal,
+                            sl_error *error);
 /* Where the picture of a trial is kept. */
 void sl_trial_picture(const sl_bench_options *options, const sl_bench_scene *scene, const sl_trial *trial,
                       char path[SL_BENCH_PATH]);

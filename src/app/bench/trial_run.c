@@ -2,6 +2,7 @@
 #include "app/bench/trials.h"
 #include "app/options.h"
 #include "app/clock.h"
+#include "app/pass_times.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -24,41 +25,12 @@ bool sl_trial_settings(const char *arguments, sl_settings *settings) {
     return sl_options_parse(&line, count, words, operands, &operand_count, &status);
 }
 
-/* ---- a look: which passes take the time ---- */
-
-enum { PASSES = 256 };
-
-typedef struct stopwatch {
-    double from, last; /* processor seconds */
-    size_t count;
-    struct {
-        char name[64];
-        double seconds;
-    } pass[PASSES];
-} stopwatch;
-
-static void add_to(stopwatch *w, const char *name, double seconds) {
-    size_t i = 0;
-    while (i < w->count && strcmp(w->pass[i].name, name) != 0) i++;
-    if (i == PASSES) i--;
-    if (i == w->count) snprintf(w->pass[w->count++].name, sizeof w->pass[i].name, "%.63s", name);
-    w->pass[i].seconds += seconds;
-}
-
-/* A pass announces itself when it is done: what passed since the last one did is its. */
-static void pass_done(void *context, const sl_pass *pass) {
-    stopwatch *w = context;
-    double now = sl_process_seconds();
-    add_to(w, pass->name, now - w->last);
-    w->last = sl_process_seconds();
-}
-
-static void add_parts(cJSON *root, stopwatch *w) {
+/* A look: which passes take the time. */
+static void add_parts(cJSON *root, const sl_pass_times *times) {
     cJSON *parts = cJSON_AddObjectToObject(root, "parts");
-    double sum = 0.0;
-    for (size_t i = 0; i < w->count; i++) sum += w->pass[i].seconds;
-    for (size_t i = 0; i < w->count && sum > 0.0; i++)
-        cJSON_AddNumberToObject(parts, w->pass[i].name, w->pass[i].seconds / sum);
+    double sum = sl_pass_times_sum(times);
+    for (int i = 0; i < times->count && sum > 0.0; i++)
+        cJSON_AddNumberToObject(parts, times->pass[i].name, times->pass[i].seconds / sum);
 }
 
 /* ---- the picture ---- */
@@ -80,10 +52,10 @@ static sl_status show_first(made *m, double from, sl_error *error) {
     return status;
 }
 
-static sl_status make_picture(const sl_scene *scene, const sl_settings *settings, stopwatch *watch, made *m,
-                              sl_error *error) {
+static sl_status make_picture(const sl_scene *scene, const sl_settings *settings, sl_pass_times *watch,
+                              made *m, sl_error *error) {
     double wall = sl_seconds_now(), cpu = sl_process_seconds();
-    watch->from = watch->last = cpu;
+    sl_pass_times_begin(watch, sl_process_seconds);
     sl_status status = sl_method_create(scene, settings, &m->method, error);
     while (status == SL_OK && !m->progress.done) {
         status = sl_method_update(m->method, &m->progress, error);
@@ -93,11 +65,11 @@ static sl_status make_picture(const sl_scene *scene, const sl_settings *settings
     if (status == SL_OK) status = sl_method_resolve(m->method, &m->image, error);
     m->wall = sl_seconds_now() - wall;
     m->cpu = sl_process_seconds() - cpu;
-    if (settings->observer) add_to(watch, "the rest", cpu + m->cpu - watch->last);
+    if (settings->observer) sl_pass_times_add(watch, "the rest", cpu + m->cpu - watch->last);
     return status;
 }
 
-static char *report(const sl_trial_run *run, const made *m, stopwatch *watch) {
+static char *report(const sl_trial_run *run, const made *m, sl_pass_times *watch) {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     cJSON *root = cJSON_CreateObject();
@@ -122,9 +94,8 @@ static char *report(const sl_trial_run *run, const made *m, stopwatch *watch) {
 }
 
 bool sl_trial_work(void *context, char **answer) {
-    static stopwatch watch;
+    static sl_pass_times watch;
     const sl_trial_run *run = context;
-    const sl_observer observer = {&watch, pass_done};
     sl_settings settings = sl_settings_default();
     sl_scene *scene = NULL;
     sl_error error = {SL_ERROR_USAGE, "a trial with arguments that mean nothing"};
@@ -133,7 +104,7 @@ bool sl_trial_work(void *context, char **answer) {
     settings.width = run->width;
     settings.height = run->height;
     if (!settings.threads) settings.threads = run->threads;
-    settings.observer = run->look ? &observer : NULL;
+    settings.observer = run->look ? &watch.observer : NULL;
     if (status == SL_OK) status = sl_scene_load_with(run->scene_path, &run->load, &scene, &error);
     if (status == SL_OK) status = make_picture(scene, &settings, &watch, &m, &error);
     if (status == SL_OK && run->picture) status = sl_image_write(m.image, run->picture, &error);

@@ -1,47 +1,37 @@
 #include "app/live/film.h"
 
 #include "app/frame_name.h"
+#include "base/error.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static sl_status fail(sl_error *error, sl_status status, const char *what, const char *name) {
-    error->status = status;
-    snprintf(error->message, sizeof error->message, what, name);
-    return status;
+static bool is_stream(const char *output) {
+    return strcmp(output, "-") == 0 || sl_name_ends_with(output, ".y4m");
 }
-
-static bool ends_with(const char *text, const char *end) {
-    size_t n = strlen(text), m = strlen(end);
-    return n >= m && strcmp(text + n - m, end) == 0;
-}
-
-static bool is_stream(const char *output) { return strcmp(output, "-") == 0 || ends_with(output, ".y4m"); }
 
 sl_status sl_film_check(const char *output, double frames_per_second, sl_error *error) {
     if (!output) return SL_OK;
     if (is_stream(output)) {
         if (!(frames_per_second > 0.0))
-            return fail(error, SL_ERROR_USAGE,
+            return sl_fail(error, SL_ERROR_USAGE,
                         "--output: a stream has a rate: expected --fps above 0 for '%s'", output);
         return strcmp(output, "-") == 0 ? SL_OK : sl_output_check(output, error);
     }
-    if (ends_with(output, ".png") && sl_frame_pattern_is_good(output)) {
+    if (sl_name_ends_with(output, ".png") && sl_frame_pattern_is_good(output)) {
         char first[4096];
         sl_frame_name(output, 0, first, sizeof first);
         return sl_output_check(first, error);
     }
-    return fail(error, SL_ERROR_USAGE,
+    return sl_fail(error, SL_ERROR_USAGE,
                 "--output: expected frame-%%04d.png, a name that ends with .y4m, or - for a stream; got '%s'",
                 output);
 }
 
 static sl_status cannot_write(const sl_film *film, sl_error *error) {
-    char why[800];
-    snprintf(why, sizeof why, "%.600s: %.100s", film->output, strerror(errno));
-    return fail(error, SL_ERROR_OUTPUT, "cannot write %s", why);
+    return sl_fail(error, SL_ERROR_OUTPUT, "cannot write %.600s: %.100s", film->output, strerror(errno));
 }
 
 static sl_status put(sl_film *film, const void *bytes, size_t count, sl_error *error) {
@@ -56,7 +46,7 @@ sl_status sl_film_open(sl_film *film, const char *output, int width, int height,
     film->rgb = malloc(bytes);
     film->yuv = malloc(bytes);
     if (!film->rgb || !film->yuv)
-        return fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", "a frame");
+        return sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", "a frame");
     if (!output || !is_stream(output)) return SL_OK;
     char header[80];
     long rate = (long)(1000.0 * frames_per_second + 0.5);

@@ -11,9 +11,9 @@ static double a_second(uint64_t count, double seconds) {
 static double each(double seconds, uint64_t count) { return count ? 1e3 * seconds / (double)count : 0.0; }
 
 static void print_stages(const sl_show_report *r) {
-    double all = sl_stages_seconds(r->stages);
+    double all = sl_pass_times_sum(r->stages);
     for (int i = 0; i < r->stages->count && all > 0.0; i++) {
-        const sl_stage *s = &r->stages->stage[i];
+        const sl_pass_time *s = &r->stages->pass[i];
         fprintf(stderr, "  %-20s %9.3f ms  %5.1f %%\n", s->name, each(s->seconds, s->times),
                 100.0 * s->seconds / all);
     }
@@ -70,7 +70,7 @@ void sl_show_report_json(const sl_show_report *r) {
     cJSON_AddNumberToObject(root, "longest_lag_ms", 1e3 * r->longest_lag);
     cJSON *stages = cJSON_AddObjectToObject(root, "stages_ms");
     for (int i = 0; i < r->stages->count; i++) {
-        const sl_stage *s = &r->stages->stage[i];
+        const sl_pass_time *s = &r->stages->pass[i];
         cJSON_AddNumberToObject(stages, s->name, each(s->seconds, s->times));
     }
     cJSON *counters = cJSON_AddObjectToObject(root, "counters");

@@ -2,7 +2,7 @@
 #ifndef SL_APP_LIVE_REPORT_H
 #define SL_APP_LIVE_REPORT_H
 
-#include "app/live/stages.h"
+#include "app/pass_times.h"
 
 typedef struct sl_show_report {
     const char *scene, *method;
@@ -17,7 +17,7 @@ typedef struct sl_show_report {
     double lag, longest_lag;
     sl_live_state last;
     sl_counters counters;
-    const sl_stages *stages;
+    const sl_pass_times *stages;
 } sl_show_report;
 
 void sl_show_report_print(const sl_show_report *report); /* to stderr: stdout may be the stream */

@@ -1,14 +1,15 @@
 /* softlux check-numerics: every method on rooms that break careless code, as a table. */
+#include "app/clock.h"
 #include "app/commands.h"
 #include "app/numerics/cases.h"
 #include "app/options.h"
+#include "base/error.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { UPDATES_MAX = 100000, REFERENCE_SAMPLES = 256, TRACER_SAMPLES = 64 };
@@ -34,12 +35,6 @@ typedef struct verdict {
     double bound;      /* of it */
     char text[112];     /* what is wrong */
 } verdict;
-
-static double now_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 __attribute__((format(printf, 1, 2))) static verdict bad(const char *format, ...) {
     verdict v = {.difference = -1.0};
@@ -68,16 +63,15 @@ static sl_status render(const checking *c, const char *path, const char *transpo
     /* the paper lets light through walls, which is not rounding's affair */
     settings.radiance_map.visibility = SL_VISIBILITY_RAYS;
     *image = NULL;
-    double start = now_seconds();
+    double start = sl_seconds_now();
     sl_status status = sl_scene_load(path, &scene, error);
     if (status == SL_OK) status = sl_method_create(scene, &settings, &method, error);
     while (status == SL_OK && !progress.done && progress.batches < UPDATES_MAX &&
-           now_seconds() - start < c->seconds)
+           sl_seconds_now() - start < c->seconds)
         status = sl_method_update(method, &progress, error);
     if (status == SL_OK && !progress.done) {
-        status = error->status = SL_ERROR_RESOURCES;
-        snprintf(error->message, sizeof error->message, "not done after %.0f s and %llu batches",
-                 now_seconds() - start, (unsigned long long)progress.batches);
+        status = sl_fail(error, SL_ERROR_RESOURCES, "not done after %.0f s and %llu batches",
+                 sl_seconds_now() - start, (unsigned long long)progress.batches);
     }
     if (status == SL_OK) status = sl_method_resolve(method, image, error);
     sl_method_destroy(method);
@@ -279,8 +273,7 @@ static sl_status check_all(checking *c, size_t *failures, sl_error *error) {
     bool any = false;
     snprintf(c->folder, sizeof c->folder, "/tmp/softlux-numerics-XXXXXX");
     if (!mkdtemp(c->folder)) {
-        snprintf(error->message, sizeof error->message, "cannot make a folder in /tmp");
-        return error->status = SL_ERROR_OUTPUT;
+        return sl_fail(error, SL_ERROR_OUTPUT, "cannot make a folder in /tmp");
     }
     for (size_t m = 0; sl_method_name(m) && status == SL_OK; m++) {
         if (c->method && strcmp(c->method, sl_method_name(m)) != 0) continue;
@@ -296,8 +289,7 @@ static sl_status check_all(checking *c, size_t *failures, sl_error *error) {
     }
     rmdir(c->folder);
     if (status == SL_OK && !any) {
-        snprintf(error->message, sizeof error->message, "unknown method '%s'", c->method);
-        return error->status = SL_ERROR_USAGE;
+        return sl_fail(error, SL_ERROR_USAGE, "unknown method '%s'", c->method);
     }
     return status;
 }

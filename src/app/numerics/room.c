@@ -1,4 +1,5 @@
 #include "app/numerics/room.h"
+#include "base/error.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -167,9 +168,7 @@ static void write_scene(const sl_room *r, FILE *out) {
 }
 
 static sl_status cannot_write(const char *path, sl_error *error) {
-    error->status = SL_ERROR_OUTPUT;
-    snprintf(error->message, sizeof error->message, "cannot write %s", path);
-    return SL_ERROR_OUTPUT;
+    return sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s", path);
 }
 
 sl_status sl_room_write(const sl_room *r, const char *folder, char *path, size_t size, sl_error *error) {

@@ -2,6 +2,7 @@
 
 #include "app/html.h"
 
+#include "base/error.h"
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -154,29 +155,22 @@ static bool add_explanation(sl_explanations *s, const sl_explanation *explanatio
     return true;
 }
 
-static sl_status no_memory(sl_error *error) {
-    if (error) {
-        error->status = SL_ERROR_RESOURCES;
-        snprintf(error->message, sizeof error->message,
-                 "not enough memory for the explanations of the pixels");
-    }
-    return SL_ERROR_RESOURCES;
-}
-
 sl_status sl_explanations_collect(sl_method *method, const sl_image *picture, sl_explanations **explanations,
                                   sl_error *error) {
     sl_explanations *s = calloc(1, sizeof *s);
     *explanations = s;
-    if (!s) return no_memory(error);
+    if (!s) return sl_fail_memory(error, "the explanations of the pixels");
     s->pixels = (size_t)picture->width * (size_t)picture->height;
     s->begin = calloc(s->pixels + 1, sizeof *s->begin);
     s->rounding = calloc(3 * s->pixels, sizeof *s->rounding);
-    sl_status status = s->begin && s->rounding ? SL_OK : no_memory(error);
+    sl_status status =
+        s->begin && s->rounding ? SL_OK : sl_fail_memory(error, "the explanations of the pixels");
     for (size_t p = 0; p < s->pixels && status == SL_OK; p++) {
         sl_explanation *explanation;
         status = sl_method_explanation(method, picture, (int)(p % (size_t)picture->width),
                                        (int)(p / (size_t)picture->width), &explanation, error);
-        if (status == SL_OK && !add_explanation(s, explanation, p)) status = no_memory(error);
+        if (status == SL_OK && !add_explanation(s, explanation, p))
+            status = sl_fail_memory(error, "the explanations of the pixels");
         if (status == SL_OK) sl_explanation_destroy(explanation);
     }
     if (status == SL_OK) {

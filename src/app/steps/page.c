@@ -1,6 +1,7 @@
 #include "app/steps/page.h"
 
 #include "app/html.h"
+#include "base/error.h"
 #include "image/output_file.h"
 
 #include <inttypes.h>
@@ -283,8 +284,7 @@ sl_status sl_page_write(const char *folder, const char *scene, const sl_steps_ru
     if (out && fclose(out) != 0) failed = true;
     sl_status status = SL_OK;
     if (failed) {
-        status = error->status = SL_ERROR_RESOURCES;
-        snprintf(error->message, sizeof error->message, "not enough memory for the page");
+        status = sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for the page");
     }
     sl_output_file file;
     if (status == SL_OK) status = sl_output_open(&file, path, error);

@@ -2,6 +2,7 @@
 
 #include "app/bench/judge.h"
 #include "app/html.h"
+#include "base/error.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,12 +11,6 @@
 
 static void tell(const sl_steps_options *o, const char *what, double fraction) {
     if (o->progress) o->progress(what, fraction);
-}
-
-static sl_status fail(sl_error *error, sl_status status, const char *what) {
-    error->status = status;
-    snprintf(error->message, sizeof error->message, "%s", what);
-    return status;
 }
 
 /* ---- the reference: the method's own light paths, path traced ---- */
@@ -133,7 +128,7 @@ static sl_status snap(sl_steps_run *run, sl_method *method, const sl_progress *p
     s->picture = sl_picture_text(*picture, true);
     return s->picture && !run->recording.failed
                ? SL_OK
-               : fail(error, SL_ERROR_RESOURCES, "not enough memory for the page's pictures");
+               : sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for the page's pictures");
 }
 
 /* Snapshots after the first batches and then ever more rarely, the last one when all is done. */
@@ -181,7 +176,7 @@ sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *o, 
                           .width = o->settings.width,
                           .height = o->settings.height};
     if (!run->narrative)
-        return fail(error, SL_ERROR_USAGE,
+        return sl_fail(error, SL_ERROR_USAGE,
                     "--method: steps are told of splatting, direct-radiance, light-octree, multi-mesh and "
                     "shading-cache");
     sl_tracer *tracer = NULL;

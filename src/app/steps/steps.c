@@ -6,6 +6,7 @@
 #include "app/same_file.h"
 #include "app/options.h"
 #include "app/steps/page.h"
+#include "base/error.h"
 #include "image/output_file.h"
 
 #include <errno.h>
@@ -83,9 +84,7 @@ static sl_status make_folder(const char *folder, sl_error *error) {
     char page[4096];
     snprintf(page, sizeof page, "%s/index.html", folder);
     if (mkdir(folder, 0777) == 0 || errno == EEXIST) return sl_output_check(page, error);
-    error->status = SL_ERROR_OUTPUT;
-    snprintf(error->message, sizeof error->message, "cannot make the folder %s: %s", folder, strerror(errno));
-    return SL_ERROR_OUTPUT;
+    return sl_fail(error, SL_ERROR_OUTPUT, "cannot make the folder %s: %s", folder, strerror(errno));
 }
 
 static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_error *error) {
