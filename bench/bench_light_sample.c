@@ -1,12 +1,11 @@
 /* Sampling one area light by hardware and by rays (multi-mesh caching, section on hardware sampling), on the
  * generated room:
  *
- *   samples      N x N pixels of the light's picture, N x N jittered shadow rays in coherent packets of 16:
- * time and error of each (paper: 0.9 to 32 ms at 64 x 64; 128 x 128 pixels in the time of 16 x 16 rays)
- *   equal-error  how many pixels are as good as so many rays, and what both cost
- *   edge         error against the closed form: a light behind a straight edge, along the light's sides and
- * at random angles parts        time over N (paper: 0.33 ms and 0.138 us a pixel); the share of summing and
- * reading back (paper: 70 %); what the hardware culls
+ *   time and error of N x N pixels of the light's picture, and of N x N jittered shadow rays in coherent
+ *   packets of 16 (paper: 0.9 to 32 ms at 64 x 64; 128 x 128 pixels in the time of 16 x 16 rays);
+ *   how many pixels are as good as so many rays, and what both cost;
+ *   time over N (paper: 0.33 ms and 0.138 us a pixel), the share of summing and reading back (paper: 70 %),
+ *   and what the hardware culls.
  *
  * Points are what the camera sees in random pixels, unless they get next to nothing from the light; errors
  * are of those that see a part of it, in units of what they would get without occluders, against 512 x 512
@@ -213,117 +212,6 @@ static void table_of_equal_error(bench *b, size_t first) {
     }
 }
 
-/* ---- against the closed form ---- */
-
-/* A light of 1 x 1 at height 2 over the origin; a half plane at height 1 whose edge goes by the axis at that
- * distance and angle. */
-static sl_scene *edge_scene(double angle, double distance, sl_vec3d *out) {
-    const double c = sl_cos(angle), s = sl_sin(angle), far = 40.0;
-    float p[8][3] = {{-0.5f, 2, -0.5f}, {0.5f, 2, -0.5f}, {0.5f, 2, 0.5f}, {-0.5f, 2, 0.5f}};
-    const double along[4] = {-far, far, far, -far}, across[4] = {distance, distance, far, far};
-    for (int k = 0; k < 4; k++) {
-        p[4 + k][0] = (float)(along[k] * c - across[k] * s);
-        p[4 + k][1] = 1.0f;
-        p[4 + k][2] = (float)(along[k] * s + across[k] * c);
-    }
-    const uint32_t index[12] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7}, material[4] = {0, 0, 1, 1};
-    const sl_material materials[2] = {
-        {.emission = {1, 1, 1}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
-        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
-    const sl_scene_parts parts = {.vertex_count = 8,
-                                  .positions = p[0],
-                                  .triangle_count = 4,
-                                  .indices = index,
-                                  .material_index = material,
-                                  .material_count = 2,
-                                  .materials = materials};
-    sl_scene *scene;
-    sl_error error = {0};
-    need(sl_scene_build(&parts, &scene, &error), "edge", &error);
-    *out = sl_v3d(s, 0.0, -c); /* away from the half plane */
-    return scene;
-}
-
-/* What lies on the open side of the plane through the point and the edge: cut as by a second horizon. */
-static double beside_edge(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d out,
-                          double distance) {
-    sl_vec3d to_edge =
-        sl_subd(sl_v3d(-out.x * distance, 1.0, -out.z * distance), sl_to_double(point->position));
-    sl_vec3d along = sl_v3d(-out.z, 0.0, out.x), n = sl_crossd(along, to_edge);
-    if (sl_dotd(n, out) < 0.0) n = sl_scaled(n, -1.0);
-    double sum = 0.0;
-    for (size_t t = 0; t < light->triangles; t++) {
-        sl_vec3d corner[3];
-        for (size_t k = 0; k < 3; k++)
-            corner[k] = sl_subd(sl_to_double(light->corner[3 * t + k]), sl_to_double(point->position));
-        sum += sl_lambert_triangle(corner, sl_to_double(point->normal), n);
-    }
-    return sum;
-}
-
-enum { EDGES = 32, EDGE_POINTS = 24 };
-
-/* Squared errors of all cases, each in units of the open light, summed over points that see a part of it;
- * returns how many points. */
-static size_t measure_edge(const bench *shared, double angle, uint64_t key, double *squares,
-                           double *largest) {
-    static bench b;
-    sl_error error = {0};
-    sl_vec3d out;
-    const double distance = 0.3 * ((double)sl_random_unit(key, 0) - 0.5);
-    memset(&b, 0, sizeof b);
-    b.scene = edge_scene(angle, distance, &out);
-    b.repetitions = shared->repetitions;
-    need(sl_raster_create(b.scene, 1, &b.raster, &error), "raster", &error);
-    need(sl_tracer_create(b.scene, 1, NULL, &b.tracer, &error), "rays", &error);
-    need(sl_sampled_lights_find(b.scene, &b.lights, &error), "lights", &error);
-    add_cases(&b);
-    size_t used = 0;
-    for (uint64_t i = 0; i < EDGE_POINTS; i++) {
-        sl_lit_point p = {{sl_random_unit(key, 2 * i + 1) - 0.5f, 0, sl_random_unit(key, 2 * i + 2) - 0.5f},
-                          {0, 1, 0},
-                          {0, 1, 0},
-                          SL_NO_INDEX};
-        double open = sl_light_unoccluded(&b.lights->light[0], &p),
-               truth = beside_edge(&b.lights->light[0], &p, out, distance);
-        if (!(truth > 0.02 * open && truth < 0.98 * open)) continue;
-        used++;
-        for (size_t k = 0; k < b.case_count; k++) {
-            bench_case *c = &b.cases[k];
-            double e =
-                ((double)sl_light_sample_take(c->sampling, 0, &p, c->scratch, &c->counters) - truth) / open;
-            squares[k] += e * e;
-            largest[k] = fmax(largest[k], fabs(e));
-        }
-    }
-    free_cases(&b);
-    sl_sampled_lights_destroy(b.lights);
-    sl_tracer_destroy(b.tracer);
-    sl_raster_destroy(b.raster);
-    sl_scene_destroy(b.scene);
-    return used;
-}
-
-static void table_of_edges(bench *b, size_t first) {
-    double squares[2][CASES_MAX] = {{0}}, largest[2][CASES_MAX] = {{0}};
-    size_t count[2] = {0, 0};
-    for (uint64_t k = 0; k < EDGES; k++) {
-        uint64_t key = sl_random_key(31, k);
-        count[0] += measure_edge(b, 0.5 * SL_PI * (double)(k % 4), key, squares[0], largest[0]);
-        count[1] +=
-            measure_edge(b, 2.0 * SL_PI * (double)sl_random_unit(key, 1000), key, squares[1], largest[1]);
-    }
-    bench_table(&b->report,
-                "Estimator|N|rms error, edge along the light's sides|largest|rms error, edge at random "
-                "angles|largest");
-    for (size_t k = 0; k < 4 * SIZES; k++) {
-        const bench_case *c = &b->cases[first + k];
-        bench_row(&b->report, "%s|%d|%.2e|%.2e|%.2e|%.2e", c->name, c->size,
-                  sqrt(squares[0][k] / (double)count[0]), largest[0][k],
-                  sqrt(squares[1][k] / (double)count[1]), largest[1][k]);
-    }
-}
-
 /* ---- where the time goes ---- */
 
 static double reduction_us(const bench *b, sl_light_query *q, int size) {
@@ -384,7 +272,6 @@ int main(int argc, char **argv) {
     size_t first = add_cases(&b);
     table_of_samples(&b, first);
     table_of_equal_error(&b, first);
-    table_of_edges(&b, first);
     table_of_parts(&b, first);
     bench_report_close(&b.report);
     free_cases(&b);
