@@ -50,7 +50,7 @@ static sl_status check(const sl_gather_settings *s, const sl_raster *raster, con
 /* ---- creation -------------------------------------------------------------------------------- */
 
 /* Lights without extent light every hit, unless they are many; samples are drawn from what is left. */
-static sl_status make_sources(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+static sl_status make_sources(sl_gather *gather, sl_error *error) {
     const sl_scene *scene = gather->scene;
     gather->extended = *scene;
     gather->every_light = scene->light_count <= EVERY_LIGHT_MAX;
@@ -62,8 +62,7 @@ static sl_status make_sources(sl_gather *gather, unsigned threads, sl_counters *
         sl_status status = sl_light_sampler_create(&gather->extended, &gather->sampler, error);
         return status == SL_OK ? sl_light_sampler_plant_tree(gather->sampler, error) : status;
     }
-    sl_status status = sl_light_sources_create(&gather->extended, &gather->sources, error);
-    return status == SL_OK ? sl_gather_learn_lights(gather, threads, counters, error) : status;
+    return sl_light_sources_create(&gather->extended, &gather->sources, error);
 }
 
 static sl_status make_maps(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
@@ -82,7 +81,7 @@ static sl_status make_light(sl_gather *gather, unsigned threads, sl_counters *co
     if (gather->settings.direct == SL_DIRECT_SHADOW_MAPS) {
         return make_maps(gather, threads, counters, error);
     }
-    return make_sources(gather, threads, counters, error);
+    return make_sources(gather, error);
 }
 
 static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
@@ -130,7 +129,6 @@ void sl_gather_destroy(sl_gather *gather) {
     sl_gather_tables_destroy(gather->tables);
     sl_projection_destroy(gather->projection);
     sl_shadow_maps_destroy(gather->own_maps);
-    sl_visible_lights_destroy(gather->visible);
     sl_light_sources_destroy(gather->sources);
     sl_light_sampler_destroy(gather->sampler);
     sl_free(gather);
@@ -142,9 +140,7 @@ size_t sl_gather_memory_bytes(const sl_gather *gather) {
     return sizeof *gather + sl_gather_tables_bytes(gather->tables) +
            (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
            (gather->projection ? sl_projection_bytes(gather->projection) : 0) +
-           (gather->sources
-                ? sl_light_sources_bytes(gather->sources) + sl_visible_lights_bytes(gather->visible)
-                : 0);
+           (gather->sources ? sl_light_sources_bytes(gather->sources) : 0);
 }
 
 size_t sl_gather_coefficient_count(const sl_gather *gather) {
@@ -213,7 +209,7 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     sl_status status =
         s->block && s->pixels && s->texel ? SL_OK : sl_fail_memory(error, "a gather's buffers");
     if (status == SL_OK && gather->sources)
-        status = sl_light_scratch_create(gather, slots, false, &s->light, error);
+        status = sl_light_scratch_create(gather, slots, &s->light, error);
     if (status == SL_OK && t->kind != SL_GATHER_RAYS) {
         status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
     }

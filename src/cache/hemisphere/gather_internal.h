@@ -35,7 +35,6 @@ struct sl_gather {
     sl_scene extended;
     /* emitters and environment (and lights without extent where they are many), if they are few enough */
     sl_light_sources *sources;
-    sl_visible_lights *visible;  /* what is known of them */
     sl_light_sampler *sampler;   /* the same where they are many */
     bool every_light;            /* lights without extent are few: each lights every hit */
     sl_hit_light_kernels light_kernels;
@@ -117,12 +116,8 @@ sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);
  * in sl_irradiance. */
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters);
 
-/* Adds the walls that the grid does not hold, turns the sums into the world. */
-void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gather_curvature *curvature,
-                      sl_irradiance *irradiance);
-
-/* What can be seen of the light sources where, by a few gathers on trial (light_trials.c); they are on the
- * bill. */
-sl_status sl_gather_learn_lights(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error);
+/* Turns the sums into the world. */
+void sl_gather_finish(const sl_gather_view *view, const sl_gather_sums *sums,
+                      const sl_gather_curvature *curvature, sl_irradiance *irradiance);
 
 #endif

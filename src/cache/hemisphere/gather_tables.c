@@ -18,8 +18,7 @@ static sl_status allocate_tables(sl_gather_tables *t, sl_error *error) {
                               &t->vertex_xx, &t->vertex_xy, &t->vertex_yy};
     t->block = sl_allocate(t->padded * PLANES, sizeof(float));
     t->order = sl_allocate(t->cells, sizeof(uint32_t));
-    t->seams = sl_allocate((size_t)2 * (size_t)t->size, sizeof(sl_gather_seam));
-    if (!t->block || !t->order || !t->seams) return sl_fail_memory(error, "the gather's tables");
+    if (!t->block || !t->order) return sl_fail_memory(error, "the gather's tables");
     for (int i = 0; i < PLANES; i++) *planes[i] = t->block + (size_t)i * t->padded;
     return SL_OK;
 }
@@ -28,13 +27,11 @@ void sl_gather_tables_destroy(sl_gather_tables *t) {
     if (!t) return;
     sl_free(t->block);
     sl_free(t->order);
-    sl_free(t->seams);
     sl_free(t);
 }
 
 size_t sl_gather_tables_bytes(const sl_gather_tables *t) {
-    return sizeof *t + t->padded * PLANES * sizeof(float) + t->cells * sizeof(uint32_t) +
-           (size_t)2 * (size_t)t->size * sizeof(sl_gather_seam);
+    return sizeof *t + t->padded * PLANES * sizeof(float) + t->cells * sizeof(uint32_t);
 }
 
 /* ---- common to all --------------------------------------------------------------------------- */
@@ -70,50 +67,68 @@ static void order_cells(sl_gather_tables *t) {
     }
 }
 
-/* ---- the plane ------------------------------------------------------------------------------- */
+/* ---- plane and hemicube: cells between great circles ----------------------------------------- */
 
-/* Integral of omega over the pixel's border extension on the four sides; a corner pixel owns two edges. The
- * side at v = t is given by sl_border_vector(); the others are it turned. */
-static sl_vec3d radial_extension(int n, double t, int x, int y, double u0, double u1, double v0, double v1) {
-    sl_vec3d sum = {0.0, 0.0, 0.0}, side;
-    if (y == n - 1) sum = sl_addd(sum, sl_border_vector(t, u0, u1));
-    if (y == 0) {
-        side = sl_border_vector(t, u0, u1);
-        sum = sl_addd(sum, sl_v3d(side.x, -side.y, side.z));
-    }
-    if (x == n - 1) {
-        side = sl_border_vector(t, v0, v1);
-        sum = sl_addd(sum, sl_v3d(side.y, side.x, side.z));
-    }
-    if (x == 0) {
-        side = sl_border_vector(t, v0, v1);
-        sum = sl_addd(sum, sl_v3d(-side.y, side.x, side.z));
+/* The direction of the grid's corner (x, y), in units of depth. */
+typedef sl_vec3d corner_of(const sl_gather_tables *tables, double half_tangent, int x, int y);
+
+static sl_vec3d plane_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
+    return sl_v3d(half_tangent * (2.0 * x / t->size - 1.0), half_tangent * (2.0 * y / t->size - 1.0), 1.0);
+}
+
+/* The picture in units where the top is [-1,1]^2 and the sides, folded out, reach to 2: a side's height is what
+ * is missing to 2. Where faces meet they agree. */
+static sl_vec3d hemicube_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
+    double a = x * (2.0 / t->size) - 2.0, b = y * (2.0 / t->size) - 2.0;
+    (void)half_tangent;
+    if (fabs(a) > 1.0) return sl_v3d(a > 0.0 ? 1.0 : -1.0, b, 2.0 - fabs(a));
+    if (fabs(b) > 1.0) return sl_v3d(a, b > 0.0 ? 1.0 : -1.0, 2.0 - fabs(b));
+    return sl_v3d(a, b, 1.0);
+}
+
+static bool is_blank(const sl_gather_tables *t, int x, int y) {
+    int n = t->size;
+    bool middle_x = x >= n / 2 && x < n / 2 + n, middle_y = y >= n / 2 && y < n / 2 + n;
+    return t->kind == SL_GATHER_HEMICUBE && !middle_x && !middle_y;
+}
+
+/* Integral of omega from an edge of the plane's border along the meridians down to the horizon. */
+static sl_vec3d extension(sl_vec3d from, sl_vec3d to) {
+    const sl_vec3d corners[4] = {from, sl_v3d(from.x, from.y, 0.0), sl_v3d(to.x, to.y, 0.0), to};
+    return sl_cell_vector(corners, 4);
+}
+
+/* A corner pixel owns two edges. corners: counter-clockwise from the lower left. */
+static sl_vec3d border_of(const sl_gather_tables *t, const sl_vec3d corners[4], int x, int y) {
+    const bool outer[4] = {y == 0, x == t->width - 1, y == t->height - 1, x == 0};
+    sl_vec3d sum = {0.0, 0.0, 0.0};
+    for (int k = 0; k < 4; k++) {
+        if (outer[k]) sum = sl_addd(sum, extension(corners[k], corners[(k + 1) % 4]));
     }
     return sum;
 }
 
-/* Returns grid line i of n + 1 from -t to t. */
-static double plane_line(int n, double t, int i) { return t * (2.0 * i / n - 1.0); }
-
-static void fill_plane(sl_gather_tables *tables, double t, sl_border border) {
-    int n = tables->size;
-    for (int y = 0; y < n; y++) {
-        for (int x = 0; x < n; x++) {
-            double u0 = plane_line(n, t, x), u1 = plane_line(n, t, x + 1);
-            double v0 = plane_line(n, t, y), v1 = plane_line(n, t, y + 1);
-            size_t i = (size_t)y * (size_t)n + (size_t)x;
-            sl_vec3d vector = sl_plane_vector(u0, u1, v0, v1);
-            if (border == SL_BORDER_RADIAL)
-                vector = sl_addd(vector, radial_extension(n, t, x, y, u0, u1, v0, v1));
-            set_cell(tables, i, vector, sl_v3d(0.5 * (u0 + u1), 0.5 * (v0 + v1), 1.0));
-            if (x) tables->column_x[i] = (float)sl_plane_wall(u0, v0, v1);
-            if (y) tables->row_y[i] = (float)sl_plane_wall(v0, u0, u1);
-        }
-    }
+static void set_wall(float *x, float *y, sl_vec3d a, sl_vec3d b) {
+    sl_vec3d wall = sl_wall_vector(a, b);
+    *x = (float)wall.x;
+    *y = (float)wall.y;
 }
 
-static sl_vec3d plane_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
-    return sl_v3d(plane_line(t->size, half_tangent, x), plane_line(t->size, half_tangent, y), 1.0);
+/* Walls where the hemicube's side faces meet, at azimuths of 45 degrees, are left out. */
+static void fill_flat(sl_gather_tables *t, corner_of *corner, double half_tangent, bool extended) {
+    for (int y = 0; y < t->height; y++) {
+        for (int x = 0; x < t->width; x++) {
+            if (is_blank(t, x, y)) continue;
+            size_t i = (size_t)y * (size_t)t->width + (size_t)x;
+            const sl_vec3d c[4] = {corner(t, half_tangent, x, y), corner(t, half_tangent, x + 1, y),
+                                   corner(t, half_tangent, x + 1, y + 1), corner(t, half_tangent, x, y + 1)};
+            sl_vec3d vector = sl_cell_vector(c, 4), sum = sl_addd(sl_addd(c[0], c[1]), sl_addd(c[2], c[3]));
+            if (extended) vector = sl_addd(vector, border_of(t, c, x, y));
+            set_cell(t, i, vector, sl_scaled(sum, 0.25));
+            if (x > 0 && !is_blank(t, x - 1, y)) set_wall(&t->column_x[i], &t->column_y[i], c[0], c[3]);
+            if (y > 0 && !is_blank(t, x, y - 1)) set_wall(&t->row_x[i], &t->row_y[i], c[1], c[0]);
+        }
+    }
 }
 
 /* [LC04]: everything over the share F of the cosine-weighted hemisphere that the plane covers. */
@@ -126,89 +141,6 @@ static void divide_by_coverage(sl_gather_tables *t) {
         for (size_t i = 0; i < t->cells; i++) planes[p][i] = (float)(scale * (double)planes[p][i]);
     }
     t->weight_sum = SL_PI;
-}
-
-/* ---- the hemicube ---------------------------------------------------------------------------- */
-
-typedef enum face { FACE_TOP, FACE_RIGHT, FACE_LEFT, FACE_UP, FACE_DOWN, FACE_BLANK } face;
-
-static face hemicube_face(int n, int x, int y) {
-    bool middle_x = x >= n / 2 && x < n / 2 + n, middle_y = y >= n / 2 && y < n / 2 + n;
-    if (middle_x && middle_y) return FACE_TOP;
-    if (middle_y) return x < n / 2 ? FACE_LEFT : FACE_RIGHT;
-    if (middle_x) return y < n / 2 ? FACE_DOWN : FACE_UP;
-    return FACE_BLANK;
-}
-
-/* Point (a, b) of the unfolded picture in units where the top is [-1,1]^2 and the sides reach to 2: the
- * side's height is what is missing to 2. */
-static sl_vec3d hemicube_direction(face f, double a, double b) {
-    switch (f) {
-    case FACE_RIGHT: return sl_v3d(1.0, b, 2.0 - a);
-    case FACE_LEFT: return sl_v3d(-1.0, b, 2.0 + a);
-    case FACE_UP: return sl_v3d(a, 1.0, 2.0 - b);
-    case FACE_DOWN: return sl_v3d(a, -1.0, 2.0 + b);
-    default: return sl_v3d(a, b, 1.0);
-    }
-}
-
-/* Where side faces meet, at (+-1, +-1, z): the wall from height z0 to z1 between a cell of a side x = sx and
- * one of y = sy. */
-static void add_side_seams(sl_gather_tables *t, int sx, int sy) {
-    int n = t->size, half = n / 2, first = half, last = half + n - 1;
-    for (int k = 0; k < half; k++) { /* k-th row of cells from the top face outwards */
-        double z1 = 1.0 - 2.0 * k / n, z0 = 1.0 - 2.0 * (k + 1) / n;
-        int ax = sx > 0 ? last + 1 + k : first - 1 - k, ay = sy > 0 ? last : first;
-        int bx = sx > 0 ? last : first, by = sy > 0 ? last + 1 + k : first - 1 - k;
-        sl_vec3d lower = sl_v3d(sx, sy, z0), upper = sl_v3d(sx, sy, z1), wall = sl_wall_vector(lower, upper);
-        sl_curvature curvature = sl_wall_curvature(lower, upper);
-        bool to_b = wall.x * -sx + wall.y * sy > 0.0; /* the way from a to b is (-sx, sy) */
-        double sign = to_b ? 1.0 : -1.0;
-        t->seams[t->seam_count++] = (sl_gather_seam){
-            (uint32_t)(ay * t->width + ax), (uint32_t)(by * t->width + bx), (float)(sign * wall.x),
-            (float)(sign * wall.y),         (float)(sign * curvature.xx),   (float)(sign * curvature.xy),
-            (float)(sign * curvature.yy)};
-    }
-}
-
-static void fill_hemicube(sl_gather_tables *t) {
-    int n = t->size;
-    double step = 2.0 / n;
-    for (int y = 0; y < t->height; y++) {
-        for (int x = 0; x < t->width; x++) {
-            face f = hemicube_face(n, x, y);
-            if (f == FACE_BLANK) continue;
-            size_t i = (size_t)y * (size_t)t->width + (size_t)x;
-            double a = x * step - 2.0, b = y * step - 2.0;
-            sl_vec3d corners[4] = {hemicube_direction(f, a, b), hemicube_direction(f, a + step, b),
-                                   hemicube_direction(f, a + step, b + step),
-                                   hemicube_direction(f, a, b + step)};
-            /* Folded out, every face has its corners in the same order as the top. */
-            set_cell(t, i, sl_cell_vector(corners, 4), hemicube_direction(f, a + 0.5 * step, b + 0.5 * step));
-            if (x > 0 && hemicube_face(n, x - 1, y) != FACE_BLANK) {
-                sl_vec3d wall = sl_wall_vector(corners[0], corners[3]);
-                t->column_x[i] = (float)wall.x;
-                t->column_y[i] = (float)wall.y;
-            }
-            if (y > 0 && hemicube_face(n, x, y - 1) != FACE_BLANK) {
-                sl_vec3d wall = sl_wall_vector(corners[1], corners[0]);
-                t->row_x[i] = (float)wall.x;
-                t->row_y[i] = (float)wall.y;
-            }
-        }
-    }
-    for (int sy = -1; sy <= 1; sy += 2) {
-        for (int sx = -1; sx <= 1; sx += 2) add_side_seams(t, sx, sy);
-    }
-}
-
-/* Where faces meet they agree. */
-static sl_vec3d hemicube_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
-    int n = t->size;
-    face f = FACE_BLANK;
-    (void)half_tangent;
-    for (int i = 0; i < 4 && f == FACE_BLANK; i++) f = hemicube_face(n, i & 1 ? x - 1 : x, i & 2 ? y - 1 : y);
-    return hemicube_direction(f, x * (2.0 / n) - 2.0, y * (2.0 / n) - 2.0);
 }
 
 /* ---- rays: the concentric map ---------------------------------------------------------------- */
@@ -284,8 +216,6 @@ static sl_vec3d disc_corner(const sl_gather_tables *t, double half_tangent, int 
 
 /* ---- second derivatives ---- */
 
-typedef sl_vec3d corner_of(const sl_gather_tables *tables, double half_tangent, int x, int y);
-
 static void set_curvature(float *xx, float *xy, float *yy, sl_curvature k) {
     *xx = (float)k.xx;
     *xy = (float)k.xy;
@@ -345,10 +275,10 @@ sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tan
         return status;
     }
     if (kind == SL_GATHER_HEMICUBE) {
-        fill_hemicube(t);
+        fill_flat(t, hemicube_corner, half_tangent, false);
         fill_curvatures(t, hemicube_corner, half_tangent);
     } else if (kind == SL_GATHER_PLANE) {
-        fill_plane(t, half_tangent, border);
+        fill_flat(t, plane_corner, half_tangent, border == SL_BORDER_RADIAL);
         fill_curvatures(t, plane_corner, half_tangent);
         if (border == SL_BORDER_LC04) divide_by_coverage(t);
     } else {

@@ -4,8 +4,9 @@
  * All three instruments are one regular grid of cells, width x height, kept flat (cell = y * width + x):
  *   plane     N x N pixels of the plane at unit distance
  *   hemicube  2N x 2N: the top in the middle, the upper halves of the four sides folded out around it; the
- * four corner blocks are blank rays      N x N cells of the concentric map (Shirley and Chiu 1997) so that
- * one loop sums any picture. Cell i's column wall lies between i - 1 and i, its row wall between i - width
+ *             four corner blocks are blank
+ *   rays      N x N cells of the concentric map (Shirley and Chiu 1997)
+ * so that one loop sums any picture. Cell i's column wall lies between i - 1 and i, its row wall between i - width
  * and i; walls that do not exist have the vector 0. */
 #ifndef SL_CACHE_GATHER_TABLES_H
 #define SL_CACHE_GATHER_TABLES_H
@@ -16,13 +17,6 @@
 #include "cache/hemisphere/gather.h"
 
 enum { SL_GATHER_LANES = 8 };
-
-/* A wall that the grid does not hold: side faces of the hemicube meet at azimuths of 45 degrees. */
-typedef struct sl_gather_seam {
-    uint32_t a, b;
-    float x, y;
-    float xx, xy, yy;
-} sl_gather_seam;
 
 typedef struct sl_gather_tables {
     sl_gather_kind kind;
@@ -49,8 +43,6 @@ typedef struct sl_gather_tables {
     uint32_t *order;
     /* rays: the lower corner of cell order[k] in the square that the concentric map maps */
     float *slot_a, *slot_b;
-    size_t seam_count;
-    sl_gather_seam *seams;
 } sl_gather_tables;
 
 /* size is even for the hemicube (rounded up). half_tangent = tan(fov / 2), for the plane. */

@@ -4,26 +4,6 @@
 
 #include "base/math.h"
 
-/* Where side faces of the hemicube meet. */
-static void add_seams(const sl_gather_tables *t, const sl_gather_planes *p, sl_gather_sums *sums,
-                      sl_gather_curvature *curvature) {
-    const float *channel[3] = {p->r, p->g, p->b};
-    for (size_t i = 0; i < t->seam_count; i++) {
-        const sl_gather_seam *s = &t->seams[i];
-        double near_a = (double)p->nearness[s->a], near_b = (double)p->nearness[s->b],
-               near = near_a > near_b ? near_a : near_b;
-        for (int c = 0; c < 3; c++) {
-            double step = ((double)channel[c][s->b] - (double)channel[c][s->a]) * near;
-            sums->translational[c][0] += step * (double)s->x;
-            sums->translational[c][1] += step * (double)s->y;
-        }
-        double step = ((double)p->mean[s->b] - (double)p->mean[s->a]) * near * near;
-        curvature->xx += step * (double)s->xx;
-        curvature->xy += step * (double)s->xy;
-        curvature->yy += step * (double)s->yy;
-    }
-}
-
 static sl_vec3 tangential(const sl_frame *f, const double v[2]) {
     return sl_to_float(sl_addd(sl_scaled(sl_to_double(f->x), v[0]), sl_scaled(sl_to_double(f->y), v[1])));
 }
@@ -42,10 +22,9 @@ static void set_curvature(const sl_frame *f, const sl_gather_curvature *h, sl_ir
     out->curvature_axis = tangential(f, along);
 }
 
-void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gather_curvature *curvature,
-                      sl_irradiance *out) {
+void sl_gather_finish(const sl_gather_view *view, const sl_gather_sums *sums,
+                      const sl_gather_curvature *curvature, sl_irradiance *out) {
     const sl_gather_tables *t = view->gather->tables;
-    add_seams(t, &view->scratch->planes, sums, curvature);
     set_curvature(&view->frame, curvature, out);
     out->value = (sl_rgb){(float)sums->irradiance[0], (float)sums->irradiance[1], (float)sums->irradiance[2]};
     for (int c = 0; c < 3; c++) {

@@ -18,37 +18,8 @@ static double cosine_primitive(double u, double v) {
     return 0.5 * (u / pu * sl_atan(v / pu) + v / pv * sl_atan(u / pv));
 }
 
-/* omega_x d omega = u du dv / l^4. */
-static double tangential_primitive(double u, double v) {
-    double pu = sqrt(1.0 + u * u);
-    return -0.5 * sl_atan(v / pu) / pu;
-}
-static double tangential_transposed(double u, double v) { return tangential_primitive(v, u); }
-
 double sl_plane_cosine_weight(double u0, double u1, double v0, double v1) {
     return box(cosine_primitive, u0, u1, v0, v1);
-}
-
-sl_vec3d sl_plane_vector(double u0, double u1, double v0, double v1) {
-    return sl_v3d(box(tangential_primitive, u0, u1, v0, v1), box(tangential_transposed, u0, u1, v0, v1),
-                  box(cosine_primitive, u0, u1, v0, v1));
-}
-
-/* I(c; v0, v1) = integral of dv / (1 + c^2 + v^2)^2: a wall between two columns of the plane. */
-static double wall_primitive(double q, double v) {
-    return v / (2.0 * q * q * (q * q + v * v)) + sl_atan(v / q) / (2.0 * q * q * q);
-}
-
-double sl_plane_wall(double c, double v0, double v1) {
-    double q = sqrt(1.0 + c * c);
-    return wall_primitive(q, v1) - wall_primitive(q, v0);
-}
-
-/* ---- the radial border extension: from an outer edge along the meridians to the horizon ------ */
-
-sl_vec3d sl_border_vector(double t, double u0, double u1) {
-    sl_vec3d corners[4] = {sl_v3d(u0, t, 1.0), sl_v3d(u1, t, 1.0), sl_v3d(u1, t, 0.0), sl_v3d(u0, t, 0.0)};
-    return sl_cell_vector(corners, 4);
 }
 
 /* ---- any cell bounded by great circles ------------------------------------------------------- */

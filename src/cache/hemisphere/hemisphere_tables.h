@@ -13,25 +13,15 @@
  * Cosine weight, of du dv / l^4: box C, with p(u) = sqrt(1 + u^2):
  *     C(u, v) = (u / p(u) atan(v / p(u)) + v / p(v) atan(u / p(v))) / 2. */
 double sl_plane_cosine_weight(double u0, double u1, double v0, double v1);
-/* Integral of omega d omega: of u, v and 1 times du dv / l^4, which are box X, box X^T and box C:
- *     X(u, v) = -atan(v / p(u)) / (2 p(u)),   X^T(u, v) = X(v, u). */
-sl_vec3d sl_plane_vector(double u0, double u1, double v0, double v1);
-/* Of dv / l^4 along the wall u = c, from v0 to v1: what sl_wall_vector() is there. With q = p(c):
- *     I = [v / (2 q^2 (q^2 + v^2)) + atan(v / q) / (2 q^3)] from v0 to v1. */
-double sl_plane_wall(double c, double v0, double v1);
 /* Any cell bounded by great circles, corners a_i counter-clockwise seen from outside, of any length. Integral
  * of omega d omega, of which the z component is the cosine weight (Lambert's formula), theta_i being the
  * angle between a_i and a_i+1: V = sum over edges of theta_i (a_i x a_i+1) / (2 |a_i x a_i+1|). */
 sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count);
-/* The same of the radial border extension of an outer edge on side v = t: the cell from the edge, u0 to u1,
- * along the meridians down to the horizon. */
-sl_vec3d sl_border_vector(double t, double u0, double u1);
 /* How a wall between two cells moves. The wall is the arc from direction a to direction b; it is made by
  * surfaces at depth 1 along the axis in whose units a and b are given. The vector g: displacing the receiver
  * by delta gives the cosine weight g . delta to the cell on the right of a -> b (for one who looks along +z,
  * x right and y up), taken from the cell on its left. With e the unit vector from a to b and d = a + s e the
- * points between them: g = integral of (e x d) d_z / |d|^4 ds,   which on the plane's column wall u = c is I
- * (1, 0, -c). */
+ * points between them: g = integral of (e x d) d_z / |d|^4 ds. */
 sl_vec3d sl_wall_vector(sl_vec3d a, sl_vec3d b);
 
 /* A symmetric 2 x 2 matrix of second derivatives in the local tangent plane: (xx, xy, yy). */

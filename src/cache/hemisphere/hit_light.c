@@ -18,7 +18,6 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
     uint32_t occluded =
         sl_trace_occluded(q->view->gather->tracer, &q->rays, q->count, q->coherent, q->counters);
     for (unsigned i = 0; i < q->count; i++) {
-        if (q->arrived) q->arrived[q->tag[i]] = !(occluded >> i & 1u);
         if (occluded >> i & 1u) continue;
         h->irradiance_r[q->slot[i]] += q->light[i].r;
         h->irradiance_g[q->slot[i]] += q->light[i].g;
@@ -28,19 +27,17 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
 }
 
 void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away,
-                       sl_rgb irradiance, uint32_t tag) {
+                       sl_rgb irradiance) {
     unsigned i = q->count++;
     /* short of the light itself */
     sl_ray16_set(&q->rays, i, origin, direction, 0.0f, far_away ? INFINITY : 1.0f - 1e-4f,
                  q->view->scratch->hits.triangle[k]);
     q->slot[i] = (uint32_t)k;
-    q->tag[i] = tag;
     q->light[i] = irradiance;
     if (q->count == SL_PACKET) sl_flush_shadow_rays(q);
 }
 
-void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance,
-                        uint32_t tag) {
+void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance) {
     const sl_gather_hits *h = &q->view->scratch->hits;
     bool far_away = isinf(distance);
     float offset = sl_scene_offset_at(q->view->gather->scene, q->view->gather->offset, sl_hit_position(h, k));
@@ -48,7 +45,7 @@ void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float di
     /* From the shifted origin to the same point of the light: beside it, the ray could end behind the light.
      */
     sl_vec3 direction = far_away ? to_light : sl_sub(sl_scale(to_light, distance), shift);
-    sl_push_ready_ray(q, k, sl_add(sl_hit_position(h, k), shift), direction, far_away, irradiance, tag);
+    sl_push_ready_ray(q, k, sl_add(sl_hit_position(h, k), shift), direction, far_away, irradiance);
 }
 
 /* ---- lights without extent ---- */
@@ -65,7 +62,7 @@ static void light_by_each(const sl_gather_view *view, size_t first, size_t count
             if (!sl_light_illuminate(&scene->lights[i], sl_hit_position(h, k), &to_light, &distance, &facing))
                 continue;
             float cosine = sl_hit_cosine(h, k, to_light);
-            if (cosine > 0.0f) sl_push_shadow_ray(q, k, to_light, distance, sl_rgb_scale(facing, cosine), 0);
+            if (cosine > 0.0f) sl_push_shadow_ray(q, k, to_light, distance, sl_rgb_scale(facing, cosine));
         }
         sl_flush_shadow_rays(q); /* packets hold rays to one light */
     }
@@ -94,7 +91,7 @@ static void light_by_one_of_many(const sl_gather_view *view, sl_shadow_queue *q,
     float cosine = sl_hit_cosine(h, k, sample.to_light);
     if (!(cosine > 0.0f)) return;
     sl_push_shadow_ray(q, k, sample.to_light, sample.distance,
-                       sl_rgb_scale(sample.radiance, share * cosine * bounded(&sample)), 0);
+                       sl_rgb_scale(sample.radiance, share * cosine * bounded(&sample)));
 }
 
 /* Steps of the R3 sequence: powers of 1/g, g^4 = g + 1, as fractions of 2^32. */

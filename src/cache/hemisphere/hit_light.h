@@ -10,18 +10,16 @@ typedef struct sl_shadow_queue {
     sl_counters *counters;
     unsigned count;
     bool coherent;
-    bool *arrived; /* by tag: false where something was in the way; or NULL */
     sl_ray16 rays;
-    uint32_t slot[SL_PACKET], tag[SL_PACKET];
+    uint32_t slot[SL_PACKET];
     sl_rgb light[SL_PACKET];
 } sl_shadow_queue;
 
 /* Irradiance arrives at slot k from a unit direction, unless something is in the way. */
-void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance,
-                        uint32_t tag);
+void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance);
 /* The same by a ray made ready: short of the light by a little if it is not far away. */
 void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away,
-                       sl_rgb irradiance, uint32_t tag);
+                       sl_rgb irradiance);
 void sl_flush_shadow_rays(sl_shadow_queue *q);
 
 /* Returns the sum of kd over the channels; 0 where nothing is seen. */

@@ -9,35 +9,6 @@ typedef struct receiver {
     float x, y, z, normal_x, normal_y, normal_z;
 } receiver;
 
-/* ---- regions ---- */
-
-static inline int clamped(float cell, int count) {
-    cell = cell > 0.0f ? cell : 0.0f; /* also where it is not a number */
-    float last = (float)(count - 1);
-    return (int)(cell < last ? cell : last);
-}
-
-/* Entries of region_of: a hit's cell, and the direction that its geometric normal has most of. */
-static void find_regions(const sl_visible_lights *lights, const sl_expected_light *c) {
-    const float *restrict x = c->x, *restrict y = c->y, *restrict z = c->z;
-    const float *restrict nx = c->geometric_x, *restrict ny = c->geometric_y, *restrict nz = c->geometric_z;
-    uint32_t *restrict region = c->region;
-    sl_vec3 low = lights->low;
-    float scale = lights->per_cell;
-    int wide = lights->cells[0], high = lights->cells[1], deep = lights->cells[2];
-#pragma omp simd
-    for (size_t k = 0; k < c->count; k++) {
-        int i = clamped((x[k] - low.x) * scale, wide), j = clamped((y[k] - low.y) * scale, high);
-        int l = clamped((z[k] - low.z) * scale, deep);
-        float ax = fabsf(nx[k]), ay = fabsf(ny[k]), az = fabsf(nz[k]);
-        bool along_x = (ax >= ay) & (ax >= az), along_y = ay >= az;
-        float most = along_x ? nx[k] : along_y ? ny[k] : nz[k];
-        int direction = (along_x ? 0 : along_y ? 2 : 4) + (most < 0.0f ? 1 : 0);
-        region[k] = (uint32_t)(((l * high + j) * wide + i) * 6 + direction);
-    }
-    for (size_t k = 0; k < c->count; k++) region[k] = lights->region_of[region[k]];
-}
-
 /* ---- how much each source of a block can matter at a hit ---- */
 
 /* Enough for a choice: error below 2e-5. */
@@ -53,8 +24,7 @@ static inline float rough_angle(float y, float x) { /* of (x, y), y >= 0, in [0,
 static const float by_angle = 0.25f;
 
 /* Within an emitter's size of it: radiance times solid angle times about its mean cosine. */
-static void weigh_near_emitters(const sl_light_sources *s, size_t first, const float *restrict visible,
-                                receiver p, float *restrict weight) {
+static void weigh_near_emitters(const sl_light_sources *s, size_t first, receiver p, float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first;
     const float *restrict near = s->near + first, *restrict radiance = s->radiance + first;
     const float *restrict ax = s->corner[0][0] + first, *restrict ay = s->corner[0][1] + first,
@@ -87,15 +57,15 @@ static void weigh_near_emitters(const sl_light_sources *s, size_t first, const f
         float mean = 0.02f + 0.5f * (middle > 0.0f ? middle : 0.0f);
         mean += (1.0f / 6.0f) * ((cu > 0.0f ? cu : 0.0f) + (cv > 0.0f ? cv : 0.0f) + (cw > 0.0f ? cw : 0.0f));
         bool risen = (middle > 0.0f) | (cu > 0.0f) | (cv > 0.0f) | (cw > 0.0f);
-        float w = risen ? radiance[l] * angle * mean * visible[l] : 0.0f;
+        float w = risen ? radiance[l] * angle * mean : 0.0f;
         weight[l] = ((squared < by_angle * near[l]) & (weight[l] > 0.0f)) ? w : weight[l];
     }
 }
 
 /* strength cos cos' / d^2 by the centroids; the cosine at the hit falls smoothly to 0 where all of an emitter
  * has set. */
-static inline void weigh_emitters(const sl_light_sources *s, size_t first, const float *restrict visible,
-                                  receiver p, float *restrict weight) {
+static inline void weigh_emitters(const sl_light_sources *s, size_t first, receiver p,
+                                  float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first;
     const float *restrict ex = s->normal_x + first, *restrict ey = s->normal_y + first,
                           *restrict ez = s->normal_z + first;
@@ -115,15 +85,14 @@ static inline void weigh_emitters(const sl_light_sources *s, size_t first, const
         float front = -(ex[l] * dx + ey[l] * dy + ez[l] * dz), size = fabsf(front);
         front = two_sided[l] > 0.0f ? size : front;
         float over = 1.0f / (squared > least ? squared : least);
-        float w = strength[l] * visible[l] * (above * over) * (front * over);
+        float w = strength[l] * (above * over) * (front * over);
         weight[l] = front > 0.0f ? w : 0.0f;
         any_near |= squared < by_angle * near[l];
     }
-    if (any_near) weigh_near_emitters(s, first, visible, p, weight);
+    if (any_near) weigh_near_emitters(s, first, p, weight);
 }
 
-static inline void weigh_points(const sl_light_sources *s, size_t first, const float *restrict visible,
-                                receiver p, float *restrict weight) {
+static inline void weigh_points(const sl_light_sources *s, size_t first, receiver p, float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first,
                           *restrict strength = s->strength + first;
     float unit = s->unit;
@@ -133,38 +102,33 @@ static inline void weigh_points(const sl_light_sources *s, size_t first, const f
         float squared = dx * dx + dy * dy + dz * dz,
               above = p.normal_x * dx + p.normal_y * dy + p.normal_z * dz;
         float over = 1.0f / (squared > 1e-12f ? squared : 1e-12f);
-        float w = strength[l] * visible[l] * over * (above * sqrtf(over));
+        float w = strength[l] * over * (above * sqrtf(over));
         weight[l] = above > 0.0f ? w : 0.0f;
     }
 }
 
 /* Of the sky: the squares of a unit normal's components sum to 1, they weigh the six irradiances. */
-static inline void weigh_far(const sl_light_sources *s, size_t first, const float *restrict visible,
-                             receiver p, float *restrict weight) {
+static inline void weigh_far(const sl_light_sources *s, size_t first, receiver p, float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first,
                           *restrict strength = s->strength + first;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
         float above = p.normal_x * sx[l] + p.normal_y * sy[l] + p.normal_z * sz[l];
-        weight[l] = above > 0.0f ? strength[l] * visible[l] * above : 0.0f;
+        weight[l] = above > 0.0f ? strength[l] * above : 0.0f;
     }
     if (s->sky < first || s->sky >= first + LANES) return;
     const float *sky = s->sky_irradiance;
     float x = p.normal_x, y = p.normal_y, z = p.normal_z;
     float sum = x * x * (x < 0.0f ? sky[1] : sky[0]) + y * y * (y < 0.0f ? sky[3] : sky[2]) +
                 z * z * (z < 0.0f ? sky[5] : sky[4]);
-    weight[s->sky - first] = sum * visible[s->sky - first];
+    weight[s->sky - first] = sum;
 }
 
-static inline void weigh_block(const sl_light_sources *s, size_t block, const uint8_t *seen, receiver p,
-                               float *restrict weight) {
+static inline void weigh_block(const sl_light_sources *s, size_t block, receiver p, float *restrict weight) {
     size_t first = block * LANES;
-    /* made floats by themselves: beside bytes, floats are not computed in whole registers */
-    _Alignas(64) float visible[LANES];
-    for (int l = 0; l < LANES; l++) visible[l] = (float)seen[first + (size_t)l] * (1.0f / 255.0f);
-    if (block < s->first_block[SL_SAMPLED_POINT]) weigh_emitters(s, first, visible, p, weight);
-    else if (block < s->first_block[SL_SAMPLED_FAR]) weigh_points(s, first, visible, p, weight);
-    else weigh_far(s, first, visible, p, weight);
+    if (block < s->first_block[SL_SAMPLED_POINT]) weigh_emitters(s, first, p, weight);
+    else if (block < s->first_block[SL_SAMPLED_FAR]) weigh_points(s, first, p, weight);
+    else weigh_far(s, first, p, weight);
 }
 
 static inline float sum_of(const float *w) { /* in a fixed shape */
@@ -180,30 +144,22 @@ static inline receiver receiver_of(const sl_expected_light *c, size_t k) {
     return (receiver){c->x[k], c->y[k], c->z[k], c->normal_x[k], c->normal_y[k], c->normal_z[k]};
 }
 
-void SL_KERNEL(sl_hit_light_block)(const sl_light_sources *sources, const sl_visible_lights *visible,
-                                   const sl_expected_light *light, size_t slot, size_t block,
-                                   sl_block_weights *weights) {
-    weigh_block(sources, block, visible->visible + light->region[slot] * visible->sources,
-                receiver_of(light, slot), weights->of);
+void SL_KERNEL(sl_hit_light_block)(const sl_light_sources *sources, const sl_expected_light *light,
+                                   size_t slot, size_t block, sl_block_weights *weights) {
+    weigh_block(sources, block, receiver_of(light, slot), weights->of);
 }
 
-void SL_KERNEL(sl_hit_light_expect)(const sl_light_sources *s, const sl_visible_lights *visible,
-                                    const sl_expected_light *c) {
-    find_regions(visible, c);
+void SL_KERNEL(sl_hit_light_expect)(const sl_light_sources *s, const sl_expected_light *c) {
     for (size_t k = 0; k < c->count; k++) {
         float *of_block = c->of_block + k * SL_SOURCE_BLOCKS_MAX, sum = 0.0f;
         c->sum[k] = 0.0f;
         if (!(c->reflects[k] > 0.0f)) continue;
-        const sl_light_region *region = &visible->regions[c->region[k]];
-        const uint8_t *seen = visible->visible + c->region[k] * visible->sources;
         receiver p = receiver_of(c, k);
-        for (uint32_t left = region->blocks; left; left &= left - 1) {
+        for (size_t b = 0; b < s->blocks; b++) {
             sl_block_weights w;
-            size_t b = (size_t)__builtin_ctz(left);
-            weigh_block(s, b, seen, p, w.of);
+            weigh_block(s, b, p, w.of);
             sum += of_block[b] = sum_of(w.of);
         }
-        sum += region->rest > 0.0f ? region->rest + 0.01f * sum : 0.0f;
         c->sum[k] = sum > 0.0f && sum < 1e30f ? sum : 0.0f;
     }
 }

@@ -4,15 +4,13 @@
 
 #include "base/isa.h"
 #include "cache/hemisphere/light_sources.h"
-#include "cache/hemisphere/visible_lights.h"
 
-/* Hits to be lit, by slot. In: places, unit normals, what reflects. Out: the region, what each of its blocks
- * of sources may give, and all of them together with the rest (0: nothing, or no hit). */
+/* Hits to be lit, by slot. In: places, unit normals, what reflects. Out: what each block of sources may give,
+ * unhindered, and all of them together (0: nothing, or no hit). */
 typedef struct sl_expected_light {
     size_t count;
-    const float *x, *y, *z, *normal_x, *normal_y, *normal_z, *geometric_x, *geometric_y, *geometric_z;
+    const float *x, *y, *z, *normal_x, *normal_y, *normal_z;
     const float *reflects; /* > 0: yes */
-    uint32_t *region;
     float *of_block;       /* [slot][SL_SOURCE_BLOCKS_MAX] */
     float *sum;
 } sl_expected_light;
@@ -38,11 +36,9 @@ typedef struct sl_point_samples {
     float *near;              /* 1: so near to its emitter that it must be sampled by solid angle */
 } sl_point_samples;
 
-typedef void sl_hit_light_expect_kernel(const sl_light_sources *sources, const sl_visible_lights *visible,
-                                        const sl_expected_light *light);
-typedef void sl_hit_light_block_kernel(const sl_light_sources *sources, const sl_visible_lights *visible,
-                                       const sl_expected_light *light, size_t slot, size_t block,
-                                       sl_block_weights *weights);
+typedef void sl_hit_light_expect_kernel(const sl_light_sources *sources, const sl_expected_light *light);
+typedef void sl_hit_light_block_kernel(const sl_light_sources *sources, const sl_expected_light *light,
+                                       size_t slot, size_t block, sl_block_weights *weights);
 typedef void sl_hit_light_points_kernel(const sl_light_sources *sources, const sl_point_samples *samples);
 
 typedef struct sl_hit_light_kernels {

@@ -3,11 +3,11 @@
  * which keeps the estimate unbiased:
  *
  *     which hits     in proportion to the light that each is expected to send back, E albedo W, where E is
- * the sum over the sources of what they would give unhindered times how often they are visible from there
- * (visible_lights.h), mixed with an even share; by systematic sampling, so a hit gets the number expected,
- * rounded up or down which source   in proportion to the terms of that sum which point    uniform in area;
- * within twice an emitter's size uniform in solid angle (Arvo 1995), where 1 / distance^2 would make single
- * hits outshine the gather
+ *                    the sum over the sources of what they would give unhindered, mixed with an even share;
+ *                    by systematic sampling, so a hit gets the number expected, rounded up or down
+ *     which source   in proportion to the terms of that sum
+ *     which point    uniform in area; within twice an emitter's size uniform in solid angle (Arvo 1995),
+ *                    where 1 / distance^2 would make single hits outshine the gather
  *
  * Samples are sorted by source before their points are chosen and their shadow rays traced: points of one
  * source are then well spread over all hits that chose it. */
@@ -36,11 +36,7 @@ static sl_expected_light expected_light(const sl_gather_view *view, size_t first
                                .normal_x = h->normal_x + first,
                                .normal_y = h->normal_y + first,
                                .normal_z = h->normal_z + first,
-                               .geometric_x = h->geometric_x + first,
-                               .geometric_y = h->geometric_y + first,
-                               .geometric_z = h->geometric_z + first,
                                .reflects = s->reflects + first,
-                               .region = s->region + first,
                                .of_block = s->of_block + first * SL_SOURCE_BLOCKS_MAX,
                                .sum = s->expected + first};
 }
@@ -49,7 +45,7 @@ void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t cou
     sl_light_scratch *s = view->scratch->light;
     for (size_t k = first; k < first + count; k++) s->reflects[k] = sl_hit_reflectance(view, k);
     sl_expected_light light = expected_light(view, first, count);
-    view->gather->light_kernels.expect(view->gather->sources, view->gather->visible, &light);
+    view->gather->light_kernels.expect(view->gather->sources, &light);
 }
 
 /* ---- which hits get how many ---- */
@@ -76,8 +72,8 @@ static void share_budget(const sl_gather_view *view) {
 
 /* ---- which source ---- */
 
-/* The last of n weights that has any among those before which u of their sum is used up; *u: what is left. n:
- * none. */
+/* Returns the first of n weights before which and with which u of their sum is used up, the last that has any
+ * where rounding leaves some; n: none has. *target: what is left of it. */
 static size_t pick(const float *weight, size_t n, float *target) {
     size_t chosen = n;
     for (size_t i = 0; i < n; i++) {
@@ -89,39 +85,19 @@ static size_t pick(const float *weight, size_t n, float *target) {
     return chosen;
 }
 
-/* The block first, then its source, in proportion to their weights; or, for the rest, any source by its
- * power. The density is that of either way to come to the source. */
+/* The block first, then its source, in proportion to their weights. */
 static bool choose_source(const sl_gather_view *view, const sl_expected_light *light, size_t k, float u,
-                          float again, uint32_t *source, float *chance) {
+                          uint32_t *source, float *chance) {
     const sl_light_sources *sources = view->gather->sources;
-    const sl_light_region *region = &view->gather->visible->regions[light->region[k]];
-    const float *of_block = light->of_block + k * SL_SOURCE_BLOCKS_MAX;
-    float target = u * light->sum[k], listed = 0.0f;
-    size_t block = sources->blocks, lane = SL_SOURCE_LANES;
-    bool by_rest = true;
-    for (uint32_t left = region->blocks; left; left &= left - 1) {
-        size_t b = (size_t)__builtin_ctz(left);
-        listed += of_block[b];
-        if (!by_rest || !(of_block[b] > 0.0f)) continue;
-        block = b;
-        by_rest = !(target < of_block[b]);
-        target -= by_rest ? of_block[b] : 0.0f;
-    }
-    float rest = region->rest > 0.0f ? region->rest + 0.01f * listed : 0.0f;
-    sl_block_weights w = {{0}};
-    if (by_rest && rest > 0.0f) {
-        *source = (uint32_t)sl_light_sources_by_power(sources, again);
-        block = *source / SL_SOURCE_LANES;
-        lane = *source % SL_SOURCE_LANES;
-        if (region->blocks >> block & 1u)
-            view->gather->light_kernels.block(sources, view->gather->visible, light, k, block, &w);
-    } else if (block < sources->blocks) {
-        view->gather->light_kernels.block(sources, view->gather->visible, light, k, block, &w);
-        lane = pick(w.of, SL_SOURCE_LANES, &target);
-        *source = (uint32_t)(block * SL_SOURCE_LANES + lane);
-    }
+    float target = u * light->sum[k];
+    size_t block = pick(light->of_block + k * SL_SOURCE_BLOCKS_MAX, sources->blocks, &target);
+    if (block == sources->blocks) return false;
+    sl_block_weights w;
+    view->gather->light_kernels.block(sources, light, k, block, &w);
+    size_t lane = pick(w.of, SL_SOURCE_LANES, &target);
     if (lane == SL_SOURCE_LANES) return false;
-    *chance = (w.of[lane] + rest * sources->power_share[*source]) / light->sum[k];
+    *source = (uint32_t)(block * SL_SOURCE_LANES + lane);
+    *chance = w.of[lane] / light->sum[k];
     return *chance > 0.0f;
 }
 
@@ -131,7 +107,7 @@ static void draw_samples(const sl_gather_view *view, uint64_t key) {
     sl_light_scratch *s = view->scratch->light;
     sl_expected_light light = expected_light(view, 0, view->scratch->slots);
     double sum = (double)sl_random_unit(key, 0);
-    uint32_t before = 0, select = sl_random_bits(key, 1), again = sl_random_bits(key, 2);
+    uint32_t before = 0, select = sl_random_bits(key, 1);
     s->samples = 0;
     for (size_t k = 0; k < light.count; k++) {
         sum += (double)s->samples_at[k];
@@ -139,9 +115,8 @@ static void draw_samples(const sl_gather_view *view, uint64_t key) {
             uint32_t source;
             float chance;
             select += 2654435769u; /* golden ratio */
-            again += 3242174889u;
             if (s->samples == s->capacity ||
-                !choose_source(view, &light, k, unit(select), unit(again), &source, &chance))
+                !choose_source(view, &light, k, unit(select), &source, &chance))
                 continue;
             s->chosen[s->samples++] =
                 (sl_chosen_source){(uint32_t)k, source, 1.0f / (chance * s->samples_at[k])};
@@ -200,8 +175,7 @@ static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q
     float cosine = sl_hit_cosine(h, k, to_light);
     if (!(cosine > 0.0f) || !(distance > 0.0) || !isfinite(distance)) return;
     sl_push_shadow_ray(q, k, to_light, (float)distance,
-                       sl_rgb_scale(e->radiance, (float)seen.solid_angle * cosine * s->share[m]),
-                       (uint32_t)m);
+                       sl_rgb_scale(e->radiance, (float)seen.solid_angle * cosine * s->share[m]));
 }
 
 /* ---- emitters ---- */
@@ -262,8 +236,7 @@ static void light_by_emitters(const sl_gather_view *view, sl_shadow_queue *q) {
         sl_rgb light = {sources->red[i] * s->arriving[m], sources->green[i] * s->arriving[m],
                         sources->blue[i] * s->arriving[m]};
         sl_push_ready_ray(q, s->sample_slot[m], sl_v3(s->origin_x[m], s->origin_y[m], s->origin_z[m]),
-                          sl_v3(s->direction_x[m], s->direction_y[m], s->direction_z[m]), false, light,
-                          (uint32_t)m);
+                          sl_v3(s->direction_x[m], s->direction_y[m], s->direction_z[m]), false, light);
     }
 }
 
@@ -311,7 +284,7 @@ static void light_by_others(const sl_gather_view *view, sl_shadow_queue *q) {
                                                     &direction, &distance, &irradiance);
         irradiance = sl_rgb_scale(irradiance, lit ? s->share[m] : 0.0f);
         if (lit && sl_rgb_is_finite(irradiance))
-            sl_push_shadow_ray(q, k, direction, distance, irradiance, (uint32_t)m);
+            sl_push_shadow_ray(q, k, direction, distance, irradiance);
     }
 }
 
@@ -325,11 +298,8 @@ void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q) 
     draw_samples(view, key);
     sort_by_source(view);
     spread_points(s, key);
-    q->arrived = s->arrived;
-    if (s->arrived) memset(s->arrived, 0, s->capacity);
     light_by_emitters(view, q);
     sl_flush_shadow_rays(q);
     light_by_others(view, q);
     sl_flush_shadow_rays(q);
-    q->arrived = NULL;
 }

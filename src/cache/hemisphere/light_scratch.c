@@ -23,8 +23,8 @@ static sl_status cut(sl_light_scratch *s, const buffer *buffers, size_t count, s
     return SL_OK;
 }
 
-sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, bool on_trial,
-                                  sl_light_scratch **out, sl_error *error) {
+sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, sl_light_scratch **out,
+                                  sl_error *error) {
     *out = NULL;
     sl_light_scratch *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "a gather's light samples");
@@ -32,7 +32,6 @@ sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, bool on
     size_t padded = n + SL_SOURCE_LANES;
     s->capacity = n;
     const buffer buffers[] = {{&s->reflects, slots, 4},
-                              {&s->region, slots, 4},
                               {&s->of_block, slots * SL_SOURCE_BLOCKS_MAX, 4},
                               {&s->expected, slots, 4},
                               {&s->samples_at, slots, 4},
@@ -50,10 +49,8 @@ sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, bool on
                               {&s->direction_y, padded, 4},
                               {&s->direction_z, padded, 4},
                               {&s->arriving, padded, 4},
-                              {&s->near, padded, 4},
-                              {&s->arrived, on_trial ? padded : 0, 1}};
+                              {&s->near, padded, 4}};
     sl_status status = cut(s, buffers, sizeof buffers / sizeof *buffers, error);
-    if (!on_trial) s->arrived = NULL;
     if (status != SL_OK) {
         sl_light_scratch_destroy(s);
         return status;

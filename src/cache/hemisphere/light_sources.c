@@ -9,7 +9,7 @@
 /* Emitters within twice their extent are sampled by solid angle. */
 #define NEAR_EXTENTS 2.0f
 
-enum { COLUMNS = 26 };
+enum { COLUMNS = 25 };
 
 static void cut(sl_light_sources *s) {
     float *next = s->block;
@@ -28,7 +28,6 @@ static void cut(sl_light_sources *s) {
                                     &s->red,
                                     &s->green,
                                     &s->blue,
-                                    &s->power_share,
                                     &s->corner[0][0],
                                     &s->corner[0][1],
                                     &s->corner[0][2],
@@ -149,8 +148,7 @@ static void fill_sky(const sl_environment *e, double irradiance[6]) {
 
 /* ---- powers ---- */
 
-/* As a surface about the scene's size away would be lit: about what chances should be where nothing better is
- * known. */
+/* As a surface about the scene's size away would be lit. */
 static double power_of(const sl_light_sources *s, size_t i, const double sky[6]) {
     double most = 0.0, area = (double)s->unit * (double)s->unit;
     for (int d = 0; d < 6; d++) most = fmax(most, sky[d]);
@@ -162,30 +160,17 @@ static double power_of(const sl_light_sources *s, size_t i, const double sky[6])
     return i < s->first_block[SL_SAMPLED_FAR] * SL_SOURCE_LANES ? intensity * area : intensity;
 }
 
-/* The chances where nothing better is known: half by power, half even, for a weak source may be close by. */
-static void fill_powers(sl_light_sources *s, const double sky[6]) {
-    double total = 0.0, sum = 0.0, most = 0.0;
-    size_t present = 0;
-    for (size_t i = 0; i < s->count; i++) {
-        double p = power_of(s, i, sky);
-        s->power_sums[i] = p > 0.0 && isfinite(p) ? p : 0.0;
-        most = fmax(most, s->power_sums[i]);
-        total += s->power_sums[i];
-        present += s->index[i] != SL_NO_INDEX || i == s->sky;
-    }
+static double sound(double power) { return power > 0.0 && isfinite(power) ? power : 0.0; }
+
+/* Makes strengths and radiances relative to the strongest source. */
+static void scale_strengths(sl_light_sources *s, const double sky[6]) {
+    double most = 0.0;
+    for (size_t i = 0; i < s->count; i++) most = fmax(most, sound(power_of(s, i, sky)));
     s->absolute = finite_part(most);
-    size_t last = 0;
-    for (size_t i = 0; i < s->count && total > 0.0; i++) {
-        double p = s->power_sums[i];
-        s->strength[i] = i == s->sky ? 0.0f : (float)(p / most);
+    for (size_t i = 0; i < s->count && most > 0.0; i++) {
+        s->strength[i] = i == s->sky ? 0.0f : (float)(sound(power_of(s, i, sky)) / most);
         s->radiance[i] = (float)((double)s->radiance[i] / most);
-        double chance =
-            s->index[i] == SL_NO_INDEX && i != s->sky ? 0.0 : 0.5 * p / total + 0.5 / (double)present;
-        s->power_share[i] = (float)chance;
-        s->power_sums[i] = sum += chance;
-        if (s->power_share[i] > 0.0f) last = i;
     }
-    for (size_t i = last; total > 0.0 && i < s->count; i++) s->power_sums[i] = 1.0;
     for (int d = 0; d < 6; d++) s->sky_irradiance[d] = most > 0.0 ? (float)(sky[d] / most) : 0.0f;
 }
 
@@ -216,7 +201,7 @@ static void fill(sl_light_sources *s, placed *p) {
         else fill_light(s, i);
     }
     if (s->sky < s->count) fill_sky(&s->scene->environment, sky);
-    fill_powers(s, sky);
+    scale_strengths(s, sky);
 }
 
 sl_status sl_light_sources_create(const sl_scene *scene, sl_light_sources **out, sl_error *error) {
@@ -229,9 +214,8 @@ sl_status sl_light_sources_create(const sl_scene *scene, sl_light_sources **out,
     s->scene = scene;
     count_blocks(s);
     s->block = sl_allocate(COLUMNS * s->count, sizeof *s->block);
-    s->power_sums = sl_allocate(s->count, sizeof *s->power_sums);
     placed *p = sl_allocate(s->count, sizeof *p);
-    if (!s->block || !s->power_sums || !p) {
+    if (!s->block || !p) {
         sl_free(p);
         sl_light_sources_destroy(s);
         return sl_fail_memory(error, "the light sources");
@@ -246,20 +230,9 @@ sl_status sl_light_sources_create(const sl_scene *scene, sl_light_sources **out,
 void sl_light_sources_destroy(sl_light_sources *s) {
     if (!s) return;
     sl_free(s->block);
-    sl_free(s->power_sums);
     sl_free(s);
 }
 
 size_t sl_light_sources_bytes(const sl_light_sources *s) {
-    return sizeof *s + s->count * (COLUMNS * sizeof(float) + sizeof(double));
-}
-
-size_t sl_light_sources_by_power(const sl_light_sources *s, float u) {
-    size_t low = 0, high = s->count - 1;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if ((double)u < s->power_sums[middle]) high = middle;
-        else low = middle + 1;
-    }
-    return low;
+    return sizeof *s + s->count * COLUMNS * sizeof(float);
 }

@@ -45,9 +45,6 @@ typedef struct sl_light_sources {
     float *corner[3][3];               /* emitter: corner, then axis */
     float *area;
     float *red, *green, *blue;         /* emitter: radiance */
-    /* cumulative chances, by power and even by half, the last possible one ends at 1 */
-    double *power_sums;
-    float *power_share;
     float absolute;                    /* what strength 1 is in W/m^2 */
     float sky_irradiance[6];           /* relative, on planes that face +x, -x, +y, -y, +z, -z */
     float *block;
@@ -57,7 +54,5 @@ typedef struct sl_light_sources {
 sl_status sl_light_sources_create(const sl_scene *scene, sl_light_sources **sources, sl_error *error);
 void sl_light_sources_destroy(sl_light_sources *sources);
 size_t sl_light_sources_bytes(const sl_light_sources *sources);
-/* By these chances: the source that u in [0,1) falls to. */
-size_t sl_light_sources_by_power(const sl_light_sources *sources, float u);
 
 #endif

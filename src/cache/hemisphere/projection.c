@@ -80,7 +80,6 @@ static void list_quadrant(quadrant *q) {
             if (row && extended && x == width - 1) append(q->walls, &walls, SL_WALL_BORDER_ROW, x, y);
         }
     }
-    for (int k = 0; t->seam_count && k < t->size / 2; k++) append(q->walls, &walls, SL_WALL_SEAM, k, 0);
     q->projection->cells.count = cells;
     q->projection->walls.count = walls;
 }
@@ -103,11 +102,6 @@ static void set_wall_images(const quadrant *q, size_t i) {
     entry e = q->walls[i], from = e;
     if (e.type == SL_WALL_COLUMN || e.type == SL_WALL_BORDER_COLUMN) from.x--;
     if (e.type == SL_WALL_ROW || e.type == SL_WALL_BORDER_ROW) from.y--;
-    if (e.type == SL_WALL_SEAM) { /* row k of the face at x = 1, row k of that at y = 1 */
-        int last = q->tables->size / 2 + q->tables->size - 1, k = q->walls[i].x;
-        from = (entry){.x = last + 1 + k, .y = last};
-        e = (entry){.x = last, .y = last + 1 + k};
-    }
     for (int image = 0; image < 4; image++) {
         list->cell[0][image][i] = mirrored_cell(q->tables, from.x, from.y, image);
         list->cell[1][image][i] = mirrored_cell(q->tables, e.x, e.y, image);

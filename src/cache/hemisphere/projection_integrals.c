@@ -232,10 +232,7 @@ void sl_wall_harmonics(const sl_instrument *in, sl_wall_type type, int x, int y,
     integral q = {in, type == SL_WALL_ROW, wall->mean};
     double total = 0.0, half = 1.0;
     memset(wall, 0, sizeof *wall);
-    if (type == SL_WALL_SEAM) {
-        double step = 2.0 / in->size, z1 = 1.0 - step * x;
-        add_edge(&q, wall, &total, sl_v3d(1.0, 1.0, z1 - step), sl_v3d(1.0, 1.0, z1));
-    } else if (type >= SL_WALL_BORDER_COLUMN) {
+    if (type >= SL_WALL_BORDER_COLUMN) {
         bool column = type == SL_WALL_BORDER_COLUMN;
         double line = grid_line(in, column ? x : y);
         q.exchanged = column;

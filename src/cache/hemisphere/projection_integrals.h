@@ -40,7 +40,6 @@ void sl_cell_harmonics(const sl_instrument *instrument, int x, int y, double *su
 typedef enum sl_wall_type {
     SL_WALL_COLUMN,
     SL_WALL_ROW,
-    SL_WALL_SEAM,
     SL_WALL_BORDER_COLUMN,
     SL_WALL_BORDER_ROW
 } sl_wall_type;
@@ -49,9 +48,8 @@ typedef struct sl_wall {
     double mean[SL_HSH_STRIDE_MAX];
 } sl_wall;
 
-/* COLUMN: between cells (x-1, y) and (x, y); ROW: between (x, y-1) and (x, y); SEAM: of the hemicube's side
- * faces, between the rows at distance x from the top (y unused). BORDER: what the outermost column or row
- * wall of the plane becomes in the radial extension. */
+/* COLUMN: between cells (x-1, y) and (x, y); ROW: between (x, y-1) and (x, y); BORDER: what the outermost
+ * column or row wall of the plane becomes in the radial extension. */
 void sl_wall_harmonics(const sl_instrument *instrument, sl_wall_type type, int x, int y, sl_wall *wall);
 
 #endif

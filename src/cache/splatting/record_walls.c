@@ -9,24 +9,18 @@
 
 enum { DIRECTIONS = SL_PACKET };
 
-/* Unit vectors, 22.5 degrees apart. */
-static const float direction[DIRECTIONS][2] = {
+const float sl_around[SL_PACKET][2] = {
     {1.0f, 0.0f},  {0.92387953f, 0.38268343f},   {0.70710678f, 0.70710678f},   {0.38268343f, 0.92387953f},
     {0.0f, 1.0f},  {-0.38268343f, 0.92387953f},  {-0.70710678f, 0.70710678f},  {-0.92387953f, 0.38268343f},
     {-1.0f, 0.0f}, {-0.92387953f, -0.38268343f}, {-0.70710678f, -0.70710678f}, {-0.38268343f, -0.92387953f},
     {0.0f, -1.0f}, {0.38268343f, -0.92387953f},  {0.70710678f, -0.70710678f},  {0.92387953f, -0.38268343f},
 };
 
-/* What the rays met: points relative to the record, normals on its side. */
-typedef struct {
-    sl_vec3 point, normal;
-    float distance; /* infinite: nothing, or nothing any more */
-} hit;
-
 /* Rays a little above the surface, a little longer than the reach: a wall that the disc just touches between
  * two rays is met too. */
-static void look_around(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
-                        float reach, float offset, hit hits[DIRECTIONS], sl_counters *counters) {
+void sl_record_look_around(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
+                           float reach, sl_wall_hit hits[SL_PACKET], sl_counters *counters) {
+    const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, point->position);
     sl_frame frame = sl_frame_from_normal(sl_normalize_or(point->geometric_normal, point->normal));
     float height = 0.01f * reach > 2.0f * offset ? 0.01f * reach : 2.0f * offset;
     sl_vec3 eye = sl_mad(point->position, height, frame.z);
@@ -34,22 +28,21 @@ static void look_around(const sl_scene *scene, const sl_tracer *tracer, const sl
     sl_hit16 found;
     memset(&rays, 0, sizeof rays);
     for (int i = 0; i < DIRECTIONS; i++) {
-        sl_vec3 d = sl_frame_to_world(&frame, sl_v3(direction[i][0], direction[i][1], 0.0f));
-        sl_ray16_set(&rays, (unsigned)i, eye, d, 0.0f, 1.1f * reach, point->triangle);
+        hits[i].direction = sl_frame_to_world(&frame, sl_v3(sl_around[i][0], sl_around[i][1], 0.0f));
+        sl_ray16_set(&rays, (unsigned)i, eye, hits[i].direction, 0.0f, 1.1f * reach, point->triangle);
     }
     sl_trace(tracer, &rays, DIRECTIONS, false, &found, counters);
     for (int i = 0; i < DIRECTIONS; i++) {
         hits[i].distance = INFINITY;
         if (found.triangle[i] == SL_NO_INDEX) continue;
-        sl_vec3 d = sl_v3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
-        sl_vec3 n = sl_scene_geometric_normal(scene, found.triangle[i]);
+        sl_vec3 d = hits[i].direction, n = sl_scene_geometric_normal(scene, found.triangle[i]);
         hits[i].normal = sl_dot(n, d) > 0.0f ? sl_neg(n) : n;
         hits[i].point = sl_mad(sl_scale(d, found.t[i]), height, frame.z);
         hits[i].distance = found.t[i];
     }
 }
 
-static int nearest_of(const hit hits[DIRECTIONS]) {
+static int nearest_of(const sl_wall_hit hits[DIRECTIONS]) {
     int nearest = 0;
     for (int i = 1; i < DIRECTIONS; i++) {
         if (hits[i].distance < hits[nearest].distance) nearest = i;
@@ -61,11 +54,11 @@ void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const 
                           double accuracy, double guard, sl_record *record, sl_counters *counters) {
     const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, point->position),
                 reach = (float)accuracy * record->radius;
-    hit hits[DIRECTIONS];
+    sl_wall_hit hits[DIRECTIONS];
     if (!((double)record->radius > guard)) return;
-    look_around(scene, tracer, point, reach, offset, hits, counters);
+    sl_record_look_around(scene, tracer, point, reach, hits, counters);
     for (int w = 0; w < SL_RECORD_WALLS; w++) {
-        const hit wall = hits[nearest_of(hits)];
+        const sl_wall_hit wall = hits[nearest_of(hits)];
         if (!(wall.distance < INFINITY)) return;
         record->walls[w] =
             (sl_record_wall){wall.normal, fminf(sl_dot(wall.point, wall.normal), 0.0f) - offset};
@@ -74,7 +67,7 @@ void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const 
                 hits[i].distance = INFINITY;
         }
     }
-    const hit left = hits[nearest_of(hits)];
+    const sl_wall_hit left = hits[nearest_of(hits)];
     if (!(left.distance < INFINITY)) return;
     /* More walls than the record can hold: no farther than the next one, which two rays may meet at its
      * sides. */

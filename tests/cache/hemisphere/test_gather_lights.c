@@ -1,5 +1,4 @@
-/* How hits are lit by samples: what is drawn means the light that there is, whatever is known of the sources;
- * what is known comes from trials. */
+/* How hits are lit by samples: what is drawn means the light that there is. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -174,116 +173,12 @@ static void more_rays_are_as_many_as_asked_for_at_most(void **state) {
     world_free(w);
 }
 
-/* ---- what is known of the sources ---- */
-
-static size_t source_with_x(const sl_light_sources *s, float x) {
-    for (size_t i = 0; i < s->count; i++) {
-        if (s->index[i] != SL_NO_INDEX && fabsf(s->x[i] - x) < 0.4f) return i;
-    }
-    fail();
-    return 0;
-}
-
-/* Twenty trials that always and never arrive, mixed with three of the surroundings'. */
-static void trials_tell_what_is_visible_where(void **state) {
-    (void)state;
-    enum { TRIALS = 40 };
-    world *w = lamps_over_floor(2, 0, 0.5f, 1.2f);
-    sl_light_sources *sources;
-    sl_visible_lights *visible;
-    sl_light_trial trials[TRIALS];
-    assert_int_equal(sl_light_sources_create(w->scene, &sources, NULL), SL_OK);
-    size_t seen = source_with_x(sources, -1.35f), hidden = source_with_x(sources, -0.15f);
-    for (int i = 0; i < TRIALS; i++) {
-        trials[i] = (sl_light_trial){.position = {1.0f, 1.0f, 0.0f},
-                                     .normal = {0, 0, 1},
-                                     .source = (uint16_t)(i % 2 ? seen : hidden),
-                                     .arrived = i % 2};
-    }
-    assert_int_equal(sl_visible_lights_create(sources, trials, TRIALS, &visible, NULL), SL_OK);
-    size_t known = 0;
-    size_t entries = 6 * (size_t)visible->cells[0] * (size_t)visible->cells[1] * (size_t)visible->cells[2],
-           unknown = entries;
-    for (size_t i = 0; i < entries; i++) {
-        if (visible->region_of[i] > known) known = visible->region_of[i];
-        if (visible->region_of[i] == 0) unknown = i;
-    }
-    assert_true(known > 0 && unknown < entries);
-    const uint8_t *there = visible->visible + known * visible->sources;
-    assert_true(there[seen] > 245 && there[hidden] < 16 && there[hidden] > 0);
-    /* where nothing was tried all sources are taken for visible */
-    assert_int_equal(visible->visible[seen], 255);
-    assert_int_equal(visible->visible[hidden], 255);
-    sl_visible_lights_destroy(visible);
-    sl_light_sources_destroy(sources);
-    world_free(w);
-}
-
-static void chances_by_power_sum_to_one_and_leave_nothing_out(void **state) {
-    (void)state;
-    world *w = lamps_over_floor(7, 0, 0.5f, 0.8f);
-    w->environment = (sl_environment){.present = true, .constant = sl_grey(1)};
-    sl_light_sources *s;
-    assert_int_equal(sl_light_sources_create(w->scene, &s, NULL), SL_OK);
-    double sum = 0;
-    size_t sources = 0;
-    for (size_t i = 0; i < s->count; i++) {
-        bool real = s->index[i] != SL_NO_INDEX || i == s->sky;
-        assert_true(real ? s->power_share[i] > 0.0f : s->power_share[i] == 0.0f);
-        sum += (double)s->power_share[i];
-        sources += real;
-    }
-    assert_int_equal(sources, w->scene->emitter_count);
-    assert_true(fabs(sum - 1) < 1e-6);
-    for (int i = 0; i < 1000; i++)
-        assert_true(s->power_share[sl_light_sources_by_power(s, (float)i / 1000.0f)] > 0.0f);
-    assert_true(s->power_share[sl_light_sources_by_power(s, 0x1.fffffep-1f)] > 0.0f);
-    sl_light_sources_destroy(s);
-    world_free(w);
-}
-
-/* What is learnt, and so every gather, is the same by any number of threads. */
-static void learning_is_the_same_by_any_number_of_threads(void **state) {
-    (void)state;
-    world *w = world_room(true);
-    assert_true(sl_camera_look_at(&w->scene->camera, sl_v3(0.5f, 1.5f, 5.5f), sl_v3(2.5f, 1, 2),
-                                  sl_v3(0, 1, 0), 1.2f));
-    sl_gather_settings s = rays_of(24);
-    sl_gather *first = NULL;
-    sl_counters counters[3];
-    memset(counters, 0, sizeof counters);
-    for (unsigned i = 0; i < 3; i++) {
-        sl_gather *g;
-        assert_int_equal(
-            sl_gather_create(w->scene, w->raster, w->tracer, &s, 1 + 2 * i, &g, &counters[i], NULL), SL_OK);
-        assert_memory_equal(&counters[i], &counters[0], sizeof counters[0]);
-        assert_true(counters[i].value[SL_COUNT_SHADOW_RAYS] > 0); /* trials are on the bill */
-        if (!first) {
-            first = g;
-            continue;
-        }
-        assert_int_equal(g->visible->region_count, first->visible->region_count);
-        assert_memory_equal(g->visible->visible, first->visible->visible,
-                            g->visible->region_count * g->visible->sources);
-        for (size_t r = 0; r < g->visible->region_count; r++) {
-            assert_true(g->visible->regions[r].blocks == first->visible->regions[r].blocks &&
-                        g->visible->regions[r].rest == first->visible->regions[r].rest);
-        }
-        sl_gather_destroy(g);
-    }
-    sl_gather_destroy(first);
-    world_free(w);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_mean_what_the_closed_form_says),
         cmocka_unit_test(open_floor_under_an_even_sky_has_no_noise),
         cmocka_unit_test(more_rays_keep_the_mean_and_scatter_less),
         cmocka_unit_test(more_rays_are_as_many_as_asked_for_at_most),
-        cmocka_unit_test(trials_tell_what_is_visible_where),
-        cmocka_unit_test(chances_by_power_sum_to_one_and_leave_nothing_out),
-        cmocka_unit_test(learning_is_the_same_by_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
