@@ -22,8 +22,8 @@ static float falloff(const sl_map_light *light, float cosine) {
 sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction) {
     float cosine = sl_dot(light->direction, direction);
     switch (light->kind) {
-    case SL_MAP_LIGHT_SPOT: return sl_rgb_scale(light->intensity, falloff(light, cosine));
-    case SL_MAP_LIGHT_AREA:
+    case SL_SOURCE_SPOT: return sl_rgb_scale(light->intensity, falloff(light, cosine));
+    case SL_SOURCE_AREA:
         return sl_rgb_scale(light->intensity, cosine > 0.0f ? cosine : light->two_sided ? -cosine : 0.0f);
     default: return light->intensity;
     }
@@ -32,10 +32,10 @@ sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction) {
 /* Flux over intensity. The smoothstep's mean over its range of cosines is 1/2. */
 static double directions_of(const sl_map_light *light) {
     switch (light->kind) {
-    case SL_MAP_LIGHT_POINT: return 4.0 * SL_PI;
-    case SL_MAP_LIGHT_SPOT:
+    case SL_SOURCE_POINT: return 4.0 * SL_PI;
+    case SL_SOURCE_SPOT:
         return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
-    case SL_MAP_LIGHT_AREA: return light->two_sided ? 2.0 * SL_PI : SL_PI;
+    case SL_SOURCE_AREA: return light->two_sided ? 2.0 * SL_PI : SL_PI;
     default: return 1.0;
     }
 }
@@ -67,11 +67,11 @@ static size_t points_of_all(const sl_sampled_lights *lamps, int n) {
 }
 
 static sl_map_light light_of(const sl_sampled_light *lamp) {
-    static const sl_map_light_kind kinds[] = {[SL_SAMPLED_POINT] = SL_MAP_LIGHT_POINT,
-                                              [SL_SAMPLED_SPOT] = SL_MAP_LIGHT_SPOT,
-                                              [SL_SAMPLED_DIRECTIONAL] = SL_MAP_LIGHT_DIRECTIONAL,
-                                              [SL_SAMPLED_AREA] = SL_MAP_LIGHT_AREA,
-                                              [SL_SAMPLED_SOLID] = SL_MAP_LIGHT_AREA};
+    static const sl_source_kind kinds[] = {[SL_SAMPLED_POINT] = SL_SOURCE_POINT,
+                                              [SL_SAMPLED_SPOT] = SL_SOURCE_SPOT,
+                                              [SL_SAMPLED_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL,
+                                              [SL_SAMPLED_AREA] = SL_SOURCE_AREA,
+                                              [SL_SAMPLED_SOLID] = SL_SOURCE_AREA};
     return (sl_map_light){.kind = kinds[lamp->kind],
                           .position = lamp->position,
                           .direction = lamp->kind == SL_SAMPLED_AREA ? lamp->normal : lamp->direction,
@@ -237,12 +237,9 @@ void sl_map_lights_destroy(sl_map_lights *lights) {
     sl_free(lights);
 }
 
-float sl_map_light_clearance(const sl_map_lights *lights, size_t light, bool back) {
-    const sl_map_light *l = &lights->light[light];
-    if (l->kind != SL_MAP_LIGHT_AREA || !lights->lamps || l->lamp == SL_NO_INDEX) return 0.0f;
-    const sl_sampled_light *lamp = &lights->lamps->light[l->lamp];
-    const sl_vec3d n = sl_scaled(sl_to_double(l->direction), back ? -1.0 : 1.0),
-                   o = sl_to_double(l->position);
+/* How far a lamp's triangles reach above the plane through a point of it. */
+static float clearance_of(const sl_sampled_light *lamp, sl_vec3 point, sl_vec3 normal) {
+    const sl_vec3d n = sl_to_double(normal), o = sl_to_double(point);
     double most = 0.0;
     for (size_t k = 0; k < 3 * lamp->triangles; k++) {
         const double height = sl_dotd(n, sl_subd(sl_to_double(lamp->corner[k]), o));
@@ -251,75 +248,16 @@ float sl_map_light_clearance(const sl_map_lights *lights, size_t light, bool bac
     return (float)most;
 }
 
-sl_frame sl_light_frame(const sl_map_light *light) {
-    sl_vec3 z = light->kind == SL_MAP_LIGHT_POINT ? sl_v3(0, -1, 0) : light->direction;
-    return sl_frame_from_normal(z);
-}
-
-sl_frame sl_light_side(const sl_frame *f, int side) {
-    switch (side) {
-    case 0: return *f;
-    case 1: return (sl_frame){f->y, f->z, f->x};
-    case 2: return (sl_frame){f->y, f->z, sl_neg(f->x)};
-    case 3: return (sl_frame){f->x, f->z, f->y};
-    case 4: return (sl_frame){f->x, f->z, sl_neg(f->y)};
-    default: return (sl_frame){f->x, f->y, sl_neg(f->z)};
-    }
-}
-
-/* Of a spot: nearest to its axis are the middles of the sides' upper edges, at 45 degrees, and the back's
- * corners, at acos(-1/sqrt 3); a little more, for rounding. */
-bool sl_light_shines_on(const sl_map_light *light, int side) {
-    static const float nearest[3] = {2.0f, 0.7071070f, -0.5773500f};
-    if (light->kind == SL_MAP_LIGHT_AREA) return side != SL_LIGHT_BACK || light->two_sided;
-    if (light->kind != SL_MAP_LIGHT_SPOT) return true;
-    return light->cos_outer < nearest[side == SL_LIGHT_AHEAD ? 0 : side == SL_LIGHT_BACK ? 2 : 1];
-}
-
-sl_view sl_light_picture_view(const sl_scene *scene, const sl_map_light *light, const sl_light_picture *p) {
-    sl_view view = sl_view_pyramid(&p->frame, p->eye, (float)p->left, (float)p->right, (float)p->bottom,
-                                   (float)p->top, p->width, p->height, 1e-5f * scene->scale);
-    if (light->kind != SL_MAP_LIGHT_AREA) return view;
-    /* An oblique near plane: 1/w depth has no use for the row (mirror.h), and the sides keep w positive. */
-    sl_vec3 n = p->back ? sl_neg(light->direction) : light->direction;
-    float *near = view.clip[2];
-    near[0] = n.x;
-    near[1] = n.y;
-    near[2] = n.z;
-    near[3] = -(p->clearance + 4e-6f * scene->scale);
-    return view;
-}
-
-static float reach_along(sl_vec3 axis, sl_vec3 half) {
-    return fabsf(axis.x * half.x) + fabsf(axis.y * half.y) + fabsf(axis.z * half.z);
-}
-
-sl_parallel_picture sl_parallel_picture_of(const sl_scene *scene, const sl_map_light *light) {
-    sl_vec3 half = sl_scale(sl_sub(scene->box_max, scene->box_min), 0.5f);
-    float margin = 1e-3f * scene->diagonal;
-    sl_parallel_picture p = {.centre = sl_add(scene->box_min, half),
-                             .frame = sl_frame_from_normal(light->direction)};
-    p.reach_x = reach_along(p.frame.x, half) + margin;
-    p.reach_y = reach_along(p.frame.y, half) + margin;
-    p.reach_z = reach_along(p.frame.z, half) + margin;
-    return p;
-}
-
-static void set_row(float row[4], sl_vec3 axis, float reach) {
-    row[0] = axis.x / reach;
-    row[1] = axis.y / reach;
-    row[2] = axis.z / reach;
-}
-
-sl_view sl_parallel_view(const sl_parallel_picture *p, int width, int height) {
-    sl_view view = {.origin = p->centre,
-                    .width = width,
-                    .height = height,
-                    .depth = SL_DEPTH_WINDOW,
-                    .skip_triangle = SL_NO_INDEX};
-    set_row(view.clip[0], p->frame.x, p->reach_x);
-    set_row(view.clip[1], p->frame.y, p->reach_y);
-    set_row(view.clip[2], p->frame.z, p->reach_z);
-    view.clip[3][3] = 1.0f;
-    return view;
+sl_light_eye sl_map_light_eye(const sl_map_lights *lights, size_t light) {
+    const sl_map_light *l = &lights->light[light];
+    sl_light_eye eye = {.kind = l->kind,
+                        .position = l->position,
+                        .direction = l->direction,
+                        .cos_outer = l->cos_outer,
+                        .two_sided = l->two_sided};
+    if (l->kind != SL_SOURCE_AREA || !lights->lamps || l->lamp == SL_NO_INDEX) return eye;
+    const sl_sampled_light *lamp = &lights->lamps->light[l->lamp];
+    eye.clearance[0] = clearance_of(lamp, l->position, l->direction);
+    if (l->two_sided) eye.clearance[1] = clearance_of(lamp, l->position, sl_neg(l->direction));
+    return eye;
 }

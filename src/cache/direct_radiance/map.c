@@ -57,17 +57,16 @@ static bool is_dark(const sl_map_light *light) {
 static sl_status plan_light(planning *p, uint32_t index, sl_error *error) {
     const sl_map_light *light = &p->lights->light[index];
     sl_planned_face face[SL_LIGHT_FACES_MAX];
-    const float clearance[2] = {sl_map_light_clearance(p->lights, index, false),
-                                sl_map_light_clearance(p->lights, index, true)};
+    const sl_light_eye eye = sl_map_light_eye(p->lights, index);
     int dark = 0,
-        count = sl_light_faces(p->scene, light, &p->shape, aim_of(p->scene, light), clearance, face, &dark);
+        count = sl_light_faces(p->scene, &eye, &p->shape, aim_of(p->scene, light), face, &dark);
     skip(p, is_dark(light) ? dark + count : dark);
     if (is_dark(light)) return SL_OK;
     for (int f = 0; f < count; f++) {
         sl_planned_face *next = next_face(p, error);
         if (!next) return SL_ERROR_RESOURCES;
         face[f].face.light = index;
-        face[f].face.view = sl_map_face_view(p->scene, light, &face[f]);
+        face[f].face.view = sl_map_face_view(p->scene, &eye, &face[f]);
         if (sl_raster_meets(p->raster, &face[f].face.view)) {
             *next = face[f];
             p->count++;
@@ -196,10 +195,10 @@ static void measure_texels(sl_radiance_map *map, const sl_map_face *f, bool para
 static void measure_faces(sl_radiance_map *map) {
     for (size_t f = 0; f < map->face_count; f++) {
         const sl_map_face *face = &map->face[f];
-        bool parallel = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
+        bool parallel = map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
         size_t like = f > SL_LIGHT_FACES_MAX ? f - SL_LIGHT_FACES_MAX : 0;
         while (like < f &&
-               (parallel || map->lights->light[map->face[like].light].kind == SL_MAP_LIGHT_DIRECTIONAL ||
+               (parallel || map->lights->light[map->face[like].light].kind == SL_SOURCE_DIRECTIONAL ||
                 !same_texels(&map->face[like], face)))
             like++;
         if (like == f) measure_texels(map, face, parallel);

@@ -108,7 +108,6 @@ enum { SL_LIGHT_FACES_MAX = 10 };
 typedef struct sl_planned_face {
     sl_map_face face;
     bool back;         /* of an area light */
-    float clearance;   /* sl_map_light_clearance() of that side */
     size_t seen;       /* where the triangles that the light itself sees in that picture begin */
 } sl_planned_face;
 
@@ -122,14 +121,14 @@ sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings);
 /* A light's faces, without views; at most SL_LIGHT_FACES_MAX. aim: unit; where a point light's frustum or
  * hemicube looks. Faces that are dark all over (behind, outside a cone) are not among them; *dark says how
  * many. A directional light has one face, which needs the scene. */
-int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_face_shape *shape, sl_vec3 aim,
-                   const float clearance[2], sl_planned_face *face, int *dark);
+int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_face_shape *shape, sl_vec3 aim,
+                   sl_planned_face *face, int *dark);
 /* Texels a side of a block in a directional light's picture, of `texels` in others': it holds the whole
  * scene, and the sun that falls through a window is a small part of it. 8 times as many, up to 512 a side of
  * the picture. */
 int sl_parallel_texels(int samples, int texels);
 /* Returns the view that draws a face. */
-sl_view sl_map_face_view(const sl_scene *scene, const sl_map_light *light, const sl_planned_face *planned);
+sl_view sl_map_face_view(const sl_scene *scene, const sl_light_eye *light, const sl_planned_face *planned);
 /* A face of directional light is as deep as the scene's box looks from there, and begins that far before the
  * box. */
 float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face);
@@ -328,7 +327,7 @@ typedef struct sl_photon_list {
 /* Texels each way of a block. */
 static inline int sl_block_texels(const sl_map_face *face) { return face->width / face->columns; }
 static inline bool sl_face_is_directional(const sl_radiance_map *map, const sl_map_face *face) {
-    return map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
+    return map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
 }
 
 /* Solid angle of the block whose lower left texel that is (directional: area). */

@@ -14,9 +14,8 @@ sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings) {
 /* ---- pyramids ---- */
 
 typedef struct {
-    const sl_map_light *light;
+    const sl_light_eye *light;
     const sl_face_shape *shape;
-    const float *clearance;
     sl_planned_face *face;
     int count, dark;
 } face_list;
@@ -36,8 +35,7 @@ static void add(face_list *list, const sl_frame *frame, double reach, int rows, 
                                    .height = rows * k,
                                    .columns = m,
                                    .rows = rows},
-                          .back = back,
-                          .clearance = list->clearance[back]};
+                          .back = back};
 }
 
 static void add_side(face_list *list, const sl_frame *frame, int side, int rows, bool back) {
@@ -64,30 +62,30 @@ static void add_cube(face_list *list, const sl_frame *frame) {
 /* A cone that one picture holds without stretching it too far. */
 static const float WIDEST_CONE = 0.5f;
 
-static sl_map_shape shape_for(const sl_map_light *light, sl_map_shape asked) {
+static sl_map_shape shape_for(const sl_light_eye *light, sl_map_shape asked) {
     switch (asked) {
     case SL_MAP_AUTO:
-        if (light->kind == SL_MAP_LIGHT_AREA) return SL_MAP_HEMICUBE;
-        if (light->kind != SL_MAP_LIGHT_SPOT) return SL_MAP_CUBE;
+        if (light->kind == SL_SOURCE_AREA) return SL_MAP_HEMICUBE;
+        if (light->kind != SL_SOURCE_SPOT) return SL_MAP_CUBE;
         return light->cos_outer >= WIDEST_CONE ? SL_MAP_FRUSTUM
                : light->cos_outer >= 0.0f      ? SL_MAP_HEMICUBE
                                                : SL_MAP_CUBE;
     case SL_MAP_CUBE: /* what an area light lights is one hemisphere, or two */
-        return light->kind == SL_MAP_LIGHT_AREA ? SL_MAP_HEMICUBE : SL_MAP_CUBE;
+        return light->kind == SL_SOURCE_AREA ? SL_MAP_HEMICUBE : SL_MAP_CUBE;
     default: return asked;
     }
 }
 
 /* tan(fov / 2), from 1e-3 to that of 170 degrees. */
-static double frustum_reach(const sl_map_light *light, double fov) {
+static double frustum_reach(const sl_light_eye *light, double fov) {
     double c = (double)light->cos_outer, reach = 1.0;
     if (fov > 0.0) reach = sl_tan(0.5 * (fov < 2.96706 ? fov : 2.96706));
-    else if (light->kind == SL_MAP_LIGHT_SPOT) reach = c > 0.0 ? sqrt(1.0 - c * c) / c : 1e30;
+    else if (light->kind == SL_SOURCE_SPOT) reach = c > 0.0 ? sqrt(1.0 - c * c) / c : 1e30;
     return reach > 11.43 ? 11.43 : reach > 1e-3 ? reach : 1e-3;
 }
 
-static sl_frame frame_of(const sl_map_light *light, sl_map_shape shape, sl_vec3 aim) {
-    bool aimed = light->kind == SL_MAP_LIGHT_POINT && shape != SL_MAP_CUBE;
+static sl_frame frame_of(const sl_light_eye *light, sl_map_shape shape, sl_vec3 aim) {
+    bool aimed = light->kind == SL_SOURCE_POINT && shape != SL_MAP_CUBE;
     return aimed ? sl_frame_from_normal(aim) : sl_light_frame(light);
 }
 
@@ -100,7 +98,7 @@ int sl_parallel_texels(int samples, int texels) {
 
 /* The picture lies as far before the box's middle as the box is deep. */
 static void add_parallel(face_list *list, const sl_scene *scene) {
-    sl_parallel_picture p = sl_parallel_picture_of(scene, list->light);
+    sl_parallel_picture p = sl_parallel_picture_of(scene, list->light->direction);
     sl_face_shape finer = *list->shape;
     finer.texels = sl_parallel_texels(finer.samples, finer.texels);
     list->shape = &finer;
@@ -113,16 +111,16 @@ static void add_parallel(face_list *list, const sl_scene *scene) {
     f->top = (double)p.reach_y;
 }
 
-int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_face_shape *shape, sl_vec3 aim,
-                   const float clearance[2], sl_planned_face *face, int *dark) {
-    face_list list = {light, shape, clearance, face, 0, 0};
+int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_face_shape *shape, sl_vec3 aim,
+                   sl_planned_face *face, int *dark) {
+    face_list list = {light, shape, face, 0, 0};
     sl_map_shape form = shape_for(light, shape->shape);
     sl_frame frame = frame_of(light, form, aim);
-    if (light->kind == SL_MAP_LIGHT_DIRECTIONAL) add_parallel(&list, scene);
+    if (light->kind == SL_SOURCE_DIRECTIONAL) add_parallel(&list, scene);
     else if (form == SL_MAP_CUBE) add_cube(&list, &frame);
     else if (form == SL_MAP_HEMICUBE) add_hemicube(&list, &frame, false);
     else add(&list, &frame, frustum_reach(light, shape->fov), shape->samples, false);
-    if (light->kind == SL_MAP_LIGHT_AREA && light->two_sided) {
+    if (light->kind == SL_SOURCE_AREA && light->two_sided) {
         frame.z = sl_neg(frame.z);
         if (form == SL_MAP_HEMICUBE) add_hemicube(&list, &frame, true);
         else add(&list, &frame, frustum_reach(light, shape->fov), shape->samples, true);
@@ -134,8 +132,7 @@ int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_fa
 /* ---- views ---- */
 
 float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face) {
-    sl_map_light light = {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = face->frame.z};
-    return sl_parallel_picture_of(scene, &light).reach_z;
+    return sl_parallel_picture_of(scene, face->frame.z).reach_z;
 }
 
 static void set_row(float row[4], sl_vec3 axis, double low, double high) {
@@ -160,12 +157,12 @@ static sl_view parallel_view(const sl_scene *scene, const sl_map_face *f) {
     return view;
 }
 
-sl_view sl_map_face_view(const sl_scene *scene, const sl_map_light *light, const sl_planned_face *planned) {
+sl_view sl_map_face_view(const sl_scene *scene, const sl_light_eye *light, const sl_planned_face *planned) {
     const sl_map_face *f = &planned->face;
-    if (light->kind == SL_MAP_LIGHT_DIRECTIONAL) return parallel_view(scene, f);
-    sl_light_picture picture = {f->eye, f->frame, f->left,   f->right,      f->bottom,
-                                f->top, f->width, f->height, planned->back, planned->clearance};
-    return sl_light_picture_view(scene, light, &picture);
+    if (light->kind == SL_SOURCE_DIRECTIONAL) return parallel_view(scene, f);
+    const sl_pyramid_picture picture = {f->frame, f->left,   f->right,     f->bottom,
+                                      f->top,   f->width, f->height, planned->back};
+    return sl_pyramid_view(scene, light, &picture);
 }
 
 /* ---- reflection ---- */
@@ -212,7 +209,7 @@ bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, uin
     out->face.reflectance = scene->materials[mirrors->material[mirror]].mirror;
     out->face.eye = sl_to_float(sl_plane_reflect(plane, sl_to_double(of->face.eye)));
     out->face.frame = reflect_frame(plane, &of->face.frame);
-    if (light->kind == SL_MAP_LIGHT_DIRECTIONAL)
+    if (light->kind == SL_SOURCE_DIRECTIONAL)
         return parallel_in_mirror(scene, plane, mirrors->offset, through, &out->face, &out->face.view);
     return sl_view_mirrored(through, plane, mirrors->offset, &out->face.view);
 }

@@ -77,7 +77,7 @@ sl_vec3 sl_map_face_departure(const sl_map_drawing *d, const sl_map_face *face, 
 static sl_texel_light light_at(const sl_map_drawing *d, const sl_map_face *face, sl_vec3 y) {
     const sl_map_light *light = &d->map->lights->light[face->light];
     sl_vec3d way = sl_subd(sl_to_double(y), sl_to_double(face->eye));
-    if (light->kind == SL_MAP_LIGHT_DIRECTIONAL) {
+    if (light->kind == SL_SOURCE_DIRECTIONAL) {
         return (sl_texel_light){sl_neg(face->frame.z), sl_rgb_mul(light->intensity, face->reflectance),
                                 (float)sl_dotd(way, sl_to_double(face->frame.z))};
     }
@@ -102,7 +102,7 @@ static void resolve_texel(const sl_map_drawing *d, const sl_map_face *face, size
     sl_surface surface;
     /* Every point of the triangle is seen from the same side. */
     sl_vec3 to_light = sl_sub(face->eye, sl_scene_position(d->scene, d->scene->vertex[0][triangle]));
-    if (d->map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL) to_light = sl_neg(face->frame.z);
+    if (d->map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL) to_light = sl_neg(face->frame.z);
     sl_scene_surface(d->scene, triangle, w1, w2, to_light, &surface);
     sl_texel_light light = light_at(d, face, surface.position);
     sl_map_texel_write(d, i, &surface, &light);
@@ -344,7 +344,7 @@ static void trace_face(void *context, size_t index, unsigned worker) {
     const tracing *t = context;
     const sl_map_drawing *d = t->drawing;
     const sl_map_face *f = &d->map->face[index];
-    if (f->mirror != SL_NO_INDEX || d->map->lights->light[f->light].kind == SL_MAP_LIGHT_DIRECTIONAL) return;
+    if (f->mirror != SL_NO_INDEX || d->map->lights->light[f->light].kind == SL_SOURCE_DIRECTIONAL) return;
     for (int row = 0; row < f->height; row++) {
         for (int column = 0; column < f->width; column++) {
             size_t i = f->first + (size_t)row * (size_t)f->width + (size_t)column;

@@ -170,7 +170,7 @@ static bool find_way(const sl_radiance_map *map, const sl_map_face *face, size_t
         t->footprint = (double)map->spread[i];
         t->to_light = plane_at(map->arrival, i);
         if (!make_unit(&t->to_light)) return false;
-    } else if (map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL) {
+    } else if (map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL) {
         t->to_light = sl_to_double(sl_neg(face->frame.z));
     } else {
         t->to_light = sl_subd(sl_to_double(face->eye), t->position);
@@ -203,7 +203,7 @@ static sl_vec3 as_it_left(const sl_radiance_map *map, const sl_map_face *face, s
 /* I dOmega: what leaves the light within the texel, less the mirrors' share. */
 static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_map_texel *t) {
     const sl_map_light *light = &map->lights->light[face->light];
-    bool by_direction = light->kind == SL_MAP_LIGHT_SPOT || light->kind == SL_MAP_LIGHT_AREA;
+    bool by_direction = light->kind == SL_SOURCE_SPOT || light->kind == SL_SOURCE_AREA;
     sl_rgb intensity =
         by_direction ? sl_map_light_intensity(light, as_it_left(map, face, i, t)) : light->intensity;
     intensity = sl_rgb_mul(intensity, face->reflectance);
@@ -256,7 +256,7 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
     if (map->triangle[i] == SL_NO_INDEX) return false;
     t->position = plane_at(map->position, i);
     if (!is_finite(t->position) || !find_way(map, face, i, t)) return false;
-    bool directional = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
+    bool directional = map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
     if (!directional && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_central_diagonal(scene))
         return false;
 

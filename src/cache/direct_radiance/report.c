@@ -26,7 +26,7 @@ static const double LEAST_CAPTURED = 0.5, MOST_RECEIVED = 1.25;
 /* ---- how much of the lights' flux the maps hold ---- */
 
 static bool same_pictures(const sl_map_light *a, const sl_map_light *b) {
-    return a->kind == SL_MAP_LIGHT_AREA && b->kind == a->kind && a->lamp == b->lamp &&
+    return a->kind == SL_SOURCE_AREA && b->kind == a->kind && a->lamp == b->lamp &&
            memcmp(&a->direction, &b->direction, sizeof a->direction) == 0;
 }
 
@@ -35,7 +35,7 @@ double sl_radiance_maps_captured(const sl_radiance_map *map) {
     for (uint32_t l = 0; l < map->lights->count; l++) {
         const sl_map_light *light = &map->lights->light[l];
         double watts =
-            light->kind == SL_MAP_LIGHT_DIRECTIONAL ? 0.0 : (double)sl_rgb_mean(sl_map_light_flux(light));
+            light->kind == SL_SOURCE_DIRECTIONAL ? 0.0 : (double)sl_rgb_mean(sl_map_light_flux(light));
         if (!(watts > 0.0) || !isfinite(watts)) continue;
         flux += watts;
         /* points of one planar lamp have the same pictures */
@@ -271,7 +271,7 @@ static bool holds_cone(const sl_map_light *light, const sl_map_face *face, int c
 static double share_of(const sl_map_light *light, const sl_planned_face *face, int count, int dark,
                        double flux) {
     double sum = 0.0;
-    if (light->kind == SL_MAP_LIGHT_SPOT && holds_cone(light, &face->face, count, dark)) return 1.0;
+    if (light->kind == SL_SOURCE_SPOT && holds_cone(light, &face->face, count, dark)) return 1.0;
     for (int i = 0; i < count; i++) sum += flux_through(light, &face[i].face);
     return sum < flux ? sum / flux : 1.0;
 }
@@ -281,10 +281,10 @@ double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light) {
     const sl_map_light *l = &map->lights->light[light];
     sl_face_shape shape = {map->shape, map->fov, CELLS, 1};
     sl_planned_face face[SL_LIGHT_FACES_MAX];
-    const float clearance[2] = {0};
+    const sl_light_eye eye = sl_map_light_eye(map->lights, light);
     double flux = (double)sl_rgb_mean(sl_map_light_flux(l));
     int dark;
-    if (l->kind == SL_MAP_LIGHT_DIRECTIONAL || !(flux > 0.0)) return 1.0;
-    int count = sl_light_faces(NULL, l, &shape, sl_v3(0, -1, 0), clearance, face, &dark);
+    if (l->kind == SL_SOURCE_DIRECTIONAL || !(flux > 0.0)) return 1.0;
+    int count = sl_light_faces(NULL, &eye, &shape, sl_v3(0, -1, 0), face, &dark);
     return count ? share_of(l, face, count, dark, flux) : 0.0;
 }

@@ -40,25 +40,7 @@ typedef struct sl_arrivals {
     float weight[SL_LIGHT_BLOCK]; /* cosine over squared distance and the like; 0 below either horizon */
 } sl_arrivals;
 
-/* A shadow map: which triangle is seen in each texel. Cube: six faces of size x size, each with a border of
- * one texel beyond 90 degrees, so that a filter never leaves its face. Directional: one face over the scene's
- * box. */
-typedef struct sl_shadow_map {
-    const uint32_t *id;
-    int size;
-    sl_vec3 eye;                     /* of a cube; of a directional map the box's centre */
-    bool directional;
-    sl_frame frame;                  /* directional: z the way the light travels */
-    float reach_x, reach_y;          /* directional: half extents of the map */
-} sl_shadow_map;
-
-/* The planes of all triangles: four floats each, n and n . (v - centre), the first for "nothing" (all 0), so
- * triangle t's at 4 (t + 1). */
-typedef struct sl_plane_table {
-    const float *planes;
-    sl_vec3 centre;
-    float tolerance;                 /* nearer than that to a plane counts as on it */
-} sl_plane_table;
+typedef struct sl_depth_cube sl_depth_cube; /* depth_cube.h */
 
 typedef struct sl_polygon_light {
     sl_vec3 corner[3];
@@ -75,9 +57,8 @@ sl_polygon_light sl_polygon_light_of(const sl_scene *scene, const sl_emitter *em
 
 typedef void sl_arrive_kernel(const sl_light_points *points, const sl_light_source *source,
                               sl_arrivals *arrivals);
-/* Share of light in [0,1] at each point. */
-typedef void sl_lit_kernel(const sl_light_points *points, const sl_shadow_map *map,
-                           const sl_plane_table *planes, float *lit);
+/* Multiplies lit by 1 where the light is seen, 0 where it is not, in between at a shadow's edge. */
+typedef void sl_lit_kernel(const sl_light_points *points, const sl_depth_cube *cube, float *lit);
 /* Unoccluded irradiance from a triangle of radiance 1, in closed form. */
 typedef void sl_polygon_kernel(const sl_light_points *points, const sl_polygon_light *light,
                                float *irradiance);
@@ -93,13 +74,13 @@ typedef struct sl_light_kernels {
 } sl_light_kernels;
 
 SL_KERNEL_VARIANTS(sl_arrive_kernel, sl_light_arrive);
-SL_KERNEL_VARIANTS(sl_lit_kernel, sl_shadow_map_lit);
+SL_KERNEL_VARIANTS(sl_lit_kernel, sl_depth_cube_lit);
 SL_KERNEL_VARIANTS(sl_polygon_kernel, sl_polygon_light);
 SL_KERNEL_VARIANTS(sl_accumulate_kernel, sl_light_accumulate);
 
 static inline sl_light_kernels sl_light_kernels_for(sl_isa isa) {
     return (sl_light_kernels){
-        SL_KERNEL_OF(isa, sl_light_arrive), SL_KERNEL_OF(isa, sl_shadow_map_lit),
+        SL_KERNEL_OF(isa, sl_light_arrive), SL_KERNEL_OF(isa, sl_depth_cube_lit),
         SL_KERNEL_OF(isa, sl_polygon_light), SL_KERNEL_OF(isa, sl_light_accumulate)};
 }
 

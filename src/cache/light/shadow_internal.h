@@ -2,13 +2,13 @@
 #ifndef SL_CACHE_SHADOW_INTERNAL_H
 #define SL_CACHE_SHADOW_INTERNAL_H
 
+#include "cache/light/depth_cube.h"
 #include "cache/light/shadow_maps.h"
 
 /* A light without extent, or a sample of one with extent, and its map. */
 typedef struct sl_mapped_source {
     sl_light_source source;
-    sl_shadow_map map;
-    uint32_t *id;   /* the map's, owned */
+    sl_depth_cube cube;
     unsigned part;
 } sl_mapped_source;
 
@@ -23,8 +23,6 @@ struct sl_shadow_maps {
     const sl_scene *scene;
     sl_shadow_map_settings settings;
     sl_light_kernels kernels;
-    float *planes;
-    sl_plane_table table;
     float offset;
     /* the first plain_count sources are no samples of emitters */
     size_t source_count, emitter_count, plain_count, capacity;

@@ -14,7 +14,8 @@ static bool look_up(const sl_shadow_maps *maps, const sl_mapped_source *s, const
                     sl_arrivals *arrivals, float *lit, sl_counters *counters) {
     maps->kernels.arrive(points, &s->source, arrivals);
     if (!any(arrivals->weight, points->count)) return false;
-    maps->kernels.lit(points, &s->map, &maps->table, lit);
+    for (size_t i = 0; i < points->count; i++) lit[i] = 1.0f;
+    maps->kernels.lit(points, &s->cube, lit);
     sl_count(counters, SL_COUNT_SHADOW_LOOKUPS, points->count);
     return true;
 }

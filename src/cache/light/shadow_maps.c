@@ -13,65 +13,14 @@ static int smaller(int size, int divisor) {
     return size / divisor > SMALLEST_MAP ? size / divisor : SMALLEST_MAP;
 }
 
-/* Six faces and a border of one texel around each. */
-static sl_status draw_cube(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 eye, int size,
-                           float near, sl_mapped_source *s, sl_counters *counters, sl_error *error) {
-    size_t texels = (size_t)size * (size_t)size;
-    float side = (float)size / (float)(size - 2);
-    sl_view views[6];
-    sl_target targets[6];
-    s->id = sl_allocate(6 * texels, sizeof *s->id);
-    if (!s->id) return sl_fail_memory(error, "a shadow map");
-    for (int face = 0; face < 6; face++) {
-        static const sl_vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-        int axis = face / 2;
-        sl_frame frame = {axes[(axis + 1) % 3], axes[(axis + 2) % 3],
-                          sl_scale(axes[axis], face % 2 ? -1.0f : 1.0f)};
-        views[face] = sl_view_pyramid(&frame, eye, -side, side, -side, side, size, size, near);
-        targets[face] = (sl_target){size, size, s->id + (size_t)face * texels, NULL};
-    }
-    s->map = (sl_shadow_map){.id = s->id, .size = size, .eye = eye};
-    return sl_raster_ids(raster, 6, views, maps->settings.threads, targets, counters, error);
-}
-
-static float absolute_dot(sl_vec3 a, sl_vec3 b) {
-    return fabsf(a.x * b.x) + fabsf(a.y * b.y) + fabsf(a.z * b.z);
-}
-
-/* The scene's box as a directional light sees it. */
-static sl_status draw_directional(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 direction,
-                                  int size, sl_mapped_source *s, sl_counters *counters, sl_error *error) {
-    const sl_scene *scene = maps->scene;
-    sl_vec3 half = sl_scale(sl_sub(scene->box_max, scene->box_min), 0.5f),
-            centre = sl_add(scene->box_min, half);
-    float margin = 1e-3f * scene->diagonal;
-    sl_frame frame = sl_frame_from_normal(direction);
-    float reach[3] = {absolute_dot(frame.x, half) + margin, absolute_dot(frame.y, half) + margin,
-                      absolute_dot(frame.z, half) + margin};
-    sl_vec3 rows[3] = {sl_scale(frame.x, 1.0f / reach[0]), sl_scale(frame.y, 1.0f / reach[1]),
-                       sl_scale(frame.z, 1.0f / reach[2])};
-    s->id = sl_allocate((size_t)size * (size_t)size, sizeof *s->id);
-    if (!s->id) return sl_fail_memory(error, "a shadow map");
-    sl_view view = {.origin = centre,
-                    .width = size,
-                    .height = size,
-                    .depth = SL_DEPTH_WINDOW,
-                    .skip_triangle = SL_NO_INDEX};
-    for (int i = 0; i < 3; i++) {
-        view.clip[i][0] = rows[i].x;
-        view.clip[i][1] = rows[i].y;
-        view.clip[i][2] = rows[i].z;
-    }
-    view.clip[3][3] = 1.0f;
-    s->map = (sl_shadow_map){.id = s->id,
-                             .size = size,
-                             .eye = centre,
-                             .directional = true,
-                             .frame = frame,
-                             .reach_x = reach[0],
-                             .reach_y = reach[1]};
-    sl_target target = {size, size, s->id, NULL};
-    return sl_raster_id(raster, &view, maps->settings.threads, &target, counters, error);
+static sl_status draw(sl_shadow_maps *maps, const sl_raster *raster, sl_mapped_source *s, int size,
+                      sl_counters *counters, sl_error *error) {
+    const sl_light_eye eye = {.kind = s->source.kind,
+                              .position = s->source.position,
+                              .direction = s->source.direction,
+                              .cos_outer = s->source.cos_outer};
+    return sl_depth_cube_draw(maps->scene, raster, &eye, false, size, maps->settings.threads, &s->cube,
+                              counters, error);
 }
 
 /* ---- lights without extent ------------------------------------------------------------ */
@@ -81,9 +30,7 @@ static sl_status add_light(sl_shadow_maps *maps, const sl_raster *raster, const 
     sl_mapped_source *s = &maps->sources[maps->source_count++];
     s->part = part;
     s->source = sl_light_source_of(light);
-    if (light->type == SL_LIGHT_DIRECTIONAL)
-        return draw_directional(maps, raster, light->direction, size, s, counters, error);
-    return draw_cube(maps, raster, light->position, size, 2.0f * maps->offset, s, counters, error);
+    return draw(maps, raster, s, size, counters, error);
 }
 
 /* Directions drawn in proportion to luminance by a Hammersley set, so all of about equal power. */
@@ -138,8 +85,7 @@ static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const s
                                       .colour = sl_rgb_scale(e->radiance, area)};
         /* A little before the emitter, which must not hide its own light. */
         s->source.position = sl_mad(point_of(&m->polygon, i), 2.0f * maps->offset, m->polygon.normal);
-        status = draw_cube(maps, raster, s->source.position, smaller(maps->settings.size, 4), maps->offset, s,
-                           counters, error);
+        status = draw(maps, raster, s, smaller(maps->settings.size, 4), counters, error);
     }
     return status;
 }
@@ -160,21 +106,6 @@ static size_t samples_of(const sl_scene *scene, const sl_emitter *e) {
 }
 
 /* ---- all ------------------------------------------------------------ */
-
-static void make_planes(sl_shadow_maps *maps) {
-    const sl_scene *s = maps->scene;
-    sl_vec3 centre = sl_mad(s->central_min, 0.5f, sl_sub(s->central_max, s->central_min));
-    for (uint32_t t = 0; t < s->triangle_count; t++) {
-        sl_vec3 n = sl_scene_geometric_normal(s, t);
-        sl_vec3d v = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[0][t])), sl_to_double(centre));
-        float *plane = maps->planes + 4 * ((size_t)t + 1);
-        plane[0] = n.x;
-        plane[1] = n.y;
-        plane[2] = n.z;
-        plane[3] = (float)sl_dotd(sl_to_double(n), v);
-    }
-    maps->table = (sl_plane_table){maps->planes, centre, maps->offset};
-}
 
 static sl_status add_all(sl_shadow_maps *maps, const sl_raster *raster, sl_counters *counters,
                          sl_error *error) {
@@ -206,9 +137,7 @@ static sl_status create_all(sl_shadow_maps *maps, const sl_raster *raster, sl_co
     maps->capacity = scene->light_count + SUN_LIGHTS + SKY_LIGHTS + EMITTER_SAMPLES + sides;
     maps->sources = sl_allocate(maps->capacity, sizeof *maps->sources);
     maps->emitters = sl_allocate(sides, sizeof *maps->emitters);
-    maps->planes = sl_allocate(4 * (scene->triangle_count + 1), sizeof *maps->planes);
-    if (!maps->sources || !maps->emitters || !maps->planes) return sl_fail_memory(error, "shadow maps");
-    make_planes(maps);
+    if (!maps->sources || !maps->emitters) return sl_fail_memory(error, "shadow maps");
     return add_all(maps, raster, counters, error);
 }
 
@@ -241,20 +170,16 @@ sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster,
 
 void sl_shadow_maps_destroy(sl_shadow_maps *maps) {
     if (!maps) return;
-    for (size_t i = 0; i < maps->source_count; i++) sl_free(maps->sources[i].id);
+    for (size_t i = 0; i < maps->source_count; i++) sl_depth_cube_release(&maps->sources[i].cube);
     sl_free(maps->sources);
     sl_free(maps->emitters);
-    sl_free(maps->planes);
     sl_free(maps);
 }
 
 size_t sl_shadow_maps_bytes(const sl_shadow_maps *maps) {
     size_t bytes = sizeof *maps + maps->capacity * sizeof *maps->sources +
-                   maps->emitter_count * sizeof *maps->emitters +
-                   4 * sizeof(float) * (maps->scene->triangle_count + 1);
-    for (size_t i = 0; i < maps->source_count; i++) {
-        const sl_shadow_map *m = &maps->sources[i].map;
-        bytes += (m->directional ? 1 : 6) * sizeof *m->id * (size_t)m->size * (size_t)m->size;
-    }
+                   maps->emitter_count * sizeof *maps->emitters;
+    for (size_t i = 0; i < maps->source_count; i++)
+        bytes += maps->sources[i].cube.texels * sizeof *maps->sources[i].cube.depth;
     return bytes;
 }

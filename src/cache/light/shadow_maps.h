@@ -9,7 +9,8 @@
  * Read in this order:
  *   shadow_maps.c        making the maps
  *   shadow_lookup.c      lighting points, a block at a time
- *   shadow_kernels.c     what a map says, and why it needs no bias
+ *   depth_cube.c         the pictures around a light
+ *   depth_cube_kernels.c what a cube says of a point
  *   polygon_kernels.c    Lambert's formula
  */
 #ifndef SL_CACHE_SHADOW_MAPS_H

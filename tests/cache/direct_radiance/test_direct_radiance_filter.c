@@ -2,7 +2,7 @@
 #include "radiance_maps.h"
 
 static sl_map_light light_at(sl_vec3 position) {
-    return (sl_map_light){.kind = SL_MAP_LIGHT_POINT, .position = position, .intensity = {2.0f, 3.0f, 5.0f}};
+    return (sl_map_light){.kind = SL_SOURCE_POINT, .position = position, .intensity = {2.0f, 3.0f, 5.0f}};
 }
 
 static sl_radiance_map_settings with(sl_map_filter filter) {
@@ -163,20 +163,6 @@ static void a_block_of_many_surfaces_has_four_photons(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void a_groups_share_of_the_printed_radiance_is_its_share_of_the_block(void **state) {
-    (void)state;
-    sl_scene *scene = room_with_table(0.5f);
-    sl_map_photons *photons =
-        photons_of_two(scene, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_v3(2, 0, 0), sl_v3(-1, 0, 0));
-    assert_int_equal(photons->count, 2);
-    double near = 0.5 * 3.0 / SL_PI, far = near / 4; /* L_o of each; half the block */
-    assert_true(fabs((double)photons->photon[0].radiance.g / (near / 2) - 1) < 1e-3);
-    assert_true(fabs((double)photons->photon[1].radiance.g / (far / 2) - 1) < 1e-3);
-    assert_int_equal(photons->samples_of_light[0], 6);
-    sl_map_photons_destroy(photons);
-    sl_scene_destroy(scene);
-}
-
 /* ---- radiance ---- */
 
 static void filtered_radiance_is_the_mean_of_the_block(void **state) {
@@ -216,7 +202,6 @@ int main(void) {
         cmocka_unit_test(a_table_and_the_floor_below_it_are_two_photons),
         cmocka_unit_test(facets_of_a_curved_surface_are_one_photon),
         cmocka_unit_test(a_block_of_many_surfaces_has_four_photons),
-        cmocka_unit_test(a_groups_share_of_the_printed_radiance_is_its_share_of_the_block),
         cmocka_unit_test(filtered_radiance_is_the_mean_of_the_block),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

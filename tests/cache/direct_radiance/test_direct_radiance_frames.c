@@ -124,27 +124,6 @@ static void a_picture_without_layers_is_the_same_picture(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Whatever has moved since the last one. */
-static void every_frame_tells_the_hash_of_its_own_scene(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/moving-ball.json");
-    sl_settings settings = radiance_settings(8);
-    sl_method *method = open_method(scene, &settings);
-    const float eye[3] = {1, 2, 3}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
-    for (int frame = 0; frame < 4; frame++) {
-        unsigned changes = SL_CHANGED_CAMERA;
-        if (frame == 1) assert_int_equal(sl_scene_set_time(scene, 0.3, &changes, NULL), SL_OK);
-        if (frame == 2) assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.9f, NULL), SL_OK);
-        sl_image *image = next_frame(method, frame ? changes : 0);
-        char wanted[24];
-        snprintf(wanted, sizeof wanted, "%016llx", (unsigned long long)sl_scene_hash(scene));
-        assert_string_equal(sl_image_metadata(image, "softlux.scene_hash"), wanted);
-        sl_image_destroy(image);
-    }
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 /* ---- lights ---- */
 
 static const char two_lights[] =
@@ -421,22 +400,6 @@ static void odd_lights_leave_no_hole_in_the_picture(void **state) {
     }
 }
 
-/* The smallest depth cube that there is can be had; a smaller one is refused before a frame is begun. */
-static void too_small_a_depth_cube_is_refused_before_anything_is_drawn(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = radiance_settings(8);
-    sl_method *method = NULL;
-    settings.radiance_map.shadow_size = 15;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_ERROR_USAGE);
-    assert_null(method);
-    settings.radiance_map.shadow_size = 16;
-    sl_image *image = render(scene, &settings, NULL);
-    assert_sound_picture(image, "with small depth cubes");
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
-}
-
 /* 1e37 W/sr a tenth of a millimetre away: 1e45 W/m^2 is beyond floats. */
 static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
     (void)state;
@@ -458,7 +421,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_picture_is_emission_and_direct_and_indirect_light),
         cmocka_unit_test(a_picture_without_layers_is_the_same_picture),
-        cmocka_unit_test(every_frame_tells_the_hash_of_its_own_scene),
         cmocka_unit_test(in_the_cornell_box_it_is_the_light_of_its_paths),
         cmocka_unit_test(the_light_of_two_lights_is_the_sum_of_each),
         cmocka_unit_test(frame_k_alone_is_frame_k_of_the_series),
@@ -472,7 +434,6 @@ int main(void) {
         cmocka_unit_test(scenes_tiny_huge_and_far_away_give_the_same_picture),
         cmocka_unit_test(odd_lights_leave_no_hole_in_the_picture),
         cmocka_unit_test(light_beyond_floats_leaves_a_picture_of_numbers),
-        cmocka_unit_test(too_small_a_depth_cube_is_refused_before_anything_is_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -292,50 +292,6 @@ static void lobed_photons_have_the_bits_of_the_plain_double_loop(void **state) {
 
 /* ---- who receives, spread, nothing to do ---- */
 
-static void curved_mirrors_receive_light_only_by_the_trick(void **state) {
-    sl_receivers *r = make_receivers(4, 1, sl_v3(0, 0, 3));
-    const uint32_t materials[4] = {MIRROR_MATERIAL, DIFFUSE_MATERIAL, BLACK_MATERIAL, SL_NO_INDEX};
-    for (size_t i = 0; i < 4; i++)
-        set_receiver(r, i, sl_v3(0.1f, 0, 0), sl_v3(0, 0, 1), sl_v3(0, 0, 1), sl_grey(i == 1 ? 0.5f : 0.0f),
-                     materials[i]);
-    sl_map_photons *photons = photon_over_the_floor();
-    sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_FLUX, .threads = 1};
-    sl_counters without = {{0}}, with = {{0}};
-    planes plain = light_up(&pass, r, &without);
-    pass.trick_albedo = (sl_rgb){0.5f, 0.25f, 0.0f};
-    planes trick = light_up(&pass, r, &with);
-    for (int c = 0; c < 3; c++) {
-        const float share[3] = {0.5f, 0.25f, 0.0f};
-        assert_true(plain.value[c][0] == 0.0f && plain.value[c][1] > 0.0f && plain.value[c][2] == 0.0f &&
-                    plain.value[c][3] == 0.0f);
-        assert_true(fabsf(trick.value[c][0] - 0.8f * share[c] / 0.5f * plain.value[c][1]) < 1e-6f);
-        assert_true(trick.value[c][1] == plain.value[c][1] && trick.value[c][2] == 0.0f &&
-                    trick.value[c][3] == 0.0f);
-    }
-    assert_int_equal(without.value[SL_COUNT_PHOTON_LOOK_UPS], 1);
-    assert_int_equal(with.value[SL_COUNT_PHOTON_LOOK_UPS], 2);
-    free_planes(&plain);
-    free_all(&trick, r, photons);
-}
-
-static void work_is_photons_times_receivers(void **state) {
-    sl_receivers *r = random_receivers(2);
-    sl_map_photons *photons = room_photons(false);
-    size_t lit = 0;
-    for (size_t i = 0; i < PIXELS; i++) lit += r->gbuffer->material[i] != SL_NO_INDEX;
-    for (size_t m = 0; m <= 64; m = m ? 4 * m : 1) {
-        photons->count = m;
-        sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_BOX, .threads = 1};
-        sl_counters costs = {{0}};
-        planes p = light_up(&pass, r, &costs);
-        assert_int_equal(costs.value[SL_COUNT_PHOTON_LOOK_UPS], m * lit);
-        assert_int_equal(costs.value[SL_COUNT_FRAGMENTS_SHADED], m ? lit : 0);
-        free_planes(&p);
-    }
-    free_photons(photons);
-    free_receivers(r);
-}
-
 /* Receivers that are anywhere but sound: in a photon, not finite, without normals; glossy or not. */
 static void damaged_receivers_leave_no_value_that_is_not_finite(void **state) {
     sl_receivers *r = random_receivers(2);
@@ -414,8 +370,6 @@ int main(void) {
         cmocka_unit_test(photons_of_some_size_leave_no_spots_on_glossy_receivers),
         cmocka_unit_test(photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light),
         cmocka_unit_test(lobed_photons_have_the_bits_of_the_plain_double_loop),
-        cmocka_unit_test(curved_mirrors_receive_light_only_by_the_trick),
-        cmocka_unit_test(work_is_photons_times_receivers),
         cmocka_unit_test(damaged_receivers_leave_no_value_that_is_not_finite),
         cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
     };

@@ -100,7 +100,7 @@ static void every_kind_of_lights_intensity_adds_up_to_its_flux_over_the_sphere(v
 static void an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone(
     void **state) {
     (void)state;
-    sl_map_light spot = {.kind = SL_MAP_LIGHT_SPOT,
+    sl_map_light spot = {.kind = SL_SOURCE_SPOT,
                          .direction = {0, -1, 0},
                          .intensity = {1, 1, 1},
                          .cos_inner = 0.5f,
@@ -108,14 +108,14 @@ static void an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_it
     assert_true(close_to((double)sl_map_light_flux(&spot).g, 2.0 * SL_PI * 0.5, 1e-6));
     assert_true(sl_map_light_intensity(&spot, sl_v3(0, -1, 0)).g == 1.0f);
     assert_true(sl_map_light_intensity(&spot, sl_v3(1, 0, 0)).g == 0.0f);
-    sl_map_light point = {.kind = SL_MAP_LIGHT_POINT, .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
+    sl_map_light point = {.kind = SL_SOURCE_POINT, .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
     assert_true(sl_map_light_intensity(&point, sl_v3(1, 0, 0)).g == 1.0f);
 }
 
 static void the_back_of_a_one_sided_area_light_is_dark(void **state) {
     (void)state;
     sl_map_light light = {
-        .kind = SL_MAP_LIGHT_AREA, .direction = {0, -1, 0}, .intensity = {2, 2, 2}, .area = 1};
+        .kind = SL_SOURCE_AREA, .direction = {0, -1, 0}, .intensity = {2, 2, 2}, .area = 1};
     assert_true(sl_map_light_intensity(&light, sl_v3(0, 1, 0)).g == 0.0f);
     assert_true(sl_map_light_intensity(&light, sl_v3(0, -1, 0)).g == 2.0f);
     light.two_sided = true;
@@ -145,7 +145,7 @@ static void a_quad_is_n_x_n_points_that_share_its_intensity(void **state) {
         for (int a = 0; a < 2; a++)
             assert_true(fabsf(along[a] * 4.0f - 0.5f - floorf(along[a] * 4.0f)) < 1e-4f);
         assert_true(close_to(l->intensity.g, 2.0 / 16.0, 1e-4) && close_to(l->area, 1.0 / 16.0, 1e-4));
-        assert_true(l->direction.y == -1.0f && sl_map_light_clearance(lights, i, false) < 1e-5f);
+        assert_true(l->direction.y == -1.0f && sl_map_light_eye(lights, i).clearance[0] < 1e-5f);
     }
     sl_map_lights_destroy(one);
     sl_map_lights_destroy(lights);
@@ -166,7 +166,7 @@ static void a_solid_lamp_shines_from_points_of_its_surface(void **state) {
         const sl_map_light *l = &lights->light[i];
         const sl_vec3 out = sl_sub(l->position, middle);
         assert_true(fabsf(sl_length(out) - 0.4f) < 0.01f && sl_dot(out, l->direction) > 0.38f);
-        assert_true(sl_map_light_clearance(lights, i, false) < 1e-5f * scene->diagonal);
+        assert_true(sl_map_light_eye(lights, i).clearance[0] < 1e-5f * scene->diagonal);
         sum = sl_add(sum, l->direction);
     }
     assert_true(sl_length(sum) < 0.25f * (float)lights->count); /* all around */
@@ -191,7 +191,7 @@ static void of_too_many_lights_the_weak_join_their_neighbours_and_no_flux_is_los
     for (size_t i = 0; i < lights->count; i++) {
         const sl_map_light *l = &lights->light[i];
         assert_true(sl_is_finite(l->position) && fabsf(sl_length(l->direction) - 1.0f) < 1e-5f);
-        strong = strong || (l->kind == SL_MAP_LIGHT_AREA && close_to(l->intensity.g, 50.0, 1e-5));
+        strong = strong || (l->kind == SL_SOURCE_AREA && close_to(l->intensity.g, 50.0, 1e-5));
     }
     assert_true(strong); /* alone */
     sl_map_lights_destroy(lights);

@@ -160,7 +160,7 @@ static void every_position_lies_on_its_triangle_where_its_ray_points(void **stat
     assert_int_equal(map->face_count, 6 + 1 + 1 + 5);
     for (size_t f = 0; f < map->face_count; f++) {
         const sl_map_face *face = &map->face[f];
-        bool directional = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
+        bool directional = map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
         for (size_t i = face->first; i < face->first + texels_of(face); i++) {
             if (map->triangle[i] == SL_NO_INDEX) continue;
             sl_vec3 y = at(map->position, i), d = sl_sub(y, face->eye), g = at(map->geometric, i),
@@ -207,14 +207,14 @@ static void eight_bit_positions_err_by_at_most_a_510th_of_the_box(void **state) 
 static sl_rgb direct_radiance(const world *w, const sl_map_light *light, size_t i, sl_rgb kd) {
     sl_vec3 y = at(w->map->position, i), to = sl_neg(light->direction), n = at(w->map->normal, i);
     double r = 1.0, strength = 1.0;
-    if (light->kind != SL_MAP_LIGHT_DIRECTIONAL) {
+    if (light->kind != SL_SOURCE_DIRECTIONAL) {
         sl_vec3 d = sl_sub(light->position, y);
         r = (double)sl_length(d);
         to = sl_scale(d, (float)(1.0 / r));
     }
     double c = -(double)sl_dot(to, light->direction), cosine = (double)sl_dot(n, to);
-    if (light->kind == SL_MAP_LIGHT_AREA) strength = c > 0.0 ? c : 0.0;
-    if (light->kind == SL_MAP_LIGHT_SPOT) {
+    if (light->kind == SL_SOURCE_AREA) strength = c > 0.0 ? c : 0.0;
+    if (light->kind == SL_SOURCE_SPOT) {
         double x = (c - (double)light->cos_outer) / ((double)light->cos_inner - (double)light->cos_outer);
         x = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
         strength = x * x * (3.0 - 2.0 * x);
@@ -279,33 +279,6 @@ static double angles(const sl_radiance_map *map) {
     return sum;
 }
 
-static void any_number_of_samples_cuts_faces_into_whole_blocks(void **state) {
-    (void)state;
-    trace_mesh mesh = furnished();
-    add_panel(&mesh, 2.7f, 2.99f, 1.2f, 0.8f);
-    how h = by_default();
-    world w = world_of(&mesh, &h);
-    static const int samples[] = {1, 2, 3, 5, 16, 20};
-    static const int width[] = {16, 16, 18, 20, 16, 20};
-    for (int i = 0; i < 6; i++) {
-        h.settings.samples = samples[i];
-        take(&w, &h);
-        assert_int_equal(w.map->face_count, 5);
-        for (size_t f = 0; f < 5; f++) {
-            const sl_map_face *face = &w.map->face[f];
-            int k = width[i] / samples[i];
-            assert_int_equal(face->width, width[i]);
-            assert_int_equal(face->columns, samples[i]);
-            assert_int_equal(face->rows, f ? (samples[i] + 1) / 2 : samples[i]);
-            assert_int_equal(face->height, face->rows * k);
-            assert_true(face->top == 1.0 &&
-                        fabs(face->bottom - (1.0 - 2.0 * face->rows / samples[i])) < 1e-15);
-        }
-        assert_true(all_finite(w.map));
-    }
-    discard(&w);
-}
-
 static double captured(world *w, const how *base, sl_map_shape shape, double degrees) {
     how h = *base;
     h.settings.shape = shape;
@@ -342,30 +315,6 @@ static void the_captured_share_of_the_flux_is_what_each_shape_can_hold(void **st
         assert_int_equal(w.map->face_count, i == 0 ? 1 : i == 1 ? 5 : 6);
         discard(&w);
     }
-}
-
-/* A roof of 20 x 20 with a hole of 1 x 0.9: the sun's patch on the floor below has that area in the sun's
- * picture. */
-static void the_suns_picture_sees_what_falls_through_a_window(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    trace_mesh_quad(&mesh, sl_v3(0, 0, 20), sl_v3(20, 0, 0), sl_v3(0, 0, -20), grey);
-    trace_mesh_quad(&mesh, sl_v3(0, 3, 20), sl_v3(20, 0, 0), sl_v3(0, 0, -12), grey);
-    trace_mesh_quad(&mesh, sl_v3(0, 3, 7.1f), sl_v3(20, 0, 0), sl_v3(0, 0, -7.1f), grey);
-    trace_mesh_quad(&mesh, sl_v3(0, 3, 8), sl_v3(6, 0, 0), sl_v3(0, 0, -0.9f), grey);
-    trace_mesh_quad(&mesh, sl_v3(7, 3, 8), sl_v3(13, 0, 0), sl_v3(0, 0, -0.9f), grey);
-    mesh.lights[mesh.light_count++] =
-        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
-    how h = by_default();
-    world w = world_of(&mesh, &h);
-    double area = 0.0;
-    for (size_t i = 0; i < w.map->texels; i++)
-        area += w.map->triangle[i] != SL_NO_INDEX && w.map->position[1][i] < 0.1f
-                    ? (double)w.map->block_angle[i]
-                    : 0.0;
-    if (!(fabs(area / 0.9 - 1.0) < 0.2)) fail_msg("%g instead of 0.9", area);
-    discard(&w);
 }
 
 static void a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empty_texels(void **state) {
@@ -594,41 +543,6 @@ static void parallel_light_is_mirrored_too(void **state) {
 
 /* ---- curved mirrors, traced ---- */
 
-/* Traced, a flat mirror gives what its picture gives. */
-static void a_traced_flat_mirror_spreads_light_as_its_unfolded_way_does(void **state) {
-    (void)state;
-    trace_mesh mesh = mirror_scene(true);
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0.4f, 1, 0.1f);
-    how h = by_default();
-    h.traced = h.settings.traced_light_mirrors = true;
-    h.settings.map_size = 32;
-    world w = world_of(&mesh, &h);
-    size_t traced = 0;
-    for (size_t f = 0; f < w.map->face_count; f++) {
-        const sl_map_face *face = &w.map->face[f];
-        for (size_t i = face->first; i < face->first + texels_of(face); i++) {
-            if (!(w.map->spread[i] > 0.0f)) continue;
-            sl_vec3 p = at(w.map->position, i), image = sl_v3(1.6f, 1, 0.1f), to = sl_sub(image, p),
-                    arrival = at(w.map->arrival, i);
-            float b = sl_length(to);
-            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) <
-                        1e-5 * (double)w.scene->diagonal);
-            assert_true(fabsf(w.map->path[i] - b) < 1e-4f &&
-                        sl_length(sl_sub(arrival, sl_scale(to, 1.0f / b))) < 1e-4f);
-            /* Exact for infinitely small texels; these are a sixteenth of a face. */
-            assert_true(fabsf(w.map->spread[i] / (b * b * w.map->block_angle[i]) - 1.0f) < 0.12f);
-            assert_true(w.map->carried[0][i] == 0.8f);
-            float cosine = sl_dot(arrival, at(w.map->normal, i)), angle = w.map->block_angle[i];
-            float expected = 0.5f / (float)SL_PI * 3.0f * 0.8f * angle / w.map->spread[i] * cosine;
-            assert_true(fabsf(w.map->color[0][i] - expected) < 1e-5f * expected + 1e-7f);
-            traced++;
-        }
-    }
-    assert_true(traced > 40);
-    assert_true(w.counters.value[SL_COUNT_RAYS] >= 10 * traced);
-    discard(&w);
-}
-
 static void a_ball_spreads_the_light_that_it_mirrors_onto_real_surfaces(void **state) {
     (void)state;
     trace_mesh mesh = furnished();
@@ -668,40 +582,20 @@ static void a_ball_spreads_the_light_that_it_mirrors_onto_real_surfaces(void **s
 
 /* ---- hard cases ---- */
 
-static void settings_that_make_no_sense_are_refused(void **state) {
-    (void)state;
-    trace_mesh mesh = furnished();
-    how h = by_default();
-    world w = world_of(&mesh, &h);
-    sl_radiance_map *map;
-    sl_radiance_map_options options = {.lambertian = true, .threads = 1};
-    h.settings.samples = 0;
-    assert_int_equal(
-        sl_radiance_map_render(w.scene, w.raster, w.lights, &h.settings, &options, &map, &w.counters, NULL),
-        SL_ERROR_USAGE);
-    assert_null(map);
-    assert_int_equal(w.map->face_count, 0); /* no lights */
-    discard(&w);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_position_lies_on_its_triangle_where_its_ray_points),
         cmocka_unit_test(eight_bit_positions_err_by_at_most_a_510th_of_the_box),
         cmocka_unit_test(the_radiance_picture_is_direct_light_at_the_same_points),
         cmocka_unit_test(true_colour_and_normals_are_there_exactly_when_asked_for),
-        cmocka_unit_test(any_number_of_samples_cuts_faces_into_whole_blocks),
         cmocka_unit_test(the_captured_share_of_the_flux_is_what_each_shape_can_hold),
-        cmocka_unit_test(the_suns_picture_sees_what_falls_through_a_window),
         cmocka_unit_test(a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empty_texels),
         cmocka_unit_test(an_area_light_does_not_see_itself_and_what_lies_behind_it),
         cmocka_unit_test(a_two_sided_light_has_a_hemicube_on_either_side),
         cmocka_unit_test(a_mirror_beside_the_light_shows_real_positions_at_unfolded_distances),
         cmocka_unit_test(a_mirror_that_the_light_does_not_see_gives_no_faces),
         cmocka_unit_test(parallel_light_is_mirrored_too),
-        cmocka_unit_test(a_traced_flat_mirror_spreads_light_as_its_unfolded_way_does),
         cmocka_unit_test(a_ball_spreads_the_light_that_it_mirrors_onto_real_surfaces),
-        cmocka_unit_test(settings_that_make_no_sense_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -203,24 +203,6 @@ static sl_vec3 reflected_at(const picture *p, int i) {
 
 static picture a, b;
 
-static void nothing_is_made_where_no_curved_mirror_is_in_view(void **state) {
-    (void)state;
-    static mesh m;
-    m.count = 0;
-    add_room(&m, WHITE, 0, 5);
-    add_ball(&m, MIRROR, 1, sl_v3(0, 0, 4), 0.5f); /* behind the eye */
-    sl_light light = {.type = SL_LIGHT_POINT, .intensity = {10, 10, 10}};
-    fixture f = fixture_of(scene_of(&m, NULL, &light), sl_v3(0, 0, 0.5f), sl_v3(0, 0, -4));
-    render_picture(&f, &(way){.cube_size = 32, .reflections = 1}, &a);
-    static const sl_counters none;
-    assert_memory_equal(&a.cubes, &none, sizeof none);
-    assert_int_equal(a.cube_bytes, 0);
-    assert_int_equal(a.shading.value[SL_COUNT_TEXTURE_FETCHES], 0);
-    assert_int_equal(a.shading.value[SL_COUNT_RASTER_PASSES], 1);
-    release(&a);
-    destroy(&f);
-}
-
 static void only_curved_mirrors_in_sight_get_cubes(void **state) {
     (void)state;
     static mesh m;
@@ -306,57 +288,6 @@ static void a_planar_mirror_is_seen_in_the_ball(void **state) {
         release(&a);
         destroy(&f);
     }
-}
-
-/* In a furnace of radiance L whatever reflects everything shows L: cubes, planar mirrors in them, balls in
- * balls, limits of nesting. */
-static void in_a_furnace_mirrors_that_keep_nothing_cannot_be_seen(void **state) {
-    (void)state;
-    static mesh m;
-    sl_environment environment = {.present = true, .constant = {2.0f, 1.0f, 0.5f}};
-    m.count = 0;
-    add_ball(&m, MIRROR, 0, sl_v3(-1.5f, 0, 0), 1);
-    add_ball(&m, MIRROR, 1, sl_v3(1.5f, 0, 0), 1);
-    add_quad(&m, MIRROR, 2, sl_v3(0, 0, -3), sl_v3(3, 0, 0), sl_v3(0, 2, 0));
-    add_quad(&m, MIRROR, 3, sl_v3(0, -3, 0), sl_v3(3, 0, 0), sl_v3(0, 0, 2));
-    for (int n = 0; n < 3; n++) {
-        fixture f = fixture_of(scene_of(&m, &environment, NULL), sl_v3(0, 2, 6), sl_v3(0, 0, 0));
-        render_picture(&f, &(way){.cube_size = 16, .reflections = n}, &a);
-        assert_true(a.cubes.value[SL_COUNT_RASTER_PASSES] >= 12);
-        for (int i = 0; i < PIXELS; i++) {
-            assert_true(fabsf(a.plane[EMISSION][0][i] - 2.0f) < 1e-5f);
-            assert_true(fabsf(a.plane[EMISSION][1][i] - 1.0f) < 1e-5f);
-            assert_true(fabsf(a.plane[EMISSION][2][i] - 0.5f) < 1e-5f);
-        }
-        release(&a);
-        destroy(&f);
-    }
-}
-
-/* A room, a wall mirror, a ball and a can with a flat lid, all of one object: the can's lid must not hide
- * what is above it, and the wall mirror must be seen from the middle of the ball. */
-static void what_stands_in_an_object_beside_its_mirror_is_seen_in_it(void **state) {
-    (void)state;
-    static mesh m;
-    m.count = 0;
-    add_room(&m, LAMP, 0, 5);
-    add_quad(&m, DIM_MIRROR, 0, sl_v3(0, 0, -4.5f), sl_v3(2, 0, 0), sl_v3(0, 2, 0));
-    add_ball(&m, MIRROR, 0, sl_v3(0, 0, 0), 1);
-    add_quad(&m, MIRROR, 0, sl_v3(0, 0.5f, 0), sl_v3(0.5f, 0, 0), sl_v3(0, 0, 0.5f)); /* a flat part within */
-    fixture f = fixture_of(scene_of(&m, NULL, NULL), sl_v3(0, 0.5f, 4), sl_v3(0, 0, 0));
-    assert_int_equal(f.planar->count, 2);
-    render_picture(&f, &(way){.cube_size = 64, .reflections = 1}, &a);
-    size_t whole = 0, dimmed = 0, shown = 0;
-    for (int i = 0; i < PIXELS; i++) {
-        if (material_at(&a, i) != MIRROR) continue;
-        whole += fabsf(a.plane[EMISSION][0][i] - lamp_radiance.r) < 1e-5f;
-        dimmed += fabsf(a.plane[EMISSION][0][i] - dim_ks.r * lamp_radiance.r) < 1e-5f;
-        shown++;
-    }
-    /* between them: at the wall mirror's edges */
-    assert_true(shown > 300 && dimmed > 3 && whole + dimmed > 9 * shown / 10);
-    release(&a);
-    destroy(&f);
 }
 
 /* A lamp that fills the middle half of a face, each way: 0.0641 of the sphere, where it is 1/24 of the
@@ -509,12 +440,9 @@ static void the_tricks_albedo_is_a_mean_by_area_of_what_is_no_mirror(void **stat
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_made_where_no_curved_mirror_is_in_view),
         cmocka_unit_test(only_curved_mirrors_in_sight_get_cubes),
         cmocka_unit_test(a_far_environment_is_reflected_as_by_rays),
         cmocka_unit_test(a_planar_mirror_is_seen_in_the_ball),
-        cmocka_unit_test(in_a_furnace_mirrors_that_keep_nothing_cannot_be_seen),
-        cmocka_unit_test(what_stands_in_an_object_beside_its_mirror_is_seen_in_it),
         cmocka_unit_test(a_mirror_in_a_mirror_shows_the_mean_over_solid_angle),
         cmocka_unit_test(full_cubes_differ_from_direct_ones_at_curved_mirrors_alone),
         cmocka_unit_test(the_trick_is_direct_cubes_and_one_term_more),

@@ -216,34 +216,6 @@ static void a_mirror_shows_what_a_hole_onto_a_copy_of_the_scene_shows(void **sta
     sl_scene_destroy(copy);
 }
 
-static void what_a_view_leaves_out_is_seen_in_its_mirrors(void **state) {
-    (void)state;
-    static mesh m;
-    sl_scene *scene = wall_and_hole(false, &m);
-    sl_raster *raster = raster_of(scene);
-    sl_mirrors *mirrors = mirrors_of(scene, 1);
-    static uint8_t left_out[MAX];
-    /* all that stands before the wall */
-    for (size_t t = 0; t < m.count; t++) left_out[t] = t >= WALL && t < WALL + BEFORE;
-    size_t in_mirror = 0;
-    for (int n = 0; n < VIEWS; n++) {
-        sl_view view = view_number(n, sl_v3(0.5f, 0.25f, 0.375f), sl_v3(-1, 0.1f, 0));
-        view.left_out = left_out;
-        sl_receivers *r = receivers_of(scene, raster, &view, mirrors, 1, 1);
-        for (int i = 0; i < view.width * view.height; i++) {
-            uint32_t id = r->gbuffer->id[i];
-            if (id == SL_NO_INDEX || !left_out[id]) continue;
-            assert_true(r->path && r->path[i] != 0);
-            in_mirror++;
-        }
-        sl_receivers_destroy(r);
-    }
-    assert_true(in_mirror > 2500);
-    sl_mirrors_destroy(mirrors);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 /* Two mirrors face to face at z = -2 and z = 2, things between them. */
 static sl_scene *face_to_face(mesh *m, const sl_environment *environment) {
     m->count = 0;
@@ -424,7 +396,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_a_mirror_in_view_receivers_are_the_gbuffer_and_cost_the_same),
         cmocka_unit_test(a_mirror_shows_what_a_hole_onto_a_copy_of_the_scene_shows),
-        cmocka_unit_test(what_a_view_leaves_out_is_seen_in_its_mirrors),
         cmocka_unit_test(two_mirrors_face_to_face_end_at_the_nesting_limit),
         cmocka_unit_test(reflectances_multiply_along_a_path),
         cmocka_unit_test(emitters_shine_from_their_front_in_mirrors_too),

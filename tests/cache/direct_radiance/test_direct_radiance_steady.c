@@ -33,7 +33,7 @@ static sl_scene *room_with_box(void) {
 }
 
 static sl_map_light light_of_frame(int frame) {
-    return (sl_map_light){.kind = SL_MAP_LIGHT_POINT,
+    return (sl_map_light){.kind = SL_SOURCE_POINT,
                           .position = {0.1f + 0.8f * (float)frame / (FRAMES - 1), 0.3f, 0.25f},
                           .intensity = {1, 1, 1}};
 }
@@ -138,30 +138,9 @@ static void a_gliding_light_flashes_with_points_and_less_with_groups(void **stat
     sl_scene_destroy(scene);
 }
 
-static void a_frame_alone_is_the_frame_of_a_sequence(void **state) {
-    (void)state;
-    sl_scene *scene = room_with_box();
-    sl_raster *raster;
-    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
-    sl_radiance_map_settings settings = sampled(16, 4, SL_MAP_FILTER_FLUX);
-    sl_map_photons *alone = photons_of_frame(scene, raster, settings, 7);
-    for (int k = 0; k <= 7; k++) {
-        sl_map_photons *photons = photons_of_frame(scene, raster, settings, k);
-        if (k == 7) {
-            assert_int_equal(photons->count, alone->count);
-            assert_memory_equal(photons->photon, alone->photon, alone->count * sizeof *alone->photon);
-        }
-        sl_map_photons_destroy(photons);
-    }
-    sl_map_photons_destroy(alone);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_gliding_light_flashes_with_points_and_less_with_groups),
-        cmocka_unit_test(a_frame_alone_is_the_frame_of_a_sequence),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

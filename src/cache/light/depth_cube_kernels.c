@@ -8,19 +8,19 @@
  * are at most half a texel of 2/N: beta = (|n_x| + |n_y|) / (N |n . P|). Here the four texels around are
  * asked, each with its own beta, and their answers blended by distance (percentage-closer filtering; Reeves,
  * Salesin and Cook 1987). */
-#include "cache/direct_radiance/lights.h"
+#include "cache/light/depth_cube.h"
 
 #include <math.h>
 #include <string.h>
 
 typedef struct {
-    int32_t texel[SL_SHADOW_BLOCK];                    /* lower left of the four */
-    float across[SL_SHADOW_BLOCK], up[SL_SHADOW_BLOCK]; /* place between the four, in [0,1] */
+    int32_t texel[SL_LIGHT_BLOCK];                    /* lower left of the four */
+    float across[SL_LIGHT_BLOCK], up[SL_LIGHT_BLOCK]; /* place between the four, in [0,1] */
     /* of the receiver, in the units stored, with room for rounding */
-    float depth[SL_SHADOW_BLOCK];
+    float depth[SL_LIGHT_BLOCK];
     /* of its plane, from texel to texel, not negative */
-    float change_x[SL_SHADOW_BLOCK], change_y[SL_SHADOW_BLOCK];
-    float dark[SL_SHADOW_BLOCK];                       /* shares of the texels that hide it */
+    float change_x[SL_LIGHT_BLOCK], change_y[SL_LIGHT_BLOCK];
+    float dark[SL_LIGHT_BLOCK];                       /* shares of the texels that hide it */
 } places;
 
 /* The texel whose middle lies at or below a continuous coordinate, so that the next one exists too; 0 for
@@ -35,7 +35,7 @@ static inline float fraction(float f) { return f > 0.0f ? (f < 1.0f ? f : 1.0f) 
 
 static inline float not_zero(float v) { return v > 1e-30f ? v : 1e-30f; }
 
-static void locate_on_cube(const sl_shadow_cube *map, size_t count, const float *restrict px,
+static void locate_on_cube(const sl_depth_cube *map, size_t count, const float *restrict px,
                            const float *restrict py, const float *restrict pz, const float *restrict nx,
                            const float *restrict ny, const float *restrict nz, places *out) {
     const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
@@ -76,7 +76,7 @@ static void locate_on_cube(const sl_shadow_cube *map, size_t count, const float 
 }
 
 /* The same with depth instead of its reciprocal: a plane changes by n_x / n_z across. */
-static void locate_in_parallel(const sl_shadow_cube *map, size_t count, const float *restrict px,
+static void locate_in_parallel(const sl_depth_cube *map, size_t count, const float *restrict px,
                                const float *restrict py, const float *restrict pz, const float *restrict nx,
                                const float *restrict ny, const float *restrict nz, places *out) {
     const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
@@ -109,7 +109,7 @@ static void locate_in_parallel(const sl_shadow_cube *map, size_t count, const fl
 }
 
 /* Shares that are not lit are added up, so that where all four are lit the result is 1 exactly. */
-static void compare(const sl_shadow_cube *map, size_t count, places *at) {
+static void compare(const sl_depth_cube *map, size_t count, places *at) {
     const float *restrict stored = map->depth;
     const int32_t *restrict texel = at->texel;
     const float *restrict across = at->across, *restrict up = at->up, *restrict depth = at->depth;
@@ -117,7 +117,7 @@ static void compare(const sl_shadow_cube *map, size_t count, places *at) {
     float *restrict out = at->dark;
     const int32_t width = map->size;
     /* Two texels of a row lie side by side, and are fetched together. */
-    float lower[2 * SL_SHADOW_BLOCK], upper[2 * SL_SHADOW_BLOCK];
+    float lower[2 * SL_LIGHT_BLOCK], upper[2 * SL_LIGHT_BLOCK];
     for (size_t i = 0; i < count; i++) {
         memcpy(lower + 2 * i, stored + texel[i], 2 * sizeof *lower);
         memcpy(upper + 2 * i, stored + texel[i] + width, 2 * sizeof *upper);
@@ -150,10 +150,10 @@ static float slope_at(const float *stored, int32_t k, int32_t step, int32_t plac
  * one holds? Not asked of what lies more than four texels' sizes before it: that is no corner. Nor where the
  * receiver's own plane, seen at a grazing angle, rises as much from texel to texel: there facets are too
  * narrow to tell their planes. */
-static bool lies_before(const sl_shadow_cube *map, const places *at, size_t i, int32_t k, float right,
+static bool lies_before(const sl_depth_cube *map, const places *at, size_t i, int32_t k, float right,
                         float above) {
     const float *stored = map->depth;
-    const int32_t size = map->size, place = k - (int32_t)sl_shadow_zeros(size), column = place % size,
+    const int32_t size = map->size, place = k - (int32_t)sl_depth_zeros(size), column = place % size,
                   row = place / size % size;
     const float texel = map->directional ? (map->reach_x > map->reach_y ? map->reach_x : map->reach_y) /
                                                (map->reach_z * (float)size)
@@ -169,7 +169,7 @@ static bool lies_before(const sl_shadow_cube *map, const places *at, size_t i, i
 }
 
 /* The receiver's four texels once more, one by one. */
-static float dark_at_corner(const sl_shadow_cube *map, const places *at, size_t i) {
+static float dark_at_corner(const sl_depth_cube *map, const places *at, size_t i) {
     float dark = 0.0f;
     for (int t = 0; t < 4; t++) {
         int32_t column = t & 1, row = t >> 1, k = at->texel[i] + column + row * map->size;
@@ -192,9 +192,10 @@ static bool some_are_dark_in_part(size_t count, const places *at) {
     return any != 0;
 }
 
-void SL_KERNEL(sl_shadow_cube_lit)(const sl_shadow_cube *cube, size_t count, const float *px, const float *py,
-                                   const float *pz, const float *nx, const float *ny, const float *nz,
-                                   float *lit) {
+void SL_KERNEL(sl_depth_cube_lit)(const sl_light_points *points, const sl_depth_cube *cube, float *lit) {
+    const float *px = points->x, *py = points->y, *pz = points->z;
+    const float *nx = points->geometric_x, *ny = points->geometric_y, *nz = points->geometric_z;
+    const size_t count = points->count;
     places at;
     if (cube->directional) locate_in_parallel(cube, count, px, py, pz, nx, ny, nz, &at);
     else locate_on_cube(cube, count, px, py, pz, nx, ny, nz, &at);
