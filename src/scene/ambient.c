@@ -15,10 +15,11 @@ static void add(rgbd *sum, sl_rgb colour, double scale) {
     sum->b += scale * (double)colour.b;
 }
 
-static double area_of(const sl_scene *s, size_t triangle) {
+double sl_triangle_area(const sl_scene *s, size_t triangle) {
     sl_vec3d p[3];
     for (int k = 0; k < 3; k++) p[k] = sl_to_double(sl_scene_position(s, s->vertex[k][triangle]));
-    return 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
+    const double area = 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
+    return isfinite(area) ? area : 0.0;
 }
 
 static bool in_core(const sl_scene *s, sl_vec3 p) {
@@ -52,7 +53,7 @@ static rgbd reflecting_area(const sl_scene *scene, bool core, double *area) {
     *area = 0.0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         if (core && !is_in_core(scene, t)) continue;
-        double a = area_of(scene, t);
+        double a = sl_triangle_area(scene, t);
         *area += a;
         for (int k = 0; k < 4; k++)
             add(&sum, sl_scene_diffuse_nearest(scene, (uint32_t)t, w[k][0], w[k][1]), 0.25 * a);
@@ -105,6 +106,23 @@ static rgbd environment_irradiance(const sl_environment *e) {
         }
     }
     return sum;
+}
+
+sl_rgb sl_environment_mean(const sl_environment *e) {
+    if (e->present && e->width <= 0) return e->constant;
+    const rgbd sum = environment_irradiance(e);
+    return (sl_rgb){(float)(sum.r / SL_PI), (float)(sum.g / SL_PI), (float)(sum.b / SL_PI)};
+}
+
+sl_rgb sl_mean_albedo(const sl_scene *scene) {
+    double area;
+    const rgbd sum = reflecting_area(scene, false, &area); /* in which mirrors have no part */
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        if (sl_material_is_mirror(&scene->materials[scene->material_index[t]]))
+            area -= sl_triangle_area(scene, t);
+    }
+    const double over = area > 0.0 ? 1.0 / area : 0.0;
+    return (sl_rgb){(float)(sum.r * over), (float)(sum.g * over), (float)(sum.b * over)};
 }
 
 static sl_rgb ambient_of(const sl_scene *scene, bool core, bool all_bounces) {

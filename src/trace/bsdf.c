@@ -8,6 +8,12 @@ sl_vec3 sl_reflect(sl_vec3 to_viewer, sl_vec3 normal) {
     return sl_sub(sl_scale(normal, 2.0f * sl_dot(normal, to_viewer)), to_viewer);
 }
 
+sl_vec3 sl_reflect_off(sl_vec3 direction, sl_vec3 normal, sl_vec3 geometric) {
+    const sl_vec3 out = sl_mad(direction, -2.0f * sl_dot(direction, normal), normal);
+    if (sl_dot(out, geometric) > 0.0f) return out;
+    return sl_mad(direction, -2.0f * sl_dot(direction, geometric), geometric);
+}
+
 sl_vec3 sl_surface_lift(const sl_scene *scene, uint32_t triangle, const sl_surface *surface) {
     float size = 0.0f;
     for (int k = 0; k < 3; k++) {

@@ -32,6 +32,9 @@ bool sl_bsdf_sample(const sl_bsdf *bsdf, float lobe, float u1, float u2, sl_vec3
 float sl_bsdf_pdf(const sl_bsdf *bsdf, sl_vec3 to_light);
 
 sl_vec3 sl_reflect(sl_vec3 to_viewer, sl_vec3 normal);
+/* Mirrors a direction by the shading normal, or by the geometric one where that would lead into the mirror.
+ */
+sl_vec3 sl_reflect_off(sl_vec3 direction, sl_vec3 normal, sl_vec3 geometric);
 /* Unit, at that cosine with the axis, `turn` in [0,1) of the way around it. */
 sl_vec3 sl_direction_around(sl_vec3 axis, float cosine, float turn);
 /* Where a ray leaves a surface: so far above its triangle that it is above it in spite of rounding.

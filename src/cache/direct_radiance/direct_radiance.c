@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "scene/ambient.h"
 
 #include <math.h>
 #include <string.h>
@@ -44,7 +45,7 @@ sl_status sl_radiance_place(sl_radiance_state *s, sl_error *error) {
         if (s->plan.tracer) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     }
     if (status == SL_OK && s->plan.curved && s->settings.radiance_map.mirror_light == SL_MIRROR_LIGHT_TRICK)
-        s->trick_albedo = sl_trick_albedo(s->scene);
+        s->trick_albedo = sl_mean_albedo(s->scene);
     s->placed = status == SL_OK;
     if (!s->placed) sl_radiance_forget_geometry(s); /* a rasterizer that could not follow is of no use */
     return status;

@@ -125,8 +125,6 @@ sl_emission sl_emission_of(const sl_scene *scene, const sl_receivers *picture);
  * the picture. Returns whether anything was added. */
 bool sl_emission_add_row(const sl_emission *e, const sl_receivers *receivers, size_t y,
                          float *const emission[3]);
-/* Mean radiance of the environment over all directions; black where there is none. */
-sl_rgb sl_environment_mean(const sl_environment *environment);
 
 /* Curved mirrors: an environment cube for each object of a mirror material that is not planar, taken from the
  * middle of its box, the object itself left out (pass 4). */
@@ -154,11 +152,6 @@ size_t sl_curved_mirrors_bytes(const sl_curved_mirrors *mirrors);
 void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receivers *receivers,
                                float *const emission[3], float *const direct[3], float *const indirect[3],
                                sl_counters *counters);
-
-/* The trick (SL_MIRROR_LIGHT_TRICK): the indirect light that is missing in a cube is k_s (rho / pi) E at the
- * reflected point. A curved mirror that receives it as if it were diffuse takes k_s times the mean diffuse
- * albedo, by area, of all that is no mirror: this one. */
-sl_rgb sl_trick_albedo(const sl_scene *scene);
 
 /* Inside pass 4: which objects are curved mirrors, where their cubes are taken from and without what, and
  * what is kept of them. */
@@ -278,7 +271,10 @@ typedef struct sl_radiance_state {
     sl_image *image;               /* NULL: handed over already, or not drawn yet */
     sl_radiance_explanation *explanation; /* of this picture's pixels; NULL until one is explained */
 
-    sl_rgb trick_albedo;           /* of curved mirrors that receive indirect light as if they were diffuse */
+    /* The trick (SL_MIRROR_LIGHT_TRICK): the indirect light that is missing in a cube is k_s (rho / pi) E at
+     * the reflected point. A curved mirror receives it as if it were diffuse, with k_s times the scene's mean
+     * albedo. */
+    sl_rgb trick_albedo;
 
     bool placed;                   /* raster, tracer and planar mirrors are those of the scene as it stands */
     bool lit;                      /* passes 1 to 3 as well */

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/direct_radiance/map.h"
+#include "trace/bsdf.h"
 #include "trace/trace.h"
 
 #include <string.h>
@@ -232,14 +233,6 @@ static void aim(const sl_map_face *f, int column, int row, leg way[RAYS]) {
     }
 }
 
-/* Reflected about the shading normal; about the geometric one where that would lead into the mirror. */
-static sl_vec3 reflect(sl_vec3 d, const sl_surface *s) {
-    sl_vec3 r = sl_mad(d, -2.0f * sl_dot(d, s->normal), s->normal);
-    if (!(sl_dot(r, s->geometric_normal) > 0.0f))
-        r = sl_mad(d, -2.0f * sl_dot(d, s->geometric_normal), s->geometric_normal);
-    return sl_normalize_or(r, s->geometric_normal);
-}
-
 static void arrive(const sl_scene *scene, uint32_t triangle, float t, float w1, float w2, leg *way) {
     sl_surface s;
     way->going = false;
@@ -255,7 +248,8 @@ static void arrive(const sl_scene *scene, uint32_t triangle, float t, float w1, 
     }
     way->going = ++way->mirrors < LEGS_MAX;
     way->carried = sl_rgb_mul(way->carried, s.material->mirror);
-    way->direction = reflect(way->direction, &s);
+    way->direction = sl_normalize_or(sl_reflect_off(way->direction, s.normal, s.geometric_normal),
+                                     s.geometric_normal);
     way->origin = s.position;
     way->from = triangle;
 }

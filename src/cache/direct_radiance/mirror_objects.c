@@ -119,8 +119,7 @@ void sl_mirror_object_mark(const sl_scene *scene, const sl_mirror_object *object
 
 /* ---- the picture in a curved mirror ---- */
 
-/* Pixels of curved mirrors look up the environment cubes with the reflected eye vector. And the trick, which
- * does without indirect light in the cubes. */
+/* Pixels of curved mirrors look up the environment cubes with the reflected eye vector. */
 
 /* ---- look-up ---- */
 
@@ -198,34 +197,4 @@ void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receiv
     look_up(&r, &l);
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, count);
     sl_count(counters, SL_COUNT_TEXTURE_FETCHES, count * parts);
-}
-
-/* ---- the trick ---- */
-
-/* The mean over the triangle: exact where the colour is quadratic in the weights. */
-static sl_rgb albedo_of(const sl_scene *scene, uint32_t t) {
-    const sl_material *m = &scene->materials[scene->material_index[t]];
-    if (m->texture == SL_NO_INDEX) return m->diffuse;
-    const float far = 2.0f / 3.0f, near = 1.0f / 6.0f;
-    sl_rgb sum = sl_rgb_add(sl_scene_diffuse(scene, t, near, near), sl_scene_diffuse(scene, t, far, near));
-    return sl_rgb_scale(sl_rgb_add(sum, sl_scene_diffuse(scene, t, near, far)), 1.0f / 3.0f);
-}
-
-sl_rgb sl_trick_albedo(const sl_scene *scene) {
-    double sum[3] = {0.0, 0.0, 0.0}, whole = 0.0;
-    for (uint32_t t = 0; t < scene->triangle_count; t++) {
-        if (sl_material_is_mirror(&scene->materials[scene->material_index[t]])) continue;
-        sl_vec3d a = sl_to_double(sl_scene_position(scene, scene->vertex[0][t]));
-        sl_vec3d b = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[1][t])), a);
-        sl_vec3d c = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[2][t])), a);
-        const double area = 0.5 * sl_lengthd(sl_crossd(b, c));
-        const sl_rgb albedo = albedo_of(scene, t);
-        if (!isfinite(area)) continue;
-        sum[0] += area * (double)albedo.r;
-        sum[1] += area * (double)albedo.g;
-        sum[2] += area * (double)albedo.b;
-        whole += area;
-    }
-    const double over = whole > 0.0 ? 1.0 / whole : 0.0;
-    return (sl_rgb){(float)(sum[0] * over), (float)(sum[1] * over), (float)(sum[2] * over)};
 }

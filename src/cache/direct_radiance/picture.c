@@ -8,6 +8,7 @@
 #include "cache/direct_radiance/direct_radiance.h"
 #include "cache/direct_radiance/receivers.h"
 #include "image/unset.h"
+#include "scene/ambient.h"
 
 #include <string.h>
 
@@ -229,29 +230,6 @@ sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, s
 }
 
 /* Light seen directly, L S* E: it takes no light pass, only what each pixel shows. */
-
-/* ---- the environment's mean ---- */
-
-sl_rgb sl_environment_mean(const sl_environment *environment) {
-    if (!environment->present) return sl_grey(0.0f);
-    if (environment->width == 0) return environment->constant;
-    double sum[3] = {0.0, 0.0, 0.0}, whole = 0.0;
-    for (int row = 0; row < environment->height; row++) {
-        double of_row[3] = {0.0, 0.0, 0.0};
-        float angle = 0.0f;
-        for (int column = 0; column < environment->width; column++) {
-            const float *texel =
-                environment->texels + 3 * ((size_t)row * (size_t)environment->width + (size_t)column);
-            for (int k = 0; k < 3; k++) of_row[k] += (double)texel[k];
-        }
-        sl_rgb unused;
-        sl_environment_texel(environment, row, 0, &unused, &angle); /* that of all its row */
-        for (int k = 0; k < 3; k++) sum[k] += of_row[k] * (double)angle;
-        whole += (double)angle * (double)environment->width;
-    }
-    double over = whole > 0.0 ? 1.0 / whole : 0.0;
-    return (sl_rgb){(float)(sum[0] * over), (float)(sum[1] * over), (float)(sum[2] * over)};
-}
 
 /* ---- pixels ---- */
 

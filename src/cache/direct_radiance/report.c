@@ -8,6 +8,7 @@
 #include "cache/direct_radiance/map.h"
 #include "cache/direct_radiance/receivers.h"
 #include "cache/frame/method.h"
+#include "scene/ambient.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -70,18 +71,9 @@ typedef struct {
     report_point point[POINTS];
 } report_points;
 
-static double area_of(const sl_scene *s, uint32_t t) {
-    sl_vec3d a = sl_to_double(sl_scene_position(s, s->vertex[0][t]));
-    sl_vec3d b = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[1][t])), a);
-    sl_vec3d c = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[2][t])), a);
-    double x = b.y * c.z - b.z * c.y, y = b.z * c.x - b.x * c.z, z = b.x * c.y - b.y * c.x,
-           area = 0.5 * sqrt(x * x + y * y + z * z);
-    return isfinite(area) ? area : 0.0;
-}
-
 static double receiving_area(const sl_scene *s, uint32_t t) {
     const sl_material *m = &s->materials[s->material_index[t]];
-    return sl_material_is_diffuse(m) || sl_material_is_glossy(m) ? area_of(s, t) : 0.0;
+    return sl_material_is_diffuse(m) || sl_material_is_glossy(m) ? sl_triangle_area(s, t) : 0.0;
 }
 
 /* Uniform over a triangle, from two numbers in [0,1): along it the point's place among those of the same

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "trace/bsdf.h"
 
 #include <string.h>
 
@@ -74,10 +75,6 @@ typedef struct {
     uint32_t skip;
 } reflected;
 
-static sl_vec3 mirrored(sl_vec3 direction, sl_vec3 normal) {
-    return sl_mad(direction, -2.0f * sl_dot(direction, normal), normal);
-}
-
 static sl_vec3 plane_vector(const float *x, const float *y, const float *z, size_t i) {
     return sl_v3(x[i], y[i], z[i]);
 }
@@ -88,12 +85,9 @@ static reflected first_ray(const reflecting *c, size_t slot) {
     sl_vec3 p = plane_vector(g->position_x, g->position_y, g->position_z, i),
             n = plane_vector(g->normal_x, g->normal_y, g->normal_z, i);
     sl_vec3 geometric = plane_vector(g->geometric_x, g->geometric_y, g->geometric_z, i);
-    sl_vec3 incoming = sl_normalize_or(sl_sub(p, c->scene->camera.eye), sl_neg(geometric)),
-            out = mirrored(incoming, n);
-    /* a bent normal must not send it through the mirror */
-    if (sl_dot(out, geometric) <= 0.0f) out = mirrored(incoming, geometric);
+    sl_vec3 incoming = sl_normalize_or(sl_sub(p, c->scene->camera.eye), sl_neg(geometric));
     c->reflections->throughput[slot] = c->scene->materials[g->material[i]].mirror;
-    return (reflected){slot, p, out, g->id[i]};
+    return (reflected){slot, p, sl_reflect_off(incoming, n, geometric), g->id[i]};
 }
 
 void sl_gbuffer_show(const sl_scene *scene, sl_gbuffer *g, size_t i, uint32_t triangle, const sl_surface *s) {
@@ -135,9 +129,8 @@ static bool goes_on(const reflecting *c, reflected *ray, uint32_t triangle, floa
         return false;
     }
     *throughput = sl_rgb_mul(*throughput, s.material->mirror);
-    sl_vec3 out = mirrored(ray->direction, s.normal);
-    if (sl_dot(out, s.geometric_normal) <= 0.0f) out = mirrored(ray->direction, s.geometric_normal);
-    *ray = (reflected){ray->slot, s.position, out, triangle};
+    *ray = (reflected){ray->slot, s.position, sl_reflect_off(ray->direction, s.normal, s.geometric_normal),
+                       triangle};
     return true;
 }
 

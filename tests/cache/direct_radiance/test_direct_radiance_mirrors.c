@@ -4,6 +4,7 @@
 #include "cache/direct_radiance/direct_radiance.h"
 #include "raster_support.h"
 #include "receiver_support.h"
+#include "scene/ambient.h"
 
 enum { W = 80, H = 60, PIXELS = W * H, MAX = 30000, RINGS = 24 };
 
@@ -165,7 +166,7 @@ static void render_picture(const fixture *f, const way *how, picture *out) {
     sl_curved_mirrors *mirrors = NULL;
     assert_int_equal(sl_curved_mirrors_render(&pass, out->receivers, &mirrors, &out->cubes, NULL), SL_OK);
     out->cube_bytes = sl_curved_mirrors_bytes(mirrors);
-    if (how->trick) light.trick_albedo = sl_trick_albedo(f->scene);
+    if (how->trick) light.trick_albedo = sl_mean_albedo(f->scene);
     sl_lit_picture lit;
     float *part[PARTS][3];
     for (int p = 0; p < PARTS; p++) {
@@ -381,7 +382,7 @@ static void the_trick_is_direct_cubes_and_one_term_more(void **state) {
     assert_memory_equal(&a.cubes, &b.cubes, sizeof a.cubes); /* the same passes */
     assert_int_equal(a.shading.value[SL_COUNT_RASTER_PASSES], b.shading.value[SL_COUNT_RASTER_PASSES]);
     assert_memory_equal(a.plane[DIRECT], b.plane[DIRECT], sizeof a.plane[DIRECT]);
-    const sl_rgb albedo = sl_trick_albedo(f.scene);
+    const sl_rgb albedo = sl_mean_albedo(f.scene);
     assert_true(fabsf(albedo.r - 0.4f) < 1e-6f && fabsf(albedo.g - 0.2f) < 1e-6f && albedo.b == 0.0f);
     size_t lit = 0;
     for (int i = 0; i < PIXELS; i++) {
@@ -427,14 +428,14 @@ static void the_tricks_albedo_is_a_mean_by_area_of_what_is_no_mirror(void **stat
     add_quad(&m, BROWN, 0, sl_v3(0, 0, 1), sl_v3(3, 0, 0), sl_v3(0, 1, 0));
     add_quad(&m, MIRROR, 0, sl_v3(0, 0, 2), sl_v3(9, 0, 0), sl_v3(0, 9, 0));
     sl_scene *scene = scene_of(&m, NULL, NULL);
-    const sl_rgb albedo = sl_trick_albedo(scene);
+    const sl_rgb albedo = sl_mean_albedo(scene);
     assert_true(fabsf(albedo.r - 0.5f) < 1e-6f && fabsf(albedo.g - 0.35f) < 1e-6f &&
                 fabsf(albedo.b - 0.2f) < 1e-6f);
     sl_scene_destroy(scene);
     m.count = 0;
     add_ball(&m, MIRROR, 0, sl_v3(0, 0, 0), 1);
     scene = scene_of(&m, NULL, NULL);
-    assert_true(sl_trick_albedo(scene).r == 0.0f); /* no 0 / 0 */
+    assert_true(sl_mean_albedo(scene).r == 0.0f); /* no 0 / 0 */
     sl_scene_destroy(scene);
 }
 

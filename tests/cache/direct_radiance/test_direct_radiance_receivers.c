@@ -3,6 +3,7 @@
 #include "cache/direct_radiance/direct_radiance.h"
 #include "raster_support.h"
 #include "receiver_support.h"
+#include "scene/ambient.h"
 
 enum { W = 96, H = 72, PIXELS = W * H, MAX = 4096 };
 
