@@ -100,7 +100,7 @@ void sl_direct_light_tile(const sl_direct_light *d, const sl_receiver_tile *tile
 
 /* ---- pass 1 ---- */
 
-enum { SMALLEST = 16, LARGEST = 8192, ALL_TEXELS = 1 << 25 /* of all cubes together: 128 MiB */ };
+enum { SMALLEST = 16, ALL_TEXELS = 1 << 25 /* of all cubes together: 128 MiB */ };
 
 /* Points of one lamp share its texels: n x n of them have 1 / n each. And all together have no more than
  * fits. */
@@ -119,9 +119,6 @@ sl_status sl_shadow_cubes_render(const sl_scene *scene, const sl_raster *raster,
                                  int size, unsigned threads, sl_shadow_cubes **out, sl_counters *counters,
                                  sl_error *error) {
     *out = NULL;
-    if (size < SMALLEST || size > LARGEST)
-        return sl_fail(error, SL_ERROR_USAGE, "depth cubes have %d to %d texels a side, not %d",
-                       (int)SMALLEST, (int)LARGEST, size);
     sl_shadow_cubes *cubes = sl_allocate(1, sizeof *cubes);
     if (cubes) cubes->cube = sl_allocate(lights->count, sizeof *cubes->cube);
     sl_status status = cubes && cubes->cube ? SL_OK : sl_fail_memory(error, "the depth cubes");

@@ -209,10 +209,6 @@ static sl_status merge(finding *f, size_t most, sl_error *error) {
 sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_lights **lights,
                              sl_error *error) {
     *lights = NULL;
-    if (subdivision < 1 || subdivision > 64)
-        return sl_fail(error, SL_ERROR_USAGE,
-                       "area lights are divided into 1 x 1 to 64 x 64 points, not %d x %d", subdivision,
-                       subdivision);
     sl_map_lights *out = sl_allocate(1, sizeof *out);
     if (!out) return sl_fail_memory(error, "the lights");
     sl_status status = sl_sampled_lights_find(scene, &out->lamps, error);

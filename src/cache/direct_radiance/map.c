@@ -15,16 +15,16 @@ typedef struct {
     const sl_map_lights *lights;
     const sl_radiance_map_options *options;
     sl_face_shape shape;
-    sl_planned_face *face;
+    sl_map_face *face;
     size_t count, room;
     uint32_t *seen; /* the triangles in the lights' own faces */
     sl_counters *counters;
 } planning;
 
-static sl_planned_face *next_face(planning *p, sl_error *error) {
+static sl_map_face *next_face(planning *p, sl_error *error) {
     if (p->count == p->room) {
         size_t room = 2 * p->room + 16;
-        sl_planned_face *more = sl_allocate(room, sizeof *more);
+        sl_map_face *more = sl_allocate(room, sizeof *more);
         if (!more) {
             sl_fail_memory(error, "a radiance map's faces");
             return NULL;
@@ -56,18 +56,18 @@ static bool is_dark(const sl_map_light *light) {
 
 static sl_status plan_light(planning *p, uint32_t index, sl_error *error) {
     const sl_map_light *light = &p->lights->light[index];
-    sl_planned_face face[SL_LIGHT_FACES_MAX];
+    sl_map_face face[SL_LIGHT_FACES_MAX];
     const sl_light_eye eye = sl_map_light_eye(p->lights, index);
     int dark = 0,
         count = sl_light_faces(p->scene, &eye, &p->shape, aim_of(p->scene, light), face, &dark);
     skip(p, is_dark(light) ? dark + count : dark);
     if (is_dark(light)) return SL_OK;
     for (int f = 0; f < count; f++) {
-        sl_planned_face *next = next_face(p, error);
+        sl_map_face *next = next_face(p, error);
         if (!next) return SL_ERROR_RESOURCES;
-        face[f].face.light = index;
-        face[f].face.view = sl_map_face_view(p->scene, &eye, &face[f]);
-        if (sl_raster_meets(p->raster, &face[f].face.view)) {
+        face[f].light = index;
+        face[f].view = sl_map_face_view(p->scene, &eye, &face[f]);
+        if (sl_raster_meets(p->raster, &face[f].view)) {
             *next = face[f];
             p->count++;
         } else {
@@ -85,14 +85,14 @@ static sl_status draw_seen(planning *p, sl_error *error) {
     size_t texels = 0;
     for (size_t f = 0; f < p->count; f++) {
         p->face[f].seen = texels;
-        texels += texels_of(&p->face[f].face);
+        texels += texels_of(&p->face[f]);
     }
     p->seen = sl_allocate(texels, sizeof *p->seen);
     sl_status status = views && targets && p->seen ? SL_OK : sl_fail_memory(error, "a radiance map's faces");
     for (size_t f = 0; f < p->count && status == SL_OK; f++) {
-        const sl_planned_face *face = &p->face[f];
-        views[f] = face->face.view;
-        targets[f] = (sl_target){face->face.width, face->face.height, p->seen + face->seen, NULL};
+        const sl_map_face *face = &p->face[f];
+        views[f] = face->view;
+        targets[f] = (sl_target){face->width, face->height, p->seen + face->seen, NULL};
     }
     if (status == SL_OK)
         status = sl_map_triangles_draw(p->raster, p->count, views, targets, p->options->threads, p->counters,
@@ -102,34 +102,34 @@ static sl_status draw_seen(planning *p, sl_error *error) {
     return status;
 }
 
-static bool mirror_is_seen(const planning *p, const sl_planned_face *f, uint32_t mirror) {
+static bool mirror_is_seen(const planning *p, const sl_map_face *f, uint32_t mirror) {
     const uint32_t *seen = p->seen + f->seen;
-    for (size_t i = 0; i < texels_of(&f->face); i++) {
+    for (size_t i = 0; i < texels_of(f); i++) {
         if (seen[i] != SL_NO_INDEX && p->options->mirrors->of_triangle[seen[i]] == mirror) return true;
     }
     return false;
 }
 
-static sl_status add_mirrored(planning *p, const sl_planned_face *of, uint32_t mirror, sl_error *error) {
-    sl_planned_face *next = next_face(p, error);
+static sl_status add_mirrored(planning *p, const sl_map_face *of, uint32_t mirror, sl_error *error) {
+    sl_map_face *next = next_face(p, error);
     if (!next) return SL_ERROR_RESOURCES;
-    const sl_map_light *light = &p->lights->light[of->face.light];
+    const sl_map_light *light = &p->lights->light[of->light];
     if (!sl_map_face_in_mirror(p->scene, p->options->mirrors, mirror, light, of, next)) return SL_OK;
-    if (sl_raster_meets(p->raster, &next->face.view)) p->count++;
+    if (sl_raster_meets(p->raster, &next->view)) p->count++;
     else skip(p, 1);
     return SL_OK;
 }
 
 /* Lists the faces anew, each light's own ones followed by what they show in mirrors. */
 static sl_status add_mirrors(planning *p, sl_error *error) {
-    sl_planned_face *own = p->face;
+    sl_map_face *own = p->face;
     const size_t count = p->count;
     sl_status status = SL_OK;
     p->face = NULL;
     p->count = p->room = 0;
     for (size_t first = 0, end; first < count && status == SL_OK; first = end) {
-        for (end = first; end < count && own[end].face.light == own[first].face.light; end++) {
-            sl_planned_face *next = next_face(p, error);
+        for (end = first; end < count && own[end].light == own[first].light; end++) {
+            sl_map_face *next = next_face(p, error);
             if (!next) status = SL_ERROR_RESOURCES;
             if (!next) break;
             *next = own[end];
@@ -208,15 +208,14 @@ static void measure_faces(sl_radiance_map *map) {
     }
 }
 
-static sl_status make_map(const planning *p, sl_radiance_map *map, bool traced, sl_error *error) {
+/* The planned faces become the map's. */
+static sl_status make_map(planning *p, sl_radiance_map *map, bool traced, sl_error *error) {
     map->face_count = p->count;
-    map->face = sl_allocate(p->count, sizeof *map->face);
-    if (!map->face) return sl_fail_memory(error, "a radiance map's faces");
-    for (size_t f = 0; f < p->count; f++) {
-        map->face[f] = p->face[f].face;
+    map->face = p->face;
+    p->face = NULL;
+    for (size_t f = 0; f < map->face_count; f++) {
         map->face[f].first = map->texels;
         map->texels += texels_of(&map->face[f]);
-        map->mirrored_light |= map->face[f].mirror != SL_NO_INDEX;
     }
     sl_status status = allocate_planes(map, p->options, traced, error);
     if (status == SL_OK) measure_faces(map);
@@ -228,19 +227,10 @@ static sl_status render(planning *p, const sl_radiance_map_settings *settings, s
     bool traced = settings->traced_light_mirrors && p->options->tracer;
     sl_status status = plan(p, error);
     if (status == SL_OK) status = make_map(p, map, traced, error);
-    sl_map_drawing drawing = {p->scene, p->raster,  settings, p->options,
-                              p->face,  p->seen, map,      p->counters};
+    const sl_map_drawing drawing = {p->scene, p->raster, settings, p->options, p->seen, map, p->counters};
     if (status == SL_OK) status = sl_map_pictures_draw(&drawing, error);
     if (status == SL_OK && traced) status = sl_map_trace_mirrors(&drawing, error);
     return status;
-}
-
-static sl_status check(const sl_radiance_map_settings *s, sl_error *error) {
-    enum { LARGEST = 4096 };
-    if (s->samples >= 1 && s->samples <= LARGEST && s->map_size >= 1 && s->map_size <= LARGEST) return SL_OK;
-    return sl_fail(error, SL_ERROR_USAGE,
-                   "a radiance map of %d texels and %d samples a side: from 1 to %d each", s->map_size,
-                   s->samples, (int)LARGEST);
 }
 
 sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
@@ -248,8 +238,6 @@ sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster,
                                  const sl_radiance_map_options *options, sl_radiance_map **out,
                                  sl_counters *counters, sl_error *error) {
     *out = NULL;
-    sl_status status = check(settings, error);
-    if (status != SL_OK) return status;
     planning p = {.scene = scene,
                   .raster = raster,
                   .lights = lights,
@@ -262,7 +250,7 @@ sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster,
                              .lambertian = options->lambertian,
                              .shape = settings->shape,
                              .fov = settings->map_fov};
-    status = render(&p, settings, map, error);
+    const sl_status status = render(&p, settings, map, error);
     sl_free(p.face);
     sl_free(p.seen);
     if (status != SL_OK) sl_radiance_map_destroy(map);

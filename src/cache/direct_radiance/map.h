@@ -33,6 +33,8 @@ typedef struct sl_map_face {
     int width, height;               /* texels */
     int columns, rows;               /* blocks: width / columns = height / rows = w / m texels each way */
     size_t first;                    /* its first texel in the planes, row 0 at the bottom */
+    bool back;                       /* of an area light */
+    size_t seen; /* sl_map_drawing.seen: where the triangles that the light itself sees in it begin */
 } sl_map_face;
 
 typedef struct sl_radiance_map {
@@ -58,7 +60,6 @@ typedef struct sl_radiance_map {
     /* beside spread: the reflectances of the traced mirrors on the way, multiplied; NULL without */
     float *carried[3];
     bool lambertian;                 /* color holds L_o */
-    bool mirrored_light;             /* some faces are images in mirrors */
     sl_map_shape shape;              /* as asked for */
     double fov;
 } sl_radiance_map;
@@ -104,13 +105,6 @@ double sl_printed_tilted_footprint(double footprint, double cos_alpha);
 /* Two hemicubes. */
 enum { SL_LIGHT_FACES_MAX = 10 };
 
-/* A face that is planned. */
-typedef struct sl_planned_face {
-    sl_map_face face;
-    bool back;         /* of an area light */
-    size_t seen;       /* where the triangles that the light itself sees in that picture begin */
-} sl_planned_face;
-
 typedef struct sl_face_shape {
     sl_map_shape shape; /* AUTO: by the light's kind */
     double fov;         /* of a frustum; 0: the spot's own, or 90 degrees */
@@ -122,13 +116,13 @@ sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings);
  * hemicube looks. Faces that are dark all over (behind, outside a cone) are not among them; *dark says how
  * many. A directional light has one face, which needs the scene. */
 int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_face_shape *shape, sl_vec3 aim,
-                   sl_planned_face *face, int *dark);
+                   sl_map_face *face, int *dark);
 /* Texels a side of a block in a directional light's picture, of `texels` in others': it holds the whole
  * scene, and the sun that falls through a window is a small part of it. 8 times as many, up to 512 a side of
  * the picture. */
 int sl_parallel_texels(int samples, int texels);
 /* Returns the view that draws a face. */
-sl_view sl_map_face_view(const sl_scene *scene, const sl_light_eye *light, const sl_planned_face *planned);
+sl_view sl_map_face_view(const sl_scene *scene, const sl_light_eye *light, const sl_map_face *face);
 /* A face of directional light is as deep as the scene's box looks from there, and begins that far before the
  * box. */
 float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face);
@@ -142,7 +136,7 @@ float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face);
 
 /* The face that `of` sees in mirror m; false where the light lies in the mirror's plane. */
 bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, uint32_t mirror,
-                           const sl_map_light *light, const sl_planned_face *of, sl_planned_face *mirrored);
+                           const sl_map_light *light, const sl_map_face *of, sl_map_face *mirrored);
 
 /* Passes 2a to 2c: the faces' triangles, and what they are resolved to. */
 
@@ -151,7 +145,6 @@ typedef struct sl_map_drawing {
     const sl_raster *raster;
     const sl_radiance_map_settings *settings;
     const sl_radiance_map_options *options;
-    const sl_planned_face *planned; /* of each face of the map */
     const uint32_t *seen;           /* triangles that the lights themselves see */
     sl_radiance_map *map;           /* faces and planes are there; pictures are written */
     sl_counters *counters;

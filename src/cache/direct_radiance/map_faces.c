@@ -16,14 +16,14 @@ sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings) {
 typedef struct {
     const sl_light_eye *light;
     const sl_face_shape *shape;
-    sl_planned_face *face;
+    sl_map_face *face;
     int count, dark;
 } face_list;
 
 static void add(face_list *list, const sl_frame *frame, double reach, int rows, bool back) {
     int m = list->shape->samples, k = list->shape->texels;
     list->face[list->count++] =
-        (sl_planned_face){.face = {.mirror = SL_NO_INDEX,
+        (sl_map_face){.mirror = SL_NO_INDEX,
                                    .eye = list->light->position,
                                    .reflectance = {1, 1, 1},
                                    .frame = *frame,
@@ -34,8 +34,8 @@ static void add(face_list *list, const sl_frame *frame, double reach, int rows, 
                                    .width = m * k,
                                    .height = rows * k,
                                    .columns = m,
-                                   .rows = rows},
-                          .back = back};
+                                   .rows = rows,
+                      .back = back};
 }
 
 static void add_side(face_list *list, const sl_frame *frame, int side, int rows, bool back) {
@@ -103,7 +103,7 @@ static void add_parallel(face_list *list, const sl_scene *scene) {
     finer.texels = sl_parallel_texels(finer.samples, finer.texels);
     list->shape = &finer;
     add(list, &p.frame, 1.0, finer.samples, false);
-    sl_map_face *f = &list->face[list->count - 1].face;
+    sl_map_face *f = &list->face[list->count - 1];
     f->eye = sl_mad(p.centre, -2.0f * p.reach_z, p.frame.z);
     f->left = -(double)p.reach_x;
     f->right = (double)p.reach_x;
@@ -112,7 +112,7 @@ static void add_parallel(face_list *list, const sl_scene *scene) {
 }
 
 int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_face_shape *shape, sl_vec3 aim,
-                   sl_planned_face *face, int *dark) {
+                   sl_map_face *face, int *dark) {
     face_list list = {light, shape, face, 0, 0};
     sl_map_shape form = shape_for(light, shape->shape);
     sl_frame frame = frame_of(light, form, aim);
@@ -157,11 +157,10 @@ static sl_view parallel_view(const sl_scene *scene, const sl_map_face *f) {
     return view;
 }
 
-sl_view sl_map_face_view(const sl_scene *scene, const sl_light_eye *light, const sl_planned_face *planned) {
-    const sl_map_face *f = &planned->face;
+sl_view sl_map_face_view(const sl_scene *scene, const sl_light_eye *light, const sl_map_face *f) {
     if (light->kind == SL_SOURCE_DIRECTIONAL) return parallel_view(scene, f);
-    const sl_pyramid_picture picture = {f->frame, f->left,   f->right,     f->bottom,
-                                      f->top,   f->width, f->height, planned->back};
+    const sl_pyramid_picture picture = {f->frame, f->left,  f->right,  f->bottom,
+                                        f->top,   f->width, f->height, f->back};
     return sl_pyramid_view(scene, light, &picture);
 }
 
@@ -201,15 +200,15 @@ static bool parallel_in_mirror(const sl_scene *s, const sl_plane *plane, double 
 }
 
 bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, uint32_t mirror,
-                           const sl_map_light *light, const sl_planned_face *of, sl_planned_face *out) {
+                           const sl_map_light *light, const sl_map_face *of, sl_map_face *out) {
     const sl_plane *plane = &mirrors->plane[mirror];
-    const sl_view *through = &of->face.view;
+    const sl_view *through = &of->view;
     *out = *of;
-    out->face.mirror = mirror;
-    out->face.reflectance = scene->materials[mirrors->material[mirror]].mirror;
-    out->face.eye = sl_to_float(sl_plane_reflect(plane, sl_to_double(of->face.eye)));
-    out->face.frame = reflect_frame(plane, &of->face.frame);
+    out->mirror = mirror;
+    out->reflectance = scene->materials[mirrors->material[mirror]].mirror;
+    out->eye = sl_to_float(sl_plane_reflect(plane, sl_to_double(of->eye)));
+    out->frame = reflect_frame(plane, &of->frame);
     if (light->kind == SL_SOURCE_DIRECTIONAL)
-        return parallel_in_mirror(scene, plane, mirrors->offset, through, &out->face, &out->face.view);
-    return sl_view_mirrored(through, plane, mirrors->offset, &out->face.view);
+        return parallel_in_mirror(scene, plane, mirrors->offset, through, out, &out->view);
+    return sl_view_mirrored(through, plane, mirrors->offset, &out->view);
 }

@@ -134,10 +134,10 @@ static void resolve_face(void *context, size_t index, unsigned worker) {
 /* ---- all ---- */
 
 /* Of a mirror's picture the texels in which the light sees the mirror. */
-static void apply_stencil(const sl_map_drawing *d, const sl_map_face *face, const sl_planned_face *planned) {
+static void apply_stencil(const sl_map_drawing *d, const sl_map_face *face) {
     size_t texels = (size_t)face->width * (size_t)face->height;
     for (size_t i = 0; i < texels; i++) {
-        uint32_t seen = d->seen[planned->seen + i];
+        uint32_t seen = d->seen[face->seen + i];
         if (seen == SL_NO_INDEX || d->options->mirrors->of_triangle[seen] != face->mirror)
             d->map->triangle[face->first + i] = SL_NO_INDEX;
     }
@@ -165,7 +165,7 @@ static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
         uint32_t *triangle = map->triangle + face->first;
         const size_t texels = (size_t)face->width * (size_t)face->height;
         if (face->mirror == SL_NO_INDEX)
-            memcpy(triangle, d->seen + d->planned[f].seen, texels * sizeof *triangle);
+            memcpy(triangle, d->seen + face->seen, texels * sizeof *triangle);
         if (face->mirror == SL_NO_INDEX) continue;
         views[count] = face->view;
         targets[count++] = (sl_target){face->width, face->height, triangle, NULL};
@@ -174,7 +174,7 @@ static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
         status = sl_map_triangles_draw(d->raster, count, views, targets, d->options->threads, d->counters,
                                        error);
     for (size_t f = 0; f < map->face_count && status == SL_OK; f++) {
-        if (map->face[f].mirror != SL_NO_INDEX) apply_stencil(d, &map->face[f], &d->planned[f]);
+        if (map->face[f].mirror != SL_NO_INDEX) apply_stencil(d, &map->face[f]);
     }
     sl_free(views);
     sl_free(targets);

@@ -260,11 +260,11 @@ static bool holds_cone(const sl_map_light *light, const sl_map_face *face, int c
     return count + dark == SL_LIGHT_SIDES || (ahead && c >= 0.0); /* a cube; a hemicube */
 }
 
-static double share_of(const sl_map_light *light, const sl_planned_face *face, int count, int dark,
+static double share_of(const sl_map_light *light, const sl_map_face *face, int count, int dark,
                        double flux) {
     double sum = 0.0;
-    if (light->kind == SL_SOURCE_SPOT && holds_cone(light, &face->face, count, dark)) return 1.0;
-    for (int i = 0; i < count; i++) sum += flux_through(light, &face[i].face);
+    if (light->kind == SL_SOURCE_SPOT && holds_cone(light, face, count, dark)) return 1.0;
+    for (int i = 0; i < count; i++) sum += flux_through(light, &face[i]);
     return sum < flux ? sum / flux : 1.0;
 }
 
@@ -272,7 +272,7 @@ double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light) {
     enum { CELLS = 24 };
     const sl_map_light *l = &map->lights->light[light];
     sl_face_shape shape = {map->shape, map->fov, CELLS, 1};
-    sl_planned_face face[SL_LIGHT_FACES_MAX];
+    sl_map_face face[SL_LIGHT_FACES_MAX];
     const sl_light_eye eye = sl_map_light_eye(map->lights, light);
     double flux = (double)sl_rgb_mean(sl_map_light_flux(l));
     int dark;

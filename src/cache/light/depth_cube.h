@@ -58,8 +58,6 @@ sl_view sl_parallel_view(const sl_parallel_picture *picture, int width, int heig
 
 /* ---- depth cubes ---- */
 
-enum { SL_DEPTH_CUBE_LEAST = 8, SL_DEPTH_CUBE_MOST = 8192 }; /* texels a side */
-
 /* The depth pictures around a light. A cube's hold 1/z, z along the picture's own axis, and have a border of
  * one texel beyond 90 degrees, so that a filter never leaves its picture; a directional light's one holds 1 -
  * d, d in [0,1] linear in depth. So in both larger is nearer, 0 is empty, and a plane is a linear function. A

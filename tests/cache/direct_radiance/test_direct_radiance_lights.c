@@ -198,20 +198,6 @@ static void of_too_many_lights_the_weak_join_their_neighbours_and_no_flux_is_los
     sl_scene_destroy(scene);
 }
 
-static void divisions_that_make_no_sense_are_refused(void **state) {
-    (void)state;
-    trace_mesh mesh = floor_mesh();
-    sl_scene *scene = trace_mesh_build(&mesh);
-    sl_map_lights *lights;
-    sl_error error;
-    assert_int_equal(sl_map_lights_find(scene, 0, &lights, &error), SL_ERROR_USAGE);
-    assert_null(lights);
-    lights = find(scene, 1);
-    assert_int_equal(lights->count, 0);
-    sl_map_lights_destroy(lights);
-    sl_scene_destroy(scene);
-}
-
 /* ---- footprint ---- */
 
 static void solid_angles_of_a_picture_s_parts_add_up_to_the_picture_s(void **state) {
@@ -270,7 +256,6 @@ int main(void) {
         cmocka_unit_test(a_quad_is_n_x_n_points_that_share_its_intensity),
         cmocka_unit_test(a_solid_lamp_shines_from_points_of_its_surface),
         cmocka_unit_test(of_too_many_lights_the_weak_join_their_neighbours_and_no_flux_is_lost),
-        cmocka_unit_test(divisions_that_make_no_sense_are_refused),
         cmocka_unit_test(solid_angles_of_a_picture_s_parts_add_up_to_the_picture_s),
         cmocka_unit_test(the_printed_footprint_exceeds_the_true_one_as_the_specification_found),
         cmocka_unit_test(the_tilted_footprint_is_right_to_little_more_than_a_hundredth_at_30_degrees),

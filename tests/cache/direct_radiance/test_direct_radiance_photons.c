@@ -187,7 +187,6 @@ static void a_lights_image_in_a_mirror_shines_as_the_light_does(void **state) {
     f->eye = sl_v3(2, 0, 0);
     f->mirror = 0;
     f->reflectance = sl_grey(0.8f);
-    h->map.mirrored_light = true;
     sl_vec3 y = sl_v3(-1, 0.75f, 0);
     hand_texel(h, f->first + 5, 0, y, sl_v3(1, 0, 0), sl_grey(0.5f));
     sl_map_photons *photons = take_photons(scene, &h->map, &points);
