@@ -36,27 +36,29 @@ static bool is_unknown_mirror(const sl_scene *scene, uint32_t id) {
     return id != SL_NO_INDEX && sl_material_is_mirror(&scene->materials[scene->material_index[id]]);
 }
 
-/* One part of a face, from the picture's channels. A mirror that is not known keeps the factor by which it
- * will show the cube's mean. */
-static void keep_part(const cube_pass *g, const sl_receivers *r, const sl_image *image, int face, int part) {
+/* One row of one part of a face, from the picture's channels, whose top row is first. A mirror that is not
+ * known keeps the factor by which it will show the cube's mean. */
+static void keep_row(const cube_pass *g, const sl_receivers *r, const sl_image *image, int face, int part,
+                     size_t row) {
     static const size_t channel[SL_CUBE_PARTS] = {[SL_CUBE_EMISSION] = SL_RADIANCE_EMISSION,
                                                   [SL_CUBE_DIRECT] = SL_RADIANCE_DIRECT,
                                                   [SL_CUBE_INDIRECT] = SL_RADIANCE_INDIRECT};
     const sl_scene *scene = g->pass->scene;
     const size_t size = (size_t)r->width, pixels = size * size;
-    for (size_t i = 0; i < pixels; i++) {
+    const float *red = image->planes + channel[part] * pixels + (size - 1 - row) * size,
+                *green = red + pixels, *blue = green + pixels;
+    float *texel = sl_cube_map_texel(g->cube->part[part], 0, face, 0, (int)row);
+    for (size_t x = 0; x < size; x++, texel += 4) {
+        const size_t i = row * size + x;
         const uint32_t id = r->gbuffer->id[i];
-        const bool unknown = is_unknown_mirror(scene, id);
-        const size_t from = (size - 1 - i / size) * size + i % size;
-        const float *plane = image->planes + channel[part] * pixels + from;
-        const sl_rgb ks = unknown ? scene->materials[scene->material_index[id]].mirror : sl_grey(0.0f);
-        const float factor[3] = {ks.r, ks.g, ks.b};
-        float *texel = sl_cube_map_texel(g->cube->part[part], 0, face, (int)(i % size), (int)(i / size));
-        for (size_t k = 0; k < 3; k++) {
-            const float throughput = r->throughput[k] ? r->throughput[k][i] : 1.0f;
-            texel[k] = unknown ? factor[k] * throughput : plane[k * pixels];
-        }
-        texel[3] = unknown ? 0.0f : 1.0f;
+        texel[0] = red[x], texel[1] = green[x], texel[2] = blue[x], texel[3] = 1.0f;
+        if (!is_unknown_mirror(scene, id)) continue;
+        const sl_rgb ks = scene->materials[scene->material_index[id]].mirror;
+        const bool through = r->throughput[0] != NULL;
+        texel[0] = ks.r * (through ? r->throughput[0][i] : 1.0f);
+        texel[1] = ks.g * (through ? r->throughput[1][i] : 1.0f);
+        texel[2] = ks.b * (through ? r->throughput[2][i] : 1.0f);
+        texel[3] = 0.0f;
     }
 }
 
@@ -75,8 +77,10 @@ static sl_status make_face(const cube_pass *g, int face, sl_counters *counters, 
                                             pass->reflections, 1, &r, counters, error);
     const sl_strip_pass strips = {.raster = pass->raster, .outline = r, .light = &light, .layers = true};
     if (status == SL_OK) status = sl_radiance_draw_strips(&strips, &image, counters, error);
-    for (int part = 0; part < SL_CUBE_PARTS && status == SL_OK; part++)
-        if (g->cube->part[part]) keep_part(g, r, image, face, part);
+    for (int part = 0; part < SL_CUBE_PARTS && status == SL_OK; part++) {
+        for (size_t row = 0; g->cube->part[part] && row < (size_t)pass->cube_size; row++)
+            keep_row(g, r, image, face, part, row);
+    }
     sl_receivers_destroy(r);
     sl_image_destroy(image);
     return status;
