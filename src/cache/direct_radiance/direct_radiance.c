@@ -113,7 +113,7 @@ sl_light_pass sl_radiance_lighting(const sl_radiance_state *s) {
                            .threads = s->settings.threads};
 }
 
-/* With visibility no light arrives that ought not to. */
+/* Measures what the map holds and what of it arrives; with visibility no light arrives that ought not to. */
 static sl_status report_map(sl_radiance_state *s, sl_error *error) {
     s->report = (sl_map_report){.captured = sl_radiance_maps_captured(s->map),
                                 .received = NAN,
@@ -149,8 +149,8 @@ static sl_status draw_environment_cubes(sl_radiance_state *s, const sl_light_pas
                           : SL_OK;
 }
 
-/* The paper's trick: cubes without indirect light, and curved mirrors that receive it as if they were
- * diffuse. */
+/* Returns the pass with the paper's trick: cubes without indirect light, and curved mirrors that receive it
+ * as if they were diffuse. */
 sl_light_pass sl_radiance_indirect_lighting(const sl_radiance_state *s) {
     sl_light_pass light = sl_radiance_lighting(s);
     if (s->plan.curved && s->settings.radiance_map.mirror_light == SL_MIRROR_LIGHT_TRICK)
@@ -160,7 +160,8 @@ sl_light_pass sl_radiance_indirect_lighting(const sl_radiance_state *s) {
 
 /* ---- The picture: planar mirrors, direct and indirect illumination (passes 5 to 8) ---- */
 
-/* A few rows at a time, in the cache of one thread: (5), (9), and (10) with its weights (11), (14), (15). */
+/* Draws a few rows at a time, in the cache of one thread: (5), (9), and (10) with its weights (11), (14),
+ * (15). */
 sl_status sl_radiance_draw_image(const sl_radiance_state *s, sl_image **image, sl_counters *counters,
                                  sl_error *error) {
     const sl_light_pass light = sl_radiance_indirect_lighting(s);

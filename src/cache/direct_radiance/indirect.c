@@ -40,9 +40,9 @@ static bool make_tables(indirect_pass *p) {
     return p->photon && p->form && (!lobes || p->lobe) && (!polygons || p->polygon) && (!seen || p->ray_end);
 }
 
-/* A photon that stands for several texels lies at their mean, which on a curved surface is a little inside.
- * Within a group normals differ by at most 20 degrees: the mean is at most 0.09 of the footprint's radius
- * deep. */
+/* Returns where rays to a photon end. One that stands for several texels lies at their mean, which on a
+ * curved surface is a little inside. Within a group normals differ by at most 20 degrees: the mean is at most
+ * 0.09 of the footprint's radius deep. */
 static sl_vec3 ray_end(const sl_map_photon *p, float offset) {
     const float area = p->cos_alpha > 0.0f ? p->footprint / p->cos_alpha : 0.0f,
                 lift = 0.1f * sqrtf(area * (float)(1.0 / SL_PI));
@@ -118,15 +118,15 @@ static void see(const indirect_pass *p, const sl_receiver_tile *tile, size_t j, 
             set_ray(p, tile, i, j, count++, &rays);
         }
         if (count < SL_PACKET && (i + 1 < tile->count || count == 0)) continue;
-        const uint32_t hidden = sl_trace_occluded(p->pass->tracer, &rays, count, true, counters);
-        for (unsigned k = 0; k < count; k++) visible[lane[k]] = hidden >> k & 1u ? 0.0f : 1.0f;
+        const uint32_t occluded = sl_trace_occluded(p->pass->tracer, &rays, count, true, counters);
+        for (unsigned k = 0; k < count; k++) visible[lane[k]] = occluded >> k & 1u ? 0.0f : 1.0f;
         count = 0;
     }
 }
 
 /* ---- all that is done with a photon ---- */
 
-/* With the weights that know photons to have an area. */
+/* Returns where a receiver's lobe looks: at a disc, with the weights that give photons an area. */
 static sl_lobe_target target_of(const indirect_pass *p, size_t j, const sl_photon_registers *r) {
     const sl_map_photon *photon = &p->pass->photons->photon[j];
     bool disc = p->pass->weight == SL_WEIGHT_FLUX || p->pass->weight == SL_WEIGHT_POLYGON;
@@ -237,8 +237,8 @@ void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_til
     sum_photons(sums, tile, false, light, &ignored);
 }
 
-/* The samples that stand for the same light's hemisphere in (11), those included where nothing is; photons
- * made by hand are a sample each. */
+/* Counts the samples that stand for the same light's hemisphere in (11), those included where nothing is;
+ * photons made by hand are a sample each. */
 static float samples_of_light(const sl_map_photons *photons, size_t photon) {
     size_t samples = 0;
     for (size_t l = 0; l < SL_MAP_LIGHTS_MAX; l++) {
@@ -260,8 +260,8 @@ sl_weight_terms sl_weight_terms_of(const sl_map_photons *photons, size_t photon)
                              has_size ? (float)ldexp(1.0, -2 * exponent) : 1.0f};
 }
 
-/* The polygon weight's place where the footprint is no polygon is taken by the flux weight. A polygon is
- * multiplied by the flux as it is: the plain weight's colour, in units of 1. */
+/* Chooses the form of a photon's weight: where its footprint is no polygon the flux weight stands in. A
+ * polygon is multiplied by the flux as it is: the plain weight's colour, in units of 1. */
 static sl_weight_form form_of(const sl_map_photons *photons, size_t photon, sl_photon_weight *weight,
                               sl_weight_terms *terms) {
     *terms = sl_weight_terms_of(photons, photon);

@@ -81,8 +81,8 @@ static sl_map_light light_of(const sl_sampled_light *lamp) {
                           .two_sided = lamp->two_sided};
 }
 
-/* Number `index` of n x n in a planar light, evenly over a parallelogram; of other lights the points are
- * spread over their triangles in turn. */
+/* Returns point `index` of n x n in a planar light, evenly over a parallelogram; of other lights the points
+ * are spread over their triangles in turn. */
 static sl_vec3 point_of(const sl_sampled_light *lamp, const sl_light_surface *surface, size_t index, int n,
                         sl_vec3 *normal) {
     const size_t count = points_of(lamp, n), side = (size_t)n;
@@ -143,7 +143,8 @@ static double power_of(const sl_map_light *l) {
     return power > 0.0 && isfinite(power) ? power : 0.0;
 }
 
-/* Squared, in the scene's sizes: a turn by a right angle counts as much as a way of half the scene. */
+/* Returns the squared distance in the scene's sizes: a turn by a right angle counts as much as a way of half
+ * the scene. */
 static double distance_of(const sl_map_light *a, const sl_map_light *b, double size) {
     const sl_vec3 way = sl_sub(a->position, b->position), turn = sl_sub(a->direction, b->direction);
     if (a->kind != b->kind || a->two_sided != b->two_sided) return FAR_APART;
@@ -169,7 +170,8 @@ static void choose(const finding *f, size_t most, uint32_t *nearest, double *dis
     }
 }
 
-/* Stands in the middle by flux, shines as widely as the wider of both, and has the flux of both. */
+/* Adds a light: the sum stands in the middle by flux, shines as widely as the wider of both, and has the flux
+ * of both. */
 static void merge_light(sl_map_light *into, const sl_map_light *part) {
     const double power = power_of(into) + power_of(part);
     const float share = power > 0.0 ? (float)(power_of(part) / power) : 0.0f;
@@ -233,7 +235,7 @@ void sl_map_lights_destroy(sl_map_lights *lights) {
     sl_free(lights);
 }
 
-/* How far a lamp's triangles reach above the plane through a point of it. */
+/* Returns how far a lamp's triangles lie above the plane through a point of it. */
 static float clearance_of(const sl_sampled_light *lamp, sl_vec3 point, sl_vec3 normal) {
     const sl_vec3d n = sl_to_double(normal), o = sl_to_double(point);
     double most = 0.0;

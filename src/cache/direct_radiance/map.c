@@ -43,7 +43,7 @@ static void skip(planning *p, int passes) {
 
 static size_t texels_of(const sl_map_face *f) { return (size_t)f->width * (size_t)f->height; }
 
-/* Where the paper aims its light. */
+/* Returns where the paper aims its light. */
 static sl_vec3 aim_of(const sl_scene *s, const sl_map_light *light) {
     return sl_normalize_or(sl_sub(sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min)), light->position),
                            sl_v3(0, -1, 0));
@@ -191,7 +191,7 @@ static void measure_texels(sl_radiance_map *map, const sl_map_face *f, bool para
     }
 }
 
-/* Most faces are cut alike. */
+/* Measures solid angles; most faces are cut alike. */
 static void measure_faces(sl_radiance_map *map) {
     for (size_t f = 0; f < map->face_count; f++) {
         const sl_map_face *face = &map->face[f];
@@ -208,7 +208,7 @@ static void measure_faces(sl_radiance_map *map) {
     }
 }
 
-/* The planned faces become the map's. */
+/* Makes the planned faces the map's own. */
 static sl_status make_map(planning *p, sl_radiance_map *map, bool traced, sl_error *error) {
     map->face_count = p->count;
     map->face = p->face;

@@ -20,17 +20,17 @@ typedef struct {
     int count, dark;
 } face_list;
 
-static void add(face_list *list, const sl_frame *frame, double reach, int rows, bool back) {
+static void add(face_list *list, const sl_frame *frame, double tangent, int rows, bool back) {
     int m = list->shape->samples, k = list->shape->texels;
     list->face[list->count++] =
         (sl_map_face){.mirror = SL_NO_INDEX,
                                    .eye = list->light->position,
                                    .reflectance = {1, 1, 1},
                                    .frame = *frame,
-                                   .left = -reach,
-                                   .right = reach,
-                                   .bottom = reach - 2.0 * reach * (double)rows / (double)m,
-                                   .top = reach,
+                                   .left = -tangent,
+                                   .right = tangent,
+                                   .bottom = tangent - 2.0 * tangent * (double)rows / (double)m,
+                                   .top = tangent,
                                    .width = m * k,
                                    .height = rows * k,
                                    .columns = m,
@@ -77,11 +77,11 @@ static sl_map_shape shape_for(const sl_light_eye *light, sl_map_shape asked) {
 }
 
 /* tan(fov / 2), from 1e-3 to that of 170 degrees. */
-static double frustum_reach(const sl_light_eye *light, double fov) {
-    double c = (double)light->cos_outer, reach = 1.0;
-    if (fov > 0.0) reach = sl_tan(0.5 * (fov < 2.96706 ? fov : 2.96706));
-    else if (light->kind == SL_SOURCE_SPOT) reach = c > 0.0 ? sqrt(1.0 - c * c) / c : 1e30;
-    return reach > 11.43 ? 11.43 : reach > 1e-3 ? reach : 1e-3;
+static double frustum_tangent(const sl_light_eye *light, double fov) {
+    double c = (double)light->cos_outer, tangent = 1.0;
+    if (fov > 0.0) tangent = sl_tan(0.5 * (fov < 2.96706 ? fov : 2.96706));
+    else if (light->kind == SL_SOURCE_SPOT) tangent = c > 0.0 ? sqrt(1.0 - c * c) / c : 1e30;
+    return tangent > 11.43 ? 11.43 : tangent > 1e-3 ? tangent : 1e-3;
 }
 
 static sl_frame frame_of(const sl_light_eye *light, sl_map_shape shape, sl_vec3 aim) {
@@ -104,11 +104,11 @@ static void add_parallel(face_list *list, const sl_scene *scene) {
     list->shape = &finer;
     add(list, &p.frame, 1.0, finer.samples, false);
     sl_map_face *f = &list->face[list->count - 1];
-    f->eye = sl_mad(p.centre, -2.0f * p.reach_z, p.frame.z);
-    f->left = -(double)p.reach_x;
-    f->right = (double)p.reach_x;
-    f->bottom = -(double)p.reach_y;
-    f->top = (double)p.reach_y;
+    f->eye = sl_mad(p.centre, -2.0f * p.extent_z, p.frame.z);
+    f->left = -(double)p.extent_x;
+    f->right = (double)p.extent_x;
+    f->bottom = -(double)p.extent_y;
+    f->top = (double)p.extent_y;
 }
 
 int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_face_shape *shape, sl_vec3 aim,
@@ -119,11 +119,11 @@ int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_fa
     if (light->kind == SL_SOURCE_DIRECTIONAL) add_parallel(&list, scene);
     else if (form == SL_MAP_CUBE) add_cube(&list, &frame);
     else if (form == SL_MAP_HEMICUBE) add_hemicube(&list, &frame, false);
-    else add(&list, &frame, frustum_reach(light, shape->fov), shape->samples, false);
+    else add(&list, &frame, frustum_tangent(light, shape->fov), shape->samples, false);
     if (light->kind == SL_SOURCE_AREA && light->two_sided) {
         frame.z = sl_neg(frame.z);
         if (form == SL_MAP_HEMICUBE) add_hemicube(&list, &frame, true);
-        else add(&list, &frame, frustum_reach(light, shape->fov), shape->samples, true);
+        else add(&list, &frame, frustum_tangent(light, shape->fov), shape->samples, true);
     }
     *dark = list.dark;
     return list.count;
@@ -132,7 +132,7 @@ int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_fa
 /* ---- views ---- */
 
 float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face) {
-    return sl_parallel_picture_of(scene, face->frame.z).reach_z;
+    return sl_parallel_picture_of(scene, face->frame.z).extent_z;
 }
 
 static void set_row(float row[4], sl_vec3 axis, double low, double high) {

@@ -16,7 +16,8 @@ enum {
 
 /* ---- one texel ---- */
 
-/* As an 8-bit colour holds a coordinate: scaled into the scene's box, in steps of 1/255 of its extent. */
+/* Rounds a coordinate as an 8-bit colour holds it: scaled into the scene's box, in steps of 1/255 of its
+ * extent. */
 static float eight_bits(float value, float low, float high) {
     float extent = high - low;
     if (!(extent > 0.0f)) return low;
@@ -133,7 +134,7 @@ static void resolve_face(void *context, size_t index, unsigned worker) {
 
 /* ---- all ---- */
 
-/* Of a mirror's picture the texels in which the light sees the mirror. */
+/* Keeps of a mirror's picture the texels in which the light sees the mirror. */
 static void apply_stencil(const sl_map_drawing *d, const sl_map_face *face) {
     size_t texels = (size_t)face->width * (size_t)face->height;
     for (size_t i = 0; i < texels; i++) {
@@ -153,7 +154,7 @@ sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_
     return status;
 }
 
-/* The lights' own faces are drawn already. */
+/* Draws the mirrors' faces; the lights' own ones are there. */
 static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
     sl_radiance_map *map = d->map;
     sl_view *views = sl_allocate(map->face_count, sizeof *views);

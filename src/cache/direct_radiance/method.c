@@ -40,7 +40,7 @@ void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons)
     sl_free(marks);
 }
 
-/* The receivers whole, since strips leave none, and the layers of the picture. */
+/* Announces the receivers whole, since strips leave none, and the layers of the picture. */
 void sl_radiance_announce_light(sl_radiance_state *s) {
     const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
     const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
@@ -124,7 +124,7 @@ static void tell_photon(void *context, size_t photon, float weight, const float 
     sl_explanation_add(t->writer, &term);
 }
 
-/* The tile's lanes up to one pixel's, and as few as loops take: what lies beyond has no say. */
+/* Returns the tile's lanes up to one pixel's, and as few as loops take: what lies beyond has no say. */
 static sl_receiver_tile up_to(const sl_receiver_tile *tile, size_t lane) {
     sl_receiver_tile shorter = *tile;
     shorter.count = lane + 1;
@@ -133,7 +133,7 @@ static sl_receiver_tile up_to(const sl_receiver_tile *tile, size_t lane) {
     return shorter;
 }
 
-/* Of the tiles of its strip the one that has the pixel. */
+/* Explains the pixel by the one tile of its strip that has it. */
 static void tell_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
     const telling *t = context;
     for (size_t lane = 0; lane < tile->count; lane++) {
@@ -160,7 +160,7 @@ static void explanation_tell(const sl_radiance_explanation *explanation, int x, 
 
 /* ---- frames ---- */
 
-/* The G-buffer stays for the next frame. */
+/* Frees what is of one picture; the G-buffer stays for the next frame. */
 static void forget_picture(sl_radiance_state *s) {
     explanation_destroy(s->explanation);
     s->explanation = NULL;
@@ -199,7 +199,7 @@ static sl_status radiance_create(const sl_scene *scene, const sl_settings *setti
     return SL_OK;
 }
 
-/* A whole frame: there is nothing to refine. */
+/* Draws a whole frame: there is nothing to refine. */
 static sl_status radiance_update(void *state, sl_progress *progress, sl_error *error) {
     sl_radiance_state *s = state;
     sl_status status = s->placed ? SL_OK : sl_radiance_place(s, error);
@@ -212,7 +212,7 @@ static sl_status radiance_update(void *state, sl_progress *progress, sl_error *e
     return status;
 }
 
-/* A picture is handed over; to have it again it is drawn again, which is not counted. */
+/* Hands the picture over; to have it again it is drawn again, which is not counted. */
 static sl_status give_picture(sl_radiance_state *s, sl_image **image, sl_error *error) {
     sl_counters ignored = {{0}};
     if (!s->image) return sl_radiance_draw_image(s, image, &ignored, error);

@@ -136,7 +136,7 @@ typedef struct {
     float x[SL_TEXTURE_BLOCK], y[SL_TEXTURE_BLOCK], z[SL_TEXTURE_BLOCK];
 } look_ups;
 
-/* The cube of the curved mirror that the pixel shows, or SL_NO_INDEX. */
+/* Returns the cube of the curved mirror that the pixel shows, or SL_NO_INDEX. */
 static uint32_t cube_at(const reflecting *r, size_t pixel) {
     const sl_curved_mirrors *m = r->mirrors;
     const sl_gbuffer *g = r->receivers->gbuffer;

@@ -25,20 +25,22 @@ typedef struct {
     const sl_mirror_object *object;
     sl_environment_cube *cube; /* to be filled */
     uint8_t *left_out;         /* by triangle */
+    bool unknown[FACES];       /* some texels show mirrors that nothing tells about */
     sl_status status[FACES];
     sl_error error[FACES];
     sl_counters counters[FACES];
 } cube_pass;
 
-/* The pixel shows a mirror that nothing tells about: a curved one, or a planar one beyond the nesting limit.
+/* Tells if the pixel shows a mirror of which nothing is known: a curved one, or a planar one beyond the
+ * nesting limit.
  */
 static bool is_unknown_mirror(const sl_scene *scene, uint32_t id) {
     return id != SL_NO_INDEX && sl_material_is_mirror(&scene->materials[scene->material_index[id]]);
 }
 
-/* One row of one part of a face, from the picture's channels, whose top row is first. A mirror that is not
- * known keeps the factor by which it will show the cube's mean. */
-static void keep_row(const cube_pass *g, const sl_receivers *r, const sl_image *image, int face, int part,
+/* Keeps one row of one part of a face, from the picture's channels, whose top row is first. A mirror that is
+ * not known keeps the factor by which it will show the cube's mean. */
+static void keep_row(cube_pass *g, const sl_receivers *r, const sl_image *image, int face, int part,
                      size_t row) {
     static const size_t channel[SL_CUBE_PARTS] = {[SL_CUBE_EMISSION] = SL_RADIANCE_EMISSION,
                                                   [SL_CUBE_DIRECT] = SL_RADIANCE_DIRECT,
@@ -53,6 +55,7 @@ static void keep_row(const cube_pass *g, const sl_receivers *r, const sl_image *
         const uint32_t id = r->gbuffer->id[i];
         texel[0] = red[x], texel[1] = green[x], texel[2] = blue[x], texel[3] = 1.0f;
         if (!is_unknown_mirror(scene, id)) continue;
+        g->unknown[face] = true;
         const sl_rgb ks = scene->materials[scene->material_index[id]].mirror;
         const bool through = r->throughput[0] != NULL;
         texel[0] = ks.r * (through ? r->throughput[0][i] : 1.0f);
@@ -62,7 +65,7 @@ static void keep_row(const cube_pass *g, const sl_receivers *r, const sl_image *
     }
 }
 
-static sl_status make_face(const cube_pass *g, int face, sl_counters *counters, sl_error *error) {
+static sl_status make_face(cube_pass *g, int face, sl_counters *counters, sl_error *error) {
     const sl_mirror_pass *pass = g->pass;
     sl_light_pass light = *pass->light;
     sl_view view =
@@ -96,10 +99,9 @@ static void make_face_task(void *context, size_t face, unsigned worker) {
 
 typedef struct {
     double sum[3], weight;
-    size_t known; /* texels */
 } cube_mean;
 
-/* By solid angle, which is proportional to (1 + x^2 + y^2)^(-3/2) at a point of the face. */
+/* Sums by solid angle, which is proportional to (1 + x^2 + y^2)^(-3/2) at a point of the face. */
 static void sum_face(const sl_cube_map *map, int face, cube_mean *mean) {
     const int n = map->size;
     for (int y = 0; y < n; y++) {
@@ -110,17 +112,14 @@ static void sum_face(const sl_cube_map *map, int face, cube_mean *mean) {
             const double weight = texel[3] > 0.0f ? 1.0 / (squared * sqrt(squared)) : 0.0;
             for (int k = 0; k < 3; k++) mean->sum[k] += weight > 0.0 ? weight * (double)texel[k] : 0.0;
             mean->weight += weight;
-            mean->known += weight > 0.0;
         }
     }
 }
 
-/* Mirrors that are not known show the mean of what is. */
+/* Gives mirrors that are not known the mean of what is. */
 static void fill_unknown(const sl_cube_map *map) {
-    const double all = (double)FACES * map->size * map->size;
-    cube_mean mean = {{0.0, 0.0, 0.0}, 0.0, 0};
+    cube_mean mean = {{0.0, 0.0, 0.0}, 0.0};
     for (int face = 0; face < FACES; face++) sum_face(map, face, &mean);
-    if ((double)mean.known == all) return;
     const double over = mean.weight > 0.0 ? 1.0 / mean.weight : 0.0;
     for (int face = 0; face < FACES; face++) {
         for (int y = 0; y < map->size; y++) {
@@ -163,9 +162,11 @@ static sl_status make_cube(cube_pass *g, unsigned threads, sl_counters *counters
         if (g->status[i] != SL_OK) return g->status[i];
         sl_counters_add(counters, &g->counters[i]);
     }
+    bool unknown = false;
+    for (int face = 0; face < FACES; face++) unknown = unknown || g->unknown[face];
     for (int p = 0; p < SL_CUBE_PARTS; p++) {
         if (!g->cube->part[p]) continue;
-        fill_unknown(g->cube->part[p]);
+        if (unknown) fill_unknown(g->cube->part[p]);
         sl_cube_map_build(g->cube->part[p], threads);
     }
     return SL_OK;

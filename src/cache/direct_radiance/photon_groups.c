@@ -29,8 +29,8 @@ static double strangeness(const sl_photon_sum *group, const sl_map_texel *t) {
     return off - sl_dotd(group->first_normal, t->normal);
 }
 
-/* The group that the texel joins: the first one of its surface, or a new one, or where there are four already
- * the one most like it, to which it is a stranger. */
+/* Returns the group that the texel joins: the first one of its surface, or a new one, or where there are four
+ * already the one most like it, to which it is a stranger. */
 static sl_photon_sum *group_of(sl_photon_sum group[SL_PHOTON_GROUPS], const sl_map_texel *t, bool lambertian,
                                bool *stranger) {
     sl_photon_sum *nearest = group;
@@ -65,8 +65,8 @@ static void add_lobe(sl_photon_sum *sum, const sl_map_texel *t) {
     sum->exponent += glossy * (double)t->material->exponent;
 }
 
-/* A stranger adds its flux and its area, so that no light is lost, and does not move the photon: between a
- * roof and the lawn there is a room. */
+/* Adds a texel. A stranger adds its flux and its area, so that no light is lost, and does not move the
+ * photon: between a roof and the lawn there is a room. */
 static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_map_texel *t, bool stranger,
                       double of_block) {
     double weight = stranger ? 0.0 : t->luminance;
@@ -112,7 +112,7 @@ static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photo
 void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, int column, int row,
                           double block, sl_photon_groups *groups) {
     double angle = (double)list->map->block_angle[sl_map_texel_index(face, column, row)];
-    const sl_texel_rectangle place = {column, row, column + 1, row + 1};
+    const sl_texel_rectangle texel = {column, row, column + 1, row + 1};
     sl_map_texel t;
     if (!sl_map_texel_read(list->scene, list->map, face, column, row, NULL, &t)) return;
     bool stranger;
@@ -122,11 +122,11 @@ void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, i
                              .first_normal = t.normal,
                              .object = t.object,
                              .material = t.material,
-                             .rectangle = place};
+                             .rectangle = texel};
     }
     add_texel(g, list->map, &t, stranger, angle / block);
     g->bent = g->bent || sl_dotd(g->first_normal, t.normal) < 1.0 - 1e-6;
-    if (!stranger) g->rectangle = sl_texel_rectangle_join(g->rectangle, place);
+    if (!stranger) g->rectangle = sl_texel_rectangle_join(g->rectangle, texel);
 }
 
 bool sl_photon_groups_finish(sl_photon_list *list, const sl_map_face *face, sl_photon_groups *groups) {
@@ -146,7 +146,7 @@ bool sl_photon_groups_finish(sl_photon_list *list, const sl_map_face *face, sl_p
 
 /* ---- radiance ---- */
 
-/* The face's colours with their MIP map; where nothing is, black, alpha 0. */
+/* Makes the face's colours with their MIP map; where nothing is, black, alpha 0. */
 static sl_status picture_of(const sl_radiance_map *map, const sl_map_face *face, sl_texture_image **image,
                             sl_error *error) {
     sl_status status = sl_texture_image_create(face->width, face->height, true, image, error);

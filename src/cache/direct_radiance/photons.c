@@ -181,9 +181,9 @@ static bool find_way(const sl_radiance_map *map, const sl_map_face *face, size_t
     return t->footprint > 0.0 && isfinite(t->footprint) && t->way >= 0.0;
 }
 
-/* The direction in which the texel's light left the light. Its image in a mirror shines as it does itself:
- * the mirror's plane lies halfway between. What came by curved mirrors left along the picture's ray, and
- * arrives from somewhere else. */
+/* Returns the direction in which the texel's light left the light. Its image in a mirror shines as it does
+ * itself: the mirror's plane lies halfway between. What came by curved mirrors left along the picture's ray,
+ * and arrives from somewhere else. */
 static sl_vec3 as_it_left(const sl_radiance_map *map, const sl_map_face *face, size_t i,
                           const sl_map_texel *t) {
     const sl_map_light *light = &map->lights->light[face->light];
@@ -283,7 +283,7 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
 
 static sl_rgb rgb_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
 
-/* The material without the texture, which the map's true colour has. */
+/* Finds the material without the texture, which the map's true colour has. */
 static void find_lobe(const sl_radiance_map *map, const sl_map_texel *t, double diffuse[3],
                       double specular[3], double *exponent) {
     if (map->lambertian) return;
@@ -315,7 +315,7 @@ sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_tex
     return s;
 }
 
-/* A of (13) with A' of (12) and w := m; a directional light's A' is its block's area. */
+/* Returns A of (13) with A' of (12) and w := m; a directional light's A' is its block's area. */
 static double printed_area(const sl_photon_list *list, const sl_map_face *face, const sl_photon_sample *s) {
     double footprint;
     if (sl_face_is_directional(list->map, face)) {

@@ -88,7 +88,7 @@ static void release(drawing *d) {
 
 /* ---- a strip ---- */
 
-/* Its rows as receivers of their own. */
+/* Returns the strip's rows as receivers of their own. */
 static sl_receivers rows_of(const drawing *d, strip *s, size_t index) {
     const sl_receivers *all = d->outline;
     sl_receivers r = *all;
@@ -148,7 +148,7 @@ static const char *const layer_names[SL_RADIANCE_CHANNELS] = {
     "R",        "G",        "B",        "emission.R", "emission.G", "emission.B",
     "direct.R", "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B"};
 
-/* Rows count from the bottom, as on the hardware; images have row 0 at the top. */
+/* Composes a row. Rows count from the bottom, as on the hardware; images have row 0 at the top. */
 static void compose_row(const drawing *d, const strip *s, const sl_receivers *r, size_t row) {
     const sl_image *image = d->image;
     const size_t width = (size_t)image->width, height = (size_t)image->height, pixels = width * height;
@@ -281,7 +281,7 @@ bool sl_emission_add_row(const sl_emission *e, const sl_receivers *r, size_t y, 
 
 /* ---- a picture ---- */
 
-/* Some pixel shows a planar mirror beyond the nesting limit. */
+/* Tells if some pixel shows a planar mirror beyond the nesting limit. */
 static bool ends_in_a_mirror(const sl_receivers *r) {
     const size_t pixels = (size_t)r->width * (size_t)r->height;
     uint32_t before = SL_NO_INDEX;

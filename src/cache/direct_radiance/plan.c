@@ -158,7 +158,8 @@ static unsigned sides_of_vertices(const sl_scene *scene, const plane *p) {
     return sides;
 }
 
-/* A directional light stands as far away as can be, on the side from which it comes. */
+/* Returns the side on which a light stands. A directional one is as far away as can be, on the side from
+ * which it comes. */
 static unsigned side_of_light(const sl_light *light, const plane *p) {
     if (light->type == SL_LIGHT_DIRECTIONAL)
         return side_of(-sl_dotd(p->normal, sl_to_double(light->direction)), 1e-6);

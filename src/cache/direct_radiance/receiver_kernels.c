@@ -25,7 +25,7 @@ void SL_KERNEL(sl_receivers_prepare)(sl_receiver_tile *t) {
     }
 }
 
-/* The same on the way from the G-buffer. */
+/* Does the same on the way from the G-buffer. */
 static inline void fetch_normals(const float *restrict in_gx, const float *restrict in_gy,
                                  const float *restrict in_gz, const float *restrict in_nx,
                                  const float *restrict in_ny, const float *restrict in_nz, size_t to,
@@ -235,18 +235,18 @@ static inline float squared_radius(float extent, float there, float squared) {
     return radius < 2.0f ? radius : 2.0f;
 }
 
-/* rho^2 pi / A where the axis meets the disc's plane; out of reach where it does not, ahead. */
-static inline float place_on_disc(sl_vec3 d, sl_vec3 axis, sl_vec3 normal, float extent) {
+/* rho^2 pi / A where the axis meets the disc's plane; far off where it does not, ahead. */
+static inline float offset_on_disc(sl_vec3 d, sl_vec3 axis, sl_vec3 normal, float extent) {
     float towards = normal.x * axis.x + normal.y * axis.y + normal.z * axis.z;
     float t = (normal.x * d.x + normal.y * d.y + normal.z * d.z) / (fabsf(towards) > 1e-9f ? towards : 1e-9f);
     float x = t * axis.x - d.x, y = t * axis.y - d.y, z = t * axis.z - d.z;
-    float place = (x * x + y * y + z * z) / (4.0f * (extent > 1e-30f ? extent : 1e-30f));
-    return ((t > 0.0f) & (place < 1e6f)) ? place : 1e6f;
+    float offset = (x * x + y * y + z * z) / (4.0f * (extent > 1e-30f ? extent : 1e-30f));
+    return ((t > 0.0f) & (offset < 1e6f)) ? offset : 1e6f;
 }
 
-static inline float rimmed_disc(float n, float a, float place) {
+static inline float rimmed_disc(float n, float a, float offset) {
     float sharpness = n * a > 6.0f ? n * a : 6.0f, rim = sqrtf(12.0f / sharpness),
-          inside = (1.0f + rim - place) / (2.0f * rim);
+          inside = (1.0f + rim - offset) / (2.0f * rim);
     return 2.0f * n / ((n + 2.0f) * sharpness) * (inside > 0.0f ? (inside < 1.0f ? inside : 1.0f) : 0.0f);
 }
 
@@ -267,8 +267,8 @@ void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, const sl_lobe_
         float share = (n * a - 6.0f) * (1.0f / 18.0f),
               disc = share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
         float lobe = (wide + 2.0f) / (n + 2.0f) * sl_lobe_power(along, squared, wide);
-        power[i] =
-            along > 0.0f ? lobe + disc * (rimmed_disc(n, a, place_on_disc(d, axis, m, extent)) - lobe) : 0.0f;
+        power[i] = along > 0.0f ? lobe + disc * (rimmed_disc(n, a, offset_on_disc(d, axis, m, extent)) - lobe)
+                                : 0.0f;
     }
 }
 

@@ -25,7 +25,7 @@ static sl_status outline_plainly(const sl_raster *raster, const sl_view *view, u
 
 /* ---- with mirrors ---- */
 
-/* The product of k_s along each path; a path comes after the one that it prolongs. */
+/* Multiplies k_s along each path; a path comes after the one that it prolongs. */
 static void throughputs_of(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirrored_image *image,
                            sl_rgb *throughput) {
     throughput[0] = sl_grey(1.0f);
@@ -107,7 +107,8 @@ static sl_status create_outline(int width, int height, bool depth, sl_gbuffer **
     return SL_OK;
 }
 
-/* The G-buffer of an earlier frame of the same kind, or a new one: all of it is written anew in either case.
+/* Takes the G-buffer of an earlier frame of the same kind, or a new one: all of it is written anew in either
+ * case.
  */
 static sl_status ready_gbuffer(sl_receivers *earlier, int width, int height, bool whole, bool depth,
                                sl_gbuffer **gbuffer, sl_error *error) {
@@ -271,7 +272,7 @@ static bool receives(sl_receiver_kind kind, bool glossy) {
     return kind != SL_RECEIVER_NONE && (kind == SL_RECEIVER_GLOSSY) == glossy;
 }
 
-/* Most tiles show one material: all pixels, if they are wanted. */
+/* Lists all pixels of a tile that shows one material, as most do. */
 static bool list_all(const sl_gbuffer *g, const sl_receiver_kinds *kinds, const sl_receiver_kernels *kernels,
                      bool glossy, int x0, int y0, sl_receiver_tile *t, bool *mirrors) {
     const uint32_t first = (uint32_t)y0 * (uint32_t)g->width + (uint32_t)x0;

@@ -299,13 +299,13 @@ typedef void sl_prepare_kernel(sl_receiver_tile *tile);
  * pixel[0] on. */
 typedef void sl_fetch_rows_kernel(const float *const plane[SL_TILE_PLANES], size_t width,
                                   sl_receiver_tile *tile);
-/* Does a tile of the picture (one that lies in it whole) show one material? Then pixel gets all of its
+/* Tells if a tile of the picture (one that lies in it whole) shows one material; then pixel gets all of its
  * pixels. */
 typedef bool sl_survey_kernel(const uint32_t *material, uint32_t first, uint32_t width, uint32_t *pixel);
 /* Radiance that leaves towards the eye, added to three planes of that width. */
 typedef void sl_reflect_to_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
                                   int width, float *const planes[3]);
-/* lit_i: 1 where 0 < weight_i <= largest, else 0. Is any? */
+/* Sets lit_i to 1 where 0 < weight_i <= largest, else to 0; tells if any is. */
 typedef bool sl_reached_kernel(size_t count, const float *weight, float largest, float *lit);
 /* a_i = b_i > 0 ? a_i : 0 */
 typedef void sl_where_kernel(size_t count, const float *b, float *a);

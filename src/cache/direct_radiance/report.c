@@ -76,9 +76,9 @@ static double receiving_area(const sl_scene *s, uint32_t t) {
     return sl_material_is_diffuse(m) || sl_material_is_glossy(m) ? sl_triangle_area(s, t) : 0.0;
 }
 
-/* Uniform over a triangle, from two numbers in [0,1): along it the point's place among those of the same
- * triangle, across it multiples of the golden ratio, so that a wall of two triangles is covered as evenly as
- * a mesh of thousands. */
+/* Returns a point, uniform over a triangle, from two numbers in [0,1): along it the point's number among
+ * those of the same triangle, across it multiples of the golden ratio, so that a wall of two triangles is
+ * covered as evenly as a mesh of thousands. */
 static report_point point_in(uint32_t triangle, double along, size_t index) {
     double across = (double)index * 0.61803398874989485, side = sqrt(along);
     across -= floor(across);
@@ -91,7 +91,7 @@ static double all_area(const sl_scene *scene) {
     return total;
 }
 
-/* The middles of equal shares of all area, triangle after triangle. */
+/* Takes the middles of equal shares of all area, triangle after triangle. */
 static void spread(const sl_scene *scene, report_points *points) {
     double total = all_area(scene), before = 0.0;
     size_t next = 0;
@@ -251,12 +251,12 @@ static double flux_through(const sl_map_light *light, const sl_map_face *f) {
     return sum;
 }
 
-/* The cone's half angle is at most that of the frustum. */
+/* Tells if the cone's half angle is at most that of the frustum. */
 static bool holds_cone(const sl_map_light *light, const sl_map_face *face, int count, int dark) {
-    double c = (double)light->cos_outer, reach = face->right;
+    double c = (double)light->cos_outer, tangent = face->right;
     bool ahead = sl_dot(face->frame.z, light->direction) > 0.999999f;
     if (count == 1 && dark == 0)
-        return ahead && c > 0.0 && 1.0 - c * c <= reach * reach * c * c * (1.0 + 1e-6);
+        return ahead && c > 0.0 && 1.0 - c * c <= tangent * tangent * c * c * (1.0 + 1e-6);
     return count + dark == SL_LIGHT_SIDES || (ahead && c >= 0.0); /* a cube; a hemicube */
 }
 

@@ -50,7 +50,7 @@ sl_view sl_pyramid_view(const sl_scene *scene, const sl_light_eye *light, const 
     return view;
 }
 
-static float reach_along(sl_vec3 axis, sl_vec3 half) {
+static float extent_along(sl_vec3 axis, sl_vec3 half) {
     return fabsf(axis.x * half.x) + fabsf(axis.y * half.y) + fabsf(axis.z * half.z);
 }
 
@@ -59,16 +59,16 @@ sl_parallel_picture sl_parallel_picture_of(const sl_scene *scene, sl_vec3 direct
     float margin = 1e-3f * scene->diagonal;
     sl_parallel_picture p = {.centre = sl_add(scene->box_min, half),
                              .frame = sl_frame_from_normal(direction)};
-    p.reach_x = reach_along(p.frame.x, half) + margin;
-    p.reach_y = reach_along(p.frame.y, half) + margin;
-    p.reach_z = reach_along(p.frame.z, half) + margin;
+    p.extent_x = extent_along(p.frame.x, half) + margin;
+    p.extent_y = extent_along(p.frame.y, half) + margin;
+    p.extent_z = extent_along(p.frame.z, half) + margin;
     return p;
 }
 
-static void set_row(float row[4], sl_vec3 axis, float reach) {
-    row[0] = axis.x / reach;
-    row[1] = axis.y / reach;
-    row[2] = axis.z / reach;
+static void set_row(float row[4], sl_vec3 axis, float extent) {
+    row[0] = axis.x / extent;
+    row[1] = axis.y / extent;
+    row[2] = axis.z / extent;
 }
 
 sl_view sl_parallel_view(const sl_parallel_picture *p, int width, int height) {
@@ -77,9 +77,9 @@ sl_view sl_parallel_view(const sl_parallel_picture *p, int width, int height) {
                     .height = height,
                     .depth = SL_DEPTH_WINDOW,
                     .skip_triangle = SL_NO_INDEX};
-    set_row(view.clip[0], p->frame.x, p->reach_x);
-    set_row(view.clip[1], p->frame.y, p->reach_y);
-    set_row(view.clip[2], p->frame.z, p->reach_z);
+    set_row(view.clip[0], p->frame.x, p->extent_x);
+    set_row(view.clip[1], p->frame.y, p->extent_y);
+    set_row(view.clip[2], p->frame.z, p->extent_z);
     view.clip[3][3] = 1.0f;
     return view;
 }
@@ -102,15 +102,15 @@ typedef struct {
     sl_counters *counters;
 } drawing;
 
-/* A picture of the side, without its lower half (half > 0) or its upper one (half < 0). */
+/* Returns a picture of the side, without its lower half (half > 0) or its upper one (half < 0). */
 static sl_view view_of_side(const drawing *d, const sl_depth_cube *cube, int side, int half) {
-    double reach = (double)cube->tangent * (double)cube->size / (double)(cube->size - 2);
+    double tangent = (double)cube->tangent * (double)cube->size / (double)(cube->size - 2);
     bool back = side == SL_LIGHT_BACK || half < 0;
     sl_pyramid_picture picture = {sl_light_side(&cube->frame, side),
-                                -reach,
-                                reach,
-                                -reach,
-                                reach,
+                                -tangent,
+                                tangent,
+                                -tangent,
+                                tangent,
                                 cube->size,
                                 cube->size,
                                 back};
@@ -155,7 +155,7 @@ static bool allocate(sl_depth_cube *cube, size_t pictures) {
     return cube->depth != NULL;
 }
 
-/* The half of a side that an area light does not see. */
+/* Clears the half of a side that an area light does not see. */
 static void clear_other_half(const sl_depth_cube *cube, const side_pass *pass) {
     const sl_scissor *drawn = &pass->view.scissor;
     const size_t width = (size_t)cube->size, half = width / 2;
@@ -194,9 +194,9 @@ static sl_status draw_parallel(const drawing *d, sl_depth_cube *cube, sl_error *
     cube->directional = true;
     cube->eye = p.centre;
     cube->frame = p.frame;
-    cube->reach_x = p.reach_x;
-    cube->reach_y = p.reach_y;
-    cube->reach_z = p.reach_z;
+    cube->extent_x = p.extent_x;
+    cube->extent_y = p.extent_y;
+    cube->extent_z = p.extent_z;
     give_picture(cube, 0, &pictures);
     if (!allocate(cube, 1)) return sl_fail_memory(error, "a directional light's depths");
     float *depth = cube->depth + cube->start[0];
@@ -208,7 +208,7 @@ static sl_status draw_parallel(const drawing *d, sl_depth_cube *cube, sl_error *
 
 /* ---- a cube ---- */
 
-/* A cone that the picture ahead holds wastes none of it. */
+/* Returns half the width of the pictures at distance 1: a cone that the one ahead holds wastes none of it. */
 static float tangent_of(const sl_light_eye *light) {
     if (light->kind != SL_SOURCE_SPOT || sl_light_shines_on(light, 1)) return 1.0f;
     double c = (double)light->cos_outer, tangent = c < 1.0 ? sqrt(1.0 - c * c) / c : 0.0;

@@ -51,7 +51,7 @@ sl_view sl_pyramid_view(const sl_scene *scene, const sl_light_eye *light,
 typedef struct sl_parallel_picture {
     sl_vec3 centre; /* of the box */
     sl_frame frame; /* z the way light travels */
-    float reach_x, reach_y, reach_z; /* half extents */
+    float extent_x, extent_y, extent_z; /* half extents */
 } sl_parallel_picture;
 sl_parallel_picture sl_parallel_picture_of(const sl_scene *scene, sl_vec3 direction);
 sl_view sl_parallel_view(const sl_parallel_picture *picture, int width, int height);
@@ -75,7 +75,7 @@ struct sl_depth_cube {
     float tangent;
     sl_vec3 eye;                     /* directional: the box's centre */
     sl_frame frame;                  /* of the light */
-    float reach_x, reach_y, reach_z; /* directional: half extents */
+    float extent_x, extent_y, extent_z; /* directional: half extents */
     float rounding;                  /* by how much a receiver's position may be rounded */
 };
 

@@ -21,7 +21,7 @@ typedef struct {
     /* of its plane, from texel to texel, not negative */
     float change_x[SL_LIGHT_BLOCK], change_y[SL_LIGHT_BLOCK];
     float dark[SL_LIGHT_BLOCK];                       /* shares of the texels that hide it */
-} places;
+} lookups;
 
 /* The texel whose middle lies at or below a continuous coordinate, so that the next one exists too; 0 for
  * NaN. */
@@ -37,7 +37,7 @@ static inline float not_zero(float v) { return v > 1e-30f ? v : 1e-30f; }
 
 static void locate_on_cube(const sl_depth_cube *map, size_t count, const float *restrict px,
                            const float *restrict py, const float *restrict pz, const float *restrict nx,
-                           const float *restrict ny, const float *restrict nz, places *out) {
+                           const float *restrict ny, const float *restrict nz, lookups *out) {
     const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
     const float size = (float)map->size, half = 0.5f * (size - 2.0f) / map->tangent,
                 middle = 0.5f * size - 0.5f, last = size - 2.0f;
@@ -78,11 +78,11 @@ static void locate_on_cube(const sl_depth_cube *map, size_t count, const float *
 /* The same with depth instead of its reciprocal: a plane changes by n_x / n_z across. */
 static void locate_in_parallel(const sl_depth_cube *map, size_t count, const float *restrict px,
                                const float *restrict py, const float *restrict pz, const float *restrict nx,
-                               const float *restrict ny, const float *restrict nz, places *out) {
+                               const float *restrict ny, const float *restrict nz, lookups *out) {
     const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
     const float size = (float)map->size, middle = 0.5f * size - 0.5f, last = size - 2.0f;
-    const float scale_x = 0.5f * size / map->reach_x, scale_y = 0.5f * size / map->reach_y,
-                scale_z = 0.5f / map->reach_z;
+    const float scale_x = 0.5f * size / map->extent_x, scale_y = 0.5f * size / map->extent_y,
+                scale_z = 0.5f / map->extent_z;
     const float step_x = scale_z / scale_x, step_y = scale_z / scale_y,
                 rounding = map->rounding * scale_z + 3e-7f;
     const int32_t width = map->size, start = map->start[0], mask = map->mask[0];
@@ -109,7 +109,7 @@ static void locate_in_parallel(const sl_depth_cube *map, size_t count, const flo
 }
 
 /* Shares that are not lit are added up, so that where all four are lit the result is 1 exactly. */
-static void compare(const sl_depth_cube *map, size_t count, places *at) {
+static void compare(const sl_depth_cube *map, size_t count, lookups *at) {
     const float *restrict stored = map->depth;
     const int32_t *restrict texel = at->texel;
     const float *restrict across = at->across, *restrict up = at->up, *restrict depth = at->depth;
@@ -150,13 +150,13 @@ static float slope_at(const float *stored, int32_t k, int32_t step, int32_t plac
  * one holds? Not asked of what lies more than four texels' sizes before it: that is no corner. Nor where the
  * receiver's own plane, seen at a grazing angle, rises as much from texel to texel: there facets are too
  * narrow to tell their planes. */
-static bool lies_before(const sl_depth_cube *map, const places *at, size_t i, int32_t k, float right,
+static bool lies_before(const sl_depth_cube *map, const lookups *at, size_t i, int32_t k, float right,
                         float above) {
     const float *stored = map->depth;
     const int32_t size = map->size, place = k - (int32_t)sl_depth_zeros(size), column = place % size,
                   row = place / size % size;
-    const float texel = map->directional ? (map->reach_x > map->reach_y ? map->reach_x : map->reach_y) /
-                                               (map->reach_z * (float)size)
+    const float texel = map->directional ? (map->extent_x > map->extent_y ? map->extent_x : map->extent_y) /
+                                               (map->extent_z * (float)size)
                                          : 2.0f * map->tangent / (float)(size - 2) * stored[k];
     const float excess = stored[k] - at->depth[i];
     if (excess <= at->change_x[i] + at->change_y[i]) return true;
@@ -169,7 +169,7 @@ static bool lies_before(const sl_depth_cube *map, const places *at, size_t i, in
 }
 
 /* The receiver's four texels once more, one by one. */
-static float dark_at_corner(const sl_depth_cube *map, const places *at, size_t i) {
+static float dark_at_corner(const sl_depth_cube *map, const lookups *at, size_t i) {
     float dark = 0.0f;
     for (int t = 0; t < 4; t++) {
         int32_t column = t & 1, row = t >> 1, k = at->texel[i] + column + row * map->size;
@@ -184,7 +184,7 @@ static float dark_at_corner(const sl_depth_cube *map, const places *at, size_t i
 
 static inline bool is_part(float dark) { return (dark > 0.0f) & (dark < 1.0f - 1e-6f); }
 
-static bool some_are_dark_in_part(size_t count, const places *at) {
+static bool some_are_dark_in_part(size_t count, const lookups *at) {
     const float *restrict dark = at->dark;
     uint32_t any = 0;
 #pragma omp simd reduction(| : any)
@@ -196,7 +196,7 @@ void SL_KERNEL(sl_depth_cube_lit)(const sl_light_points *points, const sl_depth_
     const float *px = points->x, *py = points->y, *pz = points->z;
     const float *nx = points->geometric_x, *ny = points->geometric_y, *nz = points->geometric_z;
     const size_t count = points->count;
-    places at;
+    lookups at;
     if (cube->directional) locate_in_parallel(cube, count, px, py, pz, nx, ny, nz, &at);
     else locate_on_cube(cube, count, px, py, pz, nx, ny, nz, &at);
     compare(cube, count, &at);

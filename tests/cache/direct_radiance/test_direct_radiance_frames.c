@@ -298,14 +298,6 @@ static void assert_walls_get_in_the_way(sl_scene *scene) {
     sl_scene_destroy(scene);
 }
 
-static void a_light_that_leaves_a_convex_room_finds_its_walls_in_the_way(void **state) {
-    (void)state;
-    assert_walls_get_in_the_way(
-        corner_with("{\"type\": \"point\", \"position\": [1, 1, 1], \"intensity\": 10, \"keyframes\": "
-                    "[{\"time\": 0, \"position\": [1, 1, 1]}, {\"time\": 1, \"position\": [-2, 1, 1]}]}",
-                    "", corner_obj));
-}
-
 static void a_convex_room_that_leaves_its_light_puts_its_walls_in_the_way(void **state) {
     (void)state;
     assert_walls_get_in_the_way(corner_with(
@@ -427,7 +419,6 @@ int main(void) {
         cmocka_unit_test(a_new_camera_keeps_what_the_lights_see),
         cmocka_unit_test(a_convex_room_needs_no_depth_cube),
         cmocka_unit_test(light_does_not_come_through_the_walls_of_a_convex_room),
-        cmocka_unit_test(a_light_that_leaves_a_convex_room_finds_its_walls_in_the_way),
         cmocka_unit_test(a_convex_room_that_leaves_its_light_puts_its_walls_in_the_way),
         cmocka_unit_test(without_light_there_is_one_pass),
         cmocka_unit_test(frames_have_the_same_bits_at_any_number_of_threads),
