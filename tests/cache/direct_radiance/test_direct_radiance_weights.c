@@ -269,10 +269,6 @@ static void printed_11_and_15_know_neither_distance_nor_facing(void **state) {
 
 /* ---- hard cases ---- */
 
-static const sl_photon_weight all_weights[] = {SL_WEIGHT_FLUX, SL_WEIGHT_POLYGON, SL_WEIGHT_PLAIN,
-                                               SL_WEIGHT_EVEN, SL_WEIGHT_DISC,    SL_WEIGHT_BOX};
-enum { WEIGHTS = sizeof all_weights / sizeof *all_weights };
-
 /* E_j <= pi L_o whatever the distance, the sizes and the tilts, in scenes of 1e-4 and 1e4; and lengths have
  * no unit. */
 static void bounded_weights_are_bounded_at_every_scale(void **state) {
