@@ -28,10 +28,12 @@ esac
 out=$build/$method${brief:+-brief}
 [ -f scenes/generated/ring.json ] || make -s scenes >/dev/null
 mkdir -p "$out"
+[ -n "$brief" ] && frame_count=10 || frame_count=100
 # shellcheck disable=SC2086 # lists
 "$build/softlux" bench $scenes --trials "bench/$method.trials" -o "$out" --allow-outside --reference-budget "${REFERENCE_BUDGET:-60}" \
     ${brief:+--size 48x48 --repeats 1 --reference-budget 2}
 [ -z "$frames" ] || "$build/bench/bench_frames" bench/frames.trials --table "$frames" ${brief:+--size 48 --frames 10} | tee "$out/frames.md"
+[ "$method" != direct-radiance ] || "$build/bench/bench_frames" bench/flicker.trials --frames "$frame_count" | tee -a "$out/frames.md"
 for program in $programs; do
     "$build/bench/bench_$program" $brief --out "$out"
     printf '<!-- table %s -->\n' "$program" >"$out/$program-table.md"
