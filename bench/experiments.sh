@@ -28,7 +28,8 @@ esac
 out=$build/$method${brief:+-brief}
 [ -f scenes/generated/ring.json ] || make -s scenes >/dev/null
 mkdir -p "$out"
-[ -n "$brief" ] && frame_count=10 || frame_count=100
+frame_count=100 seconds=10
+if [ -n "$brief" ]; then frame_count=10 seconds=2; fi
 # shellcheck disable=SC2086 # lists
 "$build/softlux" bench $scenes --trials "bench/$method.trials" -o "$out" --allow-outside --reference-budget "${REFERENCE_BUDGET:-60}" \
     ${brief:+--size 48x48 --repeats 1 --reference-budget 2}
@@ -42,7 +43,6 @@ for program in $programs; do
 done
 # Frames beside updates, by the clock.
 if [ "$method" = shading-cache ]; then
-    [ -n "$brief" ] && seconds=2 || seconds=10
     for scene in study study-walk pool-walk; do
         "$build/softlux" live "scenes/generated/$scene.json" --fps 0 --seconds "$seconds" --json >"$out/live-$scene.json"
     done

@@ -29,7 +29,8 @@ const char *sl_auto_curve_of(sl_auto_candidate candidate) { return candidates[ca
 
 static double square(double x) { return x * x; }
 
-/* A tenth of the light by another way, or ten times the triangles, or four times the lights: one unit or so.
+/* Returns how unlike: a tenth of the light by another way, or ten times the triangles, or four times the
+ * lights: one unit or so.
  */
 double sl_auto_distance(const sl_auto_kind *a, const sl_auto_kind *b) {
     double d = square((a->direct - b->direct) / 0.2) + square((a->second - b->second) / 0.2) +

@@ -48,12 +48,12 @@ typedef struct sl_auto_verdict {
 
 /* 15, 5, 2 %: the errors of the classes. */
 double sl_auto_error_of(sl_auto_class class);
-/* The curve of softlux bench that a candidate's times are from. */
+/* Returns the curve of softlux bench that a candidate's times are from. */
 const char *sl_auto_curve_of(sl_auto_candidate candidate);
-/* How unlike two scenes are; 0: the same. */
+/* Returns how unlike two scenes are; 0: the same. */
 double sl_auto_distance(const sl_auto_kind *a, const sl_auto_kind *b);
-/* By the measured scenes, the similar ones counting most; `left_out` (or NULL) is as if it had not been
- * measured. error: what may be missing. */
+/* Judges by the measured scenes, the similar ones counting most; `left_out` (or NULL) is as if it had not
+ * been measured. error: what may be missing. */
 sl_auto_verdict sl_auto_judge(const sl_auto_scene *measured, size_t count, const sl_auto_scene *left_out,
                               const sl_auto_kind *kind, double pixels, sl_auto_class class, double error);
 

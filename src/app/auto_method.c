@@ -121,7 +121,7 @@ static sl_auto_class class_of(const sl_auto_budget *b) {
                                              : SL_AUTO_FINE;
 }
 
-/* What may be left out of a picture, where no error was asked for. */
+/* Returns what may be left out of a picture, where no error was asked for. */
 static double tolerance_of(const sl_auto_budget *b) {
     static const double of_quality[] = {
         [SL_QUALITY_DRAFT] = 0.15, [SL_QUALITY_NORMAL] = 0.1, [SL_QUALITY_HIGH] = 0.05};

@@ -18,7 +18,7 @@ typedef struct sl_auto_choice {
     char why[400];       /* one line */
 } sl_auto_choice;
 
-/* Where the scene's light comes from, and what it is made of. */
+/* Tells where the scene's light comes from, and what it is made of. */
 sl_status sl_auto_look(const sl_scene *scene, const sl_settings *settings, sl_auto_kind *kind,
                        sl_error *error);
 /* settings: size, seed, threads and what is fixed whatever the method; its method is not looked at. A few

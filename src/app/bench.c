@@ -50,7 +50,7 @@ static int complain(const sl_error *error) {
     return (int)error->status;
 }
 
-/* The first name in a list that is none of those known. */
+/* Complains of the first name in a list that is none of those known. */
 static bool check_list(const char *option, const char *list, const char *const *known, size_t count,
                        int *status) {
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',') {
@@ -156,7 +156,7 @@ static bool has_scene(const request *q, const char *scene, size_t length) {
     return false;
 }
 
-/* Where no scenes are named: those of the trials, in their order. */
+/* Takes, where no scenes are named, those of the trials, in their order. */
 static sl_status take_trials(request *q, sl_error *error) {
     sl_bench_options *o = &q->options;
     sl_status status = sl_trials_read(q->trials_path, &q->trials, error);
@@ -182,7 +182,8 @@ typedef struct description {
     sl_load_options load;
 } description;
 
-/* What is written besides has names that no reader of scenes takes, or that are made of the scene's hash. */
+/* Refuses to write over the scene; what is written besides has names that no reader of scenes takes, or that
+ * are made of the scene's hash. */
 static sl_status spare_scene(const sl_scene *scene, const char *folder, sl_error *error) {
     static const char *const names[] = {"journal.jsonl", "report.html", "report.md",
                                         "results.csv",   "scenes.csv",  "tables.md"};
@@ -194,8 +195,8 @@ static sl_status spare_scene(const sl_scene *scene, const char *folder, sl_error
 
 static const char refused[] = "refused: ";
 
-/* In a child, since reading a scene may start threads: what is in it; or, if the report would take the place
- * of one of its files, that this is refused. */
+/* Tells, in a child since reading a scene may start threads, what is in it; or, if the report would take the
+ * place of one of its files, that this is refused. */
 static bool describe_work(void *context, char **report) {
     const description *d = context;
     sl_scene *scene = NULL;
@@ -223,7 +224,7 @@ static bool describe_work(void *context, char **report) {
     return true;
 }
 
-/* The film, made small: the error of a method hardly depends on the size, its time does. */
+/* Makes the film small: the error of a method hardly depends on the size, its time does. */
 static void choose_size(const sl_bench_options *o, sl_bench_scene *s) {
     int larger = s->width > s->height ? s->width : s->height;
     double scale = larger > DEFAULT_SIZE ? (double)DEFAULT_SIZE / (double)larger : 1.0;
@@ -267,7 +268,7 @@ static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_
     return status;
 }
 
-/* Two scenes of one name, in different folders: the plots' files must not be one. */
+/* Names two scenes of one name, in different folders, apart: the plots' files must not be one. */
 static void tell_apart(sl_bench_results *r) {
     sl_bench_scene *last = &r->scenes[r->scene_count - 1];
     size_t same = 0, length = strlen(last->name);
@@ -297,7 +298,7 @@ static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_r
 
 /* ---- the report ---- */
 
-/* What measured last stands in for this program where nothing is to be measured. */
+/* Lets what measured last stand in for this program where nothing is to be measured. */
 static void take_program(sl_bench_options *o, const sl_journal *journal) {
     const cJSON *entry;
     for (size_t i = 0; o->report_only && (entry = sl_journal_at(journal, i)); i++) {
@@ -320,7 +321,7 @@ static void name_machine(sl_bench_results *r) {
     r->processors = (int)sysconf(_SC_NPROCESSORS_ONLN);
 }
 
-/* From all entries of this program's runs, those of earlier starts included. */
+/* Takes all entries of this program's runs, those of earlier starts included. */
 static void take_calibration(const sl_bench_options *o, const sl_journal *journal, sl_bench_results *r) {
     enum { MOST = 4096 };
     static double wall[MOST], cpu[MOST];
@@ -361,7 +362,7 @@ static sl_status make_folders(const sl_bench_options *o, sl_error *error) {
     return sl_reference_make_folder(o->references, error);
 }
 
-/* Before hours are spent on what cannot be written. */
+/* Checks that all can be written, before hours are spent. */
 static sl_status check_files(const sl_bench_options *o, sl_error *error) {
     static const char *const names[] = {"report.html", "report.md", "results.csv", "pictures/picture.exr"};
     sl_status status = make_folders(o, error);
@@ -373,7 +374,7 @@ static sl_status check_files(const sl_bench_options *o, sl_error *error) {
     return status;
 }
 
-/* The report is written after every scene, so that the last one that failed takes nothing away. */
+/* Writes the report after every scene, so that the last one that failed takes nothing away. */
 static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_results *r, sl_error *error) {
     sl_status status = SL_OK;
     for (int i = 0; i < q->scene_count && status == SL_OK && !sl_interrupted(); i++) {

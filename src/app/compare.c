@@ -220,7 +220,7 @@ static void print_comparison(const sl_comparison *r, const sl_shown shown[2], do
     else printf("%-19s %s\n", "identical", r->identical ? "yes" : "no");
 }
 
-/* One line on stderr for all that failed, so that a test's log says it at a glance. */
+/* Prints one line on stderr for all that failed, so that a test's log says it at a glance. */
 static int check_bounds(const compare_request *q, const sl_comparison *r) {
     static const char *const names[BOUNDS] = {"rmse",   "rel_rmse", "rel_mse", "max_abs",
                                               "|bias|", "ssim",     "flip"};

@@ -8,7 +8,7 @@ bool sl_name_ends_with(const char *name, const char *end) {
     return n >= m && strcmp(name + n - m, end) == 0;
 }
 
-/* Where the number begins and ends, and its width. */
+/* Finds where the number begins and ends, and its width. */
 static bool find_number(const char *name, const char **begin, const char **end, int *width) {
     const char *p = strchr(name, '%');
     *begin = p;

@@ -41,7 +41,8 @@ static sl_status print_plan(const sl_scene *scene, const sl_settings *settings, 
     return SL_OK;
 }
 
-/* Which method --method auto takes, whatever the one whose plan is asked for; and if that is auto, its plan.
+/* Prints which method --method auto takes, whatever the one whose plan is asked for; and if that is auto, its
+ * plan.
  */
 static sl_status print_choice(const sl_scene *scene, sl_settings *settings, sl_error *error) {
     sl_auto_budget budget = {.quality = settings->quality};

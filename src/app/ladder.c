@@ -66,7 +66,7 @@ static const step steps[] = {
 };
 enum { STEPS = sizeof steps / sizeof steps[0] };
 
-/* The method's first step; NULL where it has none. */
+/* Returns the method's first step; NULL where it has none. */
 static const step *first_of(const char *method) {
     for (size_t i = 0; method && i < STEPS; i++)
         if (strcmp(steps[i].method, method) == 0) return &steps[i];
@@ -86,7 +86,7 @@ unsigned sl_ladder_rung_of(const char *method, sl_quality quality) {
     return 0;
 }
 
-/* So many updates that points come to that share of the pixels. */
+/* Takes so many updates that points come to that share of the pixels. */
 static void take_updates(sl_settings *s, double points_a_pixel) {
     enum { POINTS = 64 }; /* of an update, where nothing else was asked for */
     sl_shading_cache_settings *c = &s->shading_cache;
@@ -94,7 +94,7 @@ static void take_updates(sl_settings *s, double points_a_pixel) {
     if (s->width > 0 && !c->updates) c->updates = 1u + (uint32_t)(points / (c->points ? c->points : POINTS));
 }
 
-/* NAME=VALUE, where the settings leave it open. */
+/* Takes NAME=VALUE, where the settings leave it open. */
 static void take(sl_settings *s, char *word) {
     char *value = strchr(word, '='), asked[64];
     *value++ = '\0';

@@ -6,16 +6,17 @@
 
 enum { SL_LADDER_MAX = 8 };
 
-/* How many steps, SL_LADDER_MAX at most; 0: the method refines one picture for as long as it is let (path,
- * bidirectional). */
+/* Returns how many steps, SL_LADDER_MAX at most; 0: the method refines one picture for as long as it is let
+ * (path, bidirectional). */
 unsigned sl_ladder_steps(const char *method);
-/* Where a quality stands on it. */
+/* Returns where a quality stands on it. */
 unsigned sl_ladder_rung_of(const char *method, sl_quality quality);
-/* What was asked for, and for what was left open this step's settings. */
+/* Returns what was asked for, and for what was left open this step's settings. */
 sl_settings sl_ladder_settings(const sl_settings *asked, unsigned step);
-/* From this step on each next one is finer in all that limits the error, or as fine there as it gets. */
+/* Returns the step from which on each next one is finer in all that limits the error, or as fine there as it
+ * gets. */
 unsigned sl_ladder_refines_all_from(const char *method);
-/* Its time, as a multiple of the first step's, on a large picture: rather too long than too short. */
+/* Returns its time, as a multiple of the first step's, on a large picture: rather too long than too short. */
 double sl_ladder_cost(const char *method, unsigned step);
 
 #endif

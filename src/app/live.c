@@ -107,8 +107,8 @@ static bool goes_on(const show *s) {
     return s->o->frames ? s->report.frames < s->o->frames : sl_seconds_now() - s->begin < s->o->seconds;
 }
 
-/* How long a change of light took from its move to the frame that shows it, which is drawn by now. Moves are
- * made at the scene's time that the clock says. */
+/* Notes how long a change of light took from its move to the frame that shows it, which is drawn by now.
+ * Moves are made at the scene's time that the clock says. */
 static void note_lag(show *s, uint64_t shown_before) {
     uint64_t more = s->report.last.changes_shown - shown_before;
     double lag = sl_seconds_now() - s->begin - (s->report.last.change_seconds - s->o->at);

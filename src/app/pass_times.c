@@ -12,7 +12,7 @@ void sl_pass_times_add(sl_pass_times *t, const char *name, double seconds) {
     t->pass[i].seconds += seconds;
 }
 
-/* A pass announces itself when it is done: what passed since the last one did is its. */
+/* Charges a pass, which announces itself when it is done, with what passed since the last one did. */
 static void end_of_pass(void *context, const sl_pass *pass) {
     sl_pass_times *t = context;
     sl_pass_times_add(t, pass->name, t->clock() - t->last);

@@ -95,7 +95,7 @@ void sl_picture_add_tone(const sl_render_options *o, double stops, cJSON *json) 
     cJSON_AddBoolToObject(tone, "automatic", !o->exposure_given);
 }
 
-/* The next of the picture's warnings, one a line; *rest: behind it. NULL behind the last. */
+/* Returns the next of the picture's warnings, one a line; *rest: behind it. NULL behind the last. */
 static const char *next_warning(const char **rest, int *length) {
     const char *line = *rest;
     if (!line || !*line) return NULL;
@@ -115,7 +115,7 @@ void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl
     if (!o->quiet && (progress->done || progress->frame_done)) sl_tell_blank_picture(o, scene, image);
 }
 
-/* The warnings of a picture, as an array of lines. */
+/* Adds the warnings of a picture, as an array of lines. */
 static void add_warnings(cJSON *root, const sl_image *image) {
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
     const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
@@ -179,7 +179,7 @@ void sl_picture_print_json(cJSON *root) {
 
 /* ---- a picture, a series ---- */
 
-/* A method, with the cache of another run where there is one. */
+/* Makes a method, with the cache of another run where there is one. */
 static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_method **method,
                         sl_error *error) {
     sl_status status = sl_method_create(scene, &o->settings, method, error);
@@ -225,7 +225,7 @@ sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, s
     return status;
 }
 
-/* One line a frame. */
+/* Prints one line a frame. */
 static void print_frame(const sl_render_options *o, unsigned long long frame, const char *name,
                         const written *w, uint64_t records, const sl_progress *progress) {
     cJSON *line = cJSON_CreateObject();

@@ -26,8 +26,8 @@ typedef struct sl_render_options {
     sl_load_options load;      /* points into it */
 } sl_render_options;
 
-/* Whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where the
- * frame's number goes. */
+/* Tells whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where
+ * the frame's number goes. */
 bool sl_output_is_known(const sl_render_options *options, sl_error *error);
 /* Fails where the picture, the first of a series or the cache could not be written. */
 sl_status sl_output_is_open(const sl_render_options *options, sl_error *error);
@@ -38,11 +38,11 @@ typedef enum sl_render_end {
     SL_RENDER_STOPPED /* by a signal, with work left */
 } sl_render_end;
 
-/* One picture of the scene as it stands. *end is left alone where all is done. */
+/* Renders one picture of the scene as it stands. *end is left alone where all is done. */
 sl_status sl_render_picture(const sl_render_options *options, const sl_scene *scene, sl_render_end *end,
                             sl_error *error);
-/* A series: the scene at at_seconds, then a frame's time later, and so on. What the method keeps between
- * frames it keeps. */
+/* Renders a series: the scene at at_seconds, then a frame's time later, and so on. What the method keeps
+ * between frames it keeps. */
 sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl_render_end *end,
                            sl_error *error);
 

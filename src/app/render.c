@@ -114,7 +114,7 @@ static bool take_error(sl_render_options *o, const char *text) {
     return !other;
 }
 
-/* A series has all its frames finished; of --time the choice of a method may make use. */
+/* Takes --frames: a series has all its frames finished; of --time the choice of a method may make use. */
 static bool take_frames(const sl_render_options *o) {
     const bool chooses = strcmp(o->settings.method, "auto") == 0;
     const char *other = !o->frames                          ? NULL
@@ -152,7 +152,7 @@ static sl_status render(sl_render_options *o, sl_scene *scene, sl_render_end *en
     return sl_render_picture(o, scene, end, error);
 }
 
-/* A cache may be kept in the file that it came from. */
+/* Lets a cache be kept in the file that it came from, and nothing else. */
 static bool loses_nothing(const sl_render_options *o) {
     const char *const read[] = {o->load_cache}, *const others[] = {o->output};
     return sl_is_file_of_its_own("output", o->output, read, 1) &&

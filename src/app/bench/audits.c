@@ -21,7 +21,7 @@ typedef struct audit {
     sl_load_options load;
 } audit;
 
-/* A tracer's picture tells by its own halves; another by probes on the paths that its method declares. */
+/* Judges a tracer's picture by its own halves, another by probes on the paths that its method declares. */
 static sl_status estimate(const audit *a, const sl_scene *scene, const sl_image *picture,
                           sl_error_estimate *e, sl_error *error) {
     sl_settings settings = sl_settings_default();

@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-/* Some 25 milliseconds, longer than a turn among processes; what it computes is stored where the compiler
- * must believe that somebody looks. */
+/* Takes some 25 milliseconds, longer than a turn among processes; what it computes is stored where the
+ * compiler must believe that somebody looks. */
 sl_calibration sl_calibrate(void) {
     static volatile double sink;
     double wall = sl_seconds_now(), cpu = sl_thread_seconds(), sum = 0.0;

@@ -18,8 +18,8 @@ size_t sl_curves_of(const sl_bench_scene *scene, sl_bench_truth truth, sl_curve 
 /* Processor seconds until the error is that small, along the best settings, straight between two of them on
  * logarithmic axes; 0: it never is. The cheapest setting's time where that is good enough already. */
 double sl_curve_time_to(const sl_curve *curve, sl_bench_truth truth, double error);
-/* Whether the curve is one of the reference tracers; or of what the methods are measured beside, tracers and
- * the photon map. */
+/* Tells whether the curve is one of the reference tracers; or of what the methods are measured beside,
+ * tracers and the photon map. */
 bool sl_curve_is_tracer(const sl_curve *curve);
 bool sl_curve_is_peer(const sl_curve *curve);
 

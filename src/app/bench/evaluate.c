@@ -62,7 +62,8 @@ static bool is_used_by(const sl_bench_options *o, const sl_bench_row *row, const
 
 /* ---- as good as they have to be ---- */
 
-/* The smallest error that would be told with this reference, and what share of it is in doubt; 0: none. */
+/* Returns the smallest error that would be told with this reference, and what share of it is in doubt; 0:
+ * none. */
 static double smallest_error(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_reference *r,
                              const sl_image *reference, const sl_image *mask, double *doubt) {
     double smallest = *doubt = 0.0;
@@ -99,7 +100,7 @@ static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench
     sl_image_destroy(image);
 }
 
-/* By what the ones before took. */
+/* Foretells by what the ones before took. */
 static double next_pair_seconds(const sl_bench_reference *r) {
     double samples = (double)(sl_reference_samples(r->pairs + 1) - sl_reference_samples(r->pairs));
     return r->samples ? r->seconds * samples / (double)r->samples : 0.0;
@@ -111,7 +112,7 @@ static bool is_good_enough(const sl_bench_options *o, const sl_bench_reference *
     return r->wanted > 0.0 ? r->noise <= r->wanted : !o->references_only;
 }
 
-/* A pair at a time: each is as long as all before it. */
+/* Adds a pair at a time: each is as long as all before it. */
 static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r,
                         const sl_image *mask, sl_error *error) {
     sl_status status = SL_OK;
@@ -127,7 +128,7 @@ static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_b
 
 /* ---- the answers ---- */
 
-/* Over the pixels that estimates judge. What is lost in the reference's noise can check none. */
+/* Compares over the pixels that estimates judge. What is lost in the reference's noise can check none. */
 static void check_promise(sl_bench_row *row, const sl_image *picture, const sl_image *reference,
                           const sl_image *mask) {
     sl_bench_error e;
@@ -157,7 +158,7 @@ static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_ben
     sl_image_destroy(picture);
 }
 
-/* What the paths of a reference leave out of full global illumination. */
+/* Finds what the paths of a reference leave out of full global illumination. */
 static void compare_with_full(sl_bench_reference *r, const sl_image *reference, const sl_image *full,
                               const sl_image *mask) {
     const sl_compare_options options = {.mask = mask};

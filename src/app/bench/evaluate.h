@@ -5,8 +5,8 @@
 
 #include "app/bench/schedule.h"
 
-/* The rows are there; fills in their errors and the scene's references. What goes wrong with a reference is
- * told there, and is no failure here. */
+/* Fills in the errors of the rows that are there and the scene's references. What goes wrong with a reference
+ * is told there, and is no failure here. */
 sl_status sl_evaluate(const sl_bench_options *options, sl_bench_scene *scene, sl_error *error);
 
 #endif

@@ -35,7 +35,7 @@ static uint64_t hash_on(uint64_t hash, const void *bytes, size_t count) {
 
 enum { SUM_BYTES = sizeof ",\"sum\":\"0123456789abcdef\"}" - 1 };
 
-/* The end of a line, in place of its last brace. */
+/* Writes the end of a line, in place of its last brace. */
 static void write_sum(const char *line, size_t length, char text[SUM_BYTES + 1]) {
     snprintf(text, SUM_BYTES + 1, ",\"sum\":\"%016" PRIx64 "\"}", hash_on(FIRST_HASH, line, length));
 }
@@ -108,7 +108,7 @@ const cJSON *sl_journal_at(const sl_journal *j, size_t index) {
     return index < j->count ? j->entries[index] : NULL;
 }
 
-/* All of it: a disk that fills up takes a part, and says why at the next try. */
+/* Writes all of it: a disk that fills up takes a part, and says why at the next try. */
 static bool write_all(int file, const char *from, size_t bytes) {
     while (bytes > 0) {
         ssize_t written = write(file, from, bytes);
@@ -120,8 +120,8 @@ static bool write_all(int file, const char *from, size_t bytes) {
     return true;
 }
 
-/* A line in one write, so that two programs cannot mix theirs; where that fails the line is torn, and the
- * next begins anew. */
+/* Appends a line in one write, so that two programs cannot mix theirs; where that fails the line is torn, and
+ * the next begins anew. */
 static bool append(sl_journal *j, const char *text) {
     size_t length = strlen(text) - 1, at = 0; /* without its last brace */
     char *line = malloc(length + SUM_BYTES + 3);

@@ -14,13 +14,13 @@ typedef struct sl_journal sl_journal;
 /* Reads what there is; a line that was cut off or changed is passed over. The file need not exist. */
 sl_status sl_journal_open(const char *path, sl_journal **journal, sl_error *error);
 void sl_journal_close(sl_journal *journal);
-/* The last entry with this "key", or NULL. The journal owns it. */
+/* Returns the last entry with this "key", or NULL. The journal owns it. */
 const cJSON *sl_journal_find(const sl_journal *journal, const char *key);
-/* All entries, in order; NULL past the end. */
+/* Hands out all entries, in order; NULL past the end. */
 const cJSON *sl_journal_at(const sl_journal *journal, size_t index);
 /* Takes the entry, which has a "key", and appends it to the file. */
 sl_status sl_journal_add(sl_journal *journal, cJSON *entry, sl_error *error);
-/* Of the program that runs: 16 hexadecimal digits of the content of its file. */
+/* Writes, of the program that runs, 16 hexadecimal digits of the content of its file. */
 void sl_program_fingerprint(char text[17]);
 
 #endif

@@ -25,7 +25,7 @@ static double place(const axis *a, double value) {
     return a->from + (log10(value) - a->least) / (a->most - a->least) * (a->to - a->from);
 }
 
-/* Which of the five methods' and two tracers' colours. */
+/* Returns which of the five methods' and two tracers' colours. */
 static const char *class_of(const char *curve) {
     static const char *const names[] = {"splatting",     "direct-radiance", "light-octree",
                                         "multi-mesh",    "shading-cache",   "path",
@@ -61,7 +61,7 @@ static void put_style(FILE *out) {
 
 /* ---- what is drawn ---- */
 
-/* Of the tracers those whose own truth this is. */
+/* Keeps of the tracers those whose own truth this is. */
 static bool belongs(const sl_curve *c, sl_bench_truth truth) {
     if (!sl_curve_is_tracer(c) || truth == SL_BENCH_MATCHED) return true;
     return strstr(c->name, sl_bench_truth_name(truth)) != NULL;

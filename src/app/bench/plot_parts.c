@@ -8,13 +8,13 @@
 
 enum { BAR_LEFT = 190, BAR_WIDTH = 640, BAR_HEIGHT = 20, BAR_STEP = 26, HEAD = 34 };
 
-/* The tracers have one pass, and nothing to show. */
+/* Leaves out the tracers, which have one pass, and nothing to show. */
 static bool is_shown(const sl_bench_row *r) {
     bool tracer = strcmp(r->method, "path") == 0 || strcmp(r->method, "bidirectional") == 0;
     return r->end == SL_BENCH_RAN && r->part_count > 0 && !tracer;
 }
 
-/* The name, or as much of it as there is room for: a letter takes some six pixels. */
+/* Writes the name, or as much of it as there is room for: a letter takes some six pixels. */
 static void put_name(FILE *out, const sl_bench_part *part, double x, double y, double width) {
     int room = (int)((width - 8.0) / 6.3), length = (int)strlen(part->name);
     char text[80];

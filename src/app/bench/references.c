@@ -22,7 +22,7 @@ void sl_reference_default_folder(char path[SL_BENCH_PATH]) {
     else snprintf(path, SL_BENCH_PATH, "softlux-references");
 }
 
-/* Paths may be named with options that change them: "matched:splatting --bounces 2". */
+/* Reads paths, which may be named with options that change them: "matched:splatting --bounces 2". */
 static bool settings_of(const char *transport, char name[SL_BENCH_PATHS], sl_settings *settings) {
     char arguments[SL_BENCH_ARGUMENTS];
     int length = (int)strcspn(transport, " ");
@@ -33,7 +33,7 @@ static bool settings_of(const char *transport, char name[SL_BENCH_PATHS], sl_set
     return true;
 }
 
-/* What there is not in a scene, no path of it can meet. */
+/* Takes away what there is not in a scene, since no path of it can meet that. */
 static bool transport_of(const sl_bench_scene *s, const char *name, sl_transport *t) {
     sl_settings settings;
     char word[SL_BENCH_PATHS];
@@ -81,8 +81,8 @@ void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *
 
 /* ---- how long chunks are ---- */
 
-/* As long as all before them: samples of one sequence do more than as many of two (noise falls with their
- * number to the power of -0.65 or so). */
+/* Makes them as long as all before them: samples of one sequence do more than as many of two (noise falls
+ * with their number to the power of -0.65 or so). */
 static uint32_t chunk_samples(uint64_t chunk) {
     enum { LONGEST = 12 };
     uint64_t pair = chunk / 2;
@@ -117,8 +117,8 @@ typedef struct extension {
     sl_load_options load;
 } extension;
 
-/* The sums of both halves so far: planes R, G, B of the one, then of the other. An unreadable file counts as
- * none. */
+/* Reads the sums of both halves so far: planes R, G, B of the one, then of the other. An unreadable file
+ * counts as none. */
 static void begin(const extension *e, double *sums, uint64_t *pairs, double *seconds) {
     sl_image *image = NULL;
     size_t pixels = (size_t)e->width * (size_t)e->height;
@@ -208,7 +208,7 @@ static bool extend_work(void *context, char **report) {
 
 /* ---- in the parent ---- */
 
-/* Like mkdir -p. */
+/* Does as mkdir -p. */
 sl_status sl_reference_make_folder(const char *path, sl_error *error) {
     char part[SL_BENCH_PATH];
     size_t length = strlen(path);
@@ -252,7 +252,7 @@ sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s
 
 /* ---- the mask ---- */
 
-/* The pixels that show surfaces, which --error judges too. */
+/* Finds the pixels that show surfaces, which --error judges too. */
 static bool mask_work(void *context, char **report) {
     const extension *e = context;
     sl_settings settings = sl_settings_default();

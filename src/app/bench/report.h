@@ -13,16 +13,16 @@ sl_status sl_report_markdown(const sl_bench_results *results, const char *folder
 sl_status sl_report_html(const sl_bench_results *results, const char *folder, sl_error *error);
 /* tables.md: what a page in words quotes, each table between <!-- table NAME --> and <!-- end -->. */
 sl_status sl_report_summary(const sl_bench_results *results, const char *folder, sl_error *error);
-/* The same file of the tables of a file of trials: a row for each trial in each scene. */
+/* Puts the tables of a file of trials into that file: a row for each trial in each scene. */
 void sl_report_trials(FILE *out, const sl_bench_results *results);
 /* SCENE-one-bounce.svg and the like. */
 sl_status sl_report_plots(const sl_bench_results *results, const char *folder, sl_error *error);
-/* To the terminal: what matters, a line each. */
+/* Prints to the terminal what matters, a line each. */
 void sl_report_terminal(const sl_bench_results *results, FILE *out);
 
 /* ---- what the writers share ---- */
 
-/* The report's beginning, and what it says of a scene, as Markdown. */
+/* Print the report's beginning, and what it says of a scene, as Markdown. */
 void sl_report_overview(FILE *out, const sl_bench_results *results);
 void sl_report_scene(FILE *out, const sl_bench_scene *scene);
 
@@ -34,14 +34,14 @@ sl_status sl_report_compose(const sl_bench_results *results, const char *folder,
 /* "3.2 %"; "3.2 ± 0.4 %" where more than a tenth of it is in doubt; "< 0.04 %": at most, and perhaps nothing;
  * "-" where it is not known. */
 void sl_error_text(const sl_bench_error *error, char text[32]);
-/* How often errors told without a reference hold, as a table. */
+/* Prints how often errors told without a reference hold, as a table. */
 void sl_report_promises(FILE *out, const sl_bench_results *results);
-/* The smallest error told with a reference, and how much of the reference's noise is in it; "" where none is
- * told. */
+/* Writes the smallest error told with a reference, and how much of the reference's noise is in it; "" where
+ * none is told. */
 void sl_reference_text(const sl_bench_reference *reference, char text[96]);
-/* What a reference leaves out of full global illumination, with so many digits behind the point: "36.19 %";
- * "≥ 17.2 %", with one digit less, where the estimate is below what the missing energy alone makes of it, and
- * so lost in the references' noise. */
+/* Writes what a reference leaves out of full global illumination, with so many digits behind the point:
+ * "36.19 %"; "≥ 17.2 %", with one digit less, where the estimate is below what the missing energy alone makes
+ * of it, and so lost in the references' noise. */
 void sl_missing_text(const sl_bench_reference *reference, int digits, char text[32]);
 /* "3.1 %, at most 3.9 %", or "-". */
 void sl_promise_text(const sl_bench_promise *promise, char text[64]);

@@ -156,7 +156,7 @@ static void put_references(FILE *out, const sl_bench_scene *s) {
 
 /* ---- the page ---- */
 
-/* The overview, or one scene of the report. */
+/* Puts the overview, or one scene of the report. */
 static void put_part(FILE *out, const sl_bench_results *r, const sl_bench_scene *scene) {
     char *text = NULL;
     size_t size;

@@ -105,7 +105,7 @@ static void put_references(FILE *out, const sl_bench_scene *s) {
     }
 }
 
-/* The whole report in a table: the best of the methods against the path tracer. */
+/* Puts the whole report in a table: the best of the methods against the path tracer. */
 static void put_leads(FILE *out, const sl_bench_results *r, double error) {
     fprintf(out,
             "\n| %g %% of one bounce | best method | cpu s | path tracer, cpu s | times as soon |\n| --- | "

@@ -70,7 +70,7 @@ static void put_cell(FILE *out, const sl_bench_row *row, const sl_image *picture
     fprintf(out, " %s |", cell);
 }
 
-/* The next of a table's columns; false after the last. */
+/* Takes the next of a table's columns; false after the last. */
 static bool next_column(const char **at, char column[CELL]) {
     const char *from = *at + strspn(*at, ", ");
     size_t length = strcspn(from, ",");

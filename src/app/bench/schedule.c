@@ -113,7 +113,8 @@ static sl_bench_end end_of(const cJSON *entry) {
     return SL_BENCH_CRASHED;
 }
 
-/* What was stopped, or ran out of memory, is no answer where more is allowed now. */
+/* Finds the entry of a job; what was stopped, or ran out of memory, is no answer where more is allowed now.
+ */
 static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal,
                                const job *j) {
     char key[1024];
@@ -130,8 +131,8 @@ static double seconds_of(const cJSON *entry) {
     return number(cJSON_GetObjectItem(entry, "result"), "wall_seconds");
 }
 
-/* A cheaper setting of the same curve that the limit stopped, or that left too little of it for this one;
- * NULL: none. */
+/* Returns a cheaper setting of the same curve that the limit stopped, or that left too little of it for this
+ * one; NULL: none. */
 static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_scene *s,
                                       const sl_journal *journal, const sl_trial *trial) {
     for (const sl_trial *t = o->trials->trial; trial->ordered && t != trial; t++) {
@@ -144,7 +145,7 @@ static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_
     return NULL;
 }
 
-/* Whether a job still makes sense after what its first run, and cheaper settings, were like. */
+/* Tells whether a job still makes sense after what its first run, and cheaper settings, were like. */
 static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal,
                    const job *j) {
     job first = *j;
@@ -278,7 +279,7 @@ static int by_share(const void *a, const void *b) {
     return strcmp(x->name, y->name);
 }
 
-/* The largest parts; the small ones together. */
+/* Takes the largest parts, and the small ones together. */
 static void take_parts(const cJSON *parts, sl_bench_row *row) {
     enum { MOST = 256 };
     sl_bench_part all[MOST];

@@ -25,13 +25,13 @@ typedef struct sl_bench_options {
     char program[17]; /* the fingerprint of what measures, or measured */
 } sl_bench_options;
 
-/* Whether a comma-separated list, or NULL, names it. */
+/* Tells whether a comma-separated list, or NULL, names it. */
 bool sl_list_names(const char *list, const char *name);
 /* Runs what the journal does not hold yet. Returns when all is done, the budget is spent, or somebody
  * interrupts. */
 sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_journal *journal,
                           sl_error *error);
-/* The rows of the scene from what the journal holds of it. */
+/* Makes the rows of the scene from what the journal holds of it. */
 sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal,
                            sl_error *error);
 /* Does work in a child, unless the journal has its key, and adds what it told: key, program, scene, end, why,
@@ -39,7 +39,7 @@ sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scen
 sl_status sl_schedule_child(const sl_bench_options *options, const sl_bench_scene *scene, const char *key,
                             double seconds, sl_child_work *work, void *context, sl_journal *journal,
                             sl_error *error);
-/* Where the picture of a trial is kept. */
+/* Tells where the picture of a trial is kept. */
 void sl_trial_picture(const sl_bench_options *options, const sl_bench_scene *scene, const sl_trial *trial,
                       char path[SL_BENCH_PATH]);
 

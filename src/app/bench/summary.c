@@ -69,8 +69,8 @@ static void put_times_as_soon(FILE *out, const sl_bench_scene *s, double error, 
     else fputs(" |", out);
 }
 
-/* How many of the scenes with diffuse surfaces alone are `times` sooner at an error, how many may be (the
- * path tracer's time is only bounded), and how many there are. */
+/* Counts how many of the scenes with diffuse surfaces alone are `times` sooner at an error, how many may be
+ * (the path tracer's time is only bounded), and how many there are. */
 static void count_leads(const sl_bench_results *r, double error, double times, size_t *scenes,
                         size_t *reached) {
     *scenes = *reached = 0;
@@ -111,7 +111,7 @@ static void put_goal(FILE *out, const sl_bench_results *r) {
 
 /* ---- which method for which scene ---- */
 
-/* The first to reach an error, tracers among them; and how much sooner than the second. */
+/* Puts the first to reach an error, tracers among them; and how much sooner than the second. */
 static void put_first(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, double error) {
     sl_curve curves[SL_CURVES];
     const char *first = NULL;
@@ -166,7 +166,7 @@ static int by_error(const void *a, const void *b) {
     return strcmp(x->scene, y->scene);
 }
 
-/* The smallest error of a curve in each scene, the largest of these first. */
+/* Finds the smallest error of a curve in each scene, the largest of these first. */
 static size_t floors_of(const sl_bench_results *r, const char *curve, sl_bench_truth truth,
                         floor_of *floors) {
     size_t count = 0;
@@ -234,8 +234,8 @@ static double middle_of(double *values, size_t count) {
     return sl_bench_spread_of(values, (int)count).median;
 }
 
-/* Of the scenes where both ran: how many times the seconds of the quality below, what share of its error, and
- * in how many scenes no smaller an error. */
+/* Puts, of the scenes where both ran, how many times the seconds of the quality below, what share of its
+ * error, and in how many scenes no smaller an error. */
 static void put_step(FILE *out, const sl_bench_results *r, const char *curve, sl_bench_quality quality,
                      double *work) {
     double *errors = work, *times = work + r->scene_count, *shares = work + 2 * r->scene_count,

@@ -25,7 +25,7 @@ bool sl_trial_settings(const char *arguments, sl_settings *settings) {
     return sl_options_parse(&line, count, words, operands, &operand_count, &status);
 }
 
-/* A look: which passes take the time. */
+/* Adds what a look found out: which passes take the time. */
 static void add_parts(cJSON *root, const sl_pass_times *times) {
     cJSON *parts = cJSON_AddObjectToObject(root, "parts");
     double sum = sl_pass_times_sum(times);
@@ -42,8 +42,8 @@ typedef struct made {
     double cpu, wall, first_picture;
 } made;
 
-/* The first picture is there after the first update; showing it costs time that another run would not need:
- * so of a look only. */
+/* Shows the first picture, which is there after the first update; showing it costs time that another run
+ * would not need: so of a look only. */
 static sl_status show_first(made *m, double from, sl_error *error) {
     sl_image *first = NULL;
     sl_status status = sl_method_resolve(m->method, &first, error);

@@ -34,11 +34,11 @@ struct sl_trials {
     char *text;                  /* of the file */
 };
 
-/* Those of a file, or with NULL the ladder of all methods. A line that means nothing is an error that names
- * it. */
+/* Reads those of a file, or with NULL the ladder of all methods. A line that means nothing is an error that
+ * names it. */
 sl_status sl_trials_read(const char *path, sl_trials *trials, sl_error *error);
 void sl_trials_free(sl_trials *trials);
-/* The next scene of a list after `*at`, of which it is the length; NULL: there is none. */
+/* Returns the next scene of a list after `*at`, of which it is the length; NULL: there is none. */
 const char *sl_trials_next_scene(const char **at, size_t *length);
 
 typedef struct sl_trial_run {
@@ -55,7 +55,7 @@ typedef struct sl_trial_run {
 /* In a child: runs the trial of an sl_trial_run and reports a JSON object: cpu_seconds, wall_seconds,
  * peak_bytes, method_bytes, batches, counters; of a look first_picture and parts. */
 sl_child_work sl_trial_work;
-/* The settings that the arguments mean; false: they are wrong, which has been told. */
+/* Finds the settings that the arguments mean; false: they are wrong, which has been told. */
 bool sl_trial_settings(const char *arguments, sl_settings *settings);
 
 #endif

@@ -16,14 +16,15 @@ typedef struct sl_film {
     uint8_t *rgb, *yuv;
 } sl_film;
 
-/* What it could be, before anything else is done: SL_ERROR_USAGE. */
+/* Checks what it could be, before anything else is done: SL_ERROR_USAGE. */
 sl_status sl_film_check(const char *output, double frames_per_second, sl_error *error);
 sl_status sl_film_open(sl_film *film, const char *output, int width, int height, double frames_per_second,
                        sl_error *error);
-/* A frame, that many times in a row (once in pictures). An automatic exposure is fixed where keep says so. */
+/* Writes a frame, that many times in a row (once in pictures). An automatic exposure is fixed where keep says
+ * so. */
 sl_status sl_film_write(sl_film *film, const sl_image *frame, sl_tone *tone, bool keep, uint64_t times,
                         sl_error *error);
-/* What went well so far appears under its name; else nothing does. */
+/* Lets what went well so far appear under its name; else nothing does. */
 sl_status sl_film_close(sl_film *film, bool well, sl_error *error);
 
 #endif

@@ -122,7 +122,8 @@ static verdict judged(const checking *c, const sl_hard_case *hard, double differ
     return v;
 }
 
-/* The picture's own noise, relative to the mean of what it is compared with, where its layers tell. */
+/* Returns the picture's own noise, relative to the mean of what it is compared with, where its layers tell.
+ */
 static double own_noise(const sl_image *image, const sl_comparison *result) {
     sl_error error;
     sl_error_estimate own;
@@ -158,7 +159,7 @@ static verdict compare(const checking *c, const sl_hard_case *hard, sl_image *im
     return judged(c, hard, apart(image, c->plain, &result, independent), bound);
 }
 
-/* Against the same room and light paths, path traced. */
+/* Compares with the same room and light paths, path traced. */
 static verdict compare_with_truth(const checking *c, const sl_hard_case *hard, const char *path,
                                   const sl_image *image) {
     char transport[64];
@@ -210,7 +211,7 @@ static verdict check_case(const checking *c, const sl_hard_case *hard) {
     return v;
 }
 
-/* The plain room, how much of its picture is noise, and how far it is from the truth. */
+/* Renders the plain room, and finds how much of its picture is noise, and how far it is from the truth. */
 static sl_status prepare(checking *c, sl_error *error) {
     const sl_room_cut whole = {1, 1, 0.0};
     char path[128], transport[64];
