@@ -54,7 +54,7 @@ static void run_rival(shading_world *w, double most, curve *narrow,
         double from = process_ms();
         render_cache_frame(cache, &counters);
         spent += 1e-3 * (process_ms() - from);
-        points = (double)render_cache_costs(cache).samples;
+        points = (double)render_cache_samples(cache);
         if (!is_due(&next, points)) continue;
         add(narrow, points, spent, shading_rival_error(w, cache, false));
         add(wide, points, spent, shading_rival_error(w, cache, true));

@@ -44,7 +44,7 @@ static double judge(rival *v, shading_world *w) {
 }
 
 static double points_of(const rival *v) {
-    return v->run ? (double)shading_run_points(v->run) : (double)render_cache_costs(v->cache).samples;
+    return v->run ? (double)shading_run_points(v->run) : (double)render_cache_samples(v->cache);
 }
 
 static bool is_judged(const film *f, int update) {

@@ -100,36 +100,14 @@ static double gather_ms(const world *w, const instrument *m, float *values) {
 
 /* ---- the world and its reference ---- */
 
-/* points whose reference is kept together, so that what was broken off goes on from there */
-enum { CHUNK = 250 };
-
-/* The reference of points [first, first + count), both halves, from the folder or made. */
-static void find_chunk(world *w, const instrument *rays, size_t first, size_t count) {
-    uint64_t numbers[] = {sl_scene_hash(w->scene), first, count, (uint64_t)rays->size},
-             hash = bench_hash(4, numbers, sizeof numbers);
-    float values[6 * CHUNK];
-    if (!bench_store_load("gathers", hash, 6 * count, values)) {
-        world part = *w;
-        part.points = &w->points[first];
-        fprintf(stderr, "reference: points from %zu on, twice %d x %d rays ...\n", first, rays->size,
-                rays->size);
-        for (int half = 0; half < 2; half++)
-            gather_points(&part, rays, true, 1000 + (uint64_t)half, count, w->threads,
-                          &values[3 * count * (size_t)half]);
-        bench_store_save("gathers", hash, 6 * count, values);
-    }
-    for (size_t half = 0; half < 2; half++)
-        memcpy(&w->reference[half][3 * first], &values[3 * count * half], 3 * count * sizeof *values);
-}
-
 /* Two gathers of N x N jittered rays with light samples of their own. */
 static void find_reference(world *w, int size) {
     instrument rays = {"reference", SL_GATHER_RAYS, size, 0.0, SL_BORDER_RADIAL, 1};
     w->reference[0] = calloc(6 * w->count, sizeof(float));
     if (!w->reference[0]) bench_fail("reference", NULL);
     w->reference[1] = w->reference[0] + 3 * w->count;
-    for (size_t first = 0; first < w->count; first += CHUNK)
-        find_chunk(w, &rays, first, w->count - first < CHUNK ? w->count - first : CHUNK);
+    for (int half = 0; half < 2; half++)
+        gather_points(w, &rays, true, 1000 + (uint64_t)half, w->count, w->threads, w->reference[half]);
     for (size_t i = 0; i < 6 * w->count; i++) w->mean += (double)w->reference[0][i] / (double)(6 * w->count);
 }
 

@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/random.h"
-#include "timing.h"
 
 /* ages end there: a pixel that shows something never comes before one that shows nothing */
 enum { OLD = 127,
@@ -45,7 +44,7 @@ struct render_cache {
     sl_sample_request *request;
     sl_sample *sample, *part;
     cached_point *fresh;
-    render_cache_bill bill;
+    uint64_t frames, samples;
 };
 
 static size_t most_samples(const render_cache_settings *s) {
@@ -67,9 +66,7 @@ sl_status render_cache_create(const render_cache_settings *settings, render_cach
     if (!c) return sl_fail_memory(error, "a render cache");
     c->s = *settings;
     c->pixels = (size_t)settings->width * (size_t)settings->height;
-    c->capacity =
-        (size_t)((double)c->pixels * (settings->points_a_pixel > 0.0 ? settings->points_a_pixel : 1.5)) +
-        GROUP;
+    c->capacity = c->pixels + c->pixels / 2 + GROUP; /* one and a half points a pixel */
     size_t samples = most_samples(settings);
     c->point = calloc(c->capacity, sizeof *c->point);
     c->shown = calloc(c->pixels, sizeof *c->shown);
@@ -185,7 +182,6 @@ static void cull_by_depth(render_cache *c) {
         }
         if (nearer < 3 || others - nearer > 2) continue;
         c->kept[i] = SL_NO_INDEX;
-        c->bill.culled++;
     }
 }
 
@@ -300,7 +296,7 @@ static void hand_on(float *row, int width, int x, float share) {
  * crowd where rows begin. */
 static size_t choose_pixels(render_cache *c) {
     int width = c->s.width;
-    uint64_t key = sl_random_key(c->s.seed, c->bill.frames), sum = 0;
+    uint64_t key = sl_random_key(c->s.seed, c->frames), sum = 0;
     size_t count = 0, most = most_samples(&c->s);
     for (size_t i = 0; i < c->pixels; i++) sum += c->priority[i];
     if (sum == 0) return 0;
@@ -401,7 +397,7 @@ static void shade_points(render_cache *c, size_t count, sl_counters *counters) {
         }
         p->color[0] = color.r, p->color[1] = color.g, p->color[2] = color.b;
     }
-    c->bill.samples += shaded;
+    c->samples += shaded;
 }
 
 /* The pixel's own point makes room; else the oldest of the next eight slots. */
@@ -453,27 +449,19 @@ static void store_points(render_cache *c, size_t count) {
 /* ---- a frame ---- */
 
 void render_cache_show(render_cache *c, bool wide_fill) {
-    double start = now_ms();
     project_points(c);
     cull_by_depth(c);
-    double projected = now_ms();
     show(c, wide_fill);
-    c->bill.project += projected - start;
-    c->bill.fill += now_ms() - projected;
 }
 
 void render_cache_frame(render_cache *c, sl_counters *counters) {
     render_cache_show(c, false);
-    double start = now_ms();
     grow_older(c);
     size_t count = choose_pixels(c);
-    double chosen = now_ms(), all = process_ms();
     find_points(c, count, counters);
     shade_points(c, count, counters);
     store_points(c, count);
-    c->bill.choose += chosen - start;
-    c->bill.render += process_ms() - all;
-    c->bill.frames++;
+    c->frames++;
 }
 
 sl_status render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels,
@@ -493,7 +481,7 @@ sl_status render_cache_reference(const render_cache_settings *settings, size_t c
 }
 
 const float *render_cache_picture(const render_cache *c) { return c->picture; }
-render_cache_bill render_cache_costs(const render_cache *c) { return c->bill; }
+uint64_t render_cache_samples(const render_cache *c) { return c->samples; }
 
 double render_cache_covered(const render_cache *c) {
     size_t covered = 0;

@@ -20,16 +20,9 @@ typedef struct render_cache_settings {
     int renderers;
     int width, height;
     int samples;                        /* rays a frame */
-    double points_a_pixel;              /* 0: 1.5 */
     unsigned threads;
     uint64_t seed;
 } render_cache_settings;
-
-typedef struct render_cache_bill {
-    uint64_t frames, samples, culled;
-    /* processor ms of the calling thread, all frames together; render: of all threads */
-    double project, fill, choose, render;
-} render_cache_bill;
 
 sl_status render_cache_create(const render_cache_settings *settings, render_cache **cache, sl_error *error);
 void render_cache_destroy(render_cache *cache);
@@ -49,6 +42,7 @@ sl_status render_cache_reference(const render_cache_settings *settings, size_t c
 const float *render_cache_picture(const render_cache *cache);
 /* Points that pixels show; 1 everywhere: no gap left. */
 double render_cache_covered(const render_cache *cache);
-render_cache_bill render_cache_costs(const render_cache *cache);
+/* Of all frames together. */
+uint64_t render_cache_samples(const render_cache *cache);
 
 #endif

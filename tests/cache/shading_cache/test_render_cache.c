@@ -140,7 +140,7 @@ static void few_samples_are_spread_over_the_picture(void **state) {
         quarter[i / SIZE * 2 / SIZE * 2 + i % SIZE * 2 / SIZE] += render_cache_picture(w.cache)[i] > 0.0f;
     for (int q = 0; q < 4; q++) assert_true(quarter[q] > 9 * 8 && quarter[q] < 9 * 24);
     run_frames(&w, 97);
-    assert_true(render_cache_costs(w.cache).samples >= 1950 && render_cache_costs(w.cache).samples <= 2050);
+    assert_true(render_cache_samples(w.cache) >= 1950 && render_cache_samples(w.cache) <= 2050);
     close_world(&w);
 }
 
@@ -160,10 +160,10 @@ static void points_follow_the_camera(void **state) {
     world w = open_world("scenes/walk.json");
     make_cache(&w, SIZE * SIZE / 4, 1);
     run_frames(&w, 8);
-    uint64_t samples = render_cache_costs(w.cache).samples;
+    uint64_t samples = render_cache_samples(w.cache);
     move_to(&w, 0.1);
     render_cache_show(w.cache, false);
-    assert_true(render_cache_costs(w.cache).samples == samples);
+    assert_true(render_cache_samples(w.cache) == samples);
     assert_true(share_right(&w, SL_NO_INDEX) > 0.9);
     run_frames(&w, 12);
     assert_true(share_right(&w, SL_NO_INDEX) > 0.995);
