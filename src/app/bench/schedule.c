@@ -137,7 +137,8 @@ static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_
                                       const sl_journal *journal, const sl_trial *trial) {
     for (const sl_trial *t = o->trials->trial; trial->ordered && t != trial; t++) {
         const job first = {t, 0, 0};
-        const cJSON *entry = strcmp(t->curve, trial->curve) == 0 ? find_entry(o, s, journal, &first) : NULL;
+        bool cheaper = t->ordered && t->table == trial->table && strcmp(t->curve, trial->curve) == 0;
+        const cJSON *entry = cheaper ? find_entry(o, s, journal, &first) : NULL;
         if (entry && (end_of(entry) == SL_BENCH_STOPPED ||
                       (o->limit > 0.0 && seconds_of(entry) > most_of_limit * o->limit)))
             return t;
