@@ -254,19 +254,3 @@ sl_vec3 sl_environment_texel(const sl_environment *e, int row, int column, sl_rg
     return direction_at(((double)column + 0.5) / (double)e->width,
                         0.5 * (row_edge(e, row) + row_edge(e, row + 1)));
 }
-
-double sl_environment_contrast(const sl_environment *environment) {
-    double sum = 0.0, weights = 0.0, largest = 0.0;
-    for (int row = 0; row < environment->height && environment->width > 0; row++) {
-        double weight = sl_sin(SL_PI * (row + 0.5) / environment->height);
-        for (int column = 0; column < environment->width; column++) {
-            const float *t =
-                environment->texels + 3 * ((size_t)row * (size_t)environment->width + (size_t)column);
-            double luminance = (double)sl_luminance((sl_rgb){t[0], t[1], t[2]});
-            sum += weight * luminance;
-            weights += weight;
-            if (luminance > largest) largest = luminance;
-        }
-    }
-    return sum > 0.0 ? largest * weights / sum : 1.0;
-}

@@ -237,9 +237,6 @@ float sl_environment_pdf(const sl_environment *environment, sl_vec3 direction);
 /* The middle of a texel (the environment is a picture), its radiance and its solid angle. */
 sl_vec3 sl_environment_texel(const sl_environment *environment, int row, int column, sl_rgb *radiance,
                              float *solid_angle);
-/* Largest over mean luminance, the mean by solid angle: 1 for a constant sky, thousands for one with a sun in
- * it; 1 where there is none. */
-double sl_environment_contrast(const sl_environment *environment);
 /* Sky and sun, sky + sun = all: the sky is the whole, cut in proportion to at most a luminance of
  * threshold_over_mean (> 1) times its own mean, so of low contrast; the sun is the rest, some texels or none.
  * Both with sampling tables of their own, both to be released with sl_environment_release(). A part that is

@@ -5,9 +5,18 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "trace/emitter_table.h"
 
 enum { LEAF_EMITTERS = 12 };
+
+typedef struct emitter_table {
+    float *x, *y, *z;               /* centroid */
+    float *normal_x, *normal_y, *normal_z;
+    float *strength;                /* mean radiance times area */
+    float *extent_squared;          /* largest squared distance of a corner from the centroid */
+    float *two_sided;               /* 1 or 0 */
+    float *block;                   /* holds all of the above */
+    size_t count;
+} emitter_table;
 
 typedef struct node {
     sl_vec3 centre;
@@ -17,11 +26,56 @@ typedef struct node {
 } node;
 
 struct sl_light_tree {
-    sl_emitter_table table; /* in the scene's order */
+    emitter_table table; /* in the scene's order */
     uint32_t *order;        /* emitters as the leaves hold them */
     node *nodes;
     uint32_t node_count;
 };
+
+/* ---- emitters ---- */
+
+static sl_status create_table(const sl_scene *scene, emitter_table *t, sl_error *error) {
+    enum { COLUMNS = 9 };
+    size_t n = scene->emitter_count;
+    t->block = sl_allocate(COLUMNS * n, sizeof *t->block);
+    if (!t->block) return sl_fail_memory(error, "direct light");
+    float **columns[COLUMNS] = {&t->x, &t->y, &t->z, &t->normal_x, &t->normal_y, &t->normal_z, &t->strength,
+                                &t->extent_squared, &t->two_sided};
+    for (size_t c = 0; c < COLUMNS; c++) *columns[c] = t->block + c * n;
+    t->count = n;
+    for (size_t i = 0; i < n; i++) {
+        const sl_emitter *e = &scene->emitters[i];
+        sl_vec3 corner[3], normal = sl_scene_geometric_normal(scene, e->triangle);
+        for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
+        sl_vec3 centre = sl_scale(sl_add(sl_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
+        t->x[i] = centre.x, t->y[i] = centre.y, t->z[i] = centre.z;
+        t->normal_x[i] = normal.x, t->normal_y[i] = normal.y, t->normal_z[i] = normal.z;
+        t->strength[i] = sl_rgb_mean(e->radiance) * e->area;
+        t->two_sided[i] = e->two_sided ? 1.0f : 0.0f;
+        for (int c = 0; c < 3; c++) {
+            sl_vec3 d = sl_sub(corner[c], centre);
+            t->extent_squared[i] = fmaxf(t->extent_squared[i], sl_dot(d, d));
+        }
+    }
+    return SL_OK;
+}
+
+/* How much an emitter can matter at a point: strength, cosines and distance of its centroid, each kept from
+ * vanishing where some part of the emitter may still contribute; 0 where none can. */
+static float importance_of(const emitter_table *t, size_t i, sl_vec3 position, sl_vec3 normal) {
+    float dx = t->x[i] - position.x, dy = t->y[i] - position.y, dz = t->z[i] - position.z;
+    float squared = dx * dx + dy * dy + dz * dz, extent = t->extent_squared[i];
+    float bounded = squared > extent ? squared : extent;
+    float over = bounded > 0.0f ? 1.0f / sqrtf(bounded) : 0.0f;
+    float above = normal.x * dx + normal.y * dy + normal.z * dz;
+    float front = -(t->normal_x[i] * dx + t->normal_y[i] * dy + t->normal_z[i] * dz);
+    if (t->two_sided[i] > 0.0f) front = fabsf(front);
+    if (!(front > 0.0f) || above * fabsf(above) < -extent) return 0.0f;
+    float cosine = above * over, cosine_emitter = front * over;
+    cosine = cosine > 0.1f ? cosine : 0.1f;
+    cosine_emitter = cosine_emitter > 0.1f ? cosine_emitter : 0.1f;
+    return t->strength[i] * cosine * cosine_emitter * over * over;
+}
 
 /* ---- building: halves along the longest axis of the centroids ---- */
 
@@ -36,10 +90,10 @@ static int by_place(const void *a, const void *b) {
     return x->emitter < y->emitter ? -1 : x->emitter > y->emitter;
 }
 
-static sl_vec3 centroid(const sl_emitter_table *t, uint32_t i) { return sl_v3(t->x[i], t->y[i], t->z[i]); }
+static sl_vec3 centroid(const emitter_table *t, uint32_t i) { return sl_v3(t->x[i], t->y[i], t->z[i]); }
 
 static void bound(const sl_light_tree *tree, node *n, sl_vec3 *extent) {
-    const sl_emitter_table *t = &tree->table;
+    const emitter_table *t = &tree->table;
     sl_vec3 low = centroid(t, tree->order[n->first]), high = low;
     for (uint32_t k = n->first; k < n->first + n->count; k++) {
         sl_vec3 c = centroid(t, tree->order[k]);
@@ -57,7 +111,7 @@ static void bound(const sl_light_tree *tree, node *n, sl_vec3 *extent) {
 }
 
 static void sort_along(const sl_light_tree *tree, const node *n, sl_vec3 extent, sorted_emitter *scratch) {
-    const sl_emitter_table *t = &tree->table;
+    const emitter_table *t = &tree->table;
     const float *axis = extent.x >= extent.y && extent.x >= extent.z ? t->x
                         : extent.y >= extent.z                       ? t->y
                                                                      : t->z;
@@ -88,7 +142,7 @@ sl_status sl_light_tree_create(const sl_scene *scene, sl_light_tree **out, sl_er
     *out = NULL;
     sl_light_tree *tree = sl_allocate(1, sizeof *tree);
     if (!tree) return sl_fail_memory(error, "the light tree");
-    sl_status status = sl_emitter_table_create(scene, &tree->table, error);
+    sl_status status = create_table(scene, &tree->table, error);
     sorted_emitter *scratch = sl_allocate(count, sizeof *scratch);
     tree->order = sl_allocate(count, sizeof *tree->order);
     tree->nodes = sl_allocate(2 * count, sizeof *tree->nodes);
@@ -107,7 +161,7 @@ sl_status sl_light_tree_create(const sl_scene *scene, sl_light_tree **out, sl_er
 
 void sl_light_tree_destroy(sl_light_tree *tree) {
     if (!tree) return;
-    sl_emitter_table_destroy(&tree->table);
+    sl_free(tree->table.block);
     sl_free(tree->order);
     sl_free(tree->nodes);
     sl_free(tree);
@@ -140,7 +194,7 @@ static float leaf_weights(const sl_light_tree *tree, const node *n, sl_vec3 posi
                           float weight[LEAF_EMITTERS]) {
     float sum = 0.0f;
     for (uint32_t k = 0; k < n->count; k++) {
-        sum += weight[k] = sl_emitter_importance(&tree->table, tree->order[n->first + k], position, normal);
+        sum += weight[k] = importance_of(&tree->table, tree->order[n->first + k], position, normal);
     }
     return sum > 0.0f && isfinite(sum) ? sum : 0.0f;
 }
@@ -168,27 +222,4 @@ bool sl_light_tree_choose(const sl_light_tree *tree, sl_vec3 position, sl_vec3 n
     *emitter = tree->order[n->first + chosen];
     *chance = way * (weight[chosen] / sum);
     return *chance > 0.0f;
-}
-
-static bool holds(const sl_light_tree *tree, const node *n, uint32_t emitter) {
-    for (uint32_t k = n->first; k < n->first + n->count; k++) {
-        if (tree->order[k] == emitter) return true;
-    }
-    return false;
-}
-
-float sl_light_tree_chance(const sl_light_tree *tree, sl_vec3 position, sl_vec3 normal, uint32_t emitter) {
-    const node *n = tree->nodes;
-    float way = 1.0f, share, weight[LEAF_EMITTERS];
-    while (n->right) {
-        if (!left_share(tree, n, position, normal, &share)) return 0.0f;
-        bool left = holds(tree, n + 1, emitter);
-        way *= left ? share : 1.0f - share;
-        n = left ? n + 1 : &tree->nodes[n->right];
-    }
-    float sum = leaf_weights(tree, n, position, normal, weight);
-    for (uint32_t k = 0; k < n->count; k++) {
-        if (tree->order[n->first + k] == emitter && sum > 0.0f) return way * (weight[k] / sum);
-    }
-    return 0.0f;
 }

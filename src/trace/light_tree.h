@@ -18,7 +18,5 @@ void sl_light_tree_destroy(sl_light_tree *tree);
  * way ends where no emitter can matter. */
 bool sl_light_tree_choose(const sl_light_tree *tree, sl_vec3 position, sl_vec3 normal, float u,
                           uint32_t *emitter, float *chance);
-/* How probable it was that an emitter would have been chosen there. */
-float sl_light_tree_chance(const sl_light_tree *tree, sl_vec3 position, sl_vec3 normal, uint32_t emitter);
 
 #endif

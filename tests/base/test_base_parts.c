@@ -53,22 +53,6 @@ static void random_numbers_are_uniform_within_and_across_streams(void **state) {
     }
 }
 
-static void random_pairs_fill_the_square_evenly(void **state) {
-    (void)state;
-    enum { SIDE = 32, DRAWS = 1 << 17 };
-    uint32_t next[SIDE * SIDE] = {0}, streams[SIDE * SIDE] = {0}, seeds[SIDE * SIDE] = {0};
-    for (uint64_t i = 0; i < DRAWS; i++) {
-        uint64_t key = sl_random_key(5, 8), other = sl_random_key(5, 9), reseeded = sl_random_key(6, 8);
-        uint32_t x = sl_random_bits(key, i) >> 27;
-        next[x * SIDE + (sl_random_bits(key, i + 1) >> 27)]++;
-        streams[x * SIDE + (sl_random_bits(other, i) >> 27)]++;
-        seeds[x * SIDE + (sl_random_bits(reseeded, i) >> 27)]++;
-    }
-    assert_uniform(next, SIDE * SIDE, DRAWS);
-    assert_uniform(streams, SIDE * SIDE, DRAWS);
-    assert_uniform(seeds, SIDE * SIDE, DRAWS);
-}
-
 /* The correlation of n independent pairs has deviation 1/sqrt(n). */
 static double correlation(uint64_t key_a, uint64_t key_b, uint64_t offset, uint64_t n) {
     double sum = 0.0;
@@ -104,14 +88,6 @@ static void random_numbers_depend_on_seed_stream_and_index_alone(void **state) {
         assert_true(u >= 0.0f && u < 1.0f);
     }
     assert_true(sl_hash64(0) == 0xe220a8397b1dcdafu); /* SplitMix64's first output for seed 0 */
-}
-
-static void radical_inverse_reverses_bits(void **state) {
-    (void)state;
-    assert_int_equal(sl_van_der_corput(0), 0);
-    assert_true(sl_van_der_corput(1) == 0x80000000u && sl_van_der_corput(2) == 0x40000000u);
-    assert_true(sl_van_der_corput(3) == 0xc0000000u && sl_van_der_corput(0xffffffffu) == 0xffffffffu);
-    for (uint32_t i = 0; i < 1000; i++) assert_true(sl_van_der_corput(sl_van_der_corput(i)) == i);
 }
 
 /* ---- vec.h ---- */
@@ -165,28 +141,6 @@ static void frames_are_orthonormal_for_every_normal(void **state) {
                           2.0f * sl_random_unit(key, 4 * i + 3) - 1.0f);
         assert_orthonormal(sl_normalize_or(a, sl_v3(0.0f, 1.0f, 0.0f)));
     }
-}
-
-static void frames_turn_vectors_there_and_back(void **state) {
-    (void)state;
-    sl_vec3 n = sl_normalize_or(sl_v3(0.3f, -0.5f, -0.8f), sl_v3(0, 0, 1)), a = sl_v3(0.2f, 0.7f, -1.5f);
-    sl_frame f = sl_frame_from_normal(n);
-    sl_vec3 up = sl_frame_to_world(&f, sl_v3(0, 0, 1)), back = sl_frame_to_world(&f, a);
-    back = sl_frame_to_local(&f, back);
-    assert_true(sl_length(sl_sub(up, n)) < 1e-7f && sl_length(sl_sub(back, a)) < 1e-6f);
-}
-
-static void vector_and_colour_arithmetic(void **state) {
-    (void)state;
-    sl_vec3 c = sl_cross(sl_v3(1, 0, 0), sl_v3(0, 1, 0)), m = sl_mad(sl_v3(1, 2, 3), 2.0f, sl_v3(10, 20, 30));
-    assert_true(c.x == 0.0f && c.y == 0.0f && c.z == 1.0f && m.x == 21.0f && m.y == 42.0f && m.z == 63.0f);
-    assert_true(sl_dot(sl_v3(1, 2, 3), sl_v3(4, 5, 6)) == 32.0f && sl_length(sl_v3(2, 3, 6)) == 7.0f);
-    assert_true(sl_lengthd(sl_v3d(2e200 / 1e200, 3, 6)) == 7.0);
-    assert_true(sl_rgb_max((sl_rgb){1, 3, 2}) == 3.0f && sl_rgb_max((sl_rgb){1, 2, 3}) == 3.0f);
-    assert_true(fabsf(sl_luminance(sl_grey(2.0f)) - 2.0f) < 1e-6f &&
-                fabsf(sl_rgb_mean((sl_rgb){1, 2, 6}) - 3.0f) < 1e-6f);
-    assert_false(sl_rgb_is_finite((sl_rgb){0, NAN, 0}));
-    assert_false(sl_is_finite(sl_v3(0, 0, -INFINITY)));
 }
 
 /* ---- parallel.h ---- */
@@ -271,14 +225,6 @@ static void nested_loops_run_alone_and_in_order(void **state) {
     assert_true(alone.next == 50 && alone.faults == 0);
 }
 
-static void thread_count_is_at_least_one_and_bounded(void **state) {
-    (void)state;
-    assert_in_range(sl_thread_count(0), 1, 256);
-    assert_int_equal(sl_thread_count(1), 1);
-    assert_int_equal(sl_thread_count(64), 64);
-    assert_int_equal(sl_thread_count(100000), 256);
-}
-
 /* ---- memory.h ---- */
 
 static void allocation_is_aligned_and_zeroed(void **state) {
@@ -302,33 +248,6 @@ static void allocation_that_overflows_gives_null(void **state) {
     assert_null(sl_allocate(SIZE_MAX / 2 + 1, 2));
     assert_null(sl_allocate((size_t)1 << 33, (size_t)1 << 33));
     assert_null(sl_allocate(2, SIZE_MAX / 2 + 1));
-}
-
-static void what_grows_keeps_what_is_in_it(void **state) {
-    (void)state;
-    uint32_t *numbers = NULL;
-    assert_true(sl_regrow(&numbers, 0, 3, sizeof *numbers));
-    for (uint32_t i = 0; i < 3; i++) numbers[i] = i + 1;
-    assert_true(sl_regrow(&numbers, 3, 1000, sizeof *numbers));
-    for (uint32_t i = 0; i < 1000; i++) assert_int_equal(numbers[i], i < 3 ? i + 1 : 0);
-    sl_free(numbers);
-}
-
-static void what_cannot_grow_stays_as_it_is(void **state) {
-    (void)state;
-    uint32_t *numbers = sl_allocate(1, sizeof *numbers), *before = numbers;
-    numbers[0] = 7;
-    assert_false(sl_regrow(&numbers, 1, SIZE_MAX, sizeof *numbers));
-    assert_ptr_equal(numbers, before);
-    assert_int_equal(numbers[0], 7);
-    sl_free(numbers);
-}
-
-static void lists_grow_by_a_quarter_or_by_what_is_needed(void **state) {
-    (void)state;
-    assert_int_equal(sl_grown_capacity(0, 64), 64);
-    assert_int_equal(sl_grown_capacity(100, 101), 125);
-    assert_int_equal(sl_grown_capacity(100, 300), 300);
 }
 
 /* ---- error.h, counters.h, isa.h ---- */
@@ -388,23 +307,15 @@ static void the_environment_lowers_the_instruction_set_and_never_raises_it(void 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_numbers_are_uniform_within_and_across_streams),
-        cmocka_unit_test(random_pairs_fill_the_square_evenly),
         cmocka_unit_test(streams_and_seeds_are_not_correlated),
         cmocka_unit_test(random_numbers_depend_on_seed_stream_and_index_alone),
-        cmocka_unit_test(radical_inverse_reverses_bits),
         cmocka_unit_test(normalizing_gives_a_unit_vector_or_the_fallback),
         cmocka_unit_test(frames_are_orthonormal_for_every_normal),
-        cmocka_unit_test(frames_turn_vectors_there_and_back),
-        cmocka_unit_test(vector_and_colour_arithmetic),
         cmocka_unit_test(every_index_runs_once_at_any_number_of_threads),
         cmocka_unit_test(a_worker_runs_one_task_at_a_time),
         cmocka_unit_test(nested_loops_run_alone_and_in_order),
-        cmocka_unit_test(thread_count_is_at_least_one_and_bounded),
         cmocka_unit_test(allocation_is_aligned_and_zeroed),
         cmocka_unit_test(allocation_that_overflows_gives_null),
-        cmocka_unit_test(what_grows_keeps_what_is_in_it),
-        cmocka_unit_test(what_cannot_grow_stays_as_it_is),
-        cmocka_unit_test(lists_grow_by_a_quarter_or_by_what_is_needed),
         cmocka_unit_test(an_error_is_one_line_that_ends),
         cmocka_unit_test(counters_add_up_and_have_distinct_names),
         cmocka_unit_test(the_environment_lowers_the_instruction_set_and_never_raises_it),

@@ -55,28 +55,6 @@ static void position_lies_at_the_depth_of_the_depth_plane(void **state) {
     }
 }
 
-static void normals_face_the_viewer(void **state) {
-    const fixture *f = *state;
-    for (int n = 0; n < 4; n++) {
-        const sl_gbuffer *g = f->gbuffer[n];
-        for (int i = 0; i < PIXELS; i++) {
-            if (g->id[i] == SL_NO_INDEX) {
-                assert_int_equal(g->material[i], SL_NO_INDEX);
-                continue;
-            }
-            sl_vec3 p = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]);
-            sl_vec3 geometric = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]);
-            sl_vec3 normal = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]);
-            sl_vec3 to_viewer = sl_sub(f->view[n].origin, p);
-            assert_true(sl_dot(geometric, to_viewer) >= -1e-5f * sl_length(to_viewer));
-            assert_true(sl_dot(geometric, normal) >= 0.0f);
-            assert_true(fabsf(sl_length(normal) - 1.0f) < 1e-5f);
-            assert_int_equal(g->material[i], 0);
-            assert_true(g->diffuse_r[i] == 0.5f);
-        }
-    }
-}
-
 static void gouraud_of_an_affine_function_equals_its_value_at_the_position(void **state) {
     const fixture *f = *state;
     enum { CHANNELS = 3 };
@@ -113,24 +91,6 @@ static void gouraud_of_an_affine_function_equals_its_value_at_the_position(void 
     free(out);
 }
 
-static void weights_stay_in_the_triangle_whatever_the_pixel(void **state) {
-    const fixture *f = *state;
-    uint64_t key = sl_random_key(9, 0);
-    enum { COUNT = 20000 };
-    static uint32_t pixel[COUNT], id[COUNT];
-    static float w1[COUNT], w2[COUNT];
-    for (uint32_t i = 0; i < COUNT; i++) { /* pairs that have nothing to do with each other */
-        pixel[i] = sl_random_bits(key, 2 * i) % PIXELS;
-        id[i] =
-            i % 17 == 0 ? SL_NO_INDEX : sl_random_bits(key, 2 * i + 1) % (uint32_t)f->scene->triangle_count;
-    }
-    sl_raster_barycentrics(f->raster, &f->view[3], COUNT, pixel, id, w1, w2);
-    for (int i = 0; i < COUNT; i++) {
-        assert_true(w1[i] >= 0.0f && w2[i] >= 0.0f && w1[i] + w2[i] <= 1.0000002f);
-        if (id[i] == SL_NO_INDEX) assert_true(w1[i] == 0.0f && w2[i] == 0.0f);
-    }
-}
-
 static void triangle_seen_edge_on_has_finite_weights(void **state) {
     (void)state;
     const float xyz[9] = {0, 0, 1, 0, 0, 2, 0, 0.0f, 3.5f};
@@ -162,45 +122,6 @@ static void flip_turns_rows_over(void **state) {
     sl_raster_flip(plane, 2, 3, image);
     const float expected[6] = {4, 5, 2, 3, 0, 1};
     assert_memory_equal(image, expected, sizeof image);
-}
-
-/* A texture that is opaque on its left half only, over an opaque wall: the hole shows the wall. */
-static void alpha_mask_lets_what_is_behind_show(void **state) {
-    (void)state;
-    const float positions[] = {-1, -1, 0,    1, -1, 0,    1, 1, 0,    -1, 1, 0,
-                               -1, -1, 0.5f, 1, -1, 0.5f, 1, 1, 0.5f, -1, 1, 0.5f};
-    const float uv[] = {0, 0, 1, 0, 1, 1, 0, 1, 0, 0, 1, 0, 1, 1, 0, 1};
-    const uint32_t indices[] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7}, materials[] = {0, 0, 1, 1};
-    uint8_t texels[16 * 4];
-    for (int i = 0; i < 16; i++) memset(&texels[4 * i], i < 8 ? 255 : 0, 4);
-    sl_texture texture = {.file = "mask", .width = 16, .height = 1, .has_alpha = true, .texels = texels};
-    sl_material material[2] = {
-        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = 0},
-        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
-    sl_scene_parts parts = {.vertex_count = 8,
-                            .positions = positions,
-                            .texture_coordinates = uv,
-                            .triangle_count = 4,
-                            .indices = indices,
-                            .material_index = materials,
-                            .material_count = 2,
-                            .materials = material,
-                            .texture_count = 1,
-                            .textures = &texture};
-    sl_scene *scene;
-    assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
-    sl_raster *raster = raster_of(scene);
-    sl_view view = flat_view(64, 64);
-    static uint32_t id[64 * 64];
-    for (unsigned threads = 1; threads <= 2; threads++) {
-        render(raster, &view, threads, id, NULL);
-        for (int i = 0; i < 64 * 64; i++) {
-            if (i % 64 < 30) assert_true(id[i] <= 1);
-            if (i % 64 > 33) assert_true(id[i] == 2 || id[i] == 3);
-        }
-    }
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
 }
 
 static int set_up(void **state) {
@@ -241,12 +162,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(position_reprojects_to_its_pixel),
         cmocka_unit_test(position_lies_at_the_depth_of_the_depth_plane),
-        cmocka_unit_test(normals_face_the_viewer),
         cmocka_unit_test(gouraud_of_an_affine_function_equals_its_value_at_the_position),
-        cmocka_unit_test(weights_stay_in_the_triangle_whatever_the_pixel),
         cmocka_unit_test(triangle_seen_edge_on_has_finite_weights),
         cmocka_unit_test(flip_turns_rows_over),
-        cmocka_unit_test(alpha_mask_lets_what_is_behind_show),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -138,39 +138,6 @@ static void no_triangles_at_all_clear_the_picture(void **state) {
     free_soup(&s);
 }
 
-static void one_triangle_is_drawn(void **state) {
-    (void)state;
-    soup s = soup_of(1);
-    put(&s, 0, sl_v3(-1, -1, 0), sl_v3(3, -1, 0), sl_v3(-1, 3, 0));
-    sl_view view = flat_view(257, 3);
-    assert_int_equal(assert_agree(&s, &view, 257, 3), 257 * 3);
-    free_soup(&s);
-}
-
-static void memory_is_told_and_grows_with_the_mesh(void **state) {
-    (void)state;
-    soup none = soup_of(0), some = random_soup(sl_random_key(90, 0), 1000);
-    size_t empty = sl_raster_memory_bytes(raster_soup(&none)),
-           full = sl_raster_memory_bytes(raster_soup(&some));
-    assert_true(empty > 0 && full > empty + 1000 * 3 * sizeof(uint16_t));
-    free_soup(&none);
-    free_soup(&some);
-}
-
-static void triangles_without_area_draw_nothing(void **state) {
-    (void)state;
-    soup s = soup_of(500);
-    uint64_t key = sl_random_key(91, 0);
-    for (size_t t = 0; t < s.triangles; t++) {
-        sl_vec3 a = sl_v3(random_between(key, 4 * t, -1, 1), random_between(key, 4 * t + 1, -1, 1), 0.5f);
-        sl_vec3 b = t % 3 == 0 ? a : sl_v3(random_between(key, 4 * t + 2, -1, 1), a.y, 0.25f);
-        put(&s, t, a, t % 2 ? a : b, b);
-    }
-    sl_view view = flat_view(300, 290);
-    assert_int_equal(assert_agree(&s, &view, 300, 290), 0);
-    free_soup(&s);
-}
-
 /* ---- ties ---- */
 
 static void of_coincident_triangles_the_first_is_seen_everywhere(void **state) {
@@ -223,15 +190,6 @@ static void sizes_around_a_tiles_agree(void **state) {
         assert_agree(&s, &high, 5, sizes[n]);
         assert_true(assert_agree(&s, &square, sizes[n], sizes[7 - n]) > 0);
     }
-    free_soup(&s);
-}
-
-static void longest_targets_agree_to_their_ends(void **state) {
-    (void)state;
-    soup s = random_soup(sl_random_key(94, 0), 200);
-    sl_view wide = flat_view(16384, 1), high = flat_view(1, 16384);
-    assert_true(assert_agree(&s, &wide, 16384, 1) > 1000);
-    assert_true(assert_agree(&s, &high, 1, 16384) > 1000);
     free_soup(&s);
 }
 
@@ -507,13 +465,9 @@ static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_triangles_at_all_clear_the_picture),
-        cmocka_unit_test(one_triangle_is_drawn),
-        cmocka_unit_test(memory_is_told_and_grows_with_the_mesh),
-        cmocka_unit_test(triangles_without_area_draw_nothing),
         cmocka_unit_test(of_coincident_triangles_the_first_is_seen_everywhere),
         cmocka_unit_test(equal_depths_over_tiles_and_clusters_go_to_the_lowest_index),
         cmocka_unit_test(sizes_around_a_tiles_agree),
-        cmocka_unit_test(longest_targets_agree_to_their_ends),
         cmocka_unit_test(viewports_at_the_far_ends_of_the_largest_targets_agree),
         cmocka_unit_test(adjacent_viewports_do_not_touch_each_other),
         cmocka_unit_test(scissors_that_leave_nothing_touch_nothing_and_count_the_same),

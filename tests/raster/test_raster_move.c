@@ -170,34 +170,6 @@ static void shake(soup *s, uint64_t key, float by) {
     }
 }
 
-static void triangles_that_are_torn_apart_are_drawn_apart(void **state) {
-    (void)state;
-    static soup s;
-    make_sheet(&s);
-    size_t clusters = s.raster->cluster_count, first = 0, then = 0;
-    for (uint64_t frame = 0; frame < 4; frame++) {
-        for (size_t c = 0; frame == 1 && c < s.raster->cluster_count; c++) then += s.raster->vertices[c];
-        for (size_t c = 0; frame == 0 && c < s.raster->cluster_count; c++) first += s.raster->vertices[c];
-        shake(&s, sl_random_key(93, frame), 0.02f);
-        assert_int_equal(sl_raster_move(s.raster, 2, NULL), SL_OK);
-        compare_with_fresh(s.raster, NULL, &s.mesh);
-    }
-    assert_true(clusters > 4 && then == 3 * COUNT && 3 * first < then); /* they shared, and share no longer */
-    sl_raster_destroy(s.raster);
-}
-
-static void one_vertex_among_those_that_share_a_place_may_leave_it(void **state) {
-    (void)state;
-    static soup s;
-    for (size_t n = 0; n < 40; n++) {
-        make_sheet(&s);
-        s.x[97 * n % (3 * COUNT)] += 0.25f;
-        assert_int_equal(sl_raster_move(s.raster, 1, NULL), SL_OK);
-        compare_with_fresh(s.raster, NULL, &s.mesh);
-        sl_raster_destroy(s.raster);
-    }
-}
-
 static void positions_that_become_infinite_or_nan_are_drawn_as_they_would_be_anew(void **state) {
     (void)state;
     static soup s;
@@ -255,25 +227,13 @@ static void moved_clusters_are_the_same_at_any_number_of_threads(void **state) {
     sl_raster_destroy(b.raster);
 }
 
-static void a_scene_without_triangles_can_be_moved(void **state) {
-    (void)state;
-    sl_raster_mesh none = {0};
-    sl_raster *raster = NULL;
-    assert_int_equal(sl_raster_create_mesh(&none, 1, &raster, NULL), SL_OK);
-    assert_int_equal(sl_raster_move(raster, 2, NULL), SL_OK);
-    sl_raster_destroy(raster);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_object_that_moved_is_drawn_as_if_it_had_always_been_there),
         cmocka_unit_test(a_mesh_that_deforms_is_drawn_as_if_it_were_made_anew_each_frame),
-        cmocka_unit_test(triangles_that_are_torn_apart_are_drawn_apart),
-        cmocka_unit_test(one_vertex_among_those_that_share_a_place_may_leave_it),
         cmocka_unit_test(positions_that_become_infinite_or_nan_are_drawn_as_they_would_be_anew),
         cmocka_unit_test(clusters_that_motion_has_scattered_are_made_anew),
         cmocka_unit_test(moved_clusters_are_the_same_at_any_number_of_threads),
-        cmocka_unit_test(a_scene_without_triangles_can_be_moved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -113,14 +113,6 @@ static void sub_pixel(uint64_t key, uint64_t t, sl_vec3 p[3]) {
     for (uint64_t k = 0; k < 3; k++) p[k] = sl_add(centre, in_cube(key, 8 * t + 1 + k, 0.008f));
 }
 
-static void sliver(uint64_t key, uint64_t t, sl_vec3 p[3]) {
-    p[0] = in_cube(key, 8 * t, 1.0f);
-    p[1] = in_cube(key, 8 * t + 1, 1.0f);
-    float s = sl_random_unit(key, 1000000 + t),
-          off = sl_exp2f(random_between(key, 2000000 + t, -20.0f, -6.0f));
-    p[2] = sl_add(sl_add(sl_scale(p[0], 1.0f - s), sl_scale(p[1], s)), in_cube(key, 8 * t + 2, off));
-}
-
 static void huge(uint64_t key, uint64_t t, sl_vec3 p[3]) {
     for (uint64_t k = 0; k < 3; k++)
         p[k] = in_cube(key, 8 * t + k, sl_exp2f(random_between(key, 1000000 + 3 * t + k, -2.0f, 70.0f)));
@@ -206,11 +198,6 @@ static void triangles_below_a_pixel_come_out_the_same(void **state) {
     compare(sub_pixel, 2, 4000, 60, 5000);
 }
 
-static void slivers_come_out_the_same(void **state) {
-    (void)state;
-    compare(sliver, 3, 800, 120, 3000);
-}
-
 static void triangles_far_larger_than_the_view_come_out_the_same(void **state) {
     (void)state;
     compare(huge, 4, 200, 120, 100000);
@@ -261,69 +248,14 @@ static void rooms_come_out_the_same(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void alpha_masks_come_out_the_same(void **state) {
-    (void)state;
-    enum { COUNT = 200 };
-    static float xyz[9 * COUNT], uv[6 * COUNT];
-    static uint32_t indices[3 * COUNT], materials[COUNT];
-    uint8_t texels[8 * 8 * 4];
-    uint64_t key = sl_random_key(84, 0);
-    for (uint64_t t = 0; t < COUNT; t++) {
-        sl_vec3 p[3];
-        any_size(key, t, p);
-        memcpy(xyz + 9 * t, p, sizeof p);
-        for (uint64_t k = 0; k < 6; k++)
-            uv[6 * t + k] = random_between(key, 5000000 + 6 * t + k, -1.0f, 2.0f);
-        for (uint32_t k = 0; k < 3; k++) indices[3 * t + k] = (uint32_t)(3 * t) + k;
-        materials[t] = t % 2;
-    }
-    for (uint64_t i = 0; i < 64; i++)
-        memset(&texels[4 * i], sl_random_bits(key, 9000000 + i) % 2 ? 255 : 0, 4);
-    sl_texture texture = {.file = "mask", .width = 8, .height = 8, .has_alpha = true, .texels = texels};
-    sl_material material[2] = {
-        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = 0},
-        {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
-    sl_scene_parts parts = {.vertex_count = 3 * COUNT,
-                            .positions = xyz,
-                            .texture_coordinates = uv,
-                            .triangle_count = COUNT,
-                            .indices = indices,
-                            .material_index = materials,
-                            .material_count = 2,
-                            .materials = material,
-                            .texture_count = 1,
-                            .textures = &texture};
-    sl_scene *scene = NULL;
-    assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
-    sl_raster *raster = raster_of(scene);
-    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count,
-                           scene->position_x,   scene->position_y,
-                           scene->position_z,   {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
-    int with = 0, without = 0;
-    for (uint64_t n = 0; n < 40; n++) {
-        sl_view view = random_view(key, n, 120, 90);
-        view.x = n % 2 ? 11 : 0;
-        with += assert_same(raster, &mesh, scene, &view, 120 + view.x, 90);
-        sl_target plain = {120 + view.x, 90, plain_id, plain_depth};
-        sl_plain_id(&mesh, NULL, &view, &plain);
-        for (int i = 0; i < (120 + view.x) * 90; i++)
-            without += plain_id[i] != SL_NO_INDEX && plain_id[i] != UNTOUCHED;
-    }
-    assert_true(with < without); /* the masks do cut holes */
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(triangles_of_any_size_come_out_the_same),
         cmocka_unit_test(triangles_below_a_pixel_come_out_the_same),
-        cmocka_unit_test(slivers_come_out_the_same),
         cmocka_unit_test(triangles_far_larger_than_the_view_come_out_the_same),
         cmocka_unit_test(triangles_that_are_not_numbers_come_out_the_same),
         cmocka_unit_test(vertices_on_pixel_centres_and_equal_depths_come_out_the_same),
         cmocka_unit_test(rooms_come_out_the_same),
-        cmocka_unit_test(alpha_masks_come_out_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -153,13 +153,6 @@ static void tiles_blend_in_index_order_bit_for_bit(void **state) {
     }
 }
 
-static void no_splats_are_allowed(void **state) {
-    (void)state;
-    sl_counters counters = {{0}};
-    assert_int_equal(sl_raster_splats(10, 10, 0, NULL, &add_program, NULL, 2, &counters, NULL), SL_OK);
-    assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_BLENDED], 0);
-}
-
 /* ---- tiles ---- */
 
 /* A program that works in tile memory alone: each tile must come once, go once, and hold what its splats
@@ -234,30 +227,6 @@ static bool same_floats(const float *a, const float *b, size_t count) { /* all N
     return true;
 }
 
-static void reduction_sums_squares_of_the_plane(void **state) {
-    (void)state;
-    enum { SIZE = 64 };
-    static float plane[SIZE * SIZE], scratch[SIZE * SIZE / 2], out[SIZE * SIZE];
-    /* sums of small integers are exact */
-    for (int i = 0; i < SIZE * SIZE; i++) plane[i] = (float)(i % 13) - 4.0f;
-    for (int final = 1; final <= SIZE; final *= 2) {
-        sl_counters counters = {{0}};
-        sl_raster_reduce(plane, SIZE, 1, final, scratch, out, &counters);
-        int square = SIZE / final;
-        for (int y = 0; y < final; y++) {
-            for (int x = 0; x < final; x++) {
-                float sum = 0.0f;
-                for (int j = 0; j < square; j++) {
-                    for (int i = 0; i < square; i++) sum += plane[(y * square + j) * SIZE + x * square + i];
-                }
-                assert_true(out[y * final + x] == sum);
-            }
-        }
-        assert_int_equal(counters.value[SL_COUNT_BYTES_READ_BACK], final * final * 4);
-        assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_SHADED], (SIZE * SIZE - final * final) / 3);
-    }
-}
-
 /* The hardware's way: the whole picture halved, then the half, and so on, between two pbuffers. */
 static void ping_pong(const float *plane, int size, int final, float *out) {
     static float pbuffer[2][256 * 256];
@@ -310,9 +279,7 @@ int main(void) {
         cmocka_unit_test(bounds_are_tight),
         cmocka_unit_test(camera_inside_or_sphere_behind),
         cmocka_unit_test(tiles_blend_in_index_order_bit_for_bit),
-        cmocka_unit_test(no_splats_are_allowed),
         cmocka_unit_test(a_tile_comes_and_goes_once_and_only_where_splats_are),
-        cmocka_unit_test(reduction_sums_squares_of_the_plane),
         cmocka_unit_test(reduction_has_the_bits_of_ping_pong_halving),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

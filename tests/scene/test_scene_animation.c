@@ -182,15 +182,6 @@ static void what_cannot_be_shown_is_refused_and_changes_nothing(void **state) {
     sl_scene_destroy(s);
 }
 
-static void a_scene_without_keyframes_never_changes(void **state) {
-    (void)state;
-    sl_scene *s = load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}]}");
-    assert_null(s->animation);
-    assert_int_equal(at(s, 7.0), 0);
-    assert_int_equal(s->version, 0);
-    sl_scene_destroy(s);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quaternions_turn_about_the_axes_in_order),
@@ -202,7 +193,6 @@ int main(void) {
         cmocka_unit_test(moving_emitters_count_as_lights_and_keep_their_area),
         cmocka_unit_test(a_z_up_scene_moves_as_its_y_up_twin),
         cmocka_unit_test(what_cannot_be_shown_is_refused_and_changes_nothing),
-        cmocka_unit_test(a_scene_without_keyframes_never_changes),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -100,16 +100,6 @@ static void textures_are_bilinear_repeat_and_are_decoded_before_filtering(void *
     assert_true(isfinite(sl_texture_color(&t, -1e-30f, 3e38f).r));
 }
 
-static void the_srgb_table_is_the_curve(void **state) {
-    (void)state;
-    for (int i = 0; i < 256; i++) {
-        uint8_t texel[4] = {(uint8_t)i, 0, 0, 255};
-        const sl_texture t = {.width = 1, .height = 1, .texels = texel};
-        double x = i / 255.0, linear = x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4);
-        assert_true(fabs((double)sl_texture_color(&t, 0.3f, 0.9f).r - linear) <= 6e-8 * linear);
-    }
-}
-
 static void a_texture_multiplies_the_diffuse_constant(void **state) {
     (void)state;
     sl_texture texture = {.width = 2, .height = 2, .has_alpha = true, .texels = two_by_two};
@@ -290,7 +280,6 @@ int main(void) {
         cmocka_unit_test(shading_normals_are_flipped_into_the_geometric_hemisphere),
         cmocka_unit_test(normals_that_cancel_or_lie_in_the_plane_give_way_to_the_geometric_one),
         cmocka_unit_test(textures_are_bilinear_repeat_and_are_decoded_before_filtering),
-        cmocka_unit_test(the_srgb_table_is_the_curve),
         cmocka_unit_test(a_texture_multiplies_the_diffuse_constant),
         cmocka_unit_test(alpha_masks_are_tested_at_one_half),
         cmocka_unit_test(directions_follow_the_stated_convention),

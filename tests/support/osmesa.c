@@ -333,7 +333,7 @@ void osmesa_uniform_array(unsigned program, const char *name, int count, const f
     glUniform4fv(uniform_location(program, name), count, values);
 }
 
-void osmesa_uniform_int(unsigned program, const char *name, int value) {
+static void osmesa_uniform_int(unsigned program, const char *name, int value) {
     glUniform1i(uniform_location(program, name), value);
 }
 
@@ -345,73 +345,6 @@ unsigned osmesa_texture(int width, int height, const float *rgba) {
     GLuint texture = make_texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, width, height, rgba);
     expect_no_error("texture");
     return texture;
-}
-
-static GLenum shape_of_gl(osmesa_shape shape) {
-    static const GLenum shapes[] = {
-        [TEXTURE_2D] = GL_TEXTURE_2D, [TEXTURE_CUBE] = GL_TEXTURE_CUBE_MAP, [TEXTURE_3D] = GL_TEXTURE_3D};
-    return shapes[shape];
-}
-
-static int half_size(int n) { return n > 1 ? n / 2 : 1; }
-
-static void give_level(const osmesa_texels *t, int level, int width, int height, int depth) {
-    GLint internal = t->texel == TEXEL_RGBA32F ? GL_RGBA32F
-                     : t->texel == TEXEL_RGBA8 ? GL_RGBA8
-                                               : GL_SRGB8_ALPHA8;
-    GLenum type = t->texel == TEXEL_RGBA32F ? GL_FLOAT : GL_UNSIGNED_BYTE;
-    if (t->shape == TEXTURE_3D) {
-        glTexImage3D(GL_TEXTURE_3D, level, internal, width, height, depth, 0, GL_RGBA, type, t->level[level]);
-    } else if (t->shape == TEXTURE_CUBE) {
-        for (int face = 0; face < 6; face++) {
-            glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + (GLenum)face, level, internal, width, height, 0,
-                         GL_RGBA, type, t->level[6 * level + face]);
-        }
-    } else {
-        glTexImage2D(GL_TEXTURE_2D, level, internal, width, height, 0, GL_RGBA, type, t->level[level]);
-    }
-}
-
-static GLint minification(const osmesa_texels *t) {
-    if (t->mip == 0) return t->linear ? GL_LINEAR : GL_NEAREST;
-    if (t->mip == 1) return t->linear ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
-    return t->linear ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
-}
-
-unsigned osmesa_texture_filtered(const osmesa_texels *t) {
-    GLenum shape = shape_of_gl(t->shape);
-    GLint wrap = t->repeat ? GL_REPEAT : GL_CLAMP_TO_EDGE;
-    GLuint texture;
-    glGenTextures(1, &texture);
-    glBindTexture(shape, texture);
-    for (int l = 0, w = t->width, h = t->height, d = t->depth; l < t->levels; l++) {
-        give_level(t, l, w, h, d);
-        w = half_size(w), h = half_size(h), d = half_size(d);
-    }
-    if (t->mip && t->levels == 1) glGenerateMipmap(shape);
-    else glTexParameteri(shape, GL_TEXTURE_MAX_LEVEL, t->levels - 1);
-    glTexParameteri(shape, GL_TEXTURE_MIN_FILTER, minification(t));
-    glTexParameteri(shape, GL_TEXTURE_MAG_FILTER, t->linear ? GL_LINEAR : GL_NEAREST);
-    glTexParameteri(shape, GL_TEXTURE_WRAP_S, wrap);
-    glTexParameteri(shape, GL_TEXTURE_WRAP_T, wrap);
-    glTexParameteri(shape, GL_TEXTURE_WRAP_R, wrap);
-    glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
-    expect_no_error("filtered texture");
-    return texture;
-}
-
-void osmesa_input_filtered(unsigned program, const char *sampler, int unit, osmesa_shape shape,
-                           unsigned texture) {
-    glActiveTexture(GL_TEXTURE0 + (GLenum)unit);
-    glBindTexture(shape_of_gl(shape), texture);
-    glActiveTexture(GL_TEXTURE0);
-    osmesa_uniform_int(program, sampler, unit);
-}
-
-void osmesa_read_level(unsigned texture, int level, float *rgba) {
-    glBindTexture(GL_TEXTURE_2D, texture);
-    glGetTexImage(GL_TEXTURE_2D, level, GL_RGBA, GL_FLOAT, rgba);
-    expect_no_error("reading a level");
 }
 
 void osmesa_texture_destroy(unsigned texture) { glDeleteTextures(1, &texture); }
@@ -509,9 +442,6 @@ void osmesa_uniform_array(unsigned program, const char *name, int count, const f
     (void)program, (void)name, (void)count, (void)values;
     missing();
 }
-void osmesa_uniform_int(unsigned program, const char *name, int value) {
-    (void)program, (void)name, (void)value, missing();
-}
 void osmesa_uniform_matrix(unsigned program, const char *name, const float rows[4][4]) {
     (void)program, (void)name, (void)rows, missing();
 }
@@ -521,17 +451,6 @@ unsigned osmesa_texture(int width, int height, const float *rgba) {
     return 0;
 }
 void osmesa_texture_destroy(unsigned texture) { (void)texture, missing(); }
-unsigned osmesa_texture_filtered(const osmesa_texels *texels) {
-    (void)texels, missing();
-    return 0;
-}
-void osmesa_input_filtered(unsigned program, const char *sampler, int unit, osmesa_shape shape,
-                           unsigned texture) {
-    (void)program, (void)sampler, (void)unit, (void)shape, (void)texture, missing();
-}
-void osmesa_read_level(unsigned texture, int level, float *rgba) {
-    (void)texture, (void)level, (void)rgba, missing();
-}
 void osmesa_input(unsigned program, const char *sampler, int unit, unsigned texture) {
     (void)program, (void)sampler, (void)unit, (void)texture;
     missing();

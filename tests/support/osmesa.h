@@ -84,34 +84,14 @@ void osmesa_mesh_destroy(osmesa_mesh *mesh);
  * layout(location). */
 unsigned osmesa_program(const char *vertex_shader, const char *fragment_shader);
 void osmesa_program_destroy(unsigned program);
-/* Uniforms by name: 1..4 floats; an int; a matrix whose rows come first, as in sl_view. */
+/* Uniforms by name: 1..4 floats; a matrix whose rows come first, as in sl_view. */
 void osmesa_uniform(unsigned program, const char *name, int components, const float *values);
 void osmesa_uniform_array(unsigned program, const char *name, int count, const float *values); /* of vec4 */
-void osmesa_uniform_int(unsigned program, const char *name, int value);
 void osmesa_uniform_matrix(unsigned program, const char *name, const float rows[4][4]);
 
 /* An RGBA float texture of a full-screen pass: nearest texel, no MIP maps, edges clamped. */
 unsigned osmesa_texture(int width, int height, const float *rgba);
 void osmesa_texture_destroy(unsigned texture);
-
-/* Textures as a scene has them. Levels not given are made by glGenerateMipmap(). Cubes are seamless. */
-typedef enum osmesa_shape { TEXTURE_2D, TEXTURE_CUBE, TEXTURE_3D } osmesa_shape;
-typedef enum osmesa_texel { TEXEL_RGBA32F, TEXEL_RGBA8, TEXEL_SRGB8_ALPHA8 } osmesa_texel;
-typedef struct osmesa_texels {
-    osmesa_shape shape;
-    osmesa_texel texel;
-    int width, height, depth;  /* of level 0; depth: 3D alone */
-    int levels;                /* given */
-    const void *const *level;  /* RGBA of each; of a cube six faces a level */
-    bool repeat, linear;
-    int mip;                   /* 0: level 0 alone; 1: the nearest level; 2: between two */
-} osmesa_texels;
-unsigned osmesa_texture_filtered(const osmesa_texels *texels);
-/* Binds it to a sampler2D, samplerCube or sampler3D. */
-void osmesa_input_filtered(unsigned program, const char *sampler, int unit, osmesa_shape shape,
-                           unsigned texture);
-/* A level of a 2D texture as RGBA floats. */
-void osmesa_read_level(unsigned texture, int level, float *rgba);
 
 /* Binds a texture (a target's plane too) to a sampler2D or usampler2D of the program. */
 void osmesa_input(unsigned program, const char *sampler, int unit, unsigned texture);

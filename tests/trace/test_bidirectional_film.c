@@ -146,11 +146,6 @@ static void the_cornell_box_is_that_of_the_path_tracer(void **unused) {
     check_named("scenes/cornell.json", true);
 }
 
-static void glossy_surfaces_are_those_of_the_path_tracer(void **unused) {
-    (void)unused;
-    check_named("scenes/cornell-glossy.json", true);
-}
-
 static void point_light_and_walls_are_those_of_the_path_tracer(void **unused) {
     (void)unused;
     check_named("scenes/cornell-point.json", true);
@@ -362,27 +357,9 @@ static void threads_change_no_bit(void **unused) {
     sl_scene_destroy(scene);
 }
 
-static void films_without_pixels_or_filter_are_refused(void **unused) {
-    (void)unused;
-    sl_scene *scene = rich_scene(false, true);
-    sl_tracer *tracer;
-    sl_bidirectional *film;
-    sl_error error;
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
-    sl_bidirectional_settings settings = {.width = 0, .height = 4, .transport = transport_of("full")};
-    assert_int_equal(sl_bidirectional_create(scene, tracer, &settings, &film, &error), SL_ERROR_USAGE);
-    settings.width = 4;
-    settings.transport.filter = SL_FILTER_METHOD;
-    assert_int_equal(sl_bidirectional_create(scene, tracer, &settings, &film, &error), SL_ERROR_USAGE);
-    assert_null(film);
-    sl_tracer_destroy(tracer);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cornell_box_is_that_of_the_path_tracer),
-        cmocka_unit_test(glossy_surfaces_are_those_of_the_path_tracer),
         cmocka_unit_test(point_light_and_walls_are_those_of_the_path_tracer),
         cmocka_unit_test(mirrors_caustics_and_two_sided_lamps_are_those_of_the_path_tracer),
         cmocka_unit_test(skies_are_those_of_the_path_tracer),
@@ -391,7 +368,6 @@ int main(void) {
         cmocka_unit_test(either_heuristic_and_any_choice_of_ways_gives_one_picture),
         cmocka_unit_test(a_point_light_throws_caustics),
         cmocka_unit_test(threads_change_no_bit),
-        cmocka_unit_test(films_without_pixels_or_filter_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

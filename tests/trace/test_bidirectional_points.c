@@ -96,30 +96,6 @@ static void furnace_irradiance_is_the_geometric_series(void **unused) {
     }
 }
 
-/* Inside a sphere indirect light is even wherever the light is: E = rho Phi / (4 pi R^2 (1 - rho)). */
-static void sphere_cavity_irradiance_is_even(void **unused) {
-    (void)unused;
-    const double albedo = 0.5, radius = 2.0, intensity = 3.0;
-    static const sl_vec3 positions[] = {{1.0f, 0.0f, 0.0f}, {2.2f, 0.4f, 0.2f}};
-    for (int i = 0; i < 2; i++) {
-        trace_mesh mesh = trace_mesh_begin();
-        uint32_t wall = trace_mesh_material(&mesh, (float)albedo, 0, 0, 0, 0);
-        trace_mesh_sphere(&mesh, sl_v3(1, 0, 0), (float)radius, 60, 0.0f, true, wall);
-        mesh.lights[0] = (sl_light){
-            .type = SL_LIGHT_POINT, .position = positions[i], .intensity = sl_grey((float)intensity)};
-        mesh.light_count = 1;
-        const sl_bidirectional_point_settings settings = {.samples = 1500, .bounces = SL_BOUNCES_UNLIMITED};
-        world w = open_world(trace_mesh_build(&mesh), &settings);
-        double expected = albedo * 4.0 * SL_PI * intensity / (4.0 * SL_PI * radius * radius * (1.0 - albedo));
-        for (uint32_t t = 11; t < w.scene->triangle_count; t += (uint32_t)w.scene->triangle_count / 7) {
-            sl_bidirectional_request request = point_of(w.scene, t, 1.0f / 3.0f, 1.0f / 3.0f, true);
-            sl_bidirectional_value v = irradiance(&w, &request);
-            check("cavity", &v, expected, 5e-3);
-        }
-        close_world(&w);
-    }
-}
-
 /* A lamp's image in a mirror lights the floor: a caustic. */
 static void light_by_way_of_mirrors_is_indirect(void **unused) {
     (void)unused;
@@ -257,27 +233,6 @@ static void points_have_the_path_tracers_values(void **unused) {
     }
 }
 
-/* A lamp seen in a mirror, a mirror seen from behind its plane, a surface without a lobe. */
-static void mirrors_reflect_all_and_diffuse_surfaces_have_no_lobe(void **unused) {
-    (void)unused;
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0),
-             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
-    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), mirror);
-    trace_mesh_quad(&mesh, sl_v3(-9, -9, 4), sl_v3(0, 18, 0), sl_v3(18, 0, 0), lamp);
-    trace_mesh_quad(&mesh, sl_v3(2, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), white);
-    world w = open_world(trace_mesh_build(&mesh), NULL);
-    sl_bidirectional_request request = point_of(w.scene, 0, 0.3f, 0.3f, true);
-    sl_bidirectional_value v;
-    sl_bidirectional_radiance(w.points, &request, sl_v3(0.5f, 0, 1), w.scratch, &v, &w.counters);
-    check("lamp in mirror", &v, 4.0, 0.0);
-    request = point_of(w.scene, 4, 0.3f, 0.3f, true);
-    sl_bidirectional_radiance(w.points, &request, sl_v3(0.5f, 0, 1), w.scratch, &v, &w.counters);
-    for (int c = 0; c < 3; c++) assert_true(v.mean[c] == 0.0 && v.variance[c] == 0.0);
-    close_world(&w);
-}
-
 /* ---- bits ------------------------------------------------------------------------------------ */
 
 typedef struct many {
@@ -351,10 +306,8 @@ static void degenerate_points_have_finite_values(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(furnace_irradiance_is_the_geometric_series),
-        cmocka_unit_test(sphere_cavity_irradiance_is_even),
         cmocka_unit_test(light_by_way_of_mirrors_is_indirect),
         cmocka_unit_test(points_have_the_path_tracers_values),
-        cmocka_unit_test(mirrors_reflect_all_and_diffuse_surfaces_have_no_lobe),
         cmocka_unit_test(values_are_the_same_bits_at_any_time_and_with_any_threads),
         cmocka_unit_test(degenerate_points_have_finite_values),
     };

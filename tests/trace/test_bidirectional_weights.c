@@ -409,35 +409,10 @@ static void every_way_alone_has_all_the_light_of_its_length(void **unused) {
     }
 }
 
-/* With mirrors no way can make all paths but that of hitting the lamp by chance (s = 0): it has what the sum
- * has. */
-static void with_mirrors_all_ways_together_are_plain_path_tracing(void **unused) {
-    (void)unused;
-    sl_transport full = transport_of("full");
-    full.emission = false;
-    static const unsigned lights[] = {33, 16, 17};
-    for (int i = 0; i < 3; i++) {
-        world *w = open_world(scene_lit_by(lights[i], true), &full);
-        ways *all = calloc(1, sizeof *all);
-        gather_ways(w, SLOW ? 3000 : 10000, all);
-        for (unsigned last = 2; last <= LAST_MAX; last++) {
-            double error, shared_error, alone = mean_of_batches(all->alone[last][last + 1], &error);
-            double shared = mean_of_batches(all->shared[last], &shared_error);
-            print_message("lights %u, %u edges: by chance %.5f +- %.5f, all %.5f +- %.5f\n", lights[i], last,
-                          alone, error, shared, shared_error);
-            assert_true(fabs(alone - shared) < 4.5 * sqrt(error * error + shared_error * shared_error));
-            assert_true(error < (SLOW ? 0.3 : 0.1) * shared);
-        }
-        free(all);
-        close_world(w);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_shares_of_all_ways_are_those_of_their_densities_and_sum_to_one),
         cmocka_unit_test(every_way_alone_has_all_the_light_of_its_length),
-        cmocka_unit_test(with_mirrors_all_ways_together_are_plain_path_tracing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -65,7 +65,6 @@ sl_status sl_bidirectional_points_create(const sl_scene *scene, const sl_tracer 
                                          const sl_bidirectional_point_settings *settings,
                                          sl_bidirectional_points **points, sl_error *error);
 void sl_bidirectional_points_destroy(sl_bidirectional_points *points);
-size_t sl_bidirectional_points_memory_bytes(const sl_bidirectional_points *points);
 sl_status sl_bidirectional_scratch_create(sl_bidirectional_scratch **scratch, sl_error *error);
 void sl_bidirectional_scratch_destroy(sl_bidirectional_scratch *scratch);
 

@@ -144,10 +144,6 @@ void sl_bidirectional_points_destroy(sl_bidirectional_points *p) {
     sl_free(p);
 }
 
-size_t sl_bidirectional_points_memory_bytes(const sl_bidirectional_points *p) {
-    return sizeof *p + ((size_t)p->settings.samples + 1) * sizeof *p->first + p->capacity * sizeof *p->vertex;
-}
-
 sl_status sl_bidirectional_scratch_create(sl_bidirectional_scratch **scratch, sl_error *error) {
     *scratch = sl_allocate(1, sizeof **scratch);
     return *scratch ? SL_OK : sl_fail_memory(error, "subpaths");
