@@ -77,19 +77,6 @@ static void streams_and_seeds_are_not_correlated(void **state) {
     assert_true(correlation(3, 3, 0, N) > 0.9); /* the measure sees what it should */
 }
 
-static void random_numbers_depend_on_seed_stream_and_index_alone(void **state) {
-    (void)state;
-    enum { N = 1000 };
-    static uint32_t forward[N];
-    for (uint64_t i = 0; i < N; i++) forward[i] = sl_random_bits(sl_random_key(11, 3), i);
-    for (uint64_t i = N; i-- > 0;) assert_int_equal(forward[i], sl_random_bits(sl_random_key(11, 3), i));
-    for (uint64_t i = 0; i < 100000; i++) {
-        float u = sl_random_unit(sl_random_key(i, i), i);
-        assert_true(u >= 0.0f && u < 1.0f);
-    }
-    assert_true(sl_hash64(0) == 0xe220a8397b1dcdafu); /* SplitMix64's first output for seed 0 */
-}
-
 /* ---- vec.h ---- */
 
 static void normalizing_gives_a_unit_vector_or_the_fallback(void **state) {
@@ -241,15 +228,6 @@ static void allocation_is_aligned_and_zeroed(void **state) {
     sl_free(NULL);
 }
 
-static void allocation_that_overflows_gives_null(void **state) {
-    (void)state;
-    assert_null(sl_allocate(SIZE_MAX, 1));
-    assert_null(sl_allocate(SIZE_MAX - 63, 1));
-    assert_null(sl_allocate(SIZE_MAX / 2 + 1, 2));
-    assert_null(sl_allocate((size_t)1 << 33, (size_t)1 << 33));
-    assert_null(sl_allocate(2, SIZE_MAX / 2 + 1));
-}
-
 /* ---- error.h, counters.h, isa.h ---- */
 
 static void an_error_is_one_line_that_ends(void **state) {
@@ -308,14 +286,12 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_numbers_are_uniform_within_and_across_streams),
         cmocka_unit_test(streams_and_seeds_are_not_correlated),
-        cmocka_unit_test(random_numbers_depend_on_seed_stream_and_index_alone),
         cmocka_unit_test(normalizing_gives_a_unit_vector_or_the_fallback),
         cmocka_unit_test(frames_are_orthonormal_for_every_normal),
         cmocka_unit_test(every_index_runs_once_at_any_number_of_threads),
         cmocka_unit_test(a_worker_runs_one_task_at_a_time),
         cmocka_unit_test(nested_loops_run_alone_and_in_order),
         cmocka_unit_test(allocation_is_aligned_and_zeroed),
-        cmocka_unit_test(allocation_that_overflows_gives_null),
         cmocka_unit_test(an_error_is_one_line_that_ends),
         cmocka_unit_test(counters_add_up_and_have_distinct_names),
         cmocka_unit_test(the_environment_lowers_the_instruction_set_and_never_raises_it),

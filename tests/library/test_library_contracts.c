@@ -80,16 +80,6 @@ static void *const anything = (void *)(uintptr_t)0x5a5a5a5a5a5a5a40u;
 
 /* ---- names and numbers ----------------------------------------------------------------------- */
 
-static void there_is_no_counter_and_no_method_past_the_last(void **state) {
-    (void)state;
-    for (int i = 0; i < SL_COUNTERS; i++) assert_string_not_equal(sl_counter_name((sl_counter)i), "unknown");
-    assert_string_equal(sl_counter_name(SL_COUNTERS), "unknown");
-    assert_string_equal(sl_counter_name((sl_counter)-1), "unknown");
-    for (size_t i = 0; i < METHODS; i++) assert_string_equal(sl_method_name(i), methods[i]);
-    assert_null(sl_method_name(METHODS));
-    assert_null(sl_method_name(SIZE_MAX));
-}
-
 static void nothing_can_be_destroyed(void **state) {
     (void)state;
     sl_counters counters;
@@ -119,18 +109,6 @@ static void an_image_wants_a_size_and_names(void **state) {
     USAGE(sl_image_create(1, 1, INT_MAX, NULL, &image, error));
     REFUSED(SL_ERROR_RESOURCES, sl_image_create(INT_MAX, INT_MAX, INT_MAX, NULL, &image, error));
     assert_null(image);
-}
-
-static void metadata_want_an_image_a_key_and_a_value(void **state) {
-    (void)state;
-    sl_image *image = picture(2, 2, 3, NULL);
-    USAGE(sl_image_set_metadata(NULL, "key", "value", error));
-    USAGE(sl_image_set_metadata(image, NULL, "value", error));
-    USAGE(sl_image_set_metadata(image, "key", NULL, error));
-    USAGE(sl_image_set_metadata(image, "", "value", error));
-    assert_int_equal(image->metadata_count, 0);
-    assert_null(sl_image_metadata(image, ""));
-    sl_image_destroy(image);
 }
 
 static void a_picture_is_read_from_a_file_or_not_at_all(void **state) {
@@ -176,29 +154,6 @@ static void a_picture_is_written_by_a_name_that_tells_how(void **state) {
     assert_int_equal(sl_image_set_metadata(image, "channels", "three", NULL), SL_OK);
     USAGE(sl_image_write(image, scene_file_path("unwritten.exr"), error));
     INPUT(sl_image_read(path, &(sl_image *){NULL}, error)); /* nothing has been written */
-    sl_image_destroy(image);
-    sl_image_destroy(plain);
-}
-
-static void bytes_for_a_screen_are_left_alone_where_there_are_none(void **state) {
-    (void)state;
-    static const char *const depth[] = {"Z"};
-    sl_image *image = picture(1, 1, 3, NULL), *plain = picture(1, 1, 1, depth);
-    sl_tone tone = {SL_TONE_CLIP, 0.0f, true}, none = {SL_TONE_CLIP, NAN, false},
-            far = {SL_TONE_CLIP, FLT_MAX, true};
-    uint8_t bytes[3] = {7, 7, 7};
-    USAGE(sl_image_srgb(NULL, &tone, bytes, error));
-    USAGE(sl_image_srgb(image, NULL, bytes, error));
-    USAGE(sl_image_srgb(image, &tone, NULL, error));
-    USAGE(sl_image_srgb(plain, &tone, bytes, error));
-    USAGE(sl_image_srgb(image, &none, bytes, error));
-    assert_true(bytes[0] == 7 && bytes[1] == 7 && bytes[2] == 7 && tone.automatic);
-    for (int frame = 0; frame < 2; frame++) { /* the second by the exposure that the first has left */
-        assert_int_equal(sl_image_srgb(image, &far, bytes, NULL), SL_OK);
-        assert_true(bytes[0] == 0 && isfinite(far.exposure_stops)); /* black stays black, however bright */
-    }
-    far = (sl_tone){SL_TONE_CLIP, -FLT_MAX, true};
-    for (int frame = 0; frame < 2; frame++) assert_int_equal(sl_image_srgb(image, &far, bytes, NULL), SL_OK);
     sl_image_destroy(image);
     sl_image_destroy(plain);
 }
@@ -306,16 +261,6 @@ static void a_camera_has_a_frame_and_a_field_of_view(void **state) {
     USAGE(sl_scene_set_camera(scene, eye, target, none, 1.0f, error));
     for (int i = 0; i < 5; i++) USAGE(sl_scene_set_camera(scene, eye, target, up, no_angles[i], error));
     assert_true(sl_scene_hash(scene) == still);
-    sl_scene_destroy(scene);
-}
-
-static void a_scene_says_no_more_than_it_has_to_say(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(box);
-    size_t warnings = sl_scene_warning_count(scene);
-    for (size_t i = 0; i < warnings; i++) assert_null(strchr(sl_scene_warning(scene, i), '\n'));
-    assert_null(sl_scene_warning(scene, warnings));
-    assert_null(sl_scene_warning(scene, SIZE_MAX));
     sl_scene_destroy(scene);
 }
 
@@ -483,25 +428,6 @@ static void pictures_are_as_large_as_the_header_says(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* However little is too much. */
-static void what_is_out_of_range_is_told_apart_from_its_bounds(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(box);
-    sl_settings samples = least_settings("path", SIDE, SIDE), photons = samples, share = samples;
-    sl_error error;
-    samples.spp = 100000001;
-    photons.light_octree.photons = 1000000001;
-    share.shading_cache.random_share = 1.0 + 1e-12;
-    assert_int_equal(sl_method_plan(scene, &samples, &(char *){NULL}, &error), SL_ERROR_USAGE);
-    assert_string_equal(error.message, "spp: expected 1 to 1e+08, got 100000001");
-    assert_int_equal(sl_method_plan(scene, &photons, &(char *){NULL}, &error), SL_ERROR_USAGE);
-    assert_string_equal(error.message, "light-octree.stored-photons: expected 1 to 1e+09, got 1000000001");
-    assert_int_equal(sl_method_plan(scene, &share, &(char *){NULL}, &error), SL_ERROR_USAGE);
-    assert_string_equal(error.message,
-                        "shading-cache.random-share: expected 0.0001 to 1, got 1.000000000001");
-    sl_scene_destroy(scene);
-}
-
 static void methods_and_light_paths_that_do_not_exist_are_refused(void **state) {
     (void)state;
     sl_scene *scene = load_scene(box);
@@ -558,23 +484,6 @@ static void what_takes_settings_takes_no_null(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* More bounces than a method computes are those that it does compute, also to a tracer that is to compute the
- * same. */
-static void a_reference_counts_the_paths_that_the_method_computes(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(box);
-    sl_settings settings = least_settings("path", SIDE, SIDE);
-    settings.transport = "matched:multi-mesh";
-    settings.bounces = 2;
-    sl_image *two = render(scene, &settings, NULL);
-    settings.bounces = 64;
-    sl_image *more = render(scene, &settings, NULL);
-    assert_memory_equal(two->planes, more->planes, 3 * SIDE * SIDE * sizeof(float));
-    sl_image_destroy(two);
-    sl_image_destroy(more);
-    sl_scene_destroy(scene);
-}
-
 /* ---- methods --------------------------------------------------------------------------------- */
 
 static void a_method_takes_no_null(void **state) {
@@ -604,48 +513,6 @@ static void a_method_takes_no_null(void **state) {
     assert_null(explanation);
     sl_image_destroy(image);
     sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
-static void a_picture_may_be_had_before_the_first_update(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(box);
-    for (size_t m = 0; m < METHODS; m++) {
-        sl_method *method = method_of(scene, methods[m]);
-        sl_image *image;
-        assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-        for (int i = 0; i < 3 * SIDE * SIDE; i++)
-            assert_true(isfinite(image->planes[i]) && image->planes[i] >= 0.0f);
-        sl_image_destroy(image);
-        assert_true(sl_method_memory_bytes(method) > 0);
-        assert_null(sl_method_reduction(method));
-        assert_int_equal(sl_method_counters(method)->value[SL_COUNT_NONFINITE], 0);
-        sl_method_destroy(method);
-    }
-    sl_scene_destroy(scene);
-}
-
-static void progress_is_told_whole_and_stays_when_nothing_is_left(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(box);
-    for (size_t m = 0; m < METHODS; m++) {
-        sl_method *method = method_of(scene, methods[m]);
-        sl_progress last = {0}, again;
-        do {
-            /* whatever was there before */
-            memset(&again, 0xff, sizeof again.batches + sizeof again.fraction);
-            again.frame_done = true;
-            again.done = false;
-            assert_int_equal(sl_method_update(method, &again, NULL), SL_OK);
-            assert_true(again.batches == last.batches + 1 && again.fraction >= 0.0 && again.fraction <= 1.0);
-            last = again;
-        } while (!last.done);
-        assert_true(last.frame_done && last.fraction == 1.0);
-        again = (sl_progress){0};
-        assert_int_equal(sl_method_update(method, &again, NULL), SL_OK);
-        assert_true(again.batches == last.batches && again.fraction == 1.0 && again.frame_done && again.done);
-        sl_method_destroy(method);
-    }
     sl_scene_destroy(scene);
 }
 
@@ -727,26 +594,6 @@ static void caches_go_to_files_and_come_from_files_of_the_kind(void **state) {
         update_to_the_end(method);
         sl_method_destroy(method);
     }
-    sl_scene_destroy(scene);
-}
-
-/* What is there by then is given up for it, and no bit of the picture tells. */
-static void a_cache_may_be_loaded_after_updates(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(box);
-    const char *path = scene_file_write("kept.cache", "", 0);
-    sl_method *method = method_of(scene, "splatting");
-    sl_image *image, *again;
-    update_to_the_end(method);
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-    assert_int_equal(sl_method_save(method, path, NULL), SL_OK);
-    assert_int_equal(sl_method_load(method, path, NULL), SL_OK);
-    update_to_the_end(method);
-    assert_int_equal(sl_method_resolve(method, &again, NULL), SL_OK);
-    assert_true(same_picture(image, again));
-    sl_image_destroy(image);
-    sl_image_destroy(again);
-    sl_method_destroy(method);
     sl_scene_destroy(scene);
 }
 
@@ -852,26 +699,6 @@ static void a_show_goes_on_after_what_it_refuses(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Whether it may be done now or later. */
-static void a_move_that_waits_is_refused_when_it_is_asked_for(void **state) {
-    (void)state;
-    sl_scene *scene = scene_from_text(moving, triangle), *there = scene_from_text(moving, triangle);
-    sl_settings settings = least_settings("shading-cache", SIDE, SIDE);
-    settings.shading_cache.hold_levels = 1e-6;
-    sl_live_state shown = {.frames = 0};
-    const sl_image *frame;
-    sl_live *live;
-    assert_int_equal(sl_live_start(scene, &settings, &live, NULL), SL_OK);
-    assert_int_equal(sl_live_look(live, eye, target, up, 1.0f, NULL), SL_OK);
-    INPUT(sl_live_move(live, 1.0, error)); /* the eye at its target */
-    while (!shown.done || shown.held) assert_int_equal(sl_live_frame(live, &frame, &shown, NULL), SL_OK);
-    sl_live_stop(live, NULL);
-    assert_int_equal(sl_scene_set_camera(there, eye, target, up, 1.0f, NULL), SL_OK);
-    assert_true(sl_scene_hash(scene) == sl_scene_hash(there)); /* looked after all */
-    sl_scene_destroy(scene);
-    sl_scene_destroy(there);
-}
-
 /* ---- errors ---------------------------------------------------------------------------------- */
 
 static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
@@ -918,38 +745,28 @@ static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(there_is_no_counter_and_no_method_past_the_last),
         cmocka_unit_test(nothing_can_be_destroyed),
         cmocka_unit_test(an_image_wants_a_size_and_names),
-        cmocka_unit_test(metadata_want_an_image_a_key_and_a_value),
         cmocka_unit_test(a_picture_is_read_from_a_file_or_not_at_all),
         cmocka_unit_test(a_picture_is_written_by_a_name_that_tells_how),
-        cmocka_unit_test(bytes_for_a_screen_are_left_alone_where_there_are_none),
         cmocka_unit_test(what_cannot_be_compared_is_not),
         cmocka_unit_test(a_scene_is_loaded_from_a_file_or_not_at_all),
         cmocka_unit_test(a_scene_moves_to_times_at_which_it_can_be_seen),
         cmocka_unit_test(a_camera_has_a_frame_and_a_field_of_view),
-        cmocka_unit_test(a_scene_says_no_more_than_it_has_to_say),
         cmocka_unit_test(every_camera_that_is_taken_gives_numbers),
         cmocka_unit_test(no_option_takes_a_value_that_is_none_or_out_of_its_range),
         cmocka_unit_test(fields_out_of_range_are_refused_by_whatever_takes_them),
         cmocka_unit_test(settings_within_their_range_are_taken_whole),
         cmocka_unit_test(pictures_are_as_large_as_the_header_says),
-        cmocka_unit_test(what_is_out_of_range_is_told_apart_from_its_bounds),
         cmocka_unit_test(methods_and_light_paths_that_do_not_exist_are_refused),
         cmocka_unit_test(what_takes_settings_takes_no_null),
-        cmocka_unit_test(a_reference_counts_the_paths_that_the_method_computes),
         cmocka_unit_test(a_method_takes_no_null),
-        cmocka_unit_test(a_picture_may_be_had_before_the_first_update),
-        cmocka_unit_test(progress_is_told_whole_and_stays_when_nothing_is_left),
         cmocka_unit_test(a_explanation_is_of_a_pixel_of_the_last_picture),
         cmocka_unit_test(nothing_is_asked_of_a_method_that_does_not_know_what_has_changed),
         cmocka_unit_test(caches_go_to_files_and_come_from_files_of_the_kind),
-        cmocka_unit_test(a_cache_may_be_loaded_after_updates),
         cmocka_unit_test(after_a_failed_update_a_method_can_only_be_destroyed),
         cmocka_unit_test(after_a_failed_edit_another_one_makes_all_anew),
         cmocka_unit_test(a_show_goes_on_after_what_it_refuses),
-        cmocka_unit_test(a_move_that_waits_is_refused_when_it_is_asked_for),
         cmocka_unit_test(an_error_is_of_a_picture_that_the_probes_are_of),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);

@@ -187,33 +187,6 @@ static void edits_and_pictures_leave_nothing_behind_in_any_method(void **state) 
     for (size_t i = 0; sl_method_name(i); i++) edit_for_ever(sl_method_name(i));
 }
 
-static void begin_and_end(const char *name) {
-    sl_error error;
-    sl_scene *scene = scene_from_text(scene_text, mesh_text);
-    sl_settings settings = quick(name);
-    sl_method *method = NULL;
-    if (sl_method_create(scene, &settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
-    picture(method);
-    edit(scene, method, 3);
-    picture(method);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
-static void methods_that_come_and_go_leave_nothing_behind(void **state) {
-    (void)state;
-    soak s = start_soak(1.0 / 3.0);
-    bool warm;
-    do {
-        for (size_t i = 0; sl_method_name(i); i++) begin_and_end(sl_method_name(i));
-    } while (next_round(&s, &warm));
-    holdings late = take_stock();
-    assert_flat("coming and going", &s.early, &late);
-    if (asked_seconds() > 0.0)
-        print_message("coming and going: %u rounds of all methods, pages %.0f then %.0f\n", s.round,
-                      s.early.resident, late.resident);
-}
-
 static void show(const char *name) {
     sl_error error;
     sl_scene *scene = scene_from_text(scene_text, mesh_text);
@@ -248,7 +221,6 @@ static void shows_that_start_and_stop_leave_nothing_behind(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edits_and_pictures_leave_nothing_behind_in_any_method),
-        cmocka_unit_test(methods_that_come_and_go_leave_nothing_behind),
         cmocka_unit_test(shows_that_start_and_stop_leave_nothing_behind),
     };
     /* else each of a process's first threads has one of its own, and those fill in the course of time: up to

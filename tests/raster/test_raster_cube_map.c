@@ -118,48 +118,6 @@ static void lookups_are_continuous_over_edges_and_corners(void **state) {
     }
 }
 
-static void borders_are_the_neighbours_texels_and_corners_the_mean_of_three(void **state) {
-    (void)state;
-    enum { N = 4 };
-    sl_cube_map *cube = random_cube(N, 5);
-    for (int face = 0; face < 6; face++) {
-        for (int i = 0; i < N; i++) {
-            /* Half a texel over the edge, seen from the cube's middle, is the neighbour's first texel. */
-            float a = ((float)i + 0.5f) * 2 / N - 1, inwards = 1.0f - 1.0f / N;
-            sl_frame f = sl_cube_face_frame(face);
-            sl_vec3 d = sl_add(sl_add(sl_scale(f.x, 1.0f), sl_scale(f.y, a)), sl_scale(f.z, inwards));
-            float rgba[4];
-            sl_cube_map_sample(cube, d, 0.0f, rgba);
-            const float *border = sl_cube_map_texel(cube, 0, face, N, i);
-            for (int c = 0; c < 4; c++) assert_near((double)rgba[c], (double)border[c], 2e-6);
-        }
-    }
-    /* The corner (+,+,+): on face +x at s = 0, t = 0 (its s runs against z, its t against y), and so on by
-     * table 8.19. */
-    const float *x = sl_cube_map_texel(cube, 0, 0, 0, 0), *y = sl_cube_map_texel(cube, 0, 2, N - 1, N - 1),
-                *z = sl_cube_map_texel(cube, 0, 4, N - 1, 0);
-    for (int c = 0; c < 4; c++) {
-        float mean = (float)((((double)x[c] + (double)y[c]) + (double)z[c]) / 3.0);
-        assert_true(sl_cube_map_texel(cube, 0, 0, -1, -1)[c] == mean);
-        assert_true(sl_cube_map_texel(cube, 0, 2, N, N)[c] == mean);
-        assert_true(sl_cube_map_texel(cube, 0, 4, N, -1)[c] == mean);
-    }
-    sl_cube_map_destroy(cube);
-}
-
-static void each_faces_mean_is_kept_along_the_chain(void **state) {
-    (void)state;
-    sl_cube_map *cube = random_cube(37, 2);
-    assert_int_equal(cube->levels, 6);
-    for (int face = 0; face < 6; face++) {
-        double mean = 0.0;
-        for (int i = 0; i < 37 * 37; i++)
-            mean += (double)sl_cube_map_texel(cube, 0, face, i % 37, i / 37)[2] / (37 * 37);
-        assert_near((double)sl_cube_map_texel(cube, 5, face, 0, 0)[2], mean, 3e-7);
-    }
-    sl_cube_map_destroy(cube);
-}
-
 static void any_direction_gives_a_defined_colour(void **state) {
     (void)state;
     sl_cube_map *cube = random_cube(5, 8);
@@ -225,8 +183,6 @@ int main(void) {
         cmocka_unit_test(a_texels_own_direction_gives_that_texel_on_every_face),
         cmocka_unit_test(a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn),
         cmocka_unit_test(lookups_are_continuous_over_edges_and_corners),
-        cmocka_unit_test(borders_are_the_neighbours_texels_and_corners_the_mean_of_three),
-        cmocka_unit_test(each_faces_mean_is_kept_along_the_chain),
         cmocka_unit_test(any_direction_gives_a_defined_colour),
         cmocka_unit_test(many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_set),
         cmocka_unit_test(impossible_sizes_are_refused),

@@ -36,25 +36,6 @@ static void position_reprojects_to_its_pixel(void **state) {
     }
 }
 
-static void position_lies_at_the_depth_of_the_depth_plane(void **state) {
-    const fixture *f = *state;
-    for (int n = 2; n < 4; n++) { /* the pyramids: depth is 1/w */
-        size_t close = 0, seen = 0;
-        const sl_gbuffer *g = f->gbuffer[n];
-        for (int i = 0; i < PIXELS; i++) {
-            if (g->id[i] == SL_NO_INDEX) continue;
-            sl_vec3d q =
-                sl_subd(sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]),
-                        sl_to_double(f->view[n].origin));
-            double ratio = project(f->view[n].clip[3], q) * (double)g->depth[i];
-            assert_true(fabs(ratio - 1.0) < 0.05);
-            close += fabs(ratio - 1.0) < 1e-5;
-            seen++;
-        }
-        assert_true(seen > 0 && (double)close > 0.99 * (double)seen); /* silhouettes, by the snapping */
-    }
-}
-
 static void gouraud_of_an_affine_function_equals_its_value_at_the_position(void **state) {
     const fixture *f = *state;
     enum { CHANNELS = 3 };
@@ -161,7 +142,6 @@ static int tear_down(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(position_reprojects_to_its_pixel),
-        cmocka_unit_test(position_lies_at_the_depth_of_the_depth_plane),
         cmocka_unit_test(gouraud_of_an_affine_function_equals_its_value_at_the_position),
         cmocka_unit_test(triangle_seen_edge_on_has_finite_weights),
         cmocka_unit_test(flip_turns_rows_over),

@@ -140,23 +140,6 @@ static void no_triangles_at_all_clear_the_picture(void **state) {
 
 /* ---- ties ---- */
 
-static void of_coincident_triangles_the_first_is_seen_everywhere(void **state) {
-    (void)state;
-    soup s = soup_of(3000);
-    /* turned and wound differently: depth is told at another corner */
-    for (size_t t = 0; t < s.triangles; t++) {
-        sl_vec3 p[3] = {sl_v3(-0.9f, -0.9f, 0.25f), sl_v3(0.9f, -0.9f, 0.25f), sl_v3(0.0f, 0.9f, 0.25f)};
-        put(&s, t, p[t % 3], p[(t + 1 + t % 2) % 3], p[(t + 2 - t % 2) % 3]);
-    }
-    sl_view view = flat_view(513, 511);
-    picture p = picture_of(513, 511);
-    assert_true(assert_agree(&s, &view, 513, 511) > 100000);
-    render(s.raster, &view, 7, p.id, p.depth);
-    for (int i = 0; i < 513 * 511; i++) assert_true(p.id[i] == 0 || p.id[i] == SL_NO_INDEX);
-    free_picture(&p);
-    free_soup(&s);
-}
-
 /* Later triangles lie in the plane of earlier ones, so that what hides a cluster is as near as it. */
 static void equal_depths_over_tiles_and_clusters_go_to_the_lowest_index(void **state) {
     (void)state;
@@ -190,17 +173,6 @@ static void sizes_around_a_tiles_agree(void **state) {
         assert_agree(&s, &high, 5, sizes[n]);
         assert_true(assert_agree(&s, &square, sizes[n], sizes[7 - n]) > 0);
     }
-    free_soup(&s);
-}
-
-static void viewports_at_the_far_ends_of_the_largest_targets_agree(void **state) {
-    (void)state;
-    soup s = random_soup(sl_random_key(95, 0), 800);
-    sl_view right = flat_view(131, 17), top = flat_view(17, 131);
-    right.x = 16384 - 131, right.y = 2;
-    top.y = 16384 - 131, top.x = 1;
-    assert_true(assert_agree(&s, &right, 16384, 19) > 500);
-    assert_true(assert_agree(&s, &top, 18, 16384) > 500);
     free_soup(&s);
 }
 
@@ -251,40 +223,7 @@ static void scissors_that_leave_nothing_touch_nothing_and_count_the_same(void **
     free_soup(&s);
 }
 
-static void one_plane_alone_has_the_bits_of_both(void **state) {
-    (void)state;
-    soup s = random_soup(sl_random_key(98, 0), 300);
-    sl_view view = flat_view(261, 67);
-    picture both = picture_of(261, 67), single = picture_of(261, 67);
-    sl_target id = {261, 67, single.id, NULL}, depth = {261, 67, NULL, single.depth},
-              none = {261, 67, NULL, NULL};
-    sl_counters bill = render(raster_soup(&s), &view, 2, both.id, both.depth), counters = {{0}};
-    assert_int_equal(sl_raster_id(s.raster, &view, 2, &id, &counters, NULL), SL_OK);
-    assert_true(single.depth[0] == untouched_depth);
-    assert_int_equal(sl_raster_id(s.raster, &view, 2, &depth, &counters, NULL), SL_OK);
-    assert_equal_pictures("each alone", &single, &both);
-    counters = (sl_counters){{0}};
-    assert_int_equal(sl_raster_id(s.raster, &view, 2, &none, &counters, NULL), SL_OK);
-    assert_memory_equal(&counters, &bill, sizeof bill);
-    free_picture(&both);
-    free_picture(&single);
-    free_soup(&s);
-}
-
 /* ---- odd views ---- */
-
-static void skipping_a_triangle_that_is_none_skips_none(void **state) {
-    (void)state;
-    soup s = random_soup(sl_random_key(99, 0), 130);
-    static const uint32_t skipped[] = {
-        0, 129, 130, 131, 1u << 20, 0x7fffffffu, 0x80000000u, SL_NO_INDEX - 1, SL_NO_INDEX};
-    for (size_t n = 0; n < sizeof skipped / sizeof *skipped; n++) {
-        sl_view view = flat_view(64, 64);
-        view.skip_triangle = skipped[n];
-        assert_true(assert_agree(&s, &view, 64, 64) > 1000);
-    }
-    free_soup(&s);
-}
 
 /* Culling by bounding spheres asks for the length of a plane's normal, whose square is 0 in float long before
  * it is. */
@@ -361,17 +300,6 @@ static void triangles_at_denormal_distances_agree(void **state) {
         assert_agree(&s, &view, 300, 50);
         free_soup(&s);
     }
-}
-
-static void mirrored_and_turned_views_agree(void **state) {
-    (void)state;
-    soup s = random_soup(sl_random_key(103, 0), 300);
-    for (int flips = 1; flips < 8; flips++) {
-        sl_view view = flat_view(90, 70);
-        for (int k = 0; k < 3; k++) view.clip[k][k] = flips >> k & 1 ? -1.0f : 1.0f;
-        assert_true(assert_agree(&s, &view, 90, 70) > 1000);
-    }
-    free_soup(&s);
 }
 
 /* ---- odd meshes ---- */
@@ -465,19 +393,14 @@ static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_triangles_at_all_clear_the_picture),
-        cmocka_unit_test(of_coincident_triangles_the_first_is_seen_everywhere),
         cmocka_unit_test(equal_depths_over_tiles_and_clusters_go_to_the_lowest_index),
         cmocka_unit_test(sizes_around_a_tiles_agree),
-        cmocka_unit_test(viewports_at_the_far_ends_of_the_largest_targets_agree),
         cmocka_unit_test(adjacent_viewports_do_not_touch_each_other),
         cmocka_unit_test(scissors_that_leave_nothing_touch_nothing_and_count_the_same),
-        cmocka_unit_test(one_plane_alone_has_the_bits_of_both),
-        cmocka_unit_test(skipping_a_triangle_that_is_none_skips_none),
         cmocka_unit_test(planes_of_next_to_no_length_cull_nothing_that_shows),
         cmocka_unit_test(matrices_that_mean_nothing_agree),
         cmocka_unit_test(near_planes_from_nothing_to_beyond_everything_agree),
         cmocka_unit_test(triangles_at_denormal_distances_agree),
-        cmocka_unit_test(mirrored_and_turned_views_agree),
         cmocka_unit_test(clusters_without_finite_bounds_agree),
         cmocka_unit_test(masked_triangles_do_not_hide_what_shows_through_them),
     };

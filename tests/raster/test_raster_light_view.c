@@ -149,30 +149,6 @@ static void what_cannot_shine_on_the_point_is_hidden(void **state) {
     assert_int_equal(sl_view_light(zero, up, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_IN_VIEW);
 }
 
-/* Every side is touched by some corner, as long as nothing is cut at the horizon. */
-static void no_side_stands_off_the_light(void **state) {
-    (void)state;
-    uint64_t key = sl_random_key(41, 3);
-    for (uint64_t n = 0; n < 500; n++) {
-        lamp l;
-        sl_vec3 a = sl_scale(random_direction(key, 4 * n), 0.3f),
-                b = sl_scale(random_direction(key, 4 * n + 1), 0.3f);
-        set_quad(&l, sl_scale(random_direction(key, 4 * n + 2), 3.0f), a, b);
-        l.shape.two_sided = true;
-        sl_light_view view;
-        assert_int_equal(sl_view_light(sl_v3(0, 0, 0), sl_v3(0, 0, 0), &l.shape, 64, 64, 1e-3f, &view),
-                         SL_LIGHT_IN_VIEW);
-        float most[4] = {-2, -2, -2, -2}, thinnest = fminf(view.right - view.left, view.top - view.bottom);
-        for (int i = 0; i < 6; i++) {
-            float x = clip_row(view.view.clip[0], l.corner[i]), y = clip_row(view.view.clip[1], l.corner[i]);
-            float w = clip_row(view.view.clip[3], l.corner[i]);
-            const float at[4] = {x / w, -x / w, y / w, -y / w};
-            for (int k = 0; k < 4; k++) most[k] = fmaxf(most[k], at[k]);
-        }
-        for (int k = 0; k < 4 && thinnest > 1e-3f; k++) assert_true(most[k] > 0.995f && most[k] <= 1.0f);
-    }
-}
-
 /* Square to the light, its pixels are equal pieces of it: the same for two points at any two places. */
 static void a_window_cuts_the_light_into_the_same_pieces_from_everywhere(void **state) {
     (void)state;
@@ -253,7 +229,6 @@ int main(void) {
         cmocka_unit_test(every_visible_point_of_a_random_light_projects_inside),
         cmocka_unit_test(lights_at_the_horizon_or_nearly_touched_stay_inside),
         cmocka_unit_test(what_cannot_shine_on_the_point_is_hidden),
-        cmocka_unit_test(no_side_stands_off_the_light),
         cmocka_unit_test(a_window_cuts_the_light_into_the_same_pieces_from_everywhere),
         cmocka_unit_test(a_light_of_many_triangles_is_held_by_its_box),
         cmocka_unit_test(an_occluder_before_half_of_the_light_takes_half_of_the_window),

@@ -109,58 +109,6 @@ static void a_view_in_an_axis_aligned_mirror_is_that_of_the_mirrored_scene_pixel
     }
 }
 
-static sl_plane random_plane(uint64_t key, uint64_t n) {
-    sl_plane plane;
-    sl_vec3 normal = random_direction(key, n), p = sl_scale(normal, -2.5f);
-    sl_frame f = sl_frame_from_normal(normal);
-    assert_true(sl_plane_through(p, sl_add(p, f.x), sl_add(p, f.y), &plane));
-    return plane;
-}
-
-/* Triangles before, in, across and behind the mirror: whatever a pixel shows lies before it. */
-static void nothing_behind_the_mirror_shows(void **state) {
-    (void)state;
-    enum { COUNT = 300 };
-    static float xyz[9 * COUNT], w1[PIXELS], w2[PIXELS];
-    static uint32_t pixel[PIXELS];
-    for (uint32_t i = 0; i < PIXELS; i++) pixel[i] = i;
-    uint64_t key = sl_random_key(61, 2);
-    size_t checked = 0;
-    for (uint64_t n = 0; n < 20; n++) {
-        dyadic_triangles(xyz, COUNT, key + n, sl_v3(-3, -3, -3), sl_v3(3, 3, 3));
-        sl_plane plane = random_plane(key, n);
-        plane.distance *= 0.3;
-        sl_vec3 q = sl_to_float(sl_scaled(plane.normal, plane.distance));
-        sl_vec3 in_plane[3] = {q, sl_add(q, sl_frame_from_normal(sl_to_float(plane.normal)).x),
-                               sl_add(q, sl_frame_from_normal(sl_to_float(plane.normal)).y)};
-        memcpy(xyz, in_plane, sizeof in_plane); /* triangle 0 is the mirror's own */
-        sl_scene *scene = scene_of_triangles(xyz, COUNT);
-        sl_raster *raster = raster_of(scene);
-        sl_camera camera = camera_at(
-            sl_to_float(sl_addd(sl_scaled(plane.normal, plane.distance - 1.5), sl_v3d(0.1, 0.2, 0.3))), q,
-            1.4f);
-        sl_view view = sl_view_camera(&camera, W, H, 0.01f, 100.0f), mirrored;
-        double side = sl_dotd(plane.normal, sl_to_double(view.origin)) - plane.distance;
-        assert_true(sl_view_mirrored(&view, &plane, 1e-5, &mirrored));
-        render(raster, &mirrored, 1, id, depth);
-        sl_raster_barycentrics(raster, &mirrored, PIXELS, pixel, id, w1, w2);
-        for (int i = 0; i < PIXELS; i++) {
-            if (id[i] == SL_NO_INDEX) continue;
-            assert_true(id[i] != 0);
-            double at[3] = {1.0 - (double)w1[i] - (double)w2[i], (double)w1[i], (double)w2[i]};
-            sl_vec3d p = {0, 0, 0};
-            for (int k = 0; k < 3; k++)
-                p = sl_addd(
-                    p, sl_scaled(sl_to_double(sl_scene_position(scene, scene->vertex[k][id[i]])), at[k]));
-            assert_true((sl_dotd(plane.normal, p) - plane.distance) * copysign(1.0, side) > -1e-4);
-            checked++;
-        }
-        sl_raster_destroy(raster);
-        sl_scene_destroy(scene);
-    }
-    assert_true(checked > 50000);
-}
-
 static void mirrors_that_show_nothing_are_said_so(void **state) {
     (void)state;
     sl_camera camera = camera_at(sl_v3(0, 0, 0), sl_v3(0, 0, -1), 1.0f);
@@ -179,46 +127,6 @@ static void mirrors_that_show_nothing_are_said_so(void **state) {
     for (int r = 0; r < 4; r++) {
         for (int k = 0; k < 4; k++) assert_true(isfinite(out.clip[r][k]));
     }
-}
-
-static void render_into(const sl_raster *raster, const sl_view *view, unsigned threads, uint32_t *ids,
-                        float *depths) {
-    sl_counters counters = {{0}};
-    sl_target target = {W, H, ids, depths};
-    assert_int_equal(sl_raster_id(raster, view, threads, &target, &counters, NULL), SL_OK);
-}
-
-static void a_scissor_draws_the_same_bits_in_its_part_and_nothing_beyond(void **state) {
-    (void)state;
-    sl_scene *scene = furnished_room(8, 5);
-    sl_raster *raster = raster_of(scene);
-    sl_camera camera = camera_at(sl_v3(2, 1.5f, 2.5f), sl_v3(0.3f, 1, 0), 1.6f);
-    for (int kind = 0; kind < 2; kind++) {
-        sl_frame frame = {camera.right, camera.up, sl_neg(camera.back)};
-        sl_view view = kind ? sl_view_pyramid(&frame, camera.eye, -2, 2, -1, 1, W - 9, H - 5, 1e-3f)
-                            : sl_view_camera(&camera, W - 9, H - 5, 0.3f, 4.0f);
-        view.x = 6;
-        view.y = 3;
-        for (int i = 0; i < PIXELS; i++) id[i] = 77, depth[i] = -3.0f;
-        render_into(raster, &view, 1, id, depth);
-        const sl_scissor scissors[] = {{10, 12, 11, 13}, {-5, -5, 40, 30},     {100, 50, 1000, 1000},
-                                       {33, 0, 64, 200}, {155, 117, 200, 200}, {2, 2, 2, 9}};
-        for (size_t n = 0; n < sizeof scissors / sizeof scissors[0]; n++) {
-            const sl_scissor *s = &scissors[n];
-            sl_view part = view;
-            part.scissor = *s;
-            for (int i = 0; i < PIXELS; i++) other_id[i] = 77, other_depth[i] = -3.0f;
-            render_into(raster, &part, 2, other_id, other_depth);
-            for (int i = 0; i < PIXELS; i++) {
-                int x = i % W, y = i / W;
-                bool in = x >= s->x0 && x < s->x1 && y >= s->y0 && y < s->y1;
-                assert_int_equal(other_id[i], in ? id[i] : 77);
-                assert_true(other_depth[i] == (in ? depth[i] : -3.0f));
-            }
-        }
-    }
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
 }
 
 /* ---- whole pictures, against reflected rays ---- */
@@ -370,32 +278,6 @@ static void a_picture_with_mirrors_is_that_of_reflected_rays(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void pictures_with_mirrors_are_the_same_at_any_number_of_threads(void **state) {
-    (void)state;
-    sl_scene *scene = room_with_mirrors();
-    sl_raster *raster = raster_of(scene);
-    sl_mirrors *mirrors = NULL;
-    assert_int_equal(sl_mirrors_find(scene, 8, &mirrors, NULL), SL_OK);
-    sl_camera camera = camera_at(sl_v3(3.2f, 1.7f, 3.9f), sl_v3(1.0f, 1.3f, 0.8f), 1.1f);
-    sl_view view = sl_view_camera(&camera, W, H, 0.01f, 100.0f);
-    sl_mirrored_image *one = NULL, *three = NULL;
-    sl_counters counters_one = {{0}}, counters_three = {{0}};
-    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 2, 1, id, depth, &one, &counters_one, NULL),
-                     SL_OK);
-    assert_int_equal(sl_raster_mirrored(raster, &view, mirrors, 2, 3, other_id, other_depth, &three,
-                                        &counters_three, NULL),
-                     SL_OK);
-    assert_memory_equal(one->id, three->id, PIXELS * sizeof *one->id);
-    assert_memory_equal(one->depth, three->depth, PIXELS * sizeof *one->depth);
-    assert_memory_equal(one->path, three->path, PIXELS * sizeof *one->path);
-    assert_memory_equal(&counters_one, &counters_three, sizeof counters_one);
-    sl_mirrored_image_destroy(one);
-    sl_mirrored_image_destroy(three);
-    sl_mirrors_destroy(mirrors);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 /* Facing mirrors fill the stencil's 255 paths and stop there; a mirror seen exactly edge-on covers no pixel;
  * out of sight, no pass. */
 static void endless_reflections_end_and_unseen_mirrors_cost_nothing(void **state) {
@@ -481,11 +363,8 @@ static void planar_mirrors_are_found_by_plane_and_material(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_view_in_an_axis_aligned_mirror_is_that_of_the_mirrored_scene_pixel_by_pixel),
-        cmocka_unit_test(nothing_behind_the_mirror_shows),
         cmocka_unit_test(mirrors_that_show_nothing_are_said_so),
-        cmocka_unit_test(a_scissor_draws_the_same_bits_in_its_part_and_nothing_beyond),
         cmocka_unit_test(a_picture_with_mirrors_is_that_of_reflected_rays),
-        cmocka_unit_test(pictures_with_mirrors_are_the_same_at_any_number_of_threads),
         cmocka_unit_test(endless_reflections_end_and_unseen_mirrors_cost_nothing),
         cmocka_unit_test(planar_mirrors_are_found_by_plane_and_material),
     };

@@ -162,14 +162,6 @@ static void make_sheet(soup *s) {
     assert_int_equal(sl_raster_create_mesh(&s->mesh, 1, &s->raster, NULL), SL_OK);
 }
 
-static void shake(soup *s, uint64_t key, float by) {
-    for (uint64_t n = 0; n < 3 * COUNT; n++) {
-        s->x[n] += random_between(key, 3 * n, -by, by);
-        s->y[n] += random_between(key, 3 * n + 1, -by, by);
-        s->z[n] += random_between(key, 3 * n + 2, -by, by);
-    }
-}
-
 static void positions_that_become_infinite_or_nan_are_drawn_as_they_would_be_anew(void **state) {
     (void)state;
     static soup s;
@@ -190,50 +182,11 @@ static void positions_that_become_infinite_or_nan_are_drawn_as_they_would_be_ane
     sl_raster_destroy(s.raster);
 }
 
-static void clusters_that_motion_has_scattered_are_made_anew(void **state) {
-    (void)state;
-    static soup s;
-    make_sheet(&s);
-    shake(&s, sl_random_key(95, 0), 0.01f);
-    assert_int_equal(sl_raster_move(s.raster, 1, NULL), SL_OK);
-    for (uint64_t n = 0; n < COUNT; n++) { /* each triangle as it is, to a place of its own */
-        sl_vec3 by = sl_v3(random_between(96, 3 * n, -2, 2), random_between(96, 3 * n + 1, -1, 2),
-                           random_between(96, 3 * n + 2, -2, 2));
-        for (size_t k = 3 * n; k < 3 * n + 3; k++) s.x[k] += by.x, s.y[k] += by.y, s.z[k] += by.z;
-    }
-    assert_int_equal(sl_raster_move(s.raster, 1, NULL), SL_OK);
-    assert_true(compare_with_fresh(s.raster, NULL, &s.mesh) == 1.0);
-    sl_raster_destroy(s.raster);
-}
-
-static void moved_clusters_are_the_same_at_any_number_of_threads(void **state) {
-    (void)state;
-    static soup a, b;
-    make_sheet(&a);
-    make_sheet(&b);
-    for (uint64_t frame = 0; frame < 3; frame++) {
-        shake(&a, sl_random_key(97, frame), 0.003f);
-        shake(&b, sl_random_key(97, frame), 0.003f);
-        assert_int_equal(sl_raster_move(a.raster, 1, NULL), SL_OK);
-        assert_int_equal(sl_raster_move(b.raster, 3, NULL), SL_OK);
-        size_t bytes = a.raster->cluster_count * sizeof(float);
-        assert_int_equal(a.raster->cluster_count, b.raster->cluster_count);
-        assert_memory_equal(a.raster->centre_x, b.raster->centre_x, bytes);
-        assert_memory_equal(a.raster->half_z, b.raster->half_z, bytes);
-        assert_memory_equal(a.raster->radius, b.raster->radius, bytes);
-        assert_int_equal(sl_raster_memory_bytes(a.raster), sl_raster_memory_bytes(b.raster));
-    }
-    sl_raster_destroy(a.raster);
-    sl_raster_destroy(b.raster);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_object_that_moved_is_drawn_as_if_it_had_always_been_there),
         cmocka_unit_test(a_mesh_that_deforms_is_drawn_as_if_it_were_made_anew_each_frame),
         cmocka_unit_test(positions_that_become_infinite_or_nan_are_drawn_as_they_would_be_anew),
-        cmocka_unit_test(clusters_that_motion_has_scattered_are_made_anew),
-        cmocka_unit_test(moved_clusters_are_the_same_at_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

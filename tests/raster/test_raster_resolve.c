@@ -245,28 +245,6 @@ static void weights_are_those_of_the_plain_form_bit_by_bit(void **state) {
     }
 }
 
-/* Pixels and triangles that have nothing to do with each other: no runs, and most pixels outside. */
-static void lists_in_any_order_are_resolved_alike(void **state) {
-    const sl_scene *const *scenes = *state;
-    static uint32_t id[PIXELS], pixel[PIXELS];
-    sl_view view = forward_view(SIZE, SIZE);
-    for (int k = 0; k < KINDS; k++) {
-        uint64_t key = sl_random_key(5, (uint64_t)k);
-        for (uint32_t i = 0; i < PIXELS; i++) {
-            uint32_t triangle = sl_random_bits(key, 2 * i) % (uint32_t)scenes[k]->triangle_count;
-            pixel[i] = sl_random_bits(key, 2 * i + 1) % PIXELS;
-            id[i] = i % 11 == 0 ? SL_NO_INDEX : i % 5 == 0 && i > 0 ? id[i - 1] : triangle;
-        }
-        for (size_t isa = 0; isa < sizeof isas / sizeof *isas; isa++) {
-            sl_raster *raster = raster_for(scenes[k], isas[isa]);
-            expect_plain_weights(raster, scenes[k], &view, PIXELS, pixel, id);
-            for (size_t count = 0; count < 70; count++)
-                expect_plain_weights(raster, scenes[k], &view, count, pixel, id);
-            sl_raster_destroy(raster);
-        }
-    }
-}
-
 /* ---- surfaces against the scene ---- */
 
 typedef enum { FACETS, SMOOTH, MIXED, LOOKS } look;
@@ -393,96 +371,7 @@ static void surfaces_are_those_of_the_scene_bit_by_bit(void **state) {
     }
 }
 
-/* Planes that are large enough to be written past the caches, and odd enough to start anywhere in a line. */
-static void large_planes_hold_the_bits_of_their_parts(void **state) {
-    (void)state;
-    enum { WIDE = 701, HIGH = 301 };
-    sl_scene *scene = dressed_room(MIXED);
-    sl_raster *raster = raster_of(scene);
-    sl_view view = room_view(1);
-    view.width = WIDE;
-    view.height = HIGH;
-    sl_gbuffer *g = NULL;
-    sl_counters counters = {{0}};
-    assert_int_equal(sl_gbuffer_create(WIDE, HIGH, &g, NULL), SL_OK);
-    float *planes = malloc((size_t)WIDE * HIGH * 2 * sizeof *planes + 8);
-    uint32_t *id = malloc((size_t)WIDE * HIGH * sizeof *id);
-    assert_true(planes && id);
-    /* Few planes, not at a line's start; and no depth. */
-    sl_gbuffer few = {.width = WIDE,
-                      .height = HIGH,
-                      .id = id,
-                      .normal_y = planes + 1,
-                      .diffuse_b = planes + 1 + WIDE * HIGH};
-    planes[0] = planes[1 + 2 * WIDE * HIGH] = -7.0f;
-    assert_int_equal(sl_raster_gbuffer(raster, &view, 2, g, &counters, NULL), SL_OK);
-    assert_int_equal(sl_raster_gbuffer(raster, &view, 1, &few, &counters, NULL), SL_OK);
-    assert_memory_equal(id, g->id, (size_t)WIDE * HIGH * sizeof *id);
-    assert_memory_equal(few.normal_y, g->normal_y, (size_t)WIDE * HIGH * sizeof *planes);
-    assert_memory_equal(few.diffuse_b, g->diffuse_b, (size_t)WIDE * HIGH * sizeof *planes);
-    assert_true(planes[0] == -7.0f && planes[1 + 2 * WIDE * HIGH] == -7.0f);
-    for (uint32_t i = 0; i < WIDE * HIGH; i += 7) {
-        sl_surface s = {0};
-        float w1, w2;
-        if (g->id[i] == SL_NO_INDEX) continue;
-        plain_weights(scene, &view, i, g->id[i], &w1, &w2);
-        sl_scene_surface(scene, g->id[i], w1, w2, sl_v3(0, 0, 0), &s);
-        sl_scene_surface(scene, g->id[i], w1, w2, sl_sub(view.origin, s.position), &s);
-        assert_true(same_bits(g->position_x[i], s.position.x) && same_bits(g->normal_z[i], s.normal.z));
-    }
-    free(planes);
-    free(id);
-    sl_gbuffer_destroy(g);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 /* ---- triangles without a scene ---- */
-
-static void gouraud_needs_no_scene_but_a_g_buffer_does(void **state) {
-    const sl_scene *scene = ((const sl_scene *const *)*state)[BIG];
-    enum { CHANNELS = 2 };
-    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count, scene->position_x, scene->position_y,
-                           scene->position_z, {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
-    sl_raster *raster = NULL;
-    assert_int_equal(sl_raster_create_mesh(&mesh, 1, &raster, NULL), SL_OK);
-    sl_view view = forward_view(SIZE, SIZE);
-    static uint32_t id[PIXELS];
-    static float out[2][CHANNELS * PIXELS];
-    float *attributes = malloc(scene->vertex_count * CHANNELS * sizeof *attributes);
-    assert_non_null(attributes);
-    for (uint32_t i = 0; i < scene->vertex_count * CHANNELS; i++) attributes[i] = sl_random_unit(4, i);
-    render(raster, &view, 1, id, NULL);
-    for (int i = 0; i < PIXELS; i += 13) id[i] = SL_NO_INDEX;
-    sl_counters counters[2] = {{{0}}};
-    sl_raster_gouraud(raster, &view, 1, id,
-                      &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out[0]},
-                      &counters[0]);
-    sl_raster_gouraud(raster, &view, 3, id,
-                      &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out[1]},
-                      &counters[1]);
-    assert_memory_equal(out[0], out[1], sizeof out[0]);
-    assert_memory_equal(&counters[0], &counters[1], sizeof counters[0]);
-    for (uint32_t i = 0; i < PIXELS; i++) {
-        float w1, w2;
-        plain_weights(scene, &view, i, id[i], &w1, &w2);
-        for (uint32_t c = 0; c < CHANNELS; c++) {
-            float a[3] = {0};
-            for (int k = 0; k < 3 && id[i] != SL_NO_INDEX; k++)
-                a[k] = attributes[scene->vertex[k][id[i]] * CHANNELS + c];
-            assert_true(
-                same_bits(out[0][c * PIXELS + i], sl_interpolate(a[0], a[1] - a[0], a[2] - a[0], w1, w2)));
-        }
-    }
-    sl_gbuffer *g = NULL;
-    sl_error error = {SL_OK, ""};
-    assert_int_equal(sl_gbuffer_create(SIZE, SIZE, &g, NULL), SL_OK);
-    assert_int_equal(sl_raster_gbuffer(raster, &view, 1, g, &counters[0], &error), SL_ERROR_USAGE);
-    assert_non_null(strstr(error.message, "scene"));
-    sl_gbuffer_destroy(g);
-    free(attributes);
-    sl_raster_destroy(raster);
-}
 
 static int build_scenes(void **state) {
     static sl_scene *scenes[KINDS];
@@ -503,10 +392,7 @@ int main(void) {
         cmocka_unit_test(a_pixel_beside_its_triangle_takes_the_nearest_point_of_the_edge),
         cmocka_unit_test(weights_of_a_triangle_that_is_not_finite_are_weights),
         cmocka_unit_test(weights_are_those_of_the_plain_form_bit_by_bit),
-        cmocka_unit_test(lists_in_any_order_are_resolved_alike),
         cmocka_unit_test(surfaces_are_those_of_the_scene_bit_by_bit),
-        cmocka_unit_test(large_planes_hold_the_bits_of_their_parts),
-        cmocka_unit_test(gouraud_needs_no_scene_but_a_g_buffer_does),
     };
     return cmocka_run_group_tests(tests, build_scenes, destroy_scenes);
 }

@@ -28,22 +28,6 @@ static void assert_near(double a, double b, double tolerance) {
 
 /* ---- filtering ---- */
 
-static void beyond_the_edges_their_texels_go_on(void **state) {
-    (void)state;
-    sl_texture_image *image = new_image(4, 1, false);
-    for (int x = 0; x < 4; x++) image->texels[4 * x] = (float)(x + 1);
-    const struct {
-        float s, clamped;
-    } cases[] = {{0.0f, 1.0f},   {1.0f, 4.0f},    {-0.125f, 1.0f}, {1.125f, 4.0f},
-                 {5.375f, 4.0f}, {-3.375f, 1.0f}, {0.0625f, 1.0f}, {0.25f, 1.5f}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        float rgba[4];
-        sl_texture_sample(image, cases[i].s, 0.3f, 0.0f, rgba);
-        assert_true(rgba[0] == cases[i].clamped);
-    }
-    sl_texture_image_destroy(image);
-}
-
 static const float odd_values[] = {0.0f,       -0.0f,   1.0f,     -1.0f,          0x1p-149f,
                                    -0x1p-149f, -1e-30f, 1e-30f,   0x1.fffffep-1f, -0x1.fffffep-1f,
                                    0x1p24f,    0x1p30f, -0x1p30f, 0x1p31f,        1e30f,
@@ -193,7 +177,6 @@ static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_s
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(beyond_the_edges_their_texels_go_on),
         cmocka_unit_test(any_coordinate_gives_a_texel_of_the_texture),
         cmocka_unit_test(the_result_is_exact_filtering_rounded_once),
         cmocka_unit_test(every_level_has_the_mean_of_the_picture_whatever_its_size),

@@ -88,22 +88,6 @@ static void objects_move_between_keys_and_rest_beyond_them(void **state) {
     sl_scene_destroy(s);
 }
 
-static void a_state_depends_on_the_time_alone(void **state) {
-    (void)state;
-    sl_scene *s = load(moving), *other = load(moving);
-    at(s, 2.7);
-    at(s, -1.0);
-    at(s, 1.3);
-    at(other, 1.3);
-    assert_true(sl_scene_hash(s) == sl_scene_hash(other));
-    at(s, 0.0);
-    sl_scene *fresh = load(moving);
-    assert_true(sl_scene_hash(s) == sl_scene_hash(fresh));
-    sl_scene_destroy(s);
-    sl_scene_destroy(other);
-    sl_scene_destroy(fresh);
-}
-
 static void lights_and_camera_move_and_are_reported_by_kind(void **state) {
     (void)state;
     sl_scene *s =
@@ -122,19 +106,6 @@ static void lights_and_camera_move_and_are_reported_by_kind(void **state) {
     assert_int_equal(at(s, 5.5), SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA);
     assert_true(s->camera.eye.z == 15.0f && near(s->camera.vertical_fov, 50.0 * SL_PI / 180.0));
     assert_int_equal(at(s, 6.0), SL_CHANGED_CAMERA);
-    sl_scene_destroy(s);
-}
-
-static void dark_lights_do_not_shift_the_ones_that_move(void **state) {
-    (void)state;
-    sl_scene *s = load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
-                       " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"power\": 0, "
-                       "\"keyframes\": [{\"time\": 0}, {\"time\": 2, \"position\": [9, 9, 9]}]},\n"
-                       "  {\"type\": \"point\", \"position\": [1, 1, 1], \"power\": 1, \"keyframes\": "
-                       "[{\"time\": 0}, {\"time\": 2, \"position\": [3, 1, 1]}]}]}");
-    assert_int_equal(s->light_count, 1);
-    assert_int_equal(at(s, 1.0), SL_CHANGED_LIGHTS);
-    assert_true(s->lights[0].position.x == 2.0f && s->lights[0].position.y == 1.0f);
     sl_scene_destroy(s);
 }
 
@@ -187,9 +158,7 @@ int main(void) {
         cmocka_unit_test(quaternions_turn_about_the_axes_in_order),
         cmocka_unit_test(slerp_turns_at_constant_speed_along_the_shorter_arc),
         cmocka_unit_test(objects_move_between_keys_and_rest_beyond_them),
-        cmocka_unit_test(a_state_depends_on_the_time_alone),
         cmocka_unit_test(lights_and_camera_move_and_are_reported_by_kind),
-        cmocka_unit_test(dark_lights_do_not_shift_the_ones_that_move),
         cmocka_unit_test(moving_emitters_count_as_lights_and_keep_their_area),
         cmocka_unit_test(a_z_up_scene_moves_as_its_y_up_twin),
         cmocka_unit_test(what_cannot_be_shown_is_refused_and_changes_nothing),

@@ -52,23 +52,6 @@ static void a_surface_passes_through_its_corners_and_lies_within_its_control_poi
     }
 }
 
-static void normals_are_those_of_differences(void **state) {
-    (void)state;
-    sl_bicubic b = hill();
-    for (int k = 0; k < 100; k++) {
-        double u = 0.05 + 0.9 * (k % 10) / 9.0, v = 0.05 + 0.9 * (k / 10) / 9.0, h = 1e-2;
-        sl_vec3 normal, p[4];
-        sl_bicubic_at(&b, u, v, NULL, &normal);
-        sl_bicubic_at(&b, u - h, v, &p[0], NULL);
-        sl_bicubic_at(&b, u + h, v, &p[1], NULL);
-        sl_bicubic_at(&b, u, v - h, &p[2], NULL);
-        sl_bicubic_at(&b, u, v + h, &p[3], NULL);
-        sl_vec3 n = sl_normalize_or(sl_cross(sl_sub(p[1], p[0]), sl_sub(p[3], p[2])), sl_v3(0, 0, 0));
-        assert_true(fabs((double)sl_length(normal) - 1.0) < 1e-6);
-        assert_true(distance(n, normal) < 2e-3);
-    }
-}
-
 /* A cap of a bowl: its edge v = 0 is the point (0, 0, 0), where the surface is level. */
 static sl_bicubic cap(bool cone) {
     sl_bicubic b = {.steps = SL_BICUBIC_STEPS};
@@ -153,25 +136,6 @@ static void the_scene_holds_each_surface_as_a_grid_less_what_has_no_area(void **
         }
     }
     assert_int_equal(sl_scene_warning_count(scene), 0);
-    sl_scene_destroy(scene);
-}
-
-static void surfaces_that_meet_smoothly_have_the_same_points_and_normals_there(void **state) {
-    (void)state;
-    sl_scene *scene = load("scenes/vase.json");
-    for (uint32_t i = 0; i < 16; i++) {
-        const sl_bicubic *here = &scene->bicubics[i], *next = &scene->bicubics[i / 4 * 4 + (i + 1) % 4];
-        const sl_bicubic *above = i < 12 ? &scene->bicubics[i + 4] : NULL;
-        for (uint32_t k = 0; k <= 16; k++) {
-            uint32_t right = here->first_vertex + 17 * k + 16, left = next->first_vertex + 17 * k;
-            assert_true(distance(sl_scene_position(scene, right), sl_scene_position(scene, left)) == 0.0);
-            assert_true(distance(sl_scene_normal(scene, right), sl_scene_normal(scene, left)) < 1e-4);
-            if (!above) continue;
-            uint32_t top = here->first_vertex + 17 * 16 + k, bottom = above->first_vertex + k;
-            assert_true(distance(sl_scene_position(scene, top), sl_scene_position(scene, bottom)) == 0.0);
-            assert_true(distance(sl_scene_normal(scene, top), sl_scene_normal(scene, bottom)) < 1e-4);
-        }
-    }
     sl_scene_destroy(scene);
 }
 
@@ -336,11 +300,9 @@ static void parts_that_contradict_their_surfaces_are_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_surface_passes_through_its_corners_and_lies_within_its_control_points),
-        cmocka_unit_test(normals_are_those_of_differences),
         cmocka_unit_test(the_normal_at_a_pole_is_the_limit),
         cmocka_unit_test(a_normal_is_found_where_whole_derivatives_vanish),
         cmocka_unit_test(the_scene_holds_each_surface_as_a_grid_less_what_has_no_area),
-        cmocka_unit_test(surfaces_that_meet_smoothly_have_the_same_points_and_normals_there),
         cmocka_unit_test(a_file_of_surfaces_alone_is_a_scene),
         cmocka_unit_test(every_mistake_is_reported_with_its_line),
         cmocka_unit_test(fronts_stay_fronts_where_a_transform_mirrors),

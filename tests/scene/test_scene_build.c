@@ -42,19 +42,6 @@ static void refuse(const sl_scene_parts *parts, const char *because) {
     if (!strstr(error.message, because)) fail_msg("expected '%s' in '%s'", because, error.message);
 }
 
-static void a_plain_square_has_two_triangles_bounds_and_normals(void **state) {
-    (void)state;
-    sl_scene_parts parts = square_parts();
-    sl_scene *s = build(&parts);
-    assert_int_equal(sl_scene_triangle_count(s), 2);
-    assert_int_equal(s->vertex_count, 4); /* the facets face the same way, so they share */
-    assert_true(s->geometric_normal_z[0] == 1.0f && s->geometric_normal_z[1] == 1.0f);
-    assert_true(s->normal_z[0] == 1.0f);
-    assert_true(s->box_max.x == 2.0f && s->box_min.y == 0.0f);
-    assert_true(fabs((double)s->diagonal - sqrt(8.0)) < 1e-6);
-    sl_scene_destroy(s);
-}
-
 static void facets_without_normals_stay_facets(void **state) {
     (void)state;
     /* a corner: three facets at right angles */
@@ -334,63 +321,8 @@ static void the_hash_sees_whatever_reaches_a_pixel(void **state) {
     sl_scene_destroy(s);
 }
 
-static void point_lights_fall_off_with_the_square_of_the_distance(void **state) {
-    (void)state;
-    const sl_light light = {.type = SL_LIGHT_POINT, .position = {0, 0, 3}, .intensity = {9, 18, 27}};
-    sl_vec3 to;
-    float distance;
-    sl_rgb e;
-    assert_true(sl_light_illuminate(&light, sl_v3(0, 0, 0), &to, &distance, &e));
-    assert_true(to.z == 1.0f && distance == 3.0f && fabsf(e.r - 1.0f) < 1e-6f && fabsf(e.b - 3.0f) < 1e-6f);
-    assert_false(sl_light_illuminate(&light, light.position, &to, &distance, &e)); /* at the light itself */
-}
-
-static void spot_lights_end_at_their_outer_cone(void **state) {
-    (void)state;
-    sl_light light = {.type = SL_LIGHT_SPOT,
-                      .position = {0, 1, 0},
-                      .direction = {0, -1, 0},
-                      .intensity = {1, 1, 1},
-                      .cos_inner = 0.9f,
-                      .cos_outer = 0.7f};
-    sl_vec3 to;
-    float distance;
-    sl_rgb e;
-    assert_true(sl_light_illuminate(&light, sl_v3(0, 0, 0), &to, &distance, &e) && e.r == 1.0f);
-    double tangent = sqrt(1.0 / (0.8 * 0.8) - 1.0); /* cosine 0.8: half way between, smoothstep is 1/2 */
-    assert_true(sl_light_illuminate(&light, sl_v3((float)tangent, 0, 0), &to, &distance, &e));
-    assert_true(fabs((double)e.r * (1.0 + tangent * tangent) - 0.5) < 1e-5);
-    assert_false(sl_light_illuminate(&light, sl_v3(2, 0, 0), &to, &distance, &e));
-    assert_false(sl_light_illuminate(&light, sl_v3(0, 2, 0), &to, &distance, &e));
-    light.cos_outer = light.cos_inner; /* a step divides by nothing */
-    assert_true(sl_light_illuminate(&light, sl_v3(0.4f, 0, 0), &to, &distance, &e) && isfinite(e.r));
-    assert_false(sl_light_illuminate(&light, sl_v3(0.6f, 0, 0), &to, &distance, &e));
-}
-
-static void directional_lights_come_from_infinity(void **state) {
-    (void)state;
-    const sl_light light = {.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {2, 3, 4}};
-    sl_vec3 to;
-    float distance;
-    sl_rgb e;
-    assert_true(sl_light_illuminate(&light, sl_v3(1e9f, 0, 0), &to, &distance, &e));
-    assert_true(to.y == 1.0f && isinf(distance) && e.g == 3.0f);
-}
-
-static void transports_are_known_by_name(void **state) {
-    (void)state;
-    sl_transport t;
-    assert_true(sl_transport_named("direct", &t) && t.sky_light && t.receiver_lobes == 0 && t.bounces == 0);
-    assert_true(sl_transport_named("one-bounce", &t) && t.bounces == 1 && t.bounce_lobes == SL_LOBE_DIFFUSE);
-    assert_true(sl_transport_named("full", &t) && t.bounces == SL_BOUNCES_UNLIMITED &&
-                t.bounce_lobes == SL_LOBE_ALL);
-    assert_false(sl_transport_named("fuller", &t));
-    assert_false(sl_transport_named(NULL, &t));
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plain_square_has_two_triangles_bounds_and_normals),
         cmocka_unit_test(facets_without_normals_stay_facets),
         cmocka_unit_test(given_normals_are_made_unit_and_bad_ones_replaced),
         cmocka_unit_test(triangles_that_cannot_be_drawn_are_dropped_and_counted),
@@ -406,10 +338,6 @@ int main(void) {
         cmocka_unit_test(a_camera_needs_a_view_and_an_up_that_differ),
         cmocka_unit_test(moving_the_camera_raises_the_version_and_changes_the_hash),
         cmocka_unit_test(the_hash_sees_whatever_reaches_a_pixel),
-        cmocka_unit_test(point_lights_fall_off_with_the_square_of_the_distance),
-        cmocka_unit_test(spot_lights_end_at_their_outer_cone),
-        cmocka_unit_test(directional_lights_come_from_infinity),
-        cmocka_unit_test(transports_are_known_by_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

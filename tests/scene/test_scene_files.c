@@ -109,16 +109,6 @@ static void mtl_mirrors_are_illum_3_or_5_without_diffuse(void **state) {
     sl_scene_destroy(s);
 }
 
-static void equal_corners_are_welded_within_an_object(void **state) {
-    (void)state;
-    sl_scene *s =
-        load(scene_file_text("quads.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvn 0 0 1\n"
-                                          "f 1//1 2//1 3//1 4//1\nf 2//1 5//1 6//1 3//1\n"));
-    assert_int_equal(sl_scene_triangle_count(s), 4);
-    assert_int_equal(s->vertex_count, 6);
-    sl_scene_destroy(s);
-}
-
 static void height_maps_come_from_mtl_and_scene_files(void **state) {
     (void)state;
     write_box();
@@ -176,19 +166,6 @@ static void missing_textures_and_libraries_are_warnings(void **state) {
     assert_int_equal(material(s, "a")->texture, SL_NO_INDEX);
     assert_true(material(s, "a")->diffuse.r == 0.3f);
     sl_scene_destroy(s);
-}
-
-static void odd_but_good_obj_files_load(void **state) {
-    (void)state;
-    const char *good[] = {
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "v 0 0 0 # origin\nv\t1e0 -.0 +0.\nv 0 1 0 1.0\nf 1 2 3 \n",
-        "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\n",
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 \\\n3\n"};
-    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
-        sl_scene *s = load(scene_file_text("good.obj", good[i]));
-        assert_int_equal(sl_scene_triangle_count(s), 1);
-        sl_scene_destroy(s);
-    }
 }
 
 static void files_that_are_no_meshes_are_refused_by_name(void **state) {
@@ -436,16 +413,6 @@ static void a_mesh_can_be_asked_to_be_faceted(void **state) {
     sl_scene_destroy(faceted);
 }
 
-static void a_scene_file_is_known_by_its_content_too(void **state) {
-    (void)state;
-    write_box();
-    sl_scene *s =
-        load(scene_file_text("scene.softlux", "\n {\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}]}"));
-    assert_int_equal(sl_scene_triangle_count(s), 2);
-    sl_scene_destroy(s);
-    refuse(scene_file_text("other.txt", "{\"version\": 3}"), ":1: unknown key 'version' in the scene");
-}
-
 static void z_up_is_turned_once(void **state) {
     (void)state;
     sl_scene *s = load_json("{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"box.obj\", "
@@ -638,23 +605,13 @@ static void scene_file_mistakes_are_told_by_line(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) refuse_json(cases[i][0], cases[i][1]);
 }
 
-static void strings_with_brackets_do_not_mislead_the_line_count(void **state) {
-    (void)state;
-    write_box();
-    refuse_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"name\": \"a ] } , \\\" "
-                "\\\\\"}],\n\"materials\": {\"wall\":\n{\"diffuse\": [0.1,\n0.2, \"x\"]}}}",
-                ":4: expected 'diffuse' to be an array of 3 numbers");
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_obj_file_alone_is_a_scene),
         cmocka_unit_test(mtl_mirrors_are_illum_3_or_5_without_diffuse),
-        cmocka_unit_test(equal_corners_are_welded_within_an_object),
         cmocka_unit_test(height_maps_come_from_mtl_and_scene_files),
         cmocka_unit_test(a_normal_map_is_no_height_map_and_is_told),
         cmocka_unit_test(missing_textures_and_libraries_are_warnings),
-        cmocka_unit_test(odd_but_good_obj_files_load),
         cmocka_unit_test(files_that_are_no_meshes_are_refused_by_name),
         cmocka_unit_test(all_groups_of_a_raw_file_are_there),
         cmocka_unit_test(headers_that_announce_too_much_are_refused),
@@ -665,14 +622,12 @@ int main(void) {
         cmocka_unit_test(gltf_that_needs_what_is_not_read_is_refused),
         cmocka_unit_test(a_scene_file_places_and_overrides),
         cmocka_unit_test(a_mesh_can_be_asked_to_be_faceted),
-        cmocka_unit_test(a_scene_file_is_known_by_its_content_too),
         cmocka_unit_test(z_up_is_turned_once),
         cmocka_unit_test(an_environment_picture_keeps_its_top_row_up),
         cmocka_unit_test(a_sky_with_primaries_of_its_own_becomes_rec_709),
         cmocka_unit_test(a_sky_lies_in_its_data_window_only_if_it_says_that_it_is_one),
         cmocka_unit_test(reflectance_beyond_one_warns_in_a_scene_file_too),
         cmocka_unit_test(scene_file_mistakes_are_told_by_line),
-        cmocka_unit_test(strings_with_brackets_do_not_mislead_the_line_count),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -145,83 +145,6 @@ static void planets_that_the_eye_sees_more_of_are_the_scene(void **state) {
     sl_scene_destroy(s);
 }
 
-/* Vertices in another order, the scene scaled by a power of two, mirrored: the same measure. */
-static sl_scene *scattered_points(float size, bool turned, bool mirrored) {
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 1, 0, 0);
-    for (size_t k = 0; k < 100; k++) {
-        size_t i = turned ? 99 - k : k;
-        float p[9];
-        for (size_t c = 0; c < 9; c++)
-            p[c] =
-                size *
-                (sl_random_unit(sl_random_key(5, 0), 9 * i + c) + (i % 10 == 0 ? 1000.0f * (float)i : 0.0f)) *
-                (mirrored && c % 3 == 0 ? -1.0f : 1.0f);
-        uint32_t a = trace_mesh_vertex(&mesh, p[0], p[1], p[2]),
-                 b = trace_mesh_vertex(&mesh, p[3], p[4], p[5]),
-                 c = trace_mesh_vertex(&mesh, p[6], p[7], p[8]);
-        trace_mesh_triangle(&mesh, a, b, c, white);
-    }
-    float x = mirrored ? -size : size;
-    sl_camera_look_at(&mesh.camera, sl_v3(x, size, 2 * size), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 1.0f);
-    mesh.has_camera = true;
-    return trace_mesh_build(&mesh);
-}
-
-static void scale_knows_neither_order_nor_side_and_grows_with_the_scene(void **state) {
-    (void)state;
-    sl_scene *s = scattered_points(1.0f, false, false), *turned = scattered_points(1.0f, true, false),
-             *mirrored = scattered_points(1.0f, false, true),
-             *larger = scattered_points(1024.0f, false, false);
-    assert_true(sl_scene_is_scattered(s) && s->diagonal > 1e5f && s->scale < 200.0f);
-    assert_true(turned->scale == s->scale && mirrored->scale == s->scale &&
-                larger->scale == 1024.0f * s->scale);
-    assert_same(turned->central_min, s->central_min);
-    assert_true(mirrored->central_max.x == -s->central_min.x && mirrored->central_min.y == s->central_min.y);
-    assert_true(larger->central_max.z == 1024.0f * s->central_max.z);
-    sl_scene_destroy(s);
-    sl_scene_destroy(turned);
-    sl_scene_destroy(mirrored);
-    sl_scene_destroy(larger);
-}
-
-/* The radius by its definition: half of the vertices lie no further from the coordinates' medians. */
-static void half_of_the_vertices_lie_within_the_radius(void **state) {
-    (void)state;
-    sl_scene *s = scattered_points(1.0f, false, false);
-    size_t within = 0, on = 0;
-    for (uint32_t v = 0; v < s->vertex_count; v++) {
-        double d = sl_lengthd(sl_subd(sl_to_double(sl_scene_position(s, v)), s->middle));
-        within += d < s->radius * (1.0 - 1e-6);
-        on += fabs(d - s->radius) <= s->radius * 1e-6;
-        assert_true(isfinite(d));
-    }
-    assert_true(on >= 1 && within <= s->vertex_count / 2 && within + on > s->vertex_count / 2);
-    for (int axis = 0; axis < 3; axis++) {
-        const float *x = axis == 0 ? s->position_x : axis == 1 ? s->position_y : s->position_z;
-        double middle = axis == 0 ? s->middle.x : axis == 1 ? s->middle.y : s->middle.z;
-        size_t below = 0, above = 0;
-        for (size_t v = 0; v < s->vertex_count; v++)
-            below += (double)x[v]<middle, above += (double)x[v]> middle;
-        assert_true(below <= s->vertex_count / 2 && above <= s->vertex_count / 2);
-    }
-    sl_scene_destroy(s);
-}
-
-static void what_half_of_the_vertices_share_is_no_scale(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 1, 0, 0);
-    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0);
-    for (int i = 0; i < 8; i++) { /* a fan, each with a tip of its own in the same place */
-        uint32_t tip = trace_mesh_vertex(&mesh, 1, 1, 1), b = trace_mesh_vertex(&mesh, (float)i, 5, 0);
-        trace_mesh_triangle(&mesh, a, b, tip, white);
-    }
-    sl_scene *s = trace_mesh_build(&mesh);
-    assert_true(s->scale > 0.0f && s->scale <= s->diagonal && isfinite(s->scale));
-    sl_scene_destroy(s);
-}
-
 /* Tolerances are never below what floats tell apart. */
 static void points_far_out_leave_their_surface_by_more_than_rounding(void **state) {
     (void)state;
@@ -247,9 +170,6 @@ int main(void) {
         cmocka_unit_test(a_grain_with_most_vertices_is_not_the_scene_for_an_eye_that_sees_the_room),
         cmocka_unit_test(far_planets_with_most_vertices_leave_a_room_its_scale_and_core),
         cmocka_unit_test(planets_that_the_eye_sees_more_of_are_the_scene),
-        cmocka_unit_test(scale_knows_neither_order_nor_side_and_grows_with_the_scene),
-        cmocka_unit_test(half_of_the_vertices_lie_within_the_radius),
-        cmocka_unit_test(what_half_of_the_vertices_share_is_no_scale),
         cmocka_unit_test(points_far_out_leave_their_surface_by_more_than_rounding),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -272,29 +272,6 @@ static void any_declared_transport_is_that_of_the_path_tracer(void **unused) {
     sl_scene_destroy(scene);
 }
 
-static void either_heuristic_and_any_choice_of_ways_gives_one_picture(void **unused) {
-    (void)unused;
-    sl_scene *scene = rich_scene(false, true);
-    sl_bidirectional_settings settings = {.seed = 5, .transport = transport_of("full")};
-    picture *plain = render_both_ways(scene, &settings, SAMPLES);
-    settings.seed = 6;
-    settings.balance = true;
-    picture *balance = render_both_ways(scene, &settings, SAMPLES);
-    settings.seed = 7;
-    settings.direct_image = true;
-    picture *direct = render_both_ways(scene, &settings, SAMPLES);
-    settings.without_light_image = true;
-    picture *without = render_both_ways(scene, &settings, SAMPLES);
-    check_equal("balance heuristic", balance, plain);
-    check_equal("with direct light by both ways", direct, plain);
-    check_equal("without light image", without, plain);
-    free(plain);
-    free(balance);
-    free(direct);
-    free(without);
-    sl_scene_destroy(scene);
-}
-
 /* ---- what the path tracer cannot find -------------------------------------------------------- */
 
 /* A point light above a floor, beside a flat mirror: the mirror's image of the light lights the floor too, in
@@ -365,7 +342,6 @@ int main(void) {
         cmocka_unit_test(skies_are_those_of_the_path_tracer),
         cmocka_unit_test(spots_and_distant_lights_are_those_of_the_path_tracer),
         cmocka_unit_test(any_declared_transport_is_that_of_the_path_tracer),
-        cmocka_unit_test(either_heuristic_and_any_choice_of_ways_gives_one_picture),
         cmocka_unit_test(a_point_light_throws_caustics),
         cmocka_unit_test(threads_change_no_bit),
     };

@@ -96,31 +96,6 @@ static void furnace_irradiance_is_the_geometric_series(void **unused) {
     }
 }
 
-/* A lamp's image in a mirror lights the floor: a caustic. */
-static void light_by_way_of_mirrors_is_indirect(void **unused) {
-    (void)unused;
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
-             mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
-    uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 40.0f);
-    trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
-    trace_mesh_quad(&mesh, sl_v3(-1, -40, 0), sl_v3(0, 80, 0), sl_v3(0, 0, 40), mirror);
-    /* faces the mirror */
-    trace_mesh_quad(&mesh, sl_v3(0.45f, -2.0f, 0.5f), sl_v3(0, 0, 3.0f), sl_v3(0, 3.0f, 0), lamp);
-    const sl_bidirectional_point_settings settings = {.samples = 20000};
-    world w = open_world(trace_mesh_build(&mesh), &settings);
-    sl_bidirectional_request request = point_of(w.scene, 0, 0.01f, 0.48f, true); /* between mirror and lamp */
-    double dx = (double)request.position.x + 2.45, dy = (double)request.position.y, expected = 0.0;
-    for (int i = 0; i < 400; i++) { /* the image at x = -2.45 faces +x */
-        double y = dy + 2.0 - 3.0 * (i % 20 + 0.5) / 20.0, z = 0.5 + 3.0 * (i / 20 + 0.5) / 20.0,
-               r2 = dx * dx + y * y + z * z;
-        expected += 0.8 * 40.0 * 9.0 / 400.0 * z * dx / (r2 * r2);
-    }
-    sl_bidirectional_value v = irradiance(&w, &request);
-    check("caustic", &v, expected, 0.0);
-    close_world(&w);
-}
-
 /* ---- against the path tracer ----------------------------------------------------------------- */
 
 /* The path tracer looks at the point along its normal; what leaves a diffuse surface without its direct light
@@ -306,7 +281,6 @@ static void degenerate_points_have_finite_values(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(furnace_irradiance_is_the_geometric_series),
-        cmocka_unit_test(light_by_way_of_mirrors_is_indirect),
         cmocka_unit_test(points_have_the_path_tracers_values),
         cmocka_unit_test(values_are_the_same_bits_at_any_time_and_with_any_threads),
         cmocka_unit_test(degenerate_points_have_finite_values),

@@ -139,51 +139,11 @@ static void the_two_halves_are_independent(void **unused) {
     sl_scene_destroy(scene);
 }
 
-/* Every elementary interval of area 1/32 holds one of 32 points, in the pair of dimensions that is used
- * together. */
-static void pairs_are_well_spread_at_every_scale(void **unused) {
-    (void)unused;
-    static sl_sequence sequence;
-    sl_sequence_make(&sequence);
-    for (uint32_t set = 0; set < 50; set++) {
-        for (int m = 0; m <= 5; m++) {
-            uint32_t hit = 0;
-            for (uint32_t i = 64; i < 96; i++) {
-                float p[3];
-                sl_sequence_point(&sequence, 77, set, i, p);
-                for (int d = 0; d < 3; d++) assert_true(p[d] >= 0.0f && p[d] < 1.0f);
-                uint32_t column = (uint32_t)(p[0] * (float)(1 << m)),
-                         row = (uint32_t)(p[1] * (float)(1 << (5 - m)));
-                hit |= 1u << (column << (5 - m) | row);
-            }
-            assert_int_equal(hit, UINT32_MAX);
-        }
-    }
-}
-
-static void points_of_different_sets_are_unrelated(void **unused) {
-    (void)unused;
-    static sl_sequence sequence;
-    sl_sequence_make(&sequence);
-    enum { POINTS = 4096 };
-    double correlation = 0.0, mean = 0.0;
-    for (uint32_t i = 0; i < POINTS; i++) {
-        float a[3], b[3];
-        sl_sequence_point(&sequence, sl_random_key(1, i), 1, 0, a);
-        sl_sequence_point(&sequence, sl_random_key(1, i), 2, 0, b);
-        correlation += ((double)a[0] - 0.5) * ((double)b[0] - 0.5) * 12.0 / POINTS;
-        mean += (double)(a[0] + a[1] + a[2]) / 3.0 / POINTS;
-    }
-    assert_true(fabs(correlation) < 0.06 && fabs(mean - 0.5) < 0.01);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_and_instruction_sets_change_no_bit),
         cmocka_unit_test(the_seed_and_nothing_else_chooses_the_samples),
         cmocka_unit_test(the_two_halves_are_independent),
-        cmocka_unit_test(pairs_are_well_spread_at_every_scale),
-        cmocka_unit_test(points_of_different_sets_are_unrelated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -144,32 +144,6 @@ static void phong_lobe_has_its_directional_albedo(void **unused) {
     sl_scene_destroy(scene);
 }
 
-/* Diffuse and glossy sampled together are the sum of each alone, at small and large exponents. */
-static void the_mixture_of_lobes_is_their_sum(void **unused) {
-    (void)unused;
-    static const float exponents[] = {0.0f, 1.0f, 50.0f, 5000.0f};
-    for (int i = 0; i < 4; i++) {
-        trace_mesh mesh = trace_mesh_begin();
-        uint32_t both = trace_mesh_material(&mesh, 0.4f, 0.5f, exponents[i], 0, 0);
-        uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
-        trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), both);
-        trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
-        sl_scene *scene = trace_mesh_build(&mesh);
-        sl_vec3 eye = sl_v3(0.35f, 0.2f, 0.7f), direction = sl_v3(0.2f, 0.1f, -1);
-        double parts = 0.0, errors = 0.0;
-        for (unsigned lobe = SL_LOBE_DIFFUSE; lobe <= SL_LOBE_GLOSSY; lobe++) {
-            sl_transport transport = transport_of("direct");
-            transport.direct_lobes = lobe;
-            measurement m = measure(scene, transport, eye, direction, 4000);
-            assert_true(m.mean > 0.0);
-            parts += m.mean;
-            errors += m.error;
-        }
-        check(measure(scene, transport_of("direct"), eye, direction, 4000), parts, 4.0 * errors / parts);
-        sl_scene_destroy(scene);
-    }
-}
-
 static void mirrors_are_followed_where_the_transport_says(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
@@ -204,20 +178,6 @@ static void mirrors_are_followed_where_the_transport_says(void **unused) {
     sl_transport blind = transport_of("direct");
     blind.eye_mirrors = false;
     check(measure(scene, blind, eye, at_image, 16), 0.0, 0);
-    sl_scene_destroy(scene);
-}
-
-/* A closed box of perfect mirrors never ends but by Russian roulette; nothing shines, so nothing is seen. */
-static void a_closed_box_of_perfect_mirrors_ends(void **unused) {
-    (void)unused;
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 1.0f, 0),
-             light = trace_mesh_material(&mesh, 0, 0, 0, 0, 2.0f);
-    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, mirror);
-    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0.999f), sl_v3(0, 2, 0), sl_v3(2, 0, 0), light);
-    sl_scene *scene = trace_mesh_build(&mesh);
-    check(measure(scene, transport_of("full"), sl_v3(0, 0, 0), sl_v3(0.9f, 0.5f, -0.4f), 20000), 2.0, 0);
-    check(measure(scene, transport_of("full"), sl_v3(0, 0, 0), sl_v3(1, 0, 0), 64), 0.0, 0);
     sl_scene_destroy(scene);
 }
 
@@ -274,9 +234,7 @@ int main(void) {
         cmocka_unit_test(furnace_radiance_is_the_geometric_series),
         cmocka_unit_test(direct_light_on_a_floor_is_the_polygon_formula),
         cmocka_unit_test(phong_lobe_has_its_directional_albedo),
-        cmocka_unit_test(the_mixture_of_lobes_is_their_sum),
         cmocka_unit_test(mirrors_are_followed_where_the_transport_says),
-        cmocka_unit_test(a_closed_box_of_perfect_mirrors_ends),
         cmocka_unit_test(direct_light_without_visibility_passes_blockers),
         cmocka_unit_test(gathering_without_visibility_sees_through_surfaces),
     };
