@@ -96,20 +96,22 @@ sl_status sl_value_vector(const char *text, double vector[3], sl_error *error) {
 
 /* ---- words ---- */
 
+enum { LONGEST_WORD = 64 };
+
+static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
 static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
 
-/* Levenshtein distance; words longer than the row are taken as far apart. */
-static size_t edit_distance(const char *a, const char *b) {
-    enum { LONGEST = 64 };
-    size_t row[LONGEST + 1], a_length = strlen(a), b_length = strlen(b);
-    if (a_length > LONGEST || b_length > LONGEST) return LONGEST;
+static size_t length_of(const char *word) { return smaller(strlen(word), LONGEST_WORD); }
+
+size_t sl_edit_distance(const char *a, const char *b) {
+    size_t row[LONGEST_WORD + 1], a_length = length_of(a), b_length = length_of(b);
     for (size_t j = 0; j <= b_length; j++) row[j] = j;
     for (size_t i = 1; i <= a_length; i++) {
         size_t diagonal = row[0];
         row[0] = i;
         for (size_t j = 1; j <= b_length; j++) {
             size_t above = row[j];
-            row[j] = smaller(smaller(above, row[j - 1]) + 1, diagonal + (a[i - 1] != b[j - 1]));
+            row[j] = smaller(smaller(above, row[j - 1]) + 1, diagonal + (lower(a[i - 1]) != lower(b[j - 1])));
             diagonal = above;
         }
     }
@@ -120,7 +122,7 @@ const char *sl_nearest_word(const char *word, const char *const *candidates, siz
     const char *nearest = NULL;
     size_t best = strlen(word) / 3 + 2; /* a word further off than this is another word, not a slip */
     for (size_t i = 0; i < count; i++) {
-        size_t distance = edit_distance(word, candidates[i]);
+        size_t distance = sl_edit_distance(word, candidates[i]);
         if (distance < best) best = distance, nearest = candidates[i];
     }
     return nearest;

@@ -1,4 +1,6 @@
-/* One render of one tile: cluster by cluster through the pipeline of internal.h. */
+/* One render of one tile: cluster by cluster through the pipeline of pipeline.h; and what is decided before:
+ * whether there is anything to draw, and in which order. */
+#include <stdatomic.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -56,6 +58,91 @@ void sl_raster_scratch_destroy(sl_raster_scratch *s) {
     sl_free(s->tile.depth);
     sl_free(s->fate);
     sl_free(s);
+}
+
+/* Kept for later passes: a pass over a large target would otherwise begin by having a megabyte faulted in page
+ * by page and cleared. Passes run at the same time, so each takes what it needs for itself alone and gives it
+ * back afterwards. */
+enum { SPARES = 8 };
+
+struct sl_spares {
+    _Atomic(sl_raster_scratch *) kept[SPARES];
+};
+
+struct sl_spares *sl_spares_create(void) { return sl_allocate(1, sizeof(struct sl_spares)); }
+
+void sl_spares_destroy(struct sl_spares *spares) {
+    for (int i = 0; spares && i < SPARES; i++) sl_raster_scratch_destroy(atomic_load(&spares->kept[i]));
+    sl_free(spares);
+}
+
+sl_raster_scratch *sl_spare_take(const sl_raster *raster) {
+    sl_raster_scratch *scratch = NULL;
+    for (int i = 0; i < SPARES && !scratch; i++) scratch = atomic_exchange(&raster->spares->kept[i], NULL);
+    if (!scratch && sl_raster_scratch_create(raster, 0, 0, &scratch, NULL) != SL_OK) return NULL;
+    return scratch;
+}
+
+void sl_spare_give(const sl_raster *raster, sl_raster_scratch *scratch) {
+    for (int i = 0; i < SPARES && scratch; i++) {
+        sl_raster_scratch *none = NULL;
+        if (atomic_compare_exchange_strong(&raster->spares->kept[i], &none, scratch)) return;
+    }
+    sl_raster_scratch_destroy(scratch);
+}
+
+/* ---- is there anything to draw? ---- */
+
+/* The bounds reach across the plane, or lie before it; with room for rounding, as culling has it. NaN counts
+ * as inside. */
+static bool reaches(const sl_raster *r, const sl_pass_view *view, const float plane[4], size_t c) {
+    float x = plane[0] * (r->centre_x[c] - view->origin[0]),
+          y = plane[1] * (r->centre_y[c] - view->origin[1]);
+    float z = plane[2] * (r->centre_z[c] - view->origin[2]);
+    float reach =
+        fabsf(plane[0]) * r->half_x[c] + fabsf(plane[1]) * r->half_y[c] + fabsf(plane[2]) * r->half_z[c];
+    float slack = 1e-5f * (fabsf(x) + fabsf(y) + fabsf(z) + fabsf(plane[3]) + reach) + 1e-37f;
+    return !(x + y + z + plane[3] < -(reach + slack));
+}
+
+bool sl_raster_meets(const sl_raster *raster, const sl_view *view) {
+    const sl_pass_view pass = sl_pass_view_make(view, view->x + view->width, view->y + view->height);
+    for (size_t c = 0; c < raster->cluster_count; c++) {
+        int k = 0;
+        while (k < pass.planes && reaches(raster, &pass, pass.plane[k], c)) k++;
+        if (k == pass.planes) return true;
+    }
+    return false;
+}
+
+/* ---- front to back ---- */
+
+/* The visible clusters by their distance, roughly, since the picture does not depend on it: one counting sort
+ * over the logarithm of the distance, 16 steps an octave, whose bits a float's bits are. */
+enum { BUCKETS = 256, STEP_BITS = 19 };
+
+static uint32_t step_of(float distance) { /* >= 0 and finite */
+    uint32_t bits;
+    memcpy(&bits, &distance, sizeof bits);
+    return bits >> STEP_BITS;
+}
+
+void sl_visible_sort(sl_visible *v) {
+    uint32_t start[BUCKETS + 1] = {0}, farthest = BUCKETS - 1;
+    for (uint32_t n = 0; n < v->count; n++) {
+        uint32_t step = step_of(v->distance[n]);
+        farthest = step > farthest ? step : farthest;
+    }
+    const uint32_t base = farthest - (BUCKETS - 1);
+    for (uint32_t n = 0; n < v->count; n++) {
+        uint32_t step = step_of(v->distance[n]);
+        start[(step > base ? step - base : 0) + 1]++;
+    }
+    for (int b = 0; b < BUCKETS; b++) start[b + 1] += start[b];
+    for (uint32_t n = 0; n < v->count; n++) {
+        uint32_t step = step_of(v->distance[n]);
+        v->order[start[step > base ? step - base : 0]++] = n;
+    }
 }
 
 /* ---- tiles ---- */

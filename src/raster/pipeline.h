@@ -2,18 +2,19 @@
  *
  * One render of a tile (pass.c) runs, front to back, for every cluster that the view does not reject:
  *
- *     cull        clusters: outside | between pixel centres | their rectangle on the screen (cull_kernels.c)
- *     occlusion   clusters behind what is drawn already (occlusion_kernels.c) transform   vertices -> clip
- * space, clip codes, viewport, snapping                      (transform_kernels.c) classify    triangles:
- * outside | not finite | to be clipped | no centre | tiny | others (classify_kernels.c) clip
- * Sutherland-Hodgman for those that cross a plane                     (clip.c, clip_kernels.c) set up edge
- * functions and depth plane of what is left                              (setup_kernels.c) rasterize
- * coverage, depth test, write; pixel by pixel where there is an alpha mask     (rasterize_kernels.c, alpha.c)
+ *     cull        clusters: outside | between pixel centres | their rectangle on the screen  (cull_kernels.c)
+ *     occlusion   clusters behind what is drawn already                                 (occlusion_kernels.c)
+ *     transform   vertices -> clip space, clip codes, viewport, snapping                (transform_kernels.c)
+ *     classify    triangles: outside | not finite | to be clipped | no centre | tiny | others
+ *                                                                                        (classify_kernels.c)
+ *     clip        Sutherland-Hodgman for those that cross a plane                    (clip.c, clip_kernels.c)
+ *     set up      edge functions and depth plane of what is left                            (setup_kernels.c)
+ *     rasterize   coverage, depth test, write; pixel by pixel where there is an alpha mask
+ *                                                                              (rasterize_kernels.c, alpha.c)
  *
- * clusters.c made the clusters, once; view.c makes the view's constants; culling and sorting by distance
- * (order.c) are done once a render; tiles.c gives the tiles of large targets to threads, spare.c keeps their
- * buffers from pass to pass; tile_kernels.c clears a tile and copies it to the target. What comes after the
- * picture of ids is told in resolve.h.
+ * clusters.c made the clusters, once; view.c makes the view's constants; culling and sorting by distance are
+ * done once a render; tiles.c gives the tiles of large targets to threads; tile_kernels.c clears a tile and
+ * copies it to the target. What comes after the picture of ids is told in resolve.h.
  *
  * The depth test is a total order (nearer first, then lower triangle index), so the order in which clusters
  * are drawn cannot be seen in the picture: it is as if the triangles had been submitted in index order. */
@@ -79,7 +80,7 @@ struct sl_raster_scratch {
 
 bool sl_visible_allocate(sl_visible *visible, const sl_raster *raster);
 void sl_visible_free(sl_visible *visible);
-/* Sorts the visible clusters by distance into `order` (order.c). */
+/* Sorts the visible clusters by distance into `order`. */
 void sl_visible_sort(sl_visible *visible);
 
 /* A worker's buffers, all of them, from an earlier pass or new; what is in them is left over. NULL: no

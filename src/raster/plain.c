@@ -81,12 +81,14 @@ static void find_code(const sl_pass_view *view, corner *c) {
 /* Snapping. Corners come to lie on a grid of 256 x 256 points a pixel; u and v are whole numbers, and from
  * here on the question which pixels are inside is one of integers, answered without any rounding.
  *
- *      +-----------+-----------+      x  a pixel's centre, where it is sampled. Pixel (i, j) has it at (u, v)
- * = |           |           |         (256 i, 256 j), half a pixel from the corner that window_x, window_y
- * count from |     x     |     x     | |   (0,1)   |   (1,1)   |      .  some of the 256 x 256 points
- * between: a corner goes to the nearest, in the middle
- *      +-----------+-----------+         of two to the even one. Two triangles that share a corner share it
- * still. |           |           | |     x . . | . . x     | |   (0,0)   |   (1,0)   |
+ *      +-----------+-----------+      x  a pixel's centre, where it is sampled. Pixel (i, j) has it at
+ *      |           |           |         (u, v) = (256 i, 256 j), half a pixel from the corner that window_x
+ *      |     x     |     x     |         and window_y count from
+ *      |   (0,1)   |   (1,1)   |      .  some of the 256 x 256 points between: a corner goes to the nearest,
+ *      +-----------+-----------+         in the middle of two to the even one. Two triangles that share a
+ *      |           |           |         corner share it still.
+ *      |     x . . | . . x     |
+ *      |   (0,0)   |   (1,0)   |
  *      +-----------+-----------+  */
 static void to_window(const sl_pass_view *view, corner *c) {
     float oow = 1.0f / c->w;
@@ -197,11 +199,12 @@ static depth_plane opengl_depth_through(const corner c[3]) {
  * are turned by the area's).
  *
  *            2          The fill rule. A pixel's centre right on an edge, E = 0, must belong to one of the
- * two triangles
- *           /|          that share the edge, never to both or none. It belongs to the triangle that has it
- *    left  / |          as a left edge (the inside lies towards larger u) or as a lowest horizontal one (the
- * inside (owns)/  | right    lies above): of the two triangles, just one. So it is with the points of a
- * closed mesh: /   | (not)    every pixel is drawn once in every layer. 0----1 lowest (owns)  */
+ *           /|          two triangles that share the edge, never to both or none. It belongs to the triangle
+ *    left  / |          that has it as a left edge (the inside lies towards larger u) or as a lowest
+ *   (owns)/  | right    horizontal one (the inside lies above): of the two triangles, just one. So it is with
+ *        /   | (not)    the points of a closed mesh: every pixel is drawn once in every layer.
+ *       0----1
+ *      lowest (owns)  */
 static bool covers(const corner c[3], int64_t area, int64_t u, int64_t v) {
     for (int k = 0; k < 3; k++) {
         const corner *p = &c[(k + 1) % 3], *q = &c[(k + 2) % 3];

@@ -1,4 +1,4 @@
-#include "scene/bicubic_file.h"
+#include "scene/mesh_file.h"
 
 #include <stdlib.h>
 #include <string.h>

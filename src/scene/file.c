@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
+#include "base/values.h"
 
 bool sl_file_exists(const char *path) {
     struct stat about;
@@ -102,24 +103,6 @@ bool sl_file_has_extension(const char *path, const char *extension) {
     return true;
 }
 
-/* Levenshtein's distance, one row at a time; names longer than the row are compared by their beginnings. */
-static size_t edit_distance(const char *a, const char *b) {
-    enum { LONGEST = 63 };
-    size_t row[LONGEST + 1], length = strlen(b) < LONGEST ? strlen(b) : LONGEST;
-    for (size_t j = 0; j <= length; j++) row[j] = j;
-    for (size_t i = 0; a[i] && i < LONGEST; i++) {
-        size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (size_t j = 0; j < length; j++) {
-            size_t replaced = diagonal + (lower(a[i]) != lower(b[j]));
-            size_t changed = (row[j] < row[j + 1] ? row[j] : row[j + 1]) + 1;
-            diagonal = row[j + 1];
-            row[j + 1] = replaced < changed ? replaced : changed;
-        }
-    }
-    return row[length];
-}
-
 /* Whether one of the two, neither being empty, begins with the other. */
 static bool begin_alike(const char *a, const char *b) {
     size_t i = 0;
@@ -130,7 +113,7 @@ static bool begin_alike(const char *a, const char *b) {
 static bool is_nearer(const char *name, const char *than, const char *to) {
     bool alike = begin_alike(name, to);
     if (alike != begin_alike(than, to)) return alike;
-    return edit_distance(to, name) < edit_distance(to, than);
+    return sl_edit_distance(to, name) < sl_edit_distance(to, than);
 }
 
 const char *sl_nearest_name(const char *name, const char *const *names, size_t count) {

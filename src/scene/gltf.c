@@ -7,8 +7,73 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "scene/file.h"
-#include "scene/gltf_features.h"
-#include "scene/gltf_order.h"
+
+static const cJSON *member(const cJSON *item, const char *name) {
+    return cJSON_GetObjectItemCaseSensitive(item, name);
+}
+
+/* ---- materials and cameras ---- */
+
+enum { DEEPEST = 1000 /* deeper files are refused */ };
+
+/* A list of the file, what of it the scene uses, and in which order: that in which nodes lead there, and not the
+ * file's. So the importer numbers it. */
+typedef struct dictionary {
+    size_t count, used_count;
+    const cJSON **item, **used;
+    bool *seen;
+} dictionary;
+
+typedef struct walk {
+    dictionary nodes, meshes, materials, cameras;
+} walk;
+
+static bool open_dictionary(const cJSON *list, dictionary *d) {
+    d->count = cJSON_IsArray(list) ? (size_t)cJSON_GetArraySize(list) : 0;
+    d->item = sl_allocate(d->count, sizeof *d->item);
+    d->seen = sl_allocate(d->count, sizeof *d->seen);
+    d->used = sl_allocate(d->count, sizeof *d->used);
+    if (!d->item || !d->seen || !d->used) return false;
+    const cJSON *item = d->count ? list->child : NULL;
+    for (size_t i = 0; item; item = item->next) d->item[i++] = item;
+    return true;
+}
+
+static void close_dictionary(dictionary *d) {
+    sl_free(d->item);
+    sl_free(d->seen);
+    sl_free(d->used);
+}
+
+/* The item of that number, where it is come to for the first time; else NULL. */
+static const cJSON *come_to(dictionary *d, const cJSON *number) {
+    if (!cJSON_IsNumber(number) || !(number->valuedouble >= 0.0 && number->valuedouble < (double)d->count))
+        return NULL;
+    size_t index = (size_t)number->valuedouble;
+    if (d->seen[index]) return NULL;
+    d->seen[index] = true;
+    return d->used[d->used_count++] = d->item[index];
+}
+
+/* Children before a node's own mesh, as the importer reads them. */
+static void visit_node(walk *w, const cJSON *number, int depth) {
+    const cJSON *node = depth < DEEPEST ? come_to(&w->nodes, number) : NULL, *child, *primitive;
+    if (!node) return;
+    cJSON_ArrayForEach(child, member(node, "children")) visit_node(w, child, depth + 1);
+    const cJSON *mesh = come_to(&w->meshes, member(node, "mesh"));
+    cJSON_ArrayForEach(primitive, member(mesh, "primitives"))
+        come_to(&w->materials, member(primitive, "material"));
+    come_to(&w->cameras, member(node, "camera"));
+}
+
+static void visit_scene(walk *w, const cJSON *root) {
+    const cJSON *scene = member(root, "scene"), *scenes = member(root, "scenes"), *node;
+    int index = cJSON_IsNumber(scene) ? scene->valueint : 0;
+    cJSON_ArrayForEach(node, member(index >= 0 ? cJSON_GetArrayItem(scenes, index) : NULL, "nodes"))
+        visit_node(w, node, 0);
+}
+
+/* ---- the file ---- */
 
 static uint32_t little_endian(const char *at) {
     const unsigned char *b = (const unsigned char *)at;
@@ -29,10 +94,6 @@ static bool find_json(const char *data, size_t size, const char **json, size_t *
 
 static double number_or(const cJSON *item, double otherwise) {
     return cJSON_IsNumber(item) && isfinite(item->valuedouble) ? item->valuedouble : otherwise;
-}
-
-static const cJSON *member(const cJSON *item, const char *name) {
-    return cJSON_GetObjectItemCaseSensitive(item, name);
 }
 
 static void read_pair(const cJSON *list, double otherwise, double pair[2]) {
@@ -62,28 +123,35 @@ static void read_material(const cJSON *item, size_t i, sl_gltf *gltf) {
     gltf->base_transform[i] = read_transform(item);
 }
 
-static sl_status fill_lists(const sl_gltf_list *materials, const sl_gltf_list *cameras, sl_gltf *gltf,
+static sl_status fill_lists(const dictionary *materials, const dictionary *cameras, sl_gltf *gltf,
                             sl_error *error) {
-    gltf->material_count = materials->count;
-    gltf->camera_count = cameras->count;
+    gltf->material_count = materials->used_count;
+    gltf->camera_count = cameras->used_count;
     gltf->emissive_strength = sl_allocate(gltf->material_count, sizeof(double));
     gltf->unlit = sl_allocate(gltf->material_count, sizeof(bool));
     gltf->base_transform = sl_allocate(gltf->material_count, sizeof(sl_gltf_transform));
     gltf->vertical_fov = sl_allocate(gltf->camera_count, sizeof(double));
     if (!gltf->emissive_strength || !gltf->unlit || !gltf->base_transform || !gltf->vertical_fov)
         return sl_fail_memory(error, "a glTF file");
-    for (size_t i = 0; i < materials->count; i++) read_material(materials->item[i], i, gltf);
-    for (size_t i = 0; i < cameras->count; i++)
-        gltf->vertical_fov[i] = number_or(member(member(cameras->item[i], "perspective"), "yfov"), 0.0);
+    for (size_t i = 0; i < materials->used_count; i++) read_material(materials->used[i], i, gltf);
+    for (size_t i = 0; i < cameras->used_count; i++)
+        gltf->vertical_fov[i] = number_or(member(member(cameras->used[i], "perspective"), "yfov"), 0.0);
     return SL_OK;
 }
 
 static sl_status read_lists(const cJSON *root, sl_gltf *gltf, sl_error *error) {
-    sl_gltf_list materials = {0}, cameras = {0};
-    sl_status status = sl_gltf_used(root, &materials, &cameras, error);
-    if (status == SL_OK) status = fill_lists(&materials, &cameras, gltf, error);
-    sl_free(materials.item);
-    sl_free(cameras.item);
+    walk w = {0};
+    bool open = open_dictionary(member(root, "nodes"), &w.nodes) &&
+                open_dictionary(member(root, "meshes"), &w.meshes) &&
+                open_dictionary(member(root, "materials"), &w.materials) &&
+                open_dictionary(member(root, "cameras"), &w.cameras);
+    if (open) visit_scene(&w, root);
+    sl_status status =
+        open ? fill_lists(&w.materials, &w.cameras, gltf, error) : sl_fail_memory(error, "a glTF file");
+    close_dictionary(&w.nodes);
+    close_dictionary(&w.meshes);
+    close_dictionary(&w.materials);
+    close_dictionary(&w.cameras);
     return status;
 }
 

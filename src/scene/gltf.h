@@ -2,6 +2,7 @@
 #ifndef SL_SCENE_GLTF_H
 #define SL_SCENE_GLTF_H
 
+#include <cjson/cJSON.h>
 #include <stddef.h>
 
 #include "scene/model.h"
@@ -17,9 +18,8 @@ typedef struct sl_gltf_transform {
 typedef struct sl_gltf {
     size_t material_count;
     double *emissive_strength; /* KHR_materials_emissive_strength; 1 where it is not given */
-    bool *unlit;               /* KHR_materials_unlit; NULL: none is */
-    /* of the base texture, or that of the diffuse colour; NULL: none has any */
-    sl_gltf_transform *base_transform;
+    bool *unlit;               /* KHR_materials_unlit */
+    sl_gltf_transform *base_transform; /* of the base texture, or that of the diffuse colour */
     size_t camera_count;
     double *vertical_fov;      /* radians; 0: not a perspective camera */
 } sl_gltf;
@@ -28,5 +28,10 @@ typedef struct sl_gltf {
  * Warns of what is not had. */
 sl_status sl_gltf_read(const char *path, sl_model *model, sl_gltf *gltf, sl_error *error);
 void sl_gltf_release(sl_gltf *gltf);
+
+/* Features that a file asks for and that are not had (gltf_features.c): an error where it requires one, else
+ * a line for each. */
+sl_status sl_gltf_check_required(const char *path, const cJSON *root, sl_error *error);
+void sl_gltf_tell_features(const char *path, const cJSON *root, sl_model *model);
 
 #endif

@@ -1,4 +1,4 @@
-#include "scene/gltf_features.h"
+#include "scene/gltf.h"
 
 #include <stdio.h>
 #include <string.h>

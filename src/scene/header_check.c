@@ -1,4 +1,4 @@
-#include "scene/header_check.h"
+#include "scene/mesh_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -115,7 +115,8 @@ sl_status sl_header_check(const char *path, sl_error *error) {
     sl_status status = sl_file_read(path, &data, &size, error);
     if (status != SL_OK) return status;
     header h = {.path = path, .line = 1, .error = error};
-    if (sl_file_has_extension(path, ".ply") || begins_with_line(data, size, "ply")) status = check(&h, data, size);
+    if (sl_file_has_extension(path, ".ply") || begins_with_line(data, size, "ply"))
+        status = check(&h, data, size);
     sl_free(data);
     return status;
 }

@@ -5,12 +5,9 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "scene/bicubic_file.h"
 #include "scene/file.h"
 #include "scene/gltf.h"
-#include "scene/header_check.h"
 #include "scene/import_process.h"
-#include "scene/obj_file.h"
 
 typedef struct importer {
     const char *path;

@@ -17,6 +17,19 @@ struct sl_gltf;
 sl_status sl_mesh_file_add(const char *path, const sl_import *file, const struct sl_gltf *gltf,
                            const sl_affine *placement, sl_model *model, sl_error *error);
 
+/* ---- the readers of formats ---- */
+
+/* OBJ, with its material libraries, OFF and bicubic surfaces are text and read here, where every mistake has
+ * its line. */
+sl_status sl_obj_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error);
+sl_status sl_off_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error);
+sl_status sl_bicubic_file_load(const char *path, const sl_affine *placement, sl_model *model,
+                               sl_error *error);
+/* A look at the header of a PLY file before it is imported: the importer trusts it, and makes up what it
+ * promises and the file has not. It must be whole, without an element twice, and the file long enough for
+ * what it announces. Files that neither are named so nor begin so pass. */
+sl_status sl_header_check(const char *path, sl_error *error);
+
 /* ---- between mesh_file.c, mesh_material.c and mesh_uv.c ---- */
 
 /* Adds the file's materials, in its order. gltf: NULL where the file is no glTF. */

@@ -293,7 +293,7 @@ sl_status sl_mesh_materials(const char *path, const sl_import *file, const struc
         source s = {path, file, from, from->name, model, error};
         sl_material material = {.name = from->name, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
         double strength = gltf && i < gltf->material_count ? gltf->emissive_strength[i] : 1.0;
-        bool unlit = gltf && gltf->unlit && i < gltf->material_count && gltf->unlit[i];
+        bool unlit = gltf && i < gltf->material_count && gltf->unlit[i];
         sl_status status =
             gltf ? gltf_material(&s, unlit, strength, &material) : classic_material(&s, &material);
         uint32_t index;

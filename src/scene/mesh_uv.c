@@ -13,8 +13,7 @@ static int whole_or(const sl_import_material *material, sl_import_field field, i
 }
 
 static const sl_gltf_transform *transform_of(const struct sl_gltf *gltf, unsigned material) {
-    return gltf && gltf->base_transform && material < gltf->material_count ? &gltf->base_transform[material]
-                                                                           : NULL;
+    return gltf && material < gltf->material_count ? &gltf->base_transform[material] : NULL;
 }
 
 /* Returns the set that the material's colour texture uses; NULL where the mesh has none. */

@@ -1,4 +1,3 @@
-#include "scene/obj_file.h"
 
 #include <math.h>
 #include <stdio.h>

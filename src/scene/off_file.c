@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "scene/lines.h"
-#include "scene/obj_file.h"
+#include "scene/mesh_file.h"
 #include "scene/polygons.h"
 
 typedef struct reader {

@@ -2,7 +2,7 @@
 #include "support.h"
 
 #include "scene/gltf.h"
-#include "scene/header_check.h"
+#include "scene/mesh_file.h"
 
 static sl_status check_with(unsigned kind, const char *path, sl_error *error) {
     sl_model model = {0};

@@ -1,9 +1,11 @@
 /* Blocks of pixels: their runs, their corners, their weights. */
 #include "raster/resolve/resolve.h"
 
+#include <string.h>
+
 /* Neighbouring pixels may show triangles that lie far apart in memory. Asked for all together, before the
- * first is needed, they come in the time of a few. */
-/* pixels, where triangles are so small that a block's runs are all in use: as many as the next may take */
+ * first is needed, they come in the time of a few. So many pixels, where triangles are so small that a block's
+ * runs are all in use: as many as the next may take. */
 enum { AHEAD = 128 };
 
 static void find_vertices(const sl_raster *raster, size_t count, sl_resolve_block *block) {
@@ -60,4 +62,16 @@ uint64_t sl_resolve_shaded(const sl_resolve_block *block) {
         if (sl_run_triangle(block, r) != SL_NO_INDEX) shaded += block->start[r + 1] - block->start[r];
     }
     return shaded;
+}
+
+void sl_raster_barycentrics(const sl_raster *raster, const sl_view *view, size_t count, const uint32_t *pixel,
+                            const uint32_t *id, float *w1, float *w2) {
+    sl_pass_view pass = sl_pass_view_make(view, view->width, view->height);
+    sl_resolve_block block;
+    memset(&block, 0, sizeof block);
+    for (size_t at = 0; at < count; at += block.count) {
+        sl_resolve_next(raster, &pass, count - at, 0, pixel + at, id + at, &block);
+        memcpy(w1 + at, block.w1, block.count * sizeof *w1);
+        memcpy(w2 + at, block.w2, block.count * sizeof *w2);
+    }
 }

@@ -9,8 +9,7 @@
  * neighbour's plane), and its depth becomes n - 1 (half a texel down the neighbour). */
 #include "base/error.h"
 #include "base/memory.h"
-#include "raster/textures/lookup_kernels.h"
-#include "raster/textures/mip_chain.h"
+#include "raster/textures/textures.h"
 
 sl_status sl_cube_map_create(int size, bool mip, sl_cube_map **cube, sl_error *error) {
     *cube = NULL;

@@ -1,7 +1,7 @@
 /* Texture lookups one by one: the plain form, which says what a lookup is; and many at once, in blocks
  * through the kernels of the instruction set that was found when the texture was made (texture_kernels.c), to
  * the same bits. */
-#include "raster/textures/lookup_kernels.h"
+#include "raster/textures/textures.h"
 #include "raster/textures/texel_place.h"
 
 SL_KERNEL_TABLE(sl_texture_kernels, sl_texture_kernels)

@@ -10,7 +10,7 @@
  * and over all i every fine texel has been used m/n altogether: none is lost, none counts twice, and the mean
  * stays. (Dropping the last row of an odd picture, as is often done, shifts it and changes its mean.) Sums
  * are in double and rounded once. */
-#include "raster/textures/mip_chain.h"
+#include "raster/textures/textures.h"
 
 #include "base/parallel.h"
 

@@ -1,8 +1,7 @@
-/* 2D textures: memory and MIP chain. */
+/* 2D textures: memory and MIP chain; 3D textures of bytes. */
 #include "base/error.h"
 #include "base/memory.h"
-#include "raster/textures/lookup_kernels.h"
-#include "raster/textures/mip_chain.h"
+#include "raster/textures/textures.h"
 
 sl_status sl_texture_image_create(int width, int height, bool mip, sl_texture_image **image,
                                   sl_error *error) {
@@ -43,4 +42,42 @@ void sl_texture_image_build(sl_texture_image *image, unsigned threads) {
                      (size_t)image->width[l], image->texels + 4 * (size_t)image->first[l + 1],
                      (size_t)image->width[l + 1], threads);
     }
+}
+
+/* ---- 3D textures ---- */
+
+sl_status sl_volume_create(int width, int height, int depth, sl_volume **volume, sl_error *error) {
+    *volume = NULL;
+    bool fits = width >= 1 && height >= 1 && depth >= 1 && width <= SL_TEXTURE_SIZE_MAX &&
+                height <= SL_TEXTURE_SIZE_MAX && depth <= SL_TEXTURE_SIZE_MAX &&
+                (int64_t)width * height * depth <= INT32_MAX;
+    if (!fits) {
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "a 3D texture of %d x %d x %d texels: from 1 to %d each way, less than 2^31", width,
+                       height, depth, (int)SL_TEXTURE_SIZE_MAX);
+    }
+    sl_volume *v = sl_allocate(1, sizeof *v);
+    if (v)
+        *v =
+            (sl_volume){width, height, depth, sl_allocate((size_t)width * (size_t)height * (size_t)depth, 4)};
+    if (!v || !v->bytes) {
+        sl_volume_destroy(v);
+        return sl_fail_memory(error, "a 3D texture");
+    }
+    *volume = v;
+    return SL_OK;
+}
+
+void sl_volume_destroy(sl_volume *volume) {
+    if (!volume) return;
+    sl_free(volume->bytes);
+    sl_free(volume);
+}
+
+static size_t clamp_index(int i, int n) { return (size_t)(i < 0 ? 0 : i < n ? i : n - 1); }
+
+uint32_t sl_volume_fetch(const sl_volume *volume, int x, int y, int z) {
+    size_t row = clamp_index(z, volume->depth) * (size_t)volume->height + clamp_index(y, volume->height);
+    const uint8_t *b = volume->bytes + 4 * (row * (size_t)volume->width + clamp_index(x, volume->width));
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }

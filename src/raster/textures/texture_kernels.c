@@ -8,7 +8,7 @@
  * second. Same arithmetic in the same order as lookup.c, so the same bits. */
 #include <string.h>
 
-#include "raster/textures/lookup_kernels.h"
+#include "raster/textures/textures.h"
 #include "raster/textures/texel_place.h"
 
 enum { N = SL_TEXTURE_BLOCK };

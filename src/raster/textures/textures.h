@@ -1,8 +1,9 @@
 /* The hardware's texture units: 2D textures and cube maps with MIP maps, read linearly between texels and
  * between levels; and 3D textures of bytes, read a texel at a time.
  *
- *     texels ── sl_texture_image_build() ── MIP chain ──┬── sl_texture_sample()        one lookup: the plain
- * form └── sl_texture_sample_many()   many at once: the same bits, vectorised
+ *     texels ── sl_texture_image_build() ── MIP chain ──┬── sl_texture_sample()       one lookup: the plain form
+ *                                                       └── sl_texture_sample_many()  many, vectorised: the
+ *                                                                                     same bits
  *
  * Texels are four floats (RGBA) side by side: a filter reads four texels at unrelated places, and so it reads
  * four cache lines instead of sixteen. Row 0 is at the bottom, t = 0 its lower edge; texel i of n has its
@@ -92,5 +93,25 @@ sl_status sl_volume_create(int width, int height, int depth, sl_volume **volume,
 void sl_volume_destroy(sl_volume *volume);
 /* The four bytes of a texel, red lowest, exactly as stored: x | y | z are clamped to what there is. */
 uint32_t sl_volume_fetch(const sl_volume *volume, int x, int y, int z);
+
+/* ---- between the files of this folder ---- */
+
+/* Halving a picture of RGBA texels by exact means (mip_chain.c). */
+static inline int sl_half_size(int n) { return n > 1 ? n / 2 : 1; }
+/* Levels of a size: 1 + floor(log2(n)). */
+int sl_mip_levels(int width, int height);
+/* Rows start `stride` texels apart. */
+void sl_mip_halve(const float *from, int width, int height, size_t from_stride, float *to, size_t to_stride,
+                  unsigned threads);
+
+/* The vectorised lookups (texture_kernels.c), in blocks of up to SL_TEXTURE_BLOCK. */
+struct sl_texture_kernels {
+    void (*texture)(const sl_texture_image *image, size_t count, const float *s, const float *t,
+                    const float *lod, float *const plane[4]);
+    void (*cube)(const sl_cube_map *cube, size_t count, const float *x, const float *y, const float *z,
+                 const float *lod, float *const plane[4]);
+};
+
+const sl_texture_kernels *sl_texture_kernels_best(void);
 
 #endif

@@ -2,12 +2,13 @@
  * point's horizon. Rendering the scene into it samples the light's visibility with every pixel ("sub-frustum"
  * of multi-mesh caching with hardware sampling).
  *
- *                    ___ light ___                         two ways to look at it:
- *            right  /            /                          look-at   along the middle of the light's
- * directions; \  /____________/                                     any light, any position \      |      /
- * left                      window    square to a planar light's plane, the picture's \     |     / axes
- * fixed to the light: every pixel is the same \    |z   /                                        piece of the
- * light, seen from wherever horizon ------ point ------
+ *                  ___ light ___           two ways to look at it:
+ *          right  /            /            look-at  along the middle of the light's directions; any light,
+ *             \  /____________/                      any position
+ *              \      |      /  left        window   square to a planar light's plane, the picture's axes
+ *               \     |     /                        fixed to the light: every pixel is the same piece of
+ *                \    |z   /                         the light, seen from wherever
+ *    horizon ------ point ------
  *
  * The pyramid is conservative: every point of the light that is above the horizon and turned to the point
  * lies inside all planes, also after the float roundings of the transform. */
