@@ -95,8 +95,6 @@ static uint32_t list_bits(uint32_t bits, uint32_t first, uint8_t *restrict list,
 }
 
 void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const sl_pass_view *view,
-                                   const sl_tile *tile, const sl_vertex_buffer *b, sl_classes *classes);
-void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const sl_pass_view *view,
                                    const sl_tile *tile, const sl_vertex_buffer *b, sl_classes *classes) {
     const uint32_t first = r->first_triangle[cluster], count = r->triangles[cluster];
     const bool special =
@@ -182,8 +180,6 @@ static int32_t within_tile(const sl_tile *tile, int32_t x, int32_t y, int32_t co
     return covered;
 }
 
-void SL_KERNEL(sl_raster_cover_tiny)(const sl_raster *r, uint32_t cluster, const sl_tile *tile,
-                                     const sl_vertex_buffer *b, const sl_classes *classes, sl_tiny *tiny);
 void SL_KERNEL(sl_raster_cover_tiny)(const sl_raster *r, uint32_t cluster, const sl_tile *tile,
                                      const sl_vertex_buffer *b, const sl_classes *classes, sl_tiny *tiny) {
     uint32_t first = r->first_triangle[cluster], found = 0;

@@ -400,9 +400,6 @@ INLINE uint32_t clip_part(const sl_pass_view *view, const fetched *f, uint32_t c
 
 uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view,
                                    const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count,
-                                   sl_batch *batch);
-uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view,
-                                   const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count,
                                    sl_batch *batch) {
     /* four lanes, without fused operations, gain nothing over clip.c */
     if (SL_PART == 4) return (1u << count) - 1u;

@@ -182,7 +182,6 @@ static void append_group(const footprint *restrict f, const int32_t *restrict in
     visible->count = count;
 }
 
-void SL_KERNEL(sl_raster_cull)(const sl_raster *r, const sl_pass_view *view, sl_visible *visible);
 void SL_KERNEL(sl_raster_cull)(const sl_raster *r, const sl_pass_view *view, sl_visible *visible) {
     visible->count = 0;
     for (size_t first = 0; first < r->cluster_count; first += SL_LANES) {

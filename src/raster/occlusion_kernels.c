@@ -38,8 +38,6 @@ static inline bool shows(const sl_tile *tile, const sl_rectangle *r, float bound
 }
 
 bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels,
-                                   float nearest);
-bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels,
                                    float nearest) {
     sl_rectangle r = {pixels.x0 - tile->left, pixels.y0 - tile->low, pixels.x1 - tile->left,
                       pixels.y1 - tile->low};

@@ -250,8 +250,6 @@ static inline void draw_all(const sl_pass_view *view, const sl_tile *tile, const
 }
 
 void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
-                                    uint32_t first);
-void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
                                     uint32_t first) {
     switch (view->rule) {
     case SL_NEARER_IS_SMALLER: draw_all(view, tile, batch, first, SL_NEARER_IS_SMALLER); break;
@@ -327,8 +325,6 @@ static inline void draw_tiny(const sl_tile *tile, const sl_batch *batch, const s
     }
 }
 
-void SL_KERNEL(sl_raster_rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
-                                         const sl_tiny *tiny);
 void SL_KERNEL(sl_raster_rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
                                          const sl_tiny *tiny) {
     switch (view->rule) {

@@ -55,7 +55,6 @@ static void find_edges(const sl_tile *tile, sl_batch *restrict batch, uint32_t f
     }
 }
 
-void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_batch *batch, uint32_t first);
 void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_batch *batch, uint32_t first) {
     find_pixels(tile, batch, first, batch->count);
     find_edges(tile, batch, first, batch->count);
@@ -136,7 +135,6 @@ static void find_opengl_planes(sl_batch *restrict batch, uint32_t end) {
     }
 }
 
-void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_batch *batch);
 void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_batch *batch) {
     if (view->rule == SL_OPENGL_PLANE) find_opengl_planes(batch, batch->count);
     else find_planes(view->rule, batch, batch->count);

@@ -3,7 +3,6 @@
 #include "raster/block.h"
 #include "raster/tile.h"
 
-void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile);
 void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile) {
     const float far = view->inverse_w ? 0.0f : 1.0f;
     const size_t pixels = (size_t)tile->blocks_x * (size_t)tile->blocks_y * SL_LANES;

@@ -115,8 +115,6 @@ static void transform_group(const sl_raster *r, size_t from, const sl_pass_view 
 }
 
 void SL_KERNEL(sl_raster_transform)(const sl_raster *r, uint32_t cluster, const sl_pass_view *view,
-                                    sl_vertex_buffer *out);
-void SL_KERNEL(sl_raster_transform)(const sl_raster *r, uint32_t cluster, const sl_pass_view *view,
                                     sl_vertex_buffer *out) {
     size_t first = r->first_vertex[cluster];
     for (size_t i = 0; i < r->vertices[cluster]; i += SL_LANES) transform_group(r, first + i, view, out, i);

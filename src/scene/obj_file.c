@@ -14,7 +14,7 @@
 /* Positions, texture coordinates, normals: the numbers that each may have, and the largest index that a face
  * names, with its line. Faces may name what comes later in the file, so it is judged at the end. */
 typedef struct kind {
-    const char *word, *name, *lengths;
+    const char *word, *name, *numbers, *index; /* the last two: what is expected */
     unsigned allowed; /* bit n: n numbers */
     unsigned long largest, largest_line;
 } kind;
@@ -41,8 +41,7 @@ static sl_status memory_if_not(const reader *r, bool added) {
 
 /* ---- numbers ------------------------------------------------------------------------------------------ */
 
-/* Coordinates may be homogeneous; a texture of one dimension has no second number, and colours are not used.
- */
+/* Adds a position, which may be homogeneous, a normal or texture coordinates; colours are not used. */
 static sl_status finish_value(reader *r, sl_corner_part part, unsigned count, float value[8]) {
     if (part == SL_CORNER_POSITION && count == 4) {
         if (value[3] == 0.0f)
@@ -60,15 +59,13 @@ static sl_status read_value(reader *r, sl_corner_part part, char *at) {
     const kind *k = &r->kinds[part];
     float value[8] = {0};
     unsigned count = 0;
-    char expected[80];
-    snprintf(expected, sizeof expected, "%s numbers for a %s", k->lengths, k->name);
     for (char *end; !sl_is_line_end(at) && count < 8; at = end, count++) {
         end = sl_read_number(at, &value[count]);
-        if (!end) return fail(r, expected, at);
+        if (!end) return fail(r, k->numbers, at);
     }
     if (k->allowed >> count & 1u) return finish_value(r, part, count, value);
     return sl_fail(r->lines.error, SL_ERROR_INPUT, "%s:%lu: expected %s, got %u", r->lines.path,
-                   r->lines.line, expected, count);
+                   r->lines.line, k->numbers, count);
 }
 
 /* ---- faces -------------------------------------------------------------------------------------------- */
@@ -86,9 +83,7 @@ static sl_status read_index(reader *r, sl_corner_part part, char **at, uint32_t 
     for (*at = digit; **at >= '0' && **at <= '9'; ++*at) {
         if (value < 1000000000000ul) value = 10 * value + (unsigned long)(**at - '0');
     }
-    char expected[80];
-    snprintf(expected, sizeof expected, "a %s index", k->name);
-    if (*at == digit) return fail(r, expected, word);
+    if (*at == digit) return fail(r, k->index, word);
     if (value == 0 || (negative && value > count))
         return sl_fail(r->lines.error, SL_ERROR_INPUT,
                        "%s:%lu: %s index %s%lu is out of range: expected 1 or more, or -1 to -%lu",
@@ -101,7 +96,7 @@ static sl_status read_index(reader *r, sl_corner_part part, char **at, uint32_t 
     return SL_OK;
 }
 
-/* v, v/vt, v//vn or v/vt/vn */
+/* Reads v, v/vt, v//vn or v/vt/vn. */
 static sl_status read_corner(reader *r, char **at, sl_corner *corner) {
     *corner = (sl_corner){{SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
     sl_status status = read_index(r, SL_CORNER_POSITION, at, &corner->at[0]);
@@ -147,7 +142,7 @@ static sl_status read_face(reader *r, char *at) {
     return memory_if_not(r, sl_polygons_add(&r->polygons, (sl_polygon){count, r->material, r->object}));
 }
 
-/* Lines and points are not drawn. */
+/* Reads lines and points, which are not drawn. */
 static sl_status read_undrawn(reader *r, char *at) {
     uint32_t count;
     sl_status status = read_corners(r, at, false, &count);
@@ -184,7 +179,7 @@ static void warn_of_library(reader *r, const char *name, const char *in_its_plac
     r->lacks_library |= !in_its_place;
 }
 
-/* Who gives both files another name often leaves the old one in the first. */
+/* Reads NAME.mtl for NAME.obj: who gives both files another name often leaves the old one in the first. */
 static sl_status read_library_of_same_name(reader *r, const char *missing) {
     const char *slash = strrchr(r->lines.path, '/'), *name = slash ? slash + 1 : r->lines.path;
     char same[4096];
@@ -245,7 +240,8 @@ static sl_status check_largest(const reader *r) {
     return SL_OK;
 }
 
-/* A file without libraries has names for others to give materials to. */
+/* Warns of short faces, and of names that no library has: a file without libraries has them for others to
+ * give materials to. */
 static void tell_of_the_whole(const reader *r) {
     const char *path = r->lines.path;
     if (r->short_faces == 1)
@@ -275,9 +271,11 @@ static sl_status finish(reader *r, const sl_affine *placement) {
 }
 
 sl_status sl_obj_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
-    reader r = {.kinds = {{"v", "vertex", "3, 4 or 6", 1 << 3 | 1 << 4 | 1 << 6, 0, 0},
-                          {"vt", "texture coordinate", "1, 2 or 3", 1 << 1 | 1 << 2 | 1 << 3, 0, 0},
-                          {"vn", "normal", "3", 1 << 3, 0, 0}},
+    reader r = {.kinds = {{"v", "vertex", "3, 4 or 6 numbers for a vertex", "a vertex index",
+                           1 << 3 | 1 << 4 | 1 << 6, 0, 0},
+                          {"vt", "texture coordinate", "1, 2 or 3 numbers for a texture coordinate",
+                           "a texture coordinate index", 1 << 1 | 1 << 2 | 1 << 3, 0, 0},
+                          {"vn", "normal", "3 numbers for a normal", "a normal index", 1 << 3, 0, 0}},
                 .materials = {.model = model},
                 .model = model};
     char *text, *line;

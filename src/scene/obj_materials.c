@@ -91,7 +91,7 @@ static void warn(const reader *r, const char *what, const char *of, const char *
     sl_model_warn(r->materials->model, "%s:%lu: %s%s%s", r->lines.path, r->lines.line, what, of, why);
 }
 
-/* One number stands for all three. */
+/* Reads a colour: one number stands for all three. */
 static sl_status read_colour(reader *r, const statement *s, char *at) {
     float value[3];
     int count = 0;
@@ -108,8 +108,9 @@ static sl_status read_colour(reader *r, const statement *s, char *at) {
     return SL_OK;
 }
 
-/* An exponent that is negative, as some exporters write it for what is dull, or so large that no picture
- * tells is cut to its limits. -halo says where more of an opacity is seen through; all is drawn opaque. */
+/* Reads a number. An exponent that is negative, as some exporters write it for what is dull, or so large that
+ * no picture tells is cut to its limits. -halo says where more of an opacity is seen through; all is drawn
+ * opaque. */
 static sl_status read_number(reader *r, const statement *s, char *at) {
     float value;
     if (s->to == SL_IMPORT_OPACITY && sl_word_is(at, "-halo")) at = sl_word_after(at);

@@ -15,7 +15,7 @@ typedef struct reader {
 
 static char none[] = "";
 
-/* Goes on to the next line that is not a comment, if nothing is left of the one at hand. */
+/* Goes on to the next line that is not a comment, if nothing is left of the one at hand; false at the end. */
 static bool has_more(reader *r) {
     while (r->at && sl_is_line_end(r->at)) r->at = sl_lines_next(&r->lines);
     return r->at;
@@ -51,7 +51,7 @@ static sl_status read_vertex(reader *r, uint32_t dimension) {
                : sl_fail_memory(r->lines.error, r->lines.path);
 }
 
-/* What is drawn has three corners at least. */
+/* Reads a face; what is drawn has three corners at least. */
 static sl_status read_face(reader *r) {
     static const char expected[] =
         "a face: a number of corners, and so many vertices of those that there are";

@@ -405,8 +405,6 @@ static void flip_is_the_papers_formula(void **state) {
     sl_image_destroy(b);
 }
 
-/* ---- the convolution ---- */
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_image_equals_itself_in_every_metric),

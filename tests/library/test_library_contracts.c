@@ -94,125 +94,7 @@ static void nothing_can_be_destroyed(void **state) {
     assert_true(all_zero(&counters, sizeof counters));
 }
 
-/* ---- images ---------------------------------------------------------------------------------- */
-
-static void an_image_wants_a_size_and_names(void **state) {
-    (void)state;
-    static const char *const gap[] = {"R", NULL};
-    sl_image *image = anything;
-    USAGE(sl_image_create(1, 1, 1, NULL, NULL, error));
-    USAGE(sl_image_create(0, 1, 1, NULL, &image, error));
-    assert_null(image);
-    USAGE(sl_image_create(INT_MIN, INT_MIN, INT_MIN, NULL, &image, error));
-    USAGE(sl_image_create(1, 1, 2, gap, &image, error));
-    /* for the names alone 128 GB would be taken */
-    USAGE(sl_image_create(1, 1, INT_MAX, NULL, &image, error));
-    REFUSED(SL_ERROR_RESOURCES, sl_image_create(INT_MAX, INT_MAX, INT_MAX, NULL, &image, error));
-    assert_null(image);
-}
-
-static void a_picture_is_read_from_a_file_or_not_at_all(void **state) {
-    (void)state;
-    sl_image *image = anything;
-    USAGE(sl_image_read("a.png", NULL, error));
-    USAGE(sl_image_read(NULL, &image, error));
-    assert_null(image);
-    image = anything;
-    INPUT(sl_image_read("", &image, error));
-    assert_null(image);
-    INPUT(sl_image_read("/nonexistent/a.exr", &image, error));
-    INPUT(sl_image_read("/tmp", &image, error));
-    INPUT(sl_image_read("/dev/null", &image, error));
-    INPUT(sl_image_read(box, &image, error));
-    assert_null(image);
-}
-
-static void a_picture_is_written_by_a_name_that_tells_how(void **state) {
-    (void)state;
-    static const char *const depth[] = {"Z"};
-    const sl_tone clip = {SL_TONE_CLIP, 0.0f, false}, endless = {SL_TONE_CLIP, INFINITY, false},
-                  none = {SL_TONE_CLIP, NAN, false};
-    const sl_tone unknown = {(sl_tone_curve)7, 0.0f, false};
-    sl_image *image = picture(2, 2, 3, NULL), *plain = picture(2, 2, 1, depth);
-    const char *path = scene_file_path("unwritten.png");
-    USAGE(sl_image_write(NULL, path, error));
-    USAGE(sl_image_write(image, NULL, error));
-    USAGE(sl_image_write(image, "", error));
-    USAGE(sl_image_write(image, ".exr", error));
-    USAGE(sl_image_write(image, "picture.jpg", error));
-    USAGE(sl_image_write(plain, path, error));
-    USAGE(sl_image_write(plain, scene_file_path("unwritten.pfm"), error));
-    REFUSED(SL_ERROR_OUTPUT, sl_image_write(image, "/nonexistent/a.exr", error));
-    USAGE(sl_image_write_png(NULL, path, clip, error));
-    USAGE(sl_image_write_png(image, NULL, clip, error));
-    USAGE(sl_image_write_png(plain, path, clip, error));
-    USAGE(sl_image_write_png(image, path, endless, error));
-    USAGE(sl_image_write_png(image, path, none, error));
-    USAGE(sl_image_write_png(image, path, unknown, error));
-    REFUSED(SL_ERROR_OUTPUT, sl_image_write_png(image, "", clip, error));
-    REFUSED(SL_ERROR_OUTPUT, sl_image_write_png(image, "/nonexistent/a.png", clip, error));
-    assert_int_equal(sl_image_set_metadata(image, "channels", "three", NULL), SL_OK);
-    USAGE(sl_image_write(image, scene_file_path("unwritten.exr"), error));
-    INPUT(sl_image_read(path, &(sl_image *){NULL}, error)); /* nothing has been written */
-    sl_image_destroy(image);
-    sl_image_destroy(plain);
-}
-
-static void what_cannot_be_compared_is_not(void **state) {
-    (void)state;
-    static const char *const depth[] = {"Z"};
-    sl_image *image = picture(3, 3, 3, NULL), *wide = picture(4, 3, 3, NULL),
-             *plain = picture(3, 3, 1, depth), *difference = anything;
-    sl_image *mask = picture(3, 3, 1, NULL);
-    sl_comparison result;
-    const sl_compare_options masked = {.mask = mask}, other_mask = {.mask = wide},
-                             exposed = {.exposure_stops = NAN};
-    memset(&result, 1, sizeof result);
-    USAGE(sl_image_compare(NULL, image, NULL, &result, &difference, error));
-    assert_null(difference);
-    assert_true(all_zero(&result, sizeof result));
-    USAGE(sl_image_compare(image, NULL, NULL, &result, NULL, error));
-    USAGE(sl_image_compare(image, image, NULL, NULL, NULL, error));
-    USAGE(sl_image_compare(image, image, &exposed, &result, NULL, error));
-    memset(&result, 1, sizeof result);
-    INPUT(sl_image_compare(image, wide, NULL, &result, &difference, error));
-    assert_true(all_zero(&result, sizeof result));
-    INPUT(sl_image_compare(image, image, &other_mask, &result, &difference, error));
-    INPUT(sl_image_compare(plain, image, NULL, &result, &difference, error));
-    INPUT(sl_image_compare(image, plain, NULL, &result, &difference, error));
-    INPUT(sl_image_compare(image, image, &masked, &result, &difference, error)); /* nothing under the mask */
-    for (int i = 0; i < 27; i++) image->planes[i] = i % 2 ? NAN : -1.0f;
-    INPUT(sl_image_compare(image, image, NULL, &result, &difference, error));
-    assert_true(all_zero(&result, sizeof result));
-    assert_null(difference);
-    sl_image_destroy(image);
-    sl_image_destroy(wide);
-    sl_image_destroy(plain);
-    sl_image_destroy(mask);
-}
-
 /* ---- scenes ---------------------------------------------------------------------------------- */
-
-static void a_scene_is_loaded_from_a_file_or_not_at_all(void **state) {
-    (void)state;
-    const sl_load_options options = {.allow_outside = false};
-    sl_scene *scene = anything;
-    USAGE(sl_scene_load(box, NULL, error));
-    USAGE(sl_scene_load(NULL, &scene, error));
-    assert_null(scene);
-    USAGE(sl_scene_load("", &scene, error));
-    USAGE(sl_scene_load_with(box, NULL, &scene, error));
-    USAGE(sl_scene_load_with(box, &options, NULL, error));
-    USAGE(sl_scene_load_with(NULL, &options, &scene, error));
-    scene = anything;
-    INPUT(sl_scene_load("/nonexistent/scene.json", &scene, error));
-    assert_null(scene);
-    INPUT(sl_scene_load("/nonexistent/mesh.obj", &scene, error));
-    INPUT(sl_scene_load("/tmp", &scene, error));
-    INPUT(sl_scene_load("/dev/null", &scene, error));
-    INPUT(sl_scene_load("README.md", &scene, error));
-    assert_null(scene);
-}
 
 static const char moving[] =
     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {\"eye\": [0, 0, 5], \"target\": "
@@ -397,33 +279,6 @@ static void settings_within_their_range_are_taken_whole(void **state) {
             snprintf(value, sizeof value, "%.0f", n);
             assert_rendered_by_its_methods(scene, s, value);
         }
-    }
-    sl_scene_destroy(scene);
-}
-
-static sl_status begin_picture(const sl_scene *scene, const char *name, int width, sl_error *error) {
-    sl_settings settings = least_settings(name, width, 1);
-    sl_method *method = NULL;
-    sl_progress progress;
-    sl_status status = sl_method_create(scene, &settings, &method, error);
-    if (status == SL_OK) status = sl_method_update(method, &progress, error);
-    sl_method_destroy(method);
-    return status;
-}
-
-static void pictures_are_as_large_as_the_header_says(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(box);
-    for (size_t m = 0; m < METHODS; m++) {
-        sl_error error = {SL_OK, ""};
-        char *plan = NULL;
-        const bool by_rays = strcmp(methods[m], "path") == 0 || strcmp(methods[m], "bidirectional") == 0;
-        const int most = by_rays ? 32768 : 16384;
-        if (begin_picture(scene, methods[m], most, &error) != SL_OK)
-            fail_msg("%s: %s", methods[m], error.message);
-        const sl_settings larger = least_settings(methods[m], most + 1, 1);
-        assert_int_equal(sl_method_plan(scene, &larger, &plan, &error), SL_ERROR_USAGE);
-        assert_non_null(strstr(error.message, by_rays ? "1 to 32768 pixels" : "1 to 16384 pixels"));
     }
     sl_scene_destroy(scene);
 }
@@ -746,18 +601,12 @@ static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_can_be_destroyed),
-        cmocka_unit_test(an_image_wants_a_size_and_names),
-        cmocka_unit_test(a_picture_is_read_from_a_file_or_not_at_all),
-        cmocka_unit_test(a_picture_is_written_by_a_name_that_tells_how),
-        cmocka_unit_test(what_cannot_be_compared_is_not),
-        cmocka_unit_test(a_scene_is_loaded_from_a_file_or_not_at_all),
         cmocka_unit_test(a_scene_moves_to_times_at_which_it_can_be_seen),
         cmocka_unit_test(a_camera_has_a_frame_and_a_field_of_view),
         cmocka_unit_test(every_camera_that_is_taken_gives_numbers),
         cmocka_unit_test(no_option_takes_a_value_that_is_none_or_out_of_its_range),
         cmocka_unit_test(fields_out_of_range_are_refused_by_whatever_takes_them),
         cmocka_unit_test(settings_within_their_range_are_taken_whole),
-        cmocka_unit_test(pictures_are_as_large_as_the_header_says),
         cmocka_unit_test(methods_and_light_paths_that_do_not_exist_are_refused),
         cmocka_unit_test(what_takes_settings_takes_no_null),
         cmocka_unit_test(a_method_takes_no_null),

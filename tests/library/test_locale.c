@@ -101,56 +101,10 @@ typedef struct said {
     char *plan, metadata[8192];
 } said;
 
-static void write_down(const sl_image *image, char *text, size_t room) {
-    for (size_t i = 0, used = 0; i < image->metadata_count; i++) {
-        used += (size_t)snprintf(text + used, room - used, "%s=%s\n", image->metadata[i].key,
-                                 image->metadata[i].value);
-        assert_true(used < room);
-    }
-}
-
-static said what_is_said(const char *method) {
-    sl_settings settings = least_settings(method, 8, 6);
-    settings.accuracy = 0.35;
-    sl_scene *scene;
-    sl_method *made;
-    sl_image *image;
-    sl_progress progress = {0};
-    said s = {0};
-    assert_int_equal(sl_scene_load("scenes/cornell-glossy.json", &scene, NULL), SL_OK);
-    assert_int_equal(sl_method_plan(scene, &settings, &s.plan, NULL), SL_OK);
-    assert_int_equal(sl_method_create(scene, &settings, &made, NULL), SL_OK);
-    for (int i = 0; i < 8 && !progress.done; i++)
-        assert_int_equal(sl_method_update(made, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(made, &image, NULL), SL_OK);
-    write_down(image, s.metadata, sizeof s.metadata);
-    sl_image_destroy(image);
-    sl_method_destroy(made);
-    sl_scene_destroy(scene);
-    return s;
-}
-
-static void plans_and_pictures_say_numbers_as_options_take_them(void **state) {
-    (void)state;
-    for (size_t m = 0; sl_method_name(m); m++) {
-        said with_points = what_is_said(sl_method_name(m));
-        begin_comma();
-        said with_commas = what_is_said(sl_method_name(m));
-        end_comma();
-        assert_string_equal(with_commas.plan, with_points.plan);
-        assert_string_equal(with_commas.metadata, with_points.metadata);
-        if (strcmp(sl_method_name(m), "splatting") == 0)
-            assert_non_null(strstr(with_commas.metadata, "softlux.accuracy=0.35\n"));
-        free(with_points.plan);
-        free(with_commas.plan);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(files_of_all_kinds_are_read_alike),
         cmocka_unit_test(what_is_wrong_in_a_file_is_told_with_points),
-        cmocka_unit_test(plans_and_pictures_say_numbers_as_options_take_them),
     };
     return cmocka_run_group_tests(tests, make_locale, remove_locale);
 }

@@ -151,10 +151,6 @@ static void snapping_ties_round_to_even(void **state) {
     compare_kind(on_ties, sl_random_key(3, 0), 40, 100, 64, 64);
 }
 
-/* ---- shared edges ---- */
-
-/* ---- rules spelt out ---- */
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_triangles_cover_exactly_the_pixels_of_integer_arithmetic),

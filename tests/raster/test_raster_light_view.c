@@ -175,63 +175,12 @@ static void a_window_cuts_the_light_into_the_same_pieces_from_everywhere(void **
         SL_LIGHT_TOO_WIDE);
 }
 
-/* More triangles than are looked at one by one: the box around a ball, seen from outside and from within. */
-static void a_light_of_many_triangles_is_held_by_its_box(void **state) {
-    (void)state;
-    float xyz[9 * 108];
-    ball shape = {sl_v3(1, 2, 3), 0.5f};
-    size_t count = add_box(xyz, 0, sl_v3(0.9f, 1.9f, 2.9f), sl_v3(1.1f, 2.1f, 3.1f), 3, onto_ball, &shape);
-    sl_vec3 corner[3 * 108];
-    for (size_t i = 0; i < 3 * count; i++) corner[i] = sl_v3(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);
-    corner[0].x = INFINITY; /* one is broken */
-    sl_light_shape light = {corner, count, true}, sound = {corner + 3, count - 1, true};
-    uint64_t key = sl_random_key(41, 5);
-    for (uint64_t n = 0; n < 50; n++) {
-        sl_vec3 eye =
-            sl_mad(shape.centre, random_between(key, n, 1.0f, 4.0f), random_direction(key, n + 1000));
-        sl_vec3 normal = random_direction(key, n + 2000);
-        sl_light_view view;
-        sl_light_sight sight = sl_view_light(eye, normal, &light, 64, 64, 1e-3f, &view);
-        if (sight == SL_LIGHT_IN_VIEW) check_all_seen(&view, eye, normal, &sound, key + n);
-    }
-    sl_light_view view;
-    assert_int_equal(sl_view_light(shape.centre, sl_v3(0, 0, 0), &light, 64, 64, 1e-3f, &view),
-                     SL_LIGHT_TOO_WIDE);
-}
-
-/* Rendered: an unoccluded light fills its window, and an occluder before half of it takes half of the pixels.
- */
-static void an_occluder_before_half_of_the_light_takes_half_of_the_window(void **state) {
-    (void)state;
-    lamp l;
-    set_quad(&l, sl_v3(0, 0, 2), sl_v3(1, 0, 0), sl_v3(0, -1, 0));
-    float xyz[9 * 4];
-    memcpy(xyz, l.corner, 6 * sizeof(sl_vec3));
-    const float wall[18] = {0, -5, 1, 5, -5, 1, 5, 5, 1, 0, -5, 1, 5, 5, 1, 0, 5, 1};
-    memcpy(xyz + 18, wall, sizeof wall);
-    sl_scene *scene = scene_of_triangles(xyz, 4);
-    sl_raster *raster = raster_of(scene);
-    sl_light_view view;
-    assert_int_equal(sl_view_light(sl_v3(0, 0, 0), sl_v3(0, 0, 1), &l.shape, 64, 64, 1e-3f, &view),
-                     SL_LIGHT_IN_VIEW);
-    static uint32_t id[64 * 64];
-    static float depth[64 * 64];
-    render_small(raster, &view.view, id, depth);
-    int lit = 0;
-    for (int i = 0; i < 64 * 64; i++) lit += id[i] < 2;
-    assert_int_equal(lit, 64 * 32);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_visible_point_of_a_random_light_projects_inside),
         cmocka_unit_test(lights_at_the_horizon_or_nearly_touched_stay_inside),
         cmocka_unit_test(what_cannot_shine_on_the_point_is_hidden),
         cmocka_unit_test(a_window_cuts_the_light_into_the_same_pieces_from_everywhere),
-        cmocka_unit_test(a_light_of_many_triangles_is_held_by_its_box),
-        cmocka_unit_test(an_occluder_before_half_of_the_light_takes_half_of_the_window),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -268,35 +268,6 @@ static void control_points_move_with_their_object(void **state) {
     scene_files_remove();
 }
 
-static void parts_that_contradict_their_surfaces_are_refused(void **state) {
-    (void)state;
-    enum { N = 2, V = (N + 1) * (N + 1) };
-    float xyz[3 * V], normal[3 * V], uv[2 * V];
-    uint32_t index[6 * N * N];
-    sl_bicubic b = hill();
-    b.steps = N;
-    b.triangle_count = 2 * N * N;
-    sl_bicubic_tessellate(&b, xyz, normal, uv, index);
-    sl_bicubic wrong[] = {b, b, b, b};
-    wrong[0].steps = 0;
-    wrong[1].first_vertex = 1;
-    wrong[2].first_triangle = 1;
-    wrong[3].triangle_count = 7;
-    for (int i = -1; i < 4; i++) {
-        sl_scene_parts parts = {.vertex_count = V,
-                                .positions = xyz,
-                                .normals = normal,
-                                .texture_coordinates = uv,
-                                .triangle_count = 2 * N * N,
-                                .indices = index,
-                                .bicubic_count = 1,
-                                .bicubics = i < 0 ? &b : &wrong[i]};
-        sl_scene *scene;
-        assert_int_equal(sl_scene_build(&parts, &scene, NULL), i < 0 ? SL_OK : SL_ERROR_INPUT);
-        sl_scene_destroy(scene);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_surface_passes_through_its_corners_and_lies_within_its_control_points),
@@ -307,7 +278,6 @@ int main(void) {
         cmocka_unit_test(every_mistake_is_reported_with_its_line),
         cmocka_unit_test(fronts_stay_fronts_where_a_transform_mirrors),
         cmocka_unit_test(control_points_move_with_their_object),
-        cmocka_unit_test(parts_that_contradict_their_surfaces_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

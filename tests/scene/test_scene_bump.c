@@ -112,39 +112,6 @@ static void without_texture_coordinates_nothing_is_raised(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void the_rasterizer_sees_the_same_normals_as_rays(void **state) {
-    (void)state;
-    enum { W = 40 };
-    sl_scene *scene = floor_with(hills, 0.2f);
-    const float eye[3] = {0.3f, 1.5f, 1.2f}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
-    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.9f, NULL), SL_OK);
-    sl_view view = sl_view_scene(scene, W, W);
-    sl_raster *raster;
-    sl_gbuffer *g;
-    sl_counters counters = {{0}};
-    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
-    assert_int_equal(sl_gbuffer_create(W, W, &g, NULL), SL_OK);
-    assert_int_equal(sl_raster_gbuffer(raster, &view, 1, g, &counters, NULL), SL_OK);
-    int seen = 0, tilted = 0;
-    for (size_t i = 0; i < W * W; i++) {
-        if (g->id[i] == SL_NO_INDEX) continue;
-        sl_vec3 p = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
-                n = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]);
-        /* (1,2) of corners 0 1 2, or 0 2 3 */
-        float a = g->id[i] == 0 ? 0.5f * (p.x + 1.0f) + 0.5f * (p.z - 1.0f) : 0.5f * (p.x + 1.0f);
-        float b = g->id[i] == 0 ? 0.5f * (1.0f - p.z) : 0.5f * (1.0f - p.z) - 0.5f * (p.x + 1.0f);
-        sl_surface s;
-        sl_scene_surface(scene, g->id[i], a, b, sl_sub(sl_v3(eye[0], eye[1], eye[2]), p), &s);
-        assert_true(sl_length(sl_sub(s.normal, n)) < 1e-3f);
-        tilted += n.y < 0.99f;
-        seen++;
-    }
-    assert_true(seen > 300 && tilted > seen / 2);
-    sl_gbuffer_destroy(g);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 /* Bricks lit by way of a ceiling: the lobes of the voxels see each brick's own normal. */
 static void the_octrees_lobes_light_bumps_as_paths_do(void **state) {
     (void)state;
@@ -177,7 +144,6 @@ int main(void) {
         cmocka_unit_test(a_ramp_tilts_the_normal_by_its_slope_seen_from_either_side),
         cmocka_unit_test(what_is_above_the_surface_is_seen_nearer_to_the_viewer),
         cmocka_unit_test(without_texture_coordinates_nothing_is_raised),
-        cmocka_unit_test(the_rasterizer_sees_the_same_normals_as_rays),
         cmocka_unit_test(the_octrees_lobes_light_bumps_as_paths_do),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

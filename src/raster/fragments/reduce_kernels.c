@@ -3,7 +3,6 @@
 
 #include "base/isa.h"
 
-void SL_KERNEL(sl_raster_halve)(const float *in, int width, int rows, float *out);
 void SL_KERNEL(sl_raster_halve)(const float *in, int width, int rows, float *out) {
     const ptrdiff_t half = width / 2;
     for (int y = 0; y < rows / 2; y++) {

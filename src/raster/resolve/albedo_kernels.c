@@ -59,8 +59,6 @@ static inline void mix(const lookups *at, int channel, float kd, float *restrict
 }
 
 void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a,
-                                  sl_vector_planes *out);
-void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a,
                                   sl_vector_planes *out) {
     lookups at;
     memset(&at, 0, sizeof at);
