@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/morton.h"
 #include "raster/pipeline.h"
 
 SL_KERNEL_TABLE(sl_raster_kernels, sl_raster_kernels)
@@ -47,16 +48,6 @@ static box box_of(const sl_raster_mesh *m) {
     return (box){{low[0], low[1], low[2]}, squared > 0.0 ? sqrt(squared) : 1.0};
 }
 
-static uint64_t spread_bits(uint64_t x) { /* 21 bits, two zeros between each */
-    x &= 0x1fffff;
-    x = (x | x << 32) & 0x1f00000000ffffu;
-    x = (x | x << 16) & 0x1f0000ff0000ffu;
-    x = (x | x << 8) & 0x100f00f00f00f00fu;
-    x = (x | x << 4) & 0x10c30c30c30c30c3u;
-    x = (x | x << 2) & 0x1249249249249249u;
-    return x;
-}
-
 static uint64_t quantize(double value, double low, double scale) {
     double q = (value - low) * scale;
     if (!(q > 0.0)) return 0; /* also NaN */
@@ -77,7 +68,7 @@ static uint64_t triangle_code(const sl_raster_mesh *m, const box *b, uint32_t t)
     double scale = (double)(1 << MORTON_BITS) / b->diagonal, extent = 0.0;
     uint64_t code = 0;
     for (int k = 0; k < 3; k++) {
-        code |= spread_bits(quantize(0.5 * (low[k] + high[k]), b->low[k], scale)) << k;
+        code |= sl_morton_spread(quantize(0.5 * (low[k] + high[k]), b->low[k], scale)) << k;
         if (high[k] - low[k] > extent) extent = high[k] - low[k];
     }
     uint64_t class = extent > b->diagonal / 6.0 ? 0 : extent > b->diagonal / 24.0 ? 1 : 2;

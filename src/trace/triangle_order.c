@@ -1,10 +1,11 @@
-/* Along the Morton curve through the triangles' centres: the bits of the three coordinates interleaved. */
+/* Along the Morton curve through the triangles' centres. */
 #include "trace/triangle_order.h"
 
 #include <stdlib.h>
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/morton.h"
 
 enum { AXIS_BITS = 20 };
 
@@ -12,15 +13,6 @@ typedef struct place {
     uint64_t code;
     uint32_t triangle;
 } place;
-
-/* The low 20 bits of v, two zeros after each. */
-static uint64_t spread(uint64_t v) {
-    v = (v | v << 32) & 0x1f00000000ffffu;
-    v = (v | v << 16) & 0x1f0000ff0000ffu;
-    v = (v | v << 8) & 0x100f00f00f00f00fu;
-    v = (v | v << 4) & 0x10c30c30c30c30c3u;
-    return (v | v << 2) & 0x1249249249249249u;
-}
 
 /* Along one axis, from the scene's low end in units of its largest extent. */
 static uint64_t cell(float a, float b, float c, float low, double extent) {
@@ -33,9 +25,9 @@ static uint64_t morton_code(const sl_scene *s, size_t triangle, double extent) {
     sl_vec3 a = sl_scene_position(s, s->vertex[0][triangle]),
             b = sl_scene_position(s, s->vertex[1][triangle]);
     sl_vec3 c = sl_scene_position(s, s->vertex[2][triangle]);
-    return spread(cell(a.x, b.x, c.x, s->box_min.x, extent)) |
-           spread(cell(a.y, b.y, c.y, s->box_min.y, extent)) << 1 |
-           spread(cell(a.z, b.z, c.z, s->box_min.z, extent)) << 2;
+    return sl_morton_code(cell(a.x, b.x, c.x, s->box_min.x, extent),
+                          cell(a.y, b.y, c.y, s->box_min.y, extent),
+                          cell(a.z, b.z, c.z, s->box_min.z, extent));
 }
 
 static int by_code(const void *a, const void *b) {

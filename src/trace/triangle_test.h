@@ -49,15 +49,11 @@ typedef uint32_t sl_triangle_test(const sl_ray_state *state, const sl_triangle_c
 
 SL_KERNEL_VARIANTS(sl_triangle_test, sl_triangle_test);
 
-/* sl_ray_state_set() for all sixteen rays at once; with_axis is replaced. Origins and directions by axis,
- * then ray. */
+/* Sets origins, shears and dominant axes of sixteen rays, given by axis and then ray; directions are finite and
+ * not 0. The dominant component is what the others are divided by, so that a shear's entries are at most 1. */
 typedef void sl_ray_frames(sl_ray_state *state, const float origin[3][SL_PACKET],
                            const float direction[3][SL_PACKET]);
 
 SL_KERNEL_VARIANTS(sl_ray_frames, sl_ray_frames);
-
-/* Sets origin, shear and dominant axis of ray i; the direction must be finite and not 0. with_axis starts as
- * 0. */
-void sl_ray_state_set(sl_ray_state *state, unsigned i, sl_vec3 origin, sl_vec3 direction);
 
 #endif

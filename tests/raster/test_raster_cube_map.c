@@ -56,12 +56,11 @@ static void a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn(void 
     sl_vec3 eye = sl_v3(1, 1, 2);
     static uint32_t id[6][PIXELS];
     for (int face = 0; face < 6; face++) {
-        float plane[PIXELS];
-        const float *const planes[4] = {plane, plane, plane, plane};
         sl_view view = sl_view_cube_face(eye, face, SIZE, 1e-3f);
         render(raster, &view, 1, id[face], NULL);
-        for (int i = 0; i < PIXELS; i++) plane[i] = (float)id[face][i];
-        sl_cube_map_set_face(cube, face, planes);
+        for (int i = 0; i < PIXELS; i++)
+            for (int c = 0; c < 4; c++)
+                sl_cube_map_texel(cube, 0, face, i % SIZE, i / SIZE)[c] = (float)id[face][i];
     }
     sl_cube_map_build(cube, 1);
     for (int i = 0; i < 6 * PIXELS; i += 13) {

@@ -1,5 +1,7 @@
 #include "cache/light_octree/triangle_cells.h"
 
+#include "base/morton.h"
+
 sl_cell_triangle sl_cell_triangle_of(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
     sl_vec3d ab = sl_subd(b, a), bc = sl_subd(c, b), ca = sl_subd(a, c);
     return (sl_cell_triangle){{a, b, c}, {ab, bc, ca}, sl_crossd(ab, bc)};
@@ -102,15 +104,6 @@ void sl_triangle_in_box(const sl_cell_triangle *triangle, sl_vec3d low, sl_vec3d
 
 /* ---- Morton codes ---- */
 
-static uint64_t spread(uint64_t v) {
-    v &= 0x1fffffu;
-    v = (v | v << 32) & 0x1f00000000ffffu;
-    v = (v | v << 16) & 0x1f0000ff0000ffu;
-    v = (v | v << 8) & 0x100f00f00f00f00fu;
-    v = (v | v << 4) & 0x10c30c30c30c30c3u;
-    return (v | v << 2) & 0x1249249249249249u;
-}
-
 static uint32_t gather(uint64_t v) {
     v &= 0x1249249249249249u;
     v = (v | v >> 2) & 0x10c30c30c30c30c3u;
@@ -121,7 +114,7 @@ static uint32_t gather(uint64_t v) {
 }
 
 uint64_t sl_morton_encode(uint32_t x, uint32_t y, uint32_t z) {
-    return spread(x) | spread(y) << 1 | spread(z) << 2;
+    return sl_morton_code(x, y, z);
 }
 
 void sl_morton_decode(uint64_t morton, uint32_t cell[3]) {

@@ -50,17 +50,6 @@ float *sl_cube_map_texel(const sl_cube_map *cube, int level, int face, int x, in
     return cube->texels + 4 * ((size_t)cube->first[level] + texel);
 }
 
-void sl_cube_map_set_face(sl_cube_map *cube, int face, const float *const planes[4]) {
-    int size = cube->size;
-    for (int y = 0; y < size; y++) {
-        float *texel = sl_cube_map_texel(cube, 0, face, 0, y);
-        for (int x = 0; x < size; x++, texel += 4) {
-            size_t pixel = (size_t)y * (size_t)size + (size_t)x;
-            for (int c = 0; c < 4; c++) texel[c] = planes[c][pixel];
-        }
-    }
-}
-
 /* ---- borders ---- */
 
 typedef struct {

@@ -70,8 +70,6 @@ sl_status sl_cube_map_create(int size, bool mip, sl_cube_map **cube, sl_error *e
 void sl_cube_map_destroy(sl_cube_map *cube);
 /* A texel to be written or read; x and y from 0 to size - 1 of the level, or -1 and size for the border. */
 float *sl_cube_map_texel(const sl_cube_map *cube, int level, int face, int x, int y);
-/* The finest level's face, of planes of size x size. */
-void sl_cube_map_set_face(sl_cube_map *cube, int face, const float *const planes[4]);
 /* MIP chain and borders, when the finest level's six faces are written. */
 void sl_cube_map_build(sl_cube_map *cube, unsigned threads);
 /* One lookup by direction, which need not be unit. A NaN component counts as 0, an infinite

@@ -1,0 +1,21 @@
+/* Morton codes: the bits of three coordinates interleaved, so that what is near in space is near in order. */
+#ifndef SL_BASE_MORTON_H
+#define SL_BASE_MORTON_H
+
+#include <stdint.h>
+
+/* Spreads the low 21 bits, two zeros between each. */
+static inline uint64_t sl_morton_spread(uint64_t v) {
+    v &= 0x1fffffu;
+    v = (v | v << 32) & 0x1f00000000ffffu;
+    v = (v | v << 16) & 0x1f0000ff0000ffu;
+    v = (v | v << 8) & 0x100f00f00f00f00fu;
+    v = (v | v << 4) & 0x10c30c30c30c30c3u;
+    return (v | v << 2) & 0x1249249249249249u;
+}
+
+static inline uint64_t sl_morton_code(uint64_t x, uint64_t y, uint64_t z) {
+    return sl_morton_spread(x) | sl_morton_spread(y) << 1 | sl_morton_spread(z) << 2;
+}
+
+#endif
