@@ -9,10 +9,10 @@
 /* ---- what is to be sampled ------------------------------------------------------------------- */
 
 /* Tells whether light that leaves this face can be seen, and any leaves it. */
-static bool is_wanted(const sl_scene *scene, const sl_topology *topology, uint32_t face) {
+static bool is_wanted(const sl_scene *scene, const sl_primitives *primitives, uint32_t face) {
     uint32_t triangle = face / 2;
-    if (topology->degenerate[triangle]) return false;
-    if (face % 2 == 1 && sl_solids_hide_back(topology->solids, triangle)) return false;
+    if (sl_triangle_is_degenerate(scene, triangle)) return false;
+    if (face % 2 == 1 && sl_solids_hide_back(primitives->solids, triangle)) return false;
     return sl_material_is_diffuse(&scene->materials[scene->material_index[triangle]]);
 }
 
@@ -25,17 +25,17 @@ static double longest_edge(const sl_scene *scene, uint32_t triangle) {
 }
 
 static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
-    for (uint32_t face = 0; face < c->topology->face_count; face++) {
+    for (uint32_t face = 0; face < c->face_count; face++) {
         int level = 0;
         c->level[face] = SL_COARSE_ABSENT;
         c->face[face].rows = 1;
-        if (!is_wanted(c->scene, c->topology, face)) continue;
+        if (!is_wanted(c->scene, c->primitives, face)) continue;
         double longest = longest_edge(c->scene, face / 2);
         for (; level < settings->depth && longest > (double)settings->edge; level++) longest *= 0.5;
         c->level[face] = (uint8_t)level;
         c->face[face].rows = 1 << level;
         for (int k = 0; k < 3; k++) {
-            uint8_t *along = &c->edge_level[c->topology->edge[k][face]];
+            uint8_t *along = &c->edge_level[sl_root_edge(c->primitives, face, k)];
             if (c->level[face] > *along) *along = c->level[face];
         }
     }
@@ -43,43 +43,40 @@ static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
 
 /* ---- vertices -------------------------------------------------------------------------------- */
 
-/* The k-th of n equal steps from the first to the second end of the edge opposite to a corner; on the edge,
- * steps count from its lower site. */
-static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int corner, int k, int n) {
-    const sl_topology *t = c->topology;
-    uint32_t edge = t->edge[corner][face];
-    bool forwards = t->site[(corner + 1) % 3][face] <= t->site[(corner + 2) % 3][face];
-    int steps = forwards ? k : n - k, finer = c->edge_level[edge] - c->level[face];
-    return c->edge_vertex[edge] + (uint32_t)(steps << finer) - 1;
+/* The k-th of n equal steps along an edge from the corner of its number; they count as its ring agrees on. */
+static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int edge, int k, int n) {
+    const sl_primitives *p = c->primitives;
+    uint32_t number = sl_root_edge(p, face, edge);
+    bool backwards = p->edge_kind[4 * (face / 2) + (uint32_t)edge] & SL_EDGE_BACKWARDS;
+    int steps = backwards ? n - k : k, finer = c->edge_level[number] - c->level[face];
+    return c->edge_vertex[number] + (uint32_t)(steps << finer) - 1;
 }
 
 uint32_t sl_coarse_lattice_vertex(const sl_coarse *c, uint32_t face, int i, int j) {
     int n = c->face[face].rows, h = n - i - j;
-    if (h == n) return c->site_vertex[c->topology->site[0][face]];
-    if (i == n) return c->site_vertex[c->topology->site[1][face]];
-    if (j == n) return c->site_vertex[c->topology->site[2][face]];
-    if (h == 0) return vertex_on_edge(c, face, 0, j, n);
-    if (i == 0) return vertex_on_edge(c, face, 1, h, n);
-    if (j == 0) return vertex_on_edge(c, face, 2, i, n);
+    if (h == n) return c->corner_vertex[sl_root_corner(c->primitives, face, 0)];
+    if (i == n) return c->corner_vertex[sl_root_corner(c->primitives, face, 1)];
+    if (j == n) return c->corner_vertex[sl_root_corner(c->primitives, face, 2)];
+    if (h == 0) return vertex_on_edge(c, face, 1, j, n);
+    if (i == 0) return vertex_on_edge(c, face, 2, h, n);
+    if (j == 0) return vertex_on_edge(c, face, 0, i, n);
     return c->inner_vertex[face] + (uint32_t)((j - 1) * (n - 1) - j * (j - 1) / 2 + i - 1);
 }
 
 /* Numbers in the order of first use. An edge's vertices are numbered all at once, by the first of the finest
  * faces along it: coarser ones use every second of them, every fourth, ... */
 static size_t number_vertices(sl_coarse *c) {
-    const sl_topology *t = c->topology;
     size_t count = 0;
-    for (size_t s = 0; s < t->site_count; s++) c->site_vertex[s] = SL_NO_INDEX;
-    for (size_t e = 0; e < t->edge_count; e++) c->edge_vertex[e] = SL_NO_INDEX;
-    for (uint32_t face = 0; face < t->face_count; face++) {
+    for (size_t i = 0; i < 4 * c->face_count; i++) c->corner_vertex[i] = c->edge_vertex[i] = SL_NO_INDEX;
+    for (uint32_t face = 0; face < c->face_count; face++) {
         if (c->level[face] == SL_COARSE_ABSENT) continue;
         size_t n = (size_t)1 << c->level[face];
         for (int k = 0; k < 3; k++) {
-            uint32_t *vertex = &c->site_vertex[t->site[k][face]];
+            uint32_t *vertex = &c->corner_vertex[sl_root_corner(c->primitives, face, k)];
             if (*vertex == SL_NO_INDEX) *vertex = (uint32_t)count++;
         }
         for (int k = 0; k < 3; k++) {
-            uint32_t edge = t->edge[k][face], *vertex = &c->edge_vertex[edge];
+            uint32_t edge = sl_root_edge(c->primitives, face, k), *vertex = &c->edge_vertex[edge];
             if (c->level[face] < c->edge_level[edge] || *vertex != SL_NO_INDEX) continue;
             *vertex = (uint32_t)count;
             count += n - 1;
@@ -99,7 +96,10 @@ static void move_within(int rows, sl_coarse_vertex *v) {
     int weight[3] = {SL_MESH_DYADIC - v->p - v->q, v->p, v->q}, step = SL_MESH_DYADIC / (6 * rows),
         zeros = 0, sum = 0;
     for (int k = 0; k < 3; k++) zeros += weight[k] == 0;
-    for (int k = 0; k < 3; k++) sum += weight[k] = weight[k] == 0 ? step : weight[k] - zeros * step / (3 - zeros);
+    for (int k = 0; k < 3; k++) {
+        weight[k] = weight[k] == 0 ? step : weight[k] - zeros * step / (3 - zeros);
+        sum += weight[k];
+    }
     int most = weight[1] > weight[0] ? 1 : 0;
     if (weight[2] > weight[most]) most = 2;
     weight[most] += SL_MESH_DYADIC - sum; /* halves of odd steps */
@@ -121,7 +121,7 @@ static void place_vertex(sl_coarse *c, uint32_t face, int i, int j) {
 
 static void place_vertices(sl_coarse *c) {
     for (size_t v = 0; v < c->vertex_count; v++) c->vertex[v].face = SL_NO_INDEX;
-    for (uint32_t face = 0; face < c->topology->face_count; face++) {
+    for (uint32_t face = 0; face < c->face_count; face++) {
         int n = c->face[face].rows;
         for (int j = 0; c->level[face] != SL_COARSE_ABSENT && j <= n; j++)
             for (int i = 0; i <= n - j; i++) place_vertex(c, face, i, j);
@@ -133,7 +133,7 @@ static void place_vertices(sl_coarse *c) {
 /* After those that stand for absent faces and for nothing. */
 static size_t number_triangles(sl_coarse *c) {
     size_t count = SL_COARSE_FIRST;
-    for (uint32_t face = 0; face < c->topology->face_count; face++) {
+    for (uint32_t face = 0; face < c->face_count; face++) {
         bool absent = c->level[face] == SL_COARSE_ABSENT;
         c->face[face].first = absent ? SL_COARSE_BLACK : (int32_t)count;
         if (!absent) count += (size_t)1 << 2 * c->level[face];
@@ -141,7 +141,7 @@ static size_t number_triangles(sl_coarse *c) {
         if (count > (size_t)INT32_MAX / SL_COARSE_FLOATS) return SIZE_MAX;
     }
     for (size_t side = 0; side < 2; side++)
-        c->face[c->topology->face_count + side] = (sl_coarse_face){SL_COARSE_NOTHING, 1};
+        c->face[c->face_count + side] = (sl_coarse_face){SL_COARSE_NOTHING, 1};
     return count;
 }
 
@@ -156,14 +156,14 @@ static void colour_nothing(sl_coarse *c) {
 }
 
 static bool allocate_faces(sl_coarse *c) {
-    const sl_topology *t = c->topology;
-    c->level = sl_allocate(t->face_count, sizeof *c->level);
-    c->edge_level = sl_allocate(t->edge_count, sizeof *c->edge_level);
-    c->site_vertex = sl_allocate(t->site_count, sizeof *c->site_vertex);
-    c->edge_vertex = sl_allocate(t->edge_count, sizeof *c->edge_vertex);
-    c->inner_vertex = sl_allocate(t->face_count, sizeof *c->inner_vertex);
-    c->face = sl_allocate(t->face_count + 2, sizeof *c->face);
-    return c->level && c->edge_level && c->site_vertex && c->edge_vertex && c->inner_vertex && c->face;
+    size_t faces = c->face_count;
+    c->level = sl_allocate(faces, sizeof *c->level);
+    c->edge_level = sl_allocate(4 * faces, sizeof *c->edge_level);
+    c->corner_vertex = sl_allocate(4 * faces, sizeof *c->corner_vertex);
+    c->edge_vertex = sl_allocate(4 * faces, sizeof *c->edge_vertex);
+    c->inner_vertex = sl_allocate(faces, sizeof *c->inner_vertex);
+    c->face = sl_allocate(faces + 2, sizeof *c->face);
+    return c->level && c->edge_level && c->corner_vertex && c->edge_vertex && c->inner_vertex && c->face;
 }
 
 static bool allocate_values(sl_coarse *c) {
@@ -194,13 +194,14 @@ static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error
     return SL_OK;
 }
 
-sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology,
+sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitives,
                            const sl_coarse_settings *settings, sl_coarse **coarse, sl_error *error) {
     *coarse = NULL;
     sl_coarse *c = sl_allocate(1, sizeof *c);
     if (!c) return sl_fail_memory(error, "the coarse mesh");
     c->scene = scene;
-    c->topology = topology;
+    c->primitives = primitives;
+    c->face_count = 2 * primitives->count;
     sl_status status = make(c, settings, error);
     if (status == SL_OK) *coarse = c;
     else sl_coarse_destroy(c);
@@ -209,19 +210,17 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology,
 
 void sl_coarse_destroy(sl_coarse *c) {
     if (!c) return;
-    void *blocks[] = {c->level,  c->edge_level, c->site_vertex, c->edge_vertex, c->inner_vertex, c->vertex,
+    void *blocks[] = {c->level,  c->edge_level, c->corner_vertex, c->edge_vertex, c->inner_vertex, c->vertex,
                       c->value, c->valid,      c->face,        c->reflectance, c->colour};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) sl_free(blocks[k]);
     sl_free(c);
 }
 
 size_t sl_coarse_memory_bytes(const sl_coarse *c) {
-    const sl_topology *t = c->topology;
-    size_t by_face = sizeof *c->level + sizeof *c->inner_vertex + sizeof *c->face,
-           by_edge = sizeof *c->edge_level + sizeof *c->edge_vertex;
+    size_t by_corner = sizeof *c->edge_level + sizeof *c->edge_vertex + sizeof *c->corner_vertex,
+           by_face = sizeof *c->level + sizeof *c->inner_vertex + sizeof *c->face + 4 * by_corner;
     size_t by_vertex = sizeof *c->vertex + sizeof *c->value + sizeof *c->valid;
     size_t by_triangle = sizeof *c->reflectance + SL_COARSE_FLOATS * sizeof *c->colour;
-    return sizeof *c + t->face_count * by_face + t->edge_count * by_edge +
-           t->site_count * sizeof *c->site_vertex + c->vertex_count * by_vertex +
+    return sizeof *c + c->face_count * by_face + c->vertex_count * by_vertex +
            c->triangle_count * by_triangle;
 }

@@ -1,5 +1,6 @@
 /* The coarse mesh: every face of the scene that may be seen and reflects (not a solid's inner side, not
- * degenerate), cut until its edges are short enough, with U_dd = sum E_d / pi at its vertices. Gathers see it.
+ * degenerate), cut until its edges are short enough, with U_dd = sum E_d / pi at its vertices, which gathers
+ * see.
  *
  * A face of level l is cut into n^2 coarse triangles, n = 2^l, by n - 1 lines along each of its sides:
  *
@@ -9,8 +10,8 @@
  *     |\ |\     j (2n - j) + 2i + (1 if on its head). The corners of either kind are in the order of the
  *     0-\|-\ 1  face's corners 0, 1, 2: weights within it follow from the face's.
  *
- * Vertices are shared: one for each site in use, 2^l - 1 on each edge (l the highest level of the faces along
- * it), and those inside a face.
+ * Vertices are shared: one for each corner in use, 2^l - 1 on each edge (l the highest level of the faces
+ * along it), and those inside a face.
  *
  *   coarse.c           levels and vertices
  *   coarse_colours.c   values times the bounce's reflectance
@@ -51,11 +52,12 @@ typedef struct sl_coarse_face {
 
 typedef struct sl_coarse {
     const sl_scene *scene;
-    const sl_topology *topology;
+    const sl_primitives *primitives;
+    size_t face_count;
     uint8_t *level;            /* by face, or SL_COARSE_ABSENT */
-    uint8_t *edge_level;       /* by edge */
-    uint32_t *site_vertex;     /* by site, or SL_NO_INDEX */
-    uint32_t *edge_vertex;     /* by edge: the first of those on it, counted from its lower site */
+    uint8_t *edge_level;       /* by sl_root_edge() */
+    uint32_t *corner_vertex;   /* by sl_root_corner(), or SL_NO_INDEX */
+    uint32_t *edge_vertex;     /* by edge: the first of those on it */
     uint32_t *inner_vertex;    /* by face: the first of those inside it */
     size_t vertex_count;
     sl_coarse_vertex *vertex;
@@ -68,7 +70,7 @@ typedef struct sl_coarse {
     float *colour;             /* by coarse triangle, SL_COARSE_FLOATS each */
 } sl_coarse;
 
-sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology,
+sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitives,
                            const sl_coarse_settings *settings, sl_coarse **coarse, sl_error *error);
 void sl_coarse_destroy(sl_coarse *coarse);
 size_t sl_coarse_memory_bytes(const sl_coarse *coarse);
@@ -107,7 +109,7 @@ static inline int sl_coarse_locate(float w1, float w2, int n, float *a, float *b
  * Nothing is kept for the picture's own meshes, nor are these refined for it. */
 typedef struct sl_coarse_light_settings {
     const sl_scene *scene;     /* all of these must outlive it */
-    const sl_topology *topology;
+    const sl_primitives *primitives;
     const sl_tracer *tracer;
     const sl_sampled_lights *lights;
     const sl_light_sampling *sampling;

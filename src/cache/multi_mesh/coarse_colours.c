@@ -125,12 +125,12 @@ static void finish_some(void *context, size_t task, unsigned worker) {
     (void)worker;
     sl_coarse *c = context;
     size_t end = (task + 1) * FACES_A_TASK;
-    for (size_t face = task * FACES_A_TASK; face < end && face < c->topology->face_count; face++)
+    for (size_t face = task * FACES_A_TASK; face < end && face < c->face_count; face++)
         if (c->level[face] != SL_COARSE_ABSENT) finish_face(c, (uint32_t)face);
 }
 
 void sl_coarse_finish(sl_coarse *c, unsigned threads) {
-    size_t tasks = (c->topology->face_count + FACES_A_TASK - 1) / FACES_A_TASK;
+    size_t tasks = (c->face_count + FACES_A_TASK - 1) / FACES_A_TASK;
     sl_parallel_for(sl_thread_count(threads), tasks, finish_some, c);
     c->reflectance_known = true;
 }

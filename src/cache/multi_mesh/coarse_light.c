@@ -77,9 +77,9 @@ static sl_mesh_point point_of(const sl_coarse_light *c, const sl_coarse_vertex *
     sl_face_point x = {.face = v->face,
                        .p = (uint16_t)(v->lit_p + nudge * (third - v->lit_p)),
                        .q = (uint16_t)(v->lit_q + nudge * (third - v->lit_q))};
-    sl_mesh_point at = sl_face_point_in_world(c->settings.topology, &x);
+    sl_mesh_point at = sl_face_point_in_world(c->settings.primitives, &x);
     if (at.triangle == SL_NO_INDEX)
-        sl_step_inside(c->settings.topology, 5.0 * sl_light_sampling_step(c->settings.sampling), &at);
+        sl_step_inside(c->settings.scene, 5.0 * sl_light_sampling_step(c->settings.sampling), &at);
     return at;
 }
 
@@ -91,7 +91,7 @@ static sl_rgb light_vertex(const sl_coarse_light *c, const sl_coarse_vertex *v, 
     for (size_t i = 0; i < sizeof nudge / sizeof nudge[0]; i++) {
         sl_mesh_point at = point_of(c, v, nudge[i]);
         sl_lit_point point = sl_lit_point_of(&at);
-        if (!light_point(c, &point, w) && sl_mesh_point_in_solid(s->topology, s->tracer, &at, &w->counters))
+        if (!light_point(c, &point, w) && sl_mesh_point_in_solid(s->primitives, s->tracer, &at, &w->counters))
             continue;
         return sl_direct_diffuse(s->lights, w->share);
     }

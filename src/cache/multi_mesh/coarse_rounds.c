@@ -126,7 +126,7 @@ static void gather_for_coarse(sl_multi_mesh_state *s, size_t count) {
     sl_mesh_point points[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) {
         sl_face_point x = {.face = vertex[i].face, .p = vertex[i].lit_p, .q = vertex[i].lit_q};
-        points[i] = sl_face_point_in_world(s->topology, &x);
+        points[i] = sl_face_point_in_world(s->primitives, &x);
     }
     sl_multi_mesh_gather(s, count, points, s->coarse_indirect + s->coarse_done);
 }

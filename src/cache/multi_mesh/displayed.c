@@ -10,13 +10,13 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-sl_status sl_displayed_create(const sl_topology *topology, const sl_displayed_settings *settings,
+sl_status sl_displayed_create(const sl_primitives *primitives, const sl_displayed_settings *settings,
                               sl_displayed **displayed, sl_error *error) {
     sl_displayed *d = sl_allocate(1, sizeof *d);
     if (!d) return sl_fail_memory(error, "displayed mesh");
     d->settings = *settings;
     d->chain_entry = SL_NO_INDEX;
-    sl_status status = sl_mesh_create(topology, 3, settings->max_depth, &d->mesh, error);
+    sl_status status = sl_mesh_create(primitives, 3, settings->max_depth, &d->mesh, error);
     if (status == SL_OK) status = sl_displayed_grow(d, error);
     if (status != SL_OK) {
         sl_displayed_destroy(d);
@@ -102,7 +102,7 @@ static void see_share(void *context, size_t share, unsigned worker) {
         sl_mesh_place root = sl_mesh_root_place(d->mesh, pixels->face[e].face);
         d->first[root.node] = pixels->face[e].first;
         d->mesh->node[root.node].pixels = pixels->face[e].count;
-        sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &pixels->view, root.face);
+        sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &pixels->view, root.face);
         see_below(d, &clip, &root, false);
     }
 }

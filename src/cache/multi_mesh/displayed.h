@@ -79,7 +79,7 @@ typedef struct sl_displayed {
     bool corners_asked;
 } sl_displayed;
 
-sl_status sl_displayed_create(const sl_topology *topology, const sl_displayed_settings *settings,
+sl_status sl_displayed_create(const sl_primitives *primitives, const sl_displayed_settings *settings,
                               sl_displayed **displayed, sl_error *error);
 void sl_displayed_destroy(sl_displayed *displayed);
 size_t sl_displayed_memory_bytes(const sl_displayed *displayed);

@@ -47,31 +47,8 @@ static bool differs(const sl_displayed *d, uint32_t face, edge_point a, edge_poi
 
 /* ---- an edge and its parts ---- */
 
-static bool between(int a, int b, int x) { return a < b ? a <= x && x <= b : b <= x && x <= a; }
-
-/* Returns where along the edge of `on`, a vertex on an edge between two sites, another vertex is; -1: it is
- * elsewhere. */
-static int fraction(const sl_topology *topology, const sl_vertex_key *on, const sl_vertex_key *vertex) {
-    if (vertex->kind == SL_VERTEX_ON_EDGE && vertex->of == on->of) return vertex->p;
-    if (vertex->kind != SL_VERTEX_ON_SITE) return -1;
-    return vertex->of == topology->edge_low[on->of]    ? 0
-           : vertex->of == topology->edge_high[on->of] ? SL_MESH_DYADIC
-                                                       : -1;
-}
-
-/* Tells whether a vertex that is in the middle of some edge can lie between two points of a face's. */
-static bool may_hold(const sl_mesh *mesh, uint32_t face, edge_point a, edge_point b, uint32_t vertex) {
-    const sl_vertex_key *key = &mesh->key[vertex];
-    if (key->kind == SL_VERTEX_IN_FACE)
-        return key->of == face && between(a.p, b.p, key->p) && between(a.q, b.q, key->q);
-    int from = fraction(mesh->topology, key, &mesh->key[a.vertex]),
-        to = fraction(mesh->topology, key, &mesh->key[b.vertex]);
-    return from >= 0 && to >= 0 && between(from, to, key->p);
-}
-
 /* Tells whether any middle of the edge or of its parts differs; `only` that vertex, or SL_NO_INDEX: all. */
 static bool any_differs(const sl_displayed *d, uint32_t face, edge_point a, edge_point b, uint32_t only) {
-    if (only != SL_NO_INDEX && !may_hold(d->mesh, face, a, b, only)) return false;
     edge_point middle = middle_of(d->mesh, face, a, b);
     if (!sl_displayed_is_settled(d, middle.vertex)) return false;
     if ((only == SL_NO_INDEX || only == middle.vertex) && differs(d, face, a, b, middle)) return true;

@@ -28,7 +28,7 @@ static const float TOLERANCE = 0.25f;
 /* A sample that a round wants: a vertex of a light's mesh. */
 typedef struct wanted_sample {
     uint32_t light, vertex;
-    sl_leaf_middle leaf;       /* of whoever asked first */
+    sl_root_place leaf;       /* of whoever asked first */
 } wanted_sample;
 
 typedef struct sample_result {
@@ -57,36 +57,20 @@ typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_FAIL
 /* ---- where vertices are ---- */
 
 sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth,
-                                   sl_leaf_middle leaf) {
-    sl_face_point point = {.wanted_depth = wanted_depth, .leaf = leaf};
-    point.face = sl_mesh_lowest_face(mesh, vertex, &point.p, &point.q);
-    return point;
+                                   sl_root_place leaf) {
+    sl_root_place at = sl_mesh_vertex_place(mesh, vertex);
+    return (sl_face_point){at.root, at.u, at.v, wanted_depth, leaf};
 }
 
-sl_mesh_point sl_face_point_in_world(const sl_topology *topology, const sl_face_point *x) {
-    double w1 = (double)x->p / SL_MESH_DYADIC, w2 = (double)x->q / SL_MESH_DYADIC;
-    const double weight[3] = {1.0 - w1 - w2, w1, w2};
-    sl_vec3d position = {0.0, 0.0, 0.0}, normal = {0.0, 0.0, 0.0};
-    for (int i = 0; i < 3; i++) {
-        uint32_t site = topology->site[i][x->face];
-        position = sl_addd(position, sl_scaled(sl_to_double(topology->site_position[site]), weight[i]));
-        normal = sl_addd(normal, sl_scaled(sl_to_double(topology->site_normal[site]), weight[i]));
-    }
-    sl_vec3 geometric =
-        sl_scale(sl_scene_geometric_normal(topology->scene, x->face / 2), x->face % 2 ? -1.0f : 1.0f);
-    double length = sl_lengthd(normal);
-    bool inside = weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0;
-    sl_vec3 shading = length > 0.0 ? sl_to_float(sl_scaled(normal, 1.0 / length)) : geometric;
-    return (sl_mesh_point){.position = sl_to_float(position),
-                           .normal = shading,
-                           .geometric_normal = inside ? geometric : shading,
-                           .triangle = inside ? x->face / 2 : SL_NO_INDEX,
-                           .face = x->face};
+sl_mesh_point sl_face_point_in_world(const sl_primitives *primitives, const sl_face_point *x) {
+    sl_mesh_point point;
+    sl_mesh_point_at(primitives, (sl_root_place){x->face, x->p, x->q}, &point);
+    return point;
 }
 
 /* ---- fetch ---- */
 
-static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_leaf_middle leaf) {
+static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_root_place leaf) {
     uint8_t *state = &m->mesh[light]->state[vertex];
     if (*state != SL_VERTEX_UNKNOWN) return true;
     if (m->wanted_count == m->wanted_capacity) {
@@ -186,7 +170,7 @@ static bool is_confident(const sl_irradiance_meshes *m, uint32_t light, const sl
 static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place,
                              sl_error *error) {
     sl_mesh *mesh = m->mesh[light];
-    sl_leaf_middle leaf = sl_mesh_leaf_middle(place);
+    sl_root_place leaf = sl_mesh_leaf_middle(place);
     bool complete = true;
     for (int i = 0; i < 3; i++) {
         uint32_t corner = mesh->node[place->node].vertex[i];
@@ -214,7 +198,7 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_m
     return FETCH_READY;
 }
 
-static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_leaf_middle leaf,
+static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_root_place leaf,
                                 float *share) {
     const sl_mesh *mesh = m->mesh[light];
     if (mesh->state[vertex] == SL_VERTEX_INVALID) return FETCH_INVALID;
@@ -351,7 +335,7 @@ static sample_result sample_vertex(const sl_irradiance_meshes *m, const wanted_s
     const sl_mesh *mesh = m->mesh[light];
     sl_mesh_point at;
     sl_mesh_point_of(mesh, vertex, &at);
-    if (mesh->key[vertex].kind != SL_VERTEX_IN_FACE) sl_step_inside(m->settings.topology, m->inwards, &at);
+    if (at.triangle == SL_NO_INDEX) sl_step_inside(m->settings.scene, m->inwards, &at);
     float share = take(m, light, &at, w);
     if (share > 0.0f) return (sample_result){share, true};
     sl_lit_point point = sl_lit_point_of(&at);
@@ -456,7 +440,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     m->worker = sl_allocate(settings->threads, sizeof *m->worker);
     sl_status status = m->mesh && m->worker ? SL_OK : sl_fail_memory(error, "irradiance meshes");
     for (size_t l = 0; l < lights && status == SL_OK; l++)
-        status = sl_mesh_create(settings->topology, 1, settings->max_depth, &m->mesh[l], error);
+        status = sl_mesh_create(settings->primitives, 1, settings->max_depth, &m->mesh[l], error);
     for (unsigned t = 0; t < settings->threads && status == SL_OK; t++)
         status = sl_light_sample_scratch_create(settings->sampling, &m->worker[t].scratch, error);
     if (status != SL_OK) {

@@ -22,17 +22,17 @@ typedef struct sl_face_point {
     uint16_t p, q;
     int wanted_depth;          /* leaves above this are cut whatever their edges say */
     /* of the leaf that asks: where the vertex is asked for if it lies inside other geometry */
-    sl_leaf_middle leaf;
+    sl_root_place leaf;
 } sl_face_point;
 /* That of a mesh's vertex. */
 sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth,
-                                   sl_leaf_middle leaf);
+                                   sl_root_place leaf);
 /* Where it lies in the world. */
-sl_mesh_point sl_face_point_in_world(const sl_topology *topology, const sl_face_point *x);
+sl_mesh_point sl_face_point_in_world(const sl_primitives *primitives, const sl_face_point *x);
 
 typedef struct sl_irradiance_settings {
     const sl_scene *scene;     /* all of these must outlive the meshes */
-    const sl_topology *topology;
+    const sl_primitives *primitives;
     const sl_tracer *tracer;
     const sl_sampled_lights *lights;
     const sl_light_sampling *sampling;

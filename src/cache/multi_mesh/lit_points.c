@@ -26,11 +26,11 @@ static double share_inside(const sl_vec3d corner[3], sl_vec3d middle, sl_vec3d p
  * lies hides what is behind the wall. (So far on the way itself would not do: on a narrow strip that way runs
  * along the edge.) Where the face falls below the tangent plane (a bulge) it stays in the plane, so as not to
  * dive. */
-void sl_step_inside(const sl_topology *topology, double inwards, sl_mesh_point *at) {
+void sl_step_inside(const sl_scene *scene, double inwards, sl_mesh_point *at) {
     sl_vec3d corner[3], middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(at->position),
                         n = sl_to_double(at->normal);
     for (int i = 0; i < 3; i++) {
-        corner[i] = sl_to_double(topology->site_position[topology->site[i][at->face]]);
+        corner[i] = sl_to_double(sl_scene_position(scene, scene->vertex[i][at->face / 2]));
         middle = sl_addd(middle, sl_scaled(corner[i], 1.0 / 3.0));
     }
     sl_vec3d way = sl_scaled(sl_subd(middle, p), share_inside(corner, middle, p, inwards));
@@ -42,10 +42,10 @@ void sl_step_inside(const sl_topology *topology, double inwards, sl_mesh_point *
 
 static bool is_inside(const sl_mesh *mesh, const sl_tracer *tracer, const sl_mesh_point *at,
                       sl_counters *counters) {
-    return sl_mesh_point_in_solid(mesh->topology, tracer, at, counters);
+    return sl_mesh_point_in_solid(mesh->primitives, tracer, at, counters);
 }
 
-bool sl_leave_solid(const sl_mesh *mesh, const sl_tracer *tracer, uint32_t vertex, sl_leaf_middle leaf,
+bool sl_leave_solid(const sl_mesh *mesh, const sl_tracer *tracer, uint32_t vertex, sl_root_place leaf,
                     sl_mesh_point *at, bool *moved, sl_counters *counters) {
     *moved = false;
     if (!is_inside(mesh, tracer, at, counters)) return true;

@@ -138,7 +138,7 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
         widest = pixels->face[f].count > pixels->face[widest].count ? f : widest;
     sl_face_point middle = {
         .face = pixels->face[widest].face, .p = SL_MESH_DYADIC / 3, .q = SL_MESH_DYADIC / 3};
-    sl_mesh_point point = sl_face_point_in_world(s->topology, &middle);
+    sl_mesh_point point = sl_face_point_in_world(s->primitives, &middle);
     sl_counters nobodys = {{0}}; /* no sample of the picture's */
     sl_mesh_gather_take(s->gather, &point, s->gatherer[0].scratch, &nobodys);
     const float *planes[3];

@@ -218,7 +218,7 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
         sl_status status = sl_displayed_request(mesh, &place, vertex, &count, error);
         if (status != SL_OK) return status;
         int depth = sl_displayed_wanted_depth(mesh, &place);
-        sl_leaf_middle leaf = sl_mesh_leaf_middle(&place);
+        sl_root_place leaf = sl_mesh_leaf_middle(&place);
         for (size_t i = 0; i < count; i++)
             r->wanted[part][r->wanted_count[part]++] = (sl_wanted_vertex){vertex[i], depth, leaf};
     }

@@ -27,7 +27,7 @@
  * leaf has any more, too), their table, roots by face; of displayed meshes which pixels each node has, what
  * lies on leaves' edges, the heap, the list of what is to be drawn; of lights' the lists of samples; of the
  * coarse mesh what it has by face and by edge of the scene. Not counted: what would be there with meshes of
- * one leaf alone, as large as the scene or the picture (the topology, the pixels' order, the gathers'
+ * one leaf alone, as large as the scene or the picture (the primitives, the pixels' order, the gathers'
  * pictures). All together they take at most 150 bytes a leaf (test_multi_mesh_bytes). */
 enum { SL_MESH_IRRADIANCE = 3, SL_MESH_COARSE, SL_MESH_KINDS };
 typedef struct sl_mesh_census {

@@ -29,7 +29,7 @@ typedef struct sl_multi_mesh_state {
     /* what depends on geometry and lights */
     sl_raster *raster;
     sl_tracer *tracer;
-    sl_topology *topology, *by_exponent; /* by_exponent: of the specular mesh; NULL: the same */
+    sl_primitives *primitives;      /* triangles, each by itself */
     sl_sampled_lights *lights;
     sl_light_sampling *sampling;
     sl_irradiance_meshes *irradiance;
@@ -109,7 +109,7 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);
 typedef struct sl_wanted_vertex {
     uint32_t vertex;
     int wanted_depth;
-    sl_leaf_middle leaf;       /* of the leaf that wants it */
+    sl_root_place leaf;       /* of the leaf that wants it */
 } sl_wanted_vertex;
 /* ---- probes.c ---- */
 

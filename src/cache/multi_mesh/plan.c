@@ -52,17 +52,6 @@ void sl_multi_mesh_complete(sl_settings *settings) {
     settings->bounces = bounces_of(settings);
 }
 
-static bool several_exponents(const sl_scene *scene) {
-    float exponent = -1.0f;
-    for (size_t i = 0; i < scene->material_count; i++) {
-        const sl_material *m = &scene->materials[i];
-        if (!sl_material_is_glossy(m)) continue;
-        if (exponent >= 0.0f && m->exponent != exponent) return true;
-        exponent = m->exponent;
-    }
-    return false;
-}
-
 sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_settings *settings) {
     (void)settings;
     sl_features f = sl_scene_features(scene);
@@ -75,7 +64,6 @@ sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_setti
         .coarse = lights || f.environment,
         .emission = f.emitters || f.environment,
         .specular_seen = f.glossy_triangles > 0,
-        .several_exponents = f.glossy_triangles && several_exponents(scene),
     };
 }
 

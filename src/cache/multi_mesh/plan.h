@@ -13,7 +13,6 @@ typedef struct sl_multi_mesh_plan {
     bool coarse;             /* the coarse mesh: direct light for gathers to see */
     bool emission;           /* lamps or an environment can be in view */
     bool specular_seen;      /* k_s anywhere: the second render target */
-    bool several_exponents;  /* the specular mesh has sites of its own */
 } sl_multi_mesh_plan;
 
 /* Replaces what is 0 in the settings, or left to quality. The exposure stays 0 until the scene is known. */

@@ -37,7 +37,7 @@ void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl
 }
 
 bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf) {
-    sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+    sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
     return sl_displayed_size(d, &clip, leaf).edge > 1.0f;
 }
 
@@ -45,7 +45,7 @@ int sl_displayed_wanted_depth(const sl_displayed *d, const sl_mesh_place *leaf) 
     if (!d->pixels) return leaf->depth;
     if (sl_displayed_is_contradicted(d, leaf) || sl_displayed_below_contradicted(d, leaf))
         return leaf->depth + 1;
-    sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+    sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
     sl_screen_size size = sl_displayed_size(d, &clip, leaf);
     float area = size.area / d->settings.leaf_area, edge = size.edge / d->settings.leaf_edge;
     int depth = leaf->depth;

@@ -29,7 +29,7 @@ bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_mesh_place *le
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     if (!(d->settings.probed_area > 0.0f) || (node->flags & SL_NODE_SMALL) || !d->pixels) return false;
     if (node->pixels <= d->settings.few_pixels) return true;
-    sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+    sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
     return sl_displayed_meets_size(d, node, sl_displayed_size(d, &clip, leaf));
 }
 
@@ -52,7 +52,7 @@ void sl_displayed_probed(sl_displayed *d, const sl_mesh_place *leaf, bool contra
     if (sl_is_unprobed(d, node) && contradicted) {
         node->flags &= ~(uint32_t)(SL_NODE_SMALL | SL_NODE_EDGES);
     } else if (sl_is_unprobed(d, node)) { /* and no neighbour has opened an edge in the meantime */
-        sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+        sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
         sl_mesh_set_probed_size(node, sl_displayed_size(d, &clip, leaf).edge);
     }
     sl_displayed_close(d, leaf, counters);

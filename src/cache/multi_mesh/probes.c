@@ -39,7 +39,7 @@ static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
     uint16_t at_p = (uint16_t)fminf(fmaxf(p + 0.5f, 0.0f), whole);
     uint16_t at_q = (uint16_t)fminf(fmaxf(q + 0.5f, 0.0f), whole - (float)at_p);
     sl_face_point x = {.face = leaf->place->face, .p = at_p, .q = at_q};
-    return sl_face_point_in_world(leaf->s->topology, &x);
+    return sl_face_point_in_world(leaf->s->primitives, &x);
 }
 
 /* Returns the mesh's value from so much of one light alone. */
@@ -75,10 +75,10 @@ static bool value_at(const probed_leaf *leaf, float w1, float w2, sl_rgb *value)
 
 /* Would it be missed in the leaf, or noticed? Judged in the middle of it. */
 static bool matters(const probed_leaf *leaf, size_t light) {
-    sl_leaf_middle middle = sl_mesh_leaf_middle(leaf->place);
-    sl_mesh_point point = point_at(leaf, middle.p, middle.q);
+    sl_root_place middle = sl_mesh_leaf_middle(leaf->place);
+    sl_mesh_point point = point_at(leaf, middle.u, middle.v);
     sl_lit_point lit = sl_lit_point_of(&point);
-    float w1 = middle.p / (float)SL_MESH_DYADIC, w2 = middle.q / (float)SL_MESH_DYADIC;
+    float w1 = (float)middle.u / (float)SL_MESH_DYADIC, w2 = (float)middle.v / (float)SL_MESH_DYADIC;
     float most = (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit);
     sl_rgb value, none = sl_grey(0.0f), own;
     if (!(most > 0.0f) || !value_at(leaf, w1, w2, &value)) return false;
@@ -104,11 +104,10 @@ static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, f
     const sl_mesh *mesh = leaf->d->mesh, *irradiance = sl_irradiance_mesh(leaf->s->irradiance, light);
     bool all = true, nothing = true;
     for (int i = 0; i < 3; i++) {
-        uint16_t p, q;
-        uint32_t face = sl_mesh_lowest_face(mesh, mesh->node[leaf->place->node].vertex[i], &p, &q);
+        sl_root_place at = sl_mesh_vertex_place(mesh, mesh->node[leaf->place->node].vertex[i]);
         sl_lit_point lit = sl_lit_point_of(&leaf->corner[i]);
         float most = (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit);
-        if (!share_at(irradiance, face, p, q, &share[i])) return CORNERS_DIFFER;
+        if (!share_at(irradiance, at.root, at.u, at.v, &share[i])) return CORNERS_DIFFER;
         all = all && most > 0.0f && share[i] >= ALL * most;
         nothing = nothing && share[i] <= NOTHING * most;
     }

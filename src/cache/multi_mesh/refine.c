@@ -71,7 +71,7 @@ static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *err
         sl_mesh_set_tested_size(node, FLT_MAX);
         return SL_OK;
     }
-    sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+    sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
     sl_displayed_hand_down(d, leaf);
     for (int c = 0; c < 4; c++) {
         sl_mesh_place child = sl_mesh_child_place(d->mesh, leaf, c);
@@ -106,7 +106,7 @@ static bool undo(sl_displayed *d, const sl_mesh_place *place) {
         if (sl_displayed_test_edge(d, place, e) == SL_EDGE_SPLIT) return false;
     }
     sl_mesh_collapse(mesh, place->node);
-    sl_face_clip clip = sl_face_clip_of(mesh->topology->scene, &d->pixels->view, place->face);
+    sl_face_clip clip = sl_face_clip_of(mesh->primitives->scene, &d->pixels->view, place->face);
     sl_mesh_set_tested_size(node, sl_displayed_size(d, &clip, place).edge);
     node->flags |= SL_NODE_SMALL;
     node->priority = 0.0f;
@@ -135,7 +135,7 @@ void sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters 
 /* Edges that have just been closed: whether the leaf is to be probed. */
 static void judge_closed(sl_displayed *d, const sl_mesh_place *leaf) {
     sl_mesh_node *node = &d->mesh->node[leaf->node];
-    sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+    sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
     sl_mesh_set_minor(node, 0);
     sl_displayed_judge_probes(d, node, sl_displayed_size(d, &clip, leaf));
 }

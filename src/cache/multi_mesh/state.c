@@ -180,8 +180,8 @@ sl_status sl_multi_mesh_warn_of_lobes(const sl_multi_mesh_state *s, sl_image *im
 /* ---- memory ---- */
 
 /* IDs 4, three Gouraud planes 36, materials 28, the pixels by face 16, the picture 84. For each triangle
- * three meshes have a root (its node, its corners and edges, what they are on the screen), there is the
- * topology, and a coarse mesh. Refinement has no use for less than a thousand leaves. */
+ * three meshes have a root (its node, its corners and edges, what they are on the screen), there are the
+ * primitives, and a coarse mesh. Refinement has no use for less than a thousand leaves. */
 enum {
     A_PIXEL = 176,
     OF_GLOSS = 24,
@@ -257,8 +257,7 @@ static size_t multi_mesh_bytes(const void *state) {
     size_t bytes = sizeof *s + sl_multi_mesh_pixels(s) * (sizeof *s->id + 3 * SL_COMPONENTS * sizeof(float));
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
-    if (s->topology) bytes += sl_topology_memory_bytes(s->topology);
-    if (s->by_exponent) bytes += sl_topology_memory_bytes(s->by_exponent);
+    if (s->primitives) bytes += sl_primitives_memory_bytes(s->primitives);
     if (s->sampling) bytes += sl_light_sampling_memory_bytes(s->sampling);
     if (s->irradiance) bytes += sl_irradiance_meshes_bytes(s->irradiance);
     if (s->coarse) bytes += sl_coarse_memory_bytes(s->coarse);

@@ -66,8 +66,7 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     sl_irradiance_meshes_destroy(s->irradiance);
     sl_light_sampling_destroy(s->sampling);
     sl_sampled_lights_destroy(s->lights);
-    sl_topology_destroy(s->by_exponent);
-    sl_topology_destroy(s->topology);
+    sl_primitives_destroy(s->primitives);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     s->gatherer = NULL;
@@ -78,7 +77,7 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     s->irradiance = NULL;
     s->sampling = NULL;
     s->lights = NULL;
-    s->by_exponent = s->topology = NULL;
+    s->primitives = NULL;
     s->tracer = NULL;
     s->raster = NULL;
 }
@@ -99,7 +98,7 @@ static sl_status make_sampling(sl_multi_mesh_state *s, sl_error *error) {
 
 static sl_irradiance_settings irradiance_settings(const sl_multi_mesh_state *s) {
     return (sl_irradiance_settings){.scene = s->scene,
-                                    .topology = s->topology,
+                                    .primitives = s->primitives,
                                     .tracer = s->tracer,
                                     .lights = s->lights,
                                     .sampling = s->sampling,
@@ -133,11 +132,10 @@ static float pixel_scale(const sl_settings *settings) {
 
 static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
-    const sl_topology *topology = part == SL_DIRECT_SPECULAR && s->by_exponent ? s->by_exponent : s->topology;
     float coarser = part == SL_INDIRECT ? 2.0f : 1.0f; /* no shadow in it is as small as those of a lamp */
     float scale = pixel_scale(&s->settings), area = scale * scale * coarser * coarser * (float)m->leaf_area;
     bool small = scale < 1.0f;
-    bool probed = part != SL_INDIRECT && (m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE);
+    bool large = m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE;
     sl_displayed_settings settings = {
         .component = part,
         .leaf_area = area,
@@ -147,7 +145,7 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
         .minor_pixels = small || part == SL_DIRECT_SPECULAR ? 0
                         : part == SL_INDIRECT               ? INDIRECT_MINOR_PIXELS
                                                             : part_of(area, MINOR, MINOR_PIXELS),
-        .probed_area = probed ? FINE_AREA : 0.0f,
+        .probed_area = large && part != SL_INDIRECT ? FINE_AREA : 0.0f,
         .probed_edge = FINE_EDGE,
         .sharp = part != SL_INDIRECT,
         .minor_contrast = (part == SL_INDIRECT ? INDIRECT_MINOR_CONTRAST : MINOR_CONTRAST) /
@@ -159,7 +157,7 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
         .perception = s->perception,
         .shown = {s, shown_radiance},
         .threads = s->settings.threads};
-    return sl_displayed_create(topology, &settings, &s->part[part], error);
+    return sl_displayed_create(s->primitives, &settings, &s->part[part], error);
 }
 
 /* Makes the coarse mesh, its light not yet asked for. */
@@ -168,13 +166,13 @@ static sl_status make_coarse(sl_multi_mesh_state *s, sl_error *error) {
                                  s->settings.multi_mesh.coarse_depth};
     s->coarse_done = 0;
     s->coarse_whole = false;
-    sl_status status = sl_coarse_create(s->scene, s->topology, &coarse, &s->coarse, error);
+    sl_status status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->coarse, error);
     if (status != SL_OK || !s->plan.coarse) return status;
     s->coarse_direct = sl_allocate(s->coarse->vertex_count, sizeof *s->coarse_direct);
     if (!s->coarse_direct) return sl_fail_memory(error, "the coarse mesh");
     if (!s->plan.lights) return SL_OK;
     sl_coarse_light_settings light = {.scene = s->scene,
-                                      .topology = s->topology,
+                                      .primitives = s->primitives,
                                       .tracer = s->tracer,
                                       .lights = s->lights,
                                       .sampling = s->sampling,
@@ -207,9 +205,7 @@ sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
     if (status == SL_OK && s->plan.lights)
         status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
-    if (status == SL_OK) status = sl_topology_create(s->scene, false, &s->topology, error);
-    if (status == SL_OK && s->plan.several_exponents)
-        status = sl_topology_create(s->scene, true, &s->by_exponent, error);
+    if (status == SL_OK) status = sl_primitives_of_triangles(s->scene, &s->primitives, error);
     if (status == SL_OK && s->plan.lights) status = make_lights(s, error);
     return status == SL_OK ? make_pictures(s, error) : status;
 }

@@ -1,7 +1,7 @@
-/* Leaves beside finer ones are drawn as fans around their centres, over the vertices that hang on their edges:
- * so both sides of an edge show the same along it, and there are no T-vertices. A point's place in its leaf's
- * fan: the edge towards which it lies as seen from the centre (edge i runs from corner i to i + 1), how far
- * along that edge, and how far out from the centre, 0 to 1. */
+/* Leaves beside finer ones are drawn as fans around their centres, over the vertices that hang on their
+ * edges: so both sides of an edge show the same along it, and there are no T-vertices. A point's place in its
+ * leaf's fan is the edge towards which it lies as seen from the centre (edge i runs from corner i to i + 1),
+ * how far along that edge, and how far out from the centre, 0 to 1. */
 #ifndef SL_PATCHES_FAN_H
 #define SL_PATCHES_FAN_H
 

@@ -79,14 +79,14 @@ static double doubled_area(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
 
 /* Tells whether all children would have an area in the float coordinates that vertices have. NaN has none. */
 static bool can_be_cut(const sl_mesh *mesh, const sl_mesh_place *place) {
-    if (mesh->topology->degenerate[place->face / 2]) return false;
+    if (sl_triangle_is_degenerate(mesh->primitives->scene, place->face / 2)) return false;
     sl_vec3d corner[3], at[3];
     for (int c = 0; c < 3; c++) {
         int j = (c + 1) % 3, k = (c + 2) % 3;
         uint16_t p = sl_dyadic_middle(place->p[j], place->p[k]),
                  q = sl_dyadic_middle(place->q[j], place->q[k]);
-        corner[c] = sl_to_double(sl_mesh_position_in_face(mesh, place->face, place->p[c], place->q[c]));
-        at[c] = sl_to_double(sl_mesh_position_in_face(mesh, place->face, p, q));
+        corner[c] = sl_to_double(sl_root_position(mesh->primitives, place->face, place->p[c], place->q[c]));
+        at[c] = sl_to_double(sl_root_position(mesh->primitives, place->face, p, q));
     }
     bool good = doubled_area(at[0], at[1], at[2]) > 0.0;
     for (int c = 0; c < 3; c++)

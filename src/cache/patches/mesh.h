@@ -1,8 +1,7 @@
 /* A mesh over all faces, refined on its own (the multi-mesh paper keeps several of them over the same
- * triangles): a quadtree of triangles for each face, the sampled values at their corners. Vertices are
- * shared: a vertex is known by where it lies, on a shared corner, on an edge between two of them (at a dyadic
- * fraction, counted from the lower one), or inside a face (at dyadic barycentrics). Its position is computed
- * from that alone, so neighbours have it with the same bits.
+ * triangles): a quadtree of triangles for each face, the sampled values at their corners. A face is a side of
+ * a triangle. Vertices are shared: a vertex is known by the place that stands for all of its places in faces
+ * (primitives.h), from which its position is computed, so neighbours have it with the same bits.
  *
  * Values live in vertices: `channels` floats each (irradiance from one light: 1; colours: 3). A vertex whose
  * value is known and that lies in the middle of an edge counts for interpolation on both sides of it, be the
@@ -16,12 +15,12 @@
 #ifndef SL_PATCHES_MESH_H
 #define SL_PATCHES_MESH_H
 
-#include "cache/patches/topology.h"
 #include "cache/patches/dyadic.h"
+#include "cache/patches/primitives.h"
 
 enum {
     SL_MESH_DEPTH_MAX = 12,
-    SL_MESH_DYADIC = 1 << SL_MESH_DEPTH_MAX, /* what barycentrics of vertices are multiples of 1/ of */
+    SL_MESH_DYADIC = SL_PATCH_DYADIC, /* what barycentrics of vertices are multiples of 1/ of */
     SL_MESH_SLIVER = 2000000000
 };
 #define SL_MESH_ROOT 0x80000000u
@@ -72,18 +71,16 @@ static inline void sl_mesh_set_minor(sl_mesh_node *node, uint32_t pixels) {
     node->flags = (node->flags & 0xffffu) | pixels << SL_NODE_TESTED_SHIFT;
 }
 
-/* Where a vertex lies. On a SITE: `of` is the site; EDGE: the topology's edge, p the fraction from its lower
- * site in 1/SL_MESH_DYADIC; FACE: the face, weights of corners 1 and 2 p and q in 1/SL_MESH_DYADIC. */
-typedef enum sl_vertex_kind { SL_VERTEX_ON_SITE, SL_VERTEX_ON_EDGE, SL_VERTEX_IN_FACE } sl_vertex_kind;
+/* Where a vertex lies: the place that stands for all that share it, in 1/SL_MESH_DYADIC. */
 typedef struct sl_vertex_key {
-    uint32_t of;
-    uint32_t p : 13, q : 13, kind : 2;
+    uint32_t root;
+    uint32_t u : 15, v : 15;
     /* no part of the key: whether any edge that ends in it has a vertex in its middle */
     uint32_t halved : 1;
 } sl_vertex_key;
 
 typedef struct sl_mesh {
-    const sl_topology *topology;
+    const sl_primitives *primitives; /* triangles, each by itself */
     int channels, max_depth;
     /* hash of roots by their faces, at most three quarters full: most views show few of a scene's faces */
     uint32_t *root;
@@ -102,7 +99,7 @@ typedef struct sl_mesh {
     size_t leaf_count;         /* of all roots */
 } sl_mesh;
 
-sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_depth, sl_mesh **mesh,
+sl_status sl_mesh_create(const sl_primitives *primitives, int channels, int max_depth, sl_mesh **mesh,
                          sl_error *error);
 void sl_mesh_destroy(sl_mesh *mesh);
 size_t sl_mesh_memory_bytes(const sl_mesh *mesh);
@@ -179,30 +176,28 @@ typedef struct sl_mesh_point {
     uint32_t triangle;         /* SL_NO_INDEX where several meet */
     uint32_t face;             /* one of those that share it: the lowest */
 } sl_mesh_point;
-static inline bool sl_mesh_point_in_solid(const sl_topology *topology, const sl_tracer *tracer,
+static inline bool sl_mesh_point_in_solid(const sl_primitives *primitives, const sl_tracer *tracer,
                                           const sl_mesh_point *at, sl_counters *counters) {
-    return sl_solids_hold(topology->solids, tracer, at->position, at->geometric_normal, at->triangle, NULL,
+    return sl_solids_hold(primitives->solids, tracer, at->position, at->geometric_normal, at->triangle, NULL,
                           counters);
 }
-void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point);
-/* The lowest face that has a vertex, and the vertex's weights of that face's corners 1 and 2 in
- * 1/SL_MESH_DYADIC. */
-uint32_t sl_mesh_lowest_face(const sl_mesh *mesh, uint32_t vertex, uint16_t *p, uint16_t *q);
-/* The middle of a leaf; weights of its face's corners 1 and 2 in 1/SL_MESH_DYADIC. */
-typedef struct sl_leaf_middle {
-    uint32_t face;
-    float p, q;
-} sl_leaf_middle;
-static inline sl_leaf_middle sl_mesh_leaf_middle(const sl_mesh_place *leaf) {
-    return (sl_leaf_middle){leaf->face, (float)(leaf->p[0] + leaf->p[1] + leaf->p[2]) / 3.0f,
-                            (float)(leaf->q[0] + leaf->q[1] + leaf->q[2]) / 3.0f};
+void sl_mesh_point_at(const sl_primitives *primitives, sl_root_place place, sl_mesh_point *point);
+static inline sl_root_place sl_mesh_vertex_place(const sl_mesh *mesh, uint32_t vertex) {
+    sl_vertex_key key = mesh->key[vertex];
+    return (sl_root_place){key.root, (uint16_t)key.u, (uint16_t)key.v};
 }
-static inline sl_leaf_middle sl_mesh_face_middle(uint32_t face) {
-    return (sl_leaf_middle){face, (float)SL_MESH_DYADIC / 3.0f, (float)SL_MESH_DYADIC / 3.0f};
+void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point);
+/* The middle of a leaf. */
+static inline sl_root_place sl_mesh_leaf_middle(const sl_mesh_place *leaf) {
+    return (sl_root_place){leaf->face, (uint16_t)((leaf->p[0] + leaf->p[1] + leaf->p[2]) / 3),
+                           (uint16_t)((leaf->q[0] + leaf->q[1] + leaf->q[2]) / 3)};
+}
+static inline sl_root_place sl_mesh_face_middle(uint32_t face) {
+    return (sl_root_place){face, SL_MESH_DYADIC / 3, SL_MESH_DYADIC / 3};
 }
 /* A vertex, moved towards the middle of a leaf that has it by a share of the way (0.01, 0.05, 0.2): where it
  * is asked for when it lies inside other geometry. */
-void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, sl_leaf_middle leaf, double share,
+void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, sl_root_place middle, double share,
                           sl_mesh_point *point);
 
 /* The value at a point of a leaf (weights of its corners 1 and 2), `channels` floats. Linear between corners

@@ -2,6 +2,7 @@
  * edge touches it along a stretch or at a corner, and never reaches across. Everything is in whole numbers of
  * 1/SL_MESH_DYADIC. */
 #include "cache/patches/mesh.h"
+#include "cache/patches/primitive_parts.h"
 
 typedef struct point {
     int p, q;
@@ -63,11 +64,6 @@ static void look_in(search *s, const sl_mesh_place *place) {
     }
 }
 
-/* The point of a face at weight `first` of corner j and `second` of corner k. */
-static point on_edge(int j, int first, int k, int second) {
-    return (point){(j == 1) * first + (k == 1) * second, (j == 2) * first + (k == 2) * second};
-}
-
 static int weight(const sl_mesh_place *place, int corner, int of) {
     return of == 1   ? place->p[corner]
            : of == 2 ? place->q[corner]
@@ -81,26 +77,26 @@ static int face_edge_of(const sl_mesh_place *place, int edge) {
     return -1;
 }
 
-/* The other faces along the face's edge c, in each of which the same stretch of it has other weights. */
+static point on_edge(int edge, uint32_t t) {
+    uint32_t u, v;
+    sl_edge_point(3, edge, t, &u, &v);
+    return (point){(int)u, (int)v};
+}
+
+/* The other faces along the face's edge opposite to corner c, in each of which the same stretch of it has
+ * other weights. */
 static void look_in_other_faces(search *s, const sl_mesh_place *place, int edge, int c) {
-    const sl_topology *topology = s->mesh->topology;
-    int first = (c + 1) % 3, from = weight(place, (edge + 1) % 3, first),
-        to = weight(place, (edge + 2) % 3, first);
-    uint32_t e = topology->edge[c][place->face], site = topology->site[first][place->face];
-    /* no direction: vertices are the face's own */
-    if (site == topology->site[(c + 2) % 3][place->face]) return;
-    for (uint32_t i = topology->edge_start[e]; i < topology->edge_start[e + 1]; i++) {
-        uint32_t face = topology->edge_face[i];
-        if (face == place->face || sl_mesh_root_of(s->mesh, face) == SL_NO_INDEX) continue;
-        for (int k = 0; k < 3; k++) {
-            if (topology->edge[k][face] != e) continue;
-            int j = (k + 1) % 3, l = (k + 2) % 3, same = topology->site[j][face] == site ? j : l,
-                other = same == j ? l : j;
-            s->a = on_edge(same, from, other, SL_MESH_DYADIC - from);
-            s->b = on_edge(same, to, other, SL_MESH_DYADIC - to);
-            sl_mesh_place root = sl_mesh_root_place(s->mesh, face);
-            look_in(s, &root);
-        }
+    const sl_primitives *primitives = s->mesh->primitives;
+    uint32_t own = 4 * (place->face / 2) + (uint32_t)(c + 1) % 3;
+    uint32_t from = sl_edge_along(primitives, own, (uint32_t)weight(place, (edge + 1) % 3, (c + 2) % 3)),
+             to = sl_edge_along(primitives, own, (uint32_t)weight(place, (edge + 2) % 3, (c + 2) % 3));
+    for (uint32_t code = primitives->edge_next[own]; code != own; code = primitives->edge_next[code]) {
+        uint32_t face = 2 * (code / 4) + place->face % 2;
+        if (sl_mesh_root_of(s->mesh, face) == SL_NO_INDEX) continue;
+        s->a = on_edge((int)(code % 4), sl_edge_along(primitives, code, from));
+        s->b = on_edge((int)(code % 4), sl_edge_along(primitives, code, to));
+        sl_mesh_place root = sl_mesh_root_place(s->mesh, face);
+        look_in(s, &root);
     }
 }
 

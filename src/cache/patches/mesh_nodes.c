@@ -11,7 +11,7 @@
 
 /* ---- all of it ------------------------------------------------------------------------------- */
 
-sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_depth, sl_mesh **mesh,
+sl_status sl_mesh_create(const sl_primitives *primitives, int channels, int max_depth, sl_mesh **mesh,
                          sl_error *error) {
     *mesh = NULL;
     if (channels < 1 || channels > 3)
@@ -21,7 +21,7 @@ sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_dept
                        max_depth);
     sl_mesh *m = sl_allocate(1, sizeof *m);
     if (m == NULL) return sl_fail_memory(error, "a mesh");
-    m->topology = topology;
+    m->primitives = primitives;
     m->channels = channels;
     m->max_depth = max_depth;
     m->slot_count = m->root_slots = 16;

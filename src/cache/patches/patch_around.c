@@ -54,10 +54,6 @@ static uv_box edge_box(const sl_primitives *primitives, uint32_t code, uint32_t 
     return (uv_box){{(int)u[low_u], (int)u[1 - low_u]}, {(int)v[low_v], (int)v[1 - low_v]}};
 }
 
-static uint32_t along(const sl_primitives *primitives, uint32_t code, uint32_t t) {
-    return primitives->edge_kind[code] & SL_EDGE_BACKWARDS ? SL_PATCH_DYADIC - t : t;
-}
-
 /* Corners and edges that are one stand in rings. */
 void sl_patches_visit_around(sl_patches *p, sl_root_place place, sl_leaf_visitor *visit, void *context) {
     const sl_primitives *primitives = p->primitives;
@@ -71,9 +67,9 @@ void sl_patches_visit_around(sl_patches *p, sl_root_place place, sl_leaf_visitor
     }
     uint32_t first = 4 * primitive + (uint32_t)edge, code = first;
     bool corner = t == 0 || primitives->edge_kind[first] & SL_EDGE_POINT;
-    uint32_t common = along(primitives, first, t);
+    uint32_t common = sl_edge_along(primitives, first, t);
     do {
-        uint32_t from = corner ? 0 : along(primitives, code, common);
+        uint32_t from = corner ? 0 : sl_edge_along(primitives, code, common);
         uint32_t to = corner && primitives->edge_kind[code] & SL_EDGE_POINT ? SL_PATCH_DYADIC : from;
         uv_box box = edge_box(primitives, code, from, to);
         walk_box(&walk, 2 * (code / 4) + side, &box);

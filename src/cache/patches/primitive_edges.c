@@ -142,10 +142,6 @@ static uint8_t kind_of_edge(const sl_primitives *p, uint32_t code) {
     return direction > 0 ? SL_EDGE_BACKWARDS : 0;
 }
 
-static uint32_t along(const sl_primitives *p, uint32_t code, uint32_t t) {
-    return p->edge_kind[code] & SL_EDGE_BACKWARDS ? SL_PATCH_DYADIC - t : t;
-}
-
 static place_key edge_key(const sl_primitives *p, uint32_t code) {
     uint32_t primitive = primitive_of(code);
     int corner = part_of(code), other = (corner + 1) % sl_primitive_corners(p, primitive);
@@ -174,8 +170,8 @@ static bool edges_agree(const sl_primitives *p, uint32_t a, uint32_t b) {
     if (is_curved(p, a) && !same_curve(p, a, b)) return false;
     uint32_t step = is_curved(p, a) ? SL_PATCH_DYADIC / 8 : SL_PATCH_DYADIC / 2;
     for (uint32_t t = 0; t <= SL_PATCH_DYADIC; t += step) {
-        if (!sl_same_normal(front_normal(p, a, along(p, a, t)), front_normal(p, b, along(p, b, t))))
-            return false;
+        sl_vec3 n = front_normal(p, a, sl_edge_along(p, a, t));
+        if (!sl_same_normal(n, front_normal(p, b, sl_edge_along(p, b, t)))) return false;
     }
     return true;
 }
@@ -212,5 +208,5 @@ sl_root_place sl_root_canonical(const sl_primitives *p, sl_root_place place) {
     uint32_t code = 4 * primitive + (uint32_t)edge;
     if (t == 0 || p->edge_kind[code] & SL_EDGE_POINT) return on_edge(p, p->corner_first[code], 0, side);
     uint32_t first = p->edge_first[code];
-    return on_edge(p, first, along(p, first, along(p, code, t)), side);
+    return on_edge(p, first, sl_edge_along(p, first, sl_edge_along(p, code, t)), side);
 }

@@ -2,6 +2,7 @@
  * its bicubic patches. */
 #include "cache/patches/primitives.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "base/error.h"
@@ -107,14 +108,14 @@ static void add_bicubic(sl_primitives *p, uint32_t index) {
     p->curved++;
 }
 
-static void find_all(sl_primitives *p) {
+static void find_all(sl_primitives *p, bool triangles) {
     const sl_scene *s = p->scene;
     uint32_t bicubic = 0, count = (uint32_t)s->triangle_count;
     for (uint32_t t = 0; t < count; t += p->triangle_count[p->count - 1]) {
         uint32_t next = bicubic < s->bicubic_count ? s->bicubics[bicubic].first_triangle : count, corner[4];
-        if (t == next) {
+        if (t == next && !triangles) {
             add_bicubic(p, bicubic++);
-        } else if (t + 1 < next && find_quad(s, t, corner)) {
+        } else if (t + 1 < next && !triangles && find_quad(s, t, corner)) {
             add(p, SL_PRIMITIVE_QUAD, t, 2, corner, SL_NO_INDEX);
         } else {
             for (int c = 0; c < 3; c++) corner[c] = s->vertex[c][t];
@@ -161,36 +162,53 @@ static bool allocate_arrays(sl_primitives *p) {
     return (p->kind = sl_allocate(most, 1)) != NULL;
 }
 
-sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, sl_error *error) {
+static sl_status find(sl_primitives *p, bool triangles, sl_error *error) {
+    const sl_scene *scene = p->scene;
+    if (!allocate_arrays(p)) return sl_fail_memory(error, "primitives");
+    find_all(p, triangles);
+    if (triangles) {
+        sl_status status = sl_solids_find(scene, &p->solids, error);
+        if (status != SL_OK) return status;
+    } else if (scene->texture_count) {
+        p->mean_diffuse = sl_allocate(p->count, sizeof *p->mean_diffuse);
+        if (!p->mean_diffuse) return sl_fail_memory(error, "primitives");
+    }
+    sl_status status = sl_primitives_join(p, error);
+    for (size_t i = 0; status == SL_OK && p->mean_diffuse && i < p->count; i++) {
+        uint32_t material = scene->material_index[p->first_triangle[i]];
+        bool plain = scene->materials[material].texture == SL_NO_INDEX;
+        p->mean_diffuse[i] = plain ? scene->materials[material].diffuse : average_diffuse(p, (uint32_t)i);
+    }
+    return status;
+}
+
+static sl_status make(const sl_scene *scene, bool triangles, sl_primitives **primitives, sl_error *error) {
     *primitives = NULL;
-    if (scene->triangle_count >= SL_NO_INDEX / 4)
-        return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangles", SL_NO_INDEX / 4);
+    if (scene->triangle_count >= SL_NO_INDEX / 8)
+        return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangles", SL_NO_INDEX / 8);
     sl_primitives *made = sl_allocate(1, sizeof *made);
     if (!made) return sl_fail_memory(error, "primitives");
     made->scene = scene;
-    sl_status status = SL_OK;
-    if (!allocate_arrays(made)) {
-        status = sl_fail_memory(error, "primitives");
-    } else {
-        find_all(made);
-        if (scene->texture_count &&
-            !(made->mean_diffuse = sl_allocate(made->count, sizeof *made->mean_diffuse))) {
-            status = sl_fail_memory(error, "primitives");
-        }
-    }
-    if (status == SL_OK) status = sl_primitives_join(made, error);
-    if (status != SL_OK) {
-        sl_primitives_destroy(made);
-        return status;
-    }
-    for (size_t i = 0; made->mean_diffuse && i < made->count; i++) {
-        uint32_t material = scene->material_index[made->first_triangle[i]];
-        bool plain = scene->materials[material].texture == SL_NO_INDEX;
-        made->mean_diffuse[i] =
-            plain ? scene->materials[material].diffuse : average_diffuse(made, (uint32_t)i);
-    }
-    *primitives = made;
-    return SL_OK;
+    sl_status status = find(made, triangles, error);
+    if (status == SL_OK) *primitives = made;
+    else sl_primitives_destroy(made);
+    return status;
+}
+
+sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, sl_error *error) {
+    return make(scene, false, primitives, error);
+}
+
+sl_status sl_primitives_of_triangles(const sl_scene *scene, sl_primitives **primitives, sl_error *error) {
+    return make(scene, true, primitives, error);
+}
+
+bool sl_triangle_is_degenerate(const sl_scene *scene, uint32_t triangle) {
+    sl_vec3d p[3];
+    for (int c = 0; c < 3; c++) p[c] = sl_to_double(sl_scene_position(scene, scene->vertex[c][triangle]));
+    double least = 1e-12 * (double)scene->scale * (double)scene->scale,
+           area = 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
+    return !(area >= least && area > 0.0 && area <= DBL_MAX);
 }
 
 void sl_primitives_destroy(sl_primitives *p) {
@@ -199,6 +217,7 @@ void sl_primitives_destroy(sl_primitives *p) {
                    p->corner[2],  p->corner[3],      p->bicubic,        p->of_triangle, p->mean_diffuse,
                    p->edge_first, p->edge_next,      p->corner_first,   p->corner_next, p->edge_kind};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
+    sl_solids_destroy(p->solids);
     sl_free(p);
 }
 

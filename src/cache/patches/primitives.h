@@ -13,6 +13,7 @@
 #ifndef SL_PATCHES_PRIMITIVES_H
 #define SL_PATCHES_PRIMITIVES_H
 
+#include "cache/patches/solids.h"
 #include "scene/scene.h"
 
 enum { SL_PATCH_DEPTH_MAX = 14, SL_PATCH_DYADIC = 1 << SL_PATCH_DEPTH_MAX };
@@ -39,12 +40,15 @@ typedef struct sl_primitives {
      * are one, and the next of them in a ring. */
     uint32_t *edge_first, *edge_next, *corner_first, *corner_next;
     uint8_t *edge_kind;         /* SL_EDGE_ bits */
+    sl_solids *solids;          /* of sl_primitives_of_triangles(), else NULL */
 } sl_primitives;
 
 enum { SL_EDGE_BACKWARDS = 1, /* it runs against the way that the ring agrees on */
        SL_EDGE_POINT = 2 };   /* it is one point: a pole */
 
 sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, sl_error *error);
+/* Each triangle by itself: root r is side r % 2 of triangle r / 2, a face. */
+sl_status sl_primitives_of_triangles(const sl_scene *scene, sl_primitives **primitives, sl_error *error);
 void sl_primitives_destroy(sl_primitives *primitives);
 size_t sl_primitives_memory_bytes(const sl_primitives *primitives);
 
@@ -79,6 +83,22 @@ static inline const sl_material *sl_root_material(const sl_primitives *p, uint32
 static inline bool sl_material_has_lobe(const sl_material *material) {
     return sl_material_is_glossy(material) || sl_material_is_mirror(material);
 }
+/* Corners (and edges, each from the corner of that number to the next) of roots by numbers that those have in
+ * common which share their shading: below 8 times as many as there are primitives. */
+static inline uint32_t sl_root_corner(const sl_primitives *p, uint32_t root, int corner) {
+    return 2 * p->corner_first[4 * (root / 2) + (uint32_t)corner] + root % 2;
+}
+static inline uint32_t sl_root_edge(const sl_primitives *p, uint32_t root, int edge) {
+    return 2 * p->edge_first[4 * (root / 2) + (uint32_t)edge] + root % 2;
+}
+/* Returns the unit geometric normal of a triangle on a face's side. */
+static inline sl_vec3 sl_face_normal(const sl_scene *scene, uint32_t face) {
+    sl_vec3 n = sl_scene_geometric_normal(scene, face / 2);
+    return face & 1u ? sl_neg(n) : n;
+}
+/* Tells whether a triangle has no area to speak of (below 1e-12 of the scene's scale squared; NaN has none):
+ * it receives nothing, and hides light all the same. */
+bool sl_triangle_is_degenerate(const sl_scene *scene, uint32_t triangle);
 static inline uint32_t sl_root_object(const sl_primitives *p, uint32_t root) {
     return p->scene->object_index[p->first_triangle[root / 2]];
 }

@@ -17,7 +17,7 @@ typedef struct field {
 typedef struct rig {
     sl_scene *scene;         /* its own */
     sl_raster *raster;
-    sl_topology *topology;
+    sl_primitives *primitives;
     sl_displayed *mesh;
     sl_visible_pixels *pixels;
     field field;
@@ -58,8 +58,8 @@ static inline rig rig_of(sl_scene *scene, field f, const sl_displayed_settings *
                          int height) {
     rig r = {.scene = scene, .raster = raster_of(scene), .field = f, .width = width, .height = height};
     size_t pixels = (size_t)width * (size_t)height;
-    assert_int_equal(sl_topology_create(scene, false, &r.topology, NULL), SL_OK);
-    assert_int_equal(sl_displayed_create(r.topology, settings, &r.mesh, NULL), SL_OK);
+    assert_int_equal(sl_primitives_of_triangles(scene, &r.primitives, NULL), SL_OK);
+    assert_int_equal(sl_displayed_create(r.primitives, settings, &r.mesh, NULL), SL_OK);
     r.id = malloc(pixels * sizeof *r.id);
     assert_non_null(r.id);
     for (int c = 0; c < 3; c++) {
@@ -73,7 +73,7 @@ static inline rig rig_of(sl_scene *scene, field f, const sl_displayed_settings *
 static inline void rig_discard(rig *r) {
     sl_displayed_destroy(r->mesh);
     sl_visible_pixels_destroy(r->pixels);
-    sl_topology_destroy(r->topology);
+    sl_primitives_destroy(r->primitives);
     sl_raster_destroy(r->raster);
     sl_scene_destroy(r->scene);
     free(r->id);

@@ -19,7 +19,7 @@
 /* A scene with all that a gather needs. */
 typedef struct gathering {
     sl_scene *scene;
-    sl_topology *topology;
+    sl_primitives *primitives;
     sl_raster *raster;
     sl_coarse *coarse;
     sl_mesh_gather *gather;
@@ -37,8 +37,8 @@ static inline gathering gathering_of(sl_scene *scene, float edge, int depth,
     gathering g = {.scene = scene};
     sl_coarse_settings coarse = {edge, depth};
     assert_int_equal(sl_raster_create(scene, 1, &g.raster, NULL), SL_OK);
-    assert_int_equal(sl_topology_create(scene, false, &g.topology, NULL), SL_OK);
-    assert_int_equal(sl_coarse_create(scene, g.topology, &coarse, &g.coarse, NULL), SL_OK);
+    assert_int_equal(sl_primitives_of_triangles(scene, &g.primitives, NULL), SL_OK);
+    assert_int_equal(sl_coarse_create(scene, g.primitives, &coarse, &g.coarse, NULL), SL_OK);
     assert_int_equal(sl_mesh_gather_create(scene, g.raster, g.coarse, settings, &g.gather, NULL), SL_OK);
     assert_int_equal(sl_mesh_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
     return g;
@@ -49,7 +49,7 @@ static inline void gathering_destroy(gathering *g) {
     sl_mesh_gather_destroy(g->gather);
     sl_coarse_destroy(g->coarse);
     sl_raster_destroy(g->raster);
-    sl_topology_destroy(g->topology);
+    sl_primitives_destroy(g->primitives);
     sl_scene_destroy(g->scene);
 }
 

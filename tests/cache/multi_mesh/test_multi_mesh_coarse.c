@@ -7,21 +7,21 @@ static bool near(double a, double b, double tolerance) { return fabs(a - b) <= t
 
 typedef struct meshed {
     sl_scene *scene;
-    sl_topology *topology;
+    sl_primitives *primitives;
     sl_coarse *coarse;
 } meshed;
 
 static meshed mesh_of(sl_scene *scene, float edge, int depth) {
     meshed m = {.scene = scene};
     sl_coarse_settings settings = {edge, depth};
-    assert_int_equal(sl_topology_create(scene, false, &m.topology, NULL), SL_OK);
-    assert_int_equal(sl_coarse_create(scene, m.topology, &settings, &m.coarse, NULL), SL_OK);
+    assert_int_equal(sl_primitives_of_triangles(scene, &m.primitives, NULL), SL_OK);
+    assert_int_equal(sl_coarse_create(scene, m.primitives, &settings, &m.coarse, NULL), SL_OK);
     return m;
 }
 
 static void meshed_destroy(meshed *m) {
     sl_coarse_destroy(m->coarse);
-    sl_topology_destroy(m->topology);
+    sl_primitives_destroy(m->primitives);
     sl_scene_destroy(m->scene);
 }
 
@@ -260,15 +260,15 @@ static void any_number_of_threads_makes_the_same_mesh(void **state) {
 static void settings_out_of_range_are_refused(void **state) {
     (void)state;
     sl_scene *scene = quad_scene(0.5f);
-    sl_topology *topology;
+    sl_primitives *primitives;
     sl_coarse *coarse;
     sl_error error;
-    assert_int_equal(sl_topology_create(scene, false, &topology, NULL), SL_OK);
+    assert_int_equal(sl_primitives_of_triangles(scene, &primitives, NULL), SL_OK);
     const sl_coarse_settings bad[4] = {
         {NAN, 3}, {-1.0f, 3}, {1.0f, -1}, {1.0f, SL_MESH_DEPTH_MAX + 1}};
     for (int k = 0; k < 4; k++)
-        assert_int_equal(sl_coarse_create(scene, topology, &bad[k], &coarse, &error), SL_ERROR_USAGE);
-    sl_topology_destroy(topology);
+        assert_int_equal(sl_coarse_create(scene, primitives, &bad[k], &coarse, &error), SL_ERROR_USAGE);
+    sl_primitives_destroy(primitives);
     sl_scene_destroy(scene);
 }
 

@@ -9,7 +9,7 @@ enum { LAMPS = 40, POINTS = 50 };
 
 typedef struct lit_hall {
     light_world world;
-    sl_topology *topology;
+    sl_primitives *primitives;
     sl_coarse_light *light;
     sl_counters counters;
 } lit_hall;
@@ -32,9 +32,9 @@ static lit_hall hall(int hidden, unsigned threads) {
     lit_hall h = {.counters = {{0}}};
     light_world_make(&h.world, &mesh);
     assert_int_equal(h.world.lights->count, LAMPS);
-    assert_int_equal(sl_topology_create(h.world.scene, false, &h.topology, NULL), SL_OK);
+    assert_int_equal(sl_primitives_of_triangles(h.world.scene, &h.primitives, NULL), SL_OK);
     sl_coarse_light_settings s = {.scene = h.world.scene,
-                                  .topology = h.topology,
+                                  .primitives = h.primitives,
                                   .tracer = h.world.tracer,
                                   .lights = h.world.lights,
                                   .sampling = h.world.sampling,
@@ -45,7 +45,7 @@ static lit_hall hall(int hidden, unsigned threads) {
 
 static void discard(lit_hall *h) {
     sl_coarse_light_destroy(h->light);
-    sl_topology_destroy(h->topology);
+    sl_primitives_destroy(h->primitives);
     light_world_free(&h->world);
 }
 
@@ -61,7 +61,7 @@ static void places(uint32_t face, sl_coarse_vertex vertex[POINTS]) {
 /* pi U_dd without occluders, of the lights up to `count`. */
 static double unoccluded(const lit_hall *h, const sl_coarse_vertex *v, size_t count) {
     sl_face_point x = {.face = v->face, .p = v->p, .q = v->q};
-    sl_mesh_point at = sl_face_point_in_world(h->topology, &x);
+    sl_mesh_point at = sl_face_point_in_world(h->primitives, &x);
     sl_lit_point point = {at.position, at.normal, at.geometric_normal, at.triangle};
     double sum = 0.0;
     for (size_t l = 0; l < count; l++)
@@ -150,9 +150,9 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
     }
     lit_hall h = {.counters = {{0}}};
     light_world_make(&h.world, &mesh);
-    assert_int_equal(sl_topology_create(h.world.scene, false, &h.topology, NULL), SL_OK);
+    assert_int_equal(sl_primitives_of_triangles(h.world.scene, &h.primitives, NULL), SL_OK);
     sl_coarse_light_settings s = {.scene = h.world.scene,
-                                  .topology = h.topology,
+                                  .primitives = h.primitives,
                                   .tracer = h.world.tracer,
                                   .lights = h.world.lights,
                                   .sampling = h.world.sampling,
@@ -160,7 +160,7 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
     assert_int_equal(sl_coarse_light_create(&s, &h.light, NULL), SL_OK);
     sl_coarse *coarse;
     assert_int_equal(
-        sl_coarse_create(h.world.scene, h.topology, &(sl_coarse_settings){100.0f, 0}, &coarse, NULL),
+        sl_coarse_create(h.world.scene, h.primitives, &(sl_coarse_settings){100.0f, 0}, &coarse, NULL),
         SL_OK);
     size_t floor = 0;
     for (size_t i = 0; i < coarse->vertex_count; i++) {

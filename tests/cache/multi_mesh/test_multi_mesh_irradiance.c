@@ -9,7 +9,7 @@ enum { DEPTH = 6, LEFT = 0, RIGHT = 1 };
 
 typedef struct lit_floor {
     light_world world;
-    sl_topology *topology;
+    sl_primitives *primitives;
     sl_irradiance_meshes *meshes;
     sl_counters counters;
 } lit_floor;
@@ -26,9 +26,9 @@ static void make_with(lit_floor *f, bool plate, bool few_rays, float ambient) {
     *f = (lit_floor){.counters = {{0}}};
     light_world_make(&f->world, &mesh);
     assert_int_equal(f->world.lights->count, 2);
-    assert_int_equal(sl_topology_create(f->world.scene, false, &f->topology, NULL), SL_OK);
+    assert_int_equal(sl_primitives_of_triangles(f->world.scene, &f->primitives, NULL), SL_OK);
     sl_irradiance_settings s = {.scene = f->world.scene,
-                                .topology = f->topology,
+                                .primitives = f->primitives,
                                 .tracer = f->world.tracer,
                                 .lights = f->world.lights,
                                 .sampling = f->world.sampling,
@@ -44,7 +44,7 @@ static void make(lit_floor *f, bool plate) { make_with(f, plate, false, 0.01f); 
 
 static void discard(lit_floor *f) {
     sl_irradiance_meshes_destroy(f->meshes);
-    sl_topology_destroy(f->topology);
+    sl_primitives_destroy(f->primitives);
     light_world_free(&f->world);
 }
 
@@ -184,9 +184,9 @@ static void at_a_walls_foot_no_light_comes_from_behind_it(void **state) {
     trace_mesh_quad(&mesh, sl_v3(0, 1, -0.5f), sl_v3(4, 0, 0), sl_v3(0, 1, 0), lamp);
     lit_floor f = {.counters = {{0}}};
     light_world_make(&f.world, &mesh);
-    assert_int_equal(sl_topology_create(f.world.scene, false, &f.topology, NULL), SL_OK);
+    assert_int_equal(sl_primitives_of_triangles(f.world.scene, &f.primitives, NULL), SL_OK);
     sl_irradiance_settings s = {.scene = f.world.scene,
-                                .topology = f.topology,
+                                .primitives = f.primitives,
                                 .tracer = f.world.tracer,
                                 .lights = f.world.lights,
                                 .sampling = f.world.sampling,
