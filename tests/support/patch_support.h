@@ -125,7 +125,7 @@ static inline void assert_sound(const sl_patches *p) {
         if (references[i] > 0) assert_int_equal(sl_vertex_lobe(p, i) != NULL, lobe);
     }
     size_t in_table = 0;
-    for (size_t i = 0; i < p->slot_count; i++) in_table += p->slot[i] != SL_NO_INDEX;
+    for (size_t i = 0; i < p->table.count; i++) in_table += p->table.slot[i] != SL_NO_INDEX;
     assert_int_equal(in_table, vertices);
     assert_int_equal(patches, p->patches_alive);
     assert_int_equal(leaves, p->leaves_alive);

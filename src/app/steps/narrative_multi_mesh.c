@@ -32,19 +32,19 @@ static const sl_narrative_pass passes[] = {
      "No lamp's frustum holds an environment: the coarse mesh's vertices gather its light, past surfaces "
      "that are black as yet; added to the lamps' it is what gathers see.",
      M_SUB(M_I("U"), M_T("dd")) M_O("+") M_FRAC(M_SUB(M_I("E"), M_I("i")), M_I("&#x3C0;")),
-     "sl_multi_mesh_extend_coarse(), src/cache/multi_mesh/coarse_rounds.c", NULL, SL_SHOW_LIGHT},
+     "sl_multi_mesh_extend_coarse(), src/cache/multi_mesh/coarse_light.c", NULL, SL_SHOW_LIGHT},
     {"coarse mesh, second bounce", "The coarse mesh gathers, too",
      "For a second bounce the coarse mesh's vertices gather what the others reflect; added to the direct "
      "light it is what all later gathers see.",
      M_SUB(M_I("U"), M_T("dd")) M_O("+") M_FRAC(M_SUB(M_I("E"), M_I("i")), M_I("&#x3C0;")),
-     "sl_multi_mesh_extend_coarse(), src/cache/multi_mesh/coarse_rounds.c", NULL, SL_SHOW_LIGHT},
+     "sl_multi_mesh_extend_coarse(), src/cache/multi_mesh/coarse_light.c", NULL, SL_SHOW_LIGHT},
     {"coarse mesh", "A coarse mesh of everything",
      "Indirect light comes from surfaces that no camera sees. So the whole scene, cut into large triangles, "
      "gets direct light at its vertices, times what it reflects. It is coarse because a hemisphere of it is "
      "averaged anyway.",
      M_SUB(M_I("L"), M_T("coarse")) M_O("=") M_FRAC(M_SUB(M_I("k"), M_I("d")), M_I("&#x3C0;"))
          M_SUM(M_T("lights")) M_SUB(M_I("E"), M_I("l")),
-     "sl_multi_mesh_extend_coarse(), src/cache/multi_mesh/coarse_rounds.c", NULL, SL_SHOW_LIGHT},
+     "sl_multi_mesh_extend_coarse(), src/cache/multi_mesh/coarse_light.c", NULL, SL_SHOW_LIGHT},
     {"one gather", "Indirect light at one point",
      "For each vertex of the indirect mesh the coarse mesh is drawn once, over a field of view of 160 "
      "degrees straight up from the surface. Each pixel counts by its share of the hemisphere and its cosine, "
@@ -53,14 +53,14 @@ static const sl_narrative_pass passes[] = {
      "largest triangle in view sees.",
      M_SUB(M_I("E"), M_I("i")) M_O("=") M_I("&#x3C0;") M_SUM(M_T("pixels")) M_I("&#x394;G")
          M_TIMES M_SUB(M_I("L"), M_T("coarse")),
-     "sl_mesh_gather_take(), src/cache/multi_mesh/gather.c", NULL, SL_SHOW_LIGHT},
+     "sl_mesh_gather_take(), src/cache/hemisphere/mesh_gather.c", NULL, SL_SHOW_LIGHT},
     {"direct diffuse radiance", "Direct light",
      "The triangles' leaves are drawn with the colours of their vertices in between. Vertices that a "
      "neighbour has on a common edge count on both sides, so there are no cracks and no steps. Each vertex "
      "sums what the lights' own meshes say.",
      M_SUB(M_I("U"), M_T("dd")) M_O("=") M_FRAC(M_N("1"), M_I("&#x3C0;")) M_SUM(M_T("lights"))
          M_SUB(M_I("E"), M_I("l")),
-     "sl_displayed_draw(), src/cache/multi_mesh/draw.c", "direct", SL_SHOW_LIGHT},
+     "sl_displayed_draw(), src/cache/multi_mesh/displayed.c", "direct", SL_SHOW_LIGHT},
     {"edges of the direct diffuse mesh", "The mesh of direct light",
      "A leaf is cut in four where the middle of an edge differs from the mean of its ends by more than an "
      "eye can tell, at the final pixel, tone mapping included; and where it is too large to rule out that "
@@ -68,7 +68,7 @@ static const sl_narrative_pass passes[] = {
      "corners. What was cut in vain is put together again: only shadows' borders stay fine.",
      M_ABS(M_I("D") M_BRACED(M_FRAC(M_SUB(M_I("L"), M_I("a")) M_O("+") M_SUB(M_I("L"), M_I("b")), M_N("2")))
                M_O("&#x2212;") M_I("D") M_BRACED(M_SUB(M_I("L"), M_T("middle")))) M_O("&gt;") M_I("T"),
-     "sl_displayed_test_edge(), src/cache/multi_mesh/edge_tests.c", NULL, SL_SHOW_LIGHT},
+     "sl_displayed_test_edge(), src/cache/multi_mesh/refine.c", NULL, SL_SHOW_LIGHT},
     {"direct specular radiance", "Highlights",
      "Each lamp is shrunk to a point as far as the lobe is concerned; how much of it is seen comes from the "
      "same irradiance meshes. Highlights move with the eye, so this mesh starts again with every new view.",
@@ -84,7 +84,7 @@ static const sl_narrative_pass passes[] = {
      "stands in: the lamps' power over all surfaces, times their mean reflectance.",
      M_SUB(M_I("L"), M_T("id")) M_O("=") M_FRAC(M_SUB(M_I("k"), M_I("d")), M_I("&#x3C0;"))
          M_SUB(M_I("E"), M_I("i")),
-     "sl_displayed_draw(), src/cache/multi_mesh/draw.c", "indirect", SL_SHOW_LIGHT},
+     "sl_displayed_draw(), src/cache/multi_mesh/displayed.c", "indirect", SL_SHOW_LIGHT},
     {"edges of the indirect mesh", "The mesh of indirect light",
      "Indirect light changes slowly, and its mesh is the coarsest: that is why it is one of its own.", NULL,
      "sl_displayed_commit(), src/cache/multi_mesh/refine.c", NULL, SL_SHOW_LIGHT},

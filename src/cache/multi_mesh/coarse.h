@@ -20,7 +20,7 @@
 #ifndef SL_MULTI_MESH_COARSE_H
 #define SL_MULTI_MESH_COARSE_H
 
-#include "cache/light/light_sample.h"
+#include "cache/hemisphere/mesh_gather.h"
 #include "cache/patches/mesh.h"
 
 typedef struct sl_coarse_settings {
@@ -36,19 +36,10 @@ typedef struct sl_coarse_vertex {
     uint8_t depth;             /* of the coarse triangle */
 } sl_coarse_vertex;
 
-enum {
-    SL_COARSE_ABSENT = 0xff, /* level of a face that is not in the coarse mesh */
-    SL_COARSE_FLOATS = 12 /* of a coarse triangle: colour at its corner 0, differences of those at corners 1
-                             and 2 from it; three to spare */
-};
+enum { SL_COARSE_ABSENT = 0xff }; /* level of a face that is not in the coarse mesh */
 
 /* The first coarse triangles stand for faces that are absent and for what lies beyond all faces. */
 enum { SL_COARSE_BLACK, SL_COARSE_NOTHING, SL_COARSE_FIRST };
-
-/* By face: where its coarse triangles begin, and n. */
-typedef struct sl_coarse_face {
-    int32_t first, rows;
-} sl_coarse_face;
 
 typedef struct sl_coarse {
     const sl_scene *scene;
@@ -64,10 +55,10 @@ typedef struct sl_coarse {
     sl_rgb *value;             /* U_dd by vertex */
     uint8_t *valid;            /* 0: what was set was not a number */
     size_t triangle_count;     /* coarse ones */
-    sl_coarse_face *face;      /* by face; two more for nothing, as if that were one more scene triangle */
+    sl_face_lattice *face;     /* by face; two more for nothing, as if that were one more scene triangle */
     sl_rgb *reflectance;       /* by coarse triangle: k_d, the mean of its texture */
     bool reflectance_known;
-    float *colour;             /* by coarse triangle, SL_COARSE_FLOATS each */
+    float *colour;             /* by coarse triangle, SL_LATTICE_FLOATS each */
 } sl_coarse;
 
 sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitives,
@@ -85,21 +76,6 @@ sl_rgb sl_coarse_brightest(const sl_coarse *coarse);
 
 /* The vertex at lattice point (i, j) of a face that is in the mesh. */
 uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i, int j);
-
-/* Where lattice point (u, v) of n rows lies: the triangle's number, and the weights of its corners 1 and 2.
- */
-static inline int sl_coarse_locate(float w1, float w2, int n, float *a, float *b) {
-    float u = w1 * (float)n, v = w2 * (float)n;
-    int j = (int)v;
-    j = j < n - 1 ? j : n - 1;
-    int last = n - 1 - j, i = (int)u;
-    i = i < last ? i : last;
-    float x = u - (float)i, y = v - (float)j;
-    int on_head = (x + y > 1.0f) & (i < last);
-    *a = on_head ? 1.0f - x : x;
-    *b = on_head ? 1.0f - y : y;
-    return j * (2 * n - j) + 2 * i + on_head;
-}
 
 /* ---- coarse_light.c ---- */
 

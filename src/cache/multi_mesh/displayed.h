@@ -39,8 +39,6 @@ typedef struct sl_shown_radiance {
 typedef struct sl_displayed_settings {
     sl_component component;
     float leaf_area, leaf_edge;   /* pixels^2, pixels: the size criterion */
-    /* leaves that show no more pixels than that meet the size criterion however large they are */
-    uint32_t few_pixels;
     /* leaves that show fewer pixels than that are not looked into unless these, times the contrast between
      * the */
     uint32_t minor_pixels;
@@ -93,6 +91,9 @@ sl_status sl_displayed_see(sl_displayed *displayed, const sl_visible_pixels *pix
 /* Vertices of visible leaves that are UNKNOWN, ascending by first use, each marked REQUESTED, and the faces
  * whose corners they are; at most `room`. Returns how many. */
 size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, uint32_t *face, size_t room);
+/* A vertex's value: INVALID where it is not `valid`, or no number, which is counted. */
+void sl_displayed_put(sl_displayed *displayed, uint32_t vertex, sl_rgb value, bool valid,
+                      sl_counters *counters);
 /* Priorities of visible leaves from what is known now: after values of missing vertices were filled in. */
 void sl_displayed_prioritise(sl_displayed *displayed);
 /* Nothing is left to do in the view as it stands: what was not worth a look need not be judged again when it

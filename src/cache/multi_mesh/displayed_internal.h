@@ -73,7 +73,7 @@ static inline bool sl_is_unprobed(const sl_displayed *d, const sl_mesh_node *nod
 }
 sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
 /* Does it meet the size criterion, whatever else is known of it? */
-bool sl_displayed_meets_size(const sl_displayed *d, const sl_mesh_node *node, sl_screen_size size);
+bool sl_displayed_meets_size(const sl_displayed *d, sl_screen_size size);
 /* Sets or clears SL_NODE_SMALL. */
 void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
 /* Largest contrast between any two corners of a leaf, as shown; those that are not known do not count. */
@@ -90,7 +90,7 @@ void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node);
 /* A leaf stays as it is: parents whose children are all closed by now go, and priorities are raised. */
 void sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters);
 
-/* ---- probed.c ---- */
+/* ---- probes.c ---- */
 
 /* A leaf whose edges have just been closed, or that is seen anew, of that size: what need not be probed says
  * so. */
@@ -100,19 +100,19 @@ bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_mesh_place *le
 /* Or has any node above it been? */
 bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_mesh_place *leaf);
 
-/* ---- selection.c ---- */
+/* ---- priorities.c: selection ---- */
 
 void sl_displayed_heap_build(sl_displayed *d);
 void sl_displayed_heap_update(sl_displayed *d, uint32_t entry);
 
-/* ---- edge_tests.c ---- */
+/* ---- refine.c: edges ---- */
 
 /* Tests the edge's middle and those of its parts, as far as they are known. */
 sl_edge_state sl_displayed_test_edge(const sl_displayed *d, const sl_mesh_place *place, int edge);
 /* The edge's middle has become known: leaves beyond the edge are drawn again, and split if they can tell. */
 void sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle);
 
-/* ---- draw.c ---- */
+/* ---- displayed.c: drawing ---- */
 
 /* A leaf's vertices or those on its edges have changed: it is drawn again. */
 void sl_displayed_mark(sl_displayed *d, uint32_t leaf);

@@ -14,7 +14,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/multi_mesh/lit_points.h"
+#include "cache/multi_mesh/direct.h"
 
 #include <string.h>
 
@@ -58,7 +58,7 @@ typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_FAIL
 
 sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth,
                                    sl_root_place leaf) {
-    sl_root_place at = sl_mesh_vertex_place(mesh, vertex);
+    sl_root_place at = mesh->place[vertex];
     return (sl_face_point){at.root, at.u, at.v, wanted_depth, leaf};
 }
 

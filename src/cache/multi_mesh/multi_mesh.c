@@ -3,51 +3,54 @@
  *
  *   image pass 1          identifiers and visible sizes
  *   image pass 2          materials: k_d and k_s
+ *   multiple meshes       samples of vertices: equations (3), a light's irradiance, (4) and (6), direct
+ *                         radiance, and (7), indirect irradiance
  *   progressive sampling  the roots' vertices; then the leaves that matter most, of three meshes, until no
- * eye can tell more: samples of their tests, splits, undo coarse mesh           of all surfaces, some
- * vertices an update: when it is whole indirect light has a mesh, too image pass 3          Gouraud: a
- * picture of each mesh image pass 4          merge: L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e
- *
- * Samples are equations (3), a light's irradiance, (4) and (6), direct radiance, and (7), indirect
- * irradiance. */
+ *                         eye can tell more; beside them the coarse mesh of all surfaces (coarse_light.c),
+ *                         some vertices an update: when it is whole indirect light has a mesh, too
+ *   image pass 3          Gouraud: a picture of each mesh
+ *   image pass 4          merge: L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e, with the reflectances that
+ *                         equations (4), (6) and (8) lack (merge.c) */
 #include "cache/multi_mesh/multi_mesh_internal.h"
-#include "cache/multi_mesh/explanation.h"
 
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/multi_mesh/direct.h"
-#include "cache/multi_mesh/lit_points.h"
 
 enum { FIRST_VERTICES = 1024 /* an update's, before refinement */, LEAF_VERTICES = 6 };
 
 /* ---- image pass 1: identifiers and visible sizes; image pass 2: materials ---- */
 
+static void announce_material(sl_multi_mesh_state *s, const char *name, const float *planes) {
+    const sl_settings *of = &s->settings;
+    if (planes) sl_announce(&s->announcer, name, "image pass 2", of->width, of->height, 3, planes, true);
+}
+
+static sl_status see_materials(sl_multi_mesh_state *s, const sl_view *view, sl_error *error) {
+    sl_materials_wanted wanted = sl_multi_mesh_materials_in_view(s);
+    sl_status status = sl_materials_resolve(s->scene, s->raster, view, s->id, wanted, s->settings.threads,
+                                            &s->materials, &s->counters, error);
+    if (status != SL_OK) return status;
+    announce_material(s, "material: k_d", s->materials->diffuse[0]);
+    announce_material(s, "material: k_s", s->materials->specular[0]);
+    return sl_multi_mesh_see(s, error);
+}
+
 static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_target target = {s->settings.width, s->settings.height, s->id, NULL};
-    sl_status status = sl_raster_id(s->raster, &view, threads, &target, &s->counters, error);
     sl_visible_pixels *before = s->visible; /* which the meshes still hold */
     s->visible = NULL;
+    sl_materials_destroy(s->materials);
+    s->materials = NULL;
+    sl_status status = sl_raster_id(s->raster, &view, threads, &target, &s->counters, error);
     if (status == SL_OK)
         status = sl_visible_pixels_sort(s->scene, s->raster, &view, s->id, threads, &s->visible, &s->counters,
                                         error);
     sl_multi_mesh_announce_ids(s);
-    sl_materials_destroy(s->materials);
-    s->materials = NULL;
-    sl_materials_wanted wanted = {false, false};
-    if (status == SL_OK) wanted = sl_multi_mesh_materials_in_view(s);
-    if (status == SL_OK)
-        status = sl_materials_resolve(s->scene, s->raster, &view, s->id, wanted, threads, &s->materials,
-                                      &s->counters, error);
-    if (status == SL_OK)
-        sl_announce(&s->announcer, "material: k_d", "image pass 2", s->settings.width, s->settings.height, 3,
-                    s->materials->diffuse[0], true);
-    if (status == SL_OK && wanted.specular)
-        sl_announce(&s->announcer, "material: k_s", "image pass 2", s->settings.width, s->settings.height, 3,
-                    s->materials->specular[0], true);
-    if (status == SL_OK) status = sl_multi_mesh_see(s, error);
+    if (status == SL_OK) status = see_materials(s, &view, error);
     sl_visible_pixels_destroy(before);
     s->priorities_stale = false;
     s->seen_before = sl_multi_mesh_was_done(s);
@@ -58,17 +61,7 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
 
 /* ---- multiple meshes: samples of vertices ---- */
 
-static void put_value(sl_displayed *part, uint32_t vertex, sl_rgb value, bool valid, sl_counters *counters) {
-    sl_mesh *mesh = part->mesh;
-    bool finite = sl_rgb_is_finite(value);
-    if (!finite) sl_count(counters, SL_COUNT_NONFINITE, 1);
-    mesh->value[3 * (size_t)vertex] = finite ? value.r : 0.0f;
-    mesh->value[3 * (size_t)vertex + 1] = finite ? value.g : 0.0f;
-    mesh->value[3 * (size_t)vertex + 2] = finite ? value.b : 0.0f;
-    mesh->state[vertex] = valid && finite ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID;
-}
-
-/* Radiance of one vertex from its lights' shares. */
+/* Returns radiance of one vertex from its lights' shares. */
 static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint32_t vertex,
                            const float *share) {
     if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(s->lights, share); /* equation (4) */
@@ -81,8 +74,8 @@ static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint
 /* Returns the depth to which a light's mesh is cut whatever its edges say. A leaf's edges have their middles
  * sampled, so its samples are as close to each other as corners of leaves a level deeper: several lights'
  * meshes are left that much coarser, which for the same error takes a quarter to a third of the samples of
- * eight lights away (bench/multi-mesh.trials: joint). With one light samples where nothing changes are few (in the room 8
- * %, at 5 % more error). */
+ * eight lights away (the table joint of bench/multi-mesh.trials). With one light samples where nothing
+ * changes are few. */
 static int irradiance_depth(const sl_multi_mesh_state *s, int wanted) {
     if (s->settings.multi_mesh.joint_mesh) return SL_MESH_DEPTH_MAX;
     return s->lights->count > 1 ? wanted - 1 : wanted;
@@ -103,8 +96,9 @@ static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t
     if (status == SL_OK)
         status = sl_irradiance_at(s->irradiance, count, points, share, valid, &s->counters, error);
     for (size_t i = 0; i < count && status == SL_OK; i++)
-        put_value(s->part[part], wanted[i].vertex,
-                  direct_value(s, part, wanted[i].vertex, &share[i * lights]), valid[i], &s->counters);
+        sl_displayed_put(s->part[part], wanted[i].vertex,
+                         direct_value(s, part, wanted[i].vertex, &share[i * lights]), valid[i],
+                         &s->counters);
     sl_free(valid);
     sl_free(share);
     sl_free(points);
@@ -126,7 +120,7 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
     }
     if (status == SL_OK) sl_multi_mesh_gather(s, count, points, irradiance); /* equation (7) */
     for (size_t i = 0; i < count && status == SL_OK; i++)
-        put_value(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);
+        sl_displayed_put(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);
     sl_free(valid);
     sl_free(irradiance);
     sl_free(points);
@@ -164,8 +158,8 @@ static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
         all = all && none;
     }
     if (!all) return SL_OK;
-    for (int i = 0; i < SL_COMPONENTS;
-         i++) /* in a view seen before they are as sl_displayed_see() has set them */
+    /* in a view seen before they are as sl_displayed_see() has set them */
+    for (int i = 0; i < SL_COMPONENTS; i++)
         if (sl_multi_mesh_takes_part(s, i) && s->priorities_stale) sl_displayed_prioritise(s->part[i]);
     sl_announce_pass(&s->announcer, "vertices of the roots", "progressive sampling");
     sl_multi_mesh_announce_priorities(s);
@@ -240,16 +234,14 @@ static sl_status serve_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *e
 
 static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error) {
     size_t batch = (size_t)s->settings.multi_mesh.batch;
+    sl_wanted_vertex *wanted = sl_allocate(SL_COMPONENTS * batch * LEAF_VERTICES, sizeof *wanted);
     refinement r = {.leaf = sl_allocate(batch, sizeof *r.leaf),
                     .probed = sl_allocate(batch, sizeof *r.probed)};
-    sl_status status = r.leaf && r.probed ? SL_OK : sl_fail_memory(error, "a batch");
-    for (int i = 0; i < SL_COMPONENTS; i++) {
-        r.wanted[i] = sl_allocate(batch * LEAF_VERTICES, sizeof *r.wanted[i]);
-        if (!r.wanted[i]) status = sl_fail_memory(error, "a batch");
-    }
-    if (status == SL_OK) status = serve_leaves(s, &r, error);
+    for (size_t i = 0; wanted && i < SL_COMPONENTS; i++) r.wanted[i] = wanted + i * batch * LEAF_VERTICES;
+    sl_status status =
+        wanted && r.leaf && r.probed ? serve_leaves(s, &r, error) : sl_fail_memory(error, "a batch");
     *served = r.leaf_count + r.probed_count;
-    for (int i = 0; i < SL_COMPONENTS; i++) sl_free(r.wanted[i]);
+    sl_free(wanted);
     sl_free(r.probed);
     sl_free(r.leaf);
     return status;
@@ -304,6 +296,7 @@ sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *err
 static void draw_parts(sl_multi_mesh_state *s, sl_merge *merge) {
     static const char *const names[SL_COMPONENTS] = {"direct diffuse radiance", "direct specular radiance",
                                                      "indirect irradiance"};
+    const float **const target[] = {merge->direct_diffuse, merge->direct_specular, merge->indirect};
     for (int i = 0; i < SL_COMPONENTS; i++) {
         if (!sl_is_in_view(s->part[i])) continue;
         sl_rgb fallback = i == SL_INDIRECT ? s->ambient : sl_grey(0.0f);
@@ -311,10 +304,7 @@ static void draw_parts(sl_multi_mesh_state *s, sl_merge *merge) {
         sl_announce(&s->announcer, names[i], "image pass 3", s->settings.width, s->settings.height, 3,
                     s->planes[i][0], true);
         sl_multi_mesh_announce_edges(s, (sl_component)i);
-        const float **target = i == SL_DIRECT_DIFFUSE    ? merge->direct_diffuse
-                               : i == SL_DIRECT_SPECULAR ? merge->direct_specular
-                                                         : merge->indirect;
-        for (int k = 0; k < 3; k++) target[k] = s->planes[i][k];
+        for (int k = 0; k < 3; k++) target[i][k] = s->planes[i][k];
     }
 }
 

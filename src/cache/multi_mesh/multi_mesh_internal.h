@@ -3,8 +3,8 @@
 #define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 
 #include "cache/frame/announce.h"
+#include "cache/multi_mesh/coarse.h"
 #include "cache/multi_mesh/displayed.h"
-#include "cache/multi_mesh/gather.h"
 #include "cache/multi_mesh/irradiance.h"
 #include "cache/multi_mesh/merge.h"
 #include "cache/multi_mesh/multi_mesh.h"
@@ -122,12 +122,34 @@ typedef struct sl_probed_leaf {
 } sl_probed_leaf;
 void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_probed_leaf *leaves);
 
-/* ---- coarse_rounds.c ---- */
+/* ---- coarse_light.c ---- */
 
 /* Irradiance that points gather from the coarse mesh. */
 void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points,
                           sl_rgb *irradiance);
 /* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins. */
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error);
+
+/* ---- explanation.c: what made a pixel, and what can be seen of the meshes, for those who look on ---- */
+
+/* See sl_method_explanation(). */
+sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_writer *writer,
+                                    sl_error *error);
+
+/* All of these do nothing without an observer. */
+
+/* The triangles of image pass 1 as a plane of numbers. */
+void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s);
+/* How much the roots matter, of the first mesh that there is, at the pixels that show them. */
+void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s);
+/* What one point in view gathers: the picture that is weighted and added up. */
+void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s);
+/* What the vertex that sees about half of the first light sees of it: the picture that is added up, and what
+ * is read back. */
+void sl_multi_mesh_announce_light_sample(sl_multi_mesh_state *s);
+/* The edges of a mesh's leaves in view, in the colours of what it holds there. */
+void sl_multi_mesh_announce_edges(sl_multi_mesh_state *s, sl_component part);
+/* Those of the first lights' meshes. */
+void sl_multi_mesh_announce_lights(sl_multi_mesh_state *s);
 
 #endif

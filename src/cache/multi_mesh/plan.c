@@ -1,7 +1,7 @@
 #include "cache/multi_mesh/plan.h"
 
 #include "base/math.h"
-#include "cache/multi_mesh/gather.h"
+#include "cache/hemisphere/mesh_gather.h"
 #include "cache/patches/mesh.h"
 #include "scene/features.h"
 

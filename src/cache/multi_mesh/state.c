@@ -1,7 +1,6 @@
 /* The state of a picture: how it is made, edited, measured, and what it takes. */
 #include "cache/frame/budget.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
-#include "cache/multi_mesh/explanation.h"
 
 #include <stdio.h>
 #include <string.h>

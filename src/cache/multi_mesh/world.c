@@ -14,11 +14,9 @@
  * corners (probes.c). */
 static const float FINE_AREA = 16.0f, FINE_EDGE = 8.0f;
 
-enum { FEW_PIXELS = 8, MINOR_PIXELS = 4, INDIRECT_MINOR_PIXELS = 32, MANY_LIGHTS = 16 };
-/* Of the pixels that a leaf may have: so many are too few to be cut for size alone (most of the leaf is
- * hidden), and are minor. In the room (640 x 480, normal) the one takes an eighth of the samples of direct
- * light away and leaves its error as it is, the other a tenth for a tenth more squared error. */
-static const float FEW = 1.0f / 4.0f, MINOR = 1.0f / 9.0f;
+enum { MINOR_PIXELS = 4, INDIRECT_MINOR_PIXELS = 32, MANY_LIGHTS = 16 };
+/* Of the pixels that a leaf may have: fewer are minor. */
+static const float MINOR = 1.0f / 9.0f;
 /* What minor leaves' pixels times contrast must come to to be looked into. Of indirect light most of what is
  * left out by it was cut for what gathers' pixels make: 96 instead of 48 takes three tenths of the gathers
  * away, for a tenth more squared error of indirect light. */
@@ -141,7 +139,6 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
         .leaf_area = area,
         .leaf_edge = scale * coarser * (float)m->leaf_edge,
         .below_pixels = small,
-        .few_pixels = small ? 0 : part_of(area, FEW, FEW_PIXELS),
         .minor_pixels = small || part == SL_DIRECT_SPECULAR ? 0
                         : part == SL_INDIRECT               ? INDIRECT_MINOR_PIXELS
                                                             : part_of(area, MINOR, MINOR_PIXELS),

@@ -1,15 +1,14 @@
 /* Quadtrees of triangles and of quadrilaterals. Corners are at whole numbers of a power of two in their
  * root's parameters (u, v), so halves are exact, and what two patches share has the same numbers in both.
  *
- *        2                      A triangle is cut at the middles of its edges. Children 0, 1, 2 keep the
- * corner of that number; child 3 is the middle / \                     one, with its corners at the middles
- * opposite to corners 0, 1, 2. Corners of children are in the order of their / 2
- * \                    parent's, so that each child is its parent, halved and moved (child 3: turned by half
- * a turn). A sliver's children
- *     /_____\                   are no worse than itself.
- *    / \ 3 / \
- *   / 0 \ / 1 \                 A quadrilateral is cut at the middles of its edges and the centre; child i
- * keeps corner i. Corners go around 0 ----*---- 1                counter-clockwise from (0, 0) in (u, v). */
+ *        2          A triangle is cut at the middles of its edges. Children 0, 1, 2 keep the corner of that
+ *       / \         number; child 3 is the middle one, with its corners at the middles opposite to corners
+ *      / 2 \        0, 1, 2. Corners of children are in the order of their parent's, so that each child is
+ *     /_____\       its parent, halved and moved (child 3: turned by half a turn). A sliver's children are
+ *    / \ 3 / \      no worse than itself.
+ *   / 0 \ / 1 \
+ *  0 ----*---- 1    A quadrilateral is cut at the middles of its edges and the centre; child i keeps corner
+ *                   i. Corners go around counter-clockwise from (0, 0) in (u, v). */
 #ifndef SL_PATCHES_DYADIC_H
 #define SL_PATCHES_DYADIC_H
 
@@ -33,11 +32,5 @@ static inline int sl_dyadic_child_at(int corners, double a, double b) {
     if (corners == 3) return a >= 0.5 ? 1 : b >= 0.5 ? 2 : a + b <= 0.5 ? 0 : 3;
     return a < 0.5 ? (b < 0.5 ? 0 : 3) : (b < 0.5 ? 1 : 2);
 }
-
-/* Hash tables of vertices have any number of slots, not a power of two: less is left empty. */
-static inline size_t sl_slot_of_hash(uint64_t hash, size_t slots) {
-    return (size_t)((hash >> 32) * slots >> 32);
-}
-static inline size_t sl_slot_after(size_t slot, size_t slots) { return slot + 1 < slots ? slot + 1 : 0; }
 
 #endif

@@ -9,14 +9,14 @@
  *
  *   mesh.c              places, split, collapse
  *   mesh_nodes.c        memory of nodes; roots
- *   mesh_vertices.c     keys, their table, where vertices lie
+ *   mesh_vertices.c     where vertices lie (places.h: how they are found)
  *   mesh_interpolate.c  values between vertices
  *   mesh_neighbours.c   the other side of an edge */
 #ifndef SL_PATCHES_MESH_H
 #define SL_PATCHES_MESH_H
 
 #include "cache/patches/dyadic.h"
-#include "cache/patches/primitives.h"
+#include "cache/patches/places.h"
 
 enum {
     SL_MESH_DEPTH_MAX = 12,
@@ -71,14 +71,6 @@ static inline void sl_mesh_set_minor(sl_mesh_node *node, uint32_t pixels) {
     node->flags = (node->flags & 0xffffu) | pixels << SL_NODE_TESTED_SHIFT;
 }
 
-/* Where a vertex lies: the place that stands for all that share it, in 1/SL_MESH_DYADIC. */
-typedef struct sl_vertex_key {
-    uint32_t root;
-    uint32_t u : 15, v : 15;
-    /* no part of the key: whether any edge that ends in it has a vertex in its middle */
-    uint32_t halved : 1;
-} sl_vertex_key;
-
 typedef struct sl_mesh {
     const sl_primitives *primitives; /* triangles, each by itself */
     int channels, max_depth;
@@ -91,11 +83,11 @@ typedef struct sl_mesh {
     size_t free_nodes;
     uint32_t first_free;       /* chain of free blocks, through node.child */
     size_t vertex_count, vertex_capacity;
-    sl_vertex_key *key;
+    sl_root_place *place;      /* by vertex: the one that stands for all that share it */
+    uint8_t *halved;           /* whether any edge that ends in it has a vertex in its middle */
     float *value;              /* vertex_count x channels */
     uint8_t *state;            /* sl_vertex_state */
-    uint32_t *slot;            /* hash of keys, at most three quarters full */
-    size_t slot_count;
+    sl_place_table table;      /* of places, at most three quarters full */
     size_t leaf_count;         /* of all roots */
 } sl_mesh;
 
@@ -182,10 +174,6 @@ static inline bool sl_mesh_point_in_solid(const sl_primitives *primitives, const
                           counters);
 }
 void sl_mesh_point_at(const sl_primitives *primitives, sl_root_place place, sl_mesh_point *point);
-static inline sl_root_place sl_mesh_vertex_place(const sl_mesh *mesh, uint32_t vertex) {
-    sl_vertex_key key = mesh->key[vertex];
-    return (sl_root_place){key.root, (uint16_t)key.u, (uint16_t)key.v};
-}
 void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point);
 /* The middle of a leaf. */
 static inline sl_root_place sl_mesh_leaf_middle(const sl_mesh_place *leaf) {
@@ -225,7 +213,7 @@ typedef struct sl_mesh_fan {
 typedef struct sl_edge_vertices {
     int count;
     uint32_t vertex[SL_FAN_EDGE - 2];
-    uint8_t at[SL_FAN_EDGE - 2];
+    uint16_t at[SL_FAN_EDGE - 2];
 } sl_edge_vertices;
 void sl_mesh_edge_vertices(const sl_mesh *mesh, const sl_mesh_place *leaf, int edge, sl_edge_vertices *list);
 bool sl_mesh_fan_make(const sl_mesh *mesh, const sl_mesh_place *leaf, bool hanging, sl_mesh_fan *fan);

@@ -7,11 +7,6 @@
 #include "cache/patches/fan.h"
 #include "cache/patches/mesh.h"
 
-typedef struct edge_end {
-    int at;       /* in 1/2^SL_FAN_LEVELS of the edge */
-    int p, q;     /* weights in 1/SL_MESH_DYADIC */
-} edge_end;
-
 /* The values of the leaf's corners; the mean of the known ones at those that are of no use. */
 static bool read_corners(const sl_mesh *mesh, const sl_mesh_place *leaf, sl_mesh_fan *fan) {
     const uint32_t *vertex = mesh->node[leaf->node].vertex;
@@ -31,29 +26,23 @@ static bool read_corners(const sl_mesh *mesh, const sl_mesh_place *leaf, sl_mesh
     return true;
 }
 
-/* Halves are looked at only where the middle is known, so both of an edge's sides find the same vertices. */
-static void walk_edge(const sl_mesh *mesh, uint32_t face, edge_end from, edge_end to,
-                      sl_edge_vertices *list) {
-    int p = from.p + to.p, q = from.q + to.q;
-    if (to.at - from.at < 2 || (p | q) % 2 != 0) return;
-    edge_end half = {(from.at + to.at) / 2, p / 2, q / 2};
-    sl_mesh_place place = {
-        .face = face, .p = {0, (uint16_t)from.p, (uint16_t)to.p}, .q = {0, (uint16_t)from.q, (uint16_t)to.q}};
-    uint32_t vertex = sl_mesh_find_middle(mesh, &place, 0);
-    if (vertex == SL_NO_INDEX || mesh->state[vertex] != SL_VERTEX_KNOWN) return;
-    /* else nothing is on the halves: most often so, and quicker to tell than by looking for it */
-    bool further = mesh->key[vertex].halved;
-    if (further) walk_edge(mesh, face, from, half, list);
-    list->vertex[list->count] = vertex;
-    list->at[list->count++] = (uint8_t)half.at;
-    if (further) walk_edge(mesh, face, half, to, list);
+/* Halves are looked at only where the middle is known, so both of an edge's sides find the same vertices.
+ * Where no edge that ends in the middle has one nothing is on the halves: most often so, and quicker to tell
+ * than by looking for it. */
+static uint32_t known_at(const void *tree, sl_root_place place, bool *further) {
+    const sl_mesh *mesh = tree;
+    uint32_t vertex = sl_mesh_find_vertex(mesh, place.root, place.u, place.v);
+    if (vertex == SL_NO_INDEX || mesh->state[vertex] != SL_VERTEX_KNOWN) return SL_NO_INDEX;
+    *further = mesh->halved[vertex];
+    return vertex;
 }
 
 void sl_mesh_edge_vertices(const sl_mesh *mesh, const sl_mesh_place *leaf, int edge, sl_edge_vertices *list) {
     int j = (edge + 1) % 3, k = (edge + 2) % 3;
-    list->count = 0;
-    walk_edge(mesh, leaf->face, (edge_end){0, leaf->p[j], leaf->q[j]},
-              (edge_end){SL_FAN_EDGE - 1, leaf->p[k], leaf->q[k]}, list);
+    sl_hanging_walk walk = {mesh, known_at, list->vertex, list->at, 0, SL_FAN_EDGE - 2};
+    sl_walk_hanging(&walk, (sl_root_place){leaf->face, leaf->p[j], leaf->q[j]},
+                    (sl_root_place){leaf->face, leaf->p[k], leaf->q[k]}, 0, SL_FAN_EDGE - 1);
+    list->count = (int)walk.count;
 }
 
 static void append(sl_mesh_fan *fan, int edge, int at, const float *value) {

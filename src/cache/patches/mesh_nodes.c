@@ -24,10 +24,10 @@ sl_status sl_mesh_create(const sl_primitives *primitives, int channels, int max_
     m->primitives = primitives;
     m->channels = channels;
     m->max_depth = max_depth;
-    m->slot_count = m->root_slots = 16;
+    m->table.stride = sizeof *m->place;
+    m->root_slots = 16;
     m->root = sl_allocate(m->root_slots, sizeof *m->root);
-    m->slot = sl_allocate(m->slot_count, sizeof *m->slot);
-    if (m->root == NULL || m->slot == NULL) {
+    if (m->root == NULL || !sl_place_table_resize(&m->table, 16)) {
         sl_mesh_destroy(m);
         return sl_fail_memory(error, "a mesh");
     }
@@ -38,7 +38,8 @@ sl_status sl_mesh_create(const sl_primitives *primitives, int channels, int max_
 
 void sl_mesh_destroy(sl_mesh *mesh) {
     if (mesh == NULL) return;
-    void *const all[] = {mesh->root, mesh->node, mesh->key, mesh->value, mesh->state, mesh->slot};
+    void *const all[] = {mesh->root,   mesh->node,  mesh->place,     mesh->halved,
+                         mesh->value, mesh->state, mesh->table.slot};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(mesh);
 }
@@ -46,14 +47,14 @@ void sl_mesh_destroy(sl_mesh *mesh) {
 size_t sl_mesh_memory_bytes(const sl_mesh *mesh) {
     size_t vertices =
         mesh->vertex_capacity *
-        (sizeof *mesh->key + (size_t)mesh->channels * sizeof *mesh->value + sizeof *mesh->state);
-    return sizeof *mesh + (mesh->root_slots + mesh->slot_count) * sizeof(uint32_t) +
+        (sizeof *mesh->place + 1 + (size_t)mesh->channels * sizeof *mesh->value + sizeof *mesh->state);
+    return sizeof *mesh + (mesh->root_slots + mesh->table.count) * sizeof(uint32_t) +
            mesh->node_capacity * sizeof *mesh->node + vertices;
 }
 
 void sl_mesh_clear(sl_mesh *mesh) {
     for (size_t i = 0; i < mesh->root_slots; i++) mesh->root[i] = SL_NO_INDEX;
-    for (size_t i = 0; i < mesh->slot_count; i++) mesh->slot[i] = SL_NO_INDEX;
+    for (size_t i = 0; i < mesh->table.count; i++) mesh->table.slot[i] = SL_NO_INDEX;
     mesh->root_count = mesh->node_count = mesh->vertex_count = mesh->leaf_count = mesh->free_nodes = 0;
     mesh->first_free = SL_NO_INDEX;
 }

@@ -92,38 +92,26 @@ void sl_patches_touch(sl_patches *p, uint32_t vertex) {
 
 /* ---- vertices along an edge ------------------------------------------------------------------ */
 
-typedef struct hanging_list {
+typedef struct edge_of_leaf {
     const sl_patches *patches;
-    uint32_t root, corner; /* a vertex that the edge begins with */
-    uint32_t *vertex;
-    uint16_t *at;          /* NULL: not wanted */
-    size_t count, room;
-} hanging_list;
+    uint32_t corner; /* a vertex that the edge begins with */
+} edge_of_leaf;
 
-/* Finer leaves beside an edge have its middle for a corner, and only then may they have the middles of its
- * halves. */
-static void collect(hanging_list *list, const uint32_t from[2], const uint32_t to[2], uint32_t first,
-                    uint32_t length) {
-    uint32_t middle[2] = {(from[0] + to[0]) / 2, (from[1] + to[1]) / 2};
-    bool smallest = (from[0] + to[0]) % 2 || (from[1] + to[1]) % 2; /* an edge of the deepest leaves */
-    if (smallest || list->count == list->room) return;
-    uint32_t vertex =
-        sl_vertex_find(list->patches, (sl_root_place){list->root, (uint16_t)middle[0], (uint16_t)middle[1]});
-    if (vertex == SL_NO_INDEX || vertex == list->corner) return; /* the latter: the edge is one point */
-    collect(list, from, middle, first, length / 2);
-    if (list->count == list->room) return;
-    if (list->at) list->at[list->count] = (uint16_t)(first + length / 2);
-    list->vertex[list->count++] = vertex;
-    collect(list, middle, to, first + length / 2, length / 2);
+static uint32_t vertex_at(const void *tree, sl_root_place place, bool *further) {
+    const edge_of_leaf *edge = tree;
+    uint32_t vertex = sl_vertex_find(edge->patches, place);
+    *further = true;
+    return vertex == edge->corner ? SL_NO_INDEX : vertex; /* the former: the edge is one point */
 }
 
 size_t sl_patch_hanging_at(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex,
                            uint16_t *at, size_t room) {
     int next = (edge + 1) % leaf->corners;
-    hanging_list list = {p, leaf->root, sl_patch_corner(p, leaf->patch, edge), vertex, at, 0, room};
-    collect(&list, (uint32_t[2]){leaf->u[edge], leaf->v[edge]}, (uint32_t[2]){leaf->u[next], leaf->v[next]},
-            0, SL_PATCH_DYADIC);
-    return list.count;
+    edge_of_leaf of = {p, sl_patch_corner(p, leaf->patch, edge)};
+    sl_hanging_walk walk = {&of, vertex_at, vertex, at, 0, room};
+    sl_walk_hanging(&walk, (sl_root_place){leaf->root, leaf->u[edge], leaf->v[edge]},
+                    (sl_root_place){leaf->root, leaf->u[next], leaf->v[next]}, 0, SL_PATCH_DYADIC);
+    return walk.count;
 }
 
 size_t sl_patch_hanging(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex,

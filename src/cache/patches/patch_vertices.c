@@ -4,54 +4,20 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/random.h"
-#include "cache/patches/dyadic.h"
 #include "cache/patches/patch_parts.h"
 
 /* ---- the table ------------------------------------------------------------------------------- */
 
-static size_t home_of(const sl_patches *p, sl_root_place place) {
-    uint64_t hash = sl_hash64((uint64_t)place.root << 32 | (uint64_t)place.u << 16 | place.v);
-    return sl_slot_of_hash(hash, p->slot_count);
-}
-
-/* The slot of the vertex at a place, or the empty one where it would go. */
-static size_t slot_of(const sl_patches *p, sl_root_place place) {
-    size_t slot = home_of(p, place);
-    for (;; slot = sl_slot_after(slot, p->slot_count)) {
-        if (p->slot[slot] == SL_NO_INDEX) return slot;
-        const sl_patch_vertex *v = &p->vertex[p->slot[slot]];
-        if (v->root == place.root && v->u == place.u && v->v == place.v) return slot;
-    }
-}
-
 static sl_status reserve_slots(sl_patches *p, size_t vertices, sl_error *error) {
-    if (5 * vertices <= 4 * p->slot_count) return SL_OK;
+    if (5 * vertices <= 4 * p->table.count) return SL_OK;
     size_t count = vertices + vertices / 4 + vertices / 24 + 64;
     if (count >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many vertices of patches");
-    uint32_t *slot = sl_allocate_unset(count, sizeof *slot);
-    if (!slot) return sl_fail_memory(error, "vertices of patches");
-    memset(slot, 0xff, count * sizeof *slot); /* SL_NO_INDEX */
-    sl_free(p->slot);
-    p->slot = slot;
-    p->slot_count = count;
+    if (!sl_place_table_resize(&p->table, count)) return sl_fail_memory(error, "vertices of patches");
     for (size_t i = 0; i < p->vertex_count; i++) {
-        if (p->vertex[i].references) p->slot[slot_of(p, sl_vertex_place(&p->vertex[i]))] = (uint32_t)i;
+        if (p->vertex[i].references)
+            p->table.slot[sl_place_slot(&p->table, p->vertex[i].place)] = (uint32_t)i;
     }
     return SL_OK;
-}
-
-/* Those that could have gone here, had it been empty, move up: no marks are left behind. */
-static void empty_slot(sl_patches *p, size_t hole) {
-    for (size_t slot = sl_slot_after(hole, p->slot_count); p->slot[slot] != SL_NO_INDEX;
-         slot = sl_slot_after(slot, p->slot_count)) {
-        size_t home = home_of(p, sl_vertex_place(&p->vertex[p->slot[slot]]));
-        bool between = hole < slot ? home > hole && home <= slot : home > hole || home <= slot;
-        if (between) continue;
-        p->slot[hole] = p->slot[slot];
-        hole = slot;
-    }
-    p->slot[hole] = SL_NO_INDEX;
 }
 
 /* ---- vertices -------------------------------------------------------------------------------- */
@@ -76,6 +42,7 @@ static sl_status reserve_numbers(sl_patches *p, size_t count, sl_error *error) {
             (sl_growing){(void **)&p->lobe_group, had / groups * group, capacity / groups * group, NULL};
     sl_status status = sl_patches_enlarge(all, arrays, error);
     if (status == SL_OK) p->vertex_capacity = capacity;
+    p->table.vertex = p->vertex;
     return status;
 }
 
@@ -100,7 +67,7 @@ sl_status sl_vertices_reserve(sl_patches *p, uint32_t root, size_t count, sl_err
 }
 
 uint32_t sl_vertex_find(const sl_patches *p, sl_root_place place) {
-    return p->slot[slot_of(p, sl_root_canonical(p->primitives, place))];
+    return p->table.slot[sl_place_slot(&p->table, sl_root_canonical(p->primitives, place))];
 }
 
 /* Vertices that are not in use have no references and name the next one in `root`. */
@@ -130,24 +97,19 @@ static uint32_t unused_vertex(sl_patches *p, bool lobe) {
 
 uint32_t sl_vertex_take(sl_patches *p, sl_root_place place, bool *created) {
     place = sl_root_canonical(p->primitives, place);
-    size_t slot = slot_of(p, place);
-    if (p->slot[slot] != SL_NO_INDEX) {
-        sl_patch_vertex *found = &p->vertex[p->slot[slot]];
+    size_t slot = sl_place_slot(&p->table, place);
+    if (p->table.slot[slot] != SL_NO_INDEX) {
+        sl_patch_vertex *found = &p->vertex[p->table.slot[slot]];
         if (found->references < SL_REFERENCES_MANY) found->references++;
-        return p->slot[slot];
+        return p->table.slot[slot];
     }
     uint32_t made = unused_vertex(p, has_lobe(p, place.root));
-    enum { BITS = 2 * SL_PATCH_DYADIC - 1 };
-    p->vertex[made] = (sl_patch_vertex){.root = place.root,
-                                        .u = place.u & (unsigned)BITS,
-                                        .v = place.v & (unsigned)BITS,
-                                        .references = 1,
-                                        .evaluated = SL_VERTEX_NEVER};
+    p->vertex[made] = (sl_patch_vertex){.place = place, .references = 1, .evaluated = SL_VERTEX_NEVER};
     float *lobe = sl_vertex_lobe(p, made);
     if (lobe) memset(lobe, 0, sizeof *p->lobe);
     if (p->sets) p->sets[made] = (sl_vertex_sets){0};
     p->vertices_alive++;
-    p->slot[slot] = made;
+    p->table.slot[slot] = made;
     *created = true;
     return made;
 }
@@ -155,7 +117,7 @@ uint32_t sl_vertex_take(sl_patches *p, sl_root_place place, bool *created) {
 bool sl_vertex_release(sl_patches *p, uint32_t vertex) {
     sl_patch_vertex *v = &p->vertex[vertex];
     if (v->references == SL_REFERENCES_MANY || --v->references) return false;
-    empty_slot(p, slot_of(p, sl_vertex_place(v)));
+    sl_place_table_empty(&p->table, sl_place_slot(&p->table, v->place));
     put_aside(p, vertex, sl_vertex_lobe(p, vertex) != NULL);
     p->vertices_alive--;
     return true;

@@ -18,6 +18,7 @@ sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_p
     if (!p) return sl_fail_memory(error, "patches");
     size_t roots = 2 * primitives->count;
     p->primitives = primitives;
+    p->table.stride = sizeof *p->vertex;
     p->first_free = p->resting[0] = p->resting[1] = p->last_root_block = p->first_free_vertex[0] =
         p->first_free_vertex[1] = SL_NO_INDEX;
     p->lobes = kept & SL_PATCHES_LOBES;
@@ -39,7 +40,7 @@ void sl_patches_destroy(sl_patches *p) {
     if (!p) return;
     for (size_t i = 0; i < p->block_chunks; i++) sl_free(p->block_chunk[i]);
     void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block_chunk,
-                   p->vertex,     p->sets,        p->lobe_group,  p->lobe,  p->slot,  p->waiting};
+                   p->vertex,     p->sets,        p->lobe_group,  p->lobe,  p->table.slot, p->waiting};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(p);
 }
@@ -51,7 +52,7 @@ size_t sl_patches_memory_bytes(const sl_patches *p) {
     return p->patch_capacity * (sizeof *p->patch + 1) + p->block_chunks * of_chunk +
            p->wanted_capacity * sizeof *p->root_corner + p->vertex_capacity * of_vertex +
            groups * sizeof *p->lobe_group + p->lobe_capacity * sizeof *p->lobe +
-           p->slot_count * sizeof *p->slot + p->waiting_capacity * sizeof *p->waiting;
+           p->table.count * sizeof *p->table.slot + p->waiting_capacity * sizeof *p->waiting;
 }
 
 /* ---- blocks of four patches ------------------------------------------------------------------ */

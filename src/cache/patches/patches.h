@@ -3,17 +3,19 @@
  *
  *   patches.c          trees: roots, splits, dropped children, blocks that are used again
  *   patch_vertices.c   vertices: shared inside a root by where they lie, and between roots along edges where
- * position, normal and material agree patch_size.c       sizes in the picture patch_around.c     leaves
- * around a vertex, vertices along a leaf's edge patch_borrow.c     vertices without light of their own
+ *                      position, normal and material agree (places.h: how they are found)
+ *   patch_size.c       sizes in the picture
+ *   patch_around.c     leaves around a vertex, vertices along a leaf's edge
+ *   patch_borrow.c     vertices without light of their own
  *   patch_evict.c      ageing: children that nobody has seen for long, or that are below a pixel, go when
- * there are too many
+ *                      there are too many
  *
  * dyadic.h has how patches are cut. Vertices are counted by the splits (and roots) that asked for them: the
  * last one to go takes its vertex with it. */
 #ifndef SL_PATCHES_PATCHES_H
 #define SL_PATCHES_PATCHES_H
 
-#include "cache/patches/primitives.h"
+#include "cache/patches/places.h"
 #include "cache/patches/screen_size.h"
 
 enum {
@@ -47,10 +49,15 @@ enum { SL_BLOCKS_A_CHUNK = 64 };
 enum { SL_VERTEX_NEVER = 0 };    /* evaluated: updates count from 1 */
 
 typedef struct sl_patch_vertex {
-    uint32_t root;               /* of those that share it the lowest */
-    uint32_t u : SL_PATCH_DEPTH_MAX + 1, v : SL_PATCH_DEPTH_MAX + 1; /* in 1/SL_PATCH_DYADIC of that root */
+    union {
+        sl_root_place place;     /* the one that stands for all that share it */
+        struct {
+            uint32_t root;
+            uint16_t u, v;
+        };
+    };
     uint32_t references : 2;     /* SL_REFERENCES_MANY: so many, or more */
-    uint32_t evaluated : 28;     /* update; SL_VERTEX_NEVER */
+    uint32_t evaluated : 26;     /* update; SL_VERTEX_NEVER */
     uint32_t waiting : 1;        /* in the list of those around which nobody had light to lend */
     /* it was, but has no light of its own (it lies inside other geometry, or no number came): its value is
      * that of those around it */
@@ -104,8 +111,7 @@ typedef struct sl_patches {
     size_t lobe_count, lobe_capacity;
     uint32_t first_free_vertex[2]; /* numbers not in use, without lobes and with them */
     size_t free_vertices[2];
-    uint32_t *slot;              /* hash of vertices */
-    size_t slot_count;
+    sl_place_table table;        /* of vertices */
     bool borrowing;              /* some vertex has been borrowed */
     uint32_t *waiting;           /* borrowed vertices with nobody around who had light */
     size_t waiting_count, waiting_capacity;
@@ -154,11 +160,9 @@ static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int 
 }
 
 static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) {
-    v->evaluated = update & (UINT32_MAX >> 4);
+    v->evaluated = update & (UINT32_MAX >> 6);
 }
-static inline sl_root_place sl_vertex_place(const sl_patch_vertex *v) {
-    return (sl_root_place){v->root, (uint16_t)v->u, (uint16_t)v->v};
-}
+static inline sl_root_place sl_vertex_place(const sl_patch_vertex *v) { return v->place; }
 /* L_s of a vertex, towards the eye; NULL: its material has no lobe. */
 static inline float *sl_vertex_lobe(const sl_patches *p, uint32_t vertex) {
     uint32_t group = p->lobes ? p->lobe_group[vertex / SL_VERTEX_GROUP] : SL_NO_INDEX;

@@ -13,7 +13,7 @@
 
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/gather.h"
+#include "cache/multi_mesh/coarse.h"
 #include "trace_scenes.h"
 
 /* A scene with all that a gather needs. */
@@ -39,7 +39,8 @@ static inline gathering gathering_of(sl_scene *scene, float edge, int depth,
     assert_int_equal(sl_raster_create(scene, 1, &g.raster, NULL), SL_OK);
     assert_int_equal(sl_primitives_of_triangles(scene, &g.primitives, NULL), SL_OK);
     assert_int_equal(sl_coarse_create(scene, g.primitives, &coarse, &g.coarse, NULL), SL_OK);
-    assert_int_equal(sl_mesh_gather_create(scene, g.raster, g.coarse, settings, &g.gather, NULL), SL_OK);
+    sl_lattice_colours colours = {g.coarse->face, g.coarse->colour};
+    assert_int_equal(sl_mesh_gather_create(scene, g.raster, &colours, settings, &g.gather, NULL), SL_OK);
     assert_int_equal(sl_mesh_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
     return g;
 }
@@ -76,14 +77,15 @@ static inline sl_mesh_point face_point(const sl_scene *scene, uint32_t face, flo
 /* What bounces off at a point of a face, as gathers look it up: after sl_coarse_finish(). */
 static inline sl_rgb coarse_colour(const sl_coarse *c, uint32_t face, float w1, float w2) {
     float a, b, value[3];
-    int at = c->face[face].first + sl_coarse_locate(w1, w2, c->face[face].rows, &a, &b);
-    const float *colour = c->colour + (size_t)at * SL_COARSE_FLOATS;
+    int at = c->face[face].first + sl_lattice_locate(w1, w2, c->face[face].rows, &a, &b);
+    const float *colour = c->colour + (size_t)at * SL_LATTICE_FLOATS;
     for (int k = 0; k < 3; k++) value[k] = colour[k] + a * colour[3 + k] + b * colour[6 + k];
     return (sl_rgb){value[0], value[1], value[2]};
 }
 
 static inline sl_rgb take(gathering *g, const sl_mesh_point *point) {
-    return sl_mesh_gather_take(g->gather, point, g->scratch, &g->counters);
+    sl_lit_point lit = {point->position, point->normal, point->geometric_normal, point->triangle};
+    return sl_mesh_gather_take(g->gather, &lit, point->face, g->scratch, &g->counters);
 }
 
 #endif

@@ -238,25 +238,6 @@ static void colours_are_values_times_the_mean_of_the_texture(void **state) {
     }
 }
 
-static void any_number_of_threads_makes_the_same_mesh(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 20, 0.1f, true,
-                      trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
-    meshed m = mesh_of(trace_mesh_build(&mesh), 0.1f, 3);
-    for (size_t v = 0; v < m.coarse->vertex_count; v++)
-        sl_coarse_set(m.coarse, v, (sl_rgb){(float)(v % 100), 1.0f, (float)(v % 7)});
-    sl_coarse_finish(m.coarse, 1);
-    sl_rgb one = sl_coarse_brightest(m.coarse), at = coarse_colour(m.coarse, 100, 0.2f, 0.3f);
-    for (unsigned threads = 2; threads < 8; threads++) {
-        sl_coarse_finish(m.coarse, threads);
-        sl_rgb many = sl_coarse_brightest(m.coarse), again = coarse_colour(m.coarse, 100, 0.2f, 0.3f);
-        assert_memory_equal(&one, &many, sizeof one);
-        assert_memory_equal(&at, &again, sizeof at);
-    }
-    meshed_destroy(&m);
-}
-
 static void settings_out_of_range_are_refused(void **state) {
     (void)state;
     sl_scene *scene = quad_scene(0.5f);
@@ -273,22 +254,6 @@ static void settings_out_of_range_are_refused(void **state) {
 }
 
 /* ---- before there is one --------------------------------------------------------------------- */
-
-static void before_there_is_a_mesh_indirect_light_is_that_of_a_sphere(void **state) {
-    (void)state;
-    const double rho = 0.4, intensity = 3.0, radius = 2.0;
-    trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), (float)radius, 60, 0.0f, true,
-                      trace_mesh_material(&mesh, (float)rho, 0, 0, 0, 0));
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .intensity = {(float)intensity, 0, 0}};
-    mesh.light_count = 1;
-    sl_scene *scene = trace_mesh_build(&mesh);
-    sl_rgb e = sl_ambient_irradiance(scene);
-    double truth = rho * 4.0 * SL_PI * intensity / (4.0 * SL_PI * radius * radius);
-    assert_true(near((double)e.r / truth, 1.0, 3e-3)); /* the facets' area is a little less */
-    assert_true(e.g == 0.0f);
-    sl_scene_destroy(scene);
-}
 
 static void every_kind_of_light_counts_with_its_power(void **state) {
     (void)state;
@@ -326,9 +291,7 @@ int main(void) {
         cmocka_unit_test(light_is_asked_for_a_little_within_rims),
         cmocka_unit_test(a_value_that_is_no_number_is_made_up_for_by_its_neighbours),
         cmocka_unit_test(colours_are_values_times_the_mean_of_the_texture),
-        cmocka_unit_test(any_number_of_threads_makes_the_same_mesh),
         cmocka_unit_test(settings_out_of_range_are_refused),
-        cmocka_unit_test(before_there_is_a_mesh_indirect_light_is_that_of_a_sphere),
         cmocka_unit_test(every_kind_of_light_counts_with_its_power),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -102,34 +102,6 @@ static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(vo
     discard(&h);
 }
 
-static void below_every_light_s_horizon_nothing_is_asked(void **state) {
-    (void)state;
-    lit_hall h = hall(LAMPS, 1);
-    sl_coarse_vertex vertex[POINTS];
-    sl_rgb radiance[POINTS];
-    places(1, vertex);
-    sl_coarse_light_take(h.light, POINTS, vertex, radiance, &h.counters);
-    for (int i = 0; i < POINTS; i++) assert_true(radiance[i].g == 0.0f);
-    assert_int_equal(h.counters.value[SL_COUNT_LIGHT_SAMPLES], 0);
-    discard(&h);
-}
-
-static void any_number_of_threads_gives_the_same_light(void **state) {
-    (void)state;
-    sl_rgb radiance[2][POINTS];
-    uint64_t asked[2];
-    for (unsigned k = 0; k < 2; k++) {
-        lit_hall h = hall(LAMPS / 2, k ? 3 : 1);
-        sl_coarse_vertex vertex[POINTS];
-        places(0, vertex);
-        sl_coarse_light_take(h.light, POINTS, vertex, radiance[k], &h.counters);
-        asked[k] = h.counters.value[SL_COUNT_LIGHT_SAMPLES];
-        discard(&h);
-    }
-    assert_memory_equal(radiance[0], radiance[1], sizeof radiance[0]);
-    assert_int_equal(asked[0], asked[1]);
-}
-
 /* ---- borders ---- */
 
 /* Posts, which are no solids, stand on the corners of a floor; none of these sees the lamp, nearly all of the
@@ -214,8 +186,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(where_nothing_is_between_all_lights_count_though_few_are_asked),
         cmocka_unit_test(lights_that_are_not_asked_are_off_by_no_more_than_they_could_give),
-        cmocka_unit_test(below_every_light_s_horizon_nothing_is_asked),
-        cmocka_unit_test(any_number_of_threads_gives_the_same_light),
         cmocka_unit_test(things_that_stand_on_a_floors_corners_do_not_make_it_dark),
         cmocka_unit_test(few_rays_are_off_to_either_side_alike),
     };

@@ -16,11 +16,6 @@ static sl_rgb linear(const void *context, sl_vec3 p) {
     return (sl_rgb){1.0f + 0.3f * p.x + 0.1f * p.y, 0.9f - 0.25f * p.y, 0.5f + 0.2f * p.x};
 }
 
-static sl_rgb black(const void *context, sl_vec3 p) {
-    (void)context, (void)p;
-    return sl_grey(0.0f);
-}
-
 /* A round shadow. */
 typedef struct disc {
     float x, y, radius;
@@ -111,26 +106,6 @@ static void each_pixel_belongs_to_the_leaf_in_which_it_lies(void **state) {
     rig_discard(&r);
 }
 
-static void pixels_of_slivers_are_handed_down_too(void **state) {
-    (void)state;
-    static const float xyz[] = {-1, -0.9f, 0,      1, -0.9f, 0, 1, -0.83f, 0,    -1, -0.5f, 0, 1, 0.9f,
-                                0,  -1,    -0.45f, 0, -1,    0, 0, 0.2f,   0.1f, 0,  -1,    1, 0};
-    sl_scene *scene = scene_of_triangles(xyz, 3);
-    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 2), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 0.93f));
-    sl_displayed_settings settings = usual_settings();
-    uint64_t seed = 3;
-    rig r = rig_of(scene, (field){noise, &seed}, &settings, 200, 200);
-    rig_look(&r, NULL, 1);
-    for (int round = 0; round < 4; round++) {
-        check c = check_all(&r);
-        assert_int_equal(c.pixels, r.pixels->count);
-        assert_true(c.error < 2e-3);
-        if (round < 3) rig_finish(&r);
-        if (round == 1) rig_look(&r, NULL, 1);
-    }
-    rig_discard(&r);
-}
-
 static void the_first_image_samples_the_corners_of_faces_in_view_and_no_more(void **state) {
     (void)state;
     sl_displayed_settings settings = usual_settings();
@@ -213,39 +188,11 @@ static void a_linear_field_is_all_undone(void **state) {
     assert_all_undone((field){linear, NULL}, 1.0f);
 }
 
-static void a_black_field_is_all_undone(void **state) {
-    (void)state;
-    assert_all_undone((field){black, NULL}, 1.0f);
-}
-
 static void a_shadow_in_the_dark_is_not_split_at(void **state) {
     (void)state;
     disc s = {0.1f, 0.2f, 0.5f};
         assert_true(sl_display_level(1.0f, 0.0005f) < 10.0f);
     assert_all_undone((field){dark_shadow, &s}, 1.0f);
-}
-
-static bool want_none(const void *context, uint32_t face) {
-    (void)context, (void)face;
-    return false;
-}
-
-static void what_no_component_wants_is_left_alone(void **state) {
-    (void)state;
-    sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(room(), (field){black, NULL}, &settings, 64, 48);
-    rig_look(&r, NULL, 1);
-    sl_displayed_restart(r.mesh);
-    assert_int_equal(r.mesh->mesh->vertex_count, 0);
-    assert_true(sl_displayed_priority(r.mesh) <= 0.0f);
-    assert_int_equal(sl_displayed_see(r.mesh, r.pixels, want_none, NULL, NULL), SL_OK);
-    uint32_t vertex, face;
-    assert_int_equal(sl_displayed_missing(r.mesh, &vertex, &face, 1), 0);
-    assert_int_equal(sl_displayed_take(r.mesh).node, SL_NO_INDEX);
-    rig_draw(&r, 1);
-    for (size_t i = 0; i < 64 * 48; i++) assert_true(r.plane[1][i] < 0.0f);
-    assert_int_equal(r.mesh->mesh->leaf_count, 0);
-    rig_discard(&r);
 }
 
 /* ---- small features ---- */
@@ -346,18 +293,6 @@ static void minor_leaves_are_looked_into_only_where_their_corners_differ_by_much
     assert_true(cut[2] > 200);
 }
 
-static void depth_is_bounded(void **state) {
-    (void)state;
-    uint64_t seed = 9;
-    sl_displayed_settings settings = usual_settings();
-    settings.max_depth = 3;
-    rig r = rig_of(square_scene(), (field){noise, &seed}, &settings, 128, 128);
-    rig_look(&r, NULL, 1);
-    rig_finish(&r);
-    assert_int_equal(r.mesh->mesh->leaf_count, 2 * 64);
-    rig_discard(&r);
-}
-
 /* ---- views ---- */
 
 static sl_rgb curved(const void *context, sl_vec3 p) {
@@ -436,17 +371,13 @@ static void a_view_seen_again_asks_only_where_a_nearer_one_has_found_a_shadow(vo
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_pixel_belongs_to_the_leaf_in_which_it_lies),
-        cmocka_unit_test(pixels_of_slivers_are_handed_down_too),
         cmocka_unit_test(the_first_image_samples_the_corners_of_faces_in_view_and_no_more),
         cmocka_unit_test(a_uniform_field_is_split_for_its_size_and_all_undone),
         cmocka_unit_test(a_linear_field_is_all_undone),
-        cmocka_unit_test(a_black_field_is_all_undone),
         cmocka_unit_test(a_shadow_in_the_dark_is_not_split_at),
-        cmocka_unit_test(what_no_component_wants_is_left_alone),
         cmocka_unit_test(a_shadow_of_six_pixels_is_found_wherever_it_lies),
         cmocka_unit_test(noise_is_refined_down_to_pixels_and_ends),
         cmocka_unit_test(minor_leaves_are_looked_into_only_where_their_corners_differ_by_much),
-        cmocka_unit_test(depth_is_bounded),
         cmocka_unit_test(a_view_seen_again_asks_for_nothing),
         cmocka_unit_test(minor_leaves_of_a_picture_that_is_done_are_not_judged_again),
         cmocka_unit_test(a_view_seen_again_asks_only_where_a_nearer_one_has_found_a_shadow),

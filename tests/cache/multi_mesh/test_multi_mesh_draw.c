@@ -200,32 +200,6 @@ static void leaves_without_values_show_what_stands_in(void **state) {
     rig_discard(&r);
 }
 
-static void the_same_bits_with_any_threads(void **state) {
-    (void)state;
-    float *first[3] = {NULL};
-    uint64_t splits = 0;
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        sl_displayed_settings settings = usual_settings();
-        settings.threads = threads;
-        rig r = rig_of(room(), (field){stripes_with_holes, NULL}, &settings, WIDTH, HEIGHT);
-        sl_camera other = room_camera(sl_v3(0.5f, 1.0f, 3), sl_v3(4, 1.2f, 2));
-        for (int view = 0; view < 3; view++) {
-            rig_look(&r, view == 1 ? &other : NULL, threads);
-            rig_draw(&r, threads);
-            for (int i = 0; i < 30; i++) rig_step(&r, 32);
-            rig_draw(&r, threads);
-        }
-        if (threads == 1) {
-            copy_planes(&r, first);
-            splits = r.counters.value[SL_COUNT_SPLITS];
-        }
-        assert_same_planes(&r, first);
-        assert_int_equal(r.counters.value[SL_COUNT_SPLITS], splits);
-        rig_discard(&r);
-    }
-    release_planes(first);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mesh_of_one_colour_split_at_random_has_neither_holes_nor_steps),
@@ -234,7 +208,6 @@ int main(void) {
         cmocka_unit_test(so_it_does_where_samples_are_of_no_use),
         cmocka_unit_test(a_drawn_pixel_has_the_value_that_the_mesh_has_there),
         cmocka_unit_test(leaves_without_values_show_what_stands_in),
-        cmocka_unit_test(the_same_bits_with_any_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

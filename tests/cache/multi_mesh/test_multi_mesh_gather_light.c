@@ -58,43 +58,6 @@ static void light_that_a_lamp_sends_is_not_gathered(void **state) {
     assert_true(seen[0].r > 0.3f && (double)seen[0].r < 0.5 * SL_PI);
 }
 
-/* A light of power 4 pi I in the middle of a sphere: E_d = I / R^2 everywhere, E_i = rho times that, and with
- * two bounces rho + rho^2. */
-static void one_bounce_and_two_bounces_in_a_sphere(void **state) {
-    (void)state;
-    const double rho = 0.6, radius = 2.0, direct = 1.0 / (radius * radius);
-    trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
-    trace_mesh_sphere(&m, sl_v3(0, 0, 0), (float)radius, 16, 0.0f, true,
-                      trace_mesh_material(&m, (float)rho, 0, 0, 0, 0));
-    sl_mesh_gather_settings settings = usual_settings();
-    gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
-    size_t count = g.coarse->vertex_count;
-    set_all(&g, sl_grey((float)(direct / SL_PI)));
-    sl_rgb *first = malloc(count * sizeof *first);
-    assert_non_null(first);
-    for (size_t v = 0; v < count; v++) {
-        sl_coarse_vertex at = g.coarse->vertex[v];
-        sl_mesh_point p =
-            face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
-        /* that side is not looked at */
-        if (at.face % 2) p.normal = p.geometric_normal = sl_face_normal(g.scene, at.face - 1);
-        first[v] = take(&g, &p);
-        if (at.face % 2 == 0) assert_true(near((double)first[v].r / (rho * direct), 1.0, 3e-3));
-    }
-    for (size_t v = 0; v < count; v++) {
-        sl_coarse_set(
-            g.coarse, v,
-            sl_rgb_add(sl_grey((float)(direct / SL_PI)), sl_rgb_scale(first[v], (float)(1.0 / SL_PI))));
-    }
-    sl_coarse_finish(g.coarse, 1);
-    for (uint32_t t = 0; t < g.scene->triangle_count; t += 41) {
-        sl_mesh_point p = face_point(g.scene, 2 * t, 0.4f, 0.3f);
-        assert_true(near((double)take(&g, &p).r / ((rho + rho * rho) * direct), 1.0, 5e-3));
-    }
-    free(first);
-    gathering_destroy(&g);
-}
-
 /* ---- pictures -------------------------------------------------------------------------------- */
 
 /* Uneven triangles at random levels, values at random: pixels of the picture against the rasterizer's own
@@ -330,21 +293,6 @@ static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **sta
     }
 }
 
-/* A table's top, a hair above the floor: half of it is what the floor below it sees. */
-static void what_lies_a_hair_above_is_seen(void **state) {
-    (void)state;
-    trace_mesh m = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
-    trace_mesh_quad(&m, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), grey);
-    trace_mesh_quad(&m, sl_v3(-1, -1, 1e-3f), sl_v3(0, 2, 0), sl_v3(2, 0, 0), grey);
-    sl_mesh_gather_settings settings = usual_settings();
-    gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
-    set_all(&g, sl_grey(1.0f));
-    sl_mesh_point p = face_point(g.scene, 0, 0.3f, 0.3f);
-    assert_true(near((double)take(&g, &p).r, 0.5 * SL_PI, 1e-4));
-    gathering_destroy(&g);
-}
-
 /* ---- hard input ------------------------------------------------------------------------------ */
 
 static void points_that_are_no_numbers_get_no_light_and_are_counted(void **state) {
@@ -385,10 +333,11 @@ static void settings_out_of_range_are_refused(void **state) {
                 {64, 128, 2.8f}, {128, 16, 3.2f}, {128, 16, NAN}};
     for (int k = 0; k < 7; k++) {
         sl_mesh_gather *gather;
+        sl_lattice_colours colours = {g.coarse->face, g.coarse->colour};
         settings.size = bad[k].size;
         settings.reduced = bad[k].reduced;
         settings.fov = bad[k].fov;
-        assert_int_equal(sl_mesh_gather_create(g.scene, g.raster, g.coarse, &settings, &gather, NULL),
+        assert_int_equal(sl_mesh_gather_create(g.scene, g.raster, &colours, &settings, &gather, NULL),
                          SL_ERROR_USAGE);
     }
     gathering_destroy(&g);
@@ -398,7 +347,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_red_wall_tints_a_white_floor_though_no_camera_sees_it),
         cmocka_unit_test(light_that_a_lamp_sends_is_not_gathered),
-        cmocka_unit_test(one_bounce_and_two_bounces_in_a_sphere),
         cmocka_unit_test(every_pixel_is_reflectance_times_value_at_the_point_that_it_shows),
         cmocka_unit_test(gathers_have_the_same_bits_with_every_instruction_set_and_whatever_went_before),
         cmocka_unit_test(where_nothing_is_the_sky_is_seen_or_black),
@@ -407,7 +355,6 @@ int main(void) {
         cmocka_unit_test(a_flat_surface_does_not_light_itself),
         cmocka_unit_test(on_a_crease_the_wall_beyond_is_seen_from_within),
         cmocka_unit_test(at_vertices_bulges_see_the_sky_and_hollows_see_themselves),
-        cmocka_unit_test(what_lies_a_hair_above_is_seen),
         cmocka_unit_test(points_that_are_no_numbers_get_no_light_and_are_counted),
         cmocka_unit_test(settings_out_of_range_are_refused),
     };

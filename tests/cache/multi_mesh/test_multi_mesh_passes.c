@@ -182,51 +182,6 @@ static void after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_
     discard(&r);
 }
 
-static uint64_t grown(const sl_counters *before, const run *r, sl_counter counter) {
-    return r->s->counters.value[counter] - before->value[counter];
-}
-
-/* Leaves are judged by all components together, and these were known one after another. The meshes themselves
- * have come to rest, whether or not it is remembered that the picture is done. */
-static void told_to_look_again_it_has_nothing_to_ask(void **state) {
-    (void)state;
-    for (int quality = SL_QUALITY_DRAFT; quality <= SL_QUALITY_NORMAL; quality++) {
-        run r = run_in_quality(load_scene("scenes/cornell.json"), 160, (sl_quality)quality);
-        finish(&r);
-        sl_counters before = r.s->counters;
-        assert_int_equal(r.s->done_count, 1);
-        r.s->done_count = 0;
-        assert_int_equal(sl_multi_mesh_method.edit(r.s, SL_CHANGED_CAMERA, NULL), SL_OK);
-        finish(&r);
-        assert_int_equal(grown(&before, &r, SL_COUNT_LIGHT_SAMPLES), 0);
-        assert_int_equal(grown(&before, &r, SL_COUNT_INDIRECT_SAMPLES), 0);
-        assert_int_equal(grown(&before, &r, SL_COUNT_SPLITS), 0);
-        discard(&r);
-    }
-}
-
-/* Without lobes: there and back again, but that nobody remembers to have been there. */
-static void back_in_an_old_view_of_a_diffuse_scene_hardly_anything_is_sampled_again(void **state) {
-    (void)state;
-    run r = run_of(load_scene("scenes/cornell.json"), 64);
-    finish(&r);
-    look_from(&r, 60.0f);
-    finish(&r);
-    sl_counters before = r.s->counters;
-    r.s->done_count = 0;
-    look_from(&r, 0.0f);
-    finish(&r);
-    uint64_t light = grown(&before, &r, SL_COUNT_LIGHT_SAMPLES),
-             gathers = grown(&before, &r, SL_COUNT_INDIRECT_SAMPLES);
-    print_message("%llu of %llu samples of light, %llu of %llu gathers\n", (unsigned long long)light,
-                  (unsigned long long)before.value[SL_COUNT_LIGHT_SAMPLES], (unsigned long long)gathers,
-                  (unsigned long long)before.value[SL_COUNT_INDIRECT_SAMPLES]);
-    assert_true(500 * light <= before.value[SL_COUNT_LIGHT_SAMPLES]);
-    /* where the other view has found a difference on an edge */
-    assert_true(50 * gathers <= before.value[SL_COUNT_INDIRECT_SAMPLES]);
-    discard(&r);
-}
-
 /* ---- passes that are left out ---- */
 
 static const char square_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n";
@@ -319,128 +274,14 @@ static void where_no_light_falls_nothing_is_gathered(void **state) {
     }
 }
 
-/* Of what a scene has but the view does not show there is no picture: no k_s, no emission, no specular mesh
- * of leaves. */
-static void what_a_view_does_not_show_has_no_picture(void **state) {
-    (void)state;
-    static const char two_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nusemtl "
-                                  "shiny\nv -40 0 40\nv -40 0 44\nv -36 0 44\nv -36 0 40\nf 5 6 7 8\n";
-    run r = run_of_text(
-        two_obj,
-        "\"floor\": {\"diffuse\": 0.5}, \"shiny\": {\"diffuse\": 0.2, \"specular\": 0.5, \"exponent\": 20}",
-        "{\"type\": \"quad\", \"corner\": [-1, 9, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], "
-        "\"radiance\": 1}",
-        "0, 0, 0");
-    assert_non_null(r.s->part[SL_DIRECT_SPECULAR]);
-    assert_null(r.s->materials->specular[0]);
-    assert_null(r.s->materials->emission[0]);
-    assert_int_equal(r.s->part[SL_DIRECT_SPECULAR]->mesh->root_count, 0);
-    discard(&r);
-}
-
-/* ---- what was left out is done after an edit that has a use for it ---- */
-
-static run run_of_edit(const char *meshes, const char *materials, const char *lights, int size) {
-    char json[1280];
-    snprintf(json, sizeof json,
-             "{\"softlux\": 1, \"meshes\": [%s], \"materials\": {\"floor\": {\"diffuse\": 0.5}%s}, "
-             "\"lights\": [%s], "
-             "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0], \"fov_deg\": 40}}",
-             meshes, materials, lights);
-    run r = run_in_quality(scene_from_text(json, square_obj), size, SL_QUALITY_NORMAL);
-    finish(&r);
-    return r;
-}
-
-static void go_on_at(run *r, double time) {
-    unsigned changes;
-    assert_int_equal(sl_scene_set_time(r->scene, time, &changes, NULL), SL_OK);
-    assert_int_equal(sl_multi_mesh_method.edit(r->s, changes, NULL), SL_OK);
-    finish(r);
-}
-
-/* How many pixels an eye could tell from those of a picture that begins with the scene as it is now. */
-static int told_from_a_cold_start(const run *r, int size) {
-    sl_settings settings = small_settings("multi-mesh", size, size);
-    settings.quality = SL_QUALITY_NORMAL;
-    sl_image *cold = render(r->scene, &settings, NULL), *edited;
-    assert_int_equal(sl_multi_mesh_method.resolve(r->s, &edited, NULL), SL_OK);
-    int told = 0;
-    for (int i = 0; i < size * size; i++) {
-        const float *a = edited->planes + i, *b = cold->planes + i;
-        sl_rgb ours = {a[0], a[size * size], a[2 * size * size]},
-               theirs = {b[0], b[size * size], b[2 * size * size]};
-        told += sl_display_contrast(&r->s->perception, ours, theirs) > 1.0f;
-    }
-    sl_image_destroy(edited);
-    sl_image_destroy(cold);
-    return told;
-}
-
-/* A point light rises out of the floor's plane: until then it falls on nothing, and nothing is gathered. And
- * it sinks again. */
-static void a_light_that_begins_to_fall_is_gathered_as_from_a_cold_start(void **state) {
-    (void)state;
-    enum { SIZE = 48 };
-    run r = run_of_edit(
-        "{\"file\": \"mesh.obj\"}", "",
-        "{\"type\": \"point\", \"position\": [0, 0, 0], \"intensity\": 5, \"keyframes\": [{\"time\": 0, "
-        "\"position\": [0, 0, 0]}, {\"time\": 1, \"position\": [0, 2, 0]}, {\"time\": 2, \"position\": [0, "
-        "0, 0]}]}",
-        SIZE);
-    assert_false(r.s->plan.coarse);
-    assert_null(r.s->part[SL_INDIRECT]);
-    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
-    go_on_at(&r, 1.0);
-    assert_true(r.s->plan.coarse);
-    assert_non_null(r.s->part[SL_INDIRECT]);
-    assert_true(r.s->counters.value[SL_COUNT_COARSE_SAMPLES] > 0);
-    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
-    go_on_at(&r, 2.0);
-    assert_null(r.s->part[SL_INDIRECT]);
-    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
-    discard(&r);
-}
-
-/* A plate that shines comes into view, and with it k_s and highlights; its shadow falls elsewhere. */
-static void the_first_highlight_in_view_shows_as_from_a_cold_start(void **state) {
-    (void)state;
-    enum { SIZE = 48 };
-    run r = run_of_edit("{\"file\": \"mesh.obj\"}, {\"file\": \"mesh.obj\", \"name\": \"plate\", "
-                        "\"material\": \"shiny\", \"transform\": {\"scale\": 0.2}, "
-                        "\"keyframes\": [{\"time\": 0, \"translate\": [0, 0.5, 30]}, {\"time\": 1, "
-                        "\"translate\": [0.3, 0.5, 0.4]}]}",
-                        ", \"shiny\": {\"diffuse\": 0.2, \"specular\": 0.6, \"exponent\": 20}",
-                        "{\"type\": \"quad\", \"corner\": [-1, 4, -3], \"edge1\": [2, 0, 0], \"edge2\": [0, "
-                        "0, 2], \"radiance\": 3}",
-                        SIZE);
-    assert_null(r.s->materials->specular[0]);
-    assert_int_equal(r.s->part[SL_DIRECT_SPECULAR]->mesh->root_count, 0);
-    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
-    sl_counters before = r.s->counters;
-    go_on_at(&r, 1.0);
-    assert_non_null(r.s->materials->specular[0]);
-    assert_true(r.s->part[SL_DIRECT_SPECULAR]->mesh->root_count > 0);
-    print_message("%llu samples of light, %llu for the first picture\n",
-                  (unsigned long long)grown(&before, &r, SL_COUNT_LIGHT_SAMPLES),
-                  (unsigned long long)before.value[SL_COUNT_LIGHT_SAMPLES]);
-    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
-    discard(&r);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(materials_are_those_of_each_pixels_triangle),
         cmocka_unit_test(the_merge_is_the_sum_of_planes_times_reflectances),
         cmocka_unit_test(meshes_are_served_so_that_their_largest_priorities_fall_together),
         cmocka_unit_test(after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_the_rest_stays),
-        cmocka_unit_test(told_to_look_again_it_has_nothing_to_ask),
-        cmocka_unit_test(back_in_an_old_view_of_a_diffuse_scene_hardly_anything_is_sampled_again),
         cmocka_unit_test(what_a_scene_has_no_use_for_is_not_done),
         cmocka_unit_test(where_no_light_falls_nothing_is_gathered),
-        cmocka_unit_test(what_a_view_does_not_show_has_no_picture),
-        cmocka_unit_test(a_light_that_begins_to_fall_is_gathered_as_from_a_cold_start),
-        cmocka_unit_test(the_first_highlight_in_view_shows_as_from_a_cold_start),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

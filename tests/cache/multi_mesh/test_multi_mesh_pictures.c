@@ -166,52 +166,6 @@ static void two_lamps_together_light_as_one_and_the_other(void **state) {
     for (int i = 0; i < 3; i++) sl_image_destroy(image[i]);
 }
 
-/* Four small lamps in the Cornell box, whose shadows lie apart: a mesh for each takes far fewer samples than
- * one for all, and the pictures are alike. */
-static void lights_with_meshes_of_their_own_take_fewer_samples_than_one_mesh_for_all(void **state) {
-    (void)state;
-    char json[2048];
-    FILE *box = fopen("scenes/cornell.obj", "r");
-    static char obj[20000];
-    assert_non_null(box);
-    obj[fread(obj, 1, sizeof obj - 1, box)] = '\0';
-    fclose(box);
-    int n = snprintf(json, sizeof json,
-                     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {\"eye\": [278, "
-                     "273, -800], \"target\": [278, 273, 0], "
-                     "\"fov_deg\": 39.3}, \"lights\": [");
-    for (int i = 0; i < 4; i++)
-        n += snprintf(json + n, sizeof json - (size_t)n,
-                      "%s{\"type\": \"quad\", \"corner\": [%g, 540, %g], \"edge1\": [30, 0, 0], \"edge2\": "
-                      "[0, 0, 30], \"power\": 5e5}",
-                      i ? ", " : "", i & 1 ? 420.0 : 110.0, i & 2 ? 430.0 : 100.0);
-    snprintf(json + n, sizeof json - (size_t)n, "]}");
-    sl_scene *scene = scene_from_text(json, obj);
-    sl_image *image[2];
-    uint64_t samples[2];
-    for (int joint = 0; joint < 2; joint++) {
-        sl_settings settings = mesh_settings(96, 96);
-        sl_counters counters;
-        settings.quality = SL_QUALITY_NORMAL;
-        settings.multi_mesh.joint_mesh = joint;
-        settings.multi_mesh.coarse_depth = 1;
-        settings.multi_mesh.coarse_edge = 1e6;
-        settings.gather_size = 16;
-        image[joint] = render(scene, &settings, &counters);
-        samples[joint] = counters.value[SL_COUNT_LIGHT_SAMPLES];
-    }
-    sl_comparison c;
-    assert_int_equal(sl_image_compare(image[0], image[1], NULL, &c, NULL, NULL), SL_OK);
-    print_message("%llu samples, with one mesh for all %llu: %.2f times as many; relRMSE between the "
-                  "pictures %.2f %%\n",
-                  (unsigned long long)samples[0], (unsigned long long)samples[1],
-                  (double)samples[1] / (double)samples[0], 100.0 * c.rel_rmse);
-    assert_true(samples[1] * 10 > samples[0] * 15);
-    assert_true(c.rel_rmse < 0.01);
-    for (int k = 0; k < 2; k++) sl_image_destroy(image[k]);
-    sl_scene_destroy(scene);
-}
-
 /* ---- what is done again, and what is not ---- */
 
 static void to_the_end(sl_method *method) {
@@ -293,44 +247,6 @@ static void the_first_picture_takes_the_roots_vertices_and_the_ambient_light(voi
     sl_scene_destroy(scene);
 }
 
-/* The lamp shines away from the floor. */
-static void what_no_light_falls_on_is_black_without_a_picture_of_a_light(void **state) {
-    (void)state;
-    sl_scene *scene =
-        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": "
-                        "\"quad\", \"corner\": [-1, 2, -1], "
-                        "\"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], \"radiance\": 1}], \"camera\": "
-                        "{\"eye\": [0, 1.5, 6], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 50}}",
-                        floor_obj);
-    sl_settings settings = mesh_settings(32, 32);
-    sl_counters counters;
-    sl_image *image = render(scene, &settings, &counters);
-    for (int c = 0; c < 3; c++)
-        for (int i = 0; i < 32 * 32; i++) assert_true(image->planes[c * 1024 + i] == 0.0f);
-    assert_true(counters.value[SL_COUNT_LIGHT_SAMPLES] > 0);
-    assert_int_equal(counters.value[SL_COUNT_LIGHT_SAMPLES], counters.value[SL_COUNT_LIGHT_SAMPLES_SKIPPED]);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
-}
-
-static void a_diffuse_scene_has_no_specular_mesh_and_a_point_light_no_pictures(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell-point.json");
-    sl_settings settings = mesh_settings(32, 32);
-    char *plan;
-    assert_int_equal(sl_method_plan(scene, &settings, &plan, NULL), SL_OK);
-    assert_non_null(strstr(plan, "skip direct specular mesh"));
-    assert_non_null(strstr(plan, "skip material: k_s"));
-    free(plan);
-    sl_counters counters;
-    sl_image *image = render(scene, &settings, &counters);
-    assert_true(counters.value[SL_COUNT_SHADOW_RAYS] > 0);
-    /* The id map and a picture for each gather: no light is drawn. */
-    assert_true(counters.value[SL_COUNT_RASTER_PASSES] <= 2 + counters.value[SL_COUNT_INDIRECT_SAMPLES]);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
-}
-
 /* ---- limits ---- */
 
 static bool warns_of_gloss(const char *scene_file) {
@@ -369,11 +285,8 @@ int main(void) {
         cmocka_unit_test(a_sphere_cavity_is_lit_evenly_by_each_bounce),
         cmocka_unit_test(an_empty_floor_under_a_lamp_is_lit_as_lambert_says),
         cmocka_unit_test(two_lamps_together_light_as_one_and_the_other),
-        cmocka_unit_test(lights_with_meshes_of_their_own_take_fewer_samples_than_one_mesh_for_all),
         cmocka_unit_test(back_in_an_old_view_no_irradiance_is_sampled_again),
         cmocka_unit_test(the_first_picture_takes_the_roots_vertices_and_the_ambient_light),
-        cmocka_unit_test(what_no_light_falls_on_is_black_without_a_picture_of_a_light),
-        cmocka_unit_test(a_diffuse_scene_has_no_specular_mesh_and_a_point_light_no_pictures),
         cmocka_unit_test(gloss_that_reflects_lamps_alone_is_told),
         cmocka_unit_test(bits_do_not_depend_on_threads),
     };

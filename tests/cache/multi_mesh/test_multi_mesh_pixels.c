@@ -86,28 +86,6 @@ static void weights_lead_back_to_the_pixel_and_sides_are_those_of_surfaces(void 
     sl_scene_destroy(scene);
 }
 
-static void the_order_is_the_same_with_any_threads(void **state) {
-    (void)state;
-    sl_scene *scene = room();
-    sl_raster *raster = raster_of(scene);
-    uint32_t id[PIXELS];
-    sl_visible_pixels *one, *more;
-    look(scene, raster, 1, WIDTH, HEIGHT, id, &one);
-    for (unsigned threads = 2; threads <= 5; threads++) {
-        look(scene, raster, threads, WIDTH, HEIGHT, id, &more);
-        assert_int_equal(one->count, more->count);
-        assert_int_equal(one->face_count, more->face_count);
-        assert_memory_equal(one->pixel, more->pixel, one->count * sizeof *one->pixel);
-        assert_memory_equal(one->path, more->path, one->count * sizeof *one->path);
-        assert_memory_equal(one->w1, more->w1, one->count * sizeof *one->w1);
-        assert_memory_equal(one->face, more->face, one->face_count * sizeof *one->face);
-        sl_visible_pixels_destroy(more);
-    }
-    sl_visible_pixels_destroy(one);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
 /* A face so near that a path ends in hundreds of pixels: threads deal them in any order. */
 static void pixels_of_one_path_are_in_the_order_of_the_screen(void **state) {
     (void)state;
@@ -130,24 +108,6 @@ static void pixels_of_one_path_are_in_the_order_of_the_screen(void **state) {
         assert_true(alike > PIXELS / 2);
         sl_visible_pixels_destroy(v);
     }
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
-}
-
-static void a_picture_of_nothing_has_no_pixels(void **state) {
-    (void)state;
-    sl_scene *scene = square_scene();
-    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 2), sl_v3(0, 0, 4), sl_v3(0, 1, 0), 1.0f));
-    sl_raster *raster = raster_of(scene);
-    uint32_t id[16 * 16];
-    sl_visible_pixels *v;
-    look(scene, raster, 3, 16, 16, id, &v);
-    assert_int_equal(v->count, 0);
-    assert_int_equal(v->face_count, 0);
-    size_t begin, end;
-    sl_visible_share(v, 7, &begin, &end);
-    assert_int_equal(begin, end);
-    sl_visible_pixels_destroy(v);
     sl_raster_destroy(raster);
     sl_scene_destroy(scene);
 }
@@ -193,9 +153,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pixel_that_shows_something_is_listed_once_under_its_face),
         cmocka_unit_test(weights_lead_back_to_the_pixel_and_sides_are_those_of_surfaces),
-        cmocka_unit_test(the_order_is_the_same_with_any_threads),
         cmocka_unit_test(pixels_of_one_path_are_in_the_order_of_the_screen),
-        cmocka_unit_test(a_picture_of_nothing_has_no_pixels),
         cmocka_unit_test(a_patch_measures_what_of_it_is_in_the_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

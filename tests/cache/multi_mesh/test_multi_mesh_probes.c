@@ -12,7 +12,7 @@
 
 #include "rendering.h"
 
-enum { WIDTH = 160, HEIGHT = 120, POSITIONS = 40, SEGMENTS = 16 };
+enum { WIDTH = 160, HEIGHT = 120, POSITIONS = 12, SEGMENTS = 16 };
 static const double pi = 3.14159265358979323846;
 
 /* A floor from ten units above, a tenth of a unit a pixel; the light stands beside the view, and so does what

@@ -167,35 +167,6 @@ static void a_triangle_split_d_times_has_the_leaves_and_vertices_of_a_grid(void 
     }
 }
 
-static void a_crease_has_vertices_of_its_own_on_either_side_at_the_same_positions(void **state) {
-    (void)state;
-    trace_mesh parts = trace_mesh_begin();
-    trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
-    trace_mesh_box(&parts, sl_v3(0.1f, 0.2f, 0.3f), sl_v3(1.7f, 2.9f, 0.7f), false, 0);
-    world w = world_of(&parts, 1, 12);
-    enum { DEPTH = 3, SIDE = 1 << DEPTH };
-    for (uint32_t f = 0; f < 24; f += 2) {
-        root(&w, f);
-        split_all(w.mesh, sl_mesh_root_place(w.mesh, f), DEPTH);
-    }
-    assert_int_equal(w.mesh->vertex_count, 6 * (SIDE + 1) * (SIDE + 1));
-    /* Each vertex on one of the 12 edges has one partner with the same bits, each at one of the 8 corners
-     * two. */
-    size_t pairs = 0;
-    for (uint32_t i = 0; i < w.mesh->vertex_count; i++)
-        for (uint32_t j = 0; j < i; j++) {
-            sl_mesh_point a, b;
-            sl_mesh_point_of(w.mesh, i, &a);
-            sl_mesh_point_of(w.mesh, j, &b);
-            sl_vec3d d = sl_subd(sl_to_double(a.position), sl_to_double(b.position));
-            if (sl_lengthd(d) > 1e-4) continue;
-            assert_memory_equal(&a.position, &b.position, sizeof a.position);
-            pairs++;
-        }
-    assert_int_equal(pairs, 12 * (SIDE - 1) + 8 * 3);
-    discard(&w);
-}
-
 /* Of whichever leaf has them: of one in a face around as well as of one in the lowest. */
 static void nudged_points_move_towards_the_middle_of_the_leaf_that_asks(void **state) {
     (void)state;
@@ -262,7 +233,7 @@ static void check_invariants(const sl_mesh *mesh) {
     assert_int_equal(counted.leaves, mesh->leaf_count);
     assert_int_equal(counted.nodes, used);
     assert_int_equal(mesh->vertex_count, vertices);
-    assert_true(4 * mesh->vertex_count <= 3 * mesh->slot_count);
+    assert_true(4 * mesh->vertex_count <= 3 * mesh->table.count);
 }
 
 static void ten_thousand_random_splits_and_collapses_leave_the_trees_sound(void **state) {
@@ -349,28 +320,6 @@ static void a_point_is_found_in_the_leaf_that_holds_it(void **state) {
         sl_mesh_weights_within(&leaf, w1, w2, &again1, &again2);
         assert_true(again1 == l1 && again2 == l2);
     }
-    discard(&w);
-}
-
-static void points_on_borders_belong_to_one_child_and_points_outside_to_the_border(void **state) {
-    (void)state;
-    trace_mesh parts = one_triangle();
-    world w = world_of(&parts, 1, 12);
-    uint32_t node = root(&w, 0);
-    split_all(w.mesh, sl_mesh_root_place(w.mesh, 0), 1);
-    static const struct { float w1, w2; uint32_t child;
-    } cases[] = {{0.5f, 0.0f, 1},        {0.0f, 0.5f, 2},    {0.25f, 0.25f, 0}, {0.5f, 0.5f, 1},
-                 {0.5f, 0.25f, 1},       {0.25f, 0.5f, 2},   {0.3f, 0.3f, 3},   {-0.1f, -2.0f, 0},
-                 {1.1f, -0.1f, 1},       {-1e30f, 1e30f, 2}, {NAN, NAN, 0},     {INFINITY, NAN, 1},
-                 {INFINITY, INFINITY, 1}};
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        float l1 = -1, l2 = -1;
-        sl_mesh_place leaf = sl_mesh_locate(w.mesh, 0, cases[i].w1, cases[i].w2, &l1, &l2);
-        assert_int_equal(leaf.node, w.mesh->node[node].child + cases[i].child);
-        assert_true(l1 >= 0.0f && l2 >= 0.0f && l1 + l2 <= 1.0f);
-    }
-    float l1, l2;
-    assert_int_equal(sl_mesh_locate(w.mesh, 1, 0.2f, 0.2f, &l1, &l2).node, SL_NO_INDEX);
     discard(&w);
 }
 
@@ -574,26 +523,6 @@ static void neighbours_are_the_leaves_that_touch_the_other_side_of_an_edge(void 
     discard(&w);
 }
 
-static void nothing_is_next_to_a_crease(void **state) {
-    (void)state;
-    trace_mesh parts = trace_mesh_begin();
-    trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
-    trace_mesh_box(&parts, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, 0);
-    world w = world_of(&parts, 1, 10);
-    for (uint32_t f = 0; f < 24; f++) root(&w, f);
-    size_t neighbours = 0;
-    for (uint32_t f = 0; f < 24; f++)
-        for (int edge = 0; edge < 3; edge++) {
-            sl_mesh_place place = sl_mesh_root_place(w.mesh, f);
-            uint32_t leaf;
-            size_t count = sl_mesh_neighbours(w.mesh, &place, edge, &leaf, 1);
-            neighbours += count;
-            if (count == 1) assert_int_equal(sl_mesh_place_of(w.mesh, leaf).face % 2, f % 2);
-        }
-    assert_int_equal(neighbours, 24); /* each side of each triangle: across its square's diagonal */
-    discard(&w);
-}
-
 /* ---- hard triangles -------------------------------------------------------------------------- */
 
 /* 1e7 from the origin floats are whole numbers: a triangle of size 4 can be split twice and no more. */
@@ -640,20 +569,17 @@ static void triangles_without_area_are_never_split(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_triangle_split_d_times_has_the_leaves_and_vertices_of_a_grid),
-        cmocka_unit_test(a_crease_has_vertices_of_its_own_on_either_side_at_the_same_positions),
         cmocka_unit_test(nudged_points_move_towards_the_middle_of_the_leaf_that_asks),
         cmocka_unit_test(ten_thousand_random_splits_and_collapses_leave_the_trees_sound),
         cmocka_unit_test(nodes_that_collapse_leave_are_used_again),
         cmocka_unit_test(children_keep_what_is_left_of_closed_edges),
         cmocka_unit_test(a_point_is_found_in_the_leaf_that_holds_it),
-        cmocka_unit_test(points_on_borders_belong_to_one_child_and_points_outside_to_the_border),
         cmocka_unit_test(a_constant_stays_the_same_in_every_bit_whatever_is_refined),
         cmocka_unit_test(a_linear_field_is_reproduced_whatever_is_refined),
         cmocka_unit_test(a_hanging_vertex_shows_its_value_and_the_centre_the_mean),
         cmocka_unit_test(corners_that_are_not_known_give_no_value_and_invalid_ones_the_mean_of_the_others),
         cmocka_unit_test(leaves_of_any_size_have_the_same_values_along_common_edges),
         cmocka_unit_test(neighbours_are_the_leaves_that_touch_the_other_side_of_an_edge),
-        cmocka_unit_test(nothing_is_next_to_a_crease),
         cmocka_unit_test(splitting_ends_where_coordinates_do),
         cmocka_unit_test(triangles_without_area_are_never_split),
     };

@@ -56,22 +56,6 @@ static void a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_
     hierarchy_discard(&h);
 }
 
-static void what_has_no_light_lends_none(void **state) {
-    (void)state;
-    hierarchy h = square_of(0, 6.0f);
-    uint32_t buried = vertex_at(&h, 2, 2);
-    for (int i = 0; i < 9; i++) {
-        uint32_t v = vertex_at(&h, 1 + i % 3, 1 + i / 3);
-        if (i == 5) continue; /* (3, 2) is the only one that is lit */
-        give(&h, v, 500.0f);
-        if (i % 2) h.patches->vertex[v].evaluated = SL_VERTEX_NEVER;
-        else sl_patches_borrow(h.patches, v);
-    }
-    assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
-    assert_true(value_of(&h, buried) == 6.0f);
-    hierarchy_discard(&h);
-}
-
 /* All sixteen leaves inside something, but for the root's corners. */
 static void where_nothing_around_has_light_a_patch_above_lends_its_corners(void **state) {
     (void)state;
@@ -92,15 +76,6 @@ static void where_nothing_around_has_light_a_patch_above_lends_its_corners(void 
     assert_true(fabsf(value_of(&h, buried) - 9.0f) < 1e-5f);
     /* for the display to see */
     assert_true(h.patches->flags[sl_patch_locate(h.patches, 0, 0.4, 0.4).patch] & SL_PATCH_DIRTY);
-    hierarchy_discard(&h);
-}
-
-static void where_nobody_has_light_what_is_there_stays(void **state) {
-    (void)state;
-    hierarchy h = square_of(0, 3.0f);
-    for (uint32_t i = 0; i < h.patches->vertex_count; i++) sl_patches_borrow(h.patches, i);
-    assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
-    for (uint32_t i = 0; i < h.patches->vertex_count; i++) assert_true(value_of(&h, i) == 3.0f);
     hierarchy_discard(&h);
 }
 
@@ -228,24 +203,6 @@ static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Where it ends: leaves around the box are split to the size of pixels, and no further. */
-static void splits_around_what_is_inside_something_come_to_an_end(void **state) {
-    (void)state;
-    sl_scene *scene = scene_from_text(sun_above, box_in_floor);
-    sl_settings settings = small_settings("shading-cache", 24, 24);
-    settings.shading_cache.indirect = SL_INDIRECT_NONE;
-    settings.shading_cache.updates = 100000;
-    settings.shading_cache.stop_size = 1.0;
-    sl_method *method;
-    sl_progress progress = {0};
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_true(progress.batches < 400);
-    assert_true(sl_method_counters(method)->value[SL_COUNT_SPLITS] < 24 * 24);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 /* ---- samples, committed ---------------------------------------------------------------------- */
 
 /* A cache of one square, as far as a commit needs it. */
@@ -311,48 +268,6 @@ static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for
     /* the broken one's renderer has counted it */
     assert_int_equal(c.s.counters.value[SL_COUNT_NONFINITE], 2);
     assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 1);
-    end(&c);
-}
-
-static void a_new_value_leaves_no_trace_of_the_old_one(void **state) {
-    (void)state;
-    committing c;
-    begin(&c);
-    evaluate_all(&c.h, 1e12f, 1);
-    commit(&c, (const sl_sample[4]){lit, lit, lit, lit});
-    for (uint32_t i = 0; i < 4; i++) assert_true(value_of(&c.h, i) == 4.0f);
-    end(&c);
-}
-
-static void where_there_is_no_old_value_what_is_no_number_is_borrowed(void **state) {
-    (void)state;
-    committing c;
-    begin(&c);
-    const sl_sample samples[4] = {lit, {.irradiance = {NAN, 1, 1}, .valid = true}, lit, broken};
-    commit(&c, samples);
-    for (uint32_t i = 0; i < 4; i++) {
-        assert_true(value_of(&c.h, i) == 4.0f);
-        assert_int_equal(c.h.patches->vertex[i].borrowed, i % 2);
-        assert_int_equal(c.h.patches->vertex[i].evaluated, 5);
-    }
-    end(&c);
-}
-
-/* A renderer that returns no number is one whose samples are broken, wherever they are asked for. */
-static void renderers_that_return_no_number_leave_the_picture_as_it_was(void **state) {
-    (void)state;
-    committing c;
-    begin(&c);
-    evaluate_all(&c.h, 2.0f, 1);
-    c.s.renderer[0] = constant_renderer((sl_rgb){1.0f, NAN, 1.0f});
-    c.s.renderer_count = 1;
-    c.s.settings.threads = 1;
-    sl_shading_sample(&c.s, 4);
-    assert_int_equal(sl_shading_commit(&c.s, 4, NULL), SL_OK);
-    for (uint32_t i = 0; i < 4; i++)
-        assert_true(value_of(&c.h, i) == 2.0f && !c.h.patches->vertex[i].borrowed);
-    assert_true(c.s.counters.value[SL_COUNT_NONFINITE] >= 4);
-    c.s.renderer[0].destroy(c.s.renderer[0].state);
     end(&c);
 }
 
@@ -449,19 +364,13 @@ static void a_mean_of_sets_has_the_variance_of_one_of_them_by_their_number(void 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_the_more),
-        cmocka_unit_test(what_has_no_light_lends_none),
         cmocka_unit_test(where_nothing_around_has_light_a_patch_above_lends_its_corners),
-        cmocka_unit_test(where_nobody_has_light_what_is_there_stays),
         cmocka_unit_test(what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_it),
         cmocka_unit_test(a_leaf_with_a_corner_inside_something_may_be_wrong_by_all_that_it_shows),
         cmocka_unit_test(around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere),
         cmocka_unit_test(light_that_is_shut_in_does_not_leak_out_at_the_foot),
         cmocka_unit_test(an_eye_that_goes_into_the_box_sees_what_is_lit_there),
-        cmocka_unit_test(splits_around_what_is_inside_something_come_to_an_end),
         cmocka_unit_test(a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for_again),
-        cmocka_unit_test(a_new_value_leaves_no_trace_of_the_old_one),
-        cmocka_unit_test(where_there_is_no_old_value_what_is_no_number_is_borrowed),
-        cmocka_unit_test(renderers_that_return_no_number_leave_the_picture_as_it_was),
         cmocka_unit_test(a_vertex_inside_something_is_looked_for_beside_it_further_and_further),
         cmocka_unit_test(a_mean_of_sets_has_the_variance_of_one_of_them_by_their_number),
         cmocka_unit_test(what_comes_out_of_something_or_gets_into_it_is_a_change),

@@ -55,23 +55,6 @@ static void nothing_is_there_before_it_is_wanted_and_nothing_is_evaluated_before
     hierarchy_discard(&h);
 }
 
-static void splits_end_at_the_greatest_depth(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    uint32_t patch = want_root(&h, 0);
-    for (int d = 0; d < SL_PATCH_DEPTH_MAX; d++) {
-        split(&h, patch);
-        patch = h.patches->patch[patch].child;
-        assert_int_not_equal(patch, SL_NO_INDEX);
-        patch += (uint32_t)(d % 4);
-    }
-    assert_int_equal(sl_patch_place_of(h.patches, patch).depth, SL_PATCH_DEPTH_MAX);
-    split(&h, patch);
-    assert_true(sl_patch_is_leaf(h.patches, patch));
-    assert_sound(h.patches);
-    hierarchy_discard(&h);
-}
-
 /* ---- places ---- */
 
 static void every_point_is_in_the_leaf_that_is_found_for_it(void **state) {
@@ -190,42 +173,6 @@ static void a_shared_vertex_is_evaluated_once_for_both(void **state) {
         assert_true(fabs((double)a[0] - (double)b[0]) < 1e-5);
     }
     hierarchy_discard(&h);
-}
-
-static void structure_and_vertices_are_the_same_for_any_order_of_splits(void **state) {
-    (void)state;
-    uint64_t expected = 0;
-    for (int order = 0; order < 4; order++) {
-        trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-        for (int i = 0; i < 3; i++)
-            trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
-        hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
-        /* The same splits along a line across all three, in different orders, with detours that are taken
-         * back. */
-        for (int k = 0; k < 60; k++) {
-            int i = order == 0 ? k : order == 1 ? 59 - k : order == 2 ? k * 7 % 60 : k * 23 % 60;
-            double x = 3.0 * i / 60.0 + 0.02, y = 0.31 * x;
-            uint32_t root = 2 * (uint32_t)x;
-            want_root(&h, root);
-            if (order == 3) {
-                uint32_t back = want_root(&h, root);
-                if (sl_patch_is_leaf(h.patches, back)) {
-                    split_levels(&h, back, 3);
-                    sl_patch_drop_children(h.patches, back);
-                }
-            }
-            for (int d = 0; d < 6; d++) {
-                sl_patch_place place = sl_patch_locate(h.patches, root, x - floor(x), y);
-                if (place.depth < 6) split(&h, place.patch);
-            }
-        }
-        assert_sound(h.patches);
-        uint64_t structure = structure_of(h.patches);
-        if (order == 0) expected = structure;
-        assert_true(structure == expected);
-        hierarchy_discard(&h);
-    }
 }
 
 /* ---- hanging vertices ---- */
@@ -378,38 +325,6 @@ static void so_do_they_on_curved_surfaces_with_a_pole(void **state) {
     hierarchy_discard(&h);
 }
 
-/* What a display does that keeps a list of triangles for each leaf and makes those again that are marked: it
- * never misses a vertex. */
-static void leaves_that_are_not_marked_have_the_vertices_that_they_had(void **state) {
-    (void)state;
-    enum { ROOM = 256 };
-    hierarchy h = hierarchy_of(load_scene("scenes/vase.bpt"), 0);
-    sl_patches *p = h.patches;
-    static uint32_t known[20000][4]; /* by leaf: how many vertices hang on each edge */
-    uint64_t key = sl_random_key(2, 1);
-    for (uint32_t r = 0; r < 32; r += 2) want_root(&h, r);
-    for (uint64_t i = 0; i < 600; i++) {
-        for (size_t k = 0; k < p->patch_count; k++) p->flags[k] &= (uint8_t)~SL_PATCH_DIRTY;
-        sl_patch_place at =
-            sl_patch_locate(p, 2 * (sl_random_bits(key, 3 * i) % 16), (double)sl_random_unit(key, 3 * i + 1),
-                            (double)sl_random_unit(key, 3 * i + 2));
-        if (i % 4 != 3 && at.depth < 6) split(&h, at.patch);
-        else if (sl_patch_parent(p, at.patch) != SL_NO_INDEX)
-            sl_patch_drop_children(p, sl_patch_parent(p, at.patch));
-        assert_true(p->patch_count < 20000);
-        for (uint32_t k = 0; k < p->patch_count; k++) {
-            if (!sl_patch_is_alive(p, k) || !sl_patch_is_leaf(p, k)) continue;
-            sl_patch_place leaf = sl_patch_place_of(p, k);
-            for (int edge = 0; edge < 4; edge++) {
-                uint32_t vertex[ROOM], count = (uint32_t)sl_patch_hanging(p, &leaf, edge, vertex, ROOM);
-                if (i > 0 && !(p->flags[k] & SL_PATCH_DIRTY)) assert_int_equal(count, known[k][edge]);
-                known[k][edge] = count;
-            }
-        }
-    }
-    hierarchy_discard(&h);
-}
-
 /* ---- degenerate shapes ---- */
 
 static void patches_are_not_split_where_floats_cannot_tell_their_corners_apart(void **state) {
@@ -433,19 +348,6 @@ static void patches_are_not_split_where_floats_cannot_tell_their_corners_apart(v
     }
     assert_int_equal(deepest, 3);
     assert_sound(h.patches);
-    hierarchy_discard(&h);
-}
-
-static void slivers_keep_their_shape_and_are_split_like_others(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0), b = trace_mesh_vertex(&mesh, 1, 0, 0),
-             c = trace_mesh_vertex(&mesh, 0.5f, 1e-4f, 0);
-    trace_mesh_triangle(&mesh, a, b, c, 0);
-    hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
-    split_levels(&h, want_root(&h, 0), 4);
-    assert_int_equal(h.patches->leaves_alive, 256);
     hierarchy_discard(&h);
 }
 
@@ -508,20 +410,6 @@ static void eviction_takes_what_was_not_seen_for_longest_down_to_nine_tenths(voi
     hierarchy_discard(&h);
 }
 
-static void of_patches_seen_last_at_one_time_the_lower_index_goes_first(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    uint32_t root = want_root(&h, 0);
-    split_levels(&h, root, 2);
-    see(h.patches, root, 5, 9);
-    sl_counters counters = {0};
-    /* from 21 to 18 at most */
-    assert_int_equal(sl_patches_evict(h.patches, 20, 90, 0.8, &counters, NULL), SL_OK);
-    uint32_t child = h.patches->patch[root].child;
-    for (uint32_t k = 0; k < 4; k++) assert_int_equal(sl_patch_is_leaf(h.patches, child + k), k == 0);
-    hierarchy_discard(&h);
-}
-
 static void eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in_view(void **state) {
     (void)state;
     hierarchy h = two_walls();
@@ -531,32 +419,6 @@ static void eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in
     sl_counters counters = {0};
     assert_int_equal(sl_patches_evict(p, 10, 90, 0.8, &counters, NULL), SL_OK);
     assert_int_equal(p->patches_alive, 341 + 1);
-    hierarchy_discard(&h);
-}
-
-static void what_was_just_split_in_view_is_not_evicted_before_it_could_be_seen(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    uint32_t root = want_root(&h, 0);
-    see(h.patches, root, 100, 3);
-    split_levels(&h, root, 2);
-    sl_counters counters = {0};
-    assert_int_equal(sl_patches_evict(h.patches, 4, 90, 0.8, &counters, NULL), SL_OK);
-    assert_int_equal(h.patches->patches_alive, 21);
-    hierarchy_discard(&h);
-}
-
-static void turning_back_within_the_window_costs_no_sample(void **state) {
-    (void)state;
-    hierarchy h = two_walls();
-    sl_patches *p = h.patches;
-    for (size_t i = 0; i < p->vertex_count; i++) p->vertex[i].evaluated = 1;
-    see(p, p->root_patch[0], 10, 4);
-    see(p, p->root_patch[2], 50, 4);
-    sl_counters counters = {0};
-    assert_int_equal(sl_patches_evict(p, 100, 10, 0.8, &counters, NULL), SL_OK);
-    for (size_t i = 0; i < p->vertex_count; i++) assert_int_equal(p->vertex[i].evaluated, 1);
-    assert_int_equal(p->patches_alive, 2 * 341);
     hierarchy_discard(&h);
 }
 
@@ -621,25 +483,18 @@ int main(void) {
         cmocka_unit_test(a_triangle_split_to_depth_d_has_4_to_the_d_leaves_and_a_triangular_grid_of_vertices),
         cmocka_unit_test(
             nothing_is_there_before_it_is_wanted_and_nothing_is_evaluated_before_it_is_asked_for),
-        cmocka_unit_test(splits_end_at_the_greatest_depth),
         cmocka_unit_test(every_point_is_in_the_leaf_that_is_found_for_it),
         cmocka_unit_test(a_closed_box_shares_no_corner_and_a_flat_fan_shares_all),
         cmocka_unit_test(primitives_share_an_edge_where_normal_and_material_agree_and_only_there),
         cmocka_unit_test(a_shared_vertex_is_evaluated_once_for_both),
-        cmocka_unit_test(structure_and_vertices_are_the_same_for_any_order_of_splits),
         cmocka_unit_test(a_leaf_beside_finer_ones_knows_the_vertices_on_its_edge_in_order),
         cmocka_unit_test(a_vertex_that_changes_marks_all_leaves_around_it_and_no_others),
         cmocka_unit_test(values_are_bilinear_and_come_from_the_nearest_evaluated_ancestor),
         cmocka_unit_test(random_splits_and_drops_leave_a_sound_hierarchy),
         cmocka_unit_test(so_do_they_on_curved_surfaces_with_a_pole),
-        cmocka_unit_test(leaves_that_are_not_marked_have_the_vertices_that_they_had),
         cmocka_unit_test(patches_are_not_split_where_floats_cannot_tell_their_corners_apart),
-        cmocka_unit_test(slivers_keep_their_shape_and_are_split_like_others),
         cmocka_unit_test(eviction_takes_what_was_not_seen_for_longest_down_to_nine_tenths),
-        cmocka_unit_test(of_patches_seen_last_at_one_time_the_lower_index_goes_first),
         cmocka_unit_test(eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in_view),
-        cmocka_unit_test(what_was_just_split_in_view_is_not_evicted_before_it_could_be_seen),
-        cmocka_unit_test(turning_back_within_the_window_costs_no_sample),
         cmocka_unit_test(
             children_that_were_dropped_leave_room_after_two_builds_of_the_display_and_not_before),
         cmocka_unit_test(a_patch_takes_at_most_55_bytes),

@@ -49,20 +49,6 @@ static void the_walls_and_boxes_of_the_cornell_box_are_quadrilaterals(void **sta
     sl_scene_destroy(scene);
 }
 
-static void every_face_of_an_obj_box_is_one_quadrilateral(void **state) {
-    (void)state;
-    static const char obj[] =
-        "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 0.3 0 1\nv 2.3 0 1\nv 2.3 3 1\nv 0.3 3 1\n"
-        "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}]}", obj);
-    sl_primitives *p = primitives_of(scene);
-    assert_int_equal(scene->triangle_count, 12);
-    assert_int_equal(p->count, 6);
-    assert_int_equal(count_of(p, SL_PRIMITIVE_QUAD), 6);
-    sl_primitives_destroy(p);
-    sl_scene_destroy(scene);
-}
-
 typedef struct pair {
     float xyz[12], uv[12], normal[18];
     uint32_t index[6], material[2], object[2];
@@ -152,25 +138,6 @@ static void two_triangles_are_a_quadrilateral_only_where_everything_agrees(void 
     assert_int_equal(primitives_in(&p, folded, true), 2);
 }
 
-static void three_triangles_of_a_strip_make_one_quadrilateral_and_a_triangle(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0), b = trace_mesh_vertex(&mesh, 1, 0, 0),
-             c = trace_mesh_vertex(&mesh, 0, 1, 0);
-    uint32_t d = trace_mesh_vertex(&mesh, 1, 1, 0), e = trace_mesh_vertex(&mesh, 0, 2, 0);
-    trace_mesh_triangle(&mesh, a, b, c, 0);
-    trace_mesh_triangle(&mesh, c, b, d, 0);
-    trace_mesh_triangle(&mesh, c, d, e, 0);
-    sl_scene *scene = trace_mesh_build(&mesh);
-    sl_primitives *p = primitives_of(scene);
-    assert_int_equal(p->count, 2);
-    assert_int_equal(p->kind[0], SL_PRIMITIVE_QUAD);
-    assert_int_equal(p->kind[1], SL_PRIMITIVE_TRIANGLE);
-    sl_primitives_destroy(p);
-    sl_scene_destroy(scene);
-}
-
 /* ---- points ---- */
 
 /* However a quadrilateral's triangles begin, (u, v) of its corners are (0,0), (1,0), (1,1), (0,1), and points
@@ -257,75 +224,6 @@ static void points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces
     }
     sl_primitives_destroy(p);
     sl_scene_destroy(scene);
-}
-
-/* A quarter of a disc in the plane y = 0, whose middle is edge 0, 1, 2 or 3 of the surface. */
-static sl_scene *disc_scene(int pole) {
-    enum { V = 17 * 17, T = 2 * 16 * 16 };
-    static float xyz[3 * V], normal[3 * V], uv[2 * V];
-    static uint32_t index[3 * T];
-    static const float circle[4][2] = {{1, 0}, {1, 0.552285f}, {0.552285f, 1}, {0, 1}};
-    sl_bicubic b = {.steps = 16, .triangle_count = T};
-    for (int k = 0; k < 16; k++) {
-        int j = k / 4, i = k % 4; /* turned about so that row 0 becomes the edge */
-        int row = pole == 0   ? j
-                  : pole == 1 ? 3 - i
-                  : pole == 2 ? 3 - j
-                              : i,
-            at = pole == 0   ? i
-                 : pole == 1 ? j
-                 : pole == 2 ? 3 - i
-                             : 3 - j;
-        float r = (float)row / 3.0f;
-        b.point[j][i] = sl_v3(r * circle[at][0], 0, r * circle[at][1]);
-    }
-    sl_bicubic_tessellate(&b, xyz, normal, uv, index);
-    sl_scene_parts parts = {.vertex_count = V,
-                            .positions = xyz,
-                            .normals = normal,
-                            .texture_coordinates = uv,
-                            .triangle_count = T,
-                            .indices = index,
-                            .bicubic_count = 1,
-                            .bicubics = &b};
-    sl_scene *scene;
-    assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
-    assert_int_equal(scene->triangle_count, T - 16);
-    return scene;
-}
-
-static void where_half_of_the_triangles_are_missing_the_others_hold_their_points(void **state) {
-    (void)state;
-    for (int pole = 0; pole < 4; pole++) {
-        sl_scene *scene = disc_scene(pole);
-        sl_primitives *p = primitives_of(scene);
-        const sl_bicubic *b = &scene->bicubics[0];
-        for (uint32_t k = 0; k < 65 * 65; k++) {
-            uint32_t u = k % 65 * (SL_PATCH_DYADIC / 64), v = k / 65 * (SL_PATCH_DYADIC / 64);
-            sl_vec3 expected;
-            sl_bicubic_at(b, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &expected, NULL);
-            sl_root_point point;
-            sl_root_point_at(p, 0, u, v, &point);
-            double from_pole = (double)(pole == 0   ? v
-                                        : pole == 1 ? SL_PATCH_DYADIC - u
-                                        : pole == 2 ? SL_PATCH_DYADIC - v
-                                                    : u) /
-                               SL_PATCH_DYADIC;
-            /* The arc's height over its chord; a cell's angle at the pole, or how far a trapezium's halves
-             * are from bilinear. */
-            assert_true(distance(point.position, expected) <=
-                        2e-3 * from_pole + fmin(0.11 * from_pole, 2e-3) + 1e-6);
-            assert_true(fabs(fabs((double)point.normal.y) - 1.0) < 1e-5);
-        }
-        sl_root_place corner = {0, 0, 0}, along = {0, 0, 0};
-        if (pole == 0) along.u = SL_PATCH_DYADIC / 2;
-        if (pole == 1) along.u = SL_PATCH_DYADIC, along.v = SL_PATCH_DYADIC / 2, corner.u = SL_PATCH_DYADIC;
-        if (pole == 2) along.v = SL_PATCH_DYADIC, along.u = SL_PATCH_DYADIC / 2, corner.v = SL_PATCH_DYADIC;
-        if (pole == 3) along.v = SL_PATCH_DYADIC / 2;
-        assert_true(same_root_place(sl_root_canonical(p, corner), sl_root_canonical(p, along)));
-        sl_primitives_destroy(p);
-        sl_scene_destroy(scene);
-    }
 }
 
 static void any_numbers_are_answered_with_a_point_of_the_root(void **state) {
@@ -453,47 +351,6 @@ static void a_pole_has_one_vertex_and_seams_are_shared(void **state) {
     hierarchy_discard(&h);
 }
 
-/* A surface that is a line at both ends of u, and a thin tip: leaves have an area, or are not made. */
-static void no_patch_without_area_is_made_of_a_surface(void **state) {
-    (void)state;
-    enum { N = 4, V = (N + 1) * (N + 1) };
-    static float xyz[3 * V], normal[3 * V], uv[2 * V];
-    static uint32_t index[6 * N * N];
-    sl_bicubic b = {.steps = N, .triangle_count = 2 * N * N};
-    /* its rows 1 to 3 lie on each other: no area above v = some value is lost, but rows fold to a point at u
-     * = 0 */
-    for (int j = 0; j < 4; j++) {
-        for (int i = 0; i < 4; i++) b.point[j][i] = sl_v3((float)i, i == 0 ? 0.0f : (float)j * (float)i, 0);
-    }
-    for (int i = 0; i < 4; i++) b.point[3][i] = b.point[0][i];
-    for (int i = 0; i < 4; i++) b.point[2][i] = b.point[1][i];
-    sl_bicubic_tessellate(&b, xyz, normal, uv, index);
-    sl_scene_parts parts = {.vertex_count = V,
-                            .positions = xyz,
-                            .normals = normal,
-                            .texture_coordinates = uv,
-                            .triangle_count = 2 * N * N,
-                            .indices = index,
-                            .bicubic_count = 1,
-                            .bicubics = &b};
-    sl_scene *scene;
-    assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
-    hierarchy h = hierarchy_of(scene, 0);
-    split_levels(&h, want_root(&h, 0), 5);
-    assert_true(h.patches->patches_alive > 5);
-    for (uint32_t i = 0; i < h.patches->patch_count; i++) {
-        if (!sl_patch_is_alive(h.patches, i) || sl_patch_parent(h.patches, i) == SL_NO_INDEX) continue;
-        sl_patch_place place = sl_patch_place_of(h.patches, i);
-        sl_vec3 c[4];
-        for (int k = 0; k < 4; k++) c[k] = sl_root_position(h.primitives, place.root, place.u[k], place.v[k]);
-        sl_vec3d first = sl_crossd(sl_to_double(sl_sub(c[1], c[0])), sl_to_double(sl_sub(c[2], c[0])));
-        sl_vec3d second = sl_crossd(sl_to_double(sl_sub(c[2], c[0])), sl_to_double(sl_sub(c[3], c[0])));
-        assert_true(sl_lengthd(first) + sl_lengthd(second) > 0.0);
-    }
-    assert_sound(h.patches);
-    hierarchy_discard(&h);
-}
-
 static void shared_corners_of_many_facets_are_found_in_bounded_time(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -542,17 +399,13 @@ static void points_move_with_their_objects_and_roots_stay_what_they_are(void **s
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_walls_and_boxes_of_the_cornell_box_are_quadrilaterals),
-        cmocka_unit_test(every_face_of_an_obj_box_is_one_quadrilateral),
         cmocka_unit_test(two_triangles_are_a_quadrilateral_only_where_everything_agrees),
-        cmocka_unit_test(three_triangles_of_a_strip_make_one_quadrilateral_and_a_triangle),
         cmocka_unit_test(points_of_roots_and_their_parameters_agree),
         cmocka_unit_test(points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces_normal),
-        cmocka_unit_test(where_half_of_the_triangles_are_missing_the_others_hold_their_points),
         cmocka_unit_test(any_numbers_are_answered_with_a_point_of_the_root),
         cmocka_unit_test(mean_reflectance_is_that_of_the_texture),
         cmocka_unit_test(a_canonical_place_is_where_the_point_is_with_its_normal),
         cmocka_unit_test(a_pole_has_one_vertex_and_seams_are_shared),
-        cmocka_unit_test(no_patch_without_area_is_made_of_a_surface),
         cmocka_unit_test(shared_corners_of_many_facets_are_found_in_bounded_time),
         cmocka_unit_test(points_move_with_their_objects_and_roots_stay_what_they_are),
     };

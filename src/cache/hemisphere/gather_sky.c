@@ -4,7 +4,7 @@
  * as wide as the pixel: then neighbouring pixels share the sun in proportion to how near they are to it, and
  * its light is kept, within 6 % (root mean square, a sun of 3 degrees under 128 x 128 pixels): narrower it
  * falls between pixels, wider it moves to the texel's middle. */
-#include "cache/multi_mesh/gather_sky.h"
+#include "cache/hemisphere/mesh_gather.h"
 
 #include "base/error.h"
 #include "base/math.h"

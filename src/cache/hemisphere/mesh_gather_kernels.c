@@ -1,4 +1,4 @@
-#include "cache/multi_mesh/gather_kernels.h"
+#include "cache/hemisphere/mesh_gather.h"
 
 #include <string.h>
 
@@ -7,7 +7,7 @@
 enum { BLOCK = 64 };
 
 typedef struct block {
-    _Alignas(64) float triangle[SL_MESH_GATHER_FLOATS][BLOCK], colour[SL_COARSE_FLOATS][BLOCK];
+    _Alignas(64) float triangle[SL_MESH_GATHER_FLOATS][BLOCK], colour[SL_LATTICE_FLOATS][BLOCK];
     _Alignas(64) float w1[BLOCK], w2[BLOCK], a[BLOCK], b[BLOCK];
     _Alignas(64) int32_t seen[BLOCK], face[BLOCK], first[BLOCK], rows[BLOCK], at[BLOCK];
 } block;
@@ -73,14 +73,14 @@ static inline void meet(block *b, int count, sl_vec3 eye, sl_vec3 origin, sl_vec
     }
 }
 
-static inline void find_coarse_triangles(block *b, int count, const sl_coarse_face *restrict face) {
+static inline void find_small_triangles(block *b, int count, const sl_face_lattice *restrict face) {
     for (int k = 0; k < count; k++) {
         b->first[k] = face[b->face[k]].first;
         b->rows[k] = face[b->face[k]].rows;
     }
 #pragma omp simd
     for (int k = 0; k < count; k++)
-        b->at[k] = b->first[k] + sl_coarse_locate(b->w1[k], b->w2[k], b->rows[k], &b->a[k], &b->b[k]);
+        b->at[k] = b->first[k] + sl_lattice_locate(b->w1[k], b->w2[k], b->rows[k], &b->a[k], &b->b[k]);
 }
 
 /* ---- a row ----------------------------------------------------------------------------------- */
@@ -119,8 +119,8 @@ void SL_KERNEL(sl_mesh_gather_shade)(const sl_mesh_gather_pixels *p) {
             see(&b, count, p->id + first, p->triangle_count);
             fetch(p->triangle, b.seen, count, b.triangle);
             meet(&b, count, p->eye, origin, p->frame.x, p->x + at);
-            find_coarse_triangles(&b, count, p->face);
-            fetch(p->colour, b.at, count, b.colour);
+            find_small_triangles(&b, count, p->colours.face);
+            fetch(p->colours.colour, b.at, count, b.colour);
             write(p, &b, count, first, origin, p->frame.x, p->x + at);
         }
     }

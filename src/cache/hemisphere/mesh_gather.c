@@ -1,7 +1,9 @@
-/* The gather: the scene's triangle ids from the point, under 160 degrees both ways; colours of the coarse
- * mesh there; times weights; summed by halving to 16 x 16, which are read back and added. Beyond 160 degrees:
+/* The gather: the scene's triangle ids from the point, under 160 degrees both ways; their colours;
+ * times weights; summed by halving to 16 x 16, which are read back and added. Beyond 160 degrees:
  * nothing, made up for by division by the share that is seen (the loss is 2.5 % under an even sky, but all of
  * what stands lower than 10 degrees above the horizon). */
+#include "cache/hemisphere/mesh_gather.h"
+
 #include <string.h>
 
 #include "base/counters.h"
@@ -9,15 +11,13 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/hemisphere/hemisphere_tables.h"
-#include "cache/multi_mesh/gather_kernels.h"
-#include "cache/multi_mesh/gather_sky.h"
 
 enum { SIZE_MAX_PIXELS = 4096 };
 
 struct sl_mesh_gather {
     const sl_scene *scene;
     const sl_raster *raster;
-    const sl_coarse *coarse;
+    sl_lattice_colours colours;
     sl_mesh_gather_settings settings;
     sl_mesh_gather_kernel *shade;
     float tangent;                 /* of half the field of view */
@@ -118,9 +118,9 @@ static sl_status make_tables(sl_mesh_gather *g, sl_error *error) {
     return status;
 }
 
-sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_coarse *coarse,
-                                const sl_mesh_gather_settings *settings, sl_mesh_gather **gather,
-                                sl_error *error) {
+sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster,
+                                const sl_lattice_colours *colours, const sl_mesh_gather_settings *settings,
+                                sl_mesh_gather **gather, sl_error *error) {
     *gather = NULL;
     sl_status status = check(settings, scene, error);
     if (status != SL_OK) return status;
@@ -128,7 +128,7 @@ sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster, 
     if (!g) return sl_fail_memory(error, "the gather");
     *g = (sl_mesh_gather){.scene = scene,
                           .raster = raster,
-                          .coarse = coarse,
+                          .colours = *colours,
                           .settings = *settings,
                           .near = 1e-5f * scene->scale};
     g->shade = sl_mesh_gather_kernel_for(sl_isa_best());
@@ -217,9 +217,9 @@ sl_frame sl_mesh_gather_frame(sl_vec3 normal) {
  * Where the face falls below the tangent plane (a bulge) the eye stays in the plane, so as not to dive. Where
  * it rises above it (a hollow) it is raised off the face and sees it: else it would look out through it. On a
  * flat face and a bulge it must not see its own, which it lies in. */
-static void look_from(shot *s, const sl_mesh_point *point) {
+static void look_from(shot *s, const sl_lit_point *point, uint32_t face) {
     const sl_scene *scene = s->gather->scene;
-    uint32_t triangle = point->face / 2;
+    uint32_t triangle = face / 2;
     s->eye = point->position;
     s->skip = point->triangle != SL_NO_INDEX ? point->triangle : triangle;
     if (triangle >= scene->triangle_count) return;
@@ -235,32 +235,13 @@ static void look_from(shot *s, const sl_mesh_point *point) {
     if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
     if (rise > 0.02 * step) {
         s->skip = SL_NO_INDEX;
-        way = sl_addd(way, sl_scaled(sl_to_double(sl_face_normal(scene, point->face)), 0.25 * step));
+        way = sl_addd(way, sl_scaled(sl_to_double(sl_scene_geometric_normal(scene, triangle)),
+                                      (face % 2 ? -0.25 : 0.25) * step));
     }
     s->eye = sl_to_float(sl_addd(p, way));
 }
 
 /* ---- the view above -------------------------------------------------------------------------- */
-
-static sl_mesh_gather_pixels pixels_of(const shot *s, const sl_frame *frame, sl_vec3 eye, int width,
-                                       int height, const uint32_t *id, float *planes, size_t plane) {
-    const sl_coarse *c = s->gather->coarse;
-    sl_mesh_gather_pixels p = {.width = width,
-                               .height = height,
-                               .id = id,
-                               .frame = *frame,
-                               .eye = eye,
-                               .horizon = s->horizon,
-                               .triangle = s->gather->triangle,
-                               .triangle_count = (uint32_t)s->gather->scene->triangle_count,
-                               .face = c->face,
-                               .colour = c->colour};
-    for (size_t k = 0; k < 3; k++) {
-        p.radiance[k] = planes + k * plane;
-        p.weighted[k] = planes + (k + 3) * plane;
-    }
-    return p;
-}
 
 /* Three planes of size x size to one sum each: what is read back is added row by row. */
 static void add_up(const shot *s, const float *planes, int size, double sum[3]) {
@@ -281,10 +262,22 @@ static void gather_above(const shot *s, double sum[3]) {
     view.skip_triangle = s->skip;
     sl_target target = {.width = n, .height = n, .id = s->scratch->id};
     sl_raster_id_small(g->raster, &view, &target, s->scratch->raster, s->counters);
-    sl_mesh_gather_pixels pixels =
-        pixels_of(s, &s->frame, s->eye, n, n, s->scratch->id, s->scratch->planes, plane);
-    pixels.x = pixels.y = g->x;
-    pixels.weight = g->weight;
+    sl_mesh_gather_pixels pixels = {.width = n,
+                                    .height = n,
+                                    .id = s->scratch->id,
+                                    .x = g->x,
+                                    .y = g->x,
+                                    .frame = s->frame,
+                                    .eye = s->eye,
+                                    .horizon = s->horizon,
+                                    .triangle = g->triangle,
+                                    .triangle_count = (uint32_t)g->scene->triangle_count,
+                                    .colours = g->colours,
+                                    .weight = g->weight};
+    for (size_t k = 0; k < 3; k++) {
+        pixels.radiance[k] = s->scratch->planes + k * plane;
+        pixels.weighted[k] = s->scratch->planes + (k + 3) * plane;
+    }
     g->shade(&pixels);
     sl_gather_sky_add(g->sky, &pixels, g->lod);
     sl_count(s->counters, SL_COUNT_FRAGMENTS_SHADED, plane);
@@ -295,7 +288,7 @@ static void gather_above(const shot *s, double sum[3]) {
 
 static float finite(double value) { return value > 0.0 && value < 1e37 ? (float)value : 0.0f; }
 
-sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_mesh_point *point,
+sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_lit_point *point, uint32_t face,
                            sl_mesh_gather_scratch *scratch, sl_counters *counters) {
     sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     sl_vec3 normal = sl_normalize_or(point->normal, point->geometric_normal);
@@ -307,7 +300,7 @@ sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_mesh_point *point,
     }
     shot s = {.gather = g, .scratch = scratch, .counters = counters, .frame = sl_mesh_gather_frame(normal)};
     s.horizon = sl_normalize_or(point->geometric_normal, normal);
-    look_from(&s, point);
+    look_from(&s, point, face);
     double sum[3] = {0.0, 0.0, 0.0};
     gather_above(&s, sum);
     return (sl_rgb){finite(g->over_coverage * sum[0]), finite(g->over_coverage * sum[1]),
