@@ -19,8 +19,8 @@ struct sl_gather_sky {
 };
 
 
-/* The mean over a texel, weighted by solid angle, at as many points as make one of each of the environment's
- * texels. */
+/* Gives the mean over a texel, weighted by solid angle, at as many points as make one of each of the
+ * environment's texels. */
 static void average_texel(const sl_environment *environment, const sl_frame *frame, int x, int y, int samples,
                           float rgba[4]) {
     double sum[3] = {0.0, 0.0, 0.0}, angle = 0.0;

@@ -23,8 +23,8 @@ typedef struct sl_lattice_colours {
     const float *colour;
 } sl_lattice_colours;
 
-/* Where the point with weights w1, w2 of the face's corners 1 and 2 lies in n rows: the small triangle's
- * number in its face, and the weights of its corners 1 and 2. Row j holds 2 (n - j) - 1 of them. */
+/* Returns the number of the small triangle, in n rows of a face, in which the point with weights w1, w2 of
+ * the face's corners 1 and 2 lies; and the weights of its own. Row j holds 2 (n - j) - 1 of them. */
 static inline int sl_lattice_locate(float w1, float w2, int n, float *a, float *b) {
     float u = w1 * (float)n, v = w2 * (float)n;
     int j = (int)v;
@@ -61,9 +61,9 @@ void sl_mesh_gather_scratch_destroy(sl_mesh_gather_scratch *scratch);
  * colours. Counts SL_COUNT_INDIRECT_SAMPLES. */
 sl_rgb sl_mesh_gather_take(const sl_mesh_gather *gather, const sl_lit_point *point, uint32_t face,
                            sl_mesh_gather_scratch *scratch, sl_counters *counters);
-/* The picture of the last one, before weights: N x N, bottom row first; for observers and tests. */
+/* Gives the picture of the last one, before weights: N x N, bottom row first; for observers and tests. */
 void sl_mesh_gather_picture(const sl_mesh_gather_scratch *scratch, int *size, const float *planes[3]);
-/* The frame of that picture: z the point's normal. */
+/* Returns the frame of that picture: z the point's normal. */
 sl_frame sl_mesh_gather_frame(sl_vec3 normal);
 
 /* ---- between the parts ---- */
@@ -101,10 +101,10 @@ sl_status sl_gather_sky_create(const sl_environment *environment, sl_gather_sky 
 void sl_gather_sky_destroy(sl_gather_sky *sky);
 size_t sl_gather_sky_memory_bytes(const sl_gather_sky *sky);
 float sl_gather_sky_brightest(const sl_gather_sky *sky);
-/* The level of detail of pixels that are `step` apart on the plane at unit distance, at distance
+/* Returns the level of detail of pixels that are `step` apart on the plane at unit distance, at distance
  * sqrt(squared) from the foot of the perpendicular. */
 float sl_gather_sky_lod(double step, double squared);
-/* Radiance, plain and weighted, of pixels that show nothing; lod by pixel. */
+/* Gives radiance, plain and weighted, of pixels that show nothing; lod by pixel. */
 void sl_gather_sky_add(const sl_gather_sky *sky, const sl_mesh_gather_pixels *pixels, const float *lod);
 
 #endif

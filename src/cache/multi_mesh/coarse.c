@@ -44,7 +44,8 @@ static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
 
 /* ---- vertices -------------------------------------------------------------------------------- */
 
-/* The k-th of n equal steps along an edge from the corner of its number; they count as its ring agrees on. */
+/* Returns the k-th of n equal steps along an edge from the corner of its number; they count as its ring
+ * agrees on. */
 static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int edge, int k, int n) {
     const sl_primitives *p = c->primitives;
     uint32_t number = sl_root_edge(p, face, edge);
@@ -276,8 +277,8 @@ static int samples_along(const sl_scene *scene, uint32_t triangle, int parts) {
     return along < SAMPLES_MAX ? 1 + (int)along : SAMPLES_MAX; /* NaN: the most */
 }
 
-/* The mean k_d of a coarse triangle, at the middles of m x m equal triangles, as far as the alpha mask lets
- * one see them. */
+/* Returns the mean k_d of a coarse triangle, at the middles of m x m equal triangles, as far as the alpha
+ * mask lets one see them. */
 static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const place *p, int m) {
     const sl_scene *scene = c->scene;
     uint32_t triangle = face / 2;
@@ -303,7 +304,7 @@ static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const place *p
 
 /* ---- colours --------------------------------------------------------------------------------- */
 
-/* U_dd at a coarse triangle's corners; where one has none, the mean of the others. */
+/* Gives U_dd at a coarse triangle's corners; where one has none, the mean of the others. */
 static void corner_values(const sl_coarse *c, uint32_t face, const place *p, sl_rgb value[3]) {
     sl_rgb sum = sl_grey(0.0f);
     int valid[3], count = 0;

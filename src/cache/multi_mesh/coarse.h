@@ -65,7 +65,7 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitive
                            const sl_coarse_settings *settings, sl_coarse **coarse, sl_error *error);
 void sl_coarse_destroy(sl_coarse *coarse);
 size_t sl_coarse_memory_bytes(const sl_coarse *coarse);
-/* U_dd at vertex i; with two bounces U_dd + E_i / pi. Where it is not finite (or never set) the other
+/* Sets U_dd at vertex i; with two bounces U_dd + E_i / pi. Where it is not finite (or never set) the other
  * corners' mean stands in, triangle by triangle, and sl_coarse_get() has no number. */
 void sl_coarse_set(sl_coarse *coarse, size_t vertex, sl_rgb radiosity_over_pi);
 sl_rgb sl_coarse_get(const sl_coarse *coarse, size_t vertex);
@@ -74,7 +74,7 @@ void sl_coarse_finish(sl_coarse *coarse, unsigned threads);
 /* Returns the brightest of all colours, by channel. */
 sl_rgb sl_coarse_brightest(const sl_coarse *coarse);
 
-/* The vertex at lattice point (i, j) of a face that is in the mesh. */
+/* Returns the vertex at lattice point (i, j) of a face that is in the mesh. */
 uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i, int j);
 
 /* ---- coarse_light.c ---- */

@@ -59,7 +59,7 @@ static void add_point(const highlight *h, sl_vec3 at, sl_vec3 area, bool two_sid
     sum[1] += weight * lobe_towards(h, to_light);
 }
 
-/* The mean of cos^n alpha over what a point sees of an area light that nothing hides. */
+/* Returns the mean of cos^n alpha over what a point sees of an area light that nothing hides. */
 static double mean_lobe(const sl_sampled_light *light, const highlight *h) {
     double sum[2] = {0.0, 0.0};
     for (size_t t = 0; t < light->triangles; t++) {

@@ -88,8 +88,8 @@ size_t sl_displayed_memory_bytes(const sl_displayed *displayed);
 sl_status sl_displayed_see(sl_displayed *displayed, const sl_visible_pixels *pixels,
                            bool (*want)(const void *context, uint32_t face), const void *context,
                            sl_error *error);
-/* Vertices of visible leaves that are UNKNOWN, ascending by first use, each marked REQUESTED, and the faces
- * whose corners they are; at most `room`. Returns how many. */
+/* Lists vertices of visible leaves that are UNKNOWN, ascending by first use, each marked REQUESTED, and the
+ * faces whose corners they are; at most `room`. Returns how many. */
 size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, uint32_t *face, size_t room);
 /* A vertex's value: INVALID where it is not `valid`, or no number, which is counted. */
 void sl_displayed_put(sl_displayed *displayed, uint32_t vertex, sl_rgb value, bool valid,
@@ -103,9 +103,9 @@ void sl_displayed_settle(sl_displayed *displayed);
  * sl_displayed_see() next). */
 void sl_displayed_restart(sl_displayed *displayed);
 
-/* The highest priority of all leaves that are not taken; 0: nothing is left to do. */
+/* Returns the highest priority of all leaves that are not taken; 0: nothing is left to do. */
 float sl_displayed_priority(const sl_displayed *displayed);
-/* The leaf to be served next by the selection; node SL_NO_INDEX: none. Marks it. */
+/* Returns the leaf to be served next by the selection; node SL_NO_INDEX: none. Marks it. */
 sl_mesh_place sl_displayed_take(sl_displayed *displayed);
 /* Vertices that its test wants and whose state is UNKNOWN: they are marked REQUESTED and appended; vertex has
  * room for 6. Returns how many. */
@@ -114,16 +114,16 @@ sl_status sl_displayed_request(sl_displayed *displayed, const sl_mesh_place *lea
 /* All that it asked for is KNOWN or INVALID. */
 sl_status sl_displayed_commit(sl_displayed *displayed, const sl_mesh_place *leaf, sl_counters *counters,
                               sl_error *error);
-/* Are the leaf's edges all closed, and it is to be probed? Then nothing is requested. */
+/* Tells whether the leaf's edges are all closed, and it is to be probed. Then nothing is requested. */
 bool sl_displayed_wants_probes(const sl_displayed *displayed, const sl_mesh_place *leaf);
-/* The i-th of a leaf's node.pixels pixels: an index into the arrays of the view. */
+/* Returns the i-th of a leaf's node.pixels pixels: an index into the arrays of the view. */
 uint32_t sl_displayed_pixel(const sl_displayed *displayed, const sl_mesh_place *leaf, uint32_t i);
 /* It has been: does any probe say that its corners do not tell what lies between them? */
 void sl_displayed_probed(sl_displayed *displayed, const sl_mesh_place *leaf, bool contradicted,
                          sl_counters *counters);
-/* Levels from the root at which the size criterion is met here: as deep as irradiance meshes must be,
- * whatever their edges say. Where a probe has told of something between corners, a level deeper than the
- * leaf: its vertices are not to be interpolated. */
+/* Returns the number of levels from the root at which the size criterion is met here: as deep as irradiance
+ * meshes must be, whatever their edges say. Where a probe has told of something between corners, a level
+ * deeper than the leaf: its vertices are not to be interpolated. */
 int sl_displayed_wanted_depth(const sl_displayed *displayed, const sl_mesh_place *leaf);
 
 /* Draws the pixels of all leaves that are marked into three planes (bottom row first); parallel over leaves.

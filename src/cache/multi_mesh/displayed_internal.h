@@ -30,7 +30,7 @@ enum { SL_ALL_EDGES_CLOSED = SL_EDGE_CLOSED | SL_EDGE_CLOSED << 2 | SL_EDGE_CLOS
 static inline bool sl_all_edges_closed(const sl_mesh_node *node) {
     return (node->flags & SL_NODE_EDGES) == SL_ALL_EDGES_CLOSED;
 }
-/* Is it known already that the leaf is to be cut? Too large, or an edge is. */
+/* Tells whether it is known already that the leaf is to be cut: it is too large, or an edge is. */
 static inline bool sl_needs_cut(const sl_mesh_node *node) {
     bool cut = !(node->flags & SL_NODE_SMALL);
     for (int e = 0; e < 3; e++) cut |= sl_edge_of(node, e) == SL_EDGE_SPLIT;
@@ -44,8 +44,8 @@ bool sl_displayed_is_minor(const sl_displayed *d, const sl_mesh_place *leaf);
 static inline bool sl_was_minor(const sl_mesh_node *node) {
     return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_minor(node);
 }
-/* Is a corner inside other geometry? Then direct light ends somewhere in the leaf, and its other corners do
- * not say where. */
+/* Tells whether a corner is inside other geometry. Then direct light ends somewhere in the leaf, and its
+ * other corners do not say where. */
 static inline bool sl_has_hidden_corner(const sl_displayed *d, const sl_mesh_place *leaf) {
     const uint32_t *vertex = d->mesh->node[leaf->node].vertex;
     const uint8_t *state = d->mesh->state;
@@ -55,8 +55,8 @@ static inline bool sl_has_hidden_corner(const sl_displayed *d, const sl_mesh_pla
 }
 /* More than a pixel long on the screen. */
 bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf);
-/* May the leaf be cut at all? Patches of a pixel or less are not; one that shows in a single pixel is only to
- * find where light ends. */
+/* Tells whether the leaf may be cut at all. Patches of a pixel or less are not; one that shows in a single
+ * pixel is only to find where light ends. */
 static inline bool sl_may_split_but_for_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
     uint32_t pixels = d->mesh->node[leaf->node].pixels;
     if (pixels == 0 || leaf->depth >= d->settings.max_depth) return false;
@@ -72,17 +72,18 @@ static inline bool sl_is_unprobed(const sl_displayed *d, const sl_mesh_node *nod
            !(node->flags >> SL_NODE_TESTED_SHIFT);
 }
 sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
-/* Does it meet the size criterion, whatever else is known of it? */
+/* Tells whether it meets the size criterion, whatever else is known of it. */
 bool sl_displayed_meets_size(const sl_displayed *d, sl_screen_size size);
 /* Sets or clears SL_NODE_SMALL. */
 void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
-/* Largest contrast between any two corners of a leaf, as shown; those that are not known do not count. */
+/* Returns the largest contrast between any two corners of a leaf, as shown; those that are not known do not
+ * count. */
 float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *leaf);
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf);
 /* Priorities in the tree below a node; returns the largest. */
 float sl_displayed_prioritise_below(sl_displayed *d, const sl_mesh_place *place);
-/* The largest of the children's priorities from a node's parent up to the root, and the root's place in the
- * heap. */
+/* Sets the largest of the children's priorities from a node's parent up to the root, and the root's place in
+ * the heap. */
 void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node);
 
 /* ---- refine.c ---- */
@@ -95,9 +96,9 @@ void sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters 
 /* A leaf whose edges have just been closed, or that is seen anew, of that size: what need not be probed says
  * so. */
 void sl_displayed_judge_probes(const sl_displayed *d, sl_mesh_node *node, sl_screen_size size);
-/* Is the leaf to be cut because a probe told so? */
+/* Tells whether the leaf is to be cut because a probe told so. */
 bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_mesh_place *leaf);
-/* Or has any node above it been? */
+/* Tells whether any node above it has been. */
 bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_mesh_place *leaf);
 
 /* ---- priorities.c: selection ---- */

@@ -73,7 +73,7 @@ static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int 
     return (size_t)made;
 }
 
-/* The fan of mesh_interpolate.c. */
+/* Weighs a leaf's vertices by the fan of mesh_interpolate.c. */
 static size_t weigh_vertices(const sl_displayed *d, const sl_mesh_place *place, int known, float w1, float w2,
                              weighted_vertex out[VERTICES]) {
     float own_w1, own_w2;
@@ -188,7 +188,7 @@ static void put_edge(edges *e, uint32_t a, uint32_t b) {
     if (e->count < e->room) e->pair[e->count++] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
-/* The middle one of four children has no edges of its own. */
+/* Puts the edges of all leaves below a node: the middle one of four has none of its own. */
 static void put_edges_below(const sl_mesh *mesh, edges *e, uint32_t node) {
     const sl_mesh_node *n = &mesh->node[node];
     if (n->child == SL_NO_INDEX) {

@@ -118,8 +118,8 @@ static sl_rgb shown(const sl_irradiance_meshes *m, uint32_t light, uint32_t face
     return sl_rgb_scale(sl_rgb_add(reflected, ambient), (float)(1.0 / SL_PI));
 }
 
-/* The value in an edge's middle against the mean of its ends. A vertex inside other geometry bounds what is
- * hidden: the edge is cut. */
+/* Tests the value in an edge's middle against the mean of its ends. A vertex inside other geometry bounds
+ * what is hidden: the edge is cut. */
 static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place,
                                int edge, uint32_t middle) {
     const sl_mesh *mesh = m->mesh[light];
@@ -156,7 +156,7 @@ static bool still_agrees(const sl_irradiance_meshes *m, uint32_t light, const sl
     return true;
 }
 
-/* Three closed edges, and nothing has been found on them since. */
+/* Tells whether all three edges are closed, and nothing has been found on them since. */
 static bool is_confident(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place) {
     const sl_mesh *mesh = m->mesh[light];
     for (int i = 0; i < 3; i++)
@@ -215,7 +215,7 @@ static int corner_at(const sl_mesh_place *place, const sl_face_point *x) {
     return -1;
 }
 
-/* Twice the area of (a, b, x) in a face's barycentrics: whole numbers, so that sides are exact. */
+/* Returns twice the area of (a, b, x) in a face's barycentrics: whole numbers, so that sides are exact. */
 static int64_t side_of(const sl_mesh_place *place, int a, int b, const sl_face_point *x) {
     int64_t ap = place->p[a], aq = place->q[a];
     return ((int64_t)place->p[b] - ap) * ((int64_t)x->q - aq) -
@@ -244,7 +244,7 @@ static bool interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, const sl
     return sl_mesh_interpolate(mesh, leaf, (float)w1, (float)w2, true, share);
 }
 
-/* The edge of a leaf in whose middle a point lies, or -1. */
+/* Returns the edge of a leaf in whose middle a point lies, or -1. */
 static int edge_halved_by(const sl_mesh_place *place, const sl_face_point *x) {
     for (int i = 0; i < 3; i++) {
         int a = (i + 1) % 3, b = (i + 2) % 3;
@@ -253,7 +253,7 @@ static int edge_halved_by(const sl_mesh_place *place, const sl_face_point *x) {
     return -1;
 }
 
-/* The sample at a point, or what is interpolated there, however coarsely. */
+/* Returns the sample at a point, or what is interpolated there, however coarsely. */
 static fetch_state fetch_known(const sl_mesh *mesh, const sl_face_point *x, float *share) {
     const float unit = 1.0f / (float)SL_MESH_DYADIC;
     uint32_t sample = sl_mesh_find_vertex(mesh, x->face, x->p, x->q);

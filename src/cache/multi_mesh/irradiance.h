@@ -24,10 +24,10 @@ typedef struct sl_face_point {
     /* of the leaf that asks: where the vertex is asked for if it lies inside other geometry */
     sl_root_place leaf;
 } sl_face_point;
-/* That of a mesh's vertex. */
+/* Returns that of a mesh's vertex. */
 sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth,
                                    sl_root_place leaf);
-/* Where it lies in the world. */
+/* Returns where it lies in the world. */
 sl_mesh_point sl_face_point_in_world(const sl_primitives *primitives, const sl_face_point *x);
 
 typedef struct sl_irradiance_settings {
@@ -49,7 +49,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
                                       sl_error *error);
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *meshes);
 size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *meshes);
-/* Values are F (light_sample.h). */
+/* Returns a light's mesh. Values are F (light_sample.h). */
 const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t light);
 
 /* F of every light at each point, share[i * lights + l]; valid[i] false: the point lies inside other

@@ -46,10 +46,10 @@ static int32_t whole(float weight) {
     return (int32_t)((clamped < 1.0f ? clamped : 1.0f) * (float)ONE);
 }
 
-/* A point's way down a quadtree of triangles, two bits a level, the first in the highest ones. A child that
- * keeps corner i holds the points whose weight of it is above one half, and all their weights double there,
- * i's less one. Child 3, turned by half a turn, holds the rest: weights w become 1 - 2 w. In whole numbers
- * nothing is rounded on the way. */
+/* Returns a point's way down a quadtree of triangles, two bits a level, the first in the highest ones. A
+ * child that keeps corner i holds the points whose weight of it is above one half, and all their weights
+ * double there, i's less one. Child 3, turned by half a turn, holds the rest: weights w become 1 - 2 w. In
+ * whole numbers nothing is rounded on the way. */
 static uint32_t path_of(float w1, float w2) {
     int32_t w[3] = {0, whole(w1), whole(w2)};
     uint32_t path = 0;

@@ -38,7 +38,7 @@ sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster,
 void sl_visible_pixels_destroy(sl_visible_pixels *pixels);
 /* Faces in view, dealt into SL_VISIBLE_SHARES tasks by their pixels: entries begin .. end of one. */
 void sl_visible_share(const sl_visible_pixels *pixels, size_t share, size_t *begin, size_t *end);
-/* The first of pixels first .. end whose path is not below the given one. */
+/* Returns the first of pixels first .. end whose path is not below the given one. */
 uint32_t sl_visible_from_path(const sl_visible_pixels *pixels, uint32_t first, uint32_t end, uint32_t path);
 
 #endif

@@ -37,7 +37,7 @@ static int power_of_two(int value) {
     return power;
 }
 
-/* The coarse mesh is iterated once at most. */
+/* Returns the number of bounces: the coarse mesh is iterated once at most. */
 static uint32_t bounces_of(const sl_settings *settings) {
     if (settings->bounces == 0) return 1;
     return settings->bounces > 2 ? 2 : settings->bounces;

@@ -17,7 +17,7 @@ typedef struct sl_multi_mesh_plan {
 
 /* Replaces what is 0 in the settings, or left to quality. The exposure stays 0 until the scene is known. */
 void sl_multi_mesh_complete(sl_settings *settings);
-/* The coarse mesh's longest edge, in scene units. */
+/* Returns the coarse mesh's longest edge, in scene units. */
 double sl_multi_mesh_coarse_edge(const sl_scene *scene, const sl_settings *settings);
 sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_settings *settings);
 void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transport);

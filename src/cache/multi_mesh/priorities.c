@@ -260,7 +260,7 @@ static uint32_t next_of_chain(sl_displayed *d) {
 
 /* ---- what both share ---- */
 
-/* The leaf of highest priority below a root, the first of equals. */
+/* Returns the leaf of highest priority below a root, the first of equals. */
 static sl_mesh_place best_leaf(const sl_displayed *d, uint32_t face) {
     const sl_mesh *mesh = d->mesh;
     sl_mesh_place place = sl_mesh_root_place(mesh, face);

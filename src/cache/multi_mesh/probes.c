@@ -50,7 +50,7 @@ static sl_rgb value_of_light(const probed_leaf *leaf, size_t light, float share,
                               leaf->s->scene->camera.eye);
 }
 
-/* Could an eye tell the mesh's value at a point from that? */
+/* Tells whether an eye could tell the mesh's value at a point from that. */
 static bool shows(const probed_leaf *leaf, float w1, float w2, sl_rgb value, sl_rgb other) {
     const sl_shown_radiance *shown = &leaf->d->settings.shown;
     sl_rgb a = shown->radiance(shown->context, leaf->part, leaf->place->face, w1, w2, value);
@@ -73,7 +73,7 @@ static bool value_at(const probed_leaf *leaf, float w1, float w2, sl_rgb *value)
 
 /* ---- one light ---- */
 
-/* Would it be missed in the leaf, or noticed? Judged in the middle of it. */
+/* Tells whether it would be missed in the leaf, or noticed. Judged in the middle of it. */
 static bool matters(const probed_leaf *leaf, size_t light) {
     sl_root_place middle = sl_mesh_leaf_middle(leaf->place);
     sl_mesh_point point = point_at(leaf, middle.u, middle.v);
@@ -125,7 +125,8 @@ static bool outshines(const probed_leaf *leaf, size_t light, float w1, float w2,
                  (sl_rgb){fmaxf(own.r, value.r), fmaxf(own.g, value.g), fmaxf(own.b, value.b)});
 }
 
-/* Is what a pixel sees of the light something that an eye can tell from what corners make of it? */
+/* Tells whether what a pixel sees of the light is something that an eye can tell from what corners make of
+ * it. */
 static bool differs(const probed_leaf *leaf, size_t light, const float share[3], bool lit_corners,
                     uint32_t pixel) {
     const sl_visible_pixels *pixels = leaf->d->pixels;

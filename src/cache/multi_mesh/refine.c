@@ -10,7 +10,8 @@
 
 #include "base/counters.h"
 
-/* Is it certain that the leaf will be split? Then all its middles are wanted, those of closed edges too. */
+/* Tells whether it is certain that the leaf will be split. Then all its middles are wanted, those of closed
+ * edges too. */
 static bool will_split(const sl_displayed *d, const sl_mesh_place *leaf) {
     return sl_needs_cut(&d->mesh->node[leaf->node]) && sl_may_split(d, leaf);
 }

@@ -138,7 +138,7 @@ bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part) {
     return s->part[part] && !done && (part != SL_INDIRECT || s->coarse_whole);
 }
 
-/* The share of visible pixels in faces that need nothing more, in all meshes. */
+/* Returns the share of visible pixels in faces that need nothing more, in all meshes. */
 static double share_done(const sl_multi_mesh_state *s) {
     double done = 0.0, all = 0.0;
     for (int i = 0; i < SL_COMPONENTS; i++) {
@@ -156,8 +156,8 @@ static double share_done(const sl_multi_mesh_state *s) {
     return all > 0.0 ? 0.99 * done / all : 0.0;
 }
 
-/* Roughly, for the progress bar alone: to look at all faces that are seen takes a batch's samples longer by a
- * twentieth. */
+/* Returns the share that is done, roughly, for the progress bar alone: to look at all faces that are seen
+ * takes a batch's samples longer by a twentieth. */
 double sl_multi_mesh_fraction(sl_multi_mesh_state *s) {
     if (s->phase == SL_PHASE_DONE) return 1.0;
     if (s->phase == SL_PHASE_VIEW || !s->visible) return 0.0;
@@ -192,7 +192,8 @@ enum {
     A_CELL = 160
 };
 
-/* The coarse mesh has edges of its own: pieces of the surface, as large as the scene's box six times over. */
+/* Returns bytes of the coarse mesh, whose edges are its own: pieces of the surface, as large as the scene's
+ * box six times over. */
 static double coarse_bytes(const sl_scene *scene, const sl_settings *settings) {
     const double edge = sl_multi_mesh_coarse_edge(scene, settings), d = (double)scene->diagonal;
     double pieces = 4.0 * 6.0 * d * d / (edge * edge), finest = (double)scene->triangle_count;

@@ -17,7 +17,7 @@
 
 static inline uint16_t sl_dyadic_middle(uint16_t a, uint16_t b) { return (uint16_t)((a + b) / 2); }
 
-/* Corners of a child; corners: 3 or 4, of the parent and of the child. */
+/* Gives corners of a child; corners: 3 or 4, of the parent and of the child. */
 void sl_dyadic_child(int corners, const uint16_t *u, const uint16_t *v, int child, uint16_t *child_u,
                      uint16_t *child_v);
 /* Gives the weights of corners 1 and 2 of a triangle at a point of its root; of a quadrilateral how far it is

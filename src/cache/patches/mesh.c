@@ -43,8 +43,8 @@ static void clamp_weights(float w1, float w2, double *clamped1, double *clamped2
     *clamped2 = sum > 1.0 ? b / sum : b;
 }
 
-/* Weights of a place's corners 1 and 2 at a point of the face: exact for points that are not absurdly near a
- * corner. */
+/* Gives weights of a place's corners 1 and 2 at a point of the face: exact for points that are not absurdly
+ * near a corner. */
 static void weights_within(const sl_mesh_place *place, double w1, double w2, double *a, double *b) {
     sl_dyadic_local(3, place->p, place->q, w1 * SL_MESH_DYADIC, w2 * SL_MESH_DYADIC, a, b);
 }

@@ -60,8 +60,8 @@ typedef struct sl_mesh_node {
  * The upper half of a float's bits. */
 float sl_mesh_tested_size(const sl_mesh_node *node);
 void sl_mesh_set_tested_size(sl_mesh_node *node, float size);
-/* The size up to which a leaf with closed edges need not be probed again (displayed.h): as it was when it was
- * probed, or twice what it was when it collapsed; 0: it is yet to be probed. */
+/* Returns the size up to which a leaf with closed edges need not be probed again (displayed.h): as it was
+ * when it was probed, or twice what it was when it collapsed; 0: it is yet to be probed. */
 float sl_mesh_probed_size(const sl_mesh_node *node);
 void sl_mesh_set_probed_size(sl_mesh_node *node, float size);
 /* Of a leaf whose edges are not all closed: how many pixels it had when a picture was done without a look
@@ -98,8 +98,8 @@ size_t sl_mesh_memory_bytes(const sl_mesh *mesh);
 /* No roots, nodes and vertices any more; the memory stays for the next ones. */
 void sl_mesh_clear(sl_mesh *mesh);
 
-/* The face's root, made if there is none yet; its vertices are UNKNOWN if they are new. SL_NO_INDEX with
- * *status where memory ends. */
+/* Returns the face's root, made if there is none yet; its vertices are UNKNOWN if they are new. SL_NO_INDEX
+ * with *status where memory ends. */
 uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error *error);
 static inline bool sl_mesh_is_leaf(const sl_mesh *mesh, uint32_t node) {
     return mesh->node[node].child == SL_NO_INDEX;
@@ -140,16 +140,16 @@ sl_mesh_place sl_mesh_locate(const sl_mesh *mesh, uint32_t face, float w1, float
 /* A point's weights of a node's own corners 1 and 2, from those of the face's. Not rounded but at the end. */
 void sl_mesh_weights_within(const sl_mesh_place *place, float w1, float w2, float *leaf_w1, float *leaf_w2);
 
-/* The vertex in the middle of edge i of a node; made if there is none (UNKNOWN). SL_NO_INDEX: memory ended,
- * or the depth is reached. */
+/* Returns the vertex in the middle of edge i of a node; made if there is none (UNKNOWN). SL_NO_INDEX: memory
+ * ended, or the depth is reached. */
 uint32_t sl_mesh_middle(sl_mesh *mesh, const sl_mesh_place *place, int edge, sl_status *status,
                         sl_error *error);
-/* The same, if there is one. */
+/* Returns the same, if there is one. */
 uint32_t sl_mesh_find_middle(const sl_mesh *mesh, const sl_mesh_place *place, int edge);
-/* A vertex by a place within a face (weights in 1/SL_MESH_DYADIC), made if there is none. */
+/* Returns a vertex by a place within a face (weights in 1/SL_MESH_DYADIC), made if there is none. */
 uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q, sl_status *status,
                            sl_error *error);
-/* The same, if there is one. */
+/* Returns the same, if there is one. */
 uint32_t sl_mesh_find_vertex(const sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q);
 
 /* Cuts a leaf in four; children are leaves with all edges untested, but for what is
@@ -175,7 +175,7 @@ static inline bool sl_mesh_point_in_solid(const sl_primitives *primitives, const
 }
 void sl_mesh_point_at(const sl_primitives *primitives, sl_root_place place, sl_mesh_point *point);
 void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point);
-/* The middle of a leaf. */
+/* Returns the middle of a leaf. */
 static inline sl_root_place sl_mesh_leaf_middle(const sl_mesh_place *leaf) {
     return (sl_root_place){leaf->face, (uint16_t)((leaf->p[0] + leaf->p[1] + leaf->p[2]) / 3),
                            (uint16_t)((leaf->q[0] + leaf->q[1] + leaf->q[2]) / 3)};
@@ -221,8 +221,8 @@ void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value)
 /* sl_mesh_locate() and sl_mesh_interpolate(). */
 bool sl_mesh_value(const sl_mesh *mesh, uint32_t face, float w1, float w2, float *value);
 
-/* Leaves that touch edge i of a node on its other side, or end in it: those whose pixels change when the
- * edge's middle becomes known. At most `room`; returns how many there are. */
+/* Lists leaves that touch edge i of a node on its other side, or end in it: those whose pixels change when
+ * the edge's middle becomes known. At most `room`; returns how many there are. */
 size_t sl_mesh_neighbours(const sl_mesh *mesh, const sl_mesh_place *place, int edge, uint32_t *leaf,
                           size_t room);
 

@@ -70,7 +70,7 @@ static int weight(const sl_mesh_place *place, int corner, int of) {
                      : SL_MESH_DYADIC - place->p[corner] - place->q[corner];
 }
 
-/* The face's edge on which an edge of a place lies, or -1 if it lies inside. */
+/* Returns the face's edge on which an edge of a place lies, or -1 if it lies inside. */
 static int face_edge_of(const sl_mesh_place *place, int edge) {
     for (int c = 0; c < 3; c++)
         if (weight(place, (edge + 1) % 3, c) == 0 && weight(place, (edge + 2) % 3, c) == 0) return c;
@@ -83,8 +83,8 @@ static point on_edge(int edge, uint32_t t) {
     return (point){(int)u, (int)v};
 }
 
-/* The other faces along the face's edge opposite to corner c, in each of which the same stretch of it has
- * other weights. */
+/* Looks in the other faces along the face's edge opposite to corner c, in each of which the same stretch of
+ * it has other weights. */
 static void look_in_other_faces(search *s, const sl_mesh_place *place, int edge, int c) {
     const sl_primitives *primitives = s->mesh->primitives;
     uint32_t own = 4 * (place->face / 2) + (uint32_t)(c + 1) % 3;

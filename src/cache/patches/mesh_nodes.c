@@ -94,7 +94,7 @@ void sl_mesh_free_nodes(sl_mesh *mesh, uint32_t first) {
 
 /* ---- roots ----------------------------------------------------------------------------------- */
 
-/* Where a face's root is in the table, or would be. */
+/* Returns where a face's root is in the table, or would be. */
 static size_t root_slot(const sl_mesh *mesh, uint32_t face) {
     size_t i = sl_slot_of_hash(sl_hash64(face), mesh->root_slots);
     while (mesh->root[i] != SL_NO_INDEX && mesh->node[mesh->root[i]].parent != (SL_MESH_ROOT | face))
@@ -145,7 +145,7 @@ uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error 
 
 /* ---- a number in a node's flags -------------------------------------------------------------- */
 
-/* The upper half of a float's bits; what has been probed alone has the sign of a negative one. */
+/* Returns the upper half of a float's bits; what has been probed alone has the sign of a negative one. */
 static float upper_half(const sl_mesh_node *node) {
     uint32_t bits = node->flags >> SL_NODE_TESTED_SHIFT << SL_NODE_TESTED_SHIFT;
     float size;

@@ -23,9 +23,9 @@ sl_status sl_patches_enlarge(sl_growing *all, int count, sl_error *error);
 
 /* Room for so many more vertices of a root, at most SL_VERTEX_GROUP; only this can fail. */
 sl_status sl_vertices_reserve(sl_patches *patches, uint32_t root, size_t count, sl_error *error);
-/* The vertex at a place, or SL_NO_INDEX. */
+/* Returns the vertex at a place, or SL_NO_INDEX. */
 uint32_t sl_vertex_find(const sl_patches *patches, sl_root_place place);
-/* The same, made where there is none, with one reference more. *created is set where it is new. */
+/* Returns the same, made where there is none, with one reference more. *created is set where it is new. */
 uint32_t sl_vertex_take(sl_patches *patches, sl_root_place place, bool *created);
 /* One reference less; true: it was the last, and the vertex is gone. */
 bool sl_vertex_release(sl_patches *patches, uint32_t vertex);

@@ -230,7 +230,7 @@ uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_err
 
 /* ---- splits ---------------------------------------------------------------------------------- */
 
-/* Twice the area as a vector, of a triangle or a quadrilateral. */
+/* Returns twice the area as a vector, of a triangle or a quadrilateral. */
 static sl_vec3d area_vector(const sl_vec3d corner[4], int corners) {
     if (corners == 3) return sl_crossd(sl_subd(corner[1], corner[0]), sl_subd(corner[2], corner[0]));
     return sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1]));

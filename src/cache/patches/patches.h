@@ -145,8 +145,8 @@ static inline uint32_t sl_patch_root(const sl_patches *p, uint32_t patch) {
     const sl_patch_block *block = sl_patch_block_of(p, patch);
     return block->parent == SL_NO_INDEX ? p->wanted_root[block->root + patch % 4] : block->root;
 }
-/* The vertex at a corner of a patch: corner i of child i is its parent's, and so on upwards. Triangles have
- * SL_NO_INDEX for corner 3. */
+/* Returns the vertex at a corner of a patch: corner i of child i is its parent's, and so on upwards.
+ * Triangles have SL_NO_INDEX for corner 3. */
 static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int corner) {
     static const uint8_t triangle[4][4] = {{0, 0, 2, 3}, {0, 0, 1, 3}, {2, 1, 0, 3}, {1, 2, 0, 3}};
     static const uint8_t quad[4][4] = {{0, 0, 4, 3}, {0, 0, 1, 4}, {4, 1, 0, 2}, {3, 4, 2, 0}};
@@ -177,9 +177,9 @@ typedef struct sl_patch_place {
 } sl_patch_place;
 sl_patch_place sl_patch_place_of(const sl_patches *patches, uint32_t patch);
 sl_patch_place sl_patch_child_place(const sl_patches *patches, const sl_patch_place *parent, int child);
-/* The leaf that holds a point of a root. SL_NO_INDEX in patch: the root is not wanted yet. */
+/* Returns the leaf that holds a point of a root. SL_NO_INDEX in patch: the root is not wanted yet. */
 sl_patch_place sl_patch_locate(const sl_patches *patches, uint32_t root, double u, double v);
-/* Which child of a patch, there or not, holds a point of its root. */
+/* Returns which child of a patch, there or not, holds a point of its root. */
 int sl_patch_child_at(const sl_patch_place *place, double u, double v);
 
 /* Four children (SL_OK and nothing at SL_PATCH_DEPTH_MAX, or where a child would be degenerate: it stays a
@@ -197,11 +197,11 @@ void sl_patches_rested(sl_patches *patches);
  * lobes. */
 bool sl_patch_value(const sl_patches *patches, const sl_patch_place *leaf, double u, double v, bool second,
                     float value[3]);
-/* Vertices that lie on edge i of a leaf (corner i to i + 1), between its ends, in order; for leaves beside
- * finer ones. At most `room`. */
+/* Lists vertices that lie on edge i of a leaf (corner i to i + 1), between its ends, in order; for leaves
+ * beside finer ones. At most `room`. */
 size_t sl_patch_hanging(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex,
                         size_t room);
-/* The same with how far along the edge each lies, in 1/SL_PATCH_DYADIC of it. */
+/* Lists the same with how far along the edge each lies, in 1/SL_PATCH_DYADIC of it. */
 size_t sl_patch_hanging_at(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex,
                            uint16_t *at, size_t room);
 

@@ -13,8 +13,8 @@ typedef struct sl_perception {
     float threshold_scale;
 } sl_perception;
 
-/* The exposure at which a radiance in the middle of what the scene's light makes of its surfaces displays as
- * a middle grey: from power, area and mean reflectance alone; 1 where the scene has no light. */
+/* Returns the exposure at which a radiance in the middle of what the scene's light makes of its surfaces
+ * displays as a middle grey: from power, area and mean reflectance alone; 1 where the scene has no light. */
 float sl_perception_exposure(const sl_scene *scene, float mean_radiance);
 
 /* D of a channel, in [0,255], within 1e-4 of a grey level, and monotone but for as much; negative, NaN: 0;
@@ -30,7 +30,7 @@ float sl_display_threshold(const sl_perception *perception, float level);
 /* |D difference| / T of the darker one: above 1 an eye can tell. Where nothing is tolerated any difference is
  * the largest there is. */
 float sl_levels_contrast(const sl_perception *perception, float a, float b);
-/* The largest of the channels'. */
+/* Returns the largest of the channels'. */
 float sl_display_contrast(const sl_perception *perception, sl_rgb a, sl_rgb b);
 
 #endif

@@ -13,7 +13,8 @@ static inline int sl_primitive_corners(const sl_primitives *p, uint32_t primitiv
 
 /* (u, v) of edge `edge` at t, from corner `edge` (t = 0) to the next (t = SL_PATCH_DYADIC). */
 void sl_edge_point(int corners, int edge, uint32_t t, uint32_t *u, uint32_t *v);
-/* The edge on which (u, v) lies, and t there; corners are on the edge that begins with them. -1: inside. */
+/* Returns the edge on which (u, v) lies, and t there; corners are on the edge that begins with them. -1:
+ * inside. */
 int sl_edge_at(int corners, uint32_t u, uint32_t v, uint32_t *t);
 
 /* From t on an edge (4 primitive + edge) to the way that its ring agrees on, and back. */

@@ -34,14 +34,14 @@ int sl_edge_at(int corners, uint32_t u, uint32_t v, uint32_t *t) {
 
 /* ---- triangles of quads and of bicubic patches ----------------------------------------------- */
 
-/* Weights of a triangle's three corners, the first of which is its corner number `first`, as weights of
+/* Gives weights of a triangle's three corners, the first of which is its corner number `first`, as weights of
  * corners 1 and 2. */
 static void turn(int first, const double weight[3], float *w1, float *w2) {
     *w1 = (float)weight[(1 - first + 3) % 3];
     *w2 = (float)weight[(2 - first + 3) % 3];
 }
 
-/* Which corner of a triangle is a vertex. */
+/* Returns which corner of a triangle is a vertex. */
 static int corner_number(const sl_scene *s, uint32_t triangle, uint32_t vertex) {
     return s->vertex[0][triangle] == vertex ? 0 : s->vertex[1][triangle] == vertex ? 1 : 2;
 }
@@ -72,8 +72,8 @@ static bool same_point(const sl_scene *s, uint32_t a, uint32_t b) {
     return p.x == q.x && p.y == q.y && p.z == q.z;
 }
 
-/* A half without area is a line, an edge of the other half: its corner that the other does not have gives its
- * weight to the one where it lies. */
+/* Returns the other half's triangle. A half without area is a line, an edge of that: its corner that the
+ * other does not have gives its weight to the one where it lies. */
 static uint32_t other_half(const sl_primitives *p, const sl_bicubic *b, int column, int row, int missing,
                            double weight[3]) {
     uint32_t triangle = sl_bicubic_triangle(p->scene, b, column, row, 1 - missing);
@@ -164,7 +164,7 @@ static sl_vec3 weighted(sl_vec3 a, sl_vec3 b, sl_vec3 c, float w1, float w2) {
     return sl_to_float(sl_addd(sum, sl_scaled(sl_to_double(c), w[2])));
 }
 
-/* An edge that is one point has one normal, that of its middle. */
+/* Returns the normal there; an edge that is one point has one, that of its middle. */
 static sl_vec3 bicubic_normal(const sl_primitives *p, uint32_t primitive, uint32_t u, uint32_t v) {
     uint32_t t;
     int edge = sl_edge_at(4, u, v, &t), before = (edge + 3) % 4;

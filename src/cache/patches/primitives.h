@@ -68,11 +68,11 @@ void sl_root_point_at(const sl_primitives *primitives, uint32_t root, uint32_t u
                       sl_root_point *point);
 /* the same one, alone */
 sl_vec3 sl_root_position(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v);
-/* The scene triangle that holds (u, v) of a root and the weights of its corners 1 and 2 there: for its
- * texture. */
+/* Returns the scene triangle that holds (u, v) of a root and the weights of its corners 1 and 2 there: for
+ * its texture. */
 uint32_t sl_root_triangle_at(const sl_primitives *primitives, uint32_t root, double u, double v, float *w1,
                              float *w2);
-/* The other way: (u, v) in [0,1] of a point of a scene triangle. */
+/* Gives, the other way, (u, v) in [0,1] of a point of a scene triangle. */
 void sl_root_parameters(const sl_primitives *primitives, uint32_t triangle, float w1, float w2, double *u,
                         double *v);
 static inline const sl_material *sl_root_material(const sl_primitives *p, uint32_t root) {
