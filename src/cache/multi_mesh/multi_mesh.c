@@ -22,21 +22,6 @@ enum { FIRST_VERTICES = 1024 /* an update's, before refinement */, LEAF_VERTICES
 
 /* ---- image pass 1: identifiers and visible sizes; image pass 2: materials ---- */
 
-static void announce_material(sl_multi_mesh_state *s, const char *name, const float *planes) {
-    const sl_settings *of = &s->settings;
-    if (planes) sl_announce(&s->announcer, name, "image pass 2", of->width, of->height, 3, planes, true);
-}
-
-static sl_status see_materials(sl_multi_mesh_state *s, const sl_view *view, sl_error *error) {
-    sl_materials_wanted wanted = sl_multi_mesh_materials_in_view(s);
-    sl_status status = sl_materials_resolve(s->scene, s->raster, view, s->id, wanted, s->settings.threads,
-                                            &s->materials, &s->counters, error);
-    if (status != SL_OK) return status;
-    announce_material(s, "material: k_d", s->materials->diffuse[0]);
-    announce_material(s, "material: k_s", s->materials->specular[0]);
-    return sl_multi_mesh_see(s, error);
-}
-
 static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
@@ -50,7 +35,8 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
         status = sl_visible_pixels_sort(s->scene, s->raster, &view, s->id, threads, &s->visible, &s->counters,
                                         error);
     sl_multi_mesh_announce_ids(s);
-    if (status == SL_OK) status = see_materials(s, &view, error);
+    if (status == SL_OK) status = sl_multi_mesh_see_materials(s, &view, error);
+    if (status == SL_OK) status = sl_multi_mesh_see(s, error);
     sl_visible_pixels_destroy(before);
     s->priorities_stale = false;
     s->seen_before = sl_multi_mesh_was_done(s);
@@ -73,9 +59,7 @@ static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint
 
 /* Returns the depth to which a light's mesh is cut whatever its edges say. A leaf's edges have their middles
  * sampled, so its samples are as close to each other as corners of leaves a level deeper: several lights'
- * meshes are left that much coarser, which for the same error takes a quarter to a third of the samples of
- * eight lights away (the table joint of bench/multi-mesh.trials). With one light samples where nothing
- * changes are few. */
+ * meshes are left that much coarser (the table joint of bench/multi-mesh.trials). */
 static int irradiance_depth(const sl_multi_mesh_state *s, int wanted) {
     if (s->settings.multi_mesh.joint_mesh) return SL_MESH_DEPTH_MAX;
     return s->lights->count > 1 ? wanted - 1 : wanted;

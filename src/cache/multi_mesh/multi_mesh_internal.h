@@ -89,7 +89,8 @@ static inline bool sl_is_in_view(const sl_displayed *part) { return part && part
 bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part);
 /* Hands the view to the meshes and clears their planes. */
 sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error);
-sl_materials_wanted sl_multi_mesh_materials_in_view(const sl_multi_mesh_state *s);
+/* The materials that are in view. */
+sl_status sl_multi_mesh_see_materials(sl_multi_mesh_state *s, const sl_view *view, sl_error *error);
 /* A picture that was done once is done. */
 bool sl_multi_mesh_was_done(const sl_multi_mesh_state *s);
 void sl_multi_mesh_remember_done(sl_multi_mesh_state *s);

@@ -97,10 +97,21 @@ static bool shines(const void *context, uint32_t face) {
     return sl_material_is_emitter(sl_face_material(context, face));
 }
 
-sl_materials_wanted sl_multi_mesh_materials_in_view(const sl_multi_mesh_state *s) {
+static void announce_material(sl_multi_mesh_state *s, const char *name, const float *planes) {
+    const sl_settings *of = &s->settings;
+    if (planes) sl_announce(&s->announcer, name, "image pass 2", of->width, of->height, 3, planes, true);
+}
+
+sl_status sl_multi_mesh_see_materials(sl_multi_mesh_state *s, const sl_view *view, sl_error *error) {
     bool sky = s->scene->environment.present && s->visible->count < sl_multi_mesh_pixels(s);
-    return (sl_materials_wanted){.specular = s->plan.specular_seen && shows(s, wants_specular),
-                                 .emission = s->plan.emission && (sky || shows(s, shines))};
+    sl_materials_wanted wanted = {.specular = s->plan.specular_seen && shows(s, wants_specular),
+                                  .emission = s->plan.emission && (sky || shows(s, shines))};
+    sl_status status = sl_materials_resolve(s->scene, s->raster, view, s->id, wanted, s->settings.threads,
+                                            &s->materials, &s->counters, error);
+    if (status != SL_OK) return status;
+    announce_material(s, "material: k_d", s->materials->diffuse[0]);
+    announce_material(s, "material: k_s", s->materials->specular[0]);
+    return SL_OK;
 }
 
 /* A row of all planes that will be drawn. */
