@@ -110,7 +110,7 @@ void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl
     int length;
     while (!o->quiet && (line = next_warning(&rest, &length)))
         fprintf(stderr, "softlux: warning: %.*s\n", length, line);
-    const char *reduced = sl_image_metadata(image, "softlux.concession");
+    const char *reduced = sl_image_metadata(image, "softlux.reduced");
     if (reduced && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", reduced);
     if (!o->quiet && (progress->done || progress->frame_done)) sl_tell_blank_picture(o, scene, image);
 }

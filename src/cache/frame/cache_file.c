@@ -16,7 +16,7 @@
 enum { FORMAT = 1, MAGIC_BYTES = 8, VERSION_BYTES = 16, SIZE_AT = 28, CHECKSUM_BYTES = 8 };
 static const char magic[MAGIC_BYTES + 1] = "SLCACHE\n";
 
-uint64_t sl_cache_bits(double value) {
+static uint64_t bits_of(double value) {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
     return bits;
@@ -91,7 +91,8 @@ void sl_cache_write_start(sl_cache_writer *writer, const sl_cache_header *header
     }
     sl_cache_write_u64(writer, header->scene);
     sl_cache_write_u32(writer, (uint32_t)header->setting_count);
-    for (size_t i = 0; i < header->setting_count; i++) sl_cache_write_u64(writer, header->settings[i].value);
+    for (size_t i = 0; i < header->setting_count; i++)
+        sl_cache_write_u64(writer, bits_of(header->settings[i].value));
 }
 
 sl_status sl_cache_write_end(sl_cache_writer *writer, const char *path, sl_error *error) {
@@ -204,13 +205,6 @@ static sl_status check_envelope(sl_cache_reader *r, sl_error *error) {
     return SL_OK;
 }
 
-static double number_of(const sl_cache_setting *setting, uint64_t value) {
-    double number;
-    if (setting->value != sl_cache_bits(setting->number)) return (double)value; /* an integer */
-    memcpy(&number, &value, sizeof number);
-    return number;
-}
-
 static sl_status check_origin(sl_cache_reader *r, const sl_cache_header *header, sl_error *error) {
     if (sl_cache_read_u64(r) != header->scene)
         return sl_fail(error, SL_ERROR_INPUT,
@@ -221,11 +215,8 @@ static sl_status check_origin(sl_cache_reader *r, const sl_cache_header *header,
         const sl_cache_setting *s = &header->settings[i];
         uint64_t value = sl_cache_read_u64(r);
         if (r->overrun) return sl_cache_damaged(r, error);
-        if (value == s->value) continue;
-        if (isnan(s->number))
+        if (value != bits_of(s->value))
             return sl_fail(error, SL_ERROR_INPUT, "%s: was made with another %s", r->path, s->name);
-        return sl_fail(error, SL_ERROR_INPUT, "%s: was made with another %s: %.9g, now %.9g", r->path,
-                       s->name, number_of(s, value), s->number);
     }
     return SL_OK;
 }

@@ -18,8 +18,7 @@
 /* A setting that decides what is in a cache. */
 typedef struct sl_cache_setting {
     const char *name; /* as the program calls it, for messages */
-    uint64_t value;
-    double number;    /* the value as people write it; NAN: there is no telling it in a number */
+    double value;
 } sl_cache_setting;
 
 typedef struct sl_cache_header {
@@ -68,8 +67,5 @@ bool sl_cache_read_complete(const sl_cache_reader *reader);
 void sl_cache_read_end(sl_cache_reader *reader);
 /* "PATH: is damaged ..." */
 sl_status sl_cache_damaged(const sl_cache_reader *reader, sl_error *error);
-
-/* A double as a setting's value. */
-uint64_t sl_cache_bits(double value);
 
 #endif

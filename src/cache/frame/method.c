@@ -100,9 +100,9 @@ static sl_status complete_settings(const sl_method_class *class, const sl_scene 
     return sl_budget_keep(class, scene, settings, beside, reduced, room, error);
 }
 
-/* ---- the core of a scattered scene ---- */
+/* ---- the central region of a scattered scene ---- */
 
-static void remember_core(sl_method *m) {
+static void remember_region(sl_method *m) {
     m->scale = m->scene->scale;
     m->central_min = m->scene->central_min;
     m->central_max = m->scene->central_max;
@@ -111,7 +111,7 @@ static void remember_core(sl_method *m) {
 /* An eye elsewhere may make another part of a scattered scene its central region (scene/scale.c), where an
  * octree, voxels or a coarse mesh are not that were made for the one before. Small moves change the scale a
  * little, which matters no more than that it is a rough measure. */
-static bool core_has_moved(const sl_method *m) {
+static bool region_has_moved(const sl_method *m) {
     const sl_scene *s = m->scene;
     const float larger = fmaxf(m->scale, s->scale), smaller = fminf(m->scale, s->scale);
     if (larger == smaller && memcmp(&m->central_min, &s->central_min, sizeof m->central_min) == 0 &&
@@ -158,7 +158,7 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
         return status;
     }
     m->scene_version = scene->version;
-    remember_core(m);
+    remember_region(m);
     *method = m;
     return SL_OK;
 }
@@ -221,7 +221,7 @@ static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
         status = sl_image_set_metadata(image, "softlux.memory", text, error);
     const char *reduced = sl_method_reduction(method);
     if (status == SL_OK && reduced)
-        status = sl_image_set_metadata(image, "softlux.concession", reduced, error);
+        status = sl_image_set_metadata(image, "softlux.reduced", reduced, error);
     const sl_counters *counters = method->class->counters(method->state);
     for (int i = 0; i < SL_COUNTERS && status == SL_OK; i++) {
         if (!counters->value[i]) continue;
@@ -258,8 +258,8 @@ sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
     if (method->health == SL_METHOD_FAILED) return check_health(method, error);
     /* what the one that failed was to say has got lost */
     if (method->health == SL_METHOD_WANTS_EDIT) changes = known;
-    if (core_has_moved(method)) changes = known;
-    if (changes & SL_CHANGED_OBJECTS) remember_core(method);
+    if (region_has_moved(method)) changes = known;
+    if (changes & SL_CHANGED_OBJECTS) remember_region(method);
     method->progress.done = method->progress.frame_done = method->resolved = false;
     if (changes != SL_CHANGED_CAMERA) method->light_hash_known = false;
     method->scene_version = method->scene->version;

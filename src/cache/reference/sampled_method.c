@@ -4,6 +4,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 
+#include <string.h>
+
 typedef struct {
     const sl_sampled_film *kind;
     const sl_scene *scene;
@@ -30,12 +32,17 @@ static sl_status start_film(sampled_state *s, sl_error *error) {
     return s->kind->create(s->scene, s->tracer, &s->settings, &s->transport, &s->film, error);
 }
 
-void sl_sampled_complete(const sl_sampled_film *kind, sl_settings *settings) {
-    if (settings->spp == 0) settings->spp = kind->samples[settings->quality];
+static const sl_sampled_film *film_of(const sl_settings *settings) {
+    return strcmp(settings->method, sl_path_film.name) == 0 ? &sl_path_film : &sl_bidirectional_film;
 }
 
-sl_status sl_sampled_create(const sl_sampled_film *kind, const sl_scene *scene, const sl_settings *settings,
-                            const sl_transport *transport, void **state, sl_error *error) {
+void sl_sampled_complete(sl_settings *settings) {
+    if (settings->spp == 0) settings->spp = film_of(settings)->samples[settings->quality];
+}
+
+sl_status sl_sampled_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
+                            void **state, sl_error *error) {
+    const sl_sampled_film *kind = film_of(settings);
     sampled_state *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, kind->what);
     s->kind = kind;

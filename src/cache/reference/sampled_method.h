@@ -18,19 +18,18 @@ typedef struct sl_sampled_film {
     size_t (*memory_bytes)(const void *film);
 } sl_sampled_film;
 
-/* The class's functions; two of them have to know which film it is. */
-sl_status sl_sampled_create(const sl_sampled_film *kind, const sl_scene *scene, const sl_settings *settings,
-                            const sl_transport *transport, void **state, sl_error *error);
-void sl_sampled_complete(const sl_sampled_film *kind, sl_settings *settings);
+extern const sl_sampled_film sl_path_film, sl_bidirectional_film; /* methods.c */
+
+/* The class's functions. */
+void sl_sampled_complete(sl_settings *settings);
+sl_status sl_sampled_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
+                            void **state, sl_error *error);
 void sl_sampled_destroy(void *state);
 sl_status sl_sampled_update(void *state, sl_progress *progress, sl_error *error);
 sl_status sl_sampled_resolve(void *state, sl_image **image, sl_error *error);
 sl_status sl_sampled_edit(void *state, unsigned changes, sl_error *error);
 const sl_counters *sl_sampled_counters(const void *state);
 size_t sl_sampled_memory_bytes(const void *state);
-/* memory.c. The film's need, with what its kind has for each thread and once. */
-sl_memory_need sl_sampled_need(const sl_scene *scene, const sl_settings *settings, double bytes_a_thread,
-                               double bytes_more);
 void sl_sampled_transport(const sl_settings *settings, sl_transport *transport);
 
 #endif

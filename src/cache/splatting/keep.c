@@ -11,35 +11,26 @@
 
 /* Records are written word by word. */
 _Static_assert(sizeof(sl_record) % 4 == 0, "a record consists of 32-bit words");
-enum { RECORD_WORDS = sizeof(sl_record) / 4, SETTINGS = 14 };
-
-static sl_cache_setting whole(const char *name, uint64_t value) {
-    return (sl_cache_setting){name, value, (double)value};
-}
-static sl_cache_setting real(const char *name, double value) {
-    return (sl_cache_setting){name, sl_cache_bits(value), value};
-}
-static sl_cache_setting choice(const char *name, uint64_t value) {
-    return (sl_cache_setting){name, value, (double)NAN};
-}
+enum { RECORD_WORDS = sizeof(sl_record) / 4, SETTINGS = 15 };
 
 static sl_cache_header header_of(const sl_splat_state *s, sl_cache_setting settings[SETTINGS]) {
     const sl_settings *g = &s->settings;
     const sl_cache_setting all[SETTINGS] = {
-        choice("quality", g->quality),
-        real("accuracy", s->plan.quality.accuracy),
-        real("glossy accuracy", s->plan.quality.glossy_accuracy),
-        choice("gather", g->gather),
-        whole("gather size", (uint64_t)s->plan.gather.size),
-        choice("direct light", g->direct),
-        whole("number of light samples a hit", g->hit_samples),
-        whole("seed", g->seed),
-        choice("metric", g->metric),
-        whole("order of the harmonics", (uint64_t)s->plan.harmonics_order),
-        whole("number of bounces", g->bounces),
-        choice("order of pixels", g->order),
-        choice("kind of picture: a walk's records do not follow the pixels", g->records_per_frame > 0),
-        whole("size of a record", sizeof(sl_record)),
+        {"quality", g->quality},
+        {"accuracy", s->plan.quality.accuracy},
+        {"glossy accuracy", s->plan.quality.glossy_accuracy},
+        {"gather", g->gather},
+        {"gather size", s->plan.gather.size},
+        {"direct light", g->direct},
+        {"number of light samples a hit", g->hit_samples},
+        {"seed", (double)(g->seed & UINT32_MAX)},
+        {"seed", (double)(g->seed >> 32)},
+        {"metric", g->metric},
+        {"order of the harmonics", s->plan.harmonics_order},
+        {"number of bounces", g->bounces},
+        {"order of pixels", g->order},
+        {"kind of picture: a walk's records do not follow the pixels", g->records_per_frame > 0},
+        {"size of a record", (double)sizeof(sl_record)},
     };
     memcpy(settings, all, sizeof all);
     return (sl_cache_header){sl_scene_light_hash(s->scene), SETTINGS, settings};

@@ -202,11 +202,11 @@ static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **stat
         uint64_t need;
         s.threads = 1;
         assert_int_equal(sl_method_memory_need(scene, &s, &need, &error), SL_OK);
-        s.memory_bytes = cases[i].share > 0.0 ? (uint64_t)(cases[i].share * (double)need) : need + 200000;
+        s.memory_bytes = cases[i].share > 0.0 ? (uint64_t)(cases[i].share * (double)need) : need + 100000;
         sl_image *one = render(scene, &s, NULL);
         s.threads = 3;
         sl_image *three = render(scene, &s, NULL);
-        const char *told = sl_image_metadata(three, "softlux.concession");
+        const char *told = sl_image_metadata(three, "softlux.reduced");
         assert_non_null(told);
         if (!strstr(told, cases[i].told))
             fail_msg("%s: '%s' does not tell of %s", cases[i].method, told, cases[i].told);
@@ -237,7 +237,7 @@ static void hundreds_of_lights_with_many_photons_do_less_or_say_no(void **state)
     assert_true((double)need > 4e9);
     s.memory_bytes = (uint64_t)(256.0 * mega);
     sl_image *image = render(scene, &s, NULL);
-    assert_non_null(strstr(sl_image_metadata(image, "softlux.concession"), "instead of 256"));
+    assert_non_null(strstr(sl_image_metadata(image, "softlux.reduced"), "instead of 256"));
     sl_image_destroy(image);
     sl_scene_destroy(scene);
 }
@@ -291,7 +291,7 @@ static void enough_memory_changes_no_bit(void **state) {
         s.memory_bytes = (uint64_t)1 << 34;
         sl_image *bounded = render(scene, &s, NULL);
         assert_true(same_picture(free_one, bounded));
-        assert_null(sl_image_metadata(bounded, "softlux.concession"));
+        assert_null(sl_image_metadata(bounded, "softlux.reduced"));
         sl_image_destroy(free_one);
         sl_image_destroy(bounded);
     }

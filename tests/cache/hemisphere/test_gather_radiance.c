@@ -106,23 +106,6 @@ static void white_room_has_one_coefficient_and_no_gradient(void **state) {
     world_free(w);
 }
 
-static void nothing_seen_gives_zeros(void **state) {
-    (void)state;
-    world *w = world_new();
-    world_quad(w, sl_v3(-1, -1, -1), sl_v3(1, -1, -1), sl_v3(1, 1, -1), sl_v3(-1, 1, -1),
-               world_material(w, sl_grey(0.5f), sl_grey(1)));
-    world_build(w);
-    for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 32, 7);
-        gatherer g = gatherer_new(w, &s);
-        float c[FLOATS_MAX];
-        radiance_at(&g, sl_v3(0, 0, 0), sl_v3(0, 0, 1), c);
-        for (size_t i = 0; i < 9 * sl_hsh_stride(7); i++) assert_true(c[i] == 0);
-        gatherer_free(&g);
-    }
-    world_free(w);
-}
-
 /* ---- irradiance is among the coefficients ---- */
 
 static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, double gradient_eps,
@@ -151,20 +134,20 @@ static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, doubl
  * and the walls of the plane's radial extension are left off there. */
 static void irradiance_is_two_coefficients(void **state) {
     (void)state;
-    const sl_gather_kind of[6] = {SL_GATHER_PLANE, SL_GATHER_PLANE,    SL_GATHER_PLANE,
-                                  SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
-    const double eps[6] = {2e-4, 2e-4, 0.3, 2e-4, 2e-4, 0.05};
+    const sl_gather_kind of[5] = {SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_HEMICUBE,
+                                  SL_GATHER_RAYS};
+    const double eps[5] = {2e-4, 2e-4, 0.3, 2e-4, 0.05};
     world *w = world_room(true);
-    for (int i = 0; i < 12; i++) {
-        sl_gather_settings s = settings_of(of[i % 6], i < 6 ? 64 : 37, 6);
-        s.border = (sl_border)(i % 6 < 4 ? i % 6 : SL_BORDER_RADIAL);
+    for (int i = 0; i < 10; i++) {
+        sl_gather_settings s = settings_of(of[i % 5], i < 5 ? 64 : 37, 6);
+        s.border = (sl_border)(i % 5 < 3 ? i % 5 : SL_BORDER_RADIAL);
         gatherer g = gatherer_new(w, &s);
         for (uint64_t point = 0; point < 12; point++) {
             float c[FLOATS_MAX];
             sl_gather_point p = world_surface_point(w, point);
             sl_irradiance e;
             sl_gather_radiance(g.gather, &p, g.scratch, &e, c, g.counters);
-            compare_with_irradiance(&g, &p, eps[i % 6], &e, c);
+            compare_with_irradiance(&g, &p, eps[i % 5], &e, c);
         }
         gatherer_free(&g);
     }
@@ -382,66 +365,6 @@ static void gradients_agree_with_a_rectangle_light(void **state) {
     world_free(w);
 }
 
-/* In a room, with occluders and shadows, against central differences of a finer gather. */
-static void gradients_agree_with_differences(void **state) {
-    (void)state;
-    enum { ORDER = 6, WANTED = 6 };
-    const float step = 0.02f;
-    const double bounds[3] = {0.4, 0.13, 0.2};
-    size_t stride = sl_hsh_stride(ORDER);
-    world *w = world_room(false);
-    sl_gather_settings fine = settings_of(SL_GATHER_HEMICUBE, 256, ORDER);
-    gatherer f = gatherer_new(w, &fine), g[3];
-    for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 64, ORDER);
-        g[k] = gatherer_new(w, &s);
-    }
-    double sums[3] = {0, 0, 0};
-    int count = 0;
-    for (uint64_t i = 0; i < 40 && count < WANTED; i++) {
-        sl_gather_point p = world_surface_point(w, i);
-        sl_irradiance e;
-        float c[FLOATS_MAX], at[2][FLOATS_MAX], truth[2][SL_HSH_STRIDE_MAX];
-        double all = 0, size = 0;
-        p.triangle = SL_NO_INDEX;
-        p.position = sl_mad(p.position, 0.001f, p.geometric_normal); /* clear of its own plane */
-        sl_frame frame = sl_frame_from_normal(p.normal);
-        for (int d = 0; d < 2; d++) {
-            for (int side = 0; side < 2; side++) {
-                sl_gather_point q = p;
-                q.position = sl_mad(p.position, side ? -step : step, d ? frame.y : frame.x);
-                sl_gather_radiance(f.gather, &q, f.scratch, &e, at[side], f.counters);
-            }
-            for (size_t j = 0; j < stride; j++) {
-                truth[d][j] = (at[0][stride + j] - at[1][stride + j]) / (2 * step);
-                all += (double)truth[d][j] * (double)truth[d][j];
-                size += (double)at[0][stride + j] * (double)at[0][stride + j];
-            }
-        }
-        if (!(e.value.g > 0.02f) || all > 9 * size) continue;
-        count++;
-        for (int k = 0; k < 3; k++) {
-            double wrong = 0;
-            sl_gather_radiance(g[k].gather, &p, g[k].scratch, &e, c, g[k].counters);
-            for (size_t d = 0; d < 2; d++) {
-                for (size_t j = 0; j < stride; j++) {
-                    double difference = (double)(c[(4 + 3 * d) * stride + j] - truth[d][j]);
-                    wrong += difference * difference;
-                }
-            }
-            sums[k] += wrong / all;
-        }
-    }
-    assert_int_equal(count, WANTED);
-    for (int k = 0; k < 3; k++) {
-        print_message("instrument %d: gradients' relative error in a room %.4f\n", k, sqrt(sums[k] / WANTED));
-        assert_true(sqrt(sums[k] / WANTED) < bounds[k]);
-        gatherer_free(&g[k]);
-    }
-    gatherer_free(&f);
-    world_free(w);
-}
-
 /* ---- hard numbers ---- */
 
 static void add_what_is_no_number(const void *context, const sl_second_points *points, float *r, float *g,
@@ -519,12 +442,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_sum_to_the_hemisphere),
         cmocka_unit_test(white_room_has_one_coefficient_and_no_gradient),
-        cmocka_unit_test(nothing_seen_gives_zeros),
         cmocka_unit_test(irradiance_is_two_coefficients),
         cmocka_unit_test(walls_move_as_their_closed_forms),
         cmocka_unit_test(coefficients_agree_with_quadrature),
         cmocka_unit_test(gradients_agree_with_a_rectangle_light),
-        cmocka_unit_test(gradients_agree_with_differences),
         cmocka_unit_test(radiance_that_is_no_number_stays_out),
         cmocka_unit_test(every_instruction_set_and_thread_count_gives_the_same_bits),
         cmocka_unit_test(orders_out_of_range_are_refused),

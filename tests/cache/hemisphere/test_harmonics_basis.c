@@ -132,34 +132,6 @@ static void cosine_is_in_the_first_two_bands(void **state) {
     }
 }
 
-static void add_white(void *context, sl_vec3d d, double weight) {
-    double h[SL_HSH_STRIDE_MAX], *lambda = context;
-    sl_hsh_evaluate(ORDER, d, h);
-    for (size_t i = 0; i < sl_hsh_stride(ORDER); i++) lambda[i] += weight * h[i];
-}
-
-static void white_sky_is_the_first_coefficient_alone(void **state) {
-    (void)state;
-    double lambda[SL_HSH_STRIDE_MAX] = {0.0};
-    over_hemisphere(add_white, lambda);
-    assert_true(fabs(lambda[0] - sqrt(2.0 * SL_PI)) < 1e-13);
-    for (size_t i = 1; i < sl_hsh_stride(ORDER); i++) assert_true(fabs(lambda[i]) < 2e-14);
-}
-
-static void zenith_and_horizon_have_no_azimuth(void **state) {
-    (void)state;
-    double h[SL_HSH_STRIDE_MAX];
-    for (int pole = 0; pole < 2; pole++) {
-        sl_hsh_evaluate(ORDER, pole ? sl_v3d(0.6, -0.8, 0.0) : sl_v3d(0.0, 0.0, 1.0), h);
-        for (int l = 0; l < ORDER; l++)
-            for (int m = -l; m <= l; m++) {
-                double truth =
-                    m != 0 ? 0.0 : sqrt((2 * l + 1) / (2.0 * SL_PI)) * (pole && l % 2 ? -1.0 : 1.0);
-                assert_true(fabs(h[m < 0 ? sl_hsh_odd(ORDER, l, m) : sl_hsh_even(l, m)] - truth) < 1e-13);
-            }
-    }
-}
-
 static void functions_are_continuous_towards_the_zenith(void **state) {
     (void)state;
     double at_zenith[SL_HSH_STRIDE_MAX], h[SL_HSH_STRIDE_MAX];
@@ -187,20 +159,6 @@ static void directions_off_the_hemisphere_are_harmless(void **state) {
     sl_hsh_evaluate(ORDER, sl_v3d(0.8, 0.6, 0.0), truth);
     sl_hsh_evaluate(ORDER, sl_v3d(0.8, 0.6, -1e-17), h);
     assert_memory_equal(h, truth, sl_hsh_stride(ORDER) * sizeof *h);
-}
-
-static void turning_about_the_normal_mixes_pairs(void **state) {
-    (void)state;
-    double h[SL_HSH_STRIDE_MAX], turned[SL_HSH_STRIDE_MAX], alpha = 0.7;
-    sl_hsh_evaluate(ORDER, direction_at(0.4, 1.1), h);
-    sl_hsh_evaluate(ORDER, direction_at(0.4, 1.1 + alpha), turned);
-    for (int l = 1; l < ORDER; l++)
-        for (int m = 1; m <= l; m++) {
-            double even = h[sl_hsh_even(l, m)], odd = h[sl_hsh_odd(ORDER, l, -m)], c = cos(m * alpha),
-                   s = sin(m * alpha);
-            assert_true(fabs(turned[sl_hsh_even(l, m)] - (c * even - s * odd)) < 1e-12);
-            assert_true(fabs(turned[sl_hsh_odd(ORDER, l, -m)] - (s * even + c * odd)) < 1e-12);
-        }
 }
 
 static void gauss_nodes_are_exact_for_polynomials(void **state) {
@@ -235,11 +193,8 @@ int main(void) {
         cmocka_unit_test(places_are_distinct_and_fill_all_but_the_padding),
         cmocka_unit_test(functions_equal_the_form_with_factorials),
         cmocka_unit_test(cosine_is_in_the_first_two_bands),
-        cmocka_unit_test(white_sky_is_the_first_coefficient_alone),
-        cmocka_unit_test(zenith_and_horizon_have_no_azimuth),
         cmocka_unit_test(functions_are_continuous_towards_the_zenith),
         cmocka_unit_test(directions_off_the_hemisphere_are_harmless),
-        cmocka_unit_test(turning_about_the_normal_mixes_pairs),
         cmocka_unit_test(gauss_nodes_are_exact_for_polynomials),
         cmocka_unit_test(crowded_nodes_take_roots_at_the_ends),
     };

@@ -195,103 +195,6 @@ static void bounces_that_change_nothing_are_left_out(void **state) {
 
 /* ---- the path tracer ---- */
 
-/* Indirect irradiance from the path tracer: rays in the cells of the hemisphere, each with its own walk of
- * bounces - 1 surfaces. */
-static double reference_irradiance(const sl_path_tracer *path, const sl_scene *scene,
-                                   const sl_gather_point *p, uint64_t stream) {
-    enum { SIDE = 32, ROUNDS = 2 };
-    sl_frame frame = sl_frame_from_normal(p->normal);
-    sl_vec3 eye = sl_mad(p->position, 1e-5f * scene->diagonal, p->geometric_normal);
-    sl_counters counters = {{0}};
-    double sum = 0.0;
-    for (uint64_t round = 0; round < ROUNDS; round++) {
-        for (unsigned first = 0; first < SIDE * SIDE; first += SL_PACKET) {
-            sl_ray16 rays;
-            sl_rgb radiance[SL_PACKET];
-            memset(&rays, 0, sizeof rays);
-            for (unsigned i = 0; i < SL_PACKET; i++) { /* cosine-distributed: rings of equal weight */
-                unsigned cell = first + i;
-                uint64_t key = sl_random_key(stream, round);
-                double u = ((double)(cell / SIDE) + (double)sl_random_unit(key, 2 * cell)) / SIDE;
-                double v = ((double)(cell % SIDE) + (double)sl_random_unit(key, 2 * cell + 1)) / SIDE,
-                       r = sqrt(u);
-                double x = r * sl_cos(2.0 * SL_PI * v), y = r * sl_sin(2.0 * SL_PI * v);
-                sl_vec3 d = sl_frame_to_world(&frame, sl_v3((float)x, (float)y, (float)sqrt(1.0 - u)));
-                rays.origin_x[i] = eye.x, rays.origin_y[i] = eye.y, rays.origin_z[i] = eye.z;
-                rays.direction_x[i] = d.x, rays.direction_y[i] = d.y, rays.direction_z[i] = d.z;
-                rays.far[i] = INFINITY;
-                rays.skip[i] = p->triangle;
-            }
-            sl_path_tracer_radiance(path, &rays, SL_PACKET, stream * 1000 + first, round, radiance,
-                                    &counters);
-            for (unsigned i = 0; i < SL_PACKET; i++) sum += (double)sl_rgb_mean(radiance[i]);
-        }
-    }
-    return sum * SL_PI / (SIDE * SIDE * ROUNDS);
-}
-
-static void compare_with_path_tracer(world *w, uint32_t bounces, uint32_t reference_bounces, double most_bias,
-                                     double most_error) {
-    sl_error error;
-    sl_path_tracer *path;
-    const sl_path_settings settings = {.width = 4,
-                                       .height = 4,
-                                       .threads = 1,
-                                       .seed = 5,
-                                       .transport = {.sky_light = true,
-                                                     .direct_lobes = SL_LOBE_DIFFUSE,
-                                                     .receiver_lobes = SL_LOBE_DIFFUSE,
-                                                     .bounce_lobes = SL_LOBE_DIFFUSE,
-                                                     .bounces = reference_bounces,
-                                                     .direct_visibility = true,
-                                                     .bounce_visibility = true,
-                                                     .filter = SL_FILTER_CENTRE}};
-    if (sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK)
-        fail_msg("%s", error.message);
-    bouncer b = bouncer_new(w, bounces, 2);
-    sl_counters before = w->counters;
-    double ours = 0.0, theirs = 0.0, squares = 0.0, reference_squares = 0.0;
-    for (uint64_t n = 0; n < 40; n++) {
-        sl_gather_point point = world_surface_point(w, n);
-        /* in the slit below a box, which no eye sees */
-        if (point.position.y < 0.01f && point.normal.y < 0.0f) continue;
-        double e = (double)sl_rgb_mean(irradiance_at(&b, &point).value),
-               r = reference_irradiance(path, w->scene, &point, n);
-        ours += e;
-        theirs += r;
-        squares += (e - r) * (e - r);
-        reference_squares += r * r;
-    }
-    uint64_t misses =
-        w->counters.value[SL_COUNT_SECOND_LEVEL_MISSES] - before.value[SL_COUNT_SECOND_LEVEL_MISSES];
-    uint64_t looked_up =
-        w->counters.value[SL_COUNT_SECOND_LEVEL_LOOK_UPS] - before.value[SL_COUNT_SECOND_LEVEL_LOOK_UPS];
-    double share = (double)misses / (double)looked_up;
-    print_message("room, %u bounces (%u computed), %zu second-level records: bias %+.4f, RMS %.4f, %.3f %% "
-                  "of %.3g look-ups missed\n",
-                  bounces, b.report.bounces, b.report.records, ours / theirs - 1.0,
-                  sqrt(squares / reference_squares), 100.0 * share, (double)looked_up);
-    assert_true(fabs(ours / theirs - 1.0) < most_bias);
-    assert_true(sqrt(squares / reference_squares) < most_error);
-    assert_true(share < 0.015); /* measured: 0.009 */
-    bouncer_free(&b);
-    sl_path_tracer_destroy(path);
-}
-
-static void four_bounces_are_those_of_the_path_tracer(void **state) {
-    (void)state;
-    world *w = room(false);
-    compare_with_path_tracer(w, 4, 3, 0.015, 0.04);
-    world_free(w);
-}
-
-static void many_bounces_are_all_of_the_light(void **state) {
-    (void)state;
-    world *w = room(false);
-    compare_with_path_tracer(w, 24, SL_BOUNCES_UNLIMITED, 0.015, 0.04);
-    world_free(w);
-}
-
 static void the_cornell_box_with_four_bounces_is_what_the_path_tracer_says(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
@@ -500,8 +403,6 @@ int main(void) {
         cmocka_unit_test(the_furnace_sums_the_series),
         cmocka_unit_test(the_integrating_sphere_dims_by_its_albedo),
         cmocka_unit_test(bounces_that_change_nothing_are_left_out),
-        cmocka_unit_test(four_bounces_are_those_of_the_path_tracer),
-        cmocka_unit_test(many_bounces_are_all_of_the_light),
         cmocka_unit_test(the_cornell_box_with_four_bounces_is_what_the_path_tracer_says),
         cmocka_unit_test(second_level_records_stay_as_long_as_the_light_does),
         cmocka_unit_test(a_camera_that_goes_elsewhere_brings_second_level_records_there),

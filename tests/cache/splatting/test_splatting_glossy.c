@@ -282,28 +282,6 @@ static void the_glossy_box_agrees_with_the_path_tracer(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void a_view_without_glossy_pixels_opens_no_radiance_cache(void **state) {
-    (void)state;
-    sl_settings settings;
-    sl_scene *scene = box_with_back(
-        "{\"diffuse\": [0.3, 0.3, 0.3], \"specular\": [0.5, 0.5, 0.5], \"exponent\": 10}", &settings);
-    const float eye[3] = {278, 273, 100}, up[3] = {0, 1, 0}, right_wall[3] = {0, 273, 101},
-                back_wall[3] = {278, 273, 500};
-    sl_method *method;
-    assert_int_equal(sl_scene_set_camera(scene, eye, right_wall, up, 0.3f, NULL), SL_OK);
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    sl_progress progress = {0};
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    size_t without = sl_method_memory_bytes(method);
-    assert_int_equal(sl_scene_set_camera(scene, eye, back_wall, up, 0.3f, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-    progress.done = false;
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_true(sl_method_memory_bytes(method) > without + 100000);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_pixel_with_the_records_normal_reflects_what_quadrature_says),
@@ -314,7 +292,6 @@ int main(void) {
         cmocka_unit_test(an_eye_on_the_pixel_or_below_it_and_a_normal_that_is_none_give_numbers),
         cmocka_unit_test(a_glossy_wall_leaves_diffuse_pixels_as_they_were),
         cmocka_unit_test(the_glossy_box_agrees_with_the_path_tracer),
-        cmocka_unit_test(a_view_without_glossy_pixels_opens_no_radiance_cache),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

