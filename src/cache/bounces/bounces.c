@@ -11,7 +11,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-enum { ORIGINS = 1600, SENTRIES = 64, SENTRY_GENERATION = 100 };
+enum { ORIGINS = 1600, CHECKS = 64, CHECK_GENERATION = 100 };
 /* Few look-ups of visible gathers shall miss the records; those of second-level gathers matter less, and
  * deeper generations of probes mostly look from corners into the same corners. */
 enum { GENERATIONS = 2 };
@@ -71,7 +71,7 @@ static sl_cover_pass cover_pass(const sl_second_cache *cache) {
     };
 }
 
-/* What gathers at visible points see, and what gathers there see. */
+/* Covers what gathers at visible points see, and what gathers there see. */
 static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
     const sl_second_settings *s = &cache->settings;
     const sl_cover_pass pass = cover_pass(cache);
@@ -175,14 +175,14 @@ static sl_status let_light_bounce(sl_second_cache *cache, sl_counters *counters,
 
 /* A few points that gathers of this view will see, always the same ones: how many of them does no record
  * reach? */
-static sl_status post_sentries(const sl_second_cache *cache, float *missed, sl_counters *counters,
+static sl_status check_points(const sl_second_cache *cache, float *missed, sl_counters *counters,
                                sl_error *error) {
     const sl_second_settings *s = &cache->settings;
     sl_probed origins, seen = {0};
-    sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, SENTRIES, &origins, counters, error);
+    sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, CHECKS, &origins, counters, error);
     if (status == SL_OK)
         status = sl_probe_from(cache->scene, cache->tracer, s, origins.points, origins.count, ORIGINS,
-                               SENTRY_GENERATION, &seen, counters, error);
+                               CHECK_GENERATION, &seen, counters, error);
     if (status == SL_OK) *missed = sl_share_out_of_reach(&cache->field, cache->kernel, &seen);
     sl_probed_free(&origins);
     sl_probed_free(&seen);
@@ -205,7 +205,7 @@ static sl_status make_gather(sl_second_cache *cache, const sl_raster *raster, sl
     return status;
 }
 
-/* What only bounces need, once they are done. */
+/* Frees what only bounces need. */
 static void free_gather(sl_second_cache *cache) {
     for (unsigned i = 0; cache->scratch && i < cache->settings.threads; i++)
         sl_gather_scratch_destroy(cache->scratch[i]);
@@ -236,7 +236,7 @@ sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster,
     if (status == SL_OK) status = make_gather(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
     if (status == SL_OK) status = let_light_bounce(cache, counters, error);
-    if (status == SL_OK) status = post_sentries(cache, &cache->report.missed, counters, error);
+    if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
     if (cache) free_gather(cache);
     if (status == SL_OK) *out = cache;
     else sl_second_cache_destroy(cache);
@@ -251,7 +251,7 @@ static sl_status extend(sl_second_cache *cache, const sl_raster *raster, sl_coun
     if (status == SL_OK) status = find_places(cache, counters, error);
     if (status == SL_OK) status = next_bounce(cache, counters, error);
     if (status == SL_OK) status = let_light_bounce(cache, counters, error);
-    if (status == SL_OK) status = post_sentries(cache, &cache->report.missed, counters, error);
+    if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
     free_gather(cache);
     return status;
 }
@@ -259,7 +259,7 @@ static sl_status extend(sl_second_cache *cache, const sl_raster *raster, sl_coun
 sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                                  sl_error *error) {
     float missed = 0.0f;
-    sl_status status = post_sentries(cache, &missed, counters, error);
+    sl_status status = check_points(cache, &missed, counters, error);
     if (status != SL_OK || missed <= cache->report.missed + MANY_MISSED) return status;
     return extend(cache, raster, counters, error);
 }

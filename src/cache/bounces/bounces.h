@@ -2,7 +2,7 @@
  * al. 2005).
  *
  * A gather sees surfaces and shades them. With one bounce direct light is all that they receive; with more
- * they receive indirect light as well, and that is asked of a second cache of irradiance records:
+ * they receive indirect light as well, which comes from a second cache of irradiance records:
  * second-level ones, which lie where gathers look and not where the eye looks, and which are fewer and
  * coarser. With E^(0) = 0,
  *
@@ -34,7 +34,7 @@ typedef struct sl_second_settings {
     unsigned threads;
 } sl_second_settings;
 
-/* What goes with gathers of this kind and size and with visible records of this accuracy. */
+/* Returns the settings that go with gathers of this kind and size and visible records of this accuracy. */
 sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy,
                                           uint32_t bounces);
 

@@ -67,7 +67,7 @@ static void weigh_piece(void *context, size_t index, unsigned worker) {
     }
 }
 
-/* What records since then add. */
+/* Adds the weights of records since then. */
 static bool is_covered(chunk *c, size_t i) {
     float weight = c->weight[i];
     for (size_t k = c->known; k < c->list->count && weight < c->pass->covered_weight; k++)

@@ -24,7 +24,7 @@ static sl_status make_room(size_t count, sl_probed *seen, sl_error *error) {
     return seen->points ? SL_OK : sl_fail_memory(error, "places for second-level records");
 }
 
-/* What sixteen rays meet, as points to gather at. */
+/* Turns what sixteen rays meet into points to gather at. */
 static void look(const sl_scene *scene, const sl_tracer *tracer, const sl_ray16 *rays, unsigned count,
                  bool glossy, uint64_t key, sl_gather_point *seen, sl_counters *counters) {
     sl_hit16 hits;

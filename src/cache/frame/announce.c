@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* What the counters have grown by since the last pass. */
+/* Returns how far the counters have grown since the last pass. */
 static sl_counters cost_since(sl_announcer *a) {
     sl_counters cost;
     for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = a->counters->value[i] - a->told.value[i];

@@ -14,7 +14,7 @@ typedef struct sl_announcer {
     sl_counters told;            /* as they were at the last pass */
 } sl_announcer;
 
-/* Whether anybody looks: pictures and marks that the method itself does not need are not made otherwise. */
+/* Tells whether anybody looks: pictures and marks that the method itself needs not are not made else. */
 static inline bool sl_announcing(const sl_announcer *announcer) {
     return announcer->observer != NULL && !announcer->names_alone;
 }

@@ -51,7 +51,7 @@ void sl_explanation_add_layer(sl_explanation_writer *writer, const char *layer, 
     sl_explanation_add(writer, &term);
 }
 
-/* What is missing to the pixel's exact value once all contributions have been added in order. */
+/* Notes what is missing to the pixel's exact value once all contributions have been added in order. */
 static void settle(sl_explanation *explanation) {
     for (int c = 0; c < 3; c++) {
         double sum = 0.0;

@@ -1,10 +1,9 @@
 /* Two loops side by side: a thread updates the method, the caller's shows frames (the Shading Cache's section
  * on the system's components).
  *
- *   caller   move ── copy of the scene ── frame ── frame ── move ── frame ...      never waits for an update
+ *   caller   move ── copy of the scene ── frame ── frame ── move ── frame ...   never waits for an update
  *                 ╲ asked             ╱ versions
- *   thread   follow: scene, edit ── update ── update ── follow ...                 rests when nothing is left
- * to refine
+ *   thread   follow: scene, edit ── update ── update ── follow ...              rests when all is refined
  *
  * They meet under one lock, held for a few assignments: where things are to be, and how far updates have
  * come. Shading goes from one to the other in the display's two copies (shading_cache/window.c); of methods
@@ -255,7 +254,7 @@ const char *sl_live_reduction(const sl_live *l) { return l->method->reduced; }
 
 /* ---- moves ----------------------------------------------------------------------------------- */
 
-/* Whether updates have come so far where things are that they may move on. */
+/* Tells whether updates have come so far where things are that they may move on. */
 static bool may_move(sl_live *l) {
     if (!(l->hold > 0.0)) return true;
     sl_monitor_enter(&l->meeting);
@@ -333,7 +332,7 @@ sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], co
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* How far updates have come; the newest picture, where they leave pictures. */
+/* Reads how far updates have come, and takes the newest picture, where they leave pictures. */
 static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, sl_error *error) {
     sl_monitor_enter(&l->meeting);
     l->state.updates = l->progress.batches;

@@ -169,7 +169,7 @@ void sl_method_destroy(sl_method *method) {
     sl_free(method);
 }
 
-/* Whether there is anything that can be updated, shown or saved. */
+/* Refuses where nothing can be updated, shown or saved. */
 static sl_status check_health(const sl_method *m, sl_error *error) {
     if (m->health == SL_METHOD_FAILED)
         return sl_fail(error, SL_ERROR_USAGE, "an earlier update failed: %s can only be destroyed",

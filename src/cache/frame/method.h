@@ -23,7 +23,7 @@ __attribute__((format(printf, 3, 4))) sl_status sl_warn(sl_image *image, sl_erro
 typedef struct sl_explanation_writer sl_explanation_writer;
 /* One more term; failures of memory are noticed at the end. */
 void sl_explanation_add(sl_explanation_writer *writer, const sl_explanation_term *term);
-/* What a layer of the picture ("direct") adds at this pixel as one term: for light that no cache holds.
+/* Adds what a layer of the picture ("direct") has at this pixel as one term: for light that no cache holds.
  * Nothing where there is no such layer or it is black there. */
 void sl_explanation_add_layer(sl_explanation_writer *writer, const char *layer, const char *kind);
 
@@ -125,8 +125,8 @@ extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes,
                                   sl_method **method, sl_error *error);
 
-/* What a show's method does less than was asked for, so as to keep within settings->memory_bytes, as far as
- * that was known before its start; "": nothing. */
+/* Returns what a show's method does less than was asked for, so as to keep within settings->memory_bytes, as
+ * far as that was known before its start; "": nothing. */
 const char *sl_live_reduction(const sl_live *live);
 
 /* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what

@@ -1,10 +1,13 @@
 /* Irradiance at a point: the sum over a picture of the hemisphere, by one of three instruments,
+ *
  *   plane     one N x N raster render of the plane at unit distance above the point, 140 degrees, borders
- * extended to the horizon hemicube  five raster renders, N x N and four halves rays      N x N rays in the
- * cells of the concentric map, equal cosine weights each with harmonic mean distance, rotational and
- * translational gradients (Ward et al. 1988, Ward and Heckbert 1992). What is seen is shaded with direct
- * light (one diffuse bounce), and with what sl_gather_settings.second knows to arrive there by more bounces.
- */
+ *             extended to the horizon
+ *   hemicube  five raster renders, N x N and four halves
+ *   rays      N x N rays in the cells of the concentric map, equal cosine weights
+ *
+ * each with harmonic mean distance, rotational and translational gradients (Ward et al. 1988, Ward and
+ * Heckbert 1992). What is seen is shaded with direct light (one diffuse bounce), and with what
+ * sl_gather_settings.second has to say of light that arrives there by more bounces. */
 #ifndef SL_CACHE_GATHER_H
 #define SL_CACHE_GATHER_H
 

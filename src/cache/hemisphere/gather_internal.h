@@ -110,7 +110,7 @@ void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters);
 
-/* What slot k sees shine by itself. */
+/* Returns the emission of what slot k sees. */
 sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);
 /* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as
  * in sl_irradiance. */

@@ -195,8 +195,9 @@ void SL_KERNEL(sl_gather_sums)(const sl_gather_tables *t, const float *r, const 
  * count by their steps; if neither does, a goes on into b. Half of it, as c and d are corrected by a and b in
  * turn. With step s (of L across the wall) and nearness 1 / Z:
  *
- *     x = (|s_c| / Z_c + |s_d| / Z_d) / (|s_c| + |s_d|),   factor = (s_a / Z_a (x - 1 / Z_a) - s_b / Z_b (x -
- * 1 / Z_b)) / 2 */
+ *     x      = (|s_c| / Z_c + |s_d| / Z_d) / (|s_c| + |s_d|)
+ *     factor = (s_a / Z_a (x - 1 / Z_a) - s_b / Z_b (x - 1 / Z_b)) / 2
+ */
 static inline double corner_factor(double step_a, double near_a, double step_b, double near_b, double step_c,
                                    double near_c, double step_d, double near_d) {
     double weight_c = fabs(step_c), weight_d = fabs(step_d), sum = weight_c + weight_d;
@@ -209,8 +210,8 @@ static inline double nearer(float a, float b) { return (double)(a > b ? a : b); 
 
 /* Of the walls as they stand, and of the corners between them:
  *
- *     d2E = sum over walls of s / Z^2 K_wall + sum over corners of (factor(up, down; right, back) +
- * factor(right, back; up, down)) K_corner
+ *     d2E = sum over walls of s / Z^2 K_wall
+ *         + sum over corners of (factor(up, down; right, back) + factor(right, back; up, down)) K_corner
  *
  * with K of sl_wall_curvature(), sl_vertex_curvature(). The corner is cell j's lower left one; around it lie
  *

@@ -52,7 +52,7 @@ static void bring_near_one(const sl_gather_view *view, float *radiance) {
 
 /* ---- how many where ---- */
 
-/* What the best numbers of rays, in proportion to the spread, are above one; all together at most `budget`.
+/* Sets how far the best numbers of rays, in proportion to the spread, are above one; all at most `budget`.
  * By slot. */
 static double share_rays(const sl_gather_tables *t, const float *spread, double budget, float *more) {
     double sum = 0.0, wanted = 0.0;

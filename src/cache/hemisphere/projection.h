@@ -2,10 +2,11 @@
  * translational gradients (Krivanek et al. 2005, but with gradients by walls instead of by derivatives of H
  * and of solid angles):
  *
- *   lambda_i    = sum over cells of L times the integral of H_i over the cell (and its extension to the
- * horizon) grad lambda_i = sum over walls between cells of (L_b - L_a) / (the nearer one's distance) times
- * the integral of H_i along the wall, as it moves with the receiver (gather_kernels.c: the principle of
- * walls)
+ *   lambda_i      = sum over cells of L times the integral of H_i over the cell (and its extension to the
+ *                   horizon)
+ *   grad lambda_i = sum over walls between cells of (L_b - L_a) / (the nearer one's distance) times the
+ *                   integral of H_i along the wall, as it moves with the receiver (gather_kernels.c: the
+ *                   principle of walls)
  *
  * On the plane with its radial extension, walls between border cells go on down to the horizon.
  *

@@ -93,8 +93,8 @@ static void compose_row(void *context, size_t index, unsigned worker) {
     }
 }
 
-/* What a mirror pixel shows has been composed as if it were seen straight, but for what lies beyond the
- * scene. */
+/* Dims what mirror pixels show, which has been composed as if it were seen straight, and adds what lies
+ * beyond the scene. */
 static void compose_mirrors(const composing *c) {
     const sl_composition *p = c->parts;
     const sl_reflections *r = p->reflections;

@@ -7,7 +7,7 @@
 
 /* See sl_method_explanation(). */
 sl_status sl_splat_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
-/* How many second-level records there are, and bounces. */
+/* Tells how many second-level records and bounces there are. */
 void sl_splat_announce_second_level(sl_splat_state *state);
 /* The picture that the record nearest to the middle of the view made of its hemisphere, gathered once more;
  * nothing without an observer. */

@@ -3,7 +3,8 @@
  * Interpolation goes as follows (9):
  *
  *     translate   lambda(p) = lambda + dx d/dx lambda + dy d/dy lambda, where the gradients live: in the
- * record's frame rotate      into the pixel's frame; that is, the pixel's lobe is moved into the record's
+ *                 record's frame
+ *     rotate      into the pixel's frame; that is, the pixel's lobe is moved into the record's
  *     reflect     L_o = sum of c_lm(omega_o) lambda_lm
  */
 #ifndef SL_CACHE_SPLATTING_GLOSSY_H
@@ -23,8 +24,8 @@ size_t sl_glossy_bytes(const sl_glossy *glossy);
 /* The least order that holds every glossy lobe of the scene to 5 % at 45 degrees, at most SL_HSH_ORDER_MAX; 1
  * without glossy materials. */
 int sl_glossy_order_for(const sl_scene *scene);
-/* What an order leaves out of the scene's sharpest lobe: relative L2 error at 45 degrees, and its exponent. 0
- * without glossy materials. */
+/* Returns what an order leaves out of the scene's sharpest lobe: relative L2 error at 45 degrees, and its
+ * exponent. 0 without glossy materials. */
 double sl_glossy_truncation(const sl_scene *scene, int order, double *exponent);
 
 /* Rule 1 of the radius (record.h) for radiance: the distance over which what a record gathered changes by as

@@ -45,31 +45,35 @@ typedef struct sl_radius_rules {
 } sl_radius_rules;
 
 /* How far a record reaches, by metric (record.c has the formulas):
+ *
  *   harmonic  a times the cosine-weighted harmonic mean distance: what can change is near
  *   hessian   so far that the error of linear extrapolation, summed over what it lights, is the same for all
  *
  * Then come the rules of the radius. sigma is sl_record.stretch, Y the mean of the channels of E:
  *
- *   1  R <= sigma Y / |grad_t Y|       the linear extrapolation E + delta . grad_t E stays positive within R
- * / sigma 2  R <= s^2 rho_min / a            the guard: a R ends before the walls that the gather has seen.
- * rho_min is the least r / cos theta' over its hits, theta' the angle there; s^2 = t^2 / (1 + t^2) for a
- * plane of half side t, else 1 3  R >= R_min                      a R_min is minimum_pixels footprints of a
- * pixel, or minimum_reach. Where R then breaks rule 1, grad_t E is scaled by sigma Y / (R |grad_t Y|), at
- * R_min with max(1, 0.33 sigma) for sigma; where R breaks rule 2, pixels are tested by rays (behind_a_wall)
- *   4  R <= R_max                      a R_max is maximum_radius; R_min is never above it
+ *   1  R <= sigma Y / |grad_t Y|   the linear extrapolation E + delta . grad_t E stays positive within
+ *                                  R / sigma
+ *   2  R <= s^2 rho_min / a        the guard: a R ends before the walls that the gather has seen. rho_min is
+ *                                  the least r / cos theta' over its hits, theta' the angle there;
+ *                                  s^2 = t^2 / (1 + t^2) for a plane of half side t, else 1
+ *   3  R >= R_min                  a R_min is minimum_pixels footprints of a pixel, or minimum_reach. Where R
+ *                                  then breaks rule 1, grad_t E is scaled by sigma Y / (R |grad_t Y|), at
+ *                                  R_min with max(1, 0.33 sigma) for sigma; where R breaks rule 2, pixels are
+ *                                  tested by rays (behind_a_wall)
+ *   4  R <= R_max                  a R_max is maximum_radius; R_min is never above it
  *   5  R_i / sigma <= R_j / sigma + |p_i - p_j| for all j, then R >= R_min again: neighbour clamping
- * (Krivanek et al. 2006)
+ *                                  (Krivanek et al. 2006)
  *
  * 1, 2 and 4 are bounds from above, whose order does not matter; 3 has the last word over them. 5 needs all
  * records.
  *
- * A record from a gather: values copied, R by the metric and rules 1 to 4. footprint: of a pixel at the
+ * Makes a record from a gather: values copied, R by the metric and rules 1 to 4. footprint: of a pixel at the
  * record, m. */
 sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance,
                          const sl_radius_rules *rules, float footprint);
-/* Another bound for R, as rules 1 and 2 are: not below R_min. */
+/* Bounds R as rules 1 and 2 do: not below R_min. */
 void sl_record_limit_radius(sl_record *record, double limit);
-/* What rule 2 allows; infinite where the guard is off or nothing is seen. */
+/* Returns the R that rule 2 allows; infinite where the guard is off or nothing is seen. */
 double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *rules);
 /* One of sixteen rays along the tangent plane, 22.5 degrees apart: what it met, relative to the point, its
  * normal on the point's side. */
@@ -84,8 +88,7 @@ void sl_record_look_around(const sl_scene *scene, const sl_tracer *tracer, const
  * walls that stand around it, and does not count behind them (record_walls.c). */
 void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
                           double accuracy, double guard, sl_record *record, sl_counters *counters);
-/* Rule 5; the tree holds R / sigma of all records, by rules 1 to 4. Returns the radius that the record should
- * have. */
+/* Returns R by rule 5; the tree holds R / sigma of all records, by rules 1 to 4. */
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record);
 /* Sets R and scales the translational gradient as rule 3 does, so that the linear extrapolation stays
  * positive within R / sigma. */

@@ -82,7 +82,7 @@ sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, co
 void sl_splat_destroy(void *state);
 /* Everything that depends on geometry and lights, and not on the camera: made anew. Records are dropped. */
 sl_status sl_splat_renew_transport(sl_splat_state *state, sl_error *error);
-/* What the records of a class need, once a pixel of that class has been seen: nothing if it is there. */
+/* Makes what the records of a class need, once a pixel of that class has been seen, if it is not there. */
 sl_status sl_splat_open_cache(sl_splat_state *state, sl_record_cache *cache, sl_error *error);
 void sl_splat_prepare_pass(const sl_splat_state *state, sl_record_cache *cache);
 /* Gathers and what goes with them; the records stay. */
