@@ -60,7 +60,9 @@ static void make_record(splat_pass *p, size_t i, uint64_t key) {
         r->rotational_length[c] = sl_length(r->rotational[c]);
         r->translational[c] = sl_scale(sl_v3(-0.2f, 0.1f, 0.3f), e[c]);
     }
-    p->rect[i] = sl_record_bounds(&p->rules, r);
+    p->rect[i] = sl_sphere_bounds(p->rules.camera, p->rules.receivers.width, p->rules.receivers.height,
+                                  p->rules.near_distance, r->position,
+                                  1.0001f * (float)p->rules.radii.accuracy * r->radius);
     p->fragments += (double)(p->rect[i].x1 - p->rect[i].x0) * (double)(p->rect[i].y1 - p->rect[i].y0);
 }
 

@@ -126,8 +126,6 @@ void sl_glossy_destroy(sl_glossy *glossy) {
     sl_free(glossy);
 }
 
-int sl_glossy_order(const sl_glossy *glossy) { return glossy->order; }
-
 size_t sl_glossy_bytes(const sl_glossy *glossy) {
     size_t bytes = sizeof *glossy + glossy->material_count * sizeof *glossy->lobe;
     for (size_t i = 0; i < glossy->material_count; i++) {

@@ -19,7 +19,6 @@ typedef struct sl_glossy sl_glossy;
 
 sl_status sl_glossy_create(const sl_scene *scene, int order, sl_glossy **glossy, sl_error *error);
 void sl_glossy_destroy(sl_glossy *glossy);
-int sl_glossy_order(const sl_glossy *glossy);
 size_t sl_glossy_bytes(const sl_glossy *glossy);
 /* The least order that holds every glossy lobe of the scene to 5 % at 45 degrees, at most SL_HSH_ORDER_MAX; 1
  * without glossy materials. */

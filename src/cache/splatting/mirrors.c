@@ -10,13 +10,23 @@
 
 enum { BLOCK = 16, TILE = SL_SPLAT_TILE, BLOCKS_A_TILE = TILE / BLOCK };
 
+static bool is_empty(sl_splat_rect r) { return r.x0 >= r.x1 || r.y0 >= r.y1; }
+static int lesser(int a, int b) { return a < b ? a : b; }
+static int greater(int a, int b) { return a > b ? a : b; }
+
+static sl_splat_rect rect_union(sl_splat_rect a, sl_splat_rect b) {
+    if (is_empty(a)) return b;
+    if (is_empty(b)) return a;
+    return (sl_splat_rect){lesser(a.x0, b.x0), lesser(a.y0, b.y0), greater(a.x1, b.x1), greater(a.y1, b.y1)};
+}
+
 /* ---- blocks ---- */
 
 static void add_pixel(const sl_gbuffer *g, size_t pixel, sl_mirror_block *b) {
     int x = (int)(pixel % (size_t)g->width), y = (int)(pixel / (size_t)g->width);
     sl_vec3 p = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
     bool first = b->rect.x0 >= b->rect.x1;
-    b->rect = sl_rect_union(b->rect, (sl_splat_rect){x, y, x + 1, y + 1});
+    b->rect = rect_union(b->rect, (sl_splat_rect){x, y, x + 1, y + 1});
     b->low = first ? p : sl_v3(fminf(b->low.x, p.x), fminf(b->low.y, p.y), fminf(b->low.z, p.z));
     b->high = first ? p : sl_v3(fmaxf(b->high.x, p.x), fmaxf(b->high.y, p.y), fmaxf(b->high.z, p.z));
 }
@@ -57,16 +67,6 @@ void sl_mirror_blocks_release(sl_mirror_blocks *blocks) {
 
 /* ---- spheres and blocks ---- */
 
-static bool is_empty(sl_splat_rect r) { return r.x0 >= r.x1 || r.y0 >= r.y1; }
-static int lesser(int a, int b) { return a < b ? a : b; }
-static int greater(int a, int b) { return a > b ? a : b; }
-
-sl_splat_rect sl_rect_union(sl_splat_rect a, sl_splat_rect b) {
-    if (is_empty(a)) return b;
-    if (is_empty(b)) return a;
-    return (sl_splat_rect){lesser(a.x0, b.x0), lesser(a.y0, b.y0), greater(a.x1, b.x1), greater(a.y1, b.y1)};
-}
-
 static float outside(float low, float high, float x) {
     return x < low ? low - x : x > high ? x - high : 0.0f;
 }
@@ -77,12 +77,10 @@ static bool reaches(const sl_mirror_block *b, sl_vec3 centre, float reach) {
     return x * x + y * y + z * z <= reach * reach;
 }
 
-sl_splat_rect sl_mirror_bounds(const sl_mirror_blocks *blocks, sl_vec3 centre, float reach) {
-    sl_splat_rect all = {0, 0, 0, 0};
-    for (size_t k = 0; k < blocks->count; k++) {
-        if (reaches(&blocks->blocks[k], centre, reach)) all = sl_rect_union(all, blocks->blocks[k].rect);
-    }
-    return all;
+static bool reaches_any(const sl_mirror_blocks *blocks, sl_vec3 centre, float reach) {
+    size_t k = 0;
+    while (k < blocks->count && !reaches(&blocks->blocks[k], centre, reach)) k++;
+    return k < blocks->count;
 }
 
 static sl_splat_rect part_in_tile(sl_splat_rect r, int x, int y) {
@@ -97,7 +95,7 @@ static sl_splat_rect mirrored_in_tile(const sl_mirror_blocks *blocks, sl_vec3 ce
     for (; *next < blocks->count; (*next)++) {
         const sl_mirror_block *b = &blocks->blocks[*next];
         if (b->rect.x0 / TILE != x / TILE || b->rect.y0 / TILE != y / TILE) break;
-        if (reaches(b, centre, reach)) all = sl_rect_union(all, b->rect);
+        if (reaches(b, centre, reach)) all = rect_union(all, b->rect);
     }
     return all;
 }
@@ -106,14 +104,14 @@ static sl_splat_rect mirrored_in_tile(const sl_mirror_blocks *blocks, sl_vec3 ce
 size_t sl_mirror_rects(const sl_mirror_blocks *blocks, sl_vec3 centre, float reach, sl_splat_rect seen,
                        sl_splat_rect *rects) {
     size_t count = 0, next = 0;
-    if (is_empty(sl_mirror_bounds(blocks, centre, reach))) {
+    if (!reaches_any(blocks, centre, reach)) {
         if (rects) rects[0] = seen;
         return 1;
     }
     for (int y = 0; y < blocks->height; y += TILE) {
         for (int x = 0; x < blocks->width; x += TILE) {
             sl_splat_rect r =
-                sl_rect_union(part_in_tile(seen, x, y), mirrored_in_tile(blocks, centre, reach, x, y, &next));
+                rect_union(part_in_tile(seen, x, y), mirrored_in_tile(blocks, centre, reach, x, y, &next));
             if (is_empty(r)) continue;
             if (rects) rects[count] = r;
             count++;

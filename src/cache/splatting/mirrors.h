@@ -21,10 +21,6 @@ sl_status sl_mirror_blocks_make(const sl_gbuffer *gbuffer, const sl_reflections 
                                 sl_mirror_blocks *blocks, sl_error *error);
 void sl_mirror_blocks_release(sl_mirror_blocks *blocks);
 
-/* The smallest rectangle about two, either of which may be empty. */
-sl_splat_rect sl_rect_union(sl_splat_rect a, sl_splat_rect b);
-/* All pixels of the blocks that a sphere reaches. */
-sl_splat_rect sl_mirror_bounds(const sl_mirror_blocks *blocks, sl_vec3 centre, float reach);
 /* The rectangles, one a tile at most, of pixels in `seen` or in a block that the sphere reaches; just `seen`,
  * where it reaches none. Returns how many; rects may be NULL. */
 size_t sl_mirror_rects(const sl_mirror_blocks *blocks, sl_vec3 centre, float reach, sl_splat_rect seen,

@@ -119,12 +119,6 @@ static sl_splat_rect seen_bounds(const sl_record_pass *pass, const sl_record *re
                             record->position, reach_of(pass, record));
 }
 
-sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *record) {
-    sl_splat_rect seen = seen_bounds(pass, record);
-    if (!pass->mirrors || !pass->mirrors->count) return seen;
-    return sl_rect_union(seen, sl_mirror_bounds(pass->mirrors, record->position, reach_of(pass, record)));
-}
-
 enum { BOUNDS_AT_ONCE = 256 };
 
 /* First how many rectangles each record has, then which. */

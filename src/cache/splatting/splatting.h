@@ -111,8 +111,6 @@ sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *lis
                            const sl_splat_buffer *buffer, sl_counters *counters, sl_error *error);
 /* The record's weight at a pixel; 0 also where a record that says behind_a_wall does not see the pixel. */
 float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel);
-/* The rectangle of pixels that a record can reach. */
-sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *record);
 
 /* ---- the picture ---- */
 
