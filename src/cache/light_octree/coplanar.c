@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/light_octree/octree_leaves.h"
+#include "cache/light_octree/octree.h"
 
 /* Each triangle is compared with so many that follow it in its plane. */
 enum { CANDIDATES = 64, CORNERS = 6 };

@@ -1,12 +1,11 @@
 /* The explanation of a pixel: its shading, taken apart by the shader's own kernel. Around the pixel lie eight
- * voxels; each gives the lights of one set, its light times its trilinear weight times what the surface
- * reflects. The kernel is linear in the lights: asked about one of them it says what that one adds, and asked
- * about a voxel that holds the constant 1, the others 0, how much that voxel weighs. */
+ * voxels; each gives the lights of one set. The kernel is linear in the lights: asked about one of them it
+ * says what that one adds, and asked about a voxel that holds the constant 1, the others 0, how much that
+ * voxel weighs. */
 #include "cache/light_octree/explanation.h"
 
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/light_octree/shade_pixel.h"
 
 /* ---- telling ---- */
 
@@ -33,35 +32,6 @@ static double weight_of(const telling *t, int corner) {
     return (double)t->pixel->block.irradiance[0][0];
 }
 
-/* How far a layer lies from the pixel, as the kernel has it. */
-static float height_off(const telling *t, int corner, const sl_shade_set *set) {
-    const sl_shade_block *b = &t->pixel->block;
-    bool one = t->pixel->cells.corners == 1;
-    float x = b->tx[0] - (one ? 0.5f : (float)(corner & 1)),
-          y = b->ty[0] - (one ? 0.5f : (float)(corner >> 1 & 1)),
-          z = b->tz[0] - (one ? 0.5f : (float)(corner >> 2));
-    return set->layer ? fabsf(x * set->normal.x + y * set->normal.y + z * set->normal.z - set->height) : 0.0f;
-}
-
-/* The group of a split voxel that the kernel takes: nearest normal, of layers the nearest one, the first of
- * equals. */
-static int set_of(const telling *t, int number) {
-    const sl_shade_block *b = &t->pixel->block;
-    const sl_shade_corner *corner = &t->pixel->cells.corner[number];
-    float nearest = -INFINITY;
-    int best = 0;
-    for (int k = 0; k < corner->sets; k++) {
-        const sl_shade_set *set = &corner->set[k];
-        float cosine = b->nx[0] * set->normal.x + b->ny[0] * set->normal.y + b->nz[0] * set->normal.z;
-        if (set->turn) cosine = fabsf(cosine);
-        cosine -= height_off(t, number, set);
-        if (!(cosine > nearest)) continue;
-        nearest = cosine;
-        best = k;
-    }
-    return best;
-}
-
 static sl_vec3 middle_of(const telling *t, int corner) {
     const sl_voxel_texture *texture = t->told->shading.texture;
     double edge = texture->edge / (double)(1u << texture->depth);
@@ -71,27 +41,35 @@ static sl_vec3 middle_of(const telling *t, int corner) {
     return sl_to_float(sl_addd(texture->origin, sl_scaled(at, edge)));
 }
 
-static void tell_light(const telling *t, int corner, const sl_shade_set *set, int number, double weight,
-                       const char *kind) {
+/* Asks the kernel for the pixel's light as if all voxels together held but one light. */
+static void tell_light(const telling *t, int corner, int set, int number, double weight) {
     sl_shade_cells cells = t->pixel->cells;
     sl_shade_block *b = &t->pixel->block;
-    cells.corners = 1;
-    cells.facing = cells.keep_void_dark = false;
-    cells.corner[0] = (sl_shade_corner){.sets = 1, .set = {*set}};
-    cells.corner[0].set[0].light += number;
-    cells.corner[0].set[0].lights = 1;
+    for (int k = 0; k < cells.corners; k++) {
+        for (int s = 0; s < cells.corner[k].sets; s++) cells.corner[k].set[s].lights = 0;
+    }
+    sl_shade_set *one = &cells.corner[corner].set[set];
+    one->light += number;
+    one->lights = 1;
     t->kernel(&cells, SL_SHADE_LANES, t->pixel->glossy, b);
     sl_vec3 at = middle_of(t, corner);
-    sl_explanation_term term = {
-        .layer = "indirect", .kind = kind, .placed = true, .position = {at.x, at.y, at.z}, .weight = weight};
-    term.index = (uint64_t)(cells.corner[0].set[0].light - t->told->shading.texture->unpacked);
+    sl_explanation_term term = {.layer = "indirect",
+                                .kind = cells.lobes == SL_LOBES_NONE
+                                            ? "voxel: irradiance"
+                                            : "directional light of a voxel: irradiance perpendicular to it",
+                                .placed = true,
+                                .position = {at.x, at.y, at.z},
+                                .weight = weight};
+    term.index = (uint64_t)(one->light - t->told->shading.texture->unpacked);
     bool any = false;
+    const sl_octree_point *p = &t->pixel->point;
+    const float diffuse[3] = {p->diffuse.r, p->diffuse.g, p->diffuse.b},
+                specular[3] = {p->specular.r, p->specular.g, p->specular.b};
     for (int c = 0; c < 3; c++) {
-        double reflected =
-            (double)(t->pixel->diffuse[c] * (float)(1.0 / SL_PI)) * (double)b->irradiance[c][0];
-        if (t->pixel->glossy) reflected += (double)t->pixel->specular[c] * (double)b->lobe[c][0];
-        term.value[c] = set->light[number].color[c];
-        term.contribution[c] = weight * reflected * (double)t->throughput[c];
+        double reflected = (double)(diffuse[c] * (float)(1.0 / SL_PI)) * (double)b->irradiance[c][0];
+        if (t->pixel->glossy) reflected += (double)specular[c] * (double)b->lobe[c][0];
+        term.value[c] = one->light->color[c];
+        term.contribution[c] = reflected * (double)t->throughput[c];
         any |= term.contribution[c] != 0.0;
     }
     if (any) sl_explanation_add(t->writer, &term);
@@ -100,15 +78,10 @@ static void tell_light(const telling *t, int corner, const sl_shade_set *set, in
 static void tell_voxels(const telling *t) {
     const sl_shade_cells *cells = &t->pixel->cells;
     for (int k = 0; k < cells->corners; k++) {
-        if (cells->corner[k].sets == 0) continue;
-        double weight = weight_of(t, k);
-        const sl_shade_set *set = &cells->corner[k].set[set_of(t, k)];
-        if (weight == 0.0) continue;
-        for (int j = 0; j < set->lights; j++)
-            tell_light(t, k, set, j, weight,
-                       cells->lobes == SL_LOBES_NONE
-                           ? "voxel: irradiance"
-                           : "directional light of a voxel: irradiance perpendicular to it");
+        double weight = cells->corner[k].sets > 0 ? weight_of(t, k) : 0.0;
+        for (int s = 0; weight != 0.0 && s < cells->corner[k].sets; s++) {
+            for (int j = 0; j < cells->corner[k].set[s].lights; j++) tell_light(t, k, s, j, weight);
+        }
     }
 }
 

@@ -147,7 +147,6 @@ void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     memset(light, 0, (size_t)lights->texels * sizeof *light);
     set->done = true;
     if (!work->tree) return;
-    sl_voxel_choose_side(work, o, set, w);
     sl_voxel_gather gather = gather_photons(work, o, set, w);
     sl_voxel_report_gather(set, &gather, &w->counters);
     if (gather.front.count + gather.back.count == 0) return; /* dark: nothing to cluster */

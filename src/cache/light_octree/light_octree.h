@@ -2,8 +2,8 @@
  * directional lights, which shaders then use like any others.
  *
  *   light_octree.c    the paper: one picture, step by step; state.h: what is between the steps
- *   method.c          what a method holds of that, what edits leave, direct light; plan.c, memory.c: which
- * passes a scene needs, and how much memory; report.c: what is said of a picture
+ *   method.c          what a method holds of that, what edits leave, direct light; plan.c: which passes a
+ * scene needs; picture.c: a picture's layers, and what is said of it
  *   ../photons/       photon tracing, the kd-tree, and the k nearest photons
  *   octree.c          the voxels, on geometry; triangle_cells.c, coplanar.c
  *   voxel_gather.c    a voxel's photons; voxel_error.c: how many; own_photons.c: those in it, without a
@@ -14,7 +14,7 @@
  *   voxel_texture.c   all of it in textures, as the hardware holds it; direction_packing.c
  *   shade.c           surface points lit from the octree; pixels.c: which pixels go which way
  *   atlas/            the same by way of a texture atlas
- *   compose.c         the picture and its layers; ../reflect/: what mirrors show
+ *   ../reflect/       what mirrors show
  *   explanation.c     what made a pixel; what can be seen of photons and lights
  *   photon_pixels.c   the photon map shown as it is: what the octree is compared with
  */

@@ -102,20 +102,6 @@ static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, siz
     return true;
 }
 
-/* Pieces by their centroids: what is one plane has no height. */
-static void measure_heights(const sl_voxel_piece *pieces, size_t count, sl_vec3d centre, double scale,
-                            int number, sl_normal_group *group) {
-    sl_vec3d n = sl_to_double(group->normal);
-    group->low = group->high = 0.0f;
-    for (size_t i = 0; i < count; i++) {
-        if (pieces[i].group != number) continue;
-        float height =
-            (float)(sl_dotd(n, sl_subd(sl_scaled(pieces[i].moment, 1.0 / pieces[i].area), centre)) / scale);
-        group->low = fminf(group->low, height);
-        group->high = fmaxf(group->high, height);
-    }
-}
-
 int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, size_t index,
                      sl_voxel_piece *pieces, sl_normal_group groups[SL_VOXEL_SETS_MAX]) {
     uint32_t cell[3];
@@ -134,11 +120,10 @@ int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, size_t
     }
     for (int g = 0; g < count; g++) {
         double length = sl_lengthd(sums[g].vector);
-        sl_vec3d from_base = sl_scaled(sums[g].moment, 1.0 / sums[g].area), centre = sl_addd(base, from_base);
+        sl_vec3d centre = sl_addd(base, sl_scaled(sums[g].moment, 1.0 / sums[g].area));
         groups[g].normal =
             sl_to_float(length > 0.2 * sums[g].area ? sl_scaled(sums[g].vector, 1.0 / length) : sums[g].seed);
         groups[g].centroid = sl_to_float(sl_addd(sl_scaled(centre, 1.0 / space->scale), space->origin));
-        measure_heights(pieces, pieces_here, from_base, space->scale, g, &groups[g]);
         groups[g].flat = sums[g].flat;
         groups[g].area = (float)(sums[g].area / (space->scale * space->scale));
     }

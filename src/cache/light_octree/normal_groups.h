@@ -3,12 +3,11 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_NORMAL_GROUPS_H
 #define SL_CACHE_LIGHT_OCTREE_NORMAL_GROUPS_H
 
-#include "cache/light_octree/octree_leaves.h"
+#include "cache/light_octree/octree.h"
 #include "cache/light_octree/voxel_lights.h"
 
 typedef struct sl_normal_group {
     sl_vec3 normal, centroid; /* by area, of what lies in the voxel */
-    float low, high;          /* of its pieces above the centroid, along the normal */
     float area;
     bool flat;                /* one shading normal, and it reflects light of all directions alike */
 } sl_normal_group;

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/light_octree/octree_leaves.h"
 
 /* What lies around a core takes light from it, too. */
 static const double AROUND_CORE = 1.5;

@@ -47,11 +47,12 @@ static octagon octagon_of(const sl_hull_points *p) {
     float most[WAYS];
     for (int w = 0; w < WAYS; w++) most[w] = -INFINITY;
     for (size_t i = 0; i < p->count; i++) {
-        float x = p->x[i], y = p->y[i];
-        const float along[WAYS] = {x, x + y, y, y - x, -x, -x - y, -y, x - y};
+        float x = p->x[i], y = p->y[i], up = x + y, down = x - y;
+        const float along[WAYS] = {x, up, y, -down, -x, -up, -y, down};
         for (int w = 0; w < WAYS; w++) {
-            farthest[w] = along[w] > most[w] ? i : farthest[w];
-            most[w] = along[w] > most[w] ? along[w] : most[w];
+            if (!(along[w] > most[w])) continue;
+            most[w] = along[w];
+            farthest[w] = i;
         }
     }
     for (int w = 0; w < WAYS; w++) {
@@ -68,16 +69,19 @@ static octagon octagon_of(const sl_hull_points *p) {
 static size_t find_outer(const octagon *o, sl_hull_points *p) {
     float size = 0.0f;
     size_t count = 0;
+    uint32_t *outer = p->chain; /* of each point: is it? */
     for (int e = 0; e < o->corners; e++) size = fmaxf(size, fmaxf(fabsf(o->x[e]), fabsf(o->y[e])));
+    for (size_t i = 0; i < p->count; i++) outer[i] = 0;
+    for (int e = 0; e < o->corners; e++) {
+        int next = e + 1 < o->corners ? e + 1 : 0;
+        const float x = o->x[e], y = o->y[e], dx = o->x[next] - x, dy = o->y[next] - y,
+                    slack = 1e-5f * size * size;
+#pragma omp simd
+        for (size_t i = 0; i < p->count; i++) outer[i] |= dx * (p->y[i] - y) - dy * (p->x[i] - x) <= slack;
+    }
     for (size_t i = 0; i < p->count; i++) {
-        bool outer = false;
-        for (int e = 0; e < o->corners && !outer; e++) {
-            int next = e + 1 < o->corners ? e + 1 : 0;
-            float dx = o->x[next] - o->x[e], dy = o->y[next] - o->y[e];
-            outer = dx * (p->y[i] - o->y[e]) - dy * (p->x[i] - o->x[e]) <= 1e-5f * size * size;
-        }
         p->outer[count] = (uint32_t)i;
-        count += outer;
+        count += outer[i];
     }
     return count;
 }

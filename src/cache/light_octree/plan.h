@@ -36,7 +36,6 @@ size_t sl_octree_small_objects(const sl_scene *scene, double voxel);
 bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_settings *settings);
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
-/* memory.c */
 /* How many chunks of photon paths one update traces. */
 size_t sl_octree_photon_chunks(const sl_settings *settings);
 sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings);

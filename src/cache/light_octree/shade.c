@@ -7,13 +7,11 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/light_octree/shade_pixel.h"
 
 enum {
     TABLE = 2 * SL_OCTREE_BATCH,
     TILE = 64,
-    NONE = -1,
-    ROW = SL_OCTREE_BATCH + 16 /* arrays a power of two apart would share the same lines of the cache */
+    NONE = -1
 };
 
 static const uint64_t NOWHERE = UINT64_MAX;
@@ -43,8 +41,8 @@ struct sl_octree_scratch {
     size_t groups;
     /* A tile of a G-buffer. */
     uint32_t pixel[SL_OCTREE_BATCH];
-    float point[16][ROW];
-    float out[3][ROW];
+    sl_octree_point point[SL_OCTREE_BATCH];
+    float out[3][SL_OCTREE_BATCH];
 };
 
 sl_status sl_octree_scratch_create(sl_octree_scratch **scratch, sl_error *error) {
@@ -58,20 +56,17 @@ void sl_octree_scratch_destroy(sl_octree_scratch *scratch) { sl_free(scratch); }
 
 /* ---- points by voxel ---- */
 
-static bool is_glossy(const sl_octree_points *p, size_t i) {
-    return p->specular_r && (p->specular_r[i] > 0.0f || p->specular_g[i] > 0.0f || p->specular_b[i] > 0.0f);
-}
+static bool is_glossy(const sl_octree_point *p) { return sl_rgb_max(p->specular) > 0.0f; }
 
 /* b = floor(p 2^d - 1/2), or the cell itself with the nearest filter; 11 bits each, from -1 on. */
-static voxel_place place_of(const sl_octree_shading *shading, const sl_octree_points *p, size_t i,
-                            int32_t cell[3]) {
+static voxel_place place_of(const sl_octree_shading *shading, const sl_octree_point *p, int32_t cell[3]) {
     const sl_voxel_texture *t = shading->texture;
     double cells = (double)(1u << t->depth), scale = cells / t->edge;
     bool nearest = shading->filter == SL_VOXEL_NEAREST;
-    const double u[3] = {((double)p->x[i] - t->origin.x) * scale, ((double)p->y[i] - t->origin.y) * scale,
-                         ((double)p->z[i] - t->origin.z) * scale};
-    float length =
-        p->normal_x[i] * p->normal_x[i] + p->normal_y[i] * p->normal_y[i] + p->normal_z[i] * p->normal_z[i];
+    const double u[3] = {((double)p->position.x - t->origin.x) * scale,
+                         ((double)p->position.y - t->origin.y) * scale,
+                         ((double)p->position.z - t->origin.z) * scale};
+    float length = sl_dot(p->normal, p->normal);
     voxel_place place = {.key = NOWHERE};
     if (!(length > 0.0f && length < 4.0f)) return place;
     for (int axis = 0; axis < 3; axis++) {
@@ -81,7 +76,7 @@ static voxel_place place_of(const sl_octree_shading *shading, const sl_octree_po
         place.t[axis] = (float)(at - low);
     }
     place.key = (uint64_t)(cell[0] + 1) | (uint64_t)(cell[1] + 1) << 11 | (uint64_t)(cell[2] + 1) << 22 |
-                (uint64_t)is_glossy(p, i) << 33;
+                (uint64_t)is_glossy(p) << 33;
     return place;
 }
 
@@ -99,14 +94,14 @@ static int32_t find_group(sl_octree_scratch *s, uint64_t key, int32_t last, cons
 }
 
 /* Groups in order of their first point, their points in order. */
-static void group_points(const sl_octree_shading *shading, const sl_octree_points *p, size_t first,
-                         size_t count, sl_octree_scratch *s) {
+static void group_points(const sl_octree_shading *shading, const sl_octree_point *point, size_t count,
+                         sl_octree_scratch *s) {
     int32_t last = NONE;
     s->groups = 0;
     for (size_t i = 0; i < TABLE; i++) s->table[i] = NONE;
     for (size_t i = 0; i < count; i++) {
         int32_t cell[3] = {0, 0, 0};
-        s->place[i] = place_of(shading, p, first + i, cell);
+        s->place[i] = place_of(shading, &point[i], cell);
         s->group_of[i] = NONE;
         if (s->place[i].key == NOWHERE) continue;
         s->group_of[i] = last = find_group(s, s->place[i].key, last, cell);
@@ -198,59 +193,57 @@ static float widest_exponent(const sl_voxel_texture *t) {
     return t->lobes != SL_LOBES_NONE ? (float)(2 * t->lights - 2) : INFINITY;
 }
 
-static void load_point(const sl_octree_points *p, const voxel_place *place, size_t i, bool glossy,
-                       float widest, sl_shade_block *b, size_t at) {
+static void load_point(const sl_octree_point *p, const voxel_place *place, bool glossy, float widest,
+                       sl_shade_block *b, size_t at) {
     b->tx[at] = place->t[0];
     b->ty[at] = place->t[1];
     b->tz[at] = place->t[2];
-    b->nx[at] = p->normal_x[i];
-    b->ny[at] = p->normal_y[i];
-    b->nz[at] = p->normal_z[i];
+    b->nx[at] = p->normal.x;
+    b->ny[at] = p->normal.y;
+    b->nz[at] = p->normal.z;
     b->mx[at] = b->my[at] = b->mz[at] = b->exponent[at] = 0.0f;
     if (!glossy) return;
-    sl_vec3 n = sl_v3(p->normal_x[i], p->normal_y[i], p->normal_z[i]),
-            v = sl_v3(p->view_x[i], p->view_y[i], p->view_z[i]);
-    sl_vec3 mirrored = sl_sub(sl_scale(n, 2.0f * sl_dot(n, v)), v);
+    sl_vec3 mirrored = sl_sub(sl_scale(p->normal, 2.0f * sl_dot(p->normal, p->view)), p->view);
     b->mx[at] = mirrored.x;
     b->my[at] = mirrored.y;
     b->mz[at] = mirrored.z;
-    b->exponent[at] = fminf(p->exponent[i], widest);
+    b->exponent[at] = fminf(p->exponent, widest);
 }
 
 /* kd / pi E + ks lobes. */
-static float reflect(const float *diffuse, const float *specular, size_t i, float irradiance, float lobe) {
-    float radiance = diffuse ? diffuse[i] * (float)(1.0 / SL_PI) * irradiance : irradiance;
-    return specular ? radiance + specular[i] * lobe : radiance;
+static float reflect(float diffuse, float specular, bool glossy, float irradiance, float lobe) {
+    float radiance = diffuse * (float)(1.0 / SL_PI) * irradiance;
+    return glossy ? radiance + specular * lobe : radiance;
 }
 
-static void shade_block(const sl_octree_points *p, size_t first, const voxel_group *group, size_t from,
-                        size_t count, float widest, sl_octree_scratch *s, float *const out[3]) {
+static void shade_block(const sl_octree_point *point, const voxel_group *group, size_t from, size_t count,
+                        float widest, sl_octree_scratch *s, float *const out[3]) {
     static const size_t LANES = SL_SHADE_LANES;
     const uint32_t *order = s->order + group->first + from;
     size_t padded = (count + LANES - 1) / LANES * LANES;
     for (size_t k = 0; k < padded; k++) {
         uint32_t i = order[k < count ? k : count - 1];
-        load_point(p, &s->place[i], first + i, group->glossy, widest, &s->block, k);
+        load_point(&point[i], &s->place[i], group->glossy, widest, &s->block, k);
     }
     s->kernel(&s->cells, padded, group->glossy, &s->block);
-    const float *const diffuse[3] = {p->diffuse_r, p->diffuse_g, p->diffuse_b};
-    const float *const specular[3] = {p->specular_r, p->specular_g, p->specular_b};
     for (size_t k = 0; k < count; k++) {
-        size_t i = first + order[k];
-        for (int c = 0; c < 3; c++) {
-            out[c][i] = reflect(diffuse[c], group->glossy ? specular[c] : NULL, i, s->block.irradiance[c][k],
-                                s->block.lobe[c][k]);
-        }
+        const sl_octree_point *p = &point[order[k]];
+        const float diffuse[3] = {p->diffuse.r, p->diffuse.g, p->diffuse.b},
+                    specular[3] = {p->specular.r, p->specular.g, p->specular.b};
+        for (int c = 0; c < 3; c++)
+            out[c][order[k]] = reflect(diffuse[c], specular[c], group->glossy, s->block.irradiance[c][k],
+                                       s->block.lobe[c][k]);
     }
 }
 
-void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *p, sl_octree_scratch *s,
-                     float *r, float *g, float *b, sl_counters *counters) {
-    float *const out[3] = {r, g, b}, widest = widest_exponent(shading->texture);
-    for (size_t first = 0; first < p->count; first += SL_OCTREE_BATCH) {
-        size_t count = p->count - first < SL_OCTREE_BATCH ? p->count - first : SL_OCTREE_BATCH;
-        group_points(shading, p, first, count, s);
-        for (int c = 0; c < 3; c++) memset(out[c] + first, 0, count * sizeof *r);
+void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_point *point, size_t all,
+                     sl_octree_scratch *s, float *r, float *g, float *b, sl_counters *counters) {
+    float widest = widest_exponent(shading->texture);
+    for (size_t first = 0; first < all; first += SL_OCTREE_BATCH) {
+        size_t count = all - first < SL_OCTREE_BATCH ? all - first : SL_OCTREE_BATCH;
+        float *const out[3] = {r + first, g + first, b + first};
+        group_points(shading, point + first, count, s);
+        for (int c = 0; c < 3; c++) memset(out[c], 0, count * sizeof *r);
         for (size_t k = 0; k < s->groups; k++) {
             const voxel_group *group = &s->group[k];
             uint64_t fetches = 0;
@@ -258,8 +251,8 @@ void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *p
             sl_count(counters, SL_COUNT_TEXTURE_FETCHES, fetches * group->count); /* as each fragment would */
             for (size_t from = 0; from < group->count; from += SL_SHADE_BLOCK) {
                 size_t left = group->count - from;
-                shade_block(p, first, group, from, left < SL_SHADE_BLOCK ? left : SL_SHADE_BLOCK, widest, s,
-                            out);
+                shade_block(point + first, group, from, left < SL_SHADE_BLOCK ? left : SL_SHADE_BLOCK, widest,
+                            s, out);
             }
         }
     }
@@ -278,57 +271,30 @@ typedef struct tile_pass {
     sl_counters *counters;
 } tile_pass;
 
-/* In the order of sl_octree_points. */
-static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye, size_t pixel,
-                           float values[16]) {
+static sl_octree_point point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye, size_t pixel) {
     const sl_material *m = &scene->materials[g->material[pixel]];
     sl_vec3 place = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
     sl_vec3 n = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
     sl_vec3 from = g->seen_from ? g->seen_from[pixel] : eye;
-    sl_vec3 v = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(from, place), n) : n;
-    const float all[16] = {place.x,
-                           place.y,
-                           place.z,
-                           n.x,
-                           n.y,
-                           n.z,
-                           v.x,
-                           v.y,
-                           v.z,
-                           g->diffuse_r[pixel],
-                           g->diffuse_g[pixel],
-                           g->diffuse_b[pixel],
-                           m->specular.r,
-                           m->specular.g,
-                           m->specular.b,
-                           m->exponent};
-    memcpy(values, all, sizeof all);
-}
-
-static void take_pixel(const tile_pass *pass, uint32_t pixel, size_t at, sl_octree_scratch *s) {
-    float values[16];
-    point_of_pixel(pass->scene, pass->gbuffer, pass->eye, pixel, values);
-    for (int k = 0; k < 16; k++) s->point[k][at] = values[k];
-    s->pixel[at] = pixel;
+    return (sl_octree_point){.position = place,
+                             .normal = n,
+                             .view = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(from, place), n) : n,
+                             .diffuse = {g->diffuse_r[pixel], g->diffuse_g[pixel], g->diffuse_b[pixel]},
+                             .specular = m->specular,
+                             .exponent = m->exponent};
 }
 
 bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer,
                            sl_vec3 eye, size_t pixel, sl_octree_pixel *out) {
-    float v[16];
     uint64_t fetches = 0;
-    *out = (sl_octree_pixel){.glossy = false};
-    point_of_pixel(scene, gbuffer, eye, pixel, v);
-    sl_octree_points p = {1,     v,     v + 1,  v + 2,  v + 3,  v + 4,  v + 5,  v + 6, v + 7,
-                          v + 8, v + 9, v + 10, v + 11, v + 12, v + 13, v + 14, v + 15};
-    voxel_place place = place_of(shading, &p, 0, out->cell);
+    *out = (sl_octree_pixel){.point = point_of_pixel(scene, gbuffer, eye, pixel)};
+    voxel_place place = place_of(shading, &out->point, out->cell);
     if (place.key == NOWHERE) return false;
     voxel_group group = {.cell = {out->cell[0], out->cell[1], out->cell[2]}};
-    out->glossy = is_glossy(&p, 0);
+    out->glossy = is_glossy(&out->point);
     fetch_cells(shading, &group, &out->cells, &fetches);
     for (size_t k = 0; k < SL_SHADE_LANES; k++)
-        load_point(&p, &place, 0, out->glossy, widest_exponent(shading->texture), &out->block, k);
-    memcpy(out->diffuse, v + 9, sizeof out->diffuse);
-    memcpy(out->specular, v + 12, sizeof out->specular);
+        load_point(&out->point, &place, out->glossy, widest_exponent(shading->texture), &out->block, k);
     return true;
 }
 
@@ -340,25 +306,17 @@ static void shade_tile(void *context, size_t index, unsigned worker) {
         y0 = (int)(index / (size_t)pass->tiles_across) * TILE;
     int x1 = x0 + TILE < g->width ? x0 + TILE : g->width, y1 = y0 + TILE < g->height ? y0 + TILE : g->height;
     size_t count = 0;
-    bool any_glossy = false;
     for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
             uint32_t pixel = (uint32_t)(y * g->width + x), material = g->material[pixel];
             for (int c = 0; c < 3; c++) pass->out[c][pixel] = 0.0f;
             if (material == SL_NO_INDEX || sl_material_is_mirror(&pass->scene->materials[material])) continue;
-            any_glossy |= sl_material_is_glossy(&pass->scene->materials[material]);
-            take_pixel(pass, pixel, count++, s);
+            s->point[count] = point_of_pixel(pass->scene, g, pass->eye, pixel);
+            s->pixel[count++] = pixel;
         }
     }
-    float(*v)[ROW] = s->point;
-    sl_octree_points points = {count, v[0], v[1],  v[2],  v[3], v[4], v[5], v[6], v[7],
-                               v[8],  v[9], v[10], v[11], NULL, NULL, NULL, v[15]};
-    if (any_glossy) {
-        points.specular_r = v[12];
-        points.specular_g = v[13];
-        points.specular_b = v[14];
-    }
-    sl_octree_shade(pass->shading, &points, s, s->out[0], s->out[1], s->out[2], &pass->counters[worker]);
+    sl_octree_shade(pass->shading, s->point, count, s, s->out[0], s->out[1], s->out[2],
+                    &pass->counters[worker]);
     for (size_t i = 0; i < count; i++) {
         for (int c = 0; c < 3; c++) pass->out[c][s->pixel[i]] = s->out[c][i];
     }

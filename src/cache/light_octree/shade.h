@@ -5,6 +5,7 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_SHADE_H
 #define SL_CACHE_LIGHT_OCTREE_SHADE_H
 
+#include "cache/light_octree/shade_kernels.h"
 #include "cache/light_octree/voxel_texture.h"
 #include "raster/raster.h"
 
@@ -15,16 +16,14 @@ typedef struct sl_octree_shading {
     bool facing;          /* voxels weigh by the cosine between their normal and the point's, against leaks */
 } sl_octree_shading;
 
-/* Surface points as arrays; normals unit, shading, turned to the viewer. NULL diffuse: 1 / kd = pi, so that
- * the irradiance comes out. NULL specular: none, and the view is not looked at. */
-typedef struct sl_octree_points {
-    size_t count;
-    const float *x, *y, *z;
-    const float *normal_x, *normal_y, *normal_z;   /* not finite, or 0: such a point gets 0 */
-    const float *view_x, *view_y, *view_z;         /* unit, towards the viewer */
-    const float *diffuse_r, *diffuse_g, *diffuse_b;
-    const float *specular_r, *specular_g, *specular_b, *exponent; /* modified Phong */
-} sl_octree_points;
+/* A surface point; normal unit, shading, turned to the viewer (not finite, or 0: such a point gets 0).
+ * Diffuse pi: the irradiance comes out. Specular 0: the view is not looked at. */
+typedef struct sl_octree_point {
+    sl_vec3 position, normal;
+    sl_vec3 view;                /* unit, towards the viewer */
+    sl_rgb diffuse, specular;
+    float exponent;              /* modified Phong */
+} sl_octree_point;
 
 enum { SL_OCTREE_BATCH = 4096 };
 typedef struct sl_octree_scratch sl_octree_scratch; /* one for each worker */
@@ -33,7 +32,7 @@ void sl_octree_scratch_destroy(sl_octree_scratch *scratch);
 
 /* Radiance (or irradiance) of any number of points, written to r, g, b. Each point's is a function of that
  * point alone. */
-void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *points,
+void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_point *point, size_t count,
                      sl_octree_scratch *scratch, float *r, float *g, float *b, sl_counters *counters);
 
 /* A whole G-buffer seen from an eye (but for pixels that mirrors show), in tiles; planes as the G-buffer's,
@@ -41,5 +40,19 @@ void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *p
 sl_status sl_octree_shade_gbuffer(const sl_octree_shading *shading, const sl_scene *scene,
                                   const sl_gbuffer *gbuffer, sl_vec3 eye, unsigned threads, float *r,
                                   float *g, float *b, sl_counters *counters, sl_error *error);
+
+/* ---- one pixel as the shader has it, before the loop over lights: for those who tell what made it ---- */
+
+typedef struct sl_octree_pixel {
+    sl_shade_block block;      /* the pixel, SL_SHADE_LANES times */
+    sl_shade_cells cells;      /* its eight voxels, or the nearest alone */
+    int32_t cell[3];           /* the first of them */
+    bool glossy;
+    sl_octree_point point;
+} sl_octree_pixel;
+
+/* Of a pixel that shows a surface which is no mirror. False where that gets no light. */
+bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer,
+                           sl_vec3 eye, size_t pixel, sl_octree_pixel *out);
 
 #endif

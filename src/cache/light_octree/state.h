@@ -71,7 +71,7 @@ sl_octree_shading sl_octree_state_shading(const sl_octree_state *s);
 /* The next step of the pass that is under way (light_octree.c). */
 sl_status sl_octree_step(sl_octree_state *s, sl_error *error);
 /* Into a picture's metadata: softlux.octree.*, what it was made from, and softlux.warning, what is to be said
- * against that (report.c). */
+ * against that (picture.c). */
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error);
 size_t sl_octree_state_bytes(const sl_octree_state *s);
 

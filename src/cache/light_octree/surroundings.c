@@ -36,15 +36,12 @@ static sl_vec3d corner_of(const sl_surroundings *s, int k, uint32_t t) {
 }
 
 /* Of a surface that takes no photon all counts exactly: nor does what it lies on. */
-static int size_of(const sl_surroundings *s, uint32_t t) {
-    if (!sl_takes_photons(&s->scene->materials[s->scene->material_index[t]])) return 0;
+static bool is_small(const sl_surroundings *s, uint32_t t) {
+    if (!sl_takes_photons(&s->scene->materials[s->scene->material_index[t]])) return false;
     sl_vec3d a = corner_of(s, 0, t), b = corner_of(s, 1, t), c = corner_of(s, 2, t);
     sl_vec3d ab = sl_subd(b, a), bc = sl_subd(c, b), ca = sl_subd(a, c);
-    double longest = fmax(sl_dotd(ab, ab), fmax(sl_dotd(bc, bc), sl_dotd(ca, ca))),
-           limit = s->small_edge * s->small_edge;
-    int size = 0;
-    for (; size + 1 < SL_TRIANGLE_SIZES && longest <= limit; size++) limit *= 0.25;
-    return size;
+    double longest = fmax(sl_dotd(ab, ab), fmax(sl_dotd(bc, bc), sl_dotd(ca, ca)));
+    return longest <= s->small_edge * s->small_edge;
 }
 
 static sl_vec3 centre_of(const sl_surroundings *s, uint32_t t) {
@@ -52,24 +49,21 @@ static sl_vec3 centre_of(const sl_surroundings *s, uint32_t t) {
         sl_scaled(sl_addd(sl_addd(corner_of(s, 0, t), corner_of(s, 1, t)), corner_of(s, 2, t)), 1.0 / 3.0));
 }
 
-/* A leaf's triangles, large ones first, and how many of each size are points of its own. */
+/* A leaf's triangles, large ones first, and how many small ones are points of its own. */
 static void sort_leaf(sl_surroundings *s, size_t index) {
     const sl_octree_leaf *leaf = &s->octree->leaf[index];
     const uint32_t *triangle = s->octree->triangle + leaf->first_triangle;
-    uint32_t count[SL_TRIANGLE_SIZES] = {0}, own[SL_TRIANGLE_SIZES] = {0},
-             at[SL_TRIANGLE_SIZES] = {leaf->first_triangle};
+    uint32_t at = leaf->first_triangle, own = 0;
     for (uint32_t i = 0; i < leaf->triangle_count; i++) {
-        int size = size_of(s, triangle[i]);
-        count[size]++;
-        own[size] += size > 0 && sl_octree_morton_at(s->octree, centre_of(s, triangle[i])) == leaf->morton;
+        if (!is_small(s, triangle[i])) s->triangle[at++] = triangle[i];
     }
-    for (int k = 1; k < SL_TRIANGLE_SIZES; k++) at[k] = at[k - 1] + count[k - 1];
-    for (uint32_t i = 0; i < leaf->triangle_count; i++)
-        s->triangle[at[size_of(s, triangle[i])]++] = triangle[i];
-    for (int k = 0; k < SL_TRIANGLE_SIZES; k++) {
-        s->end_of_size[index * SL_TRIANGLE_SIZES + (size_t)k] = at[k];
-        s->first_surfel[k][index + 1] = (own[k] + SL_SURFEL_LANES - 1) / SL_SURFEL_LANES * SL_SURFEL_LANES;
+    s->end_of_large[index] = at;
+    for (uint32_t i = 0; i < leaf->triangle_count; i++) {
+        if (!is_small(s, triangle[i])) continue;
+        s->triangle[at++] = triangle[i];
+        own += sl_octree_morton_at(s->octree, centre_of(s, triangle[i])) == leaf->morton;
     }
+    s->first_surfel[index + 1] = (own + SL_SURFEL_LANES - 1) / SL_SURFEL_LANES * SL_SURFEL_LANES;
 }
 
 static void put_surfel(sl_surroundings *s, size_t at, uint32_t triangle, sl_vec3 centre) {
@@ -86,14 +80,11 @@ static void put_surfel(sl_surroundings *s, size_t at, uint32_t triangle, sl_vec3
 
 static void put_surfels(sl_surroundings *s, size_t index) {
     const sl_octree_leaf *leaf = &s->octree->leaf[index];
-    for (int k = 1; k < SL_TRIANGLE_SIZES; k++) {
-        const uint32_t *end = &s->end_of_size[index * SL_TRIANGLE_SIZES];
-        size_t at = s->first_surfel[k][index];
-        for (uint32_t i = end[k - 1]; i < end[k]; i++) {
-            sl_vec3 centre = centre_of(s, s->triangle[i]);
-            if (sl_octree_morton_at(s->octree, centre) == leaf->morton)
-                put_surfel(s, at++, s->triangle[i], centre);
-        }
+    size_t at = s->first_surfel[index];
+    for (uint32_t i = s->end_of_large[index]; i < leaf->first_triangle + leaf->triangle_count; i++) {
+        sl_vec3 centre = centre_of(s, s->triangle[i]);
+        if (sl_octree_morton_at(s->octree, centre) == leaf->morton)
+            put_surfel(s, at++, s->triangle[i], centre);
     }
 }
 
@@ -114,28 +105,20 @@ static void for_leaves(void *context, size_t index, unsigned worker) {
 static sl_status make_surfels(sl_surroundings *s, unsigned threads, sl_error *error) {
     size_t leaves = s->octree->leaf_count, tasks = (leaves + LEAVES_A_TASK - 1) / LEAVES_A_TASK;
     s->triangle = sl_allocate(s->octree->triangle_count, sizeof *s->triangle);
-    s->end_of_size = sl_allocate(leaves * SL_TRIANGLE_SIZES, sizeof *s->end_of_size);
-    s->first_surfel[0] = sl_allocate((leaves + 1) * SL_TRIANGLE_SIZES, sizeof **s->first_surfel);
-    if (!s->triangle || !s->end_of_size || !s->first_surfel[0])
+    s->end_of_large = sl_allocate(leaves, sizeof *s->end_of_large);
+    s->first_surfel = sl_allocate(leaves + 1, sizeof *s->first_surfel);
+    if (!s->triangle || !s->end_of_large || !s->first_surfel)
         return sl_fail_memory(error, "the octree's triangles");
-    for (size_t k = 1; k < SL_TRIANGLE_SIZES; k++) s->first_surfel[k] = s->first_surfel[0] + k * (leaves + 1);
     leaf_task task = {s, sort_leaf};
     sl_parallel_for(threads, tasks, for_leaves, &task);
-    uint64_t surfels = 0;
-    for (int k = 1; k < SL_TRIANGLE_SIZES; k++) {
-        s->first_surfel[k][0] = (uint32_t)surfels;
-        for (size_t i = 1; i <= leaves; i++) {
-            surfels += s->first_surfel[k][i];
-            s->first_surfel[k][i] = (uint32_t)surfels;
-        }
-    }
-    if (surfels > UINT32_MAX) return sl_fail_memory(error, "the octree's triangles");
-    s->surfels.x = sl_allocate(7 * (size_t)surfels, sizeof *s->surfels.x);
+    for (size_t i = 1; i <= leaves; i++) s->first_surfel[i] += s->first_surfel[i - 1];
+    size_t surfels = s->first_surfel[leaves];
+    s->surfels.x = sl_allocate(7 * surfels, sizeof *s->surfels.x);
     if (!s->surfels.x) return sl_fail_memory(error, "the octree's triangles");
     float **const planes[6] = {&s->surfels.y,        &s->surfels.z,        &s->surfels.normal_x,
                                &s->surfels.normal_y, &s->surfels.normal_z, &s->surfels.area};
-    for (size_t k = 0; k < 6; k++) *planes[k] = s->surfels.x + (k + 1) * (size_t)surfels;
-    s->surfel_count = (size_t)surfels;
+    for (size_t k = 0; k < 6; k++) *planes[k] = s->surfels.x + (k + 1) * surfels;
+    s->surfel_count = surfels;
     task.work = put_surfels;
     sl_parallel_for(threads, tasks, for_leaves, &task);
     return SL_OK;
@@ -170,8 +153,8 @@ void sl_surroundings_destroy(sl_surroundings *s) {
         sl_free(s->first_child[level]);
     }
     sl_free(s->surfels.x);
-    sl_free(s->first_surfel[0]);
-    sl_free(s->end_of_size);
+    sl_free(s->first_surfel);
+    sl_free(s->end_of_large);
     sl_free(s->triangle);
     sl_free(s);
 }
@@ -181,6 +164,5 @@ size_t sl_surroundings_bytes(const sl_surroundings *s) {
     for (int level = 0; level <= s->octree->depth; level++)
         bytes += (2 * s->count[level] + 1) * sizeof(uint32_t);
     size_t leaves = s->octree->leaf_count;
-    return bytes + ((2 * leaves + 1) * SL_TRIANGLE_SIZES + s->octree->triangle_count + 7 * s->surfel_count) *
-                       sizeof(uint32_t);
+    return bytes + (2 * leaves + 1 + s->octree->triangle_count + 7 * s->surfel_count) * sizeof(uint32_t);
 }

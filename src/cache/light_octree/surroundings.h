@@ -7,25 +7,20 @@
 #include "cache/light_octree/photon_area.h"
 #include "cache/light_octree/surfel_kernels.h"
 
-enum { SL_TRIANGLE_SIZES = 4 };
-
 /* The octree's inner nodes, which leaves in Morton order alone do not have. Immutable.
  *
- * A fine mesh has thousands of triangles in an ellipsoid: those that are small against it count as points,
- * whole or not at all, in the leaf that their centroid lies in; all others are cut exactly. So that the
- * smallest ellipsoids, too, are spared most cuts, triangles are sorted by size: 0 has the large ones, 1 has
- * edges up to small_edge, 2 up to half of that, 3 up to a quarter. */
+ * A fine mesh has thousands of triangles in an ellipsoid: those whose edges are at most small_edge count as
+ * points, whole or not at all, in the leaf that their centroid lies in, unless the ellipsoid is thinner than
+ * they; all others are cut exactly. */
 typedef struct sl_surroundings {
     const sl_scene *scene;
     const sl_octree *octree;                            /* with triangles */
     double small_edge;
-    uint32_t *triangle;                                 /* the octree's list, each leaf's in order of sizes */
-    /* where each size ends there: leaf_count * SL_TRIANGLE_SIZES */
-    uint32_t *end_of_size;
-    sl_surfels surfels;                                 /* size by size, and in each leaf by leaf */
+    uint32_t *triangle;     /* the octree's list, in each leaf the large ones first */
+    uint32_t *end_of_large; /* where they end there: leaf_count */
+    sl_surfels surfels;     /* leaf by leaf */
     size_t surfel_count;
-    /* of each leaf: leaf_count + 1; of size 0 there are none */
-    uint32_t *first_surfel[SL_TRIANGLE_SIZES];
+    uint32_t *first_surfel; /* of each leaf: leaf_count + 1 */
     sl_surfel_kernel *kernel;
     size_t count[SL_OCTREE_DEPTH_MAX + 1];              /* nodes of each level; level 0: the root */
     uint32_t *code[SL_OCTREE_DEPTH_MAX + 1];            /* their Morton codes, ascending */

@@ -19,8 +19,7 @@ typedef struct search {
     int count;               /* of ellipsoids, the largest first */
     reach of[SL_ELLIPSOIDS_MAX];
     sl_surfel_sums sums[SL_ELLIPSOIDS_MAX]; /* heights are those of the triangles' planes above the centre */
-    /* for so many of them triangles of that size are small: they count as points */
-    int points[SL_TRIANGLE_SIZES];
+    int points;              /* for so many of them small triangles count as points */
     int last_level;          /* nodes of that level are small against the largest: taken whole */
     double least_cosine;
     bool has_normal;
@@ -105,17 +104,13 @@ static bool meets(const reach *r, const double low[3], const double high[3]) {
  * for all that want it cut. */
 static void visit_leaf(search *q, uint32_t leaf, int near) {
     const sl_surroundings *s = q->s;
-    uint32_t begin = s->octree->leaf[leaf].first_triangle;
-    for (int size = 0; size < SL_TRIANGLE_SIZES; size++) {
-        uint32_t end = s->end_of_size[(size_t)leaf * SL_TRIANGLE_SIZES + (size_t)size];
-        int points = q->points[size];
-        if (near > points && end > begin) visit_list(q, s->triangle + begin, end - begin, points);
-        const uint32_t *surfel = s->first_surfel[size] + leaf;
-        if (points > 0 && surfel[0] < surfel[1]) {
-            s->kernel(&s->surfels, surfel[0], surfel[1], &q->small, near < points ? near : points, q->sums);
-        }
-        begin = end;
-    }
+    uint32_t begin = s->octree->leaf[leaf].first_triangle, large = s->end_of_large[leaf],
+             end = begin + s->octree->leaf[leaf].triangle_count;
+    const uint32_t *surfel = s->first_surfel + leaf;
+    visit_list(q, s->triangle + begin, large - begin, 0);
+    if (near > q->points) visit_list(q, s->triangle + large, end - large, q->points);
+    if (q->points > 0 && surfel[0] < surfel[1])
+        s->kernel(&s->surfels, surfel[0], surfel[1], &q->small, near < q->points ? near : q->points, q->sums);
 }
 
 static void visit_node(search *q, int level, uint32_t node) {
@@ -200,9 +195,7 @@ void sl_surroundings_areas(const sl_surroundings *s, const sl_ellipsoid *e, int 
     for (int k = 0; k < count; k++) {
         q.of[k] = reach_of(s->octree, &e[k]);
         q.small.limit[k] = (float)(e[k].radius * e[k].radius);
-        double edge = s->small_edge;
-        for (int size = 1; size < SL_TRIANGLE_SIZES; size++, edge *= 0.5)
-            q.points[size] += e[k].radius * e[k].flatness >= edge;
+        q.points += e[k].radius * e[k].flatness >= s->small_edge;
     }
     if (++marks->query == 0) { /* all numbers used up */
         memset(marks->mark, 0, s->scene->triangle_count * sizeof *marks->mark);

@@ -6,9 +6,6 @@
 #include "base/memory.h"
 #include "cache/light_octree/voxel_work.h"
 
-/* Of a voxel: what lies off a surface by no more lies on it. */
-static const double surface_thickness = 1e-3;
-
 sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre,
                                sl_vec3 normal, double radius) {
     bool has_normal = sl_dot(normal, normal) > 0.0f;
@@ -20,30 +17,6 @@ sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_o
                              .cos_acceptance = has_normal && work->by_side ? work->cos_acceptance : -1.0,
                              .both_sides = has_normal && work->by_side,
                              .neighbours = o->neighbours};
-}
-
-/* Do photons of one side lie on the set's own surfaces, among the nearest? */
-static bool is_met_on(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_set *set,
-                      sl_vec3 side, sl_voxel_worker *w) {
-    const sl_photon_list *list = sl_photon_tree_list(work->tree);
-    double slack = surface_thickness * sl_octree_voxel(work->octree);
-    sl_photon_query query = sl_voxel_query(work, o, set->centroid, side, o->radius);
-    query.flatness = 1.0;
-    query.neighbours = (o->neighbours + 3) / 4;
-    query.both_sides = false;
-    sl_photon_tree_gather(work->tree, &query, &w->gathered);
-    for (size_t i = 0; i < w->gathered.count; i++) {
-        const float *p = list->photon[w->gathered.place[i]].position;
-        double height = (double)sl_dot(set->normal, sl_sub(sl_v3(p[0], p[1], p[2]), set->centroid));
-        if (height >= (double)set->low - slack && height <= (double)set->high + slack) return true;
-    }
-    return false;
-}
-
-void sl_voxel_choose_side(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_voxel_set *set,
-                          sl_voxel_worker *w) {
-    if (!work->by_side || !set->opposed || is_met_on(work, o, set, set->normal, w)) return;
-    if (is_met_on(work, o, set, sl_neg(set->normal), w)) sl_voxel_turn(set);
 }
 
 /* Where light is sharp, as at shadows' edges and in caustics, its hull tells of light and not of surface. */

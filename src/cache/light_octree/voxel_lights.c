@@ -98,7 +98,10 @@ void sl_voxel_report_lights(sl_voxel_set *set, const sl_voxel_light_options *o, 
     set->irradiance = (float)(result->irradiance[0] + result->irradiance[1]);
     set->rms_angle = s->weight > 0.0 ? (float)(2.0 * sl_asin(0.5 * sqrt(s->cost / s->weight))) : 0.0f;
     set->both_sides = result->irradiance[0] > 0.0 && result->irradiance[1] > 0.0;
-    if (result->irradiance[1] > 0.0 && !(result->irradiance[0] > 0.0)) sl_voxel_turn(set);
+    if (result->irradiance[1] > 0.0 && !(result->irradiance[0] > 0.0)) {
+        set->normal = sl_neg(set->normal);
+        set->height = -set->height;
+    }
     if (o->lobes != SL_LOBES_NONE) sl_count(counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result->lights);
 }
 

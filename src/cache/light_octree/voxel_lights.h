@@ -37,9 +37,6 @@ typedef struct sl_voxel_set {
     sl_vec3 centroid;      /* the gather's centre */
     sl_vec3 normal;        /* turned to the side on which the photons lie; (0,0,0): none */
     float height;          /* of the centroid above the voxel's centre along the normal, in voxels */
-    /* its surfaces lie between these heights above the centroid, along the normal; 0 and 0 where it is not
-     * split */
-    float low, high;
     uint32_t leaf;
     uint32_t photons;      /* gathered */
     float radius;          /* R */

@@ -77,7 +77,7 @@ static sl_status create_work(sl_voxel_lights *lights, unsigned threads, sl_error
     if (status == SL_OK && o->own_photons && work->tree)
         status = sl_own_photons_find(work->octree, work->tree, &work->own, error);
     if (status == SL_OK && o->area == SL_PHOTON_AREA_CLIP && !o->own_photons) {
-        status = sl_surroundings_create(work->scene, work->octree, o->radius / 8.0, work->workers,
+        status = sl_surroundings_create(work->scene, work->octree, o->radius / 16.0, work->workers,
                                         &work->surroundings, error);
     }
     size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree) : 0;
@@ -154,10 +154,6 @@ static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl
             set->leaf = (uint32_t)i;
             set->normal = count > 1 ? groups->groups[i][g].normal : octree->leaf[i].normal;
             set->flat = is_flat(groups, i);
-            if (groups && groups->count[i] > 0) {
-                set->low = groups->groups[i][g].low;
-                set->high = groups->groups[i][g].high;
-            }
             set->centroid = count > 1 ? groups->groups[i][g].centroid : octree->leaf[i].centroid;
         }
         for (uint32_t g = 0; g < count; g++) {

@@ -76,14 +76,6 @@ typedef struct sl_voxel_gather {
 
 sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre,
                                sl_vec3 normal, double radius);
-static inline void sl_voxel_turn(sl_voxel_set *set) {
-    set->normal = sl_neg(set->normal);
-    set->height = -set->height;
-}
-/* An opposed set, one face of a wall, has the light of its winding's side; but if photons lie on its other
- * side alone, it is wound the wrong way, and its normal is turned. */
-void sl_voxel_choose_side(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_voxel_set *set,
-                          sl_voxel_worker *w);
 sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query,
                                         sl_voxel_worker *w);
 /* Of those that the worker has gathered. */

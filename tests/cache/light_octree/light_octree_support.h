@@ -49,6 +49,18 @@ static inline void set_light(sl_voxel_lights *lights, size_t set, int which, sl_
     lights->set[set].done = true;
 }
 
+/* Irradiance of a surface point, and what it counts. */
+static inline sl_counters shade_point(const sl_octree_shading *shading, sl_vec3 at, sl_vec3 normal,
+                                      float out[3]) {
+    sl_octree_point p = {.position = at, .normal = normal, .view = normal, .diffuse = sl_grey((float)SL_PI)};
+    sl_octree_scratch *scratch = NULL;
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
+    sl_octree_shade(shading, &p, 1, scratch, &out[0], &out[1], &out[2], &counters);
+    sl_octree_scratch_destroy(scratch);
+    return counters;
+}
+
 /* A point of a triangle. */
 static inline sl_vec3 random_on(const sl_scene *scene, uint64_t key, uint64_t index, uint32_t *triangle) {
     *triangle = sl_random_bits(key, 3 * index) % (uint32_t)scene->triangle_count;

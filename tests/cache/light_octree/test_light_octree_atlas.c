@@ -429,34 +429,6 @@ static void texels_name_the_point_that_lies_there(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void charts_stay_a_gutter_apart(void **state) {
-    (void)state;
-    sl_scene *scene = scene_of(torus, 24, 12);
-    for (int gutter = 2; gutter <= 5; gutter++) {
-        sl_atlas_settings settings = usual(256);
-        sl_atlas *atlas = NULL;
-        settings.gutter = gutter;
-        assert_int_equal(sl_atlas_create(scene, &settings, &atlas, NULL), SL_OK);
-        float *s = all_corners(atlas, scene), half = 0.5f * (float)gutter / 256.0f;
-        for (size_t a = 0; a < scene->triangle_count; a++)
-            for (size_t b = 0; b < a; b++) {
-                float grown[2][6];
-                if (atlas->chart_of[a] == atlas->chart_of[b]) continue;
-                for (int n = 0; n < 2; n++) {
-                    const float *t = s + 6 * (n ? b : a);
-                    for (int d = 0; d < 2; d++) {
-                        grown[n][d] = fminf(fminf(t[d], t[2 + d]), t[4 + d]) - half;
-                        grown[n][2 + d] = grown[n][4 + d] = fmaxf(fmaxf(t[d], t[2 + d]), t[4 + d]) + half;
-                    }
-                }
-                assert_false(boxes_meet(grown[0], grown[1]));
-            }
-        sl_free(s);
-        sl_atlas_destroy(atlas);
-    }
-    sl_scene_destroy(scene);
-}
-
 /* ---- limits ---- */
 
 static void more_charts_than_texels_is_an_error_that_says_which_size_would_do(void **state) {
@@ -592,7 +564,6 @@ int main(void) {
         cmocka_unit_test(slivers_t_junctions_and_lone_triangles),
         cmocka_unit_test(numbers_far_from_one),
         cmocka_unit_test(texels_name_the_point_that_lies_there),
-        cmocka_unit_test(charts_stay_a_gutter_apart),
         cmocka_unit_test(more_charts_than_texels_is_an_error_that_says_which_size_would_do),
         cmocka_unit_test(settings_that_make_no_sense_are_refused),
         cmocka_unit_test(the_atlas_does_not_depend_on_the_number_of_threads),

@@ -218,8 +218,6 @@ static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
     }
     sl_voxel_texture *texture = texture_of(octree, lights, false);
     sl_octree_shading shading = {.texture = texture, .filter = SL_VOXEL_TRILINEAR};
-    sl_octree_scratch *scratch;
-    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
     float *first = sl_allocate(128 * 128, 4 * sizeof *first);
     for (unsigned threads = 1; threads <= 3; threads++) { /* the same bits at any number of threads */
         assert_int_equal(
@@ -234,17 +232,13 @@ static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
         uint32_t t = s.canvas->triangle[i];
         sl_scene_surface(s.scene, t, s.canvas->w1[i], s.canvas->w2[i], sl_scene_geometric_normal(s.scene, t),
                          &surface);
-        const sl_vec3 *p = &surface.position, *n = &surface.normal;
-        sl_octree_points point = {1,     &p->x, &p->y, &p->z, &n->x, &n->y, &n->z, &n->x, &n->y,
-                                  &n->z, NULL,  NULL,  NULL,  NULL,  NULL,  NULL,  NULL};
         float rgb[3];
-        sl_octree_shade(&shading, &point, scratch, &rgb[0], &rgb[1], &rgb[2], &s.counters);
+        shade_point(&shading, surface.position, surface.normal, rgb);
         assert_memory_equal(rgb, s.canvas->side[0]->texels + 4 * (size_t)s.canvas->texel[i], sizeof rgb);
         lit += rgb[0] > 0.0f;
     }
     assert_true(lit > 100);
     sl_free(first);
-    sl_octree_scratch_destroy(scratch);
     sl_voxel_texture_destroy(texture);
     sl_voxel_lights_destroy(lights);
     sl_octree_destroy(octree);

@@ -267,23 +267,13 @@ static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
                   1);
     }
     sl_voxel_texture *texture = texture_of(octree, lights, false);
-    sl_octree_scratch *scratch;
-    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
     sl_octree_shading shading = {.texture = texture, .filter = SL_VOXEL_NEAREST};
     double most = 0.0;
     for (uint64_t i = 0; i < POINTS; i++) {
         uint32_t triangle;
         sl_vec3 at = random_on(scene, points, i, &triangle), n = random_direction(points, 7 * i);
-        sl_octree_points p = {.count = 1,
-                              .x = &at.x,
-                              .y = &at.y,
-                              .z = &at.z,
-                              .normal_x = &n.x,
-                              .normal_y = &n.y,
-                              .normal_z = &n.z};
-        sl_counters counters = {{0}};
         float out[3];
-        sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
+        sl_counters counters = shade_point(&shading, at, n, out);
         assert_int_equal(counters.value[SL_COUNT_TEXTURE_FETCHES], 4 + LIGHTS); /* not 4 + 2 LIGHTS */
         size_t leaf = sl_octree_find(octree, sl_octree_morton_at(octree, at));
         double truth = 0.0, bound = 1e-5;
@@ -297,7 +287,6 @@ static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
     }
     assert_true(most > 0.3);
     free(exact);
-    sl_octree_scratch_destroy(scratch);
     sl_voxel_texture_destroy(texture);
     sl_voxel_lights_destroy(lights);
     sl_octree_destroy(octree);

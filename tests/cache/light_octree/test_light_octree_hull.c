@@ -67,25 +67,6 @@ static void the_hull_is_that_of_a_slow_search_on_every_instruction_set(void **st
     sl_hull_points_release(&p);
 }
 
-static void order_does_not_matter(void **state) {
-    (void)state;
-    sl_hull_points p, q;
-    assert_int_equal(sl_hull_points_create(MOST, &p, NULL), SL_OK);
-    assert_int_equal(sl_hull_points_create(MOST, &q, NULL), SL_OK);
-    for (int kind = 0; kind < 5; kind++) {
-        fill(&p, 301, kind, 7);
-        q.count = p.count;
-        for (size_t i = 0; i < p.count; i++) {
-            q.x[i] = p.x[i * 100 % 301];
-            q.y[i] = p.y[i * 100 % 301];
-        }
-        sl_photon_hull a = sl_photon_hull_of(&p), b = sl_photon_hull_of(&q);
-        assert_true(a.area == b.area && a.corners == b.corners);
-    }
-    sl_hull_points_release(&p);
-    sl_hull_points_release(&q);
-}
-
 /* Of half of the surface, (N + 1) / (N - N_b + 1) |hull| is a half on the mean; the hull alone would be a
  * tenth to a third less. */
 static void the_estimate_has_no_bias(void **state) {
@@ -194,7 +175,6 @@ static void floors_are_not_dark_beside_what_stands_on_them(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_hull_is_that_of_a_slow_search_on_every_instruction_set),
-        cmocka_unit_test(order_does_not_matter),
         cmocka_unit_test(the_estimate_has_no_bias),
         cmocka_unit_test(what_is_not_sure_is_left_as_it_is),
         cmocka_unit_test(what_spans_no_area_says_nothing),

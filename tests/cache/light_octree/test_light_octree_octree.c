@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "cache/light_octree/octree_leaves.h"
+#include "cache/light_octree/octree.h"
 #include "cache/light_octree/surroundings.h"
 #include "trace_scenes.h"
 

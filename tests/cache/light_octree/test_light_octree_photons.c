@@ -304,104 +304,6 @@ static sl_scene *motley_room(void) {
     return trace_mesh_build(&mesh);
 }
 
-enum { WALLS = 6, CHAINS = 20000, CHAIN_LENGTH = 40 };
-
-/* Flux that arrives at each pair of triangles after the first hit, by paths that never end: the mean, and its
- * variance. */
-static void follow_chains(const sl_scene *scene, const sl_tracer *tracer, sl_vec3d *mean,
-                          sl_vec3d *variance) {
-    sl_counters counters = {{0}};
-    for (int w = 0; w < WALLS; w++) mean[w] = variance[w] = sl_v3d(0, 0, 0);
-    for (uint64_t i = 0; i < CHAINS; i++) {
-        uint64_t key = sl_random_key(99, i);
-        sl_vec3d at[WALLS] = {{0, 0, 0}};
-        sl_vec3 p = scene->lights[0].position;
-        sl_vec3 d =
-            sl_direction_around(sl_v3(0, 1, 0), 1.0f - 2.0f * sl_random_unit(key, 0), sl_random_unit(key, 1));
-        sl_rgb flux = sl_grey((float)(4.0 * SL_PI));
-        uint32_t skip = SL_NO_INDEX;
-        for (uint64_t b = 0; b < CHAIN_LENGTH; b++) {
-            sl_ray16 ray = {.origin_x = {p.x},
-                            .origin_y = {p.y},
-                            .origin_z = {p.z},
-                            .direction_x = {d.x},
-                            .direction_y = {d.y},
-                            .direction_z = {d.z},
-                            .far = {INFINITY},
-                            .skip = {skip}};
-            sl_hit16 hit;
-            sl_trace(tracer, &ray, 1, false, &hit, &counters);
-            if (hit.triangle[0] == SL_NO_INDEX) break;
-            skip = hit.triangle[0];
-            sl_surface s;
-            sl_scene_surface(scene, skip, hit.w1[0], hit.w2[0], sl_neg(d), &s);
-            p = sl_surface_lift(scene, skip, &s);
-            if (sl_material_is_mirror(s.material)) {
-                d = sl_reflect(sl_neg(d), s.normal);
-                flux = sl_rgb_mul(flux, s.material->mirror);
-                continue;
-            }
-            if (b > 0)
-                at[skip / 2] = sl_addd(at[skip / 2], sl_v3d((double)flux.r, (double)flux.g, (double)flux.b));
-            sl_bsdf bsdf = sl_bsdf_make(&s, sl_neg(d), SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
-            if (!sl_bsdf_sample(&bsdf, sl_random_unit(key, 8 * b + 10), sl_random_unit(key, 8 * b + 11),
-                                sl_random_unit(key, 8 * b + 12), &d)) {
-                break;
-            }
-            sl_rgb f = sl_bsdf_reflect(&bsdf, d, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
-            flux = sl_rgb_scale(sl_rgb_mul(flux, f), 1.0f / sl_bsdf_pdf(&bsdf, d));
-        }
-        for (int w = 0; w < WALLS; w++) {
-            mean[w] = sl_addd(mean[w], sl_scaled(at[w], 1.0 / CHAINS));
-            variance[w] = sl_addd(variance[w],
-                                  sl_scaled(sl_v3d(at[w].x * at[w].x, at[w].y * at[w].y, at[w].z * at[w].z),
-                                            1.0 / ((double)CHAINS * CHAINS)));
-        }
-    }
-}
-
-static int wall_of(const sl_photon *p) {
-    int best = 0;
-    float nearest = INFINITY;
-    const float distance[WALLS] = {p->position[1],        1.0f - p->position[1], p->position[0],
-                                   1.0f - p->position[0], p->position[2],        1.0f - p->position[2]};
-    for (int w = 0; w < WALLS; w++) {
-        if (fabsf(distance[w]) < nearest) {
-            nearest = fabsf(distance[w]);
-            best = w;
-        }
-    }
-    return best;
-}
-
-static void roulette_keeps_the_flux_of_chains_that_never_end(void **state) {
-    (void)state;
-    sl_scene *scene = motley_room();
-    sl_tracer *tracer = make_tracer(scene, NULL);
-    sl_vec3d mean[WALLS], variance[WALLS], sum[WALLS] = {{0, 0, 0}}, squares[WALLS] = {{0, 0, 0}};
-    follow_chains(scene, tracer, mean, variance);
-    sl_photon_list *list = trace_with(scene, tracer, emitted(20, SL_STORE_INDIRECT), SIZE_MAX);
-    for (size_t i = 0; i < list->count; i++) {
-        sl_vec3d f = sl_v3d((double)list->photon[i].flux[0], (double)list->photon[i].flux[1],
-                            (double)list->photon[i].flux[2]);
-        int w = wall_of(&list->photon[i]);
-        sum[w] = sl_addd(sum[w], f);
-        /* Photons of one path lie together at most a few times: twice their squares bounds the variance. */
-        squares[w] = sl_addd(squares[w], sl_scaled(sl_v3d(f.x * f.x, f.y * f.y, f.z * f.z), 2.0));
-    }
-    for (int w = 0; w < WALLS; w++) {
-        if (w == 4) continue; /* the mirror stores nothing */
-        assert_true(sum[w].x > 0.3);
-        assert_true(fabs(sum[w].x - mean[w].x) < 3.0 * sqrt(variance[w].x + squares[w].x));
-        assert_true(fabs(sum[w].y - mean[w].y) < 3.0 * sqrt(variance[w].y + squares[w].y));
-        assert_true(fabs(sum[w].z - mean[w].z) < 3.0 * sqrt(variance[w].z + squares[w].z));
-    }
-    assert_true(sum[4].x == 0.0 && mean[4].x == 0.0);
-    sl_photon_list_destroy(list);
-    sl_tracer_destroy(tracer);
-    sl_scene_destroy(scene);
-}
-
 /* A square metre of floor whose shading normals all lean to x, in a large, almost black box, under a spot. */
 static sl_scene *leaning_floor(sl_vec3 lean) {
     trace_mesh mesh = trace_mesh_begin();
@@ -699,7 +601,6 @@ int main(void) {
         cmocka_unit_test(power_of_every_light_in_a_closed_room_arrives),
         cmocka_unit_test(lights_share_the_paths_by_power_and_the_weakest_is_not_forgotten),
         cmocka_unit_test(direct_irradiance_on_a_plane_is_that_of_every_kind_of_light),
-        cmocka_unit_test(roulette_keeps_the_flux_of_chains_that_never_end),
         cmocka_unit_test(photons_see_shading_normals_as_the_eye_does),
         cmocka_unit_test(white_room_is_cut_at_64_bounces_and_says_what_was_lost),
         cmocka_unit_test(caustic_photons_come_by_mirrors_alone),

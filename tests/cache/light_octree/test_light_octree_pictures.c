@@ -191,14 +191,6 @@ static void a_new_camera_keeps_photons_and_voxels(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void pictures_have_the_same_bits_at_any_number_of_threads(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell-mirror.json");
-    sl_settings settings = octree_settings(32);
-    assert_same_bits_with_any_threads(scene, &settings);
-    sl_scene_destroy(scene);
-}
-
 /* ---- mirrors, caustics, the stored paths ---- */
 
 static void mirrors_show_what_they_reflect(void **state) {
@@ -307,53 +299,6 @@ static void a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it(void **
     sl_scene_destroy(scene);
 }
 
-static double scatter_on_the_floor(const sl_scene *scene, bool estimated) {
-    sl_settings settings = octree_settings(24);
-    settings.light_octree.neighbours = 40;
-    settings.light_octree.fixed_neighbours = !estimated;
-    if (estimated) settings.light_octree.neighbours *= 4;
-    sl_image *image = render(scene, &settings, NULL);
-    double sum = 0.0, square = 0.0;
-    for (int i = 0; i < 24 * 24; i++) {
-        double v = (double)sl_image_channel(image, "G")[i];
-        sum += v;
-        square += v * v;
-    }
-    sl_image_destroy(image);
-    double mean = sum / 576.0;
-    return sqrt(fmax(0.0, square / 576.0 - mean * mean)) / mean;
-}
-
-/* Light is the same everywhere on the floor: nothing speaks against four times as many photons a voxel, and
- * half the noise. */
-static void where_light_is_even_an_estimated_radius_is_wide(void **state) {
-    (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], "
-                                      "\"environment\": {\"radiance\": [1, 1, 1]}, \"camera\": "
-                                      "{\"eye\": [0, 2, 0.1], \"target\": [0, 0, 0], \"fov_deg\": 30}}",
-                                      floor_obj);
-    double fixed = scatter_on_the_floor(scene, false), estimated = scatter_on_the_floor(scene, true);
-    print_message("scatter %.3f, with an estimated radius %.3f\n", fixed, estimated);
-    assert_true(estimated < 0.7 * fixed);
-    sl_scene_destroy(scene);
-}
-
-/* ... and in a room with edges and shadows it takes fewer where they are near. */
-static void an_estimated_radius_errs_less_than_a_fixed_one(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = octree_settings(40);
-    settings.light_octree.photons = 100000;
-    settings.light_octree.neighbours = 40;
-    settings.light_octree.fixed_neighbours = true;
-    sl_comparison fixed = against_path_tracer(scene, &settings, 64);
-    settings.light_octree.fixed_neighbours = false;
-    settings.light_octree.neighbours = 160;
-    sl_comparison estimated = against_path_tracer(scene, &settings, 64);
-    assert_true(estimated.rel_mse - estimated.rel_mse_noise < 0.75 * (fixed.rel_mse - fixed.rel_mse_noise));
-    sl_scene_destroy(scene);
-}
-
 /* ---- mirrors with a cube map ---- */
 
 /* A mirror under a sky that varies from side to side, and nothing else in reach of its rays. */
@@ -409,22 +354,6 @@ static void mirrors_show_a_far_environment_by_a_cube_map_as_by_rays(void **state
     assert_true(with_rays.value[SL_COUNT_RAYS] > counters.value[SL_COUNT_RAYS] + 1000);
     sl_image_destroy(rays);
     sl_image_destroy(cube);
-    sl_scene_destroy(scene);
-}
-
-/* ---- voxels split by normals, and whole ones ---- */
-
-static void lights_for_each_group_of_normals_err_less_than_whole_voxels(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = octree_settings(40);
-    settings.light_octree.indirect_only = true;
-    settings.light_octree.photons = 150000;
-    sl_comparison split = against_path_tracer(scene, &settings, 64);
-    settings.light_octree.whole_voxels = true;
-    sl_comparison whole = against_path_tracer(scene, &settings, 64);
-    assert_true(fabs(split.bias) < 0.5 * fabs(whole.bias));
-    assert_true(split.rel_mse - split.rel_mse_noise < 0.9 * (whole.rel_mse - whole.rel_mse_noise));
     sl_scene_destroy(scene);
 }
 
@@ -490,56 +419,6 @@ static void without_light_or_reflection_no_photon_flies(void **state) {
     sl_scene_destroy(dark);
 }
 
-/* A floor alone reflects everything into the void: the photons that are stored never become enough. */
-static void a_scene_that_stores_no_photon_ends_too(void **state) {
-    (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": "
-                                      "[{\"type\": \"point\", \"position\": "
-                                      "[0, 1, 0], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0, 2, "
-                                      "4], \"target\": [0, 0, 0], \"fov_deg\": 50}}",
-                                      floor_obj);
-    sl_settings settings = octree_settings(16);
-    settings.light_octree.photons = 1000;
-    sl_image *image = render(scene, &settings, NULL);
-    assert_sound_picture(image, "a floor");
-    for (int i = 0; i < 256; i++) assert_true(sl_image_channel(image, "indirect.G")[i] == 0.0f);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
-}
-
-/* Of one photon (k - 1) / k leaves nothing; a message says so before any is traced. */
-static void one_neighbour_is_refused_before_anything_is_traced(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = octree_settings(8);
-    sl_method *method = NULL;
-    sl_error error;
-    settings.light_octree.neighbours = 1;
-    assert_int_equal(sl_method_create(scene, &settings, &method, &error), SL_ERROR_USAGE);
-    assert_null(method);
-    assert_non_null(strstr(error.message, "neighbours: expected 2"));
-    sl_scene_destroy(scene);
-}
-
-/* 1e37 W/sr a tenth of a millimetre away: 1e45 W/m^2 is beyond floats. */
-static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
-    (void)state;
-    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": "
-                                      "{\"scale\": 1e-4}, \"material\": \"m\"}], \"materials\": {\"m\": "
-                                      "{\"diffuse\": 0.4, \"specular\": 0.5, \"exponent\": 20}}, \"lights\": "
-                                      "[{\"type\": \"point\", \"position\": [0, 1e-4, 0], "
-                                      "\"intensity\": 1e37}], \"camera\": {\"eye\": [0, 2e-4, 4e-4], "
-                                      "\"target\": [0, 0, 0], \"fov_deg\": 50}}",
-                                      floor_obj);
-    sl_settings settings = octree_settings(16);
-    settings.light_octree.photons = 1000;
-    settings.light_octree.store = SL_STORE_ALL;
-    sl_image *image = render(scene, &settings, NULL);
-    assert_sound_picture(image, "beyond floats");
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cornell_box_is_lit_as_by_all_of_its_paths),
@@ -548,21 +427,14 @@ int main(void) {
         cmocka_unit_test(own_photons_alone_are_right_on_the_mean_but_scatter),
         cmocka_unit_test(each_depth_on_the_way_is_what_that_depth_gives_alone),
         cmocka_unit_test(a_new_camera_keeps_photons_and_voxels),
-        cmocka_unit_test(pictures_have_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(mirrors_show_what_they_reflect),
         cmocka_unit_test(highlights_in_mirrors_are_where_the_mirror_reflects_them),
         cmocka_unit_test(caustics_are_a_part_of_indirect_light_and_that_of_all),
         cmocka_unit_test(a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it),
-        cmocka_unit_test(where_light_is_even_an_estimated_radius_is_wide),
-        cmocka_unit_test(an_estimated_radius_errs_less_than_a_fixed_one),
         cmocka_unit_test(mirrors_show_a_far_environment_by_a_cube_map_as_by_rays),
-        cmocka_unit_test(lights_for_each_group_of_normals_err_less_than_whole_voxels),
         cmocka_unit_test(by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering),
         cmocka_unit_test(a_new_camera_looks_its_light_up_in_the_atlas_that_is_there),
         cmocka_unit_test(without_light_or_reflection_no_photon_flies),
-        cmocka_unit_test(a_scene_that_stores_no_photon_ends_too),
-        cmocka_unit_test(light_beyond_floats_leaves_a_picture_of_numbers),
-        cmocka_unit_test(one_neighbour_is_refused_before_anything_is_traced),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

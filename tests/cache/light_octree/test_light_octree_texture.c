@@ -157,25 +157,6 @@ static void bricks_and_bytes_are_those_that_were_counted(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* 100,000 leaves of 4 lights take 6.1 MiB, and 1.0 MiB of bricks where three leaves share one. */
-static void a_hundred_thousand_leaves_take_what_was_derived(void **state) {
-    (void)state;
-    sl_scene *scene = furnished_room(1, 1);
-    sl_octree *octree = made_octree(6, 100000);
-    /* three to a brick */
-    for (size_t i = 0; i < octree->leaf_count; i++) octree->leaf[i].morton = i / 3 * 8 + i % 3;
-    sl_voxel_light_options options = plain_options(4);
-    sl_voxel_lights *lights = lights_of(scene, octree, &options);
-    for (size_t i = 0; i < octree->leaf_count; i++) set_light(lights, i, 3, sl_v3d(0, 0, 1), 1, 1, 1);
-    sl_voxel_texture *texture = texture_of(octree, lights, false);
-    assert_true(texture->array_count == 100000);
-    assert_true((double)sl_voxel_texture_bytes(texture) < (6.11 + 1.17) * 1048576.0);
-    sl_voxel_texture_destroy(texture);
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
-}
-
 /* As many lights as it has, those of one voxel in one row; a flat set's single light stands alone. */
 static void sets_of_every_length_come_back_from_their_address(void **state) {
     (void)state;
@@ -320,7 +301,6 @@ int main(void) {
         cmocka_unit_test(what_is_outside_is_void),
         cmocka_unit_test(every_array_comes_back_from_its_address),
         cmocka_unit_test(bricks_and_bytes_are_those_that_were_counted),
-        cmocka_unit_test(a_hundred_thousand_leaves_take_what_was_derived),
         cmocka_unit_test(sets_of_every_length_come_back_from_their_address),
         cmocka_unit_test(dark_leaves_share_one_array),
         cmocka_unit_test(the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not),

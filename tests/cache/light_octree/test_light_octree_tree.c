@@ -181,15 +181,6 @@ static void gathers_stay_exact_far_from_the_origin_and_at_any_scale(void **state
     }
 }
 
-static void small_lists_work_too(void **state) {
-    (void)state;
-    for (size_t count = 0; count < 70; count++) {
-        sl_photon_list *list = cloud(count, sl_v3(0, 0, 0), 1.0f);
-        queries_find_what_a_search_through_all_finds(list, sl_v3(0, 0, 0), 1.0f, 12);
-        sl_photon_list_destroy(list);
-    }
-}
-
 static void every_photon_has_its_place(void **state) {
     (void)state;
     sl_photon_list *list = cloud(5003, sl_v3(0, 0, 0), 1.0f);
@@ -209,58 +200,6 @@ static void every_photon_has_its_place(void **state) {
     sl_photon_list_destroy(list);
 }
 
-static void no_photon_lies_outside_the_ellipsoid(void **state) {
-    (void)state;
-    static gather_room room;
-    sl_photon_list *list = cloud(20000, sl_v3(0, 0, 0), 1.0f);
-    sl_photon_tree *tree = tree_of(list, 1);
-    size_t together = 0;
-    for (uint64_t i = 0; i < 200; i++) {
-        sl_photon_query q = {.centre = {number(5, i), number(6, i), number(7, i)},
-                             .normal = direction(6, i),
-                             .flatness = 0.25,
-                             .radius = 0.1,
-                             .cos_acceptance = -1.0,
-                             .neighbours = 200};
-        const sl_gathered_photons *g = gather(tree, &q, &room);
-        together += g->count;
-        for (size_t k = 0; k < g->count; k++) {
-            const float *p = sl_photon_tree_list(tree)->photon[g->place[k]].position;
-            sl_vec3d to = sl_subd(sl_v3d((double)p[0], (double)p[1], (double)p[2]), sl_to_double(q.centre)),
-                     n = sl_to_double(q.normal);
-            double u = sl_dotd(to, n);
-            sl_vec3d along = sl_subd(to, sl_scaled(n, u));
-            assert_true(sl_dotd(along, along) + u * u / (0.25 * 0.25) <=
-                        g->radius * g->radius * (1.0 + 1e-5));
-        }
-    }
-    assert_true(together > 1000);
-    sl_photon_tree_destroy(tree);
-}
-
-static void flatness_of_one_gives_the_sphere(void **state) {
-    (void)state;
-    static gather_room flat, round;
-    sl_photon_list *list = cloud(20000, sl_v3(0, 0, 0), 1.0f);
-    sl_photon_tree *tree = tree_of(list, 1);
-    for (uint64_t i = 0; i < 100; i++) {
-        sl_photon_query q = {.centre = {number(5, i), number(6, i), number(7, i)},
-                             .normal = direction(6, i),
-                             .flatness = 1.0,
-                             .radius = 0.2,
-                             .cos_acceptance = -1.0,
-                             .neighbours = 100};
-        const sl_gathered_photons *a = gather(tree, &q, &flat);
-        q.normal = sl_v3(0, 0, 0);
-        q.flatness = 0.25;
-        const sl_gathered_photons *b = gather(tree, &q, &round);
-        assert_int_equal(a->count, b->count);
-        assert_true(a->radius == b->radius);
-        assert_memory_equal(a->place, b->place, a->count * sizeof *a->place);
-    }
-    sl_photon_tree_destroy(tree);
-}
-
 static void coincident_photons_are_kept_by_their_ids(void **state) {
     (void)state;
     static gather_room room;
@@ -278,34 +217,6 @@ static void coincident_photons_are_kept_by_their_ids(void **state) {
     assert_int_equal(g->count, 37);
     assert_true(g->full && g->radius == 1e-3);
     for (size_t i = 0; i < 37; i++) assert_int_equal(sl_photon_tree_id(tree, g->place[i]), i);
-    sl_photon_tree_destroy(tree);
-}
-
-static void k_less_one_over_k_makes_the_density_unbiased(void **state) {
-    (void)state;
-    static gather_room room;
-    enum { PHOTONS = 300000, SIDE = 100, K = 20 };
-    sl_photon_list *list = empty_list(PHOTONS);
-    for (size_t i = 0; i < PHOTONS; i++)
-        put(list, i, sl_v3(number(1, i), 0.0f, number(3, i)), sl_v3(0, 1, 0));
-    sl_photon_tree *tree = tree_of(list, 2);
-    double with = 0.0, without = 0.0;
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        sl_photon_query q = {.centre = {0.05f + 0.9f * (float)(i % SIDE) / SIDE, 0.0f,
-                                        0.05f + 0.9f * (float)(i / SIDE) / SIDE},
-                             .normal = {0, 1, 0},
-                             .flatness = 0.25,
-                             .radius = 1.0,
-                             .cos_acceptance = 0.5,
-                             .neighbours = K};
-        const sl_gathered_photons *g = gather(tree, &q, &room);
-        assert_true(g->full);
-        double density = K / (SL_PI * g->radius * g->radius) / PHOTONS / (SIDE * SIDE);
-        without += density;
-        with += density * (K - 1.0) / K;
-    }
-    assert_true(fabs(with - 1.0) < 0.005);
-    assert_true(without > 1.04);
     sl_photon_tree_destroy(tree);
 }
 
@@ -407,12 +318,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gathers_are_those_of_a_search_through_all_photons),
         cmocka_unit_test(gathers_stay_exact_far_from_the_origin_and_at_any_scale),
-        cmocka_unit_test(small_lists_work_too),
         cmocka_unit_test(every_photon_has_its_place),
-        cmocka_unit_test(no_photon_lies_outside_the_ellipsoid),
-        cmocka_unit_test(flatness_of_one_gives_the_sphere),
         cmocka_unit_test(coincident_photons_are_kept_by_their_ids),
-        cmocka_unit_test(k_less_one_over_k_makes_the_density_unbiased),
         cmocka_unit_test(trees_are_the_same_at_any_number_of_threads),
         cmocka_unit_test(every_instruction_set_finds_the_same_photons),
         cmocka_unit_test(odd_questions_get_answers_without_nan),

@@ -119,35 +119,23 @@ typedef struct octree_source {
     const sl_octree_shading *shading;
     sl_atlas_side side;
     sl_octree_scratch **scratch;
-    float *plane;           /* 6 SL_ATLAS_BATCH a worker: positions and normals */
+    sl_octree_point *point; /* SL_ATLAS_BATCH a worker */
     sl_counters *counters;
 } octree_source;
 
 static void shade_points(void *context, unsigned worker, size_t count, const uint32_t *triangle,
                          const float *w1, const float *w2, float *r, float *g, float *b) {
     const octree_source *o = context;
-    float *p = o->plane + 6 * SL_ATLAS_BATCH * (size_t)worker;
+    sl_octree_point *point = o->point + SL_ATLAS_BATCH * (size_t)worker;
     for (size_t i = 0; i < count; i++) {
         sl_vec3 n = sl_scene_geometric_normal(o->scene, triangle[i]);
         sl_surface surface;
         sl_scene_surface(o->scene, triangle[i], w1[i], w2[i], o->side == SL_ATLAS_FRONT ? n : sl_neg(n),
                          &surface);
-        const float values[6] = {surface.position.x, surface.position.y, surface.position.z,
-                                 surface.normal.x,   surface.normal.y,   surface.normal.z};
-        for (size_t k = 0; k < 6; k++) p[k * SL_ATLAS_BATCH + i] = values[k];
+        point[i] = (sl_octree_point){
+            .position = surface.position, .normal = surface.normal, .diffuse = sl_grey((float)SL_PI)};
     }
-    const float *n = p + 3 * SL_ATLAS_BATCH;
-    sl_octree_points points = {.count = count,
-                               .x = p,
-                               .y = p + SL_ATLAS_BATCH,
-                               .z = p + 2 * SL_ATLAS_BATCH,
-                               .normal_x = n,
-                               .normal_y = n + SL_ATLAS_BATCH,
-                               .normal_z = n + 2 * SL_ATLAS_BATCH,
-                               .view_x = n,
-                               .view_y = n + SL_ATLAS_BATCH,
-                               .view_z = n + 2 * SL_ATLAS_BATCH};
-    sl_octree_shade(o->shading, &points, o->scratch[worker], r, g, b, &o->counters[worker]);
+    sl_octree_shade(o->shading, point, count, o->scratch[worker], r, g, b, &o->counters[worker]);
     sl_count(&o->counters[worker], SL_COUNT_FRAGMENTS_SHADED, count);
 }
 
@@ -159,16 +147,16 @@ sl_status sl_atlas_bake_octree(sl_atlas_canvas *canvas, sl_atlas_side side, cons
                        shading,
                        side,
                        sl_allocate(threads, sizeof *o.scratch),
-                       sl_allocate((size_t)threads * SL_ATLAS_BATCH, 6 * sizeof *o.plane),
+                       sl_allocate((size_t)threads * SL_ATLAS_BATCH, sizeof *o.point),
                        sl_allocate(threads, sizeof *o.counters)};
-    sl_status status = o.scratch && o.plane && o.counters ? SL_OK : sl_fail_memory(error, "filling an atlas");
+    sl_status status = o.scratch && o.point && o.counters ? SL_OK : sl_fail_memory(error, "filling an atlas");
     for (unsigned t = 0; status == SL_OK && t < threads; t++)
         status = sl_octree_scratch_create(&o.scratch[t], error);
     if (status == SL_OK) status = sl_atlas_bake(canvas, side, threads, shade_points, &o, error);
     for (unsigned t = 0; status == SL_OK && t < threads; t++) sl_counters_add(counters, &o.counters[t]);
     for (unsigned t = 0; o.scratch && t < threads; t++) sl_octree_scratch_destroy(o.scratch[t]);
     sl_free(o.scratch);
-    sl_free(o.plane);
+    sl_free(o.point);
     sl_free(o.counters);
     return status;
 }
