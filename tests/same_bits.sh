@@ -56,7 +56,7 @@ same radiance-balls scenes/mirror-balls.json -m direct-radiance -q normal --visi
 same radiance-polygons scenes/cornell-lamp.json -m direct-radiance -q high --visibility rays -s 64x64
 same octree-mirror scenes/cornell-mirror.json -m light-octree -q draft --stored-photons 30000 -s 96x96
 same octree-glossy scenes/cornell-glossy.json -m light-octree -q draft --stored-photons 20000 --set light-octree.lobes=surface -s 64x64
-same octree-atlas scenes/two-rooms.json -m light-octree -q draft --stored-photons 20000 --set light-octree.whole-voxels=1 --set light-octree.fixed-neighbours=1 --set light-octree.atlas=1 --set light-octree.atlas-size=256 -s 96x64
+same octree-atlas scenes/two-rooms.json -m light-octree -q draft --stored-photons 20000 --set light-octree.whole-voxels=1 --set light-octree.atlas=1 --set light-octree.atlas-size=256 -s 96x64
 same octree-bumps scenes/bricks.json -m light-octree -q draft --stored-photons 20000 --set light-octree.own-photons=1 -s 64x48
 same mesh-cornell scenes/cornell.json -m multi-mesh -q draft -s 64x64
 same mesh-glossy scenes/cornell-glossy.json -m multi-mesh -q normal --set multi-mesh.selection=chain --bounces 2 -s 48x48

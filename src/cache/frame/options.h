@@ -50,10 +50,12 @@
       "how it is told whether a light is seen") \
     O(sl_traversal_order, order, "order", "coarse-to-fine|linear", 0, 0, NOTHING, "", RESEARCH, \
       "in which pixels are visited; the paper's is linear") \
-    O(sl_radius_metric, metric, "metric", "auto|harmonic|hessian", 0, 0, NOTHING, "R_k", \
+    O(sl_radius_metric, metric, "metric", "auto|harmonic|minimum|hessian|adaptive", 0, 0, NOTHING, "R_k", \
       RESEARCH, "what decides how far records reach; the paper's is harmonic") \
     O(int, harmonics_order, "harmonics", "N", 1, 12, TOLD("by the lobes"), "n", RESEARCH, \
       "order of the radiance records' harmonics") \
+    O(bool, glossy_hits, "glossy-hits", "", 0, 1, NOTHING, "", RESEARCH, \
+      "what gathers see reflects its glossy lobe too") \
     O(uint32_t, hit_samples, "hit-samples", "N", 1, 256, IS(1), "", RESEARCH, \
       "light samples for each thing that a gather sees") \
     O(uint32_t, records_per_frame, "records-per-frame", "N", 1, 1e9, TOLD("no limit"), "", RESEARCH, \
@@ -98,7 +100,7 @@
     O(uint64_t, photons, "stored-photons", "N", 1, 1e9, BY(150000, 600000, 1200000), "", USER(0), \
       "photons to be stored") \
     O(int, neighbours, "neighbours", "K", 2, 4096, BY(150, 300, 500), "k", RESEARCH, \
-      "nearest photons that a voxel takes, at most") \
+      "nearest photons that a voxel takes") \
     O(double, radius, "radius", "R", 1e-12, 1e12, TOLD("by density"), "r", RESEARCH, \
       "how far it looks for them") \
     O(double, flatness, "flatness", "F", 1e-3, 1, IS(0.25), "f", RESEARCH, \
@@ -121,8 +123,6 @@
       "the photon map itself: every pixel gathers, there are no lights") \
     O(bool, whole_voxels, "whole-voxels", "", 0, 1, NOTHING, "", RESEARCH, \
       "one set of lights a voxel, not one for each group of normals") \
-    O(bool, fixed_neighbours, "fixed-neighbours", "", 0, 1, NOTHING, "", RESEARCH, \
-      "exactly K photons a voxel, not K/4 to K by an error estimate") \
     O(bool, keep_void_dark, "void-dark", "", 0, 1, NOTHING, "", RESEARCH, "empty voxels count as black") \
     O(double, dilation, "dilation", "H", 0, 1, IS(0), "", RESEARCH, \
       "voxels also hold what is within that share of their edge around them") \

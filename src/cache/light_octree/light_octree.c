@@ -129,14 +129,13 @@ sl_voxel_result sl_voxel_make_lights(const sl_voxel_work *work, const sl_voxel_l
     return result;
 }
 
-/* The k photons nearest to the centroid of the voxel's surfaces, in a flat ellipsoid; k by an estimate of the
- * error (voxel_error.c), or those in the voxel alone. */
+/* The k photons nearest to the centroid of the voxel's surfaces, in a flat ellipsoid, or those in the voxel
+ * alone. */
 static sl_voxel_gather gather_photons(const sl_voxel_work *work, const sl_voxel_light_options *o,
                                       const sl_voxel_set *set, sl_voxel_worker *w) {
     sl_photon_query query = sl_voxel_query_of_set(work, o, set, set->centroid, o->radius);
     if (o->own_photons) return sl_voxel_own_photons(work, set, &query, w);
-    return o->estimated_radius ? sl_voxel_gather_estimated(work, o, &query, w)
-                               : sl_voxel_gather_photons(work, &query, w);
+    return sl_voxel_gather_photons(work, &query, w);
 }
 
 void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w) {

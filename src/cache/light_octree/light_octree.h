@@ -6,7 +6,7 @@
  * scene needs; picture.c: a picture's layers, and what is said of it
  *   ../photons/       photon tracing, the kd-tree, and the k nearest photons
  *   octree.c          the voxels, on geometry; triangle_cells.c, coplanar.c
- *   voxel_gather.c    a voxel's photons; voxel_error.c: how many; own_photons.c: those in it, without a
+ *   voxel_gather.c    a voxel's photons; own_photons.c: those in it, without a
  * search photon_area.c     the area that they were strewn over; surroundings.c: of all triangles around;
  *                     photon_hull.c: without what no photon met
  *   cluster.c         K-means on their directions; voxel_lobes.c: from clusters to lights

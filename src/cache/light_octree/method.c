@@ -121,8 +121,7 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
                                     .lights = o->lights,
                                     .unit_weights = o->unit_weights,
                                     .own_photons = o->own_photons,
-                                    .split_by_normal = !o->whole_voxels && !o->own_photons,
-                                    .estimated_radius = !o->fixed_neighbours};
+                                    .split_by_normal = !o->whole_voxels && !o->own_photons};
 }
 
 /* A whole voxel's normal is the mean of what is in it: to weigh by it does harm. */

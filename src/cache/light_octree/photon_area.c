@@ -25,6 +25,28 @@ double sl_section_area(const sl_ellipsoid *e, sl_vec3d normal, double h) {
 
 /* ---- a triangle ------------------------------------------------------------------------------ */
 
+/* A triangle stretched until the ellipsoid is a sphere about the origin. */
+typedef struct stretched_edge {
+    sl_vec3d from, along;
+    /* the point nearest to the disc's centre: where (0 to 1 is on the edge), how far */
+    double length_squared, nearest, foot_squared;
+    /* twice the area of the triangle that the edge makes with that centre */
+    double turn;
+} stretched_edge;
+typedef struct stretched_triangle {
+    sl_vec3d corner[3];
+    /* before stretching; 0 where there is none, or it is not finite */
+    double area;
+    double farthest_squared;
+    /* the rest is there: wanted where the sphere's surface cuts the triangle */
+    bool planar;
+    sl_vec3d normal;
+    double twice, height_squared;                 /* twice the area; the plane's distance */
+    stretched_edge edge[3];                    /* in the plane, about the foot of its normal */
+    double border_squared;                        /* from there to the nearest point of an edge */
+    bool around;                                  /* the foot is inside */
+} stretched_triangle;
+
 /* Where the ellipsoid is a sphere about the origin: stretched by 1 / f along the short axis. */
 static sl_vec3d stretched(const sl_ellipsoid *e, sl_vec3d p) {
     sl_vec3d q = sl_subd(p, e->centre);
@@ -34,8 +56,8 @@ static sl_vec3d stretched(const sl_ellipsoid *e, sl_vec3d p) {
 
 static double within_edge(double t) { return t > 0.0 ? t < 1.0 ? t : 1.0 : 0.0; }
 
-static sl_stretched_edge edge_of(sl_vec3d a, sl_vec3d b, sl_vec3d normal) {
-    sl_stretched_edge e = {.from = a, .along = sl_subd(b, a)};
+static stretched_edge edge_of(sl_vec3d a, sl_vec3d b, sl_vec3d normal) {
+    stretched_edge e = {.from = a, .along = sl_subd(b, a)};
     e.length_squared = sl_dotd(e.along, e.along);
     if (!(e.length_squared > 0.0)) return e;
     e.nearest = -sl_dotd(a, e.along) / e.length_squared;
@@ -45,8 +67,8 @@ static sl_stretched_edge edge_of(sl_vec3d a, sl_vec3d b, sl_vec3d normal) {
     return e;
 }
 
-sl_stretched_triangle sl_stretch_triangle(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
-    sl_stretched_triangle t = {.corner = {stretched(e, a), stretched(e, b), stretched(e, c)},
+static stretched_triangle stretch_triangle(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
+    stretched_triangle t = {.corner = {stretched(e, a), stretched(e, b), stretched(e, c)},
                                .area = 0.5 * sl_lengthd(sl_crossd(sl_subd(b, a), sl_subd(c, a)))};
     if (!(t.area > 0.0) || !(t.area <= DBL_MAX)) t.area = 0.0;
     t.farthest_squared = fmax(sl_dotd(t.corner[0], t.corner[0]),
@@ -55,7 +77,7 @@ sl_stretched_triangle sl_stretch_triangle(const sl_ellipsoid *e, sl_vec3d a, sl_
 }
 
 /* The plane cuts the sphere in a disc: what is the same for all radii. */
-static void look_at_plane(sl_stretched_triangle *t) {
+static void look_at_plane(stretched_triangle *t) {
     sl_vec3d across = sl_crossd(sl_subd(t->corner[1], t->corner[0]), sl_subd(t->corner[2], t->corner[0]));
     t->twice = sl_lengthd(across);
     t->planar = true;
@@ -71,7 +93,7 @@ static void look_at_plane(sl_stretched_triangle *t) {
     t->border_squared = INFINITY;
     t->around = true;
     for (int k = 0; k < 3; k++) {
-        sl_stretched_edge e = edge_of(p[k], p[k < 2 ? k + 1 : 0], t->normal);
+        stretched_edge e = edge_of(p[k], p[k < 2 ? k + 1 : 0], t->normal);
         double off = within_edge(e.nearest) - e.nearest;
         t->border_squared = fmin(t->border_squared, e.foot_squared + off * off * e.length_squared);
         t->around = t->around && e.turn > 0.0;
@@ -79,13 +101,13 @@ static void look_at_plane(sl_stretched_triangle *t) {
     }
 }
 
-static double sector(const sl_stretched_triangle *t, double radius_squared, sl_vec3d p, sl_vec3d q) {
+static double sector(const stretched_triangle *t, double radius_squared, sl_vec3d p, sl_vec3d q) {
     return 0.5 * radius_squared * sl_atan2(sl_dotd(sl_crossd(p, q), t->normal), sl_dotd(p, q));
 }
 
 /* The disc's part of the triangle (origin, a, b), negative where they go clockwise: a triangle over the piece
  * of the edge inside, sectors over those outside. */
-static double under_edge(const sl_stretched_triangle *t, const sl_stretched_edge *e, double radius_squared) {
+static double under_edge(const stretched_triangle *t, const stretched_edge *e, double radius_squared) {
     if (!(e->length_squared > 0.0)) return 0.0;
     sl_vec3d a = e->from, b = sl_addd(a, e->along);
     double left = radius_squared - e->foot_squared;
@@ -100,7 +122,7 @@ static double under_edge(const sl_stretched_triangle *t, const sl_stretched_edge
 }
 
 /* The share of the triangle inside the disc is the same before and after stretching. */
-double sl_stretched_inside(sl_stretched_triangle *t, double radius) {
+static double inside_sphere(stretched_triangle *t, double radius) {
     double squared = radius * radius;
     if (t->farthest_squared <= squared) return t->area;
     if (!t->planar) look_at_plane(t);
@@ -113,6 +135,6 @@ double sl_stretched_inside(sl_stretched_triangle *t, double radius) {
 }
 
 double sl_triangle_in_ellipsoid(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
-    sl_stretched_triangle t = sl_stretch_triangle(e, a, b, c);
-    return sl_stretched_inside(&t, e->radius);
+    stretched_triangle t = stretch_triangle(e, a, b, c);
+    return inside_sphere(&t, e->radius);
 }

@@ -140,8 +140,8 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
                      o->neighbours, areas[o->area == SL_PHOTON_AREA_SECTION ? SL_PHOTON_AREA_DISC : o->area]);
     else if (o->own_photons) sl_plan_pass(writer, p.photons, "gathers", "each voxel's own photons");
     else
-        sl_plan_pass(writer, p.photons, "gathers", "the %s%d nearest photons of each %s, spread over %s",
-                     o->fixed_neighbours ? "" : "up to ", o->neighbours,
+        sl_plan_pass(writer, p.photons, "gathers", "the %d nearest photons of each %s, spread over %s",
+                     o->neighbours,
                      o->whole_voxels ? "voxel" : "group of normals in a voxel", areas[o->area]);
     bool directional = !o->photons_at_pixels && o->lobes != SL_LOBES_NONE;
     sl_plan_pass(

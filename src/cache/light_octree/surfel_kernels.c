@@ -30,17 +30,17 @@ static inline void add_within(const float *restrict distance, const float *restr
 }
 
 void SL_KERNEL(sl_surfel_area)(const sl_surfels *s, size_t first, size_t end, const sl_surfel_query *q,
-                               int count, sl_surfel_sums *sums) {
-    lane_sums lanes[SL_ELLIPSOIDS_MAX] = {{{0}, {0}, {0}, {0}, {0}, {0}}};
+                               sl_surfel_sums *sums) {
+    lane_sums lanes = {{0}, {0}, {0}, {0}, {0}, {0}};
     const float cx = q->centre.x, cy = q->centre.y, cz = q->centre.z, nx = q->normal.x, ny = q->normal.y,
                 nz = q->normal.z;
-    const float stretch = q->stretch, widest = q->limit[0], least = q->least_cosine;
+    const float stretch = q->stretch, limit = q->limit, least = q->least_cosine;
     for (size_t i = first; i < end; i += LANES) {
         const float *restrict x = s->x + i, *restrict y = s->y + i, *restrict z = s->z + i,
                               *restrict area = s->area + i;
         const float *restrict mx = s->normal_x + i, *restrict my = s->normal_y + i,
                               *restrict mz = s->normal_z + i;
-        float distance[LANES], height[LANES], cosine[LANES], counted[LANES], nearest = widest;
+        float distance[LANES], height[LANES], cosine[LANES], counted[LANES];
         int some = 0;
 #pragma omp simd reduction(| : some)
         for (int l = 0; l < LANES; l++) {
@@ -50,19 +50,14 @@ void SL_KERNEL(sl_surfel_area)(const sl_surfels *s, size_t first, size_t end, co
             cosine[l] = c;
             distance[l] = dx * dx + dy * dy + dz * dz + stretch * (u * u);
             counted[l] = size >= least ? area[l] : 0.0f;
-            some |= distance[l] <= widest && size >= least;
+            some |= distance[l] <= limit && size >= least;
         }
-        if (!some) continue;
-        for (int l = 0; l < LANES; l++) nearest = distance[l] < nearest ? distance[l] : nearest;
-        for (int e = 0; e < count && nearest <= q->limit[e]; e++)
-            add_within(distance, height, cosine, counted, q->limit[e], &lanes[e]);
+        if (some) add_within(distance, height, cosine, counted, limit, &lanes);
     }
-    for (int e = 0; e < count; e++) {
-        sums[e].front += join(lanes[e].front);
-        sums[e].back += join(lanes[e].back);
-        sums[e].front_flat += join(lanes[e].front_flat);
-        sums[e].back_flat += join(lanes[e].back_flat);
-        sums[e].front_height += join(lanes[e].front_height);
-        sums[e].back_height += join(lanes[e].back_height);
-    }
+    sums->front += join(lanes.front);
+    sums->back += join(lanes.back);
+    sums->front_flat += join(lanes.front_flat);
+    sums->back_flat += join(lanes.back_flat);
+    sums->front_height += join(lanes.front_height);
+    sums->back_height += join(lanes.back_height);
 }

@@ -8,7 +8,7 @@
 
 #include <stddef.h>
 
-enum { SL_SURFEL_LANES = 8, SL_ELLIPSOIDS_MAX = 3 };
+enum { SL_SURFEL_LANES = 8 };
 
 /* Whole groups of SL_SURFEL_LANES; fill-ups have area 0. */
 typedef struct sl_surfels {
@@ -18,7 +18,7 @@ typedef struct sl_surfels {
 typedef struct sl_surfel_query {
     sl_vec3 centre, normal;      /* zero normal: all count as front */
     float stretch;               /* 1 / f^2 - 1 */
-    float limit[SL_ELLIPSOIDS_MAX]; /* R^2, the largest first */
+    float limit;                 /* R^2 */
     float least_cosine;          /* of the normals' angle, whatever its sign */
 } sl_surfel_query;
 
@@ -28,9 +28,8 @@ typedef struct sl_surfel_sums {
     double front, back, front_flat, back_flat, front_height, back_height;
 } sl_surfel_sums;
 
-/* For the first `count` limits, each into its own sums. */
 typedef void sl_surfel_kernel(const sl_surfels *surfels, size_t first, size_t end,
-                              const sl_surfel_query *query, int count, sl_surfel_sums *sums);
+                              const sl_surfel_query *query, sl_surfel_sums *sums);
 SL_KERNEL_VARIANTS(sl_surfel_kernel, sl_surfel_area);
 
 static inline sl_surfel_kernel *sl_surfel_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_surfel_area); }

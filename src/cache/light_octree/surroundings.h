@@ -52,9 +52,5 @@ typedef struct sl_strewn_area {
 /* A zero normal: all triangles, as front. */
 sl_strewn_area sl_surroundings_area(const sl_surroundings *surroundings, const sl_ellipsoid *ellipsoid,
                                     double least_cosine, sl_surroundings_marks *marks);
-/* The same for up to SL_ELLIPSOIDS_MAX ellipsoids that differ in radius alone, the largest first, with one
- * visit to the triangles. */
-void sl_surroundings_areas(const sl_surroundings *surroundings, const sl_ellipsoid *ellipsoid, int count,
-                           double least_cosine, sl_surroundings_marks *marks, sl_strewn_area *area);
 
 #endif

@@ -1,26 +1,20 @@
 /* Over how much surface an ellipsoid's photons were strewn (SL_PHOTON_AREA_CLIP): a visit to the nodes that
- * its box meets, and to the triangles in them. To choose how many photons a voxel takes asks for three
- * ellipsoids about one centre, the smaller within the larger: one visit serves them all. */
+ * its box meets, and to the triangles in them. */
 #include "cache/light_octree/surroundings.h"
 
 #include <string.h>
 
 #include "cache/light_octree/triangle_cells.h"
 
-typedef struct reach {
+typedef struct search {
+    const sl_surroundings *s;
     const sl_ellipsoid *e;
     sl_vec3d half;           /* half the ellipsoid's box */
     sl_vec3d low, high;      /* that box in units of the root cube */
     double hidden[2];        /* of the disc, by what no photon is stored on: in front, behind */
-} reach;
-
-typedef struct search {
-    const sl_surroundings *s;
-    int count;               /* of ellipsoids, the largest first */
-    reach of[SL_ELLIPSOIDS_MAX];
-    sl_surfel_sums sums[SL_ELLIPSOIDS_MAX]; /* heights are those of the triangles' planes above the centre */
-    int points;              /* for so many of them small triangles count as points */
-    int last_level;          /* nodes of that level are small against the largest: taken whole */
+    sl_surfel_sums sums;     /* heights are those of the triangles' planes above the centre */
+    bool points;             /* small triangles count as points */
+    int last_level;          /* nodes of that level are small against the ellipsoid: taken whole */
     double least_cosine;
     bool has_normal;
     sl_surfel_query small;
@@ -35,18 +29,18 @@ static inline bool beyond(double a, double b, double c, double half) {
 
 /* Outside the ellipsoid's box, or of a plane that misses it: its extent along n is R sqrt(1 - (1 - f^2)
  * cos^2). */
-static bool misses(const reach *r, const sl_vec3d corner[3], double height, double cosine) {
+static bool misses(const search *q, const sl_vec3d corner[3], double height, double cosine) {
     const sl_vec3d a = corner[0], b = corner[1], c = corner[2];
-    double f = r->e->flatness;
+    double f = q->e->flatness;
     if (height * height >
-        r->e->radius * r->e->radius * (1.0 - (1.0 - f * f) * cosine * cosine) * (1.0 + 1e-6))
+        q->e->radius * q->e->radius * (1.0 - (1.0 - f * f) * cosine * cosine) * (1.0 + 1e-6))
         return true;
-    return beyond(a.x, b.x, c.x, r->half.x) || beyond(a.y, b.y, c.y, r->half.y) ||
-           beyond(a.z, b.z, c.z, r->half.z);
+    return beyond(a.x, b.x, c.x, q->half.x) || beyond(a.y, b.y, c.y, q->half.y) ||
+           beyond(a.z, b.z, c.z, q->half.z);
 }
 
-static void add_area(search *q, int k, double area, double cosine, double height) {
-    sl_surfel_sums *sums = &q->sums[k];
+static void add_area(search *q, double area, double cosine, double height) {
+    sl_surfel_sums *sums = &q->sums;
     if (!(area > 0.0)) return;
     if (q->has_normal && cosine < 0.0) {
         sums->back += area;
@@ -59,10 +53,9 @@ static void add_area(search *q, int k, double area, double cosine, double height
     }
 }
 
-/* For the ellipsoids from `first` on: what misses one misses those within it. */
-static void visit_triangle(search *q, uint32_t t, int first) {
+static void visit_triangle(search *q, uint32_t t) {
     const sl_scene *scene = q->s->scene;
-    const sl_ellipsoid *e = q->of[0].e;
+    const sl_ellipsoid *e = q->e;
     sl_vec3d n = sl_to_double(sl_scene_geometric_normal(scene, t)), corner[3];
     double cosine = sl_dotd(n, e->normal);
     if (q->has_normal && fabs(cosine) < q->least_cosine) return;
@@ -73,44 +66,36 @@ static void visit_triangle(search *q, uint32_t t, int first) {
     for (int k = 0; k < 3; k++)
         corner[k] = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[k][t])), e->centre);
     double height = sl_dotd(n, corner[0]);
-    if (misses(&q->of[first], corner, height, cosine)) return;
+    if (misses(q, corner, height, cosine)) return;
     sl_ellipsoid at_origin = *e;
     at_origin.centre = sl_v3d(0.0, 0.0, 0.0);
-    sl_stretched_triangle stretched = sl_stretch_triangle(&at_origin, corner[0], corner[1], corner[2]);
-    for (int k = first; k < q->count; k++) {
-        if (k > first && misses(&q->of[k], corner, height, cosine)) return;
-        double area = sl_stretched_inside(&stretched, q->of[k].e->radius);
-        if (hiding) q->of[k].hidden[cosine < 0.0] += fabs(cosine) * area;
-        else add_area(q, k, share * area, cosine, q->has_normal ? height / cosine : 0.0);
-    }
+    double area = sl_triangle_in_ellipsoid(&at_origin, corner[0], corner[1], corner[2]);
+    if (hiding) q->hidden[cosine < 0.0] += fabs(cosine) * area;
+    else add_area(q, share * area, cosine, q->has_normal ? height / cosine : 0.0);
 }
 
-static void visit_list(search *q, const uint32_t *triangle, uint32_t count, int first) {
+static void visit_list(search *q, const uint32_t *triangle, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         if (q->marks->mark[triangle[i]] == q->marks->query) continue;
         q->marks->mark[triangle[i]] = q->marks->query;
-        visit_triangle(q, triangle[i], first);
+        visit_triangle(q, triangle[i]);
     }
 }
 
 /* ---- nodes ---- */
 
-static bool meets(const reach *r, const double low[3], const double high[3]) {
-    return low[0] <= r->high.x && high[0] >= r->low.x && low[1] <= r->high.y && high[1] >= r->low.y &&
-           low[2] <= r->high.z && high[2] >= r->low.z;
+static bool meets(const search *q, const double low[3], const double high[3]) {
+    return low[0] <= q->high.x && high[0] >= q->low.x && low[1] <= q->high.y && high[1] >= q->low.y &&
+           low[2] <= q->high.z && high[2] >= q->low.z;
 }
 
-/* near: so many of the ellipsoids, the largest, come near the leaf. A triangle that is cut is met but once,
- * for all that want it cut. */
-static void visit_leaf(search *q, uint32_t leaf, int near) {
+static void visit_leaf(search *q, uint32_t leaf) {
     const sl_surroundings *s = q->s;
     uint32_t begin = s->octree->leaf[leaf].first_triangle, large = s->end_of_large[leaf],
              end = begin + s->octree->leaf[leaf].triangle_count;
     const uint32_t *surfel = s->first_surfel + leaf;
-    visit_list(q, s->triangle + begin, large - begin, 0);
-    if (near > q->points) visit_list(q, s->triangle + large, end - large, q->points);
-    if (q->points > 0 && surfel[0] < surfel[1])
-        s->kernel(&s->surfels, surfel[0], surfel[1], &q->small, near < q->points ? near : q->points, q->sums);
+    visit_list(q, s->triangle + begin, (q->points ? large : end) - begin);
+    if (q->points && surfel[0] < surfel[1]) s->kernel(&s->surfels, surfel[0], surfel[1], &q->small, &q->sums);
 }
 
 static void visit_node(search *q, int level, uint32_t node) {
@@ -121,7 +106,7 @@ static void visit_node(search *q, int level, uint32_t node) {
         low[axis] = cell[axis] * edge;
         high[axis] = (cell[axis] + 1) * edge;
     }
-    if (!meets(&q->of[0], low, high)) return;
+    if (!meets(q, low, high)) return;
     if (level < q->last_level) {
         const uint32_t *children = q->s->first_child[level];
         for (uint32_t child = children[node]; child < children[node + 1]; child++)
@@ -129,13 +114,11 @@ static void visit_node(search *q, int level, uint32_t node) {
         return;
     }
     uint32_t first = node, end = node + 1;
-    int near = 1;
-    while (near < q->count && meets(&q->of[near], low, high)) near++;
     for (int below = level; below < q->s->octree->depth; below++) {
         first = q->s->first_child[below][first];
         end = q->s->first_child[below][end];
     }
-    for (uint32_t leaf = first; leaf < end; leaf++) visit_leaf(q, leaf, near);
+    for (uint32_t leaf = first; leaf < end; leaf++) visit_leaf(q, leaf);
 }
 
 /* ---- ellipsoids ---- */
@@ -147,15 +130,15 @@ static double extent(const sl_ellipsoid *e, double cosine) {
     return e->radius * sqrt(square > 0.0 ? square : 0.0);
 }
 
-static reach reach_of(const sl_octree *octree, const sl_ellipsoid *e) {
+static void find_box(search *q) {
+    const sl_octree *octree = q->s->octree;
+    const sl_ellipsoid *e = q->e;
     double scale = 1.0 / octree->edge, slack = 1e-6 / (double)(1u << octree->depth);
     sl_vec3d half = sl_v3d(extent(e, e->normal.x), extent(e, e->normal.y), extent(e, e->normal.z)),
              margin = sl_v3d(slack, slack, slack);
-    return (reach){
-        .e = e,
-        .half = sl_scaled(half, 1.0 + 1e-6),
-        .low = sl_subd(sl_scaled(sl_subd(sl_subd(e->centre, half), octree->origin), scale), margin),
-        .high = sl_addd(sl_scaled(sl_subd(sl_addd(e->centre, half), octree->origin), scale), margin)};
+    q->half = sl_scaled(half, 1.0 + 1e-6);
+    q->low = sl_subd(sl_scaled(sl_subd(sl_subd(e->centre, half), octree->origin), scale), margin);
+    q->high = sl_addd(sl_scaled(sl_subd(sl_addd(e->centre, half), octree->origin), scale), margin);
 }
 
 /* Seen along its normal the ellipsoid is a disc: what projects onto more than that lies in layers, a floor
@@ -169,34 +152,30 @@ static void one_layer(const sl_ellipsoid *e, double hidden, double *area, double
 }
 
 /* Both windings at one height are one sheet whose triangles turn either way. */
-static sl_strewn_area strewn_over(const search *q, int k) {
-    const sl_surfel_sums *sums = &q->sums[k];
-    const reach *r = &q->of[k];
+static sl_strewn_area strewn_over(const search *q) {
+    const sl_surfel_sums *sums = &q->sums;
     sl_strewn_area a = {.front = sums->front, .back = sums->back};
     bool both = a.front > 0.1 * a.back && a.back > 0.1 * a.front;
-    a.sheet = !both || fabs(sums->front_height / a.front - sums->back_height / a.back) < 1e-3 * r->e->radius;
+    a.sheet = !both || fabs(sums->front_height / a.front - sums->back_height / a.back) < 1e-3 * q->e->radius;
     if (!q->has_normal) return a;
     a.front_flat = sums->front_flat;
     a.back_flat = sums->back_flat;
-    one_layer(r->e, r->hidden[0], &a.front, &a.front_flat);
-    one_layer(r->e, r->hidden[1], &a.back, &a.back_flat);
+    one_layer(q->e, q->hidden[0], &a.front, &a.front_flat);
+    one_layer(q->e, q->hidden[1], &a.back, &a.back_flat);
     return a;
 }
 
-void sl_surroundings_areas(const sl_surroundings *s, const sl_ellipsoid *e, int count, double least_cosine,
-                           sl_surroundings_marks *marks, sl_strewn_area *area) {
-    double stretch = 1.0 / (e->flatness * e->flatness) - 1.0;
-    search q = {.s = s, .count = count, .least_cosine = least_cosine, .marks = marks};
+sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid *e, double least_cosine,
+                                    sl_surroundings_marks *marks) {
+    search q = {.s = s, .e = e, .least_cosine = least_cosine, .marks = marks};
     q.has_normal = sl_dotd(e->normal, e->normal) > 0.0;
+    q.points = e->radius * e->flatness >= s->small_edge;
     q.small = (sl_surfel_query){.centre = sl_to_float(e->centre),
                                 .normal = sl_to_float(e->normal),
-                                .stretch = (float)stretch,
+                                .stretch = (float)(1.0 / (e->flatness * e->flatness) - 1.0),
+                                .limit = (float)(e->radius * e->radius),
                                 .least_cosine = q.has_normal ? (float)least_cosine : -1.0f};
-    for (int k = 0; k < count; k++) {
-        q.of[k] = reach_of(s->octree, &e[k]);
-        q.small.limit[k] = (float)(e[k].radius * e[k].radius);
-        q.points += e[k].radius * e[k].flatness >= s->small_edge;
-    }
+    find_box(&q);
     if (++marks->query == 0) { /* all numbers used up */
         memset(marks->mark, 0, s->scene->triangle_count * sizeof *marks->mark);
         marks->query = 1;
@@ -205,12 +184,5 @@ void sl_surroundings_areas(const sl_surroundings *s, const sl_ellipsoid *e, int 
            s->octree->edge > 0.5 * e->radius * (double)(1u << q.last_level))
         q.last_level++;
     if (s->count[0] > 0) visit_node(&q, 0, 0);
-    for (int k = 0; k < count; k++) area[k] = strewn_over(&q, k);
-}
-
-sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid *e, double least_cosine,
-                                    sl_surroundings_marks *marks) {
-    sl_strewn_area area;
-    sl_surroundings_areas(s, e, 1, least_cosine, marks, &area);
-    return area;
+    return strewn_over(&q);
 }

@@ -127,14 +127,13 @@ sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_s
 
 /* ---- the nearest photons ---- */
 
+size_t sl_voxel_most_neighbours(const sl_voxel_light_options *o) {
+    return o->neighbours < SL_NEIGHBOURS_MAX ? o->neighbours : SL_NEIGHBOURS_MAX;
+}
+
 sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query,
                                         sl_voxel_worker *w) {
     sl_photon_tree_gather(work->tree, query, &w->gathered);
-    return sl_voxel_of_gathered(work, query, w);
-}
-
-sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_query *query,
-                                     sl_voxel_worker *w) {
     size_t found = w->gathered.count;
     sl_voxel_gather gather = {.found = found,
                               .kappa =
@@ -146,12 +145,6 @@ sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_
 }
 
 /* ---- the area that they were strewn over ---- */
-
-static bool is_same(const sl_ellipsoid *a, const sl_ellipsoid *b) {
-    return a->radius == b->radius && a->flatness == b->flatness && a->centre.x == b->centre.x &&
-           a->centre.y == b->centre.y && a->centre.z == b->centre.z && a->normal.x == b->normal.x &&
-           a->normal.y == b->normal.y && a->normal.z == b->normal.z;
-}
 
 /* What of a side's surface its photons were strewn over, by their hull. Of nearer ones than were gathered, if
  * the ellipsoid is smaller. */
@@ -183,23 +176,8 @@ static double least_cosine_of(const sl_voxel_work *work) {
     return work->by_side ? work->cos_acceptance : -1.0;
 }
 
-void sl_voxel_look_around(const sl_voxel_work *work, const sl_ellipsoid *e, int count, sl_voxel_worker *w) {
-    w->seen.count = 0;
-    if (!work->surroundings || count < 1) return;
-    for (int k = 0; k < count; k++) w->seen.ellipsoid[k] = e[k];
-    w->seen.count = count;
-    sl_surroundings_areas(work->surroundings, e, count, least_cosine_of(work), &w->marks, w->seen.area);
-}
-
-static sl_strewn_area strewn_over(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
-    for (int k = 0; k < w->seen.count; k++) {
-        if (is_same(&w->seen.ellipsoid[k], e)) return w->seen.area[k];
-    }
-    return sl_surroundings_area(work->surroundings, e, least_cosine_of(work), &w->marks);
-}
-
 static sl_voxel_area clipped_area(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
-    sl_strewn_area strewn = strewn_over(work, e, w);
+    sl_strewn_area strewn = sl_surroundings_area(work->surroundings, e, least_cosine_of(work), &w->marks);
     bool together = strewn.sheet || !work->by_side, has_normal = sl_dotd(e->normal, e->normal) > 0.0;
     double all = strewn.front + strewn.back;
     sl_voxel_area area = {{together ? all : strewn.front, together ? all : strewn.back}, all};
@@ -212,7 +190,6 @@ sl_voxel_area sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_opt
     const sl_ellipsoid *e = &gather->ellipsoid;
     double disc = sl_disc_area(e);
     sl_voxel_area area = {{disc, disc}, 0.0};
-    if (gather->area.all > 0.0) return gather->area;
     if (o->area == SL_PHOTON_AREA_CLIP && !o->own_photons) area = clipped_area(work, e, w);
     else if (o->area == SL_PHOTON_AREA_SECTION && !o->own_photons) {
         double length = sl_lengthd(gather->mean_normal);

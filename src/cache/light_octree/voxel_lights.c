@@ -10,7 +10,7 @@
 double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t photons) {
     double area = 0.0, voxel = sl_octree_voxel(octree);
     for (size_t i = 0; i < octree->leaf_count; i++) area += (double)octree->leaf[i].area;
-    double radius = photons > 0 ? 2.0 * sqrt((double)neighbours * area / (SL_PI * (double)photons)) : 0.0;
+    double radius = photons > 0 ? 1.4 * sqrt((double)neighbours * area / (SL_PI * (double)photons)) : 0.0;
     return radius > voxel ? radius : voxel;
 }
 

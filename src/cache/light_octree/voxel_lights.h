@@ -23,11 +23,10 @@ typedef struct sl_voxel_light_options {
     bool unit_weights;       /* K-means with equal weights */
     bool own_photons;        /* those that lie in the voxel, instead of the k nearest; all normals */
     bool split_by_normal;    /* a set of lights for each group of normals (normal_groups.h) */
-    bool estimated_radius;   /* k/4 to k photons, voxel by voxel, by an error estimate (voxel_error.c) */
 } sl_voxel_light_options;
 
-/* 2 sqrt(k A / (pi N)): twice the radius of a disc that holds k of N photons strewn evenly over the scene's
- * area A. At least one voxel. */
+/* 1.4 sqrt(k A / (pi N)): 1.4 times the radius of a disc that holds k of N photons strewn evenly over the
+ * scene's area A. At least one voxel. */
 double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t photons);
 
 enum { SL_VOXEL_FEW = 8, SL_VOXEL_SETS_MAX = 6 };

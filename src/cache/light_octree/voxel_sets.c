@@ -28,8 +28,6 @@ static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_
                                sl_error *error) {
     size_t k =
         lights->options.own_photons ? lights->work->own.most : sl_voxel_most_neighbours(&lights->options);
-    bool ranks = lights->options.estimated_radius;
-    if (ranks) w->ranked = sl_allocate(k, sl_voxel_ranking_bytes());
     w->gathered.place = sl_allocate(k, sizeof *w->gathered.place);
     w->gathered.distance = sl_allocate(k, sizeof *w->gathered.distance);
     w->gathered.keys = sl_allocate(sl_photon_keys(k), sizeof *w->gathered.keys);
@@ -37,8 +35,7 @@ static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_
         w->marks.mark = sl_allocate(lights->work->scene->triangle_count, sizeof *w->marks.mark);
     if (pieces > 0) w->pieces = sl_allocate(pieces, sizeof *w->pieces);
     bool good = w->gathered.place && w->gathered.distance && w->gathered.keys &&
-                (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0) &&
-                (w->ranked || !ranks);
+                (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0);
     sl_status status =
         good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
     return status == SL_OK && lights->work->surroundings ? create_places(k, &w->places, error) : status;
@@ -51,7 +48,6 @@ static void destroy_work(sl_voxel_work *work) {
         sl_free(w->gathered.place);
         sl_free(w->gathered.distance);
         sl_free(w->gathered.keys);
-        sl_free(w->ranked);
         sl_free(w->marks.mark);
         sl_free(w->pieces);
         sl_lobe_photons_release(&w->photons);
@@ -222,7 +218,7 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
     bytes += lights->set_count * (sizeof *lights->set + (size_t)lights->texels * sizeof *lights->light);
     bytes += work->surroundings ? sl_surroundings_bytes(work->surroundings) : 0;
     size_t marks = work->surroundings ? work->scene->triangle_count * sizeof(uint32_t) : 0;
-    size_t a_photon = work->surroundings ? 105 : 69; /* with its place for the hull, or without */
+    size_t a_photon = work->surroundings ? 89 : 53; /* with its place for the hull, or without */
     return bytes + work->workers *
                        (sizeof *work->worker + marks + sl_voxel_most_neighbours(&lights->options) * a_photon);
 }

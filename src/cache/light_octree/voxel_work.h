@@ -11,15 +11,6 @@
 
 enum { SL_LEAVES_A_TASK = 16 };
 
-struct ranked_photon;
-
-/* What lies in ellipsoids that will be asked for, from one visit. */
-typedef struct sl_seen_around {
-    int count;
-    sl_ellipsoid ellipsoid[SL_ELLIPSOIDS_MAX];
-    sl_strewn_area area[SL_ELLIPSOIDS_MAX];
-} sl_seen_around;
-
 /* Where gathered photons lie on the ellipsoid's disc, those of the front first; for their hull. */
 typedef struct sl_photon_places {
     float *x, *y;             /* NULL: not asked for */
@@ -31,11 +22,9 @@ typedef struct sl_photon_places {
 /* A worker's own. */
 typedef struct sl_voxel_worker {
     sl_gathered_photons gathered;
-    struct ranked_photon *ranked; /* estimated radius alone: as many */
     sl_lobe_photons photons;      /* both sides: room for twice k */
     sl_photon_places places;
     sl_surroundings_marks marks;
-    sl_seen_around seen;
     sl_voxel_piece *pieces;
     sl_counters counters;
 } sl_voxel_worker;
@@ -60,7 +49,7 @@ typedef struct sl_voxel_work {
     sl_voxel_worker *worker;
 } sl_voxel_work;
 
-/* A for the photons in front and behind, and that of all surfaces together; all 0: not worked out. */
+/* A for the photons in front and behind, and that of all surfaces together. */
 typedef struct sl_voxel_area {
     double side[2], all;
 } sl_voxel_area;
@@ -69,7 +58,6 @@ typedef struct sl_voxel_gather {
     sl_ellipsoid ellipsoid;       /* R; f = 1 without a normal */
     double kappa;
     size_t found;
-    sl_voxel_area area;
     sl_lobe_photons front, back;  /* by the side of n_v; all in front where sides are not told apart */
     sl_vec3d mean_normal, mean_place; /* of the photons, turned to n_v's side; about the centre */
 } sl_voxel_gather;
@@ -78,18 +66,14 @@ sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_o
                                sl_vec3 normal, double radius);
 sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query,
                                         sl_voxel_worker *w);
-/* Of those that the worker has gathered. */
-sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_query *query,
-                                     sl_voxel_worker *w);
 /* The photons of every leaf; and those of one. */
 sl_status sl_own_photons_find(const sl_octree *octree, const sl_photon_tree *tree, sl_own_photons *own,
                               sl_error *error);
 void sl_own_photons_release(sl_own_photons *own);
 sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_set *set,
                                      const sl_photon_query *query, sl_voxel_worker *w);
-/* Before areas of several ellipsoids are asked for that differ in radius alone, the largest first. */
-void sl_voxel_look_around(const sl_voxel_work *work, const sl_ellipsoid *ellipsoid, int count,
-                          sl_voxel_worker *w);
+/* The largest k that any voxel can take. */
+size_t sl_voxel_most_neighbours(const sl_voxel_light_options *o);
 /* What is next to nothing (photons beside the geometry) is taken for the disc. */
 sl_voxel_area sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
                              const sl_voxel_gather *gather, sl_voxel_worker *w);
@@ -122,14 +106,5 @@ void sl_voxel_take_directions_of_parent(const sl_voxel_lights *lights, sl_voxel_
 void sl_voxel_report_gather(sl_voxel_set *set, const sl_voxel_gather *gather, sl_counters *counters);
 void sl_voxel_report_lights(sl_voxel_set *set, const sl_voxel_light_options *o, const sl_voxel_result *result,
                             sl_counters *counters);
-
-/* ---- voxel_error.c ---- */
-
-/* The largest k that any voxel can take. */
-size_t sl_voxel_most_neighbours(const sl_voxel_light_options *o);
-/* With the k that promises the least error, up to the query's. */
-sl_voxel_gather sl_voxel_gather_estimated(const sl_voxel_work *work, const sl_voxel_light_options *o,
-                                          const sl_photon_query *query, sl_voxel_worker *w);
-size_t sl_voxel_ranking_bytes(void); /* for one photon */
 
 #endif

@@ -86,4 +86,18 @@ static inline void add_quad(float *xyz, size_t at, sl_vec3 corner, sl_vec3 a, sl
     for (int k = 0; k < 6; k++) memcpy(&xyz[9 * at + 3 * (size_t)k], &p[order[k]], sizeof *p);
 }
 
+/* A floor of 4 x 4, facing up. */
+static inline sl_scene *floor_of_four(void) {
+    float xyz[18];
+    add_quad(xyz, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
+    return scene_of_triangles(xyz, 2);
+}
+
+/* Photons of irradiance e on it. */
+static inline sl_photon_list *even_floor(size_t count, float e, uint64_t seed) {
+    sl_photon_list *list = new_list(count);
+    strew_evenly(list, count, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), e, seed);
+    return list;
+}
+
 #endif

@@ -304,14 +304,6 @@ static void a_torus_is_cut_into_few_charts(void **state) {
     assert_in_range(charts_of_sound_atlas(scene_of(torus, 48, 24), 256), 6, 40);
 }
 
-static void vertices_split_by_normals_hold_no_chart_apart(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
-    add_grid(&mesh, bell, 9, 9, true); /* no two faces share a vertex */
-    assert_int_equal(charts_of_sound_atlas(trace_mesh_build(&mesh), 128), 1);
-}
-
 static void a_box_has_a_chart_a_side(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -556,7 +548,6 @@ int main(void) {
         cmocka_unit_test(the_search_for_overlaps_finds_what_is_there),
         cmocka_unit_test(a_sphere_is_cut_into_few_charts),
         cmocka_unit_test(a_torus_is_cut_into_few_charts),
-        cmocka_unit_test(vertices_split_by_normals_hold_no_chart_apart),
         cmocka_unit_test(a_box_has_a_chart_a_side),
         cmocka_unit_test(a_rough_surface_keeps_all_promises),
         cmocka_unit_test(many_pages_at_one_edge_and_a_moebius_strip),

@@ -89,11 +89,8 @@ static void voxels_without_a_normal_spread_photons_over_all_surfaces(void **stat
  * by photon. */
 static void densities_are_flux_over_area_with_the_right_factor(void **state) {
     (void)state;
-    float xyz[18];
-    add_quad(xyz, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
-    sl_scene *scene = scene_of_triangles(xyz, 2);
-    sl_photon_list *list = new_list(2000);
-    strew_evenly(list, 2000, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 2.0f, 3);
+    sl_scene *scene = floor_of_four();
+    sl_photon_list *list = even_floor(2000, 2.0f, 3);
     double each = 2.0 * 16.0 / 2000.0 * luminance_of_red();
     sl_voxel_light_options o = plain_options(4);
     o.neighbours = 30;

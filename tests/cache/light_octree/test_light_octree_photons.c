@@ -493,21 +493,6 @@ static void nothing_is_traced_where_nothing_can_be_stored(void **state) {
     }
 }
 
-static void light_that_meets_nothing_ends_too(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-1, 0, -1), sl_v3(0, 0, 2), sl_v3(2, 0, 0),
-                    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
-    add_point(&mesh, 0, 1, 0, 1.0f);
-    sl_scene *scene = trace_mesh_build(&mesh);
-    /* a single plane sees no bounce */
-    sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 1000, .seed = 1});
-    assert_int_equal(list->count, 0);
-    assert_int_equal(list->emitted, 1u << 20);
-    sl_photon_list_destroy(list);
-    sl_scene_destroy(scene);
-}
-
 /* ---- the same everywhere --------------------------------------------------------------------- */
 
 static sl_scene *bumpy_hall(void) {
@@ -607,7 +592,6 @@ int main(void) {
         cmocka_unit_test(storage_rules_choose_from_the_same_photons),
         cmocka_unit_test(tracing_stops_with_the_chunk_that_stores_enough),
         cmocka_unit_test(nothing_is_traced_where_nothing_can_be_stored),
-        cmocka_unit_test(light_that_meets_nothing_ends_too),
         cmocka_unit_test(photons_are_the_same_at_any_number_of_threads_and_calls),
         cmocka_unit_test(photons_are_the_same_on_every_instruction_set_of_embree),
         cmocka_unit_test(directions_survive_their_32_bits),

@@ -105,7 +105,7 @@ static void lights_with_directions_shade_a_ball_that_colours_leave_flat(void **s
         settings.light_octree.depth = 2;
         settings.light_octree.photons = 60000;
         settings.light_octree.neighbours = 200;
-        settings.light_octree.whole_voxels = settings.light_octree.fixed_neighbours = true;
+        settings.light_octree.whole_voxels = true;
         settings.light_octree.lobes = colour ? SL_LOBES_NONE : SL_LOBES_PERPENDICULAR;
         sl_image *image = render(scene, &settings, NULL);
         rms[colour] = rms_from(image, truth);
