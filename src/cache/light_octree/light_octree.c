@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "cache/light_octree/explanation.h"
 #include "cache/light_octree/photon_pixels.h"
-#include "cache/light_octree/state.h"
+#include "cache/light_octree/light_octree.h"
 #include "cache/light_octree/voxel_work.h"
 
 #include <stdio.h>

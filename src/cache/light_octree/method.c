@@ -1,7 +1,7 @@
 /* The method: what it holds, from its creation to its end, and what edits leave of that. */
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/light_octree/state.h"
+#include "cache/light_octree/light_octree.h"
 #include "cache/light_octree/explanation.h"
 
 #include <string.h>
@@ -125,16 +125,13 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
 }
 
 /* A whole voxel's normal is the mean of what is in it: to weigh by it does harm. */
-sl_octree_shading sl_octree_shading_of(const sl_light_octree_settings *o, const sl_voxel_texture *texture) {
+sl_octree_shading sl_octree_state_shading(const sl_octree_state *s) {
+    const sl_light_octree_settings *o = &s->settings.light_octree;
     bool split = !o->whole_voxels && !o->own_photons;
-    return (sl_octree_shading){.texture = texture,
+    return (sl_octree_shading){.texture = s->shown.texture,
                                .filter = o->filter,
                                .keep_void_dark = o->keep_void_dark,
                                .facing = split && !o->keep_void_dark};
-}
-
-sl_octree_shading sl_octree_state_shading(const sl_octree_state *s) {
-    return sl_octree_shading_of(&s->settings.light_octree, s->shown.texture);
 }
 
 /* ---- what is seen, and direct light: other passes, beside the octree ---- */
@@ -215,15 +212,7 @@ static sl_status octree_update(void *state, sl_progress *progress, sl_error *err
 
 static sl_status octree_resolve(void *state, sl_image **image, sl_error *error) {
     sl_octree_state *s = state;
-    sl_octree_composition parts = {
-        .scene = s->scene,
-        .gbuffer = s->gbuffer,
-        .reflections = s->reflections,
-        .direct = {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
-        .indirect = {s->indirect_light[0], s->indirect_light[1], s->indirect_light[2]},
-        .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
-        .threads = s->settings.threads};
-    sl_status status = sl_octree_compose(&parts, image, error);
+    sl_status status = sl_octree_compose(s, image, error);
     if (status == SL_OK) status = sl_octree_write_report(s, *image, error);
     if (status != SL_OK) {
         sl_image_destroy(*image);

@@ -3,7 +3,7 @@
 #include "base/parallel.h"
 #include "base/print.h"
 #include "cache/frame/picture_value.h"
-#include "cache/light_octree/state.h"
+#include "cache/light_octree/light_octree.h"
 
 #include <stdio.h>
 
@@ -14,7 +14,7 @@ static const char *const layer_names[LAYERS] = {"R",          "G",          "B",
                                                 "direct.B",   "indirect.R", "indirect.G", "indirect.B"};
 
 typedef struct {
-    const sl_octree_composition *parts;
+    const sl_octree_state *state;
     sl_view view;
     float *out;
 } composing;
@@ -22,7 +22,7 @@ typedef struct {
 /* ---- emission ---- */
 
 static sl_rgb sky_at(const composing *c, int x, int y) {
-    const sl_scene *scene = c->parts->scene;
+    const sl_scene *scene = c->state->scene;
     if (!scene->environment.present) return sl_grey(0.0f);
     return sl_environment_radiance(&scene->environment, sl_view_direction(&c->view, x + 0.5, y + 0.5));
 }
@@ -35,13 +35,13 @@ static sl_rgb emission_of(const sl_scene *scene, const sl_gbuffer *g, size_t pix
 /* ---- pixels ---- */
 
 static void put(const composing *c, size_t pixel, sl_rgb emission, sl_rgb share) {
-    const sl_octree_composition *p = c->parts;
+    const sl_octree_state *p = c->state;
     size_t width = (size_t)p->gbuffer->width, height = (size_t)p->gbuffer->height, pixels = width * height;
     size_t to = (height - 1 - pixel / width) * width + pixel % width;
     const float emitted[3] = {emission.r, emission.g, emission.b}, left[3] = {share.r, share.g, share.b};
     for (size_t k = 0; k < 3; k++) {
-        float e = sl_picture_value(emitted[k]), d = sl_picture_value(left[k] * p->direct[k][pixel]);
-        float i = sl_picture_value(left[k] * p->indirect[k][pixel]);
+        float e = sl_picture_value(emitted[k]), d = sl_picture_value(left[k] * p->direct_light[k][pixel]);
+        float i = sl_picture_value(left[k] * p->indirect_light[k][pixel]);
         c->out[(EMISSION + k) * pixels + to] = e;
         c->out[(DIRECT + k) * pixels + to] = d;
         c->out[(INDIRECT + k) * pixels + to] = i;
@@ -52,7 +52,7 @@ static void put(const composing *c, size_t pixel, sl_rgb emission, sl_rgb share)
 static void compose_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const composing *c = context;
-    const sl_octree_composition *p = c->parts;
+    const sl_octree_state *p = c->state;
     size_t width = (size_t)p->gbuffer->width;
     for (size_t x = 0; x < width; x++) {
         size_t i = row * width + x;
@@ -63,7 +63,7 @@ static void compose_row(void *context, size_t row, unsigned worker) {
 }
 
 static void compose_reflections(const composing *c) {
-    const sl_octree_composition *p = c->parts;
+    const sl_octree_state *p = c->state;
     const sl_reflections *r = p->reflections;
     for (size_t k = 0; r && k < r->count; k++) {
         size_t i = r->pixel[k];
@@ -74,12 +74,12 @@ static void compose_reflections(const composing *c) {
     }
 }
 
-sl_status sl_octree_compose(const sl_octree_composition *parts, sl_image **image, sl_error *error) {
-    const sl_gbuffer *g = parts->gbuffer;
+sl_status sl_octree_compose(const sl_octree_state *s, sl_image **image, sl_error *error) {
+    const sl_gbuffer *g = s->gbuffer;
     sl_status status = sl_image_create(g->width, g->height, LAYERS, layer_names, image, error);
-    if (status != SL_OK || !parts->drawn) return status;
-    composing c = {parts, sl_view_scene(parts->scene, g->width, g->height), (*image)->planes};
-    sl_parallel_for(parts->threads, (size_t)g->height, compose_row, &c);
+    if (status != SL_OK || s->phase == SL_OCTREE_PHASE_GBUFFER) return status; /* nothing is drawn yet */
+    composing c = {s, sl_view_scene(s->scene, g->width, g->height), (*image)->planes};
+    sl_parallel_for(s->settings.threads, (size_t)g->height, compose_row, &c);
     compose_reflections(&c);
     return SL_OK;
 }

@@ -168,7 +168,6 @@ void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *
         s->lit++;
         s->lights += set->lights;
         s->mean_radius += (double)set->radius;
-        s->max_radius = (double)set->radius > s->max_radius ? (double)set->radius : s->max_radius;
         s->max_power_ratio =
             (double)set->power_ratio > s->max_power_ratio ? (double)set->power_ratio : s->max_power_ratio;
         s->rms_angle += e * rms * rms;
@@ -179,5 +178,4 @@ void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *
     s->mean_photons = s->sets > 0 ? (double)s->photons / (double)s->sets : 0.0;
     s->mean_radius /= lit;
     s->rms_angle = weight > 0.0 ? sqrt(s->rms_angle / weight) : 0.0;
-    s->axis_angle = s->rms_angle * sqrt(0.5);
 }

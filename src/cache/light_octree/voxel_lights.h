@@ -79,9 +79,8 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights);
 typedef struct sl_voxel_statistics {
     uint64_t sets, lit, from_parent, coincident; /* coincident: R at its least */
     uint64_t lights, photons;
-    double mean_photons, mean_radius, max_radius;
+    double mean_photons, mean_radius;
     double rms_angle;        /* sqrt of the mean square, by irradiance: radians */
-    double axis_angle;       /* the same along one tangent axis: rms / sqrt(2) */
     double flux;             /* sum of flux density times the voxel's own area: luminance, W */
     double max_power_ratio;
 } sl_voxel_statistics;
