@@ -53,11 +53,13 @@ typedef struct {
     size_t count;
 } finding;
 
-enum { SIDES_OF_SOLIDS = 6 };
+enum { POINTS_OF_SOLIDS = 24 };
 
 static size_t points_of(const sl_sampled_light *lamp, int n) {
     const size_t each = (size_t)n * (size_t)n;
-    return lamp->kind == SL_SAMPLED_AREA ? each : lamp->kind == SL_SAMPLED_SOLID ? SIDES_OF_SOLIDS * each : 1;
+    return lamp->kind == SL_SAMPLED_AREA    ? each
+           : lamp->kind == SL_SAMPLED_SOLID ? POINTS_OF_SOLIDS * each
+                                            : 1;
 }
 
 static size_t points_of_all(const sl_sampled_lights *lamps, int n) {

@@ -7,7 +7,7 @@
  *   area         I = Phi cos theta' / pi                              (6), (9): a very distant area light
  *
  * What a light of the scene is, and which triangles are one area light, is told by cache/light/lights.h. A
- * planar area light is n x n points, a solid one (a bulb) 6 n x n points of its surface. */
+ * planar area light is n x n points, a solid one (a bulb) 24 n x n points of its surface. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_LIGHTS_H
 #define SL_CACHE_DIRECT_RADIANCE_LIGHTS_H
 

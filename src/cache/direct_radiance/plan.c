@@ -199,10 +199,11 @@ enum {
 
 static double smaller(double a, double b) { return a < b ? a : b; }
 
-/* Maps and depth cubes are taken from no more points than that. */
+/* Maps and depth cubes are taken from no more points than that; a solid lamp of 12 triangles has 24 n x n. */
 static double light_points(const sl_scene *scene, const sl_radiance_map_settings *m) {
-    const double n = m->emitter_samples;
-    return smaller((double)scene->light_count + n * n * sl_need_emitters(scene), SL_MAP_LIGHTS_MAX);
+    const double n = m->emitter_samples, emitters = sl_need_emitters(scene);
+    const double points = n * n * emitters * (emitters > 8.0 ? 2.0 : 1.0);
+    return smaller((double)scene->light_count + points, SL_MAP_LIGHTS_MAX);
 }
 
 static double map_bytes(const sl_radiance_map_settings *m, double pictures, double directional) {

@@ -159,7 +159,7 @@ static void a_solid_lamp_shines_from_points_of_its_surface(void **state) {
     trace_mesh_sphere(&mesh, middle, 0.4f, 40, 0.0f, false, trace_mesh_material(&mesh, 0, 0, 0, 0, 2));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_map_lights *lights = find(scene, 2);
-    assert_int_equal(lights->count, 24);
+    assert_int_equal(lights->count, 96);
     assert_true(close_to(flux_of(lights), SL_PI * 2.0 * 4.0 * SL_PI * 0.16, 0.02));
     sl_vec3 sum = {0, 0, 0};
     for (size_t i = 0; i < lights->count; i++) {
