@@ -68,24 +68,29 @@ static outcome run(command *c, const char *format, ...) {
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
-/* Hills of 20,000 triangles below a lamp, and a tile that moves. */
-static void write_scene(void) {
-    enum { SIDE = 101, ROOM = 1 << 20 };
-    char *text = malloc(ROOM);
+static void write_hills(const char *name, int side) {
+    const size_t room = 100 * (size_t)side * (size_t)side;
+    char *text = malloc(room);
     size_t at = 0;
     assert_non_null(text);
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        int x = i % SIDE, z = i / SIDE;
-        at += (size_t)snprintf(text + at, ROOM - at, "v %g %g %g\n", 0.1 * x, 0.02 * ((x * x + 3 * z) % 7),
+    for (int i = 0; i < side * side; i++) {
+        int x = i % side, z = i / side;
+        at += (size_t)snprintf(text + at, room - at, "v %g %g %g\n", 0.1 * x, 0.02 * ((x * x + 3 * z) % 7),
                                0.1 * z);
     }
-    for (int i = 0; i < (SIDE - 1) * (SIDE - 1); i++) {
-        int a = i % (SIDE - 1) + i / (SIDE - 1) * SIDE + 1;
-        at += (size_t)snprintf(text + at, ROOM - at, "f %d %d %d\nf %d %d %d\n", a, a + SIDE, a + 1, a + 1,
-                               a + SIDE, a + SIDE + 1);
+    for (int i = 0; i < (side - 1) * (side - 1); i++) {
+        int a = i % (side - 1) + i / (side - 1) * side + 1;
+        at += (size_t)snprintf(text + at, room - at, "f %d %d %d\nf %d %d %d\n", a, a + side, a + 1, a + 1,
+                               a + side, a + side + 1);
     }
-    assert_true(at + 1 < ROOM);
-    scene_file_text("hills.obj", text);
+    assert_true(at + 1 < room);
+    scene_file_text(name, text);
+    free(text);
+}
+
+/* Hills of 20,000 triangles below a lamp, and a tile that moves. */
+static void write_scene(void) {
+    write_hills("hills.obj", 101);
     scene_file_text("tile.obj", "v 0 0 0\nv 1 0 0\nv 1 0.5 1\nv 0 0.5 1\nf 4 3 2 1\n");
     scene_file_text("hills.json",
                     "{\"softlux\": 1, \"meshes\": [{\"file\": \"hills.obj\", \"material\": \"grey\"},"
@@ -96,7 +101,6 @@ static void write_scene(void) {
                     "\"corner\": [4, 5, 4], \"edge1\": [2, 0, 0],"
                     " \"edge2\": [0, 0, 2], \"radiance\": [9, 9, 9]}],\n"
                     "\"camera\": {\"eye\": [5, 6, 14], \"target\": [5, 0, 5], \"fov_deg\": 45}}");
-    free(text);
 }
 
 /* ---- what may be taken ----------------------------------------------------------------------- */
@@ -149,8 +153,9 @@ static void shows_of_every_method_stay_within_what_is_allowed(void **state) {
  * to too little, is. */
 static void pages_load_their_scene_within_what_is_allowed(void **state) {
     (void)state;
-    const char *scene = scene_file_path("hills.json");
     if (SL_SANITIZED) skip(); /* nothing limits them there */
+    write_hills("many.obj", 401);
+    const char *scene = scene_file_path("many.obj");
     outcome o =
         run(sl_command_steps, "%s -s 16x16 -q draft -t 1 --quiet --memory 20M -o /nowhere/at/all", scene);
     assert_int_equal(o.status, SL_ERROR_RESOURCES);
