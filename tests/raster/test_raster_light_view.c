@@ -1,5 +1,5 @@
 /* The pyramid around an area light: nothing of the light that the point can see is left out, whatever the
- * light's size and place; and it is tight. */
+ * light's size and place. */
 #include "raster/views/light_view.h"
 #include "base/math.h"
 #include "raster_support.h"

@@ -1,8 +1,8 @@
 /* No hole and no double hit, in any layer, without another rasterizer to compare with. Along the line of
  * sight through a pixel a closed surface is entered as often as it is left: so the triangles that cover the
  * pixel, visible or hidden, are even in number seen from outside and odd from inside; and front faces less
- * back faces are 0 from outside, which also rules out that two faults cancel. A convex body has just one
- * front and one back, a height field one layer. */
+ * back faces are 0 from outside, which also rules out that two faults cancel. A triangulated plane has one
+ * layer. */
 #include "raster/plain.h"
 #include "raster_support.h"
 

@@ -1,5 +1,5 @@
-/* Bump and parallax mapping: normals and colours of the raised surface, for rays and rasterizer alike; and
- * the light octree's light on them. */
+/* Bump and parallax mapping: normals and colours of the raised surface, and the light octree's light on
+ * them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* The ways of making one path, and how they share it: densities worked out here from the vertices alone, and
- * each way on its own. */
+/* The ways of making one path, and how they share it: densities worked out here from the vertices alone.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
