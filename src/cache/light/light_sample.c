@@ -235,7 +235,7 @@ typedef struct {
     const sl_light_sample_settings *settings;
     const sl_sampled_light *light;
     const sl_light_shape_info *shape;
-    double unoccluded;
+    double unoccluded, distance;
     bool one_ray;
 } sample;
 
@@ -272,7 +272,7 @@ static double by_pictures(const sample *s) {
     int size = picture_size(s, &fine);
     if (!fine) return by_rays(s);
     for (; size <= s->settings->largest; size *= 2) {
-        sl_light_sums sums = {0.0, 0.0};
+        sl_light_sums sums = {.all = 0.0};
         sl_light_shot shot = s->shape->raster ? sl_look_at_shoot(&s->query, size, &sums)
                                               : sl_window_shoot(&s->query, size, &sums);
         if (shot == SL_SHOT_IMPOSSIBLE) return by_rays(s);
@@ -291,18 +291,25 @@ static bool is_nothing(const sample *s, double distance) {
     return !(s->unoccluded > 1e-12 * fmin(1.0, s->shape->surface.area / (SL_PI * distance * distance)));
 }
 
-static double area_light(sample *s) {
+/* From where the light is asked for. False: no light arrives. */
+static bool look(sample *s) {
     sl_light_query *q = &s->query;
-    double distance = sl_lengthd(sl_subd(sl_to_double(s->light->position), sl_to_double(q->point->position)));
+    s->distance = sl_lengthd(sl_subd(sl_to_double(s->light->position), sl_to_double(q->point->position)));
     s->unoccluded = sl_light_unoccluded(s->light, q->point);
-    if (is_nothing(s, distance)) {
+    if (is_nothing(s, s->distance)) {
         sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
-        return 0.0;
+        return false;
     }
     q->middle = sl_light_middle(s->light, q->point);
     q->lifted = sl_light_lifted(q->sampling, q->point);
     q->eye = sl_light_eye(q->sampling, q->lifted, q->middle);
-    if (s->one_ray || s->shape->size < SL_TINY_LIGHT * distance) return by_one_ray(s);
+    return true;
+}
+
+static double area_light(sample *s) {
+    sl_light_query *q = &s->query;
+    if (!look(s)) return 0.0;
+    if (s->one_ray || s->shape->size < SL_TINY_LIGHT * s->distance) return by_one_ray(s);
     return s->settings->estimator == SL_LIGHT_RAYS || !q->scratch ? by_rays(s) : by_pictures(s);
 }
 
@@ -357,4 +364,21 @@ float sl_light_probe(const sl_light_sampling *sampling, size_t light, const sl_l
     float value = take(&s);
     sl_count(counters, SL_COUNT_SHADOW_RAYS, own.value[SL_COUNT_SHADOW_RAYS]);
     return value;
+}
+
+double sl_light_by_points(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point,
+                          const sl_light_numbers *numbers, const sl_lit_lobe *lobe, sl_light_sums *sums,
+                          sl_counters *counters) {
+    sample s = sample_of(sampling, light, point, 0, NULL, counters);
+    s.query.numbers = numbers;
+    s.query.lobe = lobe;
+    sl_count(counters, SL_COUNT_LIGHT_SAMPLES, 1);
+    if (!look(&s)) return 0.0;
+    sl_light_sums more = sl_light_rays(&s.query);
+    sums->seen += more.seen;
+    sums->all += more.all;
+    sums->seen_squares += more.seen_squares;
+    sums->all_squares += more.all_squares;
+    sums->lobe += more.lobe;
+    return s.unoccluded;
 }

@@ -5,18 +5,23 @@
  * into irradiance.
  *
  * A sample is a pure function of scene, light, point and settings: no jitter but by position (rays), so a
- * mesh refined on samples comes to rest. Read in this order: lights.c           which lights there are
+ * mesh refined on samples comes to rest. Read in this order:
+ *
+ *   lights.c           which lights there are
  *   light_sample.c     what kind of light, whether it can be seen at all, how many pixels it takes
  *   window.c           the light's own plane as a window: weights, ratio to the closed form
  *   look_at.c          the paper's frustum, solid angles of pixels
  *   closed_forms.c     polygons clipped to the horizon (Lambert), tiny lights as points
  *   shadow_ray.c       rays: lights without extent, and the estimator SL_LIGHT_RAYS
+ *   lit_lobe.c         what a glossy lobe reflects
  */
 #ifndef SL_CACHE_LIGHT_SAMPLE_LIGHT_SAMPLE_H
 #define SL_CACHE_LIGHT_SAMPLE_LIGHT_SAMPLE_H
 
 #include "cache/light/lights.h"
 #include "raster/raster.h"
+#include "trace/bsdf.h"
+#include "trace/sequence.h"
 #include "trace/trace.h"
 
 typedef struct sl_light_sample_settings {
@@ -75,6 +80,49 @@ double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *po
 /* The unit direction in which the light lies, for lobes: of area lights the centroid of what is above the
  * horizon; (0,0,0): nothing is. */
 sl_vec3 sl_light_direction(const sl_sampled_light *light, const sl_lit_point *point);
+
+/* ---- a light by points that all receivers share, and what a glossy lobe reflects of it ---- */
+
+/* Points first to first + count of a sequence. */
+typedef struct sl_light_numbers {
+    const sl_sequence *sequence;
+    uint64_t key;
+    uint32_t first, count;
+} sl_light_numbers;
+
+/* A lobe of ks = 1 reflects what so many points of each area light send, and what so many directions drawn
+ * from it meet, put together by the balance heuristic (Veach and Guibas 1995): a narrow lobe would fall
+ * between the points. */
+typedef struct sl_lit_lobe {
+    sl_bsdf bsdf;
+    double points, draws;
+} sl_lit_lobe;
+
+/* Over the points of a light, or the pixels of its picture: weights of all, and of those that are seen. */
+typedef struct sl_light_sums {
+    double seen, all, seen_squares, all_squares;
+    double lobe;               /* what the lobe reflects of L = 1 */
+} sl_light_sums;
+
+/* Adds to the sums, in units of F times the number of points; lobe: NULL, or one that reflects. Returns
+ * F without occluders; 0: no light arrives. */
+double sl_light_by_points(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point,
+                          const sl_light_numbers *numbers, const sl_lit_lobe *lobe, sl_light_sums *sums,
+                          sl_counters *counters);
+/* What the lobe reflects of area lights that its own directions meet. */
+sl_rgb sl_lobe_draws(const sl_light_sampling *sampling, const sl_lit_point *point, const sl_lit_lobe *lobe,
+                     const sl_light_numbers *numbers, sl_counters *counters);
+
+/* The environment's light (sky_light.c): irradiance, where it is asked for, with the variance of its channels'
+ * mean; and what a lobe of ks = 1 reflects, NULL: none. numbers->count directions are drawn from the cosine,
+ * or half of them from that and as many from the environment and from the lobe. */
+typedef struct sl_sky_light {
+    sl_rgb irradiance, lobe;
+    double variance;
+} sl_sky_light;
+sl_sky_light sl_sky_light_at(const sl_scene *scene, const sl_tracer *tracer, const sl_lit_point *point,
+                             bool irradiance, const sl_bsdf *lobe, const sl_light_numbers *numbers,
+                             sl_counters *counters);
 
 /* The picture of the last sample that needed one: N x N weights, bottom row first, black where the light is
  * hidden; NULL: none. */

@@ -88,16 +88,14 @@ typedef struct sl_light_query {
     sl_vec3d middle;           /* of what is above the horizons, from the point */
     sl_vec3 lifted, eye;       /* above the surface; and on the way */
     int rays;                  /* n of n x n, if it comes to rays */
+    const sl_light_numbers *numbers; /* which rays these are; NULL: jittered by the position */
+    const sl_lit_lobe *lobe;   /* that reflects what rays bring; or NULL */
     sl_light_sample_scratch *scratch; /* NULL: no pictures */
     sl_counters *counters;
 } sl_light_query;
 sl_vec3 sl_light_lifted(const sl_light_sampling *sampling, const sl_lit_point *point);
 sl_vec3 sl_light_eye(const sl_light_sampling *sampling, sl_vec3 lifted, sl_vec3d to_light);
 
-/* The pictures' sums: of weights that are seen, and of all. */
-typedef struct sl_light_sums {
-    double seen, all;
-} sl_light_sums;
 typedef enum sl_light_shot {
     SL_SHOT_TAKEN,
     SL_SHOT_HIDDEN,          /* something is before all of the light: the rest of the work was not needed */
@@ -124,8 +122,11 @@ sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_s
 
 /* shadow_ray.c. Is the light's middle hidden? */
 bool sl_light_middle_hidden(const sl_light_query *query);
-/* F by n x n rays: seen weights and all of them, in units of F. */
+/* F by rays: their weights in units of F, those of numbers times their count. */
 sl_light_sums sl_light_rays(const sl_light_query *query);
+/* lit_lobe.c. What the lobe reflects from a place `d` away on a light of radiance 1, normal m and that area, by
+ * the balance heuristic: f cos / density. */
+double sl_lit_lobe_term(const sl_lit_lobe *lobe, const sl_lit_point *point, sl_vec3 d, sl_vec3 m, double area);
 /* F of a light without extent. */
 double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light,
                                const sl_lit_point *point, sl_counters *counters);

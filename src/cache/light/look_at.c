@@ -72,7 +72,7 @@ sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_s
     const sl_vec3 eye = query->lifted;
     sl_light_sample_scratch *s = query->scratch;
     sl_light_view v;
-    *sums = (sl_light_sums){0.0, 0.0};
+    *sums = (sl_light_sums){.all = 0.0};
     sl_light_sight sight = find_view(query, size, &v);
     if (sight == SL_LIGHT_HIDDEN) return SL_SHOT_TAKEN;
     if (sight == SL_LIGHT_TOO_WIDE || !(v.left < v.right) || !(v.bottom < v.top)) return SL_SHOT_IMPOSSIBLE;

@@ -47,23 +47,30 @@ typedef struct {
     uint32_t skip;
     unsigned count;
     sl_ray16 rays;
-    double weight[SL_PACKET], seen;
+    double weight[SL_PACKET], lobe[SL_PACKET];
+    sl_light_sums sums;
 } packet;
 
 static void flush(packet *p) {
     uint32_t hidden =
         p->count ? sl_trace_occluded(p->sampling->tracer, &p->rays, p->count, true, p->counters) : 0;
     for (unsigned i = 0; i < p->count; i++) {
-        if (!(hidden >> i & 1)) p->seen += p->weight[i];
+        if (hidden >> i & 1) continue;
+        p->sums.seen += p->weight[i];
+        p->sums.seen_squares += p->weight[i] * p->weight[i];
+        p->sums.lobe += p->lobe[i];
     }
     p->count = 0;
 }
 
 /* d: of any length, the place aimed at being at far = 1. */
-static void add_ray(packet *p, sl_vec3 d, float far, double weight) {
+static void add_ray(packet *p, sl_vec3 d, float far, double weight, double lobe) {
     unsigned i = p->count++;
     sl_ray16_set(&p->rays, i, p->eye, d, 0.0f, far, p->skip);
     p->weight[i] = weight;
+    p->lobe[i] = lobe;
+    p->sums.all += weight;
+    p->sums.all_squares += weight * weight;
     if (p->count == SL_PACKET) flush(p);
 }
 
@@ -90,9 +97,9 @@ static bool is_hidden(const sl_light_sampling *sampling, const sl_lit_point *poi
                       double far, sl_counters *counters) {
     packet p = packet_at(sampling, point, eye, counters);
     if (!(sl_lengthd(d) > 0.0) || !sl_is_finite(sl_to_float(d))) return false;
-    add_ray(&p, sl_to_float(d), (float)far, 1.0);
+    add_ray(&p, sl_to_float(d), (float)far, 1.0, 0.0);
     flush(&p);
-    return !(p.seen > 0.0);
+    return !(p.sums.seen > 0.0);
 }
 
 double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light,
@@ -161,6 +168,27 @@ static void aim(const sl_light_query *query, const float *u, const float *v, sl_
     }
 }
 
+/* The numbers of packet k; returns how many. */
+static unsigned numbers_of(const sl_light_query *query, uint64_t jitter, int k, float u[SL_AIMED],
+                           float v[SL_AIMED]) {
+    const sl_light_numbers *numbers = query->numbers;
+    unsigned count = 0;
+    if (!numbers) {
+        int32_t column[SL_AIMED], row[SL_AIMED];
+        count = strata_of(query->rays, k, column, row);
+        query->sampling->kernels.jitter(jitter, query->rays, column, row, u, v);
+        return count;
+    }
+    for (uint32_t i = 0; i < SL_AIMED; i++) {
+        float at[3];
+        uint32_t index = (uint32_t)(k * SL_AIMED) + i;
+        sl_sequence_point(numbers->sequence, numbers->key, 0, numbers->first + index, at);
+        u[i] = at[0], v[i] = at[1];
+        count += index < numbers->count;
+    }
+    return count;
+}
+
 sl_light_sums sl_light_rays(const sl_light_query *query) {
     const sl_light_sampling *sampling = query->sampling;
     const sl_light_pixel_kernels *kernels = &sampling->kernels;
@@ -168,38 +196,38 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
     const sl_light_surface *surface = &shape->surface;
     const sl_sampled_light *light = &sampling->lights->light[query->light];
     const sl_lit_point *point = query->point;
-    const int n = query->rays;
+    const int n = query->rays, rays_in_all = query->numbers ? (int)query->numbers->count : n * n;
     const uint64_t key = jitter_key(point, query->light);
     const sl_vec3d position = sl_to_double(point->position),
                    back = sl_subd(position, sl_to_double(query->eye));
     const sl_vec3 corner = sl_to_float(sl_subd(surface->corner, position)), e1 = sl_to_float(surface->e1),
                   e2 = sl_to_float(surface->e2);
+    const double each = query->numbers ? 1.0 : (double)n * (double)n;
     const sl_ray_receiver receiver = {.normal = point->normal,
                                       .geometric = point->geometric_normal,
                                       .two_sided = light->two_sided,
-                                      .scale = (float)(surface->area / ((double)n * (double)n * SL_PI)),
+                                      .scale = (float)(surface->area / (each * SL_PI)),
                                       .flatness = (float)(2.0 * shape->flatness),
                                       .margin = (float)SL_LIGHT_MARGIN};
     packet p = packet_at(sampling, point, query->eye, query->counters);
-    double all = 0.0;
-    for (int k = 0; k * SL_AIMED < n * n; k++) {
-        int32_t column[SL_AIMED], row[SL_AIMED];
+    for (int k = 0; k * SL_AIMED < rays_in_all; k++) {
         float u[SL_AIMED], v[SL_AIMED];
         sl_aimed_rays rays;
-        unsigned count = strata_of(n, k, column, row);
-        kernels->jitter(key, n, column, row, u, v);
+        unsigned count = numbers_of(query, key, k, u, v);
         if (surface->parallelogram) kernels->places(u, v, corner, e1, e2, light->normal, &rays);
         else aim(query, u, v, &rays);
         kernels->weights(&receiver, &rays);
         for (unsigned i = 0; i < count; i++) {
             if (!(rays.weight[i] > 0.0f)) continue;
-            all += (double)rays.weight[i];
+            sl_vec3 d = sl_v3(rays.x[i], rays.y[i], rays.z[i]),
+                    m = sl_v3(rays.normal_x[i], rays.normal_y[i], rays.normal_z[i]);
+            double lobe = query->lobe ? sl_lit_lobe_term(query->lobe, point, d, m, surface->area) : 0.0;
             add_ray(&p,
-                    sl_v3((float)((double)rays.x[i] + back.x), (float)((double)rays.y[i] + back.y),
-                          (float)((double)rays.z[i] + back.z)),
-                    rays.far[i], (double)rays.weight[i]);
+                    sl_v3((float)((double)d.x + back.x), (float)((double)d.y + back.y),
+                          (float)((double)d.z + back.z)),
+                    rays.far[i], (double)rays.weight[i], lobe);
         }
     }
     flush(&p);
-    return (sl_light_sums){p.seen, all};
+    return p.sums;
 }

@@ -196,7 +196,7 @@ sl_light_sums sl_light_reduce(const sl_light_query *query, int size) {
     sl_light_sample_scratch *scratch = query->scratch;
     int final = query->sampling->settings.reduced;
     size_t left = (size_t)final * (size_t)final;
-    sl_light_sums sums = {0.0, 0.0};
+    sl_light_sums sums = {.all = 0.0};
     sl_raster_reduce(scratch->planes, size, 2, final, scratch->halves, scratch->sums, query->counters);
     for (size_t i = 0; i < left; i++) {
         sums.seen += (double)scratch->sums[i];

@@ -30,6 +30,7 @@ typedef struct renderer {
     sets *sets;
     sl_bidirectional_scratch **scratch; /* by worker */
     unsigned workers;
+    sl_sequence sequence;
 } renderer;
 
 static sl_status make_set(const renderer *r, uint32_t set, sl_error *error) {
@@ -87,8 +88,8 @@ static void render_point(const void *state, const sl_sample_request *q, unsigned
         sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     }
     if (irradiance || lobe) {
-        sl_sky_light(r->settings.scene, *r->settings.tracer, r->settings.seed,
-                     (uint32_t)r->settings.cache.indirect_samples, q, sample, counters);
+        sl_request_sky_light(&r->settings, &r->sequence, q, r->settings.cache.indirect_samples, sample,
+                             counters);
     }
 }
 
@@ -137,6 +138,7 @@ sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sam
     renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;
+    sl_sequence_make(&r->sequence);
     sl_status status = make(r, error);
     if (status != SL_OK) {
         destroy(r);

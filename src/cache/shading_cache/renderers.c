@@ -1,5 +1,6 @@
 /* Batches of requests on the workers (base/batch.h), and the parts that a request asks for. */
 #include "base/batch.h"
+#include "base/random.h"
 #include "cache/shading_cache/renderer_parts.h"
 
 typedef struct point_batch {
@@ -60,4 +61,26 @@ bool sl_request_lobe(const sl_sample_request *q, sl_bsdf *lobe) {
                       .geometric_normal = q->point.geometric_normal};
     sl_bsdf_turn(lobe, to_eye, SL_LOBE_GLOSSY);
     return true;
+}
+
+sl_lit_point sl_request_lit_point(const sl_sample_request *q) {
+    const sl_root_point *p = &q->point;
+    return (sl_lit_point){p->position, p->normal, p->geometric_normal, p->triangle};
+}
+
+void sl_request_sky_light(const sl_renderer_settings *settings, const sl_sequence *sequence,
+                          const sl_sample_request *q, int samples, sl_sample *sample,
+                          sl_counters *counters) {
+    enum { SKY_STREAM = 0x736b79 };
+    sl_bsdf lobe;
+    bool has_lobe = sl_request_lobe(q, &lobe);
+    sl_lit_point point = sl_request_lit_point(q);
+    uint32_t count = (uint32_t)samples;
+    sl_light_numbers numbers = {sequence, sl_random_key(settings->seed, SKY_STREAM), q->set * count, count};
+    sl_sky_light sky = sl_sky_light_at(settings->scene, *settings->tracer, &point, sl_request_wants_irradiance(q),
+                                       has_lobe ? &lobe : NULL, &numbers, counters);
+    sample->irradiance = sl_rgb_add(sample->irradiance, sky.irradiance);
+    if (has_lobe)
+        sample->radiance = sl_rgb_add(sample->radiance, sl_rgb_mul(sky.lobe, q->material->specular));
+    sample->variance += (float)sky.variance;
 }

@@ -2,10 +2,11 @@
  * requests), so that other threads, or other processes, could compute it; the cache adds up what several of
  * them return for one point.
  *
- *   area_renderer.c            direct light: area lights by points spread over them (area_points.c), lights
- * without extent by a ray bidirectional_renderer.c   indirect light (trace/bidirectional); direct light of
- * the environment (sky_light.c); all that mirrors reflect caustic_renderer.c         caustics by a photon map
- * of their own renderers.c                a batch of requests on the workers
+ *   area_renderer.c            direct light (cache/light)
+ *   bidirectional_renderer.c   indirect light (trace/bidirectional); direct light of the environment; all that
+ *                              mirrors reflect
+ *   caustic_renderer.c         caustics by photons (cache/photons)
+ *   renderers.c                a batch of requests on the workers
  */
 #ifndef SL_SHADING_CACHE_RENDERERS_H
 #define SL_SHADING_CACHE_RENDERERS_H

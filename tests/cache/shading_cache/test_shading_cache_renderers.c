@@ -58,7 +58,7 @@ static void unoccluded_square_lamps_have_lamberts_irradiance(void **state) {
 }
 
 /* Plain Halton points, 100 of them, err by 0.7, 3.5 and 12 % (root mean square) at heights of 2, 0.5 and 0.1
- * sides. */
+ * sides; others may be better spread. */
 static void points_alone_err_more_the_nearer_the_lamp(void **state) {
     (void)state;
     static const float heights[] = {2.0f, 0.5f, 0.1f};
@@ -109,13 +109,12 @@ static double share_past_edge(double x, double z, double cosine, double sine) {
     return seen / all;
 }
 
-/* A random straight edge before a square, seen share, plain Halton points: 1.6 % root mean square and 4.3 %
- * at most with 100 points, 0.56 and 1.8 % with 400. */
+/* A random straight edge before a square, seen share. Of plain Halton points it is off by 1.6 % root mean square
+ * and 4.3 % at most with 100 points, 0.56 and 1.8 % with 400. */
 static void half_hidden_squares_have_the_stated_accuracy(void **state) {
     (void)state;
     static const int samples[] = {100, 400};
-    static const double most_rms[] = {2.1e-2, 0.8e-2}, most[] = {6.5e-2, 2.7e-2},
-                        least_rms[] = {1e-2, 0.3e-2};
+    static const double most_rms[] = {1.6e-2, 0.56e-2}, most[] = {4.3e-2, 1.8e-2};
     const uint64_t key = sl_random_key(3, 0);
     double squares[2] = {0, 0}, largest[2] = {0, 0}, count = 0;
     for (int angle = 0; angle < 24; angle++) {
@@ -147,7 +146,7 @@ static void half_hidden_squares_have_the_stated_accuracy(void **state) {
         double rms = sqrt(squares[i] / count);
         printf("    %d points: %.2f %% root mean square, %.2f %% at most\n", samples[i], 100.0 * rms,
                100.0 * largest[i]);
-        assert_true(rms < most_rms[i] && rms > least_rms[i] && largest[i] < most[i]);
+        assert_true(rms < most_rms[i] && largest[i] < most[i]);
     }
 }
 
