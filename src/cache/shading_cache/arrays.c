@@ -37,7 +37,7 @@ void sl_display_destroy(sl_display *d) {
     }
     sl_window_close(&d->own);
     sl_display_values_release(d);
-    sl_curved_edges_destroy(d->curved);
+    sl_free(d->curved);
     sl_monitor_close(&d->swap);
     sl_free(d->left_out);
     sl_free(d->root);
@@ -53,7 +53,12 @@ static bool allocate_arrays(sl_display *d) {
         ok = d->copy[k].root != NULL;
         if (ok) memset(d->copy[k].root, 0xff, roots * sizeof *d->copy[k].root); /* SL_NO_INDEX */
     }
-    if (ok && curved) ok = (d->left_out = sl_allocate(d->scene->triangle_count, 1)) != NULL;
+    if (ok && curved)
+        ok = (d->left_out = sl_allocate(d->scene->triangle_count, 1)) &&
+             (d->curved = sl_allocate(d->primitives->curved, sizeof *d->curved));
+    for (uint32_t i = 0; ok && curved && i < d->primitives->count; i++) {
+        if (d->primitives->kind[i] == SL_PRIMITIVE_BICUBIC) d->curved[d->curved_count++] = i;
+    }
     for (size_t t = 0; ok && curved && t < d->scene->triangle_count; t++) {
         d->left_out[t] = d->primitives->kind[d->primitives->of_triangle[t]] == SL_PRIMITIVE_BICUBIC;
     }
@@ -76,7 +81,6 @@ sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitiv
     for (size_t m = 0; m < scene->material_count; m++)
         d->textured |= scene->materials[m].texture != SL_NO_INDEX;
     sl_status status = allocate_arrays(d) ? SL_OK : sl_fail_memory(error, "the display");
-    if (status == SL_OK && primitives->curved) status = sl_curved_edges_find(primitives, &d->curved, error);
     if (status == SL_OK) status = sl_window_open(d, scene, settings->threads, &d->own, error);
     if (status == SL_OK) *display = d;
     else sl_display_destroy(d);

@@ -9,10 +9,11 @@
  *   arrays.c         the two copies: trees, only what has changed
  *   display_fans.c   leaves beside finer ones: fans around their centre, so that colours meet along edges
  *   vertex_values.c  what vertices show: their samples, or, before they have any, what lies between those
- * around them packed_colour.h  colours in eight bytes leaf_lookup.h    from (u, v) to a leaf, and what it
- * shows there window.c         from where frames are drawn tessellate.c     curved surfaces, from the view:
- * chord within half a pixel; never shaded, only interpolated draw.c           id map, Gouraud, texture,
- * emission
+ *                    around them
+ *   leaf_lookup.h    from (u, v) to a leaf, and what it shows there
+ *   window.c         from where frames are drawn
+ *   tessellate.c     curved surfaces, from the view: chord within half a pixel; never shaded, only interpolated
+ *   draw.c           id map, Gouraud, texture, emission
  */
 #ifndef SL_SHADING_CACHE_DISPLAY_H
 #define SL_SHADING_CACHE_DISPLAY_H

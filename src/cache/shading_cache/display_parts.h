@@ -4,7 +4,6 @@
 
 #include "base/thread.h"
 #include "cache/shading_cache/display.h"
-#include "cache/shading_cache/packed_colour.h"
 
 /* What a patch is in the display: a leaf, a leaf with a fan, or the block of four that its children are. */
 enum { SL_FAN_BIT = 0x40000000 };
@@ -43,11 +42,6 @@ static inline sl_fan_spoke sl_fan_spoke_at(const uint32_t *fan, uint32_t k) {
     return (sl_fan_spoke){(int32_t)(code >> SL_PATCH_DEPTH_MAX), (int32_t)(code & (SL_PATCH_DYADIC - 1))};
 }
 
-/* Into how many pieces a curved surface is cut: its inside along u and v, and its edges 0 to 3. */
-typedef struct sl_curved_rates {
-    int u, v, edge[4];
-} sl_curved_rates;
-
 /* Curved surfaces as triangles for one view. */
 typedef struct sl_tessellation {
     sl_raster *raster;         /* NULL: nothing yet */
@@ -56,7 +50,7 @@ typedef struct sl_tessellation {
     uint32_t *vertex[3];       /* by triangle */
     uint32_t *primitive;
     size_t vertex_count, triangle_count;
-    sl_curved_rates *rates;    /* by surface */
+    int rate;                  /* pieces along a side of each surface */
     sl_vec3 *point;            /* 16 control points of each, as they were */
     /* these triangles with materials and texture coordinates, for alpha masks; NULL: there are none */
     sl_scene *masked;
@@ -75,11 +69,11 @@ typedef struct sl_display_copy {
      * them, both copies share them */
     const sl_patch_block **chunk;
     size_t chunk_count, chunk_capacity;
-    sl_packed_colour *value;   /* by vertex: E */
+    sl_rgb *value;             /* by vertex: E */
     size_t vertex_count, vertex_capacity;
     uint32_t *lobe_group;      /* by group of vertices, as in sl_patches; NULL: nothing has a lobe */
     size_t group_count, group_capacity;
-    sl_packed_colour *lobe;    /* L_s of those that have one */
+    sl_rgb *lobe;              /* L_s of those that have one */
     size_t lobe_capacity;
     sl_fans fans;
 } sl_display_copy;
@@ -110,9 +104,6 @@ struct sl_window {
     uint64_t builds;           /* of the copy that the last frame shows */
 };
 
-/* Curved surfaces and the edges that they share. */
-typedef struct sl_curved_edges sl_curved_edges;
-
 struct sl_display {
     const sl_scene *scene;
     const sl_primitives *primitives;
@@ -121,7 +112,8 @@ struct sl_display {
     sl_window own;
     uint8_t *left_out;         /* by scene triangle: those of curved surfaces; NULL: there are none */
     bool textured;
-    sl_curved_edges *curved;   /* NULL: nothing is curved */
+    uint32_t *curved;          /* primitives that are; NULL: none is */
+    size_t curved_count;
     sl_display_copy copy[2];
     sl_monitor swap;           /* guards these two, and is held for as long as it takes to set them */
     int shown;
@@ -145,7 +137,7 @@ static inline const uint32_t *sl_display_middles(const sl_display_copy *copy, ui
 }
 
 /* L_s of a vertex that has a lobe. */
-static inline sl_packed_colour *sl_display_lobe(const sl_display_copy *copy, uint32_t vertex) {
+static inline sl_rgb *sl_display_lobe(const sl_display_copy *copy, uint32_t vertex) {
     return copy->lobe + (size_t)SL_VERTEX_GROUP * copy->lobe_group[vertex / SL_VERTEX_GROUP] +
            vertex % SL_VERTEX_GROUP;
 }
@@ -178,8 +170,6 @@ sl_display_copy *sl_display_hidden(sl_display *display);
 void sl_display_swap(sl_display *display);
 
 /* tessellate.c. */
-sl_status sl_curved_edges_find(const sl_primitives *primitives, sl_curved_edges **curved, sl_error *error);
-void sl_curved_edges_destroy(sl_curved_edges *curved);
 /* For the window's camera, unless it is for that already. */
 sl_status sl_tessellate(const sl_display *display, sl_window *window, sl_error *error);
 /* The same triangles, where their surfaces are now. */

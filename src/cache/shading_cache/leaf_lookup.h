@@ -3,6 +3,8 @@
 #ifndef SL_SHADING_CACHE_LEAF_LOOKUP_H
 #define SL_SHADING_CACHE_LEAF_LOOKUP_H
 
+#include <string.h>
+
 #include "cache/patches/fan.h"
 #include "cache/shading_cache/display_parts.h"
 
@@ -137,8 +139,8 @@ static inline void sl_leaf_corners(const sl_display_copy *copy, const sl_leaf *l
 /* E, and with two colours L_s after it. */
 static inline void sl_display_value(const sl_display_copy *copy, size_t colours, uint32_t vertex,
                                     float value[6]) {
-    sl_unpack_colour(copy->value[vertex], value);
-    if (colours == 2) sl_unpack_colour(*sl_display_lobe(copy, vertex), value + 3);
+    memcpy(value, &copy->value[vertex], 3 * sizeof *value);
+    if (colours == 2) memcpy(value + 3, sl_display_lobe(copy, vertex), 3 * sizeof *value);
 }
 
 /* Ends of the piece of the edge on which the place lies, and how far along the piece it is. The fan's

@@ -6,8 +6,9 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/shading_cache/display_parts.h"
+#include "cache/frame/picture_value.h"
 #include "cache/patches/patch_parts.h"
+#include "cache/shading_cache/display_parts.h"
 
 /* ---- what a vertex lies between -------------------------------------------------------------- */
 
@@ -73,13 +74,18 @@ static void drop_entries(sl_display *d, const sl_patches *p) {
 
 /* ---- values ---------------------------------------------------------------------------------- */
 
-static void take_samples(const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
-    const float *lobe = sl_vertex_lobe(p, vertex);
-    copy->value[vertex] = sl_pack_colour(p->vertex[vertex].value);
-    if (lobe) *sl_display_lobe(copy, vertex) = sl_pack_colour(lobe);
+/* Finite, as pictures are. */
+static sl_rgb shown(const float value[3]) {
+    return (sl_rgb){sl_picture_value(value[0]), sl_picture_value(value[1]), sl_picture_value(value[2])};
 }
 
-static sl_packed_colour *value_of(const sl_display_copy *copy, uint32_t vertex, bool lobe) {
+static void take_samples(const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
+    const float *lobe = sl_vertex_lobe(p, vertex);
+    copy->value[vertex] = shown(p->vertex[vertex].value);
+    if (lobe) *sl_display_lobe(copy, vertex) = shown(lobe);
+}
+
+static sl_rgb *value_of(const sl_display_copy *copy, uint32_t vertex, bool lobe) {
     return lobe ? sl_display_lobe(copy, vertex) : &copy->value[vertex];
 }
 
@@ -87,20 +93,17 @@ static sl_packed_colour *value_of(const sl_display_copy *copy, uint32_t vertex, 
 static void take_mean(const sl_display_copy *copy, bool lobe, const sl_pending_vertex *e) {
     int count = e->around[2] != SL_NO_INDEX && e->around[3] != SL_NO_INDEX ? 4 : 2;
     for (int which = 0; which <= (int)lobe; which++) {
-        float sum[3] = {0, 0, 0}, one[3];
-        for (int k = 0; k < count; k++) {
-            sl_unpack_colour(*value_of(copy, e->around[k], which), one);
-            for (int c = 0; c < 3; c++) sum[c] += one[c] / (float)count;
-        }
-        *value_of(copy, e->vertex, which) = sl_pack_colour(sum);
+        sl_rgb sum = sl_grey(0.0f);
+        for (int k = 0; k < count; k++)
+            sum = sl_rgb_add(sum, sl_rgb_scale(*value_of(copy, e->around[k], which), 1.0f / (float)count));
+        *value_of(copy, e->vertex, which) = sum;
     }
 }
 
 static void take_guess(const sl_display *d, const sl_display_copy *copy, const sl_patches *p,
                        uint32_t vertex) {
-    copy->value[vertex] =
-        sl_pack_colour((const float[3]){d->settings.guess.r, d->settings.guess.g, d->settings.guess.b});
-    if (sl_vertex_lobe(p, vertex)) *sl_display_lobe(copy, vertex) = sl_pack_colour((const float[3]){0, 0, 0});
+    copy->value[vertex] = d->settings.guess;
+    if (sl_vertex_lobe(p, vertex)) *sl_display_lobe(copy, vertex) = sl_grey(0.0f);
 }
 
 /* Vertices of the list with samples get them, the others are met. */

@@ -550,39 +550,6 @@ static void frames_are_the_same_bits_with_any_number_of_threads(void **state) {
     hierarchy_discard(&h);
 }
 
-/* ---- colours in eight bytes ------------------------------------------------------------------ */
-
-static void packed_colours_are_off_by_less_than_2_to_the_minus_18_of_the_largest_channel(void **state) {
-    (void)state;
-    uint64_t key = sl_random_key(71, 0);
-    for (uint64_t i = 0; i < 20000; i++) {
-        float colour[3], back[3], most = 0.0f, scale = sl_power_of_two((int)below(key, 5 * i, 200) - 80);
-        for (uint64_t c = 0; c < 3; c++)
-            colour[c] = scale * sl_random_unit(key, 5 * i + 1 + c) *
-                        (sl_random_unit(key, 5 * i + 4) < 0.3f && c ? 0.0f : 1.0f);
-        for (int c = 0; c < 3; c++) most = fmaxf(most, colour[c]);
-        sl_unpack_colour(sl_pack_colour(colour), back);
-        for (int c = 0; c < 3; c++)
-            assert_true(fabs((double)back[c] - (double)colour[c]) <= 0x1p-18 * (double)most);
-        for (int c = 0; c < 3; c++) assert_true(colour[c] > 0.0f || back[c] == 0.0f);
-    }
-    const float hard[6][3] = {{0, 0, 0},
-                              {1, 1, 1},
-                              {NAN, -1, 2},
-                              {INFINITY, 1, 0},
-                              {0x1p-149f, 0, 0x1p-126f},
-                              {0x1.fffffep127f, 0, 0}};
-    const float want[6][3] = {{0, 0, 0}, {1, 1, 1}, {0, 0, 2}, {INFINITY, 0, 0}, {0, 0, 0}, {INFINITY, 0, 0}};
-    for (int i = 0; i < 6; i++) {
-        float back[3];
-        sl_unpack_colour(sl_pack_colour(hard[i]), back);
-        for (int c = 0; c < 3; c++) {
-            bool huge = isinf(want[i][c]);
-            assert_true(huge ? isfinite(back[c]) && back[c] > 0x1.fffep127f : back[c] == want[i][c]);
-        }
-    }
-}
-
 /* ---- motion ---------------------------------------------------------------------------------- */
 
 static void a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had(void **state) {
@@ -664,7 +631,6 @@ int main(void) {
         cmocka_unit_test(an_incremental_build_is_a_full_one_bit_by_bit),
         cmocka_unit_test(what_is_shown_stays_as_it_was_until_the_build_ends),
         cmocka_unit_test(frames_are_the_same_bits_with_any_number_of_threads),
-        cmocka_unit_test(packed_colours_are_off_by_less_than_2_to_the_minus_18_of_the_largest_channel),
         cmocka_unit_test(a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had),
         cmocka_unit_test(patches_and_both_copies_take_few_bytes_a_patch),
     };
