@@ -62,7 +62,7 @@ same mesh-cornell scenes/cornell.json -m multi-mesh -q draft -s 64x64
 same mesh-glossy scenes/cornell-glossy.json -m multi-mesh -q normal --set multi-mesh.selection=chain --bounces 2 -s 48x48
 same mesh-rays scenes/two-rooms.json -m multi-mesh -q draft --set multi-mesh.light-estimator=look-at -s 64x48
 same shading-cornell scenes/cornell.json -m shading-cache -q draft --updates 10 -s 64x64
-same shading-glossy scenes/cornell-glossy.json -m shading-cache -q draft --updates 10 --set shading-cache.pixel-selection=systematic --set shading-cache.variance-aware=1 -s 48x48
+same shading-glossy scenes/cornell-glossy.json -m shading-cache -q draft --updates 10 --set shading-cache.pixel-selection=sorted --set shading-cache.variance-aware=1 -s 48x48
 same shading-vase scenes/vase.json -m shading-cache -q draft --updates 6 --caustics -s 64x64
 same path-cornell scenes/cornell.json -m path --spp 4 -s 64x64
 same path-glossy scenes/cornell-glossy.json -m path --spp 4 -s 64x64

@@ -122,8 +122,7 @@ typedef enum sl_indirect_renderer {
 /* How pixels are chosen for samples. */
 typedef enum sl_pixel_selection {
     SL_PIXELS_HIT_AND_TEST, /* the paper's: random pixels, accepted by priority, and flood fill from them */
-    SL_PIXELS_SYSTEMATIC,   /* equal steps through the sums of priorities along a Hilbert curve */
-    SL_PIXELS_SORTED        /* the highest priorities first: what the paper compares with */
+    SL_PIXELS_SORTED       /* the highest priorities first: what the paper compares with */
 } sl_pixel_selection;
 
 #endif

@@ -180,7 +180,7 @@
     O(bool, caustics, "caustics", "", 0, 1, NOTHING, "", USER(0), "by a photon map of their own") \
     O(double, random_share, "random-share", "E", 1e-4, 1, IS(0.03), "epsilon", RESEARCH, \
       "pixels chosen whatever their priority") \
-    O(sl_pixel_selection, selection, "pixel-selection", "hit-and-test|systematic|sorted", 0, 0, NOTHING, \
+    O(sl_pixel_selection, selection, "pixel-selection", "hit-and-test|sorted", 0, 0, NOTHING, \
       "", RESEARCH, "how pixels are chosen for samples") \
     O(double, flood_threshold, "flood-threshold", "P", 1e-6, 1, IS(0.5), "", RESEARCH, \
       "priority down to which floods run") \
@@ -188,8 +188,6 @@
     O(bool, no_random, "no-random", "", 0, 1, NOTHING, "", RESEARCH, "no pixels at random") \
     O(bool, plain_normalisation, "plain-normalisation", "", 0, 1, NOTHING, "", RESEARCH, \
       "priorities by mean and 4 sigma, as printed") \
-    O(bool, by_channel, "by-channel", "", 0, 1, NOTHING, "", RESEARCH, \
-      "errors of red, green and blue count, not their luminance's alone") \
     O(bool, no_ageing, "no-ageing", "", 0, 1, NOTHING, "", RESEARCH, "samples do not grow old") \
     O(bool, no_resolution_drop, "no-resolution-drop", "", 0, 1, NOTHING, "", RESEARCH, \
       "what changes keeps its fine patches") \

@@ -41,9 +41,10 @@ typedef struct frame_job {
     const sl_display_copy *copy;
     const sl_window *window;
     sl_view view;
-    size_t pixels;
-    float *const *out;         /* pictures */
-    const sl_display_ids *ids; /* id maps */
+    /* one of these: a picture, an id map, one pixel */
+    float *const *out;
+    const sl_display_ids *ids;
+    sl_shown_pixel *shown;
 } frame_job;
 
 /* What they have in common. */
@@ -177,35 +178,6 @@ static void put(const frame_job *job, size_t pixel, sl_rgb radiance) {
     job->out[2][pixel] = sl_picture_value(radiance.b);
 }
 
-static bool is_background(const frame_job *job, size_t pixel) {
-    return !job->display->curved || job->window->frame.curved_id[pixel] == SL_NO_INDEX;
-}
-
-/* What the Gouraud pass does with the pixels of one of the two rasterizers; the background is the first
- * one's. */
-static void shade_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool curved) {
-    triangle_run run = {.root = SL_NO_INDEX};
-    for (size_t i = 0; i < p->count; i++) {
-        size_t pixel = p->first + i;
-        if (p->id[i] == SL_NO_INDEX) {
-            if (!curved && is_background(job, pixel)) put(job, pixel, background(job, pixel));
-            continue;
-        }
-        if (i == 0 || p->id[i] != p->id[i - 1]) begin_run(job, p->id[i], curved, &run);
-        const float place[2] = {p->value[0][i], p->value[1][i]};
-        sl_rgb textured = {0};
-        if (p->diffuse[0]) textured = (sl_rgb){p->diffuse[0][i], p->diffuse[1][i], p->diffuse[2][i]};
-        put(job, pixel, shade(job, &run, place, &textured));
-    }
-}
-
-static void shade_planar(void *context, const sl_gouraud_pixels *pixels) {
-    shade_pixels(context, pixels, false);
-}
-static void shade_curved(void *context, const sl_gouraud_pixels *pixels) {
-    shade_pixels(context, pixels, true);
-}
-
 static void name_pixel(const sl_display_ids *ids, size_t pixel, uint32_t patch, uint32_t root, int32_t u,
                        int32_t v) {
     if (ids->patch) ids->patch[pixel] = patch;
@@ -214,62 +186,82 @@ static void name_pixel(const sl_display_ids *ids, size_t pixel, uint32_t patch, 
     if (ids->v) ids->v[pixel] = as_parameter(v);
 }
 
-static void name_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool curved) {
+static void do_background(const frame_job *job, size_t pixel) {
+    if (job->ids) name_pixel(job->ids, pixel, SL_NO_INDEX, SL_NO_INDEX, 0, 0);
+    else if (job->shown) job->shown->emission = background(job, pixel);
+    else put(job, pixel, background(job, pixel));
+}
+
+static void do_pixel(const frame_job *job, size_t pixel, triangle_run *run, const float place[2],
+                     const sl_rgb *textured) {
+    int32_t u, v;
+    if (job->out) {
+        put(job, pixel, shade(job, run, place, textured));
+        return;
+    }
+    find_leaf(job, run, place, &u, &v);
+    if (job->ids)
+        name_pixel(job->ids, pixel, run->wanted ? sl_leaf_patch(&run->leaf) : SL_NO_INDEX, run->root, u, v);
+    else
+        *job->shown = (sl_shown_pixel){.copy = job->copy,
+                                       .root = run->root,
+                                       .wanted = run->wanted != NULL,
+                                       .lobe = run->lobe,
+                                       .leaf = run->leaf,
+                                       .emission = run->emission,
+                                       .diffuse = diffuse_of(job, run, u, v, textured),
+                                       .guess = job->copy->guess};
+}
+
+static bool is_background(const frame_job *job, size_t pixel) {
+    return !job->display->curved || job->window->frame.curved_id[pixel] == SL_NO_INDEX;
+}
+
+/* What the Gouraud pass does with the pixels of one of the two rasterizers; the background is the first
+ * one's. */
+static void do_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool curved) {
     triangle_run run = {.root = SL_NO_INDEX};
     for (size_t i = 0; i < p->count; i++) {
         if (p->id[i] == SL_NO_INDEX) {
-            if (!curved && is_background(job, p->first + i))
-                name_pixel(job->ids, p->first + i, SL_NO_INDEX, SL_NO_INDEX, 0, 0);
+            if (!curved && is_background(job, p->first + i)) do_background(job, p->first + i);
             continue;
         }
-        int32_t u, v;
         if (i == 0 || p->id[i] != p->id[i - 1]) begin_run(job, p->id[i], curved, &run);
-        find_leaf(job, &run, (const float[2]){p->value[0][i], p->value[1][i]}, &u, &v);
-        name_pixel(job->ids, p->first + i, run.wanted ? sl_leaf_patch(&run.leaf) : SL_NO_INDEX, run.root, u,
-                   v);
+        sl_rgb textured = {0};
+        if (p->diffuse[0]) textured = (sl_rgb){p->diffuse[0][i], p->diffuse[1][i], p->diffuse[2][i]};
+        do_pixel(job, p->first + i, &run, (const float[2]){p->value[0][i], p->value[1][i]}, &textured);
     }
 }
 
-static void name_planar(void *context, const sl_gouraud_pixels *pixels) {
-    name_pixels(context, pixels, false);
-}
-static void name_curved(void *context, const sl_gouraud_pixels *pixels) {
-    name_pixels(context, pixels, true);
-}
+static void do_planar(void *context, const sl_gouraud_pixels *pixels) { do_pixels(context, pixels, false); }
+static void do_curved(void *context, const sl_gouraud_pixels *pixels) { do_pixels(context, pixels, true); }
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-static sl_status begin_frame(sl_display *d, const sl_window *window, const sl_display_copy *copy,
-                             unsigned threads, frame_job *job, sl_counters *counters, sl_error *error) {
-    *job = (frame_job){.display = d,
+static frame_job job_of(const sl_display *d, const sl_window *window, const sl_display_copy *copy) {
+    return (frame_job){.display = d,
                        .copy = copy,
                        .window = window,
-                       .view = sl_view_scene(window->scene, d->settings.width, d->settings.height),
-                       .pixels = (size_t)d->settings.width * (size_t)d->settings.height};
-    return draw_ids(d, window, &job->view, threads, counters, error);
+                       .view = sl_view_scene(window->scene, d->settings.width, d->settings.height)};
 }
 
-typedef void pixel_program(void *context, const sl_gouraud_pixels *pixels);
-
-static void draw_gouraud(frame_job *job, unsigned threads, bool textured, pixel_program *planar,
-                         pixel_program *curved, sl_counters *counters) {
+/* count: pixels from `first` on; 0: all. */
+static void draw_gouraud(frame_job *job, unsigned threads, size_t first, size_t count,
+                         sl_counters *counters) {
     const sl_window *w = job->window;
-    sl_gouraud_pass pass = {
-        .channels = 2, .corners = scene_places, .textured = textured, .shade = planar, .context = job};
+    sl_gouraud_pass pass = {.channels = 2,
+                            .corners = scene_places,
+                            .textured = job->display->textured && !job->ids,
+                            .shade = do_planar,
+                            .context = job,
+                            .first = first,
+                            .count = count};
     sl_raster_gouraud(w->raster, &job->view, threads, w->frame.id, &pass, counters);
     if (!job->display->curved) return;
-    pass = (sl_gouraud_pass){.channels = 2, .corners = curved_places, .shade = curved, .context = job};
+    pass.corners = curved_places;
+    pass.textured = false;
+    pass.shade = do_curved;
     sl_raster_gouraud(w->tessellation.raster, &job->view, threads, w->frame.curved_id, &pass, counters);
-}
-
-static sl_status draw_copy(sl_display *d, const sl_window *window, const sl_display_copy *copy,
-                           unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error) {
-    frame_job job;
-    sl_status status = begin_frame(d, window, copy, threads, &job, counters, error);
-    if (status != SL_OK) return status;
-    job.out = planes;
-    draw_gouraud(&job, threads, d->textured, shade_planar, shade_curved, counters);
-    return SL_OK;
 }
 
 /* The display's own window is seen to by builds. */
@@ -277,11 +269,16 @@ sl_status sl_window_draw(sl_display *d, sl_window *window, unsigned threads, flo
                          sl_counters *counters, sl_error *error) {
     const sl_display_copy *copy = sl_display_take(d);
     sl_status status = SL_OK;
+    threads = sl_thread_count(threads);
     if (d->curved && window != &d->own && window->builds != copy->builds)
         status = sl_tessellate(d, window, error);
-    if (status == SL_OK)
-        status = draw_copy(d, window, copy, sl_thread_count(threads), planes, counters, error);
-    if (status == SL_OK) window->builds = copy->builds;
+    frame_job job = job_of(d, window, copy);
+    job.out = planes;
+    if (status == SL_OK) status = draw_ids(d, window, &job.view, threads, counters, error);
+    if (status == SL_OK) {
+        draw_gouraud(&job, threads, 0, 0, counters);
+        window->builds = copy->builds;
+    }
     sl_display_give_back(d, copy);
     return status;
 }
@@ -293,73 +290,26 @@ sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[3
 
 sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_ids *ids, sl_counters *counters,
                             sl_error *error) {
-    frame_job job;
-    threads = sl_thread_count(threads);
     const sl_display_copy *copy = sl_display_take(d);
-    sl_status status = begin_frame(d, &d->own, copy, threads, &job, counters, error);
-    if (status == SL_OK) {
-        job.ids = ids;
-        draw_gouraud(&job, threads, false, name_planar, name_curved, counters);
-    }
+    frame_job job = job_of(d, &d->own, copy);
+    job.ids = ids;
+    threads = sl_thread_count(threads);
+    sl_status status = draw_ids(d, &d->own, &job.view, threads, counters, error);
+    if (status == SL_OK) draw_gouraud(&job, threads, 0, 0, counters);
     sl_display_give_back(d, copy);
     if (status != SL_OK) return status;
     size_t planes = 0;
     const void *const wanted[4] = {ids->patch, ids->root, ids->u, ids->v};
     for (int k = 0; k < 4; k++) planes += wanted[k] != NULL;
-    sl_count(counters, SL_COUNT_BYTES_READ_BACK, 4 * planes * job.pixels);
+    sl_count(counters, SL_COUNT_BYTES_READ_BACK,
+             4 * planes * (size_t)d->settings.width * (size_t)d->settings.height);
     return SL_OK;
 }
 
-/* ---- one pixel again ------------------------------------------------------------------------- */
-
-typedef struct one_pixel {
-    frame_job job;
-    sl_shown_pixel *shown;
-} one_pixel;
-
-static void tell_pixel(one_pixel *of, const sl_gouraud_pixels *p, bool curved) {
-    sl_shown_pixel *shown = of->shown;
-    triangle_run run = {.root = SL_NO_INDEX};
-    int32_t u, v;
-    if (p->id[0] == SL_NO_INDEX) return;
-    begin_run(&of->job, p->id[0], curved, &run);
-    find_leaf(&of->job, &run, (const float[2]){p->value[0][0], p->value[1][0]}, &u, &v);
-    sl_rgb textured = {0};
-    if (p->diffuse[0]) textured = (sl_rgb){p->diffuse[0][0], p->diffuse[1][0], p->diffuse[2][0]};
-    shown->root = run.root;
-    shown->wanted = run.wanted != NULL;
-    shown->lobe = run.lobe;
-    shown->leaf = run.leaf;
-    shown->emission = run.emission;
-    shown->diffuse = diffuse_of(&of->job, &run, u, v, &textured);
-}
-
-static void tell_planar(void *context, const sl_gouraud_pixels *pixels) {
-    tell_pixel(context, pixels, false);
-}
-static void tell_curved(void *context, const sl_gouraud_pixels *pixels) { tell_pixel(context, pixels, true); }
-
 void sl_display_pixel(sl_display *d, size_t pixel, sl_shown_pixel *shown) {
-    one_pixel of = {.job = {.display = d,
-                            .copy = &d->copy[d->shown],
-                            .window = &d->own,
-                            .view = sl_view_scene(d->own.scene, d->settings.width, d->settings.height)},
-                    .shown = shown};
-    sl_gouraud_pass pass = {.channels = 2,
-                            .corners = scene_places,
-                            .textured = d->textured,
-                            .shade = tell_planar,
-                            .context = &of,
-                            .first = pixel,
-                            .count = 1};
+    frame_job job = job_of(d, &d->own, &d->copy[d->shown]);
     sl_counters none = {{0}};
-    *shown = (sl_shown_pixel){.copy = of.job.copy, .root = SL_NO_INDEX, .guess = of.job.copy->guess};
-    sl_raster_gouraud(d->own.raster, &of.job.view, 1, d->own.frame.id, &pass, &none);
-    if (d->curved && shown->root == SL_NO_INDEX) {
-        pass.corners = curved_places;
-        pass.textured = false;
-        pass.shade = tell_curved;
-        sl_raster_gouraud(d->own.tessellation.raster, &of.job.view, 1, d->own.frame.curved_id, &pass, &none);
-    }
-    if (shown->root == SL_NO_INDEX) shown->emission = background(&of.job, pixel);
+    *shown = (sl_shown_pixel){.copy = job.copy, .root = SL_NO_INDEX, .guess = job.copy->guess};
+    job.shown = shown;
+    draw_gouraud(&job, 1, pixel, 1, &none);
 }

@@ -137,7 +137,7 @@ static sl_status shading_create(const sl_scene *scene, const sl_settings *settin
     s->plan = sl_shading_plan_make(scene, settings);
     s->announcer = (sl_announcer){.observer = settings->observer, .method = "shading-cache",
                                   .counters = &s->counters};
-    s->curve = (sl_display_curve){middle_radiance(s), settings->shading_cache.by_channel};
+    s->curve = (sl_display_curve){middle_radiance(s)};
     s->last_update = settings->shading_cache.updates;
     sl_status status = make_cache(s, error);
     if (status != SL_OK) {

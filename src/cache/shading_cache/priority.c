@@ -21,26 +21,8 @@ float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance) {
     return sl_curve_level_of(curve, sl_curve_luminance(radiance));
 }
 
-/* ---- of a radiance: its luminance, and its channels where they count ---- */
-
-enum { MEASURES = 4 };
-
-static int measures_of(const sl_display_curve *curve, sl_rgb radiance, float measure[MEASURES]) {
-    measure[0] = sl_curve_luminance(radiance);
-    if (!curve->by_channel) return 1;
-    measure[1] = radiance.r;
-    measure[2] = radiance.g;
-    measure[3] = radiance.b;
-    return MEASURES;
-}
-
 float sl_levels_apart(const sl_display_curve *curve, sl_rgb a, sl_rgb b) {
-    float of_a[MEASURES], of_b[MEASURES], most = 0.0f;
-    int count = measures_of(curve, a, of_a);
-    measures_of(curve, b, of_b);
-    for (int k = 0; k < count; k++)
-        most = fmaxf(most, fabsf(sl_curve_level_of(curve, of_a[k]) - sl_curve_level_of(curve, of_b[k])));
-    return most;
+    return fabsf(sl_curve_level(curve, a) - sl_curve_level(curve, b));
 }
 
 /* ---- what leaves a patch --------------------------------------------------------------------- */
@@ -76,27 +58,18 @@ float sl_vertex_level(const sl_patches *p, const sl_display_curve *curve, uint32
 /* ---- error and age of a patch ---------------------------------------------------------------- */
 
 /* Levels grow with luminance: only those of the darkest and of the brightest corner are needed. */
-static float levels_between(const sl_display_curve *curve, float low, float high) {
-    return high > low ? fmaxf(sl_curve_level_of(curve, high) - sl_curve_level_of(curve, low), 0.0f) : 0.0f;
-}
-
 float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_t patch) {
     exitance e = exitance_of(p->primitives, sl_patch_root(p, patch));
-    float low[MEASURES] = {FLT_MAX, FLT_MAX, FLT_MAX, FLT_MAX}, high[MEASURES] = {0.0f}, most = 0.0f;
+    float low = FLT_MAX, high = 0.0f;
     for (int c = 0; c < sl_patch_corners(p, patch); c++) {
         uint32_t vertex = sl_patch_corner(p, patch, c);
-        float measure[MEASURES];
         if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) return -1.0f;
-        int count = measures_of(curve, radiance_at(p, &e, vertex), measure);
-        for (int k = 0; k < count; k++) {
-            if (p->vertex[vertex].borrowed) low[k] = 0.0f; /* extrapolated: it may be black there */
-            low[k] = measure[k] < low[k] ? measure[k] : low[k];
-            high[k] = measure[k] > high[k] ? measure[k] : high[k];
-        }
+        float luminance = sl_curve_luminance(radiance_at(p, &e, vertex));
+        if (p->vertex[vertex].borrowed) low = 0.0f; /* extrapolated: it may be black there */
+        low = luminance < low ? luminance : low;
+        high = luminance > high ? luminance : high;
     }
-    /* of measures that do not count none */
-    for (int k = 0; k < MEASURES; k++) most = fmaxf(most, levels_between(curve, low[k], high[k]));
-    return most;
+    return high > low ? fmaxf(sl_curve_level_of(curve, high) - sl_curve_level_of(curve, low), 0.0f) : 0.0f;
 }
 
 float sl_patch_age(const sl_patches *p, uint32_t patch, uint32_t now, uint32_t changed, float c) {

@@ -11,9 +11,6 @@
  * Y_ref). */
 typedef struct sl_display_curve {
     float reference;           /* Y_ref */
-    /* the largest of the differences of Y, R, G and B counts: Y alone does not see edges between colours that
-     * are equally bright */
-    bool by_channel;
 } sl_display_curve;
 /* Y; negative, NaN: 0; infinite: the largest float. */
 float sl_curve_luminance(sl_rgb radiance);
@@ -27,8 +24,7 @@ float sl_levels_apart(const sl_display_curve *curve, sl_rgb a, sl_rgb b);
 float sl_vertex_luminance(const sl_patches *patches, uint32_t vertex);
 float sl_vertex_level(const sl_patches *patches, const sl_display_curve *curve, uint32_t vertex);
 
-/* Largest minus smallest level of the exitant radiance at a patch's corners, or of one of its channels.
- * Corners never evaluated: -1. Corners without light of their own may be black, so that what holds them is
+/* Largest minus smallest level of the exitant radiance at a patch's corners. Corners never evaluated: -1. Corners without light of their own may be black, so that what holds them is
  * split as long as it can be seen. */
 float sl_patch_error(const sl_patches *patches, const sl_display_curve *curve, uint32_t patch);
 /* Age in grey levels: c (now - evaluated) of its oldest corner, or what hangs on its edges, if that was

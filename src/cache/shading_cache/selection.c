@@ -1,12 +1,11 @@
-/* Choices of pixels: where they are kept, and two ways beside the paper's, hit-and-test, which is in
- * shading_cache.c with the flood fill. */
+/* Choices of pixels: where they are kept, and the highest priorities first, with which the paper compares
+ * hit-and-test and flood fill (shading_cache.c). */
 #include "cache/shading_cache/selection.h"
 
 #include <stdlib.h>
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/random.h"
 
 static uint32_t most_of(const sl_selection *s, uint32_t leaf) {
     uint32_t most = s->settings->per_patch > 0 ? (uint32_t)s->settings->per_patch : 0;
@@ -26,60 +25,6 @@ bool sl_selection_take(sl_selection *s, uint32_t pixel, sl_choice_kind kind) {
         [SL_CHOICE_FLOOD] = SL_COUNT_PIXELS_FLOODED};
     sl_count(s->counters, counter[kind], 1);
     return true;
-}
-
-/* ---- instead: equal steps through the sums of p_total along a Hilbert curve ---- */
-
-/* Each pixel is chosen as often as in hit-and-test, no test is in vain, and choices are spread evenly over
- * the picture (Steigleder and McCool 2003). */
-
-typedef struct steps {
-    sl_selection *selection;
-    uint64_t key, drawn;
-    double sum, next, step;
-} steps;
-
-/* Both kinds of choices as hit-and-test has them: epsilon of p_total is chance. */
-static void pass_pixel(steps *t, uint32_t pixel) {
-    sl_selection *s = t->selection;
-    uint32_t leaf = s->leaf[pixel];
-    if (leaf == SL_NO_INDEX) return;
-    float chance = sl_selection_chance(s, leaf);
-    t->sum += (double)chance;
-    for (; t->next < t->sum && t->drawn < (uint64_t)s->settings->points; t->next += t->step) {
-        bool is_random = sl_random_unit(t->key, ++t->drawn) * chance < s->settings->random_share;
-        sl_selection_take(s, pixel, is_random ? SL_CHOICE_RANDOM : SL_CHOICE_HIT);
-    }
-}
-
-/* A square that the curve enters at corner (x, y) and leaves at (x + ax, y + ay); (bx, by) is its other side.
- * It is four of half the size. */
-static void walk_curve(steps *t, int x, int y, int ax, int ay, int bx, int by) {
-    int low_x = ax + bx > 0 ? x : x + ax + bx, low_y = ay + by > 0 ? y : y + ay + by;
-    if (low_x >= t->selection->width || low_y >= t->selection->height) return;
-    if (abs(ax + bx) == 1) {
-        pass_pixel(t, (uint32_t)low_y * (uint32_t)t->selection->width + (uint32_t)low_x);
-        return;
-    }
-    ax /= 2, ay /= 2, bx /= 2, by /= 2;
-    walk_curve(t, x, y, bx, by, ax, ay);
-    walk_curve(t, x + bx, y + by, ax, ay, bx, by);
-    walk_curve(t, x + ax + bx, y + ay + by, ax, ay, bx, by);
-    walk_curve(t, x + 2 * ax + bx, y + 2 * ay + by, -bx, -by, -ax, -ay);
-}
-
-static void select_systematically(sl_selection *s) {
-    steps t = {.selection = s, .key = sl_random_key(s->settings->seed, s->settings->update)};
-    double total = 0.0;
-    for (size_t i = 0; i < s->pixel_count; i++)
-        total += s->leaf[i] == SL_NO_INDEX ? 0.0 : (double)sl_selection_chance(s, s->leaf[i]);
-    if (!(total > 0.0)) return;
-    t.step = total / (double)s->settings->points;
-    t.next = (double)sl_random_unit(t.key, 0) * t.step;
-    int size = 1;
-    while (size < s->width || size < s->height) size *= 2;
-    walk_curve(&t, 0, 0, size, 0, 0, size);
-    sl_count(s->counters, SL_COUNT_PIXEL_TESTS, t.drawn);
 }
 
 /* ---- instead: the highest priorities first ---- */
@@ -154,11 +99,8 @@ static sl_status select_sorted(sl_selection *s, sl_error *error) {
 /* ---- all ---- */
 
 static sl_status select_pixels(sl_selection *s, sl_error *error) {
-    switch (s->settings->how) {
-    case SL_PIXELS_SORTED: return select_sorted(s, error);
-    case SL_PIXELS_SYSTEMATIC: select_systematically(s); break;
-    default: sl_hit_and_test(s);
-    }
+    if (s->settings->how == SL_PIXELS_SORTED) return select_sorted(s, error);
+    sl_hit_and_test(s);
     return s->settings->flood_threshold > 1.0f ? SL_OK : sl_flood_fill(s, error);
 }
 

@@ -51,13 +51,6 @@ static inline bool sl_selection_visited(const sl_selection *s,
 static inline void sl_selection_visit(sl_selection *s,
                                       uint32_t pixel) { s->visited[pixel / 8] |= (uint8_t)(1u << pixel % 8); }
 
-/* p_total = epsilon + (1 - epsilon) p_norm */
-static inline float sl_selection_chance(const sl_selection *s, uint32_t leaf) {
-    float e = s->settings->random_share;
-    if (s->leaves[leaf].pixels == 0) return 0.0f;
-    return e + (1.0f - e) * s->leaves[leaf].normal;
-}
-
 /* Chooses a pixel of a leaf, unless it has been chosen, or its patch has enough. */
 bool sl_selection_take(sl_selection *s, uint32_t pixel, sl_choice_kind kind);
 

@@ -201,17 +201,6 @@ static void clamped_priorities_need_half_the_samples_of_printed_ones(void **stat
     for (int k = 0; k + 1 < STEPS; k++) assert_true(clamped[k] < plain[k + 1]);
 }
 
-static void equal_steps_do_as_well_as_draws(void **state) {
-    (void)state;
-    shown = with_shadows;
-    double drawn[STEPS], steps[STEPS];
-    variant v = both;
-    measure(&v, drawn);
-    v.how = SL_PIXELS_SYSTEMATIC;
-    measure(&v, steps);
-    for (int k = 0; k < STEPS; k++) assert_true(steps[k] < 1.05 * drawn[k]);
-}
-
 static void a_shadow_within_an_even_wall_is_found_by_chance_or_never(void **state) {
     (void)state;
     shown = even_but_for_a_spot;
@@ -227,7 +216,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hits_and_floods_together_beat_either_alone_and_sorting),
         cmocka_unit_test(clamped_priorities_need_half_the_samples_of_printed_ones),
-        cmocka_unit_test(equal_steps_do_as_well_as_draws),
         cmocka_unit_test(a_shadow_within_an_even_wall_is_found_by_chance_or_never),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -539,27 +539,6 @@ static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and
     sl_scene_destroy(scene);
 }
 
-/* 5 R = 9 G. */
-static void a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone(
-    void **state) {
-    (void)state;
-    for (int by_channel = 0; by_channel < 2; by_channel++) {
-        sl_scene *scene = room();
-        sl_settings settings = loop_settings();
-        settings.shading_cache.by_channel = by_channel;
-        scene->lights[0].intensity = (sl_rgb){9, 0, 0};
-        sl_method *method = method_of(scene, &settings);
-        for (int i = 0; i < 10; i++) update(method);
-        scene->lights[0].intensity = (sl_rgb){0, 5, 0};
-        scene->version++;
-        edit(method, SL_CHANGED_LIGHTS);
-        for (int i = 0; i < 10; i++) update(method);
-        assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED) > 0, by_channel);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
-    }
-}
-
 /* Both are refined until nothing is left to refine. */
 static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state) {
     (void)state;
@@ -983,8 +962,6 @@ int main(void) {
         cmocka_unit_test(
             leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and_others_need_not),
         cmocka_unit_test(a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_it),
-        cmocka_unit_test(
-            a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone),
         cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),
         cmocka_unit_test(
             patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),

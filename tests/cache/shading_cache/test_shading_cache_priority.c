@@ -93,37 +93,6 @@ static void errors_are_those_of_what_leaves_a_surface_not_of_what_arrives(void *
     hierarchy_discard(&h);
 }
 
-/* Red on one side, green on the other, and 5 R = 9 G. */
-static void an_edge_between_colours_that_are_equally_bright_shows_in_their_channels_alone(void **state) {
-    (void)state;
-    static const float red[3] = {9.0f, 0.0f, 0.0f}, green[3] = {0.0f, 5.0f, 0.0f};
-    const sl_display_curve by_channel = {.reference = curve.reference, .by_channel = true};
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    uint32_t patch = want_root(&h, 0);
-    evaluate_all(&h, 1.0f, 1);
-    assert_true(sl_patch_error(h.patches, &by_channel, patch) == 0.0f);
-    for (int c = 0; c < 4; c++) {
-        for (int k = 0; k < 3; k++)
-            h.patches->vertex[sl_patch_corner(h.patches, patch, c)].value[k] = c < 2 ? red[k] : green[k];
-    }
-    assert_true(sl_patch_error(h.patches, &curve, patch) < 1e-3f);
-    /* of red: green and luminance have less; kd = 1/2 */
-    const float wanted = sl_curve_level_of(&curve, 4.5f / (float)SL_PI);
-    assert_true(fabsf(sl_patch_error(h.patches, &by_channel, patch) - wanted) < 1e-3f && wanted > 50.0f);
-    evaluate_all(&h, 1.0f, 1);
-    evaluate(&h, sl_patch_corner(h.patches, patch, 1), 5.0f, 1); /* of greys all four say the same */
-    assert_true(fabsf(sl_patch_error(h.patches, &by_channel, patch) -
-                      sl_patch_error(h.patches, &curve, patch)) < 1e-3f);
-    sl_rgb a = {9, 0, 0}, b = {0, 5, 0}, none = {NAN, HUGE_VALF, -1};
-    assert_true(sl_levels_apart(&curve, a, b) < 1e-3f && sl_levels_apart(&curve, a, a) == 0.0f &&
-                sl_levels_apart(&by_channel, a, a) == 0.0f);
-    assert_true(sl_levels_apart(&by_channel, a, b) == sl_curve_level_of(&curve, 9.0f) &&
-                sl_levels_apart(&by_channel, b, a) == sl_levels_apart(&by_channel, a, b));
-    assert_true(sl_levels_apart(&by_channel, none, sl_grey(0)) == 255.0f &&
-                sl_levels_apart(&curve, none, sl_grey(0)) == 0.0f);
-    hierarchy_discard(&h);
-}
-
 static sl_scene *lamp_and_gloss_scene(float emission, float specular, float exponent) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, specular, exponent, 0, emission);
@@ -459,7 +428,6 @@ int main(void) {
         cmocka_unit_test(light_that_is_no_number_has_a_level_nevertheless),
         cmocka_unit_test(a_patch_from_black_to_very_bright_has_an_error_of_255),
         cmocka_unit_test(errors_are_those_of_what_leaves_a_surface_not_of_what_arrives),
-        cmocka_unit_test(an_edge_between_colours_that_are_equally_bright_shows_in_their_channels_alone),
         cmocka_unit_test(light_on_the_front_of_a_lamp_hardly_shows),
         cmocka_unit_test(highlights_count_where_there_are_lobes),
         cmocka_unit_test(a_patch_with_a_corner_never_evaluated_has_no_error),

@@ -391,74 +391,6 @@ static void floods_run_through_patches_that_have_their_share(void **state) {
 
 /* ---- equal steps ---- */
 
-static void a_curve_passes_each_pixel_of_any_picture_once_and_goes_from_neighbour_to_neighbour(void **state) {
-    (void)state;
-    static const int sizes[][2] = {{1, 1},   {1, 9},   {7, 1},   {2, 2},   {5, 3},
-                                   {16, 16}, {33, 20}, {64, 64}, {20, 100}};
-    for (int k = 0; k < 9; k++) {
-        int width = sizes[k][0], height = sizes[k][1];
-        picture p = picture_of(width, height, 1);
-        for (int i = 0; i < width * height; i++) paint(&p, i % width, i / width, 0, 1.0f);
-        sl_selection_settings s = usual(width * height);
-        s.how = SL_PIXELS_SYSTEMATIC;
-        s.random_share = 0.0f;
-        choose(&p, &s); /* which sees that none is chosen twice */
-        assert_int_equal(p.count, width * height);
-        bool square = width == height && (width & (width - 1)) == 0;
-        for (size_t i = 1; square && i < p.count; i++)
-            assert_true(beside(&p, p.choice[i - 1].pixel, p.choice[i].pixel));
-        picture_discard(&p);
-    }
-}
-
-static void equal_steps_choose_each_pixel_as_often_as_its_chance_says_and_in_no_vain_test(void **state) {
-    (void)state;
-    enum { PIXELS = 2000, UPDATES = 4000, POINTS = 20 };
-    picture p = picture_of(50, 40, PIXELS);
-    uint64_t key = sl_random_key(8, 8);
-    double sum = 0.0, worst = 0.0;
-    static double found[PIXELS];
-    for (int i = 0; i < PIXELS; i++) {
-        paint(&p, i % 50, i / 50, (uint32_t)i, sl_random_unit(key, (uint64_t)i));
-        sum += 0.03 + 0.97 * (double)p.leaves[i].normal;
-    }
-    sl_selection_settings s = usual(POINTS);
-    s.how = SL_PIXELS_SYSTEMATIC;
-    double random = 0.0;
-    for (s.update = 0; s.update < UPDATES; s.update++) {
-        choose(&p, &s);
-        assert_int_equal(p.count, POINTS);
-        assert_int_equal(p.counters.value[SL_COUNT_PIXEL_TESTS], POINTS);
-        random += (double)p.counters.value[SL_COUNT_PIXELS_RANDOM];
-        for (size_t i = 0; i < p.count; i++) found[p.choice[i].pixel] += 1.0;
-    }
-    for (int i = 0; i < PIXELS; i++) {
-        double share = POINTS * (0.03 + 0.97 * (double)p.leaves[i].normal) / sum,
-               error = sqrt(UPDATES * share * (1.0 - share));
-        worst = fmax(worst, fabs(found[i] - UPDATES * share) / error);
-    }
-    assert_true(worst < 4.5); /* of 2,000 normal deviates 3.5 is the median of the largest */
-    double all = (double)UPDATES * POINTS, wanted = 0.03 * PIXELS / sum;
-    assert_true(fabs(random / all - wanted) < 4.0 * sqrt(wanted * (1.0 - wanted) / all));
-    picture_discard(&p);
-}
-
-static void equal_steps_spread_evenly(void **state) {
-    (void)state;
-    picture p = picture_of(64, 64, 1);
-    for (int i = 0; i < 4096; i++) paint(&p, i % 64, i / 64, 0, 1.0f);
-    sl_selection_settings s = usual(64);
-    s.how = SL_PIXELS_SYSTEMATIC;
-    for (s.update = 0; s.update < 20; s.update++) {
-        choose(&p, &s);
-        int in_block[64] = {0};
-        for (size_t i = 0; i < p.count; i++)
-            in_block[p.choice[i].pixel % 64 / 8 + p.choice[i].pixel / 64 / 8 * 8]++;
-        for (int b = 0; b < 64; b++) assert_int_equal(in_block[b], 1);
-    }
-    picture_discard(&p);
-}
-
 /* ---- the highest first ---- */
 
 static void sorted_choices_are_those_of_highest_priority_and_one_of_each_patch_before_two(void **state) {
@@ -505,9 +437,6 @@ int main(void) {
         cmocka_unit_test(a_leaf_none_of_whose_pixels_count_is_never_chosen),
         cmocka_unit_test(floods_take_nothing_below_their_seed_or_the_threshold),
         cmocka_unit_test(floods_run_through_patches_that_have_their_share),
-        cmocka_unit_test(a_curve_passes_each_pixel_of_any_picture_once_and_goes_from_neighbour_to_neighbour),
-        cmocka_unit_test(equal_steps_choose_each_pixel_as_often_as_its_chance_says_and_in_no_vain_test),
-        cmocka_unit_test(equal_steps_spread_evenly),
         cmocka_unit_test(sorted_choices_are_those_of_highest_priority_and_one_of_each_patch_before_two),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
