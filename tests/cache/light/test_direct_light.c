@@ -308,52 +308,7 @@ static void nothing_of_a_lamp_above_the_horizon_is_missed(void **state) {
     }
 }
 
-/* A slab, 0.06 m high, in the penumbra of a roof; the floor behind it lies in full shadow. They are seen so
- * nearly edge-on that neighbouring pixels show places half a metre apart. */
-static void no_penumbra_spreads_over_a_step(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
-             lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 9.0f);
-    trace_mesh_quad(&mesh, sl_v3(-1, 3, -1), sl_v3(1, 0, 0), sl_v3(0, 0, 2), lamp);
-    trace_mesh_quad(&mesh, sl_v3(0, 0, -9), sl_v3(0, 0, 18), sl_v3(9, 0, 0), grey);
-    trace_mesh_box(&mesh, sl_v3(-9, 0, -9), sl_v3(0, 0.06f, 9), false, grey);
-    trace_mesh_box(&mesh, sl_v3(-0.1f, 0.5f, -9), sl_v3(9, 0.55f, 9), false, grey);
-    mesh.has_camera =
-        sl_camera_look_at(&mesh.camera, sl_v3(-5, 0.81f, 0), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.05f);
-    sl_scene *scene = trace_mesh_build(&mesh);
-    picture *p = direct_light(scene, (options){4, 1, 2, false, 64});
-    size_t shadowed = 0, partly = 0;
-    for (size_t i = 0; i < PIXELS; i++) {
-        if (!faces(p->gbuffer, i, sl_v3(0, 1, 0))) continue;
-        bool floor = p->gbuffer->position_y[i] < 0.01f;
-        shadowed += floor;
-        partly += !floor && p->rgb[i] > 0.0f;
-        if (floor) assert_true(p->rgb[i] == 0.0f);
-    }
-    assert_true(shadowed > 3 * SIZE && partly > 3 * SIZE);
-    picture_free(p);
-    sl_scene_destroy(scene);
-}
-
 /* ---- glossy lobes ------------------------------------------------------------ */
-
-static void lobes_wide_and_narrow_are_unbiased(void **state) {
-    (void)state;
-    const float exponents[] = {3.0f, 30.0f, 1000.0f};
-    for (int run = 0; run < 3; run++) {
-        sl_scene *scene = half_hidden(0.4f, exponents[run]);
-        picture *few = direct_light(scene, (options){8, 5, 2, false, 64}),
-                *many = direct_light(scene, (options){256, 6, 2, false, 64});
-        print_message("exponent %g: rms %.4f, bias %+.5f\n", (double)exponents[run], difference(few, many),
-                      mean_of(few) / mean_of(many) - 1.0);
-        assert_true(fabs(mean_of(few) / mean_of(many) - 1.0) < (run == 2 ? 0.02 : 0.01));
-        assert_true(difference(few, many) < (run == 0 ? 0.1 : run == 1 ? 0.3 : 0.8));
-        picture_free(few);
-        picture_free(many);
-        sl_scene_destroy(scene);
-    }
-}
 
 typedef struct {
     double half_width, bottom, top, exponent, bias, rms; /* the last two: at most */
@@ -561,8 +516,6 @@ int main(void) {
         cmocka_unit_test(few_samples_of_a_penumbra_are_those_of_many_but_for_noise),
         cmocka_unit_test(between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them),
         cmocka_unit_test(nothing_of_a_lamp_above_the_horizon_is_missed),
-        cmocka_unit_test(no_penumbra_spreads_over_a_step),
-        cmocka_unit_test(lobes_wide_and_narrow_are_unbiased),
         cmocka_unit_test(few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is),
         cmocka_unit_test(the_sun_on_an_open_plane_is_the_sum_of_its_texels),
         cmocka_unit_test(a_court_under_sky_and_sun_is_what_the_path_tracer_says),

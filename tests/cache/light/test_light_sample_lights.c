@@ -85,42 +85,6 @@ static void lights_without_extent_follow_in_the_scenes_order(void **unused) {
     light_world_free(&w);
 }
 
-static void a_scene_without_lights_has_none(void **unused) {
-    (void)unused;
-    trace_mesh mesh = trace_mesh_begin();
-    add_panel(&mesh, 0, 2, 0, 1, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
-    light_world w;
-    light_world_make(&w, &mesh);
-    assert_int_equal(w.lights->count, 0);
-    assert_int_equal(w.lights->light_of_triangle[0], SL_NO_INDEX);
-    light_world_free(&w);
-}
-
-/* With a second lamp turned off, what the first gives is the same, bit by bit: lamps hide each other, and
- * that is all they do. */
-static void a_light_is_the_same_whatever_other_lights_do(void **unused) {
-    (void)unused;
-    float value[2][100];
-    for (int on = 0; on < 2; on++) {
-        trace_mesh mesh = trace_mesh_begin();
-        uint32_t lamp = lamp_material(&mesh, 1),
-                 other = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, on ? 7.0f : 0.0f);
-        add_panel(&mesh, 0, 2, 0, 1, lamp);
-        add_panel(&mesh, 0.5f, 1.5f, 0.2f, 0.7f, other);
-        trace_mesh_sphere(&mesh, sl_v3(0.3f, 1, 0.3f), 0.2f, 8, 0.0f, false, other);
-        light_world w;
-        light_world_make(&w, &mesh);
-        assert_int_equal(w.lights->count, on ? 3 : 1);
-        for (uint64_t i = 0; i < 100; i++) {
-            uint64_t key = sl_random_key(21, i);
-            value[on][i] = (float)sample_light(
-                &w, 0, sl_v3(2 * sl_random_unit(key, 0) - 0.5f, 0, 2 * sl_random_unit(key, 1) - 0.5f), up);
-        }
-        light_world_free(&w);
-    }
-    assert_memory_equal(value[0], value[1], sizeof value[0]);
-}
-
 /* F times the colour, summed over all lights, is the irradiance: panel by panel against the closed form. */
 static void lights_add_up_to_the_irradiance(void **unused) {
     (void)unused;
@@ -192,8 +156,6 @@ int main(void) {
         cmocka_unit_test(bulbs_apart_are_lights_of_their_own),
         cmocka_unit_test(a_swarm_of_lamps_is_one_light),
         cmocka_unit_test(lights_without_extent_follow_in_the_scenes_order),
-        cmocka_unit_test(a_scene_without_lights_has_none),
-        cmocka_unit_test(a_light_is_the_same_whatever_other_lights_do),
         cmocka_unit_test(lights_add_up_to_the_irradiance),
         cmocka_unit_test(settings_out_of_range_are_refused),
     };

@@ -75,34 +75,6 @@ static void plane_mirrors_show_a_point_lights_image(void **state) {
     shop_close(&s);
 }
 
-/* The lamp's image at x = -2.45 looks at +x. */
-static double image_irradiance(sl_vec3 p) {
-    enum { GRID = 60 };
-    double e = 0.0, dx = (double)p.x + 2.45;
-    for (int i = 0; i < GRID * GRID; i++) {
-        double y = (double)p.y + 1.0 - 2.0 * (i % GRID + 0.5) / GRID, z = 0.5 + 2.0 * (i / GRID + 0.5) / GRID,
-               r2 = dx * dx + y * y + z * z;
-        e += 0.8 * 40.0 * 4.0 / (GRID * GRID) * z * dx / (r2 * r2);
-    }
-    return e;
-}
-
-static void plane_mirrors_show_a_lamps_image(void **state) {
-    (void)state;
-    shop s;
-    shop_open(&s, floor_and_mirror(true, 0));
-    s.settings.cache.caustics = true;
-    sl_sample_renderer r = shop_renderer(&s, sl_caustic_renderer);
-    for (int i = 0; i < 2; i++) { /* before the lamp, behind which its own back hides the image */
-        sl_sample_request q = request_at(places[i], up);
-        sl_sample sample = shop_sample(&s, &r, &q);
-        check("lamp", places[i], (double)sample.irradiance.g, (double)sample.variance,
-              image_irradiance(places[i]), 0.02);
-    }
-    r.destroy(r.state);
-    shop_close(&s);
-}
-
 /* Photons and paths together carry what paths alone carry without photons, for mirrors and for polished
  * surfaces. */
 static void nothing_is_counted_twice(void **state) {
@@ -201,7 +173,6 @@ static void maps_are_the_same_bits_with_any_threads_and_follow_edits(void **stat
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plane_mirrors_show_a_point_lights_image),
-        cmocka_unit_test(plane_mirrors_show_a_lamps_image),
         cmocka_unit_test(nothing_is_counted_twice),
         cmocka_unit_test(rough_surfaces_make_no_caustics),
         cmocka_unit_test(mirrors_that_no_light_reaches_make_no_caustics),

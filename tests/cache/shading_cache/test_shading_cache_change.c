@@ -8,8 +8,6 @@
 #include "cache/shading_cache/work.h"
 #include "shading_cache_support.h"
 
-static const sl_display_curve curve = {.reference = 1.0f};
-
 typedef struct world {
     hierarchy h;
     sl_changes *changes;
@@ -51,28 +49,6 @@ static void world_discard(world *w) {
 
 /* ---- edits ---- */
 
-static void before_any_edit_nothing_is_stale_and_nothing_changes(void **state) {
-    (void)state;
-    world w = world_of(3);
-    static const bool stale[3];
-    for (uint32_t now = 1; now < 10; now++) sl_changes_settle(w.changes, stale, now);
-    for (uint32_t i = 0; i < 3; i++) {
-        assert_false(w.changes->object[i].changing);
-        assert_int_equal(w.changes->object[i].stale_before, 0);
-        assert_int_equal(sl_changes_since(w.changes, i), 0);
-    }
-    world_discard(&w);
-}
-
-static void when_the_eye_moves_nothing_is_stale_but_what_has_lobes(void **state) {
-    (void)state;
-    world w = world_of(2);
-    sl_changes_edit(w.changes, SL_CHANGED_CAMERA, NULL, 7);
-    assert_int_equal(w.changes->eye_moved, 7);
-    for (uint32_t i = 0; i < 2; i++) assert_int_equal(w.changes->object[i].stale_before, 0);
-    world_discard(&w);
-}
-
 static void when_a_light_moves_all_is_stale_and_nothing_is_known_to_change(void **state) {
     (void)state;
     world w = world_of(2);
@@ -111,25 +87,6 @@ static void only_differences_above_the_threshold_are_changes(void **state) {
     assert_false(w.changes->object[0].changing);
     assert_true(sl_changes_compare(w.changes, 0, 2.1f, 5));
     assert_true(w.changes->object[0].changing && w.changes->object[0].changed == 5);
-    world_discard(&w);
-}
-
-static void a_still_scene_has_no_changes_in_a_thousand_updates(void **state) {
-    (void)state;
-    world w = world_of(1);
-    want_root(&w.h, 0);
-    evaluate_all(&w.h, 3.7f, 1);
-    static const bool stale[1];
-    for (uint32_t now = 2; now < 1002; now++) {
-        for (uint32_t v = 0; v < 4; v++) {
-            float before = sl_vertex_level(w.h.patches, &curve, v);
-            evaluate(&w.h, v, 3.7f, now); /* the same samples give the same bits */
-            assert_false(sl_changes_compare(w.changes, 0,
-                                            fabsf(sl_vertex_level(w.h.patches, &curve, v) - before), now));
-        }
-        sl_changes_settle(w.changes, stale, now);
-        assert_false(w.changes->object[0].changing);
-    }
     world_discard(&w);
 }
 
@@ -197,22 +154,6 @@ static void a_change_ends_when_none_was_found_for_the_window_and_nothing_visible
     world_discard(&w);
 }
 
-static void an_object_in_motion_does_not_settle_before_its_last_move(void **state) {
-    (void)state;
-    world w = world_of(1);
-    const bool moved[1] = {true}, stale[1] = {false};
-    for (uint32_t now = 1; now < 12; now++) {
-        sl_changes_edit(w.changes, SL_CHANGED_OBJECTS, moved, now + 1); /* before the next update */
-        sl_changes_settle(w.changes, stale, now);
-        assert_true(w.changes->object[0].changing);
-    }
-    for (uint32_t now = 12; now < 18; now++) {
-        sl_changes_settle(w.changes, stale, now);
-        assert_int_equal(w.changes->object[0].changing, now < 15);
-    }
-    world_discard(&w);
-}
-
 /* ---- resolution ---- */
 
 static void how_coarse_depends_on_what_there_is_time_for(void **state) {
@@ -277,50 +218,15 @@ static void what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them(voi
     world_discard(&w);
 }
 
-/* What has been refined since is not coarsened again while the same change goes on, whatever else is found of
- * it. */
-static void what_is_refined_during_a_change_stays(void **state) {
-    (void)state;
-    world w = world_of(1);
-    sl_changes_compare(w.changes, 0, 10.0f, 2);
-    for (int run = 0; run < 2; run++) {
-        split_levels(&w.h, want_root(&w.h, 0), 4);
-        float *area = areas_of(w.h.patches, 1000.0);
-        size_t gone = sl_changes_drop(w.changes, w.h.patches, area, 1e6f, 1e6f);
-        assert_true((gone > 0) == (run == 0));
-        free(area);
-        sl_changes_compare(w.changes, 0, 10.0f, 3);
-    }
-    world_discard(&w);
-}
-
-static void areas_that_are_no_numbers_and_patches_at_the_eye_are_left_alone(void **state) {
-    (void)state;
-    world w = world_of(1);
-    split_levels(&w.h, want_root(&w.h, 0), 2);
-    sl_changes_compare(w.changes, 0, 10.0f, 2);
-    float *area = areas_of(w.h.patches, 10.0);
-    for (uint32_t i = 0; i < w.h.patches->patch_count; i++) area[i] = i % 2 ? NAN : HUGE_VALF;
-    assert_int_equal(sl_changes_drop(w.changes, w.h.patches, area, 1e30f, 1e30f), 0);
-    free(area);
-    world_discard(&w);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(before_any_edit_nothing_is_stale_and_nothing_changes),
-        cmocka_unit_test(when_the_eye_moves_nothing_is_stale_but_what_has_lobes),
         cmocka_unit_test(when_a_light_moves_all_is_stale_and_nothing_is_known_to_change),
         cmocka_unit_test(an_object_that_moves_is_changing_at_once_and_the_others_are_stale),
         cmocka_unit_test(only_differences_above_the_threshold_are_changes),
-        cmocka_unit_test(a_still_scene_has_no_changes_in_a_thousand_updates),
         cmocka_unit_test(a_light_that_moved_is_found_within_the_tests_that_epsilon_needs),
         cmocka_unit_test(a_change_ends_when_none_was_found_for_the_window_and_nothing_visible_is_from_before),
-        cmocka_unit_test(an_object_in_motion_does_not_settle_before_its_last_move),
         cmocka_unit_test(how_coarse_depends_on_what_there_is_time_for),
-        cmocka_unit_test(what_is_refined_during_a_change_stays),
         cmocka_unit_test(what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them),
-        cmocka_unit_test(areas_that_are_no_numbers_and_patches_at_the_eye_are_left_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

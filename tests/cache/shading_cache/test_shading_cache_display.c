@@ -225,51 +225,6 @@ static void the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_o
     hierarchy_discard(&h);
 }
 
-/* Quadrilaterals' halves may begin with any of their corners. */
-static void parameters_of_pixels_are_those_of_the_triangles_that_they_show(void **state) {
-    (void)state;
-    static id_picture ids;
-    static uint32_t shown[PIXELS];
-    size_t quads = 0;
-    for (int turn = 0; turn < 9; turn++) {
-        trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-        uint32_t v[4] = {trace_mesh_vertex(&mesh, -1, -1, 0), trace_mesh_vertex(&mesh, 1, -1, 0.5f),
-                         trace_mesh_vertex(&mesh, 1.5f, 1, 0.5f), trace_mesh_vertex(&mesh, -0.5f, 1, 0)};
-        const uint32_t half[2][3] = {{v[0], v[1], v[2]}, {v[0], v[2], v[3]}};
-        for (int k = 0; k < 2; k++) {
-            int first = k ? turn / 3 : turn % 3;
-            trace_mesh_triangle(&mesh, half[k][first], half[k][(first + 1) % 3], half[k][(first + 2) % 3], 0);
-        }
-        hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
-        look(h.scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
-        sl_display *display = display_of(&h, W, H, guess);
-        sl_raster *raster;
-        sl_view view = sl_view_scene(h.scene, W, H);
-        sl_target target = {W, H, shown, NULL};
-        sl_counters counters = {0};
-        assert_int_equal(sl_raster_create(h.scene, 1, &raster, NULL), SL_OK);
-        assert_int_equal(sl_raster_id(raster, &view, 1, &target, &counters, NULL), SL_OK);
-        map_ids(display, 1, &ids);
-        size_t covered = 0;
-        for (uint32_t i = 0; i < PIXELS; i++) {
-            if (shown[i] == SL_NO_INDEX) continue;
-            float w1, w2;
-            double u, along_v;
-            sl_raster_barycentrics(raster, &view, 1, &i, &shown[i], &w1, &w2);
-            sl_root_parameters(h.primitives, shown[i], w1, w2, &u, &along_v);
-            assert_true(fabs((double)ids.u[i] - u) < 1e-6 && fabs((double)ids.v[i] - along_v) < 1e-6);
-            covered++;
-        }
-        assert_true(covered > 500);
-        quads += h.primitives->kind[0] == SL_PRIMITIVE_QUAD;
-        sl_raster_destroy(raster);
-        sl_display_destroy(display);
-        hierarchy_discard(&h);
-    }
-    assert_int_equal(quads, 9);
-}
-
 /* ---- before any sample ----------------------------------------------------------------------- */
 
 static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(void **state) {
@@ -394,45 +349,6 @@ static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state
     }
 }
 
-static void a_fan_goes_through_its_corners_centre_and_hanging_vertices(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    uint32_t root = want_root(&h, 0);
-    split(&h, root);
-    uint32_t child = h.patches->patch[root].child;
-    split(&h, child + 1);
-    /* beside child 0: vertices at a quarter and a half of its right edge */
-    split(&h, h.patches->patch[child + 1].child);
-    sample_all(&h, 3);
-    sl_display *display = display_of(&h, W, H, guess);
-    build_display(display, &h);
-    sl_patch_place coarse = sl_patch_place_of(h.patches, child);
-    uint32_t hanging[8];
-    uint16_t at[8];
-    assert_int_equal(sl_patch_hanging_at(h.patches, &coarse, 1, hanging, at, 8), 2);
-    assert_int_equal(at[0], SL_PATCH_DYADIC / 4);
-    assert_int_equal(at[1], SL_PATCH_DYADIC / 2);
-    float value[6];
-    for (int k = 0; k < 2; k++) {
-        value_beside(display, 0, 0.5 - 0x1p-24, 0.5 * at[k] / SL_PATCH_DYADIC, value);
-        for (int c = 0; c < 3; c++)
-            assert_true(fabs((double)value[c] - (double)h.patches->vertex[hanging[k]].value[c]) < 1e-5);
-    }
-    value_beside(display, 0, 0.25, 0.25, value);
-    for (int c = 0; c < 3; c++) {
-        double mean = 0.0;
-        for (int k = 0; k < 4; k++)
-            mean += 0.25 * (double)h.patches->vertex[sl_patch_corner(h.patches, child, k)].value[c];
-        assert_true(fabs((double)value[c] - mean) < 1e-5);
-    }
-    value_beside(display, 0, 0.0, 0.0, value);
-    for (int c = 0; c < 3; c++)
-        assert_true(fabs((double)value[c] -
-                         (double)h.patches->vertex[sl_patch_corner(h.patches, child, 0)].value[c]) < 1e-5);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
-}
-
 static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state) {
     (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
@@ -507,78 +423,7 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
     }
 }
 
-static void what_is_shown_stays_as_it_was_until_the_build_ends(void **state) {
-    (void)state;
-    static picture before, after;
-    hierarchy h = hierarchy_of(room(false), 0);
-    sl_display *display = display_of(&h, W, H, guess);
-    want_all(&h);
-    change_at_random(&h, sl_random_key(7, 6), 1, 1500);
-    sample_all(&h, 1);
-    build_display(display, &h);
-    build_display(display, &h);
-    draw(display, 1, &before);
-    change_at_random(&h, sl_random_key(7, 7), 2, 1500);
-    /* the patches have changed, grown and gone; what is shown has its own arrays, and nobody else has taken
-     * the vertices that it names */
-    draw(display, 1, &after);
-    assert_memory_equal(&before, &after, sizeof before);
-    build_display(display, &h);
-    draw(display, 1, &after);
-    assert_memory_not_equal(&before, &after, sizeof before);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
-}
-
-static void frames_are_the_same_bits_with_any_number_of_threads(void **state) {
-    (void)state;
-    static picture one, other;
-    static id_picture one_ids, other_ids;
-    hierarchy h = hierarchy_of(room(true), SL_PATCHES_LOBES);
-    sl_display *display = display_of(&h, W, H, guess);
-    change_at_random(&h, sl_random_key(41, 1), 1, 2000);
-    build_display(display, &h);
-    draw(display, 1, &one);
-    map_ids(display, 1, &one_ids);
-    for (unsigned threads = 2; threads <= 3; threads++) {
-        draw(display, threads, &other);
-        map_ids(display, threads, &other_ids);
-        assert_memory_equal(&one, &other, sizeof one);
-        assert_memory_equal(&one_ids, &other_ids, sizeof one_ids);
-    }
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
-}
-
 /* ---- motion ---------------------------------------------------------------------------------- */
-
-static void a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had(void **state) {
-    (void)state;
-    static picture before, after;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    look(h.scene, sl_v3(0, 0, 6), sl_v3(0, 0, 0));
-    split_levels(&h, want_root(&h, 0), 2);
-    sample_all(&h, 1);
-    sl_display *display = display_of(&h, W, H, guess);
-    build_display(display, &h);
-    draw(display, 1, &before);
-    for (size_t v = 0; v < h.scene->vertex_count; v++) h.scene->position_x[v] += 1.0f;
-    assert_int_equal(sl_display_move(display, NULL), SL_OK);
-    draw(display, 1, &after);
-    h.scene->camera.eye.x += 1.0f; /* seen from a camera that has moved along, nothing has changed */
-    draw(display, 1, &before);
-    for (size_t v = 0; v < h.scene->vertex_count; v++) h.scene->position_x[v] -= 1.0f;
-    h.scene->camera.eye.x -= 1.0f;
-    assert_memory_not_equal(&before, &after, sizeof before);
-    assert_int_equal(sl_display_move(display, NULL), SL_OK);
-    draw(display, 1, &after);
-    for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < PIXELS; i++)
-            assert_true(fabs((double)before.plane[c][i] - (double)after.plane[c][i]) < 1e-4);
-    }
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
-}
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
@@ -621,17 +466,12 @@ static void patches_and_both_copies_take_few_bytes_a_patch(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_is_what_evaluation_pixel_by_pixel_gives),
-        cmocka_unit_test(parameters_of_pixels_are_those_of_the_triangles_that_they_show),
         cmocka_unit_test(the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_once),
         cmocka_unit_test(silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess),
         cmocka_unit_test(a_split_without_samples_is_not_seen),
         cmocka_unit_test(colours_meet_along_edges_between_coarse_and_fine_leaves),
-        cmocka_unit_test(a_fan_goes_through_its_corners_centre_and_hanging_vertices),
         cmocka_unit_test(a_fan_may_have_hundreds_of_vertices_and_lose_them_again),
         cmocka_unit_test(an_incremental_build_is_a_full_one_bit_by_bit),
-        cmocka_unit_test(what_is_shown_stays_as_it_was_until_the_build_ends),
-        cmocka_unit_test(frames_are_the_same_bits_with_any_number_of_threads),
-        cmocka_unit_test(a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had),
         cmocka_unit_test(patches_and_both_copies_take_few_bytes_a_patch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

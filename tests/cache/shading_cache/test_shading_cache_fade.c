@@ -72,25 +72,6 @@ static void what_has_another_value_by_then_keeps_it(void **state) {
     end(&s);
 }
 
-static void an_end_to_fading_shows_the_values_themselves(void **state) {
-    (void)state;
-    scene_with_middle s = begin();
-    sl_fades_go_on(&s.fades, s.h.patches, beta);
-    assert_true(shown(&s) < sampled);
-    sl_fades_finish(&s.fades, s.h.patches);
-    assert_true(shown(&s) == sampled && s.fades.count == 0);
-    end(&s);
-}
-
-static void nothing_around_means_nothing_to_start_from(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
-    uint32_t root = want_root(&h, 0);
-    float from[3], lobe[3];
-    assert_false(sl_fade_from(h.patches, sl_patch_corner(h.patches, root, 0), from, lobe));
-    hierarchy_discard(&h);
-}
-
 static double largest_step(double blending) {
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = small_settings("shading-cache", 40, 40);
@@ -126,44 +107,11 @@ static void pictures_jump_less_from_one_update_to_the_next(void **state) {
     assert_true(slowly > 0.0 && slowly < 0.6 * at_once);
 }
 
-/* Once a picture is done nothing fades any more: its samples are as many, and its error is that of a picture
- * without. */
-static void a_picture_that_is_done_is_not_blurred_by_it(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = small_settings("shading-cache", 40, 40);
-    settings.shading_cache.indirect = SL_INDIRECT_NONE;
-    settings.shading_cache.updates = 40;
-    sl_image *plain = render(scene, &settings, NULL);
-    settings.shading_cache.blending = 0.05;
-    sl_image *faded = render(scene, &settings, NULL);
-    assert_same_bits_with_any_threads(scene, &settings);
-    settings.method = "path";
-    settings.transport = "matched:shading-cache";
-    settings.spp = 64;
-    sl_settings reference = settings;
-    reference.transport = "direct";
-    reference.filter = SL_FILTER_CENTRE;
-    sl_image *truth = render(scene, &reference, NULL);
-    sl_comparison a, b;
-    assert_int_equal(sl_image_compare(plain, truth, NULL, &a, NULL, NULL), SL_OK);
-    assert_int_equal(sl_image_compare(faded, truth, NULL, &b, NULL, NULL), SL_OK);
-    printf("relRMSE %.2f %% without, %.2f %% with beta 0.05\n", 100.0 * a.rel_rmse, 100.0 * b.rel_rmse);
-    assert_true(b.rel_rmse < 1.5 * a.rel_rmse);
-    sl_image_destroy(plain);
-    sl_image_destroy(faded);
-    sl_image_destroy(truth);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(after_k_updates_1_minus_beta_to_the_k_is_left),
         cmocka_unit_test(what_has_another_value_by_then_keeps_it),
-        cmocka_unit_test(an_end_to_fading_shows_the_values_themselves),
-        cmocka_unit_test(nothing_around_means_nothing_to_start_from),
         cmocka_unit_test(pictures_jump_less_from_one_update_to_the_next),
-        cmocka_unit_test(a_picture_that_is_done_is_not_blurred_by_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

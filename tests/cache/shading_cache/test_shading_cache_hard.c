@@ -68,38 +68,6 @@ static void who_sees_nothing_asks_for_nothing(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* The only light leaves the closed box: in the end nothing is left of it, though nothing else has told the
- * walls so. */
-static void a_light_that_goes_away_leaves_no_light_behind(void **state) {
-    (void)state;
-    static const char json[] =
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],"
-        "\"lights\": [{\"type\": \"point\", \"position\": [0, 0.5, 0], \"intensity\": 3,"
-        "\"keyframes\": [{\"time\": 0, \"position\": [0, 0.5, 0]}, {\"time\": 1, \"position\": [0, 50, "
-        "0]}]}],"
-        "\"camera\": {\"eye\": [0, 0, 0.9], \"target\": [0, 0, -1], \"up\": [0, 1, 0], \"fov_deg\": 60}}";
-    static const char box[] =
-        "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
-        "f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 4 3 7 8\nf 5 6 2 1\n";
-    sl_scene *scene = scene_from_text(json, box);
-    sl_settings settings = cache_settings(24, 24);
-    settings.shading_cache.updates = 60;
-    unsigned changes;
-    sl_method *method = method_of(scene, &settings);
-    to_the_end(method);
-    float lit = brightest(method);
-    assert_true(lit > 0.1f);
-    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
-    assert_int_equal(changes, SL_CHANGED_LIGHTS);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    assert_true(brightest(method) == lit); /* the display knows nothing yet */
-    for (int i = 0; i < 4; i++) to_the_end(method), assert_int_equal(sl_method_edit(method, 0, NULL), SL_OK);
-    assert_true(sl_method_counters(method)->value[SL_COUNT_CHANGES_DETECTED] > 0);
-    assert_true(brightest(method) < 1e-6f * lit);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 static void eyes_in_walls_on_walls_and_in_boxes_are_no_trouble(void **state) {
     (void)state;
     /* back wall, floor, within the short box, the lamp */
@@ -183,7 +151,6 @@ static void with_things_that_move_bits_do_not_depend_on_threads(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(who_sees_nothing_asks_for_nothing),
-        cmocka_unit_test(a_light_that_goes_away_leaves_no_light_behind),
         cmocka_unit_test(eyes_in_walls_on_walls_and_in_boxes_are_no_trouble),
         cmocka_unit_test(refinement_comes_to_an_end_by_itself),
         cmocka_unit_test(with_things_that_move_bits_do_not_depend_on_threads),

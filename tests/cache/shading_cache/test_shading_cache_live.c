@@ -43,16 +43,6 @@ static void wait_until_samples_are_held_up(void) {
     sl_monitor_leave(&gate);
 }
 
-/* And the next one waits. */
-static void let_one_batch_pass(void) {
-    sl_monitor_enter(&gate);
-    int before = arrived;
-    passes = 1;
-    sl_monitor_signal(&gate);
-    while (arrived == before) sl_monitor_wait(&gate);
-    sl_monitor_leave(&gate);
-}
-
 static void render_behind_the_gate(const void *state, size_t count, const sl_sample_request *requests,
                                    unsigned threads, sl_sample *samples, sl_counters *counters) {
     (void)state, (void)requests, (void)threads, (void)counters;
@@ -185,33 +175,6 @@ static void frames_keep_coming_while_samples_are_held_up(void **state) {
     assert_int_equal(counters.value[SL_COUNT_FRAMES_DISPLAYED], last.frames);
     assert_true(counters.value[SL_COUNT_POINTS_SHADED] > 0);
     sl_scene_destroy(scene);
-}
-
-static void what_moves_is_shown_there_at_once_though_no_sample_comes(void **state) {
-    (void)state;
-    static float picture[3 * PIXELS], there[3 * PIXELS], first[3 * PIXELS];
-    for (int i = 0; i < 2; i++) {
-        const char *path = i ? walk : ball;
-        sl_scene *scene = load_scene(path);
-        sl_settings settings = show_settings();
-        open_gate(false);
-        sl_live *live = start(scene, &settings);
-        frame_of(live, first);
-        wait_until_samples_are_held_up();
-        for (int step = 1; step <= 6; step++) {
-            double time = 0.6 * step;
-            assert_int_equal(sl_live_move(live, time, NULL), SL_OK);
-            sl_live_state shown = frame_of(live, picture);
-            assert_true(shown.time_seconds == time);
-            assert_int_equal(shown.updates, 0);
-            first_picture_at(path, time, there);
-            assert_int_equal(pixels_apart(picture, there), 0);
-            assert_true(pixels_apart(picture, first) > 20);
-        }
-        open_gate(true);
-        sl_live_stop(live, NULL);
-        sl_scene_destroy(scene);
-    }
 }
 
 /* All irradiance is 2 pi: a picture in which all that is seen has samples shows 2 kd. */
@@ -372,42 +335,6 @@ of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_
     sl_scene_destroy(there);
 }
 
-/* Updates have taken the first move, and have not found its change yet. */
-static void a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leaves_the_earlier_ones_time(
-    void **state) {
-    (void)state;
-    sl_scene *scene = two_boards();
-    sl_live *live = start_held_up(scene);
-    edits_brighten = false;
-    assert_int_equal(sl_live_move(live, 0.5, NULL), SL_OK);
-    let_one_batch_pass();
-    assert_int_equal(edits, 1);
-    edits_brighten = true;
-    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
-    open_gate(true);
-    sl_live_state shown = frames_until_a_change_shows(live, 1);
-    assert_true(shown.change_seconds == 0.5);
-    stop_brightened(live);
-    sl_scene_destroy(scene);
-}
-
-static void of_changes_that_were_found_between_two_frames_the_first_is_told_and_all_are_counted(
-    void **state) {
-    (void)state;
-    sl_scene *scene = two_boards();
-    sl_live *live = start_held_up(scene);
-    assert_int_equal(sl_live_move(live, 0.5, NULL), SL_OK);
-    let_one_batch_pass(); /* of before the move */
-    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
-    let_one_batch_pass(); /* of the first */
-    let_one_batch_pass(); /* of the second */
-    assert_int_equal(edits, 2);
-    sl_live_state shown = frame_of(live, NULL);
-    assert_true(shown.changes_shown == 2 && shown.change_seconds == 0.5);
-    stop_brightened(live);
-    sl_scene_destroy(scene);
-}
-
 static void of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture(
     void **state) {
     (void)state;
@@ -490,39 +417,6 @@ static void motion_waits_for_the_quality_that_it_is_held_for(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void what_is_held_back_is_all_that_was_asked_for(void **state) {
-    (void)state;
-    const float eye[3] = {1, 0.5f, 7}, target[3] = {0.2f, 0, 0}, up[3] = {0, 1, 0};
-    for (int look_first = 0; look_first < 2; look_first++) {
-        sl_scene *scene = two_boards(), *there = two_boards();
-        sl_settings settings = show_settings();
-        settings.shading_cache.hold_levels = 3.0;
-        open_gate(false);
-        sl_live *live = start(scene, &settings);
-        wait_until_samples_are_held_up();
-        for (int i = 0; i < 2; i++) {
-            bool look = (i == 0) == look_first;
-            assert_int_equal(look ? sl_live_look(live, eye, target, up, 0.8f, NULL)
-                                  : sl_live_move(live, 2.0, NULL),
-                             SL_OK);
-            assert_true(frame_of(live, NULL).held);
-        }
-        open_gate(true);
-        sl_live_state shown = frames_until_done(live, NULL);
-        while (shown.held) shown = frames_until_done(live, NULL);
-        assert_true(shown.time_seconds == 2.0);
-        sl_live_stop(live, NULL);
-        assert_int_equal(sl_scene_set_time(there, 2.0, NULL, NULL), SL_OK);
-        assert_true(
-            sl_camera_look_at(&there->camera, sl_v3(1, 0.5f, 7), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.8f));
-        assert_memory_equal(&scene->camera, &there->camera, sizeof there->camera);
-        assert_memory_equal(scene->position_y, there->position_y,
-                            scene->vertex_count * sizeof *scene->position_y);
-        sl_scene_destroy(scene);
-        sl_scene_destroy(there);
-    }
-}
-
 /* The same without a clock: a frame of a series is done when it is as good as that. */
 static void frames_of_a_series_wait_for_the_quality_that_they_are_held_for(void **state) {
     (void)state;
@@ -581,30 +475,6 @@ static void a_show_can_be_stopped_at_any_time_and_leaves_nothing_running(void **
     sl_scene_destroy(scene);
 }
 
-static void an_update_that_fails_is_told_by_the_next_frame(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(ball);
-    sl_settings settings = show_settings();
-    open_gate(true);
-    sl_live *live = start(scene, &settings);
-    frames_until_done(live, NULL);
-    edit_fails = true; /* the other thread rests */
-    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
-    const sl_image *frame;
-    sl_error error = {0};
-    sl_status status = SL_OK;
-    while (status == SL_OK) {
-        pause_a_millisecond();
-        status = sl_live_frame(live, &frame, NULL, &error);
-    }
-    assert_int_equal(status, SL_ERROR_RESOURCES);
-    assert_string_equal(error.message, "no light today");
-    assert_null(frame);
-    sl_live_stop(live, NULL);
-    edit_fails = false;
-    sl_scene_destroy(scene);
-}
-
 static void what_cannot_be_shown_is_refused_and_leaves_nothing(void **state) {
     (void)state;
     sl_scene *scene = load_scene(ball);
@@ -624,49 +494,20 @@ static void what_cannot_be_shown_is_refused_and_leaves_nothing(void **state) {
 
 /* ---- methods without a display of their own -------------------------------------------------- */
 
-static void other_methods_show_their_pictures_as_they_come(void **state) {
-    (void)state;
-    static float picture[3 * PIXELS];
-    sl_scene *scene = load_scene(ball);
-    sl_settings settings = small_settings("path", W, H);
-    settings.threads = 1;
-    settings.spp = 3;
-    sl_live *live = start(scene, &settings);
-    sl_live_state shown = frame_of(live, picture);
-    if (!shown.versions) {
-        for (int i = 0; i < 3 * PIXELS; i++) assert_true(picture[i] == 0.0f);
-    }
-    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
-    shown = frames_until_done(live, picture);
-    assert_true(shown.versions > 0 && shown.time_seconds == 1.0 && shown.error_levels < 0.0);
-    sl_live_stop(live, NULL);
-    sl_image *alone = render(scene, &settings, NULL);
-    assert_memory_equal(picture, alone->planes, sizeof picture);
-    sl_image_destroy(alone);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_keep_coming_while_samples_are_held_up),
-        cmocka_unit_test(what_moves_is_shown_there_at_once_though_no_sample_comes),
         cmocka_unit_test(samples_catch_up_where_things_are_now_and_then_rest),
         cmocka_unit_test(frames_tell_how_late_the_light_is_that_a_move_has_changed),
         cmocka_unit_test(
             of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is),
         cmocka_unit_test(
-            a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leaves_the_earlier_ones_time),
-        cmocka_unit_test(of_changes_that_were_found_between_two_frames_the_first_is_told_and_all_are_counted),
-        cmocka_unit_test(
             of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture),
         cmocka_unit_test(a_camera_of_ones_own_stays_whatever_moves),
         cmocka_unit_test(motion_waits_for_the_quality_that_it_is_held_for),
-        cmocka_unit_test(what_is_held_back_is_all_that_was_asked_for),
         cmocka_unit_test(frames_of_a_series_wait_for_the_quality_that_they_are_held_for),
         cmocka_unit_test(a_show_can_be_stopped_at_any_time_and_leaves_nothing_running),
-        cmocka_unit_test(an_update_that_fails_is_told_by_the_next_frame),
         cmocka_unit_test(what_cannot_be_shown_is_refused_and_leaves_nothing),
-        cmocka_unit_test(other_methods_show_their_pictures_as_they_come),
     };
     if (!sl_monitor_open(&gate)) return 1;
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -174,7 +174,7 @@ static void bits_do_not_depend_on_threads(void **state) {
     sl_settings settings = cache_settings(40, 40);
     settings.shading_cache.updates = 20;
     assert_same_bits_with_any_threads(scene, &settings);
-    settings.shading_cache.selection = SL_PIXELS_SYSTEMATIC;
+    settings.shading_cache.selection = SL_PIXELS_SORTED;
     settings.shading_cache.variance_aware = true;
     assert_same_bits_with_any_threads(scene, &settings);
     sl_scene_destroy(scene);

@@ -25,24 +25,6 @@ static void levels_are_those_of_the_s_curve(void **state) {
     }
 }
 
-static void more_light_is_never_shown_as_darker(void **state) {
-    (void)state;
-    float last = 0.0f;
-    for (float y = 1e-6f; y < 1e6f; y *= 1.01f) {
-        float level = sl_curve_level_of(&curve, y);
-        assert_true(level > last || (level == last && level == 255.0f));
-        last = level;
-    }
-}
-
-static void luminance_is_five_nine_and_two_sixteenths(void **state) {
-    (void)state;
-    assert_true(sl_curve_luminance((sl_rgb){16, 0, 0}) == 5.0f &&
-                sl_curve_luminance((sl_rgb){0, 16, 0}) == 9.0f);
-    assert_true(sl_curve_luminance((sl_rgb){0, 0, 16}) == 2.0f &&
-                sl_curve_luminance((sl_rgb){1, 1, 1}) == 1.0f);
-}
-
 static void a_scene_and_its_reference_scaled_alike_look_the_same(void **state) {
     (void)state;
     for (float y = 1e-4f; y < 1e4f; y *= 3.0f) {
@@ -100,29 +82,6 @@ static sl_scene *lamp_and_gloss_scene(float emission, float specular, float expo
     return trace_mesh_build(&mesh);
 }
 
-static void light_on_the_front_of_a_lamp_hardly_shows(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(lamp_and_gloss_scene(1000.0f, 0, 0), 0);
-    uint32_t front = want_root(&h, 0), back = want_root(&h, 1);
-    evaluate_all(&h, 0.0f, 1);
-    evaluate(&h, sl_patch_corner(h.patches, front, 0), 10.0f, 1);
-    evaluate(&h, sl_patch_corner(h.patches, back, 0), 10.0f, 1);
-    assert_true(sl_patch_error(h.patches, &curve, front) < 0.05f &&
-                sl_patch_error(h.patches, &curve, back) > 50.0f);
-    hierarchy_discard(&h);
-}
-
-static void highlights_count_where_there_are_lobes(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), SL_PATCHES_LOBES);
-    uint32_t patch = want_root(&h, 0);
-    evaluate_all(&h, 0.0f, 1);
-    float *lobe = sl_vertex_lobe(h.patches, sl_patch_corner(h.patches, patch, 3));
-    lobe[0] = lobe[1] = lobe[2] = 4.0f;
-    assert_true(fabsf(sl_patch_error(h.patches, &curve, patch) - sl_curve_level_of(&curve, 4.0f)) < 1e-3f);
-    hierarchy_discard(&h);
-}
-
 static void a_patch_with_a_corner_never_evaluated_has_no_error(void **state) {
     (void)state;
     hierarchy h = hierarchy_of(triangle_scene(), 0);
@@ -172,25 +131,6 @@ static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corne
     assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 26.0f);
     evaluate(&h, sl_patch_corner(h.patches, patch, 3), 1.0f, 9);
     assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 0.0f);
-    hierarchy_discard(&h);
-}
-
-/* A fan shows it, though it belongs to finer leaves; if it was never evaluated it shows what is around it. */
-static void what_hangs_on_an_edge_ages_the_leaf_that_shows_it(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    uint32_t root = want_root(&h, 0), hanging;
-    split(&h, root);
-    uint32_t leaf = h.patches->patch[root].child;
-    split(&h, leaf + 1);
-    sl_patch_place place = sl_patch_place_of(h.patches, leaf);
-    assert_int_equal(sl_patch_hanging(h.patches, &place, 1, &hanging, 1), 1);
-    evaluate_all(&h, 1.0f, 9);
-    assert_true(sl_patch_age(h.patches, leaf, 20, 8, 2.0f) == 0.0f);
-    evaluate(&h, hanging, 1.0f, 3);
-    assert_true(sl_patch_age(h.patches, leaf, 20, 8, 2.0f) == 34.0f && sl_leaf_oldest(h.patches, leaf) == 3);
-    evaluate(&h, hanging, 1.0f, SL_VERTEX_NEVER);
-    assert_true(sl_patch_age(h.patches, leaf, 20, 8, 2.0f) == 0.0f && sl_leaf_oldest(h.patches, leaf) == 9);
     hierarchy_discard(&h);
 }
 
@@ -310,19 +250,6 @@ static void one_outlier_does_not_hide_ten_thousand_others(void **state) {
         assert_true(fabs((double)leaves[i].normal - (double)leaves[i].priority / high) < 0.01);
 }
 
-static void what_one_pixel_in_a_hundred_has_is_told_apart(void **state) {
-    (void)state;
-    sl_leaf_priority leaves[3000];
-    uint64_t key = sl_random_key(12, 0);
-    for (uint32_t i = 0; i < 3000; i++)
-        leaves[i] = (sl_leaf_priority){i, 1, i < 90 ? 20.0f + (float)i : sl_random_unit(key, i), 0.0f};
-    sl_priorities_normalise(3000, leaves, false);
-    for (uint32_t i = 0; i < 3000; i++) {
-        if (i < 20) assert_true(leaves[i + 1].normal > leaves[i].normal);
-        if (i >= 90) assert_true(leaves[i].normal < 0.05f);
-    }
-}
-
 static void equal_priorities_are_all_1_and_no_priorities_all_0(void **state) {
     (void)state;
     for (int plain = 0; plain < 2; plain++) {
@@ -367,20 +294,6 @@ static void priorities_that_are_no_numbers_harm_nothing(void **state) {
     }
 }
 
-static void a_leaf_counts_by_its_pixels(void **state) {
-    (void)state;
-    sl_leaf_priority few[3] = {{0, 90, 1.0f, 0}, {1, 9, 5.0f, 0}, {2, 1, 30.0f, 0}}, many[100];
-    for (uint32_t i = 0; i < 100; i++)
-        many[i] = (sl_leaf_priority){i, 1, i < 90 ? 1.0f : i < 99 ? 5.0f : 30.0f, 0};
-    for (int plain = 0; plain < 2; plain++) {
-        sl_priorities_normalise(3, few, plain);
-        sl_priorities_normalise(100, many, plain);
-        assert_true(fabsf(few[0].normal - many[0].normal) < 1e-6f &&
-                    fabsf(few[1].normal - many[95].normal) < 1e-6f);
-        assert_true(fabsf(few[2].normal - many[99].normal) < 1e-6f);
-    }
-}
-
 /* ---- large leaves ---- */
 
 static void a_large_leaf_of_one_colour_counts_by_the_root_of_its_area_and_the_mean_of_the_rest(void **state) {
@@ -412,43 +325,28 @@ static void neither_the_size_of_a_picture_nor_its_contrast_changes_what_large_le
     for (int i = 0; i < 3; i++) assert_true(fabsf(other[i].priority - 2.0f * leaves[i].priority) < 1e-4f);
 }
 
-static void where_nothing_differs_the_largest_leaf_comes_first(void **state) {
-    (void)state;
-    sl_leaf_priority leaves[3] = {{.pixels = 100}, {.pixels = 400}, {.pixels = 0}};
-    sl_priorities_raise(3, leaves, 12800);
-    assert_true(leaves[0].priority == 1.0f && leaves[1].priority == 2.0f && leaves[2].priority == 0.0f);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_are_those_of_the_s_curve),
-        cmocka_unit_test(more_light_is_never_shown_as_darker),
-        cmocka_unit_test(luminance_is_five_nine_and_two_sixteenths),
         cmocka_unit_test(a_scene_and_its_reference_scaled_alike_look_the_same),
         cmocka_unit_test(light_that_is_no_number_has_a_level_nevertheless),
         cmocka_unit_test(a_patch_from_black_to_very_bright_has_an_error_of_255),
         cmocka_unit_test(errors_are_those_of_what_leaves_a_surface_not_of_what_arrives),
-        cmocka_unit_test(light_on_the_front_of_a_lamp_hardly_shows),
-        cmocka_unit_test(highlights_count_where_there_are_lobes),
         cmocka_unit_test(a_patch_with_a_corner_never_evaluated_has_no_error),
         cmocka_unit_test(
             a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others),
         cmocka_unit_test(only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corner),
-        cmocka_unit_test(what_hangs_on_an_edge_ages_the_leaf_that_shows_it),
         cmocka_unit_test(when_the_eye_moves_only_what_has_a_lobe_ages),
         cmocka_unit_test(of_two_ages_the_larger_counts_and_no_more_than_255_levels),
         cmocka_unit_test(the_glossier_a_material_the_faster_it_ages),
         cmocka_unit_test(where_few_pixels_carry_all_error_the_others_keep_no_chance_but_epsilon),
         cmocka_unit_test(one_outlier_does_not_hide_ten_thousand_others),
-        cmocka_unit_test(what_one_pixel_in_a_hundred_has_is_told_apart),
         cmocka_unit_test(equal_priorities_are_all_1_and_no_priorities_all_0),
         cmocka_unit_test(leaves_never_evaluated_come_first_and_leave_the_others_as_they_are),
         cmocka_unit_test(priorities_that_are_no_numbers_harm_nothing),
-        cmocka_unit_test(a_leaf_counts_by_its_pixels),
         cmocka_unit_test(a_large_leaf_of_one_colour_counts_by_the_root_of_its_area_and_the_mean_of_the_rest),
         cmocka_unit_test(
             neither_the_size_of_a_picture_nor_its_contrast_changes_what_large_leaves_count_among_others),
-        cmocka_unit_test(where_nothing_differs_the_largest_leaf_comes_first),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

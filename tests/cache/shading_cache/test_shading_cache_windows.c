@@ -184,52 +184,6 @@ static hierarchy lit(sl_scene *scene) {
     return h;
 }
 
-/* The window beside a display whose scene has really moved there. */
-static void assert_window_shows_another_time(const char *path, double time) {
-    static picture in_window, moved, before, after;
-    hierarchy h = lit(load_scene(path)), other = lit(load_scene(path));
-    sl_display *display = display_of(&h, W, H, guess), *there = display_of(&other, W, H, guess);
-    sl_scene *scene_copy;
-    sl_window *window;
-    unsigned changes;
-    assert_int_equal(sl_scene_copy(h.scene, &scene_copy, NULL), SL_OK);
-    assert_int_equal(sl_window_create(display, scene_copy, &window, NULL), SL_OK);
-    build_display(display, &h);
-    draw(display, &before);
-    draw_window(display, window, &in_window);
-    assert_memory_equal(&before, &in_window, sizeof before);
-    assert_int_equal(sl_scene_set_time(scene_copy, time, &changes, NULL), SL_OK);
-    assert_true(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA));
-    assert_int_equal(sl_window_move(display, window, NULL), SL_OK);
-    /* of curved surfaces, too, the window's own frame is the first of a build's arrays */
-    build_display(display, &h);
-    draw_window(display, window, &in_window);
-    assert_int_equal(sl_scene_set_time(other.scene, time, &changes, NULL), SL_OK);
-    assert_int_equal(sl_display_move(there, NULL), SL_OK);
-    build_display(there, &other);
-    draw(there, &moved);
-    assert_memory_equal(&moved, &in_window, sizeof moved);
-    assert_memory_not_equal(&before, &in_window, sizeof before);
-    draw(display, &after); /* and the display itself is where it was */
-    assert_memory_equal(&before, &after, sizeof before);
-    sl_window_destroy(window);
-    sl_scene_copy_destroy(scene_copy);
-    sl_display_destroy(display);
-    sl_display_destroy(there);
-    hierarchy_discard(&h);
-    hierarchy_discard(&other);
-}
-
-static void a_window_shows_objects_where_its_twin_has_them(void **state) {
-    (void)state;
-    assert_window_shows_another_time("scenes/moving-ball.json", 1.3);
-}
-
-static void a_window_looks_from_where_its_twin_looks(void **state) {
-    (void)state;
-    assert_window_shows_another_time("scenes/walk.json", 2.5);
-}
-
 /* The vase turns once and for all where the tests of animation leave it: here the camera alone moves, and its
  * surfaces are cut anew for it. */
 static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state) {
@@ -257,64 +211,13 @@ static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state)
     hierarchy_discard(&h);
 }
 
-static void a_window_shows_textures_as_the_display_does(void **state) {
-    (void)state;
-    static picture in_window, shown;
-    sl_scene *scene = load_scene("scenes/bricks.json");
-    size_t textured = 0;
-    for (size_t m = 0; m < scene->material_count; m++) { /* its height maps make good pictures, too */
-        if (scene->materials[m].height_map)
-            scene->materials[m].texture = scene->materials[m].height_map - 1, textured++;
-    }
-    assert_true(textured > 1);
-    hierarchy h = lit(scene);
-    sl_display *display = display_of(&h, W, H, guess);
-    sl_scene *scene_copy;
-    sl_window *window;
-    assert_int_equal(sl_scene_copy(h.scene, &scene_copy, NULL), SL_OK);
-    assert_int_equal(sl_window_create(display, scene_copy, &window, NULL), SL_OK);
-    build_display(display, &h);
-    draw_window(display, window, &in_window); /* which has its own planes, and needs nobody else's */
-    draw(display, &shown);
-    assert_memory_equal(&shown, &in_window, sizeof shown);
-    sl_window_destroy(window);
-    sl_scene_copy_destroy(scene_copy);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
-}
-
 /* ---- scene copies ---------------------------------------------------------------------------- */
-
-static void a_twin_moves_as_the_scene_would_and_the_scene_stays(void **state) {
-    (void)state;
-    const char *const path[] = {"scenes/moving-ball.json", "scenes/moving-light.json", "scenes/walk.json"};
-    for (int i = 0; i < 3; i++) {
-        sl_scene *scene = load_scene(path[i]), *other = load_scene(path[i]), *scene_copy;
-        uint64_t before = sl_scene_hash(scene);
-        assert_int_equal(sl_scene_copy(scene, &scene_copy, NULL), SL_OK);
-        assert_int_equal(sl_scene_hash(scene_copy), before);
-        assert_int_equal(sl_scene_set_time(scene_copy, 1.7, NULL, NULL), SL_OK);
-        assert_int_equal(sl_scene_set_time(other, 1.7, NULL, NULL), SL_OK);
-        assert_true(sl_scene_hash(other) != before); /* which holds the camera, too */
-        assert_int_equal(sl_scene_hash(scene_copy), sl_scene_hash(other));
-        assert_int_equal(scene_copy->emitter_count, other->emitter_count);
-        assert_int_equal(sl_scene_hash(scene), before);
-        sl_scene_copy_destroy(scene_copy);
-        assert_int_equal(sl_scene_hash(scene), before);
-        sl_scene_destroy(scene);
-        sl_scene_destroy(other);
-    }
-}
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_frame_is_of_one_build_whole_and_none_older_than_the_last),
         cmocka_unit_test(a_build_waits_for_the_frame_that_reads_what_it_would_write_to),
-        cmocka_unit_test(a_window_shows_objects_where_its_twin_has_them),
-        cmocka_unit_test(a_window_looks_from_where_its_twin_looks),
         cmocka_unit_test(curved_surfaces_in_a_window_are_cut_for_its_own_camera),
-        cmocka_unit_test(a_window_shows_textures_as_the_display_does),
-        cmocka_unit_test(a_twin_moves_as_the_scene_would_and_the_scene_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

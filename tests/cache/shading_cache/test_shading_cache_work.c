@@ -120,23 +120,6 @@ static void corners_from_before_an_edit_are_shaded_again_before_anything_is_spli
     hierarchy_discard(&h);
 }
 
-static void when_the_eye_moves_corners_with_lobes_are_shaded_again(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.3f, 20, 0, 0);
-    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
-    hierarchy h = hierarchy_of(trace_mesh_build(&mesh), SL_PATCHES_LOBES);
-    sl_camera camera = camera_above(30);
-    sl_work_settings settings = usual();
-    sl_chosen_place place = {want_root(&h, 0), 0.1f, 0.1f};
-    evaluate_all(&h, 1.0f, 5);
-    settings.eye_moved = 6;
-    work(&h, &settings, &camera, 1, &place);
-    assert_int_equal(out.count, 4);
-    assert_int_equal(out.splits, 0);
-    hierarchy_discard(&h);
-}
-
 static void one_place_splits_its_patch_and_asks_for_the_new_corners_of_the_child_that_it_is_in(void **state) {
     (void)state;
     sl_camera camera = camera_above(30);
@@ -192,29 +175,6 @@ static void patches_are_handled_in_the_order_of_their_first_places_and_vertices_
     for (int c = 0; c < 4; c++) assert_int_equal(out.vertex[c], sl_patch_corner(h.patches, first + 2, c));
     assert_int_equal(out.vertex[4], sl_patch_corner(h.patches, first, 0));
     assert_int_equal(out.vertex[7], sl_patch_corner(h.patches, first + 1, 1));
-    hierarchy_discard(&h);
-}
-
-static void places_in_patches_that_are_gone_or_split_already_do_no_harm(void **state) {
-    (void)state;
-    sl_camera camera = camera_above(30);
-    sl_work_settings settings = usual();
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    uint32_t root = want_root(&h, 0);
-    split_levels(&h, root, 2);
-    evaluate_all(&h, 1.0f, 1);
-    uint32_t first = h.patches->patch[root].child, below = h.patches->patch[first].child;
-    sl_patch_drop_children(h.patches, first);
-    const sl_chosen_place places[] = {{below, 0.1f, 0.1f},
-                                      {root, 0.9f, 0.9f},
-                                      {100000, 0.5f, 0.5f},
-                                      {SL_NO_INDEX, 0.5f, 0.5f},
-                                      {root, NAN, NAN}};
-    assert_false(sl_patch_is_alive(h.patches, below));
-    work(&h, &settings, &camera, 5, places);
-    assert_int_equal(out.splits, 2); /* the leaves that hold (0.9, 0.9), and (0, 0) for what is no number */
-    work(&h, &settings, &camera, 0, NULL);
-    assert_int_equal(out.count, 0);
     hierarchy_discard(&h);
 }
 
@@ -339,22 +299,6 @@ static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **stat
     hierarchy_discard(&h);
 }
 
-static void black_corners_with_noise_are_noise(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), SL_PATCHES_SETS);
-    sl_camera camera = camera_above(30);
-    sl_work_settings settings = usual();
-    settings.variance_aware = true;
-    uint32_t patch = want_root(&h, 0);
-    evaluate_all(&h, 0.0f, 1);
-    for (int c = 0; c < 4; c++)
-        h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = c < 3 ? 1.0f : NAN;
-    work(&h, &settings, &camera, 1, &(sl_chosen_place){patch, 0.3f, 0.3f});
-    assert_int_equal(out.count, 4);
-    assert_int_equal(out.splits, 0);
-    hierarchy_discard(&h);
-}
-
 static void what_changes_is_not_split_below_what_there_is_time_for(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -387,46 +331,6 @@ static void what_changes_is_not_split_below_what_there_is_time_for(void **state)
 static sl_screen_size size_of(hierarchy *h, uint32_t patch, const sl_camera *camera) {
     sl_patch_place place = sl_patch_place_of(h->patches, patch);
     return sl_patch_projected(h->patches, &place, camera, WIDTH, HEIGHT);
-}
-
-static bool near_to(float a, double b) { return fabs((double)a - b) <= 1e-4 * (1.0 + fabs(b)); }
-
-static void a_patch_that_faces_the_eye_is_as_large_as_it_looks_and_its_children_quarters(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0), t = hierarchy_of(triangle_scene(), 0);
-    sl_camera camera = camera_above(20);
-    uint32_t square = want_root(&h, 0), triangle = want_root(&t, 0);
-    split(&h, square);
-    sl_screen_size whole = size_of(&h, square, &camera), half = size_of(&t, triangle, &camera);
-    assert_true(near_to(whole.area, 1600.0) && near_to(whole.edge, 40.0));
-    assert_true(near_to(half.area, 800.0) && near_to(half.edge, 40.0 * sqrt(2.0)));
-    for (uint32_t k = 0; k < 4; k++) {
-        sl_screen_size quarter = size_of(&h, h.patches->patch[square].child + k, &camera);
-        assert_true(near_to(quarter.area, 400.0) && near_to(quarter.edge, 20.0));
-    }
-    hierarchy_discard(&h);
-    hierarchy_discard(&t);
-}
-
-static void only_what_is_in_the_picture_counts(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    uint32_t patch = want_root(&h, 0);
-    sl_camera camera = camera_above(20);
-    camera.eye.x = 3.0f; /* sixty pixels to the right: the picture's left side halves it */
-    sl_screen_size half = size_of(&h, patch, &camera);
-    assert_true(near_to(half.area, 800.0) && near_to(half.edge, 40.0));
-    camera.eye.x = 5.0f;
-    sl_screen_size none = size_of(&h, patch, &camera);
-    assert_true(none.area == 0.0f && none.edge == 0.0f);
-    camera = camera_above(20);
-    camera.back = sl_v3(0, 0, -1);
-    camera.right = sl_v3(-1, 0, 0);
-    none = size_of(&h, patch, &camera); /* it is behind */
-    assert_true(none.area == 0.0f && none.edge == 0.0f);
-    camera = camera_above(2000); /* larger than the picture */
-    assert_true(near_to(size_of(&h, patch, &camera).area, (double)(WIDTH * HEIGHT)));
-    hierarchy_discard(&h);
 }
 
 static void a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_it(void **state) {
@@ -504,42 +408,22 @@ static void patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further(
     hierarchy_discard(&h);
 }
 
-static void edge_on_and_sliver_patches_are_not_split(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    sl_work_settings settings = usual();
-    sl_chosen_place place = {want_root(&h, 0), 0.5f, 0.5f};
-    evaluate_all(&h, 1.0f, 1);
-    sl_camera camera = {sl_v3(0, -5, 0.001f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), sl_v3(0, -1, 0), 1.0f};
-    sl_screen_size size = size_of(&h, place.patch, &camera);
-    assert_true(size.edge > 20.0f && size.area < 1.0f);
-    work(&h, &settings, &camera, 1, &place);
-    assert_int_equal(out.splits, 0);
-    hierarchy_discard(&h);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_patch_never_evaluated_gets_its_corners_and_stays_whole),
         cmocka_unit_test(corners_from_before_an_edit_are_shaded_again_before_anything_is_split),
-        cmocka_unit_test(when_the_eye_moves_corners_with_lobes_are_shaded_again),
         cmocka_unit_test(one_place_splits_its_patch_and_asks_for_the_new_corners_of_the_child_that_it_is_in),
         cmocka_unit_test(sixteen_places_give_two_levels_in_one_update_and_no_number_more_than_three),
         cmocka_unit_test(
             patches_are_handled_in_the_order_of_their_first_places_and_vertices_are_asked_for_once),
-        cmocka_unit_test(places_in_patches_that_are_gone_or_split_already_do_no_harm),
         cmocka_unit_test(nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixels),
         cmocka_unit_test(patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down),
         cmocka_unit_test(of_what_is_polished_leaves_with_contrast_are_split_to_a_sixteenth_of_a_pixel),
         cmocka_unit_test(noise_is_answered_by_more_samples_and_contrast_by_splits),
-        cmocka_unit_test(black_corners_with_noise_are_noise),
         cmocka_unit_test(what_changes_is_not_split_below_what_there_is_time_for),
-        cmocka_unit_test(a_patch_that_faces_the_eye_is_as_large_as_it_looks_and_its_children_quarters),
-        cmocka_unit_test(only_what_is_in_the_picture_counts),
         cmocka_unit_test(a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_it),
         cmocka_unit_test(a_curved_patch_is_as_large_as_what_bulges_out_of_its_corners),
         cmocka_unit_test(patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further),
-        cmocka_unit_test(edge_on_and_sliver_patches_are_not_split),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
