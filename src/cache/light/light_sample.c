@@ -156,6 +156,8 @@ void sl_light_sampling_destroy(sl_light_sampling *s) {
     sl_free(s);
 }
 
+void sl_light_sampling_trace_by(sl_light_sampling *s, const sl_tracer *tracer) { s->tracer = tracer; }
+
 double sl_light_sampling_step(const sl_light_sampling *s) { return (double)s->step; }
 
 size_t sl_light_sampling_memory_bytes(const sl_light_sampling *s) {

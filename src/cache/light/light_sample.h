@@ -52,6 +52,8 @@ sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raste
                                    const sl_sampled_lights *lights, const sl_light_sample_settings *settings,
                                    sl_light_sampling **sampling, sl_error *error);
 void sl_light_sampling_destroy(sl_light_sampling *sampling);
+/* Another tracer, of the same scene, from the next sample on. */
+void sl_light_sampling_trace_by(sl_light_sampling *sampling, const sl_tracer *tracer);
 /* How far ahead of a point, on the way to a light, its rays and pictures begin: what the point touches hides
  * nothing from it. */
 double sl_light_sampling_step(const sl_light_sampling *sampling);

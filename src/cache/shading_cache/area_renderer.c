@@ -150,6 +150,8 @@ static void render_point(const void *state, const sl_sample_request *request, un
 
 static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
                    sl_sample *samples, sl_counters *counters) {
+    const area_renderer *r = state;
+    sl_light_sampling_trace_by(r->sampling, *r->settings.tracer);
     sl_render_each(render_point, state, count, requests, threads, samples, counters);
 }
 
