@@ -115,9 +115,9 @@ double sl_light_by_points(const sl_light_sampling *sampling, size_t light, const
 sl_rgb sl_lobe_draws(const sl_light_sampling *sampling, const sl_lit_point *point, const sl_lit_lobe *lobe,
                      const sl_light_numbers *numbers, sl_counters *counters);
 
-/* The environment's light (sky_light.c): irradiance, where it is asked for, with the variance of its channels'
- * mean; and what a lobe of ks = 1 reflects, NULL: none. numbers->count directions are drawn from the cosine,
- * or half of them from that and as many from the environment and from the lobe. */
+/* The environment's light (sky_light.c): irradiance, where it is asked for, with the variance of its
+ * channels' mean; and what a lobe of ks = 1 reflects, NULL: none. numbers->count directions are drawn from
+ * the cosine, or half of them from that and as many from the environment and from the lobe. */
 typedef struct sl_sky_light {
     sl_rgb irradiance, lobe;
     double variance;

@@ -1,9 +1,10 @@
-/* What a glossy lobe reflects of area lights: of their points, weighed in shadow_ray.c, and of directions that
- * are drawn from the lobe. */
+/* What a glossy lobe reflects of area lights: of their points, weighed in shadow_ray.c, and of directions
+ * that are drawn from the lobe. */
 #include "base/math.h"
 #include "cache/light/light_sample_internal.h"
 
-double sl_lit_lobe_term(const sl_lit_lobe *lobe, const sl_lit_point *point, sl_vec3 d, sl_vec3 m, double area) {
+double sl_lit_lobe_term(const sl_lit_lobe *lobe, const sl_lit_point *point, sl_vec3 d, sl_vec3 m,
+                        double area) {
     sl_vec3d way = sl_to_double(d);
     double squared = sl_dotd(way, way), distance = sqrt(squared);
     sl_vec3 to_light = sl_to_float(sl_scaled(way, 1.0 / distance));

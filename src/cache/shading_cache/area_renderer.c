@@ -82,8 +82,8 @@ static void add_area_light(const lit *at, size_t l, sl_sample *sample) {
     uint32_t points = (uint32_t)r->settings.cache.area_samples;
     sl_light_numbers numbers = numbers_of(r, l, at->request->set * points, points);
     sl_light_sums s = {.all = 0.0};
-    double form = sl_light_by_points(r->sampling, l, &at->point, &numbers, at->has_lobe ? &at->lobe : NULL, &s,
-                                     at->counters);
+    const sl_lit_lobe *lobe = at->has_lobe ? &at->lobe : NULL;
+    double form = sl_light_by_points(r->sampling, l, &at->point, &numbers, lobe, &s, at->counters);
     if (!(form > 0.0)) return;
     double n = (double)add_dense_points(at, l, points, &s), e = s.seen / n, variance = mean_variance(&s, n);
     if (r->settings.cache.area == SL_AREA_RATIO) {

@@ -12,7 +12,7 @@
  *                    around them
  *   leaf_lookup.h    from (u, v) to a leaf, and what it shows there
  *   window.c         from where frames are drawn
- *   tessellate.c     curved surfaces, from the view: chord within half a pixel; never shaded, only interpolated
+ *   tessellate.c     curved surfaces, from the view: chord within half a pixel; never shaded
  *   draw.c           id map, Gouraud, texture, emission
  */
 #ifndef SL_SHADING_CACHE_DISPLAY_H

@@ -24,8 +24,9 @@ float sl_levels_apart(const sl_display_curve *curve, sl_rgb a, sl_rgb b);
 float sl_vertex_luminance(const sl_patches *patches, uint32_t vertex);
 float sl_vertex_level(const sl_patches *patches, const sl_display_curve *curve, uint32_t vertex);
 
-/* Largest minus smallest level of the exitant radiance at a patch's corners. Corners never evaluated: -1. Corners without light of their own may be black, so that what holds them is
- * split as long as it can be seen. */
+/* Largest minus smallest level of the exitant radiance at a patch's corners. Corners never evaluated: -1.
+ * Corners without light of their own may be black, so that what holds them is split as long as it can be
+ * seen. */
 float sl_patch_error(const sl_patches *patches, const sl_display_curve *curve, uint32_t patch);
 /* Age in grey levels: c (now - evaluated) of its oldest corner, or what hangs on its edges, if that was
  * evaluated before the last relevant change; else 0. */

@@ -77,8 +77,9 @@ void sl_request_sky_light(const sl_renderer_settings *settings, const sl_sequenc
     sl_lit_point point = sl_request_lit_point(q);
     uint32_t count = (uint32_t)samples;
     sl_light_numbers numbers = {sequence, sl_random_key(settings->seed, SKY_STREAM), q->set * count, count};
-    sl_sky_light sky = sl_sky_light_at(settings->scene, *settings->tracer, &point, sl_request_wants_irradiance(q),
-                                       has_lobe ? &lobe : NULL, &numbers, counters);
+    sl_sky_light sky =
+        sl_sky_light_at(settings->scene, *settings->tracer, &point, sl_request_wants_irradiance(q),
+                        has_lobe ? &lobe : NULL, &numbers, counters);
     sample->irradiance = sl_rgb_add(sample->irradiance, sky.irradiance);
     if (has_lobe)
         sample->radiance = sl_rgb_add(sample->radiance, sl_rgb_mul(sky.lobe, q->material->specular));

@@ -3,8 +3,8 @@
  * them return for one point.
  *
  *   area_renderer.c            direct light (cache/light)
- *   bidirectional_renderer.c   indirect light (trace/bidirectional); direct light of the environment; all that
- *                              mirrors reflect
+ *   bidirectional_renderer.c   indirect light (trace/bidirectional); direct light of the environment; all
+ *                              that mirrors reflect
  *   caustic_renderer.c         caustics by photons (cache/photons)
  *   renderers.c                a batch of requests on the workers
  */

@@ -7,7 +7,8 @@
  *   lazy evaluation       a patch's corners are asked for, or it is split in four
  *   sample renderer       values of these corners
  *   motion and age        values committed, changes found, coarser patches where things change, old ones
- * deleted display arrays        the second copy brought up to date, and swapped
+ *                         deleted
+ *   display arrays        the second copy brought up to date, and swapped
  *
  * and any number of frames are drawn from the copy that is shown meanwhile. The parts:
  *
@@ -15,12 +16,12 @@
  *   cache/patches         triangles, quadrilaterals and bicubic patches, and the hierarchy on them
  *   leaves.c              visible leaves and their pixels; those with nothing left to do
  *   priority.c            interpolation error, age, normalisation
- *   selection.c           choices kept; systematic and sorted selection
+ *   selection.c           choices kept; sorted selection
  *   work.c                patches grouped, corners asked for, splits
- *   renderers.h           direct light, bidirectional paths, caustics
+ *   renderers.h           direct light (cache/light), bidirectional paths, caustics (cache/photons)
  *   samples.c, change.c   requests, commits; change detection, resolution drop, blending
  *   display.h             arrays, tessellation, drawing
- *   explanation.c               the terms of a pixel, for observers */
+ *   explanation.c         the terms of a pixel, for observers */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"

@@ -1,6 +1,6 @@
-/* Curved surfaces as triangles for a view (section on curved surfaces): grids so fine that no chord is further
- * than half a pixel from its surface. All surfaces are cut alike, as finely as the one that needs it most,
- * and points of an edge depend on its own curve alone: so nothing can tear where surfaces meet. */
+/* Curved surfaces as triangles for a view (section on curved surfaces): grids so fine that no chord is
+ * further than half a pixel from its surface. All surfaces are cut alike, as finely as the one that needs it
+ * most, and points of an edge depend on its own curve alone: so nothing can tear where surfaces meet. */
 #include <math.h>
 #include <string.h>
 
@@ -82,8 +82,8 @@ static double pixels_per_unit(const sl_bicubic *b, const sl_view *view, const sl
 }
 
 
-/* A triangle with legs of 1/n is off by at most (|B_uu| + 2 |B_uv| + |B_vv|) / (8 n^2): half a pixel if no term
- * is above n^2. */
+/* A triangle with legs of 1/n is off by at most (|B_uu| + 2 |B_uv| + |B_vv|) / (8 n^2): half a pixel if no
+ * term is above n^2. */
 static int find_rate(const sl_display *d, const sl_scene *scene) {
     sl_view view = sl_view_scene(scene, d->settings.width, d->settings.height);
     double pixels = 0.0;

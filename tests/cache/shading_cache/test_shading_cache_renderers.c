@@ -84,8 +84,8 @@ static double share_past_edge(double x, double z, double cosine, double sine) {
     return seen / all;
 }
 
-/* A random straight edge before a square, seen share. Of plain Halton points it is off by 1.6 % root mean square
- * and 4.3 % at most with 100 points, 0.56 and 1.8 % with 400. */
+/* A random straight edge before a square, seen share. Of plain Halton points it is off by 1.6 % root mean
+ * square and 4.3 % at most with 100 points, 0.56 and 1.8 % with 400. */
 static void half_hidden_squares_have_the_stated_accuracy(void **state) {
     (void)state;
     static const int samples[] = {100, 400};
