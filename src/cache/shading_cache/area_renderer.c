@@ -16,7 +16,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/patches/solids.h"
-#include "cache/shading_cache/renderer_parts.h"
+#include "cache/shading_cache/renderers.h"
 
 typedef struct area_renderer {
     sl_renderer_settings settings;

@@ -36,7 +36,7 @@ void sl_display_destroy(sl_display *d) {
         sl_free(d->dirty[k]);
     }
     sl_window_close(&d->own);
-    sl_display_values_release(d);
+    sl_free(d->pending);
     sl_free(d->curved);
     sl_monitor_close(&d->swap);
     sl_free(d->left_out);
@@ -88,7 +88,7 @@ sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitiv
 }
 
 size_t sl_display_memory_bytes(const sl_display *d) {
-    size_t bytes = d->root_count * sizeof *d->root + d->seen_words * sizeof *d->seen_pending;
+    size_t bytes = d->root_count * sizeof *d->root + d->pending_words * sizeof *d->pending;
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
         bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk +
@@ -96,8 +96,6 @@ size_t sl_display_memory_bytes(const sl_display *d) {
         bytes += c->group_capacity * sizeof *c->lobe_group + c->lobe_capacity * sizeof *c->lobe;
         bytes += c->fans.capacity * sizeof *c->fans.word + d->dirty_capacity[k] * sizeof *d->dirty[k];
     }
-    for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++)
-        bytes += d->pending[l].capacity * sizeof *d->pending[l].entry;
     return bytes;
 }
 

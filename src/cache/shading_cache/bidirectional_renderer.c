@@ -15,7 +15,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/shading_cache/renderer_parts.h"
+#include "cache/shading_cache/renderers.h"
 #include "trace/bidirectional/bidirectional.h"
 
 /* Sets that are kept; more begin again. */

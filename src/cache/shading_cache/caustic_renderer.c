@@ -17,7 +17,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/photons/photon_tree.h"
-#include "cache/shading_cache/renderer_parts.h"
+#include "cache/shading_cache/renderers.h"
 
 /* NEIGHBOURS: k + 1. Where none of the first photons ends in a caustic no more are sent. */
 enum { NEIGHBOURS = 201, STORED = 120000, EMITTED = 1 << 22, FIRST_CHUNKS = 64 };

@@ -78,17 +78,6 @@ typedef struct sl_display_copy {
     sl_fans fans;
 } sl_display_copy;
 
-/* A vertex without samples, and the two or four that it lies between. */
-typedef struct sl_pending_vertex {
-    uint32_t vertex;
-    uint32_t around[4];        /* [2] and [3] SL_NO_INDEX: two */
-} sl_pending_vertex;
-
-typedef struct sl_pending {
-    sl_pending_vertex *entry;
-    size_t count, capacity;
-} sl_pending;
-
 /* Planes of a frame. */
 typedef struct sl_frame_planes {
     uint32_t *id, *curved_id;
@@ -124,10 +113,8 @@ struct sl_display {
     size_t root_count;
     uint32_t *dirty[2];        /* patches changed in this update, and in the one before */
     size_t dirty_count[2], dirty_capacity[2];
-    /* by level of the vertex; [0] is empty: corners of roots lie between nothing */
-    sl_pending pending[SL_PATCH_DEPTH_MAX + 1];
-    uint32_t *seen_pending;    /* one bit a vertex */
-    size_t seen_words;
+    uint32_t *pending;         /* one bit a vertex: it has no samples */
+    size_t pending_words;
 };
 
 /* The vertices that the split which made four children has added. Their other corners are their parent's,
@@ -155,7 +142,6 @@ void sl_fan_release(sl_fans *fans, uint32_t word);
 /* vertex_values.c. Values of the corners of the alive patches of a list, then of what has no samples yet. */
 sl_status sl_display_values(sl_display *display, sl_display_copy *copy, const sl_patches *patches,
                             const uint32_t *const list[2], const size_t count[2], sl_error *error);
-void sl_display_values_release(sl_display *display);
 
 /* window.c. */
 /* to be closed also where this fails */

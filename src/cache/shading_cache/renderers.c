@@ -1,7 +1,7 @@
 /* Batches of requests on the workers (base/batch.h), and the parts that a request asks for. */
 #include "base/batch.h"
 #include "base/random.h"
-#include "cache/shading_cache/renderer_parts.h"
+#include "cache/shading_cache/renderers.h"
 
 typedef struct point_batch {
     sl_render_point *render;

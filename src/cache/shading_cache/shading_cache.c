@@ -14,9 +14,8 @@
  *
  *   plan.c, method.c      which of it a scene needs; a cache made, edited, shown; state.h: its fields
  *   cache/patches         triangles, quadrilaterals and bicubic patches, and the hierarchy on them
- *   leaves.c              visible leaves and their pixels; those with nothing left to do
  *   priority.c            interpolation error, age, normalisation
- *   selection.c           choices kept; sorted selection
+ *   selection.c           visible leaves and their pixels; choices kept; sorted selection
  *   work.c                patches grouped, corners asked for, splits
  *   renderers.h           direct light (cache/light), bidirectional paths, caustics (cache/photons)
  *   samples.c, change.c   requests, commits; change detection, resolution drop, blending

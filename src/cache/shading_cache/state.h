@@ -69,7 +69,7 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error);
 void sl_shading_sample(sl_shading_state *s, size_t count);
 sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error);
 
-/* leaves.c. The id map's leaves with their pixels; a visit to each of them, on all threads. */
+/* selection.c. The id map's leaves with their pixels; a visit to each of them, on all threads. */
 typedef void sl_leaf_visit(sl_shading_state *s, sl_leaf_priority *leaf);
 sl_status sl_shading_find_leaves(sl_shading_state *s, sl_error *error);
 void sl_shading_each_leaf(sl_shading_state *s, sl_leaf_visit *visit);

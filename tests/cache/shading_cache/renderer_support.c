@@ -1,7 +1,7 @@
 #include "renderer_support.h"
 
 #include "base/memory.h"
-#include "cache/shading_cache/renderer_parts.h"
+#include "cache/shading_cache/renderers.h"
 
 void shop_open(shop *s, sl_scene *scene) {
     *s = (shop){.scene = scene};
