@@ -11,8 +11,8 @@
  *     step 5   splat the new records, and only those        resolve
  *     step 6   normalise, times albedo / pi, add the rest   resolve
  *
- * Steps 4 and 4b run for the diffuse receivers (irradiance records), then for the glossy ones (radiance
- * records). With a budget of records a frame ends in the midst of them; the next goes on where it stopped. */
+ * Steps 4 and 4b run for diffuse receivers (irradiance records), then for glossy ones (radiance records).
+ * With a budget of records a frame ends in the midst of them; the next goes on where it stopped. */
 #include "cache/splatting/splatting.h"
 
 #include "base/error.h"
@@ -114,8 +114,7 @@ static sl_status new_records(sl_splat_state *s, sl_error *error) {
     if (status != SL_OK || cache->traversal.stride) return status;
     announce(s, "coverage: sum of w", "Algorithm 2, step 4", 1, s->coverage, true);
     /* A view that needed nothing new leaves the records as they are: seen again from the same place, a
-     * picture has the same bits. In a walk older records never shrink, or pixels would jump between frames.
-     */
+     * picture has the same bits. In a walk records never shrink, or pixels would jump between frames. */
     bool grown = cache->list.count > cache->known;
     if (s->phase == SL_PHASE_RECORDS && grown && !s->settings.records_per_frame) s->phase = SL_PHASE_CLAMP;
     else start_records(s, s->class + 1);
