@@ -36,7 +36,7 @@ static sl_vec3 compose(double sin_theta, double cos_theta, double sin_phi, doubl
     return sl_v3((float)(sin_theta * cos_phi), (float)(sin_theta * sin_phi), (float)cos_theta);
 }
 
-/* What is no code counts as the nearest one. */
+/* Returns the nearest code of what is none. */
 static uint32_t code_of(float packed) {
     static const uint32_t last = COLUMNS * STEPS + COLUMNS - 1;
     if (!(packed > 0.0f)) return 0;

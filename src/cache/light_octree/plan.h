@@ -27,7 +27,8 @@ void sl_octree_transport(const sl_settings *settings, sl_transport *transport);
  * the room, of normal 1.1 and 1.3, and depth 6 errs less all the same: to warn of 2 would be to warn of every
  * picture of high quality. From 4 on a shallower octree shows as much.) */
 static const double SL_OCTREE_FEW_PHOTONS = 0.1, SL_OCTREE_WIDE_GATHERS = 4.0;
-/* How many voxels of that edge surfaces will take: 3/2 A / h^2, since a plane of any tilt meets |n_x| + |n_y|
+/* Returns how many voxels of that edge surfaces will take: 3/2 A / h^2, since a plane of any tilt meets |n_x|
+ * + |n_y|
  * + |n_z| of them in each h^2. */
 double sl_octree_voxels_expected(const sl_scene *scene, double voxel);
 /* Objects that are smaller than two voxels: one set of lights is all that there is of them. */
@@ -36,7 +37,7 @@ size_t sl_octree_small_objects(const sl_scene *scene, double voxel);
 bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_settings *settings);
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
-/* How many chunks of photon paths one update traces. */
+/* Returns how many chunks of photon paths one update traces. */
 size_t sl_octree_photon_chunks(const sl_settings *settings);
 sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings);
 extern const sl_reduction sl_octree_reductions[];

@@ -78,8 +78,8 @@ static inline lanes cosine_to(const point_lanes *p, const sl_shade_set *set) {
     return set->turn ? (lanes)((masks)c & 0x7fffffff) : c;
 }
 
-/* How well a set suits the points: by its normal, and of layers by how far above or below them it lies, in
- * voxels. */
+/* Rates how well a set suits the points: by its normal, and of layers by how far above or below them it lies,
+ * in voxels. */
 static inline lanes suits(const point_lanes *p, const sl_shade_corner *corner, const sl_shade_set *set) {
     lanes cosine = cosine_to(p, set);
     if (!set->layer) return cosine;

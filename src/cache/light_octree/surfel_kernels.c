@@ -11,7 +11,7 @@ static inline double join(const double v[LANES]) {
     return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
 }
 
-/* What of LANES surfels' areas is within a limit of delta^2, the cosine's sign telling the side. */
+/* Adds what of LANES surfels' areas is within a limit of delta^2, the cosine's sign telling the side. */
 static inline void add_within(const float *restrict distance, const float *restrict height,
                               const float *restrict cosine, const float *restrict area, float limit,
                               lane_sums *restrict sums) {

@@ -146,8 +146,8 @@ sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_phot
 
 /* ---- the area that they were strewn over ---- */
 
-/* What of a side's surface its photons were strewn over, by their hull. Of nearer ones than were gathered, if
- * the ellipsoid is smaller. */
+/* Returns what share of a side's surface its photons were strewn over, by their hull. Of nearer ones than
+ * were gathered, if the ellipsoid is smaller. */
 static double share_by_hull(sl_photon_places *p, const sl_ellipsoid *e, int side, double flat) {
     double limit = e->radius * e->radius * (1.0 + 1e-9);
     size_t first = side ? p->front : 0, end = side ? p->count : p->front;

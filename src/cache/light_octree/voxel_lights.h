@@ -1,7 +1,6 @@
 /* From the photon map to the virtual directional lights of every voxel:
  *
- *     leaf ── gather k photons about c_v ── area, E ── clusters of directions ── V_j, d_j, c_j ── 16 bytes
- * each
+ *     leaf ── gather k photons about c_v ── area, E ── clusters of directions ── V_j, d_j, c_j
  *
  * Leaves do not depend on each other, so they may be done in batches, in any order and in parallel. */
 #ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_LIGHTS_H

@@ -1,4 +1,4 @@
-/* Whether triangles in the plane overlap, decided exactly: their corners are whole numbers. Each must have
+/* Overlaps of triangles in the plane, decided exactly: their corners are whole numbers. Each must have
  * positive area, and the insides of two must be disjoint, which they are if and only if the line through an
  * edge of one has the other on its outer side. That replaces what could be said of discs (positive everywhere
  * and a border that does not cross itself), and holds for charts with holes as well. */
