@@ -202,7 +202,7 @@ static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **stat
         uint64_t need;
         s.threads = 1;
         assert_int_equal(sl_method_memory_need(scene, &s, &need, &error), SL_OK);
-        s.memory_bytes = cases[i].share > 0.0 ? (uint64_t)(cases[i].share * (double)need) : need + 100000;
+        s.memory_bytes = cases[i].share > 0.0 ? (uint64_t)(cases[i].share * (double)need) : need + 50000;
         sl_image *one = render(scene, &s, NULL);
         s.threads = 3;
         sl_image *three = render(scene, &s, NULL);
