@@ -93,7 +93,7 @@ static float likeness(float difference, float variance) {
     return t > 0.0f ? t * t : 0.0f;
 }
 
-/* Does any pixel of the column scatter, within the window's rows? */
+/* Returns whether any pixel of the column scatters, within the window's rows. */
 static bool column_scatters(const window *w, int column) {
     const sl_gbuffer *g = w->gbuffer;
     for (int v = -RADIUS; v <= RADIUS; v++) {

@@ -68,7 +68,7 @@ static void add_light_sample(queue *q, const float u[2], sl_counters *counters) 
     if (q->count == SL_PACKET) end_light_samples(q, counters);
 }
 
-/* What a ray of the lobe meets, if that is a light that the sampler knows. */
+/* Returns what a ray of the lobe meets, if that is a light that the sampler knows. */
 static sl_rgb light_met(const sl_direct *direct, sl_vec3 direction, uint32_t triangle) {
     const sl_scene *scene = direct->scene;
     if (triangle == SL_NO_INDEX)

@@ -135,7 +135,7 @@ sl_block_box sl_lit_block_box(const sl_lit_block *block);
 bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box);
 void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near,
                         const sl_aim_block *aims, uint32_t samples);
-/* What of a triangle lies above the horizon of p: up to four corners. */
+/* Cuts off what of a triangle lies below the horizon of p: up to four corners are left. */
 int sl_clip_to_horizon(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_vec3 above[4]);
 /* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not
  * known. */

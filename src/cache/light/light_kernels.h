@@ -49,7 +49,7 @@ typedef struct sl_polygon_light {
     bool two_sided;
 } sl_polygon_light;
 
-/* How many sides of emitters shine. */
+/* Returns how many sides of emitters shine. */
 size_t sl_emitter_sides(const sl_scene *scene);
 sl_light_source sl_light_source_of(const sl_light *light);
 /* The front of an emitter, or its back. */

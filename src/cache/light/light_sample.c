@@ -293,7 +293,7 @@ static bool is_nothing(const sample *s, double distance) {
     return !(s->unoccluded > 1e-12 * fmin(1.0, s->shape->surface.area / (SL_PI * distance * distance)));
 }
 
-/* From where the light is asked for. False: no light arrives. */
+/* Finds from where the light is asked for. False: no light arrives. */
 static bool look(sample *s) {
     sl_light_query *q = &s->query;
     s->distance = sl_lengthd(sl_subd(sl_to_double(s->light->position), sl_to_double(q->point->position)));

@@ -54,8 +54,8 @@ sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raste
 void sl_light_sampling_destroy(sl_light_sampling *sampling);
 /* Another tracer, of the same scene, from the next sample on. */
 void sl_light_sampling_trace_by(sl_light_sampling *sampling, const sl_tracer *tracer);
-/* How far ahead of a point, on the way to a light, its rays and pictures begin: what the point touches hides
- * nothing from it. */
+/* Returns how far ahead of a point, on the way to a light, its rays and pictures begin: what the point
+ * touches hides nothing from it. */
 double sl_light_sampling_step(const sl_light_sampling *sampling);
 size_t sl_light_sampling_memory_bytes(const sl_light_sampling *sampling);
 
@@ -111,7 +111,7 @@ typedef struct sl_light_sums {
 double sl_light_by_points(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point,
                           const sl_light_numbers *numbers, const sl_lit_lobe *lobe, sl_light_sums *sums,
                           sl_counters *counters);
-/* What the lobe reflects of area lights that its own directions meet. */
+/* Returns what the lobe reflects of area lights that its own directions meet. */
 sl_rgb sl_lobe_draws(const sl_light_sampling *sampling, const sl_lit_point *point, const sl_lit_lobe *lobe,
                      const sl_light_numbers *numbers, sl_counters *counters);
 

@@ -259,8 +259,8 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
     c->triangles += count;
 }
 
-/* Whether a triangle has a corner before another's plane, by more than a ten-thousandth of the two and
- * roundings: it shines on it. */
+/* Returns whether a triangle has a corner before another's plane, by more than a ten-thousandth of the two
+ * and roundings: it shines on it. */
 static bool is_before(const sl_scene *scene, uint32_t plane, uint32_t triangle) {
     sl_vec3 a[3], b[3];
     sl_vec3d cross, other;
@@ -302,7 +302,7 @@ static bool find_planes_of_hollow(const sl_scene *scene, source *s, size_t count
     return hollow;
 }
 
-/* What hangs together. */
+/* Adds what hangs together. */
 static void add_piece(collection *c, source *s, size_t count) {
     sl_vec3 normal;
     bool planar = one_plane(c->scene, s, count, &normal);

@@ -15,7 +15,7 @@ double sl_lit_lobe_term(const sl_lit_lobe *lobe, const sl_lit_point *point, sl_v
     return (double)sl_bsdf_value(&lobe->bsdf, to_light, SL_LOBE_GLOSSY).r * arriving / density;
 }
 
-/* L of the area light that a ray meets on a side that shines, times what the lobe reflects of it. */
+/* Returns L of the area light that a ray meets on a side that shines, times what the lobe reflects of it. */
 static sl_rgb met_light(const sl_light_sampling *s, const sl_lit_point *point, const sl_lit_lobe *lobe,
                         sl_vec3 direction, uint32_t triangle, float distance) {
     uint32_t l = triangle != SL_NO_INDEX ? s->lights->light_of_triangle[triangle] : SL_NO_INDEX;

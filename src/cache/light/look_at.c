@@ -35,8 +35,8 @@ static void set_tangents(float *tangent, int size, float first, float last) {
     }
 }
 
-/* Whether all that the scene's picture shows is nearer than the light's nearest: nothing of the light is seen
- * then, whatever its own picture is like. */
+/* Returns whether all that the scene's picture shows is nearer than the light's nearest: nothing of the
+ * light is seen then, whatever its own picture is like. */
 static bool hides_all(const float *depth, size_t pixels, float nearest) {
     enum { BLOCK = 512 };
     if (!(nearest > 0.0f)) return false;

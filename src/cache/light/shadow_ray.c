@@ -168,7 +168,7 @@ static void aim(const sl_light_query *query, const float *u, const float *v, sl_
     }
 }
 
-/* The numbers of packet k; returns how many. */
+/* Makes the numbers of packet k; returns how many. */
 static unsigned numbers_of(const sl_light_query *query, uint64_t jitter, int k, float u[SL_AIMED],
                            float v[SL_AIMED]) {
     const sl_light_numbers *numbers = query->numbers;

@@ -79,7 +79,7 @@ static void add_direction(const sky_point *at, sl_vec3 d, packet *p, sums *s) {
 
 static sl_rgb colour_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
 
-/* One way's numbers: independent of the others'. */
+/* Adds one way's directions; its numbers are independent of the others'. */
 static void add_way(const sky_point *at, way how, const sl_light_numbers *numbers, uint32_t each, sums *s) {
     packet p = {.count = 0};
     for (uint32_t i = 0; i < each; i++) {

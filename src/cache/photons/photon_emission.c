@@ -19,7 +19,7 @@ static double luminance(sl_rgb c) {
 
 /* ---- parallel light enters the scene's box --------------------------------------------------- */
 
-/* Areas of the box's three lit faces, as light of that direction sees them. */
+/* Returns the areas of the box's three lit faces, as light of that direction sees them. */
 static sl_vec3d lit_faces(const sl_scene *scene, sl_vec3d direction) {
     sl_vec3d size = sl_subd(sl_to_double(scene->box_max), sl_to_double(scene->box_min));
     return sl_v3d(fabs(direction.x) * size.y * size.z, fabs(direction.y) * size.z * size.x,
@@ -68,7 +68,7 @@ static double emitter_area(const sl_emitter *emitter) {
     return SL_PI * (double)emitter->area * (emitter->two_sided ? 2.0 : 1.0);
 }
 
-/* What its intensity, or irradiance, is to be multiplied by for its flux. */
+/* Returns what its intensity, or irradiance, is to be multiplied by for its flux. */
 static double light_extent(const sl_scene *scene, const sl_light *light) {
     switch (light->type) {
     case SL_LIGHT_POINT: return 4.0 * SL_PI;

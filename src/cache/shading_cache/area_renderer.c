@@ -52,7 +52,7 @@ static void add_reflected(const lit *at, sl_rgb light, double share, sl_sample *
 
 /* ---- area lights ----------------------------------------------------------------------------- */
 
-/* Variances of the mean: of a ratio of sums, and of a mean. */
+/* Return the variance of the mean: of a ratio of sums, and of a mean. */
 static double ratio_variance(const sl_light_sums *s, double n) {
     double share = s->seen / s->all, hidden = fmax(s->all_squares - s->seen_squares, 0.0);
     double squares = s->seen_squares * (1.0 - share) * (1.0 - share) + hidden * share * share;
@@ -63,9 +63,9 @@ static double mean_variance(const sl_light_sums *s, double n) {
     return n > 1.0 ? fmax(s->seen_squares - s->seen * s->seen / n, 0.0) / (n * (n - 1.0)) : 0.0;
 }
 
-/* The first set goes on until its points are dense, where there is an edge of a shadow, or where the closed
- * form does not smooth what is lit all over. Lobes have their part from the points before, with which their
- * densities reckon. Returns how many points there are. */
+/* Goes on with the first set until its points are dense, where there is an edge of a shadow, or where the
+ * closed form does not smooth what is lit all over. Lobes have their part from the points before, with
+ * which their densities reckon. Returns how many points there are. */
 static uint32_t add_dense_points(const lit *at, size_t l, uint32_t points, sl_light_sums *s) {
     const area_renderer *r = at->renderer;
     bool edge = (s->seen > 0.0 && s->seen < s->all) || r->settings.cache.area == SL_AREA_SAMPLED;
@@ -75,7 +75,8 @@ static uint32_t add_dense_points(const lit *at, size_t l, uint32_t points, sl_li
     return SL_DENSE_POINTS;
 }
 
-/* Where little of a light is above the horizon none of the points may be: one ray to its middle then. */
+/* Adds its light. Where little of it is above the horizon none of the points may be: one ray to its middle
+ * then. */
 static void add_area_light(const lit *at, size_t l, sl_sample *sample) {
     const area_renderer *r = at->renderer;
     const sl_sampled_light *light = &r->lights->light[l];

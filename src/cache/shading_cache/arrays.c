@@ -225,7 +225,7 @@ static bool much_the_same(sl_rgb a, sl_rgb b) {
            sl_is_much_the_same((double)a.b, (double)b.b);
 }
 
-/* Whatever shows the old one is made anew. */
+/* Lets both copies be made anew, which show the old one. */
 bool sl_display_guess(sl_display *d, sl_rgb guess) {
     if (much_the_same(guess, d->settings.guess)) return false;
     d->settings.guess = guess;

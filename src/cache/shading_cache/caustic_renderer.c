@@ -64,7 +64,7 @@ static sl_status make_map(renderer *r, sl_error *error) {
 
 /* ---- at a point ------------------------------------------------------------------------------ */
 
-/* What a photon counts for on a surface shaded with this normal. */
+/* Returns what a photon counts for on a surface shaded with this normal. */
 static double cosine_quotient(const sl_root_point *p, const sl_photon *photon) {
     sl_vec3 to_light = sl_octahedral_decode(photon->direction);
     double shading = (double)sl_dot(p->normal, to_light),

@@ -67,8 +67,8 @@ typedef struct sl_fades {
     size_t count, capacity;
 } sl_fades;
 
-/* What the patches show at a vertex between others; false: nothing around it has been evaluated. lobe: wanted
- * where the vertex has one. */
+/* Tells what the patches show at a vertex between others; false: nothing around it has been evaluated.
+ * lobe: wanted where the vertex has one. */
 bool sl_fade_from(const sl_patches *patches, uint32_t vertex, float value[3], float lobe[3]);
 /* The vertex has its value; from now on it shows what lies between `from` and that. Without memory it shows
  * its value. */

@@ -75,7 +75,7 @@ void sl_window_destroy(sl_window *window);
 sl_status sl_window_move(const sl_display *display, sl_window *window, sl_error *error);
 sl_status sl_window_draw(sl_display *display, sl_window *window, unsigned threads, float *const planes[3],
                          sl_counters *counters, sl_error *error);
-/* How many builds the arrays of the last frame had seen. */
+/* Returns how many builds the arrays of the last frame had seen. */
 uint64_t sl_window_builds(const sl_window *window);
 
 #endif

@@ -217,8 +217,8 @@ static bool is_background(const frame_job *job, size_t pixel) {
     return !job->display->curved || job->window->frame.curved_id[pixel] == SL_NO_INDEX;
 }
 
-/* What the Gouraud pass does with the pixels of one of the two rasterizers; the background is the first
- * one's. */
+/* Does for the Gouraud pass what is asked of the pixels of one of the two rasterizers; the background is
+ * the first one's. */
 static void do_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool curved) {
     triangle_run run = {.root = SL_NO_INDEX};
     for (size_t i = 0; i < p->count; i++) {

@@ -124,8 +124,8 @@ static float share_of(const sl_sample_request *request) {
     return request->set > 0 ? 1.0f / ((float)request->set + 1.0f) : 1.0f;
 }
 
-/* Is true of first values that are blended in. Means of several sets of samples are not: they have no value
- * yet. */
+/* Returns true for first values that are blended in. Means of several sets of samples are not: they have
+ * no value yet. */
 static bool is_to_fade(const sl_shading_state *s, uint32_t vertex, uint32_t object) {
     return s->settings.shading_cache.blending < 1.0 && !s->patches->sets &&
            s->patches->vertex[vertex].evaluated == SL_VERTEX_NEVER && !s->changes->object[object].changing;
@@ -197,7 +197,7 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
         sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
 }
 
-/* What changes is shown with patches as coarse as leaves time to shade them all anew. */
+/* Returns how coarse patches of what changes are, so that there is time to shade them all anew. */
 float sl_shading_coarsest(const sl_shading_state *s, bool triangles) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
     double visible = 0.0;

@@ -36,7 +36,7 @@ typedef struct worker {
 
 /* ---- vertices asked for ---- */
 
-/* What was evaluated before that update is not as the scene is now. */
+/* Returns the update before which what was evaluated is not as the scene is now. */
 static uint32_t stale_before(const sl_patches *p, const sl_work_settings *settings, uint32_t root) {
     uint32_t edited =
         settings->stale_before ? settings->stale_before[sl_root_object(p->primitives, root)] : 0;
@@ -127,7 +127,7 @@ static void ask_for_all(worker *w, uint32_t patch) {
 
 /* ---- is it noise? ---- */
 
-/* How far a level is off where the irradiance is off by its standard error: |D'| sigma, as a central
+/* Returns how far a level is off where the irradiance is off by its standard error: |D'| sigma, as a central
  * difference, since D' has no bound at black. */
 static double level_noise(const worker *w, uint32_t root, uint32_t vertex) {
     const sl_patches *p = w->patches;
