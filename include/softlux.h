@@ -320,8 +320,8 @@ SL_API sl_status sl_scene_load_with(const char *path, const sl_load_options *opt
                                     sl_error *error);
 /** Frees a scene that no method reads any more. NULL is allowed. */
 SL_API void sl_scene_destroy(sl_scene *scene);
-/** How many lines there are about what loading had to decide or repair: a framed camera, the default light,
- * dropped triangles, scaled reflectances. */
+/** Returns how many lines there are about what loading had to decide or repair: a framed camera, the default
+ * light, dropped triangles, scaled reflectances. */
 SL_API size_t sl_scene_warning_count(const sl_scene *scene);
 /** One of them, without a newline, owned by the scene; NULL past the end. */
 SL_API const char *sl_scene_warning(const sl_scene *scene, size_t index);
@@ -422,8 +422,8 @@ SL_API sl_status sl_settings_set(sl_settings *settings, const char *name, const 
  * no such name. */
 SL_API sl_status sl_settings_get(const sl_settings *settings, const char *name, char *text, size_t room,
                                  sl_error *error);
-/** Who is told of every pass from then on, by methods that are created with these settings; or NULL. It must
- * outlive them. */
+/** Sets who is told of every pass from then on, by methods that are created with these settings; or NULL. It
+ * must outlive them. */
 SL_API void sl_settings_observe(sl_settings *settings, const sl_observer *observer);
 
 /** A method at work on a scene: its caches and its picture so far; opaque. */
@@ -459,7 +459,7 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
  * gives them. The method keeps what is still right and goes on with updates from there. After a failure it
  * wants another edit before anything else, and then does all anew. USAGE: other bits. */
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
-/** Whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
+/** Tells whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
 SL_API bool sl_method_keeps_cache(const sl_method *method);
 /** Writes the method's cache to a file, for another run: the records of splatting, and what they took hold
  * of. They belong to the scene (its geometry, materials, lights and environment; not its camera) and to the
@@ -522,8 +522,8 @@ SL_API void sl_explanation_destroy(sl_explanation *explanation);
 /** The names of all methods, in order; NULL past the end. */
 SL_API const char *sl_method_name(size_t index);
 
-/** What a method would do with a scene: one line for each pass that runs or is left out, and why, and for
- * each limit of the method that will show. NUL-terminated text, the caller frees it with free(). Fails as
+/** Tells what a method would do with a scene: one line for each pass that runs or is left out, and why, and
+ * for each limit of the method that will show. NUL-terminated text, the caller frees it with free(). Fails as
  * sl_method_create() does. */
 SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text,
                                 sl_error *error);
@@ -626,15 +626,15 @@ SL_API sl_status sl_error_probe_estimate(sl_error_probe *probe, const sl_image *
  * 0: a number that grows as 1/rel_rmse^2. USAGE: rel_rmse is not above 0. */
 SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse,
                                       uint64_t rays, sl_error_estimate *estimate, sl_error *error);
-/** How much of the first picture's error is left in the second, which was judged last: with 95 % confidence
- * no less than *share (0 to 1) of it. Told by the differences at the same probes, from which most of the
- * probes' own noise falls out. INPUT: as sl_error_probe_estimate(). USAGE: none was judged. */
+/** Finds how much of the first picture's error is left in the second, which was judged last: with 95 %
+ * confidence no less than *share (0 to 1) of it. Told by the differences at the same probes, from which most
+ * of the probes' own noise falls out. INPUT: as sl_error_probe_estimate(). USAGE: none was judged. */
 SL_API sl_status sl_error_probe_left(sl_error_probe *probe, const sl_image *first, const sl_image *second,
                                      double *share, sl_error *error);
 /** The pixels that are judged, as sl_compare_options.mask takes them: 1 where a surface is seen, 0 where a
  * lamp or the sky is. Of a box pixel any part may show it. Owned by the probe. */
 SL_API const sl_image *sl_error_probe_surfaces(const sl_error_probe *probe);
-/** What tracing the probes has cost so far; owned by the probe. */
+/** Returns what tracing the probes has cost so far; owned by the probe. */
 SL_API const sl_counters *sl_error_probe_counters(const sl_error_probe *probe);
 /** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional
  * are. mask: as sl_compare_options.mask, or NULL: all pixels. INPUT: it has none, or the mask is of another

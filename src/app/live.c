@@ -141,7 +141,8 @@ static sl_status one_frame(show *s, sl_error *error) {
                : status;
 }
 
-/* Who looks at passes has their pictures made, and those are not in a method's account of its memory. */
+/* Tells whether passes are shown: their pictures are made then, and those are not in a method's account of
+ * its memory. */
 static bool are_stages_told(const show_options *o) {
     return !o->settings.memory_bytes && (o->json || !o->quiet);
 }

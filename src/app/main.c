@@ -57,7 +57,7 @@ static void hold_standard_streams(void) {
     }
 }
 
-/* What was printed has to have arrived: a disk may be full. A command that failed has said its line, most
+/* Checks that what was printed has arrived: a disk may be full. A command that failed has said its line, most
  * likely of that. */
 static int conclude(int status) {
     bool arrived = !ferror(stdout);

@@ -82,7 +82,7 @@ void sl_print_command_manual(const sl_command_line *line) {
     printf(".SH SEE ALSO\n.BR softlux (1)\n");
 }
 
-/* What --set of every command takes. */
+/* Prints what --set of every command takes. */
 static void print_settings(void) {
     const sl_setting *s;
     printf(".SH OPTIONS OF METHODS\n");

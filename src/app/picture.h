@@ -63,7 +63,7 @@ sl_status sl_picture_write(const sl_render_options *options, const sl_image *ima
 void sl_picture_add_tone(const sl_render_options *options, double stops, cJSON *json);
 bool sl_picture_is_png(const char *path);
 sl_tone sl_picture_tone(const sl_render_options *options);
-/* What was done, for --json; printing deletes it. */
+/* Returns what was done, for --json; printing deletes it. */
 cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method,
                        const sl_image *image, const sl_progress *progress, double seconds);
 void sl_picture_print_json(cJSON *json);

@@ -27,7 +27,7 @@ bool sl_is_file_of_its_own(const char *option, const char *file, const char *con
     return true;
 }
 
-/* Whether the other file is one of a series: it has such a name, in the same folder. */
+/* Tells whether the other file is one of a series: it has such a name, in the same folder. */
 static bool is_one_of(const char *pattern, const char *other) {
     const char *slash = strrchr(pattern, '/'), *other_slash = strrchr(other, '/');
     char name[4096];

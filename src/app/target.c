@@ -163,8 +163,8 @@ static bool ends_above(const climb *c, unsigned step) {
     return c->left > worthwhile && error > too_near * c->o->error;
 }
 
-/* How much of the last picture's error is left in this one. Where that is so much that the climb would end,
- * both are judged by many probes: few may be off all the same way. */
+/* Finds how much of the last picture's error is left in this one. Where that is so much that the climb would
+ * end, both are judged by many probes: few may be off all the same way. */
 static sl_status compare_with_last(climb *c, const sl_image *image, unsigned step, sl_error *error) {
     enum { MANY_PROBES = 4096, MANY_SAMPLES = 64 };
     sl_status status = sl_error_probe_left(c->probe, c->last, image, &c->left, error);

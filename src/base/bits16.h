@@ -80,7 +80,7 @@ static inline uint32_t sl_bits16_negative(const int32_t *a) {
 #endif
 }
 
-/* How many are set. */
+/* Returns how many are set. */
 static inline uint32_t sl_bits16_count(uint32_t bits) {
 #if defined __POPCNT__
     return (uint32_t)__builtin_popcount(bits);

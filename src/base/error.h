@@ -16,8 +16,8 @@ sl_status sl_fail_memory(sl_error *error, const char *what);
 /* A number that lies outside of [low, high], with as few digits, six at least, as show that it does; returns
  * text. */
 const char *sl_outside_text(double value, double low, double high, char text[32]);
-/* What a system call that failed with this errno failed for: resources (no memory, no more files), or as its
- * caller says. */
+/* Returns what a system call that failed with this errno failed for: resources (no memory, no more files), or
+ * as its caller says. */
 sl_status sl_status_of_errno(int reason, sl_status otherwise);
 
 #endif

@@ -34,8 +34,8 @@ double sl_log(double x);
  * whole y there). */
 double sl_pow(double x, double y);
 
-/* Whether neither is more than a hundredth of the larger away from the other; both at least 0. What was made
- * for one may then stay. False for NaN. */
+/* Tells whether neither is more than a hundredth of the larger away from the other; both at least 0. What was
+ * made for one may then stay. False for NaN. */
 static inline bool sl_is_much_the_same(double a, double b) {
     return a == b || fabs(a - b) < 0.01 * fmax(a, b);
 }

@@ -9,7 +9,8 @@
 void *sl_allocate(size_t count, size_t size);
 /* The same, not zeroed: for what is written whole before it is read. */
 void *sl_allocate_unset(size_t count, size_t size);
-/* Whether even a small block cannot be had: for what libraries answer that do not say what they lacked. */
+/* Tells whether even a small block cannot be had: for what libraries answer that do not say what they
+ * lacked. */
 bool sl_memory_has_ended(void);
 void sl_free(void *block); /* NULL is allowed; only for blocks of sl_allocate() */
 

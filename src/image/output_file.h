@@ -28,7 +28,7 @@ sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error
 /* Fails as opening would, so that it is known before the work; leaves no trace. Devices and pipes are not
  * opened. */
 sl_status sl_output_check(const char *path, sl_error *error);
-/* What is written in sequence is kept in memory; sl_output_discard() ends that. */
+/* Keeps in memory what is written in sequence; sl_output_discard() ends that. */
 void sl_output_open_memory(sl_output_file *file);
 sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error);
 /* For formats whose writer goes back; independent of the sequence. */

@@ -165,7 +165,7 @@ static bool append(sl_batch *batch, const window_vertex *a, const window_vertex 
     return true;
 }
 
-/* Whether the box around what is left holds a pixel centre. */
+/* Tells whether the box around what is left holds a pixel centre. */
 static bool holds_centre(const window_vertex *window, int count) {
     int32_t low_u = INT32_MAX, high_u = INT32_MIN, low_v = INT32_MAX, high_v = INT32_MIN;
     for (int i = 0; i < count; i++) {

@@ -261,7 +261,7 @@ static void find_thin(const corners *restrict c, int32_t *restrict thin) {
     }
 }
 
-/* Which depth planes go through the triangle's corners, and these. */
+/* Returns which depth planes go through the triangle's corners, and these. */
 INLINE ints find_span(const sl_pass_view *view, const vertex triangle[3], floats largest, corners *span) {
     int32_t thin[SL_PART];
     ints usable = sl_part_int(-1);
@@ -324,7 +324,7 @@ static void fetch(const sl_raster *r, uint32_t first, const sl_vertex_buffer *b,
     }
 }
 
-/* What lanes without a triangle compute does not matter, but it shall be of numbers. */
+/* Clears lanes without a triangle: what they compute does not matter, but it shall be of numbers. */
 INLINE void clear(fetched *f) {
     const ints zero = sl_part_int(0);
     for (int k = 0; k < 3; k++) {

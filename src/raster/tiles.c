@@ -39,7 +39,8 @@ typedef struct {
     sl_raster_scratch **scratch;
 } tiled_passes;
 
-/* What the tiles of a view have to draw: the triangles of the clusters that touch them, and their pixels. */
+/* Finds what the tiles of a view have to draw: the triangles of the clusters that touch them, and their
+ * pixels. */
 static void weigh_tiles(const sl_raster *raster, const tiled_view *picture, tile_task *task) {
     const sl_tiles *tiles = &picture->tiles;
     const sl_visible *v = picture->visible;

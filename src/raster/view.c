@@ -143,7 +143,7 @@ static void make_planes(const sl_view *view, sl_pass_view *pass) {
     for (int k = 0; k < 6; k++) pass->plane_length[k] = plane_length(pass->plane[k]);
 }
 
-/* What lies outside the viewport leaves an empty region at its corner. */
+/* Leaves an empty region at the viewport's corner for what lies outside. */
 static void cut_by_scissor(const sl_scissor *s, sl_pass_view *pass) {
     if (s->x0 == 0 && s->x1 == 0) return;
     sl_scissor cut = {sl_larger(s->x0, pass->x0), sl_larger(s->y0, pass->y0), sl_smaller(s->x1, pass->x1),

@@ -48,8 +48,8 @@ static inline double sl_affine_determinant(const sl_affine *a) {
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/* What maps normals: the inverse transpose but for a positive factor, made of cofactors so that it needs no
- * division. */
+/* Returns what maps normals: the inverse transpose but for a positive factor, made of cofactors so that it
+ * needs no division. */
 static inline sl_affine sl_affine_normal_map(const sl_affine *a) {
     double sign = sl_affine_determinant(a) < 0.0 ? -1.0 : 1.0;
     sl_affine map = {{{0}}};

@@ -61,7 +61,7 @@ static rgbd reflecting_area(const sl_scene *scene, bool core, double *area) {
     return sum;
 }
 
-/* What a light sends into the scene: of sunlight, what falls on its box. */
+/* Returns what a light sends into the scene: of sunlight, what falls on its box. */
 static double solid_angle_or_area(const sl_scene *scene, bool core, const sl_light *light) {
     if (light->type == SL_LIGHT_POINT) return 4.0 * SL_PI;
     if (light->type == SL_LIGHT_SPOT) { /* smoothstep between the cosines: the half of what lies there */

@@ -57,7 +57,7 @@ struct sl_animation {
 
 sl_affine sl_object_track_at(const sl_object_track *track, double time);
 
-/* Whether sl_scene_set_time() would succeed, and why not; what it takes memory for is not asked. */
+/* Tells whether sl_scene_set_time() would succeed, and why not; what it takes memory for is not asked. */
 sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_error *error);
 
 /* The scene takes the animation over (also where this fails: it goes with the scene), keeps the scene's state

@@ -29,7 +29,7 @@ static sl_vec3d combine(const sl_bicubic *b, const double along_u[4], const doub
     return sum;
 }
 
-/* How far apart control points are along an axis: what lengths are small against. */
+/* Returns how far apart control points are along an axis: what lengths are small against. */
 static double size_of(const sl_bicubic *b) {
     double size = 0.0;
     for (int k = 1; k < 16; k++) {

@@ -15,7 +15,7 @@ void sl_bicubic_at(const sl_bicubic *surface, double u, double v, sl_vec3 *posit
  * surface->first_vertex on. */
 void sl_bicubic_tessellate(const sl_bicubic *surface, float *positions, float *normals,
                            float *texture_coordinates, uint32_t *triangles);
-/* Whether it has any area to speak of. */
+/* Tells whether it has any area to speak of. */
 bool sl_bicubic_has_area(const sl_bicubic *surface);
 /* The parts' surfaces become the scene's, but for the numbers of their vertices and triangles. Those that
  * contradict the parts are errors. */

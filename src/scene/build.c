@@ -74,7 +74,7 @@ typedef struct dropped {
     size_t out_of_range, nonfinite, without_area;
 } dropped;
 
-/* Whether a triangle can be kept; its geometric normal if so. */
+/* Tells whether a triangle can be kept; its geometric normal if so. */
 static bool keep_triangle(const sl_scene_parts *parts, size_t triangle, sl_vec3 *normal, dropped *lost) {
     const uint32_t *corner = parts->indices + 3 * triangle;
     sl_vec3 p[3];

@@ -13,7 +13,7 @@ typedef struct sl_features {
 } sl_features;
 
 sl_features sl_scene_features(const sl_scene *scene);
-/* Whether any of a few dozen rays through the camera's picture hits something. */
+/* Tells whether any of a few dozen rays through the camera's picture hits something. */
 bool sl_scene_is_in_view(const sl_scene *scene);
 
 #endif

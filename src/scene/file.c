@@ -103,7 +103,7 @@ bool sl_file_has_extension(const char *path, const char *extension) {
     return true;
 }
 
-/* Whether one of the two, neither being empty, begins with the other. */
+/* Tells whether one of the two, neither being empty, begins with the other. */
 static bool begin_alike(const char *a, const char *b) {
     size_t i = 0;
     while (a[i] && b[i] && lower(a[i]) == lower(b[i])) i++;

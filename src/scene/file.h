@@ -13,7 +13,7 @@ sl_status sl_file_check_size(const char *path, size_t size, sl_error *error);
 
 /* The whole file and a NUL behind it; release with sl_free(). Failing names the file and the reason. */
 sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error);
-/* Whether there is a file (not a folder) that can be read. */
+/* Tells whether there is a file (not a folder) that can be read. */
 bool sl_file_exists(const char *path);
 /* `name` as seen from the folder of `beside`: absolute names stay. Release with sl_free(); NULL without
  * memory. */
@@ -21,8 +21,8 @@ char *sl_file_beside(const char *beside, const char *name);
 /* The real path of the folder in which a file lies; release with sl_free(). NULL where there is none, or no
  * memory. */
 char *sl_file_folder(const char *path);
-/* Whether a file lies below a folder given by its real path, symbolic links followed. Where there is no such
- * file, or the folder is NULL: true. */
+/* Tells whether a file lies below a folder given by its real path, symbolic links followed. Where there is no
+ * such file, or the folder is NULL: true. */
 bool sl_file_is_below(const char *folder, const char *path);
 /* ".obj" and the like, letter case ignored. */
 bool sl_file_has_extension(const char *path, const char *extension);

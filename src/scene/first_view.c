@@ -38,7 +38,8 @@ static sl_vec3d outwards(view_angle a) {
     return sl_v3d(sl_sin(turn) * sl_cos(rise), sl_sin(rise), sl_cos(turn) * sl_cos(rise));
 }
 
-/* How far from the centre along `back` every vertex is within the picture, with a twentieth to spare. */
+/* Returns how far from the centre along `back` every vertex is within the picture, with a twentieth to
+ * spare. */
 static double fitting_distance(const sl_scene *s, sl_vec3d right, sl_vec3d up, sl_vec3d back) {
     const double high = sl_tan(0.5 * outside_fov), wide = high * aspect_of(s);
     const sl_vec3d centre = centre_of(s);
@@ -104,7 +105,8 @@ static bool lamp_at(const sl_scene *s, size_t index, sl_vec3 *place) {
     return true;
 }
 
-/* Whether no light of the first, the middle and the last lamp leaves the scene; one of them in *place. */
+/* Tells whether no light of the first, the middle and the last lamp leaves the scene; one of them in
+ * *place. */
 static bool lamps_are_shut_in(const sl_scene *s, sl_vec3 *place) {
     const size_t count = s->light_count + s->emitter_count, some[3] = {0, count / 2, count ? count - 1 : 0};
     if (s->environment.present || !count) return false;
@@ -127,7 +129,8 @@ static bool lamps_are_shut_in(const sl_scene *s, sl_vec3 *place) {
     return true;
 }
 
-/* How much room there is around a point; 0 where it is not inside, or fewer materials are seen from there. */
+/* Returns how much room there is around a point; 0 where it is not inside, or fewer materials are seen from
+ * there. */
 static double room_around(const sl_scene *s, sl_vec3 point, int materials) {
     sl_sight sight;
     sl_sight_sphere(&sight, point);
@@ -180,8 +183,8 @@ static bool look_along(const sl_sight *horizon, int ray, sl_camera *camera) {
                              sl_v3(0, 1, 0), (float)inside_fov);
 }
 
-/* How much of a view is far from its eye: fronts count by their distance, up to the span; what is close up or
- * a back, less than nothing. */
+/* Returns how much of a view is far from its eye: fronts count by their distance, up to the span; what is
+ * close up or a back, less than nothing. */
 static double worth_of_view(const sl_scene *s, const sl_camera *camera, double span) {
     sl_sight sight;
     double sum = 0.0;
@@ -213,7 +216,7 @@ static void longest_lines(const sl_sight *horizon, int ray[VIEWS]) {
     ray[0] = first, ray[1] = first + half, ray[2] = second, ray[3] = second + half;
 }
 
-/* Whether a side is missing: doors and windows are narrower, and a missing roof is no way out. */
+/* Tells whether a side is missing: doors and windows are narrower, and a missing roof is no way out. */
 static bool has_open_side(const sl_sight *horizon) {
     int gap = 0;
     for (int i = 0; i < 2 * SL_SIGHT_RAYS; i++) {

@@ -141,7 +141,7 @@ static size_t receive(helper *h, void *to, size_t size) {
 
 /* ---- the end ------------------------------------------------------------------------------------------- */
 
-/* Whether it is known how the process ended: a caller may have its children waited for by others. */
+/* Tells whether it is known how the process ended: a caller may have its children waited for by others. */
 static bool reap(helper *h, int *how) {
     close(h->line);
     if (h->late) kill(h->id, SIGKILL);

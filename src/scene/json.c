@@ -134,8 +134,8 @@ static const char *skip_text(const char *at) {
     return *at ? at : at - 1;
 }
 
-/* What the parser takes though it is no JSON, or takes for the end of the file: numbers as 012 and 2., commas
- * before a closing bracket. NULL: nothing. */
+/* Returns what the parser takes though it is no JSON, or takes for the end of the file: numbers as 012 and
+ * 2., commas before a closing bracket. NULL: nothing. */
 static const char *find_loose(const char *text) {
     for (const char *at = text; *at; at++) {
         if (*at == '"') {

@@ -12,7 +12,7 @@ sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_mod
 
 struct sl_gltf;
 
-/* What the importer made of a file, appended to a model. `path` is where textures are looked for; gltf: NULL
+/* Appends to a model what the importer made of a file. `path` is where textures are looked for; gltf: NULL
  * where the file is no glTF. */
 sl_status sl_mesh_file_add(const char *path, const sl_import *file, const struct sl_gltf *gltf,
                            const sl_affine *placement, sl_model *model, sl_error *error);

@@ -96,8 +96,8 @@ static sl_status find_texture(const source *s, sl_import_map map, uint32_t *inde
     return status;
 }
 
-/* Whether a picture's colours are unit normals, as (n + 1) / 2, that mostly point away from the surface:
- * exporters put such maps where heights are meant. */
+/* Tells whether a picture's colours are unit normals, as (n + 1) / 2, that mostly point away from the
+ * surface: exporters put such maps where heights are meant. */
 static bool holds_normals(const sl_texture *t) {
     const size_t texels = (size_t)t->width * (size_t)t->height;
     size_t unit = 0;

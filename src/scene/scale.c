@@ -116,8 +116,8 @@ static double solid_angle(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
     return volume > 0.0 ? 2.0 * sl_atan2(volume, sum) : 0.0;
 }
 
-/* Whether the triangles whose corners all lie within the squared distance fill more of the directions from
- * the eye than all others do. */
+/* Tells whether the triangles whose corners all lie within the squared distance fill more of the directions
+ * from the eye than all others do. */
 static bool fills_most(const sl_scene *scene, sl_vec3d eye, double squared) {
     double within = 0.0, beyond = 0.0;
     for (size_t t = 0; t < scene->triangle_count; t++) {

@@ -149,7 +149,7 @@ static bool moves(const sl_animation *a) {
     return a->object_track_count || a->light_track_count || a->camera_key_count;
 }
 
-/* What the parts say together; it has no line of its own. */
+/* Builds what the parts say together; it has no line of its own. */
 static sl_status build(sl_scene_file *file, sl_scene **scene) {
     sl_error problem = {0};
     sl_status status = sl_model_build(&file->model, scene, &problem);

@@ -74,7 +74,7 @@ sl_affine sl_scene_file_transform(sl_scene_file *file, const cJSON *item) {
 
 /* ---- keyframes ------------------------------------------------------------------------------- */
 
-/* How many keyframes; they must be objects with these keys, and their times must rise. */
+/* Returns how many keyframes there are; they must be objects with these keys, and their times must rise. */
 static size_t check_keyframes(sl_json *json, const cJSON *list, const char *const *keys, size_t key_count) {
     size_t count = sl_json_array(json, list);
     if (list && count == 0) sl_json_fail(json, list, "expected at least one keyframe");
@@ -134,7 +134,8 @@ void sl_scene_file_object_keys(sl_scene_file *file, const cJSON *list, uint32_t 
     }
 }
 
-/* What a keyframe does not give stays as it was at the one before (or in the light itself). */
+/* Reads a light's keyframes: what one does not give stays as it was at the one before (or in the light
+ * itself). */
 void sl_scene_file_light_keys(sl_scene_file *file, const cJSON *list, uint32_t light) {
     static const char *const keys[] = {"time", "position", "direction"};
     sl_json *json = &file->json;

@@ -25,7 +25,7 @@ static sl_rgb diffuse_at(const sl_scene *scene, const sl_material *material, con
     return sl_rgb_mul(material->diffuse, sl_texture_color(&scene->textures[material->texture], u, v));
 }
 
-/* What a height map changes: the normal, and where the colour is looked up. */
+/* Applies what a height map changes: the normal, and where the colour is looked up. */
 static void raise(const sl_scene *scene, uint32_t triangle, const uint32_t corner[3], float w1, float w2,
                   sl_vec3 to_viewer, sl_surface *s) {
     float u = interpolate(scene->texture_u, corner, w1, w2),

@@ -60,8 +60,8 @@ static sl_status create_table(const sl_scene *scene, emitter_table *t, sl_error 
     return SL_OK;
 }
 
-/* How much an emitter can matter at a point: strength, cosines and distance of its centroid, each kept from
- * vanishing where some part of the emitter may still contribute; 0 where none can. */
+/* Returns how much an emitter can matter at a point: strength, cosines and distance of its centroid, each
+ * kept from vanishing where some part of the emitter may still contribute; 0 where none can. */
 static float importance_of(const emitter_table *t, size_t i, sl_vec3 position, sl_vec3 normal) {
     float dx = t->x[i] - position.x, dy = t->y[i] - position.y, dz = t->z[i] - position.z;
     float squared = dx * dx + dy * dy + dz * dz, extent = t->extent_squared[i];

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* Which rays are usual: -1, else 0. */
+/* Finds which rays are usual: -1, else 0. */
 static inline void find_usual(const sl_ray_setup *restrict setup, const sl_ray16 *restrict rays,
                               unsigned count, int *restrict valid) {
     _Alignas(64) double squared[SL_PACKET];

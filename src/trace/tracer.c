@@ -219,7 +219,7 @@ double sl_tracer_memory_need(size_t triangles) { return 6e6 + 168.0 * (double)tr
 
 /* ---- callbacks: a triangle is proposed for some of the rays ---------------------------------- */
 
-/* Whether the candidate beats what ray k has: nearer, or as near with a lower index. */
+/* Tells whether the candidate beats what ray k has: nearer, or as near with a lower index. */
 static bool is_better(const sl_ray_state *r, unsigned k, float t, uint32_t triangle) {
     if (!(t > r->near[k]) || r->skip[k] == triangle) return false;
     if (t < r->best_t[k]) return true;

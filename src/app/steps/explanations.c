@@ -133,7 +133,8 @@ static bool add_term(sl_explanations *s, const sl_explanation_term *t, double le
     return true;
 }
 
-/* What is shown adds up to the pixel, too: what the page leaves out, or rounds to float, goes to the rest. */
+/* Makes what is shown add up to the pixel, too: what the page leaves out, or rounds to float, goes to the
+ * rest. */
 static bool add_explanation(sl_explanations *s, const sl_explanation *explanation, size_t pixel) {
     sl_explanation_term smaller = {.layer = "several", .kind = "smaller ones, together"};
     double left[3] = {(double)explanation->pixel[0], (double)explanation->pixel[1],

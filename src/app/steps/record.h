@@ -44,7 +44,7 @@ typedef struct sl_recording {
 sl_observer sl_recording_observer(sl_recording *recording);
 /* A snapshot is about to be resolved; counters: the method's. */
 void sl_recording_interrupt(sl_recording *recording, const sl_counters *counters);
-/* What is new since the last snapshot becomes snapshot number `index`. */
+/* Keeps what is new since the last snapshot as number `index`. */
 void sl_recording_snapshot(sl_recording *recording, size_t index);
 /* Puts the steps into the paper's order, those that it does not know last. */
 void sl_recording_sort(sl_recording *recording);

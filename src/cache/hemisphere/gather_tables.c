@@ -226,8 +226,8 @@ static bool is_cell(const sl_gather_tables *t, int x, int y) {
     return x >= 0 && y >= 0 && t->length[(size_t)y * (size_t)t->width + (size_t)x] > 0.0f;
 }
 
-/* How the walls between cells, and the corners where four of them meet, move with the receiver beyond the
- * first order (Schwarzhaupt, Jensen, Jarosz 2012 have the idea that occlusion belongs into the Hessian).
+/* Finds how the walls between cells, and the corners where four of them meet, move with the receiver beyond
+ * the first order (Schwarzhaupt, Jensen, Jarosz 2012 have the idea that occlusion belongs into the Hessian).
  * corner: the direction of the grid's corner (x, y), in units of depth. */
 static void fill_curvatures(sl_gather_tables *t, corner_of *corner, double half_tangent) {
     for (int y = 0; y < t->height; y++) {

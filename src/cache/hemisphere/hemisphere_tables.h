@@ -17,11 +17,11 @@ double sl_plane_cosine_weight(double u0, double u1, double v0, double v1);
  * of omega d omega, of which the z component is the cosine weight (Lambert's formula), theta_i being the
  * angle between a_i and a_i+1: V = sum over edges of theta_i (a_i x a_i+1) / (2 |a_i x a_i+1|). */
 sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count);
-/* How a wall between two cells moves. The wall is the arc from direction a to direction b; it is made by
- * surfaces at depth 1 along the axis in whose units a and b are given. The vector g: displacing the receiver
- * by delta gives the cosine weight g . delta to the cell on the right of a -> b (for one who looks along +z,
- * x right and y up), taken from the cell on its left. With e the unit vector from a to b and d = a + s e the
- * points between them: g = integral of (e x d) d_z / |d|^4 ds. */
+/* Returns how a wall between two cells moves. The wall is the arc from direction a to direction b; it is made
+ * by surfaces at depth 1 along the axis in whose units a and b are given. The vector g: displacing the
+ * receiver by delta gives the cosine weight g . delta to the cell on the right of a -> b (for one who looks
+ * along +z, x right and y up), taken from the cell on its left. With e the unit vector from a to b and d = a
+ * + s e the points between them: g = integral of (e x d) d_z / |d|^4 ds. */
 sl_vec3d sl_wall_vector(sl_vec3d a, sl_vec3d b);
 
 /* A symmetric 2 x 2 matrix of second derivatives in the local tangent plane: (xx, xy, yy). */

@@ -74,7 +74,7 @@ sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_s
                                      const sl_photon_query *query, sl_voxel_worker *w);
 /* The largest k that any voxel can take. */
 size_t sl_voxel_most_neighbours(const sl_voxel_light_options *o);
-/* What is next to nothing (photons beside the geometry) is taken for the disc. */
+/* Takes what is next to nothing (photons beside the geometry) for the disc. */
 sl_voxel_area sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
                              const sl_voxel_gather *gather, sl_voxel_worker *w);
 

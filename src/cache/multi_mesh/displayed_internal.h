@@ -40,7 +40,7 @@ static inline bool sl_needs_cut(const sl_mesh_node *node) {
  * and what an eye can tell of a few pixels is less the fewer they are (Ricco's law: threshold times area is
  * constant). Without known corners there is nothing to be told. */
 bool sl_displayed_is_minor(const sl_displayed *d, const sl_mesh_place *leaf);
-/* What was one when a picture was done still is, with no more pixels. */
+/* Tells whether it was one when a picture was done; with no more pixels it still is. */
 static inline bool sl_was_minor(const sl_mesh_node *node) {
     return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_minor(node);
 }

@@ -20,7 +20,7 @@ typedef struct resolving {
     sl_materials_seen *out;
 } resolving;
 
-/* Which side of a triangle the eye sees is the same at all of its points. */
+/* Tells whether the eye sees the front: at all of a triangle's points it sees the same side. */
 static bool front_is_seen(const sl_scene *scene, uint32_t triangle, sl_vec3 eye) {
     sl_vec3 corner = sl_scene_position(scene, scene->vertex[0][triangle]);
     return sl_dot(sl_scene_geometric_normal(scene, triangle), sl_sub(eye, corner)) > 0.0f;
@@ -62,7 +62,7 @@ static void resolve_row(void *context, size_t row, unsigned worker) {
     }
 }
 
-/* What shows nothing is black. */
+/* Blackens what shows nothing. */
 static void clear_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const resolving *r = context;

@@ -141,12 +141,12 @@ sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_wr
 
 /* Announces the triangles of image pass 1 as a plane of numbers. */
 void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s);
-/* How much the roots matter, of the first mesh that there is, at the pixels that show them. */
+/* Announces how much the roots matter, of the first mesh that there is, at the pixels that show them. */
 void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s);
-/* What one point in view gathers: the picture that is weighted and added up. */
+/* Announces what one point in view gathers: the picture that is weighted and added up. */
 void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s);
-/* What the vertex that sees about half of the first light sees of it: the picture that is added up, and what
- * is read back. */
+/* Announces what the vertex that sees about half of the first light sees of it: the picture that is added up,
+ * and what is read back. */
 void sl_multi_mesh_announce_light_sample(sl_multi_mesh_state *s);
 /* The edges of a mesh's leaves in view, in the colours of what it holds there. */
 void sl_multi_mesh_announce_edges(sl_multi_mesh_state *s, sl_component part);

@@ -163,7 +163,8 @@ static bool allocate(sort_job *j) {
            out->pixel && out->path && out->w1 && out->w2;
 }
 
-/* What the Gouraud pass interpolates: a place in a triangle, told by its weights of corners 1 and 2. */
+/* Writes what the Gouraud pass interpolates: a place in a triangle, told by its weights of corners 1 and
+ * 2. */
 static void corner_places(const void *context, uint32_t triangle, float *value) {
     static const float places[6] = {0, 0, 1, 0, 0, 1};
     (void)context;

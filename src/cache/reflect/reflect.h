@@ -31,8 +31,8 @@ sl_status sl_reflect_environment(const sl_scene *scene, const sl_cube_map *cube,
                                  sl_error *error);
 /* Pixel i shows this surface; nothing where the triangle is SL_NO_INDEX. Depth stays. */
 void sl_gbuffer_show(const sl_scene *scene, sl_gbuffer *g, size_t i, uint32_t triangle, const sl_surface *s);
-/* What the mirrors before a pixel leave of its light: 1 where there are none, or no reflections at all
- * (NULL). */
+/* Returns what the mirrors before a pixel leave of its light: 1 where there are none, or no reflections at
+ * all (NULL). */
 sl_rgb sl_reflections_throughput(const sl_reflections *reflections, size_t pixel);
 void sl_reflections_destroy(sl_reflections *reflections);
 

@@ -48,8 +48,8 @@ static inline void sl_leaf_step(const sl_display_copy *copy, sl_leaf *leaf, uint
     leaf->word = copy->word[4 * leaf->word + child];
 }
 
-/* Which children to take the digits of u and v tell. As many first digits as this place has in common with
- * the last one, so much of the way is the same. Returns whether it is the same leaf. */
+/* Descends by the children that the digits of u and v tell. As many first digits as this place has in common
+ * with the last one, so much of the way is the same. Returns whether it is the same leaf. */
 static inline bool sl_leaf_of_square(const sl_display_copy *copy, sl_leaf *leaf, int32_t u, int32_t v) {
     int32_t inside_u = u < SL_PLACE_ONE ? u : SL_PLACE_ONE - 1,
             inside_v = v < SL_PLACE_ONE ? v : SL_PLACE_ONE - 1;

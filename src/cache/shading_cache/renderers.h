@@ -84,8 +84,8 @@ void sl_render_each(sl_render_point *render, const void *state, size_t count,
                     sl_counters *counters);
 /* Position and normals are finite, and normals have a length. */
 bool sl_request_is_sound(const sl_sample_request *request);
-/* What is asked for: irradiance of materials that have a diffuse part, and of points without a material;
- * radiance of glossy lobes and of mirrors. */
+/* Tells what is asked for: irradiance of materials that have a diffuse part, and of points without a
+ * material; radiance of glossy lobes and of mirrors. */
 bool sl_request_wants_irradiance(const sl_sample_request *request);
 bool sl_request_wants_lobe(const sl_sample_request *request);
 bool sl_request_wants_mirror(const sl_sample_request *request);

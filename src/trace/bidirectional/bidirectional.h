@@ -88,8 +88,9 @@ typedef struct sl_bidirectional_value {
 void sl_bidirectional_irradiance(const sl_bidirectional_points *points,
                                  const sl_bidirectional_request *request, sl_bidirectional_scratch *scratch,
                                  sl_bidirectional_value *irradiance, sl_counters *counters);
-/* What the material's glossy lobe reflects of the same light towards an eye; directions are drawn from the
- * lobe. A perfect mirror reflects all there is, lights themselves too, since no light sample finds those. */
+/* Finds what the material's glossy lobe reflects of the same light towards an eye; directions are drawn from
+ * the lobe. A perfect mirror reflects all there is, lights themselves too, since no light sample finds
+ * those. */
 void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
                                sl_vec3 eye, sl_bidirectional_scratch *scratch,
                                sl_bidirectional_value *radiance, sl_counters *counters);

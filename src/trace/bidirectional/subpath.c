@@ -146,7 +146,7 @@ static bool bounce(const sl_path_maker *m, walker *w, const sl_path_vertex *v) {
 
 /* ---- the end of a ray ------------------------------------------------------------------------ */
 
-/* What the light that a ray of the eye meets is multiplied by; path_walk.c's meet_light(). */
+/* Returns what the light that a ray of the eye meets is multiplied by; path_walk.c's meet_light(). */
 static sl_rgb emission_weight(const sl_path_maker *m, const walker *w) {
     if (!w->at_surface) return m->transport.emission ? w->weight : sl_grey(0.0f); /* L S* E */
     return w->mirror_since ? w->weight : w->direct_weight;

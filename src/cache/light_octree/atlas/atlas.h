@@ -51,10 +51,10 @@ static inline void sl_atlas_point(const sl_atlas_chart *chart, sl_vec3 p, float 
     *t = chart->at[1] + sl_dot(chart->along[1], d);
 }
 
-/* Which triangle each texel holds a point of, and where (barycentric weights of corners 1 and 2); SL_NO_INDEX
- * where there is none. A texel whose centre lies outside all charts, but less than a texel away in x and in
- * y, takes the nearest point. Arrays of size*size, row 0 at the bottom; *covered: how many centres lie in a
- * chart. */
+/* Finds which triangle each texel holds a point of, and where (barycentric weights of corners 1 and 2);
+ * SL_NO_INDEX where there is none. A texel whose centre lies outside all charts, but less than a texel away
+ * in x and in y, takes the nearest point. Arrays of size*size, row 0 at the bottom; *covered: how many
+ * centres lie in a chart. */
 sl_status sl_atlas_texels(const sl_atlas *atlas, const sl_scene *scene, unsigned threads, uint32_t *triangle,
                           float *w1, float *w2, size_t *covered, sl_error *error);
 
