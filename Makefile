@@ -197,5 +197,4 @@ help:
 	@sed -n 's/^\([a-z%-]*\):[^#]*## \(.*\)/make \1@\2/p' Makefile packaging/install.mk | \
 	  while IFS=@ read -r target text; do printf '%-15s %s\n' "$$target" "$$text"; done
 	@echo 'CONFIG=release|debug|tsan|baseline|fuzz, CC=gcc|clang; CFLAGS, LDFLAGS are added last; V=1 shows all.'
-
 include packaging/install.mk

@@ -57,14 +57,6 @@ static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint
     return sl_direct_specular(s->lights, share, &point, exponent, s->scene->camera.eye); /* equation (6) */
 }
 
-/* Returns the depth to which a light's mesh is cut whatever its edges say. A leaf's edges have their middles
- * sampled, so its samples are as close to each other as corners of leaves a level deeper: several lights'
- * meshes are left that much coarser (the table joint of bench/multi-mesh.trials). */
-static int irradiance_depth(const sl_multi_mesh_state *s, int wanted) {
-    if (s->settings.multi_mesh.joint_mesh) return SL_MESH_DEPTH_MAX;
-    return s->lights->count > 1 ? wanted - 1 : wanted;
-}
-
 static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t count,
                                const sl_wanted_vertex *wanted, sl_error *error) {
     size_t lights = s->lights->count;
@@ -74,7 +66,7 @@ static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t
     sl_status status = points && share && valid ? SL_OK : sl_fail_memory(error, "samples");
     for (size_t i = 0; i < count && status == SL_OK; i++) {
         points[i] = sl_vertex_face_point(s->part[part]->mesh, wanted[i].vertex,
-                                         irradiance_depth(s, wanted[i].wanted_depth), wanted[i].leaf);
+                                         sl_multi_mesh_light_depth(s, wanted[i].wanted_depth), wanted[i].leaf);
     }
     /* equation (3) */
     if (status == SL_OK)

@@ -87,6 +87,10 @@ static inline bool sl_is_in_view(const sl_displayed *part) { return part && part
 /* Tells whether a mesh is refined: not one that was in the same view before, nor indirect light without a
  * coarse mesh. */
 bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part);
+/* Returns the depth to which a light's mesh is cut whatever its edges say. A leaf's edges have their middles
+ * sampled, so its samples are as close to each other as corners of leaves a level deeper: several lights'
+ * meshes are left that much coarser (the table joint of bench/multi-mesh.trials). */
+int sl_multi_mesh_light_depth(const sl_multi_mesh_state *s, int wanted);
 /* Hands the view to the meshes and clears their planes. */
 sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error);
 /* The materials that are in view. */

@@ -149,6 +149,11 @@ bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part) {
     return s->part[part] && !done && (part != SL_INDIRECT || s->coarse_whole);
 }
 
+int sl_multi_mesh_light_depth(const sl_multi_mesh_state *s, int wanted) {
+    if (s->settings.multi_mesh.joint_mesh) return SL_MESH_DEPTH_MAX;
+    return s->lights->count > 1 ? wanted - 1 : wanted;
+}
+
 /* Returns the share of visible pixels in faces that need nothing more, in all meshes. */
 static double share_done(const sl_multi_mesh_state *s) {
     double done = 0.0, all = 0.0;
