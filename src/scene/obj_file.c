@@ -102,7 +102,8 @@ static sl_status read_corner(reader *r, char **at, sl_corner *corner) {
     sl_status status = read_index(r, SL_CORNER_POSITION, at, &corner->at[0]);
     for (int part = 1; part < SL_CORNER_PARTS && status == SL_OK && **at == '/'; part++) {
         ++*at;
-        if (**at != '/' && !ends_word(*at)) status = read_index(r, part, at, &corner->at[part]);
+        if (**at != '/' && !ends_word(*at))
+            status = read_index(r, (sl_corner_part)part, at, &corner->at[part]);
     }
     if (status == SL_OK && !ends_word(*at)) return fail(r, "face corners like 1, 1/2, 1//3 or 1/2/3", *at);
     *at += strspn(*at, " \t");
@@ -216,7 +217,7 @@ static sl_status read_libraries(reader *r, char *names) {
 static sl_status read_statement(reader *r, char *at) {
     char *rest = sl_word_after(at);
     for (int part = 0; part < SL_CORNER_PARTS; part++) {
-        if (sl_word_is(at, r->kinds[part].word)) return read_value(r, part, rest);
+        if (sl_word_is(at, r->kinds[part].word)) return read_value(r, (sl_corner_part)part, rest);
     }
     /* fo is an old name of the same */
     if (sl_word_is(at, "f") || sl_word_is(at, "fo")) return read_face(r, rest);
