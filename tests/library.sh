@@ -33,11 +33,15 @@ shared="$(pkg-config --cflags --libs softlux) -Wl,-rpath,$lib"
         $(pkg-config --static --libs-only-l softlux | sed 's/-lsoftlux//') -fopenmp
 }
 # The importer is looked for where it will be, not where this folder is; both libraries say so in one line.
+mesh=$folder/triangle.ply
+printf '%s\n' ply 'format ascii 1.0' 'element vertex 3' 'property float x' 'property float y' 'property float z' 'element face 1' \
+    'property list uchar int vertex_indices' end_header '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' >"$mesh"
 for program in c static; do
-    if "$folder/$program" scenes/cornell.json "$folder/golden.exr" >"$folder/out" 2>&1; then echo 'nothing was installed there'; exit 1; fi
+    if "$folder/$program" "$mesh" "$folder/mesh.exr" >"$folder/out" 2>&1; then echo 'nothing was installed there'; exit 1; fi
     [ "$(grep -c "$prefix/libexec/softlux-import, cannot be started" "$folder/out")" -eq 1 ] || { cat "$folder/out"; exit 1; }
 done
 export SOFTLUX_IMPORTER="$folder$prefix/libexec/softlux-import"
+"$folder/static" "$mesh" "$folder/mesh.exr"
 "$folder/c" scenes/cornell.json "$folder/golden.exr"
 for program in c c++ static; do "$folder/$program" scenes/cornell.json "$folder/golden.exr" | grep -q identical; done
 if "$folder/c" scenes/two-rooms.json "$folder/golden.exr" >"$folder/out"; then
