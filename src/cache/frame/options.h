@@ -1,6 +1,6 @@
 /* The one table of options. The settings' fields, their bounds and defaults, the command line, --help and the
- * manual pages, the library's sl_settings_set() and sl_option_at(), and what the metadata of pictures tell are made
- * from it: to take an option away, delete its row here and the code that reads its field.
+ * manual pages, the library's sl_settings_set() and sl_setting_at(), and what the metadata of pictures tell
+ * are made from it: to take an option away, delete its row here and the code that reads its field.
  *
  * O(type, field, name, unit, least, most, default, the paper's symbol, audience, help)
  *

@@ -15,7 +15,6 @@ enum { FACE = 64 /* texels of 1.4 degrees */, SAMPLES_MAX = 16, BLOCK = SL_TEXTU
 
 struct sl_gather_sky {
     sl_cube_map *cube;
-    float brightest;
 };
 
 
@@ -47,10 +46,8 @@ static void fill(sl_gather_sky *sky, const sl_environment *environment) {
         sl_frame frame = sl_cube_face_frame(face);
         for (int y = 0; y < FACE; y++) {
             for (int x = 0; x < FACE; x++) {
-                float *rgba = sl_cube_map_texel(sky->cube, 0, face, x, y);
-                average_texel(environment, &frame, x, y, samples, rgba);
-                for (int c = 0; c < 3; c++)
-                    sky->brightest = rgba[c] > sky->brightest ? rgba[c] : sky->brightest;
+                average_texel(environment, &frame, x, y, samples,
+                              sl_cube_map_texel(sky->cube, 0, face, x, y));
             }
         }
     }
@@ -85,8 +82,6 @@ size_t sl_gather_sky_memory_bytes(const sl_gather_sky *sky) {
         texels += 6 * (size_t)(sky->cube->level_size[l] + 2) * (size_t)(sky->cube->level_size[l] + 2);
     return sizeof *sky + sizeof *sky->cube + texels * 4 * sizeof(float);
 }
-
-float sl_gather_sky_brightest(const sl_gather_sky *sky) { return sky ? sky->brightest : 0.0f; }
 
 /* Pixels are longer around the foot of the perpendicular than away from it: step / sqrt(1 + r^2) against step
  * / (1 + r^2). The longer one counts. */

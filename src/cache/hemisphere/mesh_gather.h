@@ -100,7 +100,6 @@ typedef struct sl_gather_sky sl_gather_sky;
 sl_status sl_gather_sky_create(const sl_environment *environment, sl_gather_sky **sky, sl_error *error);
 void sl_gather_sky_destroy(sl_gather_sky *sky);
 size_t sl_gather_sky_memory_bytes(const sl_gather_sky *sky);
-float sl_gather_sky_brightest(const sl_gather_sky *sky);
 /* Returns the level of detail of pixels that are `step` apart on the plane at unit distance, at distance
  * sqrt(squared) from the foot of the perpendicular. */
 float sl_gather_sky_lod(double step, double squared);

@@ -57,8 +57,8 @@ const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t lig
 sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_face_point *points,
                            float *share, bool *valid, sl_counters *counters, sl_error *error);
 
-/* From now on what is known will do, whatever depth is wanted: samples are taken only where there is nothing
- * to interpolate. (Or no longer.) */
+/* Sets whether what is known will do, whatever depth is wanted: samples are taken then only where there is
+ * nothing to interpolate. */
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *meshes, bool sparing);
 
 #endif
