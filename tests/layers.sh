@@ -45,7 +45,7 @@ found=$(refer 'cache-math|radiance-cache-splatting|boxed formula|(^|[^A-Za-z/_])
 found=$(refer '[Ss]ections? [0-9]' | grep -vE '(19|20)[0-9][0-9]|OpenGL [0-9]|[Ss]ection [0-9.]+ of the paper|"sections? [0-9]|^\./image/flip\.c:' || true)
 [ -z "$found" ] || { echo "whose section? $found"; bad=1; }
 # Pages of steps name functions and the files that hold them.
-found=$(grep -rhoE 'sl_[a-z0-9_]+\(\), src/[a-z_/]+\.c' --include='narrative_*.c' app/steps | sort -u |
+found=$(grep -rhoE 'sl_[a-z0-9_]+\(\), src/[a-z_/]+\.c' --include=narratives.json app/steps | sort -u |
     while read -r name file; do grep -qsE "\<${name%%(*})?\(" "../$file" || echo "$name $file"; done)
 [ -z "$found" ] || { echo "a page of steps names what is not there: $found"; bad=1; }
 # Every symbol that the library shows begins with sl_.

@@ -1,6 +1,7 @@
 #include "app/html.h"
 
 #include "image/formats.h"
+#include "image/output_file.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -47,4 +48,14 @@ char *sl_picture_text(const sl_image *image, bool tone) {
     sl_output_discard(&png);
     free(rgb);
     return text;
+}
+
+sl_status sl_text_write(const char *path, const char *text, size_t size, sl_error *error) {
+    sl_output_file file;
+    sl_status status = sl_output_open(&file, path, error);
+    if (status != SL_OK) return status;
+    status = sl_output_write(&file, text, size, error);
+    if (status == SL_OK) return sl_output_commit(&file, error);
+    sl_output_discard(&file);
+    return status;
 }

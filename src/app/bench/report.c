@@ -1,8 +1,8 @@
 #include "app/bench/report.h"
 
 #include "app/bench/curves.h"
+#include "app/html.h"
 #include "base/error.h"
-#include "image/output_file.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,14 +10,8 @@
 
 sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error) {
     char path[SL_BENCH_PATH];
-    sl_output_file file;
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    sl_status status = sl_output_open(&file, path, error);
-    if (status != SL_OK) return status;
-    status = sl_output_write(&file, text, strlen(text), error);
-    if (status == SL_OK) return sl_output_commit(&file, error);
-    sl_output_discard(&file);
-    return status;
+    return sl_text_write(path, text, strlen(text), error);
 }
 
 sl_status sl_report_compose(const sl_bench_results *results, const char *folder, const char *name,

@@ -2,10 +2,11 @@
 #ifndef SL_APP_STEPS_PAGE_H
 #define SL_APP_STEPS_PAGE_H
 
-#include "app/steps/run.h"
+#include "softlux.h"
 
-/* One method, or two beside each other. The file appears whole or not at all. */
-sl_status sl_page_write(const char *folder, const char *scene, const sl_steps_run *runs, size_t count,
-                        sl_error *error);
+#include <cjson/cJSON.h>
+
+/* runs: a JSON array of one method (run.h), or two beside each other. The file appears whole or not at all. */
+sl_status sl_page_write(const char *folder, const char *scene, const cJSON *runs, sl_error *error);
 
 #endif

@@ -1,18 +1,21 @@
 #include "app/steps/record.h"
 
 #include "app/html.h"
+#include "app/steps/narrative.h"
 #include "app/steps/show.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+enum { MARKS_SHOWN = 700 };
+
 static sl_step *find_step(sl_recording *r, const sl_pass *pass) {
     for (size_t i = 0; i < r->count; i++)
         if (strcmp(r->steps[i].name, pass->name) == 0) return &r->steps[i];
     if (r->count == SL_STEPS_MAX) return NULL;
     sl_step *step = &r->steps[r->count++];
-    *step = (sl_step){.place = SL_STEPS_MAX};
+    *step = (sl_step){.place = SL_STEPS_MAX, .frames = cJSON_CreateArray()};
     snprintf(step->name, sizeof step->name, "%s", pass->name);
     snprintf(step->source, sizeof step->source, "%s", pass->source);
     step->told = sl_narrative_find(r->narrative, pass->name, &step->place);
@@ -67,7 +70,7 @@ static void on_pass(void *context, const sl_pass *pass) {
     }
     if (pass->mark_count) {
         free(step->latest_marks);
-        step->latest_marks = sl_marks_draw(&r->view, pass->marks, pass->mark_count, SL_MARKS_SHOWN);
+        step->latest_marks = sl_marks_draw(&r->view, pass->marks, pass->mark_count, MARKS_SHOWN);
         r->failed = r->failed || !step->latest_marks;
     }
 }
@@ -76,28 +79,51 @@ sl_observer sl_recording_observer(sl_recording *recording) { return (sl_observer
 
 /* Light where nothing else is known of three channels, brightness of one. */
 static sl_show way_to_show(const sl_step *step) {
-    if (step->told) return step->told->show;
+    if (step->told) return sl_narrative_show(step->told);
     return step->latest->channels >= 3 ? SL_SHOW_LIGHT : SL_SHOW_SCALAR;
 }
 
-void sl_recording_snapshot(sl_recording *r, size_t index) {
+static cJSON *text_or_null(char *text) {
+    cJSON *item = text ? cJSON_CreateString(text) : cJSON_CreateNull();
+    free(text);
+    return item;
+}
+
+/* Takes the latest picture, as PNG in base 64; NULL: there is none, or no memory. */
+static char *take_picture(sl_step *step) {
+    sl_image *picture = NULL;
+    char *text = NULL;
+    if (!step->latest) return NULL;
+    sl_show show = way_to_show(step);
+    if (sl_show_buffer(step->latest, show, &picture, NULL) == SL_OK)
+        text = sl_picture_text(picture, show == SL_SHOW_LIGHT);
+    sl_image_destroy(picture);
+    sl_image_destroy(step->latest);
+    step->latest = NULL;
+    return text;
+}
+
+static cJSON *frame_of(cJSON *picture, cJSON *marks) {
+    cJSON *frame = cJSON_CreateArray();
+    cJSON_AddItemToArray(frame, picture);
+    cJSON_AddItemToArray(frame, marks);
+    return frame;
+}
+
+void sl_recording_snapshot(sl_recording *r) {
     r->resolving = false;
     r->early = (sl_counters){{0}};
     for (size_t i = 0; i < r->count; i++) {
         sl_step *step = &r->steps[i];
-        sl_step_frame *frame = &step->frames[index];
-        frame->marks = step->latest_marks;
+        while (cJSON_GetArraySize(step->frames) < r->snapshots) /* it comes late */
+            cJSON_AddItemToArray(step->frames, frame_of(cJSON_CreateNull(), cJSON_CreateNull()));
+        bool due = step->latest != NULL;
+        char *picture = take_picture(step);
+        r->failed = r->failed || (due && !picture);
+        cJSON_AddItemToArray(step->frames, frame_of(text_or_null(picture), text_or_null(step->latest_marks)));
         step->latest_marks = NULL;
-        if (!step->latest) continue;
-        sl_show show = way_to_show(step);
-        sl_image *picture = NULL;
-        if (sl_show_buffer(step->latest, show, &picture, NULL) == SL_OK)
-            frame->picture = sl_picture_text(picture, show == SL_SHOW_LIGHT);
-        r->failed = r->failed || !frame->picture;
-        sl_image_destroy(picture);
-        sl_image_destroy(step->latest);
-        step->latest = NULL;
     }
+    r->snapshots++;
 }
 
 static int by_place(const void *a, const void *b) {
@@ -106,17 +132,34 @@ static int by_place(const void *a, const void *b) {
     return strcmp(x->name, y->name);
 }
 
-void sl_recording_sort(sl_recording *r) { qsort(r->steps, r->count, sizeof r->steps[0], by_place); }
+static cJSON *json_of(sl_step *step) {
+    cJSON *json = cJSON_CreateObject(), *cost = cJSON_AddObjectToObject(json, "cost");
+    cJSON_AddStringToObject(json, "name", step->name);
+    cJSON_AddStringToObject(json, "source", step->source);
+    cJSON_AddNumberToObject(json, "times", (double)step->times);
+    cJSON_AddNumberToObject(json, "width", step->width);
+    cJSON_AddNumberToObject(json, "height", step->height);
+    for (int i = 0; i < SL_COUNTERS; i++)
+        if (step->cost.value[i])
+            cJSON_AddNumberToObject(cost, sl_counter_name((sl_counter)i), (double)step->cost.value[i]);
+    if (step->told) cJSON_AddItemToObject(json, "told", cJSON_Duplicate(step->told, true));
+    cJSON_AddItemToObject(json, "frames", step->frames);
+    step->frames = NULL;
+    return json;
+}
+
+cJSON *sl_recording_json(sl_recording *r) {
+    cJSON *steps = cJSON_CreateArray();
+    qsort(r->steps, r->count, sizeof r->steps[0], by_place);
+    for (size_t i = 0; i < r->count; i++) cJSON_AddItemToArray(steps, json_of(&r->steps[i]));
+    return steps;
+}
 
 void sl_recording_clear(sl_recording *r) {
     for (size_t i = 0; i < r->count; i++) {
-        sl_step *step = &r->steps[i];
-        sl_image_destroy(step->latest);
-        free(step->latest_marks);
-        for (size_t k = 0; k < SL_SNAPSHOTS_MAX; k++) {
-            free(step->frames[k].picture);
-            free(step->frames[k].marks);
-        }
+        sl_image_destroy(r->steps[i].latest);
+        free(r->steps[i].latest_marks);
+        cJSON_Delete(r->steps[i].frames);
     }
     r->count = 0;
 }

@@ -2,6 +2,9 @@
 
 #include "app/bench/judge.h"
 #include "app/html.h"
+#include "app/steps/explanations.h"
+#include "app/steps/narrative.h"
+#include "app/steps/record.h"
 #include "base/error.h"
 
 #include <math.h>
@@ -62,16 +65,27 @@ static double error_of(const sl_image *picture, const truth *t) {
     return e.rel_rmse;
 }
 
-static void keep_reference(sl_steps_run *run, const sl_steps_options *o, const sl_image *picture,
-                           const truth *t) {
+/* Takes a picture's text; an error that is not known is null. */
+static void add_text(cJSON *to, const char *name, char *text) {
+    if (text) cJSON_AddStringToObject(to, name, text);
+    free(text);
+}
+
+static void add_error(cJSON *to, const char *name, double rel_rmse) {
+    if (rel_rmse >= 0.0 && isfinite(rel_rmse)) cJSON_AddNumberToObject(to, name, rel_rmse);
+    else cJSON_AddNullToObject(to, name);
+}
+
+static void add_reference(cJSON *run, const sl_steps_options *o, const sl_image *picture, const truth *t) {
     sl_image *difference = NULL;
     sl_bench_error e;
     sl_error ignored;
-    if (!t->mask || sl_judge(picture, t->reference, t->mask, &e, &difference, &ignored) != SL_OK) return;
-    run->difference = sl_picture_text(difference, false);
-    run->reference_noise = e.noise;
-    run->reference = sl_picture_text(t->reference, true);
-    run->reference_samples = o->reference_samples;
+    if (sl_judge(picture, t->reference, t->mask, &e, &difference, &ignored) != SL_OK) return;
+    cJSON *reference = cJSON_AddObjectToObject(run, "reference");
+    add_text(reference, "picture", sl_picture_text(t->reference, true));
+    add_text(reference, "difference", sl_picture_text(difference, false));
+    add_error(reference, "noise", e.noise);
+    cJSON_AddNumberToObject(reference, "samples", o->reference_samples);
     sl_image_destroy(difference);
 }
 
@@ -98,108 +112,104 @@ static double error_without(sl_image *picture, const char *layer, const truth *t
     return without;
 }
 
-static void weigh_layers(sl_steps_run *run, sl_image *picture, const truth *t) {
+static void add_layers(cJSON *run, sl_image *picture, const truth *t) {
     static const char *const names[] = {"emission", "direct", "specular", "indirect", "glossy"};
+    cJSON *layers = cJSON_AddObjectToObject(run, "layers");
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char red[SL_CHANNEL_NAME_MAX];
         snprintf(red, sizeof red, "%s.R", names[i]);
-        if (!sl_image_channel(picture, red)) continue;
-        sl_layer_error *l = &run->layers[run->layer_count++];
-        snprintf(l->layer, sizeof l->layer, "%s", names[i]);
-        l->rel_rmse = error_without(picture, names[i], t);
+        if (sl_image_channel(picture, red)) add_error(layers, names[i], error_without(picture, names[i], t));
     }
 }
 
 /* ---- the method ---- */
 
-static sl_status snap(sl_steps_run *run, sl_method *method, const sl_progress *progress, const truth *t,
-                      sl_image **picture, sl_error *error) {
+static sl_status snap(cJSON *snapshots, sl_recording *recording, sl_method *method,
+                      const sl_progress *progress, const truth *t, sl_image **picture, sl_error *error) {
     sl_image_destroy(*picture);
     *picture = NULL;
-    sl_recording_interrupt(&run->recording, sl_method_counters(method));
+    sl_recording_interrupt(recording, sl_method_counters(method));
     sl_status status = sl_method_resolve(method, picture, error);
     if (status != SL_OK) return status;
-    size_t index = run->snapshot_count++;
-    sl_recording_snapshot(&run->recording, index);
-    sl_snapshot *s = &run->snapshots[index];
-    *s = (sl_snapshot){.batches = progress->batches,
-                       .rel_rmse = error_of(*picture, t),
-                       .counters = *sl_method_counters(method)};
-    s->picture = sl_picture_text(*picture, true);
-    return s->picture && !run->recording.failed
+    sl_recording_snapshot(recording);
+    cJSON *snapshot = cJSON_CreateObject();
+    cJSON_AddItemToArray(snapshots, snapshot);
+    cJSON_AddNumberToObject(snapshot, "batches", (double)progress->batches);
+    add_error(snapshot, "error", error_of(*picture, t));
+    add_text(snapshot, "picture", sl_picture_text(*picture, true));
+    return cJSON_GetObjectItem(snapshot, "picture") && !recording->failed
                ? SL_OK
-               : sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for the page's pictures");
+               : sl_fail_memory(error, "the page's pictures");
 }
 
 /* Snapshots after the first batches and then ever more rarely, the last one when all is done. */
-static sl_status refine(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const truth *t,
-                        sl_image **picture, sl_error *error) {
+static sl_status refine(cJSON *run, sl_recording *recording, const sl_steps_options *o, sl_method *method,
+                        const truth *t, sl_image **picture, sl_error *error) {
+    enum { SNAPSHOTS_MAX = 24 };
+    cJSON *snapshots = cJSON_AddArrayToObject(run, "snapshots");
     sl_progress progress = {0};
     uint64_t next = 1;
     sl_status status = SL_OK;
     while (status == SL_OK && !progress.done) {
         status = sl_method_update(method, &progress, error);
         tell(o, o->settings.method, progress.fraction);
-        bool room = run->snapshot_count + 1 < SL_SNAPSHOTS_MAX;
+        bool room = recording->snapshots + 1 < SNAPSHOTS_MAX;
         if (status != SL_OK || !(progress.done || (room && progress.batches >= next))) continue;
-        status = snap(run, method, &progress, t, picture, error);
+        status = snap(snapshots, recording, method, &progress, t, picture, error);
         next = progress.batches + 1 + progress.batches / 3;
     }
     return status;
 }
 
-static sl_status watch(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run, const truth *t,
-                       sl_error *error) {
-    sl_observer observer = sl_recording_observer(&run->recording);
+static sl_status watch(const sl_scene *scene, const sl_steps_options *o, cJSON *run, sl_recording *recording,
+                       const truth *t, sl_error *error) {
+    sl_observer observer = sl_recording_observer(recording);
     sl_settings settings = o->settings;
     settings.observer = &observer;
     sl_method *method = NULL;
     sl_image *picture = NULL;
+    cJSON *explanations = NULL;
     sl_status status = sl_method_create(scene, &settings, &method, error);
-    if (status == SL_OK) status = refine(run, o, method, t, &picture, error);
+    if (status == SL_OK) status = refine(run, recording, o, method, t, &picture, error);
     if (status == SL_OK) {
         tell(o, "explanations of the pixels", 0.0);
-        status = sl_explanations_collect(method, picture, &run->explanations, error);
+        status = sl_explanations_collect(method, picture, &recording->view, &explanations, error);
     }
+    if (status == SL_OK) cJSON_AddItemToObject(run, "explanations", explanations);
+    if (status == SL_OK) cJSON_AddItemToObject(run, "steps", sl_recording_json(recording));
     if (status == SL_OK && t->mask) {
-        weigh_layers(run, picture, t);
-        keep_reference(run, o, picture, t);
+        add_layers(run, picture, t);
+        add_reference(run, o, picture, t);
     }
     sl_image_destroy(picture);
     sl_method_destroy(method);
     return status;
 }
 
-sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run,
-                              sl_error *error) {
-    *run = (sl_steps_run){.narrative = sl_narrative_of(o->settings.method),
-                          .width = o->settings.width,
-                          .height = o->settings.height};
-    if (!run->narrative)
+sl_status sl_steps_run(const sl_scene *scene, const sl_steps_options *o, cJSON **out, sl_error *error) {
+    static sl_recording recording; /* large */
+    int width = o->settings.width, height = o->settings.height;
+    cJSON *run = *out = cJSON_CreateObject(), *narrative = sl_narrative_of(o->settings.method);
+    if (!narrative)
         return sl_fail(error, SL_ERROR_USAGE,
-                    "--method: steps are told of splatting, direct-radiance, light-octree, multi-mesh and "
-                    "shading-cache");
+                       "--method: steps are told of splatting, direct-radiance, light-octree, multi-mesh and "
+                       "shading-cache");
+    cJSON_AddItemToObject(run, "narrative", narrative);
+    cJSON_AddNumberToObject(run, "width", width);
+    cJSON_AddNumberToObject(run, "height", height);
     sl_tracer *tracer = NULL;
     truth t = {NULL, NULL};
+    char *plan = NULL;
     sl_status status = sl_tracer_create(scene, o->settings.threads, NULL, &tracer, error);
-    run->recording = (sl_recording){.narrative = run->narrative,
-                                    .view = {scene->camera, run->width, run->height, tracer, scene->scale}};
-    if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &run->plan, error);
+    recording = (sl_recording){.narrative = narrative,
+                               .view = {scene->camera, width, height, tracer, scene->scale}};
+    if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &plan, error);
     if (status == SL_OK) status = find_truth(scene, o, &t, error);
-    if (status == SL_OK) status = watch(scene, o, run, &t, error);
-    if (status == SL_OK) sl_recording_sort(&run->recording);
-    run->recording.view.tracer = NULL;
+    if (status == SL_OK) status = watch(scene, o, run, &recording, &t, error);
+    add_text(run, "plan", plan);
+    sl_recording_clear(&recording);
     sl_image_destroy(t.reference);
     sl_image_destroy(t.mask);
     sl_tracer_destroy(tracer);
     return status;
-}
-
-void sl_steps_run_clear(sl_steps_run *run) {
-    sl_recording_clear(&run->recording);
-    for (size_t i = 0; i < run->snapshot_count; i++) free(run->snapshots[i].picture);
-    sl_explanations_destroy(run->explanations);
-    free(run->reference);
-    free(run->difference);
-    free(run->plan);
 }

@@ -6,6 +6,7 @@
 #include "app/same_file.h"
 #include "app/options.h"
 #include "app/steps/page.h"
+#include "app/steps/run.h"
 #include "base/error.h"
 #include "image/output_file.h"
 
@@ -92,17 +93,18 @@ static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_err
     sl_steps_options o = {.settings = s->settings, .reference_samples = (uint32_t)s->reference_samples,
                           .progress = bar ? draw_progress : NULL};
     choose_size(scene, &o.settings);
-    static sl_steps_run runs[2]; /* large */
-    size_t count = 0;
+    cJSON *runs = cJSON_CreateArray();
     sl_status status = SL_OK;
-    for (size_t i = 0; i < (s->beside ? 2u : 1u) && status == SL_OK; i++, count++) {
+    for (int i = 0; i < (s->beside ? 2 : 1) && status == SL_OK; i++) {
+        cJSON *run;
         if (i == 1) o.settings.method = s->beside;
-        status = sl_steps_run_method(scene, &o, &runs[i], error);
+        status = sl_steps_run(scene, &o, &run, error);
+        cJSON_AddItemToArray(runs, run);
     }
     if (bar) fputs("\r\033[K", stderr);
     sl_watch_for_interrupt(); /* a page that is being written is written to its end */
-    if (status == SL_OK) status = sl_page_write(s->folder, s->scene, runs, count, error);
-    for (size_t i = 0; i < count; i++) sl_steps_run_clear(&runs[i]);
+    if (status == SL_OK) status = sl_page_write(s->folder, s->scene, runs, error);
+    cJSON_Delete(runs);
     return status;
 }
 
