@@ -57,12 +57,6 @@ typedef enum sl_map_filter {
     SL_MAP_FILTER_RADIANCE, /* radiance from a MIP level, the paper's */
     SL_MAP_FILTER_FLUX      /* the flux of all texels around the sample, in groups that lie on one surface */
 } sl_map_filter;
-/* What curved mirrors show of indirect light. */
-typedef enum sl_mirror_light {
-    SL_MIRROR_LIGHT_FULL,   /* their environment cubes hold it */
-    SL_MIRROR_LIGHT_TRICK,  /* they do not; the mirror itself receives it as if it were diffuse */
-    SL_MIRROR_LIGHT_DIRECT  /* none */
-} sl_mirror_light;
 /* Occlusion between a receiver and the photons, which the paper leaves out. */
 typedef enum sl_photon_visibility {
     SL_VISIBILITY_NONE,

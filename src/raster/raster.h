@@ -80,7 +80,6 @@ typedef enum sl_view_kind {
     SL_VIEW_CUBE_FACE,
     SL_VIEW_HEMICUBE_FACE,
     SL_VIEW_LIGHT,
-    SL_VIEW_MIRRORED,
     SL_VIEW_KINDS
 } sl_view_kind;
 struct sl_view {
@@ -97,9 +96,7 @@ struct sl_view {
                          * default */
     /* not drawn (a gather's own triangle); SL_NO_INDEX, or any number that no triangle has: all are drawn */
     uint32_t skip_triangle;
-    const uint8_t *left_out; /* by triangle: 1: not drawn (the object from within which a picture is taken);
-                              * NULL: all are drawn. A mirrored view draws all: in a mirror, what stands
-                              * around the eye is in nobody's way */
+    const uint8_t *left_out; /* by triangle: 1: not drawn (what another pass draws); NULL: all are drawn */
 };
 
 /* Perspective camera with near and far planes, window depth. */
@@ -110,7 +107,7 @@ sl_view sl_view_scene(const sl_scene *scene, int width, int height);
 /* The same from where another camera stands. */
 sl_view sl_view_of_camera(const sl_scene *scene, const sl_camera *camera, int width, int height);
 /* The unit direction in which a point of the viewport looks (x, y in pixels, centres at .5), whatever the
- * view's matrix: mirrored views too. */
+ * view's matrix. */
 sl_vec3 sl_view_direction(const sl_view *view, double x, double y);
 /* Any pyramid: frame x right, y up, looks along +z of the frame; tangents of the four sides at unit distance;
  * clip at w >= near; inverse-w depth. The plane above a surface point: frame z = normal, tangents
@@ -184,19 +181,15 @@ void sl_gbuffer_destroy(sl_gbuffer *gbuffer);
 /* ID pass and its resolution, equal to sl_scene_surface() bit by bit. Needs a scene. */
 sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads,
                             sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error);
-/* The resolution alone, of an id plane that is drawn already: pixel i belongs to views[path[i]] (a picture
- * with mirrors: each path's pixels come from a view of their own); path NULL: all of them to views[0]. The
- * views are as large as the G-buffer. */
-sl_status sl_raster_resolve(const sl_raster *raster, size_t view_count, const sl_view *views,
-                            const uint8_t *path, unsigned threads, sl_gbuffer *gbuffer, sl_counters *counters,
-                            sl_error *error);
+/* The resolution alone, of an id plane that is drawn already. The view is as large as the G-buffer. */
+sl_status sl_raster_resolve(const sl_raster *raster, const sl_view *view, unsigned threads,
+                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error);
 
-/* The same part by part, for who goes on with a part while it is in the cache. path and id: of the whole
- * picture. Each worker has one part at a time. */
+/* The same part by part, for who goes on with a part while it is in the cache. id: of the whole picture.
+ * Each worker has one part at a time. */
 typedef struct sl_resolver sl_resolver;
-sl_status sl_resolver_create(const sl_raster *raster, size_t view_count, const sl_view *views,
-                             const uint8_t *path, const uint32_t *id, unsigned workers,
-                             sl_resolver **resolver, sl_error *error);
+sl_status sl_resolver_create(const sl_raster *raster, const sl_view *view, const uint32_t *id,
+                             unsigned workers, sl_resolver **resolver, sl_error *error);
 void sl_resolver_destroy(sl_resolver *resolver);
 /* `count` pixels from `first` on, into planes that hold those alone. Returns how many of them show a
  * triangle. */

@@ -108,23 +108,6 @@ static rgbd environment_irradiance(const sl_environment *e) {
     return sum;
 }
 
-sl_rgb sl_environment_mean(const sl_environment *e) {
-    if (e->present && e->width <= 0) return e->constant;
-    const rgbd sum = environment_irradiance(e);
-    return (sl_rgb){(float)(sum.r / SL_PI), (float)(sum.g / SL_PI), (float)(sum.b / SL_PI)};
-}
-
-sl_rgb sl_mean_albedo(const sl_scene *scene) {
-    double area;
-    const rgbd sum = reflecting_area(scene, false, &area); /* in which mirrors have no part */
-    for (size_t t = 0; t < scene->triangle_count; t++) {
-        if (sl_material_is_mirror(&scene->materials[scene->material_index[t]]))
-            area -= sl_triangle_area(scene, t);
-    }
-    const double over = area > 0.0 ? 1.0 / area : 0.0;
-    return (sl_rgb){(float)(sum.r * over), (float)(sum.g * over), (float)(sum.b * over)};
-}
-
 static sl_rgb ambient_of(const sl_scene *scene, bool core, bool all_bounces) {
     double area;
     rgbd reflecting = reflecting_area(scene, core, &area), power = power_of_lights(scene, core),

@@ -14,9 +14,5 @@ sl_rgb sl_ambient_irradiance_of_all_bounces(const sl_scene *scene);
 
 /* 0 where it is not finite. */
 double sl_triangle_area(const sl_scene *scene, size_t triangle);
-/* Mean diffuse reflectance, by area, of all that is no mirror. */
-sl_rgb sl_mean_albedo(const sl_scene *scene);
-/* Mean radiance over all directions; black where there is none. */
-sl_rgb sl_environment_mean(const sl_environment *environment);
 
 #endif

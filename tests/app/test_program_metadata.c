@@ -91,8 +91,7 @@ static void the_settings_that_a_picture_tells_make_it_again(void **state) {
         "-m splatting -a 0.712345678901234 --set gather=trace --set splatting.hit-samples=2 --set "
         "metric=harmonic --set harmonics=3 --bounces 2 --seed 7",
         "-m direct-radiance",
-        "-m direct-radiance -M 5 --set map=frustum --set map-fov=77.7 --set weight=15 --visibility rays "
-        "--set mirror-light=trick",
+        "-m direct-radiance -M 5 --set map=frustum --set map-fov=77.7 --set weight=15 --visibility rays",
         "-m light-octree",
         "-m light-octree --set acceptance=41.7 --stored-photons 3000 --set radius=70.123456789 "
         "--set atlas=1 --set lobes=surface --set whole-voxels=1",

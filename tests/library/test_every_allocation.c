@@ -124,7 +124,6 @@ static void render_twice(const fault_case *c, fault_outcome *o) {
         settings.light_octree.atlas = true;
         settings.light_octree.atlas_size = 64;
         settings.radiance_map.visibility = SL_VISIBILITY_RAYS;
-        settings.radiance_map.traced_light_mirrors = true;
     }
     o->status = sl_scene_set_time(scene, 0.0, NULL, &o->error);
     if (o->status == SL_OK) o->status = sl_method_plan(scene, &settings, &plan, &o->error);

@@ -18,7 +18,6 @@ static inline sl_settings least_settings(const char *method, int width, int heig
     s.gather_size = 8;
     s.radiance_map.samples = 2;
     s.radiance_map.map_size = 4;
-    s.radiance_map.cube_size = 8;
     s.radiance_map.shadow_size = 16;
     s.light_octree.depth = 3;
     s.light_octree.photons = 400;

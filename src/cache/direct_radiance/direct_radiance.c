@@ -10,20 +10,14 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "scene/ambient.h"
 
 #include <math.h>
-#include <string.h>
-
-enum { PLANAR_MIRRORS_MAX = 64 };
 
 /* ---- Which passes a scene needs ---- */
 
 void sl_radiance_forget_geometry(sl_radiance_state *s) {
-    sl_mirrors_destroy(s->planar);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
-    s->planar = NULL;
     s->tracer = NULL;
     s->raster = NULL;
     s->placed = false;
@@ -32,20 +26,13 @@ void sl_radiance_forget_geometry(sl_radiance_state *s) {
 /* Objects that have moved, and meshes that have changed their shape, cost a walk over the vertices. */
 sl_status sl_radiance_place(sl_radiance_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
-    sl_mirrors_destroy(s->planar);
     sl_tracer_destroy(s->tracer);
-    s->planar = NULL;
     s->tracer = NULL;
     sl_status status = s->raster ? sl_raster_move(s->raster, threads, error)
                                  : sl_raster_create(s->scene, threads, &s->raster, error);
-    if (status == SL_OK) status = sl_mirrors_find(s->scene, PLANAR_MIRRORS_MAX, &s->planar, error);
-    if (status == SL_OK) {
-        s->plan = sl_radiance_plan_make(s->scene, &s->settings, s->planar->count > 0,
-                                        sl_has_curved_mirrors(s->scene, s->planar));
-        if (s->plan.tracer) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
-    }
-    if (status == SL_OK && s->plan.curved && s->settings.radiance_map.mirror_light == SL_MIRROR_LIGHT_TRICK)
-        s->trick_albedo = sl_mean_albedo(s->scene);
+    if (status == SL_OK) s->plan = sl_radiance_plan_make(s->scene, &s->settings);
+    if (status == SL_OK && s->plan.tracer)
+        status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     s->placed = status == SL_OK;
     if (!s->placed) sl_radiance_forget_geometry(s); /* a rasterizer that could not follow is of no use */
     return status;
@@ -82,10 +69,9 @@ static sl_status draw_depth_cubes(sl_radiance_state *s, sl_error *error) {
 /* ---- The direct radiance map: positions, radiance, normals (pass 2) ---- */
 
 static sl_status draw_map(sl_radiance_state *s, sl_error *error) {
-    const sl_radiance_map_options options = {.mirrors = s->plan.planar ? s->planar : NULL,
-                                             .lambertian = !s->plan.glossy,
+    const sl_radiance_map_options options = {.lambertian = !s->plan.glossy,
                                              .normals = s->plan.normals,
-                                             .tracer = s->tracer,
+                                             .tracer = s->plan.mirrors ? s->tracer : NULL,
                                              .threads = s->settings.threads};
     sl_status status = sl_radiance_map_render(s->scene, s->raster, s->lights, &s->settings.radiance_map,
                                               &options, &s->map, &s->counters, error);
@@ -134,52 +120,30 @@ sl_status sl_radiance_light_up(sl_radiance_state *s, sl_error *error) {
     return status;
 }
 
-/* ---- Curved mirrors: environment cubes (pass 4) ---- */
-
-static sl_status draw_environment_cubes(sl_radiance_state *s, const sl_light_pass *light, sl_error *error) {
-    const sl_radiance_map_settings *m = &s->settings.radiance_map;
-    sl_mirror_pass pass = {.scene = s->scene,
-                           .raster = s->raster,
-                           .planar = s->planar,
-                           .light = light,
-                           .cube_size = m->cube_size,
-                           .reflections = m->reflections,
-                           .indirect = m->mirror_light == SL_MIRROR_LIGHT_FULL};
-    return s->plan.curved ? sl_curved_mirrors_render(&pass, s->receivers, &s->curved, &s->counters, error)
-                          : SL_OK;
-}
-
-/* Returns the pass with the paper's trick: cubes without indirect light, and curved mirrors that receive it
- * as if they were diffuse. */
-sl_light_pass sl_radiance_indirect_lighting(const sl_radiance_state *s) {
-    sl_light_pass light = sl_radiance_lighting(s);
-    if (s->plan.curved && s->settings.radiance_map.mirror_light == SL_MIRROR_LIGHT_TRICK)
-        light.trick_albedo = s->trick_albedo;
-    return light;
-}
-
-/* ---- The picture: planar mirrors, direct and indirect illumination (passes 5 to 8) ---- */
+/* ---- The picture: mirrors, direct and indirect illumination (passes 5 to 8) ---- */
 
 /* Draws a few rows at a time, in the cache of one thread: (5), (9), and (10) with its weights (11), (14),
  * (15). */
 sl_status sl_radiance_draw_image(const sl_radiance_state *s, sl_image **image, sl_counters *counters,
                                  sl_error *error) {
-    const sl_light_pass light = sl_radiance_indirect_lighting(s);
+    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    const sl_light_pass light = sl_radiance_lighting(s);
     const sl_strip_pass pass = {.raster = s->raster,
-                                .outline = s->receivers,
+                                .view = &view,
+                                .id = s->id,
+                                .mirrors = s->plan.mirrors ? s->tracer : NULL,
                                 .light = &light,
-                                .curved = s->curved,
                                 .layers = !s->settings.radiance_map.without_layers};
     return sl_radiance_draw_strips(&pass, image, counters, error);
 }
 
 sl_status sl_radiance_draw(sl_radiance_state *s, sl_error *error) {
-    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
-    const sl_light_pass light = sl_radiance_lighting(s);
-    sl_status status = sl_receivers_outline(s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL,
-                                            s->settings.radiance_map.reflections, s->settings.threads,
-                                            &s->receivers, &s->counters, error);
-    if (status == SL_OK) status = draw_environment_cubes(s, &light, error);
+    const int width = s->settings.width, height = s->settings.height;
+    const sl_view view = sl_view_scene(s->scene, width, height);
+    if (!s->id) s->id = sl_allocate((size_t)width * (size_t)height, sizeof *s->id);
+    if (!s->id) return sl_fail_memory(error, "what the picture shows");
+    const sl_target target = {width, height, s->id, NULL};
+    sl_status status = sl_raster_id(s->raster, &view, s->settings.threads, &target, &s->counters, error);
     if (status == SL_OK) status = sl_radiance_draw_image(s, &s->image, &s->counters, error);
     if (status == SL_OK) sl_radiance_announce_light(s);
     return status;

@@ -8,14 +8,17 @@
  *   lights.c            the lights as points from which pictures are taken, (3), (6)
  *   direct.c            passes 1 and 6: depth cubes; direct light by (5), (9)
  *   map.c               pass 2: the direct radiance map, (12), (13); map_faces.c: which pictures a light
- * takes; map_pictures.c: the pictures photons.c           pass 3: sample photons; photon_groups.c: many
- * texels to a photon mirrors.c           pass 4: environment cubes of curved mirrors; mirror_objects.c:
- * which, and what they show receivers.c         passes 5 and 6: the surfaces seen, planar mirrors included,
- * in tiles; receiver_kernels.c: loops over lanes indirect.c          pass 7: (10), the sum over all photons,
- * weighed by (11), (14), (15), and (14) put right; indirect shadows, which the paper leaves open picture.c
- * passes 5 to 8 strip by strip: emission, light, the picture and its layers report.c            how much
- * light the map holds, and how much of the photons' arrives method.c            the method's interface:
- * frames, edits, memory, what made a pixel
+ *                       takes; map_pictures.c: the pictures, and what mirrors in them light
+ *   photons.c           pass 3: sample photons; photon_groups.c: many texels to a photon
+ *   receivers.c         passes 5 and 6: what is seen, in tiles; receiver_kernels.c: loops over lanes
+ *   indirect.c          pass 7: (10), the sum over all photons, weighed by (11), (14), (15), and (14) put
+ *                       right; indirect shadows, which the paper leaves open
+ *   picture.c           passes 5 to 8 strip by strip: what is seen, by way of mirrors too, and its light
+ *   report.c            how much light the map holds, and how much of the photons' arrives
+ *   method.c            the method's interface: frames, edits, memory, what made a pixel
+ *
+ * Mirrors, before the eye and before the lights, are followed by rays: there is no pass 4, the paper's
+ * environment cubes, which show less of the same.
  */
 #ifndef SL_CACHE_DIRECT_RADIANCE_DIRECT_RADIANCE_H
 #define SL_CACHE_DIRECT_RADIANCE_DIRECT_RADIANCE_H
@@ -25,7 +28,7 @@
 #include "cache/direct_radiance/receivers.h"
 #include "cache/frame/announce.h"
 #include "cache/frame/method.h"
-#include "raster/textures/textures.h"
+#include "cache/reflect/reflect.h"
 #include "trace/trace.h"
 
 /* ---- the plan (plan.c): settings completed, and the passes that a scene needs ---- */
@@ -36,18 +39,15 @@ typedef struct sl_radiance_plan {
     bool map;            /* passes 2 and 3: some surface reflects a light */
     bool glossy;         /* some surface is: true colour instead of radiance, eye vectors */
     bool normals;        /* pass 2c */
-    bool planar, curved; /* mirrors */
+    bool mirrors;
     bool tracer;         /* rays are needed */
     bool environment;
 } sl_radiance_plan;
 
 /* Replaces what is 0 in settings->radiance_map, or left to quality. */
 void sl_radiance_complete(sl_settings *settings);
-/* settings are complete. planar and curved: what mirrors the scene has. */
-sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings, bool planar,
-                                       bool curved);
-/* Tells whether some mirror triangle is in none of the planar mirrors. */
-bool sl_has_curved_mirrors(const sl_scene *scene, const sl_mirrors *planar);
+/* settings are complete. */
+sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings);
 /* Of the plan's shadows alone: anew where lights have moved. */
 bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings);
 void sl_radiance_transport(const sl_settings *settings, sl_transport *transport);
@@ -70,8 +70,6 @@ typedef struct sl_light_pass {
     const sl_map_photons *photons;       /* NULL: no indirect light */
     sl_photon_weight weight;             /* not AUTO */
     const sl_tracer *tracer;             /* asks whether receivers see photons; NULL: they all do */
-    /* curved mirrors receive indirect light with k_s times that; 0: they do not */
-    sl_rgb trick_albedo;
     unsigned threads;
 } sl_light_pass;
 
@@ -97,7 +95,7 @@ typedef struct sl_direct_light {
     sl_receiver_kernels kernels;
 } sl_direct_light;
 
-/* Add to a tile's pixels, before the mirrors' throughput: each sum in the order of lights or photons, the
+/* Add to a tile's pixels: each sum in the order of lights or photons, the
  * same bits at any number of threads. */
 sl_direct_light sl_direct_light_of(const sl_light_pass *pass);
 void sl_direct_light_tile(const sl_direct_light *light, const sl_receiver_tile *tile, bool glossy,
@@ -110,90 +108,11 @@ typedef void sl_photon_told(void *context, size_t photon, float weight, const fl
 void sl_indirect_light_apart(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
                              size_t lane, sl_photon_told *told, void *context, sl_counters *counters);
 
-/* Light seen directly: emitters' shining sides, and the environment where nothing stands before it. */
-
-/* What is found out once for a picture. */
-typedef struct sl_emission {
-    const sl_scene *scene;
-    sl_rgb mean;  /* of the environment, where it is wanted */
-    bool none;    /* nothing shines */
-} sl_emission;
-sl_emission sl_emission_of(const sl_scene *scene, const sl_receivers *picture);
-/* Adds to row y of three planes, before the mirrors' throughput: L_e on the shining side of emitters; the
- * environment in each background pixel's direction, which is that of its own path; and k_s times the
- * environment's mean where a planar mirror lies beyond the nesting limit. The receivers may be some rows of
- * the picture. Returns whether anything was added. */
-bool sl_emission_add_row(const sl_emission *e, const sl_receivers *receivers, size_t y,
-                         float *const emission[3]);
-
-/* Curved mirrors: an environment cube for each object of a mirror material that is not planar, taken from the
- * middle of its box, the object itself left out (pass 4). */
-
-typedef struct sl_curved_mirrors sl_curved_mirrors;
-
-typedef struct sl_mirror_pass {
-    const sl_scene *scene;
-    const sl_raster *raster;
-    const sl_mirrors *planar;
-    const sl_light_pass *light;          /* how the cubes' faces are lit */
-    int cube_size, reflections;
-    bool indirect;                       /* cubes hold indirect light */
-} sl_mirror_pass;
-
-/* Cubes of the curved mirrors that `seen` shows (NULL: of all), in scene order. Where there are none nothing
- * is made, and *mirrors is NULL, which all functions below take for none. Inside a cube the other curved
- * mirrors show k_s times the cube's mean; so do planar mirrors beyond the nesting limit. */
-sl_status sl_curved_mirrors_render(const sl_mirror_pass *pass, const sl_receivers *seen,
-                                   sl_curved_mirrors **mirrors, sl_counters *counters, sl_error *error);
-void sl_curved_mirrors_destroy(sl_curved_mirrors *mirrors);
-size_t sl_curved_mirrors_bytes(const sl_curved_mirrors *mirrors);
-/* Adds, at the pixels of curved mirrors, k_s times what their cubes hold along the reflected eye vector:
- * emission, direct and indirect light apart, three planes each; before the planar mirrors' throughput. */
-void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receivers *receivers,
-                               float *const emission[3], float *const direct[3], float *const indirect[3],
-                               sl_counters *counters);
-
-/* Inside pass 4: which objects are curved mirrors, where their cubes are taken from and without what, and
- * what is kept of them. */
-
-typedef struct sl_mirror_object {
-    uint32_t object;      /* of the scene */
-    sl_vec3 low, high;    /* box of its curved mirror surface */
-    sl_vec3 centre;       /* its middle, where the cube's eye is */
-} sl_mirror_object;
-
-typedef struct sl_mirror_objects {
-    size_t count;
-    sl_mirror_object *object; /* in scene order */
-    uint32_t *cube_of;        /* by the scene's object: its number here, or SL_NO_INDEX */
-} sl_mirror_objects;
-
-/* Mirror material, and in no plane that is followed as a planar mirror. */
-static inline bool sl_is_curved_mirror(const sl_scene *scene, const sl_mirrors *planar, uint32_t triangle) {
-    return sl_material_is_mirror(&scene->materials[scene->material_index[triangle]]) &&
-           !(planar && planar->of_triangle[triangle] != SL_NO_INDEX);
-}
-
-/* Those that `seen` shows, or NULL: all. count may be 0. */
-sl_status sl_mirror_objects_find(const sl_scene *scene, const sl_mirrors *planar, const sl_receivers *seen,
-                                 sl_mirror_objects *objects, sl_error *error);
-void sl_mirror_objects_release(sl_mirror_objects *objects);
-/* Marks, by triangle, the mirror surface of the object within its box: its curved one, and planar parts of
- * the same body (a lid, a facet); a flat mirror on a wall that is part of the same object is not left out. */
-void sl_mirror_object_mark(const sl_scene *scene, const sl_mirror_object *object, uint8_t *left_out);
-
-/* Light apart by where it comes from; a part that a cube cannot hold is NULL. */
-enum { SL_CUBE_EMISSION, SL_CUBE_DIRECT, SL_CUBE_INDIRECT, SL_CUBE_PARTS };
-typedef struct sl_environment_cube {
-    sl_cube_map *part[SL_CUBE_PARTS];
-} sl_environment_cube;
-
-struct sl_curved_mirrors {
-    const sl_scene *scene;
-    const sl_mirrors *planar;
-    sl_mirror_objects objects;
-    sl_environment_cube *cube; /* of each object */
-};
+/* Light seen directly: adds to row y of three planes L_e on the shining side of emitters, and the environment
+ * in each background pixel's direction. The G-buffer may be some rows of the picture, from first_row on.
+ * Returns whether anything was added. */
+bool sl_emission_add_row(const sl_scene *scene, const sl_view *view, const sl_gbuffer *gbuffer, int first_row,
+                         size_t y, float *const emission[3]);
 
 /* ---- the report (report.c): light that direct radiance maps leave out or count twice ---- */
 
@@ -230,14 +149,15 @@ sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weig
 
 typedef struct sl_strip_pass {
     const sl_raster *raster;
-    const sl_receivers *outline;  /* sl_receivers_outline() */
+    const sl_view *view;
+    const uint32_t *id;           /* the view's triangles */
+    const sl_tracer *mirrors;     /* follows mirrors; NULL: there are none */
     const sl_light_pass *light;
-    const sl_curved_mirrors *curved; /* or NULL */
     bool layers;                  /* wanted, besides R, G, B */
 } sl_strip_pass;
 
-/* The channels of a picture with layers: R, G, B = throughput (emission + direct + indirect), and each of the
- * three alone; top row first. */
+/* The channels of a picture with layers: R, G, B = emission + direct + indirect, and each of the three alone;
+ * top row first. */
 enum {
     SL_RADIANCE_EMISSION = 3,
     SL_RADIANCE_DIRECT = 6,
@@ -258,27 +178,20 @@ typedef struct sl_radiance_state {
     sl_radiance_plan plan;
 
     sl_raster *raster;
-    sl_tracer *tracer;             /* visibility and traced mirrors alone */
-    sl_mirrors *planar;
+    sl_tracer *tracer;             /* visibility and mirrors alone */
 
     sl_map_lights *lights;
     sl_shadow_cubes *cubes;        /* pass 1 */
     sl_radiance_map *map;          /* pass 2 */
     sl_map_photons *photons;       /* pass 3 */
     sl_map_report report;
-    sl_curved_mirrors *curved;     /* pass 4 */
-    sl_receivers *receivers;       /* passes 5 and 6 */
+    uint32_t *id;                  /* pass 5: the triangles that the picture shows */
     sl_image *image;               /* NULL: handed over already, or not drawn yet */
     sl_radiance_explanation *explanation; /* of this picture's pixels; NULL until one is explained */
 
-    /* The trick (SL_MIRROR_LIGHT_TRICK): the indirect light that is missing in a cube is k_s (rho / pi) E at
-     * the reflected point. A curved mirror receives it as if it were diffuse, with k_s times the scene's mean
-     * albedo. */
-    sl_rgb trick_albedo;
-
-    bool placed;                   /* raster, tracer and planar mirrors are those of the scene as it stands */
+    bool placed;                   /* raster and tracer are those of the scene as it stands */
     bool lit;                      /* passes 1 to 3 as well */
-    bool drawn;                    /* receivers are those of this frame */
+    bool drawn;                    /* what is seen is that of this frame */
     sl_counters counters;
     sl_announcer announcer;
 } sl_radiance_state;
@@ -287,14 +200,11 @@ typedef struct sl_radiance_state {
 sl_status sl_radiance_place(sl_radiance_state *state, sl_error *error);
 /* Passes 1 to 3: what depends on the lights, and not on the camera. */
 sl_status sl_radiance_light_up(sl_radiance_state *state, sl_error *error);
-/* Passes 4 to 8, into the image. */
+/* Passes 5 to 8, into the image. */
 sl_status sl_radiance_draw(sl_radiance_state *state, sl_error *error);
 sl_status sl_radiance_draw_image(const sl_radiance_state *state, sl_image **image, sl_counters *counters,
                                  sl_error *error);
-/* The light pass of this frame; in the indirect pass curved mirrors may receive light as if they were
- * diffuse. */
 sl_light_pass sl_radiance_lighting(const sl_radiance_state *state);
-sl_light_pass sl_radiance_indirect_lighting(const sl_radiance_state *state);
 void sl_radiance_forget_geometry(sl_radiance_state *state);
 void sl_radiance_darken(sl_radiance_state *state);
 /* Hand the map's pictures, photons as points coloured by their flux, and the light in the picture to an

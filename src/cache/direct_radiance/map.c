@@ -7,37 +7,17 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- planning ---- */
+/* ---- which pictures are taken ---- */
 
 typedef struct {
     const sl_scene *scene;
     const sl_raster *raster;
-    const sl_map_lights *lights;
-    const sl_radiance_map_options *options;
+    sl_radiance_map *map;
     sl_face_shape shape;
-    sl_map_face *face;
-    size_t count, room;
-    uint32_t *seen; /* the triangles in the lights' own faces */
     sl_counters *counters;
 } planning;
 
-static sl_map_face *next_face(planning *p, sl_error *error) {
-    if (p->count == p->room) {
-        size_t room = 2 * p->room + 16;
-        sl_map_face *more = sl_allocate(room, sizeof *more);
-        if (!more) {
-            sl_fail_memory(error, "a radiance map's faces");
-            return NULL;
-        }
-        if (p->count) memcpy(more, p->face, p->count * sizeof *more);
-        sl_free(p->face);
-        p->face = more;
-        p->room = room;
-    }
-    return &p->face[p->count];
-}
-
-static void skip(planning *p, int passes) {
+static void skip(const planning *p, int passes) {
     sl_count(p->counters, SL_COUNT_RASTER_PASSES_SKIPPED, (uint64_t)passes);
 }
 
@@ -54,102 +34,25 @@ static bool is_dark(const sl_map_light *light) {
     return !(sl_rgb_max(flux) > 0.0f) || !sl_rgb_is_finite(flux) || !sl_is_finite(light->position);
 }
 
-static sl_status plan_light(planning *p, uint32_t index, sl_error *error) {
-    const sl_map_light *light = &p->lights->light[index];
+static void plan_light(const planning *p, uint32_t index) {
+    sl_radiance_map *map = p->map;
+    const sl_map_light *light = &map->lights->light[index];
     sl_map_face face[SL_LIGHT_FACES_MAX];
-    const sl_light_eye eye = sl_map_light_eye(p->lights, index);
+    const sl_light_eye eye = sl_map_light_eye(map->lights, index);
     int dark = 0,
         count = sl_light_faces(p->scene, &eye, &p->shape, aim_of(p->scene, light), face, &dark);
     skip(p, is_dark(light) ? dark + count : dark);
-    if (is_dark(light)) return SL_OK;
-    for (int f = 0; f < count; f++) {
-        sl_map_face *next = next_face(p, error);
-        if (!next) return SL_ERROR_RESOURCES;
+    for (int f = 0; f < count && !is_dark(light); f++) {
         face[f].light = index;
         face[f].view = sl_map_face_view(p->scene, &eye, &face[f]);
-        if (sl_raster_meets(p->raster, &face[f].view)) {
-            *next = face[f];
-            p->count++;
-        } else {
+        face[f].first = map->texels;
+        if (!sl_raster_meets(p->raster, &face[f].view)) {
             skip(p, 1);
+            continue;
         }
+        map->face[map->face_count++] = face[f];
+        map->texels += texels_of(&face[f]);
     }
-    return SL_OK;
-}
-
-/* ---- what the lights themselves see, and see in mirrors ---- */
-
-static sl_status draw_seen(planning *p, sl_error *error) {
-    sl_view *views = sl_allocate(p->count, sizeof *views);
-    sl_target *targets = sl_allocate(p->count, sizeof *targets);
-    size_t texels = 0;
-    for (size_t f = 0; f < p->count; f++) {
-        p->face[f].seen = texels;
-        texels += texels_of(&p->face[f]);
-    }
-    p->seen = sl_allocate(texels, sizeof *p->seen);
-    sl_status status = views && targets && p->seen ? SL_OK : sl_fail_memory(error, "a radiance map's faces");
-    for (size_t f = 0; f < p->count && status == SL_OK; f++) {
-        const sl_map_face *face = &p->face[f];
-        views[f] = face->view;
-        targets[f] = (sl_target){face->width, face->height, p->seen + face->seen, NULL};
-    }
-    if (status == SL_OK)
-        status = sl_map_triangles_draw(p->raster, p->count, views, targets, p->options->threads, p->counters,
-                                       error);
-    sl_free(views);
-    sl_free(targets);
-    return status;
-}
-
-static bool mirror_is_seen(const planning *p, const sl_map_face *f, uint32_t mirror) {
-    const uint32_t *seen = p->seen + f->seen;
-    for (size_t i = 0; i < texels_of(f); i++) {
-        if (seen[i] != SL_NO_INDEX && p->options->mirrors->of_triangle[seen[i]] == mirror) return true;
-    }
-    return false;
-}
-
-static sl_status add_mirrored(planning *p, const sl_map_face *of, uint32_t mirror, sl_error *error) {
-    sl_map_face *next = next_face(p, error);
-    if (!next) return SL_ERROR_RESOURCES;
-    const sl_map_light *light = &p->lights->light[of->light];
-    if (!sl_map_face_in_mirror(p->scene, p->options->mirrors, mirror, light, of, next)) return SL_OK;
-    if (sl_raster_meets(p->raster, &next->view)) p->count++;
-    else skip(p, 1);
-    return SL_OK;
-}
-
-/* Lists the faces anew, each light's own ones followed by what they show in mirrors. */
-static sl_status add_mirrors(planning *p, sl_error *error) {
-    sl_map_face *own = p->face;
-    const size_t count = p->count;
-    sl_status status = SL_OK;
-    p->face = NULL;
-    p->count = p->room = 0;
-    for (size_t first = 0, end; first < count && status == SL_OK; first = end) {
-        for (end = first; end < count && own[end].light == own[first].light; end++) {
-            sl_map_face *next = next_face(p, error);
-            if (!next) status = SL_ERROR_RESOURCES;
-            if (!next) break;
-            *next = own[end];
-            p->count++;
-        }
-        for (uint32_t m = 0; m < p->options->mirrors->count; m++) {
-            for (size_t f = first; f < end && status == SL_OK; f++)
-                if (mirror_is_seen(p, &own[f], m)) status = add_mirrored(p, &own[f], m, error);
-        }
-    }
-    sl_free(own);
-    return status;
-}
-
-static sl_status plan(planning *p, sl_error *error) {
-    sl_status status = SL_OK;
-    for (uint32_t i = 0; i < p->lights->count && status == SL_OK; i++) status = plan_light(p, i, error);
-    if (status == SL_OK) status = draw_seen(p, error);
-    if (status == SL_OK && p->options->mirrors) status = add_mirrors(p, error);
-    return status;
 }
 
 /* ---- the map ---- */
@@ -159,7 +62,7 @@ static bool allocate_vectors(float *plane[3], size_t texels) {
     return plane[0] && plane[1] && plane[2];
 }
 
-static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_options *options, bool traced,
+static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_options *options, bool mirrors,
                                  sl_error *error) {
     size_t n = map->texels;
     map->triangle = sl_allocate(n, sizeof *map->triangle);
@@ -168,7 +71,7 @@ static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_opt
     bool ok = map->triangle && map->block_angle && map->path && allocate_vectors(map->position, n) &&
               allocate_vectors(map->color, n) && allocate_vectors(map->geometric, n);
     if (options->normals) ok = ok && allocate_vectors(map->normal, n);
-    if (traced) {
+    if (mirrors) {
         map->spread = sl_allocate(n, sizeof *map->spread);
         ok = ok && map->spread && allocate_vectors(map->arrival, n) && allocate_vectors(map->carried, n);
     }
@@ -208,29 +111,19 @@ static void measure_faces(sl_radiance_map *map) {
     }
 }
 
-/* Makes the planned faces the map's own. */
-static sl_status make_map(planning *p, sl_radiance_map *map, bool traced, sl_error *error) {
-    map->face_count = p->count;
-    map->face = p->face;
-    p->face = NULL;
-    for (size_t f = 0; f < map->face_count; f++) {
-        map->face[f].first = map->texels;
-        map->texels += texels_of(&map->face[f]);
-    }
-    sl_status status = allocate_planes(map, p->options, traced, error);
-    if (status == SL_OK) measure_faces(map);
-    return status;
-}
-
-static sl_status render(planning *p, const sl_radiance_map_settings *settings, sl_radiance_map *map,
-                        sl_error *error) {
-    bool traced = settings->traced_light_mirrors && p->options->tracer;
-    sl_status status = plan(p, error);
-    if (status == SL_OK) status = make_map(p, map, traced, error);
-    const sl_map_drawing drawing = {p->scene, p->raster, settings, p->options, p->seen, map, p->counters};
-    if (status == SL_OK) status = sl_map_pictures_draw(&drawing, error);
-    if (status == SL_OK && traced) status = sl_map_trace_mirrors(&drawing, error);
-    return status;
+static sl_status render(const planning *p, const sl_radiance_map_settings *settings,
+                        const sl_radiance_map_options *options, sl_error *error) {
+    sl_radiance_map *map = p->map;
+    const bool mirrors = options->tracer != NULL;
+    map->face = sl_allocate(SL_LIGHT_FACES_MAX * map->lights->count, sizeof *map->face);
+    if (!map->face) return sl_fail_memory(error, "a radiance map's faces");
+    for (uint32_t i = 0; i < map->lights->count; i++) plan_light(p, i);
+    sl_status status = allocate_planes(map, options, mirrors, error);
+    if (status != SL_OK) return status;
+    measure_faces(map);
+    const sl_map_drawing drawing = {p->scene, p->raster, settings, options, map, p->counters};
+    status = sl_map_pictures_draw(&drawing, error);
+    return status == SL_OK && mirrors ? sl_map_trace_mirrors(&drawing, error) : status;
 }
 
 sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
@@ -238,21 +131,14 @@ sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster,
                                  const sl_radiance_map_options *options, sl_radiance_map **out,
                                  sl_counters *counters, sl_error *error) {
     *out = NULL;
-    planning p = {.scene = scene,
-                  .raster = raster,
-                  .lights = lights,
-                  .options = options,
-                  .shape = sl_face_shape_of(settings),
-                  .counters = counters};
     sl_radiance_map *map = sl_allocate(1, sizeof *map);
     if (!map) return sl_fail_memory(error, "a radiance map");
     *map = (sl_radiance_map){.lights = lights,
                              .lambertian = options->lambertian,
                              .shape = settings->shape,
                              .fov = settings->map_fov};
-    const sl_status status = render(&p, settings, map, error);
-    sl_free(p.face);
-    sl_free(p.seen);
+    const planning p = {scene, raster, map, sl_face_shape_of(settings), counters};
+    const sl_status status = render(&p, settings, options, error);
     if (status != SL_OK) sl_radiance_map_destroy(map);
     else *out = map;
     return status;

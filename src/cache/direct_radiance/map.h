@@ -10,31 +10,25 @@
  * there
  *     +-----+
  *
- * Planar mirrors near the light show it again: the light's mirror image takes pictures of its own, as far as
- * the light's show the mirror; y is real, and b = |y - L'| is the whole way. */
+ * Where a picture shows a mirror, rays find what the mirror lights: y is real, and b is the whole way. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_MAP_H
 #define SL_CACHE_DIRECT_RADIANCE_MAP_H
 
 #include "cache/direct_radiance/lights.h"
 #include "cache/frame/settings.h"
 #include "raster/raster.h"
-#include "raster/views/mirror.h"
 
 typedef struct sl_map_face {
     uint32_t light;
-    uint32_t mirror;                 /* the light's image in that planar mirror; or SL_NO_INDEX */
-    sl_vec3 eye;                     /* the light, or its image L' */
-    sl_rgb reflectance;              /* of the mirror; 1 without */
+    sl_vec3 eye;                     /* the light */
     sl_view view;
-    /* x right, y up, z the way it looks; mirrored along with a mirror's picture */
-    sl_frame frame;
+    sl_frame frame;                  /* x right, y up, z the way it looks */
     /* of the picture plane: at distance 1 along z; directional: in world units around eye */
     double left, right, bottom, top;
     int width, height;               /* texels */
     int columns, rows;               /* blocks: width / columns = height / rows = w / m texels each way */
     size_t first;                    /* its first texel in the planes, row 0 at the bottom */
     bool back;                       /* of an area light */
-    size_t seen; /* sl_map_drawing.seen: where the triangles that the light itself sees in it begin */
 } sl_map_face;
 
 typedef struct sl_radiance_map {
@@ -51,13 +45,14 @@ typedef struct sl_radiance_map {
     float *geometric[3];             /* geometric ones, likewise turned; always there, as they decide sides */
     /* per texel: solid angle in sr (directional: area in m^2) of the texel itself */
     float *block_angle;
-    /* per texel: b, the way from the light; of traced mirrors the unfolded one */
+    /* per texel: b, the way from the light; by way of mirrors the unfolded one */
     float *path;
-    float *spread; /* per texel: NULL, or of traced light: the area perpendicular to the light's arrival that
-                      the texel stands for, instead of b^2 dOmega; 0 where the light came straight */
+    /* per texel: NULL, or of light by way of mirrors: the area perpendicular to its arrival that the texel
+     * stands for, instead of b^2 dOmega; 0 where the light came straight */
+    float *spread;
     /* beside spread: unit, at y towards where its light comes from; NULL without */
     float *arrival[3];
-    /* beside spread: the reflectances of the traced mirrors on the way, multiplied; NULL without */
+    /* beside spread: the reflectances of the mirrors on the way, multiplied; NULL without */
     float *carried[3];
     bool lambertian;                 /* color holds L_o */
     sl_map_shape shape;              /* as asked for */
@@ -65,11 +60,9 @@ typedef struct sl_radiance_map {
 } sl_radiance_map;
 
 typedef struct sl_radiance_map_options {
-    const sl_mirrors *mirrors;       /* planar mirrors, or NULL */
     bool lambertian;                 /* no surface is glossy: radiance instead of true colour */
     bool normals;                    /* pass 2c */
-    /* for settings->traced_light_mirrors; NULL: curved mirrors in a light's view stay dark */
-    const struct sl_tracer *tracer;
+    const struct sl_tracer *tracer;  /* follows mirrors in a light's view; NULL: they stay dark */
     unsigned threads;
 } sl_radiance_map_options;
 
@@ -123,21 +116,6 @@ int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_fa
 int sl_parallel_texels(int samples, int texels);
 /* Returns the view that draws a face. */
 sl_view sl_map_face_view(const sl_scene *scene, const sl_light_eye *light, const sl_map_face *face);
-/* A face of directional light is as deep as the scene's box looks from there, and begins that far before the
- * box. */
-float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face);
-
-/* Planar mirrors in a light's view: the light's image L' behind the mirror takes pictures of its own.
- *
- *        L                 The picture is one of L's own, reflected: every texel sees y along the unfolded
- * way \    y           from L', within the solid angle in which L sees it by way of the mirror (a plane
- *       ___\__/___         mirror keeps solid angles). Texels in which L does not see the mirror itself
- *           \/   mirror    (something stands before it, or it ends) are empty. */
-
-/* The face that `of` sees in mirror m; false where the light lies in the mirror's plane. */
-bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, uint32_t mirror,
-                           const sl_map_light *light, const sl_map_face *of, sl_map_face *mirrored);
-
 /* Passes 2a to 2c: the faces' triangles, and what they are resolved to. */
 
 typedef struct sl_map_drawing {
@@ -145,41 +123,17 @@ typedef struct sl_map_drawing {
     const sl_raster *raster;
     const sl_radiance_map_settings *settings;
     const sl_radiance_map_options *options;
-    const uint32_t *seen;           /* triangles that the lights themselves see */
     sl_radiance_map *map;           /* faces and planes are there; pictures are written */
     sl_counters *counters;
 } sl_map_drawing;
-
-/* sl_raster_ids() for any number of small views, some at a time: each view of a call takes a tile's memory.
- */
-sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_view *views,
-                                const sl_target *targets, unsigned threads, sl_counters *counters,
-                                sl_error *error);
 
 /* Draws all faces and resolves their pictures in one pass with multiple render targets. No shadows are looked
  * up: what the light sees is lit. */
 sl_status sl_map_pictures_draw(const sl_map_drawing *drawing, sl_error *error);
 
-/* Light at a texel: it arrives along `arrival` (unit, at y towards it) with irradiance `facing` on a plane
- * that faces it. */
-typedef struct sl_texel_light {
-    sl_vec3 arrival;
-    sl_rgb facing;
-    float way;
-} sl_texel_light;
-/* Writes texel i of the pictures. */
-void sl_map_texel_write(const sl_map_drawing *drawing, size_t i, const sl_surface *surface,
-                        const sl_texel_light *light);
-
-/* The direction in which a ray of the face's picture left the light itself: of mirrors' faces before the
- * mirror. */
-sl_vec3 sl_map_face_departure(const sl_map_drawing *drawing, const sl_map_face *face, sl_vec3 direction);
-
-/* Curved mirrors in a light's view: no picture shows what lies at the end of such a way, so it is traced. */
-
-/* Texels that show a mirror which is no planar one are given what their ray meets by way of mirrors: its end
- * point, the light that arrives there, and the area over which the texel's light is spread. Needs
- * options->tracer, and the map's planes for it. */
+/* Texels that show a mirror are given what their ray meets by way of mirrors: its end point, the light that
+ * arrives there, and the area over which the texel's light is spread. Needs options->tracer, and the map's
+ * planes for it. */
 sl_status sl_map_trace_mirrors(const sl_map_drawing *drawing, sl_error *error);
 
 /* Texels of the direct radiance map, read as what photons are made of: their flux Psi = rho I dOmega / pi, in
@@ -202,6 +156,7 @@ typedef struct sl_map_texel {
     double color[3];     /* the map's: L_o, or kd */
     const sl_material *material;
     uint32_t object;
+    bool mirrored;       /* its light came by way of mirrors */
 } sl_map_texel;
 
 /* Psi never has cos alpha in a denominator (L_o has the same cosine): so this guards 0/0 alone, and turns
@@ -365,6 +320,7 @@ typedef struct sl_photon_sum {
     double flux[3], radiance[3], diffuse[3], specular[3], exponent, glossy;
     sl_vec3d first_position, first_normal; /* of the texel that opened it */
     uint32_t object;                       /* likewise */
+    bool mirrored;
     bool bent;                             /* others' normals differ from that one */
     const sl_material *material;
     sl_texel_rectangle rectangle;

@@ -23,18 +23,16 @@ typedef struct {
 static void add(face_list *list, const sl_frame *frame, double tangent, int rows, bool back) {
     int m = list->shape->samples, k = list->shape->texels;
     list->face[list->count++] =
-        (sl_map_face){.mirror = SL_NO_INDEX,
-                                   .eye = list->light->position,
-                                   .reflectance = {1, 1, 1},
-                                   .frame = *frame,
-                                   .left = -tangent,
-                                   .right = tangent,
-                                   .bottom = tangent - 2.0 * tangent * (double)rows / (double)m,
-                                   .top = tangent,
-                                   .width = m * k,
-                                   .height = rows * k,
-                                   .columns = m,
-                                   .rows = rows,
+        (sl_map_face){.eye = list->light->position,
+                      .frame = *frame,
+                      .left = -tangent,
+                      .right = tangent,
+                      .bottom = tangent - 2.0 * tangent * (double)rows / (double)m,
+                      .top = tangent,
+                      .width = m * k,
+                      .height = rows * k,
+                      .columns = m,
+                      .rows = rows,
                       .back = back};
 }
 
@@ -131,10 +129,6 @@ int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_fa
 
 /* ---- views ---- */
 
-float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face) {
-    return sl_parallel_picture_of(scene, face->frame.z).extent_z;
-}
-
 static void set_row(float row[4], sl_vec3 axis, double low, double high) {
     float scale = (float)(2.0 / (high - low));
     row[0] = axis.x * scale;
@@ -144,7 +138,7 @@ static void set_row(float row[4], sl_vec3 axis, double low, double high) {
 }
 
 static sl_view parallel_view(const sl_scene *scene, const sl_map_face *f) {
-    double depth = (double)sl_parallel_depth(scene, f);
+    double depth = (double)sl_parallel_picture_of(scene, f->frame.z).extent_z;
     sl_view view = {.origin = f->eye,
                     .width = f->width,
                     .height = f->height,
@@ -162,53 +156,4 @@ sl_view sl_map_face_view(const sl_scene *scene, const sl_light_eye *light, const
     const sl_pyramid_picture picture = {f->frame, f->left,  f->right,  f->bottom,
                                         f->top,   f->width, f->height, f->back};
     return sl_pyramid_view(scene, light, &picture);
-}
-
-/* ---- reflection ---- */
-
-static sl_vec3 reflect_direction(const sl_plane *plane, sl_vec3 v) {
-    sl_vec3d d = sl_to_double(v);
-    return sl_to_float(sl_subd(d, sl_scaled(plane->normal, 2.0 * sl_dotd(d, plane->normal))));
-}
-
-static sl_frame reflect_frame(const sl_plane *plane, const sl_frame *f) {
-    return (sl_frame){reflect_direction(plane, f->x), reflect_direction(plane, f->y),
-                      reflect_direction(plane, f->z)};
-}
-
-/* Parallel light leaves a mirror in one direction too, ever higher above its plane: so the height serves as
- * depth, and the plane itself is the near plane. */
-static bool parallel_in_mirror(const sl_scene *s, const sl_plane *plane, double offset, const sl_view *view,
-                               const sl_map_face *f, sl_view *mirrored) {
-    double rise = sl_dotd(plane->normal, sl_to_double(f->frame.z)), side = rise > 0.0 ? 1.0 : -1.0;
-    double eye = side * (sl_dotd(plane->normal, sl_to_double(f->eye)) - plane->distance),
-           over = 2.0 / (2.0 * (double)s->diagonal);
-    if (!(fabs(rise) > 1e-6)) return false;
-    *mirrored = *view;
-    mirrored->origin = f->eye;
-    for (int k = 0; k < 2; k++) {
-        sl_vec3 row = reflect_direction(plane, sl_v3(view->clip[k][0], view->clip[k][1], view->clip[k][2]));
-        mirrored->clip[k][0] = row.x;
-        mirrored->clip[k][1] = row.y;
-        mirrored->clip[k][2] = row.z;
-    }
-    mirrored->clip[2][0] = (float)(side * plane->normal.x * over);
-    mirrored->clip[2][1] = (float)(side * plane->normal.y * over);
-    mirrored->clip[2][2] = (float)(side * plane->normal.z * over);
-    mirrored->clip[2][3] = (float)((eye - offset) * over - 1.0);
-    return true;
-}
-
-bool sl_map_face_in_mirror(const sl_scene *scene, const sl_mirrors *mirrors, uint32_t mirror,
-                           const sl_map_light *light, const sl_map_face *of, sl_map_face *out) {
-    const sl_plane *plane = &mirrors->plane[mirror];
-    const sl_view *through = &of->view;
-    *out = *of;
-    out->mirror = mirror;
-    out->reflectance = scene->materials[mirrors->material[mirror]].mirror;
-    out->eye = sl_to_float(sl_plane_reflect(plane, sl_to_double(of->eye)));
-    out->frame = reflect_frame(plane, &of->frame);
-    if (light->kind == SL_SOURCE_DIRECTIONAL)
-        return parallel_in_mirror(scene, plane, mirrors->offset, through, out, &out->view);
-    return sl_view_mirrored(through, plane, mirrors->offset, &out->view);
 }

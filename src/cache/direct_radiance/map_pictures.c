@@ -44,8 +44,16 @@ static void write_position(const sl_map_drawing *d, size_t i, const sl_surface *
     map->path[i] = way;
 }
 
+/* Light at a texel: it arrives along `arrival` (unit, at y towards it) with irradiance `facing` on a plane
+ * that faces it. */
+typedef struct {
+    sl_vec3 arrival;
+    sl_rgb facing;
+    float way;
+} texel_light;
+
 /* L_o = rho / pi E. Where numbers overflow (the light in the surface): nothing. */
-static void write_color(const sl_map_drawing *d, size_t i, const sl_surface *s, const sl_texel_light *light) {
+static void write_color(const sl_map_drawing *d, size_t i, const sl_surface *s, const texel_light *light) {
     sl_rgb color = s->diffuse;
     if (d->map->lambertian) {
         float cosine = sl_dot(s->normal, light->arrival);
@@ -59,7 +67,7 @@ static void write_color(const sl_map_drawing *d, size_t i, const sl_surface *s, 
     d->map->color[2][i] = color.b;
 }
 
-void sl_map_texel_write(const sl_map_drawing *d, size_t i, const sl_surface *s, const sl_texel_light *light) {
+static void write_texel(const sl_map_drawing *d, size_t i, const sl_surface *s, const texel_light *light) {
     write_position(d, i, s, light->way);
     write_color(d, i, s, light);
     if (d->map->normal[0]) {
@@ -69,27 +77,19 @@ void sl_map_texel_write(const sl_map_drawing *d, size_t i, const sl_surface *s, 
     }
 }
 
-sl_vec3 sl_map_face_departure(const sl_map_drawing *d, const sl_map_face *face, sl_vec3 direction) {
-    if (face->mirror == SL_NO_INDEX) return direction;
-    sl_vec3d n = d->options->mirrors->plane[face->mirror].normal, v = sl_to_double(direction);
-    return sl_to_float(sl_subd(v, sl_scaled(n, 2.0 * sl_dotd(v, n))));
-}
-
-/* Returns the light that comes straight, or unfolded from behind a mirror, to y. */
-static sl_texel_light light_at(const sl_map_drawing *d, const sl_map_face *face, sl_vec3 y) {
+/* Returns the light that comes straight to y. */
+static texel_light light_at(const sl_map_drawing *d, const sl_map_face *face, sl_vec3 y) {
     const sl_map_light *light = &d->map->lights->light[face->light];
     sl_vec3d way = sl_subd(sl_to_double(y), sl_to_double(face->eye));
     if (light->kind == SL_SOURCE_DIRECTIONAL) {
-        return (sl_texel_light){sl_neg(face->frame.z), sl_rgb_mul(light->intensity, face->reflectance),
-                                (float)sl_dotd(way, sl_to_double(face->frame.z))};
+        return (texel_light){sl_neg(face->frame.z), light->intensity,
+                             (float)sl_dotd(way, sl_to_double(face->frame.z))};
     }
     double squared = sl_dotd(way, way), length = sqrt(squared);
-    if (!(squared > 0.0) || !isfinite(squared)) return (sl_texel_light){face->frame.z, {0, 0, 0}, 0.0f};
+    if (!(squared > 0.0) || !isfinite(squared)) return (texel_light){face->frame.z, {0, 0, 0}, 0.0f};
     sl_vec3 direction = sl_to_float(sl_scaled(way, 1.0 / length));
-    sl_rgb intensity = sl_rgb_mul(sl_map_light_intensity(light, sl_map_face_departure(d, face, direction)),
-                                  face->reflectance);
-    return (sl_texel_light){sl_neg(direction), sl_rgb_scale(intensity, (float)(1.0 / squared)),
-                            (float)length};
+    sl_rgb intensity = sl_map_light_intensity(light, direction);
+    return (texel_light){sl_neg(direction), sl_rgb_scale(intensity, (float)(1.0 / squared)), (float)length};
 }
 
 /* ---- one face ---- */
@@ -106,8 +106,8 @@ static void resolve_texel(const sl_map_drawing *d, const sl_map_face *face, size
     sl_vec3 to_light = sl_sub(face->eye, sl_scene_position(d->scene, d->scene->vertex[0][triangle]));
     if (d->map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL) to_light = sl_neg(face->frame.z);
     sl_scene_surface(d->scene, triangle, w1, w2, to_light, &surface);
-    sl_texel_light light = light_at(d, face, surface.position);
-    sl_map_texel_write(d, i, &surface, &light);
+    texel_light light = light_at(d, face, surface.position);
+    write_texel(d, i, &surface, &light);
 }
 
 static void resolve_face(void *context, size_t index, unsigned worker) {
@@ -134,51 +134,22 @@ static void resolve_face(void *context, size_t index, unsigned worker) {
 
 /* ---- all ---- */
 
-/* Keeps of a mirror's picture the texels in which the light sees the mirror. */
-static void apply_stencil(const sl_map_drawing *d, const sl_map_face *face) {
-    size_t texels = (size_t)face->width * (size_t)face->height;
-    for (size_t i = 0; i < texels; i++) {
-        uint32_t seen = d->seen[face->seen + i];
-        if (seen == SL_NO_INDEX || d->options->mirrors->of_triangle[seen] != face->mirror)
-            d->map->triangle[face->first + i] = SL_NO_INDEX;
-    }
-}
-
-sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_view *views,
-                                const sl_target *targets, unsigned threads, sl_counters *counters,
-                                sl_error *error) {
-    sl_status status = SL_OK;
-    for (size_t i = 0; i < count && status == SL_OK; i += VIEWS)
-        status = sl_raster_ids(raster, count - i < VIEWS ? count - i : VIEWS, views + i, threads, targets + i,
-                               counters, error);
-    return status;
-}
-
-/* Draws the mirrors' faces; the lights' own ones are there. */
+/* Draws the faces' triangles, some at a time: each view of a call takes a tile's memory. */
 static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
     sl_radiance_map *map = d->map;
-    sl_view *views = sl_allocate(map->face_count, sizeof *views);
-    sl_target *targets = sl_allocate(map->face_count, sizeof *targets);
-    sl_status status = views && targets ? SL_OK : sl_fail_memory(error, "a radiance map's faces");
-    size_t count = 0;
-    for (size_t f = 0; f < map->face_count && status == SL_OK; f++) {
-        const sl_map_face *face = &map->face[f];
-        uint32_t *triangle = map->triangle + face->first;
-        const size_t texels = (size_t)face->width * (size_t)face->height;
-        if (face->mirror == SL_NO_INDEX)
-            memcpy(triangle, d->seen + face->seen, texels * sizeof *triangle);
-        if (face->mirror == SL_NO_INDEX) continue;
-        views[count] = face->view;
-        targets[count++] = (sl_target){face->width, face->height, triangle, NULL};
+    sl_status status = SL_OK;
+    for (size_t first = 0; first < map->face_count && status == SL_OK; first += VIEWS) {
+        sl_view views[VIEWS];
+        sl_target targets[VIEWS];
+        size_t count = 0;
+        for (; count < VIEWS && first + count < map->face_count; count++) {
+            const sl_map_face *face = &map->face[first + count];
+            views[count] = face->view;
+            targets[count] = (sl_target){face->width, face->height, map->triangle + face->first, NULL};
+        }
+        status =
+            sl_raster_ids(d->raster, count, views, d->options->threads, targets, d->counters, error);
     }
-    if (status == SL_OK)
-        status = sl_map_triangles_draw(d->raster, count, views, targets, d->options->threads, d->counters,
-                                       error);
-    for (size_t f = 0; f < map->face_count && status == SL_OK; f++) {
-        if (map->face[f].mirror != SL_NO_INDEX) apply_stencil(d, &map->face[f]);
-    }
-    sl_free(views);
-    sl_free(targets);
     return status;
 }
 
@@ -219,15 +190,14 @@ typedef struct {
 
 /* ---- following rays ---- */
 
-static void aim(const sl_map_face *f, int column, int row, leg way[RAYS]) {
+static void aim(const sl_map_face *f, bool directional, int column, int row, leg way[RAYS]) {
     static const double place[RAYS][2] = {{0.5, 0.5}, {0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    double wide = (f->right - f->left) / (double)f->width, high = (f->top - f->bottom) / (double)f->height;
     for (int k = 0; k < RAYS; k++) {
-        float x = (float)(f->left + wide * ((double)column + place[k][0])),
-              y = (float)(f->bottom + high * ((double)row + place[k][1]));
-        sl_vec3 direction = sl_normalize_or(sl_frame_to_world(&f->frame, sl_v3(x, y, 1.0f)), f->frame.z);
-        way[k] = (leg){.origin = f->eye,
-                       .direction = direction,
+        sl_vec3d origin, direction;
+        sl_map_face_ray(f, directional, (double)column + place[k][0], (double)row + place[k][1], &origin,
+                        &direction);
+        way[k] = (leg){.origin = sl_to_float(origin),
+                       .direction = sl_normalize_or(sl_to_float(direction), f->frame.z),
                        .carried = {1, 1, 1},
                        .from = SL_NO_INDEX,
                        .going = true};
@@ -282,11 +252,10 @@ static sl_vec3d end_of(const sl_map_drawing *d, const leg *way) {
     return sl_to_double(s.position);
 }
 
-/* Returns the area between the corner rays' ends, perpendicular to the middle ray; as if the mirrors were
- * flat where not all corners go the middle's way (the texel lies across the mirror's rim). Never so small
+/* Returns the area between the corner rays' ends, perpendicular to the middle ray; `flat`, as if the mirrors
+ * were, where not all corners go the middle's way (the texel lies across the mirror's rim). Never so small
  * that radiance would grow without bound where light is focused. */
-static float spread_of(const sl_map_drawing *d, const leg way[RAYS], double angle) {
-    const double flat = way[0].way * way[0].way * angle;
+static float spread_of(const sl_map_drawing *d, const leg way[RAYS], double flat) {
     sl_vec3d corner[4];
     for (int k = 0; k < 4; k++) {
         if (!way[k + 1].arrived || way[k + 1].mirrors != way[0].mirrors) return (float)flat;
@@ -298,24 +267,24 @@ static float spread_of(const sl_map_drawing *d, const leg way[RAYS], double angl
 
 /* ---- texels ---- */
 
-static bool shows_curved_mirror(const sl_map_drawing *d, size_t i) {
-    uint32_t t = d->map->triangle[i];
-    if (t == SL_NO_INDEX || !sl_material_is_mirror(&d->scene->materials[d->scene->material_index[t]]))
-        return false;
-    return !d->options->mirrors || d->options->mirrors->of_triangle[t] == SL_NO_INDEX;
+static bool shows_mirror(const sl_map_drawing *d, size_t i) {
+    const uint32_t t = d->map->triangle[i];
+    return t != SL_NO_INDEX && sl_material_is_mirror(&d->scene->materials[d->scene->material_index[t]]);
 }
 
 static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, sl_vec3 departure,
                       const leg way[RAYS]) {
     sl_radiance_map *map = d->map;
     const sl_map_light *light = &map->lights->light[f->light];
+    const double size = (double)map->block_angle[i]; /* of directional light: an area already */
+    const double flat = light->kind == SL_SOURCE_DIRECTIONAL ? size : way[0].way * way[0].way * size;
     sl_surface end;
     sl_scene_surface(d->scene, way[0].triangle, way[0].w1, way[0].w2, sl_neg(way[0].direction), &end);
-    float spread = spread_of(d, way, (double)map->block_angle[i]);
+    float spread = spread_of(d, way, flat);
     if (!(spread > 0.0f) || !isfinite(spread)) return;
     sl_rgb carried = sl_rgb_mul(sl_map_light_intensity(light, departure), way[0].carried);
-    sl_texel_light arriving = {sl_neg(way[0].direction), sl_rgb_scale(carried, map->block_angle[i] / spread),
-                               (float)way[0].way};
+    texel_light arriving = {sl_neg(way[0].direction), sl_rgb_scale(carried, map->block_angle[i] / spread),
+                            (float)way[0].way};
     map->triangle[i] = way[0].triangle;
     map->spread[i] = spread;
     map->arrival[0][i] = arriving.arrival.x;
@@ -324,7 +293,7 @@ static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, s
     map->carried[0][i] = way[0].carried.r;
     map->carried[1][i] = way[0].carried.g;
     map->carried[2][i] = way[0].carried.b;
-    sl_map_texel_write(d, i, &end, &arriving);
+    write_texel(d, i, &end, &arriving);
 }
 
 typedef struct {
@@ -332,20 +301,18 @@ typedef struct {
     sl_counters *counters; /* by face */
 } tracing;
 
-/* Faces of planar mirrors show what light meets after that one; curved mirrors in them are not followed, nor
- * those of parallel light. */
 static void trace_face(void *context, size_t index, unsigned worker) {
     (void)worker;
     const tracing *t = context;
     const sl_map_drawing *d = t->drawing;
     const sl_map_face *f = &d->map->face[index];
-    if (f->mirror != SL_NO_INDEX || d->map->lights->light[f->light].kind == SL_SOURCE_DIRECTIONAL) return;
+    const bool directional = d->map->lights->light[f->light].kind == SL_SOURCE_DIRECTIONAL;
     for (int row = 0; row < f->height; row++) {
         for (int column = 0; column < f->width; column++) {
-            size_t i = f->first + (size_t)row * (size_t)f->width + (size_t)column;
+            const size_t i = sl_map_texel_index(f, column, row);
             leg way[RAYS];
-            if (!shows_curved_mirror(d, i)) continue;
-            aim(f, column, row, way);
+            if (!shows_mirror(d, i)) continue;
+            aim(f, directional, column, row, way);
             sl_vec3 departure = way[0].direction;
             follow(d, way, &t->counters[index]);
             if (way[0].arrived) write_end(d, f, i, departure, way);
@@ -356,7 +323,7 @@ static void trace_face(void *context, size_t index, unsigned worker) {
 sl_status sl_map_trace_mirrors(const sl_map_drawing *drawing, sl_error *error) {
     size_t faces = drawing->map->face_count;
     tracing t = {drawing, sl_allocate(faces, sizeof *t.counters)};
-    if (!t.counters) return sl_fail_memory(error, "traced mirrors");
+    if (!t.counters) return sl_fail_memory(error, "mirrors in a light's view");
     sl_parallel_for(sl_thread_count(drawing->options->threads), faces, trace_face, &t);
     for (size_t f = 0; f < faces; f++) sl_counters_add(drawing->counters, &t.counters[f]);
     sl_free(t.counters);

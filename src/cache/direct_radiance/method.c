@@ -40,19 +40,31 @@ void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons)
     sl_free(marks);
 }
 
-/* Announces the receivers whole, since strips leave none, and the layers of the picture. */
-void sl_radiance_announce_light(sl_radiance_state *s) {
-    const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+/* Draws what is seen whole, since strips leave nothing; *reflections is NULL where no mirror is in sight. */
+static sl_status draw_seen(const sl_radiance_state *s, sl_gbuffer **gbuffer, sl_reflections **reflections,
+                           sl_error *error) {
     const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_counters ignored = {{0}};
-    sl_receivers *r = NULL;
+    *reflections = NULL;
+    sl_status status = sl_gbuffer_create(view.width, view.height, gbuffer, error);
+    if (status == SL_OK)
+        status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, *gbuffer, &ignored, error);
+    if (status == SL_OK && s->plan.mirrors)
+        status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, *gbuffer, reflections, &ignored,
+                                   error);
+    return status;
+}
+
+/* Announces the receivers and the layers of the picture. */
+void sl_radiance_announce_light(sl_radiance_state *s) {
+    const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+    sl_gbuffer *g = NULL;
+    sl_reflections *reflections = NULL;
     if (!s->announcer.observer || s->settings.radiance_map.without_layers) return;
-    if (sl_announcing(&s->announcer) &&
-        sl_receivers_render(s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL,
-                            s->settings.radiance_map.reflections, s->settings.threads, &r, &ignored,
-                            NULL) == SL_OK)
-        sl_announce_gbuffer(&s->announcer, "importons", r->gbuffer);
-    sl_receivers_destroy(r);
+    if (sl_announcing(&s->announcer) && draw_seen(s, &g, &reflections, NULL) == SL_OK)
+        sl_announce_gbuffer(&s->announcer, "importons", g);
+    sl_reflections_destroy(reflections);
+    sl_gbuffer_destroy(g);
     sl_announce(&s->announcer, "direct light", "(5), (9)", s->settings.width, s->settings.height, 3,
                 s->image->planes + SL_RADIANCE_DIRECT * pixels, false);
     sl_announce(&s->announcer, "indirect light", "(10)", s->settings.width, s->settings.height, 3,
@@ -63,7 +75,8 @@ void sl_radiance_announce_light(sl_radiance_state *s) {
 
 struct sl_radiance_explanation {
     sl_light_pass light;
-    sl_receivers *receivers; /* whole, since pictures that are drawn in strips leave none */
+    sl_gbuffer *gbuffer;
+    sl_reflections *reflections;
     sl_receiver_kinds kinds;
     sl_photon_sums *sums;    /* NULL: no photons */
 };
@@ -72,33 +85,31 @@ static void explanation_destroy(sl_radiance_explanation *explanation) {
     if (!explanation) return;
     sl_photon_sums_destroy(explanation->sums);
     sl_receiver_kinds_release(&explanation->kinds);
-    sl_receivers_destroy(explanation->receivers);
+    sl_reflections_destroy(explanation->reflections);
+    sl_gbuffer_destroy(explanation->gbuffer);
     sl_free(explanation);
 }
 
-static sl_status explanation_create(const sl_light_pass *light, const sl_raster *raster, const sl_view *view,
-                                    const sl_mirrors *planar, int reflections, sl_radiance_explanation **out,
+static sl_status explanation_create(const sl_radiance_state *s, sl_radiance_explanation **out,
                                     sl_error *error) {
-    sl_counters ignored = {{0}};
     sl_radiance_explanation *explanation = sl_allocate(1, sizeof *explanation);
     *out = NULL;
     if (!explanation) return sl_fail_memory(error, "the explanation of pixels");
-    *explanation = (sl_radiance_explanation){.light = *light};
-    sl_status status = sl_receivers_render(light->scene, raster, view, planar, reflections, light->threads,
-                                           &explanation->receivers, &ignored, error);
-    if (status == SL_OK)
-        status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &explanation->kinds, error);
-    if (status == SL_OK && light->photons && light->photons->count)
+    explanation->light = sl_radiance_lighting(s);
+    sl_status status = draw_seen(s, &explanation->gbuffer, &explanation->reflections, error);
+    if (status == SL_OK) status = sl_receiver_kinds_find(s->scene, &explanation->kinds, error);
+    if (status == SL_OK && s->photons && s->photons->count)
         status = sl_photon_sums_create(&explanation->light, &explanation->sums, error);
     if (status != SL_OK) explanation_destroy(explanation);
     else *out = explanation;
     return status;
 }
 
-static size_t explanation_bytes(const sl_radiance_explanation *explanation) {
-    return explanation ? sizeof *explanation +
-                             (explanation->receivers ? sl_receivers_bytes(explanation->receivers) : 0)
-                       : 0;
+static size_t explanation_bytes(const sl_radiance_state *s) {
+    enum { A_PIXEL = 15 * 4 + sizeof(sl_vec3) };
+    return s->explanation ? sizeof *s->explanation +
+                                A_PIXEL * (size_t)s->settings.width * (size_t)s->settings.height
+                          : 0;
 }
 
 typedef struct {
@@ -117,10 +128,9 @@ static void tell_photon(void *context, size_t photon, float weight, const float 
                                 .weight = (double)weight,
                                 .position = {p->position.x, p->position.y, p->position.z},
                                 .value = {p->flux.r, p->flux.g, p->flux.b}};
-    for (int c = 0; c < 3; c++) {
-        const float *throughput = t->explanation->receivers->throughput[c];
-        term.contribution[c] = (double)radiance[c] * (throughput ? (double)throughput[t->pixel] : 1.0);
-    }
+    const sl_rgb left = sl_reflections_throughput(t->explanation->reflections, t->pixel);
+    const float throughput[3] = {left.r, left.g, left.b};
+    for (int c = 0; c < 3; c++) term.contribution[c] = (double)radiance[c] * (double)throughput[c];
     sl_explanation_add(t->writer, &term);
 }
 
@@ -145,28 +155,22 @@ static void tell_tile(void *context, const sl_receiver_tile *tile, bool glossy, 
 
 static void explanation_tell(const sl_radiance_explanation *explanation, int x, int y,
                              sl_explanation_writer *writer) {
-    const sl_receivers *r = explanation->receivers;
-    telling t = {explanation, (size_t)y * (size_t)r->width + (size_t)x, writer};
+    const sl_gbuffer *g = explanation->gbuffer;
+    telling t = {explanation, (size_t)y * (size_t)g->width + (size_t)x, writer};
     sl_counters ignored = {{0}};
     sl_explanation_add_layer(writer, "emission", "emitted light");
     sl_explanation_add_layer(writer, "direct", "direct light");
-    uint32_t material = r->gbuffer->material[t.pixel];
-    bool mirror =
-        material != SL_NO_INDEX && sl_material_is_mirror(&explanation->light.scene->materials[material]);
-    if (mirror) sl_explanation_add_layer(writer, "indirect", "what a curved mirror shows");
-    else if (explanation->sums)
-        sl_receiver_tiles_strip(r, &explanation->kinds, y - y % SL_TILE_HEIGHT, tell_tile, &t, &ignored);
+    if (explanation->sums)
+        sl_receiver_tiles_strip(g, &explanation->kinds, y - y % SL_TILE_HEIGHT, tell_tile, &t, &ignored);
 }
 
 /* ---- frames ---- */
 
-/* Frees what is of one picture; the G-buffer stays for the next frame. */
+/* Frees what is of one picture; the plane of ids stays for the next frame. */
 static void forget_picture(sl_radiance_state *s) {
     explanation_destroy(s->explanation);
     s->explanation = NULL;
-    sl_curved_mirrors_destroy(s->curved);
     sl_image_destroy(s->image);
-    s->curved = NULL;
     s->image = NULL;
     s->drawn = false;
 }
@@ -175,7 +179,7 @@ static void radiance_destroy(void *state) {
     sl_radiance_state *s = state;
     if (!s) return;
     forget_picture(s);
-    sl_receivers_destroy(s->receivers);
+    sl_free(s->id);
     sl_radiance_darken(s);
     sl_radiance_forget_geometry(s);
     sl_free(s);
@@ -253,30 +257,24 @@ static const sl_counters *radiance_counters(const void *state) {
 static size_t radiance_memory_bytes(const void *state) {
     const sl_radiance_state *s = state;
     const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
-    size_t bytes = sizeof *s + explanation_bytes(s->explanation);
+    size_t bytes = sizeof *s + explanation_bytes(s);
     if (s->image) bytes += (size_t)s->image->channels * pixels * sizeof *s->image->planes;
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->cubes) bytes += sl_shadow_cubes_bytes(s->cubes);
     if (s->map) bytes += sl_radiance_map_bytes(s->map);
     if (s->photons) bytes += sl_map_photons_bytes(s->photons);
-    if (s->curved) bytes += sl_curved_mirrors_bytes(s->curved);
-    if (s->receivers) bytes += sl_receivers_bytes(s->receivers);
+    if (s->id) bytes += pixels * sizeof *s->id;
     return bytes;
 }
 
 static sl_status radiance_explanation(void *state, int x, int y, sl_explanation_writer *writer,
                                       sl_error *error) {
     sl_radiance_state *s = state;
-    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status = SL_OK;
     if (!s->drawn || s->settings.radiance_map.without_layers)
         return sl_fail(error, SL_ERROR_USAGE, "a pixel is explained in a picture with its layers");
-    if (!s->explanation) {
-        const sl_light_pass light = sl_radiance_indirect_lighting(s);
-        status = explanation_create(&light, s->raster, &view, s->plan.planar ? s->planar : NULL,
-                                          s->settings.radiance_map.reflections, &s->explanation, error);
-    }
+    if (!s->explanation) status = explanation_create(s, &s->explanation, error);
     if (status == SL_OK) explanation_tell(s->explanation, x, y, writer);
     return status;
 }

@@ -14,7 +14,8 @@
 #define GROUP_SINE 0.25
 
 static bool on_surface_of(const sl_photon_sum *group, const sl_map_texel *t, bool lambertian) {
-    if (group->object != t->object || (!lambertian && group->material != t->material)) return false;
+    if (group->object != t->object || group->mirrored != t->mirrored) return false;
+    if (!lambertian && group->material != t->material) return false;
     sl_vec3d way = sl_subd(t->position, group->first_position);
     return sl_dotd(group->first_normal, t->normal) >= GROUP_COS &&
            fabs(sl_dotd(group->first_normal, way)) <= GROUP_SINE * sl_lengthd(way);
@@ -112,15 +113,17 @@ static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photo
 void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, int column, int row,
                           double block, sl_photon_groups *groups) {
     double angle = (double)list->map->block_angle[sl_map_texel_index(face, column, row)];
-    const sl_texel_rectangle texel = {column, row, column + 1, row + 1};
     sl_map_texel t;
     if (!sl_map_texel_read(list->scene, list->map, face, column, row, NULL, &t)) return;
+    const sl_texel_rectangle texel =
+        t.mirrored ? (sl_texel_rectangle){0} : (sl_texel_rectangle){column, row, column + 1, row + 1};
     bool stranger;
     sl_photon_sum *g = group_of(groups->group, &t, list->map->lambertian, &stranger);
     if (!(g->luminance > 0.0)) {
         *g = (sl_photon_sum){.first_position = t.position,
                              .first_normal = t.normal,
                              .object = t.object,
+                             .mirrored = t.mirrored,
                              .material = t.material,
                              .rectangle = texel};
     }

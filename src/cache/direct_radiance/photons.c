@@ -30,7 +30,9 @@ void sl_photon_at_point(sl_photon_list *list, const sl_map_face *face, int colum
     sl_map_texel t;
     if (sl_map_texel_read(list->scene, list->map, face, x, y, color, &t)) {
         double own = (double)list->map->block_angle[sl_map_texel_index(face, x, y)];
-        const sl_texel_rectangle block = {column, row, column + texels, row + texels};
+        const sl_texel_rectangle block =
+            t.mirrored ? (sl_texel_rectangle){0}
+                       : (sl_texel_rectangle){column, row, column + texels, row + texels};
         sl_photon_sample sample =
             sl_photon_of_texel(list, &t, sl_block_angle(list->map, face, column, row) / own, block);
         sl_photon_add(list, face, &sample);
@@ -166,7 +168,7 @@ void sl_map_face_ray(const sl_map_face *face, bool directional, double column, d
 static bool find_way(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_map_texel *t) {
     t->way = (double)map->path[i];
     t->footprint = (double)map->block_angle[i]; /* of a directional light: an area already */
-    if (map->spread && map->spread[i] > 0.0f) {
+    if (t->mirrored) {
         t->footprint = (double)map->spread[i];
         t->to_light = plane_at(map->arrival, i);
         if (!make_unit(&t->to_light)) return false;
@@ -181,21 +183,14 @@ static bool find_way(const sl_radiance_map *map, const sl_map_face *face, size_t
     return t->footprint > 0.0 && isfinite(t->footprint) && t->way >= 0.0;
 }
 
-/* Returns the direction in which the texel's light left the light. Its image in a mirror shines as it does
- * itself: the mirror's plane lies halfway between. What came by curved mirrors left along the picture's ray,
- * and arrives from somewhere else. */
-static sl_vec3 as_it_left(const sl_radiance_map *map, const sl_map_face *face, size_t i,
-                          const sl_map_texel *t) {
-    const sl_map_light *light = &map->lights->light[face->light];
+/* Returns the direction in which the texel's light left the light. What came by mirrors left along the
+ * picture's ray, and arrives from somewhere else. */
+static sl_vec3 as_it_left(const sl_map_face *face, size_t i, const sl_map_texel *t) {
     sl_vec3d direction = sl_scaled(t->to_light, -1.0), origin;
-    if (map->spread && map->spread[i] > 0.0f) {
+    if (t->mirrored) {
         size_t texel = i - face->first, width = (size_t)face->width;
         sl_map_face_ray(face, false, (double)(texel % width) + 0.5, (double)(texel / width) + 0.5, &origin,
                         &direction);
-    }
-    sl_vec3d across = sl_subd(sl_to_double(light->position), sl_to_double(face->eye));
-    if (face->mirror != SL_NO_INDEX && make_unit(&across)) {
-        direction = sl_subd(direction, sl_scaled(across, 2.0 * sl_dotd(direction, across)));
     }
     return sl_normalize_or(sl_to_float(direction), sl_v3(0.0f, 0.0f, 1.0f));
 }
@@ -205,9 +200,8 @@ static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, s
     const sl_map_light *light = &map->lights->light[face->light];
     bool by_direction = light->kind == SL_SOURCE_SPOT || light->kind == SL_SOURCE_AREA;
     sl_rgb intensity =
-        by_direction ? sl_map_light_intensity(light, as_it_left(map, face, i, t)) : light->intensity;
-    intensity = sl_rgb_mul(intensity, face->reflectance);
-    if (map->spread && map->spread[i] > 0.0f) {
+        by_direction ? sl_map_light_intensity(light, as_it_left(face, i, t)) : light->intensity;
+    if (t->mirrored) {
         intensity =
             sl_rgb_mul(intensity, (sl_rgb){map->carried[0][i], map->carried[1][i], map->carried[2][i]});
     }
@@ -255,6 +249,7 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
     size_t i = sl_map_texel_index(face, column, row);
     if (map->triangle[i] == SL_NO_INDEX) return false;
     t->position = plane_at(map->position, i);
+    t->mirrored = map->spread && map->spread[i] > 0.0f;
     if (!is_finite(t->position) || !find_way(map, face, i, t)) return false;
     bool directional = map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
     if (!directional && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_central_diagonal(scene))
@@ -394,7 +389,7 @@ void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, co
                          sl_photon_quad *quad) {
     *quad = (sl_photon_quad){0};
     bool directional = sl_face_is_directional(map, face);
-    const sl_texel_rectangle *r = &s->rectangle;
+    const sl_texel_rectangle *r = &s->rectangle; /* empty where the light came by mirrors */
     if (!(r->left < r->right) || !(r->bottom < r->top)) return;
     double width = (face->right - face->left) / face->width * (r->right - r->left);
     double height = (face->top - face->bottom) / face->height * (r->top - r->bottom);

@@ -31,8 +31,7 @@ bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings)
            sl_scene_throws_shadows(scene);
 }
 
-sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings, bool planar,
-                                       bool curved) {
+sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     const sl_features f = sl_scene_features(scene);
     const bool receivers = has_receivers(&f),
@@ -44,17 +43,15 @@ sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings 
         .glossy = f.glossy_triangles > 0,
         .normals = indirect &&
                    (f.glossy_triangles > 0 || weighs_facing(m->weight) || m->filter == SL_MAP_FILTER_FLUX),
-        .planar = planar,
-        .curved = curved,
-        .tracer = indirect &&
-                  (m->visibility != SL_VISIBILITY_NONE || (m->traced_light_mirrors && f.mirror_triangles)),
+        .mirrors = f.mirror_triangles > 0,
+        .tracer = f.mirror_triangles || (indirect && m->visibility != SL_VISIBILITY_NONE),
         .environment = f.environment,
     };
 }
 
-/* L S* E, L D S* E, L D D S* E: exactly two events that are not mirrors. Light by way of mirrors (L S D) is
- * computed where the mirrors are planar, but is no part of the declaration: a path tracer cannot find it from
- * a light without extent. The sky is seen, directly and in mirrors, but lights nothing. */
+/* L S* E, L D S* E, L D D S* E: exactly two events that are not mirrors. The map holds light by way of
+ * mirrors (L S D) too, but that is no part of the declaration: a path tracer cannot find it from a light
+ * without extent. The sky is seen, directly and in mirrors, but lights nothing. */
 void sl_radiance_transport(const sl_settings *settings, sl_transport *transport) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     *transport = (sl_transport){
@@ -103,7 +100,7 @@ static void write_limits(const sl_radiance_plan *p, const sl_radiance_map_settin
 void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     sl_features f = sl_scene_features(scene);
-    sl_radiance_plan p = sl_radiance_plan_make(scene, settings, false, false);
+    sl_radiance_plan p = sl_radiance_plan_make(scene, settings);
     size_t point_like = f.point_lights + f.spot_lights + f.directional_lights;
     sl_plan_pass(writer, p.shadows, "depth cubes", "%s", why_cubes(&p, m));
     sl_plan_pass(writer, p.map, "direct radiance maps",
@@ -116,9 +113,7 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
                  filter_words[m->filter]);
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
                  scene->triangle_count);
-    sl_plan_pass(writer, f.mirror_triangles > 0, "mirrors",
-                 "%zu mirror triangles: planar ones by the mirrored scene, curved ones by cubes of %d",
-                 f.mirror_triangles, m->cube_size);
+    sl_plan_pass(writer, p.mirrors, "mirrors", "%zu mirror triangles, followed by rays", f.mirror_triangles);
     sl_plan_pass(writer, p.receivers, "direct light", "each area light from %d x %d of its points",
                  m->emitter_samples, m->emitter_samples);
     sl_plan_pass(writer, p.map, "indirect light", "weight: %s", weight_words[m->weight]);
@@ -190,11 +185,10 @@ enum {
     FACES = 6,
     LAYERS = 12,
     A_PIXEL = 8,
-    OF_MIRRORS = 140,
+    OF_MIRRORS = 60,
     A_TEXEL = 28 * 4,
     A_PHOTON = 512,
-    A_THREAD = 2000000,
-    CURVED = 8
+    A_THREAD = 2000000
 };
 
 static double smaller(double a, double b) { return a < b ? a : b; }
@@ -217,18 +211,13 @@ sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settin
     const sl_features f = sl_scene_features(scene);
     const double points = light_points(scene, m);
     const double cube = (double)m->shadow_size * m->shadow_size * FACES * sizeof(float);
-    const double curved =
-        f.mirror_triangles ? CURVED * 3.0 * FACES * 16.0 * (double)m->cube_size * m->cube_size : 0.0;
     const double layers = m->without_layers ? 3.0 : LAYERS, triangles = (double)scene->triangle_count;
-    const bool rays = m->visibility != SL_VISIBILITY_NONE || m->traced_light_mirrors;
-    /* Where light comes by planar mirrors each light has a picture more for each of them; a few at most
-     * count. */
-    const double pictures = points * (f.mirror_triangles ? 3.0 : 1.0);
+    const bool rays = m->visibility != SL_VISIBILITY_NONE || f.mirror_triangles;
     const double suns = smaller((double)f.directional_lights, SL_MAP_LIGHTS_MAX);
     return (sl_memory_need){.hierarchies = rays ? sl_tracer_memory_need(scene->triangle_count) +
                                                       sl_raster_memory_kept(scene->triangle_count)
                                                 : sl_raster_memory_need(scene->triangle_count),
-                            .caches = points * cube + map_bytes(m, pictures, suns) + curved +
+                            .caches = points * cube + map_bytes(m, points, suns) +
                                       sl_need_of_threads(settings, A_THREAD) + 8.0 * triangles + 4e6,
                             .picture = sl_need_of_pixels(
                                 settings, A_PIXEL + 4.0 * layers + (f.mirror_triangles ? OF_MIRRORS : 0))};
@@ -239,7 +228,6 @@ const sl_reduction sl_radiance_reductions[] = {
      2.0},
     {"texels a side of a map's face", offsetof(sl_settings, radiance_map.map_size), SL_REDUCE_INT, 4.0},
     {"texels a side of a depth cube", offsetof(sl_settings, radiance_map.shadow_size), SL_REDUCE_INT, 64.0},
-    {"texels a side of a mirror's cube", offsetof(sl_settings, radiance_map.cube_size), SL_REDUCE_INT, 16.0},
     {"points a side of an area light", offsetof(sl_settings, radiance_map.emitter_samples), SL_REDUCE_INT,
      1.0},
     {"no layers", offsetof(sl_settings, radiance_map.without_layers), SL_REDUCE_FLAG, 0.0},

@@ -1,5 +1,8 @@
-/* The surfaces that a picture shows, pixel by pixel, ready to be lit: the camera's view, with what planar
- * mirrors show in it, or a face of a curved mirror's environment cube. */
+/* Receivers (the paper's importons) side by side in lanes: a picture is lit tile by tile, and of a tile only
+ * the pixels that reflect.
+ *
+ * Thirty-two by four pixels: rays of neighbours stay together, blocks of 4 x 4 stay whole, and a tile's
+ * positions and normals stay in the nearest cache while all photons pass over them. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_RECEIVERS_H
 #define SL_CACHE_DIRECT_RADIANCE_RECEIVERS_H
 
@@ -11,49 +14,6 @@
 #include "cache/direct_radiance/map.h"
 #include "cache/light/light_kernels.h"
 #include "raster/raster.h"
-#include "raster/views/mirror.h"
-
-typedef struct sl_receivers {
-    int width, height;
-    /* of rows of a larger picture: where they begin in it; views are always those of the whole */
-    int first_row;
-    /* unmirrored positions and normals, turned to where they are seen from; row 0 at the bottom */
-    sl_gbuffer *gbuffer;
-    /* product of the planar mirrors' reflectances on the way; NULL: no mirror in view, 1 everywhere */
-    float *throughput[3];
-    /* which of eye[] and view[] each pixel is seen from; NULL: all from the first */
-    uint8_t *path;
-    size_t path_count;           /* 1 without mirrors in view */
-    sl_vec3 eye[SL_MIRROR_PATHS]; /* the eye and its mirror images */
-    sl_view *view;               /* and the views that they draw: path_count */
-    /* those that were followed: what still shows one of them lies beyond the nesting limit; NULL: none */
-    const sl_mirrors *mirrors;
-} sl_receivers;
-
-/* Passes 5 and 6's geometry: view, and up to `reflections` planar mirrors one behind another (mirrors may be
- * NULL). Views may be cameras, pyramids or a cube's faces. The mirrors must outlive what is made of them.
- * *receivers: NULL, or those of an earlier frame, which are then replaced: fresh memory costs as much as a
- * small scene. */
-sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
-                              const sl_mirrors *mirrors, int reflections, unsigned threads,
-                              sl_receivers **receivers, sl_counters *counters, sl_error *error);
-/* Finds the triangle that each pixel shows, and by way of which mirrors: all but the G-buffer's resolution,
- * for picture.c. Of the G-buffer there are the id plane, and with mirrors the depth. */
-sl_status sl_receivers_outline(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
-                               const sl_mirrors *mirrors, int reflections, unsigned threads,
-                               sl_receivers **receivers, sl_counters *counters, sl_error *error);
-void sl_receivers_destroy(sl_receivers *receivers);
-size_t sl_receivers_bytes(const sl_receivers *receivers);
-
-static inline sl_vec3 sl_receiver_eye(const sl_receivers *r, size_t pixel) {
-    return r->eye[r->path ? r->path[pixel] : 0];
-}
-
-/* Receivers (the paper's importons) side by side in lanes: a picture is lit tile by tile, and of a tile only
- * the pixels that reflect.
- *
- * Thirty-two by four pixels: rays of neighbours stay together, blocks of 4 x 4 stay whole, and a tile's
- * positions and normals stay in the nearest cache while all photons pass over them. */
 
 enum {
     SL_TILE_WIDTH = 32,
@@ -67,10 +27,9 @@ _Static_assert((int)SL_TILE_PIXELS == (int)SL_LIGHT_BLOCK,
 
 /* A pixel's reflection of light that falls on it. */
 typedef enum sl_receiver_kind {
-    SL_RECEIVER_NONE,    /* background, mirrors, black emitters */
+    SL_RECEIVER_NONE,    /* background, black emitters, what endless mirrors show */
     SL_RECEIVER_DIFFUSE,
-    SL_RECEIVER_GLOSSY,  /* a Phong lobe, besides or alone: where the light goes depends on the eye */
-    SL_RECEIVER_MIRROR   /* a mirror that receives light as if it were diffuse */
+    SL_RECEIVER_GLOSSY   /* a Phong lobe, besides or alone: where the light goes depends on the eye */
 } sl_receiver_kind;
 
 typedef struct sl_receiver_tile {
@@ -98,23 +57,19 @@ typedef struct sl_tile_light {
 /* Kinds by material: one for each, and NONE for the background as the last. */
 typedef struct sl_receiver_kinds {
     const sl_scene *scene;
-    sl_rgb trick_albedo;
     bool glossy;   /* there are glossy materials */
     uint8_t *of_material;
 } sl_receiver_kinds;
 
-/* trick_albedo: 0 leaves mirrors out. */
-sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_receiver_kinds *kinds,
-                                 sl_error *error);
+sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_receiver_kinds *kinds, sl_error *error);
 void sl_receiver_kinds_release(sl_receiver_kinds *kinds);
 
-sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer *gbuffer, size_t pixel);
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
 
 /* Lights a tile that has pixels to be lit. */
 typedef void sl_tile_program(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters);
 /* A strip of tiles from row y0 on: diffuse pixels of a tile first, then glossy ones. Counts the fragments. */
-void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_kinds *kinds, int y0,
+void sl_receiver_tiles_strip(const sl_gbuffer *gbuffer, const sl_receiver_kinds *kinds, int y0,
                              sl_tile_program *program, void *context, sl_counters *counters);
 /* E_j(x): what photon j at y sends to receiver x. d = y - x, r = |d|; cos = (n_x . d)+ / r and cos' = (-n_y .
  * d)+ / r are the cosines at the receiver and at the photon. Psi: the photon's flux, W/sr; L_o: its radiance,
@@ -390,9 +345,8 @@ void sl_receiver_tile_fetch(const sl_gbuffer *gbuffer, const sl_receiver_kernels
 /* A row of one channel. */
 typedef struct sl_compose_row {
     size_t width;
-    const float *throughput;                   /* of planar mirrors; NULL: 1 */
     const float *emission, *direct, *indirect;
-    /* the picture; emission, direct and indirect light with the throughput, or NULL */
+    /* the picture; emission, direct and indirect light, or NULL */
     float *out[4];
 } sl_compose_row;
 

@@ -76,13 +76,6 @@
       "what a photon takes from the map around it") \
     O(sl_photon_visibility, visibility, "visibility", "none|rays", 0, 0, NOTHING, "", USER(0), \
       "indirect shadows, which the paper leaves out") \
-    O(sl_mirror_light, mirror_light, "mirror-light", "full|trick|direct", 0, 0, NOTHING, "", RESEARCH, \
-      "indirect light in curved mirrors") \
-    O(int, reflections, "reflections", "N", 1, 8, IS(1), "", RESEARCH, "planar mirrors one after another") \
-    O(int, cube_size, "cube-size", "TEXELS", 4, 4096, IS(128), "", RESEARCH, \
-      "a side of a curved mirror's environment cube") \
-    O(bool, traced_light_mirrors, "light-mirrors", "", 0, 1, NOTHING, "", RESEARCH, \
-      "light by way of curved mirrors, traced") \
     O(int, shadow_size, "shadow-size", "TEXELS", 16, 8192, IS(512), "", RESEARCH, \
       "a side of a depth cube's face") \
     O(int, emitter_samples, "emitter-samples", "N", 1, 64, BY(1, 2, 2), "", USER(0), \

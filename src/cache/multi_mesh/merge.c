@@ -95,7 +95,7 @@ sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, c
     sl_parallel_for(threads, (size_t)view->height, clear_row, &r);
     sl_gbuffer targets = {.width = view->width, .height = view->height, .id = (uint32_t *)(uintptr_t)id,
                           .diffuse_r = m->diffuse[0], .diffuse_g = m->diffuse[1], .diffuse_b = m->diffuse[2]};
-    sl_status status = sl_raster_resolve(raster, 1, view, NULL, threads, &targets, counters, error);
+    sl_status status = sl_raster_resolve(raster, view, threads, &targets, counters, error);
     if (status != SL_OK) {
         sl_materials_destroy(m);
         return status;

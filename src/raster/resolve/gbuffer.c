@@ -66,8 +66,7 @@ typedef struct {
 /* The picture is resolved into planes of its own size, or of a part of it that begins at pixel `start`. */
 typedef struct {
     const sl_raster *raster;
-    const sl_pass_view *views;
-    const uint8_t *path; /* which of them each pixel belongs to; NULL: the first */
+    const sl_pass_view *view;
     const uint32_t *id;
     sl_gbuffer *out;
     size_t start, pixels; /* of the planes */
@@ -202,13 +201,6 @@ static void resolve_material(const resolution *r, size_t first, workspace *w) {
     put(r, r->out->material, first, w->index, w->pixels.count);
 }
 
-/* Pixels from `first` on that belong to one view. */
-static size_t pixels_of_one_view(const resolution *r, size_t first, size_t end) {
-    size_t next = first + 1;
-    while (next < end && r->path[next] == r->path[first]) next++;
-    return next - first;
-}
-
 static bool positions_wanted(const sl_gbuffer *g) { return g->position_x || g->position_y || g->position_z; }
 static bool normals_wanted(const sl_gbuffer *g) {
     return g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y || g->geometric_z;
@@ -219,12 +211,8 @@ static uint64_t resolve_pixels(const resolution *r, size_t first, size_t end, wo
     const sl_gbuffer *g = r->out;
     uint64_t shaded = 0;
     while (first < end) {
-        const sl_pass_view *view = &r->views[r->path ? r->path[first] : 0];
-        size_t most =
-            r->path ? pixels_of_one_view(r, first,
-                                         first + SL_RESOLVE_PIXELS < end ? first + SL_RESOLVE_PIXELS : end)
-                    : end - first;
-        size_t count = sl_resolve_next(r->raster, view, most, first, NULL, r->id + first, &w->pixels);
+        const sl_pass_view *view = r->view;
+        size_t count = sl_resolve_next(r->raster, view, end - first, first, NULL, r->id + first, &w->pixels);
         if (r->positions || r->normals) resolve_surfaces(r, view, first, w);
         if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, view, first, w);
         if (g->material) resolve_material(r, first, w);
@@ -232,13 +220,6 @@ static uint64_t resolve_pixels(const resolution *r, size_t first, size_t end, wo
         first += count;
     }
     return shaded;
-}
-
-static sl_pass_view *make_views(size_t count, const sl_view *views) {
-    sl_pass_view *pass = sl_allocate(count, sizeof *pass);
-    for (size_t n = 0; pass && n < count; n++)
-        pass[n] = sl_pass_view_make(&views[n], views[n].width, views[n].height);
-    return pass;
 }
 
 /* ---- a whole picture ---- */
@@ -259,44 +240,43 @@ static void resolve_strip(void *context, size_t index, unsigned worker) {
     sl_stream_end();
 }
 
-static sl_status resolve(const sl_raster *raster, size_t view_count, const sl_view *views,
-                         const uint8_t *path, const uint32_t *id, unsigned threads, sl_gbuffer *g,
-                         sl_counters *counters, sl_error *error) {
-    size_t pixels = (size_t)views[0].width * (size_t)views[0].height, count = (pixels + STRIP - 1) / STRIP;
+static sl_status resolve(const sl_raster *raster, const sl_view *view, const uint32_t *id, unsigned threads,
+                         sl_gbuffer *g, sl_counters *counters, sl_error *error) {
+    size_t pixels = (size_t)view->width * (size_t)view->height, count = (pixels + STRIP - 1) / STRIP;
     uint64_t *shaded = sl_allocate(count, sizeof *shaded);
-    sl_pass_view *pass = make_views(view_count, views);
+    const sl_pass_view pass = sl_pass_view_make(view, view->width, view->height);
     workspace *worker = sl_allocate_unset(sl_thread_count(threads), sizeof *worker);
-    bool ok = shaded && pass && worker;
+    bool ok = shaded && worker;
     if (ok) {
-        strips s = {{.raster = raster, .views = pass, .path = path, .id = id, .out = g, .pixels = pixels,
+        strips s = {{.raster = raster, .view = &pass, .id = id, .out = g, .pixels = pixels,
                      .positions = positions_wanted(g), .normals = normals_wanted(g)}, shaded, worker};
         sl_parallel_for(sl_thread_count(threads), count, resolve_strip, &s);
         for (size_t n = 0; n < count; n++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, shaded[n]);
     }
     sl_free(shaded);
-    sl_free(pass);
     sl_free(worker);
     return ok ? SL_OK : sl_fail_memory(error, "the G-buffer's resolution");
 }
 
-sl_status sl_raster_resolve(const sl_raster *raster, size_t view_count, const sl_view *views,
-                            const uint8_t *path, unsigned threads, sl_gbuffer *gbuffer, sl_counters *counters,
-                            sl_error *error) {
-    if (!raster->scene)
-        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
-    return resolve(raster, view_count, views, path, gbuffer->id, threads, gbuffer, counters, error);
+static sl_status fail_without_scene(sl_error *error) {
+    return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+}
+
+sl_status sl_raster_resolve(const sl_raster *raster, const sl_view *view, unsigned threads,
+                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error) {
+    if (!raster->scene) return fail_without_scene(error);
+    return resolve(raster, view, gbuffer->id, threads, gbuffer, counters, error);
 }
 
 sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads,
                             sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error) {
-    if (!raster->scene)
-        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+    if (!raster->scene) return fail_without_scene(error);
     uint32_t *id =
         gbuffer->id ? gbuffer->id : sl_allocate((size_t)view->width * (size_t)view->height, sizeof *id);
     if (!id) return sl_fail_memory(error, "the G-buffer's id plane");
     sl_target target = {view->width, view->height, id, gbuffer->depth};
     sl_status status = sl_raster_id(raster, view, threads, &target, counters, error);
-    if (status == SL_OK) status = resolve(raster, 1, view, NULL, id, threads, gbuffer, counters, error);
+    if (status == SL_OK) status = resolve(raster, view, id, threads, gbuffer, counters, error);
     if (!gbuffer->id) sl_free(id);
     return status;
 }
@@ -305,23 +285,20 @@ sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsign
 
 struct sl_resolver {
     const sl_raster *raster;
-    sl_pass_view *views;
-    const uint8_t *path;
+    sl_pass_view view;
     const uint32_t *id;
     workspace *worker;
 };
 
-sl_status sl_resolver_create(const sl_raster *raster, size_t view_count, const sl_view *views,
-                             const uint8_t *path, const uint32_t *id, unsigned workers,
-                             sl_resolver **resolver, sl_error *error) {
+sl_status sl_resolver_create(const sl_raster *raster, const sl_view *view, const uint32_t *id,
+                             unsigned workers, sl_resolver **resolver, sl_error *error) {
     *resolver = NULL;
-    if (!raster->scene)
-        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+    if (!raster->scene) return fail_without_scene(error);
     sl_resolver *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "the G-buffer's resolution");
-    *r = (sl_resolver){raster, make_views(view_count, views), path, id,
+    *r = (sl_resolver){raster, sl_pass_view_make(view, view->width, view->height), id,
                        sl_allocate(workers, sizeof *r->worker)};
-    if (!r->views || !r->worker) {
+    if (!r->worker) {
         sl_resolver_destroy(r);
         return sl_fail_memory(error, "the G-buffer's resolution");
     }
@@ -331,7 +308,6 @@ sl_status sl_resolver_create(const sl_raster *raster, size_t view_count, const s
 
 void sl_resolver_destroy(sl_resolver *r) {
     if (!r) return;
-    sl_free(r->views);
     sl_free(r->worker);
     sl_free(r);
 }
@@ -339,8 +315,7 @@ void sl_resolver_destroy(sl_resolver *r) {
 uint64_t sl_resolver_run(const sl_resolver *r, unsigned worker, size_t first, size_t count,
                          sl_gbuffer *part) {
     const resolution all = {.raster = r->raster,
-                            .views = r->views,
-                            .path = r->path,
+                            .view = &r->view,
                             .id = r->id,
                             .out = part,
                             .start = first,

@@ -55,9 +55,7 @@ static inline hand_map *hand_map_begin(sl_map_light light, int faces, int w, int
     }
     memset(h->map.triangle, 0xff, texels * sizeof *h->map.triangle);
     for (int f = 0; f < faces; f++) {
-        h->face[f] = (sl_map_face){.mirror = SL_NO_INDEX,
-                                   .eye = light.position,
-                                   .reflectance = {1, 1, 1},
+        h->face[f] = (sl_map_face){.eye = light.position,
                                    .frame = sl_cube_face_frame(f),
                                    .left = -1,
                                    .right = 1,

@@ -9,29 +9,27 @@
 #include <cmocka.h>
 
 #include "base/math.h"
+#include "base/memory.h"
 #include "trace_scenes.h"
 
 /* ---- receivers ---- */
 
-sl_receivers *make_receivers(int width, int height, sl_vec3 eye) {
-    sl_receivers *r = calloc(1, sizeof *r);
-    assert_non_null(r);
-    r->width = width, r->height = height;
-    r->eye[0] = eye;
-    assert_int_equal(sl_gbuffer_create(width, height, &r->gbuffer, NULL), SL_OK);
-    for (size_t i = 0; i < (size_t)width * (size_t)height; i++)
-        r->gbuffer->material[i] = r->gbuffer->id[i] = SL_NO_INDEX;
-    return r;
+sl_gbuffer *make_receivers(int width, int height, sl_vec3 eye) {
+    const size_t pixels = (size_t)width * (size_t)height;
+    sl_gbuffer *g = NULL;
+    assert_int_equal(sl_gbuffer_create(width, height, &g, NULL), SL_OK);
+    g->seen_from = sl_allocate(pixels, sizeof *g->seen_from);
+    assert_non_null(g->seen_from);
+    for (size_t i = 0; i < pixels; i++) {
+        g->seen_from[i] = eye;
+        g->material[i] = g->id[i] = SL_NO_INDEX;
+    }
+    return g;
 }
 
-void free_receivers(sl_receivers *receivers) {
-    sl_gbuffer_destroy(receivers->gbuffer);
-    free(receivers);
-}
-
-void set_receiver(sl_receivers *receivers, size_t i, sl_vec3 position, sl_vec3 geometric, sl_vec3 shading,
+void set_receiver(sl_gbuffer *receivers, size_t i, sl_vec3 position, sl_vec3 geometric, sl_vec3 shading,
                   sl_rgb diffuse, uint32_t material) {
-    sl_gbuffer *g = receivers->gbuffer;
+    sl_gbuffer *g = receivers;
     g->id[i] = 0;
     g->position_x[i] = position.x, g->position_y[i] = position.y, g->position_z[i] = position.z;
     g->geometric_x[i] = geometric.x, g->geometric_y[i] = geometric.y, g->geometric_z[i] = geometric.z;
@@ -78,11 +76,11 @@ static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy,
     else sl_direct_light_tile(&l->direct, tile, glossy, &l->to, counters);
 }
 
-static void light_picture(const sl_light_pass *pass, const sl_receivers *r, sl_rgb trick,
-                          sl_lit_picture *picture, sl_photon_sums *sums, sl_counters *counters) {
+static void light_picture(const sl_light_pass *pass, const sl_gbuffer *r, sl_lit_picture *picture,
+                          sl_photon_sums *sums, sl_counters *counters) {
     lighting l = {{.width = r->width}, sl_direct_light_of(pass), sums};
     sl_receiver_kinds kinds;
-    assert_int_equal(sl_receiver_kinds_find(pass->scene, trick, &kinds, NULL), SL_OK);
+    assert_int_equal(sl_receiver_kinds_find(pass->scene, &kinds, NULL), SL_OK);
     for (int k = 0; k < 3; k++) {
         l.to.direct[k] = picture->direct[k];
         l.to.indirect[k] = picture->indirect[k];
@@ -92,17 +90,17 @@ static void light_picture(const sl_light_pass *pass, const sl_receivers *r, sl_r
     sl_receiver_kinds_release(&kinds);
 }
 
-void light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
+void light_directly(const sl_light_pass *pass, const sl_gbuffer *receivers, sl_lit_picture *picture,
                     sl_counters *counters) {
-    light_picture(pass, receivers, sl_grey(0.0f), picture, NULL, counters);
+    light_picture(pass, receivers, picture, NULL, counters);
 }
 
-void light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
+void light_indirectly(const sl_light_pass *pass, const sl_gbuffer *receivers, sl_lit_picture *picture,
                       sl_counters *counters) {
     sl_photon_sums *sums = NULL;
     if (!pass->photons || !pass->photons->count) return;
     assert_int_equal(sl_photon_sums_create(pass, &sums, NULL), SL_OK);
-    light_picture(pass, receivers, pass->trick_albedo, picture, sums, counters);
+    light_picture(pass, receivers, picture, sums, counters);
     sl_photon_sums_destroy(sums);
 }
 
@@ -132,12 +130,6 @@ sl_rgb sl_photon_irradiance(const sl_map_photons *photons, size_t photon, sl_pho
     float power = sl_lobe_power(lobe.x * d.x + lobe.y * d.y + lobe.z * d.z, sl_dot(d, d), lobe.exponent),
           share = w * power;
     return (sl_rgb){e.r + lobe.colour.r * share, e.g + lobe.colour.g * share, e.b + lobe.colour.b * share};
-}
-
-void add_emission(const sl_scene *scene, const sl_receivers *receivers, float *const emission[3]) {
-    const sl_emission e = sl_emission_of(scene, receivers);
-    for (size_t y = 0; y < (size_t)receivers->height; y++)
-        (void)sl_emission_add_row(&e, receivers, y, emission);
 }
 
 /* ---- photons ---- */

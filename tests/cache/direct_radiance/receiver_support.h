@@ -7,10 +7,9 @@
 
 /* ---- receivers ---- */
 
-/* All background. */
-sl_receivers *make_receivers(int width, int height, sl_vec3 eye);
-void free_receivers(sl_receivers *receivers);
-void set_receiver(sl_receivers *receivers, size_t pixel, sl_vec3 position, sl_vec3 geometric, sl_vec3 shading,
+/* All background, seen from one eye. */
+sl_gbuffer *make_receivers(int width, int height, sl_vec3 eye);
+void set_receiver(sl_gbuffer *receivers, size_t pixel, sl_vec3 position, sl_vec3 geometric, sl_vec3 shading,
                   sl_rgb diffuse, uint32_t material);
 /* A scene whose materials 0, 1, 2, ... are diffuse 0.5; glossy (kd 0.3, ks 0.4, n 20); a mirror of 0.8;
  * black; a lobe with n = 0. Its triangles are a cube of side 1 around (1/2, 1/2, 1/2). */
@@ -24,19 +23,15 @@ typedef struct planes {
 planes make_planes(size_t count);
 void free_planes(planes *p);
 
-/* Radiance towards the eye, three planes each of width*height, row 0 at the bottom; before the mirrors'
- * throughput. */
+/* Radiance towards the eye, three planes each of width*height, row 0 at the bottom. */
 typedef struct sl_lit_picture {
     float *direct[3], *indirect[3];
 } sl_lit_picture;
 /* Passes 6 and 7 over a whole picture, strip after strip. */
-void light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
+void light_directly(const sl_light_pass *pass, const sl_gbuffer *receivers, sl_lit_picture *picture,
                     sl_counters *counters);
-void light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture,
+void light_indirectly(const sl_light_pass *pass, const sl_gbuffer *receivers, sl_lit_picture *picture,
                       sl_counters *counters);
-
-/* Light seen directly, added to three planes. */
-void add_emission(const sl_scene *scene, const sl_receivers *receivers, float *const emission[3]);
 
 /* ---- photons ---- */
 

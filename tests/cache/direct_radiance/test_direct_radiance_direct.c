@@ -42,7 +42,7 @@ static sl_map_light area_light(sl_vec3 position, sl_vec3 normal, float area, boo
                           .two_sided = two_sided};
 }
 
-static planes light_up(const sl_scene *scene, lamps *l, const sl_receivers *receivers,
+static planes light_up(const sl_scene *scene, lamps *l, const sl_gbuffer *receivers,
                        const sl_shadow_cubes *cubes, unsigned threads) {
     sl_light_pass pass = {.scene = scene, .lights = &l->lights, .cubes = cubes, .threads = threads};
     planes p = make_planes((size_t)receivers->width * (size_t)receivers->height);
@@ -57,12 +57,12 @@ static sl_rgb radiance_at(const sl_scene *scene, sl_map_light light, sl_vec3 x, 
                           uint32_t material) {
     lamps l = {.lights = {.count = 0}};
     add_lamp(&l, light);
-    sl_receivers *r = make_receivers(1, 1, eye);
+    sl_gbuffer *r = make_receivers(1, 1, eye);
     set_receiver(r, 0, x, n, n, scene->materials[material].diffuse, material);
     planes p = light_up(scene, &l, r, NULL, 1);
     sl_rgb radiance = {p.value[0][0], p.value[1][0], p.value[2][0]};
     free_planes(&p);
-    free_receivers(r);
+    sl_gbuffer_destroy(r);
     return radiance;
 }
 
@@ -175,16 +175,13 @@ static void highlight_of_an_area_light_is_as_wide_as_the_light(void **state) {
     }
 }
 
-/* The brightest pixel of a glossy floor lies where the mirrored eye sees the light; two eyes in one picture,
- * path by path. */
+/* The brightest pixel of a glossy floor lies where the mirrored eye sees the light; two eyes in one picture.
+ */
 static void highlight_moves_with_the_eye(void **state) {
     enum { N = 200 };
-    sl_receivers *r = make_receivers(N, 2, sl_v3(-1, 0, 1));
-    r->eye[1] = sl_v3(0.1f, 0, 3);
-    r->path = calloc(2 * N, 1);
-    assert_non_null(r->path);
+    sl_gbuffer *r = make_receivers(N, 2, sl_v3(-1, 0, 1));
     for (int i = 0; i < 2 * N; i++) {
-        r->path[i] = (uint8_t)(i / N);
+        if (i >= N) r->seen_from[i] = sl_v3(0.1f, 0, 3);
         set_receiver(r, (size_t)i, sl_v3(-1.0f + 2.0f * ((float)(i % N) + 0.5f) / N, 0, 0), up, up,
                      sl_grey(0), GLOSSY_MATERIAL);
     }
@@ -197,12 +194,11 @@ static void highlight_moves_with_the_eye(void **state) {
         int best = 0;
         for (int i = 1; i < N; i++) best = p.value[0][path * N + i] > p.value[0][path * N + best] ? i : best;
         double x = -1.0 + 2.0 * (best + 0.5) / N,
-               mirrored = (double)r->eye[path].x + 0.2 * (double)r->eye[path].z;
+               mirrored = (double)r->seen_from[path * N].x + 0.2 * (double)r->seen_from[path * N].z;
         assert_true(fabs(x - mirrored) < 1.5 / N);
     }
     free_planes(&p);
-    free(r->path);
-    free_receivers(r);
+    sl_gbuffer_destroy(r);
 }
 
 /* Of one receiver in the origin whose mirrored eye looks along (x, y, 1), towards a disc of radius 0.2 there,
@@ -264,7 +260,7 @@ static void a_lobe_is_finite_towards_discs_seen_from_their_edge_or_from_within(v
 /* ---- what stays as it is, hard cases, shadows ---- */
 
 static void mirrors_black_surfaces_and_background_stay_as_they_are(void **state) {
-    sl_receivers *r = make_receivers(4, 1, sl_v3(0, 0, 5));
+    sl_gbuffer *r = make_receivers(4, 1, sl_v3(0, 0, 5));
     const uint32_t materials[4] = {MIRROR_MATERIAL, BLACK_MATERIAL, SL_NO_INDEX, DIFFUSE_MATERIAL};
     for (size_t i = 0; i < 4; i++)
         set_receiver(r, i, origin, up, up, sl_grey(i == 3 ? 0.5f : 0.0f), materials[i]);
@@ -280,7 +276,7 @@ static void mirrors_black_surfaces_and_background_stay_as_they_are(void **state)
         assert_true(value[c][3] > 7.0f);
     }
     assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_SHADED], 1);
-    free_receivers(r);
+    sl_gbuffer_destroy(r);
 }
 
 static void lights_on_the_surface_or_behind_it_give_nothing(void **state) {
@@ -300,7 +296,7 @@ static void lights_on_the_surface_or_behind_it_give_nothing(void **state) {
 static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
     enum { WIDTH = 77, HEIGHT = 23, PIXELS = WIDTH * HEIGHT };
     static const char *const isas[] = {"baseline", "avx2", "avx512"};
-    sl_receivers *r = make_receivers(WIDTH, HEIGHT, sl_v3(0, 0, 2));
+    sl_gbuffer *r = make_receivers(WIDTH, HEIGHT, sl_v3(0, 0, 2));
     uint64_t key = sl_random_key(3, 3);
     for (uint64_t i = 0; i < PIXELS; i++) {
         if (i % 11 == 0) continue;
@@ -333,7 +329,7 @@ static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
         free_planes(&got);
     }
     free_planes(&expected);
-    free_receivers(r);
+    sl_gbuffer_destroy(r);
 }
 
 static int make_scene(void **state) {

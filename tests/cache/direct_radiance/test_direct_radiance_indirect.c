@@ -30,8 +30,8 @@ static sl_vec3 random_unit(uint64_t key, uint64_t i) {
 
 /* Points anywhere in the unit cube, with any normals; shading normals a little aside; some pixels are empty.
  */
-static sl_receivers *random_receivers(uint32_t materials) {
-    sl_receivers *r = make_receivers(WIDTH, HEIGHT, sl_v3(0.5f, 0.4f, 0.6f));
+static sl_gbuffer *random_receivers(uint32_t materials) {
+    sl_gbuffer *r = make_receivers(WIDTH, HEIGHT, sl_v3(0.5f, 0.4f, 0.6f));
     uint64_t key = sl_random_key(5, materials);
     for (uint64_t i = 0; i < PIXELS; i++) {
         if (i > PIXELS / 2 && i % 7 == 0) continue;
@@ -66,7 +66,7 @@ static sl_map_photons *room_photons(bool lobes) {
     return p;
 }
 
-static planes light_up(const sl_light_pass *pass, const sl_receivers *receivers, sl_counters *counters) {
+static planes light_up(const sl_light_pass *pass, const sl_gbuffer *receivers, sl_counters *counters) {
     sl_counters unused = {{0}};
     planes p = make_planes((size_t)receivers->width * (size_t)receivers->height);
     sl_lit_picture picture = {.indirect = {p.value[0], p.value[1], p.value[2]}};
@@ -83,9 +83,9 @@ static sl_vec3 at(const float *x, const float *y, const float *z, size_t i) {
 }
 
 /* The double loop, in floats, photons in index order. */
-static planes plain_loop(const sl_receivers *r, const sl_map_photons *photons, sl_photon_weight weight) {
+static planes plain_loop(const sl_gbuffer *r, const sl_map_photons *photons, sl_photon_weight weight) {
     planes p = make_planes(PIXELS);
-    const sl_gbuffer *g = r->gbuffer;
+    const sl_gbuffer *g = r;
     for (size_t i = 0; i < PIXELS; i++) {
         if (g->material[i] == SL_NO_INDEX) continue;
         sl_rgb e = {0.0f, 0.0f, 0.0f};
@@ -103,7 +103,7 @@ static planes plain_loop(const sl_receivers *r, const sl_map_photons *photons, s
 }
 
 static void picture_has_the_bits_of_the_plain_double_loop(void **state) {
-    sl_receivers *receivers = random_receivers(0);
+    sl_gbuffer *receivers = random_receivers(0);
     sl_map_photons *photons = room_photons(false);
     for (int w = 0; w < WEIGHTS; w++) {
         sl_light_pass pass = {.scene = *state, .photons = photons, .weight = all_weights[w], .threads = 1};
@@ -114,16 +114,16 @@ static void picture_has_the_bits_of_the_plain_double_loop(void **state) {
         free_planes(&loop);
     }
     free_photons(photons);
-    free_receivers(receivers);
+    sl_gbuffer_destroy(receivers);
 }
 
 /* (10) with the flux weight, written once more, in double. */
 static void lambertian_receiver_agrees_with_a_double_loop_in_double(void **state) {
-    sl_receivers *r = random_receivers(0);
+    sl_gbuffer *r = random_receivers(0);
     sl_map_photons *photons = room_photons(false);
     sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_FLUX, .threads = 1};
     planes lanes = light_up(&pass, r, NULL);
-    const sl_gbuffer *g = r->gbuffer;
+    const sl_gbuffer *g = r;
     double largest = 0.0;
     for (size_t i = 0; i < PIXELS; i++) largest = fmax(largest, (double)lanes.value[0][i]);
     assert_true(largest > 0.0);
@@ -147,15 +147,14 @@ static void lambertian_receiver_agrees_with_a_double_loop_in_double(void **state
     }
     free_planes(&lanes);
     free_photons(photons);
-    free_receivers(r);
+    sl_gbuffer_destroy(r);
 }
 
 /* ---- lobes ---- */
 
-static void free_all(planes *p, sl_receivers *r, sl_map_photons *photons) {
+static void free_all(planes *p, sl_gbuffer *r, sl_map_photons *photons) {
     free_planes(p);
-    if (r->path) free(r->path);
-    free_receivers(r);
+    sl_gbuffer_destroy(r);
     free_photons(photons);
 }
 
@@ -173,15 +172,12 @@ static sl_map_photons *photon_over_the_floor(void) {
     return p;
 }
 
-static sl_receivers *floor_row(sl_vec3 eye_0, sl_vec3 eye_1, int count, uint32_t material, float kd) {
-    sl_receivers *r = make_receivers(count, 2, eye_0);
-    r->eye[1] = eye_1;
-    r->path = calloc((size_t)(2 * count), 1);
-    assert_non_null(r->path);
+static sl_gbuffer *floor_row(sl_vec3 eye_0, sl_vec3 eye_1, int count, uint32_t material, float kd) {
+    sl_gbuffer *r = make_receivers(count, 2, eye_0);
     for (int i = 0; i < 2 * count; i++) {
-        r->path[i] = (uint8_t)(i / count);
         sl_vec3 x = sl_v3(-1.0f + 2.0f * ((float)(i % count) + 0.5f) / (float)count, 0, 0),
                 up = sl_v3(0, 0, 1);
+        if (i >= count) r->seen_from[i] = eye_1;
         set_receiver(r, (size_t)i, x, up, up, sl_grey(kd), material);
     }
     return r;
@@ -204,7 +200,7 @@ static sl_map_photons *square_photons(int n) {
 
 static void photons_of_some_size_leave_no_spots_on_glossy_receivers(void **state) {
     enum { N = 60 };
-    sl_receivers *r = floor_row(sl_v3(0.3f, 0, 1), sl_v3(0.3f, 0.4f, 1), N, GLOSSY_MATERIAL, 0.0f);
+    sl_gbuffer *r = floor_row(sl_v3(0.3f, 0, 1), sl_v3(0.3f, 0.4f, 1), N, GLOSSY_MATERIAL, 0.0f);
     sl_map_photons *coarse = square_photons(2), *fine = square_photons(40);
     sl_light_pass pass = {.scene = *state, .photons = fine, .weight = SL_WEIGHT_PLAIN, .threads = 1};
     planes exact = light_up(&pass, r, NULL);
@@ -231,7 +227,7 @@ static void photons_of_some_size_leave_no_spots_on_glossy_receivers(void **state
  * hemisphere's part around the mirrored light. */
 static void photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light(void **state) {
     enum { N = 150 };
-    sl_receivers *r = floor_row(sl_v3(0, 0, 3), sl_v3(0, 0, 3), N, DIFFUSE_MATERIAL, 0.5f);
+    sl_gbuffer *r = floor_row(sl_v3(0, 0, 3), sl_v3(0, 0, 3), N, DIFFUSE_MATERIAL, 0.5f);
     sl_map_photons *lambertian = photon_over_the_floor(), *lobed = photon_over_the_floor();
     lambertian->photon[0].flux = sl_grey((float)(0.6 / SL_PI)); /* rho = 0.6, I dOmega = 1 */
     /* I cos / b^2 = I dOmega cos / A' */
@@ -256,7 +252,7 @@ static void photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_li
         planes sharp = light_up(&pass, r, NULL);
         int best = 0;
         for (int i = 1; i < N; i++) best = sharp.value[0][i] > sharp.value[0][best] ? i : best;
-        assert_true(fabsf(r->gbuffer->position_x[best] - 0.75f) < 0.02f);
+        assert_true(fabsf(r->position_x[best] - 0.75f) < 0.02f);
         free_planes(&expected);
         free_planes(&flat);
         free_planes(&sharp);
@@ -268,7 +264,7 @@ static void photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_li
 
 /* The plain form of a photon with a lobe, and the lanes. */
 static void lobed_photons_have_the_bits_of_the_plain_double_loop(void **state) {
-    sl_receivers *receivers = random_receivers(0);
+    sl_gbuffer *receivers = random_receivers(0);
     sl_map_photons *all = room_photons(true);
     for (int w = 0; w < WEIGHTS; w++) {
         for (size_t j = 0; j < all->count; j += 7) {
@@ -287,16 +283,16 @@ static void lobed_photons_have_the_bits_of_the_plain_double_loop(void **state) {
         }
     }
     free_photons(all);
-    free_receivers(receivers);
+    sl_gbuffer_destroy(receivers);
 }
 
 /* ---- who receives, spread, nothing to do ---- */
 
 /* Receivers that are anywhere but sound: in a photon, not finite, without normals; glossy or not. */
 static void damaged_receivers_leave_no_value_that_is_not_finite(void **state) {
-    sl_receivers *r = random_receivers(2);
+    sl_gbuffer *r = random_receivers(2);
     sl_map_photons *photons = room_photons(true);
-    sl_gbuffer *g = r->gbuffer;
+    sl_gbuffer *g = r;
     float *fields[9] = {g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z,
                         g->geometric_x, g->geometric_y, g->geometric_z};
     const float bad[6] = {NAN, INFINITY, -INFINITY, 0.0f, 3e38f, 1e-42f};
@@ -308,7 +304,8 @@ static void damaged_receivers_leave_no_value_that_is_not_finite(void **state) {
             fields[i % 9][i] = bad[i % 6];
         }
     }
-    r->eye[0] = sl_v3(g->position_x[3], g->position_y[3], g->position_z[3]);
+    for (int i = 0; i < PIXELS; i++)
+        g->seen_from[i] = sl_v3(g->position_x[3], g->position_y[3], g->position_z[3]);
     for (int w = 0; w < WEIGHTS; w++) {
         sl_light_pass pass = {.scene = *state, .photons = photons, .weight = all_weights[w], .threads = 1};
         planes p = light_up(&pass, r, NULL);
@@ -321,13 +318,13 @@ static void damaged_receivers_leave_no_value_that_is_not_finite(void **state) {
         free_planes(&p);
     }
     free_photons(photons);
-    free_receivers(r);
+    sl_gbuffer_destroy(r);
 }
 
 /* ---- the same bits ---- */
 
 static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
-    sl_receivers *receivers = random_receivers(2);
+    sl_gbuffer *receivers = random_receivers(2);
     static const char *const isas[] = {"baseline", "avx2", "avx512"};
     for (int lobes = 0; lobes < 2; lobes++) {
         sl_map_photons *photons = room_photons(lobes);
@@ -350,7 +347,7 @@ static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
         }
         free_photons(photons);
     }
-    free_receivers(receivers);
+    sl_gbuffer_destroy(receivers);
 }
 
 static int make_scene(void **state) {

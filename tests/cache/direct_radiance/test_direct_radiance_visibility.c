@@ -18,7 +18,7 @@ enum { WIDTH = 96, HEIGHT = 80, PIXELS = WIDTH * HEIGHT };
 typedef struct {
     sl_scene *scene;
     sl_tracer *tracer;
-    sl_receivers *receivers;
+    sl_gbuffer *receivers;
 } stage;
 
 static sl_vec3 floor_point(int x, int y) {
@@ -43,7 +43,7 @@ static stage make_stage(bool plate) {
 }
 
 static void end_stage(stage *s) {
-    free_receivers(s->receivers);
+    sl_gbuffer_destroy(s->receivers);
     sl_tracer_destroy(s->tracer);
     sl_scene_destroy(s->scene);
 }
@@ -169,7 +169,7 @@ static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
     (void)state;
     static const char *const isas[] = {"baseline", "avx2", "avx512"};
     stage s = make_stage(true);
-    for (int i = 0; i < PIXELS; i += 3) s.receivers->gbuffer->material[i] = i % 2 ? 1 : SL_NO_INDEX;
+    for (int i = 0; i < PIXELS; i += 3) s.receivers->material[i] = i % 2 ? 1 : SL_NO_INDEX;
     sl_map_photons *photons = ceiling_photons(40);
     sl_counters first = {{0}};
     planes expected = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &first);
