@@ -174,14 +174,23 @@ static void *stay(void *argument) {
     return NULL;
 }
 
-/* After a small loop the runtime has let go of its other threads, and others take their places. */
+/* Starts a thread, as soon as there is a place for it. */
+static bool can_start_one(void) {
+    enum { PATIENCE = 2000 };
+    pthread_t thread;
+    for (int i = 0; i < PATIENCE; i++) {
+        if (pthread_create(&thread, NULL, stay, NULL) == 0) return true;
+        nanosleep(&(struct timespec){0, 10000000}, NULL);
+    }
+    return false;
+}
+
+/* After a small loop the runtime lets go of its other threads, and others take their places. */
 static void loops_of_changing_size(void) {
     do_all_on(MORE + 1, TASKS);
     do_all_on(MORE + 1, 2);
-    pthread_t thread;
-    nanosleep(&(struct timespec){0, 20000000}, NULL);
     for (int i = 0; i < MORE / 2; i++) {
-        if (pthread_create(&thread, NULL, stay, NULL) != 0) _exit(3);
+        if (!can_start_one()) _exit(3);
     }
     do_all_on(MORE + 1, TASKS);
 }
