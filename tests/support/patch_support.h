@@ -20,12 +20,18 @@ typedef struct hierarchy {
     sl_patches *patches;
 } hierarchy;
 
-/* Takes the scene. kept: SL_PATCHES_ bits. */
+enum { KEEP_LOBES = 1, KEEP_SETS = 2 };
+
+/* Takes the scene. */
 static inline hierarchy hierarchy_of(sl_scene *scene, unsigned kept) {
     hierarchy h = {.scene = scene};
     sl_error error = {0};
+    const sl_patches_settings settings = {.channels = kept & KEEP_LOBES ? 6 : 3,
+                                          .max_depth = SL_PATCH_DEPTH_MAX,
+                                          .shown = true,
+                                          .sets = kept & KEEP_SETS};
     if (sl_primitives_find(scene, &h.primitives, &error) != SL_OK) fail_msg("%s", error.message);
-    if (sl_patches_create(h.primitives, kept, &h.patches, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_patches_create(h.primitives, &settings, &h.patches, &error) != SL_OK) fail_msg("%s", error.message);
     return h;
 }
 
@@ -54,6 +60,22 @@ static inline void split_levels(hierarchy *h, uint32_t patch, int levels) {
     for (uint32_t k = 0; k < 4; k++) split_levels(h, child + k, levels - 1);
 }
 
+/* Lists what hangs on an edge of a leaf; at: or NULL. */
+static inline size_t hanging_on(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex,
+                                uint16_t *at, size_t room) {
+    const sl_hanging list = {vertex, at, room, SL_PATCH_DYADIC, 0};
+    return sl_patch_hanging(p, leaf, edge, &list);
+}
+
+static inline int deepest(const sl_patches *p) {
+    int depth = 0;
+    for (uint32_t i = 0; i < p->patch_count; i++) {
+        int here = sl_patch_is_alive(p, i) ? sl_patch_place_of(p, i).depth : 0;
+        depth = here > depth ? here : depth;
+    }
+    return depth;
+}
+
 /* One square of side 2 in the plane z = 0, or one half of it. */
 static inline sl_scene *square_scene_of(float specular) {
     trace_mesh mesh = trace_mesh_begin();
@@ -78,8 +100,8 @@ static inline bool same_root_place(sl_root_place a, sl_root_place b) {
 }
 
 /* Parents name their children and the other way round, corners lie where places say, vertices have as many
- * references as splits and roots have asked for them (or many), no two are one, those of glossy materials
- * have a lobe where lobes are kept and no others have, and what is counted is there. */
+ * references as splits and roots have asked for them (or many), no two are one, and what is counted is there.
+ */
 static inline void assert_sound(const sl_patches *p) {
     size_t patches = 0, leaves = 0, vertices = 0;
     uint32_t *references = calloc(p->vertex_count + 1, sizeof *references);
@@ -91,11 +113,10 @@ static inline void assert_sound(const sl_patches *p) {
         sl_patch_place place = sl_patch_place_of(p, i);
         assert_int_equal(place.patch, i);
         assert_int_equal(place.root, sl_patch_root(p, i));
-        assert_int_equal(place.depth, p->flags[i] & SL_PATCH_LEVEL);
         assert_int_equal(place.corners, sl_patch_corners(p, i));
         uint32_t parent = sl_patch_parent(p, i);
         if (parent == SL_NO_INDEX) {
-            assert_int_equal(p->root_patch[place.root], i);
+            assert_int_equal(sl_patches_find_root(p, place.root), i);
         } else {
             assert_true(sl_patch_is_alive(p, parent));
             assert_int_equal(p->patch[parent].child, i / 4 * 4);
@@ -120,12 +141,9 @@ static inline void assert_sound(const sl_patches *p) {
         bool many = p->vertex[i].references == SL_REFERENCES_MANY && references[i] > 0;
         if (!many) assert_int_equal(p->vertex[i].references, references[i]);
         vertices += references[i] > 0;
-        bool lobe = p->lobes && references[i] > 0 &&
-                    sl_material_has_lobe(sl_root_material(p->primitives, p->vertex[i].root));
-        if (references[i] > 0) assert_int_equal(sl_vertex_lobe(p, i) != NULL, lobe);
     }
     size_t in_table = 0;
-    for (size_t i = 0; i < p->table.count; i++) in_table += p->table.slot[i] != SL_NO_INDEX;
+    for (size_t i = 0; i < p->slots; i++) in_table += p->slot[i] != SL_NO_INDEX;
     assert_int_equal(in_table, vertices);
     assert_int_equal(patches, p->patches_alive);
     assert_int_equal(leaves, p->leaves_alive);
@@ -136,16 +154,10 @@ static inline void assert_sound(const sl_patches *p) {
         for (uint32_t i = blocks[k]; i != SL_NO_INDEX; i = p->patch[i].child, free_blocks++)
             assert_false(sl_patch_is_alive(p, i));
     }
-    for (int lobe = 0; lobe < 2; lobe++) {
-        for (uint32_t i = p->first_free_vertex[lobe]; i != SL_NO_INDEX;
-             i = p->vertex[i].root, free_vertices++) {
-            assert_int_equal(p->vertex[i].references, 0);
-            assert_int_equal(sl_vertex_lobe(p, i) != NULL, lobe);
-        }
-    }
-    assert_int_equal(free_vertices, p->free_vertices[0] + p->free_vertices[1]);
-    size_t root_blocks = (p->wanted_count + 3) / 4;
-    assert_int_equal(p->patch_count, 4 * root_blocks + (patches - p->wanted_count) + 4 * free_blocks);
+    for (uint32_t i = p->first_free_vertex; i != SL_NO_INDEX; i = p->vertex[i].root, free_vertices++)
+        assert_int_equal(p->vertex[i].references, 0);
+    size_t root_blocks = (p->root_count + 3) / 4;
+    assert_int_equal(p->patch_count, 4 * root_blocks + (patches - p->root_count) + 4 * free_blocks);
     assert_int_equal(p->vertex_count, vertices + free_vertices);
     free(references);
 }

@@ -8,9 +8,8 @@
 #include "patch_support.h"
 
 static inline void evaluate(hierarchy *h, uint32_t vertex, float irradiance, uint32_t now) {
-    sl_patch_vertex *v = &h->patches->vertex[vertex];
-    for (int c = 0; c < 3; c++) v->value[c] = irradiance;
-    sl_vertex_mark(v, now);
+    for (int c = 0; c < 3; c++) sl_vertex_value(h->patches, vertex)[c] = irradiance;
+    sl_vertex_mark(&h->patches->vertex[vertex], now);
     if (h->patches->sets) h->patches->sets[vertex].count = 1;
 }
 

@@ -95,7 +95,7 @@ static size_t number_vertices(sl_coarse *c) {
  * altogether. Gathers see areas, of which such corners tell nothing (in the cathedral, with coarse triangles
  * of two metres, a quarter of all light). Weights of 0 grow by a sixth of a coarse triangle's. */
 static void move_within(int rows, sl_coarse_vertex *v) {
-    int weight[3] = {SL_MESH_DYADIC - v->p - v->q, v->p, v->q}, step = SL_MESH_DYADIC / (6 * rows),
+    int weight[3] = {SL_PATCH_DYADIC - v->p - v->q, v->p, v->q}, step = SL_PATCH_DYADIC / (6 * rows),
         zeros = 0, sum = 0;
     for (int k = 0; k < 3; k++) zeros += weight[k] == 0;
     for (int k = 0; k < 3; k++) {
@@ -104,7 +104,7 @@ static void move_within(int rows, sl_coarse_vertex *v) {
     }
     int most = weight[1] > weight[0] ? 1 : 0;
     if (weight[2] > weight[most]) most = 2;
-    weight[most] += SL_MESH_DYADIC - sum; /* halves of odd steps */
+    weight[most] += SL_PATCH_DYADIC - sum; /* halves of odd steps */
     v->lit_p = (uint16_t)weight[1];
     v->lit_q = (uint16_t)weight[2];
 }
@@ -113,7 +113,7 @@ static void move_within(int rows, sl_coarse_vertex *v) {
 static void place_vertex(sl_coarse *c, uint32_t face, int i, int j) {
     sl_coarse_vertex *vertex = &c->vertex[sl_coarse_lattice_vertex(c, face, i, j)];
     if (vertex->face != SL_NO_INDEX && vertex->depth >= c->level[face]) return;
-    int rows = c->face[face].rows, step = SL_MESH_DYADIC / rows;
+    int rows = c->face[face].rows, step = SL_PATCH_DYADIC / rows;
     *vertex = (sl_coarse_vertex){.face = face,
                                  .p = (uint16_t)(i * step),
                                  .q = (uint16_t)(j * step),

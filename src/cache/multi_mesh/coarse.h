@@ -31,7 +31,7 @@ typedef struct sl_coarse_settings {
 /* A point to be sampled. */
 typedef struct sl_coarse_vertex {
     uint32_t face;
-    uint16_t p, q;             /* weights of corners 1 and 2 in 1/SL_MESH_DYADIC */
+    uint16_t p, q;             /* weights of corners 1 and 2 in 1/SL_PATCH_DYADIC */
     uint16_t lit_p, lit_q;     /* ... and of where light is asked for: at a face's rim a little within */
     uint8_t depth;             /* of the coarse triangle */
 } sl_coarse_vertex;

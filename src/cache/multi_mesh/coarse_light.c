@@ -75,7 +75,7 @@ static bool light_point(const sl_coarse_light *c, const sl_lit_point *point, lig
 /* ---- a vertex ---- */
 
 static sl_mesh_point point_of(const sl_coarse_light *c, const sl_coarse_vertex *v, double nudge) {
-    double third = SL_MESH_DYADIC / 3.0;
+    double third = SL_PATCH_DYADIC / 3.0;
     sl_face_point x = {.face = v->face,
                        .p = (uint16_t)(v->lit_p + nudge * (third - v->lit_p)),
                        .q = (uint16_t)(v->lit_q + nudge * (third - v->lit_q))};

@@ -144,17 +144,17 @@ void sl_step_inside(const sl_scene *scene, double inwards, sl_mesh_point *at) {
     at->position = sl_to_float(sl_addd(p, way));
 }
 
-static bool is_inside(const sl_mesh *mesh, const sl_tracer *tracer, const sl_mesh_point *at,
+static bool is_inside(const sl_patches *mesh, const sl_tracer *tracer, const sl_mesh_point *at,
                       sl_counters *counters) {
     return sl_mesh_point_in_solid(mesh->primitives, tracer, at, counters);
 }
 
-bool sl_leave_solid(const sl_mesh *mesh, const sl_tracer *tracer, uint32_t vertex, sl_root_place leaf,
+bool sl_leave_solid(const sl_patches *mesh, const sl_tracer *tracer, uint32_t vertex, sl_root_place leaf,
                     sl_mesh_point *at, bool *moved, sl_counters *counters) {
     *moved = false;
     if (!is_inside(mesh, tracer, at, counters)) return true;
     for (int i = 0; i < NUDGES && !*moved; i++) {
-        sl_mesh_point_nudged(mesh, vertex, leaf, nudge[i], at);
+        *at = sl_mesh_point_nudged(mesh, vertex, leaf, nudge[i]);
         *moved = !is_inside(mesh, tracer, at, counters);
     }
     return *moved;

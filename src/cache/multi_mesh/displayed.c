@@ -17,7 +17,8 @@ sl_status sl_displayed_create(const sl_primitives *primitives, const sl_displaye
     if (!d) return sl_fail_memory(error, "displayed mesh");
     d->settings = *settings;
     d->chain_entry = SL_NO_INDEX;
-    sl_status status = sl_mesh_create(primitives, 3, settings->max_depth, &d->mesh, error);
+    const sl_patches_settings mesh = {.channels = 3, .max_depth = settings->max_depth};
+    sl_status status = sl_patches_create(primitives, &mesh, &d->mesh, error);
     if (status == SL_OK) status = sl_displayed_grow(d, error);
     if (status != SL_OK) {
         sl_displayed_destroy(d);
@@ -29,7 +30,7 @@ sl_status sl_displayed_create(const sl_primitives *primitives, const sl_displaye
 
 void sl_displayed_destroy(sl_displayed *d) {
     if (!d) return;
-    sl_mesh_destroy(d->mesh);
+    sl_patches_destroy(d->mesh);
     sl_free(d->first);
     sl_free(d->heap);
     sl_free(d->heap_place);
@@ -37,26 +38,26 @@ void sl_displayed_destroy(sl_displayed *d) {
 }
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {
-    return sizeof *d + sl_mesh_memory_bytes(d->mesh)
-           + (d->node_capacity + 2 * d->heap_capacity) * sizeof(uint32_t);
+    return sizeof *d + sl_patches_memory_bytes(d->mesh)
+           + (d->patch_capacity + 2 * d->heap_capacity) * sizeof(uint32_t);
 }
 
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
-    size_t capacity = d->mesh->node_capacity, used = d->node_capacity;
+    size_t capacity = d->mesh->patch_capacity, used = d->patch_capacity;
     if (capacity <= used) return SL_OK;
     if (!sl_regrow(&d->first, used, capacity, sizeof *d->first))
         return sl_fail_memory(error, "displayed mesh");
-    d->node_capacity = capacity;
+    d->patch_capacity = capacity;
     return SL_OK;
 }
 
 /* ---- pixels down the quadtrees ---- */
 
 /* Children have ranges of paths: the lowest two bits that the parent's level leaves open. */
-void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
+void sl_displayed_hand_down(sl_displayed *d, const sl_patch_place *place) {
     const sl_visible_pixels *pixels = d->pixels;
-    sl_mesh_node *node = &d->mesh->node[place->node], *child = &d->mesh->node[node->child];
-    uint32_t at = d->first[place->node], end = at + node->pixels,
+    sl_patch *node = &d->mesh->patch[place->patch], *child = &d->mesh->patch[node->child];
+    uint32_t at = d->first[place->patch], end = at + node->pixels,
              shift = 2u * (uint32_t)(SL_PATH_LEVELS - 1 - place->depth);
     uint32_t above = node->pixels ? pixels->path[at] >> (shift + 2) << (shift + 2) : 0;
     for (uint32_t c = 0; c < 4; c++) {
@@ -70,11 +71,11 @@ void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
 /* Pixels, sizes and priorities of a tree. What is below a node that is closed and small here, or was not
  * worth a look when a picture like this was done, was cut for the sake of another view, from nearer: it
  * shows, but nothing more is asked of it, so that an old view, seen again, asks for hardly anything. */
-static void see_below(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *place, bool settled) {
-    sl_mesh_node *node = &d->mesh->node[place->node];
+static void see_below(sl_displayed *d, const sl_patch_place *place, bool settled) {
+    sl_patch *node = &d->mesh->patch[place->patch];
     bool is_leaf = node->child == SL_NO_INDEX,
          judged = is_leaf || sl_all_edges_closed(node) || d->settings.probed_area > 0.0f;
-    if (node->pixels > 1 && !settled && judged) sl_displayed_judge_size(d, clip, place);
+    if (node->pixels > 1 && !settled && judged) sl_displayed_judge_size(d, place);
     if (settled) node->flags |= SL_NODE_SETTLED;
     node->priority = 0.0f;
     if (is_leaf) {
@@ -84,10 +85,10 @@ static void see_below(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_p
     settled |= sl_all_edges_closed(node) ? (node->flags & SL_NODE_SMALL) != 0 : sl_was_minor(node);
     sl_displayed_hand_down(d, place);
     for (int c = 0; c < 4; c++) {
-        const sl_mesh_node *child = &d->mesh->node[node->child + (uint32_t)c];
+        const sl_patch *child = &d->mesh->patch[node->child + (uint32_t)c];
         if (!child->pixels) continue; /* all is 0 below */
-        sl_mesh_place below = sl_mesh_child_place(d->mesh, place, c);
-        see_below(d, clip, &below, settled);
+        sl_patch_place below = sl_patch_child_place(d->mesh, place, c);
+        see_below(d, &below, settled);
         node->priority = child->priority > node->priority ? child->priority : node->priority;
     }
 }
@@ -100,11 +101,10 @@ static void see_share(void *context, size_t share, unsigned worker) {
     sl_visible_share(pixels, share, &begin, &end);
     for (size_t e = begin; e < end; e++) {
         if (!sl_displayed_wants(d, e)) continue;
-        sl_mesh_place root = sl_mesh_root_place(d->mesh, pixels->face[e].face);
-        d->first[root.node] = pixels->face[e].first;
-        d->mesh->node[root.node].pixels = pixels->face[e].count;
-        sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &pixels->view, root.face);
-        see_below(d, &clip, &root, false);
+        sl_patch_place root = sl_patch_root_place(d->mesh, pixels->face[e].face);
+        d->first[root.patch] = pixels->face[e].first;
+        d->mesh->patch[root.patch].pixels = pixels->face[e].count;
+        see_below(d, &root, false);
     }
 }
 
@@ -124,11 +124,11 @@ static sl_status reserve(sl_displayed *d, sl_error *error) {
 }
 
 static void forget_view(sl_displayed *d) {
-    for (size_t n = 0; n < d->mesh->node_count; n++) {
-        sl_mesh_node *node = &d->mesh->node[n];
+    for (size_t n = 0; n < d->mesh->patch_count; n++) {
+        sl_patch *node = &d->mesh->patch[n];
         node->pixels = 0;
         node->priority = 0.0f;
-        node->flags &= ~(uint32_t)(SL_NODE_TAKEN | SL_NODE_DIRTY | SL_NODE_SMALL | SL_NODE_SETTLED);
+        node->flags &= ~(uint32_t)(SL_NODE_TAKEN | SL_PATCH_DIRTY | SL_NODE_SMALL | SL_NODE_SETTLED);
     }
     d->heap_count = 0;
     d->chain_entry = SL_NO_INDEX;
@@ -146,7 +146,7 @@ sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels,
     for (size_t e = 0; status == SL_OK && e < pixels->face_count; e++) {
         d->heap_place[e] = want(context, pixels->face[e].face) ? 0 : SL_NO_INDEX;
         if (!sl_displayed_wants(d, e)) continue;
-        sl_mesh_root(d->mesh, pixels->face[e].face, &status, error);
+        sl_patches_root(d->mesh, pixels->face[e].face, &status, error);
     }
     if (status == SL_OK) status = sl_displayed_grow(d, error);
     if (status != SL_OK) {
@@ -163,11 +163,11 @@ size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, uint32_t *face, s
     size_t count = 0;
     for (size_t e = 0; d->pixels && e < d->pixels->face_count && count < room; e++) {
         if (!sl_displayed_wants(d, e)) continue;
-        const sl_mesh_node *root = &d->mesh->node[sl_displayed_root(d, e)];
+        uint32_t root = sl_displayed_root(d, e);
         for (int c = 0; c < 3 && count < room; c++) {
-            uint32_t v = root->vertex[c];
-            if (d->mesh->state[v] != SL_VERTEX_UNKNOWN) continue;
-            d->mesh->state[v] = SL_VERTEX_REQUESTED;
+            uint32_t v = sl_patch_corner(d->mesh, root, c);
+            if (sl_mesh_state(d->mesh, v) != SL_VERTEX_UNKNOWN) continue;
+            sl_mesh_set_state(d->mesh, v, SL_VERTEX_REQUESTED);
             face[count] = d->pixels->face[e].face;
             vertex[count++] = v;
         }
@@ -177,17 +177,17 @@ size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, uint32_t *face, s
 }
 
 void sl_displayed_put(sl_displayed *d, uint32_t vertex, sl_rgb value, bool valid, sl_counters *counters) {
-    float *of = &d->mesh->value[3 * (size_t)vertex];
+    float *of = sl_vertex_value(d->mesh, vertex);
     bool finite = sl_rgb_is_finite(value);
     if (!finite) sl_count(counters, SL_COUNT_NONFINITE, 1);
     of[0] = finite ? value.r : 0.0f;
     of[1] = finite ? value.g : 0.0f;
     of[2] = finite ? value.b : 0.0f;
-    d->mesh->state[vertex] = valid && finite ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID;
+    sl_mesh_set_state(d->mesh, vertex, valid && finite ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
 }
 
 void sl_displayed_restart(sl_displayed *d) {
-    sl_mesh_clear(d->mesh);
+    sl_patches_clear(d->mesh);
     d->pixels = NULL;
     d->heap_count = 0;
     d->dirty_all = d->corners_asked = false;
@@ -199,7 +199,7 @@ void sl_displayed_restart(sl_displayed *d) {
  * became known. Pixels belong to one leaf each, so the picture does not depend on the order, and an
  * incremental one is that of drawing it all. */
 
-void sl_displayed_mark(sl_displayed *d, uint32_t leaf) { d->mesh->node[leaf].flags |= SL_NODE_DIRTY; }
+void sl_displayed_mark(sl_displayed *d, uint32_t leaf) { d->mesh->patch[leaf].flags |= SL_PATCH_DIRTY; }
 
 typedef struct draw_job {
     const sl_displayed *d;
@@ -209,19 +209,19 @@ typedef struct draw_job {
 } draw_job;
 
 /* Values of the nearest of a leaf and its ancestors whose corners are known. */
-static bool find_fan(const sl_displayed *d, sl_mesh_place *place, sl_mesh_fan *fan) {
+static bool find_fan(const sl_displayed *d, sl_patch_place *place, sl_mesh_fan *fan) {
     while (!sl_mesh_fan_make(d->mesh, place, d->settings.hanging, fan)) {
-        uint32_t parent = sl_mesh_parent(d->mesh, place->node);
+        uint32_t parent = sl_patch_parent(d->mesh, place->patch);
         if (parent == SL_NO_INDEX) return false;
-        *place = sl_mesh_place_of(d->mesh, parent);
+        *place = sl_patch_place_of(d->mesh, parent);
     }
     return true;
 }
 
-static void draw_leaf(const draw_job *job, const sl_mesh_place *leaf) {
+static void draw_leaf(const draw_job *job, const sl_patch_place *leaf) {
     const sl_visible_pixels *pixels = job->d->pixels;
-    uint32_t first = job->d->first[leaf->node], count = job->d->mesh->node[leaf->node].pixels;
-    sl_mesh_place shown = *leaf;
+    uint32_t first = job->d->first[leaf->patch], count = job->d->mesh->patch[leaf->patch].pixels;
+    sl_patch_place shown = *leaf;
     sl_mesh_fan fan;
     bool known = find_fan(job->d, &shown, &fan);
     for (uint32_t i = first; i < first + count; i++) {
@@ -233,19 +233,19 @@ static void draw_leaf(const draw_job *job, const sl_mesh_place *leaf) {
 }
 
 /* Returns the number of pixels drawn. */
-static uint64_t draw_below(const draw_job *job, const sl_mesh_place *place) {
+static uint64_t draw_below(const draw_job *job, const sl_patch_place *place) {
     const sl_displayed *d = job->d;
-    sl_mesh_node *node = &d->mesh->node[place->node];
+    sl_patch *node = &d->mesh->patch[place->patch];
     uint64_t redrawn = 0;
     if (!node->pixels) return 0;
     if (node->child == SL_NO_INDEX) {
-        if (!d->dirty_all && !(node->flags & SL_NODE_DIRTY)) return 0;
-        node->flags &= ~(uint32_t)SL_NODE_DIRTY;
+        if (!d->dirty_all && !(node->flags & SL_PATCH_DIRTY)) return 0;
+        node->flags &= ~(uint32_t)SL_PATCH_DIRTY;
         draw_leaf(job, place);
         return node->pixels;
     }
     for (int c = 0; c < 4; c++) {
-        sl_mesh_place child = sl_mesh_child_place(d->mesh, place, c);
+        sl_patch_place child = sl_patch_child_place(d->mesh, place, c);
         redrawn += draw_below(job, &child);
     }
     return redrawn;
@@ -259,7 +259,7 @@ static void draw_share(void *context, size_t share, unsigned worker) {
     sl_visible_share(d->pixels, share, &begin, &end);
     for (size_t e = begin; e < end; e++) {
         if (!sl_displayed_wants(d, e)) continue;
-        sl_mesh_place root = sl_mesh_root_place(d->mesh, d->pixels->face[e].face);
+        sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[e].face);
         job->redrawn[share] += draw_below(job, &root);
     }
 }

@@ -1,22 +1,21 @@
 /* A mesh as the eye uses it: the direct diffuse, direct specular and indirect meshes. It knows which pixels
  * show which leaf, which leaf matters most, when a leaf is fine enough, and redraws what has changed.
  *
- *   displayed.c      visible pixels down the quadtrees, sizes on the screen                         (pass 1)
- *   priorities.c     the size criterion; P = n_px (delta + delta_0), maxima up to the roots
- *   selection.c      the heap over the roots; the paper's random chain
- *   edge_tests.c     what a leaf's edges say
- *   refine.c         the test of a leaf, split, undo
- *   probed.c         leaves whose edges agree, and yet something lies between them
- *   draw.c           Gouraud: a leaf's pixels from its vertices                                     (pass 3)
+ *   displayed.c    visible pixels down the quadtrees (pass 1); Gouraud: a leaf's pixels (pass 3)
+ *   priorities.c   the size criterion; P = n_px (delta + delta_0), maxima up to the roots; the heap over these,
+ *                  or the paper's random chain
+ *   refine.c       the test of a leaf and its edges, split, undo
+ *   probes.c       leaves whose edges agree, and yet something lies between them
  *
  * One step of refinement:
- *   leaf = sl_displayed_take(mesh)           the one that matters most; it is marked as taken
- *   sl_displayed_request(mesh, leaf, ...)    vertices whose values its test wants: corners, then the middles
- * of untested edges (the caller samples them, in any order, into mesh->mesh->value and marks them KNOWN or
- * INVALID) sl_displayed_commit(mesh, leaf)          tests edges; splits, closes or collapses A leaf that is
- * closed then, and larger than the finest that the size criterion knows, is taken once more:
- *   sl_displayed_wants_probes(mesh, leaf)    it is to be probed instead: the caller looks at pixels of it
- *   sl_displayed_probed(mesh, leaf, ...)     it stays closed, or is cut after all
+ *   leaf = sl_displayed_take(mesh)          the one that matters most; it is marked as taken
+ *   sl_displayed_request(mesh, leaf, ...)   vertices whose values its test wants: corners, then the middles of
+ *                                           untested edges; the caller samples them and puts their values
+ *   sl_displayed_commit(mesh, leaf)         tests edges; splits, closes or collapses
+ *
+ * A leaf that is closed then, and larger than the finest that the size criterion knows, is taken once more:
+ *   sl_displayed_wants_probes(mesh, leaf)   it is to be probed instead: the caller looks at pixels of it
+ *   sl_displayed_probed(mesh, leaf, ...)    it stays closed, or is cut after all
  */
 #ifndef SL_MULTI_MESH_DISPLAYED_H
 #define SL_MULTI_MESH_DISPLAYED_H
@@ -61,18 +60,18 @@ typedef struct sl_displayed_settings {
 
 typedef struct sl_displayed {
     sl_displayed_settings settings;
-    sl_mesh *mesh;                /* its own; 3 channels */
+    sl_patches *mesh;                /* its own; 3 channels */
     const sl_visible_pixels *pixels; /* of the view as it stands, or NULL */
     /* by node: its pixels are first .. first + node.pixels in pixels' arrays; */
     uint32_t *first;
-    size_t node_capacity;
+    size_t patch_capacity;
     /* selection */
     uint32_t *heap;               /* entries of pixels->face, highest priority on top, lower face on a tie */
     uint32_t *heap_place;         /* by entry; SL_NO_INDEX: the component does not want it */
     size_t heap_count, heap_capacity;
     uint32_t chain_entry;         /* the chain's current root */
     uint64_t chain_draws;
-    bool dirty_all;               /* all leaves are to be drawn, not those with SL_NODE_DIRTY alone */
+    bool dirty_all;               /* all leaves are to be drawn, not those with SL_PATCH_DIRTY alone */
     /* roots' corners are being sampled: what touches them changes when they become known */
     bool corners_asked;
 } sl_displayed;
@@ -106,25 +105,25 @@ void sl_displayed_restart(sl_displayed *displayed);
 /* Returns the highest priority of all leaves that are not taken; 0: nothing is left to do. */
 float sl_displayed_priority(const sl_displayed *displayed);
 /* Returns the leaf to be served next by the selection; node SL_NO_INDEX: none. Marks it. */
-sl_mesh_place sl_displayed_take(sl_displayed *displayed);
+sl_patch_place sl_displayed_take(sl_displayed *displayed);
 /* Vertices that its test wants and whose state is UNKNOWN: they are marked REQUESTED and appended; vertex has
  * room for 6. Returns how many. */
-sl_status sl_displayed_request(sl_displayed *displayed, const sl_mesh_place *leaf, uint32_t *vertex,
+sl_status sl_displayed_request(sl_displayed *displayed, const sl_patch_place *leaf, uint32_t *vertex,
                                size_t *count, sl_error *error);
 /* All that it asked for is KNOWN or INVALID. */
-sl_status sl_displayed_commit(sl_displayed *displayed, const sl_mesh_place *leaf, sl_counters *counters,
+sl_status sl_displayed_commit(sl_displayed *displayed, const sl_patch_place *leaf, sl_counters *counters,
                               sl_error *error);
 /* Tells whether the leaf's edges are all closed, and it is to be probed. Then nothing is requested. */
-bool sl_displayed_wants_probes(const sl_displayed *displayed, const sl_mesh_place *leaf);
+bool sl_displayed_wants_probes(const sl_displayed *displayed, const sl_patch_place *leaf);
 /* Returns the i-th of a leaf's node.pixels pixels: an index into the arrays of the view. */
-uint32_t sl_displayed_pixel(const sl_displayed *displayed, const sl_mesh_place *leaf, uint32_t i);
+uint32_t sl_displayed_pixel(const sl_displayed *displayed, const sl_patch_place *leaf, uint32_t i);
 /* It has been: does any probe say that its corners do not tell what lies between them? */
-void sl_displayed_probed(sl_displayed *displayed, const sl_mesh_place *leaf, bool contradicted,
+void sl_displayed_probed(sl_displayed *displayed, const sl_patch_place *leaf, bool contradicted,
                          sl_counters *counters);
 /* Returns the number of levels from the root at which the size criterion is met here: as deep as irradiance
  * meshes must be, whatever their edges say. Where a probe has told of something between corners, a level
  * deeper than the leaf: its vertices are not to be interpolated. */
-int sl_displayed_wanted_depth(const sl_displayed *displayed, const sl_mesh_place *leaf);
+int sl_displayed_wanted_depth(const sl_displayed *displayed, const sl_patch_place *leaf);
 
 /* Draws the pixels of all leaves that are marked into three planes (bottom row first); parallel over leaves.
  * Where corners are not known the nearest ancestor that has them shows, else `fallback`. */

@@ -38,26 +38,26 @@ static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel
 static bool has_values(const sl_displayed *d, uint32_t node, int *known) {
     *known = 0;
     for (int c = 0; c < 3; c++) {
-        uint32_t vertex = d->mesh->node[node].vertex[c];
-        if (!sl_displayed_is_settled(d, vertex)) return false;
-        *known += d->mesh->state[vertex] == SL_VERTEX_KNOWN;
+        uint32_t vertex = sl_patch_corner(d->mesh, node, c);
+        if (!sl_mesh_is_sampled(d->mesh, vertex)) return false;
+        *known += sl_mesh_state(d->mesh, vertex) == SL_VERTEX_KNOWN;
     }
     return *known > 0;
 }
 
 /* The leaf, or the nearest node above it that has values, as it is drawn. */
-static bool find_shown(const sl_displayed *d, sl_mesh_place *place, int *known) {
-    while (!has_values(d, place->node, known)) {
-        uint32_t parent = sl_mesh_parent(d->mesh, place->node);
+static bool find_shown(const sl_displayed *d, sl_patch_place *place, int *known) {
+    while (!has_values(d, place->patch, known)) {
+        uint32_t parent = sl_patch_parent(d->mesh, place->patch);
         if (parent == SL_NO_INDEX) return false;
-        *place = sl_mesh_place_of(d->mesh, parent);
+        *place = sl_patch_place_of(d->mesh, parent);
     }
     return true;
 }
 
 /* Between the two vertices of edge e around a point, in steps of 1/2^SL_FAN_LEVELS: shares of the edge's
  * ends (by corner), the rest is others'. */
-static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int e, double steps, double share,
+static size_t weigh_edge(const sl_displayed *d, const sl_patch_place *place, int e, double steps, double share,
                          double corner[3], weighted_vertex *out) {
     sl_edge_vertices list = {.count = 0};
     int ends[2] = {(e + 1) % 3, (e + 2) % 3}, low = -1, made = 0;
@@ -74,17 +74,20 @@ static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int 
 }
 
 /* Weighs a leaf's vertices by the fan of mesh_interpolate.c. */
-static size_t weigh_vertices(const sl_displayed *d, const sl_mesh_place *place, int known, float w1, float w2,
+static size_t weigh_vertices(const sl_displayed *d, const sl_patch_place *place, int known, float w1, float w2,
                              weighted_vertex out[VERTICES]) {
     float own_w1, own_w2;
     sl_mesh_weights_within(place, w1, w2, &own_w1, &own_w2);
     sl_fan_place fan = sl_fan_place_of(true, own_w1, own_w2);
     double s = (double)fan.out, centre = (1.0 - s) / 3.0, corner[3] = {centre, centre, centre}, lost = 0.0;
     size_t count = weigh_edge(d, place, (fan.edge + 2) % 3, STEPS * (double)fan.along, s, corner, out);
-    const uint32_t *vertex = d->mesh->node[place->node].vertex;
-    for (int c = 0; c < 3; c++) lost += d->mesh->state[vertex[c]] == SL_VERTEX_KNOWN ? 0.0 : corner[c];
+    uint32_t vertex[3];
+    for (int c = 0; c < 3; c++) {
+        vertex[c] = sl_patch_corner(d->mesh, place->patch, c);
+        lost += sl_mesh_state(d->mesh, vertex[c]) == SL_VERTEX_KNOWN ? 0.0 : corner[c];
+    }
     for (int c = 0; c < 3; c++) /* the mean of the others stands in for a corner that is of no use */
-        if (d->mesh->state[vertex[c]] == SL_VERTEX_KNOWN)
+        if (sl_mesh_state(d->mesh, vertex[c]) == SL_VERTEX_KNOWN)
             out[count++] = (weighted_vertex){vertex[c], corner[c] + lost / (double)known};
     return count;
 }
@@ -115,16 +118,16 @@ static void reflectance_of(const telling *t, sl_component part, float reflectanc
 
 static void tell_vertex(const telling *t, sl_component part, const weighted_vertex *v,
                         const float reflectance[3]) {
-    const sl_mesh *mesh = t->s->part[part]->mesh;
+    const sl_patches *mesh = t->s->part[part]->mesh;
     sl_explanation_term term = {
         .layer = layers[part], .kind = kinds[part], .index = v->vertex, .placed = true, .weight = v->weight};
     sl_mesh_point point;
-    sl_mesh_point_of(mesh, v->vertex, &point);
+    point = sl_mesh_point_of(mesh, v->vertex);
     term.position[0] = point.position.x;
     term.position[1] = point.position.y;
     term.position[2] = point.position.z;
     for (int k = 0; k < 3; k++) {
-        term.value[k] = mesh->value[3 * (size_t)v->vertex + (size_t)k];
+        term.value[k] = sl_vertex_value(mesh, v->vertex)[k];
         term.contribution[k] = v->weight * (double)term.value[k] * (double)reflectance[k];
     }
     sl_explanation_add(t->writer, &term);
@@ -146,11 +149,11 @@ static void tell_part(const telling *t, sl_component part) {
     const sl_displayed *d = t->s->part[part];
     uint32_t face;
     size_t at;
-    float reflectance[3], leaf_w1, leaf_w2;
+    float reflectance[3];
     if (!d || !d->pixels || !find_pixel(d, t->s->id, t->pixel, &face, &at)) return;
     reflectance_of(t, part, reflectance);
     float w1 = d->pixels->w1[at], w2 = d->pixels->w2[at];
-    sl_mesh_place place = sl_mesh_locate(d->mesh, face, w1, w2, &leaf_w1, &leaf_w2);
+    sl_patch_place place = sl_mesh_locate(d->mesh, face, w1, w2);
     int known;
     if (!find_shown(d, &place, &known)) {
         if (part == SL_INDIRECT) tell_ambient(t, reflectance);
@@ -189,14 +192,14 @@ static void put_edge(edges *e, uint32_t a, uint32_t b) {
 }
 
 /* Puts the edges of all leaves below a node: the middle one of four has none of its own. */
-static void put_edges_below(const sl_mesh *mesh, edges *e, uint32_t node) {
-    const sl_mesh_node *n = &mesh->node[node];
+static void put_edges_below(const sl_patches *mesh, edges *e, uint32_t node) {
+    const sl_patch *n = &mesh->patch[node];
     if (n->child == SL_NO_INDEX) {
-        for (int c = 0; c < 3; c++) put_edge(e, n->vertex[(c + 1) % 3], n->vertex[(c + 2) % 3]);
+        for (int c = 0; c < 3; c++) put_edge(e, sl_patch_corner(mesh, node, c), sl_patch_corner(mesh, node, (c + 1) % 3));
         return;
     }
     for (int c = 0; c < 4; c++)
-        if (c < 3 || !sl_mesh_is_leaf(mesh, n->child + 3)) put_edges_below(mesh, e, n->child + (uint32_t)c);
+        if (c < 3 || !sl_patch_is_leaf(mesh, n->child + 3)) put_edges_below(mesh, e, n->child + (uint32_t)c);
 }
 
 static int by_vertices(const void *a, const void *b) {
@@ -214,16 +217,16 @@ static void sort_edges(edges *e) {
 }
 
 /* colour: of a mesh of one channel, its light's. */
-static sl_rgb value_at(const sl_mesh *mesh, sl_rgb colour, uint32_t vertex) {
-    const float *v = &mesh->value[(size_t)vertex * (size_t)mesh->channels];
-    return mesh->channels == 3 ? (sl_rgb){v[0], v[1], v[2]} : sl_rgb_scale(colour, v[0]);
+static sl_rgb value_at(const sl_patches *mesh, sl_rgb colour, uint32_t vertex) {
+    const float *v = sl_vertex_value(mesh, vertex);
+    return mesh->settings.channels == 3 ? (sl_rgb){v[0], v[1], v[2]} : sl_rgb_scale(colour, v[0]);
 }
 
-static sl_mark mark_of(const sl_mesh *mesh, sl_rgb light, uint64_t pair) {
+static sl_mark mark_of(const sl_patches *mesh, sl_rgb light, uint64_t pair) {
     uint32_t a = (uint32_t)(pair >> 32), b = (uint32_t)pair;
     sl_mesh_point from, to;
-    sl_mesh_point_of(mesh, a, &from);
-    sl_mesh_point_of(mesh, b, &to);
+    from = sl_mesh_point_of(mesh, a);
+    to = sl_mesh_point_of(mesh, b);
     sl_rgb colour = sl_rgb_scale(sl_rgb_add(value_at(mesh, light, a), value_at(mesh, light, b)), 0.5f);
     return (sl_mark){.kind = SL_MARK_SEGMENT,
                      .at = {from.position.x, from.position.y, from.position.z},
@@ -231,13 +234,13 @@ static sl_mark mark_of(const sl_mesh *mesh, sl_rgb light, uint64_t pair) {
                      .colour = {colour.r, colour.g, colour.b}};
 }
 
-static void announce_mesh(sl_multi_mesh_state *s, const sl_mesh *mesh, sl_rgb light, const char *name) {
+static void announce_mesh(sl_multi_mesh_state *s, const sl_patches *mesh, sl_rgb light, const char *name) {
     const sl_visible_pixels *pixels = s->visible;
-    edges e = {.room = 3 * mesh->leaf_count};
+    edges e = {.room = 3 * mesh->leaves_alive};
     sl_mark *mark = pixels && e.room ? sl_allocate(e.room, sizeof *mark) : NULL;
     e.pair = mark ? sl_allocate(e.room, sizeof *e.pair) : NULL;
     for (size_t f = 0; e.pair && f < pixels->face_count; f++) {
-        uint32_t root = sl_mesh_root_of(mesh, pixels->face[f].face);
+        uint32_t root = sl_patches_find_root(mesh, pixels->face[f].face);
         if (root != SL_NO_INDEX) put_edges_below(mesh, &e, root);
     }
     if (e.count) sort_edges(&e);
@@ -293,7 +296,7 @@ void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
     const sl_displayed *d = s->part[part];
     const sl_visible_pixels *pixels = s->visible;
     for (size_t e = 0; e < pixels->face_count; e++) {
-        float priority = sl_displayed_wants(d, e) ? d->mesh->node[sl_displayed_root(d, e)].priority : 0.0f;
+        float priority = sl_displayed_wants(d, e) ? d->mesh->patch[sl_displayed_root(d, e)].priority : 0.0f;
         for (uint32_t i = 0; i < pixels->face[e].count; i++)
             plane[pixels->pixel[pixels->face[e].first + i]] = priority;
     }
@@ -307,7 +310,7 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     for (size_t f = 1; f < pixels->face_count; f++)
         widest = pixels->face[f].count > pixels->face[widest].count ? f : widest;
     sl_face_point middle = {
-        .face = pixels->face[widest].face, .p = SL_MESH_DYADIC / 3, .q = SL_MESH_DYADIC / 3};
+        .face = pixels->face[widest].face, .p = SL_PATCH_DYADIC / 3, .q = SL_PATCH_DYADIC / 3};
     sl_mesh_point point = sl_face_point_in_world(s->primitives, &middle);
     sl_counters nobodys = {{0}}; /* no sample of the picture's */
     sl_lit_point lit = sl_lit_point_of(&point);
@@ -320,13 +323,13 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
 
 /* Returns how near a vertex of a light's mesh is to seeing just half of the light: at most 1/2. */
 static double half_seen(const sl_multi_mesh_state *s, size_t light, uint32_t vertex, sl_lit_point *point) {
-    const sl_mesh *mesh = sl_irradiance_mesh(s->irradiance, light);
+    const sl_patches *mesh = sl_irradiance_mesh(s->irradiance, light);
     sl_mesh_point at;
-    if (mesh->state[vertex] != SL_VERTEX_KNOWN) return 0.0;
-    sl_mesh_point_of(mesh, vertex, &at);
+    if (sl_mesh_state(mesh, vertex) != SL_VERTEX_KNOWN) return 0.0;
+    at = sl_mesh_point_of(mesh, vertex);
     *point = (sl_lit_point){at.position, at.normal, at.geometric_normal, at.triangle};
     double all = sl_light_unoccluded(&s->lights->light[light], point),
-           share = all > 0.0 ? (double)mesh->value[vertex] / all : 0.0;
+           share = all > 0.0 ? (double)*sl_vertex_value(mesh, vertex) / all : 0.0;
     return share < 0.5 ? share : 1.0 - share;
 }
 
@@ -355,7 +358,7 @@ void sl_multi_mesh_announce_light_sample(sl_multi_mesh_state *s) {
     sl_light_sample_scratch *scratch;
     sl_lit_point point, chosen = {.triangle = SL_NO_INDEX};
     double most = 0.0;
-    const sl_mesh *mesh = sl_irradiance_mesh(s->irradiance, 0);
+    const sl_patches *mesh = sl_irradiance_mesh(s->irradiance, 0);
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         double near = half_seen(s, 0, v, &point);
         if (!(near > most)) continue;

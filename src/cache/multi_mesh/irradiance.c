@@ -43,7 +43,7 @@ typedef struct sample_worker {
 
 struct sl_irradiance_meshes {
     sl_irradiance_settings settings;
-    sl_mesh **mesh;            /* one a light */
+    sl_patches **mesh;            /* one a light */
     wanted_sample *wanted;
     sample_result *result;
     size_t wanted_count, wanted_capacity;
@@ -56,23 +56,20 @@ typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_FAIL
 
 /* ---- where vertices are ---- */
 
-sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth,
+sl_face_point sl_vertex_face_point(const sl_patches *mesh, uint32_t vertex, int wanted_depth,
                                    sl_root_place leaf) {
-    sl_root_place at = mesh->place[vertex];
+    sl_root_place at = mesh->vertex[vertex].place;
     return (sl_face_point){at.root, at.u, at.v, wanted_depth, leaf};
 }
 
 sl_mesh_point sl_face_point_in_world(const sl_primitives *primitives, const sl_face_point *x) {
-    sl_mesh_point point;
-    sl_mesh_point_at(primitives, (sl_root_place){x->face, x->p, x->q}, &point);
-    return point;
+    return sl_mesh_point_at(primitives, (sl_root_place){x->face, x->p, x->q});
 }
 
 /* ---- fetch ---- */
 
 static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_root_place leaf) {
-    uint8_t *state = &m->mesh[light]->state[vertex];
-    if (*state != SL_VERTEX_UNKNOWN) return true;
+    if (sl_mesh_state(m->mesh[light], vertex) != SL_VERTEX_UNKNOWN) return true;
     if (m->wanted_count == m->wanted_capacity) {
         size_t capacity = m->wanted_capacity ? 2 * m->wanted_capacity : 1024;
         wanted_sample *wanted = sl_allocate(capacity, sizeof *wanted);
@@ -90,20 +87,8 @@ static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_ro
         m->wanted_capacity = capacity;
     }
     m->wanted[m->wanted_count++] = (wanted_sample){light, vertex, leaf};
-    *state = SL_VERTEX_REQUESTED;
+    sl_mesh_set_state(m->mesh[light], vertex, SL_VERTEX_REQUESTED);
     return true;
-}
-
-static bool is_there(const sl_mesh *mesh, uint32_t vertex) {
-    return mesh->state[vertex] == SL_VERTEX_KNOWN || mesh->state[vertex] == SL_VERTEX_INVALID;
-}
-
-static sl_edge_state edge_state(const sl_mesh *mesh, uint32_t node, int edge) {
-    return (sl_edge_state)(mesh->node[node].flags >> (2 * edge) & 3u);
-}
-
-static void set_edge_state(sl_mesh *mesh, uint32_t node, int edge, sl_edge_state state) {
-    mesh->node[node].flags = (mesh->node[node].flags & ~(3u << (2 * edge))) | (uint32_t)state << (2 * edge);
 }
 
 /* Returns the radiance that an irradiance F of the light makes a face show: diffuse and, as bright as it can
@@ -120,79 +105,79 @@ static sl_rgb shown(const sl_irradiance_meshes *m, uint32_t light, uint32_t face
 
 /* Tests the value in an edge's middle against the mean of its ends. A vertex inside other geometry bounds
  * what is hidden: the edge is cut. */
-static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place,
+static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place,
                                int edge, uint32_t middle) {
-    const sl_mesh *mesh = m->mesh[light];
-    uint32_t a = mesh->node[place->node].vertex[(edge + 1) % 3],
-             b = mesh->node[place->node].vertex[(edge + 2) % 3];
-    if (mesh->state[a] == SL_VERTEX_INVALID || mesh->state[b] == SL_VERTEX_INVALID ||
-        mesh->state[middle] == SL_VERTEX_INVALID)
+    const sl_patches *mesh = m->mesh[light];
+    uint32_t a = sl_patch_corner(mesh, place->patch, (edge + 1) % 3),
+             b = sl_patch_corner(mesh, place->patch, (edge + 2) % 3);
+    if (sl_mesh_state(mesh, a) == SL_VERTEX_INVALID || sl_mesh_state(mesh, b) == SL_VERTEX_INVALID ||
+        sl_mesh_state(mesh, middle) == SL_VERTEX_INVALID)
         return SL_EDGE_SPLIT;
-    float mean = 0.5f * (mesh->value[a] + mesh->value[b]);
-    sl_rgb interpolated = shown(m, light, place->face, mean),
-           computed = shown(m, light, place->face, mesh->value[middle]);
+    float mean = 0.5f * (*sl_vertex_value(mesh, a) + *sl_vertex_value(mesh, b));
+    sl_rgb interpolated = shown(m, light, place->root, mean),
+           computed = shown(m, light, place->root, *sl_vertex_value(mesh, middle));
     return sl_display_contrast(&m->settings.perception, interpolated, computed) > TOLERANCE ? SL_EDGE_SPLIT
                                                                                             : SL_EDGE_CLOSED;
 }
 
 /* Tells whether all that is known on a closed edge agrees with its ends. An edge is closed with the one that
  * it is half of, or has been tested by its middle; since then someone may have asked for more of it. */
-static bool still_agrees(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place,
+static bool still_agrees(const sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place,
                          int edge) {
-    const sl_mesh *mesh = m->mesh[light];
-    uint32_t a = mesh->node[place->node].vertex[(edge + 1) % 3],
-             b = mesh->node[place->node].vertex[(edge + 2) % 3];
+    const sl_patches *mesh = m->mesh[light];
+    uint32_t a = sl_patch_corner(mesh, place->patch, (edge + 1) % 3),
+             b = sl_patch_corner(mesh, place->patch, (edge + 2) % 3);
     sl_edge_vertices on;
     sl_mesh_edge_vertices(mesh, place, edge, &on);
     for (int i = 0; i < on.count; i++) {
         float along = (float)on.at[i] / (float)(1 << SL_FAN_LEVELS),
-              linear = mesh->value[a] + along * (mesh->value[b] - mesh->value[a]);
-        float value = mesh->value[on.vertex[i]];
+              linear = *sl_vertex_value(mesh, a) + along * (*sl_vertex_value(mesh, b) - *sl_vertex_value(mesh, a));
+        float value = *sl_vertex_value(mesh, on.vertex[i]);
         if (value == linear) continue;
-        if (sl_display_contrast(&m->settings.perception, shown(m, light, place->face, linear),
-                                shown(m, light, place->face, value)) > TOLERANCE)
+        if (sl_display_contrast(&m->settings.perception, shown(m, light, place->root, linear),
+                                shown(m, light, place->root, value)) > TOLERANCE)
             return false;
     }
     return true;
 }
 
 /* Tells whether all three edges are closed, and nothing has been found on them since. */
-static bool is_confident(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place) {
-    const sl_mesh *mesh = m->mesh[light];
+static bool is_confident(const sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place) {
+    const sl_patches *mesh = m->mesh[light];
     for (int i = 0; i < 3; i++)
-        if (edge_state(mesh, place->node, i) != SL_EDGE_CLOSED) return false;
+        if (sl_edge_of(&mesh->patch[place->patch], i) != SL_EDGE_CLOSED) return false;
     for (int i = 0; i < 3; i++)
         if (!still_agrees(m, light, place, i)) return false;
     return true;
 }
 
 /* Tests a leaf's edges as far as their samples are there; wants those that are not. */
-static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place,
+static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place,
                              sl_error *error) {
-    sl_mesh *mesh = m->mesh[light];
-    sl_root_place leaf = sl_mesh_leaf_middle(place);
+    sl_patches *mesh = m->mesh[light];
+    sl_root_place leaf = sl_patch_middle(place);
     bool complete = true;
     for (int i = 0; i < 3; i++) {
-        uint32_t corner = mesh->node[place->node].vertex[i];
-        if (is_there(mesh, corner)) continue;
+        uint32_t corner = sl_patch_corner(mesh, place->patch, i);
+        if (sl_mesh_is_sampled(mesh, corner)) continue;
         if (!want(m, light, corner, leaf)) return FETCH_FAILED;
         complete = false;
     }
     for (int i = 0; i < 3; i++) {
-        if (edge_state(mesh, place->node, i) != SL_EDGE_UNTESTED) continue;
+        if (sl_edge_of(&mesh->patch[place->patch], i) != SL_EDGE_UNTESTED) continue;
         sl_status status = SL_OK;
         uint32_t middle = sl_mesh_middle(mesh, place, i, &status, error);
         if (middle == SL_NO_INDEX && status != SL_OK) return FETCH_FAILED;
         /* as short as edges get */
-        if (middle == SL_NO_INDEX) set_edge_state(mesh, place->node, i, SL_EDGE_CLOSED);
-        if (middle == SL_NO_INDEX || is_there(mesh, middle)) continue;
+        if (middle == SL_NO_INDEX) sl_set_edge(&mesh->patch[place->patch], i, SL_EDGE_CLOSED);
+        if (middle == SL_NO_INDEX || sl_mesh_is_sampled(mesh, middle)) continue;
         if (!want(m, light, middle, leaf)) return FETCH_FAILED;
         complete = false;
     }
     if (!complete) return FETCH_PENDING;
     for (int i = 0; i < 3; i++) {
-        if (edge_state(mesh, place->node, i) == SL_EDGE_UNTESTED)
-            set_edge_state(mesh, place->node, i,
+        if (sl_edge_of(&mesh->patch[place->patch], i) == SL_EDGE_UNTESTED)
+            sl_set_edge(&mesh->patch[place->patch], i,
                            test_edge(m, light, place, i, sl_mesh_find_middle(mesh, place, i)));
     }
     return FETCH_READY;
@@ -200,82 +185,82 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_m
 
 static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_root_place leaf,
                                 float *share) {
-    const sl_mesh *mesh = m->mesh[light];
-    if (mesh->state[vertex] == SL_VERTEX_INVALID) return FETCH_INVALID;
-    if (mesh->state[vertex] == SL_VERTEX_KNOWN) {
-        *share = mesh->value[vertex];
+    const sl_patches *mesh = m->mesh[light];
+    if (sl_mesh_state(mesh, vertex) == SL_VERTEX_INVALID) return FETCH_INVALID;
+    if (sl_mesh_state(mesh, vertex) == SL_VERTEX_KNOWN) {
+        *share = *sl_vertex_value(mesh, vertex);
         return FETCH_READY;
     }
     return want(m, light, vertex, leaf) ? FETCH_PENDING : FETCH_FAILED;
 }
 
-static int corner_at(const sl_mesh_place *place, const sl_face_point *x) {
+static int corner_at(const sl_patch_place *place, const sl_face_point *x) {
     for (int i = 0; i < 3; i++)
-        if (place->p[i] == x->p && place->q[i] == x->q) return i;
+        if (place->u[i] == x->p && place->v[i] == x->q) return i;
     return -1;
 }
 
 /* Returns twice the area of (a, b, x) in a face's barycentrics: whole numbers, so that sides are exact. */
-static int64_t side_of(const sl_mesh_place *place, int a, int b, const sl_face_point *x) {
-    int64_t ap = place->p[a], aq = place->q[a];
-    return ((int64_t)place->p[b] - ap) * ((int64_t)x->q - aq) -
-           ((int64_t)place->q[b] - aq) * ((int64_t)x->p - ap);
+static int64_t side_of(const sl_patch_place *place, int a, int b, const sl_face_point *x) {
+    int64_t ap = place->u[a], aq = place->v[a];
+    return ((int64_t)place->u[b] - ap) * ((int64_t)x->q - aq) -
+           ((int64_t)place->v[b] - aq) * ((int64_t)x->p - ap);
 }
 
-static bool holds(const sl_mesh_place *place, const sl_face_point *x) {
+static bool holds(const sl_patch_place *place, const sl_face_point *x) {
     int64_t s0 = side_of(place, 0, 1, x), s1 = side_of(place, 1, 2, x), s2 = side_of(place, 2, 0, x);
     return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
 }
 
-static sl_mesh_place child_that_holds(const sl_mesh *mesh, const sl_mesh_place *place,
+static sl_patch_place child_that_holds(const sl_patches *mesh, const sl_patch_place *place,
                                       const sl_face_point *x) {
     for (int c = 0; c < 3; c++) {
-        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
+        sl_patch_place child = sl_patch_child_place(mesh, place, c);
         if (holds(&child, x)) return child;
     }
-    return sl_mesh_child_place(mesh, place, 3);
+    return sl_patch_child_place(mesh, place, 3);
 }
 
-static bool interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, const sl_face_point *x,
+static bool interpolate(const sl_patches *mesh, const sl_patch_place *leaf, const sl_face_point *x,
                         float *share) {
     double whole =
-        (double)side_of(leaf, 0, 1, &(sl_face_point){.face = leaf->face, .p = leaf->p[2], .q = leaf->q[2]});
+        (double)side_of(leaf, 0, 1, &(sl_face_point){.face = leaf->root, .p = leaf->u[2], .q = leaf->v[2]});
     double w1 = (double)side_of(leaf, 2, 0, x) / whole, w2 = (double)side_of(leaf, 0, 1, x) / whole;
     return sl_mesh_interpolate(mesh, leaf, (float)w1, (float)w2, true, share);
 }
 
 /* Returns the edge of a leaf in whose middle a point lies, or -1. */
-static int edge_halved_by(const sl_mesh_place *place, const sl_face_point *x) {
+static int edge_halved_by(const sl_patch_place *place, const sl_face_point *x) {
     for (int i = 0; i < 3; i++) {
         int a = (i + 1) % 3, b = (i + 2) % 3;
-        if (place->p[a] + place->p[b] == 2 * x->p && place->q[a] + place->q[b] == 2 * x->q) return i;
+        if (place->u[a] + place->u[b] == 2 * x->p && place->v[a] + place->v[b] == 2 * x->q) return i;
     }
     return -1;
 }
 
 /* Returns the sample at a point, or what is interpolated there, however coarsely. */
-static fetch_state fetch_known(const sl_mesh *mesh, const sl_face_point *x, float *share) {
-    const float unit = 1.0f / (float)SL_MESH_DYADIC;
-    uint32_t sample = sl_mesh_find_vertex(mesh, x->face, x->p, x->q);
-    if (sample == SL_NO_INDEX || !is_there(mesh, sample))
+static fetch_state fetch_known(const sl_patches *mesh, const sl_face_point *x, float *share) {
+    const float unit = 1.0f / (float)SL_PATCH_DYADIC;
+    uint32_t sample = sl_vertex_find(mesh, (sl_root_place){x->face, x->p, x->q});
+    if (sample == SL_NO_INDEX || !sl_mesh_is_sampled(mesh, sample))
         return sl_mesh_value(mesh, x->face, (float)x->p * unit, (float)x->q * unit, share) ? FETCH_READY
                                                                                            : FETCH_PENDING;
-    *share = mesh->value[sample];
-    return mesh->state[sample] == SL_VERTEX_KNOWN ? FETCH_READY : FETCH_INVALID;
+    *share = *sl_vertex_value(mesh, sample);
+    return sl_mesh_state(mesh, sample) == SL_VERTEX_KNOWN ? FETCH_READY : FETCH_INVALID;
 }
 
 static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_point *x, float *share,
                          sl_error *error) {
-    sl_mesh *mesh = m->mesh[light];
+    sl_patches *mesh = m->mesh[light];
     sl_status status = SL_OK;
     fetch_state known = m->sparing ? fetch_known(mesh, x, share) : FETCH_PENDING;
     if (known != FETCH_PENDING) return known;
-    if (sl_mesh_root(mesh, x->face, &status, error) == SL_NO_INDEX) return FETCH_FAILED;
-    sl_mesh_place place = sl_mesh_root_place(mesh, x->face);
+    if (sl_patches_root(mesh, x->face, &status, error) == SL_NO_INDEX) return FETCH_FAILED;
+    sl_patch_place place = sl_patch_root_place(mesh, x->face);
     for (;;) {
         int corner = corner_at(&place, x);
-        if (corner >= 0) return fetch_corner(m, light, mesh->node[place.node].vertex[corner], x->leaf, share);
-        if (sl_mesh_is_leaf(mesh, place.node)) {
+        if (corner >= 0) return fetch_corner(m, light, sl_patch_corner(mesh, place.patch, corner), x->leaf, share);
+        if (sl_patch_is_leaf(mesh, place.patch)) {
             if (place.depth >= x->wanted_depth) {
                 int edge = edge_halved_by(&place, x);
                 uint32_t middle =
@@ -290,7 +275,7 @@ static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_
             status = sl_mesh_split(mesh, &place, error);
             if (status != SL_OK) return FETCH_FAILED;
             /* as deep as it goes */
-            if (sl_mesh_is_leaf(mesh, place.node))
+            if (sl_patch_is_leaf(mesh, place.patch))
                 return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
         }
         place = child_that_holds(mesh, &place, x);
@@ -332,9 +317,9 @@ static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_p
 static sample_result sample_vertex(const sl_irradiance_meshes *m, const wanted_sample *wanted,
                                    sample_worker *w) {
     uint32_t light = wanted->light, vertex = wanted->vertex;
-    const sl_mesh *mesh = m->mesh[light];
+    const sl_patches *mesh = m->mesh[light];
     sl_mesh_point at;
-    sl_mesh_point_of(mesh, vertex, &at);
+    at = sl_mesh_point_of(mesh, vertex);
     if (at.triangle == SL_NO_INDEX) sl_step_inside(m->settings.scene, m->inwards, &at);
     float share = take(m, light, &at, w);
     if (share > 0.0f) return (sample_result){share, true};
@@ -357,10 +342,10 @@ static void sample_some(void *context, size_t task, unsigned worker) {
 /* In the order in which they were asked for. */
 static void commit_samples(sl_irradiance_meshes *m, sl_counters *counters) {
     for (size_t i = 0; i < m->wanted_count; i++) {
-        sl_mesh *mesh = m->mesh[m->wanted[i].light];
+        sl_patches *mesh = m->mesh[m->wanted[i].light];
         uint32_t vertex = m->wanted[i].vertex;
-        mesh->value[vertex] = m->result[i].share;
-        mesh->state[vertex] = m->result[i].valid ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID;
+        *sl_vertex_value(mesh, vertex) = m->result[i].share;
+        sl_mesh_set_state(mesh, vertex, m->result[i].valid ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
     }
     for (unsigned t = 0; t < m->settings.threads; t++) {
         sl_counters_add(counters, &m->worker[t].counters);
@@ -378,7 +363,7 @@ static void take_samples(sl_irradiance_meshes *m, sl_counters *counters) {
 /* Nobody waits for them any more. */
 static void forget_wanted(sl_irradiance_meshes *m) {
     for (size_t i = 0; i < m->wanted_count; i++)
-        m->mesh[m->wanted[i].light]->state[m->wanted[i].vertex] = SL_VERTEX_UNKNOWN;
+        sl_mesh_set_state(m->mesh[m->wanted[i].light], m->wanted[i].vertex, SL_VERTEX_UNKNOWN);
     m->wanted_count = 0;
 }
 
@@ -435,12 +420,13 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     if (!m) return sl_fail_memory(error, "irradiance meshes");
     m->settings = *settings;
     m->inwards = 5.0 * sl_light_sampling_step(settings->sampling);
+    const sl_patches_settings mesh = {.channels = 1, .max_depth = settings->max_depth};
     size_t lights = settings->lights->count;
-    m->mesh = sl_allocate(lights, sizeof(sl_mesh *));
+    m->mesh = sl_allocate(lights, sizeof(sl_patches *));
     m->worker = sl_allocate(settings->threads, sizeof *m->worker);
     sl_status status = m->mesh && m->worker ? SL_OK : sl_fail_memory(error, "irradiance meshes");
     for (size_t l = 0; l < lights && status == SL_OK; l++)
-        status = sl_mesh_create(settings->primitives, 1, settings->max_depth, &m->mesh[l], error);
+        status = sl_patches_create(settings->primitives, &mesh, &m->mesh[l], error);
     for (unsigned t = 0; t < settings->threads && status == SL_OK; t++)
         status = sl_light_sample_scratch_create(settings->sampling, &m->worker[t].scratch, error);
     if (status != SL_OK) {
@@ -453,7 +439,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
 
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *m) {
     if (!m) return;
-    for (size_t l = 0; m->mesh && l < m->settings.lights->count; l++) sl_mesh_destroy(m->mesh[l]);
+    for (size_t l = 0; m->mesh && l < m->settings.lights->count; l++) sl_patches_destroy(m->mesh[l]);
     for (unsigned t = 0; m->worker && t < m->settings.threads; t++)
         sl_light_sample_scratch_destroy(m->worker[t].scratch);
     sl_free(m->mesh);
@@ -465,8 +451,8 @@ void sl_irradiance_meshes_destroy(sl_irradiance_meshes *m) {
 
 size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *m) {
     size_t bytes = sizeof *m + m->wanted_capacity * (sizeof *m->wanted + sizeof *m->result);
-    for (size_t l = 0; l < m->settings.lights->count; l++) bytes += sl_mesh_memory_bytes(m->mesh[l]);
+    for (size_t l = 0; l < m->settings.lights->count; l++) bytes += sl_patches_memory_bytes(m->mesh[l]);
     return bytes;
 }
 
-const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *m, size_t light) { return m->mesh[light]; }
+const sl_patches *sl_irradiance_mesh(const sl_irradiance_meshes *m, size_t light) { return m->mesh[light]; }

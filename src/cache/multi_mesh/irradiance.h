@@ -16,7 +16,7 @@
 #include "cache/patches/mesh.h"
 #include "cache/patches/perception.h"
 
-/* A vertex of any mesh as a place in a face: weights of corners 1 and 2 in 1/SL_MESH_DYADIC. */
+/* A vertex of any mesh as a place in a face: weights of corners 1 and 2 in 1/SL_PATCH_DYADIC. */
 typedef struct sl_face_point {
     uint32_t face;
     uint16_t p, q;
@@ -25,7 +25,7 @@ typedef struct sl_face_point {
     sl_root_place leaf;
 } sl_face_point;
 /* Returns that of a mesh's vertex. */
-sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth,
+sl_face_point sl_vertex_face_point(const sl_patches *mesh, uint32_t vertex, int wanted_depth,
                                    sl_root_place leaf);
 /* Returns where it lies in the world. */
 sl_mesh_point sl_face_point_in_world(const sl_primitives *primitives, const sl_face_point *x);
@@ -50,7 +50,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *meshes);
 size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *meshes);
 /* Returns a light's mesh. Values are F (light_sample.h). */
-const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t light);
+const sl_patches *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t light);
 
 /* F of every light at each point, share[i * lights + l]; valid[i] false: the point lies inside other
  * geometry. As many rounds as it takes. */

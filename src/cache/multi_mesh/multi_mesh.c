@@ -52,7 +52,7 @@ static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint
                            const float *share) {
     if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(s->lights, share); /* equation (4) */
     sl_mesh_point point;
-    sl_mesh_point_of(s->part[part]->mesh, vertex, &point);
+    point = sl_mesh_point_of(s->part[part]->mesh, vertex);
     float exponent = sl_face_material(s->scene, point.face)->exponent;
     return sl_direct_specular(s->lights, share, &point, exponent, s->scene->camera.eye); /* equation (6) */
 }
@@ -90,7 +90,7 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
     sl_status status = points && irradiance && valid ? SL_OK : sl_fail_memory(error, "gathers");
     for (size_t i = 0; i < count && status == SL_OK; i++) {
         bool moved;
-        sl_mesh_point_of(part->mesh, wanted[i].vertex, &points[i]);
+        points[i] = sl_mesh_point_of(part->mesh, wanted[i].vertex);
         valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, wanted[i].vertex, wanted[i].leaf,
                                                 &points[i], &moved, &s->counters);
     }
@@ -147,7 +147,7 @@ static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
 
 typedef struct taken_leaf {
     sl_component part;
-    sl_mesh_place place;
+    sl_patch_place place;
 } taken_leaf;
 
 static int most_urgent(const sl_multi_mesh_state *s) {
@@ -176,8 +176,8 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
         int part = most_urgent(s);
         if (part < 0) break;
         sl_displayed *mesh = s->part[part];
-        sl_mesh_place place = sl_displayed_take(mesh);
-        if (place.node == SL_NO_INDEX) break;
+        sl_patch_place place = sl_displayed_take(mesh);
+        if (place.patch == SL_NO_INDEX) break;
         if (sl_displayed_wants_probes(mesh, &place)) {
             r->probed[r->probed_count++] = (sl_probed_leaf){.part = (sl_component)part, .place = place};
             continue;
@@ -188,7 +188,7 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
         sl_status status = sl_displayed_request(mesh, &place, vertex, &count, error);
         if (status != SL_OK) return status;
         int depth = sl_displayed_wanted_depth(mesh, &place);
-        sl_root_place leaf = sl_mesh_leaf_middle(&place);
+        sl_root_place leaf = sl_patch_middle(&place);
         for (size_t i = 0; i < count; i++)
             r->wanted[part][r->wanted_count[part]++] = (sl_wanted_vertex){vertex[i], depth, leaf};
     }

@@ -1,4 +1,20 @@
-/* The method's state, and the functions of its parts. */
+/* Multi-mesh caching with hardware sampling: progressive global illumination from several meshes over the
+ * same triangles, each refined on its own. Read in this order:
+ *
+ *   plan.c             which passes a scene needs
+ *   multi_mesh.c       the paper: the passes of a picture, update by update
+ *   world.c, state.c   what a picture is made from; made, edited, measured
+ *   pixels.c           visible sizes (image pass 1)
+ *   displayed.h        a mesh as the eye uses it: priorities, tests, drawing (progressive sampling, pass 3)
+ *   irradiance.c       a mesh for each light, refined only where radiance asks for it
+ *   direct.c           direct diffuse and specular radiance from them
+ *   coarse.h           the coarse mesh of the whole scene, which indirect gathers see
+ *   merge.c            materials, and the five pictures into one (passes 2 and 4)
+ *   explanation.c      a pixel told backwards; what can be seen of the meshes while they are made
+ *
+ * Faces, their shared corners and the quadtrees on them are those of cache/patches, gathers those of
+ * cache/hemisphere; single lights are sampled in cache/light. Here are the method's state, and the functions
+ * of its parts. */
 #ifndef SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 #define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 
@@ -7,7 +23,6 @@
 #include "cache/multi_mesh/displayed.h"
 #include "cache/multi_mesh/irradiance.h"
 #include "cache/multi_mesh/merge.h"
-#include "cache/multi_mesh/multi_mesh.h"
 #include "cache/multi_mesh/plan.h"
 
 typedef enum sl_mesh_phase { SL_PHASE_VIEW, SL_PHASE_FIRST, SL_PHASE_REFINE, SL_PHASE_DONE } sl_mesh_phase;
@@ -121,7 +136,7 @@ typedef struct sl_wanted_vertex {
 /* A leaf of direct light that is to be probed (displayed.h). */
 typedef struct sl_probed_leaf {
     sl_component part;
-    sl_mesh_place place;
+    sl_patch_place place;
     bool contradicted;
     sl_counters counters;
 } sl_probed_leaf;

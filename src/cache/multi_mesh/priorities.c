@@ -18,35 +18,29 @@ static const float CONTRAST_MAX = 25500.0f;
 
 /* ---- the size criterion ---- */
 
-sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf) {
-    return sl_face_part_size(&d->pixels->view, clip, leaf->p, leaf->q, (float)SL_MESH_DYADIC);
-}
-
 bool sl_displayed_meets_size(const sl_displayed *d, sl_screen_size size) {
     return !(size.area > d->settings.leaf_area) && !(size.edge > d->settings.leaf_edge);
 }
 
 /* A leaf that was cut for its size alone and put together again stays so until it is twice as large. */
-void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf) {
-    sl_mesh_node *node = &d->mesh->node[leaf->node];
-    sl_screen_size size = sl_displayed_size(d, clip, leaf);
+void sl_displayed_judge_size(sl_displayed *d, const sl_patch_place *leaf) {
+    sl_patch *node = &d->mesh->patch[leaf->patch];
+    sl_screen_size size = sl_displayed_size(d, leaf);
     bool small = sl_displayed_meets_size(d, size);
     bool known = sl_all_edges_closed(node) && size.edge < 2.0f * sl_mesh_tested_size(node);
     node->flags = (node->flags & ~(uint32_t)SL_NODE_SMALL) | (small || known ? SL_NODE_SMALL : 0u);
     if (small) sl_displayed_judge_probes(d, node, size);
 }
 
-bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf) {
-    sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
-    return sl_displayed_size(d, &clip, leaf).edge > 1.0f;
+bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_patch_place *leaf) {
+    return sl_displayed_size(d, leaf).edge > 1.0f;
 }
 
-int sl_displayed_wanted_depth(const sl_displayed *d, const sl_mesh_place *leaf) {
+int sl_displayed_wanted_depth(const sl_displayed *d, const sl_patch_place *leaf) {
     if (!d->pixels) return leaf->depth;
     if (sl_displayed_is_contradicted(d, leaf) || sl_displayed_below_contradicted(d, leaf))
         return leaf->depth + 1;
-    sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
-    sl_screen_size size = sl_displayed_size(d, &clip, leaf);
+    sl_screen_size size = sl_displayed_size(d, leaf);
     float area = size.area / d->settings.leaf_area, edge = size.edge / d->settings.leaf_edge;
     int depth = leaf->depth;
     for (; depth > 0 && 4.0f * area <= 1.0f && 2.0f * edge <= 1.0f; depth--, area *= 4.0f, edge *= 2.0f)
@@ -59,18 +53,17 @@ int sl_displayed_wanted_depth(const sl_displayed *d, const sl_mesh_place *leaf) 
 
 /* ---- of a leaf ---- */
 
-float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *leaf) {
-    const sl_mesh *mesh = d->mesh;
-    const sl_mesh_node *node = &mesh->node[leaf->node];
+float sl_displayed_corner_contrast(const sl_displayed *d, const sl_patch_place *leaf) {
+    const sl_patches *mesh = d->mesh;
     float level[3][3], most = 0.0f;
     int known = 0;
     for (int i = 0; i < 3; i++) {
-        uint32_t v = node->vertex[i];
-        if (mesh->state[v] != SL_VERTEX_KNOWN) continue;
-        const float *value = &mesh->value[3 * (size_t)v], unit = 1.0f / (float)SL_MESH_DYADIC;
+        uint32_t v = sl_patch_corner(mesh, leaf->patch, i);
+        if (sl_mesh_state(mesh, v) != SL_VERTEX_KNOWN) continue;
+        const float *value = sl_vertex_value(mesh, v), unit = 1.0f / (float)SL_PATCH_DYADIC;
         sl_rgb shown = d->settings.shown.radiance(
-            d->settings.shown.context, d->settings.component, leaf->face, (float)leaf->p[i] * unit,
-            (float)leaf->q[i] * unit, (sl_rgb){value[0], value[1], value[2]});
+            d->settings.shown.context, d->settings.component, leaf->root, (float)leaf->u[i] * unit,
+            (float)leaf->v[i] * unit, (sl_rgb){value[0], value[1], value[2]});
         const float radiance[3] = {shown.r, shown.g, shown.b};
         for (int c = 0; c < 3; c++)
             level[known][c] = sl_display_level(d->settings.perception.exposure, radiance[c]);
@@ -88,21 +81,21 @@ static bool is_minor(const sl_displayed *d, uint32_t pixels, float contrast) {
 
 /* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known, nor is
  * what a probe has told of. */
-static bool may_be_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
-    bool few = d->mesh->node[leaf->node].pixels < d->settings.minor_pixels && !sl_has_hidden_corner(d, leaf);
+static bool may_be_minor(const sl_displayed *d, const sl_patch_place *leaf) {
+    bool few = d->mesh->patch[leaf->patch].pixels < d->settings.minor_pixels && !sl_has_hidden_corner(d, leaf);
     return few && !sl_displayed_is_contradicted(d, leaf) && !sl_displayed_below_contradicted(d, leaf);
 }
 
-bool sl_displayed_is_minor(const sl_displayed *d, const sl_mesh_place *leaf) {
-    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+bool sl_displayed_is_minor(const sl_displayed *d, const sl_patch_place *leaf) {
+    const sl_patch *node = &d->mesh->patch[leaf->patch];
     return may_be_minor(d, leaf) &&
            (sl_was_minor(node) || is_minor(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
 }
 
 void sl_displayed_settle(sl_displayed *d) {
-    for (uint32_t n = 0; n < d->mesh->node_count; n++) {
-        sl_mesh_node *node = &d->mesh->node[n];
-        bool judged = sl_mesh_is_used(d->mesh, n) && node->child == SL_NO_INDEX &&
+    for (uint32_t n = 0; n < d->mesh->patch_count; n++) {
+        sl_patch *node = &d->mesh->patch[n];
+        bool judged = sl_patch_is_alive(d->mesh, n) && node->child == SL_NO_INDEX &&
                       !(node->flags & SL_NODE_SETTLED) && !sl_all_edges_closed(node);
         if (judged && node->pixels > 1 && node->pixels < d->settings.minor_pixels &&
             node->pixels > sl_mesh_minor(node))
@@ -110,8 +103,8 @@ void sl_displayed_settle(sl_displayed *d) {
     }
 }
 
-float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf) {
-    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+float sl_displayed_leaf_priority(const sl_displayed *d, const sl_patch_place *leaf) {
+    const sl_patch *node = &d->mesh->patch[leaf->patch];
     bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node),
          unprobed = sl_is_unprobed(d, node);
     /* most often so, and quick to tell */
@@ -128,33 +121,33 @@ float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *lea
 
 /* ---- up to the roots ---- */
 
-static float largest_of_children(const sl_mesh *mesh, uint32_t node) {
+static float largest_of_children(const sl_patches *mesh, uint32_t node) {
     float most = 0.0f;
     for (int c = 0; c < 4; c++) {
-        float priority = mesh->node[mesh->node[node].child + (uint32_t)c].priority;
+        float priority = mesh->patch[mesh->patch[node].child + (uint32_t)c].priority;
         most = priority > most ? priority : most;
     }
     return most;
 }
 
 void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node) {
-    sl_mesh *mesh = d->mesh;
-    for (uint32_t n = sl_mesh_parent(mesh, node); n != SL_NO_INDEX; n = sl_mesh_parent(mesh, n)) {
+    sl_patches *mesh = d->mesh;
+    for (uint32_t n = sl_patch_parent(mesh, node); n != SL_NO_INDEX; n = sl_patch_parent(mesh, n)) {
         float most = largest_of_children(mesh, n);
-        if (mesh->node[n].priority == most) return;
-        mesh->node[n].priority = most;
+        if (mesh->patch[n].priority == most) return;
+        mesh->patch[n].priority = most;
     }
     uint32_t entry = d->pixels->entry_of_face[face];
     if (entry != SL_NO_INDEX && sl_displayed_wants(d, entry)) sl_displayed_heap_update(d, entry);
 }
 
-float sl_displayed_prioritise_below(sl_displayed *d, const sl_mesh_place *place) {
-    sl_mesh_node *node = &d->mesh->node[place->node];
+float sl_displayed_prioritise_below(sl_displayed *d, const sl_patch_place *place) {
+    sl_patch *node = &d->mesh->patch[place->patch];
     if (node->child == SL_NO_INDEX) return node->priority = sl_displayed_leaf_priority(d, place);
     float most = 0.0f;
     for (int c = 0; c < 4; c++) {
-        if (!d->mesh->node[node->child + (uint32_t)c].pixels) continue;
-        sl_mesh_place child = sl_mesh_child_place(d->mesh, place, c);
+        if (!d->mesh->patch[node->child + (uint32_t)c].pixels) continue;
+        sl_patch_place child = sl_patch_child_place(d->mesh, place, c);
         float priority = sl_displayed_prioritise_below(d, &child);
         most = priority > most ? priority : most;
     }
@@ -168,7 +161,7 @@ static void prioritise_share(void *context, size_t share, unsigned worker) {
     sl_visible_share(d->pixels, share, &begin, &end);
     for (size_t e = begin; e < end; e++) {
         if (!sl_displayed_wants(d, e)) continue;
-        sl_mesh_place root = sl_mesh_root_place(d->mesh, d->pixels->face[e].face);
+        sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[e].face);
         sl_displayed_prioritise_below(d, &root);
     }
 }
@@ -190,7 +183,7 @@ void sl_displayed_prioritise(sl_displayed *d) {
 /* ---- the heap ---- */
 
 static float priority_of(const sl_displayed *d, uint32_t entry) {
-    return d->mesh->node[sl_displayed_root(d, entry)].priority;
+    return d->mesh->patch[sl_displayed_root(d, entry)].priority;
 }
 
 /* Entries are in the order of faces. */
@@ -261,25 +254,25 @@ static uint32_t next_of_chain(sl_displayed *d) {
 /* ---- what both share ---- */
 
 /* Returns the leaf of highest priority below a root, the first of equals. */
-static sl_mesh_place best_leaf(const sl_displayed *d, uint32_t face) {
-    const sl_mesh *mesh = d->mesh;
-    sl_mesh_place place = sl_mesh_root_place(mesh, face);
-    while (!sl_mesh_is_leaf(mesh, place.node)) {
-        const sl_mesh_node *child = &mesh->node[mesh->node[place.node].child];
+static sl_patch_place best_leaf(const sl_displayed *d, uint32_t face) {
+    const sl_patches *mesh = d->mesh;
+    sl_patch_place place = sl_patch_root_place(mesh, face);
+    while (!sl_patch_is_leaf(mesh, place.patch)) {
+        const sl_patch *child = &mesh->patch[mesh->patch[place.patch].child];
         int best = 0;
         for (int c = 1; c < 4; c++) best = child[c].priority > child[best].priority ? c : best;
-        place = sl_mesh_child_place(mesh, &place, best);
+        place = sl_patch_child_place(mesh, &place, best);
     }
     return place;
 }
 
-sl_mesh_place sl_displayed_take(sl_displayed *d) {
-    sl_mesh_place none = {.node = SL_NO_INDEX, .face = SL_NO_INDEX};
+sl_patch_place sl_displayed_take(sl_displayed *d) {
+    sl_patch_place none = {.patch = SL_NO_INDEX, .root = SL_NO_INDEX};
     if (!(sl_displayed_priority(d) > 0.0f)) return none;
     uint32_t entry = d->settings.selection == SL_SELECT_CHAIN ? next_of_chain(d) : d->heap[0];
-    sl_mesh_place leaf = best_leaf(d, d->pixels->face[entry].face);
-    d->mesh->node[leaf.node].flags |= SL_NODE_TAKEN;
-    d->mesh->node[leaf.node].priority = 0.0f;
-    sl_displayed_raise(d, leaf.face, leaf.node);
+    sl_patch_place leaf = best_leaf(d, d->pixels->face[entry].face);
+    d->mesh->patch[leaf.patch].flags |= SL_NODE_TAKEN;
+    d->mesh->patch[leaf.patch].priority = 0.0f;
+    sl_displayed_raise(d, leaf.root, leaf.patch);
     return leaf;
 }

@@ -29,16 +29,16 @@ typedef struct probed_leaf {
     const sl_multi_mesh_state *s;
     sl_component part;
     const sl_displayed *d;
-    const sl_mesh_place *place;
+    const sl_patch_place *place;
     sl_mesh_point corner[3];
     sl_counters *counters;
 } probed_leaf;
 
 static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
-    float whole = (float)SL_MESH_DYADIC;
+    float whole = (float)SL_PATCH_DYADIC;
     uint16_t at_p = (uint16_t)fminf(fmaxf(p + 0.5f, 0.0f), whole);
     uint16_t at_q = (uint16_t)fminf(fmaxf(q + 0.5f, 0.0f), whole - (float)at_p);
-    sl_face_point x = {.face = leaf->place->face, .p = at_p, .q = at_q};
+    sl_face_point x = {.face = leaf->place->root, .p = at_p, .q = at_q};
     return sl_face_point_in_world(leaf->s->primitives, &x);
 }
 
@@ -53,8 +53,8 @@ static sl_rgb value_of_light(const probed_leaf *leaf, size_t light, float share,
 /* Tells whether an eye could tell the mesh's value at a point from that. */
 static bool shows(const probed_leaf *leaf, float w1, float w2, sl_rgb value, sl_rgb other) {
     const sl_shown_radiance *shown = &leaf->d->settings.shown;
-    sl_rgb a = shown->radiance(shown->context, leaf->part, leaf->place->face, w1, w2, value);
-    sl_rgb b = shown->radiance(shown->context, leaf->part, leaf->place->face, w1, w2, other);
+    sl_rgb a = shown->radiance(shown->context, leaf->part, leaf->place->root, w1, w2, value);
+    sl_rgb b = shown->radiance(shown->context, leaf->part, leaf->place->root, w1, w2, other);
     return sl_display_contrast(&leaf->d->settings.perception, a, b) > 1.0f;
 }
 
@@ -75,10 +75,10 @@ static bool value_at(const probed_leaf *leaf, float w1, float w2, sl_rgb *value)
 
 /* Tells whether it would be missed in the leaf, or noticed. Judged in the middle of it. */
 static bool matters(const probed_leaf *leaf, size_t light) {
-    sl_root_place middle = sl_mesh_leaf_middle(leaf->place);
+    sl_root_place middle = sl_patch_middle(leaf->place);
     sl_mesh_point point = point_at(leaf, middle.u, middle.v);
     sl_lit_point lit = sl_lit_point_of(&point);
-    float w1 = (float)middle.u / (float)SL_MESH_DYADIC, w2 = (float)middle.v / (float)SL_MESH_DYADIC;
+    float w1 = (float)middle.u / (float)SL_PATCH_DYADIC, w2 = (float)middle.v / (float)SL_PATCH_DYADIC;
     float most = (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit);
     sl_rgb value, none = sl_grey(0.0f), own;
     if (!(most > 0.0f) || !value_at(leaf, w1, w2, &value)) return false;
@@ -91,20 +91,20 @@ static bool matters(const probed_leaf *leaf, size_t light) {
 typedef enum seen_by_corners { CORNERS_DIFFER, CORNERS_SEE_ALL, CORNERS_SEE_NOTHING } seen_by_corners;
 
 /* Gives the known share of the light at a mesh's vertex. */
-static bool share_at(const sl_mesh *irradiance, uint32_t face, uint16_t p, uint16_t q, float *share) {
-    uint32_t sample = sl_mesh_find_vertex(irradiance, face, p, q);
-    float unit = 1.0f / (float)SL_MESH_DYADIC;
-    if (sample == SL_NO_INDEX || irradiance->state[sample] == SL_VERTEX_UNKNOWN)
+static bool share_at(const sl_patches *irradiance, uint32_t face, uint16_t p, uint16_t q, float *share) {
+    uint32_t sample = sl_vertex_find(irradiance, (sl_root_place){face, p, q});
+    float unit = 1.0f / (float)SL_PATCH_DYADIC;
+    if (sample == SL_NO_INDEX || sl_mesh_state(irradiance, sample) == SL_VERTEX_UNKNOWN)
         return sl_mesh_value(irradiance, face, (float)p * unit, (float)q * unit, share);
-    *share = irradiance->value[sample];
-    return irradiance->state[sample] == SL_VERTEX_KNOWN;
+    *share = *sl_vertex_value(irradiance, sample);
+    return sl_mesh_state(irradiance, sample) == SL_VERTEX_KNOWN;
 }
 
 static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, float share[3]) {
-    const sl_mesh *mesh = leaf->d->mesh, *irradiance = sl_irradiance_mesh(leaf->s->irradiance, light);
+    const sl_patches *mesh = leaf->d->mesh, *irradiance = sl_irradiance_mesh(leaf->s->irradiance, light);
     bool all = true, nothing = true;
     for (int i = 0; i < 3; i++) {
-        sl_root_place at = mesh->place[mesh->node[leaf->place->node].vertex[i]];
+        sl_root_place at = mesh->vertex[sl_patch_corner(mesh, leaf->place->patch, i)].place;
         sl_lit_point lit = sl_lit_point_of(&leaf->corner[i]);
         float most = (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit);
         if (!share_at(irradiance, at.root, at.u, at.v, &share[i])) return CORNERS_DIFFER;
@@ -131,7 +131,7 @@ static bool differs(const probed_leaf *leaf, size_t light, const float share[3],
                     uint32_t pixel) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
     float w1 = pixels->w1[pixel], w2 = pixels->w2[pixel], own_w1, own_w2;
-    sl_mesh_point point = point_at(leaf, w1 * (float)SL_MESH_DYADIC, w2 * (float)SL_MESH_DYADIC);
+    sl_mesh_point point = point_at(leaf, w1 * (float)SL_PATCH_DYADIC, w2 * (float)SL_PATCH_DYADIC);
     sl_lit_point lit = sl_lit_point_of(&point);
     bool is_lit = sl_light_probe(leaf->s->sampling, light, &lit, 1, leaf->counters) > 0.0f,
          specular = leaf->part == SL_DIRECT_SPECULAR;
@@ -152,7 +152,7 @@ static bool differs(const probed_leaf *leaf, size_t light, const float share[3],
  * vertices. */
 static bool is_probe(const probed_leaf *leaf, uint32_t i) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
-    if (leaf->part == SL_DIRECT_SPECULAR && i == leaf->d->mesh->node[leaf->place->node].pixels / 2)
+    if (leaf->part == SL_DIRECT_SPECULAR && i == leaf->d->mesh->patch[leaf->place->patch].pixels / 2)
         return true;
     uint32_t at = pixels->pixel[sl_displayed_pixel(leaf->d, leaf->place, i)], width = (uint32_t)pixels->width;
     return at % width % SPACING == SPACING / 2 && at / width % SPACING == SPACING / 2;
@@ -164,7 +164,7 @@ static bool is_contradicted_by(const probed_leaf *leaf, size_t light) {
     if (leaf->part != SL_DIRECT_SPECULAR && !matters(leaf, light)) return false;
     seen_by_corners corners = what_corners_see(leaf, light, share);
     if (corners == CORNERS_DIFFER) return false;
-    uint32_t count = leaf->d->mesh->node[leaf->place->node].pixels;
+    uint32_t count = leaf->d->mesh->patch[leaf->place->patch].pixels;
     for (uint32_t i = 0; i < count; i++) {
         if (is_probe(leaf, i) && differs(leaf, light, share, corners == CORNERS_SEE_ALL,
                                          sl_displayed_pixel(leaf->d, leaf->place, i)))
@@ -174,19 +174,19 @@ static bool is_contradicted_by(const probed_leaf *leaf, size_t light) {
 }
 
 static bool has_probes(const probed_leaf *leaf) {
-    uint32_t count = leaf->d->mesh->node[leaf->place->node].pixels;
+    uint32_t count = leaf->d->mesh->patch[leaf->place->patch].pixels;
     for (uint32_t i = 0; i < count; i++)
         if (is_probe(leaf, i)) return true;
     return false;
 }
 
 static bool is_contradicted(probed_leaf *leaf) {
-    const sl_mesh *mesh = leaf->d->mesh;
+    const sl_patches *mesh = leaf->d->mesh;
     if (!has_probes(leaf)) return false;
     for (int i = 0; i < 3; i++) {
-        uint32_t vertex = mesh->node[leaf->place->node].vertex[i];
-        if (mesh->state[vertex] != SL_VERTEX_KNOWN) return false;
-        sl_mesh_point_of(mesh, vertex, &leaf->corner[i]);
+        uint32_t vertex = sl_patch_corner(mesh, leaf->place->patch, i);
+        if (sl_mesh_state(mesh, vertex) != SL_VERTEX_KNOWN) return false;
+        leaf->corner[i] = sl_mesh_point_of(mesh, vertex);
     }
     for (size_t l = 0; l < leaf->s->lights->count; l++)
         if (is_contradicted_by(leaf, l)) return true;
@@ -228,50 +228,48 @@ void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_probed_leaf *l
  *
  * It is done again when the leaf is seen larger than it was then. */
 
-void sl_displayed_judge_probes(const sl_displayed *d, sl_mesh_node *node, sl_screen_size size) {
+void sl_displayed_judge_probes(const sl_displayed *d, sl_patch *node, sl_screen_size size) {
     if (!(d->settings.probed_area > 0.0f) || !sl_all_edges_closed(node)) return;
     if (size.edge > sl_mesh_probed_size(node)) sl_mesh_set_minor(node, 0);
     if (size.area <= d->settings.probed_area && size.edge <= d->settings.probed_edge && !sl_mesh_minor(node))
         sl_mesh_set_probed_size(node, size.edge);
 }
 
-bool sl_displayed_wants_probes(const sl_displayed *d, const sl_mesh_place *leaf) {
-    return sl_is_unprobed(d, &d->mesh->node[leaf->node]);
+bool sl_displayed_wants_probes(const sl_displayed *d, const sl_patch_place *leaf) {
+    return sl_is_unprobed(d, &d->mesh->patch[leaf->patch]);
 }
 
-uint32_t sl_displayed_pixel(const sl_displayed *d, const sl_mesh_place *leaf, uint32_t i) {
-    return d->first[leaf->node] + i;
+uint32_t sl_displayed_pixel(const sl_displayed *d, const sl_patch_place *leaf, uint32_t i) {
+    return d->first[leaf->patch] + i;
 }
 
 /* Of leaves only those that are small enough and do not count as such. */
-bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_mesh_place *leaf) {
-    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_patch_place *leaf) {
+    const sl_patch *node = &d->mesh->patch[leaf->patch];
     if (!(d->settings.probed_area > 0.0f) || (node->flags & SL_NODE_SMALL) || !d->pixels) return false;
-    sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
-    return sl_displayed_meets_size(d, sl_displayed_size(d, &clip, leaf));
+    return sl_displayed_meets_size(d, sl_displayed_size(d, leaf));
 }
 
-bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_mesh_place *leaf) {
+bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_patch_place *leaf) {
     if (!(d->settings.probed_area > 0.0f)) return false;
-    for (uint32_t n = sl_mesh_parent(d->mesh, leaf->node); n != SL_NO_INDEX; n = sl_mesh_parent(d->mesh, n)) {
-        if (d->mesh->node[n].flags & SL_NODE_SMALL) continue;
-        sl_mesh_place place = sl_mesh_place_of(d->mesh, n);
+    for (uint32_t n = sl_patch_parent(d->mesh, leaf->patch); n != SL_NO_INDEX; n = sl_patch_parent(d->mesh, n)) {
+        if (d->mesh->patch[n].flags & SL_NODE_SMALL) continue;
+        sl_patch_place place = sl_patch_place_of(d->mesh, n);
         return sl_displayed_is_contradicted(d, &place); /* what is above it is larger */
     }
     return false;
 }
 
-void sl_displayed_probed(sl_displayed *d, const sl_mesh_place *leaf, bool contradicted,
+void sl_displayed_probed(sl_displayed *d, const sl_patch_place *leaf, bool contradicted,
                          sl_counters *counters) {
-    sl_mesh_node *node = &d->mesh->node[leaf->node];
-    if (!d->pixels || !sl_mesh_is_leaf(d->mesh, leaf->node)) return;
+    sl_patch *node = &d->mesh->patch[leaf->patch];
+    if (!d->pixels || !sl_patch_is_leaf(d->mesh, leaf->patch)) return;
     node->flags &= ~(uint32_t)SL_NODE_TAKEN;
     /* its vertices are asked for once more, and its edges tested again */
     if (sl_is_unprobed(d, node) && contradicted) {
-        node->flags &= ~(uint32_t)(SL_NODE_SMALL | SL_NODE_EDGES);
+        node->flags &= ~(uint32_t)(SL_NODE_SMALL | SL_PATCH_EDGES);
     } else if (sl_is_unprobed(d, node)) { /* and no neighbour has opened an edge in the meantime */
-        sl_face_clip clip = sl_face_clip_of(d->mesh->primitives->scene, &d->pixels->view, leaf->face);
-        sl_mesh_set_probed_size(node, sl_displayed_size(d, &clip, leaf).edge);
+            sl_mesh_set_probed_size(node, sl_displayed_size(d, leaf).edge);
     }
     sl_displayed_close(d, leaf, counters);
 }

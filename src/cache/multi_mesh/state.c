@@ -162,10 +162,10 @@ static double share_done(const sl_multi_mesh_state *s) {
         if (!part) continue;
         for (size_t f = 0; f < s->visible->face_count; f++) {
             const sl_visible_face *face = &s->visible->face[f];
-            uint32_t root = sl_mesh_root_of(part->mesh, face->face);
+            uint32_t root = sl_patches_find_root(part->mesh, face->face);
             all += face->count;
             if (root != SL_NO_INDEX && sl_multi_mesh_takes_part(s, i) && s->phase == SL_PHASE_REFINE &&
-                !(part->mesh->node[root].priority > 0.0f))
+                !(part->mesh->patch[root].priority > 0.0f))
                 done += face->count;
         }
     }
@@ -252,7 +252,7 @@ bool sl_multi_mesh_is_full(sl_multi_mesh_state *s) {
     /* arrays are there twice while they grow */
     s->full = 2.0 * (bytes - (double)s->bytes_of_roots) > (double)s->settings.memory_bytes;
     size_t leaves = 0;
-    for (int i = 0; i < SL_COMPONENTS; i++) leaves += s->part[i] ? s->part[i]->mesh->leaf_count : 0;
+    for (int i = 0; i < SL_COMPONENTS; i++) leaves += s->part[i] ? s->part[i]->mesh->leaves_alive : 0;
     if (s->full) snprintf(s->filled, sizeof s->filled, "meshes end at %zu leaves", leaves);
     return s->full;
 }
@@ -282,33 +282,6 @@ static size_t multi_mesh_bytes(const void *state) {
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);
     return bytes;
-}
-
-static sl_mesh_census census_of(const sl_mesh *mesh, size_t bytes) {
-    sl_mesh_census c = {.leaves = mesh->leaf_count, .vertices = mesh->vertex_count, .bytes = bytes};
-    for (size_t v = 0; v < mesh->vertex_count; v++) c.known += mesh->state[v] == SL_VERTEX_KNOWN;
-    return c;
-}
-
-void sl_multi_mesh_census(const void *state, sl_mesh_census census[SL_MESH_KINDS]) {
-    const sl_multi_mesh_state *s = state;
-    for (int k = 0; k < SL_MESH_KINDS; k++) census[k] = (sl_mesh_census){0};
-    for (int i = 0; i < SL_COMPONENTS; i++)
-        if (s->part[i]) census[i] = census_of(s->part[i]->mesh, sl_displayed_memory_bytes(s->part[i]));
-    for (size_t l = 0; s->irradiance && l < s->lights->count; l++) {
-        sl_mesh_census c = census_of(sl_irradiance_mesh(s->irradiance, l), 0),
-                       *all = &census[SL_MESH_IRRADIANCE];
-        all->leaves += c.leaves;
-        all->vertices += c.vertices;
-        all->known += c.known;
-    }
-    if (s->irradiance) census[SL_MESH_IRRADIANCE].bytes = sl_irradiance_meshes_bytes(s->irradiance);
-    if (s->coarse) {
-        size_t vertices = s->coarse->vertex_count;
-        census[SL_MESH_COARSE] =
-            (sl_mesh_census){s->coarse->triangle_count, vertices,
-                             s->coarse_whole ? vertices : s->coarse_done, sl_coarse_memory_bytes(s->coarse)};
-    }
 }
 
 const sl_method_class sl_multi_mesh_method = {

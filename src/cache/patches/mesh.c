@@ -1,41 +1,28 @@
-/* Quadtrees of triangles: places, split and collapse. */
-#include <math.h>
-#include <string.h>
-
-#include "base/error.h"
+/* Values between vertices: linear, or where vertices hang on a leaf's edges a fan around the leaf's centre,
+ * so that both sides of an edge have the same values along it. Differences are added to a corner's value, so
+ * that what is constant stays so in every bit. */
 #include "cache/patches/mesh.h"
-#include "cache/patches/mesh_parts.h"
 
-/* ---- places ---------------------------------------------------------------------------------- */
+#include <math.h>
 
-sl_mesh_place sl_mesh_root_place(const sl_mesh *mesh, uint32_t face) {
-    return (sl_mesh_place){.node = sl_mesh_root_of(mesh, face),
-                           .face = face,
-                           .p = {0, SL_MESH_DYADIC, 0},
-                           .q = {0, 0, SL_MESH_DYADIC}};
+#include "cache/patches/fan.h"
+
+/* ---- splits, points -------------------------------------------------------------------------- */
+
+/* Corner c of a child in four keeps the edge opposite to c half, unless c is the corner that it shares with
+ * its parent. */
+sl_status sl_mesh_split(sl_patches *mesh, const sl_patch_place *place, sl_error *error) {
+    sl_status status = sl_patch_split_at(mesh, place, error);
+    if (status != SL_OK || sl_patch_is_leaf(mesh, place->patch)) return status;
+    const sl_patch *parent = &mesh->patch[place->patch];
+    for (int child = 0; child < 3; child++)
+        for (int c = 0; c < 3; c++)
+            if (c != child && sl_edge_of(parent, c) == SL_EDGE_CLOSED)
+                sl_set_edge(&mesh->patch[parent->child + (uint32_t)child], c, SL_EDGE_CLOSED);
+    return SL_OK;
 }
 
-sl_mesh_place sl_mesh_child_place(const sl_mesh *mesh, const sl_mesh_place *parent, int child) {
-    sl_mesh_place place = {.node = mesh->node[parent->node].child + (uint32_t)child,
-                           .face = parent->face,
-                           .depth = parent->depth + 1};
-    sl_dyadic_child(3, parent->p, parent->q, child, place.p, place.q);
-    return place;
-}
-
-sl_mesh_place sl_mesh_place_of(const sl_mesh *mesh, uint32_t node) {
-    int path[SL_MESH_DEPTH_MAX], depth = 0;
-    uint32_t at = node;
-    for (uint32_t up = sl_mesh_parent(mesh, at); up != SL_NO_INDEX; at = up, up = sl_mesh_parent(mesh, at))
-        path[depth++] = (int)(at - mesh->node[up].child);
-    sl_mesh_place place = sl_mesh_root_place(mesh, mesh->node[at].parent & ~SL_MESH_ROOT);
-    while (depth > 0) place = sl_mesh_child_place(mesh, &place, path[--depth]);
-    return place;
-}
-
-/* ---- points ---------------------------------------------------------------------------------- */
-
-/* Onto the face: NaN becomes 0. */
+/* Moves weights onto the face: NaN becomes 0. */
 static void clamp_weights(float w1, float w2, double *clamped1, double *clamped2) {
     double a = w1 > 0.0f ? (double)fminf(w1, 1.0f) : 0.0, b = w2 > 0.0f ? (double)fminf(w2, 1.0f) : 0.0;
     double sum = a + b;
@@ -43,98 +30,142 @@ static void clamp_weights(float w1, float w2, double *clamped1, double *clamped2
     *clamped2 = sum > 1.0 ? b / sum : b;
 }
 
-/* Gives weights of a place's corners 1 and 2 at a point of the face: exact for points that are not absurdly
- * near a corner. */
-static void weights_within(const sl_mesh_place *place, double w1, double w2, double *a, double *b) {
-    sl_dyadic_local(3, place->p, place->q, w1 * SL_MESH_DYADIC, w2 * SL_MESH_DYADIC, a, b);
-}
-
-void sl_mesh_weights_within(const sl_mesh_place *place, float w1, float w2, float *leaf_w1, float *leaf_w2) {
+void sl_mesh_weights_within(const sl_patch_place *place, float w1, float w2, float *leaf_w1, float *leaf_w2) {
     double a, b;
     clamp_weights(w1, w2, &a, &b);
-    weights_within(place, a, b, &a, &b);
+    sl_patch_local(place, a * SL_PATCH_DYADIC, b * SL_PATCH_DYADIC, &a, &b);
     *leaf_w1 = (float)a;
     *leaf_w2 = (float)b;
 }
 
-sl_mesh_place sl_mesh_locate(const sl_mesh *mesh, uint32_t face, float w1, float w2, float *leaf_w1,
-                             float *leaf_w2) {
-    sl_mesh_place place = sl_mesh_root_place(mesh, face);
-    double w[2], a, b;
-    if (place.node == SL_NO_INDEX) return place;
-    clamp_weights(w1, w2, &w[0], &w[1]);
-    for (weights_within(&place, w[0], w[1], &a, &b); !sl_mesh_is_leaf(mesh, place.node);
-         weights_within(&place, w[0], w[1], &a, &b))
-        place = sl_mesh_child_place(mesh, &place, sl_dyadic_child_at(3, a, b));
-    *leaf_w1 = (float)a;
-    *leaf_w2 = (float)b;
-    return place;
+sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, float w2) {
+    double a, b;
+    clamp_weights(w1, w2, &a, &b);
+    return sl_patch_locate(mesh, face, a, b);
 }
 
-/* ---- split and collapse ---------------------------------------------------------------------- */
-
-static double doubled_area(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
-    return sl_lengthd(sl_crossd(sl_subd(b, a), sl_subd(c, a)));
+sl_mesh_point sl_mesh_point_at(const sl_primitives *primitives, sl_root_place place) {
+    sl_root_point at;
+    sl_root_point_at(primitives, place.root, place.u, place.v, &at);
+    bool inside = at.triangle != SL_NO_INDEX;
+    return (sl_mesh_point){at.position, at.normal, inside ? at.geometric_normal : at.normal, at.triangle,
+                           place.root};
 }
 
-/* Tells whether all children would have an area in the float coordinates that vertices have. NaN has none. */
-static bool can_be_cut(const sl_mesh *mesh, const sl_mesh_place *place) {
-    if (sl_triangle_is_degenerate(mesh->primitives->scene, place->face / 2)) return false;
-    sl_vec3d corner[3], at[3];
+static sl_vec3 between(sl_vec3 a, sl_vec3 b, double share) {
+    sl_vec3d from = sl_to_double(a);
+    return sl_to_float(sl_addd(from, sl_scaled(sl_subd(sl_to_double(b), from), share)));
+}
+
+sl_mesh_point sl_mesh_point_nudged(const sl_patches *mesh, uint32_t vertex, sl_root_place middle,
+                                   double share) {
+    sl_mesh_point from = sl_mesh_point_of(mesh, vertex), to = sl_mesh_point_at(mesh->primitives, middle);
+    sl_vec3 geometric = sl_face_normal(mesh->primitives->scene, middle.root);
+    return (sl_mesh_point){between(from.position, to.position, share),
+                           sl_normalize_or(between(from.normal, to.normal, share), geometric), geometric,
+                           middle.root / 2, middle.root};
+}
+
+/* ---- fans ------------------------------------------------------------------------------------ */
+
+/* The values of the leaf's corners; the mean of the known ones at those that are of no use. */
+static bool read_corners(const sl_patches *mesh, const sl_patch_place *leaf, sl_mesh_fan *fan) {
+    int known = 0;
+    bool invalid[3];
+    float sum[3] = {0.0f, 0.0f, 0.0f};
     for (int c = 0; c < 3; c++) {
-        int j = (c + 1) % 3, k = (c + 2) % 3;
-        uint16_t p = sl_dyadic_middle(place->p[j], place->p[k]),
-                 q = sl_dyadic_middle(place->q[j], place->q[k]);
-        corner[c] = sl_to_double(sl_root_position(mesh->primitives, place->face, place->p[c], place->q[c]));
-        at[c] = sl_to_double(sl_root_position(mesh->primitives, place->face, p, q));
+        uint32_t vertex = sl_patch_corner(mesh, leaf->patch, c);
+        if (!sl_mesh_is_sampled(mesh, vertex)) return false;
+        invalid[c] = sl_mesh_state(mesh, vertex) == SL_VERTEX_INVALID;
+        known += !invalid[c];
+        for (int i = 0; i < fan->channels && !invalid[c]; i++)
+            sum[i] += fan->corner[c][i] = sl_vertex_value(mesh, vertex)[i];
     }
-    bool good = doubled_area(at[0], at[1], at[2]) > 0.0;
-    for (int c = 0; c < 3; c++)
-        good = good && doubled_area(corner[c], at[(c + 1) % 3], at[(c + 2) % 3]) > 0.0;
-    return good;
+    for (int c = 0; c < 3 && known > 0; c++)
+        for (int i = 0; i < fan->channels && invalid[c]; i++) fan->corner[c][i] = sum[i] / (float)known;
+    return known > 0;
 }
 
-static uint32_t closed_edge(uint32_t flags, int edge) {
-    return (flags >> 2 * edge & 3u) == SL_EDGE_CLOSED ? (uint32_t)SL_EDGE_CLOSED << 2 * edge : 0;
+void sl_mesh_edge_vertices(const sl_patches *mesh, const sl_patch_place *leaf, int edge,
+                           sl_edge_vertices *list) {
+    const sl_hanging known = {list->vertex, list->at, SL_FAN_EDGE - 2, SL_FAN_EDGE - 1, SL_VERTEX_KNOWN};
+    list->count = (int)sl_patch_hanging(mesh, leaf, (edge + 1) % 3, &known);
 }
 
-/* Corner c of a child in four keeps the edge opposite to c half, unless c is the corner that it shares with
- * its parent. */
-static void fill_four(sl_mesh *mesh, uint32_t node, const uint32_t at[3]) {
-    const sl_mesh_node *parent = &mesh->node[node];
-    for (int child = 0; child < 3; child++) {
-        sl_mesh_node *n = &mesh->node[parent->child + (uint32_t)child];
-        for (int c = 0; c < 3; c++) {
-            n->vertex[c] = c == child ? parent->vertex[c] : at[3 - c - child];
-            if (c != child) n->flags |= closed_edge(parent->flags, c);
-        }
+static void append(sl_mesh_fan *fan, int edge, int at, const float *value) {
+    int n = fan->points[edge]++;
+    fan->along[edge][n] = (float)at / (float)(SL_FAN_EDGE - 1);
+    for (int i = 0; i < fan->channels; i++) fan->on_edge[edge][n][i] = value[i];
+}
+
+bool sl_mesh_fan_make(const sl_patches *mesh, const sl_patch_place *leaf, bool hanging, sl_mesh_fan *fan) {
+    fan->channels = mesh->settings.channels;
+    fan->hanging = false;
+    if (!read_corners(mesh, leaf, fan)) return false;
+    for (int i = 0; i < fan->channels; i++) {
+        float first = fan->corner[0][i];
+        fan->centre[i] = first + ((fan->corner[1][i] - first) + (fan->corner[2][i] - first)) * (1.0f / 3.0f);
     }
-    memcpy(mesh->node[parent->child + 3].vertex, at, 3 * sizeof at[0]);
-}
-
-sl_status sl_mesh_split(sl_mesh *mesh, const sl_mesh_place *place, sl_error *error) {
-    if (!sl_mesh_is_leaf(mesh, place->node) || place->depth >= mesh->max_depth || !can_be_cut(mesh, place))
-        return SL_OK;
-    uint32_t at[3];
     for (int edge = 0; edge < 3; edge++) {
-        sl_status status;
-        at[edge] = sl_mesh_middle(mesh, place, edge, &status, error);
-        if (at[edge] == SL_NO_INDEX) return status;
+        sl_edge_vertices list;
+        list.count = 0;
+        if (hanging) sl_mesh_edge_vertices(mesh, leaf, edge, &list);
+        fan->hanging = fan->hanging || list.count > 0;
+        fan->points[edge] = 0;
+        append(fan, edge, 0, fan->corner[(edge + 1) % 3]);
+        for (int i = 0; i < list.count; i++)
+            append(fan, edge, list.at[i], sl_vertex_value(mesh, list.vertex[i]));
+        append(fan, edge, SL_FAN_EDGE - 1, fan->corner[(edge + 2) % 3]);
     }
-    uint32_t children = sl_mesh_take_nodes(mesh, 4, place->node);
-    if (children == SL_NO_INDEX) return sl_fail_memory(error, "mesh nodes");
-    mesh->node[place->node].child = children;
-    fill_four(mesh, place->node, at);
-    mesh->leaf_count += 3;
-    return SL_OK;
+    return true;
 }
 
-void sl_mesh_collapse(sl_mesh *mesh, uint32_t node) {
-    sl_mesh_node *n = &mesh->node[node];
-    if (n->child == SL_NO_INDEX) return;
-    for (uint32_t c = 0; c < 4; c++)
-        if (!sl_mesh_is_leaf(mesh, n->child + c)) return;
-    sl_mesh_free_nodes(mesh, n->child);
-    n->child = SL_NO_INDEX;
-    mesh->leaf_count -= 3;
+static float clamp01(float x) { return x > 0.0f ? fminf(x, 1.0f) : 0.0f; }
+
+/* Piecewise linear between an edge's vertices, t from the first one. */
+static void edge_value(const sl_mesh_fan *fan, int edge, float t, float *value) {
+    const float *along = fan->along[edge];
+    int low = 0, high = fan->points[edge] - 1;
+    while (high - low > 1) {
+        int half = (low + high) / 2;
+        if (along[half] <= t) low = half;
+        else high = half;
+    }
+    float s = (t - along[low]) / (along[high] - along[low]);
+    for (int i = 0; i < fan->channels; i++) {
+        float a = fan->on_edge[edge][low][i], b = fan->on_edge[edge][high][i];
+        value[i] = s <= 0.5f ? a + s * (b - a) : b + (1.0f - s) * (a - b); /* exact at both ends */
+    }
+}
+
+void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value) {
+    w1 = clamp01(w1);
+    w2 = clamp01(w2);
+    if (!fan->hanging) {
+        for (int i = 0; i < fan->channels; i++)
+            value[i] = fan->corner[0][i] + (w1 * (fan->corner[1][i] - fan->corner[0][i]) +
+                                            w2 * (fan->corner[2][i] - fan->corner[0][i]));
+        return;
+    }
+    sl_fan_place at = sl_fan_place_of(true, w1, w2);
+    float on_edge[3];
+    edge_value(fan, (at.edge + 2) % 3, at.along, on_edge);
+    for (int i = 0; i < fan->channels; i++)
+        value[i] = fan->centre[i] + at.out * (on_edge[i] - fan->centre[i]);
+}
+
+bool sl_mesh_interpolate(const sl_patches *mesh, const sl_patch_place *leaf, float w1, float w2, bool hanging,
+                         float *value) {
+    sl_mesh_fan fan;
+    if (!sl_mesh_fan_make(mesh, leaf, hanging, &fan)) return false;
+    sl_mesh_fan_value(&fan, w1, w2, value);
+    return true;
+}
+
+bool sl_mesh_value(const sl_patches *mesh, uint32_t face, float w1, float w2, float *value) {
+    float leaf_w1, leaf_w2;
+    sl_patch_place leaf = sl_mesh_locate(mesh, face, w1, w2);
+    if (leaf.patch == SL_NO_INDEX) return false;
+    sl_mesh_weights_within(&leaf, w1, w2, &leaf_w1, &leaf_w2);
+    return sl_mesh_interpolate(mesh, &leaf, leaf_w1, leaf_w2, true, value);
 }

@@ -40,9 +40,8 @@ static void walk_below(const leaf_walk *w, const sl_patch_place *place, const uv
 }
 
 static void walk_box(const leaf_walk *w, uint32_t root, const uv_box *box) {
-    if (w->patches->root_patch[root] == SL_NO_INDEX) return;
-    sl_patch_place place = sl_patch_place_of(w->patches, w->patches->root_patch[root]);
-    walk_below(w, &place, box);
+    sl_patch_place place = sl_patch_root_place(w->patches, root);
+    if (place.patch != SL_NO_INDEX) walk_below(w, &place, box);
 }
 
 static uv_box edge_box(const sl_primitives *primitives, uint32_t code, uint32_t from, uint32_t to) {
@@ -79,55 +78,55 @@ void sl_patches_visit_around(sl_patches *p, sl_root_place place, sl_leaf_visitor
 
 static void mark(sl_patches *p, const sl_patch_place *leaf, void *context) {
     (void)context;
-    p->flags[leaf->patch] |= SL_PATCH_DIRTY;
+    p->patch[leaf->patch].flags |= SL_PATCH_DIRTY;
 }
 
-void sl_patches_touch_place(sl_patches *p, sl_root_place place) {
-    sl_patches_visit_around(p, place, mark, NULL);
-}
-
-void sl_patches_touch(sl_patches *p, uint32_t vertex) {
-    sl_patches_touch_place(p, sl_vertex_place(&p->vertex[vertex]));
-}
+void sl_patches_touch(sl_patches *p, sl_root_place place) { sl_patches_visit_around(p, place, mark, NULL); }
 
 /* ---- vertices along an edge ------------------------------------------------------------------ */
 
-typedef struct edge_of_leaf {
+typedef struct edge_walk {
     const sl_patches *patches;
-    uint32_t corner; /* a vertex that the edge begins with */
-} edge_of_leaf;
+    const sl_hanging *list;
+    uint32_t corner;             /* a vertex that the edge begins with */
+    size_t count;
+} edge_walk;
 
-static uint32_t vertex_at(const void *tree, sl_root_place place, bool *further) {
-    const edge_of_leaf *edge = tree;
-    uint32_t vertex = sl_vertex_find(edge->patches, place);
-    *further = true;
-    return vertex == edge->corner ? SL_NO_INDEX : vertex; /* the former: the edge is one point */
+/* Lists those between two places, the stretch being `length` parts from `first` on. Finer leaves beside it
+ * have its middle for a corner, and only then may they have the middles of its halves. */
+static void walk_edge(edge_walk *w, sl_root_place from, sl_root_place to, uint32_t first, uint32_t length) {
+    uint32_t u = (uint32_t)from.u + to.u, v = (uint32_t)from.v + to.v;
+    if (length < 2 || (u | v) % 2 != 0 || w->count == w->list->room) return;
+    sl_root_place middle = {from.root, (uint16_t)(u / 2), (uint16_t)(v / 2)};
+    uint32_t vertex = sl_vertex_find(w->patches, middle);
+    if (vertex == SL_NO_INDEX || vertex == w->corner) return; /* the latter: the edge is one point */
+    const sl_patch_vertex *at = &w->patches->vertex[vertex];
+    if (w->list->state && at->evaluated != w->list->state) return;
+    if (at->halved) walk_edge(w, from, middle, first, length / 2);
+    if (w->count == w->list->room) return;
+    if (w->list->at) w->list->at[w->count] = (uint16_t)(first + length / 2);
+    w->list->vertex[w->count++] = vertex;
+    if (at->halved) walk_edge(w, middle, to, first + length / 2, length / 2);
 }
 
-size_t sl_patch_hanging_at(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex,
-                           uint16_t *at, size_t room) {
+size_t sl_patch_hanging(const sl_patches *p, const sl_patch_place *leaf, int edge, const sl_hanging *list) {
     int next = (edge + 1) % leaf->corners;
-    edge_of_leaf of = {p, sl_patch_corner(p, leaf->patch, edge)};
-    sl_hanging_walk walk = {&of, vertex_at, vertex, at, 0, room};
-    sl_walk_hanging(&walk, (sl_root_place){leaf->root, leaf->u[edge], leaf->v[edge]},
-                    (sl_root_place){leaf->root, leaf->u[next], leaf->v[next]}, 0, SL_PATCH_DYADIC);
+    edge_walk walk = {p, list, sl_patch_corner(p, leaf->patch, edge), 0};
+    walk_edge(&walk, (sl_root_place){leaf->root, leaf->u[edge], leaf->v[edge]},
+              (sl_root_place){leaf->root, leaf->u[next], leaf->v[next]}, 0, list->parts);
     return walk.count;
-}
-
-size_t sl_patch_hanging(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex,
-                        size_t room) {
-    return sl_patch_hanging_at(p, leaf, edge, vertex, NULL, room);
 }
 
 uint32_t sl_leaf_oldest(const sl_patches *p, uint32_t leaf) {
     uint32_t oldest = UINT32_MAX, vertex[SL_HANGING_MOST];
+    const sl_hanging list = {.vertex = vertex, .room = SL_HANGING_MOST, .parts = SL_PATCH_DYADIC};
     for (int c = 0; c < sl_patch_corners(p, leaf); c++) {
         uint32_t evaluated = p->vertex[sl_patch_corner(p, leaf, c)].evaluated;
         oldest = evaluated < oldest ? evaluated : oldest;
     }
     sl_patch_place place = sl_patch_place_of(p, leaf);
     for (int e = 0; e < place.corners && oldest != SL_VERTEX_NEVER; e++) {
-        size_t count = sl_patch_hanging(p, &place, e, vertex, SL_HANGING_MOST);
+        size_t count = sl_patch_hanging(p, &place, e, &list);
         for (size_t i = 0; i < count; i++) {
             uint32_t evaluated = p->vertex[vertex[i]].evaluated;
             if (evaluated != SL_VERTEX_NEVER && evaluated < oldest) oldest = evaluated;

@@ -4,7 +4,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/patches/patch_parts.h"
+#include "cache/patches/patches.h"
 
 /* A patch that can lose its children, all of them leaves. */
 typedef struct candidate {

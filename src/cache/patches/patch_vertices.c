@@ -3,122 +3,108 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "cache/patches/patch_parts.h"
 
 /* ---- the table ------------------------------------------------------------------------------- */
 
-static sl_status reserve_slots(sl_patches *p, size_t vertices, sl_error *error) {
-    if (5 * vertices <= 4 * p->table.count) return SL_OK;
-    size_t count = vertices + vertices / 4 + vertices / 24 + 64;
-    if (count >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many vertices of patches");
-    if (!sl_place_table_resize(&p->table, count)) return sl_fail_memory(error, "vertices of patches");
-    for (size_t i = 0; i < p->vertex_count; i++) {
-        if (p->vertex[i].references)
-            p->table.slot[sl_place_slot(&p->table, p->vertex[i].place)] = (uint32_t)i;
+bool sl_empty_slots(uint32_t **table, size_t *slots, size_t count) {
+    uint32_t *slot = sl_allocate_unset(count, sizeof *slot);
+    if (!slot) return false;
+    memset(slot, 0xff, count * sizeof *slot); /* SL_NO_INDEX */
+    sl_free(*table);
+    *table = slot;
+    *slots = count;
+    return true;
+}
+
+static size_t home_of(const sl_patches *p, sl_root_place place) {
+    uint64_t bits = (uint64_t)place.root << 32 | (uint64_t)place.u << 16 | place.v;
+    return sl_slot_of_hash(sl_hash64(bits), p->slots);
+}
+
+/* Returns the slot of the vertex at a place, or the empty one where it would go. */
+static size_t slot_of(const sl_patches *p, sl_root_place place) {
+    size_t slot = home_of(p, place);
+    for (; p->slot[slot] != SL_NO_INDEX; slot = sl_slot_after(slot, p->slots)) {
+        const sl_patch_vertex *other = &p->vertex[p->slot[slot]];
+        if (other->root == place.root && other->u == place.u && other->v == place.v) break;
     }
-    return SL_OK;
+    return slot;
+}
+
+/* Moves up those that could have gone here, had it been empty: no marks are left behind. */
+static void empty_slot(sl_patches *p, size_t hole) {
+    for (size_t slot = sl_slot_after(hole, p->slots); p->slot[slot] != SL_NO_INDEX;
+         slot = sl_slot_after(slot, p->slots)) {
+        size_t home = home_of(p, p->vertex[p->slot[slot]].place);
+        bool between = hole < slot ? home > hole && home <= slot : home > hole || home <= slot;
+        if (between) continue;
+        p->slot[hole] = p->slot[slot];
+        hole = slot;
+    }
+    p->slot[hole] = SL_NO_INDEX;
 }
 
 /* ---- vertices -------------------------------------------------------------------------------- */
 
-static bool has_lobe(const sl_patches *p, uint32_t root) {
-    return p->lobes && sl_material_has_lobe(sl_root_material(p->primitives, root));
+static bool reserve_slots(sl_patches *p, size_t vertices) {
+    if (5 * vertices <= 4 * p->slots) return true;
+    size_t count = vertices + vertices / 4 + vertices / 12 + 16;
+    if (count >= SL_NO_INDEX || !sl_empty_slots(&p->slot, &p->slots, count)) return false;
+    for (size_t i = 0; i < p->vertex_count; i++)
+        if (p->vertex[i].references) p->slot[slot_of(p, p->vertex[i].place)] = (uint32_t)i;
+    return true;
 }
 
-static sl_status reserve_numbers(sl_patches *p, size_t count, sl_error *error) {
-    if (p->vertex_count + count <= p->vertex_capacity) return SL_OK;
+static bool reserve_numbers(sl_patches *p, size_t count) {
     size_t had = p->vertex_count, capacity = sl_patches_room(p->vertex_capacity, had + count);
-    capacity = (capacity + SL_VERTEX_GROUP - 1) / SL_VERTEX_GROUP * SL_VERTEX_GROUP;
-    if (capacity >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many vertices of patches");
-    size_t group = sizeof *p->lobe_group, groups = SL_VERTEX_GROUP;
-    sl_growing all[3] = {{(void **)&p->vertex, had * sizeof *p->vertex, capacity * sizeof *p->vertex, NULL}};
-    int arrays = 1;
-    if (p->sets)
-        all[arrays++] =
-            (sl_growing){(void **)&p->sets, had * sizeof *p->sets, capacity * sizeof *p->sets, NULL};
-    if (p->lobes)
-        all[arrays++] =
-            (sl_growing){(void **)&p->lobe_group, had / groups * group, capacity / groups * group, NULL};
-    sl_status status = sl_patches_enlarge(all, arrays, error);
-    if (status == SL_OK) p->vertex_capacity = capacity;
-    p->table.vertex = p->vertex;
-    return status;
+    if (had + count <= p->vertex_capacity) return true;
+    if (capacity >= SL_NO_INDEX || !sl_regrow(&p->vertex, had, capacity, sizeof *p->vertex) ||
+        !sl_regrow(&p->value, had, capacity, (size_t)p->settings.channels * sizeof *p->value) ||
+        (p->sets && !sl_regrow(&p->sets, had, capacity, sizeof *p->sets)))
+        return false;
+    p->vertex_capacity = capacity;
+    return true;
 }
 
-static sl_status reserve_lobes(sl_patches *p, sl_error *error) {
-    size_t wanted = p->lobe_count + SL_VERTEX_GROUP, capacity = sl_patches_room(p->lobe_capacity, wanted),
-           size = sizeof *p->lobe;
-    if (wanted <= p->lobe_capacity) return SL_OK;
-    sl_growing all[] = {{(void **)&p->lobe, p->lobe_count * size, capacity * size, NULL}};
-    sl_status status = sl_patches_enlarge(all, 1, error);
-    if (status == SL_OK) p->lobe_capacity = capacity;
-    return status;
-}
-
-sl_status sl_vertices_reserve(sl_patches *p, uint32_t root, size_t count, sl_error *error) {
-    bool lobe = has_lobe(p, root);
-    sl_status status = reserve_slots(p, p->vertices_alive + count, error);
-    if (status != SL_OK || p->free_vertices[lobe] >= count) return status;
-    if (lobe) status = reserve_lobes(p, error);
-    return status == SL_OK
-               ? reserve_numbers(p, p->lobes ? SL_VERTEX_GROUP : count - p->free_vertices[0], error)
-               : status;
+sl_status sl_vertices_reserve(sl_patches *p, size_t count, sl_error *error) {
+    bool done = reserve_slots(p, p->vertices_alive + count) && reserve_numbers(p, count);
+    return done ? SL_OK : sl_fail_memory(error, "vertices of patches");
 }
 
 uint32_t sl_vertex_find(const sl_patches *p, sl_root_place place) {
-    return p->table.slot[sl_place_slot(&p->table, sl_root_canonical(p->primitives, place))];
-}
-
-/* Vertices that are not in use have no references and name the next one in `root`. */
-static void put_aside(sl_patches *p, uint32_t vertex, bool lobe) {
-    p->vertex[vertex] = (sl_patch_vertex){.root = p->first_free_vertex[lobe], .evaluated = SL_VERTEX_NEVER};
-    p->first_free_vertex[lobe] = vertex;
-    p->free_vertices[lobe]++;
-}
-
-/* Where no lobes are kept a group is one. */
-static void begin_group(sl_patches *p, bool lobe) {
-    uint32_t first = (uint32_t)p->vertex_count, count = p->lobes ? SL_VERTEX_GROUP : 1;
-    for (uint32_t k = count; k-- > 0;) put_aside(p, first + k, lobe);
-    p->vertex_count += count;
-    if (!p->lobes) return;
-    p->lobe_group[first / SL_VERTEX_GROUP] = lobe ? (uint32_t)(p->lobe_count / SL_VERTEX_GROUP) : SL_NO_INDEX;
-    p->lobe_count += lobe ? SL_VERTEX_GROUP : 0;
-}
-
-static uint32_t unused_vertex(sl_patches *p, bool lobe) {
-    if (p->free_vertices[lobe] == 0) begin_group(p, lobe);
-    uint32_t made = p->first_free_vertex[lobe];
-    p->first_free_vertex[lobe] = p->vertex[made].root;
-    p->free_vertices[lobe]--;
-    return made;
+    return p->slot[slot_of(p, sl_root_canonical(p->primitives, place))];
 }
 
 uint32_t sl_vertex_take(sl_patches *p, sl_root_place place, bool *created) {
     place = sl_root_canonical(p->primitives, place);
-    size_t slot = sl_place_slot(&p->table, place);
-    if (p->table.slot[slot] != SL_NO_INDEX) {
-        sl_patch_vertex *found = &p->vertex[p->table.slot[slot]];
+    size_t slot = slot_of(p, place);
+    if (p->slot[slot] != SL_NO_INDEX) {
+        sl_patch_vertex *found = &p->vertex[p->slot[slot]];
         if (found->references < SL_REFERENCES_MANY) found->references++;
-        return p->table.slot[slot];
+        return p->slot[slot];
     }
-    uint32_t made = unused_vertex(p, has_lobe(p, place.root));
+    uint32_t made = p->first_free_vertex;
+    if (made == SL_NO_INDEX) made = (uint32_t)p->vertex_count++;
+    else p->first_free_vertex = p->vertex[made].root;
     p->vertex[made] = (sl_patch_vertex){.place = place, .references = 1, .evaluated = SL_VERTEX_NEVER};
-    float *lobe = sl_vertex_lobe(p, made);
-    if (lobe) memset(lobe, 0, sizeof *p->lobe);
+    memset(sl_vertex_value(p, made), 0, (size_t)p->settings.channels * sizeof *p->value);
     if (p->sets) p->sets[made] = (sl_vertex_sets){0};
     p->vertices_alive++;
-    p->table.slot[slot] = made;
+    p->slot[slot] = made;
     *created = true;
     return made;
 }
 
+/* Vertices that are not in use have no references and name the next one in `root`. */
 bool sl_vertex_release(sl_patches *p, uint32_t vertex) {
     sl_patch_vertex *v = &p->vertex[vertex];
     if (v->references == SL_REFERENCES_MANY || --v->references) return false;
-    sl_place_table_empty(&p->table, sl_place_slot(&p->table, v->place));
-    put_aside(p, vertex, sl_vertex_lobe(p, vertex) != NULL);
+    empty_slot(p, slot_of(p, v->place));
+    *v = (sl_patch_vertex){.root = p->first_free_vertex, .evaluated = SL_VERTEX_NEVER};
+    p->first_free_vertex = vertex;
     p->vertices_alive--;
     return true;
 }

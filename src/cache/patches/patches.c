@@ -5,33 +5,26 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
-#include "cache/patches/dyadic.h"
 #include "cache/patches/patch_parts.h"
 
 /* ---- life ------------------------------------------------------------------------------------ */
 
-sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_patches **patches,
-                            sl_error *error) {
+sl_status sl_patches_create(const sl_primitives *primitives, const sl_patches_settings *settings,
+                            sl_patches **patches, sl_error *error) {
     *patches = NULL;
     sl_patches *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "patches");
-    size_t roots = 2 * primitives->count;
     p->primitives = primitives;
-    p->table.stride = sizeof *p->vertex;
-    p->first_free = p->resting[0] = p->resting[1] = p->last_root_block = p->first_free_vertex[0] =
-        p->first_free_vertex[1] = SL_NO_INDEX;
-    p->lobes = kept & SL_PATCHES_LOBES;
-    p->root_patch = sl_allocate_unset(roots, sizeof *p->root_patch);
-    p->wanted_root = sl_allocate(roots, sizeof *p->wanted_root);
-    bool sets = kept & SL_PATCHES_SETS;
-    if (sets) p->sets = sl_allocate(0, sizeof *p->sets); /* that it is there says that it is wanted */
-    sl_status status = sl_vertices_reserve(p, 0, 4, error);
-    if (!p->root_patch || !p->wanted_root || (sets && !p->sets) || status != SL_OK) {
+    p->settings = *settings;
+    if (settings->sets) p->sets = sl_allocate(0, sizeof *p->sets); /* that it is there says it is wanted */
+    if ((settings->sets && !p->sets) || sl_vertices_reserve(p, 4, error) != SL_OK ||
+        !sl_empty_slots(&p->root_slot, &p->root_slots, 16)) {
         sl_patches_destroy(p);
         return sl_fail_memory(error, "patches");
     }
-    memset(p->root_patch, 0xff, roots * sizeof *p->root_patch); /* SL_NO_INDEX */
+    sl_patches_clear(p);
     *patches = p;
     return SL_OK;
 }
@@ -39,72 +32,52 @@ sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_p
 void sl_patches_destroy(sl_patches *p) {
     if (!p) return;
     for (size_t i = 0; i < p->block_chunks; i++) sl_free(p->block_chunk[i]);
-    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block_chunk,
-                   p->vertex,     p->sets,        p->lobe_group,  p->lobe,  p->table.slot, p->waiting};
+    void *all[] = {p->root, p->root_slot, p->patch, p->block_chunk, p->vertex, p->value, p->sets, p->slot};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(p);
 }
 
+void sl_patches_clear(sl_patches *p) {
+    memset(p->root_slot, 0xff, p->root_slots * sizeof *p->root_slot); /* SL_NO_INDEX */
+    memset(p->slot, 0xff, p->slots * sizeof *p->slot);
+    p->root_count = p->patch_count = p->patches_alive = p->leaves_alive = 0;
+    p->vertex_count = p->vertices_alive = 0;
+    p->first_free = p->resting[0] = p->resting[1] = p->last_root_block = p->first_free_vertex = SL_NO_INDEX;
+    p->extrapolates = false;
+}
+
 size_t sl_patches_memory_bytes(const sl_patches *p) {
     size_t of_chunk = SL_BLOCKS_A_CHUNK * sizeof **p->block_chunk + sizeof *p->block_chunk;
-    size_t of_vertex = sizeof *p->vertex + (p->sets ? sizeof *p->sets : 0),
-           groups = p->lobes ? p->vertex_capacity / SL_VERTEX_GROUP : 0;
-    return p->patch_capacity * (sizeof *p->patch + 1) + p->block_chunks * of_chunk +
-           p->wanted_capacity * sizeof *p->root_corner + p->vertex_capacity * of_vertex +
-           groups * sizeof *p->lobe_group + p->lobe_capacity * sizeof *p->lobe +
-           p->table.count * sizeof *p->table.slot + p->waiting_capacity * sizeof *p->waiting;
+    size_t of_vertex = sizeof *p->vertex + (size_t)p->settings.channels * sizeof *p->value +
+                       (p->sets ? sizeof *p->sets : 0);
+    return sizeof *p + p->patch_capacity * sizeof *p->patch + p->block_chunks * of_chunk +
+           p->root_capacity * sizeof *p->root + p->vertex_capacity * of_vertex +
+           (p->slots + p->root_slots) * sizeof *p->slot;
 }
 
 /* ---- blocks of four patches ------------------------------------------------------------------ */
 
-sl_status sl_patches_enlarge(sl_growing *all, int count, sl_error *error) {
-    bool failed = false;
-    for (int i = 0; i < count; i++) failed |= !(all[i].larger = sl_allocate_unset(all[i].room, 1));
-    for (int i = 0; i < count; i++) {
-        void *unwanted = failed ? all[i].larger : *all[i].array;
-        if (!failed && all[i].used) memcpy(all[i].larger, *all[i].array, all[i].used);
-        if (!failed) *all[i].array = all[i].larger;
-        sl_free(unwanted);
-    }
-    return failed ? sl_fail_memory(error, "patches") : SL_OK;
-}
-
-static sl_status reserve_chunk(sl_patches *p, sl_error *error) {
-    if (p->patch_count < 4 * SL_BLOCKS_A_CHUNK * p->block_chunks) return SL_OK;
+static bool reserve_chunk(sl_patches *p) {
+    if (p->patch_count < 4 * SL_BLOCKS_A_CHUNK * p->block_chunks) return true;
     if (p->block_chunks == p->block_chunks_room) {
-        size_t room = sl_patches_room(p->block_chunks, 0), size = sizeof *p->block_chunk;
-        sl_growing all[] = {{(void **)&p->block_chunk, p->block_chunks * size, room * size, NULL}};
-        sl_status status = sl_patches_enlarge(all, 1, error);
-        if (status != SL_OK) return status;
+        size_t room = sl_patches_room(p->block_chunks, 0);
+        if (!sl_regrow(&p->block_chunk, p->block_chunks, room, sizeof *p->block_chunk)) return false;
         p->block_chunks_room = room;
     }
     sl_patch_block *chunk = sl_allocate_unset(SL_BLOCKS_A_CHUNK, sizeof *chunk);
-    if (!chunk) return sl_fail_memory(error, "patches");
-    p->block_chunk[p->block_chunks++] = chunk;
-    return SL_OK;
+    if (chunk) p->block_chunk[p->block_chunks++] = chunk;
+    return chunk != NULL;
 }
 
-static sl_status reserve_block(sl_patches *p, sl_error *error) {
+static bool reserve_block(sl_patches *p) {
     size_t used = p->patch_count;
-    if (p->first_free != SL_NO_INDEX) return SL_OK;
-    sl_status status = reserve_chunk(p, error);
-    if (status != SL_OK || used + 4 <= p->patch_capacity) return status;
+    if (p->first_free != SL_NO_INDEX) return true;
+    if (!reserve_chunk(p)) return false;
+    if (used + 4 <= p->patch_capacity) return true;
     size_t capacity = sl_patches_room(p->patch_capacity, used + 4) / 4 * 4;
-    if (capacity >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many patches");
-    sl_growing all[] = {{(void **)&p->patch, used * sizeof *p->patch, capacity * sizeof *p->patch, NULL},
-                     {(void **)&p->flags, used, capacity, NULL}};
-    status = sl_patches_enlarge(all, 2, error);
-    if (status == SL_OK) p->patch_capacity = capacity;
-    return status;
-}
-
-static sl_status reserve_root(sl_patches *p, sl_error *error) {
-    if (p->wanted_count < p->wanted_capacity) return SL_OK;
-    size_t capacity = sl_patches_room(p->wanted_capacity, p->wanted_count + 1), size = sizeof *p->root_corner;
-    sl_growing all[] = {{(void **)&p->root_corner, p->wanted_count * size, capacity * size, NULL}};
-    sl_status status = sl_patches_enlarge(all, 1, error);
-    if (status == SL_OK) p->wanted_capacity = capacity;
-    return status;
+    if (capacity >= SL_NO_INDEX || !sl_regrow(&p->patch, used, capacity, sizeof *p->patch)) return false;
+    p->patch_capacity = capacity;
+    return true;
 }
 
 /* There is one: it has been reserved. */
@@ -118,18 +91,16 @@ static uint32_t take_block(sl_patches *p, uint32_t parent, uint32_t root) {
     }
     *sl_patch_block_of(p, first) =
         (sl_patch_block){parent, root, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
-    for (uint32_t k = 0; k < 4; k++) {
-        p->patch[first + k] = (sl_patch){.child = SL_NO_INDEX};
-        p->flags[first + k] = 0;
-    }
+    for (uint32_t k = 0; k < 4; k++) p->patch[first + k] = (sl_patch){.child = SL_NO_INDEX};
     return first;
 }
 
-/* Its patches are still to be taken out of the display. */
+/* Where there is a display its patches are still to be taken out of that. */
 static void give_block_back(sl_patches *p, uint32_t first) {
-    for (uint32_t k = 0; k < 4; k++) p->flags[first + k] = SL_PATCH_DIRTY;
-    p->patch[first].child = p->resting[0];
-    p->resting[0] = first;
+    uint32_t *chain = p->settings.shown ? &p->resting[0] : &p->first_free;
+    for (uint32_t k = 0; k < 4; k++) p->patch[first + k].flags = SL_PATCH_DIRTY;
+    p->patch[first].child = *chain;
+    *chain = first;
 }
 
 /* The copy that was just built knows nothing of what was given back before, and is the one that is drawn. A
@@ -149,12 +120,21 @@ static bool root_is_triangle(const sl_patches *p, uint32_t root) {
     return p->primitives->kind[root / 2] == SL_PRIMITIVE_TRIANGLE;
 }
 
-static sl_patch_place root_place(const sl_patches *p, uint32_t root) {
+sl_patch_place sl_patch_root_place(const sl_patches *p, uint32_t root) {
     const uint16_t one = SL_PATCH_DYADIC;
-    if (root_is_triangle(p, root))
-        return (sl_patch_place){p->root_patch[root], root, 0, 3, {0, one, 0, 0}, {0, 0, one, 0}};
-    return (sl_patch_place){p->root_patch[root], root, 0, 4, {0, one, one, 0}, {0, 0, one, one}};
+    uint32_t patch = sl_patches_find_root(p, root);
+    if (root_is_triangle(p, root)) return (sl_patch_place){patch, root, 0, 3, {0, one, 0, 0}, {0, 0, one, 0}};
+    return (sl_patch_place){patch, root, 0, 4, {0, one, one, 0}, {0, 0, one, one}};
 }
+
+/* Each corner of a child is the middle of two corners of its parent, or one of them (then both are the same).
+ */
+static const uint8_t triangle_child[4][3][2] = {
+    {{0, 0}, {0, 1}, {2, 0}}, {{0, 1}, {1, 1}, {1, 2}}, {{2, 0}, {1, 2}, {2, 2}}, {{1, 2}, {2, 0}, {0, 1}}};
+static const uint8_t quad_child[4][4][2] = {{{0, 0}, {0, 1}, {0, 2}, {3, 0}},
+                                            {{0, 1}, {1, 1}, {1, 2}, {0, 2}},
+                                            {{0, 2}, {1, 2}, {2, 2}, {2, 3}},
+                                            {{3, 0}, {0, 2}, {2, 3}, {3, 3}}};
 
 sl_patch_place sl_patch_child_place(const sl_patches *p, const sl_patch_place *parent, int child) {
     uint32_t first = p->patch[parent->patch].child;
@@ -164,7 +144,11 @@ sl_patch_place sl_patch_child_place(const sl_patches *p, const sl_patch_place *p
                             parent->corners,
                             {0},
                             {0}};
-    sl_dyadic_child(parent->corners, parent->u, parent->v, child, place.u, place.v);
+    for (int c = 0; c < parent->corners; c++) {
+        const uint8_t *of = parent->corners == 3 ? triangle_child[child][c] : quad_child[child][c];
+        place.u[c] = (uint16_t)((parent->u[of[0]] + parent->u[of[1]]) / 2);
+        place.v[c] = (uint16_t)((parent->v[of[0]] + parent->v[of[1]]) / 2);
+    }
     return place;
 }
 
@@ -172,7 +156,7 @@ sl_patch_place sl_patch_place_of(const sl_patches *p, uint32_t patch) {
     int way[SL_PATCH_DEPTH_MAX], depth = 0;
     for (uint32_t at = patch; sl_patch_parent(p, at) != SL_NO_INDEX; at = sl_patch_parent(p, at))
         way[depth++] = (int)(at % 4);
-    sl_patch_place place = root_place(p, sl_patch_root(p, patch));
+    sl_patch_place place = sl_patch_root_place(p, sl_patch_root(p, patch));
     while (depth > 0) place = sl_patch_child_place(p, &place, way[--depth]);
     return place;
 }
@@ -181,8 +165,9 @@ static double scaled(double t) { return t > 0.0 ? (t < 1.0 ? t * SL_PATCH_DYADIC
 
 static int child_at(const sl_patch_place *place, double u, double v) {
     double a, b;
-    sl_dyadic_local(place->corners, place->u, place->v, u, v, &a, &b);
-    return sl_dyadic_child_at(place->corners, a, b);
+    sl_patch_local(place, u, v, &a, &b);
+    if (place->corners == 3) return a >= 0.5 ? 1 : b >= 0.5 ? 2 : a + b <= 0.5 ? 0 : 3;
+    return a < 0.5 ? (b < 0.5 ? 0 : 3) : (b < 0.5 ? 1 : 2);
 }
 
 int sl_patch_child_at(const sl_patch_place *place, double u, double v) {
@@ -190,7 +175,7 @@ int sl_patch_child_at(const sl_patch_place *place, double u, double v) {
 }
 
 sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, double v) {
-    sl_patch_place place = root_place(p, root);
+    sl_patch_place place = sl_patch_root_place(p, root);
     u = scaled(u);
     v = scaled(v);
     while (place.patch != SL_NO_INDEX && !sl_patch_is_leaf(p, place.patch)) {
@@ -201,28 +186,49 @@ sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, dou
 
 /* ---- roots ----------------------------------------------------------------------------------- */
 
+/* Returns where a root is in the table, or would be. */
+static size_t root_slot(const sl_patches *p, uint32_t root) {
+    size_t i = sl_slot_of_hash(sl_hash64(root), p->root_slots);
+    while (p->root_slot[i] != SL_NO_INDEX && p->root[p->root_slot[i]].root != root)
+        i = sl_slot_after(i, p->root_slots);
+    return i;
+}
+
+uint32_t sl_patches_find_root(const sl_patches *p, uint32_t root) {
+    uint32_t found = p->root_slot[root_slot(p, root)];
+    return found == SL_NO_INDEX ? found : p->root[found].patch;
+}
+
+static bool reserve_root(sl_patches *p) {
+    if (p->root_count == p->root_capacity) {
+        size_t capacity = sl_grown_capacity(p->root_capacity, p->root_count + 16);
+        if (!sl_regrow(&p->root, p->root_count, capacity, sizeof *p->root)) return false;
+        p->root_capacity = capacity;
+    }
+    if (4 * (p->root_count + 1) <= 3 * p->root_slots) return true;
+    if (!sl_empty_slots(&p->root_slot, &p->root_slots, 2 * p->root_slots)) return false;
+    for (uint32_t i = 0; i < p->root_count; i++) p->root_slot[root_slot(p, p->root[i].root)] = i;
+    return true;
+}
+
 uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_error *error) {
     *status = SL_OK;
-    if (p->root_patch[root] != SL_NO_INDEX) return p->root_patch[root];
-    bool block = p->wanted_count % 4 == 0;
-    *status = sl_vertices_reserve(p, root, 4, error);
-    if (*status == SL_OK) *status = reserve_root(p, error);
-    if (*status == SL_OK && block) *status = reserve_block(p, error);
+    uint32_t found = sl_patches_find_root(p, root);
+    if (found != SL_NO_INDEX) return found;
+    bool block = p->root_count % 4 == 0, created;
+    *status = sl_vertices_reserve(p, 4, error);
+    if (*status == SL_OK && !(reserve_root(p) && (!block || reserve_block(p))))
+        *status = sl_fail_memory(error, "patches");
     if (*status != SL_OK) return SL_NO_INDEX;
-    if (block) p->last_root_block = take_block(p, SL_NO_INDEX, (uint32_t)p->wanted_count);
-    uint32_t patch = p->last_root_block + (uint32_t)(p->wanted_count % 4),
-             *corner = p->root_corner[p->wanted_count];
-    p->wanted_root[p->wanted_count++] = root;
-    p->root_patch[root] = patch;
-    p->flags[patch] =
-        (uint8_t)(SL_PATCH_ALIVE | SL_PATCH_DIRTY | (root_is_triangle(p, root) ? SL_PATCH_TRIANGLE : 0));
-    sl_patch_place place = root_place(p, root);
-    bool created;
-    for (int c = 0; c < 4; c++) {
-        corner[c] = c < place.corners
-                        ? sl_vertex_take(p, (sl_root_place){root, place.u[c], place.v[c]}, &created)
-                        : SL_NO_INDEX;
-    }
+    if (block) p->last_root_block = take_block(p, SL_NO_INDEX, (uint32_t)p->root_count);
+    sl_wanted_root *made = &p->root[p->root_count];
+    uint32_t patch = p->last_root_block + (uint32_t)(p->root_count % 4);
+    sl_patch_place place = sl_patch_root_place(p, root);
+    *made = (sl_wanted_root){root, patch, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
+    for (int c = 0; c < place.corners; c++)
+        made->corner[c] = sl_vertex_take(p, (sl_root_place){root, place.u[c], place.v[c]}, &created);
+    p->patch[patch].flags = SL_PATCH_ALIVE | SL_PATCH_DIRTY | (place.corners == 3 ? SL_PATCH_TRIANGLE : 0u);
+    p->root_slot[root_slot(p, root)] = (uint32_t)p->root_count++;
     p->patches_alive++;
     p->leaves_alive++;
     return patch;
@@ -260,7 +266,9 @@ static bool is_degenerate(const sl_patches *p, const sl_patch_place *child, sl_v
 }
 
 static bool can_be_split(const sl_patches *p, const sl_patch_place *place) {
-    if (place->depth >= SL_PATCH_DEPTH_MAX) return false;
+    uint32_t triangle = p->primitives->first_triangle[place->root / 2];
+    if (place->depth >= p->settings.max_depth) return false;
+    if (place->corners == 3 && sl_triangle_is_degenerate(p->primitives->scene, triangle)) return false;
     sl_vec3d corner[4];
     corner_positions(p, place, corner);
     sl_vec3d area = area_vector(corner, place->corners);
@@ -272,40 +280,64 @@ static bool can_be_split(const sl_patches *p, const sl_patch_place *place) {
 }
 
 enum { MIDDLES = 5 };
-static int middles_of(const sl_patch_place *parent) { return parent->corners == 3 ? 3 : MIDDLES; }
 
-/* Leaves that a new vertex lies on the edge of have to know of it. */
+static void mark_halved(sl_patches *p, uint32_t patch, int edge, int corners) {
+    p->vertex[sl_patch_corner(p, patch, edge)].halved = 1;
+    p->vertex[sl_patch_corner(p, patch, (edge + 1) % corners)].halved = 1;
+}
+
+/* Leaves that a new vertex lies on the edge of have to know of it where they are shown. */
 static void take_middles(sl_patches *p, const sl_patch_place *parent, uint32_t first) {
-    for (int m = 0; m < middles_of(parent); m++) {
-        int a = m == 4 ? 0 : m, b = m == 4 ? 2 : (m + 1) % parent->corners;
-        sl_root_place at = {parent->root, sl_dyadic_middle(parent->u[a], parent->u[b]),
-                            sl_dyadic_middle(parent->v[a], parent->v[b])};
+    for (int m = 0; m < (parent->corners == 3 ? 3 : MIDDLES); m++) {
+        sl_root_place at;
         bool created = false;
+        sl_middle_place(parent, m == 4 ? 0 : m, m == 4 ? 2 : (m + 1) % parent->corners, &at);
         sl_patch_block_of(p, first)->middle[m] = sl_vertex_take(p, at, &created);
-        if (created) sl_patches_touch_place(p, at);
+        if (m < 4) mark_halved(p, parent->patch, m, parent->corners);
+        if (created && p->settings.shown) sl_patches_touch(p, at);
     }
+}
+
+uint32_t sl_patch_edge_middle(sl_patches *p, const sl_patch_place *place, int edge, sl_status *status,
+                              sl_error *error) {
+    sl_root_place middle;
+    bool created, even = sl_middle_place(place, edge, (edge + 1) % place->corners, &middle);
+    *status = SL_OK;
+    if (place->depth >= p->settings.max_depth || !even) return SL_NO_INDEX;
+    *status = sl_vertices_reserve(p, 1, error);
+    if (*status != SL_OK) return SL_NO_INDEX;
+    uint32_t vertex = sl_vertex_take(p, middle, &created);
+    p->vertex[vertex].references = SL_REFERENCES_MANY;
+    mark_halved(p, place->patch, edge, place->corners);
+    return vertex;
+}
+
+sl_status sl_patch_split_at(sl_patches *p, const sl_patch_place *place, sl_error *error) {
+    uint32_t patch = place->patch;
+    if (!sl_patch_is_leaf(p, patch) || !can_be_split(p, place)) return SL_OK;
+    sl_status status = sl_vertices_reserve(p, MIDDLES, error);
+    if (status == SL_OK && !reserve_block(p)) status = sl_fail_memory(error, "patches");
+    if (status != SL_OK) return status;
+    uint32_t first = take_block(p, patch, place->root);
+    sl_patch *parent = &p->patch[patch];
+    for (uint32_t k = 0; k < 4; k++) {
+        sl_patch *child = &p->patch[first + k];
+        child->flags = SL_PATCH_ALIVE | SL_PATCH_DIRTY | (parent->flags & SL_PATCH_TRIANGLE);
+        if (!p->settings.shown) continue;
+        child->seen = parent->seen;
+        child->pixels = parent->pixels / 4 + (parent->pixels % 4 != 0);
+    }
+    take_middles(p, place, first);
+    parent->child = first;
+    parent->flags |= SL_PATCH_DIRTY;
+    p->patches_alive += 4;
+    p->leaves_alive += 3;
+    return SL_OK;
 }
 
 sl_status sl_patch_split(sl_patches *p, uint32_t patch, sl_error *error) {
     sl_patch_place place = sl_patch_place_of(p, patch);
-    if (!sl_patch_is_leaf(p, patch) || !can_be_split(p, &place)) return SL_OK;
-    sl_status status = sl_vertices_reserve(p, place.root, MIDDLES, error);
-    if (status == SL_OK) status = reserve_block(p, error);
-    if (status != SL_OK) return status;
-    uint32_t first = take_block(p, patch, place.root);
-    sl_patch *parent = &p->patch[patch];
-    uint8_t flags = p->flags[patch] & (SL_PATCH_TRIANGLE | SL_PATCH_CHANGING);
-    for (uint32_t k = 0; k < 4; k++) {
-        p->flags[first + k] = (uint8_t)(flags | SL_PATCH_ALIVE | SL_PATCH_DIRTY | (place.depth + 1));
-        p->patch[first + k].seen = parent->seen;
-        p->patch[first + k].pixels = parent->pixels / 4 + (parent->pixels % 4 != 0);
-    }
-    take_middles(p, &place, first);
-    parent->child = first;
-    p->flags[patch] |= SL_PATCH_DIRTY;
-    p->patches_alive += 4;
-    p->leaves_alive += 3;
-    return SL_OK;
+    return sl_patch_split_at(p, &place, error);
 }
 
 static void gather_pixels(sl_patches *p, uint32_t patch) {
@@ -325,16 +357,16 @@ void sl_patch_drop_children(sl_patches *p, uint32_t patch) {
     uint32_t first = p->patch[patch].child;
     if (first == SL_NO_INDEX) return;
     for (uint32_t k = 0; k < 4; k++) sl_patch_drop_children(p, first + k);
-    gather_pixels(p, patch);
+    if (p->settings.shown) gather_pixels(p, patch);
     p->patch[patch].child = SL_NO_INDEX;
     for (int m = 0; m < MIDDLES; m++) {
         uint32_t vertex = sl_patch_block_of(p, first)->middle[m];
         if (vertex == SL_NO_INDEX) continue;
-        sl_root_place place = sl_vertex_place(&p->vertex[vertex]);
-        if (sl_vertex_release(p, vertex)) sl_patches_touch_place(p, place);
+        sl_root_place place = p->vertex[vertex].place;
+        if (sl_vertex_release(p, vertex) && p->settings.shown) sl_patches_touch(p, place);
     }
     give_block_back(p, first);
-    p->flags[patch] |= SL_PATCH_DIRTY;
+    p->patch[patch].flags |= SL_PATCH_DIRTY;
     p->patches_alive -= 4;
     p->leaves_alive -= 3;
 }
@@ -352,7 +384,7 @@ static double between_0_and_1(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) :
 
 static void corner_weights(const sl_patch_place *place, double u, double v, double weight[4]) {
     double a, b;
-    sl_dyadic_local(place->corners, place->u, place->v, u, v, &a, &b);
+    sl_patch_local(place, u, v, &a, &b);
     a = between_0_and_1(a);
     b = between_0_and_1(b);
     if (place->corners == 3) {
@@ -369,8 +401,7 @@ static void corner_weights(const sl_patch_place *place, double u, double v, doub
     }
 }
 
-bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, double v, bool second,
-                    float value[3]) {
+bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, double v, float *value) {
     sl_patch_place place = *leaf;
     if (place.patch == SL_NO_INDEX) return false;
     while (!all_evaluated(p, place.patch)) {
@@ -378,14 +409,12 @@ bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, d
         if (parent == SL_NO_INDEX) return false;
         place = sl_patch_place_of(p, parent);
     }
-    double weight[4];
+    double weight[4], sum[6] = {0, 0, 0, 0, 0, 0};
     corner_weights(&place, scaled(u), scaled(v), weight);
-    double sum[3] = {0, 0, 0};
     for (int c = 0; c < place.corners; c++) {
-        uint32_t vertex = sl_patch_corner(p, place.patch, c);
-        const float *of = second ? sl_vertex_lobe(p, vertex) : p->vertex[vertex].value;
-        for (int i = 0; of && i < 3; i++) sum[i] += weight[c] * (double)of[i];
+        const float *of = sl_vertex_value(p, sl_patch_corner(p, place.patch, c));
+        for (int i = 0; i < p->settings.channels; i++) sum[i] += weight[c] * (double)of[i];
     }
-    for (int i = 0; i < 3; i++) value[i] = (float)sum[i];
+    for (int i = 0; i < p->settings.channels; i++) value[i] = (float)sum[i];
     return true;
 }

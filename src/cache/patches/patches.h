@@ -1,49 +1,63 @@
-/* The patch hierarchy: a tree of patches for each root, one in four, shading at their shared vertices,
- * computed lazily.
+/* Quadtrees on surfaces: a tree of patches for each root, one patch cut in four, values at their shared
+ * vertices. The shading cache keeps one of them (E and L_s), multi-mesh caching several over the same
+ * triangles (F of one light, or radiance), each refined on its own.
  *
- *   patches.c          trees: roots, splits, dropped children, blocks that are used again
- *   patch_vertices.c   vertices: shared inside a root by where they lie, and between roots along edges where
- *                      position, normal and material agree (places.h: how they are found)
- *   patch_size.c       sizes in the picture
+ *        2          A triangle is cut at the middles of its edges. Children 0, 1, 2 keep the corner of that
+ *       / \         number; child 3 is the middle one, with its corners at the middles opposite to corners
+ *      / 2 \        0, 1, 2. Corners of children are in the order of their parent's, so that each child is
+ *     /_____\       its parent, halved and moved (child 3: turned by half a turn). A sliver's children are
+ *    / \ 3 / \      no worse than itself.
+ *   / 0 \ / 1 \
+ *  0 ----*---- 1    A quadrilateral is cut at the middles of its edges and the centre; child i keeps corner
+ *                   i. Corners go around counter-clockwise from (0, 0) in (u, v).
+ *
+ * Corners lie at whole numbers of 1/SL_PATCH_DYADIC in their root's parameters (u, v), so halves are exact. A
+ * vertex is known by the place that stands for all that share it (sl_root_canonical()), from which its
+ * position is computed: neighbours have it with the same bits.
+ *
+ *   patches.c          trees: roots, splits, dropped children, blocks that are used again; points in them
+ *   patch_vertices.c   vertices: a hash table of places; counted by the splits and roots that asked for them
  *   patch_around.c     leaves around a vertex, vertices along a leaf's edge
- *   patch_borrow.c     vertices without light of their own
- *   patch_evict.c      ageing: children that nobody has seen for long, or that are below a pixel, go when
- *                      there are too many
- *
- * dyadic.h has how patches are cut. Vertices are counted by the splits (and roots) that asked for them: the
- * last one to go takes its vertex with it. */
+ *   patch_extrapolate.c     vertices without light of their own
+ *   patch_evict.c      children that nobody has seen for long, or that are below a pixel
+ *   screen_size.c      sizes in the picture
+ *   mesh.h             values between vertices, for multi-mesh caching */
 #ifndef SL_PATCHES_PATCHES_H
 #define SL_PATCHES_PATCHES_H
 
-#include "cache/patches/places.h"
+#include "cache/patches/primitives.h"
 #include "cache/patches/screen_size.h"
 
+/* Flags of a patch. Those below SL_PATCH_TRIANGLE and above SL_PATCH_ALIVE are multi-mesh's (mesh.h). */
 enum {
-    SL_PATCH_LEVEL = 0xf,        /* depth below the root */
-    SL_PATCH_TRIANGLE = 0x10,    /* three corners, not four */
-    SL_PATCH_DIRTY = 0x20,       /* its display arrays are to be made again */
-    SL_PATCH_CHANGING = 0x40,    /* it belongs to an object whose shading is changing */
-    SL_PATCH_ALIVE = 0x80        /* the others below patch_count are not in use */
+    SL_PATCH_EDGES = 0x3f,       /* of triangles: what is known of edge i, at bits 2 i, 2 i + 1 (mesh.h) */
+    SL_PATCH_DIRTY = 0x80,       /* what it shows has changed since it was drawn */
+    SL_PATCH_TRIANGLE = 0x100,   /* three corners, not four */
+    SL_PATCH_ALIVE = 0x200       /* the others below patch_count are not in use */
 };
 
 typedef struct sl_patch {
     uint32_t child;              /* first of four; SL_NO_INDEX: a leaf */
-    /* the last update in which the id map held it (of inner patches: one below it) */
-    uint32_t seen;
-    /* ... and how many pixels then; new children: the parent's, and a quarter of its pixels */
+    /* of the id map that show it; in the shading cache in update `seen`: new children have a quarter each */
     uint32_t pixels;
+    union {
+        uint32_t seen;           /* shading cache: the last update in which the id map held it */
+        float priority;          /* multi-mesh: of inner patches the largest of their children's */
+    };
+    uint32_t flags;
 } sl_patch;
 
 /* Shared by four children. Their corners are their parent's and the five vertices that its split made: the
  * middles of edges i (corner i to i + 1), and the centre. Triangles have three. */
 typedef struct sl_patch_block {
     uint32_t parent;             /* SL_NO_INDEX: four roots */
-    uint32_t root;               /* the one they belong to; of roots: index of the first in wanted_root */
+    uint32_t root;               /* the one they belong to; of roots: index of the first in sl_patches.root */
     uint32_t middle[5];
 } sl_patch_block;
 
-/* Blocks lie in chunks that never move, and one that was given back rests for two builds of the display: so
- * frames may be drawn from them while patches are split. */
+/* Blocks lie in chunks that never move. Where a display holds copies of the tree (sl_patches_settings.shown)
+ * one that was given back rests for two builds of the display: so frames may be drawn from them while patches
+ * are split. */
 enum { SL_BLOCKS_A_CHUNK = 64 };
 
 enum { SL_VERTEX_NEVER = 0 };    /* evaluated: updates count from 1 */
@@ -57,15 +71,15 @@ typedef struct sl_patch_vertex {
         };
     };
     uint32_t references : 2;     /* SL_REFERENCES_MANY: so many, or more */
-    uint32_t evaluated : 26;     /* update; SL_VERTEX_NEVER */
-    uint32_t waiting : 1;        /* in the list of those around which nobody had light to lend */
-    /* it was, but has no light of its own (it lies inside other geometry, or no number came): its value is
-     * that of those around it */
-    uint32_t borrowed : 1;
+    /* the update in which its value came, or SL_VERTEX_NEVER; in multi-mesh an sl_vertex_state (mesh.h) */
+    uint32_t evaluated : 26;
+    uint32_t halved : 1;         /* some edge that ends in it has a vertex in its middle */
+    /* it was evaluated, but has no light of its own (it lies inside other geometry, or no number came): its
+     * value is that of those around it */
+    uint32_t extrapolated : 1;
     /* it is shaded with many points on each light, as leaves of one pixel want it */
     uint32_t dense : 1;
     uint32_t is_dense : 1;       /* ... its value was */
-    float value[3];              /* E, W/m^2 */
 } sl_patch_vertex;
 
 /* A vertex in the middle of an edge is that of two splits. Where so many ask for one, it is a root's corner,
@@ -78,22 +92,30 @@ typedef struct sl_vertex_sets {
     uint32_t count;
 } sl_vertex_sets;
 
-/* Values of vertices that are kept besides E. */
-/* exitant radiance of the lobe towards the eye, of those whose material has one */
-enum { SL_PATCHES_LOBES = 1,
-       SL_PATCHES_SETS = 2 };    /* how many sets of samples, and their variance */
-/* Where lobes are kept, numbers of vertices are given out in groups, with them or without. */
-enum { SL_VERTEX_GROUP = 16 };
+/* A root that is there. */
+typedef struct sl_wanted_root {
+    uint32_t root, patch;
+    uint32_t corner[4];          /* its vertices; [3] SL_NO_INDEX of triangles */
+} sl_wanted_root;
+
+typedef struct sl_patches_settings {
+    /* of a vertex: F 1, radiance or E 3, E and then L_s towards the eye 6 */
+    int channels;
+    int max_depth;               /* at most SL_PATCH_DEPTH_MAX */
+    /* a display holds copies of the tree: splits and drops mark leaves as SL_PATCH_DIRTY, and hand on `seen`
+     * and `pixels` */
+    bool shown;
+    bool sets;                   /* how many sets of samples, and their variance, is kept */
+} sl_patches_settings;
 
 typedef struct sl_patches {
     const sl_primitives *primitives;
-    uint32_t *root_patch;        /* 2 x primitives, or SL_NO_INDEX: not wanted yet */
-    /* the wanted ones in the order in which they were: four to a block of patches */
-    uint32_t *wanted_root;
-    uint32_t (*root_corner)[4];  /* their vertices; [3] SL_NO_INDEX of triangles */
-    size_t wanted_count, wanted_capacity;
+    sl_patches_settings settings;
+    sl_wanted_root *root;        /* in the order in which they were wanted: four to a block of patches */
+    size_t root_count, root_capacity;
+    uint32_t *root_slot;         /* hash of indices into root, at most three quarters full */
+    size_t root_slots;
     sl_patch *patch;
-    uint8_t *flags;              /* by patch: SL_PATCH_ bits */
     size_t patch_count, patch_capacity, patches_alive, leaves_alive;
     sl_patch_block **block_chunk; /* one block for four patches: sl_patch_block_of() */
     size_t block_chunks, block_chunks_room;
@@ -102,38 +124,36 @@ typedef struct sl_patches {
     uint32_t resting[2];
     uint32_t last_root_block;    /* first patch of the block that new roots go to */
     sl_patch_vertex *vertex;
+    float *value;                /* by vertex, so many channels each */
     sl_vertex_sets *sets;        /* by vertex; NULL: nobody asks, and all are one set */
     size_t vertex_count, vertex_capacity, vertices_alive;
-    bool lobes;                  /* some are kept */
-    /* by group of vertices: which group of lobes is theirs; SL_NO_INDEX: they have none */
-    uint32_t *lobe_group;
-    float (*lobe)[3];
-    size_t lobe_count, lobe_capacity;
-    uint32_t first_free_vertex[2]; /* numbers not in use, without lobes and with them */
-    size_t free_vertices[2];
-    sl_place_table table;        /* of vertices */
-    bool borrowing;              /* some vertex has been borrowed */
-    uint32_t *waiting;           /* borrowed vertices with nobody around who had light */
-    size_t waiting_count, waiting_capacity;
+    uint32_t first_free_vertex;  /* numbers not in use; each names the next in `root` */
+    uint32_t *slot;              /* hash of vertices by their places, with linear probing */
+    size_t slots;
+    bool extrapolates;           /* some vertex is */
 } sl_patches;
 
-/* kept: SL_PATCHES_ bits. */
-sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_patches **patches,
-                            sl_error *error);
+sl_status sl_patches_create(const sl_primitives *primitives, const sl_patches_settings *settings,
+                            sl_patches **patches, sl_error *error);
 void sl_patches_destroy(sl_patches *patches);
-/* Everything that grows with the patches (and not what stands for the scene's primitives, wanted or not). */
+/* Removes all roots, patches and vertices; the memory stays for the next ones. */
+void sl_patches_clear(sl_patches *patches);
+/* Returns the bytes of all that grows with the patches. */
 size_t sl_patches_memory_bytes(const sl_patches *patches);
 
+/* Returns the root's patch, made if there is none yet. SL_NO_INDEX with *status where memory ends. */
 uint32_t sl_patches_root(sl_patches *patches, uint32_t root, sl_status *status, sl_error *error);
+/* Returns the same, if there is one, or SL_NO_INDEX. */
+uint32_t sl_patches_find_root(const sl_patches *patches, uint32_t root);
 /* Patches are never moved; those below patch_count that are not in use are skipped by this. */
 static inline bool sl_patch_is_alive(const sl_patches *p, uint32_t patch) {
-    return p->flags[patch] & SL_PATCH_ALIVE;
+    return p->patch[patch].flags & SL_PATCH_ALIVE;
 }
 static inline bool sl_patch_is_leaf(const sl_patches *p, uint32_t patch) {
     return p->patch[patch].child == SL_NO_INDEX;
 }
 static inline int sl_patch_corners(const sl_patches *p, uint32_t patch) {
-    return p->flags[patch] & SL_PATCH_TRIANGLE ? 3 : 4;
+    return p->patch[patch].flags & SL_PATCH_TRIANGLE ? 3 : 4;
 }
 static inline sl_patch_block *sl_patch_block_of(const sl_patches *p, uint32_t patch) {
     return &p->block_chunk[patch / (4 * SL_BLOCKS_A_CHUNK)][patch / 4 % SL_BLOCKS_A_CHUNK];
@@ -143,7 +163,7 @@ static inline uint32_t sl_patch_parent(const sl_patches *p, uint32_t patch) {
 }
 static inline uint32_t sl_patch_root(const sl_patches *p, uint32_t patch) {
     const sl_patch_block *block = sl_patch_block_of(p, patch);
-    return block->parent == SL_NO_INDEX ? p->wanted_root[block->root + patch % 4] : block->root;
+    return block->parent == SL_NO_INDEX ? p->root[block->root + patch % 4].root : block->root;
 }
 /* Returns the vertex at a corner of a patch: corner i of child i is its parent's, and so on upwards.
  * Triangles have SL_NO_INDEX for corner 3. */
@@ -154,19 +174,20 @@ static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int 
     for (; parent != SL_NO_INDEX && patch % 4 == (uint32_t)corner; parent = sl_patch_parent(p, patch))
         patch = parent;
     const sl_patch_block *block = sl_patch_block_of(p, patch);
-    if (parent == SL_NO_INDEX) return p->root_corner[block->root + patch % 4][corner];
-    return block
-        ->middle[p->flags[patch] & SL_PATCH_TRIANGLE ? triangle[patch % 4][corner] : quad[patch % 4][corner]];
+    if (parent == SL_NO_INDEX) return p->root[block->root + patch % 4].corner[corner];
+    return block->middle[p->patch[patch].flags & SL_PATCH_TRIANGLE ? triangle[patch % 4][corner]
+                                                                   : quad[patch % 4][corner]];
 }
 
 static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) {
     v->evaluated = update & (UINT32_MAX >> 6);
 }
-static inline sl_root_place sl_vertex_place(const sl_patch_vertex *v) { return v->place; }
-/* L_s of a vertex, towards the eye; NULL: its material has no lobe. */
+static inline float *sl_vertex_value(const sl_patches *p, uint32_t vertex) {
+    return p->value + (size_t)vertex * (size_t)p->settings.channels;
+}
+/* Returns L_s of a vertex, towards the eye; NULL: none is kept. */
 static inline float *sl_vertex_lobe(const sl_patches *p, uint32_t vertex) {
-    uint32_t group = p->lobes ? p->lobe_group[vertex / SL_VERTEX_GROUP] : SL_NO_INDEX;
-    return group == SL_NO_INDEX ? NULL : p->lobe[(size_t)SL_VERTEX_GROUP * group + vertex % SL_VERTEX_GROUP];
+    return p->settings.channels > 3 ? sl_vertex_value(p, vertex) + 3 : NULL;
 }
 
 /* A patch with its corners' (u, v), in 1/SL_PATCH_DYADIC. */
@@ -175,60 +196,93 @@ typedef struct sl_patch_place {
     int depth, corners;
     uint16_t u[4], v[4];
 } sl_patch_place;
+/* Returns that of a root; SL_NO_INDEX in patch: it is not there. */
+sl_patch_place sl_patch_root_place(const sl_patches *patches, uint32_t root);
+/* Returns that of a patch, from its root downwards. */
 sl_patch_place sl_patch_place_of(const sl_patches *patches, uint32_t patch);
 sl_patch_place sl_patch_child_place(const sl_patches *patches, const sl_patch_place *parent, int child);
-/* Returns the leaf that holds a point of a root. SL_NO_INDEX in patch: the root is not wanted yet. */
+/* Returns the leaf that holds a point of a root. SL_NO_INDEX in patch: the root is not there. */
 sl_patch_place sl_patch_locate(const sl_patches *patches, uint32_t root, double u, double v);
 /* Returns which child of a patch, there or not, holds a point of its root. */
 int sl_patch_child_at(const sl_patch_place *place, double u, double v);
+/* Gives the weights of corners 1 and 2 of a triangle at a point of its root; of a quadrilateral how far it is
+ * to corner 1, and to corner 3. u and v in 1/SL_PATCH_DYADIC. */
+static inline void sl_patch_local(const sl_patch_place *place, double u, double v, double *a, double *b) {
+    *a = (u - (double)place->u[0]) / ((double)place->u[1] - (double)place->u[0]);
+    *b = (v - (double)place->v[0]) / ((double)place->v[place->corners - 1] - (double)place->v[0]);
+}
+/* Returns the middle of a triangle. */
+static inline sl_root_place sl_patch_middle(const sl_patch_place *leaf) {
+    return (sl_root_place){leaf->root, (uint16_t)((leaf->u[0] + leaf->u[1] + leaf->u[2]) / 3),
+                           (uint16_t)((leaf->v[0] + leaf->v[1] + leaf->v[2]) / 3)};
+}
 
-/* Four children (SL_OK and nothing at SL_PATCH_DEPTH_MAX, or where a child would be degenerate: it stays a
- * leaf). Vertices that are new are not evaluated. Splits and drops mark as SL_PATCH_DIRTY what they make,
- * what they leave unused, and all leaves around vertices that come or go. Without memory nothing changes. */
+/* Cuts a leaf in four (SL_OK and nothing at max_depth, or where a child would be degenerate: it stays a
+ * leaf). Vertices that are new are not evaluated. Without memory nothing changes. */
+sl_status sl_patch_split_at(sl_patches *patches, const sl_patch_place *place, sl_error *error);
 sl_status sl_patch_split(sl_patches *patches, uint32_t patch, sl_error *error);
-/* All below it goes. Its pixels become those of what was below. */
+/* Removes all below it. Its pixels become those of what was below. */
 void sl_patch_drop_children(sl_patches *patches, uint32_t patch);
-/* The display has been built: blocks given back before the last build but one are in no copy any more, and
- * may be used again. */
+/* Lets blocks given back before the last build of the display but one be used again: they are in no copy any
+ * more. */
 void sl_patches_rested(sl_patches *patches);
 
-/* The value at a point of a leaf from its corners: barycentric or bilinear. Where corners have never been
- * evaluated the nearest ancestor whose corners all are stands in; false: there is none. second: that of
- * lobes. */
-bool sl_patch_value(const sl_patches *patches, const sl_patch_place *leaf, double u, double v, bool second,
-                    float value[3]);
-/* Lists vertices that lie on edge i of a leaf (corner i to i + 1), between its ends, in order; for leaves
- * beside finer ones. At most `room`. */
-size_t sl_patch_hanging(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex,
-                        size_t room);
-/* Lists the same with how far along the edge each lies, in 1/SL_PATCH_DYADIC of it. */
-size_t sl_patch_hanging_at(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex,
-                           uint16_t *at, size_t room);
+/* Returns the vertex at a place, or SL_NO_INDEX. */
+uint32_t sl_vertex_find(const sl_patches *patches, sl_root_place place);
+/* Returns the middle of an edge of a leaf, made where there is none; it stays for good. Edge i is that from
+ * corner i to the next. SL_NO_INDEX: memory ended, or the depth is reached. */
+uint32_t sl_patch_edge_middle(sl_patches *patches, const sl_patch_place *place, int edge, sl_status *status,
+                              sl_error *error);
+/* Returns the middle of two places of a root. False: they are as near as dyadic fractions go. */
+static inline bool sl_middle_place(const sl_patch_place *place, int a, int b, sl_root_place *middle) {
+    uint32_t u = (uint32_t)place->u[a] + place->u[b], v = (uint32_t)place->v[a] + place->v[b];
+    *middle = (sl_root_place){place->root, (uint16_t)(u / 2), (uint16_t)(v / 2)};
+    return (u | v) % 2 == 0;
+}
 
-/* When the oldest of all that a leaf shows was evaluated: of its corners (SL_VERTEX_NEVER: one never was),
- * and of what hangs on its edges and was evaluated at all. */
+/* Gives the value at a point of a leaf from its corners: barycentric or bilinear. Where corners have never
+ * been evaluated the nearest ancestor whose corners all are stands in; false: there is none. */
+bool sl_patch_value(const sl_patches *patches, const sl_patch_place *leaf, double u, double v, float *value);
+
+/* Lists vertices that lie on edge i of a leaf (corner i to i + 1), between its ends, in order; for leaves
+ * beside finer ones. At most `room`. at: how far along the edge each lies, in 1/parts of it (a power of two),
+ * or NULL; those that lie on no such part are left out. state: only those whose `evaluated` is that, or 0. */
+typedef struct sl_hanging {
+    uint32_t *vertex;
+    uint16_t *at;
+    size_t room;
+    uint32_t parts, state;
+} sl_hanging;
+size_t sl_patch_hanging(const sl_patches *patches, const sl_patch_place *leaf, int edge,
+                        const sl_hanging *list);
+
+/* Returns when the oldest of all that a leaf shows was evaluated: of its corners (SL_VERTEX_NEVER: one never
+ * was), and of what hangs on its edges and was evaluated at all. */
 uint32_t sl_leaf_oldest(const sl_patches *patches, uint32_t leaf);
 /* Vertices on a leaf's edges that are looked at for that. */
 enum { SL_HANGING_MOST = 1024 };
 
-/* Returns the size of what the camera sees of a patch. */
-sl_screen_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place,
-                                  const sl_camera *camera, int width, int height);
-
+/* Visits all leaves around a place of a root, of all roots that meet there; one may come twice. */
+typedef void sl_leaf_visitor(sl_patches *patches, const sl_patch_place *leaf, void *context);
+void sl_patches_visit_around(sl_patches *patches, sl_root_place place, sl_leaf_visitor *visit, void *context);
 /* Marks as SL_PATCH_DIRTY all leaves, of any root, that have the vertex as a corner or on an edge: after its
  * value has changed. */
-void sl_patches_touch(sl_patches *patches, uint32_t vertex);
+void sl_patches_touch(sl_patches *patches, sl_root_place place);
 
-/* A vertex without light of its own: it was asked for, and inside other geometry, or no number came. */
-void sl_patches_borrow(sl_patches *patches, uint32_t vertex);
+/* Returns the size of what the camera sees of a patch. */
+sl_screen_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place,
+                                  const sl_view *view);
+
+/* Marks a vertex as without light of its own: it was asked for, and inside other geometry, or no number came.
+ */
+void sl_patches_set_extrapolated(sl_patches *patches, uint32_t vertex);
 /* Before a build of the display: those of leaves that are SL_PATCH_DIRTY get their values anew from the
- * corners around them that have light of their own. Where nobody around has any they are looked at each time:
- * what lends from further away may have come. */
-sl_status sl_patches_lend(sl_patches *patches, sl_error *error);
+ * corners around them that have light of their own. */
+void sl_patches_extrapolate(sl_patches *patches);
 
-/* Eviction: down to `limit` patches where there are more (90 % of it): children of patches none of which was
- * seen since update `since`, and of patches that cover less than `small` pixels; oldest first, lower index on
- * a tie, from the leaves up. */
+/* Evicts down to 90 % of `limit` patches where there are more: children of patches none of which was seen
+ * since update `since`, and of patches that cover less than `small` pixels; oldest first, lower index on a
+ * tie, from the leaves up. */
 sl_status sl_patches_evict(sl_patches *patches, size_t limit, uint32_t since, double small,
                            sl_counters *counters, sl_error *error);
 

@@ -24,8 +24,6 @@ static void release_copy(sl_display_copy *copy) {
     sl_free(copy->word);
     sl_free(copy->chunk);
     sl_free(copy->value);
-    sl_free(copy->lobe_group);
-    sl_free(copy->lobe);
     sl_free(copy->fans.word);
 }
 
@@ -92,8 +90,7 @@ size_t sl_display_memory_bytes(const sl_display *d) {
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
         bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk +
-                 c->vertex_capacity * sizeof *c->value;
-        bytes += c->group_capacity * sizeof *c->lobe_group + c->lobe_capacity * sizeof *c->lobe;
+                 c->vertex_capacity * c->channels * sizeof *c->value;
         bytes += c->fans.capacity * sizeof *c->fans.word + d->dirty_capacity[k] * sizeof *d->dirty[k];
     }
     return bytes;
@@ -101,21 +98,14 @@ size_t sl_display_memory_bytes(const sl_display *d) {
 
 /* ---- trees ----------------------------------------------------------------------------------- */
 
-static bool reserve_lobes(sl_display_copy *copy, const sl_patches *p) {
-    size_t groups = p->vertex_count / SL_VERTEX_GROUP;
-    bool ok = sl_display_grow(&copy->lobe_group, &copy->group_capacity, groups, sizeof *copy->lobe_group) &&
-              sl_display_grow(&copy->lobe, &copy->lobe_capacity, p->lobe_count, sizeof *copy->lobe);
-    for (; ok && copy->group_count < groups; copy->group_count++)
-        copy->lobe_group[copy->group_count] = p->lobe_group[copy->group_count];
-    return ok;
-}
-
 /* As many patches as there are; new ones are leaves until something else is heard of them. */
 static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
+    copy->channels = (size_t)p->settings.channels;
     bool ok = sl_display_grow(&copy->word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
-              sl_display_grow(&copy->value, &copy->vertex_capacity, p->vertex_count, sizeof *copy->value) &&
+              sl_display_grow(&copy->value, &copy->vertex_capacity, p->vertex_count,
+                              copy->channels * sizeof *copy->value) &&
               sl_display_grow(&copy->chunk, &copy->chunk_capacity, p->block_chunks, sizeof *copy->chunk);
-    if (!ok || (p->lobes && !reserve_lobes(copy, p))) return false;
+    if (!ok) return false;
     for (size_t i = copy->patch_count; i < p->patch_count; i++) copy->word[i] = SL_DISPLAY_LEAF;
     for (; copy->chunk_count < p->block_chunks; copy->chunk_count++)
         copy->chunk[copy->chunk_count] = p->block_chunk[copy->chunk_count];
@@ -138,26 +128,26 @@ static sl_status update_patch(sl_display_copy *copy, const sl_patches *p, uint32
 }
 
 static void update_roots(sl_display *d, sl_display_copy *copy, const sl_patches *p) {
-    for (; d->root_count < p->wanted_count; d->root_count++) {
+    for (; d->root_count < p->root_count; d->root_count++) {
         sl_display_root *root = &d->root[d->root_count];
-        root->patch = p->root_patch[p->wanted_root[d->root_count]];
-        memcpy(root->vertex, p->root_corner[d->root_count], sizeof root->vertex);
+        root->patch = p->root[d->root_count].patch;
+        memcpy(root->vertex, p->root[d->root_count].corner, sizeof root->vertex);
     }
-    for (; copy->root_count < p->wanted_count; copy->root_count++)
-        copy->root[p->wanted_root[copy->root_count]] = (uint32_t)copy->root_count;
+    for (; copy->root_count < p->root_count; copy->root_count++)
+        copy->root[p->root[copy->root_count].root] = (uint32_t)copy->root_count;
 }
 
 /* ---- what has changed ------------------------------------------------------------------------ */
 
 /* The patches with any of some flags, in order; none: all of them. */
-static bool list_patches(sl_display *d, int which, const sl_patches *p, uint8_t flags) {
+static bool list_patches(sl_display *d, int which, const sl_patches *p, uint32_t flags) {
     d->dirty_count[which] = 0;
     size_t count = 0;
-    for (size_t i = 0; i < p->patch_count; i++) count += !flags || (p->flags[i] & flags) != 0;
+    for (size_t i = 0; i < p->patch_count; i++) count += !flags || (p->patch[i].flags & flags) != 0;
     if (!sl_display_grow(&d->dirty[which], &d->dirty_capacity[which], count, sizeof *d->dirty[which]))
         return false;
     for (size_t i = 0; i < p->patch_count; i++) {
-        if (!flags || (p->flags[i] & flags)) d->dirty[which][d->dirty_count[which]++] = (uint32_t)i;
+        if (!flags || (p->patch[i].flags & flags)) d->dirty[which][d->dirty_count[which]++] = (uint32_t)i;
     }
     return true;
 }
@@ -189,7 +179,7 @@ static sl_status update_copy(sl_display *d, sl_display_copy *copy, const sl_patc
 }
 
 static void clear_flags(sl_patches *p) {
-    for (size_t i = 0; i < p->patch_count; i++) p->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
+    for (size_t i = 0; i < p->patch_count; i++) p->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
 }
 
 static void swap_lists(sl_display *d) {

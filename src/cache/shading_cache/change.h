@@ -59,7 +59,7 @@ size_t sl_changes_drop(sl_changes *changes, sl_patches *patches, const float *ar
 typedef struct sl_fade {
     uint32_t vertex, evaluated; /* another value by now: evaluated in another update */
     float left;                 /* (1 - beta)^k */
-    float value[3], lobe[3];    /* where it goes */
+    float value[6];             /* where it goes */
 } sl_fade;
 
 typedef struct sl_fades {
@@ -67,13 +67,11 @@ typedef struct sl_fades {
     size_t count, capacity;
 } sl_fades;
 
-/* Tells what the patches show at a vertex between others; false: nothing around it has been evaluated.
- * lobe: wanted where the vertex has one. */
-bool sl_fade_from(const sl_patches *patches, uint32_t vertex, float value[3], float lobe[3]);
+/* Tells what the patches show at a vertex between others; false: nothing around it has been evaluated. */
+bool sl_fade_from(const sl_patches *patches, uint32_t vertex, float value[6]);
 /* The vertex has its value; from now on it shows what lies between `from` and that. Without memory it shows
  * its value. */
-void sl_fade_begin(sl_fades *fades, sl_patches *patches, uint32_t vertex, const float from[3],
-                   const float from_lobe[3], float beta);
+void sl_fade_begin(sl_fades *fades, sl_patches *patches, uint32_t vertex, const float from[6], float beta);
 /* Once an update, before new ones begin. */
 void sl_fades_go_on(sl_fades *fades, sl_patches *patches, float beta);
 void sl_fades_finish(sl_fades *fades, sl_patches *patches);

@@ -68,7 +68,8 @@ static bool try_fan(sl_fans *fans, const sl_patches *p, const sl_patch_place *le
                     uint16_t *spoke, size_t room, uint32_t *word, bool *enough) {
     size_t all = 0;
     for (int edge = 0; edge < leaf->corners; edge++) {
-        size_t count = sl_patch_hanging_at(p, leaf, edge, vertex + all, spoke + all, room - all);
+        const sl_hanging list = {vertex + all, spoke + all, room - all, SL_PATCH_DYADIC, 0};
+        size_t count = sl_patch_hanging(p, leaf, edge, &list);
         for (size_t k = 0; k < count; k++) spoke[all + k] |= (uint16_t)(edge << SL_PATCH_DEPTH_MAX);
         all += count;
     }

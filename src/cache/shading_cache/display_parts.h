@@ -69,12 +69,9 @@ typedef struct sl_display_copy {
      * them, both copies share them */
     const sl_patch_block **chunk;
     size_t chunk_count, chunk_capacity;
-    sl_rgb *value;             /* by vertex: E */
+    size_t channels;           /* as in sl_patches: 3 or 6 */
+    float *value;              /* by vertex: E, and L_s after it */
     size_t vertex_count, vertex_capacity;
-    uint32_t *lobe_group;      /* by group of vertices, as in sl_patches; NULL: nothing has a lobe */
-    size_t group_count, group_capacity;
-    sl_rgb *lobe;              /* L_s of those that have one */
-    size_t lobe_capacity;
     sl_fans fans;
 } sl_display_copy;
 
@@ -121,12 +118,6 @@ struct sl_display {
  * which who looks for a leaf knows already. */
 static inline const uint32_t *sl_display_middles(const sl_display_copy *copy, uint32_t block) {
     return copy->chunk[block / SL_BLOCKS_A_CHUNK][block % SL_BLOCKS_A_CHUNK].middle;
-}
-
-/* L_s of a vertex that has a lobe. */
-static inline sl_rgb *sl_display_lobe(const sl_display_copy *copy, uint32_t vertex) {
-    return copy->lobe + (size_t)SL_VERTEX_GROUP * copy->lobe_group[vertex / SL_VERTEX_GROUP] +
-           vertex % SL_VERTEX_GROUP;
 }
 
 /* arrays.c: grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in

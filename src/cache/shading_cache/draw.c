@@ -114,7 +114,7 @@ static void begin_run(const frame_job *job, uint32_t id, bool curved, triangle_r
     run->wanted = wanted == SL_NO_INDEX ? NULL : &job->display->root[wanted];
     run->leaf = sl_leaf_begin(run->wanted, p->kind[primitive] == SL_PRIMITIVE_TRIANGLE);
     const sl_material *material = sl_root_material(p, run->root);
-    run->lobe = job->copy->lobe_group && sl_material_has_lobe(material);
+    run->lobe = job->copy->channels > 3 && sl_material_has_lobe(material);
     run->emission = run->root % 2 == 0 || material->emission_two_sided ? material->emission : sl_grey(0.0f);
     run->diffuse = material->diffuse;
     run->texture = material->texture == SL_NO_INDEX ? NULL : &s->textures[material->texture];

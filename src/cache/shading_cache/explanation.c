@@ -95,7 +95,7 @@ static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint
     bool sampled = v->evaluated != SL_VERTEX_NEVER;
     sl_display_value(p->copy, p->lobe ? 2 : 1, vertex, value);
     const char *kind = !sampled      ? "vertex between others, without samples yet"
-                       : v->borrowed ? "vertex inside something, with light from around it"
+                       : v->extrapolated ? "vertex inside something, with light from around it"
                                      : "vertex with samples";
     sl_explanation_term term = {
         .layer = "irradiance", .kind = kind, .index = vertex, .placed = true, .weight = weight};
@@ -193,7 +193,7 @@ static void announce_vertices(sl_shading_state *s) {
         if (!v->references || v->evaluated == SL_VERTEX_NEVER) continue;
         marks[made].kind = SL_MARK_POINT;
         put_place(marks[made].at, place_of(s, i));
-        for (int c = 0; c < 3; c++) marks[made].colour[c] = v->value[c];
+        for (int c = 0; c < 3; c++) marks[made].colour[c] = sl_vertex_value(s->patches, i)[c];
         made++;
     }
     if (made) sl_announce_marks(&s->announcer, "vertices", "lazy evaluation", marks, made);

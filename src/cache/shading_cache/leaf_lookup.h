@@ -139,8 +139,7 @@ static inline void sl_leaf_corners(const sl_display_copy *copy, const sl_leaf *l
 /* E, and with two colours L_s after it. */
 static inline void sl_display_value(const sl_display_copy *copy, size_t colours, uint32_t vertex,
                                     float value[6]) {
-    memcpy(value, &copy->value[vertex], 3 * sizeof *value);
-    if (colours == 2) memcpy(value + 3, sl_display_lobe(copy, vertex), 3 * sizeof *value);
+    memcpy(value, copy->value + copy->channels * vertex, 3 * colours * sizeof *value);
 }
 
 /* Ends of the piece of the edge on which the place lies, and how far along the piece it is. The fan's

@@ -109,14 +109,15 @@ static sl_status make_cache(sl_shading_state *s, sl_error *error) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
     sl_display_settings display = {s->settings.width, s->settings.height,
                                    sl_ambient_irradiance_of_all_bounces(s->scene), s->settings.threads};
+    const sl_patches_settings kept = {.channels = s->plan.radiance ? 6 : 3,
+                                      .max_depth = SL_PATCH_DEPTH_MAX,
+                                      .shown = true,
+                                      .sets = c->variance_aware};
     sl_status status = make_buffers(s, error);
     if (status == SL_OK) status = make_tracer(s, error);
     if (status == SL_OK) status = sl_primitives_find(s->scene, &s->primitives, error);
     if (status == SL_OK)
-        status = sl_patches_create(s->primitives,
-                                   (s->plan.radiance ? SL_PATCHES_LOBES : 0) |
-                                       (c->variance_aware ? SL_PATCHES_SETS : 0),
-                                   &s->patches, error);
+        status = sl_patches_create(s->primitives, &kept, &s->patches, error);
     if (status == SL_OK) status = make_renderers(s, error);
     if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
     if (status == SL_OK)

@@ -40,7 +40,7 @@ static exitance exitance_of(const sl_primitives *primitives, uint32_t root) {
 }
 
 static sl_rgb radiance_at(const sl_patches *p, const exitance *e, uint32_t vertex) {
-    const float *value = p->vertex[vertex].value;
+    const float *value = sl_vertex_value(p, vertex);
     sl_rgb sum = sl_rgb_add(e->emission, sl_rgb_mul(e->reflected, (sl_rgb){value[0], value[1], value[2]}));
     const float *lobe = sl_vertex_lobe(p, vertex);
     return lobe ? sl_rgb_add(sum, (sl_rgb){lobe[0], lobe[1], lobe[2]}) : sum;
@@ -65,7 +65,7 @@ float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_
         uint32_t vertex = sl_patch_corner(p, patch, c);
         if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) return -1.0f;
         float luminance = sl_curve_luminance(radiance_at(p, &e, vertex));
-        if (p->vertex[vertex].borrowed) low = 0.0f; /* extrapolated: it may be black there */
+        if (p->vertex[vertex].extrapolated) low = 0.0f; /* extrapolated: it may be black there */
         low = luminance < low ? luminance : low;
         high = luminance > high ? luminance : high;
     }

@@ -96,7 +96,8 @@ typedef struct compared {
 
 static sl_rgb exitant_of(const sl_shading_state *s, uint32_t vertex, bool with_radiance) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    sl_rgb over_pi = sl_rgb_scale((sl_rgb){v->value[0], v->value[1], v->value[2]}, (float)(1.0 / SL_PI));
+    const float *value = sl_vertex_value(s->patches, vertex);
+    sl_rgb over_pi = sl_rgb_scale((sl_rgb){value[0], value[1], value[2]}, (float)(1.0 / SL_PI));
     sl_rgb exitant = sl_rgb_mul(over_pi, sl_root_mean_diffuse(s->primitives, v->root));
     const float *lobe = with_radiance ? sl_vertex_lobe(s->patches, vertex) : NULL;
     if (lobe) exitant = sl_rgb_add(exitant, (sl_rgb){lobe[0], lobe[1], lobe[2]});
@@ -106,7 +107,7 @@ static sl_rgb exitant_of(const sl_shading_state *s, uint32_t vertex, bool with_r
 static compared compare_before(const sl_shading_state *s, uint32_t vertex, const sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     bool one_set = request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1);
-    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->borrowed && one_set &&
+    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->extrapolated && one_set &&
                   v->dense == v->is_dense,
                   .radiance = v->evaluated >= s->changes->eye_moved};
     if (c.comparable) c.before = exitant_of(s, vertex, c.radiance);
@@ -114,9 +115,12 @@ static compared compare_before(const sl_shading_state *s, uint32_t vertex, const
 }
 
 /* All of it: no trace is left of what was there, be it a million times as bright. */
-static void blend(float value[3], sl_rgb now, float share) {
-    const float parts[3] = {now.r, now.g, now.b};
-    for (int k = 0; k < 3; k++) value[k] = share < 1.0f ? value[k] + share * (parts[k] - value[k]) : parts[k];
+static void blend(sl_patches *p, uint32_t vertex, const sl_sample *sample, float share) {
+    const sl_rgb e = sample->irradiance, l = sample->radiance;
+    const float parts[6] = {e.r, e.g, e.b, l.r, l.g, l.b};
+    float *value = sl_vertex_value(p, vertex);
+    for (int k = 0; k < p->settings.channels; k++)
+        value[k] = share < 1.0f ? value[k] + share * (parts[k] - value[k]) : parts[k];
 }
 
 /* The share of a new value: all of it, but where it joins earlier sets of samples. */
@@ -132,26 +136,18 @@ static bool is_to_fade(const sl_shading_state *s, uint32_t vertex, uint32_t obje
 }
 
 /* A broken sample: the old value stays, and counts as new, or it would be asked for for ever. Where there is
- * none it is extrapolated. */
-static void commit_nothing(sl_shading_state *s, uint32_t vertex) {
+ * none, and inside other geometry, the vertex is extrapolated from the corners around it. */
+static void commit_nothing(sl_shading_state *s, uint32_t vertex, bool inside) {
     sl_patch_vertex *v = &s->patches->vertex[vertex];
-    if (v->evaluated == SL_VERTEX_NEVER) sl_patches_borrow(s->patches, vertex);
+    if (inside || v->evaluated == SL_VERTEX_NEVER) sl_patches_set_extrapolated(s->patches, vertex);
     sl_vertex_mark(v, s->now);
-    sl_patches_touch(s->patches, vertex);
-}
-
-/* Inside other geometry there is no light of its own: the vertex is extrapolated from the corners around it.
- * */
-static void commit_inside(sl_shading_state *s, uint32_t vertex) {
-    sl_patches_borrow(s->patches, vertex);
-    sl_vertex_mark(&s->patches->vertex[vertex], s->now);
-    sl_patches_touch(s->patches, vertex);
+    sl_patches_touch(s->patches, v->place);
 }
 
 /* A vertex is inside other geometry and was not, or the other way round: a change without values to compare.
  * */
 static bool comes_or_goes(const sl_patch_vertex *v, const sl_sample *sample) {
-    return v->evaluated != SL_VERTEX_NEVER && v->borrowed == sample->valid;
+    return v->evaluated != SL_VERTEX_NEVER && v->extrapolated == sample->valid;
 }
 
 void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request,
@@ -161,7 +157,7 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
     bool finite = sl_rgb_is_finite(sample->irradiance) && sl_rgb_is_finite(sample->radiance);
     sl_count(&s->counters, SL_COUNT_NONFINITE, !finite);
     if (sample->broken || !finite) {
-        commit_nothing(s, vertex);
+        commit_nothing(s, vertex, false);
         return;
     }
     if (comes_or_goes(v, sample)) {
@@ -169,17 +165,15 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
         sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
     }
     if (!sample->valid) {
-        commit_inside(s, vertex);
+        commit_nothing(s, vertex, true);
         return;
     }
     compared c = compare_before(s, vertex, request);
-    v->borrowed = 0;
+    v->extrapolated = 0;
     v->is_dense = v->dense;
-    float share = share_of(request), from[3], from_lobe[3] = {0};
-    bool fades = is_to_fade(s, vertex, object) && sl_fade_from(s->patches, vertex, from, from_lobe);
-    blend(v->value, sample->irradiance, share);
-    float *lobe = sl_vertex_lobe(s->patches, vertex);
-    if (lobe) blend(lobe, sample->radiance, share);
+    float share = share_of(request), from[6];
+    bool fades = is_to_fade(s, vertex, object) && sl_fade_from(s->patches, vertex, from);
+    blend(s->patches, vertex, sample, share);
     if (s->patches->sets) {
         sl_vertex_sets *sets = &s->patches->sets[vertex];
         sets->variance = fmaxf(
@@ -188,9 +182,8 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
     }
     sl_vertex_mark(v, s->now);
     if (fades)
-        sl_fade_begin(&s->fades, s->patches, vertex, from, from_lobe,
-                      (float)s->settings.shading_cache.blending);
-    sl_patches_touch(s->patches, vertex);
+        sl_fade_begin(&s->fades, s->patches, vertex, from, (float)s->settings.shading_cache.blending);
+    sl_patches_touch(s->patches, v->place);
     float apart = c.comparable ? sl_levels_apart(&s->curve, c.before, exitant_of(s, vertex,
         c.radiance)) : 0.0f;
     if (c.comparable && sl_changes_compare(s->changes, object, apart, s->now))
@@ -240,8 +233,7 @@ static void projected_areas(const sl_shading_state *s, float *area) {
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, p));
         if (!s->changes->object[object].changing || sl_patch_is_leaf(s->patches, p)) continue;
         sl_patch_place place = sl_patch_place_of(s->patches, p);
-        area[p] = sl_patch_projected(s->patches, &place, &s->scene->camera, s->settings.width,
-                                     s->settings.height).area;
+        area[p] = sl_patch_projected(s->patches, &place, &s->view).area;
     }
 }
 

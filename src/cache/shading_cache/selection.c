@@ -140,7 +140,8 @@ static void number_leaves(sl_shading_state *s) {
         s->leaf_of_pixel[i] = SL_NO_INDEX;
         if (leaf == SL_NO_INDEX) continue;
         sl_patch *patch = &s->patches->patch[leaf];
-        if (patch->seen != s->now) *patch = (sl_patch){patch->child, s->now, (uint32_t)s->leaf_count++};
+        if (patch->seen != s->now) patch->pixels = (uint32_t)s->leaf_count++;
+        patch->seen = s->now;
         s->leaf_of_pixel[i] = patch->pixels;
     }
 }
@@ -206,8 +207,7 @@ void sl_shading_each_leaf(sl_shading_state *s, sl_leaf_visit *visit) {
 /* ---- finished leaves ---- */
 
 static bool is_finished(const sl_shading_state *s, uint32_t patch) {
-    const sl_settings *c = &s->settings;
-    return sl_patch_is_finished(s->patches, &s->work, &s->scene->camera, c->width, c->height, patch);
+    return sl_patch_is_finished(s->patches, &s->work, patch);
 }
 
 /* Where a shadow's edge has come down to pixels its leaves' corners go on differing, and nothing is left to

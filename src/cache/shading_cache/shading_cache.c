@@ -72,11 +72,14 @@ static void settle_work(sl_shading_state *s) {
         s->stale_before[i] = s->changes->object[i].stale_before;
         s->changing[i] = s->changes->object[i].changing;
     }
-    s->work = (sl_work_settings){.split_above = split_slack * (float)c->stop_size,
+    s->view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    s->work = (sl_work_settings){.view = &s->view,
+                                 .curve = &s->curve,
+                                 .split_above = split_slack * (float)c->stop_size,
                                  .levels = LEVELS_AN_UPDATE,
                                  .crowd = CROWD,
                                  .variance_aware = c->variance_aware,
-                                 .sharp = s->plan.radiance ? &s->curve : NULL,
+                                 .sharp = s->plan.radiance,
                                  .dense = s->scene->emitter_count > 0 && !c->variance_aware,
                                  .now = s->now,
                                  .stale_before = c->no_ageing ? NULL : s->stale_before,
@@ -198,9 +201,8 @@ static sl_status evaluate_or_split(sl_shading_state *s, size_t choices, size_t *
         s->place[i] = (sl_chosen_place){s->ids.patch[pixel], s->ids.u[pixel], s->ids.v[pixel]};
     }
     sl_shading_note_idle(s, choices);
-    sl_status status = sl_work_out(s->patches, &s->curve, &s->work, &s->scene->camera, s->settings.width,
-                                   s->settings.height, choices,
-                                   s->place, s->vertex, vertices, &s->counters, error);
+    sl_status status =
+        sl_work_out(s->patches, &s->work, choices, s->place, s->vertex, vertices, &s->counters, error);
     if (status == SL_OK) sl_announce_pass(&s->announcer, "requests", "lazy evaluation");
     return status;
 }
@@ -254,7 +256,7 @@ static sl_status move_and_age(sl_shading_state *s, size_t vertices, sl_error *er
     sl_status status = sl_shading_commit(s, vertices, error);
     if (s->now >= s->last_update) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
     if (status == SL_OK) status = age(s, error);
-    if (status == SL_OK) status = sl_patches_lend(s->patches, error);
+    if (status == SL_OK) sl_patches_extrapolate(s->patches);
     sl_announce_pass(&s->announcer, "commit", "motion, age");
     return status;
 }

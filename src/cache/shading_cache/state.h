@@ -35,7 +35,8 @@ typedef struct sl_shading_state {
     sl_leaf_priority *leaf;        /* priority map: visible leaves, in the order of their first pixels */
     size_t leaf_count, leaf_room;
     sl_choice *choice;             /* hit-and-test, flood fill */
-    sl_work_settings work;         /* lazy evaluation */
+    sl_view view;                  /* lazy evaluation */
+    sl_work_settings work;
     sl_chosen_place *place;
     uint32_t *vertex;              /* to be shaded */
     size_t vertex_room;

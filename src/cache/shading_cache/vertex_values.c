@@ -6,14 +6,9 @@
 #include "cache/shading_cache/display_parts.h"
 
 /* Finite, as pictures are. */
-static sl_rgb shown(const float value[3]) {
-    return (sl_rgb){sl_picture_value(value[0]), sl_picture_value(value[1]), sl_picture_value(value[2])};
-}
-
-static void take_samples(const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
-    const float *lobe = sl_vertex_lobe(p, vertex);
-    copy->value[vertex] = shown(p->vertex[vertex].value);
-    if (lobe) *sl_display_lobe(copy, vertex) = shown(lobe);
+static void show(const sl_display_copy *copy, uint32_t vertex, const float *value) {
+    for (size_t i = 0; i < copy->channels; i++)
+        copy->value[vertex * copy->channels + i] = sl_picture_value(value[i]);
 }
 
 static void take_surroundings(const sl_display *d, const sl_display_copy *copy, const sl_patches *p,
@@ -21,11 +16,10 @@ static void take_surroundings(const sl_display *d, const sl_display_copy *copy, 
     const sl_patch_vertex *v = &p->vertex[vertex];
     double a = (double)v->u / SL_PATCH_DYADIC, b = (double)v->v / SL_PATCH_DYADIC;
     sl_patch_place leaf = sl_patch_locate(p, v->root, a, b);
-    float value[3];
-    copy->value[vertex] = sl_patch_value(p, &leaf, a, b, false, value) ? shown(value) : d->settings.guess;
-    if (sl_vertex_lobe(p, vertex))
-        *sl_display_lobe(copy, vertex) =
-            sl_patch_value(p, &leaf, a, b, true, value) ? shown(value) : sl_grey(0.0f);
+    const sl_rgb guess = d->settings.guess;
+    float value[6] = {guess.r, guess.g, guess.b};
+    sl_patch_value(p, &leaf, a, b, value);
+    show(copy, vertex, value);
 }
 
 /* Vertices of the list with samples get them, the others are pending from then on. */
@@ -36,7 +30,7 @@ static void visit(sl_display *d, const sl_display_copy *copy, const sl_patches *
         for (int c = 0; c < sl_patch_corners(p, list[i]); c++) {
             uint32_t vertex = sl_patch_corner(p, list[i], c);
             if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) d->pending[vertex / 32] |= 1u << vertex % 32;
-            else take_samples(copy, p, vertex);
+            else show(copy, vertex, sl_vertex_value(p, vertex));
         }
     }
 }

@@ -20,10 +20,7 @@ typedef struct group {
 
 typedef struct worker {
     sl_patches *patches;
-    const sl_display_curve *curve;
     const sl_work_settings *settings;
-    const sl_camera *camera;
-    int width, height;
     const sl_chosen_place *places;
     uint32_t *handed;          /* indices of places, while they are handed on to children */
     uint32_t *slot;            /* hash of the vertices asked for: 1 + index into vertex */
@@ -56,7 +53,7 @@ static bool is_full_size(const worker *w, float area) {
 }
 
 static bool place_is_full_size(const worker *w, const sl_patch_place *place) {
-    return is_full_size(w, sl_patch_projected(w->patches, place, w->camera, w->width, w->height).area);
+    return is_full_size(w, sl_patch_projected(w->patches, place, w->settings->view).area);
 }
 
 static void ask_for(worker *w, uint32_t vertex) {
@@ -72,10 +69,11 @@ static void ask_for(worker *w, uint32_t vertex) {
  * nobody else would ask for. Returns how many, so many at most. */
 static size_t ask_for_stale_hanging(worker *w, uint32_t patch) {
     uint32_t vertex[SL_HANGING_MOST];
+    const sl_hanging list = {.vertex = vertex, .room = SL_HANGING_MOST, .parts = SL_PATCH_DYADIC};
     size_t found = 0, most = SL_HANGING_A_PATCH;
     sl_patch_place place = sl_patch_place_of(w->patches, patch);
     for (int e = 0; e < place.corners; e++) {
-        size_t count = sl_patch_hanging(w->patches, &place, e, vertex, SL_HANGING_MOST);
+        size_t count = sl_patch_hanging(w->patches, &place, e, &list);
         for (size_t i = 0; i < count && found < most; i++) {
             if (!sl_vertex_is_stale(w->patches, w->settings, vertex[i])) continue;
             ask_for(w, vertex[i]);
@@ -110,7 +108,7 @@ static bool ask_for_dense(worker *w, const sl_patch_place *place) {
     for (int c = 0; c < place->corners; c++) {
         uint32_t vertex = sl_patch_corner(w->patches, place->patch, c);
         sl_patch_vertex *v = &w->patches->vertex[vertex];
-        if (v->evaluated == SL_VERTEX_NEVER || v->borrowed || v->dense ||
+        if (v->evaluated == SL_VERTEX_NEVER || v->extrapolated || v->dense ||
             sl_vertex_is_stale(w->patches, w->settings, vertex))
             continue;
         v->dense = 1;
@@ -134,8 +132,8 @@ static double level_noise(const worker *w, uint32_t root, uint32_t vertex) {
     float luminance = sl_vertex_luminance(p, vertex),
           kd = sl_curve_luminance(sl_root_mean_diffuse(p->primitives, root));
     float off = sqrtf(fmaxf(p->sets[vertex].variance, 0.0f)) * kd * (float)(1.0 / SL_PI);
-    return 0.5 * ((double)sl_curve_level_of(w->curve, luminance + off) -
-                  (double)sl_curve_level_of(w->curve, luminance - off));
+    return 0.5 * ((double)sl_curve_level_of(w->settings->curve, luminance + off) -
+                  (double)sl_curve_level_of(w->settings->curve, luminance - off));
 }
 
 /* p_err < 2 s, s of the darkest and of the brightest corner. */
@@ -144,13 +142,13 @@ static bool is_noise(const worker *w, uint32_t patch) {
     float least = HUGE_VALF, most = -1.0f;
     for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) {
         uint32_t vertex = sl_patch_corner(w->patches, patch, c);
-        if (w->patches->sets[vertex].count == UINT32_MAX || w->patches->vertex[vertex].borrowed) return false;
-        float level = sl_vertex_level(w->patches, w->curve, vertex);
+        if (w->patches->sets[vertex].count == UINT32_MAX || w->patches->vertex[vertex].extrapolated) return false;
+        float level = sl_vertex_level(w->patches, w->settings->curve, vertex);
         if (level < least) least = level, low = vertex;
         if (level > most) most = level, high = vertex;
     }
     double a = level_noise(w, root, low), b = level_noise(w, root, high);
-    return (double)sl_patch_error(w->patches, w->curve, patch) < 2.0 * sqrt(a * a + b * b);
+    return (double)sl_patch_error(w->patches, w->settings->curve, patch) < 2.0 * sqrt(a * a + b * b);
 }
 
 /* ---- splits ---- */
@@ -159,7 +157,7 @@ static bool is_sharp(const sl_patches *p, const sl_work_settings *s, const sl_pa
     const sl_material *material = sl_root_material(p->primitives, place->root);
     bool polished = sl_material_is_mirror(material) ||
                     (sl_material_has_lobe(material) && material->exponent >= SL_POLISHED);
-    return s->sharp && polished && sl_patch_error(p, s->sharp, place->patch) >= (float)SL_SHARP_LEVELS;
+    return s->sharp && polished && sl_patch_error(p, s->curve, place->patch) >= (float)SL_SHARP_LEVELS;
 }
 
 static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place,
@@ -172,14 +170,13 @@ static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_pa
     return size.area > area && size.edge > sqrtf(fmaxf(fminf(s->split_above, area), 0.0f));
 }
 
-bool sl_patch_is_finished(const sl_patches *p, const sl_work_settings *settings, const sl_camera *camera,
-                          int width, int height, uint32_t patch) {
+bool sl_patch_is_finished(const sl_patches *p, const sl_work_settings *settings, uint32_t patch) {
     uint32_t oldest = sl_leaf_oldest(p, patch);
     if (oldest == SL_VERTEX_NEVER || oldest < stale_before(p, settings, sl_patch_root(p, patch)))
         return false;
     sl_patch_place place = sl_patch_place_of(p, patch);
-    return place.depth == SL_PATCH_DEPTH_MAX ||
-           !is_large(p, settings, &place, sl_patch_projected(p, &place, camera, width, height));
+    return place.depth == p->settings.max_depth ||
+           !is_large(p, settings, &place, sl_patch_projected(p, &place, settings->view));
 }
 
 /* Sorts the places of a patch by the child in which they lie, in their order otherwise. */
@@ -222,7 +219,7 @@ static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index
     uint32_t patch = place->patch;
     if (!sl_patch_is_leaf(w->patches, patch)) return process_children(w, place, index, count, level, true);
     if (level == 0 && ask_for_missing(w, place)) return SL_OK;
-    sl_screen_size size = sl_patch_projected(w->patches, place, w->camera, w->width, w->height);
+    sl_screen_size size = sl_patch_projected(w->patches, place, w->settings->view);
     bool noise = level == 0 && w->settings->variance_aware && w->patches->sets && is_noise(w, patch);
     if (!noise && is_large(w->patches, w->settings, place, size)) {
         if (is_full_size(w, 0.25f * size.area) && ask_for_dense(w, place)) return SL_OK;
@@ -272,18 +269,13 @@ static size_t group_places(const sl_patches *patches, size_t count, const sl_cho
     return group_count;
 }
 
-sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings,
-                      const sl_camera *camera, int width, int height, size_t count,
+sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, size_t count,
                       const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count,
                       sl_counters *counters, sl_error *error) {
     *vertex_count = 0;
     if (count == 0) return SL_OK;
     worker w = {.patches = patches,
-                .curve = curve,
                 .settings = settings,
-                .camera = camera,
-                .width = width,
-                .height = height,
                 .places = places,
                 .slot_count = 16,
                 .vertex = vertex,

@@ -11,6 +11,8 @@ typedef struct sl_chosen_place {
 } sl_chosen_place;
 
 typedef struct sl_work_settings {
+    const sl_view *view;
+    const sl_display_curve *curve;
     /* pixels: projected area that a patch needs for a split: 1.2 stop sizes; and its root for its longest
      * edge */
     float split_above;
@@ -25,9 +27,8 @@ typedef struct sl_work_settings {
     const bool *changing;      /* by object; NULL: none */
     /* leaves of one pixel have dense points on lights: their parent's corners get them before the split */
     bool dense;
-    /* leaves of polished surfaces are split below a pixel while their corners differ by SL_SHARP_LEVELS;
-     * NULL: they are not */
-    const sl_display_curve *sharp;
+    /* leaves of polished surfaces are split below a pixel while their corners differ by SL_SHARP_LEVELS */
+    bool sharp;
     /* > 0: children of patches of changing objects need more than so many pixels^2, triangles half of it */
     float coarsest;
 } sl_work_settings;
@@ -46,14 +47,12 @@ bool sl_vertex_is_stale(const sl_patches *patches, const sl_work_settings *setti
 
 /* Nothing is left to do in a leaf: its corners are as the scene is now, and it is too small for a split.
  * Where that holds for all visible leaves a picture of a still scene is done. */
-bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *settings,
-                          const sl_camera *camera, int width, int height, uint32_t patch);
+bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *settings, uint32_t patch);
 
 /* Handles all places, patch by patch in the order in which patches first occur: requests vertices never
  * evaluated or stale; else splits and hands places on. vertex: the vertices to be shaded, each once, in that
  * order; room for (4 + SL_HANGING_A_PATCH) * count + 64. */
-sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings,
-                      const sl_camera *camera, int width, int height, size_t count,
+sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, size_t count,
                       const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count,
                       sl_counters *counters, sl_error *error);
 

@@ -81,16 +81,16 @@ static inline void rig_discard(rig *r) {
 }
 
 static inline void rig_sample(rig *r, const uint32_t *vertex, size_t count) {
-    sl_mesh *mesh = r->mesh->mesh;
+    sl_patches *mesh = r->mesh->mesh;
     for (size_t i = 0; i < count; i++) {
         sl_mesh_point point;
-        sl_mesh_point_of(mesh, vertex[i], &point);
+        point = sl_mesh_point_of(mesh, vertex[i]);
         sl_rgb value = r->field.value(r->field.context, point.position);
-        float *to = &mesh->value[3 * (size_t)vertex[i]];
+        float *to = sl_vertex_value(mesh, vertex[i]);
         to[0] = value.r;
         to[1] = value.g;
         to[2] = value.b;
-        mesh->state[vertex[i]] = sl_rgb_is_finite(value) ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID;
+        sl_mesh_set_state(mesh, vertex[i], sl_rgb_is_finite(value) ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
     }
     r->samples += count;
 }
@@ -124,14 +124,14 @@ static inline void rig_look(rig *r, const sl_camera *camera, unsigned threads) {
 
 /* A batch of up to 32 leaves; how many there were. */
 static inline size_t rig_step(rig *r, size_t batch) {
-    sl_mesh_place leaf[32];
+    sl_patch_place leaf[32];
     size_t taken = 0;
     uint32_t vertex[6 * 32];
     size_t asked = 0;
     for (; taken < batch && taken < 32; taken++) {
         float priority = sl_displayed_priority(r->mesh);
         leaf[taken] = sl_displayed_take(r->mesh);
-        if (leaf[taken].node == SL_NO_INDEX) break;
+        if (leaf[taken].patch == SL_NO_INDEX) break;
         if (r->mesh->settings.selection == SL_SELECT_HEAP) r->chosen += (double)priority;
     }
     for (size_t i = 0; i < taken; i++) {
@@ -175,15 +175,15 @@ static inline sl_camera room_camera(sl_vec3 eye, sl_vec3 target) {
 
 /* ---- leaves ---- */
 
-typedef void visit_leaf(void *context, const sl_mesh_place *leaf);
-static inline void visit_below(const sl_mesh *mesh, const sl_mesh_place *place, visit_leaf *visit,
+typedef void visit_leaf(void *context, const sl_patch_place *leaf);
+static inline void visit_below(const sl_patches *mesh, const sl_patch_place *place, visit_leaf *visit,
                                void *context) {
-    if (sl_mesh_is_leaf(mesh, place->node)) {
+    if (sl_patch_is_leaf(mesh, place->patch)) {
         visit(context, place);
         return;
     }
     for (int c = 0; c < 4; c++) {
-        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
+        sl_patch_place child = sl_patch_child_place(mesh, place, c);
         visit_below(mesh, &child, visit, context);
     }
 }
@@ -191,7 +191,7 @@ static inline void visit_below(const sl_mesh *mesh, const sl_mesh_place *place, 
 /* All leaves of faces in view. */
 static inline void visit_leaves(const sl_displayed *d, visit_leaf *visit, void *context) {
     for (size_t e = 0; e < d->pixels->face_count; e++) {
-        sl_mesh_place root = sl_mesh_root_place(d->mesh, d->pixels->face[e].face);
+        sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[e].face);
         visit_below(d->mesh, &root, visit, context);
     }
 }

@@ -34,7 +34,7 @@ static sl_scene *quad_scene(float diffuse) {
 
 static sl_vec3 position_of(const meshed *m, size_t v) {
     sl_coarse_vertex at = m->coarse->vertex[v];
-    return face_point(m->scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC).position;
+    return face_point(m->scene, at.face, (float)at.p / SL_PATCH_DYADIC, (float)at.q / SL_PATCH_DYADIC).position;
 }
 
 /* ---- what is sampled ------------------------------------------------------------------------- */
@@ -159,12 +159,12 @@ static void light_is_asked_for_a_little_within_rims(void **state) {
     size_t within = 0, rim = 0;
     for (size_t v = 0; v < m.coarse->vertex_count; v++) {
         sl_coarse_vertex at = m.coarse->vertex[v];
-        const int own[3] = {SL_MESH_DYADIC - at.p - at.q, at.p, at.q},
-                  lit[3] = {SL_MESH_DYADIC - at.lit_p - at.lit_q, at.lit_p, at.lit_q};
+        const int own[3] = {SL_PATCH_DYADIC - at.p - at.q, at.p, at.q},
+                  lit[3] = {SL_PATCH_DYADIC - at.lit_p - at.lit_q, at.lit_p, at.lit_q};
         bool on_rim = !own[0] || !own[1] || !own[2];
         for (int k = 0; k < 3; k++)
-            assert_int_equal(on_rim && !own[k] ? SL_MESH_DYADIC / 24 : on_rim ? lit[k] : own[k], lit[k]);
-        assert_true(near((double)at.lit_p, (double)at.p, SL_MESH_DYADIC / 12.0 + 1.0));
+            assert_int_equal(on_rim && !own[k] ? SL_PATCH_DYADIC / 24 : on_rim ? lit[k] : own[k], lit[k]);
+        assert_true(near((double)at.lit_p, (double)at.p, SL_PATCH_DYADIC / 12.0 + 1.0));
         rim += on_rim;
         within += !on_rim;
     }

@@ -53,7 +53,7 @@ static void discard(lit_hall *h) {
 static void places(uint32_t face, sl_coarse_vertex vertex[POINTS]) {
     for (int i = 0; i < POINTS; i++) {
         int p = 60 + 35 * i, q = 40 + (i * 7 % 23) * 80;
-        q = q < SL_MESH_DYADIC - p ? q : 10;
+        q = q < SL_PATCH_DYADIC - p ? q : 10;
         vertex[i] = (sl_coarse_vertex){face, (uint16_t)p, (uint16_t)q, (uint16_t)p, (uint16_t)q, 0};
     }
 }

@@ -68,16 +68,16 @@ typedef struct check {
     double error;      /* of pixels outside their leaf, in the leaf's weights */
 } check;
 
-static void check_leaf(void *context, const sl_mesh_place *leaf) {
+static void check_leaf(void *context, const sl_patch_place *leaf) {
     check *c = context;
     const sl_displayed *d = c->r->mesh;
-    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+    const sl_patch *node = &d->mesh->patch[leaf->patch];
     c->leaves++;
     c->pixels += node->pixels;
     c->deepest = leaf->depth > c->deepest ? leaf->depth : c->deepest;
     for (uint32_t n = 0; n < node->pixels; n++) {
-        uint32_t i = d->first[leaf->node] + n;
-        assert_int_equal(d->pixels->face[d->pixels->entry_of_face[leaf->face]].face, leaf->face);
+        uint32_t i = d->first[leaf->patch] + n;
+        assert_int_equal(d->pixels->face[d->pixels->entry_of_face[leaf->root]].face, leaf->root);
         float a, b;
         sl_mesh_weights_within(leaf, d->pixels->w1[i], d->pixels->w2[i], &a, &b);
         double out = fmax(fmax(-(double)a, -(double)b), (double)a + (double)b - 1.0);
@@ -123,7 +123,7 @@ static void the_first_image_samples_the_corners_of_faces_in_view_and_no_more(voi
     }
     free(is_corner);
     assert_int_equal(r.samples, corners);
-    assert_int_equal(r.mesh->mesh->leaf_count, roots_in_view(r.mesh));
+    assert_int_equal(r.mesh->mesh->leaves_alive, roots_in_view(r.mesh));
     assert_int_equal(r.counters.value[SL_COUNT_SPLITS], 0);
     uint32_t vertex, face;
     assert_int_equal(sl_displayed_missing(r.mesh, &vertex, &face, 1), 0);
@@ -140,7 +140,7 @@ static void assert_all_undone(field f, float threshold_scale) {
     rig_look(&r, NULL, 1);
     int wanted = 0;
     for (uint32_t face = 0; face < 4; face += 2) {
-        sl_mesh_place root = sl_mesh_root_place(r.mesh->mesh, face);
+        sl_patch_place root = sl_patch_root_place(r.mesh->mesh, face);
         int depth = sl_displayed_wanted_depth(r.mesh, &root);
         wanted = depth > wanted ? depth : wanted;
     }
@@ -149,7 +149,7 @@ static void assert_all_undone(field f, float threshold_scale) {
         n = rig_step(&r, 7);
         assert_true(check_all(&r).deepest <= wanted);
     }
-    assert_int_equal(r.mesh->mesh->leaf_count, 2);
+    assert_int_equal(r.mesh->mesh->leaves_alive, 2);
     assert_int_equal(r.counters.value[SL_COUNT_SPLITS], r.counters.value[SL_COUNT_COLLAPSES]);
     /* each node down to the criterion was looked at */
     assert_true(r.counters.value[SL_COUNT_SPLITS] >= 2 * (1 + 4 + 16 + 64 + 256));
@@ -256,11 +256,11 @@ static void noise_is_refined_down_to_pixels_and_ends(void **state) {
 
 /* Cut leaves that show two or three pixels. */
 static size_t cut_minor_leaves(const rig *r) {
-    const sl_mesh *mesh = r->mesh->mesh;
+    const sl_patches *mesh = r->mesh->mesh;
     size_t count = 0;
-    for (uint32_t n = 0; n < mesh->node_count; n++)
-        count += sl_mesh_is_used(mesh, n) && !sl_mesh_is_leaf(mesh, n) &&
-                 (mesh->node[n].pixels == 2 || mesh->node[n].pixels == 3);
+    for (uint32_t n = 0; n < mesh->patch_count; n++)
+        count += sl_patch_is_alive(mesh, n) && !sl_patch_is_leaf(mesh, n) &&
+                 (mesh->patch[n].pixels == 2 || mesh->patch[n].pixels == 3);
     return count;
 }
 

@@ -47,7 +47,7 @@ typedef struct random_splits {
     uint64_t key, draws;
     float share;
 } random_splits;
-static void split_maybe(void *context, const sl_mesh_place *leaf) {
+static void split_maybe(void *context, const sl_patch_place *leaf) {
     random_splits *s = context;
     if (sl_random_unit(s->key, s->draws++) < s->share)
         assert_int_equal(sl_mesh_split(s->r->mesh->mesh, leaf, NULL), SL_OK);
@@ -56,7 +56,7 @@ static void split_at_random(rig *r, uint64_t seed, int rounds) {
     random_splits s = {.r = r, .key = sl_random_key(seed, 0), .share = 0.4f};
     for (int i = 0; i < rounds; i++) visit_leaves(r->mesh, split_maybe, &s);
     for (uint32_t v = 0; v < r->mesh->mesh->vertex_count; v++) {
-        if (r->mesh->mesh->state[v] != SL_VERTEX_KNOWN) rig_sample(r, &v, 1);
+        if (sl_mesh_state(r->mesh->mesh, v) != SL_VERTEX_KNOWN) rig_sample(r, &v, 1);
     }
     rig_look(r, NULL, 1);
 }
@@ -77,7 +77,7 @@ static void a_mesh_of_one_colour_split_at_random_has_neither_holes_nor_steps(voi
             assert_true(r.plane[2][i] == (shown ? PAINT.b : -1.0f));
         }
     }
-    assert_true(r.mesh->mesh->leaf_count > 8 * roots_in_view(r.mesh));
+    assert_true(r.mesh->mesh->leaves_alive > 8 * roots_in_view(r.mesh));
     rig_discard(&r);
 }
 
@@ -191,7 +191,7 @@ static void leaves_without_values_show_what_stands_in(void **state) {
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
     rig_look(&r, NULL, 1);
-    for (uint32_t v = 0; v < r.mesh->mesh->vertex_count; v++) r.mesh->mesh->state[v] = SL_VERTEX_UNKNOWN;
+    for (uint32_t v = 0; v < r.mesh->mesh->vertex_count; v++) sl_mesh_set_state(r.mesh->mesh, v, SL_VERTEX_UNKNOWN);
     rig_draw(&r, 1);
     for (size_t i = 0; i < PIXELS; i++) assert_true(r.id[i] == SL_NO_INDEX || r.plane[2][i] == 0.25f);
     rig_fill_missing(&r); /* now they are known, and drawn without being asked */

@@ -95,7 +95,7 @@ static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) 
     for (size_t v = 0; v < g.coarse->vertex_count; v++) {
         sl_coarse_vertex at = g.coarse->vertex[v];
         sl_mesh_point p =
-            face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
+            face_point(g.scene, at.face, (float)at.p / SL_PATCH_DYADIC, (float)at.q / SL_PATCH_DYADIC);
         sl_coarse_set(g.coarse, v, (sl_rgb){1.0f, 1.0f + 0.9f * p.position.x, 1.0f + p.position.y});
     }
     sl_coarse_finish(g.coarse, 1);

@@ -50,10 +50,10 @@ static void discard(lit_floor *f) {
 
 /* Asks for all of the floor at a grid of 2^depth a side, as if leaves three levels deep were small enough. */
 static void ask(lit_floor *f, int depth) {
-    uint32_t step = SL_MESH_DYADIC >> depth;
+    uint32_t step = SL_PATCH_DYADIC >> depth;
     for (uint32_t face = 0; face <= 2; face += 2) {
-        for (uint32_t q = 0; q <= SL_MESH_DYADIC; q += step) {
-            for (uint32_t p = 0; p + q <= SL_MESH_DYADIC; p += step) {
+        for (uint32_t q = 0; q <= SL_PATCH_DYADIC; q += step) {
+            for (uint32_t p = 0; p + q <= SL_PATCH_DYADIC; p += step) {
                 sl_face_point x = {.face = face,
                                    .p = (uint16_t)p,
                                    .q = (uint16_t)q,
@@ -70,11 +70,11 @@ static void ask(lit_floor *f, int depth) {
     }
 }
 
-static int deepest_below(const sl_mesh *mesh, const sl_mesh_place *place) {
+static int deepest_below(const sl_patches *mesh, const sl_patch_place *place) {
     int deepest = place->depth;
-    if (sl_mesh_is_leaf(mesh, place->node)) return deepest;
+    if (sl_patch_is_leaf(mesh, place->patch)) return deepest;
     for (int c = 0; c < 4; c++) {
-        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
+        sl_patch_place child = sl_patch_child_place(mesh, place, c);
         int below = deepest_below(mesh, &child);
         deepest = below > deepest ? below : deepest;
     }
@@ -82,10 +82,10 @@ static int deepest_below(const sl_mesh *mesh, const sl_mesh_place *place) {
 }
 
 static int deepest_of(const lit_floor *f, size_t light) {
-    const sl_mesh *mesh = sl_irradiance_mesh(f->meshes, light);
+    const sl_patches *mesh = sl_irradiance_mesh(f->meshes, light);
     int deepest = 0;
     for (uint32_t face = 0; face <= 2; face += 2) {
-        sl_mesh_place root = sl_mesh_root_place(mesh, face);
+        sl_patch_place root = sl_patch_root_place(mesh, face);
         int below = deepest_below(mesh, &root);
         deepest = below > deepest ? below : deepest;
     }
@@ -100,7 +100,7 @@ static void an_occluder_of_one_light_leaves_the_other_lights_mesh_as_it_was(void
         make(&f, plate == 1);
         ask(&f, DEPTH);
         for (size_t l = 0; l < 2; l++) {
-            leaves[plate][l] = sl_irradiance_mesh(f.meshes, l)->leaf_count;
+            leaves[plate][l] = sl_irradiance_mesh(f.meshes, l)->leaves_alive;
             vertices[plate][l] = sl_irradiance_mesh(f.meshes, l)->vertex_count;
         }
         print_message("%s a plate: left lamp %zu leaves, right lamp %zu\n", plate ? "with" : "without",
@@ -157,7 +157,7 @@ static uint64_t ask_one(bool few_rays, float ambient, uint16_t q, float share[2]
  * in the first again, where the left lamp gives nearly all. */
 static void a_lamp_that_gives_little_beside_others_is_sampled_by_few_rays(void **state) {
     (void)state;
-    static const uint16_t place[4] = {0, SL_MESH_DYADIC, SL_MESH_DYADIC / 2, 0};
+    static const uint16_t place[4] = {0, SL_PATCH_DYADIC, SL_PATCH_DYADIC / 2, 0};
     static const uint64_t expected[4] = {2 * 4 * 4, 2 * 4 * 4, 2 * 8 * 8, 8 * 8};
     for (int k = 0; k < 4; k++) {
         float by_pictures[2], by_rays[2];
@@ -195,8 +195,8 @@ static void at_a_walls_foot_no_light_comes_from_behind_it(void **state) {
                                 .threads = 1};
     assert_int_equal(sl_irradiance_meshes_create(&s, &f.meshes, NULL), SL_OK);
     for (uint32_t face = 0; face <= 2; face += 2) {
-        for (uint32_t q = 0; q <= SL_MESH_DYADIC; q += SL_MESH_DYADIC / 8) {
-            for (uint32_t p = 0; p + q <= SL_MESH_DYADIC; p += SL_MESH_DYADIC / 8) {
+        for (uint32_t q = 0; q <= SL_PATCH_DYADIC; q += SL_PATCH_DYADIC / 8) {
+            for (uint32_t p = 0; p + q <= SL_PATCH_DYADIC; p += SL_PATCH_DYADIC / 8) {
                 sl_face_point x = {
                     .face = face, .p = (uint16_t)p, .q = (uint16_t)q, .leaf = sl_mesh_face_middle(face)};
                 float share;

@@ -155,9 +155,9 @@ static void meshes_are_served_so_that_their_largest_priorities_fall_together(voi
 
 /* ---- the eye moves ---- */
 
-static size_t known_in(const sl_mesh *mesh) {
+static size_t known_in(const sl_patches *mesh) {
     size_t count = 0;
-    for (size_t v = 0; v < mesh->vertex_count; v++) count += mesh->state[v] == SL_VERTEX_KNOWN;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) count += sl_mesh_state(mesh, v) == SL_VERTEX_KNOWN;
     return count;
 }
 
@@ -165,17 +165,17 @@ static void after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_
     (void)state;
     run r = run_of(load_scene("scenes/cornell-glossy.json"), 64);
     finish(&r);
-    const sl_mesh *specular = r.s->part[SL_DIRECT_SPECULAR]->mesh,
+    const sl_patches *specular = r.s->part[SL_DIRECT_SPECULAR]->mesh,
                   *direct = r.s->part[SL_DIRECT_DIFFUSE]->mesh, *indirect = r.s->part[SL_INDIRECT]->mesh;
-    size_t leaves = direct->leaf_count, roots = direct->root_count, known = known_in(direct),
+    size_t leaves = direct->leaves_alive, roots = direct->root_count, known = known_in(direct),
            gathered = known_in(indirect);
-    assert_true(specular->leaf_count > specular->root_count);
+    assert_true(specular->leaves_alive > specular->root_count);
     look_from(&r, 20.0f);
     step(&r); /* the view */
     assert_true(specular->root_count > 0);
-    assert_int_equal(specular->leaf_count, specular->root_count);
+    assert_int_equal(specular->leaves_alive, specular->root_count);
     assert_int_equal(known_in(specular), 0);
-    assert_int_equal(direct->leaf_count, leaves + direct->root_count - roots);
+    assert_int_equal(direct->leaves_alive, leaves + direct->root_count - roots);
     assert_int_equal(known_in(direct), known);
     assert_int_equal(known_in(indirect), gathered);
     finish(&r);

@@ -112,49 +112,11 @@ static void pixels_of_one_path_are_in_the_order_of_the_screen(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void a_patch_measures_what_of_it_is_in_the_picture(void **state) {
-    (void)state;
-    sl_scene *scene = square_scene();
-    sl_view view = sl_view_scene(scene, 100, 100);
-    const uint16_t whole_p[3] = {0, SL_MESH_DYADIC, 0}, whole_q[3] = {0, 0, SL_MESH_DYADIC};
-    sl_face_clip face = sl_face_clip_of(scene, &view, 0);
-    sl_screen_size size = sl_face_part_size(&view, &face, whole_p, whole_q, SL_MESH_DYADIC);
-    assert_true(fabs((double)size.area - 5000.0) < 1.0 && fabs((double)size.edge - 141.42) < 0.1);
-    const uint16_t half_p[3] = {0, SL_MESH_DYADIC / 2, 0}, half_q[3] = {0, 0, SL_MESH_DYADIC / 2};
-    size = sl_face_part_size(&view, &face, half_p, half_q, SL_MESH_DYADIC);
-    assert_true(fabs((double)size.area - 1250.0) < 1.0 && fabs((double)size.edge - 70.71) < 0.1);
-
-    /* Twice as near: a quarter of each triangle is cut to the picture's half. */
-    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 1), sl_v3(0, 0, 0), sl_v3(0, 1, 0),
-                                  2.0f * 0.463647609f));
-    view = sl_view_scene(scene, 100, 100);
-    face = sl_face_clip_of(scene, &view, 0);
-    size = sl_face_part_size(&view, &face, whole_p, whole_q, SL_MESH_DYADIC);
-    assert_true(fabs((double)size.area - 5000.0) < 1.0 && fabs((double)size.edge - 141.42) < 0.1);
-
-    /* The eye in the square's own plane, and the square partly behind it: nothing to see, nothing infinite.
-     */
-    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 1.0f));
-    view = sl_view_scene(scene, 100, 100);
-    face = sl_face_clip_of(scene, &view, 0);
-    size = sl_face_part_size(&view, &face, whole_p, whole_q, SL_MESH_DYADIC);
-    assert_true(size.area >= 0.0f && size.area < 1.0f && size.edge <= 142.0f);
-
-    /* Far beside the picture. */
-    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 2), sl_v3(0, 0, 4), sl_v3(0, 1, 0), 1.0f));
-    view = sl_view_scene(scene, 100, 100);
-    face = sl_face_clip_of(scene, &view, 1);
-    size = sl_face_part_size(&view, &face, whole_p, whole_q, SL_MESH_DYADIC);
-    assert_true(size.area <= 0.0f && size.edge <= 0.0f);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pixel_that_shows_something_is_listed_once_under_its_face),
         cmocka_unit_test(weights_lead_back_to_the_pixel_and_sides_are_those_of_surfaces),
         cmocka_unit_test(pixels_of_one_path_are_in_the_order_of_the_screen),
-        cmocka_unit_test(a_patch_measures_what_of_it_is_in_the_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,9 +20,9 @@ typedef struct largest {
     const sl_displayed *d;
     float priority;
 } largest;
-static void look_at_leaf(void *context, const sl_mesh_place *leaf) {
+static void look_at_leaf(void *context, const sl_patch_place *leaf) {
     largest *l = context;
-    float priority = sl_mesh_is_leaf(l->d->mesh, leaf->node) ? l->d->mesh->node[leaf->node].priority : 0.0f;
+    float priority = sl_patch_is_leaf(l->d->mesh, leaf->patch) ? l->d->mesh->patch[leaf->patch].priority : 0.0f;
     l->priority = priority > l->priority ? priority : l->priority;
 }
 
@@ -30,10 +30,10 @@ static void look_at_leaf(void *context, const sl_mesh_place *leaf) {
 static void assert_priorities(const sl_displayed *d) {
     float all = 0.0f;
     for (size_t e = 0; e < d->pixels->face_count; e++) {
-        sl_mesh_place root = sl_mesh_root_place(d->mesh, d->pixels->face[e].face);
+        sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[e].face);
         largest l = {d, 0.0f};
         visit_below(d->mesh, &root, look_at_leaf, &l);
-        assert_true(d->mesh->node[root.node].priority == l.priority);
+        assert_true(d->mesh->patch[root.patch].priority == l.priority);
         all = l.priority > all ? l.priority : all;
     }
     assert_true(sl_displayed_priority(d) == all);
@@ -41,14 +41,14 @@ static void assert_priorities(const sl_displayed *d) {
 
 /* What the incremental updates have left is what comes out anew. */
 static void assert_priorities_are_up_to_date(rig *r) {
-    const sl_mesh *mesh = r->mesh->mesh;
-    float *priority = malloc(mesh->node_count * sizeof *priority);
+    const sl_patches *mesh = r->mesh->mesh;
+    float *priority = malloc(mesh->patch_count * sizeof *priority);
     assert_non_null(priority);
-    for (size_t n = 0; n < mesh->node_count; n++) priority[n] = mesh->node[n].priority;
+    for (size_t n = 0; n < mesh->patch_count; n++) priority[n] = mesh->patch[n].priority;
     sl_displayed_prioritise(r->mesh);
-    for (uint32_t n = 0; n < mesh->node_count; n++) {
-        if (sl_mesh_is_used(mesh, n) && mesh->node[n].pixels)
-            assert_true(priority[n] == mesh->node[n].priority);
+    for (uint32_t n = 0; n < mesh->patch_count; n++) {
+        if (sl_patch_is_alive(mesh, n) && mesh->patch[n].pixels)
+            assert_true(priority[n] == mesh->patch[n].priority);
     }
     free(priority);
 }
@@ -76,8 +76,8 @@ static void a_leaf_that_is_taken_is_not_taken_twice(void **state) {
     rig_look(&r, NULL, 1);
     float last = sl_displayed_priority(r.mesh);
     size_t taken = 0;
-    for (sl_mesh_place leaf; (leaf = sl_displayed_take(r.mesh)).node != SL_NO_INDEX; taken++) {
-        assert_true(r.mesh->mesh->node[leaf.node].flags & SL_NODE_TAKEN);
+    for (sl_patch_place leaf; (leaf = sl_displayed_take(r.mesh)).patch != SL_NO_INDEX; taken++) {
+        assert_true(r.mesh->mesh->patch[leaf.patch].flags & SL_NODE_TAKEN);
         assert_true(sl_displayed_priority(r.mesh) <= last);
         last = sl_displayed_priority(r.mesh);
         assert_true(taken < r.mesh->heap_count);
@@ -90,10 +90,10 @@ static void a_leaf_that_is_taken_is_not_taken_twice(void **state) {
 /* ---- the paper's chain ---- */
 
 typedef struct leaf_list {
-    sl_mesh_place *leaf;
+    sl_patch_place *leaf;
     size_t count, room;
 } leaf_list;
-static void append_leaf(void *context, const sl_mesh_place *leaf) {
+static void append_leaf(void *context, const sl_patch_place *leaf) {
     leaf_list *l = context;
     if (l->count == l->room) {
         l->room = l->room ? 2 * l->room : 1024;
@@ -107,9 +107,9 @@ static void append_leaf(void *context, const sl_mesh_place *leaf) {
 static double chosen_after(rig *r, size_t splits) {
     double sum = 0.0;
     for (size_t i = 0; i < splits; i++) {
-        sl_mesh_place leaf = sl_displayed_take(r->mesh);
-        if (leaf.node == SL_NO_INDEX) break;
-        r->mesh->mesh->node[leaf.node].flags &= ~(uint32_t)SL_NODE_TAKEN;
+        sl_patch_place leaf = sl_displayed_take(r->mesh);
+        if (leaf.patch == SL_NO_INDEX) break;
+        r->mesh->mesh->patch[leaf.patch].flags &= ~(uint32_t)SL_NODE_TAKEN;
         sum += (double)sl_displayed_leaf_priority(r->mesh, &leaf); /* what it was worth before it was taken */
         uint32_t vertex[6];
         size_t count;
@@ -148,9 +148,9 @@ static void chain_and_heap_come_to_the_same_leaves(void **state) {
     assert_true(chosen[1][0] <= chosen[0][0]);
     assert_int_equal(list[0].count, list[1].count);
     for (size_t i = 0; i < list[0].count; i++) {
-        const sl_mesh_place *a = &list[0].leaf[i], *b = &list[1].leaf[i];
-        assert_true(a->face == b->face && a->depth == b->depth && !memcmp(a->p, b->p, sizeof a->p) &&
-                    !memcmp(a->q, b->q, sizeof a->q));
+        const sl_patch_place *a = &list[0].leaf[i], *b = &list[1].leaf[i];
+        assert_true(a->root == b->root && a->depth == b->depth && !memcmp(a->u, b->u, sizeof a->u) &&
+                    !memcmp(a->v, b->v, sizeof a->v));
     }
     free(list[0].leaf);
     free(list[1].leaf);

@@ -1,4 +1,4 @@
-/* Quadtrees of triangles: counts, shared vertices, continuity, reuse. */
+/* Patches as multi-mesh caching has them: continuity of values, what is kept and used again. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,34 +17,35 @@
 typedef struct world {
     sl_scene *scene;
     sl_primitives *primitives;
-    sl_mesh *mesh;
+    sl_patches *mesh;
 } world;
 
 static world world_of(trace_mesh *parts, int channels, int depth) {
     world w = {.scene = trace_mesh_build(parts)};
+    const sl_patches_settings settings = {.channels = channels, .max_depth = depth};
     assert_int_equal(sl_primitives_of_triangles(w.scene, &w.primitives, NULL), SL_OK);
-    assert_int_equal(sl_mesh_create(w.primitives, channels, depth, &w.mesh, NULL), SL_OK);
+    assert_int_equal(sl_patches_create(w.primitives, &settings, &w.mesh, NULL), SL_OK);
     return w;
 }
 
 static void discard(world *w) {
-    sl_mesh_destroy(w->mesh);
+    sl_patches_destroy(w->mesh);
     sl_primitives_destroy(w->primitives);
     sl_scene_destroy(w->scene);
 }
 
 static uint32_t root(world *w, uint32_t face) {
     sl_status status;
-    uint32_t node = sl_mesh_root(w->mesh, face, &status, NULL);
+    uint32_t node = sl_patches_root(w->mesh, face, &status, NULL);
     assert_int_equal(status, SL_OK);
     return node;
 }
 
-static void split_all(sl_mesh *mesh, sl_mesh_place place, int levels) {
+static void split_all(sl_patches *mesh, sl_patch_place place, int levels) {
     if (levels == 0) return;
-    if (sl_mesh_is_leaf(mesh, place.node)) assert_int_equal(sl_mesh_split(mesh, &place, NULL), SL_OK);
-    assert_false(sl_mesh_is_leaf(mesh, place.node));
-    for (int c = 0; c < 4; c++) split_all(mesh, sl_mesh_child_place(mesh, &place, c), levels - 1);
+    if (sl_patch_is_leaf(mesh, place.patch)) assert_int_equal(sl_mesh_split(mesh, &place, NULL), SL_OK);
+    assert_false(sl_patch_is_leaf(mesh, place.patch));
+    for (int c = 0; c < 4; c++) split_all(mesh, sl_patch_child_place(mesh, &place, c), levels - 1);
 }
 
 static trace_mesh one_triangle(void) {
@@ -77,12 +78,10 @@ static trace_mesh field(int columns, int rows) {
 static uint64_t stream(uint64_t n) { return sl_random_key(1, n); }
 
 /* The leaf around a random point of a random face. */
-static sl_mesh_place random_leaf(const sl_mesh *mesh, uint64_t key, uint64_t index, uint32_t sides) {
+static sl_patch_place random_leaf(const sl_patches *mesh, uint64_t key, uint64_t index, uint32_t sides) {
     uint32_t faces = (uint32_t)(mesh->primitives->count * 2),
              face = sl_random_bits(key, 3 * index) % (faces / sides) * sides;
-    float w1, w2;
-    return sl_mesh_locate(mesh, face, sl_random_unit(key, 3 * index + 1), sl_random_unit(key, 3 * index + 2),
-                          &w1, &w2);
+    return sl_mesh_locate(mesh, face, sl_random_unit(key, 3 * index + 1), sl_random_unit(key, 3 * index + 2));
 }
 
 /* Fronts alone, split at random places no deeper than `depth`. */
@@ -90,7 +89,7 @@ static void refine_randomly(world *w, int splits, int depth, uint64_t seed) {
     uint64_t key = sl_random_key(seed, 1);
     for (uint32_t f = 0; f < w->primitives->count * 2; f += 2) root(w, f);
     for (int i = 0; i < splits; i++) {
-        sl_mesh_place leaf = random_leaf(w->mesh, key, (uint64_t)i, 2);
+        sl_patch_place leaf = random_leaf(w->mesh, key, (uint64_t)i, 2);
         if (leaf.depth < depth) assert_int_equal(sl_mesh_split(w->mesh, &leaf, NULL), SL_OK);
     }
 }
@@ -100,13 +99,13 @@ static double linear(int channel, sl_vec3d p) {
     return 1.5 + 0.25 * channel + (0.5 - channel) * p.x + (2.0 + channel) * p.y - p.z;
 }
 
-static void know_all(sl_mesh *mesh, const char *what) {
+static void know_all(sl_patches *mesh, const char *what) {
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         sl_mesh_point point;
-        sl_mesh_point_of(mesh, v, &point);
-        mesh->state[v] = SL_VERTEX_KNOWN;
-        for (int c = 0; c < mesh->channels; c++) {
-            float *value = &mesh->value[v * (uint32_t)mesh->channels + (uint32_t)c];
+        point = sl_mesh_point_of(mesh, v);
+        sl_mesh_set_state(mesh, v, SL_VERTEX_KNOWN);
+        for (int c = 0; c < mesh->settings.channels; c++) {
+            float *value = &sl_vertex_value(mesh, v)[c];
             *value = what[0] == 'l'   ? (float)linear(c, sl_to_double(point.position))
                      : what[0] == 'r' ? sl_random_unit(stream(77), v * 3 + (uint32_t)c)
                                       : 0.7123f;
@@ -123,47 +122,31 @@ static sl_vec3d position_in_face(const sl_primitives *primitives, uint32_t face,
     return p;
 }
 
-static sl_vec3d position_in_place(const sl_primitives *primitives, const sl_mesh_place *place,
+static sl_vec3d position_in_place(const sl_primitives *primitives, const sl_patch_place *place,
                                   const double w[3]) {
     double p = 0, q = 0;
     for (int c = 0; c < 3; c++) {
-        p += w[c] * place->p[c] / SL_MESH_DYADIC;
-        q += w[c] * place->q[c] / SL_MESH_DYADIC;
+        p += w[c] * place->u[c] / SL_PATCH_DYADIC;
+        q += w[c] * place->v[c] / SL_PATCH_DYADIC;
     }
-    return position_in_face(primitives, place->face, p, q);
+    return position_in_face(primitives, place->root, p, q);
 }
 
-typedef void (*place_visitor)(const sl_mesh *mesh, const sl_mesh_place *place, void *context);
+typedef void (*place_visitor)(const sl_patches *mesh, const sl_patch_place *place, void *context);
 
-static void visit_below(const sl_mesh *mesh, const sl_mesh_place *place, place_visitor visitor,
+static void visit_below(const sl_patches *mesh, const sl_patch_place *place, place_visitor visitor,
                         void *context) {
     visitor(mesh, place, context);
-    for (int c = 0; !sl_mesh_is_leaf(mesh, place->node) && c < 4; c++) {
-        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
+    for (int c = 0; !sl_patch_is_leaf(mesh, place->patch) && c < 4; c++) {
+        sl_patch_place child = sl_patch_child_place(mesh, place, c);
         visit_below(mesh, &child, visitor, context);
     }
 }
 
-static void visit_all(const sl_mesh *mesh, place_visitor visitor, void *context) {
+static void visit_all(const sl_patches *mesh, place_visitor visitor, void *context) {
     for (uint32_t f = 0; f < mesh->primitives->count * 2; f++) {
-        sl_mesh_place place = sl_mesh_root_place(mesh, f);
-        if (place.node != SL_NO_INDEX) visit_below(mesh, &place, visitor, context);
-    }
-}
-
-/* ---- counts and sharing ---------------------------------------------------------------------- */
-
-static void a_triangle_split_d_times_has_the_leaves_and_vertices_of_a_grid(void **state) {
-    (void)state;
-    for (int depth = 0; depth <= 6; depth++) {
-        trace_mesh parts = one_triangle();
-        world w = world_of(&parts, 1, 12);
-        root(&w, 0);
-        split_all(w.mesh, sl_mesh_root_place(w.mesh, 0), depth);
-        size_t side = (size_t)1 << depth;
-        assert_int_equal(w.mesh->leaf_count, side * side);
-        assert_int_equal(w.mesh->vertex_count, (side + 1) * (side + 2) / 2);
-        discard(&w);
+        sl_patch_place place = sl_patch_root_place(mesh, f);
+        if (place.patch != SL_NO_INDEX) visit_below(mesh, &place, visitor, context);
     }
 }
 
@@ -173,112 +156,46 @@ static void nudged_points_move_towards_the_middle_of_the_leaf_that_asks(void **s
     trace_mesh parts = field(2, 2);
     world w = world_of(&parts, 1, 12);
     refine_randomly(&w, 100, 4, 3);
-    for (uint32_t n = 0; n < w.mesh->node_count; n++) {
-        if (!sl_mesh_is_used(w.mesh, n)) continue;
-        sl_mesh_place place = sl_mesh_place_of(w.mesh, n);
-        double p = (double)(place.p[0] + place.p[1] + place.p[2]) / 3.0 / SL_MESH_DYADIC,
-               q = (double)(place.q[0] + place.q[1] + place.q[2]) / 3.0 / SL_MESH_DYADIC;
-        sl_vec3d middle = position_in_face(w.primitives, place.face, p, q);
+    for (uint32_t n = 0; n < w.mesh->patch_count; n++) {
+        if (!sl_patch_is_alive(w.mesh, n)) continue;
+        sl_patch_place place = sl_patch_place_of(w.mesh, n);
+        double p = (double)(place.u[0] + place.u[1] + place.u[2]) / 3.0 / SL_PATCH_DYADIC,
+               q = (double)(place.v[0] + place.v[1] + place.v[2]) / 3.0 / SL_PATCH_DYADIC;
+        sl_vec3d middle = position_in_face(w.primitives, place.root, p, q);
         for (int c = 0; c < 3; c++) {
             sl_mesh_point point, moved, centre;
-            uint32_t v = w.mesh->node[n].vertex[c];
-            sl_mesh_point_of(w.mesh, v, &point);
-            sl_mesh_point_nudged(w.mesh, v, sl_mesh_leaf_middle(&place), 0.2, &moved);
-            sl_mesh_point_nudged(w.mesh, v, sl_mesh_leaf_middle(&place), 1.0, &centre);
+            uint32_t v = sl_patch_corner(w.mesh, n, c);
+            point = sl_mesh_point_of(w.mesh, v);
+            moved = sl_mesh_point_nudged(w.mesh, v, sl_patch_middle(&place), 0.2);
+            centre = sl_mesh_point_nudged(w.mesh, v, sl_patch_middle(&place), 1.0);
             sl_vec3d step = sl_subd(sl_to_double(moved.position), sl_to_double(point.position)),
                      whole = sl_subd(middle, sl_to_double(point.position));
             assert_true(sl_lengthd(sl_subd(sl_to_double(centre.position), middle)) < 2e-4);
             assert_true(sl_lengthd(sl_subd(step, sl_scaled(whole, 0.2))) < 2e-4);
-            assert_int_equal(moved.triangle, place.face / 2);
+            assert_int_equal(moved.triangle, place.root / 2);
         }
     }
     discard(&w);
 }
 
-/* ---- invariants ------------------------------------------------------------------------------ */
-
-typedef struct census {
-    size_t leaves, nodes;
-} census;
-
-static void check_place(const sl_mesh *mesh, const sl_mesh_place *place, void *context) {
-    census *c = context;
-    c->nodes++;
-    c->leaves += sl_mesh_is_leaf(mesh, place->node);
-    assert_true(sl_mesh_is_used(mesh, place->node));
-    assert_true(place->depth <= mesh->max_depth);
-    sl_mesh_place same = sl_mesh_place_of(mesh, place->node);
-    assert_int_equal(same.face, place->face);
-    assert_int_equal(same.node, place->node);
-    assert_int_equal(same.depth, place->depth);
-    assert_memory_equal(same.p, place->p, sizeof same.p);
-    assert_memory_equal(same.q, place->q, sizeof same.q);
-    for (int i = 0; i < 3; i++) {
-        sl_status status;
-        uint32_t vertex = mesh->node[place->node].vertex[i];
-        assert_true(vertex < mesh->vertex_count);
-        assert_int_equal(sl_mesh_vertex_at((sl_mesh *)(uintptr_t)mesh, place->face, place->p[i], place->q[i],
-                                           &status, NULL),
-                         vertex);
-    }
-    for (int i = 0; !sl_mesh_is_leaf(mesh, place->node) && i < 4; i++)
-        assert_int_equal(sl_mesh_parent(mesh, mesh->node[place->node].child + (uint32_t)i), place->node);
-}
-
-static void check_invariants(const sl_mesh *mesh) {
-    census counted = {0};
-    size_t vertices = mesh->vertex_count, used = 0;
-    visit_all(mesh, check_place, &counted);
-    for (uint32_t n = 0; n < mesh->node_count; n++) used += sl_mesh_is_used(mesh, n);
-    assert_int_equal(counted.leaves, mesh->leaf_count);
-    assert_int_equal(counted.nodes, used);
-    assert_int_equal(mesh->vertex_count, vertices);
-    assert_true(4 * mesh->vertex_count <= 3 * mesh->table.count);
-}
-
-static void ten_thousand_random_splits_and_collapses_leave_the_trees_sound(void **state) {
-    (void)state;
-    trace_mesh parts = field(4, 3);
-    world w = world_of(&parts, 3, 9);
-    uint64_t key = sl_random_key(5, 2);
-    for (uint32_t f = 0; f < w.primitives->count * 2; f++) root(&w, f);
-    for (uint64_t i = 0; i < 10000; i++) {
-        sl_mesh_place leaf = random_leaf(w.mesh, key, i, 1);
-        if (i % 3 == 2 && leaf.depth > 0) sl_mesh_collapse(w.mesh, sl_mesh_parent(w.mesh, leaf.node));
-        else assert_int_equal(sl_mesh_split(w.mesh, &leaf, NULL), SL_OK);
-    }
-    assert_true(w.mesh->leaf_count > 5000);
-    check_invariants(w.mesh);
-    discard(&w);
-}
-
-static void nodes_that_collapse_leave_are_used_again(void **state) {
+/* Where nobody holds copies of the tree. Vertices of tested edges stay, with their values. */
+static void blocks_that_drops_leave_are_used_again_at_once(void **state) {
     (void)state;
     trace_mesh parts = field(2, 2);
     world w = world_of(&parts, 1, 12);
     refine_randomly(&w, 200, 6, 9);
-    size_t nodes = 0, vertices = 0, bytes = 0, leaves = w.mesh->leaf_count;
-    for (int cycle = 0; cycle < 500; cycle++) {
-        sl_mesh_place leaf = random_leaf(w.mesh, stream(3), 0, 2); /* the same one every time */
+    size_t patches = 0, leaves = w.mesh->leaves_alive;
+    for (int cycle = 0; cycle < 50; cycle++) {
+        sl_patch_place leaf = random_leaf(w.mesh, stream(3), 0, 2); /* the same one every time */
+        sl_status status;
+        uint32_t middle = sl_mesh_middle(w.mesh, &leaf, 1, &status, NULL);
         split_all(w.mesh, leaf, 2);
-        if (cycle == 0) {
-            nodes = w.mesh->node_count;
-            vertices = w.mesh->vertex_count;
-            bytes = sl_mesh_memory_bytes(w.mesh);
-        }
-        assert_int_equal(w.mesh->free_nodes, 0);
-        sl_mesh_collapse(w.mesh, leaf.node); /* its children are no leaves: nothing happens */
-        assert_false(sl_mesh_is_leaf(w.mesh, leaf.node));
-        for (uint32_t c = 0; c < 4; c++) sl_mesh_collapse(w.mesh, w.mesh->node[leaf.node].child + c);
-        sl_mesh_collapse(w.mesh, leaf.node);
-        assert_true(sl_mesh_is_leaf(w.mesh, leaf.node));
-        assert_int_equal(w.mesh->leaf_count, leaves);
-        assert_int_equal(w.mesh->free_nodes, 20);
+        if (cycle == 0) patches = w.mesh->patch_count;
+        sl_patch_drop_children(w.mesh, leaf.patch);
+        assert_int_equal(w.mesh->leaves_alive, leaves);
+        assert_int_equal(sl_mesh_find_middle(w.mesh, &leaf, 1), middle);
     }
-    assert_int_equal(w.mesh->node_count, nodes);
-    assert_int_equal(w.mesh->vertex_count, vertices);
-    assert_int_equal(sl_mesh_memory_bytes(w.mesh), bytes);
-    check_invariants(w.mesh);
+    assert_int_equal(w.mesh->patch_count, patches);
     discard(&w);
 }
 
@@ -287,41 +204,17 @@ static void children_keep_what_is_left_of_closed_edges(void **state) {
     trace_mesh parts = one_triangle();
     world w = world_of(&parts, 1, 12);
     uint32_t node = root(&w, 0);
-    sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
+    sl_patch_place place = sl_patch_root_place(w.mesh, 0);
     /* edge 1 closed (corners 2 and 0), edge 2 failed */
-    w.mesh->node[node].flags = SL_EDGE_CLOSED << 2 | SL_EDGE_SPLIT << 4;
+    w.mesh->patch[node].flags |= SL_EDGE_CLOSED << 2 | SL_EDGE_SPLIT << 4;
     assert_int_equal(sl_mesh_split(w.mesh, &place, NULL), SL_OK);
     uint32_t wanted[4] = {SL_EDGE_CLOSED << 2, 0, SL_EDGE_CLOSED << 2, 0};
     for (uint32_t c = 0; c < 4; c++)
-        assert_int_equal(w.mesh->node[w.mesh->node[node].child + c].flags, wanted[c]);
+        assert_int_equal(w.mesh->patch[w.mesh->patch[node].child + c].flags & SL_PATCH_EDGES, wanted[c]);
     discard(&w);
 }
 
 /* ---- points and values ----------------------------------------------------------------------- */
-
-static void a_point_is_found_in_the_leaf_that_holds_it(void **state) {
-    (void)state;
-    trace_mesh parts = field(2, 2);
-    world w = world_of(&parts, 1, 10);
-    refine_randomly(&w, 3000, 10, 6);
-    for (uint64_t i = 0; i < 20000; i++) {
-        uint32_t face = 2 * (sl_random_bits(stream(11), 3 * i) % 8);
-        float w1 = sl_random_unit(stream(11), 3 * i + 1),
-              w2 = sl_random_unit(stream(11), 3 * i + 2) * (1.0f - w1), l1, l2;
-        if (i % 4 == 0) w1 = floorf(w1 * 16) / 16, w2 = floorf(w2 * 16) / 16; /* on borders */
-        sl_mesh_place leaf = sl_mesh_locate(w.mesh, face, w1, w2, &l1, &l2);
-        assert_true(sl_mesh_is_leaf(w.mesh, leaf.node) && leaf.face == face);
-        assert_true(l1 >= 0.0f && l2 >= 0.0f && (double)l1 + (double)l2 <= 1.0 + 1e-7);
-        double weights[3] = {1.0 - (double)l1 - (double)l2, l1, l2};
-        sl_vec3d there = position_in_place(w.primitives, &leaf, weights),
-                 wanted = position_in_face(w.primitives, face, w1, w2);
-        assert_true(sl_lengthd(sl_subd(there, wanted)) < 1e-7);
-        float again1, again2;
-        sl_mesh_weights_within(&leaf, w1, w2, &again1, &again2);
-        assert_true(again1 == l1 && again2 == l2);
-    }
-    discard(&w);
-}
 
 static void a_constant_stays_the_same_in_every_bit_whatever_is_refined(void **state) {
     (void)state;
@@ -348,7 +241,8 @@ static void a_linear_field_is_reproduced_whatever_is_refined(void **state) {
             float value[3], l1, l2, w1 = sl_random_unit(stream(17), 3 * i),
                                     w2 = (1.0f - w1) * sl_random_unit(stream(17), 3 * i + 1);
             uint32_t face = 2 * (sl_random_bits(stream(17), 3 * i + 2) % 18);
-            sl_mesh_place leaf = sl_mesh_locate(w.mesh, face, w1, w2, &l1, &l2);
+            sl_patch_place leaf = sl_mesh_locate(w.mesh, face, w1, w2);
+            sl_mesh_weights_within(&leaf, w1, w2, &l1, &l2);
             assert_true(sl_mesh_interpolate(w.mesh, &leaf, l1, l2, hanging == 1, value));
             sl_vec3d p = position_in_face(w.primitives, face, w1, w2);
             for (int c = 0; c < 3; c++) assert_true(fabs((double)value[c] - linear(c, p)) < 4e-6);
@@ -362,11 +256,11 @@ static void a_hanging_vertex_shows_its_value_and_the_centre_the_mean(void **stat
     trace_mesh parts = one_triangle();
     world w = world_of(&parts, 1, 12);
     root(&w, 0);
-    sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
+    sl_patch_place place = sl_patch_root_place(w.mesh, 0);
     sl_status status;
     uint32_t middle = sl_mesh_middle(w.mesh, &place, 0, &status, NULL);
     know_all(w.mesh, "constant");
-    w.mesh->value[middle] = 5.0f;
+    *sl_vertex_value(w.mesh, middle) = 5.0f;
     float value;
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.5f, true, &value) && value == 5.0f);
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.5f, false, &value) && value == 0.7123f);
@@ -375,7 +269,7 @@ static void a_hanging_vertex_shows_its_value_and_the_centre_the_mean(void **stat
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.75f, 0.25f, true, &value) &&
                 fabs((double)value - (5.0 + 0.7123) / 2) < 1e-6);
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.0f, true, &value) && value == 0.7123f);
-    w.mesh->state[middle] = SL_VERTEX_REQUESTED;
+    sl_mesh_set_state(w.mesh, middle, SL_VERTEX_REQUESTED);
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.5f, true, &value) && value == 0.7123f);
     discard(&w);
 }
@@ -386,19 +280,20 @@ static void corners_that_are_not_known_give_no_value_and_invalid_ones_the_mean_o
     world w = world_of(&parts, 1, 12);
     root(&w, 0);
     know_all(w.mesh, "constant");
-    sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
-    for (uint32_t v = 0; v < 3; v++) w.mesh->value[v] = (float)v;
+    sl_patch_place place = sl_patch_root_place(w.mesh, 0);
+    for (uint32_t v = 0; v < 3; v++) *sl_vertex_value(w.mesh, v) = (float)v;
     float value = -7.0f;
-    w.mesh->state[1] = SL_VERTEX_REQUESTED;
+    sl_mesh_set_state(w.mesh, 1, SL_VERTEX_REQUESTED);
     assert_false(sl_mesh_interpolate(w.mesh, &place, 0.2f, 0.2f, true, &value));
-    w.mesh->state[1] = SL_VERTEX_UNKNOWN;
+    sl_mesh_set_state(w.mesh, 1, SL_VERTEX_UNKNOWN);
     assert_false(sl_mesh_interpolate(w.mesh, &place, 0.2f, 0.2f, true, &value));
     assert_true(value == -7.0f);
-    w.mesh->state[0] = SL_VERTEX_INVALID;
-    w.mesh->state[1] = SL_VERTEX_KNOWN;
-    w.mesh->value[0] = NAN;
+    sl_mesh_set_state(w.mesh, 0, SL_VERTEX_INVALID);
+    sl_mesh_set_state(w.mesh, 1, SL_VERTEX_KNOWN);
+    *sl_vertex_value(w.mesh, 0) = NAN;
     assert_true(sl_mesh_interpolate(w.mesh, &place, 0.0f, 0.0f, true, &value) && value == 1.5f);
-    w.mesh->state[1] = w.mesh->state[2] = SL_VERTEX_INVALID;
+    sl_mesh_set_state(w.mesh, 1, SL_VERTEX_INVALID);
+    sl_mesh_set_state(w.mesh, 2, SL_VERTEX_INVALID);
     assert_false(sl_mesh_interpolate(w.mesh, &place, 0.0f, 0.0f, true, &value));
     discard(&w);
 }
@@ -416,9 +311,9 @@ typedef struct edge_samples {
 
 enum { EDGE_STEPS = 64 };
 
-static void sample_edges(const sl_mesh *mesh, const sl_mesh_place *place, void *context) {
+static void sample_edges(const sl_patches *mesh, const sl_patch_place *place, void *context) {
     edge_samples *all = context;
-    if (!sl_mesh_is_leaf(mesh, place->node)) return;
+    if (!sl_patch_is_leaf(mesh, place->patch)) return;
     for (int e = 0; e < 3; e++)
         for (int i = 0; i < EDGE_STEPS; i++) {
             double w[3] = {0, 0, 0};
@@ -444,7 +339,7 @@ static void leaves_of_any_size_have_the_same_values_along_common_edges(void **st
     world w = world_of(&parts, 1, 10);
     refine_randomly(&w, 1200, 6, 33);
     know_all(w.mesh, "random");
-    edge_samples all = {.capacity = w.mesh->leaf_count * 3 * EDGE_STEPS};
+    edge_samples all = {.capacity = w.mesh->leaves_alive * 3 * EDGE_STEPS};
     all.sample = sl_allocate(all.capacity, sizeof *all.sample);
     visit_all(w.mesh, sample_edges, &all);
     qsort(all.sample, all.count, sizeof *all.sample, by_position);
@@ -456,70 +351,6 @@ static void leaves_of_any_size_have_the_same_values_along_common_edges(void **st
     }
     assert_true(met > all.count / 3);
     sl_free(all.sample);
-    discard(&w);
-}
-
-/* ---- neighbours ------------------------------------------------------------------------------ */
-
-typedef struct leaf_list {
-    sl_mesh_place place[4096];
-    size_t count;
-} leaf_list;
-
-static void collect(const sl_mesh *mesh, const sl_mesh_place *place, void *context) {
-    leaf_list *list = context;
-    if (sl_mesh_is_leaf(mesh, place->node)) list->place[list->count++] = *place;
-}
-
-static bool holds_point(const sl_primitives *primitives, const sl_mesh_place *place, sl_vec3d p) {
-    for (int c = 0; c < 3; c++) {
-        double first[3] = {c == 0, c == 1, c == 2}, second[3] = {c == 2, c == 0, c == 1};
-        sl_vec3d a = position_in_place(primitives, place, first),
-                 b = position_in_place(primitives, place, second);
-        if (sl_crossd(sl_subd(b, a), sl_subd(p, a)).z < 0.0) return false;
-    }
-    return true;
-}
-
-/* Whether a leaf holds any point between an edge's ends: exact, since all coordinates are dyadic. */
-static bool meets_edge(const sl_primitives *primitives, const sl_mesh_place *other,
-                       const sl_mesh_place *place, int edge) {
-    for (int i = 1; i < 128; i++) {
-        double w[3] = {0, 0, 0};
-        w[(edge + 1) % 3] = 1.0 - i / 128.0;
-        w[(edge + 2) % 3] = i / 128.0;
-        if (holds_point(primitives, other, position_in_place(primitives, place, w))) return true;
-    }
-    return false;
-}
-
-static void neighbours_are_the_leaves_that_touch_the_other_side_of_an_edge(void **state) {
-    (void)state;
-    trace_mesh parts = field(2, 2);
-    world w = world_of(&parts, 1, 10);
-    refine_randomly(&w, 70, 5, 41);
-    leaf_list *all = sl_allocate(1, sizeof *all);
-    visit_all(w.mesh, collect, all);
-    size_t found_in_all = 0, across_faces = 0;
-    for (size_t i = 0; i < all->count; i++)
-        for (int edge = 0; edge < 3; edge++) {
-            uint32_t leaf[256];
-            size_t count = sl_mesh_neighbours(w.mesh, &all->place[i], edge, leaf, 256), wanted = 0;
-            assert_true(count <= 256);
-            for (size_t j = 0; j < all->count; j++) {
-                if (j == i || !meets_edge(w.primitives, &all->place[j], &all->place[i], edge)) continue;
-                bool found = false;
-                for (size_t k = 0; k < count; k++) found |= leaf[k] == all->place[j].node;
-                assert_true(found);
-                across_faces += all->place[j].face != all->place[i].face;
-                wanted++;
-            }
-            assert_int_equal(count, wanted);
-            assert_int_equal(sl_mesh_neighbours(w.mesh, &all->place[i], edge, NULL, 0), count);
-            found_in_all += count;
-        }
-    assert_true(found_in_all > 2 * all->count && across_faces > 20);
-    sl_free(all);
     discard(&w);
 }
 
@@ -536,11 +367,10 @@ static void splitting_ends_where_coordinates_do(void **state) {
     world w = world_of(&parts, 1, 12);
     root(&w, 0);
     for (uint64_t i = 0; i < 2000; i++) {
-        sl_mesh_place leaf = random_leaf(w.mesh, stream(7), i, 2);
+        sl_patch_place leaf = random_leaf(w.mesh, stream(7), i, 2);
         assert_int_equal(sl_mesh_split(w.mesh, &leaf, NULL), SL_OK);
     }
-    assert_int_equal(w.mesh->leaf_count, 16);
-    check_invariants(w.mesh);
+    assert_int_equal(w.mesh->leaves_alive, 16);
     discard(&w);
 }
 
@@ -552,34 +382,28 @@ static void triangles_without_area_are_never_split(void **state) {
     scene->position_z[scene->vertex[0][3]] = INFINITY;
     world w = {.scene = scene};
     assert_int_equal(sl_primitives_of_triangles(scene, &w.primitives, NULL), SL_OK);
-    assert_int_equal(sl_mesh_create(w.primitives, 1, 12, &w.mesh, NULL), SL_OK);
+    const sl_patches_settings settings = {.channels = 1, .max_depth = 12};
+    assert_int_equal(sl_patches_create(w.primitives, &settings, &w.mesh, NULL), SL_OK);
     assert_true(sl_triangle_is_degenerate(scene, 0) && sl_triangle_is_degenerate(scene, 3));
     for (uint32_t f = 0; f < w.primitives->count * 2; f++) {
         root(&w, f);
-        sl_mesh_place place = sl_mesh_root_place(w.mesh, f);
+        sl_patch_place place = sl_patch_root_place(w.mesh, f);
         assert_int_equal(sl_mesh_split(w.mesh, &place, NULL), SL_OK);
-        assert_int_equal(sl_mesh_is_leaf(w.mesh, place.node), sl_triangle_is_degenerate(scene, f / 2));
+        assert_int_equal(sl_patch_is_leaf(w.mesh, place.patch), sl_triangle_is_degenerate(scene, f / 2));
     }
-    check_invariants(w.mesh);
     discard(&w);
 }
 
-/* ---- memory ---------------------------------------------------------------------------------- */
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_triangle_split_d_times_has_the_leaves_and_vertices_of_a_grid),
         cmocka_unit_test(nudged_points_move_towards_the_middle_of_the_leaf_that_asks),
-        cmocka_unit_test(ten_thousand_random_splits_and_collapses_leave_the_trees_sound),
-        cmocka_unit_test(nodes_that_collapse_leave_are_used_again),
+        cmocka_unit_test(blocks_that_drops_leave_are_used_again_at_once),
         cmocka_unit_test(children_keep_what_is_left_of_closed_edges),
-        cmocka_unit_test(a_point_is_found_in_the_leaf_that_holds_it),
         cmocka_unit_test(a_constant_stays_the_same_in_every_bit_whatever_is_refined),
         cmocka_unit_test(a_linear_field_is_reproduced_whatever_is_refined),
         cmocka_unit_test(a_hanging_vertex_shows_its_value_and_the_centre_the_mean),
         cmocka_unit_test(corners_that_are_not_known_give_no_value_and_invalid_ones_the_mean_of_the_others),
         cmocka_unit_test(leaves_of_any_size_have_the_same_values_along_common_edges),
-        cmocka_unit_test(neighbours_are_the_leaves_that_touch_the_other_side_of_an_edge),
         cmocka_unit_test(splitting_ends_where_coordinates_do),
         cmocka_unit_test(triangles_without_area_are_never_split),
     };

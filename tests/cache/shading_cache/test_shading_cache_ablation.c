@@ -96,7 +96,8 @@ static void update(wall *w, const sl_selection_settings *selection, bool plain) 
     static uint32_t vertex[(4 + SL_HANGING_A_PATCH) * CHOICES + 64];
     sl_chosen_place place[CHOICES];
     sl_counters counters = {0};
-    sl_work_settings work = {.split_above = 1.2f, .levels = 3, .crowd = 4, .now = 1};
+    sl_view view = sl_view_of_camera(w->h.scene, &w->camera, SIZE, SIZE);
+    sl_work_settings work = {.view = &view, .curve = &curve, .split_above = 1.2f, .levels = 3, .crowd = 4, .now = 1};
     size_t count, vertices;
     see(w);
     sl_priorities_normalise(w->leaf_count, w->leaves, plain);
@@ -107,8 +108,7 @@ static void update(wall *w, const sl_selection_settings *selection, bool plain) 
         uint32_t pixel = w->choice[i].pixel;
         place[i] = (sl_chosen_place){w->patch[pixel], w->u[pixel], w->v[pixel]};
     }
-    assert_int_equal(sl_work_out(w->h.patches, &curve, &work, &w->camera, SIZE, SIZE, count, place, vertex,
-                                 &vertices, &counters, NULL),
+    assert_int_equal(sl_work_out(w->h.patches, &work, count, place, vertex, &vertices, &counters, NULL),
                      SL_OK);
     for (size_t i = 0; i < vertices; i++) {
         const sl_patch_vertex *v = &w->h.patches->vertex[vertex[i]];
@@ -126,7 +126,7 @@ static double error_of(const wall *w) {
         wall_point(i, &x, &y);
         sl_patch_place leaf = sl_patch_locate(w->h.patches, root_at(x, y), (double)w->u[i], (double)w->v[i]);
         float value[3] = {0, 0, 0}, scale = 0.5f / (float)SL_PI;
-        sl_patch_value(w->h.patches, &leaf, (double)w->u[i], (double)w->v[i], false, value);
+        sl_patch_value(w->h.patches, &leaf, (double)w->u[i], (double)w->v[i], value);
         double d = (double)sl_curve_level_of(&curve, scale * value[0]) -
                    (double)sl_curve_level_of(&curve, scale * shown(x, y));
         sum += d * d;

@@ -174,7 +174,8 @@ static float *areas_of(const sl_patches *p, double pixels) {
     float *area = calloc(p->patch_count + 1, sizeof *area);
     assert_non_null(area);
     for (uint32_t i = 0; i < p->patch_count; i++)
-        area[i] = (float)(pixels / (double)(1u << 2 * (p->flags[i] & SL_PATCH_LEVEL)));
+        if (sl_patch_is_alive(p, i))
+            area[i] = (float)(pixels / (double)(1u << 2 * sl_patch_place_of(p, i).depth));
     return area;
 }
 
@@ -211,7 +212,7 @@ static void what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them(voi
         sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 10);
         sl_changes_compare(w.changes, 1, 10.0f, 10);
     }
-    uint32_t root = w.h.patches->root_patch[2];
+    uint32_t root = sl_patches_find_root(w.h.patches, 2);
     for (int c = 0; c < sl_patch_corners(w.h.patches, root);
          c++) /* coarse values stay, to be renewed first */
         assert_int_equal(w.h.patches->vertex[sl_patch_corner(w.h.patches, root, c)].evaluated, 1);

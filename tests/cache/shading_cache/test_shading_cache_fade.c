@@ -24,15 +24,15 @@ static scene_with_middle begin(void) {
     for (int c = 0; c < 4; c++) evaluate(&s.h, sl_patch_corner(s.h.patches, root, c), corner[c], 1);
     split(&s.h, root);
     s.middle = sl_patch_corner(s.h.patches, s.h.patches->patch[root].child, 2);
-    float from[3], lobe[3] = {0};
-    assert_true(sl_fade_from(s.h.patches, s.middle, from, lobe));
+    float from[6];
+    assert_true(sl_fade_from(s.h.patches, s.middle, from));
     assert_true(fabsf(from[1] - 3.0f) < 1e-6f); /* what the four have shown there */
     evaluate(&s.h, s.middle, sampled, 2);
-    sl_fade_begin(&s.fades, s.h.patches, s.middle, from, lobe, beta);
+    sl_fade_begin(&s.fades, s.h.patches, s.middle, from, beta);
     return s;
 }
 
-static float shown(const scene_with_middle *s) { return s->h.patches->vertex[s->middle].value[2]; }
+static float shown(const scene_with_middle *s) { return sl_vertex_value(s->h.patches, s->middle)[2]; }
 
 static void end(scene_with_middle *s) {
     sl_fades_release(&s->fades);
@@ -48,10 +48,10 @@ static void after_k_updates_1_minus_beta_to_the_k_is_left(void **state) {
         assert_true(fabs(left - pow(1.0 - (double)beta, k)) < 1e-5);
         assert_true(k < 40);
         for (size_t i = 0; i < s.h.patches->patch_count; i++)
-            s.h.patches->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
+            s.h.patches->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
         sl_fades_go_on(&s.fades, s.h.patches, beta);
         /* the display hears of it */
-        assert_true(s.h.patches->flags[s.h.patches->patch[s.h.patches->root_patch[0]].child] &
+        assert_true(s.h.patches->patch[s.h.patches->patch[sl_patches_find_root(s.h.patches, 0)].child].flags &
                     SL_PATCH_DIRTY);
     }
     assert_true(k > 20 && shown(&s) == sampled);
@@ -66,7 +66,7 @@ static void what_has_another_value_by_then_keeps_it(void **state) {
     assert_true(shown(&s) == 20.0f && s.fades.count == 0);
     end(&s);
     s = begin();
-    sl_patch_drop_children(s.h.patches, s.h.patches->root_patch[0]); /* the vertex is gone */
+    sl_patch_drop_children(s.h.patches, sl_patches_find_root(s.h.patches, 0)); /* the vertex is gone */
     sl_fades_go_on(&s.fades, s.h.patches, beta);
     assert_int_equal(s.fades.count, 0);
     end(&s);

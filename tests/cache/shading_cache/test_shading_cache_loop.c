@@ -78,15 +78,6 @@ static sl_scene *room(void) { return room_with(false); }
 
 /* ---- what settings say ---- */
 
-static int deepest(const sl_patches *p) {
-    int depth = 0;
-    for (uint32_t i = 0; i < p->patch_count; i++) {
-        if (sl_patch_is_alive(p, i) && (p->flags[i] & SL_PATCH_LEVEL) > depth)
-            depth = p->flags[i] & SL_PATCH_LEVEL;
-    }
-    return depth;
-}
-
 static void
 some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patches_are_split_twice_at_once(
     void **state) {
@@ -122,7 +113,7 @@ static void in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_spli
         for (uint32_t i = 0; i < s->patches->patch_count; i++) {
             if (!sl_patch_is_alive(s->patches, i) || s->patches->patch[i].seen != s->now) continue;
             sl_patch_place place = sl_patch_place_of(s->patches, i);
-            assert_int_equal(sl_patch_projected(s->patches, &place, &scene->camera, SIZE, SIZE).area >
+            assert_int_equal(sl_patch_projected(s->patches, &place, &s->view).area >
                                  1.2f * 2.0f,
                              !sl_patch_is_leaf(s->patches, i));
         }
@@ -223,7 +214,7 @@ static void patches_that_are_not_seen_are_left_alone(void **state) {
     for (int i = 0; i < 25; i++) update(method);
     assert_true(count_of(method, SL_COUNT_SPLITS) > 100);
     for (uint32_t root = 2; root < 6; root++) {
-        uint32_t patch = p->root_patch[root];
+        uint32_t patch = sl_patches_find_root(p, root);
         if (patch == SL_NO_INDEX) continue;
         assert_true(sl_patch_is_leaf(p, patch));
         assert_int_equal(p->patch[patch].seen, 0);
@@ -466,7 +457,7 @@ static void a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_
 
 static bool is_full_size(const sl_shading_state *s, uint32_t patch, float share) {
     sl_patch_place place = sl_patch_place_of(s->patches, patch);
-    float area = share * sl_patch_projected(s->patches, &place, &s->scene->camera, SIZE, SIZE).area;
+    float area = share * sl_patch_projected(s->patches, &place, &s->view).area;
     return area > 0.0f && area <= s->work.split_above;
 }
 
@@ -491,7 +482,7 @@ static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and
                         parent != SL_NO_INDEX && is_full_size(s, parent, 0.25f);
             for (int c = 0; c < place.corners; c++) {
                 const sl_patch_vertex *v = &s->patches->vertex[sl_patch_corner(s->patches, i, c)];
-                bool here = v->evaluated != SL_VERTEX_NEVER && !v->borrowed;
+                bool here = v->evaluated != SL_VERTEX_NEVER && !v->extrapolated;
                 assert_true(!here || v->dense == v->is_dense);
                 few += here && !v->dense;
                 full_size += full && here;

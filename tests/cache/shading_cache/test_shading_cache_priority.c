@@ -137,7 +137,7 @@ static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corne
 static void when_the_eye_moves_only_what_has_a_lobe_ages(void **state) {
     (void)state;
     for (int glossy = 0; glossy < 2; glossy++) {
-        hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, glossy ? 0.3f : 0.0f, 50.0f), SL_PATCHES_LOBES);
+        hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, glossy ? 0.3f : 0.0f, 50.0f), KEEP_LOBES);
         uint32_t patch = want_root(&h, 0);
         evaluate_all(&h, 1.0f, 5);
         assert_true(sl_patch_priority(h.patches, &curve, patch, 10, 0, 0) == 0.0f);
@@ -150,7 +150,7 @@ static void when_the_eye_moves_only_what_has_a_lobe_ages(void **state) {
 
 static void of_two_ages_the_larger_counts_and_no_more_than_255_levels(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), SL_PATCHES_LOBES);
+    hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), KEEP_LOBES);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 5);
     float c = sl_age_constant(sl_root_material(h.primitives, 0));

@@ -239,10 +239,9 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
     hierarchy h = vase();
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), 2);
     for (uint32_t v = 0; v < h.patches->vertex_count; v++) {
-        sl_patch_vertex *p = &h.patches->vertex[v];
         for (int c = 0; c < 3; c++)
-            p->value[c] = 1.0f + 0.5f * (float)(sl_hash64(v * 3 + (uint64_t)c) % 1000) / 1000.0f;
-        p->evaluated = 7;
+            sl_vertex_value(h.patches, v)[c] = 1.0f + 0.5f * (float)(sl_hash64(v * 3 + (uint64_t)c) % 1000) / 1000.0f;
+        h.patches->vertex[v].evaluated = 7;
     }
     sl_display *display = display_of(&h, W, H, guess);
     size_t patches = h.patches->patches_alive, vertices = h.patches->vertices_alive, curved = 0;
@@ -260,7 +259,7 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
             if (root[i] == SL_NO_INDEX || h.primitives->kind[root[i] / 2] != SL_PRIMITIVE_BICUBIC) continue;
             sl_patch_place leaf = sl_patch_locate(h.patches, root[i], (double)u[i], (double)v[i]);
             float e[3];
-            assert_true(sl_patch_value(h.patches, &leaf, (double)u[i], (double)v[i], false, e));
+            assert_true(sl_patch_value(h.patches, &leaf, (double)u[i], (double)v[i], e));
             sl_rgb kd = sl_root_material(h.primitives, root[i])->diffuse;
             const float want[3] = {kd.r * e[0], kd.g * e[1], kd.b * e[2]};
             for (int c = 0; c < 3; c++)

@@ -50,9 +50,9 @@ static void give_all(hierarchy *h, float irradiance, uint32_t update) {
     for (uint32_t v = 0; v < h->patches->vertex_count; v++) {
         sl_patch_vertex *vertex = &h->patches->vertex[v];
         if (!vertex->references) continue;
-        for (int c = 0; c < 3; c++) vertex->value[c] = irradiance;
+        for (int c = 0; c < 3; c++) sl_vertex_value(h->patches, v)[c] = irradiance;
         sl_vertex_mark(vertex, update);
-        sl_patches_touch(h->patches, v);
+        sl_patches_touch(h->patches, h->patches->vertex[v].place);
     }
 }
 
@@ -178,7 +178,7 @@ static hierarchy lit(sl_scene *scene) {
     }
     for (uint32_t v = 0; v < h.patches->vertex_count; v++) {
         for (int c = 0; c < 3; c++)
-            h.patches->vertex[v].value[c] = sl_random_unit(sl_random_key(5, v), (uint64_t)c);
+            sl_vertex_value(h.patches, v)[c] = sl_random_unit(sl_random_key(5, v), (uint64_t)c);
         h.patches->vertex[v].evaluated = 1;
     }
     return h;

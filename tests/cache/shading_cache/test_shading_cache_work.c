@@ -12,6 +12,7 @@ enum { WIDTH = 120, HEIGHT = 80, PLACES_MAX = 4096 };
 static const sl_display_curve curve = {.reference = 1.0f};
 static uint32_t stale_before[1];
 static bool changing[1];
+static sl_view view;
 
 /* Looks down on the square of side 2 in z = 0 from the height at which a unit is so many pixels. */
 static sl_camera camera_above(float pixels_a_unit) {
@@ -22,7 +23,9 @@ static sl_camera camera_above(float pixels_a_unit) {
 static sl_work_settings usual(void) {
     stale_before[0] = 0;
     changing[0] = false;
-    return (sl_work_settings){.split_above = 1.2f,
+    return (sl_work_settings){.view = &view,
+                              .curve = &curve,
+                              .split_above = 1.2f,
                               .levels = 3,
                               .crowd = 4,
                               .now = 2,
@@ -40,9 +43,9 @@ static outcome out;
 static void work(hierarchy *h, const sl_work_settings *settings, const sl_camera *camera, size_t count,
                  const sl_chosen_place *places) {
     sl_counters counters = {0};
-    assert_int_equal(sl_work_out(h->patches, &curve, settings, camera, WIDTH, HEIGHT, count, places,
-                                 out.vertex, &out.count, &counters, NULL),
-                     SL_OK);
+    view = sl_view_of_camera(h->scene, camera, WIDTH, HEIGHT);
+    assert_int_equal(
+        sl_work_out(h->patches, settings, count, places, out.vertex, &out.count, &counters, NULL), SL_OK);
     out.splits = counters.value[SL_COUNT_SPLITS];
     assert_sound(h->patches);
     for (size_t i = 0; i < out.count; i++) {
@@ -60,15 +63,6 @@ static size_t grid_of_places(uint32_t patch, int n, sl_chosen_place *places) {
                 (sl_chosen_place){patch, ((float)i + 0.5f) / (float)n, ((float)j + 0.5f) / (float)n};
     }
     return count;
-}
-
-static int deepest(const sl_patches *p) {
-    int depth = 0;
-    for (uint32_t i = 0; i < p->patch_count; i++) {
-        if (sl_patch_is_alive(p, i) && (p->flags[i] & SL_PATCH_LEVEL) > depth)
-            depth = p->flags[i] & SL_PATCH_LEVEL;
-    }
-    return depth;
 }
 
 /* ---- evaluate, or split ---- */
@@ -206,9 +200,9 @@ static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixe
         for (uint32_t i = 0; i < h.patches->patch_count; i++) {
             if (!sl_patch_is_alive(h.patches, i)) continue;
             sl_patch_place place = sl_patch_place_of(h.patches, i);
-            float area = sl_patch_projected(h.patches, &place, &camera, WIDTH, HEIGHT).area;
+            float area = sl_patch_projected(h.patches, &place, &view).area;
             assert_true(sl_patch_is_leaf(h.patches, i) ? area <= 1.2f : area > 1.2f);
-            assert_int_equal(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, i),
+            assert_int_equal(sl_patch_is_finished(h.patches, &settings, i),
                              area <= 1.2f);
         }
         assert_true((double)h.patches->leaves_alive >= pixels / 1.2 &&
@@ -228,9 +222,9 @@ static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void
     size_t count = grid_of_places(patch, 8, places);
     work(&h, &settings, &camera, count, places);
     assert_int_equal(out.count + out.splits, 0);
-    assert_true(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, patch));
+    assert_true(sl_patch_is_finished(h.patches, &settings, patch));
     stale_before[0] = 2;
-    assert_false(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, patch));
+    assert_false(sl_patch_is_finished(h.patches, &settings, patch));
     stale_before[0] = 0;
     settings.variance_aware = true;
     work(&h, &settings, &camera, count, places);
@@ -254,16 +248,17 @@ static void of_what_is_polished_leaves_with_contrast_are_split_to_a_sixteenth_of
         trace_mesh_material(&mesh, cases[i].mirror > 0.0f ? 0.0f : 0.3f, cases[i].specular, cases[i].exponent,
                             cases[i].mirror, 0);
         trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
-        hierarchy h = hierarchy_of(trace_mesh_build(&mesh), SL_PATCHES_LOBES);
+        hierarchy h = hierarchy_of(trace_mesh_build(&mesh), KEEP_LOBES);
         uint32_t patch = want_root(&h, 0);
         evaluate_all(&h, 0.0f, 1);
         float *lobe = sl_vertex_lobe(h.patches, sl_patch_corner(h.patches, patch, 2));
         lobe[0] = lobe[1] = lobe[2] = cases[i].bright;
         sl_work_settings settings = usual();
-        settings.sharp = cases[i].wanted ? &curve : NULL;
+        settings.sharp = cases[i].wanted;
         sl_camera camera = camera_above(cases[i].pixels_a_unit);
         sl_chosen_place place = {patch, 0.4f, 0.4f};
-        assert_int_equal(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, patch),
+        view = sl_view_of_camera(h.scene, &camera, WIDTH, HEIGHT);
+        assert_int_equal(sl_patch_is_finished(h.patches, &settings, patch),
                          !cases[i].split);
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, cases[i].split);
@@ -273,7 +268,7 @@ static void of_what_is_polished_leaves_with_contrast_are_split_to_a_sixteenth_of
 
 static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), SL_PATCHES_SETS);
+    hierarchy h = hierarchy_of(square_scene(), KEEP_SETS);
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
     settings.variance_aware = true;
@@ -330,7 +325,8 @@ static void what_changes_is_not_split_below_what_there_is_time_for(void **state)
 
 static sl_screen_size size_of(hierarchy *h, uint32_t patch, const sl_camera *camera) {
     sl_patch_place place = sl_patch_place_of(h->patches, patch);
-    return sl_patch_projected(h->patches, &place, camera, WIDTH, HEIGHT);
+    view = sl_view_of_camera(h->scene, camera, WIDTH, HEIGHT);
+    return sl_patch_projected(h->patches, &place, &view);
 }
 
 static void a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_it(void **state) {
@@ -403,7 +399,7 @@ static void patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further(
     }
     assert_int_equal(out.count + out.splits, 0);
     assert_int_equal(deepest(h.patches), SL_PATCH_DEPTH_MAX);
-    assert_true(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT,
+    assert_true(sl_patch_is_finished(h.patches, &settings,
                                      sl_patch_locate(h.patches, 0, 0.65, 0.65).patch));
     hierarchy_discard(&h);
 }

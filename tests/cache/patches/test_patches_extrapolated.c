@@ -30,34 +30,34 @@ static hierarchy square_of(unsigned kept, float irradiance) {
 
 static void give(hierarchy *h, uint32_t vertex, float irradiance) {
     evaluate(h, vertex, irradiance, 2);
-    sl_patches_touch(h->patches, vertex);
+    sl_patches_touch(h->patches, h->patches->vertex[vertex].place);
 }
 
-static float value_of(const hierarchy *h, uint32_t vertex) { return h->patches->vertex[vertex].value[1]; }
+static float value_of(const hierarchy *h, uint32_t vertex) { return sl_vertex_value(h->patches, vertex)[1]; }
 
-/* ---- what is lent ---------------------------------------------------------------------------- */
+/* ---- what they show -------------------------------------------------------------------------- */
 
 /* Around it: four at distance 1/2, in two leaves each, and four at 1/2 sqrt(2): weights 8 and 2, of 40. */
 static void a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_the_more(void **state) {
     (void)state;
-    hierarchy h = square_of(SL_PATCHES_LOBES, 6.0f);
+    hierarchy h = square_of(KEEP_LOBES, 6.0f);
     uint32_t buried = vertex_at(&h, 2, 2);
     give(&h, vertex_at(&h, 1, 2), 12.0f);
     give(&h, vertex_at(&h, 3, 3), 18.0f);
     give(&h, vertex_at(&h, 0, 0), 1000.0f); /* in none of its leaves */
     sl_vertex_lobe(h.patches, vertex_at(&h, 2, 1))[2] = 3.0f;
     evaluate(&h, buried, 777.0f, 2);
-    sl_patches_borrow(h.patches, buried);
-    assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
+    sl_patches_set_extrapolated(h.patches, buried);
+    sl_patches_extrapolate(h.patches);
     for (int c = 0; c < 3; c++)
-        assert_true(fabs((double)h.patches->vertex[buried].value[c] -
+        assert_true(fabs((double)sl_vertex_value(h.patches, buried)[c] -
                          (6.0 + 6.0 * 8.0 / 40.0 + 12.0 * 2.0 / 40.0)) < 1e-5);
     assert_true(fabs((double)sl_vertex_lobe(h.patches, buried)[2] - 0.6) < 1e-6);
     hierarchy_discard(&h);
 }
 
 /* All sixteen leaves inside something, but for the root's corners. */
-static void where_nothing_around_has_light_a_patch_above_lends_its_corners(void **state) {
+static void where_nothing_around_has_light_the_corners_of_a_patch_above_count(void **state) {
     (void)state;
     hierarchy h = square_of(0, 100.0f);
     uint32_t buried = vertex_at(&h, 2, 2);
@@ -65,17 +65,10 @@ static void where_nothing_around_has_light_a_patch_above_lends_its_corners(void 
         const sl_patch_vertex *v = &h.patches->vertex[i];
         bool corner = v->u % SL_PATCH_DYADIC == 0 && v->v % SL_PATCH_DYADIC == 0;
         if (corner) give(&h, i, v->u ? 8.0f : 4.0f);
-        else sl_patches_borrow(h.patches, i);
+        else sl_patches_set_extrapolated(h.patches, i);
     }
-    assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
+    sl_patches_extrapolate(h.patches);
     assert_true(fabsf(value_of(&h, buried) - 6.0f) < 1e-5f);
-    /* And when these change it is not forgotten, though none of its leaves is touched. */
-    for (size_t i = 0; i < h.patches->patch_count; i++) h.patches->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
-    evaluate(&h, vertex_at(&h, 0, 0), 16.0f, 3);
-    assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
-    assert_true(fabsf(value_of(&h, buried) - 9.0f) < 1e-5f);
-    /* for the display to see */
-    assert_true(h.patches->flags[sl_patch_locate(h.patches, 0, 0.4, 0.4).patch] & SL_PATCH_DIRTY);
     hierarchy_discard(&h);
 }
 
@@ -83,15 +76,15 @@ static void what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_i
     (void)state;
     hierarchy h = square_of(0, 6.0f);
     uint32_t buried = vertex_at(&h, 2, 2), far = vertex_at(&h, 0, 0);
-    sl_patches_borrow(h.patches, buried);
-    assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
-    for (size_t i = 0; i < h.patches->patch_count; i++) h.patches->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
-    h.patches->vertex[buried].value[1] = 5.0f;
+    sl_patches_set_extrapolated(h.patches, buried);
+    sl_patches_extrapolate(h.patches);
+    for (size_t i = 0; i < h.patches->patch_count; i++) h.patches->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
+    sl_vertex_value(h.patches, buried)[1] = 5.0f;
     give(&h, far, 60.0f);
-    assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
+    sl_patches_extrapolate(h.patches);
     assert_true(value_of(&h, buried) == 5.0f); /* nothing around it is dirty */
     give(&h, vertex_at(&h, 1, 2), 12.0f);
-    assert_int_equal(sl_patches_lend(h.patches, NULL), SL_OK);
+    sl_patches_extrapolate(h.patches);
     assert_true(fabsf(value_of(&h, buried) - 7.2f) < 1e-5f);
     hierarchy_discard(&h);
 }
@@ -105,7 +98,7 @@ static void a_leaf_with_a_corner_inside_something_may_be_wrong_by_all_that_it_sh
     uint32_t leaf = sl_patch_locate(h.patches, 0, 0.4, 0.4).patch,
              other = sl_patch_locate(h.patches, 0, 0.9, 0.9).patch;
     assert_true(sl_patch_error(h.patches, &curve, leaf) == 0.0f);
-    sl_patches_borrow(h.patches, vertex_at(&h, 2, 2));
+    sl_patches_set_extrapolated(h.patches, vertex_at(&h, 2, 2));
     assert_true(sl_patch_error(h.patches, &curve, leaf) ==
                 sl_vertex_level(h.patches, &curve, vertex_at(&h, 1, 1)));
     assert_true(sl_patch_error(h.patches, &curve, other) == 0.0f);
@@ -193,7 +186,7 @@ static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
     for (size_t i = 0; i < s->leaf_count; i++) {
         for (int c = 0; c < sl_patch_corners(s->patches, s->leaf[i].patch); c++) {
             uint32_t vertex = sl_patch_corner(s->patches, s->leaf[i].patch, c);
-            assert_false(s->patches->vertex[vertex].borrowed);
+            assert_false(s->patches->vertex[vertex].extrapolated);
         }
     }
     sl_image_destroy(image);
@@ -244,7 +237,7 @@ static const sl_sample lit = {.irradiance = {4.0f, 4.0f, 4.0f}, .valid = true}, 
 static void commit(committing *c, const sl_sample samples[4]) {
     for (int i = 0; i < 4; i++) c->s.sample[i] = samples[i];
     assert_int_equal(sl_shading_commit(&c->s, 4, NULL), SL_OK);
-    assert_int_equal(sl_patches_lend(c->s.patches, NULL), SL_OK);
+    sl_patches_extrapolate(c->s.patches);
 }
 
 static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for_again(void **state) {
@@ -261,9 +254,9 @@ static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for
     assert_true(value_of(&c.h, 0) == 4.0f);
     for (uint32_t i = 1; i < 4; i++) {
         const sl_patch_vertex *v = &c.h.patches->vertex[i];
-        assert_true(v->value[0] == 2.0f && v->value[1] == 2.0f && v->value[2] == 2.0f);
+        for (int k = 0; k < 3; k++) assert_true(sl_vertex_value(c.h.patches, i)[k] == 2.0f);
         assert_int_equal(v->evaluated, 5);
-        assert_false(v->borrowed);
+        assert_false(v->extrapolated);
     }
     /* the broken one's renderer has counted it */
     assert_int_equal(c.s.counters.value[SL_COUNT_NONFINITE], 2);
@@ -297,7 +290,7 @@ static void a_vertex_inside_something_is_looked_for_beside_it_further_and_furthe
     for (int deep = 0; deep < 2; deep++) {
         committing c;
         begin(&c);
-        split_levels(&c.h, c.h.patches->root_patch[0], 2);
+        split_levels(&c.h, sl_patches_find_root(c.h.patches, 0), 2);
         /* (1, 2) / 4: on the grid of the second split, a quarter of 2 wide */
         const double from = deep ? -0.5 : -1.0, way = deep ? 0.5 : 1.0;
         c.s.vertex[0] = deep ? vertex_at(&c.h, 1, 2) : vertex_at(&c.h, 0, 0);
@@ -310,12 +303,12 @@ static void a_vertex_inside_something_is_looked_for_beside_it_further_and_furthe
         const double share[4] = {deep ? 0.0 : 1.0 / 256.0, 0.01, 0.05, 0.2};
         for (int i = 0; i < 4; i++) assert_true(fabs((double)r.x[i] - (from + share[i] * way)) < 2e-4);
         assert_int_equal(sl_shading_commit(&c.s, 1, NULL), SL_OK);
-        assert_true(value_of(&c.h, c.s.vertex[0]) == 4.0f && !c.h.patches->vertex[c.s.vertex[0]].borrowed);
-        r = (shy){.left = 2.0f}; /* and where it is nowhere to be found it borrows */
+        assert_true(value_of(&c.h, c.s.vertex[0]) == 4.0f && !c.h.patches->vertex[c.s.vertex[0]].extrapolated);
+        r = (shy){.left = 2.0f}; /* and where it is nowhere to be found it is extrapolated */
         sl_shading_sample(&c.s, 1);
         assert_int_equal(r.asked, 4);
         assert_int_equal(sl_shading_commit(&c.s, 1, NULL), SL_OK);
-        assert_true(c.h.patches->vertex[c.s.vertex[0]].borrowed);
+        assert_true(c.h.patches->vertex[c.s.vertex[0]].extrapolated);
         end(&c);
     }
 }
@@ -325,7 +318,7 @@ static void what_comes_out_of_something_or_gets_into_it_is_a_change(void **state
     committing c;
     begin(&c);
     commit(&c, (const sl_sample[4]){inside, lit, lit, lit});
-    assert_true(c.h.patches->vertex[0].borrowed && value_of(&c.h, 0) == 4.0f);
+    assert_true(c.h.patches->vertex[0].extrapolated && value_of(&c.h, 0) == 4.0f);
     assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 0); /* the first value is none */
     c.s.now++;
     commit(&c, (const sl_sample[4]){inside, lit, lit, lit});
@@ -334,7 +327,7 @@ static void what_comes_out_of_something_or_gets_into_it_is_a_change(void **state
     commit(&c, (const sl_sample[4]){lit, lit, inside, lit});
     assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 2);
     assert_true(c.s.changes->object[0].changing);
-    assert_true(!c.h.patches->vertex[0].borrowed && c.h.patches->vertex[2].borrowed);
+    assert_true(!c.h.patches->vertex[0].extrapolated && c.h.patches->vertex[2].extrapolated);
     end(&c);
 }
 
@@ -342,9 +335,11 @@ static void what_comes_out_of_something_or_gets_into_it_is_a_change(void **state
 static void a_mean_of_sets_has_the_variance_of_one_of_them_by_their_number(void **state) {
     (void)state;
     committing c;
+    const sl_patches_settings kept = {
+        .channels = 3, .max_depth = SL_PATCH_DEPTH_MAX, .shown = true, .sets = true};
     begin(&c);
     sl_patches_destroy(c.h.patches);
-    assert_int_equal(sl_patches_create(c.h.primitives, SL_PATCHES_SETS, &c.h.patches, NULL), SL_OK);
+    assert_int_equal(sl_patches_create(c.h.primitives, &kept, &c.h.patches, NULL), SL_OK);
     want_root(&c.h, 0);
     c.s.patches = c.h.patches;
     for (uint32_t k = 0; k < 5; k++, c.s.now++) {
@@ -364,7 +359,7 @@ static void a_mean_of_sets_has_the_variance_of_one_of_them_by_their_number(void 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_the_more),
-        cmocka_unit_test(where_nothing_around_has_light_a_patch_above_lends_its_corners),
+        cmocka_unit_test(where_nothing_around_has_light_the_corners_of_a_patch_above_count),
         cmocka_unit_test(what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_it),
         cmocka_unit_test(a_leaf_with_a_corner_inside_something_may_be_wrong_by_all_that_it_shows),
         cmocka_unit_test(around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere),
