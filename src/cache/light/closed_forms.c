@@ -45,7 +45,7 @@ static double edge_term(sl_vec3d a, sl_vec3d b, sl_vec3d n) {
     return length > 0.0 ? sl_atan2(length, sl_dotd(a, b)) * (sl_dotd(n, c) / length) : 0.0;
 }
 
-double sl_lambert_triangle(const sl_vec3d corner[3], sl_vec3d normal, sl_vec3d geometric_normal) {
+static double lambert_triangle(const sl_vec3d corner[3], sl_vec3d normal, sl_vec3d geometric_normal) {
     polygon p = above_horizons(corner, normal, geometric_normal);
     double sum = 0.0;
     if (p.count < 3) return 0.0;
@@ -92,50 +92,17 @@ static bool is_far(const sl_vec3d corner[3]) {
     return size < SL_TINY_LIGHT * distance;
 }
 
-/* Nothing of the light is below a horizon, and it is not so far that its outline's terms would cancel: no
- * triangle needs to be cut. */
+/* Nothing of the light is below a horizon: no triangle needs to be cut. */
 static bool is_above(const sl_sampled_light *light, const sl_lit_point *point) {
     sl_vec3d p = sl_to_double(point->position), n = sl_to_double(point->normal),
              g = sl_to_double(point->geometric_normal);
     double distance = sl_lengthd(sl_subd(sl_to_double(light->position), p));
     if (!((double)light->extent > SL_TINY_LIGHT * distance)) return false;
-    for (size_t k = 0; k < light->edges; k++) {
-        sl_vec3d a = sl_subd(sl_to_double(light->edge[k].a), p),
-                 b = sl_subd(sl_to_double(light->edge[k].b), p);
-        if (!(fmin(sl_dotd(n, a), sl_dotd(n, b)) >= 0.0) || !(fmin(sl_dotd(g, a), sl_dotd(g, b)) >= 0.0))
-            return false;
+    for (size_t k = 0; k < 3 * light->triangles; k++) {
+        sl_vec3d c = sl_subd(sl_to_double(light->corner[k]), p);
+        if (!(sl_dotd(n, c) >= 0.0) || !(sl_dotd(g, c) >= 0.0)) return false;
     }
     return true;
-}
-
-/* Along edges between two triangles that are seen from one side the terms of both cancel: the outline as seen
- * from the point is left. */
-static double by_outline(const sl_sampled_light *light, const sl_lit_point *point) {
-    sl_vec3d p = sl_to_double(point->position), n = sl_to_double(point->normal);
-    int planar = light->kind == SL_SAMPLED_AREA ? side_of(light, 0, p) : 0;
-    double sum = 0.0;
-    for (size_t k = 0; k < light->edges; k++) {
-        const sl_light_edge *e = &light->edge[k];
-        int side =
-            light->kind == SL_SAMPLED_AREA
-                ? planar
-                : side_of(light, e->left, p) - (e->right == SL_NO_INDEX ? 0 : side_of(light, e->right, p));
-        if (side)
-            sum -=
-                (double)side * edge_term(sl_subd(sl_to_double(e->a), p), sl_subd(sl_to_double(e->b), p), n);
-    }
-    return sum * (0.5 / SL_PI);
-}
-
-static double by_triangles(const sl_sampled_light *light, const sl_lit_point *point) {
-    sl_vec3d n = sl_to_double(point->normal), g = sl_to_double(point->geometric_normal);
-    double sum = 0.0;
-    for (size_t t = 0; t < light->triangles; t++) {
-        sl_vec3d corner[3];
-        if (!turned_to(light, t, point, corner)) continue;
-        sum += is_far(corner) ? far_triangle(corner, n, g) : sl_lambert_triangle(corner, n, g);
-    }
-    return sum;
 }
 
 double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *point) {
@@ -144,7 +111,13 @@ double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *po
         double distance;
         return sl_light_point_form(light, point, &to, &distance);
     }
-    double sum = is_above(light, point) ? by_outline(light, point) : by_triangles(light, point);
+    sl_vec3d n = sl_to_double(point->normal), g = sl_to_double(point->geometric_normal);
+    double sum = 0.0;
+    for (size_t t = 0; t < light->triangles; t++) {
+        sl_vec3d corner[3];
+        if (!turned_to(light, t, point, corner)) continue;
+        sum += is_far(corner) ? far_triangle(corner, n, g) : lambert_triangle(corner, n, g);
+    }
     return sum > 0.0 && isfinite(sum) ? sum : 0.0;
 }
 

@@ -6,8 +6,6 @@
 
 #include <float.h>
 
-enum { SUN_TEXELS_MAX = 64 };
-
 /* ---- creation ---- */
 
 /* The closed form knows no masks. */
@@ -55,64 +53,15 @@ static sl_status make_sides(sl_direct *d, sl_error *error) {
     return SL_OK;
 }
 
-static void add_texel(sl_direct *d, int row, int column) {
-    const sl_environment *sun = d->settings.sun;
-    sl_rgb radiance;
-    float solid_angle;
-    sl_vec3 direction = sl_environment_texel(sun, row, column, &radiance, &solid_angle);
-    double top = sl_cos(SL_PI * (double)row / (double)sun->height),
-           bottom = sl_cos(SL_PI * (double)(row + 1) / (double)sun->height);
-    float luminance = sl_luminance(radiance), scale = luminance > 0.0f ? luminance : 1.0f;
-    size_t k = d->sun_texels++;
-    d->sun_direction[k] = direction;
-    d->sun_light[k] = sl_rgb_scale(radiance, solid_angle);
-    d->sun_table[k] = (sl_sun_texel){.sum = luminance * solid_angle + (k ? d->sun_table[k - 1].sum : 0.0f),
-                                     .u = (float)column / (float)sun->width,
-                                     .width = 1.0f / (float)sun->width,
-                                     .top = (float)top,
-                                     .height = (float)(top - bottom),
-                                     .r = radiance.r / scale,
-                                     .g = radiance.g / scale,
-                                     .b = radiance.b / scale};
-}
-
-/* The texels of the sun, if they are few: then its unoccluded light is known. */
-static sl_status make_sun(sl_direct *d, sl_error *error) {
-    const sl_environment *sun = d->settings.sun;
-    size_t lit = 0;
-    for (size_t i = 0; i < (size_t)sun->width * (size_t)sun->height; i++) {
-        const float *t = sun->texels + 3 * i;
-        lit += t[0] > 0.0f || t[1] > 0.0f || t[2] > 0.0f;
-    }
-    if (lit == 0 || lit > SUN_TEXELS_MAX) return SL_OK;
-    d->sun_direction = sl_allocate(lit, sizeof *d->sun_direction);
-    d->sun_light = sl_allocate(lit, sizeof *d->sun_light);
-    d->sun_table = sl_allocate(lit, sizeof *d->sun_table);
-    if (!d->sun_direction || !d->sun_light || !d->sun_table) return sl_fail_memory(error, "the sun");
-    for (int row = 0; row < sun->height; row++) {
-        for (int column = 0; column < sun->width; column++) {
-            const float *t = sun->texels + 3 * ((size_t)row * (size_t)sun->width + (size_t)column);
-            if (t[0] > 0.0f || t[1] > 0.0f || t[2] > 0.0f) add_texel(d, row, column);
-        }
-    }
-    return SL_OK;
-}
-
 /* Powers of two change no bit of a share. */
 static void choose_unit(sl_direct *d) {
-    float strongest = d->sun_texels ? d->sun_table[d->sun_texels - 1].sum : 0.0f;
+    float strongest = 0.0f;
     int exponent = 0;
     for (size_t k = 0; k < d->exact_count; k++) strongest = fmaxf(strongest, d->luminances[k]);
     if (strongest > 0.0f && isfinite(strongest)) (void)frexpf(strongest, &exponent);
     exponent = exponent > FLT_MAX_EXP - 1 ? FLT_MAX_EXP - 1 : exponent;
     d->unit = ldexpf(1.0f, exponent);
     for (size_t k = 0; k < d->exact_count; k++) d->luminances[k] = ldexpf(d->luminances[k], -exponent);
-    for (size_t k = 0; k < d->sun_texels; k++) {
-        sl_rgb *light = &d->sun_light[k];
-        *light =
-            (sl_rgb){ldexpf(light->r, -exponent), ldexpf(light->g, -exponent), ldexpf(light->b, -exponent)};
-        d->sun_table[k].sum = ldexpf(d->sun_table[k].sum, -exponent);
-    }
 }
 
 static sl_status make_sampler(sl_direct *d, sl_error *error) {
@@ -134,12 +83,11 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->tracer = tracer;
     d->settings = *settings;
     d->light = sl_light_kernels_for(sl_isa_best());
-    d->kernels = sl_direct_kernels_for(sl_isa_best());
+    d->aim = sl_aim_kernel_for(sl_isa_best());
     d->offset = 1e-5f * scene->scale;
     for (size_t i = 0; i < scene->material_count; i++)
         d->glossy |= sl_material_is_glossy(&scene->materials[i]);
     sl_status status = settings->maps ? SL_OK : make_sides(d, error);
-    if (status == SL_OK && settings->sun && !settings->maps) status = make_sun(d, error);
     choose_unit(d);
     if (status == SL_OK && !settings->maps) status = make_sampler(d, error);
     if (status != SL_OK) {
@@ -157,9 +105,6 @@ void sl_direct_destroy(sl_direct *direct) {
     sl_free(direct->triangles);
     sl_free(direct->luminances);
     sl_free(direct->emitter);
-    sl_free(direct->sun_direction);
-    sl_free(direct->sun_light);
-    sl_free(direct->sun_table);
     sl_free(direct);
 }
 

@@ -67,7 +67,7 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
             &points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
             s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
             s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
-        direct->kernels.aim(&aims[k]);
+        direct->aim(&aims[k]);
     }
     if (w->any_near) sl_direct_aim_near(direct, block, w->near, aims, s->samples);
 }
@@ -135,11 +135,11 @@ sl_direct_scratch *sl_direct_scratch_of(void *blocks, unsigned worker) {
 sl_lamps *sl_direct_scratch_lamps(sl_direct_scratch *scratch) { return &scratch->lamps; }
 
 /* Traces and adds up samples that are drawn. */
-static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides, bool far_away,
+static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides,
                  sl_direct_scratch *scratch, sl_direct_sums *sums, answers *a, sl_counters *counters) {
     light_samples *s = &scratch->samples;
     size_t rays = order_by_emitter(block, sides, s, scratch->order);
-    sl_direct_trace(direct, block, rays, scratch->order, (sl_aims){s->x, s->y, s->z, far_away}, s->visible,
+    sl_direct_trace(direct, block, rays, scratch->order, (sl_aims){s->x, s->y, s->z, false}, s->visible,
                     counters);
     add_samples(block, s, 1.0f / (float)direct->settings.light_samples, sums, a->seen, a->of);
 }
@@ -168,51 +168,7 @@ void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_samp
     for (uint32_t first = range.first; first < range.end; first += CHUNK) {
         s->samples = range.end - first < CHUNK ? range.end - first : CHUNK;
         draw(direct, block, w, first, s);
-        take(direct, block, w->sides, false, scratch, sums, &a, counters);
-    }
-    conclude(block, range, &a, exact, sums);
-}
-
-/* ---- the sun, where it is a few texels: their light is known as well ---- */
-
-static void weigh_sun(const sl_direct *direct, const sl_lit_block *block, float exact[3][SL_LIGHT_BLOCK]) {
-    for (size_t t = 0; t < direct->sun_texels; t++) {
-        sl_vec3 d = direct->sun_direction[t];
-        sl_rgb light = direct->sun_light[t];
-        for (size_t i = 0; i < block->count; i++) {
-            float cosine = block->normal_x[i] * d.x + block->normal_y[i] * d.y + block->normal_z[i] * d.z;
-            cosine = cosine > 0.0f ? cosine : 0.0f;
-            exact[0][i] += light.r * cosine;
-            exact[1][i] += light.g * cosine;
-            exact[2][i] += light.b * cosine;
-        }
-    }
-}
-
-static void draw_sun(const sl_direct *direct, const sl_lit_block *block, uint32_t first, light_samples *s) {
-    sl_light_points points = sl_lit_points(block);
-    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 1, SL_LIGHT_BLOCK, s->u0,
-                     s->u1, s->u2);
-    for (uint32_t k = 0; k < s->samples; k++) {
-        size_t lane = (size_t)k * SL_LIGHT_BLOCK;
-        sl_aim_block aim = {.points = &points, .u0 = s->u0 + lane, .u1 = s->u1 + lane, .u2 = s->u2 + lane,
-                            .chosen = s->chosen + lane, .x = s->x + lane, .y = s->y + lane, .z = s->z + lane,
-                            .weight = s->weight + lane, .r = s->r + lane, .g = s->g + lane, .b = s->b + lane,
-                            .wanted = s->wanted + lane};
-        direct->kernels.sun(&aim, direct->sun_table, direct->sun_texels);
-    }
-}
-
-void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
-                   sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters) {
-    light_samples *s = &scratch->samples;
-    answers a = {{0.0f}, {0.0f}};
-    float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};
-    weigh_sun(direct, block, exact);
-    for (uint32_t first = range.first; first < range.end; first += CHUNK) {
-        s->samples = range.end - first < CHUNK ? range.end - first : CHUNK;
-        draw_sun(direct, block, first, s);
-        take(direct, block, 1, true, scratch, sums, &a, counters);
+        take(direct, block, w->sides, scratch, sums, &a, counters);
     }
     conclude(block, range, &a, exact, sums);
 }

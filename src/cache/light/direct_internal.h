@@ -3,7 +3,7 @@
  *     direct.c          strips of rows, what each pixel is, and how its light adds up
  *     direct_maps.c     by shadow maps
  *     direct_rays.c     by shadow rays: the passes over a strip
- *     direct_exact.c    emitters and the sun: closed forms for all of their light, rays for the visible share
+ *     direct_exact.c    emitters: closed forms for all of their light, rays for the visible share
  *     direct_near.c     better samples of emitters that are near
  *     direct_sampled.c  lights without extent; what is too much for closed forms
  *     direct_glossy.c   glossy lobes
@@ -26,7 +26,7 @@ struct sl_direct {
     const sl_tracer *tracer;
     sl_direct_settings settings;
     sl_light_kernels light;
-    sl_direct_kernels kernels;
+    sl_aim_kernel *aim;
     float offset;                   /* how far along the geometric normal rays start */
     /* the scene without its lights without extent, its environment the sun alone */
     sl_scene extended;
@@ -36,15 +36,11 @@ struct sl_direct {
     sl_polygon_light *polygons;     /* exact_count */
     uint32_t *emitter;              /* of each side */
     float *triangles;               /* the same for the kernels: SL_SIDE_VALUES each */
-    /* a power of two: what the strongest of emitters and sun is counted in, so that sums of samples stay
+    /* a power of two: what the strongest of emitters is counted in, so that sums of samples stay
      * within floats */
     float unit;
     float *luminances;              /* of their radiances, in units */
     bool glossy;                    /* the scene has glossy materials */
-    size_t sun_texels;              /* where they are few, their unoccluded light is known; else 0 */
-    sl_vec3 *sun_direction;
-    sl_rgb *sun_light;              /* radiance x solid angle, in units */
-    sl_sun_texel *sun_table;        /* for sampling */
 };
 
 /* Pixels that reflect light, one after the other: at most SL_LIGHT_BLOCK. */
@@ -67,7 +63,7 @@ void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
 /* What is summed up for the pixels of a strip and the rows around it. Irradiance, but for glossy. */
 typedef struct sl_direct_sums {
     size_t first, count;    /* pixels [first, first + count) of the G-buffer */
-    float *exact[3];        /* emitters and sun, unoccluded, in units: their samples are of the next two */
+    float *exact[3];        /* emitters, unoccluded, in units: their samples are of the next two */
     float *seen[3], *all[3]; /* in units */
     float *plain[3];        /* of which nothing is known but samples */
     float *glossy[3];       /* radiance */
@@ -118,14 +114,11 @@ struct sl_lamps *sl_direct_scratch_lamps(sl_direct_scratch *scratch);
 
 void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
                      sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters);
-void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
-                   sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters);
 void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block,
                      sl_direct_sums *sums, sl_counters *counters);
-void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
-                        sl_direct_sums *sums, sl_counters *counters);
-void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
-                       sl_direct_sums *sums, sl_counters *counters);
+/* Of the sun, or of emitters. */
+void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, bool sun, sl_direct_sums *sums,
+                       sl_counters *counters);
 /* Which emitters are near to some point of a block, and samples of them instead of those that are drawn: near
  * by side of the weighed. */
 typedef struct sl_block_box {

@@ -1,7 +1,5 @@
 #include "cache/light/direct_kernels.h"
 
-#include "base/math.h"
-
 /* The first side whose cumulative sum exceeds u0 of the whole; sums fall in no gap, since u0 < 1. */
 static void choose(const sl_aim_block *block, int32_t *restrict chosen) {
     const size_t count = block->points->count;
@@ -62,42 +60,5 @@ void SL_KERNEL(sl_direct_aim)(const sl_aim_block *block) {
         b[i] = t15[k];
         weight[i] = lit ? relative * total[i] : 0.0f;
         wanted[i] = lit && facing > 0.0f ? 1.0f : 0.0f;
-    }
-}
-
-void SL_KERNEL(sl_direct_sun_aim)(const sl_aim_block *block, const sl_sun_texel *texels, size_t texel_count) {
-    const size_t count = block->points->count;
-    const float total = texels[texel_count - 1].sum;
-    const float *restrict nx = block->points->normal_x, *restrict ny = block->points->normal_y,
-                          *restrict nz = block->points->normal_z;
-    const float *restrict gx = block->points->geometric_x, *restrict gy = block->points->geometric_y,
-                          *restrict gz = block->points->geometric_z;
-    const float *restrict u0 = block->u0, *restrict u1 = block->u1, *restrict u2 = block->u2;
-    int32_t *restrict chosen = block->chosen;
-    float *restrict x = block->x, *restrict y = block->y, *restrict z = block->z,
-                    *restrict weight = block->weight;
-    float *restrict r = block->r, *restrict g = block->g, *restrict b = block->b,
-                    *restrict wanted = block->wanted;
-    for (size_t i = 0; i < count; i++) {
-        size_t t = 0;
-        while (t + 1 < texel_count && u0[i] * total >= texels[t].sum) t++;
-        x[i] = texels[t].u + u1[i] * texels[t].width;
-        y[i] = texels[t].top - u2[i] * texels[t].height;
-        r[i] = texels[t].r;
-        g[i] = texels[t].g;
-        b[i] = texels[t].b;
-        chosen[i] = 0;
-    }
-#pragma omp simd
-    for (size_t i = 0; i < count; i++) {
-        float sine, cosine, polar = y[i], square = 1.0f - polar * polar;
-        sl_sincos_turnf(x[i], &sine, &cosine);
-        float level = sqrtf(square > 0.0f ? square : 0.0f), dx = -level * sine, dz = level * cosine;
-        float facing = gx[i] * dx + gy[i] * polar + gz[i] * dz,
-              slope = nx[i] * dx + ny[i] * polar + nz[i] * dz;
-        x[i] = dx;
-        z[i] = dz;
-        weight[i] = slope > 0.0f ? total * slope : 0.0f;
-        wanted[i] = slope > 0.0f && facing > 0.0f ? 1.0f : 0.0f;
     }
 }

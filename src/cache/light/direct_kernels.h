@@ -29,29 +29,8 @@ typedef struct sl_aim_block {
 /* Chooses a side in proportion to its irradiance and a point of it by area. */
 typedef void sl_aim_kernel(const sl_aim_block *block);
 
-/* A texel of the sun: the sum of the luminous powers (luminance x solid angle) up to and with it, its place,
- * its chromaticity. */
-typedef struct sl_sun_texel {
-    float sum;
-    float u, width;             /* azimuth / 2 pi + 1/2, as in a picture, of its left side */
-    float top, height;          /* cosine of the polar angle at its upper side, and how much that falls */
-    float r, g, b;
-} sl_sun_texel;
-
-/* Chooses a texel in proportion to its power and a direction in it; x, y, z are unit directions. Of the
- * block, points, u0, u1, u2 and what goes out are used. */
-typedef void sl_sun_kernel(const sl_aim_block *block, const sl_sun_texel *texels, size_t count);
-
-typedef struct sl_direct_kernels {
-    sl_aim_kernel *aim;
-    sl_sun_kernel *sun;
-} sl_direct_kernels;
-
 SL_KERNEL_VARIANTS(sl_aim_kernel, sl_direct_aim);
-SL_KERNEL_VARIANTS(sl_sun_kernel, sl_direct_sun_aim);
 
-static inline sl_direct_kernels sl_direct_kernels_for(sl_isa isa) {
-    return (sl_direct_kernels){SL_KERNEL_OF(isa, sl_direct_aim), SL_KERNEL_OF(isa, sl_direct_sun_aim)};
-}
+static inline sl_aim_kernel *sl_aim_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_direct_aim); }
 
 #endif

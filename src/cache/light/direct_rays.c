@@ -1,9 +1,10 @@
 /* Direct light of pixels by shadow rays: the passes over a strip of rows.
  *
- *   1  every pixel             a ray to each light without extent, light samples of the others
- *   2  penumbrae               pixels that see a part of the lights only, and those near them: more samples,
- * since nearly all of the noise is there 3  the visible share       smoothed where it is noise
- * (direct_filter.c) 4  radiance
+ *   1  every pixel         a ray to each light without extent, light samples of the others
+ *   2  penumbrae           more samples for pixels that see a part of the lights, and those near them, since
+ *                          nearly all of the noise is there
+ *   3  the visible share   smoothed where it is noise (direct_filter.c)
+ *   4  radiance
  *
  * Every pass reads a few rows around those of the next one. */
 #include "base/counters.h"
@@ -162,13 +163,12 @@ static sl_counters *counters_of(const pass *p, int y) { return &p->counters[y - 
 static void light_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
     const sl_direct *direct = p->direct;
     sl_direct_scratch *scratch = sl_direct_scratch_of(p->scratch, worker);
-    sl_sample_range pilot = {0, pilot_samples(direct)}, all = {0, direct->settings.light_samples};
+    sl_sample_range pilot = {0, pilot_samples(direct)};
     if (block->count == 0) return;
     sl_direct_delta(direct, p->gbuffer, block, p->sums, counters);
     if (direct->exact_count) sl_direct_exact(direct, block, pilot, scratch, p->sums, counters);
-    else if (direct->scene->emitter_count) sl_direct_sampled(direct, block, all, p->sums, counters);
-    if (direct->sun_texels) sl_direct_sun(direct, block, pilot, scratch, p->sums, counters);
-    else if (direct->settings.sun) sl_direct_wide_sun(direct, block, all, p->sums, counters);
+    else if (direct->scene->emitter_count) sl_direct_sampled(direct, block, false, p->sums, counters);
+    if (direct->settings.sun) sl_direct_sampled(direct, block, true, p->sums, counters);
 }
 
 static void sample_row(void *context, size_t index, unsigned worker) {
@@ -204,7 +204,6 @@ static void refine_block(const pass *p, const sl_lit_block *block, unsigned work
     sl_sample_range range = {pilot_samples(direct), samples_with_refinement(direct)};
     if (block->count == 0) return;
     if (direct->exact_count) sl_direct_exact(direct, block, range, scratch, p->sums, counters);
-    if (direct->sun_texels) sl_direct_sun(direct, block, range, scratch, p->sums, counters);
 }
 
 static void refine_row(void *context, size_t index, unsigned worker) {

@@ -1,5 +1,5 @@
-/* Lights without extent, one ray each; and what is not known unoccluded, since it is too much (emitters,
- * texels of the sun) or masked: plain light samples. */
+/* Lights without extent, one ray each; and what is not known unoccluded, the sun, and emitters that are
+ * too many or masked: plain light samples. */
 #include "base/random.h"
 #include "cache/light/direct_internal.h"
 #include "cache/frame/picture_value.h"
@@ -86,43 +86,37 @@ static void add_samples(const sl_lit_block *block, const light_samples *s, sl_di
     }
 }
 
-void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
-                        sl_direct_sums *sums, sl_counters *counters) {
-    light_samples s;
-    for (uint32_t sample = range.first; sample < range.end; sample++) {
-        float u0[SL_LIGHT_BLOCK], u1[SL_LIGHT_BLOCK], u2[SL_LIGHT_BLOCK];
-        sl_direct_points(direct, block, (sl_sample_range){sample, sample + 1}, 1, 0, u0, u1, u2);
-        for (size_t i = 0; i < block->count; i++) {
-            float pdf;
-            sl_rgb radiance;
-            sl_vec3 direction = sl_environment_sample(direct->settings.sun, u1[i], u2[i], &radiance, &pdf);
-            float scale = pdf > 0.0f ? 1.0f / (pdf * (float)direct->settings.light_samples) : 0.0f;
-            set_sample(block, i, direction, 1.0f, sl_rgb_scale(radiance, scale), &s);
-        }
-        sl_direct_visible(direct, block, (sl_aims){s.x, s.y, s.z, true}, s.wanted, s.visible, counters);
-        add_samples(block, &s, sums);
+/* A direction from the sun alone, or a point of an emitter. False: nothing arrives. */
+static bool draw(const sl_direct *direct, const sl_lit_block *block, size_t i, bool sun, const float u[3],
+                 sl_light_sample *light) {
+    if (sun) {
+        *light = (sl_light_sample){.distance = 1.0f};
+        light->to_light =
+            sl_environment_sample(direct->settings.sun, u[1], u[2], &light->radiance, &light->pdf);
+        light->radiance = sl_rgb_scale(light->radiance, light->pdf > 0.0f ? 1.0f / light->pdf : 0.0f);
+        return light->pdf > 0.0f;
     }
+    sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]),
+            n = sl_v3(block->normal_x[i], block->normal_y[i], block->normal_z[i]);
+    return sl_light_sampler_sample_at(direct->sampler, p, n, u[0], u[1], u[2], light) &&
+           light->triangle != SL_NO_INDEX && light->triangle != block->triangle[i];
 }
 
-void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
-                       sl_direct_sums *sums, sl_counters *counters) {
+void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, bool sun, sl_direct_sums *sums,
+                       sl_counters *counters) {
     light_samples s;
     float scale = 1.0f / (float)direct->settings.light_samples;
-    for (uint32_t sample = range.first; sample < range.end; sample++) {
+    for (uint32_t sample = 0; sample < direct->settings.light_samples; sample++) {
         float u0[SL_LIGHT_BLOCK], u1[SL_LIGHT_BLOCK], u2[SL_LIGHT_BLOCK];
-        sl_direct_points(direct, block, (sl_sample_range){sample, sample + 1}, 2, 0, u0, u1, u2);
+        sl_direct_points(direct, block, (sl_sample_range){sample, sample + 1}, sun ? 1 : 2, 0, u0, u1, u2);
         for (size_t i = 0; i < block->count; i++) {
             sl_light_sample light;
-            sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]),
-                    n = sl_v3(block->normal_x[i], block->normal_y[i], block->normal_z[i]);
-            bool any = sl_light_sampler_sample_at(direct->sampler, p, n, u0[i], u1[i], u2[i], &light) &&
-                       light.triangle != SL_NO_INDEX && light.triangle != block->triangle[i];
-            if (any)
+            if (draw(direct, block, i, sun, (float[3]){u0[i], u1[i], u2[i]}, &light))
                 set_sample(block, i, light.to_light, light.distance, sl_rgb_scale(light.radiance, scale), &s);
             else
                 s.wanted[i] = s.r[i] = s.g[i] = s.b[i] = s.x[i] = s.y[i] = s.z[i] = 0.0f;
         }
-        sl_direct_visible(direct, block, (sl_aims){s.x, s.y, s.z, false}, s.wanted, s.visible, counters);
+        sl_direct_visible(direct, block, (sl_aims){s.x, s.y, s.z, sun}, s.wanted, s.visible, counters);
         add_samples(block, &s, sums);
     }
 }

@@ -1,12 +1,13 @@
 /* A sample of one light at one point: which way it is taken (light_sample.h), and what all samples share.
  *
- *     no extent ------------------------------------------------ one shadow ray
- *     turned away, below the horizon --------------------------- 0
- *     tiny ------------------------------------------------------ closed form x one shadow ray
- *     nothing in the frustum ------------------------------------ closed form
- *     planar ---------- N x N pixels of its own plane, N doubled where it is so near that weights differ much
- * from pixel to pixel solid ----------- N x N pixels of the frustum that looks at it too near for either
- * --------------------------------------- closed form x share of rays
+ *     no extent ------------------------ one shadow ray
+ *     turned away, below the horizon --- 0
+ *     tiny ----------------------------- closed form x one shadow ray
+ *     nothing in the frustum ----------- closed form
+ *     planar --------------------------- N x N pixels of its own plane, N doubled where it is so near that
+ *                                        weights differ much from pixel to pixel
+ *     solid ---------------------------- N x N pixels of the frustum that looks at it
+ *     too near for either -------------- closed form x share of rays
  */
 #include "cache/light/light_sample.h"
 

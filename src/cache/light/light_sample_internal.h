@@ -103,10 +103,7 @@ typedef enum sl_light_shot {
     SL_SHOT_IMPOSSIBLE       /* no frustum holds the light: take rays */
 } sl_light_shot;
 
-/* closed_forms.c. F of one triangle of radiance 1 / pi, its corners relative to the point and
- * counter-clockwise seen from there; what lies below either horizon is cut off. */
-double sl_lambert_triangle(const sl_vec3d corner[3], sl_vec3d normal, sl_vec3d geometric_normal);
-/* Area-weighted middle of what faces the point and is above its horizons, from the point; (0,0,0): nothing
+/* closed_forms.c. Area-weighted middle of what faces the point and is above its horizons, from the point; (0,0,0): nothing
  * is. */
 sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *point);
 

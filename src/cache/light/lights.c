@@ -151,64 +151,6 @@ static sl_status find_pieces(const sl_scene *scene, source *s, size_t count, siz
     return SL_OK;
 }
 
-/* ---- edges ---- */
-
-/* A side of a triangle, told from its lower end to its higher one, by bits. */
-typedef struct {
-    uint32_t low[3], high[3];
-    uint32_t side;        /* 3 triangle + corner that it starts from */
-    uint32_t turned;      /* it starts at its higher end */
-} light_side;
-
-static void bits_of(sl_vec3 p, uint32_t bits[3]) {
-    bits[0] = position_bits(p.x);
-    bits[1] = position_bits(p.y);
-    bits[2] = position_bits(p.z);
-}
-
-static int by_ends(const void *a, const void *b) {
-    const light_side *s = a, *t = b;
-    int order = compare_words(s->low, t->low, 3);
-    if (!order) order = compare_words(s->high, t->high, 3);
-    return order ? order : compare_words(&s->side, &t->side, 1);
-}
-
-static bool same_ends(const light_side *s, const light_side *t) {
-    return memcmp(s->low, t->low, sizeof s->low) == 0 && memcmp(s->high, t->high, sizeof s->high) == 0;
-}
-
-static light_side side_of(const sl_sampled_light *light, uint32_t side) {
-    light_side s = {.side = side};
-    uint32_t a[3], b[3];
-    bits_of(light->corner[side], a);
-    bits_of(light->corner[side % 3 == 2 ? side - 2 : side + 1], b);
-    s.turned = compare_words(a, b, 3) > 0;
-    memcpy(s.low, s.turned ? b : a, sizeof s.low);
-    memcpy(s.high, s.turned ? a : b, sizeof s.high);
-    return s;
-}
-
-/* Two sides that run along each other in opposite ways, and no others along them, are an edge between two
- * triangles; every other is an edge of one. Returns how many edges there are. */
-static size_t find_edges(const sl_sampled_light *light, light_side *sides, sl_light_edge *edge) {
-    const uint32_t count = (uint32_t)(3 * light->triangles);
-    size_t edges = 0;
-    for (uint32_t k = 0; k < count; k++) sides[k] = side_of(light, k);
-    qsort(sides, count, sizeof *sides, by_ends);
-    for (uint32_t first = 0, end; first < count; first = end) {
-        for (end = first + 1; end < count && same_ends(&sides[first], &sides[end]);) end++;
-        bool pair = end - first == 2 && sides[first].turned != sides[first + 1].turned;
-        if (pair && light->kind == SL_SAMPLED_AREA) continue;
-        for (uint32_t k = first; k < (pair ? first + 1 : end); k++) {
-            uint32_t side = sides[k].side;
-            edge[edges++] =
-                (sl_light_edge){light->corner[side], light->corner[side % 3 == 2 ? side - 2 : side + 1],
-                                side / 3, pair ? sides[k + 1].side / 3 : SL_NO_INDEX};
-        }
-    }
-    return edges;
-}
-
 /* ---- lights ---- */
 
 typedef struct {
@@ -243,7 +185,8 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
         triangles[i] = s[i].triangle;
     }
     const float left = area > 0.0 ? (float)(opaque / area) : 1.0f;
-    c->lights->light[c->lights->count++] =
+    sl_sampled_light *light = &c->lights->light[c->lights->count++];
+    *light =
         (sl_sampled_light){.kind = planar ? SL_SAMPLED_AREA : SL_SAMPLED_SOLID,
                            .colour = sl_rgb_scale(sl_rgb_scale(emitter->radiance, (float)SL_PI), left),
                            .radiance = emitter->radiance,
@@ -256,6 +199,8 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
                            .position = area > 0.0 ? sl_to_float(sl_scaled(centre, 1.0 / area)) : corners[0],
                            .scene_light = SL_NO_INDEX,
                            .object = s->object};
+    for (size_t k = 0; k < 3 * count; k++)
+        light->extent = fmaxf(light->extent, sl_length(sl_sub(corners[k], light->position)));
     c->triangles += count;
 }
 
@@ -362,26 +307,6 @@ static sl_status add_emitters(collection *c, sl_error *error) {
     return status;
 }
 
-/* Edges of all area lights; what they are made of is in place. */
-static sl_status add_edges(sl_sampled_lights *lights, sl_error *error) {
-    size_t most = 0, used = 0, area_lights = lights->count;
-    for (size_t i = 0; i < area_lights; i++)
-        most = lights->light[i].triangles > most ? lights->light[i].triangles : most;
-    light_side *sides = sl_allocate(3 * most, sizeof *sides);
-    if (!sides) return sl_fail_memory(error, "the scene's lamps");
-    for (size_t i = 0; i < area_lights; i++) {
-        sl_sampled_light *light = &lights->light[i];
-        light->edge = lights->edges + used;
-        light->edges = find_edges(light, sides, lights->edges + used);
-        used += light->edges;
-        for (size_t k = 0; k < 3 * light->triangles; k++) {
-            light->extent = fmaxf(light->extent, sl_length(sl_sub(light->corner[k], light->position)));
-        }
-    }
-    sl_free(sides);
-    return SL_OK;
-}
-
 static void add_scene_light(sl_sampled_lights *lights, const sl_light *light, uint32_t index) {
     static const sl_sampled_kind kinds[] = {[SL_LIGHT_POINT] = SL_SAMPLED_POINT,
                                             [SL_LIGHT_SPOT] = SL_SAMPLED_SPOT,
@@ -405,20 +330,16 @@ sl_status sl_sampled_lights_find(const sl_scene *scene, sl_sampled_lights **ligh
         l->light_of_triangle = sl_allocate(scene->triangle_count, sizeof *l->light_of_triangle);
         l->corners = sl_allocate(3 * scene->emitter_count, sizeof *l->corners);
         l->triangles = sl_allocate(scene->emitter_count, sizeof *l->triangles);
-        l->edges = sl_allocate(3 * scene->emitter_count, sizeof *l->edges);
     }
-    sl_status status = l && l->light && l->light_of_triangle && l->corners && l->triangles && l->edges
+    sl_status status = l && l->light && l->light_of_triangle && l->corners && l->triangles
                            ? SL_OK : sl_fail_memory(error, "the scene's lights");
     collection c = {scene, l, 0};
     if (status == SL_OK) status = add_emitters(&c, error);
-    if (status == SL_OK) {
-        qsort(l->light, l->count, sizeof *l->light, by_first_triangle);
-        status = add_edges(l, error);
-    }
     if (status != SL_OK) {
         sl_sampled_lights_destroy(l);
         return status;
     }
+    qsort(l->light, l->count, sizeof *l->light, by_first_triangle);
     for (size_t t = 0; t < scene->triangle_count; t++) l->light_of_triangle[t] = SL_NO_INDEX;
     for (size_t i = 0; i < l->count; i++) {
         for (size_t k = 0; k < l->light[i].triangles; k++)
@@ -435,6 +356,5 @@ void sl_sampled_lights_destroy(sl_sampled_lights *l) {
     sl_free(l->light_of_triangle);
     sl_free(l->corners);
     sl_free(l->triangles);
-    sl_free(l->edges);
     sl_free(l);
 }

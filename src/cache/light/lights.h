@@ -16,13 +16,6 @@ typedef enum sl_sampled_kind {
     SL_SAMPLED_DIRECTIONAL  /* E / E_0, in [0,1] */
 } sl_sampled_kind;
 
-/* An edge of an area light: from a to b with triangle `left` (its place in the light) on its left, seen from
- * where that shines, and `right` on its right; SL_NO_INDEX: none. */
-typedef struct sl_light_edge {
-    sl_vec3 a, b;
-    uint32_t left, right;
-} sl_light_edge;
-
 typedef struct sl_sampled_light {
     sl_sampled_kind kind;
     sl_rgb colour;              /* that F multiplies to irradiance: pi L times `opaque`, I, or E_0 */
@@ -32,8 +25,6 @@ typedef struct sl_sampled_light {
     size_t triangles;           /* area lights */
     const sl_vec3 *corner;      /* three a triangle, counter-clockwise seen from where they shine */
     const uint32_t *triangle;   /* their numbers in the scene, ascending */
-    size_t edges;
-    const sl_light_edge *edge;  /* of planar ones their outline alone */
     float extent;               /* largest distance of a corner from `position` */
     sl_vec3 normal;             /* planar ones: unit, of the shining side */
     sl_vec3 position;           /* of points and spots; the centroid of area lights */
@@ -49,7 +40,6 @@ typedef struct sl_sampled_lights {
     uint32_t *light_of_triangle; /* by scene triangle: of emitters; else SL_NO_INDEX */
     sl_vec3 *corners;           /* behind light[i].corner */
     uint32_t *triangles;        /* behind light[i].triangle */
-    sl_light_edge *edges;       /* behind light[i].edge */
 } sl_sampled_lights;
 
 static inline bool sl_light_has_extent(const sl_sampled_light *light) {

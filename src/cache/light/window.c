@@ -1,21 +1,18 @@
 /* A planar light as a window (the light-plane estimator): the picture's plane is the light's own, and seen
  * from wherever, a pixel is the same piece of the light. So whether its centre is on the light at all is
- * found once, and only tangents and weights depend on the point.
+ * found once, and only tangents and weights depend on the point. Between the eye and the plane an occluder
+ * hides; there, and beyond, nothing does. That is the far plane, and so whatever is drawn at all hides the
+ * light.
  *
- *           B  /\                     The raster is turned against the light. Edges of a scene run along its
- * lamps more often than not, and an edge /  . `\                  along the pixels hides whole columns at a
- * time: an error of up to 1/2N of the light, which shows as bands. / .light.  `\             Its slope is
- * 0.382 (20.9 degrees), of all numbers one of those that fractions come near the least, so that an
- *          `\ .     .   / A           edge cuts pixels evenly; at 1/3 (18.4 degrees) it repeats itself every
- * third row, and errors are five times
- *             `\ .   /                as large. It is turned as if the light were a square, for of a tube's
- * rectangle, turned, next to nothing would
- *                `\/ origin          be light: A and B, along which the picture's rows and columns run, need
- * not be square to each other.
- *                 :
- *               h :                   Between the eye and the plane an occluder hides; there, and beyond,
- * nothing does. That is the far plane, and so o point             whatever is drawn at all hides the light.
- */
+ *           B  /\          The raster is turned against the light. Edges of a scene run along its lamps more
+ *            /  . `\        often than not, and an edge along the pixels hides whole columns at a time: an
+ *          / .light.  `\    error of up to 1/2N of the light, which shows as bands. Its slope is 0.382 (20.9
+ *          `\ .     .   / A degrees), of all numbers one of those that fractions come near the least, so that
+ *             `\ .   /      an edge cuts pixels evenly; at 1/3 (18.4 degrees) it repeats itself every third
+ *                `\/ origin row, and errors are five times as large. It is turned as if the light were a
+ *                 :         square, for of a tube's rectangle, turned, next to nothing would be light: A and
+ *                 : h       B, along which the picture's rows and columns run, need not be square to each
+ *                 o point   other. */
 #include <math.h>
 #include <string.h>
 

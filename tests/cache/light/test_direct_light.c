@@ -402,8 +402,7 @@ static sl_environment a_day(float values[3 * WIDTH * HEIGHT], int texels, float 
     return (sl_environment){.present = true, .width = WIDTH, .height = HEIGHT, .texels = values};
 }
 
-/* An open plane: every pixel is the sum over the sun's texels, without noise where they are few; by maps as
- * by rays. */
+/* An open plane: every pixel is the sum over the sun's texels, by maps as by rays. */
 static void the_sun_on_an_open_plane_is_the_sum_of_its_texels(void **state) {
     (void)state;
     for (int run = 0; run < 3; run++) {
@@ -433,7 +432,7 @@ static void the_sun_on_an_open_plane_is_the_sum_of_its_texels(void **state) {
         print_message("sun of %d texels %s: mean %+.5f, worst %.5f\n", run == 2 ? 81 : 4,
                       run == 1 ? "by maps" : "by rays", sum / (double)count / truth - 1.0, worst);
         assert_true(fabs(sum / (double)count / truth - 1.0) < (run == 1 ? 0.02 : 0.005));
-        assert_true(worst < (run == 0 ? 1e-3 : run == 1 ? 0.02 : 0.3));
+        assert_true(worst < (run == 1 ? 0.02 : 0.3));
         picture_free(p);
         sl_scene_destroy(scene);
         sl_environment_release(&sky);
@@ -467,7 +466,7 @@ static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state)
         assert_int_equal(sl_image_compare(image, truth, NULL, &result, NULL, NULL), SL_OK);
         print_message("%s: root of relMSE less noise %.4f, bias %+.4f\n", maps ? "maps" : "rays",
                       sqrt(fmax(0.0, result.rel_mse - result.rel_mse_noise)), result.bias);
-        assert_true(sqrt(fmax(0.0, result.rel_mse - result.rel_mse_noise)) < (maps ? 0.15 : 0.06));
+        assert_true(sqrt(fmax(0.0, result.rel_mse - result.rel_mse_noise)) < (maps ? 0.15 : 0.075));
         assert_true(fabs(result.bias) < (maps ? 0.03 : 0.008));
         sl_image_destroy(image);
     }

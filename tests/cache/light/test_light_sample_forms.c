@@ -53,46 +53,6 @@ static void a_ball_gives_its_closed_form(void **unused) {
     light_world_free(&w);
 }
 
-/* Outline and triangles: a ball and a bent sheet above the horizon, and as soon as they dip below it, when
- * every triangle is cut by itself. */
-static void the_outline_gives_what_the_triangles_give(void **unused) {
-    (void)unused;
-    for (int two_sided = 0; two_sided < 2; two_sided++) {
-        trace_mesh mesh = trace_mesh_begin();
-        uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
-        mesh.materials[lamp].emission_two_sided = two_sided;
-        if (two_sided) {
-            uint32_t v[6];
-            const float xy[6][3] = {{-1, 2, 0}, {0, 2.5f, 0}, {1, 2, 0}, {-1, 2, 1}, {0, 2.5f, 1}, {1, 2, 1}};
-            for (int k = 0; k < 6; k++) v[k] = trace_mesh_vertex(&mesh, xy[k][0], xy[k][1], xy[k][2]);
-            for (int k = 0; k < 2; k++) {
-                trace_mesh_triangle(&mesh, v[k], v[k + 1], v[k + 4], lamp);
-                trace_mesh_triangle(&mesh, v[k], v[k + 4], v[k + 3], lamp);
-            }
-        } else {
-            trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.5f, 12, 0.0f, false, lamp);
-        }
-        light_world w;
-        light_world_make(&w, &mesh);
-        const sl_sampled_light *light = &w.lights->light[0];
-        assert_int_equal(light->edges, two_sided ? 9 : 3 * light->triangles / 2);
-        for (int i = 0; i < 400; i++) {
-            double angle = 0.0157 * (double)i, x = 3.0 * sl_cos(angle), y = 2.2 + 3.0 * sl_sin(angle),
-                   sum = 0.0;
-            sl_lit_point p = lit_point(sl_v3((float)x, (float)y, 0.2f),
-                                       sl_v3((float)-x, (float)(2.2 - y), i % 3 ? 0.0f : 4.0f));
-            for (size_t t = 0; t < light->triangles; t++) {
-                sl_vec3d c[3], q = sl_to_double(p.position), n = sl_to_double(p.normal);
-                for (size_t k = 0; k < 3; k++) c[k] = sl_subd(sl_to_double(light->corner[3 * t + k]), q);
-                double one = sl_lambert_triangle(c, n, n);
-                sum += two_sided ? fabs(one) : fmax(one, 0.0);
-            }
-            assert_near(sl_light_unoccluded(light, &p), sum, 1e-12);
-        }
-        light_world_free(&w);
-    }
-}
-
 /* ---- a straight edge ---- */
 
 /* An occluder fills x > 0 at height b; a light x0..x1 wide at height H. From x = p the edge is seen over x =
@@ -161,7 +121,6 @@ int main(void) {
         cmocka_unit_test(a_parallel_rectangle_gives_its_closed_form),
         cmocka_unit_test(a_wall_half_below_the_horizon_counts_with_its_upper_half),
         cmocka_unit_test(a_ball_gives_its_closed_form),
-        cmocka_unit_test(the_outline_gives_what_the_triangles_give),
         cmocka_unit_test(the_penumbra_of_a_straight_edge_is_its_closed_form),
         cmocka_unit_test(point_lights_spots_and_the_sun_fall_off_and_cast_sharp_shadows),
     };
