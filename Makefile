@@ -70,7 +70,7 @@ objects = $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(1))) \
           $(foreach isa,$(ISAS),$(patsubst %.c,$(BUILD)/o/%.$(isa).o,$(filter %_kernels.c,$(1))))
 
 SOURCES := $(call sources,src)
-APP_FILES := $(wildcard src/app/*/*.css src/app/*/*.js src/app/*/*.json)
+APP_FILES := $(foreach kind,css js json trials,$(wildcard src/app/*/*.$(kind)))
 APP_OBJECTS := $(call objects,$(filter src/app/%,$(SOURCES))) $(APP_FILES:%=$(BUILD)/o/%.o)
 IMPORT_OBJECTS := $(call objects,$(filter src/import/%,$(SOURCES)))
 LIBRARY_OBJECTS := $(call objects,$(filter-out src/app/% src/import/%,$(SOURCES)))

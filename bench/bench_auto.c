@@ -81,6 +81,7 @@ typedef struct measured {
     sl_auto_scene scene[SCENES];
     char name[SCENES][64], hash[SCENES][17];
     sl_bench_scene rows[SCENES];
+    sl_trial trials[SCENES][ROWS];
 } measured;
 
 static bool read_scenes(const char *folder, measured *m) {
@@ -112,9 +113,11 @@ static bool read_rows(const char *folder, measured *m) {
         if (i == m->count || strcmp(text(&c, "end"), "ran") != 0 || !text(&c, "full_rel_rmse")[0] ||
             m->rows[i].row_count == ROWS)
             continue;
+        sl_trial *trial = &m->trials[i][m->rows[i].row_count];
         sl_bench_row *row = &m->rows[i].rows[m->rows[i].row_count++];
-        snprintf(row->curve, sizeof row->curve, "%s", text(&c, "curve"));
-        snprintf(row->arguments, sizeof row->arguments, "%s", text(&c, "arguments"));
+        snprintf(trial->curve, sizeof trial->curve, "%s", text(&c, "curve"));
+        snprintf(trial->arguments, sizeof trial->arguments, "%s", text(&c, "arguments"));
+        row->trial = trial;
         row->end = SL_BENCH_RAN;
         row->cpu = (sl_bench_spread){1, number(&c, "cpu_seconds"), 0.0, 0.0};
         row->error[SL_BENCH_FULL] = (sl_bench_error){.known = true,

@@ -1,25 +1,18 @@
 /* softlux bench: speed against error of every method, on any scenes, as one report. */
-#include "app/bench/audits.h"
-#include "app/bench/evaluate.h"
-#include "app/bench/kinds.h"
 #include "app/bench/references.h"
 #include "app/bench/report.h"
-#include "app/clock.h"
+#include "app/bench/scene.h"
 #include "app/commands.h"
 #include "app/options.h"
-#include "app/same_file.h"
 #include "base/error.h"
 #include "base/values.h"
 #include "image/output_file.h"
-#include "scene/features.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-enum { MOST_SCENES = 64, DEFAULT_SIZE = 192 };
+enum { MOST_SCENES = 64 };
 
 static const char details[] =
     "Every method runs over its three qualities and over settings between and beyond them, each run in a "
@@ -177,97 +170,6 @@ static sl_status take_trials(request *q, sl_error *error) {
 
 /* ---- a scene ---- */
 
-typedef struct description {
-    const char *path, *folder;
-    sl_load_options load;
-} description;
-
-/* Refuses to write over the scene; what is written besides has names that no reader of scenes takes, or that
- * are made of the scene's hash. */
-static sl_status spare_scene(const sl_scene *scene, const char *folder, sl_error *error) {
-    static const char *const names[] = {"journal.jsonl", "report.html", "report.md",
-                                        "results.csv",   "scenes.csv",  "tables.md"};
-    sl_status status = SL_OK;
-    for (size_t i = 0; i < sizeof names / sizeof names[0] && status == SL_OK; i++)
-        status = sl_spare_scene_in(scene, "output", folder, names[i], error);
-    return status;
-}
-
-static const char refused[] = "refused: ";
-
-/* Tells, in a child since reading a scene may start threads, what is in it; or, if the report would take the
- * place of one of its files, that this is refused. */
-static bool describe_work(void *context, char **report) {
-    const description *d = context;
-    sl_scene *scene = NULL;
-    sl_error error;
-    char text[160];
-    int width = 0, height = 0;
-    if (sl_scene_load_with(d->path, &d->load, &scene, &error) != SL_OK) {
-        *report = strdup(error.message);
-        return false;
-    }
-    if (spare_scene(scene, d->folder, &error) != SL_OK) {
-        char refusal[sizeof refused + sizeof error.message];
-        snprintf(refusal, sizeof refusal, "%s%s", refused, error.message);
-        *report = strdup(refusal);
-        sl_scene_destroy(scene);
-        return true;
-    }
-    sl_features f = sl_scene_features(scene);
-    sl_scene_film(scene, &width, &height);
-    snprintf(text, sizeof text, "%016llx %d %d %zu %d %d %d", (unsigned long long)sl_scene_hash(scene), width,
-             height, sl_scene_triangle_count(scene), f.glossy_triangles > 0, f.mirror_triangles > 0,
-             f.environment ? 1 : 0);
-    *report = strdup(text);
-    sl_scene_destroy(scene);
-    return true;
-}
-
-/* Makes the film small: the error of a method hardly depends on the size, its time does. */
-static void choose_size(const sl_bench_options *o, sl_bench_scene *s) {
-    int larger = s->width > s->height ? s->width : s->height;
-    double scale = larger > DEFAULT_SIZE ? (double)DEFAULT_SIZE / (double)larger : 1.0;
-    s->width = (int)lround(scale * (double)s->width);
-    s->height = (int)lround(scale * (double)s->height);
-    if (s->width < 1) s->width = 1;
-    if (s->height < 1) s->height = 1;
-    if (o->width > 0) s->width = o->width, s->height = o->height;
-}
-
-static void name_scene(const char *path, sl_bench_scene *s) {
-    const char *slash = strrchr(path, '/');
-    snprintf(s->path, sizeof s->path, "%s", path);
-    snprintf(s->name, sizeof s->name, "%s", slash ? slash + 1 : path);
-    char *dot = strrchr(s->name, '.');
-    if (dot && dot != s->name) *dot = '\0';
-}
-
-/* False: the scene cannot be read, which its `trouble` says. */
-static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_scene *s, sl_error *error) {
-    const sl_child_limits limits = {0.0, 0, sl_interrupted};
-    description d = {path, o->folder, o->load};
-    sl_child_end end;
-    unsigned long long triangles = 0;
-    int glossy = 0, mirrors = 0, sky = 0;
-    name_scene(path, s);
-    sl_status status = sl_child_run(describe_work, &d, &limits, &end, error);
-    if (status != SL_OK) return status;
-    if (end.outcome == SL_CHILD_DONE && strncmp(end.text, refused, strlen(refused)) == 0) {
-        status = sl_fail(error, SL_ERROR_USAGE, "%s", end.text + strlen(refused));
-    } else if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
-    else if (sscanf(end.text, "%16s %d %d %llu %d %d %d", s->hash, &s->width, &s->height, &triangles, &glossy,
-                    &mirrors, &sky) != 7)
-        snprintf(s->trouble, sizeof s->trouble, "it told nothing of itself");
-    s->triangles = triangles;
-    s->glossy = glossy;
-    s->mirrors = mirrors;
-    s->sky = sky;
-    free(end.text);
-    choose_size(o, s);
-    return status;
-}
-
 /* Names two scenes of one name, in different folders, apart: the plots' files must not be one. */
 static void tell_apart(sl_bench_results *r) {
     sl_bench_scene *last = &r->scenes[r->scene_count - 1];
@@ -280,15 +182,11 @@ static void tell_apart(sl_bench_results *r) {
 static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_results *r,
                          sl_journal *journal, sl_error *error) {
     sl_bench_scene *s = &r->scenes[r->scene_count++];
-    sl_status status = describe(o, path, s, error);
+    sl_status status = sl_bench_scene_read(o, path, journal, s, error);
     tell_apart(r);
     if (status != SL_OK || s->trouble[0]) return status;
     if (!o->references_only) status = sl_schedule_run(o, s, journal, error);
     if (status == SL_OK) status = sl_schedule_rows(o, s, journal, error);
-    bool ladder = !o->trials->table_count && !o->references_only;
-    if (status == SL_OK && o->trials->audits && !o->references_only)
-        status = sl_audits_run(o, s, journal, error);
-    if (status == SL_OK && ladder) status = sl_kinds_look(o, s, journal, error);
     if (status == SL_OK && !o->trials_only && sl_evaluate(o, s, error) != SL_OK) {
         fprintf(stderr, "softlux: %s: no errors: %s\n", s->name, error->message);
         if (error->status == SL_ERROR_OUTPUT) status = SL_ERROR_OUTPUT;
@@ -318,7 +216,6 @@ static void name_machine(sl_bench_results *r) {
         break;
     }
     if (in) fclose(in);
-    r->processors = (int)sysconf(_SC_NPROCESSORS_ONLN);
 }
 
 /* Takes all entries of this program's runs, those of earlier starts included. */
@@ -342,16 +239,6 @@ static void take_calibration(const sl_bench_options *o, const sl_journal *journa
     r->share_of_processor =
         r->calibration.median > 0.0 ? sl_bench_spread_of(cpu, count).median / r->calibration.median : 1.0;
     r->noisy = r->unrest > 0.05 || r->share_of_processor < 0.9;
-}
-
-static sl_status write_reports(const sl_bench_options *o, const sl_bench_results *r, sl_error *error) {
-    sl_status status = sl_report_csv(r, o->folder, error);
-    if (status == SL_OK) status = sl_report_markdown(r, o->folder, error);
-    if (status == SL_OK) status = sl_report_plots(r, o->folder, error);
-    if (status == SL_OK) status = sl_report_html(r, o->folder, error);
-    if (status == SL_OK) status = sl_kinds_write(r, o->folder, error);
-    if (status == SL_OK) status = sl_report_summary(r, o->folder, error);
-    return status;
 }
 
 static sl_status make_folders(const sl_bench_options *o, sl_error *error) {
@@ -382,7 +269,7 @@ static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_res
         r->interrupted = sl_interrupted();
         take_calibration(&q->options, journal, r);
         if (status == SL_OK && !q->options.trials_only && !q->options.references_only)
-            status = write_reports(&q->options, r, error);
+            status = sl_report_write(r, q->options.folder, error);
     }
     return status;
 }

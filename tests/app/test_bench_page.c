@@ -82,7 +82,7 @@ static void the_overview_leads_to_every_scene(void **state) {
 static void plots_keep_their_names_apart_and_on_the_paper(void **state) {
     fixture *f = *state;
     open_page(f);
-    assert_true(browser_number(f->browser, "return document.querySelectorAll('svg.plot').length") == 6.0);
+    assert_true(browser_number(f->browser, "return document.querySelectorAll('svg.plot').length") == 8.0);
     assert_true(browser_number(
                     f->browser,
                     "return [...document.querySelectorAll('svg.plot')].every(p => { const all = "

@@ -1,13 +1,14 @@
 #include "app/bench/curves.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static int by_time(const void *a, const void *b) {
     const sl_bench_row *x = *(const sl_bench_row *const *)a, *y = *(const sl_bench_row *const *)b;
     if (x->cpu.median != y->cpu.median) return x->cpu.median < y->cpu.median ? -1 : 1;
-    return strcmp(x->arguments, y->arguments);
+    return strcmp(x->trial->arguments, y->trial->arguments);
 }
 
 static void mark_best(sl_curve *c, sl_bench_truth truth) {
@@ -26,9 +27,9 @@ size_t sl_curves_of(const sl_bench_scene *s, sl_bench_truth truth, sl_curve curv
             !(row->cpu.median > 0.0))
             continue;
         size_t k = 0;
-        while (k < count && strcmp(curves[k].name, row->curve) != 0) k++;
+        while (k < count && strcmp(curves[k].name, row->trial->curve) != 0) k++;
         if (k == SL_CURVES) continue;
-        if (k == count) curves[count++] = (sl_curve){.name = row->curve};
+        if (k == count) curves[count++] = (sl_curve){.name = row->trial->curve};
         if (curves[k].count < SL_CURVE_POINTS) curves[k].row[curves[k].count++] = row;
     }
     for (size_t k = 0; k < count; k++) {
@@ -55,10 +56,25 @@ double sl_curve_time_to(const sl_curve *c, sl_bench_truth truth, double error) {
     return 0.0;
 }
 
-bool sl_curve_is_tracer(const sl_curve *c) {
-    return strncmp(c->name, "path", 4) == 0 || strncmp(c->name, "bidirectional", 13) == 0;
+/* Tells whether the methods are measured beside it: tracers, and the photon map. */
+static bool is_peer(const sl_curve *c) {
+    return sl_bench_is_tracer(c->row[0]->trial) || strncmp(c->name, "photons", 7) == 0;
 }
 
-bool sl_curve_is_peer(const sl_curve *c) {
-    return sl_curve_is_tracer(c) || strncmp(c->name, "photons", 7) == 0;
+sl_lead sl_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error) {
+    sl_curve curves[SL_CURVES];
+    sl_lead lead = {NULL, 0.0, 0.0, false};
+    char path[SL_BENCH_NAME];
+    size_t count = sl_curves_of(scene, truth, curves);
+    snprintf(path, sizeof path, "path, %s", sl_bench_truth_name(truth));
+    for (size_t i = 0; i < count; i++) {
+        double seconds = sl_curve_time_to(&curves[i], truth, error);
+        if (strcmp(curves[i].name, path) == 0) {
+            lead.path_later = !(seconds > 0.0);
+            lead.path_seconds = lead.path_later ? curves[i].row[curves[i].count - 1]->cpu.median : seconds;
+        }
+        if (is_peer(&curves[i]) || !(seconds > 0.0)) continue;
+        if (!lead.method || seconds < lead.seconds) lead.method = curves[i].name, lead.seconds = seconds;
+    }
+    return lead;
 }

@@ -18,9 +18,13 @@ size_t sl_curves_of(const sl_bench_scene *scene, sl_bench_truth truth, sl_curve 
 /* Processor seconds until the error is that small, along the best settings, straight between two of them on
  * logarithmic axes; 0: it never is. The cheapest setting's time where that is good enough already. */
 double sl_curve_time_to(const sl_curve *curve, sl_bench_truth truth, double error);
-/* Tells whether the curve is one of the reference tracers; or of what the methods are measured beside,
- * tracers and the photon map. */
-bool sl_curve_is_tracer(const sl_curve *curve);
-bool sl_curve_is_peer(const sl_curve *curve);
+/* How much sooner than the path tracer the best of the methods reaches an error against a truth. */
+typedef struct sl_lead {
+    const char *method; /* NULL: none reaches it */
+    double seconds;
+    double path_seconds; /* until the path tracer is there */
+    bool path_later;     /* it was not there after path_seconds, the longest that was tried */
+} sl_lead;
+sl_lead sl_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error);
 
 #endif

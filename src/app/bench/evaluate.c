@@ -1,26 +1,18 @@
-#include "app/bench/evaluate.h"
+#include "app/bench/references.h"
 
 #include "app/bench/judge.h"
-#include "app/bench/references.h"
+#include "app/bench/scene.h"
 #include "app/html.h"
-#include "app/clock.h"
-
+#include "app/progress.h"
 #include "base/error.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* A reference's noise is to be below this share of the smallest error told with it. */
 static const double wanted_share = 0.1;
-
-static void show(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_reference *r) {
-    if (o->quiet || !isatty(STDERR_FILENO)) return;
-    fprintf(stderr, "\r\033[K%s, reference %s: %llu samples, noise %.2g %%, wanted %.2g %%", s->name,
-            r->transport, (unsigned long long)r->samples, 100.0 * r->noise, 100.0 * r->wanted);
-    fflush(stderr);
-}
 
 /* ---- which references ---- */
 
@@ -41,7 +33,7 @@ static bool list_references(const sl_bench_options *o, sl_bench_scene *s) {
     if (o->trials->truth[SL_BENCH_ONE_BOUNCE]) add_reference(s, "one-bounce");
     for (size_t i = 0; i < s->row_count; i++) {
         if (o->trials->truth[SL_BENCH_MATCHED] && (s->rows[i].end == SL_BENCH_RAN || o->references_only))
-            add_reference(s, s->rows[i].transport);
+            add_reference(s, s->rows[i].trial->transport);
     }
     if (o->trials->truth[SL_BENCH_FULL]) add_reference(s, "direct");
     return true;
@@ -50,7 +42,7 @@ static bool list_references(const sl_bench_options *o, sl_bench_scene *s) {
 static bool is_judged_by(const sl_bench_options *o, const sl_bench_row *row, const char *transport,
                          sl_bench_truth truth) {
     if (row->end != SL_BENCH_RAN || !o->trials->truth[truth]) return false;
-    return strcmp(transport, truth == SL_BENCH_MATCHED ? row->transport : sl_bench_truth_name(truth)) == 0;
+    return strcmp(transport, truth == SL_BENCH_MATCHED ? row->trial->transport : sl_bench_truth_name(truth)) == 0;
 }
 
 static bool is_used_by(const sl_bench_options *o, const sl_bench_row *row, const char *transport) {
@@ -84,6 +76,11 @@ static double smallest_error(const sl_bench_options *o, const sl_bench_scene *s,
     return smallest;
 }
 
+static double metadata(const sl_image *image, const char *key) {
+    const char *value = sl_image_metadata(image, key);
+    return value ? strtod(value, NULL) : 0.0;
+}
+
 /* Reads the reference as it stands, and sees how good it is and should be. */
 static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r,
                     const sl_image *mask) {
@@ -92,53 +89,43 @@ static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench
     sl_error error;
     r->samples = 0;
     if (sl_image_read(r->file, &image, NULL) != SL_OK) return;
-    if (sl_reference_read(image, &r->pairs, &r->seconds) &&
-        sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
-        r->samples = sl_reference_samples(r->pairs);
+    if (sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
+        r->samples = (uint64_t)metadata(image, "softlux.spp");
+        r->seconds = metadata(image, SL_TRIAL_SECONDS);
         r->wanted = wanted_share * smallest_error(o, s, r, image, mask, &r->doubt);
     }
     sl_image_destroy(image);
 }
 
-/* Foretells by what the ones before took. */
-static double next_pair_seconds(const sl_bench_reference *r) {
-    double samples = (double)(sl_reference_samples(r->pairs + 1) - sl_reference_samples(r->pairs));
-    return r->samples ? r->seconds * samples / (double)r->samples : 0.0;
+/* Returns how many samples the next picture shall have; 0: this one is good enough, or a better one would take
+ * more than its budget. Noise falls with their number to the power of -0.65 or so. */
+static uint64_t next_samples(const sl_bench_options *o, const sl_bench_reference *r) {
+    const double first = 64.0, growth = 16.0, least = 1.5, most = 1e8;
+    if (!r->samples) return (uint64_t)first;
+    if (r->wanted > 0.0 ? r->noise <= r->wanted : !o->references_only) return 0;
+    double times = r->wanted > 0.0 ? 1.1 * pow(r->noise / r->wanted, 1.0 / 0.65) : growth;
+    times = fmin(fmax(times, least), fmin(growth, most / (double)r->samples));
+    if (o->reference_budget > 0.0 && r->seconds > 0.0) times = fmin(times, o->reference_budget / r->seconds);
+    return times < least ? 0 : (uint64_t)(times * (double)r->samples);
 }
 
-static bool is_good_enough(const sl_bench_options *o, const sl_bench_reference *r) {
-    if (!r->samples) return false;
-    if (o->reference_budget > 0.0 && r->seconds + next_pair_seconds(r) > o->reference_budget) return true;
-    return r->wanted > 0.0 ? r->noise <= r->wanted : !o->references_only;
-}
-
-/* Adds a pair at a time: each is as long as all before it. */
 static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r,
                         const sl_image *mask, sl_error *error) {
     sl_status status = SL_OK;
+    uint64_t samples;
     sl_reference_path(o->references, s, r->transport, r->file);
     look_at(o, s, r, mask);
-    while (status == SL_OK && !r->trouble[0] && !sl_interrupted() && !is_good_enough(o, r)) {
-        status = sl_reference_extend(o, s, 1, r, error);
-        if (status == SL_OK && !r->trouble[0]) look_at(o, s, r, mask);
-        show(o, s, r);
+    while (status == SL_OK && !r->trouble[0] && !sl_interrupted() && (samples = next_samples(o, r)) > 0) {
+        sl_progress_show(o->quiet, -1.0, "%s, reference %s: %llu samples, noise %.2g %%, wanted %.2g %%",
+                         s->name, r->transport, (unsigned long long)samples, 100.0 * r->noise,
+                         100.0 * r->wanted);
+        status = sl_reference_make(o, s, samples, r, error);
+        if (status == SL_OK) look_at(o, s, r, mask);
     }
     return status;
 }
 
 /* ---- the answers ---- */
-
-/* Compares over the pixels that estimates judge. What is lost in the reference's noise can check none. */
-static void check_promise(sl_bench_row *row, const sl_image *picture, const sl_image *reference,
-                          const sl_image *mask) {
-    sl_bench_error e;
-    sl_error error;
-    if (!row->promise.known || sl_judge_quickly(picture, reference, mask, &e, &error) != SL_OK || !e.known ||
-        e.lost)
-        return;
-    row->promise.measured_known = true;
-    row->promise.measured = e.rel_rmse;
-}
 
 static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_bench_reference *r,
                       const sl_image *reference, const sl_image *mask) {
@@ -146,10 +133,9 @@ static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_ben
     if (!is_used_by(o, row, r->transport) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
     for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
         if (!is_judged_by(o, row, r->transport, (sl_bench_truth)t)) continue;
-        if (t == SL_BENCH_MATCHED) check_promise(row, picture, reference, mask);
         sl_image *difference = NULL;
         sl_error error;
-        bool wanted = t == SL_BENCH_MATCHED && row->quality != SL_BENCH_CURVE && !row->difference;
+        bool wanted = t == SL_BENCH_MATCHED && row->trial->quality != SL_BENCH_CURVE && !row->difference;
         if (sl_judge(picture, reference, mask, &row->error[t], wanted ? &difference : NULL, &error) != SL_OK)
             snprintf(row->why, sizeof row->why, "%.200s", error.message);
         if (difference) row->difference = sl_picture_text(difference, false);
@@ -198,17 +184,19 @@ static void judge_all(const sl_bench_options *o, sl_bench_scene *s, const sl_ima
 }
 
 sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *error) {
-    sl_image *mask = sl_reference_mask(o, s, error);
-    if (!mask) return error->status;
-    sl_status status = list_references(o, s) ? SL_OK : SL_ERROR_RESOURCES;
-    if (status != SL_OK) sl_fail_memory(error, "a list of references");
+    sl_image *mask = NULL;
+    char path[SL_BENCH_PATH];
+    sl_bench_mask_path(o, s, path);
+    sl_status status = sl_image_read(path, &mask, error);
+    if (status != SL_OK) return status;
+    if (!list_references(o, s)) status = sl_fail_memory(error, "a list of references");
     s->pixels_compared = 0;
     for (size_t i = 0; i < (size_t)s->width * (size_t)s->height; i++)
         s->pixels_compared += mask->planes[i] > 0.5f;
     for (size_t i = 0; i < s->reference_count && status == SL_OK; i++)
         status = refine(o, s, &s->references[i], mask, error);
     if (status == SL_OK && !o->references_only) judge_all(o, s, mask);
-    if (!o->quiet && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
+    sl_progress_clear(o->quiet);
     sl_image_destroy(mask);
     return status;
 }

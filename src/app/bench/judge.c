@@ -46,7 +46,7 @@ sl_status sl_judge_noise(const sl_image *reference, const sl_image *mask, double
 }
 
 typedef struct squares {
-    double less_noise, measured; /* the mean of (x-A)(x-B), and of (x-R)^2 */
+    double less_noise; /* the mean of (x-A)(x-B) */
     double deviation;            /* standard, of the first, by the noise of A and B */
 } squares;
 
@@ -57,7 +57,7 @@ static squares squared_errors(const sl_image *picture, const halves *h, const sl
     static const char *const names[3] = {"R", "G", "B"};
     const float *x[3] = {sl_image_channel(picture, names[0]), sl_image_channel(picture, names[1]),
                          sl_image_channel(picture, names[2])};
-    double product = 0.0, square = 0.0, count = 0.0, variance = 0.0;
+    double product = 0.0, count = 0.0, variance = 0.0;
     size_t pixels = (size_t)picture->width * (size_t)picture->height;
     for (size_t i = 0; i < pixels; i++) {
         double spread = 0.0;
@@ -66,14 +66,13 @@ static squares squared_errors(const sl_image *picture, const halves *h, const sl
             double a = (double)h->a[k][i], b = (double)h->b[k][i], v = (double)x[k][i], r = 0.5 * (a + b);
             if (!isfinite(v) || !isfinite(r)) continue;
             product += (v - a) * (v - b);
-            square += (v - r) * (v - r);
             spread += fabs((v - r) * (a - b));
             count += 1.0;
         }
         variance += spread * spread;
     }
-    if (!(count > 0.0)) return (squares){0.0, 0.0, 0.0};
-    return (squares){product / count, square / count, sqrt(variance) / count};
+    if (!(count > 0.0)) return (squares){0.0, 0.0};
+    return (squares){product / count, sqrt(variance) / count};
 }
 
 /* Two standard deviations: 95 % confidence. */
@@ -98,7 +97,6 @@ sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, c
     double doubt = confidence * s.deviation,
            most = sqrt(s.less_noise + doubt > 0.0 ? s.less_noise + doubt : 0.0) / mean;
     e->known = true;
-    e->measured = sqrt(s.measured) / mean;
     e->lost = !(s.less_noise > doubt);
     e->rel_rmse = e->lost ? most : sqrt(s.less_noise) / mean;
     e->doubt = e->lost ? most : most - e->rel_rmse;

@@ -10,7 +10,7 @@
  * Fails where the picture has no R, G, B or another size. */
 sl_status sl_judge(const sl_image *picture, const sl_image *reference, const sl_image *mask,
                    sl_bench_error *result, sl_image **difference, sl_error *error);
-/* Does the same without what needs neighbours: rel_rmse, measured, noise and lost alone. */
+/* Does the same without what needs neighbours: rel_rmse, doubt, noise and lost alone. */
 sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, const sl_image *mask,
                            sl_bench_error *result, sl_error *error);
 /* Finds the reference's own noise, and its mean over the masked pixels. */

@@ -37,33 +37,20 @@ static const char *class_of(const char *curve) {
     return "m7";
 }
 
-static void put_style(FILE *out) {
-    static const char *const light[] = {"#0065a8", "#c24e00", "#00805c", "#a63a86",
-                                        "#8a6a00", "#333",    "#777",    "#7a4fd0"};
-    static const char *const dark[] = {"#5db4f0", "#ff9650", "#3fd6a6", "#ee96cf",
-                                       "#e6c34a", "#eee",    "#aaa",    "#b79bff"};
-    fputs("<style>.plot text{font:12px system-ui,sans-serif;fill:#222}.plot .paper{fill:#fff}.plot "
-          ".grid{stroke:#ddd}.plot .goal{stroke:#999;stroke-dasharray:6 4}"
-          ".plot .line{fill:none;stroke-width:2}.plot .lead{stroke-width:.6;stroke-dasharray:2 3}.plot "
-          ".title{font-weight:600;font-size:14px}.plot .off{fill:none;opacity:.55}",
-          out);
-    for (int i = 0; i < 8; i++)
-        fprintf(out, ".plot .m%d{stroke:%s}.plot .f%d{fill:%s;stroke:%s}.plot text.n%d{fill:%s}", i, light[i],
-                i, light[i], light[i], i, light[i]);
-    fputs("@media(prefers-color-scheme:dark){.plot text{fill:#ddd}.plot .paper{fill:#15171a}.plot "
-          ".grid{stroke:#33373d}.plot .goal{stroke:#888}",
-          out);
-    for (int i = 0; i < 8; i++)
-        fprintf(out, ".plot .m%d{stroke:%s}.plot .f%d{fill:%s;stroke:%s}.plot text.n%d{fill:%s}", i, dark[i],
-                i, dark[i], dark[i], i, dark[i]);
-    fputs("}</style>\n", out);
-}
+static const char style[] = ".plot .goal{stroke:#888;stroke-dasharray:6 4}.plot .line{fill:none;stroke-width:2}"
+                            ".plot .lead{stroke-width:.6;stroke-dasharray:2 3}.plot .off{fill:none;opacity:.55}";
+static const char *const light[] = {"#0065a8", "#c24e00", "#00805c", "#a63a86",
+                                    "#8a6a00", "#333",    "#777",    "#7a4fd0"};
+static const char *const dark[] = {"#5db4f0", "#ff9650", "#3fd6a6", "#ee96cf",
+                                   "#e6c34a", "#eee",    "#aaa",    "#b79bff"};
+static const sl_plot_colours colours = {
+    ".plot .m%1$d{stroke:%2$s}.plot .f%1$d{fill:%2$s;stroke:%2$s}.plot text.n%1$d{fill:%2$s}", 8, light, dark};
 
 /* ---- what is drawn ---- */
 
 /* Keeps of the tracers those whose own truth this is. */
 static bool belongs(const sl_curve *c, sl_bench_truth truth) {
-    if (!sl_curve_is_tracer(c) || truth == SL_BENCH_MATCHED) return true;
+    if (!sl_bench_is_tracer(c->row[0]->trial) || truth == SL_BENCH_MATCHED) return true;
     return strstr(c->name, sl_bench_truth_name(truth)) != NULL;
 }
 
@@ -144,7 +131,7 @@ static void put_goals(FILE *out, const axis *y) {
 static void put_point(FILE *out, const sl_bench_row *row, sl_bench_truth truth, bool best, const char *class,
                       double x, double y) {
     char error[32], seconds[32];
-    double r = row->quality == SL_BENCH_CURVE ? 2.6 : 4.4;
+    double r = row->trial->quality == SL_BENCH_CURVE ? 2.6 : 4.4;
     sl_error_text(&row->error[truth], error);
     sl_seconds_text(row->cpu.median, seconds);
     fprintf(out, "<g class=\"%s%s\">", best ? "f" : "off m", class + 1);
@@ -152,9 +139,9 @@ static void put_point(FILE *out, const sl_bench_row *row, sl_bench_truth truth, 
         fprintf(out, "<path d=\"M%.1f %.1fh%.1fl%.1f %.1fz\">", x - r, y - r, 2.0 * r, -r, 2.0 * r);
     else fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\">", x, y, r);
     fputs("<title>", out);
-    sl_put_escaped(out, row->curve);
+    sl_put_escaped(out, row->trial->curve);
     fputs(", ", out);
-    sl_put_escaped(out, row->name);
+    sl_put_escaped(out, row->trial->name);
     fputs(": ", out);
     sl_put_escaped(out, seconds);
     fputs(" s, ", out);
@@ -206,24 +193,24 @@ static void put_labels(FILE *out, label *labels, size_t count) {
     }
 }
 
-bool sl_plot_curves(FILE *out, const sl_bench_scene *s, sl_bench_truth truth) {
-    static const char *const against[] = {"the method's own light paths",
-                                          "direct light and one diffuse bounce", "full global illumination"};
+bool sl_plot_has_curves(const sl_bench_scene *s, sl_bench_truth truth) {
+    sl_curve curves[SL_CURVES];
+    axis x, y;
+    return find_bounds(curves, choose_curves(s, truth, curves), truth, &x, &y) >= 2;
+}
+
+void sl_plot_curves(FILE *out, const sl_bench_scene *s, sl_bench_truth truth) {
+    static const char *const against[] = {
+        ": relative RMSE against the method's own light paths",
+        ": relative RMSE against direct light and one diffuse bounce",
+        ": relative RMSE against full global illumination",
+    };
     sl_curve curves[SL_CURVES];
     label labels[SL_CURVES];
     axis x = {.from = LEFT, .to = WIDTH - RIGHT}, y = {.from = HEIGHT - BOTTOM, .to = TOP};
     size_t count = choose_curves(s, truth, curves);
-    if (find_bounds(curves, count, truth, &x, &y) < 2) return false;
-    fprintf(out,
-            "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" "
-            "height=\"%d\" role=\"img\">\n",
-            WIDTH, HEIGHT, WIDTH, HEIGHT);
-    put_style(out);
-    fprintf(out,
-            "<rect class=\"paper\" width=\"%d\" height=\"%d\"/>\n<text class=\"title\" x=\"%d\" y=\"20\">",
-            WIDTH, HEIGHT, LEFT);
-    sl_put_escaped(out, s->name);
-    fprintf(out, ": relative RMSE against %s</text>\n", against[truth]);
+    find_bounds(curves, count, truth, &x, &y);
+    sl_plot_begin(out, style, &colours, WIDTH, HEIGHT, s->name, against[truth]);
     put_axis(out, &x, true, 1.0);
     put_axis(out, &y, false, 100.0);
     put_goals(out, &y);
@@ -232,5 +219,4 @@ bool sl_plot_curves(FILE *out, const sl_bench_scene *s, sl_bench_truth truth) {
     for (size_t k = 0; k < count; k++) labels[k] = put_curve(out, &curves[k], truth, &x, &y);
     put_labels(out, labels, count);
     fputs("</svg>\n", out);
-    return true;
 }

@@ -1,11 +1,8 @@
-/* Reference pictures by the path tracer, kept from run to run and made better when they have to be.
- *
- * A reference is the mean of chunks of samples, each with a seed of its own; even and odd chunks are kept
- * apart as two independent halves (layers even.* and odd.*), whose difference tells the noise. The first
- * pairs are short, so that there is something soon; each later one is as long as all before it, since the
- * path tracer's points are the better spread the more of them belong together. Its name holds what it depends
- * on: the scene's content, the size, the light paths, the pixel filter and this program's version. The same
- * number of pairs gives the same bits. */
+/* Reference pictures by the path tracer, kept from run to run and made better when they have to be. A
+ * reference is one picture of so many samples; a better one has more, and takes its place. Even and odd
+ * samples are two independent halves (layers even.* and odd.*), whose difference tells the noise. Its name
+ * holds what it depends on: the scene's content, the size, the light paths, the pixel filter and this
+ * program's version. */
 #ifndef SL_APP_BENCH_REFERENCES_H
 #define SL_APP_BENCH_REFERENCES_H
 
@@ -21,16 +18,13 @@ bool sl_reference_is_same(const sl_bench_scene *scene, const char *transport, co
 /* Light paths that are the same in this scene share a file. */
 void sl_reference_path(const char *folder, const sl_bench_scene *scene, const char *transport,
                        char path[SL_BENCH_PATH]);
-/* Samples a pixel in the reference's first pairs of chunks. */
-uint64_t sl_reference_samples(uint64_t pairs);
-/* Reads what its metadata tell; false where it is none. */
-bool sl_reference_read(const sl_image *image, uint64_t *pairs, double *seconds);
-/* `pairs` more pairs of chunks for the scene's reference, which is made where there is none. Fills in samples
- * and seconds; what goes wrong is told in reference->trouble. */
-sl_status sl_reference_extend(const sl_bench_options *options, const sl_bench_scene *scene, uint64_t pairs,
-                              sl_bench_reference *reference, sl_error *error);
-/* Finds which pixels are compared: 1 where the centre looks at neither lamp nor sky, as one channel;
- * everywhere where all do. NULL: it could not be found out. */
-sl_image *sl_reference_mask(const sl_bench_options *options, const sl_bench_scene *scene, sl_error *error);
+/* Makes the reference, where there is none, or takes its place with one of so many samples a pixel. What goes
+ * wrong is told in reference->trouble. */
+sl_status sl_reference_make(const sl_bench_options *options, const sl_bench_scene *scene, uint64_t samples,
+                            sl_bench_reference *reference, sl_error *error);
+/* Fills in the errors of the rows that are there and the scene's references, which are made as good as the
+ * smallest error that is told with them asks for, as far as the budget goes. What goes wrong with a reference
+ * is told there, and is no failure here. */
+sl_status sl_evaluate(const sl_bench_options *options, sl_bench_scene *scene, sl_error *error);
 
 #endif

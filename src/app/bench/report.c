@@ -1,6 +1,7 @@
 #include "app/bench/report.h"
 
-#include "app/bench/curves.h"
+#include "app/bench/plot.h"
+#include "app/bench/scene.h"
 #include "app/html.h"
 #include "base/error.h"
 
@@ -8,23 +9,141 @@
 #include <stdlib.h>
 #include <string.h>
 
-sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error) {
-    char path[SL_BENCH_PATH];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return sl_text_write(path, text, strlen(text), error);
+/* ---- files ---- */
+
+/* What a file shows: all results, or a plot of one scene. */
+typedef struct shown {
+    const sl_bench_results *results;
+    void (*put)(FILE *out, const sl_bench_results *results);
+    const sl_bench_scene *scene;
+    int plot;
+} shown;
+
+static bool put(FILE *out, const shown *s) {
+    if (s->scene) return sl_plot(out, s->scene, s->plot);
+    s->put(out, s->results);
+    return true;
 }
 
-sl_status sl_report_compose(const sl_bench_results *results, const char *folder, const char *name,
-                            void (*put)(FILE *out, const sl_bench_results *results), sl_error *error) {
-    char *text = NULL;
-    size_t size;
+/* Writes nothing where there is nothing to be seen. */
+static sl_status write_file(const shown *s, const char *folder, const char *name, sl_error *error) {
+    char *text = NULL, path[SL_BENCH_PATH];
+    size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    if (out) put(out, results);
-    bool whole = out && !ferror(out);
+    bool any = out && put(out, s), whole = out && !ferror(out);
     if (out && fclose(out) != 0) whole = false;
-    sl_status status = whole ? sl_report_write(folder, name, text, error) : sl_fail_memory(error, name);
+    snprintf(path, sizeof path, "%.900s/%.110s", folder, name);
+    sl_status status = !whole ? sl_fail_memory(error, name)
+                       : any  ? sl_text_write(path, text, size, error)
+                              : SL_OK;
     free(text);
     return status;
+}
+
+static void put_markdown(FILE *out, const sl_bench_results *results) {
+    sl_report_overview(out, results);
+    for (size_t s = 0; s < results->scene_count; s++) sl_report_scene(out, &results->scenes[s]);
+}
+
+static sl_status write_plots(const sl_bench_results *r, const char *folder, sl_error *error) {
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < r->scene_count * SL_PLOTS && status == SL_OK; i++) {
+        const sl_bench_scene *s = &r->scenes[i / SL_PLOTS];
+        int plot = (int)(i % SL_PLOTS);
+        char name[SL_BENCH_NAME + 32];
+        snprintf(name, sizeof name, "%s-%s.svg", s->name, sl_plot_name(plot));
+        status = write_file(&(shown){.scene = s, .plot = plot}, folder, name, error);
+    }
+    return status;
+}
+
+sl_status sl_report_write(const sl_bench_results *r, const char *folder, sl_error *error) {
+    static const struct {
+        const char *name;
+        void (*put)(FILE *out, const sl_bench_results *results);
+    } files[] = {{"results.csv", sl_report_csv},
+                 {"report.md", put_markdown},
+                 {"scenes.csv", sl_bench_put_kinds},
+                 {"tables.md", sl_report_tables}};
+    char page[SL_BENCH_PATH];
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < sizeof files / sizeof *files && status == SL_OK; i++)
+        status = write_file(&(shown){.results = r, .put = files[i].put}, folder, files[i].name, error);
+    if (status == SL_OK) status = write_plots(r, folder, error);
+    snprintf(page, sizeof page, "%.1000s/report.html", folder);
+    return status == SL_OK ? sl_report_page(r, page, error) : status;
+}
+
+/* ---- CSV ---- */
+
+static void put_quoted(FILE *out, const char *text) {
+    fputc('"', out);
+    for (; *text; text++) fprintf(out, *text == '"' ? "\"%c" : "%c", *text);
+    fputs("\",", out);
+}
+
+static void put_csv_row(FILE *out, const sl_bench_scene *s, const sl_bench_row *r) {
+    static const sl_counter counters[] = {SL_COUNT_RAYS, SL_COUNT_SHADOW_RAYS, SL_COUNT_RECORDS,
+                                          SL_COUNT_SAMPLES, SL_COUNT_FRAGMENTS_SHADED};
+    static const char *const told[] = {"estimate", "bound", "estimate_seconds"};
+    put_quoted(out, s->path);
+    fprintf(out, "%s,%d,%d,", s->hash, s->width, s->height);
+    put_quoted(out, r->trial->method);
+    put_quoted(out, r->trial->curve);
+    put_quoted(out, r->trial->name);
+    fprintf(out, "%s,%s,", sl_bench_quality_name(r->trial->quality), r->trial->transport);
+    put_quoted(out, r->trial->arguments);
+    fprintf(out, "%s,", sl_bench_end_name(r->end));
+    put_quoted(out, r->end == SL_BENCH_RAN ? "" : r->why);
+    fprintf(out, "%d,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.0f,%.0f", r->cpu.count, r->cpu.median,
+            r->cpu.least, r->cpu.most, r->wall.median, r->wall.least, r->wall.most,
+            sl_bench_number(r->look, "first_picture"), sl_bench_number(r->result, "peak_bytes"),
+            sl_bench_number(r->result, "method_bytes"));
+    for (size_t i = 0; i < sizeof counters / sizeof *counters; i++)
+        fprintf(out, ",%.0f", sl_bench_counter(r, counters[i]));
+    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
+        const sl_bench_error *e = &r->error[t];
+        if (!e->known) fputs(",,,,,,,,", out);
+        else
+            fprintf(out, ",%.6g,%s,%.6g,%.6g,%.6g,%.6g,%.6g,%llu", e->rel_rmse, e->lost ? "yes" : "no",
+                    e->doubt, e->noise, e->rel_mse, e->bias, e->flip, (unsigned long long)e->nonfinite);
+    }
+    for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
+        fputc(',', out);
+        if (sl_bench_promises(r)) fprintf(out, "%.6g", sl_bench_number(r->result, told[i]));
+    }
+    fputc('\n', out);
+}
+
+void sl_report_csv(FILE *out, const sl_bench_results *results) {
+    fputs("scene,hash,width,height,method,curve,setting,quality,transport,arguments,end,why,runs,"
+          "cpu_seconds,cpu_least,cpu_most,wall_seconds,wall_least,wall_most,first_picture_cpu_seconds,"
+          "peak_bytes,method_bytes,rays,shadow_rays,records,samples,fragments_shaded",
+          out);
+    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
+        static const char *const names[] = {"rel_rmse", "is_bound", "doubt", "reference_noise",
+                                            "rel_mse",  "bias",     "flip",  "nonfinite"};
+        for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+            fprintf(out, ",%s_%s", sl_bench_truth_name((sl_bench_truth)t), names[i]);
+    }
+    fputs(",estimate_rel_rmse,estimate_bound,estimate_cpu_seconds\n", out);
+    for (size_t s = 0; s < results->scene_count; s++) {
+        for (size_t i = 0; i < results->scenes[s].row_count; i++)
+            put_csv_row(out, &results->scenes[s], &results->scenes[s].rows[i]);
+    }
+}
+
+/* ---- texts ---- */
+
+void sl_report_head(FILE *out, const char *columns) {
+    for (int line = 0; line < 2; line++) {
+        for (const char *at = columns; at; at = strchr(at, '|') ? strchr(at, '|') + 1 : NULL) {
+            bool right = *at == '>';
+            if (line) fputs(right ? "| ---: " : "| --- ", out);
+            else fprintf(out, "| %.*s ", (int)strcspn(at + right, "|"), at + right);
+        }
+        fputs("|\n", out);
+    }
 }
 
 /* What is in doubt by less than this share of an error goes without saying. */
@@ -42,13 +161,6 @@ void sl_error_text(const sl_bench_error *e, char text[32]) {
     else snprintf(text, 32, "%.*f ± %.*f %%", digits_of(percent), percent, digits_of(percent), doubt);
 }
 
-void sl_reference_text(const sl_bench_reference *r, char text[96]) {
-    if (!(r->wanted > 0.0)) text[0] = '\0';
-    else
-        snprintf(text, 96, "%.2g ± %.1g %%%s", 1000.0 * r->wanted, 1000.0 * r->wanted * r->doubt,
-                 r->noise <= r->wanted ? "" : ", noise above a tenth");
-}
-
 /* No picture is nearer to another, by the root of the mean square, than their means are. */
 void sl_missing_text(const sl_bench_reference *r, int digits, char text[32]) {
     const double slack = 0.98; /* of two figures that are noisy, too */
@@ -59,30 +171,8 @@ void sl_missing_text(const sl_bench_reference *r, int digits, char text[32]) {
     else snprintf(text, 32, "%.*f %%", digits, 100.0 * r->missing);
 }
 
-void sl_promise_text(const sl_bench_promise *p, char text[64]) {
-    if (p->known) snprintf(text, 64, "%.3g %%, at most %.3g %%", 100.0 * p->estimate, 100.0 * p->bound);
-    else snprintf(text, 64, "-");
-}
-
 void sl_seconds_text(double seconds, char text[32]) {
     int digits = seconds >= 99.5 ? 0 : seconds >= 9.95 ? 1 : seconds >= 0.995 ? 2 : 3;
-    snprintf(text, 32, "%.*f", digits, seconds);
-}
-
-sl_bench_lead sl_bench_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error) {
-    sl_curve curves[SL_CURVES];
-    sl_bench_lead lead = {NULL, 0.0, 0.0, false};
-    char path[SL_BENCH_NAME];
-    size_t count = sl_curves_of(scene, truth, curves);
-    snprintf(path, sizeof path, "path, %s", sl_bench_truth_name(truth));
-    for (size_t i = 0; i < count; i++) {
-        double seconds = sl_curve_time_to(&curves[i], truth, error);
-        if (strcmp(curves[i].name, path) == 0) {
-            lead.path_later = !(seconds > 0.0);
-            lead.path_seconds = lead.path_later ? curves[i].row[curves[i].count - 1]->cpu.median : seconds;
-        }
-        if (sl_curve_is_peer(&curves[i]) || !(seconds > 0.0)) continue;
-        if (!lead.method || seconds < lead.seconds) lead.method = curves[i].name, lead.seconds = seconds;
-    }
-    return lead;
+    text[0] = '\0';
+    if (seconds > 0.0) snprintf(text, 32, "%.*f", digits, seconds);
 }

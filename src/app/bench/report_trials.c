@@ -4,22 +4,22 @@
  *   peak, method                MB of the whole process, and of what the method tells of itself
  *   matched, one-bounce, full   relative RMSE against the trial's truth, one bounce, all light
  *   matched.mse, matched.bias   the mean square of the relative error; the mean's difference
- *   estimate, bound, whole      the error told without a reference, its bound, what it turns out to be
+ *   estimate, bound             the error told without a reference, and its bound
  *   part.NAME                   processor seconds of all passes whose names begin so
  *   any other word              the picture's metadata softlux.WORD: counter.records, octree.leaves */
 #include "app/bench/report.h"
-#include "app/bench/trials.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum { CELL = 64 };
 
+/* Returns the processor seconds of all passes whose names begin so. */
 static double part_seconds(const sl_bench_row *row, const char *name) {
     double share = 0.0;
-    for (size_t i = 0; i < row->part_count; i++) {
-        if (strncmp(row->parts[i].name, name, strlen(name)) == 0) share += row->parts[i].share;
-    }
+    const cJSON *part;
+    cJSON_ArrayForEach(part, cJSON_GetObjectItem(row->look, "parts"))
+        share += strncmp(part->string, name, strlen(name)) == 0 ? part->valuedouble : 0.0;
     return share * row->cpu.median;
 }
 
@@ -37,24 +37,22 @@ static bool error_cell(const sl_bench_row *row, const char *column, char *cell) 
 }
 
 static bool number_cell(const sl_bench_row *row, const char *column, char *cell) {
-    const sl_bench_promise *p = &row->promise;
     const struct {
         const char *name;
         double value;
-        bool known, share;
-    } numbers[] = {{"cpu", row->cpu.median, true, false},
-                   {"wall", row->wall.median, true, false},
-                   {"first", row->first_picture, true, false},
-                   {"peak", (double)row->peak_bytes / 1048576.0, true, false},
-                   {"method", (double)row->method_bytes / 1048576.0, true, false},
-                   {"estimate", p->estimate, p->known, true},
-                   {"bound", p->bound, p->known, true},
-                   {"whole", p->measured, p->measured_known, true}};
+        bool share;
+    } numbers[] = {{"cpu", row->cpu.median, false},
+                   {"wall", row->wall.median, false},
+                   {"first", sl_bench_number(row->look, "first_picture"), false},
+                   {"peak", sl_bench_number(row->result, "peak_bytes") / 1048576.0, false},
+                   {"method", sl_bench_number(row->result, "method_bytes") / 1048576.0, false},
+                   {"estimate", sl_bench_number(row->result, "estimate"), true},
+                   {"bound", sl_bench_number(row->result, "bound"), true}};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         if (strcmp(column, numbers[i].name) != 0) continue;
-        if (!numbers[i].known) snprintf(cell, CELL, "-");
-        else if (numbers[i].share) snprintf(cell, CELL, "%.2f %%", 100.0 * numbers[i].value);
-        else sl_seconds_text(numbers[i].value, cell);
+        if (!numbers[i].share) sl_seconds_text(numbers[i].value, cell);
+        else if (!sl_bench_promises(row)) snprintf(cell, CELL, "-");
+        else snprintf(cell, CELL, "%.2f %%", 100.0 * numbers[i].value);
         return true;
     }
     return false;
@@ -83,7 +81,7 @@ static void put_row(FILE *out, const sl_trial_table *table, const char *scene, c
     const char *at = table->columns;
     char column[CELL];
     sl_image *picture = NULL;
-    fprintf(out, "| %s | %s |", scene, row->name);
+    fprintf(out, "| %s | %s |", scene, row->trial->name);
     if (row->end == SL_BENCH_RAN && sl_image_read(row->picture, &picture, NULL) != SL_OK) picture = NULL;
     if (row->end != SL_BENCH_RAN) fprintf(out, " %s: %s |", sl_bench_end_name(row->end), row->why);
     else
@@ -104,7 +102,7 @@ static void put_table(FILE *out, const sl_bench_results *r, int index) {
     for (size_t s = 0; s < r->scene_count; s++) {
         for (size_t i = 0; i < r->scenes[s].row_count; i++) {
             const sl_bench_row *row = &r->scenes[s].rows[i];
-            if (row->table == index) put_row(out, table, r->scenes[s].name, row);
+            if (row->trial->table == index) put_row(out, table, r->scenes[s].name, row);
         }
     }
     fputs("<!-- end -->\n", out);

@@ -34,33 +34,19 @@ double sl_bench_unrest_of(double *values, int count) {
                                       : 0.0;
 }
 
-sl_bench_kept sl_bench_promises(const sl_bench_results *results, const char *method) {
-    enum { MOST = 4096 };
-    static double slack[MOST];
-    sl_bench_kept k = {0, 0, 0.0};
-    for (size_t s = 0; s < results->scene_count; s++) {
-        for (size_t i = 0; i < results->scenes[s].row_count && k.made < MOST; i++) {
-            const sl_bench_row *row = &results->scenes[s].rows[i];
-            const sl_bench_promise *p = &row->promise;
-            if (!p->known || !p->measured_known || !(p->measured > 0.0) ||
-                (method && strcmp(row->method, method) != 0))
-                continue;
-            slack[k.made++] = p->bound / p->measured;
-            k.kept += p->measured <= p->bound;
-        }
-    }
-    k.slack = sl_bench_spread_of(slack, k.made).median;
-    return k;
+double sl_bench_number(const cJSON *object, const char *name) {
+    const cJSON *item = cJSON_GetObjectItem(object, name);
+    return cJSON_IsNumber(item) ? item->valuedouble : 0.0;
 }
 
-const char *sl_bench_truth_name(sl_bench_truth truth) {
-    static const char *const names[] = {"matched", "one-bounce", "full"};
-    return names[truth];
+double sl_bench_counter(const sl_bench_row *row, sl_counter counter) {
+    return sl_bench_number(cJSON_GetObjectItem(row->result, "counters"), sl_counter_name(counter));
 }
 
-const char *sl_bench_quality_name(sl_bench_quality quality) {
-    static const char *const names[] = {"draft", "normal", "high", "curve"};
-    return names[quality];
+bool sl_bench_promises(const sl_bench_row *row) { return cJSON_HasObjectItem(row->result, "bound"); }
+
+bool sl_bench_is_tracer(const sl_trial *trial) {
+    return strcmp(trial->method, "path") == 0 || strcmp(trial->method, "bidirectional") == 0;
 }
 
 const char *sl_bench_end_name(sl_bench_end end) {

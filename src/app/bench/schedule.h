@@ -3,7 +3,10 @@
 #define SL_APP_BENCH_SCHEDULE_H
 
 #include "app/bench/journal.h"
-#include "app/bench/trials.h"
+#include "app/bench/results.h"
+#include "app/clock.h"
+
+#include <stdio.h>
 
 typedef struct sl_bench_options {
     const sl_trials *trials;          /* that are to be run */
@@ -34,13 +37,8 @@ sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene 
 /* Makes the rows of the scene from what the journal holds of it. */
 sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal,
                            sl_error *error);
-/* Does work in a child, unless the journal has its key, and adds what it told: key, program, scene, end, why,
- * result. */
-sl_status sl_schedule_child(const sl_bench_options *options, const sl_bench_scene *scene, const char *key,
-                            double seconds, sl_child_work *work, void *context, sl_journal *journal,
-                            sl_error *error);
-/* Tells where the picture of a trial is kept. */
-void sl_trial_picture(const sl_bench_options *options, const sl_bench_scene *scene, const sl_trial *trial,
-                      char path[SL_BENCH_PATH]);
+/* Returns an entry for the journal, which has the result in it (NULL: none). */
+cJSON *sl_bench_entry(const sl_bench_options *options, const sl_bench_scene *scene, const char *key,
+                      sl_bench_end end, const char *why, cJSON *result);
 
 #endif

@@ -69,7 +69,7 @@ static sl_status make_picture(const sl_scene *scene, const sl_settings *settings
     return status;
 }
 
-static char *report(const sl_trial_run *run, const made *m, sl_pass_times *watch) {
+static cJSON *report(const sl_trial_run *run, const made *m, sl_pass_times *watch) {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     cJSON *root = cJSON_CreateObject();
@@ -77,7 +77,6 @@ static char *report(const sl_trial_run *run, const made *m, sl_pass_times *watch
     cJSON_AddNumberToObject(root, "wall_seconds", m->wall);
     cJSON_AddNumberToObject(root, "peak_bytes", 1024.0 * (double)usage.ru_maxrss);
     cJSON_AddNumberToObject(root, "method_bytes", (double)sl_method_memory_bytes(m->method));
-    cJSON_AddNumberToObject(root, "batches", (double)m->progress.batches);
     cJSON *counters = cJSON_AddObjectToObject(root, "counters");
     const sl_counters *c = sl_method_counters(m->method);
     for (int i = 0; i < SL_COUNTERS; i++) {
@@ -88,9 +87,34 @@ static char *report(const sl_trial_run *run, const made *m, sl_pass_times *watch
         cJSON_AddNumberToObject(root, "first_picture", m->first_picture);
         add_parts(root, watch);
     }
-    char *text = cJSON_PrintUnformatted(root);
-    cJSON_Delete(root);
-    return text;
+    return root;
+}
+
+/* Judges a tracer's picture by its own halves, another by probes on the paths that its method declares. What
+ * cannot be judged tells nothing, nor does a bound that is infinite. */
+static void add_estimate(const sl_scene *scene, const sl_settings *settings, const sl_image *picture,
+                         cJSON *root) {
+    enum { PROBES = 512, SAMPLES = 32 };
+    sl_error_probe *probe = NULL;
+    sl_error_estimate e = {0};
+    sl_error error;
+    double from = sl_process_seconds();
+    sl_status status = sl_error_probe_create(scene, settings, &probe, &error);
+    if (status == SL_OK && sl_image_channel(picture, "even.R"))
+        status = sl_error_estimate_from_halves(picture, sl_error_probe_surfaces(probe), &e, &error);
+    else if (status == SL_OK) status = sl_error_probe_estimate(probe, picture, PROBES, SAMPLES, &e, &error);
+    sl_error_probe_destroy(probe);
+    if (status != SL_OK || !isfinite(e.bound)) return;
+    cJSON_AddNumberToObject(root, "estimate", e.rel_rmse);
+    cJSON_AddNumberToObject(root, "bound", e.bound);
+    cJSON_AddNumberToObject(root, "estimate_seconds", sl_process_seconds() - from);
+}
+
+static sl_status write_picture(const made *m, const char *path, sl_error *error) {
+    char seconds[32];
+    snprintf(seconds, sizeof seconds, "%.4g", m->cpu);
+    sl_status status = sl_image_set_metadata(m->image, SL_TRIAL_SECONDS, seconds, error);
+    return status == SL_OK ? sl_image_write(m->image, path, error) : status;
 }
 
 bool sl_trial_work(void *context, char **answer) {
@@ -100,15 +124,19 @@ bool sl_trial_work(void *context, char **answer) {
     sl_scene *scene = NULL;
     sl_error error = {SL_ERROR_USAGE, "a trial with arguments that mean nothing"};
     made m = {0};
-    sl_status status = sl_trial_settings(run->trial->arguments, &settings) ? SL_OK : SL_ERROR_USAGE;
+    cJSON *root = NULL;
+    sl_status status = sl_trial_settings(run->arguments, &settings) ? SL_OK : SL_ERROR_USAGE;
     settings.width = run->width;
     settings.height = run->height;
     if (!settings.threads) settings.threads = run->threads;
     settings.observer = run->look ? &watch.observer : NULL;
     if (status == SL_OK) status = sl_scene_load_with(run->scene_path, &run->load, &scene, &error);
     if (status == SL_OK) status = make_picture(scene, &settings, &watch, &m, &error);
-    if (status == SL_OK && run->picture) status = sl_image_write(m.image, run->picture, &error);
-    *answer = status == SL_OK ? report(run, &m, &watch) : strdup(error.message);
+    if (status == SL_OK) root = report(run, &m, &watch);
+    if (status == SL_OK && run->picture) status = write_picture(&m, run->picture, &error);
+    if (status == SL_OK && run->estimate) add_estimate(scene, &settings, m.image, root);
+    *answer = status == SL_OK ? cJSON_PrintUnformatted(root) : strdup(error.message);
+    cJSON_Delete(root);
     sl_image_destroy(m.image);
     sl_method_destroy(m.method);
     sl_scene_destroy(scene);

@@ -14,74 +14,23 @@
 
 #include "base/error.h"
 #include "base/values.h"
-#include "cache/frame/settings.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Cheap settings first. What a curve adds lies between the qualities, below draft and above high, along the
- * settings that trade time for error best; light samples grow as records do, photons as voxels do, or one of
- * the two would bear all of the error. The tracers sample pixels at their centres as the methods do. */
-static const char ladder[] =
-    "truth matched:splatting\nwith -m splatting\ncurve splatting\n"
-    "trial a 0.7, 2 light samples, 16x16 = -q draft --accuracy 0.7 --spp 2 --set gather-size=16\n"
-    "trial draft = -q draft\n"
-    "trial a 0.5, 8 light samples, 16x16 = --accuracy 0.5 --spp 8 --set gather-size=16\n"
-    "trial normal = -q normal\n"
-    "trial a 0.25, 32 light samples, 28x28 = -q high --accuracy 0.25 --spp 32 --set gather-size=28\n"
-    "trial high = -q high\n"
-    "trial a 0.1, 128 light samples, 48x48 = -q high --accuracy 0.1 --spp 128 --set gather-size=48\n"
-    /* so many diffuse bounces that all of global illumination is its truth, but for glossy surfaces */
-    "truth full\nwith -m splatting --bounces 6\ncurve splatting, 6 bounces\n"
-    "trial draft = -q draft\ntrial normal = -q normal\ntrial high = -q high\n"
-    "truth matched:direct-radiance\nwith -m direct-radiance\ncurve direct-radiance\n"
-    "trial 2x2 photons = -q draft --photons 2\n"
-    "trial draft = -q draft\n"
-    "trial 4x4 photons, a point a lamp = --photons 4 --emitter-samples 1\n"
-    "trial normal = -q normal\n"
-    "trial high = -q high\n"
-    /* with visibility of its photons it has the very paths of one bounce */
-    "truth one-bounce\n"
-    "trial high, visibility by rays = -q high --visibility rays\n"
-    "truth matched:direct-radiance\n"
-    "trial 12x12 photons, 4x4 emitters = -q high --photons 12 --emitter-samples 4\n"
-    "truth one-bounce\n"
-    "trial 8x8 photons, 4x4 emitters, rays = -q high --photons 8 --emitter-samples 4 --visibility rays\n"
-    "truth matched:light-octree\nwith -m light-octree\ncurve light-octree\n"
-    "trial 40k photons, depth 4 = "
-    "-q draft --stored-photons 40000 --set light-octree.neighbours=60 --depth 4\n"
-    "trial draft = -q draft\n"
-    "trial 300k photons, depth 5 = --stored-photons 300000 --set light-octree.neighbours=200 --depth 5\n"
-    "trial normal = -q normal\n"
-    "trial 1.2M photons, depth 5 = --stored-photons 1200000 --set light-octree.neighbours=500 --depth 5\n"
-    "trial high = -q high\n"
-    /* the peer: the octree's photon map itself, gathered at every pixel */
-    "with -m light-octree --set light-octree.photons-at-pixels=1\ncurve photons at pixels\n"
-    "trial 40k photons, k 60 = -q draft --stored-photons 40000 --set light-octree.neighbours=60\n"
-    "trial draft = -q draft\ntrial normal = -q normal\n"
-    "truth matched:multi-mesh\nwith -m multi-mesh\ncurve multi-mesh\n"
-    "trial threshold 4 = -q draft --threshold 4\n"
-    "trial draft = -q draft\ntrial normal = -q normal\ntrial high = -q high\n"
-    "trial threshold 0.25, leaves of 8 = "
-    "-q high --threshold 0.25 --set multi-mesh.leaf-area=8 --set multi-mesh.leaf-edge=6\n"
-    "trial threshold 0.1, leaves of 2 = "
-    "-q high --threshold 0.1 --set multi-mesh.leaf-area=2 --set multi-mesh.leaf-edge=2\n"
-    "truth matched:shading-cache\nwith -m shading-cache\ncurve shading-cache\n"
-    "trial draft = -q draft\ntrial normal = -q normal\n"
-    "trial normal, 100 updates = -q normal --updates 100\n"
-    "trial high = -q high\n"
-    "truth one-bounce\nwith -m path --transport one-bounce --set filter=centre\ncurve path, one-bounce\n"
-    "trial 1 sample = --spp 1\ntrial 4 samples = --spp 4\n"
-    "trial draft = -q draft\ntrial normal = -q normal\ntrial high = -q high\n"
-    "trial 1024 samples = --spp 1024\n"
-    "truth full\nwith -m path --transport full --set filter=centre\ncurve path, full\n"
-    "trial 1 sample = --spp 1\ntrial 4 samples = --spp 4\n"
-    "trial draft = -q draft\ntrial normal = -q normal\ntrial high = -q high\n"
-    "trial 512 samples = --spp 512\n"
-    "with -m bidirectional --transport full --set filter=centre\ncurve bidirectional, full\n"
-    "trial 4 samples = --spp 4\n"
-    "trial draft = -q draft\ntrial normal = -q normal\ntrial high = -q high\n";
+/* ladder.trials, as the linker has put it in. */
+extern const char _binary_src_app_bench_ladder_trials_start[], _binary_src_app_bench_ladder_trials_end[];
+
+const char *sl_bench_truth_name(sl_bench_truth truth) {
+    static const char *const names[] = {"matched", "one-bounce", "full"};
+    return names[truth];
+}
+
+const char *sl_bench_quality_name(sl_bench_quality quality) {
+    static const char *const names[] = {"draft", "normal", "high", "curve"};
+    return names[quality];
+}
 
 /* ---- a line ---- */
 
@@ -143,6 +92,8 @@ static const char *read_trial(reader *r, char *rest) {
     t->scenes = r->scenes;
     t->table = r->table;
     t->ordered = r->curve != NULL;
+    bool goes_on = t > r->trials->trial && strcmp(t[-1].curve, t->curve) == 0;
+    t->rank = goes_on ? t[-1].rank + 1 : 0;
     t->look = is_looked_at(r->trials, t);
     return NULL;
 }
@@ -159,8 +110,8 @@ static const char *read_table(reader *r, char *rest) {
     r->curve = NULL;
     for (int t = 0; t < SL_BENCH_TRUTHS; t++)
         all->truth[t] = all->truth[t] || strstr(colon + 1, sl_bench_truth_name((sl_bench_truth)t));
-    all->audits = all->audits || strstr(colon + 1, "estimate");
-    all->truth[SL_BENCH_MATCHED] = all->truth[SL_BENCH_MATCHED] || all->audits;
+    all->estimates = all->estimates || strstr(colon + 1, "estimate");
+    all->truth[SL_BENCH_MATCHED] = all->truth[SL_BENCH_MATCHED] || all->estimates;
     return NULL;
 }
 
@@ -185,6 +136,8 @@ static const char *read_line(reader *r, char *line) {
 /* ---- a file ---- */
 
 static char *text_of(const char *path) {
+    const char *ladder = _binary_src_app_bench_ladder_trials_start;
+    if (!path) return strndup(ladder, (size_t)(_binary_src_app_bench_ladder_trials_end - ladder));
     char *text = NULL;
     size_t room = 0;
     FILE *in = fopen(path, "r");
@@ -196,7 +149,7 @@ static char *text_of(const char *path) {
 sl_status sl_trials_read(const char *path, sl_trials *trials, sl_error *error) {
     int number = 1;
     reader r = {.trials = trials, .table = -1};
-    *trials = (sl_trials){.text = path ? text_of(path) : strdup(ladder)};
+    *trials = (sl_trials){.text = text_of(path)};
     if (!trials->text)
         return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read", path ? path : "the ladder");
     for (char *line = trials->text, *next; line; line = next, number++) {
@@ -207,7 +160,7 @@ sl_status sl_trials_read(const char *path, sl_trials *trials, sl_error *error) {
             return sl_fail(error, SL_ERROR_INPUT, "%s:%d: %s", path ? path : "ladder", number, trouble);
     }
     for (int t = 0; t < SL_BENCH_TRUTHS && !path; t++) trials->truth[t] = true;
-    trials->audits = trials->audits || !path;
+    trials->estimates = trials->estimates || !path;
     return SL_OK;
 }
 

@@ -5,7 +5,7 @@
 #include "app/memory_limit.h"
 #include "app/same_file.h"
 #include "app/options.h"
-#include "app/steps/page.h"
+#include "app/page.h"
 #include "app/steps/run.h"
 #include "base/error.h"
 #include "image/output_file.h"
@@ -88,6 +88,23 @@ static sl_status make_folder(const char *folder, sl_error *error) {
     return sl_fail(error, SL_ERROR_OUTPUT, "cannot make the folder %s: %s", folder, strerror(errno));
 }
 
+/* page.css and page.js, as the linker has put them in. */
+extern const char _binary_src_app_steps_page_css_start[], _binary_src_app_steps_page_css_end[];
+extern const char _binary_src_app_steps_page_js_start[], _binary_src_app_steps_page_js_end[];
+
+/* Writes index.html: one method, or two beside each other. */
+static sl_status write_page(const steps_command *s, const cJSON *runs, sl_error *error) {
+    const sl_page_files files = {
+        _binary_src_app_steps_page_css_start, _binary_src_app_steps_page_css_end,
+        _binary_src_app_steps_page_js_start, _binary_src_app_steps_page_js_end};
+    char path[4096], heading[4096], title[4300];
+    snprintf(path, sizeof path, "%s/index.html", s->folder);
+    snprintf(heading, sizeof heading, "%.4000s, step by step", s->scene);
+    snprintf(title, sizeof title, "%.60s%s%.60s, %s", s->settings.method, s->beside ? " beside " : "",
+             s->beside ? s->beside : "", heading);
+    return sl_page_write(path, title, heading, &files, runs, error);
+}
+
 static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_error *error) {
     bool bar = !s->quiet && isatty(STDERR_FILENO);
     sl_steps_options o = {.settings = s->settings, .reference_samples = (uint32_t)s->reference_samples,
@@ -103,7 +120,7 @@ static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_err
     }
     if (bar) fputs("\r\033[K", stderr);
     sl_watch_for_interrupt(); /* a page that is being written is written to its end */
-    if (status == SL_OK) status = sl_page_write(s->folder, s->scene, runs, error);
+    if (status == SL_OK) status = write_page(s, runs, error);
     cJSON_Delete(runs);
     return status;
 }

@@ -1,0 +1,82 @@
+/* report.html: the Markdown, its plots, and pictures, of which a script makes the page. */
+#include "app/bench/plot.h"
+#include "app/bench/report.h"
+#include "app/page.h"
+#include "base/error.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* page.css and page.js, as the linker has put them in. */
+extern const char _binary_src_app_bench_page_css_start[], _binary_src_app_bench_page_css_end[];
+extern const char _binary_src_app_bench_page_js_start[], _binary_src_app_bench_page_js_end[];
+
+/* Adds what was printed to a stream in memory. */
+static void add_printed(cJSON *to, const char *name, FILE *out, char **text) {
+    if (out && fclose(out) == 0) cJSON_AddStringToObject(to, name, *text);
+    free(*text);
+}
+
+static void add_figure(cJSON *to, const char *picture, const char *title, const char *note) {
+    cJSON *figure = cJSON_CreateObject();
+    cJSON_AddStringToObject(figure, "picture", picture);
+    cJSON_AddStringToObject(figure, "title", title);
+    cJSON_AddStringToObject(figure, "note", note);
+    cJSON_AddItemToArray(to, figure);
+}
+
+static void add_differences(cJSON *to, const sl_bench_scene *s) {
+    for (size_t i = 0; i < s->row_count; i++) {
+        const sl_bench_row *r = &s->rows[i];
+        char title[2 * SL_BENCH_NAME + 8], note[64], error[32];
+        if (!r->difference) continue;
+        snprintf(title, sizeof title, "%s, %s", r->trial->curve, sl_bench_quality_name(r->trial->quality));
+        sl_error_text(&r->error[SL_BENCH_MATCHED], error);
+        snprintf(note, sizeof note, "%s, bias %+.2f %%", error, 100.0 * r->error[SL_BENCH_MATCHED].bias);
+        add_figure(to, r->difference, title, note);
+    }
+}
+
+static void add_references(cJSON *to, const sl_bench_scene *s) {
+    if (s->picture) add_figure(to, s->picture, "full global illumination", "the reference");
+    for (size_t i = 0; i < s->reference_count; i++) {
+        char note[64];
+        snprintf(note, sizeof note, "%.1f %% of the light", 100.0 * s->references[i].energy);
+        if (s->references[i].difference)
+            add_figure(to, s->references[i].difference, s->references[i].transport, note);
+    }
+}
+
+static cJSON *scene_json(const sl_bench_scene *s) {
+    cJSON *json = cJSON_CreateObject(), *plots = cJSON_AddObjectToObject(json, "plots");
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (out) sl_report_scene(out, s);
+    add_printed(json, "text", out, &text);
+    for (int plot = 0; plot < SL_PLOTS; plot++) {
+        char *svg = NULL;
+        out = sl_plot_is_there(s, plot) ? open_memstream(&svg, &size) : NULL;
+        if (out) sl_plot(out, s, plot);
+        add_printed(plots, sl_plot_name(plot), out, &svg);
+    }
+    add_differences(cJSON_AddArrayToObject(json, "differences"), s);
+    add_references(cJSON_AddArrayToObject(json, "references"), s);
+    return json;
+}
+
+sl_status sl_report_page(const sl_bench_results *r, const char *path, sl_error *error) {
+    const sl_page_files files = {
+        _binary_src_app_bench_page_css_start, _binary_src_app_bench_page_css_end,
+        _binary_src_app_bench_page_js_start, _binary_src_app_bench_page_js_end};
+    cJSON *data = cJSON_CreateObject(), *scenes = cJSON_AddArrayToObject(data, "scenes");
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (out) sl_report_overview(out, r);
+    add_printed(data, "overview", out, &text);
+    for (size_t s = 0; s < r->scene_count; s++) cJSON_AddItemToArray(scenes, scene_json(&r->scenes[s]));
+    sl_status status = sl_page_write(path, "softlux: speed against error", "", &files, data, error);
+    cJSON_Delete(data);
+    return status;
+}
