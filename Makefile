@@ -87,7 +87,7 @@ PARTS := $(BUILD)/libparts.a
 PARTS_OBJECTS := $(call objects,$(SHARED_SOURCES)) $(filter-out %/main.o,$(APP_OBJECTS) $(IMPORT_OBJECTS))
 
 .PHONY: all setup demo check check-all test conformance fuzz-targets fuzz golden lessons scenes bench report \
-        auto-table clean help
+        clean help
 .DELETE_ON_ERROR .SECONDARY:
 
 # ---- what is built ---------------------------------------------------------------------------------------
@@ -186,10 +186,6 @@ bench-%: all $(BENCHES) ## the experiments of docs/METHOD-experiments.md; BRIEF=
 	@./bench/experiments.sh $* $(BUILD) $(if $(BRIEF),--brief)
 report: all $(BUILD)/generate ## speed against error, every method on many scenes: docs/report/
 	@./bench/report.sh $(BUILD)
-auto-table: $(BUILD)/bench/bench_auto ## src/app/auto_table.h anew from docs/report/
-	@$< docs/report >$(BUILD)/auto_table.h && mv $(BUILD)/auto_table.h src/app/auto_table.h
-	@$< --judge docs/report >docs/report/auto.md
-	@bench/fill_tables.sh docs/report/auto.md docs/error-estimates.md
 clean: ## remove what was built and generated
 	rm -rf build scenes/generated
 help:

@@ -51,7 +51,7 @@ for step in ${STEPS:-trials report}; do
         "$softlux" bench $SCENES "$@" --report-only
         rm -f docs/report/*.svg
         for plot in "$out"/*.svg; do [ -f "$plot" ] && cp "$plot" docs/report/; done
-        cp "$out/results.csv" "$out/scenes.csv" docs/report/
+        cp "$out/results.csv" docs/report/
         cp "$out/report.md" docs/report/README.md
         bench/fill_tables.sh "$out/tables.md" docs/speed-against-error.md ;;
     *) echo "STEPS: references, trials, report; not '$step'" >&2 && exit 2 ;;

@@ -237,8 +237,9 @@ plane() { # plane NAME LIGHT: a triangle seen from above
     printf '{"softlux": 1, "meshes": [{"file": "plane.obj"}], "lights": [{"type": "spot", "position": [0, 2, 0], "direction": [0, %s, 0], "intensity": [1, 1, 1], "outer_deg": 40}], "camera": {"eye": [0, 3, 0.1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_deg": 40}}' "$2" >"$folder/$1.json"
 }
 plane lit -1; plane unlit 1
-expect 0 '^auto +(splatting, 6 bounces|light-octree): .* direct.*like it .*sooner than paths' info scenes/cornell.json
-expect 0 '^auto +(light-octree|path|bidirectional): .*[1-9] % by mirrors.*like it' info scenes/mirror-balls.json -m path -q high
+expect 0 '^auto +splatting, 6 bounces: .* direct.*in records' info scenes/cornell.json
+expect 0 '^auto +light-octree: ' info scenes/cornell.json -q draft
+expect 0 '^auto +(light-octree|path|bidirectional): .*[1-9] % by mirrors' info scenes/mirror-balls.json -m path -q high
 expect 0 '^plan of (light-octree|path|bidirectional)' info scenes/mirror-balls.json -m auto -q high
 expect 0 '^auto +path: .*100 % is direct' info "$folder/lit.json"
 expect 0 '^auto +path: nothing' info "$folder/unlit.json"

@@ -2,7 +2,6 @@
 #ifndef SL_APP_AUTO_METHOD_H
 #define SL_APP_AUTO_METHOD_H
 
-#include "app/auto_choice.h"
 #include "cache/frame/settings.h"
 
 typedef struct sl_auto_budget {
@@ -18,9 +17,6 @@ typedef struct sl_auto_choice {
     char why[400];       /* one line */
 } sl_auto_choice;
 
-/* Tells where the scene's light comes from, and what it is made of. */
-sl_status sl_auto_look(const sl_scene *scene, const sl_settings *settings, sl_auto_kind *kind,
-                       sl_error *error);
 /* settings: size, seed, threads and what is fixed whatever the method; its method is not looked at. A few
  * thousand paths are traced to see where the scene's light comes from: the same choice in every run and at
  * any number of threads. */

@@ -76,54 +76,49 @@ static bool parse(int argc, char **argv, request *q, int *status) {
     *q = (request){.repeats = 3, .threads = 1};
     *o = (sl_bench_options){.folder = "softlux-report", .limit = 60.0, .reference_budget = 20.0};
     const sl_option options[] = {
-        {"output", 'o', SL_OPTION_TEXT, &o->folder, NULL, "DIR",
-         "folder of the report, made with those above it [softlux-report]", 0, 0, NULL},
-        {"trials", 0, SL_OPTION_TEXT, &q->trials_path, NULL, "FILE",
-         "run these, in the file's scenes where none are named, and write the tables that it asks for", 0, 0,
-         NULL},
-        {"methods", 'm', SL_OPTION_TEXT, &o->methods, NULL, "LIST", "which, with commas between [all]", 0, 0,
-         NULL},
-        {"qualities", 'q', SL_OPTION_TEXT, &o->qualities, NULL, "LIST",
-         "of draft, normal, high, and curve: what lies between and beyond [all]", 0, 0, NULL},
-        {"size", 's', SL_OPTION_SIZE, q->size, NULL, "WxH", "pixels [the scene's film, at most 192 a side]",
-         0, 0, NULL},
-        {"repeats", 'r', SL_OPTION_COUNT, &q->repeats, NULL, "R", "runs of what takes less than a second [3]",
-         1, 50, NULL},
-        {"threads", 't', SL_OPTION_COUNT, &q->threads, NULL, "N", "workers of each trial [1]", 1, 256, NULL},
-        {"budget", 0, SL_OPTION_REAL, &o->budget, NULL, "SECONDS",
-         "for a scene's trials; the rest is left out [no limit]", 0.1, 1e9, NULL},
-        {"limit", 0, SL_OPTION_REAL, &o->limit, NULL, "SECONDS",
-         "for one trial, by the clock; then it is stopped [60]", 0.1, 1e9, NULL},
-        {"memory", 0, SL_OPTION_COUNT, &q->memory, NULL, "MB", "of addresses for one trial [no limit]", 16,
-         1e7, NULL},
-        {"references", 0, SL_OPTION_TEXT, &o->references, NULL, "DIR",
-         "where reference pictures are kept [$XDG_CACHE_HOME/softlux/references]", 0, 0, NULL},
-        {"reference-budget", 0, SL_OPTION_REAL, &o->reference_budget, NULL, "SECONDS",
-         "of processor time for each reference, all runs together; its noise is to be a tenth of the "
-         "smallest error told with it [20]",
-         0.1, 1e9, NULL},
-        {"reference-threads", 0, SL_OPTION_COUNT, &q->reference_threads, NULL, "N",
-         "workers of the references [all processors]", 1, 256, NULL},
-        {"report-only", 0, SL_OPTION_FLAG, &o->report_only, NULL, NULL,
-         "run no trial: the report anew, of what the last run measured", 0, 0, NULL},
-        {"references-only", 0, SL_OPTION_FLAG, &o->references_only, NULL, NULL,
-         "make references, as good as their budget allows, and nothing else", 0, 0, NULL},
-        {"trials-only", 0, SL_OPTION_FLAG, &o->trials_only, NULL, NULL,
-         "measure, and write no report: several of these may fill one folder, with a scene each, on a "
-         "processor each",
-         0, 0, NULL},
-        {"allow-outside", 0, SL_OPTION_FLAG, &o->load.allow_outside, NULL, NULL,
-         "files that scenes name may lie outside of their folders", 0, 0, NULL},
-        {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
+        SL_TEXT("output", 'o', &o->folder, "DIR",
+                "folder of the report, made with those above it [softlux-report]"),
+        SL_TEXT(
+            "trials", 0, &q->trials_path, "FILE",
+            "run these, in the file's scenes where none are named, and write the tables that it asks for"),
+        SL_TEXT("methods", 'm', &o->methods, "LIST", "which, with commas between [all]"),
+        SL_TEXT("qualities", 'q', &o->qualities, "LIST",
+                "of draft, normal, high, and curve: what lies between and beyond [all]"),
+        {.name = "size",
+         .letter = 's',
+         .kind = SL_OPTION_SIZE,
+         .value = q->size,
+         .given = NULL,
+         .metavar = "WxH",
+         .help = "pixels [the scene's film, at most 192 a side]"},
+        SL_NUMBER("repeats", 'r', &q->repeats, "R", 1, 50, "runs of what takes less than a second [3]"),
+        SL_NUMBER("threads", 't', &q->threads, "N", 1, 256, "workers of each trial [1]"),
+        SL_REAL("budget", &o->budget, NULL, "SECONDS", 0.1, 1e9,
+                "for a scene's trials; the rest is left out [no limit]"),
+        SL_REAL("limit", &o->limit, NULL, "SECONDS", 0.1, 1e9,
+                "for one trial, by the clock; then it is stopped [60]"),
+        SL_NUMBER("memory", 0, &q->memory, "MB", 16, 1e7, "of addresses for one trial [no limit]"),
+        SL_TEXT("references", 0, &o->references, "DIR",
+                "where reference pictures are kept [$XDG_CACHE_HOME/softlux/references]"),
+        SL_REAL("reference-budget", &o->reference_budget, NULL, "SECONDS", 0.1, 1e9,
+                "of processor time for each reference; its noise is to be a tenth of the "
+                "smallest error told with it [20]"),
+        SL_NUMBER("reference-threads", 0, &q->reference_threads, "N", 1, 256,
+                  "workers of the references [all processors]"),
+        SL_FLAG("report-only", &o->report_only,
+                "run no trial: the report anew, of what the last run measured"),
+        SL_FLAG("references-only", &o->references_only,
+                "make references, as good as their budget allows, and nothing else"),
+        SL_FLAG("trials-only", &o->trials_only,
+                "measure, and write no report: several of these may fill one folder, with a scene each, on a "
+                "processor each"),
+        SL_FLAG("allow-outside", &o->load.allow_outside,
+                "files that scenes name may lie outside of their folders"),
+        SL_FLAG("quiet", &o->quiet, "no progress bar, no table"),
         {.name = NULL}};
     const sl_command_line line = {"softlux bench SCENE...|--trials FILE [-o DIR] [options]",
                                   "Speed against error of every method, as tables and plots.",
-                                  details,
-                                  options,
-                                  0,
-                                  MOST_SCENES,
-                                  NULL,
-                                  NULL};
+                                  details, options, 0, MOST_SCENES, NULL, NULL, NULL};
     if (!sl_options_parse(&line, argc, argv, q->scenes, &q->scene_count, status) || !check_lists(o, status))
         return false;
     if (!q->scene_count && !q->trials_path) {
@@ -182,7 +177,7 @@ static void tell_apart(sl_bench_results *r) {
 static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_results *r,
                          sl_journal *journal, sl_error *error) {
     sl_bench_scene *s = &r->scenes[r->scene_count++];
-    sl_status status = sl_bench_scene_read(o, path, journal, s, error);
+    sl_status status = sl_bench_scene_read(o, path, s, error);
     tell_apart(r);
     if (status != SL_OK || s->trouble[0]) return status;
     if (!o->references_only) status = sl_schedule_run(o, s, journal, error);

@@ -1,7 +1,6 @@
 /* softlux info: what is in a scene, and the plan of a method. */
 #include "app/auto_method.h"
 #include "app/commands.h"
-#include "app/load_options.h"
 #include "app/options.h"
 #include "scene/features.h"
 #include "softlux.h"
@@ -57,23 +56,16 @@ int sl_command_info(int argc, char **argv) {
     const char *path;
     int operands, exit_status;
     sl_settings settings = sl_settings_default();
-    sl_load_request reading = {0};
-    sl_option options[SL_LOAD_OPTIONS + 1] = {0};
-    sl_load_options_table(&reading, options);
+    sl_reading reading = {0};
+    const sl_option none = {.name = NULL};
     const sl_command_line line = {
         "softlux info SCENE [options]",
         "Prints what is in a scene, what loading had to repair, and which passes a method would run.",
-        NULL,
-        options,
-        1,
-        1,
-        &settings,
-        NULL};
+        NULL, &none, 1, 1, &reading, &settings, NULL};
     if (!sl_options_parse(&line, argc, argv, &path, &operands, &exit_status)) return exit_status;
-    const sl_load_options load = sl_load_options_taken(&reading);
     sl_error error;
     sl_scene *scene;
-    sl_status status = sl_scene_load_with(path, &load, &scene, &error);
+    sl_status status = sl_scene_load_with(path, &reading.load, &scene, &error);
     if (status == SL_OK) {
         print_scene(scene);
         for (size_t i = 0; i < sl_scene_warning_count(scene); i++)

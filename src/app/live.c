@@ -4,7 +4,6 @@
 #include "app/commands.h"
 #include "app/live/film.h"
 #include "app/live/report.h"
-#include "app/load_options.h"
 #include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/same_file.h"
@@ -21,40 +20,29 @@ typedef struct show_options {
     bool exposure_given, json, quiet;
     int tone;
     sl_settings settings;
-    sl_load_request reading;
-    sl_load_options load;
+    sl_reading reading;
 } show_options;
 
 static bool parse(int argc, char **argv, show_options *o, int *status) {
-    enum { OWN = 12 };
-    sl_option options[OWN + SL_LOAD_OPTIONS] = {0};
     *o = (show_options){.tone = SL_TONE_REINHARD,
                         .seconds = 5.0,
                         .frames_per_second = 25.0,
                         .settings = sl_settings_default()};
     o->settings.method = "shading-cache";
-    const sl_option own[] = {
-        {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILES",
-         "frame-%04d.png, or show.y4m, or - for such a stream [nothing is written]", 0, 0, NULL},
-        {"seconds", 0, SL_OPTION_REAL, &o->seconds, NULL, "S", "how long [5]", 1e-3, 1e9, NULL},
-        {"frames", 0, SL_OPTION_COUNT, &o->frames, NULL, "N", "or how many frames, however long they take", 1,
-         1e12, NULL},
-        {"at", 0, SL_OPTION_REAL, &o->at, NULL, "SECONDS", "time of the scene to begin with [0]", -1e9, 1e9,
-         NULL},
-        {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F",
-         "frames a second; 0: as many as can be [25]", 0, 1e4, NULL},
-        {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS",
-         "times 2^STOPS [that of the first picture with light]", -64, 64, NULL},
-        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "clip or reinhard [reinhard]", 0, 0,
-         "clip|reinhard"},
-        {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0,
-         NULL},
-        {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no report, no warnings", 0, 0, NULL},
-    };
-    _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
-    size_t count = sizeof own / sizeof own[0];
-    memcpy(options, own, sizeof own);
-    sl_load_options_table(&o->reading, options + count);
+    const sl_option options[] = {
+        SL_TEXT("output", 'o', &o->output, "FILES",
+                "frame-%04d.png, or show.y4m, or - for such a stream [nothing is written]"),
+        SL_REAL("seconds", &o->seconds, NULL, "S", 1e-3, 1e9, "how long [5]"),
+        SL_NUMBER("frames", 0, &o->frames, "N", 1, 1e12, "or how many frames, however long they take"),
+        SL_REAL("at", &o->at, NULL, "SECONDS", -1e9, 1e9, "time of the scene to begin with [0]"),
+        SL_REAL("fps", &o->frames_per_second, NULL, "F", 0, 1e4,
+                "frames a second; 0: as many as can be [25]"),
+        SL_REAL("exposure", &o->exposure, &o->exposure_given, "STOPS", -64, 64,
+                "times 2^STOPS [that of the first picture with light]"),
+        SL_CHOICE("tone", &o->tone, "CURVE", "clip|reinhard", "clip or reinhard [reinhard]"),
+        SL_FLAG("json", &o->json, "print what was done as one JSON object"),
+        SL_FLAG("quiet", &o->quiet, "no report, no warnings"),
+        {.name = NULL}};
     const sl_command_line line = {
         "softlux live SCENE [-o FILES] [options]",
         "Plays a scene's keyframes in real time: frames never wait for light, which comes from a thread of "
@@ -63,14 +51,9 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
         "What frames show depends on the clock; for the same pictures twice: softlux render --frames.\n"
         "Ctrl-C ends the show as its --seconds do: what was shown is whole, and the exit status 0.\n\n"
         "example: softlux live scenes/moving-light.json --seconds 10 -o - | ffplay -",
-        options,
-        1,
-        1,
-        &o->settings,
-        NULL};
+        options, 1, 1, &o->reading, &o->settings, NULL};
     int operands;
     if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
-    o->load = sl_load_options_taken(&o->reading);
     return true;
 }
 
@@ -205,7 +188,8 @@ int sl_command_live(int argc, char **argv) {
                  "--json and --output -: both would go to standard output");
         status = SL_ERROR_USAGE;
     }
-    if (status == SL_OK) status = sl_load_within_memory(o.scene_path, &o.load, &o.settings, &scene, &error);
+    if (status == SL_OK)
+        status = sl_load_within_memory(o.scene_path, &o.reading.load, &o.settings, &scene, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "output", o.output, &error);
     for (size_t i = 0; status == SL_OK && !o.quiet && i < sl_scene_warning_count(scene); i++)
         fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));

@@ -8,6 +8,61 @@
 #include <stdio.h>
 #include <string.h>
 
+/* ---- how a scene is read ---- */
+
+static const double degree = 0.017453292519943295;
+
+/* Writes the options of reading a scene. */
+static void reading_options(sl_reading *r, sl_option *options) {
+    sl_viewpoint *v = &r->view;
+    const sl_option own[] = {
+        {.name = "eye",
+         .letter = 0,
+         .kind = SL_OPTION_VECTOR,
+         .value = r->eye,
+         .given = &v->has_eye,
+         .metavar = "X,Y,Z",
+         .help = "where the camera stands, as softlux info tells places [the scene's]"},
+        {.name = "target",
+         .letter = 0,
+         .kind = SL_OPTION_VECTOR,
+         .value = r->target,
+         .given = &v->has_target,
+         .metavar = "X,Y,Z",
+         .help = "what it looks at [the scene's; with --eye the middle of its box]"},
+        {.name = "up",
+         .letter = 0,
+         .kind = SL_OPTION_VECTOR,
+         .value = r->up,
+         .given = &v->has_up,
+         .metavar = "X,Y,Z",
+         .help = "what is up in the picture [the scene's; with --eye or --target 0,1,0]"},
+        SL_REAL("fov", &r->fov_degrees, &v->has_fov, "DEGREES", 0.01, 179.0,
+                "field of view from top to bottom [the scene's]"),
+        SL_CHOICE("up-axis", &r->up_axis, "AXIS", "auto|y|z",
+                  "of a mesh file, y or z points up [auto: as its format says; else by its shape]"),
+        SL_FLAG("allow-outside", &r->allow_outside,
+                "files that the scene names may lie outside of its folder"),
+    };
+    memcpy(options, own, sizeof own);
+}
+
+static void to_floats(const double from[3], float to[3]) {
+    for (int i = 0; i < 3; i++) to[i] = (float)from[i];
+}
+
+static void take_reading(sl_reading *r) {
+    sl_viewpoint *v = &r->view;
+    to_floats(r->eye, v->eye);
+    to_floats(r->target, v->target);
+    to_floats(r->up, v->up);
+    v->vertical_fov_rad = (float)(r->fov_degrees * degree);
+    bool any = v->has_eye || v->has_target || v->has_up || v->has_fov;
+    r->load = (sl_load_options){r->allow_outside, (sl_up_axis)r->up_axis, any ? v : NULL};
+}
+
+/* ---- help ---- */
+
 static void print_option(char letter, const char *name, const char *unit, const char *help) {
     char left[64], short_form[8] = "    ";
     if (letter) snprintf(short_form, sizeof short_form, "-%c, ", letter);
@@ -170,8 +225,16 @@ static bool take_option(const sl_command_line *line, int argc, char **argv, int 
     return take_named(line, &n, value, status);
 }
 
-bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const char **operands,
+/* Parses with the options of reading a scene behind the command's own. */
+bool sl_options_parse(const sl_command_line *given, int argc, char **argv, const char **operands,
                       int *operand_count, int *status) {
+    enum { OPTIONS = 40 };
+    sl_option options[OPTIONS] = {0};
+    sl_command_line whole = *given, *line = &whole;
+    size_t own = 0;
+    for (; given->options[own].name && own < OPTIONS / 2; own++) options[own] = given->options[own];
+    if (given->reading) reading_options(given->reading, options + own);
+    whole.options = options;
     int count = 0;
     bool only_operands = false;
     *status = 0;
@@ -196,5 +259,6 @@ bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const 
     }
     if (count < line->operands_min) return mistake(status, "usage: %s", line->usage);
     *operand_count = count;
+    if (given->reading) take_reading(given->reading);
     return true;
 }

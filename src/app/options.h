@@ -32,12 +32,38 @@ typedef struct sl_option {
     const char *choices;        /* CHOICE: "clip|reinhard" */
 } sl_option;
 
+/* Rows of a table of options. */
+#define SL_FLAG(n, v, h) {.name = n, .kind = SL_OPTION_FLAG, .value = v, .help = h}
+#define SL_TEXT(n, l, v, unit, h) \
+    {.name = n, .letter = l, .kind = SL_OPTION_TEXT, .value = v, .metavar = unit, .help = h}
+#define SL_REAL(n, v, g, unit, least, most, h)                                                 \
+    {                                                                                          \
+        .name = n, .kind = SL_OPTION_REAL, .value = v, .given = g, .metavar = unit, .help = h, \
+        .minimum = least, .maximum = most                                                      \
+    }
+#define SL_NUMBER(n, l, v, unit, least, most, h) \
+    {.name = n, .letter = l, .kind = SL_OPTION_COUNT, .value = v, .metavar = unit, .help = h, \
+     .minimum = least, .maximum = most}
+#define SL_CHOICE(n, v, unit, words, h) \
+    {.name = n, .kind = SL_OPTION_CHOICE, .value = v, .metavar = unit, .help = h, .choices = words}
+
+/* How a scene is read: options of every command that shows one. It must stay where it is: what is taken
+ * points into it. */
+typedef struct sl_reading {
+    bool allow_outside;
+    int up_axis;
+    double eye[3], target[3], up[3], fov_degrees;
+    sl_viewpoint view;
+    sl_load_options load; /* once the command line has been read */
+} sl_reading;
+
 typedef struct sl_command_line {
     const char *usage;        /* "softlux render SCENE -o FILE [options]" */
     const char *summary;      /* what it does: printed under the usage */
     const char *details;      /* printed under the options; or NULL */
     const sl_option *options; /* ends with a NULL name */
     int operands_min, operands_max;
+    sl_reading *reading;      /* its options are the command's, too; or NULL */
     sl_settings *settings;    /* of methods, if the command takes them: options, too; or NULL */
     bool *quality_given;      /* set to true where --quality occurs; or NULL */
 } sl_command_line;

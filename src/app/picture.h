@@ -3,7 +3,7 @@
 #ifndef SL_APP_PICTURE_H
 #define SL_APP_PICTURE_H
 
-#include "app/load_options.h"
+#include "app/options.h"
 #include "cache/frame/settings.h"
 
 #include <cjson/cJSON.h>
@@ -22,8 +22,7 @@ typedef struct sl_render_options {
     int tone;                  /* as sl_tone_curve */
     double exposure;
     bool exposure_given, json, quiet;
-    sl_load_request reading;
-    sl_load_options load;      /* points into it */
+    sl_reading reading;
 } sl_render_options;
 
 /* Tells whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where

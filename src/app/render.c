@@ -13,44 +13,32 @@
 
 static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, const char **error_text,
                   int *status) {
-    enum { OWN = 18 };
-    sl_option options[OWN + SL_LOAD_OPTIONS] = {0};
     *o = (sl_render_options){.tone = SL_TONE_REINHARD,
                              .output = "out.exr",
                              .frames_per_second = 25.0,
                              .settings = sl_settings_default()};
-    const sl_option own[] = {
-        {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILE",
-         "picture to write: .exr, .png or .pfm [out.exr]", 0, 0, NULL},
-        {"load-cache", 0, SL_OPTION_TEXT, &o->load_cache, NULL, "FILE",
-         "splatting: start with the records of another run", 0, 0, NULL},
-        {"save-cache", 0, SL_OPTION_TEXT, &o->save_cache, NULL, "FILE",
-         "splatting: keep the records for another run", 0, 0, NULL},
-        {"error", 0, SL_OPTION_TEXT, error_text, NULL, "E",
-         "refine until the relative RMSE is within E (0.05 or 5%), with 95 % confidence", 0, 0, NULL},
-        {"time", 0, SL_OPTION_REAL, &o->time_seconds, NULL, "SECONDS",
-         "the best picture within that; with --quality or --batches: stop at the first batch that ends later",
-         1e-3, 1e9, NULL},
-        {"batches", 0, SL_OPTION_COUNT, &o->batches, NULL, "N", "stop after N batches", 1, 1e15, NULL},
-        {"at", 0, SL_OPTION_REAL, &o->at_seconds, at_given, "SECONDS", "time of an animated scene [0]", -1e9,
-         1e9, NULL},
-        {"frames", 0, SL_OPTION_COUNT, &o->frames, NULL, "N",
-         "a series of N pictures of an animated scene; --output names the number, as frame-%04d.png", 1, 1e9,
-         NULL},
-        {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F",
-         "frames for each second of the scene's time [25]", 1e-3, 1e6, NULL},
-        {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS",
-         "PNG: times 2^STOPS [automatic]", -64, 64, NULL},
-        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "PNG: clip or reinhard [reinhard]", 0, 0,
-         "clip|reinhard"},
-        {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0,
-         NULL},
-        {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
-    };
-    _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
-    size_t count = sizeof own / sizeof own[0];
-    memcpy(options, own, sizeof own);
-    sl_load_options_table(&o->reading, options + count);
+    const sl_option options[] = {
+        SL_TEXT("output", 'o', &o->output, "FILE", "picture to write: .exr, .png or .pfm [out.exr]"),
+        SL_TEXT("load-cache", 0, &o->load_cache, "FILE", "splatting: start with the records of another run"),
+        SL_TEXT("save-cache", 0, &o->save_cache, "FILE", "splatting: keep the records for another run"),
+        SL_TEXT("error", 0, error_text, "E",
+                "refine until the relative RMSE is within E (0.05 or 5%), with 95 % confidence"),
+        SL_REAL("time", &o->time_seconds, NULL, "SECONDS", 1e-3, 1e9,
+                "the best picture within that; with --quality or --batches: stop at the first batch that "
+                "ends later"),
+        SL_NUMBER("batches", 0, &o->batches, "N", 1, 1e15, "stop after N batches"),
+        SL_REAL("at", &o->at_seconds, at_given, "SECONDS", -1e9, 1e9, "time of an animated scene [0]"),
+        SL_NUMBER(
+            "frames", 0, &o->frames, "N", 1, 1e9,
+            "a series of N pictures of an animated scene; --output names the number, as frame-%04d.png"),
+        SL_REAL("fps", &o->frames_per_second, NULL, "F", 1e-3, 1e6,
+                "frames for each second of the scene's time [25]"),
+        SL_REAL("exposure", &o->exposure, &o->exposure_given, "STOPS", -64, 64,
+                "PNG: times 2^STOPS [automatic]"),
+        SL_CHOICE("tone", &o->tone, "CURVE", "clip|reinhard", "PNG: clip or reinhard [reinhard]"),
+        SL_FLAG("json", &o->json, "print what was done as one JSON object"),
+        SL_FLAG("quiet", &o->quiet, "no progress bar, no warnings"),
+        {.name = NULL}};
     const sl_command_line line = {
         "softlux render SCENE [-o FILE] [options]",
         "Renders a scene: a JSON scene file, or a mesh file (OBJ, glTF, PLY, ...).",
@@ -70,16 +58,11 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
         "once. A picture stopped by --time can be had again, bit for bit, with the settings\n"
         "that its metadata tells, and --batches with the number in softlux.batches.\n\n"
         "example: softlux render scenes/cornell.json -q high -o cornell.exr",
-        options,
-        1,
-        1,
-        &o->settings,
-        &o->quality_given};
+        options, 1, 1, &o->reading, &o->settings, &o->quality_given};
     int operands;
     *at_given = false;
     *error_text = NULL;
     if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
-    o->load = sl_load_options_taken(&o->reading);
     return true;
 }
 
@@ -172,7 +155,8 @@ int sl_command_render(int argc, char **argv) {
     sl_scene *scene = NULL;
     if (!sl_output_is_known(&o, &error)) return report(&error); /* before the work, not after */
     sl_status status = sl_output_is_open(&o, &error);
-    if (status == SL_OK) status = sl_load_within_memory(o.scene_path, &o.load, &o.settings, &scene, &error);
+    if (status == SL_OK)
+        status = sl_load_within_memory(o.scene_path, &o.reading.load, &o.settings, &scene, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "output", o.output, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "save-cache", o.save_cache, &error);
     if (status == SL_OK && at_given) status = sl_scene_set_time(scene, o.at_seconds, NULL, &error);

@@ -57,7 +57,7 @@ static sl_settings settings_of_line(const char *line) {
     enum { WORDS = 60 };
     static const sl_option none = {0};
     sl_settings settings = sl_settings_default();
-    const sl_command_line command = {"test", "test", NULL, &none, 0, 0, &settings, NULL};
+    const sl_command_line command = {"test", "test", NULL, &none, 0, 0, NULL, &settings, NULL};
     char text[400], *words[WORDS], *rest = NULL;
     const char *operand;
     int count = 0, operands, status = -1;

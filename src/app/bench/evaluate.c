@@ -42,7 +42,8 @@ static bool list_references(const sl_bench_options *o, sl_bench_scene *s) {
 static bool is_judged_by(const sl_bench_options *o, const sl_bench_row *row, const char *transport,
                          sl_bench_truth truth) {
     if (row->end != SL_BENCH_RAN || !o->trials->truth[truth]) return false;
-    return strcmp(transport, truth == SL_BENCH_MATCHED ? row->trial->transport : sl_bench_truth_name(truth)) == 0;
+    return strcmp(transport,
+                  truth == SL_BENCH_MATCHED ? row->trial->transport : sl_bench_truth_name(truth)) == 0;
 }
 
 static bool is_used_by(const sl_bench_options *o, const sl_bench_row *row, const char *transport) {
@@ -97,8 +98,8 @@ static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench
     sl_image_destroy(image);
 }
 
-/* Returns how many samples the next picture shall have; 0: this one is good enough, or a better one would take
- * more than its budget. Noise falls with their number to the power of -0.65 or so. */
+/* Returns how many samples the next picture shall have; 0: this one is good enough, or a better one would
+ * take more than its budget. Noise falls with their number to the power of -0.65 or so. */
 static uint64_t next_samples(const sl_bench_options *o, const sl_bench_reference *r) {
     const double first = 64.0, growth = 16.0, least = 1.5, most = 1e8;
     if (!r->samples) return (uint64_t)first;

@@ -37,14 +37,16 @@ static const char *class_of(const char *curve) {
     return "m7";
 }
 
-static const char style[] = ".plot .goal{stroke:#888;stroke-dasharray:6 4}.plot .line{fill:none;stroke-width:2}"
-                            ".plot .lead{stroke-width:.6;stroke-dasharray:2 3}.plot .off{fill:none;opacity:.55}";
+static const char style[] =
+    ".plot .goal{stroke:#888;stroke-dasharray:6 4}.plot .line{fill:none;stroke-width:2}"
+    ".plot .lead{stroke-width:.6;stroke-dasharray:2 3}.plot .off{fill:none;opacity:.55}";
 static const char *const light[] = {"#0065a8", "#c24e00", "#00805c", "#a63a86",
                                     "#8a6a00", "#333",    "#777",    "#7a4fd0"};
 static const char *const dark[] = {"#5db4f0", "#ff9650", "#3fd6a6", "#ee96cf",
                                    "#e6c34a", "#eee",    "#aaa",    "#b79bff"};
 static const sl_plot_colours colours = {
-    ".plot .m%1$d{stroke:%2$s}.plot .f%1$d{fill:%2$s;stroke:%2$s}.plot text.n%1$d{fill:%2$s}", 8, light, dark};
+    ".plot .m%1$d{stroke:%2$s}.plot .f%1$d{fill:%2$s;stroke:%2$s}.plot text.n%1$d{fill:%2$s}", 8, light,
+    dark};
 
 /* ---- what is drawn ---- */
 

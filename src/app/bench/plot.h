@@ -18,8 +18,8 @@ bool sl_plot(FILE *out, const sl_bench_scene *scene, int plot);
 /* What sl_plot() draws. */
 void sl_plot_curves(FILE *out, const sl_bench_scene *scene, sl_bench_truth truth);
 bool sl_plot_has_curves(const sl_bench_scene *scene, sl_bench_truth truth);
-/* Begins a plot: its style (that every drawing brings, colours of its classes in light and in dark), its paper
- * and its title, which is the scene's name and this. */
+/* Begins a plot: its style (that every drawing brings, colours of its classes in light and in dark), its
+ * paper and its title, which is the scene's name and this. */
 typedef struct sl_plot_colours {
     const char *rule; /* of class number %1$d and its colour %2$s */
     int count;

@@ -1,7 +1,6 @@
 #include "app/bench/report.h"
 
 #include "app/bench/plot.h"
-#include "app/bench/scene.h"
 #include "app/html.h"
 #include "base/error.h"
 
@@ -63,7 +62,6 @@ sl_status sl_report_write(const sl_bench_results *r, const char *folder, sl_erro
         void (*put)(FILE *out, const sl_bench_results *results);
     } files[] = {{"results.csv", sl_report_csv},
                  {"report.md", put_markdown},
-                 {"scenes.csv", sl_bench_put_kinds},
                  {"tables.md", sl_report_tables}};
     char page[SL_BENCH_PATH];
     sl_status status = SL_OK;

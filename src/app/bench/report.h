@@ -1,4 +1,4 @@
-/* The results as files in a folder: results.csv, scenes.csv, report.md, report.html, tables.md, and plots as
+/* The results as files in a folder: results.csv, report.md, report.html, tables.md, and plots as
  * SVG. A file appears whole or not at all. */
 #ifndef SL_APP_BENCH_REPORT_H
 #define SL_APP_BENCH_REPORT_H

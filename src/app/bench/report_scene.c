@@ -93,8 +93,9 @@ void sl_report_scene(FILE *out, const sl_bench_scene *s) {
     put_times(out, s, SL_BENCH_ONE_BOUNCE, "Against one bounce");
     put_times(out, s, SL_BENCH_FULL, "Against full global illumination");
     fputc('\n', out);
-    sl_report_head(out, "reference|>samples a pixel|>its noise|>smallest error told with it|>light in it|>what "
-                        "it leaves out of full");
+    sl_report_head(out,
+                   "reference|>samples a pixel|>its noise|>smallest error told with it|>light in it|>what "
+                   "it leaves out of full");
     for (size_t i = 0; i < s->reference_count; i++) put_reference(out, &s->references[i]);
 }
 

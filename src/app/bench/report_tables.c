@@ -1,6 +1,6 @@
 /* What the measurements say of all scenes together: the beginning of the report, and tables for the page that
- * says it in words (docs/speed-against-error.md), each between two marks, which bench/fill_tables.sh puts into
- * the page. */
+ * says it in words (docs/speed-against-error.md), each between two marks, which bench/fill_tables.sh puts
+ * into the page. */
 #include "app/bench/curves.h"
 #include "app/bench/report.h"
 
@@ -34,16 +34,17 @@ static void put_machine(FILE *out, const sl_bench_results *r) {
     }
     fprintf(out, "%zu scenes, %zu pictures", scenes, rows);
     if (scenes) fprintf(out, " of %d x %d pixels", r->scenes[0].width, r->scenes[0].height);
-    fprintf(out,
-            ", softlux %s on %s, %d thread%s, medians of up to %d runs. The machine was %s: between the "
-            "trials the same arithmetic varied by %.1f %% by the processor's time (half the distance of the "
-            "quartiles), and had %.0f %% of the clock's. Of %zu references %zu are less noisy than a tenth of "
-            "the smallest error told with them; of %zu what their noise leaves in doubt, once it is "
-            "subtracted, is below a tenth of that error (95 %% confidence), and where it is not, the report "
-            "says so behind the figure.%s\n",
-            r->version, r->machine, r->threads, r->threads == 1 ? "" : "s", r->repeats,
-            r->noisy ? "busy" : "quiet", 100.0 * r->unrest_cpu, 100.0 * r->share_of_processor, references,
-            below, sure, r->interrupted ? " **Interrupted: what was measured until then.**" : "");
+    fprintf(
+        out,
+        ", softlux %s on %s, %d thread%s, medians of up to %d runs. The machine was %s: between the "
+        "trials the same arithmetic varied by %.1f %% by the processor's time (half the distance of the "
+        "quartiles), and had %.0f %% of the clock's. Of %zu references %zu are less noisy than a tenth of "
+        "the smallest error told with them; of %zu what their noise leaves in doubt, once it is "
+        "subtracted, is below a tenth of that error (95 %% confidence), and where it is not, the report "
+        "says so behind the figure.%s\n",
+        r->version, r->machine, r->threads, r->threads == 1 ? "" : "s", r->repeats,
+        r->noisy ? "busy" : "quiet", 100.0 * r->unrest_cpu, 100.0 * r->share_of_processor, references, below,
+        sure, r->interrupted ? " **Interrupted: what was measured until then.**" : "");
 }
 
 /* ---- the goal ---- */
@@ -118,8 +119,9 @@ static void put_first(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, 
 }
 
 static void put_best(FILE *out, const sl_bench_results *r) {
-    sl_report_head(out, "scene|surfaces|first at 5 % of one bounce|first at 20 % of all light|at 10 %|at 5 %|at "
-                        "2 %");
+    sl_report_head(out,
+                   "scene|surfaces|first at 5 % of one bounce|first at 20 % of all light|at 10 %|at 5 %|at "
+                   "2 %");
     for (size_t i = 0; i < r->scene_count; i++) {
         const sl_bench_scene *s = &r->scenes[i];
         if (!is_measured(s)) continue;
@@ -175,8 +177,9 @@ static void put_failures(FILE *out, const sl_bench_results *r) {
                   {"shading-cache", "its own paths", SL_BENCH_MATCHED},
                   {"photons at pixels", "all light", SL_BENCH_FULL}};
     least_error *least = calloc(r->scene_count + 1, sizeof *least);
-    sl_report_head(out, "method|against|>smallest error of all settings, median scene|the scenes where that is "
-                        "largest");
+    sl_report_head(out,
+                   "method|against|>smallest error of all settings, median scene|the scenes where that is "
+                   "largest");
     for (size_t c = 0; least && c < sizeof curves / sizeof *curves; c++) {
         size_t count = least_errors(r, curves[c].curve, curves[c].truth, least);
         if (!count) continue;
@@ -215,7 +218,8 @@ static void put_quality(FILE *out, const sl_bench_results *r, const char *curve,
         const sl_bench_row *row = row_of(&r->scenes[i], curve, quality),
                            *below = row_of(&r->scenes[i], curve, quality - 1);
         if (!row) continue;
-        double error = error_of(row, SL_BENCH_MATCHED), before = below ? error_of(below, SL_BENCH_MATCHED) : 0.0;
+        double error = error_of(row, SL_BENCH_MATCHED),
+               before = below ? error_of(below, SL_BENCH_MATCHED) : 0.0;
         seconds[all] = row->cpu.median;
         errors[all++] = error;
         if (!(before > 0.0) || !(below->cpu.median > 0.0)) continue;
@@ -240,8 +244,9 @@ static void put_qualities(FILE *out, const sl_bench_results *r) {
                                          "light-octree",  "photons at pixels",    "multi-mesh",
                                          "shading-cache", "path, full",           "bidirectional, full"};
     double *work = calloc(4 * r->scene_count + 1, sizeof *work);
-    sl_report_head(out, "method|quality|>scenes|>cpu s|>error of its own paths|>times the seconds|>error left|>"
-                        "exponent|>no better");
+    sl_report_head(out,
+                   "method|quality|>scenes|>cpu s|>error of its own paths|>times the seconds|>error left|>"
+                   "exponent|>no better");
     for (size_t c = 0; work && c < sizeof curves / sizeof *curves; c++) {
         for (int q = SL_BENCH_DRAFT; q <= SL_BENCH_HIGH; q++) put_quality(out, r, curves[c], q, work);
     }
@@ -273,8 +278,8 @@ static void put_left_out(FILE *out, const sl_bench_results *r) {
 
 /* ---- errors told without a reference ---- */
 
-/* Of a method, or with NULL of all: how many bounds could be checked, what is lost in the reference's noise can
- * check none; how many of those hold; how far above the measured error they are, in the middle. */
+/* Of a method, or with NULL of all: how many bounds could be checked, what is lost in the reference's noise
+ * can check none; how many of those hold; how far above the measured error they are, in the middle. */
 static void put_promises_of(FILE *out, const sl_bench_results *r, const char *method) {
     enum { MOST = 4096 };
     static double slack[MOST];
@@ -324,20 +329,22 @@ void sl_report_tables(FILE *out, const sl_bench_results *results) {
 void sl_report_overview(FILE *out, const sl_bench_results *r) {
     fputs("# Speed against error\n\n", out);
     put_machine(out, r);
-    fputs("\nErrors are relative RMSE: the root of the mean squared difference over the reference's mean, over "
-          "the pixels that look at neither lamp nor sky; the reference's own noise is subtracted. What that "
-          "noise leaves in doubt is below a tenth of the error (95 % confidence), or stands behind it as ±; "
-          "`<`: at most, and perhaps nothing; `≥`: lost in the noise, and no less than the energy that is "
-          "missing. *matched*: against the light paths that the method itself declares; *one bounce*: direct "
-          "light and one diffuse bounce; *full*: all of global illumination. Times are the processor's, of all "
-          "threads together.\n\nScenes:",
-          out);
+    fputs(
+        "\nErrors are relative RMSE: the root of the mean squared difference over the reference's mean, over "
+        "the pixels that look at neither lamp nor sky; the reference's own noise is subtracted. What that "
+        "noise leaves in doubt is below a tenth of the error (95 % confidence), or stands behind it as ±; "
+        "`<`: at most, and perhaps nothing; `≥`: lost in the noise, and no less than the energy that is "
+        "missing. *matched*: against the light paths that the method itself declares; *one bounce*: direct "
+        "light and one diffuse bounce; *full*: all of global illumination. Times are the processor's, of all "
+        "threads together.\n\nScenes:",
+        out);
     for (size_t i = 0; i < r->scene_count; i++)
         fprintf(out, "%s [%s](#%s)", i ? "," : "", r->scenes[i].name, r->scenes[i].name);
     fputs("\n\nOne bounce, the best of the methods beside the path tracer. ", out);
     put_goal(out, r);
-    fputs("\nErrors told without a reference (`softlux render --error`): how often the measured one is within "
-          "the bound, which is to hold in 95 %.\n\n",
-          out);
+    fputs(
+        "\nErrors told without a reference (`softlux render --error`): how often the measured one is within "
+        "the bound, which is to hold in 95 %.\n\n",
+        out);
     put_promises(out, r);
 }

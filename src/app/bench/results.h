@@ -68,7 +68,6 @@ typedef struct sl_bench_scene {
     int width, height;
     uint64_t triangles, pixels_compared;
     bool glossy, mirrors, sky; /* there are such surfaces; an environment */
-    const cJSON *kind;  /* where its light comes from, as --method auto sees it, in the journal; or NULL */
     char trouble[1200]; /* why nothing could be measured; or "" */
     size_t row_count, reference_count;
     sl_bench_row *rows;

@@ -1,6 +1,5 @@
 #include "app/bench/scene.h"
 
-#include "app/auto_method.h"
 #include "app/same_file.h"
 #include "base/error.h"
 #include "scene/features.h"
@@ -11,25 +10,15 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Where a scene's light comes from, in the order of scenes.csv. */
-static const char *const kinds[] = {"direct", "second",  "further", "mirrored",  "lit",
-                                    "glossy", "mirrors", "open",    "triangles", "lights"};
-enum { KINDS = sizeof kinds / sizeof *kinds };
-
 void sl_bench_mask_path(const sl_bench_options *o, const sl_bench_scene *s, char path[SL_BENCH_PATH]) {
     snprintf(path, SL_BENCH_PATH, "%s/%s-%dx%d-surfaces-%s.exr", o->references, s->hash, s->width, s->height,
              SL_VERSION);
-}
-
-static void kind_key(const sl_bench_options *o, const sl_bench_scene *s, char key[256]) {
-    snprintf(key, 256, "%s %dx%d, %s %s, kind", s->hash, s->width, s->height, SL_VERSION, o->program);
 }
 
 /* ---- in the child ---- */
 
 typedef struct look {
     const sl_bench_options *options;
-    const sl_journal *journal;
     sl_bench_scene scene;
 } look;
 
@@ -37,7 +26,7 @@ typedef struct look {
  * are made of the scene's hash. */
 static sl_status spare_scene(const sl_scene *scene, const char *folder, sl_error *error) {
     static const char *const names[] = {"journal.jsonl", "report.html", "report.md",
-                                        "results.csv",   "scenes.csv",  "tables.md"};
+                                        "results.csv",   "tables.md"};
     sl_status status = SL_OK;
     for (size_t i = 0; i < sizeof names / sizeof names[0] && status == SL_OK; i++)
         status = sl_spare_scene_in(scene, "output", folder, names[i], error);
@@ -66,17 +55,6 @@ static void describe(const sl_scene *scene, sl_bench_scene *s, cJSON *root) {
     cJSON_AddNumberToObject(root, "sky", f.environment);
 }
 
-static sl_status add_kind(const sl_scene *scene, const sl_settings *settings, cJSON *root, sl_error *error) {
-    sl_auto_kind k = {0};
-    sl_status status = sl_auto_look(scene, settings, &k, error);
-    if (status != SL_OK) return status;
-    const double values[KINDS] = {k.direct, k.second,  k.further, k.mirrored,  k.lit,
-                                  k.glossy, k.mirrors, k.open,    k.triangles, k.lights};
-    cJSON *kind = cJSON_AddObjectToObject(root, "kind");
-    for (int i = 0; i < KINDS; i++) cJSON_AddNumberToObject(kind, kinds[i], values[i]);
-    return SL_OK;
-}
-
 /* Finds the pixels that show surfaces, which --error judges too. */
 static sl_status make_mask(const sl_scene *scene, const sl_settings *settings, const char *path,
                            sl_error *error) {
@@ -94,7 +72,7 @@ static bool look_work(void *context, char **report) {
     sl_settings settings = sl_settings_default();
     sl_scene *scene = NULL;
     sl_error error;
-    char key[256], mask[SL_BENCH_PATH];
+    char mask[SL_BENCH_PATH];
     cJSON *root = cJSON_CreateObject();
     sl_status status = sl_scene_load_with(s->path, &o->load, &scene, &error);
     if (status == SL_OK && spare_scene(scene, o->folder, &error) != SL_OK) {
@@ -104,15 +82,11 @@ static bool look_work(void *context, char **report) {
         describe(scene, s, root);
         settings.method = "path";
         settings.filter = SL_FILTER_CENTRE;
-        settings.threads = 1;
-        settings.width = s->width, settings.height = s->height;
-        kind_key(o, s, key);
-        sl_bench_mask_path(o, s, mask);
-        if (!o->references_only && !o->trials->table_count && !sl_journal_find(l->journal, key))
-            status = add_kind(scene, &settings, root, &error);
         settings.threads = o->reference_threads;
+        settings.width = s->width, settings.height = s->height;
+        sl_bench_mask_path(o, s, mask);
         /* where it cannot be written there will be no errors */
-        if (status == SL_OK && !o->trials_only && access(mask, R_OK) != 0)
+        if (!o->trials_only && access(mask, R_OK) != 0)
             (void)make_mask(scene, &settings, mask, &error);
     }
     *report = status == SL_OK ? cJSON_PrintUnformatted(root) : strdup(error.message);
@@ -131,11 +105,9 @@ static void name_scene(const char *path, sl_bench_scene *s) {
     if (dot && dot != s->name) *dot = '\0';
 }
 
-static sl_status take(const sl_bench_options *o, cJSON *told, sl_journal *journal, sl_bench_scene *s,
-                      sl_error *error) {
+static sl_status take(const cJSON *told, sl_bench_scene *s, sl_error *error) {
     const char *refused = cJSON_GetStringValue(cJSON_GetObjectItem(told, "refused")),
                *hash = cJSON_GetStringValue(cJSON_GetObjectItem(told, "hash"));
-    char key[256];
     if (refused) return sl_fail(error, SL_ERROR_USAGE, "%s", refused);
     if (!hash) return sl_fail(error, SL_ERROR_RESOURCES, "%s: it told nothing of itself", s->path);
     snprintf(s->hash, sizeof s->hash, "%s", hash);
@@ -145,40 +117,22 @@ static sl_status take(const sl_bench_options *o, cJSON *told, sl_journal *journa
     s->glossy = sl_bench_number(told, "glossy") > 0.0;
     s->mirrors = sl_bench_number(told, "mirrors") > 0.0;
     s->sky = sl_bench_number(told, "sky") > 0.0;
-    cJSON *kind = cJSON_DetachItemFromObject(told, "kind");
-    sl_status status = SL_OK;
-    kind_key(o, s, key);
-    if (kind) status = sl_journal_add(journal, sl_bench_entry(o, s, key, SL_BENCH_RAN, "", kind), error);
-    s->kind = cJSON_GetObjectItem(sl_journal_find(journal, key), "result");
-    return status;
+    return SL_OK;
 }
 
-sl_status sl_bench_scene_read(const sl_bench_options *o, const char *path, sl_journal *journal,
-                              sl_bench_scene *s, sl_error *error) {
+sl_status sl_bench_scene_read(const sl_bench_options *o, const char *path, sl_bench_scene *s,
+                              sl_error *error) {
     const sl_child_limits limits = {0.0, 0, sl_interrupted};
-    look l = {.options = o, .journal = journal};
+    look l = {.options = o};
     sl_child_end end;
     name_scene(path, s);
     l.scene = *s;
     sl_status status = sl_child_run(look_work, &l, &limits, &end, error);
     if (status != SL_OK) return status;
     cJSON *told = cJSON_Parse(end.text);
-    if (end.outcome == SL_CHILD_DONE) status = take(o, told, journal, s, error);
+    if (end.outcome == SL_CHILD_DONE) status = take(told, s, error);
     else snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
     cJSON_Delete(told);
     free(end.text);
     return status;
-}
-
-void sl_bench_put_kinds(FILE *out, const sl_bench_results *r) {
-    fputs("scene,hash,pixels", out);
-    for (int i = 0; i < KINDS; i++) fprintf(out, ",%s", kinds[i]);
-    fputc('\n', out);
-    for (size_t i = 0; i < r->scene_count; i++) {
-        const sl_bench_scene *s = &r->scenes[i];
-        if (!s->kind) continue;
-        fprintf(out, "%s,%s,%d", s->name, s->hash, s->width * s->height);
-        for (int k = 0; k < KINDS; k++) fprintf(out, ",%.4g", sl_bench_number(s->kind, kinds[k]));
-        fputc('\n', out);
-    }
 }

@@ -49,7 +49,7 @@ static void key_of(const sl_bench_options *o, const sl_bench_scene *s, const sl_
              SL_VERSION, o->program, t->arguments, run == LOOK ? "look" : "run", run == LOOK ? 0 : run);
 }
 
-cJSON *sl_bench_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key, sl_bench_end end,
+static cJSON *make_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key, sl_bench_end end,
                       const char *why, cJSON *result) {
     cJSON *entry = cJSON_CreateObject();
     cJSON_AddStringToObject(entry, "key", key);
@@ -163,7 +163,7 @@ static sl_status measure(const sl_bench_options *o, const sl_bench_scene *s, sl_
     sl_status status = sl_child_run(sl_trial_work, &work, &limits, &end, error);
     if (status == SL_OK && end.outcome != SL_CHILD_INTERRUPTED) {
         cJSON *result = end.outcome == SL_CHILD_DONE ? cJSON_Parse(end.text) : NULL;
-        cJSON *entry = sl_bench_entry(o, s, key, (sl_bench_end)end.outcome, end.why, result);
+        cJSON *entry = make_entry(o, s, key, (sl_bench_end)end.outcome, end.why, result);
         cJSON_AddNumberToObject(entry, "limit", o->limit);
         cJSON_AddNumberToObject(entry, "memory", (double)o->memory_bytes);
         cJSON_AddNumberToObject(entry, "calibration_wall", c.wall);
@@ -226,7 +226,8 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     picture_path(o, s, t, row->picture);
     row->look = cJSON_GetObjectItem(find_entry(o, s, journal, t, LOOK), "result");
     for (int run = 0; run < o->repeats && run < MOST; run++) {
-        const cJSON *entry = find_entry(o, s, journal, t, run), *result = cJSON_GetObjectItem(entry, "result");
+        const cJSON *entry = find_entry(o, s, journal, t, run),
+                    *result = cJSON_GetObjectItem(entry, "result");
         if (entry && run == 0) {
             const char *why = cJSON_GetStringValue(cJSON_GetObjectItem(entry, "why"));
             row->end = end_of(entry);

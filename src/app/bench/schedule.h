@@ -37,8 +37,5 @@ sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene 
 /* Makes the rows of the scene from what the journal holds of it. */
 sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal,
                            sl_error *error);
-/* Returns an entry for the journal, which has the result in it (NULL: none). */
-cJSON *sl_bench_entry(const sl_bench_options *options, const sl_bench_scene *scene, const char *key,
-                      sl_bench_end end, const char *why, cJSON *result);
 
 #endif

@@ -21,7 +21,7 @@ bool sl_trial_settings(const char *arguments, sl_settings *settings) {
     for (char *w = strtok_r(text, " ", &rest); w && count < WORDS; w = strtok_r(NULL, " ", &rest))
         words[count++] = w;
     *settings = sl_settings_default();
-    const sl_command_line line = {arguments, "", NULL, &none, 0, 0, settings, NULL};
+    const sl_command_line line = {arguments, "", NULL, &none, 0, 0, NULL, settings, NULL};
     return sl_options_parse(&line, count, words, operands, &operand_count, &status);
 }
 

@@ -77,8 +77,8 @@ typedef struct sl_trial_run {
 } sl_trial_run;
 
 /* In a child: runs an sl_trial_run and reports a JSON object: cpu_seconds, wall_seconds, peak_bytes,
- * method_bytes, counters; of a look first_picture and parts; of an estimate that could be made estimate, bound
- * and estimate_seconds. The picture's metadata tell the seconds of the processor. */
+ * method_bytes, counters; of a look first_picture and parts; of an estimate that could be made estimate,
+ * bound and estimate_seconds. The picture's metadata tell the seconds of the processor. */
 sl_child_work sl_trial_work;
 #define SL_TRIAL_SECONDS "softlux.cpu_seconds"
 /* Finds the settings that the arguments mean; false: they are wrong, which has been told. */

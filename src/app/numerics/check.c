@@ -298,13 +298,12 @@ static sl_status check_all(checking *c, size_t *failures, sl_error *error) {
 int sl_command_check_numerics(int argc, char **argv) {
     checking c = {.seconds = 120.0};
     const sl_option options[] = {
-        {"method", 'm', SL_OPTION_TEXT, &c.method, NULL, "NAME", "this method alone [all]", 0, 0, NULL},
-        {"only", 0, SL_OPTION_TEXT, &c.only, NULL, "TEXT", "cases whose names hold the text", 0, 0, NULL},
-        {"limit", 0, SL_OPTION_REAL, &c.seconds, NULL, "SECONDS", "that a picture may take [120]", 1e-3, 1e6,
-         NULL},
-        {"markdown", 0, SL_OPTION_FLAG, &c.markdown, NULL, NULL, "tables as Markdown", 0, 0, NULL},
-        {"list", 0, SL_OPTION_FLAG, &c.list, NULL, NULL, "print the cases, and run none", 0, 0, NULL},
-        {NULL, 0, SL_OPTION_FLAG, NULL, NULL, NULL, NULL, 0, 0, NULL}};
+        SL_TEXT("method", 'm', &c.method, "NAME", "this method alone [all]"),
+        SL_TEXT("only", 0, &c.only, "TEXT", "cases whose names hold the text"),
+        SL_REAL("limit", &c.seconds, NULL, "SECONDS", 1e-3, 1e6, "that a picture may take [120]"),
+        SL_FLAG("markdown", &c.markdown, "tables as Markdown"),
+        SL_FLAG("list", &c.list, "print the cases, and run none"),
+        {.name = NULL}};
     const sl_command_line line = {
         "softlux check-numerics [options]",
         "Runs the methods on rooms that are hard to compute: tiny, huge, far away, badly cut, oddly lit.",
@@ -316,11 +315,7 @@ int sl_command_check_numerics(int argc, char **argv) {
         "bound: a part of the picture's mean, or\n"
         "some times what another seed changes, or what the plain room is off by. Exit status 1 if anything "
         "fails.",
-        options,
-        0,
-        0,
-        NULL,
-        NULL};
+        options, 0, 0, NULL, NULL, NULL};
     int operands, exit_status;
     if (!sl_options_parse(&line, argc, argv, NULL, &operands, &exit_status)) return exit_status;
     for (size_t i = 0; c.list && i < sl_hard_case_count; i++) puts(sl_hard_cases[i].name);

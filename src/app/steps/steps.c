@@ -1,7 +1,6 @@
 /* softlux steps: a method pass by pass, as one page. */
 #include "app/clock.h"
 #include "app/commands.h"
-#include "app/load_options.h"
 #include "app/memory_limit.h"
 #include "app/same_file.h"
 #include "app/options.h"
@@ -22,29 +21,19 @@ typedef struct steps_command {
     uint64_t reference_samples;
     double at_seconds;
     bool quiet;
-    sl_load_request reading;
-    sl_load_options load;
+    sl_reading reading;
 } steps_command;
 
 static bool parse(int argc, char **argv, steps_command *s, int *status) {
-    enum { OWN = 8 };
-    sl_option options[OWN + SL_LOAD_OPTIONS] = {0};
     *s = (steps_command){.folder = "steps", .reference_samples = 64, .settings = sl_settings_default()};
-    const sl_option own[] = {
-        {"output", 'o', SL_OPTION_TEXT, &s->folder, NULL, "DIR", "folder for the page, index.html [steps]", 0,
-         0, NULL},
-        {"beside", 0, SL_OPTION_TEXT, &s->beside, NULL, "METHOD",
-         "another method on the same scene, side by side", 0, 0, NULL},
-        {"reference-spp", 0, SL_OPTION_COUNT, &s->reference_samples, NULL, "N",
-         "samples a pixel of the path-traced reference; 0: no errors are told [64]", 0, 1e6, NULL},
-        {"at", 0, SL_OPTION_REAL, &s->at_seconds, NULL, "SECONDS", "time of an animated scene [0]", -1e9, 1e9,
-         NULL},
-        {"quiet", 0, SL_OPTION_FLAG, &s->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
-    };
-    _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
-    size_t count = sizeof own / sizeof own[0];
-    memcpy(options, own, sizeof own);
-    sl_load_options_table(&s->reading, options + count);
+    const sl_option options[] = {
+        SL_TEXT("output", 'o', &s->folder, "DIR", "folder for the page, index.html [steps]"),
+        SL_TEXT("beside", 0, &s->beside, "METHOD", "another method on the same scene, side by side"),
+        SL_NUMBER("reference-spp", 0, &s->reference_samples, "N", 0, 1e6,
+                  "samples a pixel of the path-traced reference; 0: no errors are told [64]"),
+        SL_REAL("at", &s->at_seconds, NULL, "SECONDS", -1e9, 1e9, "time of an animated scene [0]"),
+        SL_FLAG("quiet", &s->quiet, "no progress bar, no warnings"),
+        {.name = NULL}};
     const sl_command_line line = {
         "softlux steps SCENE [-m METHOD] [-o DIR] [options]",
         "Runs a method step by step: every pass as a picture, explained, in a page that needs nothing else.",
@@ -52,14 +41,9 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
         "records, photons, voxels or\n"
         "vertices, with weights and values that add up to the pixel's exact value.\n\n"
         "example: softlux steps scenes/cornell.json -m splatting -o cornell-steps",
-        options,
-        1,
-        1,
-        &s->settings,
-        NULL};
+        options, 1, 1, &s->reading, &s->settings, NULL};
     int operands;
     if (!sl_options_parse(&line, argc, argv, &s->scene, &operands, status)) return false;
-    s->load = sl_load_options_taken(&s->reading);
     return true;
 }
 
@@ -131,7 +115,7 @@ int sl_command_steps(int argc, char **argv) {
     if (!parse(argc, argv, &s, &exit_status)) return exit_status;
     sl_error error;
     sl_scene *scene = NULL;
-    sl_status status = sl_load_within_memory(s.scene, &s.load, &s.settings, &scene, &error);
+    sl_status status = sl_load_within_memory(s.scene, &s.reading.load, &s.settings, &scene, &error);
     if (status == SL_OK) status = sl_spare_scene_in(scene, "output", s.folder, "index.html", &error);
     if (status == SL_OK && s.at_seconds != 0.0) status = sl_scene_set_time(scene, s.at_seconds, NULL, &error);
     for (size_t i = 0; status == SL_OK && !s.quiet && i < sl_scene_warning_count(scene); i++)
