@@ -24,7 +24,7 @@ static void release_copy(sl_display_copy *copy) {
     sl_free(copy->word);
     sl_free(copy->chunk);
     sl_free(copy->value);
-    sl_free(copy->fans.word);
+    sl_free(copy->fans.spoke);
 }
 
 void sl_display_destroy(sl_display *d) {
@@ -91,7 +91,7 @@ size_t sl_display_memory_bytes(const sl_display *d) {
         const sl_display_copy *c = &d->copy[k];
         bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk +
                  c->vertex_capacity * c->channels * sizeof *c->value;
-        bytes += c->fans.capacity * sizeof *c->fans.word + d->dirty_capacity[k] * sizeof *d->dirty[k];
+        bytes += c->fans.capacity * sizeof *c->fans.spoke + d->dirty_capacity[k] * sizeof *d->dirty[k];
     }
     return bytes;
 }
@@ -114,17 +114,37 @@ static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
     return true;
 }
 
-static sl_status update_patch(sl_display_copy *copy, const sl_patches *p, uint32_t patch, sl_error *error) {
-    uint32_t *word = &copy->word[patch];
-    if (sl_is_fan_word(*word)) sl_fan_release(&copy->fans, *word);
-    *word = SL_DISPLAY_LEAF;
-    if (!sl_patch_is_alive(p, patch)) return SL_OK;
-    if (!sl_patch_is_leaf(p, patch)) {
-        *word = p->patch[patch].child / 4;
-        return SL_OK;
-    }
+/* Of an edge no more than SL_HANGING_MOST are shown. */
+static bool put_fan(sl_fans *fans, const sl_patches *p, uint32_t patch, uint32_t *word) {
+    uint32_t vertex[SL_HANGING_MOST];
+    uint16_t along[SL_HANGING_MOST];
+    const sl_hanging list = {vertex, along, SL_HANGING_MOST, SL_PATCH_DYADIC, 0};
     sl_patch_place leaf = sl_patch_place_of(p, patch);
-    return sl_fan_of_leaf(&copy->fans, p, &leaf, word, error);
+    size_t first = fans->used, end = first + 1;
+    for (int edge = 0; edge < leaf.corners; edge++) {
+        size_t count = sl_patch_hanging(p, &leaf, edge, &list);
+        if (count == 0) continue;
+        if (end + count >= SL_FAN_BIT ||
+            !sl_display_grow(&fans->spoke, &fans->capacity, end + count, sizeof *fans->spoke))
+            return false;
+        for (size_t k = 0; k < count; k++)
+            fans->spoke[end++] = (sl_fan_spoke){vertex[k], (uint16_t)edge, along[k]};
+    }
+    if (end == first + 1) return true;
+    fans->spoke[first] = (sl_fan_spoke){.vertex = (uint32_t)(end - first - 1)};
+    fans->used = end;
+    *word = SL_FAN_BIT | (uint32_t)first;
+    return true;
+}
+
+static bool update_patch(sl_display_copy *copy, const sl_patches *p, uint32_t patch) {
+    uint32_t *word = &copy->word[patch];
+    if (sl_is_fan_word(*word)) copy->fans.wasted += 1 + sl_fan_at(&copy->fans, *word)->vertex;
+    *word = SL_DISPLAY_LEAF;
+    if (!sl_patch_is_alive(p, patch)) return true;
+    if (sl_patch_is_leaf(p, patch)) return put_fan(&copy->fans, p, patch, word);
+    *word = p->patch[patch].child / 4;
+    return true;
 }
 
 static void update_roots(sl_display *d, sl_display_copy *copy, const sl_patches *p) {
@@ -153,15 +173,15 @@ static bool list_patches(sl_display *d, int which, const sl_patches *p, uint32_t
 }
 
 static void begin_anew(sl_display_copy *copy) {
-    sl_fans_begin(&copy->fans);
+    copy->fans.used = copy->fans.wasted = 0;
     copy->patch_count = 0;
     copy->complete = false;
 }
 
 /* List 0: changed in this update; 1: in the one before, as this copy has not seen that. A copy that is not
- * complete takes all. */
+ * complete takes all, and so does one whose fans are mostly waste. */
 static sl_status update_copy(sl_display *d, sl_display_copy *copy, const sl_patches *p, sl_error *error) {
-    bool all = !copy->complete;
+    bool all = !copy->complete || copy->fans.wasted > copy->fans.used / 2;
     if (all) begin_anew(copy);
     copy->guess = d->settings.guess;
     if (!list_patches(d, 0, p, all ? 0 : SL_PATCH_DIRTY) || !reserve_copy(copy, p))
@@ -171,7 +191,7 @@ static sl_status update_copy(sl_display *d, sl_display_copy *copy, const sl_patc
     sl_status status = SL_OK;
     for (int which = 1; which >= 0; which--) {
         for (size_t i = 0; status == SL_OK && i < d->dirty_count[which]; i++)
-            status = update_patch(copy, p, d->dirty[which][i], error);
+            if (!update_patch(copy, p, d->dirty[which][i])) status = sl_fail_memory(error, "the display");
     }
     if (status == SL_OK)
         status = sl_display_values(d, copy, p, (const uint32_t *const *)d->dirty, d->dirty_count, error);

@@ -6,8 +6,8 @@
  * and a quadrilateral is bilinear, where two triangles of it would show their diagonal. Arrays are kept
  * twice: one set is drawn while the other is brought up to date, and they are swapped at an update's end.
  *
- *   arrays.c         the two copies: trees, only what has changed
- *   display_fans.c   leaves beside finer ones: fans around their centre, so that colours meet along edges
+ *   arrays.c         the two copies: trees, only what has changed; of leaves beside finer ones fans around
+ *                    their centre, so that colours meet along edges
  *   vertex_values.c  what vertices show: their samples, or, before they have any, what lies between those
  *                    around them
  *   leaf_lookup.h    from (u, v) to a leaf, and what it shows there

@@ -1,4 +1,4 @@
-/* Between arrays.c, display_fans.c, vertex_values.c, window.c, tessellate.c and draw.c. */
+/* Between arrays.c, vertex_values.c, window.c, tessellate.c and draw.c. */
 #ifndef SL_SHADING_CACHE_DISPLAY_PARTS_H
 #define SL_SHADING_CACHE_DISPLAY_PARTS_H
 
@@ -11,35 +11,26 @@ enum { SL_FAN_BIT = 0x40000000 };
 static inline bool sl_is_leaf_word(uint32_t word) { return word >= SL_FAN_BIT; }
 static inline bool sl_is_fan_word(uint32_t word) { return sl_is_leaf_word(word) && word != SL_DISPLAY_LEAF; }
 
-
 /* A wanted root. */
 typedef struct sl_display_root {
     uint32_t patch;
     uint32_t vertex[4];
 } sl_display_root;
 
-/* Fans in one array of words, room being given out in powers of two: first 16 bits with the number of
- * vertices that hang on the leaf's edges, and 16 for each with its edge (2 bits) and how far along it (14
- * bits), around the leaf; then their numbers, from the next whole word on. */
-enum { SL_FAN_SMALLEST = 2, SL_FAN_SIZES = 17 };
-typedef struct sl_fans {
-    uint32_t *word;
-    size_t used, capacity;
-    uint32_t free[SL_FAN_SIZES]; /* the first of each size that is not in use; it names the next */
-} sl_fans;
-
+/* Fans in one array: first the number of vertices that hang on the leaf's edges, in `vertex`, then these,
+ * around the leaf. Those of leaves that have changed stay where they are until the copy is made anew. */
 typedef struct sl_fan_spoke {
-    int32_t edge, along;       /* the latter in 1/SL_PATCH_DYADIC of the edge */
+    uint32_t vertex;
+    uint16_t edge, along;      /* the latter in 1/SL_PATCH_DYADIC of the edge */
 } sl_fan_spoke;
 
-static inline const uint32_t *sl_fan_at(const sl_fans *fans, uint32_t word) {
-    return fans->word + (size_t)SL_FAN_SMALLEST * (word & (SL_FAN_BIT - 1));
-}
-static inline uint32_t sl_fan_count(const uint32_t *fan) { return fan[0] & 0xffff; }
-static inline const uint32_t *sl_fan_vertices(const uint32_t *fan) { return fan + sl_fan_count(fan) / 2 + 1; }
-static inline sl_fan_spoke sl_fan_spoke_at(const uint32_t *fan, uint32_t k) {
-    uint32_t code = fan[(k + 1) / 2] >> 16 * ((k + 1) % 2) & 0xffff;
-    return (sl_fan_spoke){(int32_t)(code >> SL_PATCH_DEPTH_MAX), (int32_t)(code & (SL_PATCH_DYADIC - 1))};
+typedef struct sl_fans {
+    sl_fan_spoke *spoke;
+    size_t used, capacity, wasted;
+} sl_fans;
+
+static inline const sl_fan_spoke *sl_fan_at(const sl_fans *fans, uint32_t word) {
+    return &fans->spoke[word & (SL_FAN_BIT - 1)];
 }
 
 /* Curved surfaces as triangles for one view. */
@@ -123,12 +114,6 @@ static inline const uint32_t *sl_display_middles(const sl_display_copy *copy, ui
 /* arrays.c: grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in
  * sl_regrow(). */
 bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes);
-
-/* display_fans.c. The word of a leaf: SL_DISPLAY_LEAF, or that of its fan. */
-void sl_fans_begin(sl_fans *fans);
-sl_status sl_fan_of_leaf(sl_fans *fans, const sl_patches *patches, const sl_patch_place *leaf, uint32_t *word,
-                         sl_error *error);
-void sl_fan_release(sl_fans *fans, uint32_t word);
 
 /* vertex_values.c. Values of the corners of the alive patches of a list, then of what has no samples yet. */
 sl_status sl_display_values(sl_display *display, sl_display_copy *copy, const sl_patches *patches,

@@ -146,20 +146,19 @@ static inline void sl_display_value(const sl_display_copy *copy, size_t colours,
  * vertices are ordered around the leaf. */
 static inline float sl_fan_piece(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
                                  const sl_fan_place *place, uint32_t end[2]) {
-    const uint32_t *fan = sl_fan_at(&copy->fans, leaf->word), count = sl_fan_count(fan),
-                   *vertex = sl_fan_vertices(fan);
+    const sl_fan_spoke *fan = sl_fan_at(&copy->fans, leaf->word);
     float along = place->along * (float)SL_PATCH_DYADIC;
     int32_t whole = (int32_t)along, low = 0, high = SL_PATCH_DYADIC, next = place->edge + 1;
     uint32_t from = corner[place->edge], to = corner[next == (leaf->triangle ? 3 : 4) ? 0 : next];
     /* no choice of ways, but of numbers: nobody could guess the ways */
-    for (uint32_t k = 0; k < count; k++) {
-        sl_fan_spoke spoke = sl_fan_spoke_at(fan, k);
-        bool here = spoke.edge == place->edge, before = here & (spoke.along <= whole),
-             beyond = here & (spoke.along > whole) & (spoke.along < high);
-        low = before ? spoke.along : low;
-        from = before ? vertex[k] : from;
-        high = beyond ? spoke.along : high;
-        to = beyond ? vertex[k] : to;
+    for (uint32_t k = 1; k <= fan->vertex; k++) {
+        int32_t at = fan[k].along;
+        bool here = fan[k].edge == place->edge, before = here & (at <= whole),
+             beyond = here & (at > whole) & (at < high);
+        low = before ? at : low;
+        from = before ? fan[k].vertex : from;
+        high = beyond ? at : high;
+        to = beyond ? fan[k].vertex : to;
     }
     end[0] = from;
     end[1] = to;

@@ -1,6 +1,6 @@
 /* Curved surfaces as triangles for a view (section on curved surfaces): grids so fine that no chord is
  * further than half a pixel from its surface. All surfaces are cut alike, as finely as the one that needs it
- * most, and points of an edge depend on its own curve alone: so nothing can tear where surfaces meet. */
+ * most, and points of an edge are those of its own curve, rounded once: so nothing tears where surfaces meet. */
 #include <math.h>
 #include <string.h>
 
@@ -100,66 +100,17 @@ static int find_rate(const sl_display *d, const sl_scene *scene) {
 
 /* ---- vertices -------------------------------------------------------------------------------- */
 
-/* Control points of an edge, from u or v = 0 to 1. */
-static sl_vec3 edge_control(const sl_bicubic *b, int edge, int i) {
-    return edge == 0   ? b->point[0][i]
-           : edge == 1 ? b->point[i][3]
-           : edge == 2 ? b->point[3][i]
-                       : b->point[i][0];
-}
-
-static int compare_points(const sl_vec3 *a, const sl_vec3 *b) {
-    const float x[3] = {a->x, a->y, a->z}, y[3] = {b->x, b->y, b->z};
-    for (int k = 0; k < 3; k++) {
-        if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
-    }
-    return 0;
-}
-
-/* Of the two ways to run through an edge the one with the smaller points is agreed on. */
-static bool is_backwards(const sl_vec3 p[4]) {
-    for (int i = 0; i < 4; i++) {
-        int order = compare_points(&p[i], &p[3 - i]);
-        if (order) return order > 0;
-    }
-    return false;
-}
-
-static sl_vec3 curve_at(const sl_vec3 p[4], double t) {
-    double s = 1.0 - t, weight[4] = {s * s * s, 3.0 * t * s * s, 3.0 * t * t * s, t * t * t};
-    sl_vec3d sum = {0, 0, 0};
-    for (int i = 0; i < 4; i++) sum = sl_addd(sum, sl_scaled(sl_to_double(p[i]), weight[i]));
-    return sl_to_float(sum);
-}
-
-/* Points of an edge come from its own curve, run through the agreed way: the same bits for all that share it.
- */
-static sl_vec3 edge_point(const sl_bicubic *b, int edge, int k, int rate) {
-    sl_vec3 p[4], turned[4];
-    for (int i = 0; i < 4; i++) turned[3 - i] = p[i] = edge_control(b, edge, i);
-    return is_backwards(p) ? curve_at(turned, (double)(rate - k) / rate) : curve_at(p, (double)k / rate);
-}
-
-static sl_vec3 grid_point(const sl_bicubic *b, int i, int j, int rate) {
-    if (j == 0) return edge_point(b, 0, i, rate);
-    if (j == rate) return edge_point(b, 2, i, rate);
-    if (i == 0) return edge_point(b, 3, j, rate);
-    if (i == rate) return edge_point(b, 1, j, rate);
-    sl_vec3 position;
-    sl_bicubic_at(b, (double)i / rate, (double)j / rate, &position, NULL);
-    return position;
-}
-
 static void put_vertices(const sl_display *d, const sl_scene *scene, sl_tessellation *t) {
     size_t at = 0, row = (size_t)t->rate + 1;
     for (size_t s = 0; s < d->curved_count; s++) {
         const sl_bicubic *b = surface_of(d, scene, s);
         for (size_t k = 0; k < row * row; k++, at++) {
-            int i = (int)(k % row), j = (int)(k / row);
-            sl_vec3 p = grid_point(b, i, j, t->rate);
+            double u = (double)(k % row) / t->rate, v = (double)(k / row) / t->rate;
+            sl_vec3 p;
+            sl_bicubic_at(b, u, v, &p, NULL);
             t->x[at] = p.x, t->y[at] = p.y, t->z[at] = p.z;
-            t->u[at] = (float)((double)i / t->rate);
-            t->v[at] = (float)((double)j / t->rate);
+            t->u[at] = (float)u;
+            t->v[at] = (float)v;
         }
         memcpy(t->point + 16 * s, b->point, sizeof b->point);
     }
