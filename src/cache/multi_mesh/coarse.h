@@ -13,15 +13,13 @@
  * Vertices are shared: one for each corner in use, 2^l - 1 on each edge (l the highest level of the faces
  * along it), and those inside a face.
  *
- *   coarse.c           levels and vertices
- *   coarse_colours.c   values times the bounce's reflectance
- *   coarse_light.c     direct light at its vertices
- *   coarse_rounds.c    some vertices an update */
+ *   coarse.c         levels and vertices; their values times the bounce's reflectance
+ *   coarse_light.c   direct light at its vertices, some of them an update */
 #ifndef SL_MULTI_MESH_COARSE_H
 #define SL_MULTI_MESH_COARSE_H
 
 #include "cache/hemisphere/mesh_gather.h"
-#include "cache/patches/mesh.h"
+#include "cache/multi_mesh/irradiance.h"
 
 typedef struct sl_coarse_settings {
     float edge;                /* scene units: longer edges are split, */
@@ -83,23 +81,10 @@ uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i,
  * are enough, noise and all; and of many lights those that could give most are asked, in that order (Ward
  * 1994), until the others together could add but little: these are taken to be as visible as the former were.
  * Nothing is kept for the picture's own meshes, nor are these refined for it. */
-typedef struct sl_coarse_light_settings {
-    const sl_scene *scene;     /* all of these must outlive it */
-    const sl_primitives *primitives;
-    const sl_tracer *tracer;
-    const sl_sampled_lights *lights;
-    const sl_light_sampling *sampling;
-    unsigned threads;
-} sl_coarse_light_settings;
-
-typedef struct sl_coarse_light sl_coarse_light;
-sl_status sl_coarse_light_create(const sl_coarse_light_settings *settings, sl_coarse_light **light,
-                                 sl_error *error);
-void sl_coarse_light_destroy(sl_coarse_light *light);
-size_t sl_coarse_light_memory_bytes(const sl_coarse_light *light);
 /* U_dd of each vertex; NaN where it lies inside other geometry. A pure function of the vertex and the scene.
  * Counts SL_COUNT_LIGHT_SAMPLES. */
-void sl_coarse_light_take(sl_coarse_light *light, size_t count, const sl_coarse_vertex *vertex,
-                          sl_rgb *radiance, sl_counters *counters);
+sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
+                               const sl_coarse_vertex *vertex, sl_rgb *radiance, sl_counters *counters,
+                               sl_error *error);
 
 #endif

@@ -23,11 +23,6 @@ typedef struct light_worker {
     uint32_t *order;           /* lights that could give any, most first */
 } light_worker;
 
-struct sl_coarse_light {
-    sl_coarse_light_settings settings;
-    light_worker *worker;
-};
-
 /* ---- a point ---- */
 
 /* Sorts the lights that could give any; returns how many, and what all of them could give. */
@@ -56,14 +51,14 @@ static size_t rank_lights(const sl_sampled_lights *lights, const sl_lit_point *p
 static int rays_to(double part) { return part > 0.3 ? 12 : part > 0.1 ? 8 : 4; }
 
 /* F of all lights. Whether any light that could arrive does. */
-static bool light_point(const sl_coarse_light *c, const sl_lit_point *point, light_worker *w) {
+static bool light_point(const sl_irradiance_settings *c, const sl_lit_point *point, light_worker *w) {
     double all, asked = 0.0, seen = 0.0;
-    size_t count = rank_lights(c->settings.lights, point, w, &all), i = 0;
+    size_t count = rank_lights(c->lights, point, w, &all), i = 0;
     for (; i < count && (i == 0 || asked < (1.0 - UNASKED) * all); i++) {
         uint32_t l = w->order[i];
         double most = (double)w->share[l];
         w->share[l] =
-            sl_light_sample_by_rays(c->settings.sampling, l, point, rays_to(w->most[l] / all), &w->counters);
+            sl_light_sample_by_rays(c->sampling, l, point, rays_to(w->most[l] / all), &w->counters);
         asked += w->most[l];
         seen += w->most[l] * (double)w->share[l] / most;
     }
@@ -74,34 +69,33 @@ static bool light_point(const sl_coarse_light *c, const sl_lit_point *point, lig
 
 /* ---- a vertex ---- */
 
-static sl_mesh_point point_of(const sl_coarse_light *c, const sl_coarse_vertex *v, double nudge) {
+static sl_mesh_point point_of(const sl_irradiance_settings *c, const sl_coarse_vertex *v, double nudge) {
     double third = SL_PATCH_DYADIC / 3.0;
-    sl_face_point x = {.face = v->face,
-                       .p = (uint16_t)(v->lit_p + nudge * (third - v->lit_p)),
-                       .q = (uint16_t)(v->lit_q + nudge * (third - v->lit_q))};
-    sl_mesh_point at = sl_face_point_in_world(c->settings.primitives, &x);
+    sl_root_place x = {v->face, (uint16_t)(v->lit_p + nudge * (third - v->lit_p)),
+                       (uint16_t)(v->lit_q + nudge * (third - v->lit_q))};
+    sl_mesh_point at = sl_mesh_point_at(c->primitives, x);
     if (at.triangle == SL_NO_INDEX)
-        sl_step_inside(c->settings.scene, 5.0 * sl_light_sampling_step(c->settings.sampling), &at);
+        sl_step_inside(c->scene, 5.0 * sl_light_sampling_step(c->sampling), &at);
     return at;
 }
 
 /* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further
  * inside its face. */
-static sl_rgb light_vertex(const sl_coarse_light *c, const sl_coarse_vertex *v, light_worker *w) {
+static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vertex *v, light_worker *w) {
     static const double nudge[] = {0.0, 0.01, 0.05, 0.2};
-    const sl_coarse_light_settings *s = &c->settings;
     for (size_t i = 0; i < sizeof nudge / sizeof nudge[0]; i++) {
         sl_mesh_point at = point_of(c, v, nudge[i]);
         sl_lit_point point = sl_lit_point_of(&at);
-        if (!light_point(c, &point, w) && sl_mesh_point_in_solid(s->primitives, s->tracer, &at, &w->counters))
+        if (!light_point(c, &point, w) && sl_mesh_point_in_solid(c->primitives, c->tracer, &at, &w->counters))
             continue;
-        return sl_direct_diffuse(s->lights, w->share);
+        return sl_direct_diffuse(c->lights, w->share);
     }
     return sl_grey(NAN);
 }
 
 typedef struct lighting {
-    const sl_coarse_light *light;
+    const sl_irradiance_settings *light;
+    light_worker *worker;
     size_t count;
     const sl_coarse_vertex *vertex;
     sl_rgb *radiance;
@@ -111,58 +105,29 @@ static void light_some(void *context, size_t task, unsigned worker) {
     const lighting *job = context;
     size_t end = (task + 1) * VERTICES_A_TASK < job->count ? (task + 1) * VERTICES_A_TASK : job->count;
     for (size_t i = task * VERTICES_A_TASK; i < end; i++)
-        job->radiance[i] = light_vertex(job->light, &job->vertex[i], &job->light->worker[worker]);
+        job->radiance[i] = light_vertex(job->light, &job->vertex[i], &job->worker[worker]);
 }
 
-void sl_coarse_light_take(sl_coarse_light *c, size_t count, const sl_coarse_vertex *vertex, sl_rgb *radiance,
-                          sl_counters *counters) {
-    lighting job = {c, count, vertex, radiance};
-    sl_parallel_for(c->settings.threads, (count + VERTICES_A_TASK - 1) / VERTICES_A_TASK, light_some, &job);
-    for (unsigned t = 0; t < c->settings.threads; t++) {
-        sl_counters_add(counters, &c->worker[t].counters);
-        c->worker[t].counters = (sl_counters){{0}};
-    }
-}
-
-/* ---- life ---- */
-
-static sl_status make_worker(const sl_coarse_light *c, light_worker *w, sl_error *error) {
-    size_t lights = c->settings.lights->count;
-    w->share = sl_allocate(lights, sizeof *w->share);
-    w->most = sl_allocate(lights, sizeof *w->most);
-    w->order = sl_allocate(lights, sizeof *w->order);
-    return w->share && w->most && w->order ? SL_OK : sl_fail_memory(error, "the coarse mesh's light");
-}
-
-sl_status sl_coarse_light_create(const sl_coarse_light_settings *settings, sl_coarse_light **light,
-                                 sl_error *error) {
-    *light = NULL;
-    sl_coarse_light *c = sl_allocate(1, sizeof *c);
-    if (!c) return sl_fail_memory(error, "the coarse mesh's light");
-    c->settings = *settings;
-    c->worker = sl_allocate(settings->threads, sizeof *c->worker);
-    sl_status status = c->worker ? SL_OK : sl_fail_memory(error, "the coarse mesh's light");
-    for (unsigned t = 0; t < settings->threads && status == SL_OK; t++)
-        status = make_worker(c, &c->worker[t], error);
-    if (status == SL_OK) *light = c;
-    else sl_coarse_light_destroy(c);
-    return status;
-}
-
-void sl_coarse_light_destroy(sl_coarse_light *c) {
-    if (!c) return;
-    for (unsigned t = 0; c->worker && t < c->settings.threads; t++) {
-        sl_free(c->worker[t].share);
-        sl_free(c->worker[t].most);
-        sl_free(c->worker[t].order);
-    }
-    sl_free(c->worker);
-    sl_free(c);
-}
-
-size_t sl_coarse_light_memory_bytes(const sl_coarse_light *c) {
-    size_t by_light = sizeof *c->worker->share + sizeof *c->worker->most + sizeof *c->worker->order;
-    return sizeof *c + c->settings.threads * (sizeof *c->worker + c->settings.lights->count * by_light);
+sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
+                               const sl_coarse_vertex *vertex, sl_rgb *radiance, sl_counters *counters,
+                               sl_error *error) {
+    size_t lights = light->lights->count, all = lights * light->threads;
+    lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), count, vertex, radiance};
+    double *most = sl_allocate(all, sizeof *most);
+    float *share = sl_allocate(all, sizeof *share);
+    uint32_t *order = sl_allocate(all, sizeof *order);
+    bool room = job.worker && most && share && order;
+    for (unsigned t = 0; t < light->threads && room; t++)
+        job.worker[t] =
+            (light_worker){.share = share + t * lights, .most = most + t * lights, .order = order + t * lights};
+    if (room)
+        sl_parallel_for(light->threads, (count + VERTICES_A_TASK - 1) / VERTICES_A_TASK, light_some, &job);
+    for (unsigned t = 0; t < light->threads && room; t++) sl_counters_add(counters, &job.worker[t].counters);
+    sl_free(job.worker);
+    sl_free(most);
+    sl_free(share);
+    sl_free(order);
+    return room ? SL_OK : sl_fail_memory(error, "the coarse mesh's light");
 }
 
 /* The coarse mesh of the whole scene, some vertices an update: first the light of lamps at all of them; under
@@ -217,12 +182,11 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
 
 /* ---- rounds ---- */
 
-static void light_coarse(sl_multi_mesh_state *s, size_t count) {
-    if (!s->coarse_light) return;
-    sl_rgb *radiance = s->coarse_direct + s->coarse_done;
-    sl_coarse_light_take(s->coarse_light, count, s->coarse->vertex + s->coarse_done, radiance,
-                         &s->counters);
+static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
+    if (!s->plan.lights) return SL_OK;
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
+    return sl_coarse_light_take(&s->light, count, s->coarse->vertex + s->coarse_done,
+                                s->coarse_direct + s->coarse_done, &s->counters, error);
 }
 
 /* U_dd, and E_i / pi where it is known, is what gathers see. */
@@ -287,8 +251,8 @@ static void gather_for_coarse(sl_multi_mesh_state *s, size_t count) {
     const sl_coarse_vertex *vertex = s->coarse->vertex + s->coarse_done;
     sl_mesh_point points[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) {
-        sl_face_point x = {.face = vertex[i].face, .p = vertex[i].lit_p, .q = vertex[i].lit_q};
-        points[i] = sl_face_point_in_world(s->primitives, &x);
+        sl_root_place x = {vertex[i].face, vertex[i].lit_p, vertex[i].lit_q};
+        points[i] = sl_mesh_point_at(s->primitives, x);
     }
     sl_multi_mesh_gather(s, count, points, s->coarse_indirect + s->coarse_done);
 }
@@ -309,7 +273,7 @@ sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
     size_t count = left < COARSE_VERTICES ? left : COARSE_VERTICES;
     sl_status status = SL_OK;
     if (s->coarse_indirect) gather_for_coarse(s, count);
-    else if (count) light_coarse(s, count);
+    else if (count) status = light_coarse(s, count, error);
     s->coarse_done += count;
     if (status != SL_OK || s->coarse_done < all) return status;
     if (s->coarse_indirect) finish_gathers(s);

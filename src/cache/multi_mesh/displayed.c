@@ -1,7 +1,7 @@
 /* A mesh as the eye uses it: which of the id map's pixels show which leaf (image pass 1). Roots are made for
  * faces in view, and pixels handed down their quadtrees: a leaf's count of pixels is exact, also where other
  * things hide part of it. */
-#include "cache/multi_mesh/displayed_internal.h"
+#include "cache/multi_mesh/displayed.h"
 
 #include <string.h>
 
@@ -68,27 +68,23 @@ void sl_displayed_hand_down(sl_displayed *d, const sl_patch_place *place) {
     }
 }
 
-/* Pixels, sizes and priorities of a tree. What is below a node that is closed and small here, or was not
- * worth a look when a picture like this was done, was cut for the sake of another view, from nearer: it
- * shows, but nothing more is asked of it, so that an old view, seen again, asks for hardly anything. */
-static void see_below(sl_displayed *d, const sl_patch_place *place, bool settled) {
+/* Pixels, sizes and priorities of a tree. */
+static void see_below(sl_displayed *d, const sl_patch_place *place) {
     sl_patch *node = &d->mesh->patch[place->patch];
     bool is_leaf = node->child == SL_NO_INDEX,
          judged = is_leaf || sl_all_edges_closed(node) || d->settings.probed_area > 0.0f;
-    if (node->pixels > 1 && !settled && judged) sl_displayed_judge_size(d, place);
-    if (settled) node->flags |= SL_NODE_SETTLED;
+    if (node->pixels > 1 && judged) sl_displayed_judge_size(d, place);
     node->priority = 0.0f;
     if (is_leaf) {
         node->priority = sl_displayed_leaf_priority(d, place);
         return;
     }
-    settled |= sl_all_edges_closed(node) ? (node->flags & SL_NODE_SMALL) != 0 : sl_was_minor(node);
     sl_displayed_hand_down(d, place);
     for (int c = 0; c < 4; c++) {
         const sl_patch *child = &d->mesh->patch[node->child + (uint32_t)c];
         if (!child->pixels) continue; /* all is 0 below */
         sl_patch_place below = sl_patch_child_place(d->mesh, place, c);
-        see_below(d, &below, settled);
+        see_below(d, &below);
         node->priority = child->priority > node->priority ? child->priority : node->priority;
     }
 }
@@ -104,7 +100,7 @@ static void see_share(void *context, size_t share, unsigned worker) {
         sl_patch_place root = sl_patch_root_place(d->mesh, pixels->face[e].face);
         d->first[root.patch] = pixels->face[e].first;
         d->mesh->patch[root.patch].pixels = pixels->face[e].count;
-        see_below(d, &root, false);
+        see_below(d, &root);
     }
 }
 
@@ -128,7 +124,7 @@ static void forget_view(sl_displayed *d) {
         sl_patch *node = &d->mesh->patch[n];
         node->pixels = 0;
         node->priority = 0.0f;
-        node->flags &= ~(uint32_t)(SL_NODE_TAKEN | SL_PATCH_DIRTY | SL_NODE_SMALL | SL_NODE_SETTLED);
+        node->flags &= ~(uint32_t)(SL_NODE_TAKEN | SL_PATCH_DIRTY | SL_NODE_SMALL);
     }
     d->heap_count = 0;
     d->chain_entry = SL_NO_INDEX;
@@ -198,8 +194,6 @@ void sl_displayed_restart(sl_displayed *d) {
  * Only what has changed is drawn: leaves that were cut or put together, and those on whose edges a vertex
  * became known. Pixels belong to one leaf each, so the picture does not depend on the order, and an
  * incremental one is that of drawing it all. */
-
-void sl_displayed_mark(sl_displayed *d, uint32_t leaf) { d->mesh->patch[leaf].flags |= SL_PATCH_DIRTY; }
 
 typedef struct draw_job {
     const sl_displayed *d;

@@ -5,17 +5,10 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/multi_mesh/direct.h"
-#include "cache/multi_mesh/displayed_internal.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 #include "cache/patches/fan.h"
 
 /* ---- a pixel's vertices ---- */
-
-typedef struct weighted_vertex {
-    uint32_t vertex;
-    double weight;
-} weighted_vertex;
-enum { VERTICES = 5 /* three corners, two vertices of an edge */, STEPS = SL_FAN_EDGE - 1 };
 
 /* Where a pixel's face was sorted: its entry and the pixel's place in the view's arrays. False: the mesh does
  * not show there. */
@@ -34,20 +27,10 @@ static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel
     return false;
 }
 
-/* Tells whether a leaf's corners are sampled, and how many of them are of use. */
-static bool has_values(const sl_displayed *d, uint32_t node, int *known) {
-    *known = 0;
-    for (int c = 0; c < 3; c++) {
-        uint32_t vertex = sl_patch_corner(d->mesh, node, c);
-        if (!sl_mesh_is_sampled(d->mesh, vertex)) return false;
-        *known += sl_mesh_state(d->mesh, vertex) == SL_VERTEX_KNOWN;
-    }
-    return *known > 0;
-}
-
-/* The leaf, or the nearest node above it that has values, as it is drawn. */
-static bool find_shown(const sl_displayed *d, sl_patch_place *place, int *known) {
-    while (!has_values(d, place->patch, known)) {
+/* Finds the leaf, or the nearest patch above it whose corners are sampled and one is of use, as it is drawn. */
+static bool find_shown(const sl_displayed *d, sl_patch_place *place) {
+    sl_mesh_fan fan;
+    while (!sl_mesh_fan_make(d->mesh, place, false, &fan)) {
         uint32_t parent = sl_patch_parent(d->mesh, place->patch);
         if (parent == SL_NO_INDEX) return false;
         *place = sl_patch_place_of(d->mesh, parent);
@@ -55,41 +38,50 @@ static bool find_shown(const sl_displayed *d, sl_patch_place *place, int *known)
     return true;
 }
 
-/* Between the two vertices of edge e around a point, in steps of 1/2^SL_FAN_LEVELS: shares of the edge's
- * ends (by corner), the rest is others'. */
-static size_t weigh_edge(const sl_displayed *d, const sl_patch_place *place, int e, double steps, double share,
-                         double corner[3], weighted_vertex *out) {
+/* Gives the ends of the piece of an edge on which a point lies; returns how far along that it is. */
+static double piece_of(const sl_displayed *d, const sl_patch_place *place, int edge, double along,
+                       uint32_t end[2]) {
+    const double whole = SL_FAN_EDGE - 1;
     sl_edge_vertices list = {.count = 0};
-    int ends[2] = {(e + 1) % 3, (e + 2) % 3}, low = -1, made = 0;
-    if (d->settings.hanging) sl_mesh_edge_vertices(d->mesh, place, e, &list);
-    while (low + 1 < list.count && (double)list.at[low + 1] <= steps) low++;
-    int high = low + 1;
-    double from = low < 0 ? 0.0 : list.at[low], to = high < list.count ? list.at[high] : STEPS;
-    double rest = (steps - from) / (to - from);
-    if (low < 0) corner[ends[0]] += share * (1.0 - rest);
-    else out[made++] = (weighted_vertex){list.vertex[low], share * (1.0 - rest)};
-    if (high == list.count) corner[ends[1]] += share * rest;
-    else out[made++] = (weighted_vertex){list.vertex[high], share * rest};
-    return (size_t)made;
+    int low = -1;
+    if (d->settings.hanging) sl_mesh_edge_vertices(d->mesh, place, edge, &list);
+    while (low + 1 < list.count && (double)list.at[low + 1] <= whole * along) low++;
+    double from = low < 0 ? 0.0 : list.at[low], to = low + 1 < list.count ? list.at[low + 1] : whole;
+    end[0] = low < 0 ? sl_patch_corner(d->mesh, place->patch, (edge + 1) % 3) : list.vertex[low];
+    end[1] = low + 1 < list.count ? list.vertex[low + 1]
+                                  : sl_patch_corner(d->mesh, place->patch, (edge + 2) % 3);
+    return (whole * along - from) / (to - from);
 }
 
-/* Weighs a leaf's vertices by the fan of mesh_interpolate.c. */
-static size_t weigh_vertices(const sl_displayed *d, const sl_patch_place *place, int known, float w1, float w2,
-                             weighted_vertex out[VERTICES]) {
+/* The mean of the known corners stands in for one that is of no use. */
+static void share(const sl_displayed *d, const sl_patch_place *place, uint32_t vertex, double weight,
+                  sl_vertex_shares *shares) {
+    uint32_t known[3];
+    size_t count = 0;
+    if (sl_mesh_state(d->mesh, vertex) == SL_VERTEX_KNOWN) {
+        sl_share_add(shares, vertex, weight);
+        return;
+    }
+    for (int c = 0; c < 3; c++) {
+        known[count] = sl_patch_corner(d->mesh, place->patch, c);
+        count += sl_mesh_state(d->mesh, known[count]) == SL_VERTEX_KNOWN;
+    }
+    for (size_t i = 0; i < count; i++) sl_share_add(shares, known[i], weight / (double)count);
+}
+
+/* Weighs a leaf's vertices as mesh.c interpolates: from the centre, the mean of the corners, to an edge. */
+static sl_vertex_shares shares_at(const sl_displayed *d, const sl_patch_place *place, float w1, float w2) {
     float own_w1, own_w2;
     sl_mesh_weights_within(place, w1, w2, &own_w1, &own_w2);
     sl_fan_place fan = sl_fan_place_of(true, own_w1, own_w2);
-    double s = (double)fan.out, centre = (1.0 - s) / 3.0, corner[3] = {centre, centre, centre}, lost = 0.0;
-    size_t count = weigh_edge(d, place, (fan.edge + 2) % 3, STEPS * (double)fan.along, s, corner, out);
-    uint32_t vertex[3];
-    for (int c = 0; c < 3; c++) {
-        vertex[c] = sl_patch_corner(d->mesh, place->patch, c);
-        lost += sl_mesh_state(d->mesh, vertex[c]) == SL_VERTEX_KNOWN ? 0.0 : corner[c];
-    }
-    for (int c = 0; c < 3; c++) /* the mean of the others stands in for a corner that is of no use */
-        if (sl_mesh_state(d->mesh, vertex[c]) == SL_VERTEX_KNOWN)
-            out[count++] = (weighted_vertex){vertex[c], corner[c] + lost / (double)known};
-    return count;
+    sl_vertex_shares shares = {.count = 0};
+    uint32_t end[2];
+    double out = (double)fan.out, along = piece_of(d, place, (fan.edge + 2) % 3, (double)fan.along, end);
+    for (int c = 0; c < 3; c++)
+        share(d, place, sl_patch_corner(d->mesh, place->patch, c), (1.0 - out) / 3.0, &shares);
+    share(d, place, end[0], out * (1.0 - along), &shares);
+    share(d, place, end[1], out * along, &shares);
+    return shares;
 }
 
 /* ---- telling ---- */
@@ -116,19 +108,19 @@ static void reflectance_of(const telling *t, sl_component part, float reflectanc
     }
 }
 
-static void tell_vertex(const telling *t, sl_component part, const weighted_vertex *v,
+static void tell_vertex(const telling *t, sl_component part, uint32_t vertex, double weight,
                         const float reflectance[3]) {
     const sl_patches *mesh = t->s->part[part]->mesh;
     sl_explanation_term term = {
-        .layer = layers[part], .kind = kinds[part], .index = v->vertex, .placed = true, .weight = v->weight};
+        .layer = layers[part], .kind = kinds[part], .index = vertex, .placed = true, .weight = weight};
     sl_mesh_point point;
-    point = sl_mesh_point_of(mesh, v->vertex);
+    point = sl_mesh_point_of(mesh, vertex);
     term.position[0] = point.position.x;
     term.position[1] = point.position.y;
     term.position[2] = point.position.z;
     for (int k = 0; k < 3; k++) {
-        term.value[k] = sl_vertex_value(mesh, v->vertex)[k];
-        term.contribution[k] = v->weight * (double)term.value[k] * (double)reflectance[k];
+        term.value[k] = sl_vertex_value(mesh, vertex)[k];
+        term.contribution[k] = weight * (double)term.value[k] * (double)reflectance[k];
     }
     sl_explanation_add(t->writer, &term);
 }
@@ -154,15 +146,13 @@ static void tell_part(const telling *t, sl_component part) {
     reflectance_of(t, part, reflectance);
     float w1 = d->pixels->w1[at], w2 = d->pixels->w2[at];
     sl_patch_place place = sl_mesh_locate(d->mesh, face, w1, w2);
-    int known;
-    if (!find_shown(d, &place, &known)) {
+    if (!find_shown(d, &place)) {
         if (part == SL_INDIRECT) tell_ambient(t, reflectance);
         return;
     }
-    weighted_vertex vertex[VERTICES];
-    size_t count = weigh_vertices(d, &place, known, w1, w2, vertex);
-    for (size_t i = 0; i < count; i++)
-        if (vertex[i].weight != 0.0) tell_vertex(t, part, &vertex[i], reflectance);
+    sl_vertex_shares all = shares_at(d, &place, w1, w2);
+    for (size_t i = 0; i < all.count; i++)
+        if (all.weight[i] != 0.0) tell_vertex(t, part, all.vertex[i], all.weight[i], reflectance);
 }
 
 sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_writer *writer,
@@ -309,9 +299,8 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     size_t widest = 0;
     for (size_t f = 1; f < pixels->face_count; f++)
         widest = pixels->face[f].count > pixels->face[widest].count ? f : widest;
-    sl_face_point middle = {
-        .face = pixels->face[widest].face, .p = SL_PATCH_DYADIC / 3, .q = SL_PATCH_DYADIC / 3};
-    sl_mesh_point point = sl_face_point_in_world(s->primitives, &middle);
+    sl_root_place middle = sl_mesh_face_middle(pixels->face[widest].face);
+    sl_mesh_point point = sl_mesh_point_at(s->primitives, middle);
     sl_counters nobodys = {{0}}; /* no sample of the picture's */
     sl_lit_point lit = sl_lit_point_of(&point);
     sl_mesh_gather_take(s->gather, &lit, point.face, s->gatherer[0].scratch, &nobodys);

@@ -1,6 +1,5 @@
 /* Irradiance meshes, one a light (irradiance.h says what they are for). In this order:
  *
- *   a vertex as a place in its face, and that place in the world;
  *   fetch: F of one light at one point, down the light's quadtree to a corner, to the middle of a leaf's
  *   edge, or to a leaf that may be interpolated. On the way leaves are tested and cut. Missing samples are
  *   wanted, and the fetch waits;
@@ -11,12 +10,11 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/multi_mesh/direct.h"
-
-#include <string.h>
 
 enum { SAMPLES_A_TASK = 4 };
 
@@ -29,12 +27,9 @@ static const float TOLERANCE = 0.25f;
 typedef struct wanted_sample {
     uint32_t light, vertex;
     sl_root_place leaf;       /* of whoever asked first */
-} wanted_sample;
-
-typedef struct sample_result {
-    float share;
+    float share;              /* once it is taken */
     bool valid;
-} sample_result;
+} wanted_sample;
 
 typedef struct sample_worker {
     sl_light_sample_scratch *scratch;
@@ -45,48 +40,20 @@ struct sl_irradiance_meshes {
     sl_irradiance_settings settings;
     sl_patches **mesh;            /* one a light */
     wanted_sample *wanted;
-    sample_result *result;
     size_t wanted_count, wanted_capacity;
     sample_worker *worker;
     bool sparing;              /* what is known will do */
     double inwards;            /* how far vertices on edges are moved into their faces */
 };
 
-typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_FAILED } fetch_state;
-
-/* ---- where vertices are ---- */
-
-sl_face_point sl_vertex_face_point(const sl_patches *mesh, uint32_t vertex, int wanted_depth,
-                                   sl_root_place leaf) {
-    sl_root_place at = mesh->vertex[vertex].place;
-    return (sl_face_point){at.root, at.u, at.v, wanted_depth, leaf};
-}
-
-sl_mesh_point sl_face_point_in_world(const sl_primitives *primitives, const sl_face_point *x) {
-    return sl_mesh_point_at(primitives, (sl_root_place){x->face, x->p, x->q});
-}
+typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_SPLIT, FETCH_FAILED } fetch_state;
 
 /* ---- fetch ---- */
 
 static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_root_place leaf) {
     if (sl_mesh_state(m->mesh[light], vertex) != SL_VERTEX_UNKNOWN) return true;
-    if (m->wanted_count == m->wanted_capacity) {
-        size_t capacity = m->wanted_capacity ? 2 * m->wanted_capacity : 1024;
-        wanted_sample *wanted = sl_allocate(capacity, sizeof *wanted);
-        sample_result *result = sl_allocate(capacity, sizeof *result);
-        if (!wanted || !result) {
-            sl_free(wanted);
-            sl_free(result);
-            return false;
-        }
-        if (m->wanted_count) memcpy(wanted, m->wanted, m->wanted_count * sizeof *wanted);
-        sl_free(m->wanted);
-        sl_free(m->result);
-        m->wanted = wanted;
-        m->result = result;
-        m->wanted_capacity = capacity;
-    }
-    m->wanted[m->wanted_count++] = (wanted_sample){light, vertex, leaf};
+    if (!sl_make_room(&m->wanted, m->wanted_count, &m->wanted_capacity, sizeof *m->wanted)) return false;
+    m->wanted[m->wanted_count++] = (wanted_sample){.light = light, .vertex = vertex, .leaf = leaf};
     sl_mesh_set_state(m->mesh[light], vertex, SL_VERTEX_REQUESTED);
     return true;
 }
@@ -194,91 +161,73 @@ static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_
     return want(m, light, vertex, leaf) ? FETCH_PENDING : FETCH_FAILED;
 }
 
-static int corner_at(const sl_patch_place *place, const sl_face_point *x) {
+static int corner_at(const sl_patch_place *place, sl_root_place x) {
     for (int i = 0; i < 3; i++)
-        if (place->u[i] == x->p && place->v[i] == x->q) return i;
+        if (place->u[i] == x.u && place->v[i] == x.v) return i;
     return -1;
-}
-
-/* Returns twice the area of (a, b, x) in a face's barycentrics: whole numbers, so that sides are exact. */
-static int64_t side_of(const sl_patch_place *place, int a, int b, const sl_face_point *x) {
-    int64_t ap = place->u[a], aq = place->v[a];
-    return ((int64_t)place->u[b] - ap) * ((int64_t)x->q - aq) -
-           ((int64_t)place->v[b] - aq) * ((int64_t)x->p - ap);
-}
-
-static bool holds(const sl_patch_place *place, const sl_face_point *x) {
-    int64_t s0 = side_of(place, 0, 1, x), s1 = side_of(place, 1, 2, x), s2 = side_of(place, 2, 0, x);
-    return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
-}
-
-static sl_patch_place child_that_holds(const sl_patches *mesh, const sl_patch_place *place,
-                                      const sl_face_point *x) {
-    for (int c = 0; c < 3; c++) {
-        sl_patch_place child = sl_patch_child_place(mesh, place, c);
-        if (holds(&child, x)) return child;
-    }
-    return sl_patch_child_place(mesh, place, 3);
-}
-
-static bool interpolate(const sl_patches *mesh, const sl_patch_place *leaf, const sl_face_point *x,
-                        float *share) {
-    double whole =
-        (double)side_of(leaf, 0, 1, &(sl_face_point){.face = leaf->root, .p = leaf->u[2], .q = leaf->v[2]});
-    double w1 = (double)side_of(leaf, 2, 0, x) / whole, w2 = (double)side_of(leaf, 0, 1, x) / whole;
-    return sl_mesh_interpolate(mesh, leaf, (float)w1, (float)w2, true, share);
 }
 
 /* Returns the edge of a leaf in whose middle a point lies, or -1. */
-static int edge_halved_by(const sl_patch_place *place, const sl_face_point *x) {
+static int edge_halved_by(const sl_patch_place *place, sl_root_place x) {
     for (int i = 0; i < 3; i++) {
         int a = (i + 1) % 3, b = (i + 2) % 3;
-        if (place->u[a] + place->u[b] == 2 * x->p && place->v[a] + place->v[b] == 2 * x->q) return i;
+        if (place->u[a] + place->u[b] == 2 * x.u && place->v[a] + place->v[b] == 2 * x.v) return i;
     }
     return -1;
 }
 
-/* Returns the sample at a point, or what is interpolated there, however coarsely. */
-static fetch_state fetch_known(const sl_patches *mesh, const sl_face_point *x, float *share) {
+static fetch_state interpolate(const sl_patches *mesh, const sl_patch_place *leaf, sl_root_place x,
+                               float *share) {
+    double w1, w2;
+    sl_patch_local(leaf, x.u, x.v, &w1, &w2);
+    return sl_mesh_interpolate(mesh, leaf, (float)w1, (float)w2, true, share) ? FETCH_READY : FETCH_INVALID;
+}
+
+bool sl_irradiance_known(const sl_patches *mesh, sl_root_place at, float *share) {
     const float unit = 1.0f / (float)SL_PATCH_DYADIC;
-    uint32_t sample = sl_vertex_find(mesh, (sl_root_place){x->face, x->p, x->q});
-    if (sample == SL_NO_INDEX || !sl_mesh_is_sampled(mesh, sample))
-        return sl_mesh_value(mesh, x->face, (float)x->p * unit, (float)x->q * unit, share) ? FETCH_READY
-                                                                                           : FETCH_PENDING;
+    uint32_t sample = sl_vertex_find(mesh, at);
+    if (!sl_mesh_is_sampled(mesh, sample))
+        return sl_mesh_value(mesh, at.root, (float)at.u * unit, (float)at.v * unit, share);
     *share = *sl_vertex_value(mesh, sample);
-    return sl_mesh_state(mesh, sample) == SL_VERTEX_KNOWN ? FETCH_READY : FETCH_INVALID;
+    return sl_mesh_state(mesh, sample) == SL_VERTEX_KNOWN;
+}
+
+/* At a leaf, as deep as is wanted: a sample, or what its tested edges allow to interpolate. FETCH_SPLIT: it is
+ * to be cut. */
+static fetch_state fetch_from_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *leaf,
+                                   const sl_face_point *x, float *share, sl_error *error) {
+    sl_patches *mesh = m->mesh[light];
+    sl_status status = SL_OK;
+    int edge = edge_halved_by(leaf, x->at);
+    uint32_t middle = edge >= 0 ? sl_mesh_middle(mesh, leaf, edge, &status, error) : SL_NO_INDEX;
+    if (status != SL_OK) return FETCH_FAILED;
+    if (middle != SL_NO_INDEX) return fetch_corner(m, light, middle, x->leaf, share);
+    fetch_state state = test_leaf(m, light, leaf, error);
+    if (state != FETCH_READY) return state;
+    return is_confident(m, light, leaf) ? interpolate(mesh, leaf, x->at, share) : FETCH_SPLIT;
 }
 
 static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_point *x, float *share,
                          sl_error *error) {
     sl_patches *mesh = m->mesh[light];
     sl_status status = SL_OK;
-    fetch_state known = m->sparing ? fetch_known(mesh, x, share) : FETCH_PENDING;
-    if (known != FETCH_PENDING) return known;
-    if (sl_patches_root(mesh, x->face, &status, error) == SL_NO_INDEX) return FETCH_FAILED;
-    sl_patch_place place = sl_patch_root_place(mesh, x->face);
+    const double one = SL_PATCH_DYADIC;
+    if (m->sparing && sl_irradiance_known(mesh, x->at, share)) return FETCH_READY;
+    if (sl_patches_root(mesh, x->at.root, &status, error) == SL_NO_INDEX) return FETCH_FAILED;
+    sl_patch_place place = sl_patch_root_place(mesh, x->at.root);
     for (;;) {
-        int corner = corner_at(&place, x);
-        if (corner >= 0) return fetch_corner(m, light, sl_patch_corner(mesh, place.patch, corner), x->leaf, share);
+        int corner = corner_at(&place, x->at);
+        if (corner >= 0)
+            return fetch_corner(m, light, sl_patch_corner(mesh, place.patch, corner), x->leaf, share);
         if (sl_patch_is_leaf(mesh, place.patch)) {
-            if (place.depth >= x->wanted_depth) {
-                int edge = edge_halved_by(&place, x);
-                uint32_t middle =
-                    edge >= 0 ? sl_mesh_middle(mesh, &place, edge, &status, error) : SL_NO_INDEX;
-                if (status != SL_OK) return FETCH_FAILED;
-                if (middle != SL_NO_INDEX) return fetch_corner(m, light, middle, x->leaf, share);
-                fetch_state state = test_leaf(m, light, &place, error);
-                if (state != FETCH_READY) return state;
-                if (is_confident(m, light, &place))
-                    return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
-            }
-            status = sl_mesh_split(mesh, &place, error);
-            if (status != SL_OK) return FETCH_FAILED;
-            /* as deep as it goes */
-            if (sl_patch_is_leaf(mesh, place.patch))
-                return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
+            fetch_state state = place.depth >= x->wanted_depth
+                                    ? fetch_from_leaf(m, light, &place, x, share, error)
+                                    : FETCH_SPLIT;
+            if (state != FETCH_SPLIT) return state;
+            if (sl_mesh_split(mesh, &place, error) != SL_OK) return FETCH_FAILED;
+            if (sl_patch_is_leaf(mesh, place.patch)) return interpolate(mesh, &place, x->at, share);
         }
-        place = child_that_holds(mesh, &place, x);
+        place = sl_patch_child_place(mesh, &place, sl_patch_child_at(&place, x->at.u / one, x->at.v / one));
     }
 }
 
@@ -314,21 +263,20 @@ static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_p
 /* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry:
  * then it is asked for a little further inside the leaf that wants it. (Inside its face would be too far:
  * what stands on a floor would get the light of what is beyond its shadow.) */
-static sample_result sample_vertex(const sl_irradiance_meshes *m, const wanted_sample *wanted,
-                                   sample_worker *w) {
+static void sample_vertex(const sl_irradiance_meshes *m, wanted_sample *wanted, sample_worker *w) {
     uint32_t light = wanted->light, vertex = wanted->vertex;
     const sl_patches *mesh = m->mesh[light];
     sl_mesh_point at;
     at = sl_mesh_point_of(mesh, vertex);
     if (at.triangle == SL_NO_INDEX) sl_step_inside(m->settings.scene, m->inwards, &at);
-    float share = take(m, light, &at, w);
-    if (share > 0.0f) return (sample_result){share, true};
+    wanted->share = take(m, light, &at, w);
+    wanted->valid = true;
+    if (wanted->share > 0.0f) return;
     sl_lit_point point = sl_lit_point_of(&at);
-    if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0))
-        return (sample_result){0.0f, true};
-    bool moved,
-        valid = sl_leave_solid(mesh, m->settings.tracer, vertex, wanted->leaf, &at, &moved, &w->counters);
-    return (sample_result){moved ? take(m, light, &at, w) : 0.0f, valid};
+    if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0)) return;
+    bool moved;
+    wanted->valid = sl_leave_solid(mesh, m->settings.tracer, vertex, wanted->leaf, &at, &moved, &w->counters);
+    if (moved) wanted->share = take(m, light, &at, w);
 }
 
 static void sample_some(void *context, size_t task, unsigned worker) {
@@ -336,7 +284,7 @@ static void sample_some(void *context, size_t task, unsigned worker) {
     size_t end =
         (task + 1) * SAMPLES_A_TASK < m->wanted_count ? (task + 1) * SAMPLES_A_TASK : m->wanted_count;
     for (size_t i = task * SAMPLES_A_TASK; i < end; i++)
-        m->result[i] = sample_vertex(m, &m->wanted[i], &m->worker[worker]);
+        sample_vertex(m, &m->wanted[i], &m->worker[worker]);
 }
 
 /* In the order in which they were asked for. */
@@ -344,8 +292,8 @@ static void commit_samples(sl_irradiance_meshes *m, sl_counters *counters) {
     for (size_t i = 0; i < m->wanted_count; i++) {
         sl_patches *mesh = m->mesh[m->wanted[i].light];
         uint32_t vertex = m->wanted[i].vertex;
-        *sl_vertex_value(mesh, vertex) = m->result[i].share;
-        sl_mesh_set_state(mesh, vertex, m->result[i].valid ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
+        *sl_vertex_value(mesh, vertex) = m->wanted[i].share;
+        sl_mesh_set_state(mesh, vertex, m->wanted[i].valid ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
     }
     for (unsigned t = 0; t < m->settings.threads; t++) {
         sl_counters_add(counters, &m->worker[t].counters);
@@ -445,12 +393,11 @@ void sl_irradiance_meshes_destroy(sl_irradiance_meshes *m) {
     sl_free(m->mesh);
     sl_free(m->worker);
     sl_free(m->wanted);
-    sl_free(m->result);
     sl_free(m);
 }
 
 size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *m) {
-    size_t bytes = sizeof *m + m->wanted_capacity * (sizeof *m->wanted + sizeof *m->result);
+    size_t bytes = sizeof *m + m->wanted_capacity * sizeof *m->wanted;
     for (size_t l = 0; l < m->settings.lights->count; l++) bytes += sl_patches_memory_bytes(m->mesh[l]);
     return bytes;
 }

@@ -3,12 +3,12 @@
  * discontinuities in a place stays coarse there.
  *
  * fetch(x, l), from the root of x's face in the mesh of light l:
- *   x is a corner                      its sample
- *   ... or the middle of a leaf's edge its sample: the leaf's test would take it, too
- *   a leaf whose three edges are closed, and which is no larger than whoever asks wants it to be:
- * interpolated a leaf still too large             cut, and on another leaf                       its edges
- * are tested, then it is closed or cut, and on Samples that are not there yet are put on a list; once they
- * are taken the fetch is made again: a round. */
+ *   x is a corner, or the middle of a leaf's edge   its sample
+ *   a leaf larger than whoever asks wants it to be  cut, and on
+ *   a leaf whose three edges are closed             interpolated
+ *   another leaf                                    its edges are tested, then it is closed or cut, and on
+ *
+ * Samples that are not there yet are put on a list; once they are taken the fetch is made again: a round. */
 #ifndef SL_MULTI_MESH_IRRADIANCE_H
 #define SL_MULTI_MESH_IRRADIANCE_H
 
@@ -16,19 +16,13 @@
 #include "cache/patches/mesh.h"
 #include "cache/patches/perception.h"
 
-/* A vertex of any mesh as a place in a face: weights of corners 1 and 2 in 1/SL_PATCH_DYADIC. */
+/* A vertex of any mesh for which irradiance is asked. */
 typedef struct sl_face_point {
-    uint32_t face;
-    uint16_t p, q;
+    sl_root_place at;
     int wanted_depth;          /* leaves above this are cut whatever their edges say */
     /* of the leaf that asks: where the vertex is asked for if it lies inside other geometry */
     sl_root_place leaf;
 } sl_face_point;
-/* Returns that of a mesh's vertex. */
-sl_face_point sl_vertex_face_point(const sl_patches *mesh, uint32_t vertex, int wanted_depth,
-                                   sl_root_place leaf);
-/* Returns where it lies in the world. */
-sl_mesh_point sl_face_point_in_world(const sl_primitives *primitives, const sl_face_point *x);
 
 typedef struct sl_irradiance_settings {
     const sl_scene *scene;     /* all of these must outlive the meshes */
@@ -57,6 +51,9 @@ const sl_patches *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t 
 sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_face_point *points,
                            float *share, bool *valid, sl_counters *counters, sl_error *error);
 
+/* Gives the sample at a place of a light's mesh, or what is interpolated there, however coarsely. False: there
+ * is neither. */
+bool sl_irradiance_known(const sl_patches *mesh, sl_root_place at, float *share);
 /* Sets whether what is known will do, whatever depth is wanted: samples are taken then only where there is
  * nothing to interpolate. */
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *meshes, bool sparing);

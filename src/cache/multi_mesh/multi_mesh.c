@@ -39,6 +39,7 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     if (status == SL_OK) status = sl_multi_mesh_see(s, error);
     sl_visible_pixels_destroy(before);
     s->priorities_stale = false;
+    s->highest = s->fraction = 0.0;
     s->seen_before = sl_multi_mesh_was_done(s);
     if (s->irradiance) sl_irradiance_meshes_spare(s->irradiance, s->seen_before);
     if (status == SL_OK) s->phase = SL_PHASE_FIRST;
@@ -65,8 +66,8 @@ static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t
     bool *valid = sl_allocate(count, sizeof *valid);
     sl_status status = points && share && valid ? SL_OK : sl_fail_memory(error, "samples");
     for (size_t i = 0; i < count && status == SL_OK; i++) {
-        points[i] = sl_vertex_face_point(s->part[part]->mesh, wanted[i].vertex,
-                                         sl_multi_mesh_light_depth(s, wanted[i].wanted_depth), wanted[i].leaf);
+        points[i] = (sl_face_point){s->part[part]->mesh->vertex[wanted[i].vertex].place,
+                                    sl_multi_mesh_light_depth(s, wanted[i].wanted_depth), wanted[i].leaf};
     }
     /* equation (3) */
     if (status == SL_OK)
@@ -178,7 +179,7 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
         sl_displayed *mesh = s->part[part];
         sl_patch_place place = sl_displayed_take(mesh);
         if (place.patch == SL_NO_INDEX) break;
-        if (sl_displayed_wants_probes(mesh, &place)) {
+        if (sl_is_unprobed(mesh, &mesh->mesh->patch[place.patch])) {
             r->probed[r->probed_count++] = (sl_probed_leaf){.part = (sl_component)part, .place = place};
             continue;
         }
@@ -226,8 +227,6 @@ static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error)
 static void end_picture(sl_multi_mesh_state *s) {
     sl_multi_mesh_announce_light_sample(s);
     sl_multi_mesh_remember_done(s);
-    for (int i = 0; i < SL_COMPONENTS; i++)
-        if (s->part[i]) sl_displayed_settle(s->part[i]);
     s->phase = SL_PHASE_DONE;
 }
 

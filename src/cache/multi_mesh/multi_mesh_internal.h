@@ -47,9 +47,9 @@ typedef struct sl_multi_mesh_state {
     sl_primitives *primitives;      /* triangles, each by itself */
     sl_sampled_lights *lights;
     sl_light_sampling *sampling;
+    sl_irradiance_settings light;   /* of these and of the coarse mesh */
     sl_irradiance_meshes *irradiance;
     sl_coarse *coarse;
-    sl_coarse_light *coarse_light;  /* NULL: no light to be coarse about */
     sl_mesh_gather *gather;
     sl_gather_worker *gatherer;     /* one a thread */
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
@@ -78,8 +78,7 @@ typedef struct sl_multi_mesh_state {
     size_t bytes_of_roots;          /* of the meshes before refinement */
     char filled[48];
     bool priorities_stale;          /* values have come since the view was seen */
-    uint64_t updates;               /* of refinement, */
-    double fraction;                /* ... and how much seemed to be done when that was last looked at */
+    double highest, fraction;       /* of all priorities of this view; how much seems to be done */
     sl_counters counters;
     sl_announcer announcer;
 } sl_multi_mesh_state;

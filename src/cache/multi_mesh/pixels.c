@@ -2,6 +2,7 @@
  * within a face by the way down its quadtree. */
 #include "cache/multi_mesh/pixels.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/counters.h"
@@ -10,7 +11,7 @@
 #include "base/parallel.h"
 #include "scene/surface_rules.h"
 
-enum { SHORT_LIST = 24, PATH_SHIFT = 32, TOP_SHIFT = PATH_SHIFT + 2 * SL_PATH_LEVELS - 4 };
+enum { PATH_SHIFT = 32 };
 
 typedef struct sort_job {
     const sl_scene *scene;
@@ -20,7 +21,7 @@ typedef struct sort_job {
     float *weight[2];          /* by pixel of the screen: of the triangle's corners 1 and 2, */
     uint32_t *face, *path;     /* ... SL_NO_INDEX: none; the way down its quadtree */
     uint32_t *next;            /* by face: how many pixels show it; then where its next key goes */
-    uint64_t *key, *spare;     /* path above pixel; by face */
+    uint64_t *key;             /* path above pixel; by face */
     sl_visible_pixels *out;
 } sort_job;
 
@@ -101,30 +102,10 @@ static sl_status list_faces(sort_job *j, sl_error *error) {
     return SL_OK;
 }
 
-static void insert_in_order(uint64_t *key, size_t count) {
-    for (size_t i = 1; i < count; i++) {
-        uint64_t k = key[i];
-        size_t at = i;
-        for (; at > 0 && key[at - 1] > k; at--) key[at] = key[at - 1];
-        key[at] = k;
-    }
-}
-
-/* Two levels of the quadtree at a time; of one path by index. No two keys are equal. */
-static void sort_by_path(uint64_t *key, uint64_t *spare, size_t count, int shift) {
-    if (count <= SHORT_LIST) {
-        insert_in_order(key, count);
-        return;
-    }
-    if (shift < 0) return;
-    size_t start[17] = {0}, next[16];
-    for (size_t i = 0; i < count; i++) start[(key[i] >> shift & 15) + 1]++;
-    for (int b = 0; b < 16; b++) start[b + 1] += start[b];
-    memcpy(next, start, sizeof next);
-    for (size_t i = 0; i < count; i++) spare[next[key[i] >> shift & 15]++] = key[i];
-    memcpy(key, spare, count * sizeof *key);
-    for (int b = 0; b < 16; b++)
-        sort_by_path(key + start[b], spare + start[b], start[b + 1] - start[b], shift - 4);
+/* By path, of one path by index: no two keys are equal. */
+static int by_key(const void *a, const void *b) {
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
 }
 
 static void sort_share(void *context, size_t share, unsigned worker) {
@@ -135,7 +116,7 @@ static void sort_share(void *context, size_t share, unsigned worker) {
     sl_visible_share(out, share, &begin, &end);
     for (size_t e = begin; e < end; e++) {
         sl_visible_face f = out->face[e];
-        sort_by_path(j->key + f.first, j->spare + f.first, f.count, TOP_SHIFT);
+        qsort(j->key + f.first, f.count, sizeof *j->key, by_key);
         for (size_t i = f.first; i < f.first + f.count; i++) {
             uint32_t pixel = out->pixel[i] = (uint32_t)j->key[i];
             out->path[i] = (uint32_t)(j->key[i] >> PATH_SHIFT);
@@ -152,14 +133,13 @@ static bool allocate(sort_job *j) {
     j->face = sl_allocate_unset(n, sizeof *j->face);
     j->path = sl_allocate_unset(n, sizeof *j->path);
     j->key = sl_allocate_unset(n, sizeof *j->key);
-    j->spare = sl_allocate_unset(n, sizeof *j->spare);
     j->next = sl_allocate(faces, sizeof *j->next);
     out->entry_of_face = sl_allocate_unset(faces, sizeof *out->entry_of_face);
     out->pixel = sl_allocate_unset(n, sizeof *out->pixel);
     out->path = sl_allocate_unset(n, sizeof *out->path);
     out->w1 = sl_allocate_unset(n, sizeof *out->w1);
     out->w2 = sl_allocate_unset(n, sizeof *out->w2);
-    return j->weight[0] && j->face && j->path && j->key && j->spare && j->next && out->entry_of_face &&
+    return j->weight[0] && j->face && j->path && j->key && j->next && out->entry_of_face &&
            out->pixel && out->path && out->w1 && out->w2;
 }
 
@@ -198,7 +178,7 @@ sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster,
                     .pixels = (size_t)view->width * (size_t)view->height,
                     .out = out};
     sl_status status = sort(&job, raster, sl_thread_count(threads), counters, error);
-    void *const work[] = {job.weight[0], job.face, job.path, job.next, job.key, job.spare};
+    void *const work[] = {job.weight[0], job.face, job.path, job.next, job.key};
     for (size_t i = 0; i < sizeof work / sizeof work[0]; i++) sl_free(work[i]);
     if (status == SL_OK) *pixels = out;
     else sl_visible_pixels_destroy(out);

@@ -2,7 +2,7 @@
  * be wrong by. delta is the largest difference between the colours at its corners in units of what an eye can
  * tell; delta_0 keeps a leaf in the race that is too large for its corners to say what lies between them.
  * Inner nodes have the largest of their children's. */
-#include "cache/multi_mesh/displayed_internal.h"
+#include "cache/multi_mesh/displayed.h"
 
 #include "base/parallel.h"
 #include "base/random.h"
@@ -87,20 +87,8 @@ static bool may_be_minor(const sl_displayed *d, const sl_patch_place *leaf) {
 }
 
 bool sl_displayed_is_minor(const sl_displayed *d, const sl_patch_place *leaf) {
-    const sl_patch *node = &d->mesh->patch[leaf->patch];
     return may_be_minor(d, leaf) &&
-           (sl_was_minor(node) || is_minor(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
-}
-
-void sl_displayed_settle(sl_displayed *d) {
-    for (uint32_t n = 0; n < d->mesh->patch_count; n++) {
-        sl_patch *node = &d->mesh->patch[n];
-        bool judged = sl_patch_is_alive(d->mesh, n) && node->child == SL_NO_INDEX &&
-                      !(node->flags & SL_NODE_SETTLED) && !sl_all_edges_closed(node);
-        if (judged && node->pixels > 1 && node->pixels < d->settings.minor_pixels &&
-            node->pixels > sl_mesh_minor(node))
-            sl_mesh_set_minor(node, node->pixels);
-    }
+           is_minor(d, d->mesh->patch[leaf->patch].pixels, sl_displayed_corner_contrast(d, leaf));
 }
 
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_patch_place *leaf) {
@@ -108,11 +96,10 @@ float sl_displayed_leaf_priority(const sl_displayed *d, const sl_patch_place *le
     bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node),
          unprobed = sl_is_unprobed(d, node);
     /* most often so, and quick to tell */
-    if ((node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed && !unprobed)) return 0.0f;
+    if ((node->flags & SL_NODE_TAKEN) || (small && closed && !unprobed)) return 0.0f;
     if (!sl_may_split_but_for_minor(d, leaf)) return 0.0f;
     if (unprobed) return (float)node->pixels * UNTESTED;
     bool minor = may_be_minor(d, leaf);
-    if (minor && sl_was_minor(node)) return 0.0f;
     float contrast = sl_displayed_corner_contrast(d, leaf);
     return minor && is_minor(d, node->pixels, contrast)
                ? 0.0f

@@ -16,7 +16,6 @@
 #include "base/math.h"
 #include "base/parallel.h"
 #include "cache/multi_mesh/direct.h"
-#include "cache/multi_mesh/displayed_internal.h"
 
 enum { SPACING = 4, CLOSER_RAYS = 4 };
 /* Of what a light could give at a corner: all of it, or nothing, but for what interpolation makes of them. */
@@ -38,8 +37,7 @@ static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
     float whole = (float)SL_PATCH_DYADIC;
     uint16_t at_p = (uint16_t)fminf(fmaxf(p + 0.5f, 0.0f), whole);
     uint16_t at_q = (uint16_t)fminf(fmaxf(q + 0.5f, 0.0f), whole - (float)at_p);
-    sl_face_point x = {.face = leaf->place->root, .p = at_p, .q = at_q};
-    return sl_face_point_in_world(leaf->s->primitives, &x);
+    return sl_mesh_point_at(leaf->s->primitives, (sl_root_place){leaf->place->root, at_p, at_q});
 }
 
 /* Returns the mesh's value from so much of one light alone. */
@@ -90,16 +88,6 @@ static bool matters(const probed_leaf *leaf, size_t light) {
 
 typedef enum seen_by_corners { CORNERS_DIFFER, CORNERS_SEE_ALL, CORNERS_SEE_NOTHING } seen_by_corners;
 
-/* Gives the known share of the light at a mesh's vertex. */
-static bool share_at(const sl_patches *irradiance, uint32_t face, uint16_t p, uint16_t q, float *share) {
-    uint32_t sample = sl_vertex_find(irradiance, (sl_root_place){face, p, q});
-    float unit = 1.0f / (float)SL_PATCH_DYADIC;
-    if (sample == SL_NO_INDEX || sl_mesh_state(irradiance, sample) == SL_VERTEX_UNKNOWN)
-        return sl_mesh_value(irradiance, face, (float)p * unit, (float)q * unit, share);
-    *share = *sl_vertex_value(irradiance, sample);
-    return sl_mesh_state(irradiance, sample) == SL_VERTEX_KNOWN;
-}
-
 static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, float share[3]) {
     const sl_patches *mesh = leaf->d->mesh, *irradiance = sl_irradiance_mesh(leaf->s->irradiance, light);
     bool all = true, nothing = true;
@@ -107,7 +95,7 @@ static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, f
         sl_root_place at = mesh->vertex[sl_patch_corner(mesh, leaf->place->patch, i)].place;
         sl_lit_point lit = sl_lit_point_of(&leaf->corner[i]);
         float most = (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit);
-        if (!share_at(irradiance, at.root, at.u, at.v, &share[i])) return CORNERS_DIFFER;
+        if (!sl_irradiance_known(irradiance, at, &share[i])) return CORNERS_DIFFER;
         all = all && most > 0.0f && share[i] >= ALL * most;
         nothing = nothing && share[i] <= NOTHING * most;
     }
@@ -154,7 +142,7 @@ static bool is_probe(const probed_leaf *leaf, uint32_t i) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
     if (leaf->part == SL_DIRECT_SPECULAR && i == leaf->d->mesh->patch[leaf->place->patch].pixels / 2)
         return true;
-    uint32_t at = pixels->pixel[sl_displayed_pixel(leaf->d, leaf->place, i)], width = (uint32_t)pixels->width;
+    uint32_t at = pixels->pixel[leaf->d->first[leaf->place->patch] + i], width = (uint32_t)pixels->width;
     return at % width % SPACING == SPACING / 2 && at / width % SPACING == SPACING / 2;
 }
 
@@ -167,7 +155,7 @@ static bool is_contradicted_by(const probed_leaf *leaf, size_t light) {
     uint32_t count = leaf->d->mesh->patch[leaf->place->patch].pixels;
     for (uint32_t i = 0; i < count; i++) {
         if (is_probe(leaf, i) && differs(leaf, light, share, corners == CORNERS_SEE_ALL,
-                                         sl_displayed_pixel(leaf->d, leaf->place, i)))
+                                         leaf->d->first[leaf->place->patch] + i))
             return true;
     }
     return false;
@@ -230,17 +218,10 @@ void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_probed_leaf *l
 
 void sl_displayed_judge_probes(const sl_displayed *d, sl_patch *node, sl_screen_size size) {
     if (!(d->settings.probed_area > 0.0f) || !sl_all_edges_closed(node)) return;
-    if (size.edge > sl_mesh_probed_size(node)) sl_mesh_set_minor(node, 0);
-    if (size.area <= d->settings.probed_area && size.edge <= d->settings.probed_edge && !sl_mesh_minor(node))
+    if (size.edge > sl_mesh_probed_size(node)) sl_mesh_set_tested_size(node, 0.0f);
+    if (size.area <= d->settings.probed_area && size.edge <= d->settings.probed_edge &&
+        sl_mesh_upper_half(node) == 0.0f)
         sl_mesh_set_probed_size(node, size.edge);
-}
-
-bool sl_displayed_wants_probes(const sl_displayed *d, const sl_patch_place *leaf) {
-    return sl_is_unprobed(d, &d->mesh->patch[leaf->patch]);
-}
-
-uint32_t sl_displayed_pixel(const sl_displayed *d, const sl_patch_place *leaf, uint32_t i) {
-    return d->first[leaf->patch] + i;
 }
 
 /* Of leaves only those that are small enough and do not count as such. */

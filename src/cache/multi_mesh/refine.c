@@ -6,7 +6,7 @@
  *
  * A leaf is split only when the middles of all its edges have been sampled, so every corner but the roots'
  * has a value. */
-#include "cache/multi_mesh/displayed_internal.h"
+#include "cache/multi_mesh/displayed.h"
 
 #include "base/counters.h"
 
@@ -134,7 +134,7 @@ void sl_displayed_close(sl_displayed *d, const sl_patch_place *leaf, sl_counters
 /* Edges that have just been closed: whether the leaf is to be probed. */
 static void judge_closed(sl_displayed *d, const sl_patch_place *leaf) {
     sl_patch *node = &d->mesh->patch[leaf->patch];
-    sl_mesh_set_minor(node, 0);
+    sl_mesh_set_tested_size(node, 0.0f);
     sl_displayed_judge_probes(d, node, sl_displayed_size(d, leaf));
 }
 
@@ -242,8 +242,7 @@ static void tell(sl_patches *mesh, const sl_patch_place *leaf, void *context) {
                          n->middle))
             continue;
         sl_set_edge(node, e, SL_EDGE_SPLIT);
-        node->flags &= ~(uint32_t)SL_NODE_SETTLED;
-        sl_mesh_set_minor(node, 0); /* nor is it what it was when it was tested */
+        sl_mesh_set_tested_size(node, 0.0f); /* it is not what it was when it was tested */
         node->priority = sl_displayed_leaf_priority(d, leaf);
         sl_displayed_raise(d, leaf->root, leaf->patch);
     }

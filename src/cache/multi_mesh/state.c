@@ -2,14 +2,13 @@
 #include "cache/frame/budget.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-
-enum { FRACTION_EVERY = 16 /* updates */ };
 
 /* ---- life ---- */
 
@@ -154,30 +153,15 @@ int sl_multi_mesh_light_depth(const sl_multi_mesh_state *s, int wanted) {
     return s->lights->count > 1 ? wanted - 1 : wanted;
 }
 
-/* Returns the share of visible pixels in faces that need nothing more, in all meshes. */
-static double share_done(const sl_multi_mesh_state *s) {
-    double done = 0.0, all = 0.0;
-    for (int i = 0; i < SL_COMPONENTS; i++) {
-        const sl_displayed *part = s->part[i];
-        if (!part) continue;
-        for (size_t f = 0; f < s->visible->face_count; f++) {
-            const sl_visible_face *face = &s->visible->face[f];
-            uint32_t root = sl_patches_find_root(part->mesh, face->face);
-            all += face->count;
-            if (root != SL_NO_INDEX && sl_multi_mesh_takes_part(s, i) && s->phase == SL_PHASE_REFINE &&
-                !(part->mesh->patch[root].priority > 0.0f))
-                done += face->count;
-        }
-    }
-    return all > 0.0 ? 0.99 * done / all : 0.0;
-}
-
-/* Returns the share that is done, roughly, for the progress bar alone: to look at all faces that are seen
- * takes a batch's samples longer by a twentieth. */
+/* Returns the share that is done, roughly, for the progress bar alone: how far the highest priority has come
+ * down from what it was at most. */
 double sl_multi_mesh_fraction(sl_multi_mesh_state *s) {
+    double now = 0.0;
     if (s->phase == SL_PHASE_DONE) return 1.0;
-    if (s->phase == SL_PHASE_VIEW || !s->visible) return 0.0;
-    if (s->phase != SL_PHASE_REFINE || s->updates++ % FRACTION_EVERY == 0) s->fraction = share_done(s);
+    for (int i = 0; i < SL_COMPONENTS && s->phase == SL_PHASE_REFINE; i++)
+        if (sl_multi_mesh_takes_part(s, i)) now = fmax(now, (double)sl_displayed_priority(s->part[i]));
+    s->highest = fmax(s->highest, now);
+    if (now > 0.0) s->fraction = fmax(s->fraction, 0.99 * (1.0 - sqrt(now / s->highest)));
     return s->fraction;
 }
 
@@ -277,7 +261,6 @@ static size_t multi_mesh_bytes(const void *state) {
     if (s->sampling) bytes += sl_light_sampling_memory_bytes(s->sampling);
     if (s->irradiance) bytes += sl_irradiance_meshes_bytes(s->irradiance);
     if (s->coarse) bytes += sl_coarse_memory_bytes(s->coarse);
-    if (s->coarse_light) bytes += sl_coarse_light_memory_bytes(s->coarse_light);
     if (s->gather) bytes += sl_mesh_gather_memory_bytes(s->gather);
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);

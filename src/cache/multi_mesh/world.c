@@ -59,7 +59,6 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     sl_free(s->coarse_direct);
     sl_free(s->coarse_indirect);
     sl_mesh_gather_destroy(s->gather);
-    sl_coarse_light_destroy(s->coarse_light);
     sl_coarse_destroy(s->coarse);
     sl_irradiance_meshes_destroy(s->irradiance);
     sl_light_sampling_destroy(s->sampling);
@@ -70,7 +69,6 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     s->gatherer = NULL;
     s->coarse_direct = s->coarse_indirect = NULL;
     s->gather = NULL;
-    s->coarse_light = NULL;
     s->coarse = NULL;
     s->irradiance = NULL;
     s->sampling = NULL;
@@ -111,8 +109,8 @@ static sl_irradiance_settings irradiance_settings(const sl_multi_mesh_state *s) 
 static sl_status make_lights(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = make_sampling(s, error);
     if (status != SL_OK) return status;
-    sl_irradiance_settings irradiance = irradiance_settings(s);
-    return sl_irradiance_meshes_create(&irradiance, &s->irradiance, error);
+    s->light = irradiance_settings(s);
+    return sl_irradiance_meshes_create(&s->light, &s->irradiance, error);
 }
 
 static uint32_t part_of(float area, float share, uint32_t least) {
@@ -166,15 +164,7 @@ static sl_status make_coarse(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->coarse, error);
     if (status != SL_OK || !s->plan.coarse) return status;
     s->coarse_direct = sl_allocate(s->coarse->vertex_count, sizeof *s->coarse_direct);
-    if (!s->coarse_direct) return sl_fail_memory(error, "the coarse mesh");
-    if (!s->plan.lights) return SL_OK;
-    sl_coarse_light_settings light = {.scene = s->scene,
-                                      .primitives = s->primitives,
-                                      .tracer = s->tracer,
-                                      .lights = s->lights,
-                                      .sampling = s->sampling,
-                                      .threads = s->settings.threads};
-    return sl_coarse_light_create(&light, &s->coarse_light, error);
+    return s->coarse_direct ? SL_OK : sl_fail_memory(error, "the coarse mesh");
 }
 
 static sl_status make_pictures(sl_multi_mesh_state *s, sl_error *error) {

@@ -7,6 +7,8 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 typedef struct sl_fan_place {
     int edge;
@@ -26,6 +28,21 @@ static inline sl_fan_place sl_fan_place_of(bool triangle, float a, float b) {
     float least = w[(edge + 2) % 3], from = w[edge] - least, to = w[(edge + 1) % 3] - least;
     return (sl_fan_place){edge, from + to > 0.0f ? to / (from + to) : 0.5f,
                           from + to < 1.0f ? from + to : 1.0f};
+}
+
+/* What vertices add to a pixel: of a leaf's corners, and of the ends of a piece of its edge. */
+typedef struct sl_vertex_shares {
+    size_t count;
+    uint32_t vertex[6];
+    double weight[6];
+} sl_vertex_shares;
+
+static inline void sl_share_add(sl_vertex_shares *s, uint32_t vertex, double weight) {
+    size_t at = 0;
+    while (at < s->count && s->vertex[at] != vertex) at++;
+    if (at == s->count) s->weight[s->count++] = 0.0;
+    s->vertex[at] = vertex;
+    s->weight[at] += weight;
 }
 
 #endif

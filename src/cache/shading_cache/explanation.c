@@ -8,49 +8,31 @@
 
 /* ---- weights: those of sl_leaf_value() ---- */
 
-enum { SHARES_MAX = 6 };
-
-typedef struct shares {
-    size_t count;
-    uint32_t vertex[SHARES_MAX];
-    double weight[SHARES_MAX];
-} shares;
-
-static void add_share(shares *s, uint32_t vertex, double weight) {
-    size_t at = 0;
-    while (at < s->count && s->vertex[at] != vertex) at++;
-    if (at == s->count) {
-        s->vertex[s->count] = vertex;
-        s->weight[s->count++] = 0.0;
-    }
-    s->weight[at] += weight;
-}
-
-static void plain_shares(const sl_leaf *leaf, const uint32_t corner[4], shares *s) {
+static void plain_shares(const sl_leaf *leaf, const uint32_t corner[4], sl_vertex_shares *s) {
     double a = (double)leaf->a, b = (double)leaf->b;
     if (leaf->triangle) {
         const double weight[3] = {1.0 - a - b, a, b};
-        for (int c = 0; c < 3; c++) add_share(s, corner[c], weight[c]);
+        for (int c = 0; c < 3; c++) sl_share_add(s, corner[c], weight[c]);
     } else {
         const double weight[4] = {(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b};
-        for (int c = 0; c < 4; c++) add_share(s, corner[c], weight[c]);
+        for (int c = 0; c < 4; c++) sl_share_add(s, corner[c], weight[c]);
     }
 }
 
 /* From the centre, the mean of the corners, to a piece of an edge. */
 static void fan_shares(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
-                       shares *s) {
+                       sl_vertex_shares *s) {
     int corners = leaf->triangle ? 3 : 4;
     sl_fan_place place = sl_fan_place_of(leaf->triangle, leaf->a, leaf->b);
     uint32_t end[2];
     double along = (double)sl_fan_piece(copy, leaf, corner, &place, end), out = (double)place.out;
-    for (int c = 0; c < corners; c++) add_share(s, corner[c], (1.0 - out) / corners);
-    add_share(s, end[0], out * (1.0 - along));
-    add_share(s, end[1], out * along);
+    for (int c = 0; c < corners; c++) sl_share_add(s, corner[c], (1.0 - out) / corners);
+    sl_share_add(s, end[0], out * (1.0 - along));
+    sl_share_add(s, end[1], out * along);
 }
 
-static shares shares_of(const sl_display_copy *copy, const sl_leaf *leaf) {
-    shares s = {.count = 0};
+static sl_vertex_shares shares_of(const sl_display_copy *copy, const sl_leaf *leaf) {
+    sl_vertex_shares s = {.count = 0};
     uint32_t corner[4];
     sl_leaf_corners(copy, leaf, corner);
     if (sl_is_fan_word(leaf->word)) fan_shares(copy, leaf, corner, &s);
@@ -122,7 +104,7 @@ sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_write
         tell_colour(writer, "irradiance", "guess before any sample: the scene's mean", p.guess, reflectance);
         return SL_OK;
     }
-    shares all = shares_of(p.copy, &p.leaf);
+    sl_vertex_shares all = shares_of(p.copy, &p.leaf);
     for (size_t k = 0; k < all.count; k++) {
         if (all.weight[k] != 0.0) tell_vertex(s, &p, all.vertex[k], all.weight[k], reflectance, writer);
     }

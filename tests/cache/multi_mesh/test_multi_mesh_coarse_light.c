@@ -10,7 +10,7 @@ enum { LAMPS = 40, POINTS = 50 };
 typedef struct lit_hall {
     light_world world;
     sl_primitives *primitives;
-    sl_coarse_light *light;
+    sl_irradiance_settings light;
     sl_counters counters;
 } lit_hall;
 
@@ -33,18 +33,16 @@ static lit_hall hall(int hidden, unsigned threads) {
     light_world_make(&h.world, &mesh);
     assert_int_equal(h.world.lights->count, LAMPS);
     assert_int_equal(sl_primitives_of_triangles(h.world.scene, &h.primitives, NULL), SL_OK);
-    sl_coarse_light_settings s = {.scene = h.world.scene,
+    h.light = (sl_irradiance_settings){.scene = h.world.scene,
                                   .primitives = h.primitives,
                                   .tracer = h.world.tracer,
                                   .lights = h.world.lights,
                                   .sampling = h.world.sampling,
                                   .threads = threads};
-    assert_int_equal(sl_coarse_light_create(&s, &h.light, NULL), SL_OK);
     return h;
 }
 
 static void discard(lit_hall *h) {
-    sl_coarse_light_destroy(h->light);
     sl_primitives_destroy(h->primitives);
     light_world_free(&h->world);
 }
@@ -60,8 +58,7 @@ static void places(uint32_t face, sl_coarse_vertex vertex[POINTS]) {
 
 /* pi U_dd without occluders, of the lights up to `count`. */
 static double unoccluded(const lit_hall *h, const sl_coarse_vertex *v, size_t count) {
-    sl_face_point x = {.face = v->face, .p = v->p, .q = v->q};
-    sl_mesh_point at = sl_face_point_in_world(h->primitives, &x);
+    sl_mesh_point at = sl_mesh_point_at(h->primitives, (sl_root_place){v->face, v->p, v->q});
     sl_lit_point point = {at.position, at.normal, at.geometric_normal, at.triangle};
     double sum = 0.0;
     for (size_t l = 0; l < count; l++)
@@ -76,7 +73,7 @@ static void where_nothing_is_between_all_lights_count_though_few_are_asked(void 
     sl_coarse_vertex vertex[POINTS];
     sl_rgb radiance[POINTS];
     places(0, vertex);
-    sl_coarse_light_take(h.light, POINTS, vertex, radiance, &h.counters);
+    assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, radiance, &h.counters, NULL), SL_OK);
     for (int i = 0; i < POINTS; i++) {
         double expected = unoccluded(&h, &vertex[i], LAMPS);
         assert_true(fabs((double)radiance[i].g * SL_PI / expected - 1.0) < 1e-4);
@@ -94,7 +91,7 @@ static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(vo
     sl_coarse_vertex vertex[POINTS];
     sl_rgb radiance[POINTS];
     places(0, vertex);
-    sl_coarse_light_take(h.light, POINTS, vertex, radiance, &h.counters);
+    assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, radiance, &h.counters, NULL), SL_OK);
     for (int i = 0; i < POINTS; i++) {
         double seen = unoccluded(&h, &vertex[i], LAMPS / 2), all = unoccluded(&h, &vertex[i], LAMPS);
         assert_true(fabs((double)radiance[i].g * SL_PI - seen) < 0.0301 * all);
@@ -123,13 +120,12 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
     lit_hall h = {.counters = {{0}}};
     light_world_make(&h.world, &mesh);
     assert_int_equal(sl_primitives_of_triangles(h.world.scene, &h.primitives, NULL), SL_OK);
-    sl_coarse_light_settings s = {.scene = h.world.scene,
+    h.light = (sl_irradiance_settings){.scene = h.world.scene,
                                   .primitives = h.primitives,
                                   .tracer = h.world.tracer,
                                   .lights = h.world.lights,
                                   .sampling = h.world.sampling,
                                   .threads = 1};
-    assert_int_equal(sl_coarse_light_create(&s, &h.light, NULL), SL_OK);
     sl_coarse *coarse;
     assert_int_equal(
         sl_coarse_create(h.world.scene, h.primitives, &(sl_coarse_settings){100.0f, 0}, &coarse, NULL),
@@ -139,7 +135,7 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
         sl_rgb radiance;
         const sl_coarse_vertex *v = &coarse->vertex[i];
         if (v->face != 0 && v->face != 2) continue;
-        sl_coarse_light_take(h.light, 1, v, &radiance, &h.counters);
+        assert_int_equal(sl_coarse_light_take(&h.light, 1, v, &radiance, &h.counters, NULL), SL_OK);
         floor++;
         double open = unoccluded(&h, v, 1) / SL_PI;
         assert_true((double)radiance.g > 0.9 * open);

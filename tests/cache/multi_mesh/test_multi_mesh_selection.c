@@ -1,7 +1,7 @@
 /* Which leaf is served next: priorities up to the roots, the heap, the paper's chain. */
 #include <stdio.h>
 
-#include "cache/multi_mesh/displayed_internal.h"
+#include "cache/multi_mesh/displayed.h"
 #include "multi_mesh_field.h"
 
 static sl_rgb stripes(const void *context, sl_vec3 p) {
