@@ -102,7 +102,7 @@ $(BUILD)/softlux: $(APP_OBJECTS) $(BUILD)/libsoftlux.a
 	$(link) $(LIBS)
 
 $(BUILD)/softlux-import: $(IMPORT_OBJECTS) $(BUILD)/libsoftlux.a
-	$(link) $(IMPORT_LIBS)
+	$(link) -Wl,--as-needed $(LIBS) $(IMPORT_LIBS)
 
 $(BUILD)/libsoftlux.a: $(LIBRARY_OBJECTS)
 	$(archive)

@@ -44,32 +44,25 @@ static void flush(struct aiFile *file) { (void)file; }
 
 /* ---- opening ------------------------------------------------------------------------------------------- */
 
-static char *copy_of(const char *text) {
-    char *copy = malloc(strlen(text) + 1);
-    return copy ? strcpy(copy, text) : NULL;
-}
-
 static bool is_allowed(sl_import_files *files, const char *path) {
-    if (strcmp(path, files->path) == 0 || sl_file_is_below(files->folder, path)) return true;
-    if (!files->refused) files->refused = copy_of(path);
-    return false;
-}
-
-static bool note(sl_import_files *files, const char *path) {
-    char **more = realloc(files->opened, (files->opened_count + 1) * sizeof *more);
-    if (!more) return false;
-    files->opened = more;
-    more[files->opened_count] = copy_of(path);
-    return more[files->opened_count] && ++files->opened_count;
+    sl_error problem;
+    if (files->status != SL_OK) return false;
+    if (strcmp(path, files->path) == 0) return true;
+    files->status = sl_model_may_read(files->model, path, &problem);
+    if (files->status != SL_OK)
+        sl_fail(files->error, files->status, "%s: names %s", files->path, problem.message);
+    else files->status = sl_model_note_file(files->model, path, files->error);
+    return files->status == SL_OK;
 }
 
 static struct aiFile *open_file(struct aiFileIO *procedures, const char *path, const char *mode) {
     sl_import_files *files = (sl_import_files *)(void *)procedures->UserData;
     if (mode[0] != 'r' || !sl_file_exists(path) || !is_allowed(files, path)) return NULL;
     struct aiFile *file = malloc(sizeof *file);
-    FILE *stream = file && note(files, path) ? fopen(path, "rb") : NULL;
-    if (!stream) {
-        files->starved |= sl_status_of_errno(errno, SL_ERROR_INPUT) == SL_ERROR_RESOURCES;
+    FILE *stream = file ? fopen(path, "rb") : NULL;
+    if (!stream) { /* what Assimp takes for a file that is not there */
+        if (sl_status_of_errno(errno, SL_ERROR_INPUT) == SL_ERROR_RESOURCES)
+            files->status = sl_fail_memory(files->error, files->path);
         free(file);
         return NULL;
     }
@@ -83,7 +76,7 @@ static void close_file(struct aiFileIO *procedures, struct aiFile *file) {
     free(file);
 }
 
-void sl_import_files_init(sl_import_files *files, const char *path, const char *folder) {
-    *files = (sl_import_files){.path = path, .folder = folder};
+void sl_import_files_init(sl_import_files *files, const char *path, sl_model *model, sl_error *error) {
+    *files = (sl_import_files){.path = path, .model = model, .error = error};
     files->procedures = (struct aiFileIO){open_file, close_file, (aiUserData)(void *)files};
 }

@@ -3,19 +3,18 @@
 #define SL_IMPORT_FILES_H
 
 #include <assimp/cfileio.h>
-#include <stdbool.h>
-#include <stddef.h>
+
+#include "scene/model.h"
 
 typedef struct sl_import_files {
     struct aiFileIO procedures;
-    const char *path, *folder; /* the file itself may be opened wherever it is; the others must lie below the
-                                  folder, if there is one */
-    char *refused;             /* the first that did not; NULL: none */
-    char **opened;
-    size_t opened_count;
-    bool starved; /* one could not be opened for want of memory */
+    const char *path; /* the file itself may be opened wherever it is; the others must lie below the model's
+                         folder, if there is one */
+    sl_model *model;
+    sl_status status; /* of the first that did not, or for which there was no memory */
+    sl_error *error;
 } sl_import_files;
 
-void sl_import_files_init(sl_import_files *files, const char *path, const char *folder);
+void sl_import_files_init(sl_import_files *files, const char *path, sl_model *model, sl_error *error);
 
 #endif

@@ -119,26 +119,6 @@ bool sl_bicubic_has_area(const sl_bicubic *b) {
     return false;
 }
 
-sl_status sl_bicubics_copy(const sl_scene_parts *parts, sl_scene *scene, sl_error *error) {
-    size_t count = parts->bicubic_count, next = 0;
-    if (count == 0) return SL_OK;
-    if (!(scene->bicubics = sl_allocate(count, sizeof *scene->bicubics)))
-        return sl_fail_memory(error, "the scene's surfaces");
-    for (size_t i = 0; i < count; i++) {
-        const sl_bicubic *b = &parts->bicubics[i];
-        size_t n = b->steps > 0 ? (size_t)b->steps : 0;
-        bool in_order = n > 0 && b->first_triangle >= next && b->triangle_count == 2 * n * n;
-        next = (size_t)b->first_triangle + b->triangle_count;
-        bool inside = next <= parts->triangle_count &&
-                      b->first_vertex + (n + 1) * (n + 1) <= parts->vertex_count && parts->normals;
-        if (!in_order || !inside)
-            return sl_fail(error, SL_ERROR_INPUT, "bicubic surface %zu does not fit the triangles", i);
-        scene->bicubics[i] = *b;
-    }
-    scene->bicubic_count = count;
-    return SL_OK;
-}
-
 /* ---- its triangles --------------------------------------------------------------------------- */
 
 sl_bicubic_cell sl_bicubic_cell_of(const sl_scene *scene, const sl_bicubic *b, uint32_t triangle) {

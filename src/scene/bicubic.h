@@ -17,10 +17,6 @@ void sl_bicubic_tessellate(const sl_bicubic *surface, float *positions, float *n
                            float *texture_coordinates, uint32_t *triangles);
 /* Tells whether it has any area to speak of. */
 bool sl_bicubic_has_area(const sl_bicubic *surface);
-/* The parts' surfaces become the scene's, but for the numbers of their vertices and triangles. Those that
- * contradict the parts are errors. */
-sl_status sl_bicubics_copy(const sl_scene_parts *parts, sl_scene *scene, sl_error *error);
-
 /* The scene triangle of a cell: half 0 has (+1, 0) for a corner, half 1 (0, +1). SL_NO_INDEX where it has no
  * area. */
 uint32_t sl_bicubic_triangle(const sl_scene *scene, const sl_bicubic *surface, int column, int row, int half);

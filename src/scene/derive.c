@@ -71,11 +71,9 @@ sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error) {
         emissive += sl_material_is_emitter(&scene->materials[scene->material_index[t]]);
     }
     scene->emitters = sl_allocate(emissive, sizeof *scene->emitters);
-    scene->emitter_of_triangle = sl_allocate(scene->triangle_count, sizeof *scene->emitter_of_triangle);
     scene->opaque_share = sl_allocate(emissive, sizeof *scene->opaque_share);
     scene->emissive_count = emissive;
-    if (!scene->emitters || !scene->emitter_of_triangle || !scene->opaque_share)
-        return sl_fail_memory(error, "the scene's emitters");
+    if (!scene->emitters || !scene->opaque_share) return sl_fail_memory(error, "the scene's emitters");
     find_opaque_shares(scene);
     size_t without_area = sl_scene_derive(scene);
     if (without_area) {

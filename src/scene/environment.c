@@ -67,37 +67,28 @@ static size_t clear_what_is_not_light(sl_environment *e, bool *any) {
     return cleared;
 }
 
-sl_status sl_environment_copy(const sl_environment *from, sl_environment *to, size_t *repaired,
-                              sl_error *error) {
-    *to = (sl_environment){
-        .present = from->present, .constant = from->constant, .width = from->width, .height = from->height};
+sl_status sl_environment_complete(sl_environment *e, size_t *repaired, sl_error *error) {
     *repaired = 0;
-    if (!from->present) {
-        *to = (sl_environment){0};
+    if (!e->present) {
+        sl_environment_release(e);
         return SL_OK;
     }
-    if (from->width == 0) {
-        if (!is_light(from->constant.r) || !is_light(from->constant.g) || !is_light(from->constant.b)) {
+    if (e->width == 0) {
+        if (!is_light(e->constant.r) || !is_light(e->constant.g) || !is_light(e->constant.b))
             return sl_fail(error, SL_ERROR_INPUT, "environment: expected a finite radiance of at least 0");
-        }
-        to->height = 0;
-        to->present = sl_rgb_max(from->constant) > 0.0f;
+        e->height = 0;
+        e->present = sl_rgb_max(e->constant) > 0.0f;
         return SL_OK;
     }
-    if (from->width < 0 || from->height <= 0 || !from->texels) {
-        return sl_fail(error, SL_ERROR_INPUT, "environment: expected a picture, got %d x %d texels",
-                       from->width, from->height);
-    }
-    size_t texels = (size_t)from->width * (size_t)from->height;
-    to->texels = sl_allocate(3 * texels, sizeof(float));
-    to->row_cdf = sl_allocate((size_t)from->height, sizeof(double));
-    to->column_cdf = sl_allocate(texels, sizeof(double));
-    if (!to->texels || !to->row_cdf || !to->column_cdf) return sl_fail_memory(error, "the environment");
-    memcpy(to->texels, from->texels, 3 * texels * sizeof(float));
-    bool any = false;
-    *repaired = clear_what_is_not_light(to, &any);
-    to->present = any;
-    make_sums(to);
+    if (e->width < 0 || e->height <= 0 || !e->texels)
+        return sl_fail(error, SL_ERROR_INPUT, "environment: expected a picture, got %d x %d texels", e->width,
+                       e->height);
+    e->row_cdf = sl_allocate((size_t)e->height, sizeof(double));
+    e->column_cdf = sl_allocate((size_t)e->width * (size_t)e->height, sizeof(double));
+    if (!e->row_cdf || !e->column_cdf) return sl_fail_memory(error, "the environment");
+    e->present = false;
+    *repaired = clear_what_is_not_light(e, &e->present);
+    make_sums(e);
     return SL_OK;
 }
 
@@ -223,27 +214,35 @@ static void divide_texels(const sl_environment *all, double limit, float *sky, f
     }
 }
 
+static sl_status complete_part(sl_environment *part, sl_error *error) {
+    size_t repaired;
+    sl_status status = sl_environment_complete(part, &repaired, error);
+    if (!part->present) sl_environment_release(part);
+    return status;
+}
+
 sl_status sl_environment_split(const sl_environment *all, double threshold_over_mean, sl_environment *sky,
                                sl_environment *sun, sl_error *error) {
     *sky = *sun = (sl_environment){0};
-    size_t repaired;
-    if (!all->present || all->width == 0) return sl_environment_copy(all, sky, &repaired, error);
-    size_t values = 3 * (size_t)all->width * (size_t)all->height;
-    float *texels = sl_allocate(2 * values, sizeof *texels);
-    if (!texels) return sl_fail_memory(error, "sky and sun");
-    divide_texels(all, sky_limit(all, threshold_over_mean), texels, texels + values);
-    sl_environment part = *all;
-    part.texels = texels;
-    sl_status status = sl_environment_copy(&part, sky, &repaired, error);
-    part.texels = texels + values;
-    if (status == SL_OK) status = sl_environment_copy(&part, sun, &repaired, error);
-    if (!sky->present) sl_environment_release(sky);
-    if (!sun->present) sl_environment_release(sun);
+    if (!all->present || all->width == 0) {
+        *sky = (sl_environment){.present = all->present, .constant = all->constant};
+        return SL_OK;
+    }
+    const size_t values = 3 * (size_t)all->width * (size_t)all->height;
+    for (int k = 0; k < 2; k++) {
+        *(k ? sun : sky) = (sl_environment){.present = true, .width = all->width, .height = all->height,
+                                            .texels = sl_allocate(values, sizeof(float))};
+    }
+    sl_status status = sky->texels && sun->texels ? SL_OK : sl_fail_memory(error, "sky and sun");
+    if (status == SL_OK) {
+        divide_texels(all, sky_limit(all, threshold_over_mean), sky->texels, sun->texels);
+        status = complete_part(sky, error);
+    }
+    if (status == SL_OK) status = complete_part(sun, error);
     if (status != SL_OK) {
         sl_environment_release(sky);
         sl_environment_release(sun);
     }
-    sl_free(texels);
     return status;
 }
 

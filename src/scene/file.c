@@ -59,6 +59,11 @@ sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *er
     return status;
 }
 
+const char *sl_file_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 char *sl_file_beside(const char *beside, const char *name) {
     const char *slash = strrchr(beside, '/');
     size_t folder = name[0] == '/' || !slash ? 0 : (size_t)(slash - beside) + 1, length = strlen(name);

@@ -15,6 +15,8 @@ sl_status sl_file_check_size(const char *path, size_t size, sl_error *error);
 sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error);
 /* Tells whether there is a file (not a folder) that can be read. */
 bool sl_file_exists(const char *path);
+/* What stands behind a path's last slash. */
+const char *sl_file_name(const char *path);
 /* `name` as seen from the folder of `beside`: absolute names stay. Release with sl_free(); NULL without
  * memory. */
 char *sl_file_beside(const char *beside, const char *name);

@@ -2,8 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
-#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
@@ -12,17 +10,17 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/print.h"
 #include "scene/import_reply.h"
 #include "scene/importer_path.h"
 
 extern char **environ;
 
-enum { ENDED_BY_ITSELF_SECONDS = 2 }; /* after its end of the line is closed: it has nothing more to do */
+enum { PLACEMENT_BYTES = 12 * 32 };
 
 /* One process and the line to it. */
 typedef struct helper {
@@ -30,23 +28,15 @@ typedef struct helper {
     sl_import_limits limits;
     pid_t id;
     int line;
-    double deadline;
-    bool late; /* the deadline has passed */
     sl_error *error;
 } helper;
-
-static double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 sl_import_limits sl_import_limits_of(const char *path) {
     struct stat about;
     double bytes = stat(path, &about) == 0 ? (double)about.st_size : 0.0;
     double processor = 60.0 + bytes / 1e6;
     const uint64_t addresses = ((uint64_t)8 << 30) + 64 * (uint64_t)bytes;
-    return (sl_import_limits){10.0 * processor, (unsigned)processor, addresses};
+    return (sl_import_limits){(unsigned)(10.0 * processor), (unsigned)processor, addresses};
 }
 
 /* ---- starting ------------------------------------------------------------------------------------------ */
@@ -88,19 +78,26 @@ static int spawn(helper *h, int end, char *const arguments[]) {
     return failed;
 }
 
-static sl_status start(helper *h, const char *folder) {
+static void write_placement(const sl_affine *a, char text[PLACEMENT_BYTES]) {
+    for (int i = 0, at = 0; i < 12; i++)
+        at += sl_print(text + at, (size_t)(PLACEMENT_BYTES - at), "%a ", a->m[i / 4][i % 4]);
+}
+
+static sl_status start(helper *h, const sl_affine *placement, const char *folder) {
     int ends[2], failed;
-    char version[16], processor[16], addresses[32];
-    snprintf(version, sizeof version, "%u", SL_IMPORT_VERSION);
-    snprintf(processor, sizeof processor, "%u", h->limits.processor_seconds);
-    snprintf(addresses, sizeof addresses, "%llu", (unsigned long long)h->limits.address_bytes);
-    const char *arguments[] = {h->program, version, processor, addresses, h->path, folder, NULL};
+    char numbers[4][32], place[PLACEMENT_BYTES];
+    snprintf(numbers[0], sizeof numbers[0], "%u", SL_IMPORT_VERSION);
+    snprintf(numbers[1], sizeof numbers[1], "%u", h->limits.seconds);
+    snprintf(numbers[2], sizeof numbers[2], "%u", h->limits.processor_seconds);
+    snprintf(numbers[3], sizeof numbers[3], "%llu", (unsigned long long)h->limits.address_bytes);
+    write_placement(placement, place);
+    const char *arguments[] = {h->program, numbers[0], numbers[1], numbers[2], numbers[3],
+                               h->path,    place,      folder,     NULL};
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
         return sl_fail(h->error, SL_ERROR_RESOURCES,
                        "%s: cannot be read: no line to the importer of mesh files: %s", h->path,
                        strerror(errno));
     }
-    h->deadline = seconds_now() + h->limits.seconds;
     failed = spawn(h, ends[1], (char *const *)(void *)arguments);
     close(ends[1]);
     h->line = ends[0];
@@ -114,25 +111,12 @@ static sl_status start(helper *h, const char *folder) {
 
 /* ---- talking ------------------------------------------------------------------------------------------- */
 
-/* Returns whether something can be received, or the line has ended, before the deadline. */
-static bool wait_for_line(helper *h) {
-    for (;;) {
-        double left = h->deadline - seconds_now();
-        struct pollfd line = {.fd = h->line, .events = POLLIN};
-        h->late = !(left > 0.0);
-        if (h->late) return false;
-        int ready = poll(&line, 1, (int)fmin(ceil(1e3 * left), 1e6));
-        if (ready > 0) return true;
-        if (ready < 0 && errno != EINTR) return false;
-    }
-}
-
-/* Returns how many bytes came before the line ended, or time did. */
-static size_t receive(helper *h, void *to, size_t size) {
+/* Returns how many bytes came before the line ended. */
+static size_t receive(const helper *h, void *to, size_t size) {
     size_t got = 0;
-    while (got < size && wait_for_line(h)) {
-        ssize_t more = recv(h->line, (char *)to + got, size - got, MSG_DONTWAIT);
-        if (more < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+    while (got < size) {
+        ssize_t more = recv(h->line, (char *)to + got, size - got, 0);
+        if (more < 0 && errno == EINTR) continue;
         if (more <= 0) break;
         got += (size_t)more;
     }
@@ -142,42 +126,38 @@ static size_t receive(helper *h, void *to, size_t size) {
 /* ---- the end ------------------------------------------------------------------------------------------- */
 
 /* Tells whether it is known how the process ended: a caller may have its children waited for by others. */
-static bool reap(helper *h, int *how) {
+static bool reap(const helper *h, int *how) {
+    pid_t ended;
     close(h->line);
-    if (h->late) kill(h->id, SIGKILL);
-    const double end = seconds_now() + ENDED_BY_ITSELF_SECONDS;
-    for (struct timespec rest = {0, 100000};; rest.tv_nsec += rest.tv_nsec < 10000000 ? rest.tv_nsec : 0) {
-        pid_t ended = waitpid(h->id, how, WNOHANG);
-        if (ended != 0) return ended == h->id;
-        if (seconds_now() > end) kill(h->id, SIGKILL);
-        nanosleep(&rest, NULL);
-    }
+    while ((ended = waitpid(h->id, how, 0)) < 0 && errno == EINTR) {}
+    return ended == h->id;
 }
 
 static sl_status fail_of_end(const helper *h, bool known, int how) {
-    if (h->late) {
+    const int ended_by = known && WIFSIGNALED(how) ? WTERMSIG(how) : 0;
+    if (ended_by == SIGALRM) {
         return sl_fail(
             h->error, SL_ERROR_INPUT,
-            "%s: cannot be read: the importer of mesh files took more than %g seconds; expected a sound file",
+            "%s: cannot be read: the importer of mesh files took more than %u seconds; expected a sound file",
             h->path, h->limits.seconds);
     }
-    if (known && WIFSIGNALED(how) && WTERMSIG(how) == SIGXCPU) {
+    if (ended_by == SIGXCPU) {
         return sl_fail(h->error, SL_ERROR_INPUT,
                        "%s: cannot be read: the importer of mesh files was ended, as it is after %u seconds "
                        "of work; expected a sound file",
                        h->path, h->limits.processor_seconds);
     }
-    if (known && WIFSIGNALED(how) && WTERMSIG(how) == SIGKILL) {
+    if (ended_by == SIGKILL) {
         return sl_fail(h->error, SL_ERROR_RESOURCES,
                        "%s: cannot be read: the importer of mesh files was killed, as the system does where "
                        "memory ends",
                        h->path);
     }
-    if (known && WIFSIGNALED(how)) {
+    if (ended_by) {
         return sl_fail(h->error, SL_ERROR_INPUT,
                        "%s: cannot be read: the importer of mesh files crashed on it or on a file that it "
                        "names (signal %d), as it does on some damaged ones; expected sound files",
-                       h->path, WTERMSIG(how));
+                       h->path, ended_by);
     }
     return sl_fail(h->error, SL_ERROR_INPUT,
                    "%s: cannot be read: the importer of mesh files, %s, ended without a whole answer; "
@@ -186,7 +166,7 @@ static sl_status fail_of_end(const helper *h, bool known, int how) {
 }
 
 /* SL_OK: a whole reply is there. *size: what it says it has. */
-static sl_status hear(helper *h, void **reply, size_t *size, bool *whole) {
+static sl_status hear(const helper *h, void **reply, size_t *size, bool *whole) {
     char header[SL_IMPORT_HEADER_BYTES], beyond;
     *whole = false;
     if (receive(h, header, sizeof header) < sizeof header) return SL_OK;
@@ -200,18 +180,17 @@ static sl_status hear(helper *h, void **reply, size_t *size, bool *whole) {
     }
     memcpy(*reply, header, sizeof header);
     size_t rest = *size - sizeof header;
-    *whole =
-        receive(h, (char *)*reply + sizeof header, rest) == rest && receive(h, &beyond, 1) == 0 && !h->late;
+    *whole = receive(h, (char *)*reply + sizeof header, rest) == rest && receive(h, &beyond, 1) == 0;
     return SL_OK;
 }
 
-sl_status sl_import_run(const char *path, const char *folder, sl_import_limits limits, void **reply,
-                        size_t *size, sl_error *error) {
+sl_status sl_import_run(const char *path, const sl_affine *placement, const char *folder,
+                        sl_import_limits limits, void **reply, size_t *size, sl_error *error) {
     helper h = {.path = path, .program = program_path(), .limits = limits, .error = error};
     bool whole;
     int how = 0;
     *reply = NULL;
-    sl_status status = start(&h, folder);
+    sl_status status = start(&h, placement, folder);
     if (status != SL_OK) return status;
     shutdown(h.line, SHUT_WR);
     status = hear(&h, reply, size, &whole);

@@ -1,6 +1,7 @@
 #include "scene/lines.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -41,7 +42,7 @@ sl_status sl_lines_open(const char *path, char **text, sl_lines *lines, sl_error
         return status;
     }
     size_t mark = strncmp(*text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* of UTF-8 */
-    *lines = (sl_lines){path, *text + mark, *text + size, 1, 1, error};
+    *lines = (sl_lines){path, *text + mark, *text + size, *text + size, 1, 1, error};
     return SL_OK;
 }
 
@@ -80,6 +81,36 @@ sl_status sl_lines_fail(const sl_lines *l, const char *expected, const char *got
     const int length = (int)strcspn(got, " \t");
     return sl_fail(l->error, SL_ERROR_INPUT, "%s:%lu: expected %s, got '%.*s'", l->path, l->line, expected,
                    length < 40 ? length : 40, got);
+}
+
+/* ---- values in any line ------------------------------------------------------------------------------ */
+
+bool sl_lines_more(sl_lines *l) {
+    while (l->rest && sl_is_line_end(l->rest)) l->rest = sl_lines_next(l);
+    return l->rest;
+}
+
+sl_status sl_lines_decimal(sl_lines *l, const char *expected, double *value) {
+    if (!sl_lines_more(l)) return sl_lines_fail(l, expected, NULL);
+    const size_t length = strcspn(l->rest, " \t#");
+    char *end;
+    *value = strtod(l->rest, &end);
+    /* neither hexadecimal nor "inf" nor "nan" */
+    const bool decimal = strspn(l->rest, "+-.0123456789eE") >= length && end == l->rest + length;
+    if (!decimal || !isfinite(*value)) return sl_lines_fail(l, expected, l->rest);
+    l->rest = skip_blanks(end);
+    return SL_OK;
+}
+
+sl_status sl_lines_whole(sl_lines *l, const char *expected, double low, double high, uint32_t *value) {
+    double number = 0.0;
+    const char *word = sl_lines_more(l) ? l->rest : NULL;
+    sl_status status = sl_lines_decimal(l, expected, &number);
+    if (status != SL_OK) return status;
+    if (!(number >= low && number <= high && number == floor(number)))
+        return sl_lines_fail(l, expected, word);
+    *value = (uint32_t)number;
+    return SL_OK;
 }
 
 /* ---- words ------------------------------------------------------------------------------------------ */

@@ -7,6 +7,7 @@
 typedef struct sl_lines {
     const char *path;
     char *at, *end;           /* what is left of the text, which is cut into lines in place */
+    char *rest;               /* of the line at hand, where values may stand in any line; NULL: it ended */
     unsigned long line, next; /* numbers of the line at hand and of the one behind it */
     sl_error *error;
 } sl_lines;
@@ -19,6 +20,13 @@ char *sl_lines_next(sl_lines *lines);
 /* Fails with the line at hand, what was expected there and the word that is there instead; NULL: the file
  * ends. */
 sl_status sl_lines_fail(const sl_lines *lines, const char *expected, const char *got);
+
+/* For values that may stand in any line. Goes on to the next one with a value in it, if none is left in that
+ * at hand; false at the end of the file. */
+bool sl_lines_more(sl_lines *lines);
+/* Reads the next value, a decimal number, or a whole one from low to high; fails where it is another. */
+sl_status sl_lines_decimal(sl_lines *lines, const char *expected, double *value);
+sl_status sl_lines_whole(sl_lines *lines, const char *expected, double low, double high, uint32_t *value);
 
 char *sl_word_end(char *at);
 char *sl_word_after(char *at); /* the beginning of the next one */

@@ -12,7 +12,7 @@
 static void guess_up_axis(const char *path, sl_model *model) {
     if (!sl_up_axis_is_unsaid(path) || !sl_model_stands_on_z(model)) return;
     sl_model_turn_z_up(model);
-    sl_model_warn(model,
+    sl_scene_warn(&model->scene,
                   "%s: by its shape z points up, which its format does not say: turned to (x, z, -y); "
                   "--up-axis y (sl_load_options) leaves it",
                   path);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "scene/file.h"
 #include "scene/lines.h"
@@ -11,21 +12,25 @@
 #include "scene/obj_materials.h"
 #include "scene/polygons.h"
 
-/* Positions, texture coordinates, normals: the numbers that each may have, and the largest index that a face
- * names, with its line. Faces may name what comes later in the file, so it is judged at the end. */
-typedef struct kind {
+/* Positions, texture coordinates, normals, and how many numbers each may have. */
+static const struct {
     const char *word, *name, *numbers, *index; /* the last two: what is expected */
     unsigned allowed; /* bit n: n numbers */
-    unsigned long largest, largest_line;
-} kind;
+} kinds[SL_CORNER_PARTS] = {
+    {"v", "vertex", "3, 4 or 6 numbers for a vertex", "a vertex index", 1 << 3 | 1 << 4 | 1 << 6},
+    {"vt", "texture coordinate", "1, 2 or 3 numbers for a texture coordinate", "a texture coordinate index",
+     1 << 1 | 1 << 2 | 1 << 3},
+    {"vn", "normal", "3 numbers for a normal", "a normal index", 1 << 3}};
 
 typedef struct reader {
     sl_lines lines;
-    kind kinds[SL_CORNER_PARTS];
     sl_polygons polygons;
     sl_obj_materials materials;
     sl_names objects;
+    uint32_t *object_index; /* in the model, of each of them; SL_NO_INDEX: it has no face yet */
+    size_t object_count, object_room;
     uint32_t object, material; /* of the faces to come */
+    const sl_affine *placement;
     bool has_library, lacks_library;
     unsigned long short_faces, first_short; /* faces of fewer than three corners, and the line of the first */
     sl_model *model;
@@ -50,31 +55,29 @@ static sl_status finish_value(reader *r, sl_corner_part part, unsigned count, fl
                            r->lines.path, r->lines.line);
         for (int i = 0; i < 3; i++) value[i] /= value[3];
     }
-    if (count == 6) sl_model_warn(r->model, "%s: vertex colours are not used", r->lines.path);
+    if (count == 6) sl_scene_warn(&r->model->scene, "%s: vertex colours are not used", r->lines.path);
     for (int i = 0; part == SL_CORNER_UV && i < 2; i++) value[i] = isfinite(value[i]) ? value[i] : 0.0f;
     return memory_if_not(r, sl_polygons_add_value(&r->polygons, part, value));
 }
 
 static sl_status read_value(reader *r, sl_corner_part part, char *at) {
-    const kind *k = &r->kinds[part];
     float value[8] = {0};
     unsigned count = 0;
     for (char *end; !sl_is_line_end(at) && count < 8; at = end, count++) {
         end = sl_read_number(at, &value[count]);
-        if (!end) return fail(r, k->numbers, at);
+        if (!end) return fail(r, kinds[part].numbers, at);
     }
-    if (k->allowed >> count & 1u) return finish_value(r, part, count, value);
+    if (kinds[part].allowed >> count & 1u) return finish_value(r, part, count, value);
     return sl_fail(r->lines.error, SL_ERROR_INPUT, "%s:%lu: expected %s, got %u", r->lines.path,
-                   r->lines.line, k->numbers, count);
+                   r->lines.line, kinds[part].numbers, count);
 }
 
 /* ---- faces -------------------------------------------------------------------------------------------- */
 
 static bool ends_word(const char *at) { return *at == ' ' || *at == '\t' || sl_is_line_end(at); }
 
-/* Reads an index as the file has it into one from 0. */
+/* Reads an index as the file has it, of what stands before it, into one from 0. */
 static sl_status read_index(reader *r, sl_corner_part part, char **at, uint32_t *index) {
-    kind *k = &r->kinds[part];
     const char *word = *at;
     const bool negative = *word == '-';
     const unsigned long count = r->polygons.count[part];
@@ -83,15 +86,15 @@ static sl_status read_index(reader *r, sl_corner_part part, char **at, uint32_t 
     for (*at = digit; **at >= '0' && **at <= '9'; ++*at) {
         if (value < 1000000000000ul) value = 10 * value + (unsigned long)(**at - '0');
     }
-    if (*at == digit) return fail(r, k->index, word);
+    if (*at == digit) return fail(r, kinds[part].index, word);
     if (value == 0 || (negative && value > count))
         return sl_fail(r->lines.error, SL_ERROR_INPUT,
                        "%s:%lu: %s index %s%lu is out of range: expected 1 or more, or -1 to -%lu",
-                       r->lines.path, r->lines.line, k->name, negative ? "-" : "", value, count);
-    if (!negative && value > k->largest) {
-        k->largest = value;
-        k->largest_line = r->lines.line;
-    }
+                       r->lines.path, r->lines.line, kinds[part].name, negative ? "-" : "", value, count);
+    if (value > count)
+        return sl_fail(r->lines.error, SL_ERROR_INPUT,
+                       "%s:%lu: %s index %lu is out of range: the file has %lu before it", r->lines.path,
+                       r->lines.line, kinds[part].name, value, count);
     *index = (uint32_t)(negative ? count - value : value - 1);
     return SL_OK;
 }
@@ -131,23 +134,41 @@ static sl_status read_corners(reader *r, char *at, bool alike, uint32_t *count) 
     return status;
 }
 
+/* Returns where in the model the object of the faces to come is; it is made for its first face. */
+static sl_status find_object(reader *r, uint32_t *index) {
+    sl_status status = SL_OK;
+    while (r->object_count < r->objects.count) {
+        if (!sl_make_room(&r->object_index, r->object_count, &r->object_room, sizeof *r->object_index))
+            return sl_fail_memory(r->lines.error, r->lines.path);
+        r->object_index[r->object_count++] = SL_NO_INDEX;
+    }
+    uint32_t *known = &r->object_index[r->object];
+    if (*known == SL_NO_INDEX)
+        status = sl_model_add_object(r->model, r->objects.name[r->object], known, r->lines.error);
+    *index = *known;
+    return status;
+}
+
 static sl_status read_face(reader *r, char *at) {
-    uint32_t count;
+    uint32_t count, object = 0;
     sl_status status = read_corners(r, at, true, &count);
     if (status != SL_OK) return status;
     if (count < 3) {
-        r->polygons.corner_count -= count;
+        r->polygons.corner_count = 0;
         if (r->short_faces++ == 0) r->first_short = r->lines.line;
         return SL_OK;
     }
-    return memory_if_not(r, sl_polygons_add(&r->polygons, (sl_polygon){count, r->material, r->object}));
+    status = find_object(r, &object);
+    if (status != SL_OK) return status;
+    return sl_polygons_place(&r->polygons, r->lines.path, r->material, object, r->placement, r->model,
+                             r->lines.error);
 }
 
 /* Reads lines and points, which are not drawn. */
 static sl_status read_undrawn(reader *r, char *at) {
     uint32_t count;
     sl_status status = read_corners(r, at, false, &count);
-    r->polygons.corner_count -= count;
+    r->polygons.corner_count = 0;
     return status;
 }
 
@@ -172,7 +193,7 @@ static sl_status read_library(reader *r, const char *name, bool *exists) {
 }
 
 static void warn_of_library(reader *r, const char *name, const char *in_its_place) {
-    sl_model_warn(r->model,
+    sl_scene_warn(&r->model->scene,
                   in_its_place
                       ? "%s:%lu: material library '%.512s' does not exist; '%.512s' is read in its place"
                       : "%s:%lu: material library '%.512s' does not exist; its materials are grey",
@@ -182,7 +203,7 @@ static void warn_of_library(reader *r, const char *name, const char *in_its_plac
 
 /* Reads NAME.mtl for NAME.obj: who gives both files another name often leaves the old one in the first. */
 static sl_status read_library_of_same_name(reader *r, const char *missing) {
-    const char *slash = strrchr(r->lines.path, '/'), *name = slash ? slash + 1 : r->lines.path;
+    const char *name = sl_file_name(r->lines.path);
     char same[4096];
     bool exists;
     snprintf(same, sizeof same, "%.*s.mtl", (int)(strlen(name) - strlen(".obj")), name);
@@ -217,7 +238,7 @@ static sl_status read_libraries(reader *r, char *names) {
 static sl_status read_statement(reader *r, char *at) {
     char *rest = sl_word_after(at);
     for (int part = 0; part < SL_CORNER_PARTS; part++) {
-        if (sl_word_is(at, r->kinds[part].word)) return read_value(r, (sl_corner_part)part, rest);
+        if (sl_word_is(at, kinds[part].word)) return read_value(r, (sl_corner_part)part, rest);
     }
     /* fo is an old name of the same */
     if (sl_word_is(at, "f") || sl_word_is(at, "fo")) return read_face(r, rest);
@@ -230,54 +251,27 @@ static sl_status read_statement(reader *r, char *at) {
     return SL_OK;
 }
 
-static sl_status check_largest(const reader *r) {
-    for (int part = 0; part < SL_CORNER_PARTS; part++) {
-        const kind *k = &r->kinds[part];
-        if (k->largest <= r->polygons.count[part]) continue;
-        return sl_fail(r->lines.error, SL_ERROR_INPUT,
-                       "%s:%lu: %s index %lu is out of range: the file has %zu", r->lines.path,
-                       k->largest_line, k->name, k->largest, r->polygons.count[part]);
-    }
-    return SL_OK;
-}
-
 /* Warns of short faces, and of names that no library has: a file without libraries has them for others to
  * give materials to. */
 static void tell_of_the_whole(const reader *r) {
     const char *path = r->lines.path;
     if (r->short_faces == 1)
-        sl_model_warn(r->model, "%s:%lu: a face of fewer than three corners is not drawn", path,
+        sl_scene_warn(&r->model->scene, "%s:%lu: a face of fewer than three corners is not drawn", path,
                       r->first_short);
     else if (r->short_faces)
-        sl_model_warn(r->model, "%s:%lu: this face and %lu more of fewer than three corners are not drawn",
-                      path, r->first_short, r->short_faces - 1);
+        sl_scene_warn(&r->model->scene,
+                      "%s:%lu: this face and %lu more of fewer than three corners are not drawn", path,
+                      r->first_short, r->short_faces - 1);
     for (size_t i = 1; i < r->materials.count && r->has_library && !r->lacks_library; i++) {
-        if (r->materials.line[i])
-            sl_model_warn(r->model, "%s:%lu: no material library has '%.512s'; it is grey", path,
-                          r->materials.line[i], r->materials.material[i].name);
+        if (r->materials.material[i].line)
+            sl_scene_warn(&r->model->scene, "%s:%lu: no material library has '%.512s'; it is grey", path,
+                          r->materials.material[i].line, r->materials.names.name[i]);
     }
 }
 
-static sl_status finish(reader *r, const sl_affine *placement) {
-    const uint32_t first_material = (uint32_t)r->model->material_count;
-    const sl_import materials = {.material_count = (uint32_t)r->materials.count,
-                                 .materials = r->materials.material};
-    sl_status status = check_largest(r);
-    if (status != SL_OK) return status;
-    tell_of_the_whole(r);
-    status = sl_mesh_materials(r->lines.path, &materials, NULL, r->model, r->lines.error);
-    return status == SL_OK ? sl_polygons_place(&r->polygons, &r->objects, placement, first_material, r->model,
-                                               r->lines.error)
-                           : status;
-}
-
 sl_status sl_obj_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
-    reader r = {.kinds = {{"v", "vertex", "3, 4 or 6 numbers for a vertex", "a vertex index",
-                           1 << 3 | 1 << 4 | 1 << 6, 0, 0},
-                          {"vt", "texture coordinate", "1, 2 or 3 numbers for a texture coordinate",
-                           "a texture coordinate index", 1 << 1 | 1 << 2 | 1 << 3, 0, 0},
-                          {"vn", "normal", "3 numbers for a normal", "a normal index", 1 << 3, 0, 0}},
-                .materials = {.model = model},
+    reader r = {.materials = {.model = model, .path = path, .first = (uint32_t)model->scene.material_count},
+                .placement = placement,
                 .model = model};
     char *text, *line;
     sl_status status = sl_lines_open(path, &text, &r.lines, error);
@@ -285,9 +279,11 @@ sl_status sl_obj_file_load(const char *path, const sl_affine *placement, sl_mode
     if (status == SL_OK) status = sl_obj_materials_find(&r.materials, "", 0, &r.material, error);
     if (status == SL_OK) status = memory_if_not(&r, sl_names_find(&r.objects, "defaultobject", &r.object));
     while (status == SL_OK && (line = sl_lines_next(&r.lines))) status = read_statement(&r, line);
-    if (status == SL_OK) status = finish(&r, placement);
+    if (status == SL_OK) sl_obj_materials_finish(&r.materials);
+    if (status == SL_OK) tell_of_the_whole(&r);
     sl_polygons_release(&r.polygons);
     sl_names_release(&r.objects);
+    sl_free(r.object_index);
     sl_obj_materials_release(&r.materials);
     sl_free(text);
     return status;

@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -15,62 +16,74 @@
 
 sl_status sl_obj_materials_find(sl_obj_materials *m, const char *name, unsigned long line, uint32_t *index,
                                 sl_error *error) {
+    uint32_t number;
     if (!*name) name = "DefaultMaterial";
     if (!sl_make_room(&m->material, m->count, &m->material_room, sizeof *m->material) ||
-        !sl_make_room(&m->line, m->count, &m->line_room, sizeof *m->line) ||
-        !sl_names_find(&m->names, name, index))
+        !sl_names_find(&m->names, name, &number))
         return sl_fail_memory(error, "the materials");
-    if (*index == m->count) {
-        m->material[m->count].name = (char *)(uintptr_t)name; /* which nobody writes to */
-        m->line[m->count++] = line;
+    *index = m->first + number;
+    sl_status status = SL_OK;
+    if (number == m->count) {
+        sl_material grey = sl_grey_material(name, 0.6f);
+        grey.bump_depth = SL_BUMP_DEPTH;
+        m->material[m->count++].line = line;
+        status = sl_model_add_material(m->model, &grey, index, error);
     }
-    if (line == 0) m->line[*index] = 0;
-    return SL_OK;
+    if (line == 0) m->material[number].line = 0;
+    return status;
+}
+
+void sl_obj_materials_finish(sl_obj_materials *m) {
+    for (size_t i = 0; i < m->count; i++) {
+        sl_material *made = &m->model->scene.materials[m->first + i];
+        if (!m->material[i].may_mirror || sl_material_is_diffuse(made)) continue;
+        made->mirror = made->specular;
+        made->specular = sl_grey(0.0f);
+    }
 }
 
 void sl_obj_materials_release(sl_obj_materials *m) {
     for (size_t i = 0; i < m->text_count; i++) sl_free(m->text[i]);
     sl_free(m->text);
     sl_free(m->material);
-    sl_free(m->line);
     sl_names_release(&m->names);
 }
 
 /* ---- values ------------------------------------------------------------------------------------------- */
 
-typedef enum kind { NAME, COLOUR, NUMBER, TEXTURE, UNUSED } kind;
+typedef enum kind { NAME, COLOUR, EXPONENT, OPACITY, ILLUM, TEXTURE, MASK, HEIGHTS, UNUSED } kind;
 
 typedef struct statement {
     const char *word;
     kind kind;
-    int to; /* sl_import_field or sl_import_map */
     float most;
+    size_t colour;    /* where in sl_material it is */
     const char *text; /* what is expected, or what is not used */
 } statement;
 
-static const char colour[] = "a colour: 1 or 3 numbers of at least 0";
+#define COLOUR_OF(field) \
+    COLOUR, FLT_MAX, offsetof(sl_material, field), "a colour: 1 or 3 numbers of at least 0"
 static const statement statements[] = {
-    {"newmtl", NAME, 0, 0.0f, ""},
-    {"Kd", COLOUR, SL_IMPORT_DIFFUSE, FLT_MAX, colour},
-    {"Ks", COLOUR, SL_IMPORT_SPECULAR, FLT_MAX, colour},
-    {"Ke", COLOUR, SL_IMPORT_EMISSIVE, FLT_MAX, colour},
-    {"Ns", NUMBER, SL_IMPORT_SHININESS, (float)SL_LARGEST_EXPONENT,
-     "an exponent Ns: a number from 0 to 1000000"},
-    {"d", NUMBER, SL_IMPORT_OPACITY, 1.0f, "an opacity d: a number from 0 to 1"},
-    {"Tr", NUMBER, SL_IMPORT_OPACITY, 1.0f, "a transparency Tr: a number from 0 to 1"},
-    {"illum", NUMBER, SL_IMPORT_ILLUM, 10.0f, "an illumination model illum: a number from 0 to 10"},
-    {"map_Kd", TEXTURE, SL_IMPORT_MAP_DIFFUSE, 0.0f, ""},
-    {"map_d", TEXTURE, SL_IMPORT_MAP_OPACITY, 0.0f, ""},
-    {"map_bump", TEXTURE, SL_IMPORT_MAP_HEIGHT, 0.0f, ""},
-    {"bump", TEXTURE, SL_IMPORT_MAP_HEIGHT, 0.0f, ""},
-    {"norm", UNUSED, 0, 0.0f, "a normal map"},
-    {"disp", UNUSED, 0, 0.0f, "a displacement map"},
-    {"refl", UNUSED, 0, 0.0f, "a reflection map"},
-    {"map_Ks", UNUSED, 0, 0.0f, "a texture of Ks"},
-    {"map_Ns", UNUSED, 0, 0.0f, "a texture of Ns"},
-    {"map_Ke", UNUSED, 0, 0.0f, "a texture of Ke"},
-    {"map_Pr", UNUSED, 0, 0.0f, "a texture of roughness"},
-    {"map_Pm", UNUSED, 0, 0.0f, "a texture of metalness"},
+    {"newmtl", NAME, 0.0f, 0, ""},
+    {"Kd", COLOUR_OF(diffuse)},
+    {"Ks", COLOUR_OF(specular)},
+    {"Ke", COLOUR_OF(emission)},
+    {"Ns", EXPONENT, (float)SL_LARGEST_EXPONENT, 0, "an exponent Ns: a number from 0 to 1000000"},
+    {"d", OPACITY, 1.0f, 0, "an opacity d: a number from 0 to 1"},
+    {"Tr", OPACITY, 1.0f, 0, "a transparency Tr: a number from 0 to 1"},
+    {"illum", ILLUM, 10.0f, 0, "an illumination model illum: a number from 0 to 10"},
+    {"map_Kd", TEXTURE, 0.0f, 0, ""},
+    {"map_d", MASK, 0.0f, 0, ""},
+    {"map_bump", HEIGHTS, 0.0f, 0, ""},
+    {"bump", HEIGHTS, 0.0f, 0, ""},
+    {"norm", UNUSED, 0.0f, 0, "a normal map"},
+    {"disp", UNUSED, 0.0f, 0, "a displacement map"},
+    {"refl", UNUSED, 0.0f, 0, "a reflection map"},
+    {"map_Ks", UNUSED, 0.0f, 0, "a texture of Ks"},
+    {"map_Ns", UNUSED, 0.0f, 0, "a texture of Ns"},
+    {"map_Ke", UNUSED, 0.0f, 0, "a texture of Ke"},
+    {"map_Pr", UNUSED, 0.0f, 0, "a texture of roughness"},
+    {"map_Pm", UNUSED, 0.0f, 0, "a texture of metalness"},
 };
 enum { STATEMENTS = sizeof statements / sizeof statements[0] };
 
@@ -81,14 +94,10 @@ typedef struct reader {
     unsigned told;    /* which statements that are not used, bit by bit */
 } reader;
 
-static float *field(reader *r, int which) {
-    sl_import_material *m = &r->materials->material[r->current];
-    m->has |= 1u << which;
-    return m->value[which];
-}
+static sl_material *current(const reader *r) { return &r->materials->model->scene.materials[r->current]; }
 
 static void warn(const reader *r, const char *what, const char *of, const char *why) {
-    sl_model_warn(r->materials->model, "%s:%lu: %s%s%s", r->lines.path, r->lines.line, what, of, why);
+    sl_scene_warn(&r->materials->model->scene, "%s:%lu: %s%s%s", r->lines.path, r->lines.line, what, of, why);
 }
 
 /* Reads a colour: one number stands for all three. */
@@ -104,25 +113,36 @@ static sl_status read_colour(reader *r, const statement *s, char *at) {
         return sl_fail(r->lines.error, SL_ERROR_INPUT, "%s:%lu: expected %s, got %d", r->lines.path,
                        r->lines.line, s->text, count);
     if (!sl_is_line_end(at)) warn(r, "what stands behind the third number of ", s->word, " is not used");
-    for (int i = 0; i < 3; i++) field(r, s->to)[i] = value[count == 3 ? i : 0];
+    const sl_rgb colour = count == 3 ? (sl_rgb){value[0], value[1], value[2]} : sl_grey(value[0]);
+    memcpy((char *)current(r) + s->colour, &colour, sizeof colour);
     return SL_OK;
 }
 
+/* Uses a number. Whatever is seen through is drawn opaque. */
+static void set_number(reader *r, const statement *s, float value) {
+    sl_scene *scene = &r->materials->model->scene;
+    const bool transparent = s->kind == OPACITY && (sl_word_is(s->word, "Tr") ? value > 0.0f : value < 1.0f);
+    if (s->kind == EXPONENT) current(r)->exponent = value;
+    if (s->kind == ILLUM)
+        r->materials->material[r->current - r->materials->first].may_mirror =
+            floorf(value) == 3.0f || floorf(value) == 5.0f;
+    if (transparent)
+        sl_scene_warn(scene, "%s: material '%s' is transparent, which is not modelled: it is drawn opaque",
+                      r->materials->path, current(r)->name);
+}
+
 /* Reads a number. An exponent that is negative, as some exporters write it for what is dull, or so large that
- * no picture tells is cut to its limits. -halo says where more of an opacity is seen through; all is drawn
- * opaque. */
+ * no picture tells is cut to its limits. -halo says where more of an opacity is seen through. */
 static sl_status read_number(reader *r, const statement *s, char *at) {
     float value;
-    if (s->to == SL_IMPORT_OPACITY && sl_word_is(at, "-halo")) at = sl_word_after(at);
+    if (s->kind == OPACITY && sl_word_is(at, "-halo")) at = sl_word_after(at);
     char *end = sl_read_number(at, &value);
     if (!end || isnan(value) || !sl_is_line_end(end)) return sl_lines_fail(&r->lines, s->text, at);
     const bool beyond = !(value >= 0.0f && value <= s->most);
-    if (beyond && s->to != SL_IMPORT_SHININESS) return sl_lines_fail(&r->lines, s->text, at);
+    if (beyond && s->kind != EXPONENT) return sl_lines_fail(&r->lines, s->text, at);
     *sl_word_end(at) = 0;
     if (beyond) warn(r, "exponent Ns ", at, " is not from 0 to 1000000; cut to that");
-    value = fminf(fmaxf(value, 0.0f), s->most);
-    if (s->to == SL_IMPORT_ILLUM) value = floorf(value);
-    field(r, s->to)[0] = sl_word_is(s->word, "Tr") ? 1.0f - value : value;
+    set_number(r, s, fminf(fmaxf(value, 0.0f), s->most));
     return SL_OK;
 }
 
@@ -185,7 +205,7 @@ static sl_status skip_option(reader *r, const option *o, char **at) {
 
 /* Cuts a name where a comment begins, unless there is a file of the whole. */
 static sl_status cut_name(reader *r, char *name) {
-    char *path = sl_file_beside(r->lines.path, name);
+    char *path = sl_file_beside(r->materials->path, name);
     if (!path) return sl_fail_memory(r->lines.error, "a file name");
     char *comment = sl_file_exists(path) ? NULL : name;
     sl_free(path);
@@ -198,15 +218,49 @@ static sl_status cut_name(reader *r, char *name) {
     return SL_OK;
 }
 
+/* Tells whether a picture's colours are unit normals, as (n + 1) / 2, that mostly point away from the
+ * surface: exporters put such maps where heights are meant. */
+static bool holds_normals(const sl_texture *t) {
+    const size_t texels = (size_t)t->width * (size_t)t->height;
+    size_t unit = 0;
+    for (size_t i = 0; i < texels; i++) {
+        const uint8_t *p = t->texels + 4 * i;
+        const double x = p[0] / 127.5 - 1.0, y = p[1] / 127.5 - 1.0, z = p[2] / 127.5 - 1.0,
+                     square = x * x + y * y + z * z;
+        unit += z > 0.0 && square > 0.7 && square < 1.3 && p[2] > p[0] && p[2] > p[1];
+    }
+    return (double)unit > 0.9 * (double)texels;
+}
+
+static void use_texture(reader *r, const statement *s, uint32_t texture) {
+    sl_scene *scene = &r->materials->model->scene;
+    if (s->kind == TEXTURE) current(r)->texture = texture;
+    if (s->kind == MASK) current(r)->alpha_texture = texture;
+    if (s->kind != HEIGHTS || texture == SL_NO_INDEX) return;
+    if (holds_normals(&scene->textures[texture]))
+        sl_scene_warn(scene, "%s: material '%s': its bump map holds normals, not heights, and is not used",
+                      r->materials->path, current(r)->name);
+    else current(r)->height_map = texture + 1;
+}
+
 static sl_status read_texture(reader *r, const statement *s, char *at) {
     const option *o;
+    uint32_t texture;
+    sl_error problem;
     sl_status status = SL_OK;
     while (status == SL_OK && (o = option_at(at))) status = skip_option(r, o, &at);
     if (status == SL_OK) status = cut_name(r, at);
     if (status != SL_OK) return status;
-    if (*at) r->materials->material[r->current].map[s->to] = at;
-    else warn(r, s->word, " names no file", "");
-    return SL_OK;
+    if (!*at) {
+        warn(r, s->word, " names no file", "");
+        return SL_OK;
+    }
+    status = sl_model_texture_beside(r->materials->model, r->materials->path, at, &texture, &problem);
+    if (status == SL_OK) use_texture(r, s, texture);
+    else if (status == SL_ERROR_INPUT)
+        sl_fail(r->lines.error, status, "%s:%lu: texture %s", r->lines.path, r->lines.line, problem.message);
+    else sl_fail(r->lines.error, status, "%s", problem.message);
+    return status;
 }
 
 /* ---- the library -------------------------------------------------------------------------------------- */
@@ -220,9 +274,11 @@ static sl_status read_statement(reader *r, char *at) {
     switch (s->kind) {
     case NAME: return sl_obj_materials_find(r->materials, rest, 0, &r->current, r->lines.error);
     case COLOUR: return read_colour(r, s, rest);
-    case NUMBER: return read_number(r, s, rest);
-    case TEXTURE: return read_texture(r, s, rest);
-    default: break;
+    case EXPONENT:
+    case OPACITY:
+    case ILLUM: return read_number(r, s, rest);
+    case UNUSED: break;
+    default: return read_texture(r, s, rest);
     }
     char what[64];
     snprintf(what, sizeof what, "%s, %s,", s->word, s->text);

@@ -25,6 +25,34 @@ void sl_scene_film(const sl_scene *scene, int *width, int *height) {
     *height = scene->film_height;
 }
 
+void sl_scene_arrays(sl_scene *s, sl_scene_array list[SL_SCENE_ARRAYS]) {
+    void *const by_vertex[] = {&s->position_x, &s->position_y, &s->position_z, &s->normal_x,
+                               &s->normal_y,   &s->normal_z,   &s->texture_u,  &s->texture_v};
+    void *const by_triangle[] = {&s->vertex[0],
+                                 &s->vertex[1],
+                                 &s->vertex[2],
+                                 &s->material_index,
+                                 &s->object_index,
+                                 &s->geometric_normal_x,
+                                 &s->geometric_normal_y,
+                                 &s->geometric_normal_z,
+                                 &s->emitter_of_triangle};
+    for (int k = 0; k < 8; k++)
+        *list++ = (sl_scene_array){by_vertex[k], s->vertex_count * sizeof(float), k < 6};
+    for (int k = 0; k < 9; k++)
+        *list++ = (sl_scene_array){by_triangle[k], s->triangle_count * sizeof(uint32_t), k >= 5};
+    *list++ = (sl_scene_array){&s->emitters, s->emissive_count * sizeof *s->emitters, true};
+    *list++ = (sl_scene_array){&s->opaque_share, s->emissive_count * sizeof *s->opaque_share, false};
+    *list++ = (sl_scene_array){&s->lights, s->light_count * sizeof *s->lights, true};
+    *list = (sl_scene_array){&s->bicubics, s->bicubic_count * sizeof *s->bicubics, true};
+}
+
+static void *start_of(const sl_scene_array *array) {
+    void *start;
+    memcpy(&start, array->pointer, sizeof start);
+    return start;
+}
+
 static size_t animation_bytes(const sl_scene *s) {
     const size_t a_vertex = sizeof *s->animation->track_of_vertex + sizeof *s->animation->rest_position +
                             sizeof *s->animation->rest_normal;
@@ -33,18 +61,19 @@ static size_t animation_bytes(const sl_scene *s) {
                : 0;
 }
 
-size_t sl_scene_memory_bytes(const sl_scene *s) {
-    const sl_environment *e = &s->environment;
-    size_t bytes = sizeof *s + s->vertex_count * 8 * sizeof(float) +
-                   s->triangle_count * (6 * sizeof(uint32_t) + 3 * sizeof(float));
-    bytes += s->bicubic_count * sizeof *s->bicubics + s->material_count * sizeof *s->materials +
-             s->light_count * sizeof *s->lights +
-             s->emissive_count * (sizeof *s->emitters + sizeof *s->opaque_share) + animation_bytes(s);
-    for (size_t i = 0; i < s->texture_count; i++)
-        bytes += sizeof *s->textures + 4 * (size_t)s->textures[i].width * (size_t)s->textures[i].height;
-    size_t texels = (size_t)e->width * (size_t)e->height;
-    return bytes + texels * (3 * sizeof *e->texels + sizeof *e->column_cdf) +
-           (size_t)e->height * sizeof *e->row_cdf;
+size_t sl_scene_memory_bytes(const sl_scene *scene) {
+    sl_scene s = *scene; /* whose pointers are listed, and not followed */
+    sl_scene_array arrays[SL_SCENE_ARRAYS];
+    const sl_environment *e = &s.environment;
+    const size_t texels = (size_t)e->width * (size_t)e->height;
+    size_t bytes = sizeof s + s.material_count * sizeof *s.materials + animation_bytes(&s) +
+                   texels * (3 * sizeof *e->texels + sizeof *e->column_cdf) +
+                   (size_t)e->height * sizeof *e->row_cdf;
+    sl_scene_arrays(&s, arrays);
+    for (int k = 0; k < SL_SCENE_ARRAYS; k++) bytes += arrays[k].bytes;
+    for (size_t i = 0; i < s.texture_count; i++)
+        bytes += sizeof *s.textures + 4 * (size_t)s.textures[i].width * (size_t)s.textures[i].height;
+    return bytes;
 }
 
 char *sl_string_copy(const char *text) {
@@ -70,15 +99,16 @@ void sl_scene_leave_out_warnings(sl_scene *scene, size_t count) {
 void sl_scene_warn(sl_scene *scene, const char *format, ...) {
     char line[1024];
     va_list arguments;
-    if (scene->warning_count == 2 * SL_WARNINGS_OF_READING) {
-        sl_scene_leave_out_warnings(scene, 1);
-        return;
-    }
     va_start(arguments, format);
     sl_print_list(line, sizeof line, format, arguments);
     va_end(arguments);
-    for (char *c = line; *c; c++) {
-        if (*c == '\n' || *c == '\r') *c = ' ';
+    for (char *c = line; *c; c++) *c = *c == '\n' || *c == '\r' ? ' ' : *c;
+    for (size_t i = 0; i < scene->warning_count; i++) {
+        if (strcmp(scene->warnings[i], line) == 0) return; /* once is enough */
+    }
+    if (scene->warning_count >= (scene->is_read ? 2 * SL_WARNINGS : SL_WARNINGS)) {
+        sl_scene_leave_out_warnings(scene, 1);
+        return;
     }
     char *copy = sl_string_copy(line);
     if (copy &&
@@ -89,36 +119,26 @@ void sl_scene_warn(sl_scene *scene, const char *format, ...) {
 
 /* ---- the end --------------------------------------------------------------------------------- */
 
-static void free_geometry(sl_scene *s) {
-    float *arrays[] = {s->position_x,         s->position_y,         s->position_z,        s->normal_x,
-                       s->normal_y,           s->normal_z,           s->texture_u,         s->texture_v,
-                       s->geometric_normal_x, s->geometric_normal_y, s->geometric_normal_z};
-    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) sl_free(arrays[i]);
-    for (int c = 0; c < 3; c++) sl_free(s->vertex[c]);
-    sl_free(s->material_index);
-    sl_free(s->object_index);
-    sl_free(s->emitters);
-    sl_free(s->emitter_of_triangle);
-    sl_free(s->opaque_share);
+void sl_scene_release(sl_scene *s) {
+    sl_scene_array arrays[SL_SCENE_ARRAYS];
+    sl_scene_arrays(s, arrays);
+    for (int k = 0; k < SL_SCENE_ARRAYS; k++) sl_free(start_of(&arrays[k]));
+    for (size_t i = 0; i < s->material_count; i++) sl_free(s->materials[i].name);
+    sl_free(s->materials);
+    for (size_t i = 0; i < s->texture_count; i++) {
+        sl_free(s->textures[i].file);
+        sl_free(s->textures[i].texels);
+    }
+    sl_free(s->textures);
+    sl_environment_release(&s->environment);
+    sl_animation_destroy(s->animation);
+    sl_strings_free(s->object_names, s->object_count);
+    sl_strings_free(s->warnings, s->warning_count);
+    sl_strings_free(s->files, s->file_count);
 }
 
 void sl_scene_destroy(sl_scene *scene) {
-    if (!scene) return;
-    free_geometry(scene);
-    for (size_t i = 0; scene->materials && i < scene->material_count; i++) sl_free(scene->materials[i].name);
-    sl_free(scene->materials);
-    for (size_t i = 0; scene->textures && i < scene->texture_count; i++) {
-        sl_free(scene->textures[i].file);
-        sl_free(scene->textures[i].texels);
-    }
-    sl_free(scene->textures);
-    sl_free(scene->lights);
-    sl_environment_release(&scene->environment);
-    sl_animation_destroy(scene->animation);
-    sl_free(scene->bicubics);
-    sl_strings_free(scene->object_names, scene->object_count);
-    sl_strings_free(scene->warnings, scene->warning_count);
-    sl_strings_free(scene->files, scene->file_count);
+    if (scene) sl_scene_release(scene);
     sl_free(scene);
 }
 
@@ -143,15 +163,13 @@ static void hash_vec3(uint64_t *hash, sl_vec3 v) {
     hash_bytes(hash, (float[3]){v.x, v.y, v.z}, 3 * sizeof(float));
 }
 
-static void hash_geometry(uint64_t *hash, const sl_scene *s) {
-    const float *arrays[] = {s->position_x, s->position_y, s->position_z, s->normal_x,
-                             s->normal_y,   s->normal_z,   s->texture_u,  s->texture_v};
-    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
-        hash_bytes(hash, arrays[i], s->vertex_count * sizeof(float));
-    for (int c = 0; c < 3; c++) hash_bytes(hash, s->vertex[c], s->triangle_count * sizeof(uint32_t));
-    hash_bytes(hash, s->material_index, s->triangle_count * sizeof(uint32_t));
-    for (size_t i = 0; i < s->bicubic_count; i++) {
-        const sl_bicubic *b = &s->bicubics[i];
+static void hash_geometry(uint64_t *hash, const sl_scene *scene) {
+    sl_scene s = *scene;
+    sl_scene_array arrays[SL_SCENE_ARRAYS];
+    sl_scene_arrays(&s, arrays);
+    for (int k = 0; k < SL_HASHED_ARRAYS; k++) hash_bytes(hash, start_of(&arrays[k]), arrays[k].bytes);
+    for (size_t i = 0; i < s.bicubic_count; i++) {
+        const sl_bicubic *b = &s.bicubics[i];
         for (int k = 0; k < 16; k++) hash_vec3(hash, b->point[k / 4][k % 4]);
         hash_bytes(hash, (uint32_t[3]){b->first_vertex, b->first_triangle, (uint32_t)b->steps},
                    3 * sizeof(uint32_t));

@@ -152,6 +152,7 @@ struct sl_scene {
     double radius;
     sl_vec3 vantage;
 
+    bool is_read; /* its files are: what is told from there on is of what it is made into */
     size_t warning_count, warnings_left_out;
     char **warnings, more_warnings[64]; /* the latter: on those that are left out */
     /* that it was read from, the ones that were named and the ones that those name; some more than once.
@@ -257,10 +258,10 @@ uint64_t sl_scene_hash_of(const sl_scene *scene, uint64_t light_hash);
 
 /* ---- building (used by the importers and by tests that make scenes by hand) ---- */
 
-/* A scene from plain arrays: takes ownership of nothing, copies everything. Validates as sl_scene_load()
- * does: drops triangles with non-finite or out-of-range vertices and zero area (with a warning), computes
- * emitters and bounds. Vertices come out in the order of their first use. A corner without a normal gets its
- * facet's geometric normal, and with it a vertex of its own, so that facets stay facets. */
+/* A scene from plain arrays (parts.c), which are copied and checked as files are: triangles with non-finite
+ * or out-of-range vertices or without area are dropped, with a warning. Vertices come out in the order of
+ * their first use. A corner without a normal gets its facet's geometric normal, and with it a vertex of its
+ * own, so that facets stay facets. */
 typedef struct sl_scene_parts {
     size_t vertex_count;
     const float *positions;      /* xyz */
@@ -270,11 +271,6 @@ typedef struct sl_scene_parts {
     const uint32_t *indices;     /* three a triangle */
     const uint32_t *material_index; /* one a triangle, or NULL: all 0 */
     const uint32_t *object_index;   /* or NULL: all 0 */
-    /* first_vertex, first_triangle and triangle_count into these arrays; all 2 steps^2 triangles, in triangle
-     * order, */
-    size_t bicubic_count;
-    /* vertices with normals that nothing else uses: sl_bicubic_tessellate() in scene/bicubic.h */
-    const sl_bicubic *bicubics;
     size_t material_count;
     const sl_material *materials;
     size_t texture_count;
@@ -291,11 +287,12 @@ typedef struct sl_scene_parts {
 } sl_scene_parts;
 
 sl_status sl_scene_build(const sl_scene_parts *parts, sl_scene **scene, sl_error *error);
+/* Lines that are there already are not told twice; beyond SL_WARNINGS of reading, and as many of what is made
+ * of it, they are counted. */
 __attribute__((format(printf, 2, 3))) void sl_scene_warn(sl_scene *scene, const char *format, ...);
-/* Counts that many more warnings, which nobody would read. sl_scene_warn() does so beyond twice
- * SL_WARNINGS_OF_READING. */
+/* Counts that many more warnings, which nobody would read. */
 void sl_scene_leave_out_warnings(sl_scene *scene, size_t count);
-enum { SL_WARNINGS_OF_READING = 100 /* each is compared with those before it */ };
+enum { SL_WARNINGS = 100 };
 bool sl_camera_look_at(sl_camera *camera, sl_vec3 eye, sl_vec3 target, sl_vec3 up, float vertical_fov);
 
 #endif

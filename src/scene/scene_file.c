@@ -26,17 +26,17 @@ static void read_up(sl_scene_file *file, const cJSON *item) {
 /* ---- meshes ---------------------------------------------------------------------------------- */
 
 static void rename_objects(sl_scene_file *file, size_t first, const char *name) {
-    for (size_t i = first; i < file->model.object_count; i++) {
+    for (size_t i = first; i < file->model.scene.object_count; i++) {
         char longer[512];
-        bool only = file->model.object_count - first == 1;
+        bool only = file->model.scene.object_count - first == 1;
         snprintf(longer, sizeof longer, "%.200s%s%.200s", name, only ? "" : "/",
-                 only ? "" : file->model.object_names[i]);
+                 only ? "" : file->model.scene.object_names[i]);
         size_t length = strlen(longer);
         char *copy = sl_allocate(length + 1, 1);
         if (!copy) return; /* the old name will do */
         memcpy(copy, longer, length);
-        sl_free(file->model.object_names[i]);
-        file->model.object_names[i] = copy;
+        sl_free(file->model.scene.object_names[i]);
+        file->model.scene.object_names[i] = copy;
     }
 }
 
@@ -64,7 +64,7 @@ static void load_mesh(sl_scene_file *file, const cJSON *item) {
         return;
     }
     sl_affine placement = sl_affine_after(&file->turn, &transform);
-    size_t first = file->model.object_count, first_vertex = file->model.vertex_count,
+    size_t first = file->model.scene.object_count, first_vertex = file->model.vertex_count,
            surfaces = file->model.bicubic_count;
     sl_error problem = {0};
     sl_status status = sl_model_may_read(&file->model, path, &problem);
@@ -79,7 +79,7 @@ static void load_mesh(sl_scene_file *file, const cJSON *item) {
     size_t vertices = file->model.vertex_count - first_vertex;
     if (faceted && vertices) memset(file->model.normals + 3 * first_vertex, 0, 3 * vertices * sizeof(float));
     sl_scene_file_object_keys(file, sl_json_get(item, "keyframes"), (uint32_t)first,
-                              (uint32_t)(file->model.object_count - first));
+                              (uint32_t)(file->model.scene.object_count - first));
 }
 
 /* All meshes, then the materials that override theirs, then the materials that meshes ask for. */
@@ -117,9 +117,9 @@ static void read_film(sl_scene_file *file, const cJSON *item) {
     sl_json_number(json, sl_json_need(json, item, "width"), 1.0, LARGEST_FILM, &size[0]);
     sl_json_number(json, sl_json_need(json, item, "height"), 1.0, LARGEST_FILM, &size[1]);
     if (json->status != SL_OK) return;
-    file->model.film_width = (int)size[0];
-    file->model.film_height = (int)size[1];
-    if ((double)file->model.film_width != size[0] || (double)file->model.film_height != size[1]) {
+    file->model.scene.film_width = (int)size[0];
+    file->model.scene.film_height = (int)size[1];
+    if ((double)file->model.scene.film_width != size[0] || (double)file->model.scene.film_height != size[1]) {
         sl_json_fail(json, item, "expected 'width' and 'height' to be whole numbers");
     }
 }

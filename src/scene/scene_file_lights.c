@@ -93,10 +93,10 @@ static void warn_of_dark(sl_scene_file *file, const dark_lights *dark) {
     if (!dark->count || file->json.status != SL_OK) return;
     unsigned long line = sl_json_line(&file->json, dark->first);
     if (dark->count == 1)
-        sl_model_warn(&file->model, "%s:%lu: this light gives no light and is left out", file->json.path,
-                      line);
+        sl_scene_warn(&file->model.scene, "%s:%lu: this light gives no light and is left out",
+                      file->json.path, line);
     else
-        sl_model_warn(&file->model, "%s:%lu: this light and %zu more give no light and are left out",
+        sl_scene_warn(&file->model.scene, "%s:%lu: this light and %zu more give no light and are left out",
                       file->json.path, line, dark->count - 1);
 }
 
@@ -106,7 +106,7 @@ static void add_light(sl_scene_file *file, const cJSON *item, const sl_light *li
         if (!dark->count++) dark->first = item;
         return;
     }
-    uint32_t index = (uint32_t)file->model.light_count;
+    uint32_t index = (uint32_t)file->model.scene.light_count;
     file->json.status = sl_model_add_light(&file->model, light, file->json.error);
     if (file->json.status == SL_OK) sl_scene_file_light_keys(file, sl_json_get(item, "keyframes"), index);
 }
@@ -142,35 +142,25 @@ static void read_quad(sl_scene_file *file, const cJSON *item, quad *q) {
 }
 
 static sl_status add_quad_geometry(sl_scene_file *file, const quad *q, const char *name, uint32_t *object) {
+    static const unsigned along1[4] = {0, 1, 1, 0}, along2[4] = {0, 0, 1, 1};
+    static const uint32_t corners[6] = {0, 1, 2, 0, 2, 3};
     sl_model *m = &file->model;
     sl_error *error = file->json.error;
-    sl_material material = {.name = (char *)(uintptr_t)name,
-                            .emission = q->radiance,
-                            .emission_two_sided = q->two_sided,
-                            .texture = SL_NO_INDEX,
-                            .alpha_texture = SL_NO_INDEX};
-    uint32_t index;
-    size_t vertex, triangle;
-    sl_status status = sl_model_add_material(m, &material, &index, error);
+    sl_material material = sl_grey_material(name, 0.0f);
+    float positions[12];
+    sl_mesh mesh = {
+        .name = name, .vertex_count = 4, .triangle_count = 2, .positions = positions, .corners = corners};
+    material.emission = q->radiance;
+    material.emission_two_sided = q->two_sided;
+    for (int i = 0; i < 4; i++) {
+        const sl_vec3 p = sl_to_float(
+            sl_addd(q->corner, sl_addd(sl_scaled(q->edge1, along1[i]), sl_scaled(q->edge2, along2[i]))));
+        memcpy(positions + 3 * i, (float[3]){p.x, p.y, p.z}, 3 * sizeof(float));
+    }
+    sl_status status = sl_model_add_material(m, &material, &mesh.material, error);
     if (status == SL_OK) status = sl_model_add_object(m, name, object, error);
-    if (status == SL_OK) status = sl_model_add_vertices(m, 4, *object, &vertex, error);
-    if (status == SL_OK) status = sl_model_add_triangles(m, 2, &triangle, error);
-    if (status != SL_OK) return status;
-    static const unsigned along1[4] = {0, 1, 1, 0}, along2[4] = {0, 0, 1, 1}, corners[6] = {0, 1, 2, 0, 2, 3};
-    for (size_t i = 0; i < 4; i++) {
-        sl_vec3d p =
-            sl_addd(q->corner, sl_addd(sl_scaled(q->edge1, along1[i]), sl_scaled(q->edge2, along2[i])));
-        sl_vec3 at = sl_scene_file_point(file, p);
-        m->positions[3 * (vertex + i)] = at.x;
-        m->positions[3 * (vertex + i) + 1] = at.y;
-        m->positions[3 * (vertex + i) + 2] = at.z;
-    }
-    for (size_t i = 0; i < 6; i++) m->indices[3 * triangle + i] = (uint32_t)vertex + corners[i];
-    for (size_t t = triangle; t < triangle + 2; t++) {
-        m->material_index[t] = index;
-        m->object_index[t] = *object;
-    }
-    return SL_OK;
+    mesh.object = *object;
+    return status == SL_OK ? sl_model_add_mesh(m, file->json.path, &mesh, &file->turn, error) : status;
 }
 
 static void add_quad(sl_scene_file *file, const cJSON *item, size_t number) {
@@ -237,7 +227,7 @@ static void picture_sky(sl_scene_file *file, const cJSON *item, const char *name
     } else if (!plane[0] || !plane[1] || !plane[2]) {
         sl_json_fail(json, item, "environment: expected a picture with channels R, G and B: %s", name);
     } else {
-        sl_environment *e = &file->model.environment;
+        sl_environment *e = &file->model.scene.environment;
         size_t texels = (size_t)image->width * (size_t)image->height;
         *e = (sl_environment){.present = true,
                               .width = image->width,
@@ -264,8 +254,8 @@ void sl_scene_file_environment(sl_scene_file *file, const cJSON *item) {
     }
     sl_rgb radiance;
     if (!sl_json_rgb(json, what, &radiance)) return;
-    file->model.environment =
+    file->model.scene.environment =
         (sl_environment){.present = true, .constant = sl_rgb_scale(radiance, (float)scale)};
-    if (!sl_rgb_is_finite(file->model.environment.constant))
+    if (!sl_rgb_is_finite(file->model.scene.environment.constant))
         sl_json_fail(json, item, "expected radiance times scale to be finite");
 }

@@ -70,14 +70,15 @@ static void override(sl_scene_file *file, const cJSON *item, sl_material *m) {
 /* ---- all of them ----------------------------------------------------------------------------- */
 
 static const char **names_of(const sl_scene_file *file) {
-    const char **names = sl_allocate(file->model.material_count, sizeof *names);
-    for (size_t i = 0; names && i < file->model.material_count; i++) names[i] = file->model.materials[i].name;
+    const char **names = sl_allocate(file->model.scene.material_count, sizeof *names);
+    for (size_t i = 0; names && i < file->model.scene.material_count; i++)
+        names[i] = file->model.scene.materials[i].name;
     return names;
 }
 
 static void fail_unknown(sl_scene_file *file, const cJSON *item, const char *name) {
     const char **names = names_of(file);
-    const char *nearest = names ? sl_nearest_name(name, names, file->model.material_count) : NULL;
+    const char *nearest = names ? sl_nearest_name(name, names, file->model.scene.material_count) : NULL;
     if (nearest)
         sl_json_fail(&file->json, item, "no mesh has a material '%s'; expected '%s'?", name, nearest);
     else sl_json_fail(&file->json, item, "no mesh has a material '%s'", name);
@@ -85,8 +86,8 @@ static void fail_unknown(sl_scene_file *file, const cJSON *item, const char *nam
 }
 
 uint32_t sl_scene_file_material_named(sl_scene_file *file, const cJSON *item, const char *name) {
-    for (size_t i = 0; i < file->model.material_count; i++) {
-        if (strcmp(file->model.materials[i].name, name) == 0) return (uint32_t)i;
+    for (size_t i = 0; i < file->model.scene.material_count; i++) {
+        if (strcmp(file->model.scene.materials[i].name, name) == 0) return (uint32_t)i;
     }
     fail_unknown(file, item, name);
     return 0;
@@ -107,20 +108,17 @@ static void read_material(sl_scene_file *file, const cJSON *item, const cJSON *m
                       "two_sided", "texture", "alpha", "bump", "bump_depth"))
         return;
     bool found = false;
-    for (size_t i = 0; i < file->model.material_count && json->status == SL_OK; i++) {
-        if (strcmp(file->model.materials[i].name, item->string) != 0) continue;
+    for (size_t i = 0; i < file->model.scene.material_count && json->status == SL_OK; i++) {
+        if (strcmp(file->model.scene.materials[i].name, item->string) != 0) continue;
         found = true;
-        override(file, item, &file->model.materials[i]);
+        override(file, item, &file->model.scene.materials[i]);
     }
     if (found || json->status != SL_OK) return;
     if (!a_mesh_asks_for(meshes, item->string)) {
         fail_unknown(file, item, item->string);
         return;
     }
-    sl_material fresh = {.name = item->string,
-                         .diffuse = {0.5f, 0.5f, 0.5f},
-                         .texture = SL_NO_INDEX,
-                         .alpha_texture = SL_NO_INDEX};
+    sl_material fresh = sl_grey_material(item->string, 0.5f);
     uint32_t index;
     override(file, item, &fresh);
     if (json->status == SL_OK)

@@ -150,7 +150,7 @@ void sl_scene_file_light_keys(sl_scene_file *file, const cJSON *list, uint32_t l
         out_of_memory(json);
         return;
     }
-    const sl_light *rest = &file->model.lights[light];
+    const sl_light *rest = &file->model.scene.lights[light];
     sl_light_key state = {0.0, sl_to_double(rest->position), sl_to_double(rest->direction)};
     for (const cJSON *item = list->child; item; item = item->next) {
         sl_vec3d v;

@@ -1,13 +1,12 @@
 /* What reads mesh files without the importer, or before it: surfaces, OBJ, OFF, headers of PLY, and glTF. */
 #include "support.h"
 
-#include "scene/gltf.h"
-#include "scene/mesh_file.h"
+#include "import/assimp.h"
 
 static sl_status check_with(unsigned kind, const char *path, sl_error *error) {
     sl_model model = {0};
     sl_gltf gltf = {0};
-    sl_status status = kind == 3 ? sl_header_check(path, error) : sl_gltf_read(path, &model, &gltf, error);
+    sl_status status = kind == 3 ? sl_ply_check(path, error) : sl_gltf_read(path, &model, &gltf, error);
     sl_gltf_release(&gltf);
     sl_model_clear(&model);
     return status;

@@ -187,7 +187,7 @@ static void every_mistake_is_reported_with_its_line(void **state) {
     assert_refused(bpt("1\n3 3\n1 0x10 0\n", flat), "surface.bpt:3:", "got '0x10'");
     assert_refused(bpt("1\n3 3\n1 1e999 0\n", flat), "surface.bpt:3:", "got '1e999'");
     assert_refused(bpt("1\n3 3\n1 1e39 0\n", flat), "surface.bpt:3:", "floats");
-    assert_refused(bpt("1\n3 3\n", "0 0 0 1 1 1 2 2"), "surface.bpt:3:", "16 control points");
+    assert_refused(bpt("1\n3 3\n", "0 0 0 1 1 1 2 2\n"), "surface.bpt:4:", "16 control points");
     char more[2048];
     snprintf(more, sizeof more, "1\n3 3\n%sand more\n", flat);
     assert_refused(bpt(more, ""), "surface.bpt:7:", "the end of the file after the last surface, got 'and'");

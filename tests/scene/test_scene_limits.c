@@ -153,7 +153,7 @@ static void vertices_and_triangles_are_counted_in_32_bits(void **state) {
     sl_model model = {0};
     sl_error error = {0};
     size_t first;
-    assert_int_equal(sl_model_add_vertices(&model, SL_NO_INDEX, 0, &first, &error), SL_ERROR_RESOURCES);
+    assert_int_equal(sl_model_add_vertices(&model, SL_NO_INDEX, &first, &error), SL_ERROR_RESOURCES);
     assert_non_null(strstr(error.message, "more than 4294967295 vertices"));
     assert_int_equal(sl_model_add_triangles(&model, (SL_NO_INDEX - 1) / 3 + 1, &first, &error),
                      SL_ERROR_RESOURCES);

@@ -140,8 +140,8 @@ static double area_of(const char *obj, size_t triangles) {
 static void polygons_are_cut_within_their_outlines(void **state) {
     (void)state;
     assert_true(area_of("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", 2) == 1.0);
-    /* an arrow head, beginning at each of its corners; an L; a comb that no corner sees the whole of, three of
-     * whose corners lie in a line */
+    /* an arrow head, beginning at each of its corners; an L; a comb that no corner sees the whole of, three
+     * of whose corners lie in a line */
     assert_true(area_of("v 0 0 0\nv 4 4 0\nv 0 2 0\nv -4 4 0\nf 1 2 3 4\n", 2) == 8.0);
     assert_true(area_of("v 0 0 0\nv 4 4 0\nv 0 2 0\nv -4 4 0\nf 2 3 4 1\n", 2) == 8.0);
     assert_true(area_of("v 0 0 0\nv 4 4 0\nv 0 2 0\nv -4 4 0\nf 4 1 2 3\n", 2) == 8.0);
@@ -193,19 +193,19 @@ static void what_has_no_meaning_is_told_by_line(void **state) {
         {"v 1 0 0", "v 0 1 0", "vt 0 0 0 0\n",
          ":4: expected 1, 2 or 3 numbers for a texture coordinate, got 4"},
         {"v 1 0 0", "v 0 1 0", "vn 0 1\n", ":4: expected 3 numbers for a normal, got 2"},
-        {"v 1 0 0", "v 0 1 0", "l 1 99\n", ":4: vertex index 99 is out of range: the file has 3"},
-        {"v 1 0 0", "v 0 1 0", "f 1 2 4\n", ":4: vertex index 4 is out of range: the file has 3"},
+        {"v 1 0 0", "v 0 1 0", "l 1 99\n", ":4: vertex index 99 is out of range: the file has 3 before it"},
+        {"v 1 0 0", "v 0 1 0", "f 1 2 4\n", ":4: vertex index 4 is out of range: the file has 3 before it"},
         {"v 1 0 0", "v 0 1 0", "\nf 1 2 0\n",
          ":5: vertex index 0 is out of range: expected 1 or more, or -1 to -3"},
         {"v 1 0 0", "v 0 1 0", "f -1 -2 -4\n",
          ":4: vertex index -4 is out of range: expected 1 or more, or -1 to -3"},
         {"v 1 0 0\r", "v 0 1 0\r", "f 1//1 2//1 3//1\r\n",
-         ":4: normal index 1 is out of range: the file has 0"},
+         ":4: normal index 1 is out of range: the file has 0 before it"},
         {"v 1 0 0", "v 0 1 0", "f 1 2 x3\n", ":4: expected a vertex index, got 'x3'"},
         {"v 1 0 0", "v 0 1 0", "f 1 2 3;4\n",
          ":4: expected face corners like 1, 1/2, 1//3 or 1/2/3, got ';4'"},
         {"v 1 0 0", "v 0 1 0", "f 1 2 99999999999999999999\n",
-         ":4: vertex index 9999999999999 is out of range: the file has 3"},
+         ":4: vertex index 9999999999999 is out of range: the file has 3 before it"},
         {"v 1 0 0", "v 0 1 0", "vt 0 0\nf 1/1 2/1 3\n", "3 has other indices than the first"},
         {"v 1 0 0", "v 0 1 0", "vn 0 0 1\nf 1 2//1 3//1\n", "2 has other indices than the first"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -140,10 +140,10 @@ static void what_mesh_files_name_outside_is_refused(void **state) {
     snprintf(text, sizeof text, "mtllib a.mtl\n%s", triangle);
     write_text("inside/a.obj", text);
     write_text("inside/a.mtl", "newmtl m\nmap_Kd ../secret.tga\n");
-    expect_refusal("inside/a.obj", "inside/a.obj: material 'm': texture ", "secret.tga");
+    expect_refusal("inside/a.obj", "inside/a.mtl:2: texture ", "secret.tga");
     snprintf(text, sizeof text, "newmtl m\nmap_Kd %s\n", at("secret.tga"));
     write_text("inside/a.mtl", text);
-    expect_refusal("inside/a.obj", "inside/a.obj: material 'm': texture ", "secret.tga");
+    expect_refusal("inside/a.obj", "inside/a.mtl:2: texture ", "secret.tga");
     write_text("inside/a.mtl", "newmtl m\nmap_Kd below\\inner.tga\n");
     expect_scene("inside/a.obj");
 }

@@ -4,7 +4,7 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/shading_cache/work.h"
-#include "scene/bicubic.h"
+#include "scene/model.h"
 #include "shading_cache_support.h"
 
 enum { WIDTH = 120, HEIGHT = 80, PLACES_MAX = 4096 };
@@ -350,25 +350,16 @@ static void a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_i
 
 /* A sheet rolled to a pipe of radius 1 or so: its corners span nothing. */
 static sl_scene *pipe_scene(void) {
-    enum { N = 8, V = (N + 1) * (N + 1) };
-    static float xyz[3 * V], normal[3 * V], uv[2 * V];
-    static uint32_t index[6 * N * N];
     static const float x[4] = {0.0f, 4.0f, -4.0f, 0.0f}, z[4] = {0.0f, 4.0f, 4.0f, 0.0f};
-    sl_bicubic b = {.steps = N, .triangle_count = 2 * N * N};
+    sl_model model = {.stays_dark = true};
+    sl_bicubic b = {.steps = 8};
     for (int j = 0; j < 4; j++) {
         for (int i = 0; i < 4; i++) b.point[j][i] = sl_v3(x[i], (float)j - 1.5f, z[i]);
     }
-    sl_bicubic_tessellate(&b, xyz, normal, uv, index);
-    sl_scene_parts parts = {.vertex_count = V,
-                            .positions = xyz,
-                            .normals = normal,
-                            .texture_coordinates = uv,
-                            .triangle_count = 2 * N * N,
-                            .indices = index,
-                            .bicubic_count = 1,
-                            .bicubics = &b};
     sl_scene *scene;
-    assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
+    assert_int_equal(sl_model_add_bicubic(&model, &b, 0, 0, NULL), SL_OK);
+    assert_int_equal(sl_model_build(&model, &scene, NULL), SL_OK);
+    sl_model_clear(&model);
     return scene;
 }
 

@@ -1,6 +1,5 @@
-#include "scene/gltf.h"
+#include "import/gltf.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <string.h>
 
@@ -16,8 +15,8 @@ static const cJSON *member(const cJSON *item, const char *name) {
 
 enum { DEEPEST = 1000 /* deeper files are refused */ };
 
-/* A list of the file, what of it the scene uses, and in which order: that in which nodes lead there, and not the
- * file's. So the importer numbers it. */
+/* A list of the file, what of it the scene uses, and in which order: that in which nodes lead there, and not
+ * the file's. So the importer numbers it. */
 typedef struct dictionary {
     size_t count, used_count;
     const cJSON **item, **used;
@@ -100,91 +99,90 @@ static void read_pair(const cJSON *list, double otherwise, double pair[2]) {
     for (int i = 0; i < 2; i++) pair[i] = number_or(cJSON_GetArrayItem(list, i), otherwise);
 }
 
-static sl_gltf_transform read_transform(const cJSON *material) {
-    const cJSON *extensions = member(material, "extensions");
-    const cJSON *texture = member(member(material, "pbrMetallicRoughness"), "baseColorTexture");
-    const cJSON *diffuse =
-        member(member(extensions, "KHR_materials_pbrSpecularGlossiness"), "diffuseTexture");
-    const cJSON *from = member(member(diffuse ? diffuse : texture, "extensions"), "KHR_texture_transform");
+/* The lists of what the nodes lead to are kept, the others only walked. */
+static sl_status read_lists(sl_gltf *gltf, sl_error *error) {
+    walk w = {0};
+    bool open = open_dictionary(member(gltf->root, "nodes"), &w.nodes) &&
+                open_dictionary(member(gltf->root, "meshes"), &w.meshes) &&
+                open_dictionary(member(gltf->root, "materials"), &w.materials) &&
+                open_dictionary(member(gltf->root, "cameras"), &w.cameras);
+    if (open) visit_scene(&w, gltf->root);
+    gltf->materials = w.materials.used;
+    gltf->material_count = w.materials.used_count;
+    gltf->cameras = w.cameras.used;
+    gltf->camera_count = w.cameras.used_count;
+    w.materials.used = w.cameras.used = NULL;
+    close_dictionary(&w.nodes);
+    close_dictionary(&w.meshes);
+    close_dictionary(&w.materials);
+    close_dictionary(&w.cameras);
+    return open ? SL_OK : sl_fail_memory(error, "a glTF file");
+}
+
+static cJSON *parse(const char *data, size_t size) {
+    const char *json;
+    size_t length;
+    if (!find_json(data, size, &json, &length)) return NULL;
+    cJSON *root = cJSON_ParseWithLength(json, length);
+    /* it does not tell want of memory from bad text: which is bad again */
+    return root ? root : cJSON_ParseWithLength(json, length);
+}
+
+sl_status sl_gltf_read(const char *path, sl_model *model, sl_gltf *gltf, sl_error *error) {
+    char *data;
+    size_t size;
+    *gltf = (sl_gltf){0};
+    sl_status status = sl_file_read(path, &data, &size, error);
+    if (status != SL_OK) return status;
+    gltf->root = parse(data, size);
+    sl_free(data);
+    if (!gltf->root && sl_memory_has_ended()) return sl_fail_memory(error, path);
+    if (!cJSON_IsObject(gltf->root))
+        return sl_fail(error, SL_ERROR_INPUT, "%s: expected a glTF file: its JSON cannot be read", path);
+    status = sl_gltf_check_required(path, gltf->root, error);
+    if (status == SL_OK) status = read_lists(gltf, error);
+    if (status == SL_OK) sl_gltf_tell_features(path, gltf->root, model);
+    return status;
+}
+
+void sl_gltf_release(sl_gltf *gltf) {
+    cJSON_Delete(gltf->root);
+    sl_free(gltf->materials);
+    sl_free(gltf->cameras);
+    *gltf = (sl_gltf){0};
+}
+
+/* ---- facts ---- */
+
+static const cJSON *material_of(const sl_gltf *gltf, size_t number) {
+    return gltf && number < gltf->material_count ? gltf->materials[number] : NULL;
+}
+
+double sl_gltf_emissive_strength(const sl_gltf *gltf, size_t material) {
+    const cJSON *extensions = member(material_of(gltf, material), "extensions");
+    return number_or(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0);
+}
+
+bool sl_gltf_is_unlit(const sl_gltf *gltf, size_t material) {
+    return member(member(material_of(gltf, material), "extensions"), "KHR_materials_unlit") != NULL;
+}
+
+sl_gltf_transform sl_gltf_base_transform(const sl_gltf *gltf, size_t number) {
+    const cJSON *material = material_of(gltf, number), *extensions = member(material, "extensions"),
+                *texture = member(member(material, "pbrMetallicRoughness"), "baseColorTexture"),
+                *diffuse =
+                    member(member(extensions, "KHR_materials_pbrSpecularGlossiness"), "diffuseTexture"),
+                *from = member(member(diffuse ? diffuse : texture, "extensions"), "KHR_texture_transform");
+    const double set = number_or(member(from, "texCoord"), -1.0);
     sl_gltf_transform t = {.given = cJSON_IsObject(from),
-                           .rotation = number_or(member(from, "rotation"), 0.0)};
-    double set = number_or(member(from, "texCoord"), -1.0);
-    t.set = set >= 0.0 && set < 100.0 ? (int)set : -1;
+                           .rotation = number_or(member(from, "rotation"), 0.0),
+                           .set = set >= 0.0 && set < 100.0 ? (int)set : -1};
     read_pair(member(from, "offset"), 0.0, t.offset);
     read_pair(member(from, "scale"), 1.0, t.scale);
     return t;
 }
 
-static void read_material(const cJSON *item, size_t i, sl_gltf *gltf) {
-    const cJSON *extensions = member(item, "extensions");
-    gltf->emissive_strength[i] =
-        number_or(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0);
-    gltf->unlit[i] = member(extensions, "KHR_materials_unlit") != NULL;
-    gltf->base_transform[i] = read_transform(item);
-}
-
-static sl_status fill_lists(const dictionary *materials, const dictionary *cameras, sl_gltf *gltf,
-                            sl_error *error) {
-    gltf->material_count = materials->used_count;
-    gltf->camera_count = cameras->used_count;
-    gltf->emissive_strength = sl_allocate(gltf->material_count, sizeof(double));
-    gltf->unlit = sl_allocate(gltf->material_count, sizeof(bool));
-    gltf->base_transform = sl_allocate(gltf->material_count, sizeof(sl_gltf_transform));
-    gltf->vertical_fov = sl_allocate(gltf->camera_count, sizeof(double));
-    if (!gltf->emissive_strength || !gltf->unlit || !gltf->base_transform || !gltf->vertical_fov)
-        return sl_fail_memory(error, "a glTF file");
-    for (size_t i = 0; i < materials->used_count; i++) read_material(materials->used[i], i, gltf);
-    for (size_t i = 0; i < cameras->used_count; i++)
-        gltf->vertical_fov[i] = number_or(member(member(cameras->used[i], "perspective"), "yfov"), 0.0);
-    return SL_OK;
-}
-
-static sl_status read_lists(const cJSON *root, sl_gltf *gltf, sl_error *error) {
-    walk w = {0};
-    bool open = open_dictionary(member(root, "nodes"), &w.nodes) &&
-                open_dictionary(member(root, "meshes"), &w.meshes) &&
-                open_dictionary(member(root, "materials"), &w.materials) &&
-                open_dictionary(member(root, "cameras"), &w.cameras);
-    if (open) visit_scene(&w, root);
-    sl_status status =
-        open ? fill_lists(&w.materials, &w.cameras, gltf, error) : sl_fail_memory(error, "a glTF file");
-    close_dictionary(&w.nodes);
-    close_dictionary(&w.meshes);
-    close_dictionary(&w.materials);
-    close_dictionary(&w.cameras);
-    return status;
-}
-
-sl_status sl_gltf_read(const char *path, sl_model *model, sl_gltf *gltf, sl_error *error) {
-    *gltf = (sl_gltf){0};
-    char *data;
-    size_t size, length;
-    const char *json;
-    sl_status status = sl_file_read(path, &data, &size, error);
-    if (status != SL_OK) return status;
-    bool found = find_json(data, size, &json, &length);
-    cJSON *root = found ? cJSON_ParseWithLength(json, length) : NULL;
-    /* it does not tell want of memory from bad text: which is bad again */
-    if (found && !root) root = cJSON_ParseWithLength(json, length);
-    if (!root && sl_memory_has_ended()) {
-        status = sl_fail_memory(error, path);
-    } else if (!cJSON_IsObject(root)) {
-        status = sl_fail(error, SL_ERROR_INPUT, "%s: expected a glTF file: its JSON cannot be read", path);
-    } else {
-        status = sl_gltf_check_required(path, root, error);
-        if (status == SL_OK) status = read_lists(root, gltf, error);
-        if (status == SL_OK) sl_gltf_tell_features(path, root, model);
-        else sl_gltf_release(gltf);
-    }
-    cJSON_Delete(root);
-    sl_free(data);
-    return status;
-}
-
-void sl_gltf_release(sl_gltf *gltf) {
-    sl_free(gltf->emissive_strength);
-    sl_free(gltf->unlit);
-    sl_free(gltf->base_transform);
-    sl_free(gltf->vertical_fov);
-    *gltf = (sl_gltf){0};
+double sl_gltf_vertical_fov(const sl_gltf *gltf, size_t camera) {
+    const cJSON *item = camera < gltf->camera_count ? gltf->cameras[camera] : NULL;
+    return number_or(member(member(item, "perspective"), "yfov"), 0.0);
 }

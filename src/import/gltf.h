@@ -1,11 +1,18 @@
-/* Facts of a glTF file that the importer does not pass on, or not exactly. */
-#ifndef SL_SCENE_GLTF_H
-#define SL_SCENE_GLTF_H
+/* Facts of a glTF file that Assimp does not pass on, or not exactly. */
+#ifndef SL_IMPORT_GLTF_H
+#define SL_IMPORT_GLTF_H
 
 #include <cjson/cJSON.h>
 #include <stddef.h>
 
 #include "scene/model.h"
+
+/* The file's text, and its materials and cameras in Assimp's order. */
+typedef struct sl_gltf {
+    cJSON *root;
+    size_t material_count, camera_count;
+    const cJSON **materials, **cameras;
+} sl_gltf;
 
 /* KHR_texture_transform. */
 typedef struct sl_gltf_transform {
@@ -14,20 +21,17 @@ typedef struct sl_gltf_transform {
     int set;                              /* of texture coordinates; -1: the texture's own */
 } sl_gltf_transform;
 
-/* Materials and cameras in the importer's order. */
-typedef struct sl_gltf {
-    size_t material_count;
-    double *emissive_strength; /* KHR_materials_emissive_strength; 1 where it is not given */
-    bool *unlit;               /* KHR_materials_unlit */
-    sl_gltf_transform *base_transform; /* of the base texture, or that of the diffuse colour */
-    size_t camera_count;
-    double *vertical_fov;      /* radians; 0: not a perspective camera */
-} sl_gltf;
-
 /* Fails where the file is no glTF 2.0, or requires an extension that is not had (compressed geometry, say).
- * Warns of what is not had. */
+ * Warns of what is not had. Release it in any case. */
 sl_status sl_gltf_read(const char *path, sl_model *model, sl_gltf *gltf, sl_error *error);
 void sl_gltf_release(sl_gltf *gltf);
+
+/* By the number of a material or camera; gltf may be NULL. */
+double sl_gltf_emissive_strength(const sl_gltf *gltf, size_t material); /* 1 where it is not given */
+bool sl_gltf_is_unlit(const sl_gltf *gltf, size_t material);
+/* Of the base texture, or that of the diffuse colour. */
+sl_gltf_transform sl_gltf_base_transform(const sl_gltf *gltf, size_t material);
+double sl_gltf_vertical_fov(const sl_gltf *gltf, size_t camera); /* radians; 0: not a perspective camera */
 
 /* Features that a file asks for and that are not had (gltf_features.c): an error where it requires one, else
  * a line for each. */

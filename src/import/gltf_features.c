@@ -1,4 +1,4 @@
-#include "scene/gltf.h"
+#include "import/gltf.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -73,7 +73,7 @@ static void tell_extension(const char *path, const cJSON *root, const char *name
     char materials[160];
     if (is_had(name)) return;
     name_materials(root, has_extension, name, materials, sizeof materials);
-    sl_model_warn(model, "%s: the extension %s is not supported: %s%s", path, name, in_place_of(name),
+    sl_scene_warn(&model->scene, "%s: the extension %s is not supported: %s%s", path, name, in_place_of(name),
                   materials);
 }
 
@@ -103,8 +103,8 @@ void sl_gltf_tell_features(const char *path, const cJSON *root, sl_model *model)
     char materials[160];
     tell_extensions(path, root, model);
     name_materials(root, has_texture, "normalTexture", materials, sizeof materials);
-    if (*materials) sl_model_warn(model, "%s: normal maps are not used%s", path, materials);
-    if (has_morphs(root)) sl_model_warn(model, "%s: morph targets are not applied", path);
+    if (*materials) sl_scene_warn(&model->scene, "%s: normal maps are not used%s", path, materials);
+    if (has_morphs(root)) sl_scene_warn(&model->scene, "%s: morph targets are not applied", path);
     if (cJSON_GetArraySize(member(root, "animations")) > 0)
-        sl_model_warn(model, "%s: animations are not played", path);
+        sl_scene_warn(&model->scene, "%s: animations are not played", path);
 }

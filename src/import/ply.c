@@ -1,11 +1,9 @@
-#include "scene/mesh_file.h"
-
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "import/assimp.h"
 #include "scene/file.h"
 
 typedef struct header {
@@ -109,7 +107,7 @@ static bool begins_with_line(const char *data, size_t size, const char *word) {
     return size > length && memcmp(data, word, length) == 0 && (data[length] == '\n' || data[length] == '\r');
 }
 
-sl_status sl_header_check(const char *path, sl_error *error) {
+sl_status sl_ply_check(const char *path, sl_error *error) {
     char *data;
     size_t size;
     sl_status status = sl_file_read(path, &data, &size, error);
