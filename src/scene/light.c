@@ -3,9 +3,7 @@
 
 #include "scene/scene.h"
 
-/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between; a step where they are
- * equal. */
-static float spot_falloff(const sl_light *light, float cosine) {
+float sl_spot_falloff(const sl_light *light, float cosine) {
     if (cosine >= light->cos_inner) return 1.0f;
     if (!(cosine > light->cos_outer)) return 0.0f;
     float x = (cosine - light->cos_outer) / (light->cos_inner - light->cos_outer);
@@ -27,7 +25,7 @@ bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, fl
         *distance = (float)length;
         float strength = (float)(1.0 / squared); /* inverse square law, E = I / r^2 */
         if (light->type == SL_LIGHT_SPOT)
-            strength *= spot_falloff(light, -sl_dot(*to_light, light->direction));
+            strength *= sl_spot_falloff(light, -sl_dot(*to_light, light->direction));
         *irradiance = sl_rgb_scale(light->intensity, strength);
     }
     return sl_rgb_max(*irradiance) > 0.0f && sl_rgb_is_finite(*irradiance);

@@ -246,6 +246,9 @@ sl_status sl_environment_split(const sl_environment *all, double threshold_over_
                                sl_environment *sun, sl_error *error);
 void sl_environment_release(sl_environment *environment);
 
+/* 1 inside a spot's inner cone, 0 outside the outer one, smoothstep of the cosine with the axis between; a
+ * step where they are equal. */
+float sl_spot_falloff(const sl_light *light, float cosine);
 /* Irradiance-like terms of a light without extent at p: unit direction to the light, distance (infinite for
  * directional) and the irradiance on a plane that faces it. Returns false where that is zero. */
 bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance,

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "trace/emission.h"
 #include "trace/light_tree.h"
 #include "trace/trace.h"
 
@@ -16,66 +17,34 @@ struct sl_light_sampler {
     double *chance; /* of each */
     sl_light_tree *tree; /* of the emitters, where they are chosen by place; else NULL */
     double tree_share;   /* the probability that an emitter is chosen, whichever */
+    double power;        /* luminance, W, of all */
 };
 
 /* ---- powers ---------------------------------------------------------------------------------- */
 
-static double mean(sl_rgb c) { return ((double)c.r + (double)c.g + (double)c.b) / 3.0; }
-
-/* Of the disc that the scene shows to a distant light. */
-static double disc_area(const sl_scene *scene) {
-    double radius = 0.5 * (double)scene->diagonal;
-    return SL_PI * radius * radius;
-}
-
-static double emitter_power(const sl_emitter *emitter) {
-    return SL_PI * (double)emitter->area * mean(emitter->radiance) * (emitter->two_sided ? 2.0 : 1.0);
-}
-
-static double light_power(const sl_scene *scene, const sl_light *light) {
-    double strength = mean(light->intensity);
-    switch (light->type) {
-    case SL_LIGHT_POINT: return 4.0 * SL_PI * strength;
-    case SL_LIGHT_SPOT: /* smoothstep's mean is a half; never 0, so that a step of no width still shines */
-        return 2.0 * SL_PI * strength *
-               fmax(1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer), 1e-6);
-    case SL_LIGHT_DIRECTIONAL: return strength * disc_area(scene);
+/* Never 0 for a light without width, or that sees the box edge-on: it still shines. */
+static double power_of(const sl_scene *scene, size_t entry) {
+    double power = sl_light_power(scene, (uint32_t)entry), least = 0.0;
+    if (entry >= scene->emitter_count && entry < scene->emitter_count + scene->light_count) {
+        const sl_light *light = &scene->lights[entry - scene->emitter_count];
+        double extent = light->type == SL_LIGHT_DIRECTIONAL ? (double)scene->diagonal * (double)scene->diagonal
+                                                            : 2.0 * SL_PI;
+        least = 1e-6 * extent * (double)sl_luminance(light->intensity);
     }
-    return 0.0;
-}
-
-static double environment_power(const sl_scene *scene) {
-    const sl_environment *e = &scene->environment;
-    double flux = 4.0 * SL_PI * mean(e->constant);
-    if (e->width > 0) {
-        flux = 0.0;
-        for (int row = 0; row < e->height; row++) {
-            double top = sl_cos(SL_PI * row / e->height), bottom = sl_cos(SL_PI * (row + 1) / e->height);
-            double sum = 0.0;
-            const float *texel = e->texels + 3 * (size_t)row * (size_t)e->width;
-            for (int i = 0; i < 3 * e->width; i++) sum += (double)texel[i];
-            flux += sum / 3.0 * 2.0 * SL_PI / e->width * (top - bottom);
-        }
-    }
-    return flux * disc_area(scene);
+    power = fmax(power, least);
+    return power > 0.0 && isfinite(power) ? power : 0.0;
 }
 
 static void fill_powers(sl_light_sampler *sampler, bool sky_light) {
-    const sl_scene *scene = sampler->scene;
-    size_t i = 0;
-    for (size_t e = 0; e < scene->emitter_count; e++)
-        sampler->chance[i++] = emitter_power(&scene->emitters[e]);
-    for (size_t l = 0; l < scene->light_count; l++)
-        sampler->chance[i++] = light_power(scene, &scene->lights[l]);
-    if (scene->environment.present) sampler->chance[i++] = sky_light ? environment_power(scene) : 0.0;
-    for (size_t k = 0; k < i; k++) {
-        if (!(sampler->chance[k] > 0.0) || !isfinite(sampler->chance[k])) sampler->chance[k] = 0.0;
-    }
+    size_t sky = sampler->scene->emitter_count + sampler->scene->light_count;
+    for (size_t i = 0; i < sampler->count; i++)
+        sampler->chance[i] = i < sky || sky_light ? power_of(sampler->scene, i) : 0.0;
 }
 
 static void normalize(sl_light_sampler *sampler) {
     double total = 0.0;
     for (size_t i = 0; i < sampler->count; i++) total += sampler->chance[i];
+    sampler->power = isfinite(total) ? total : 0.0;
     double sum = 0.0;
     size_t last = 0;
     for (size_t i = 0; i < sampler->count; i++) {
@@ -179,12 +148,6 @@ static bool sample_emitter(const sl_scene *scene, const sl_emitter *emitter, dou
     return true;
 }
 
-bool sl_emitter_sample(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2,
-                       sl_light_sample *sample) {
-    return sl_is_finite(p) && sample_emitter(scene, &scene->emitters[emitter], 1.0, p, u1, u2, sample) &&
-           sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
-}
-
 static bool sample_light(const sl_light *light, double chance, sl_vec3 p, sl_light_sample *sample) {
     *sample = (sl_light_sample){.pdf = 0.0f, .chance = (float)chance, .triangle = SL_NO_INDEX};
     if (!sl_light_illuminate(light, p, &sample->to_light, &sample->distance, &sample->radiance)) return false;
@@ -238,6 +201,12 @@ bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_v
     return sample_emitter(sampler->scene, &sampler->scene->emitters[emitter],
                           sampler->tree_share * (double)chance, p, u1, u2, sample) &&
            sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
+}
+
+double sl_light_sampler_power(const sl_light_sampler *sampler) { return sampler->power; }
+
+uint32_t sl_light_sampler_entry(const sl_light_sampler *sampler, double u) {
+    return (uint32_t)choose(sampler, u);
 }
 
 bool sl_light_sampler_choose(const sl_light_sampler *sampler, float *u, uint32_t *entry) {

@@ -93,15 +93,13 @@ bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_v
 float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle,
                            float distance);
 
-/* For those who follow light from where it starts: the entry that the number u in [0,1) chooses, u left
- * stretched to [0,1) again; false where nothing shines. And the probability that an entry is chosen. */
+/* For those who follow light from where it starts (emission.h): the entry that the number u in [0,1) chooses,
+ * of which there is one at least; the same, u left stretched to [0,1) again, false where nothing shines; the
+ * probability that an entry is chosen; and the luminance, W, of all (0: there is no light). */
+uint32_t sl_light_sampler_entry(const sl_light_sampler *sampler, double u);
 bool sl_light_sampler_choose(const sl_light_sampler *sampler, float *u, uint32_t *entry);
 double sl_light_sampler_chance(const sl_light_sampler *sampler, uint32_t entry);
-
-/* One sample of a given emitter, for those who choose emitters in their own way: radiance and pdf are without
- * the choice. */
-bool sl_emitter_sample(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2,
-                       sl_light_sample *sample);
+double sl_light_sampler_power(const sl_light_sampler *sampler);
 
 /* ---- the reference path tracer ---- */
 

@@ -140,3 +140,20 @@ sl_scene *trace_mesh_build(trace_mesh *mesh) {
     trace_mesh_discard(mesh);
     return scene;
 }
+
+bool emitter_point(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2,
+                   sl_light_sample *sample) {
+    const sl_emitter *e = &scene->emitters[emitter];
+    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][e->triangle]),
+            b = sl_sub(sl_scene_position(scene, scene->vertex[1][e->triangle]), a),
+            c = sl_sub(sl_scene_position(scene, scene->vertex[2][e->triangle]), a);
+    float root = sqrtf(u1);
+    sl_vec3 to = sl_sub(sl_mad(sl_mad(a, root * (1.0f - u2), b), root * u2, c), p);
+    sample->distance = sl_length(to);
+    sample->to_light = sl_normalize_or(to, sl_v3(0, 1, 0));
+    float cosine = -sl_dot(sl_scene_geometric_normal(scene, e->triangle), sample->to_light);
+    if (e->two_sided) cosine = fabsf(cosine);
+    if (!(cosine > 0.0f) || !(sample->distance > 0.0f)) return false;
+    sample->radiance = sl_rgb_scale(e->radiance, e->area * cosine / (sample->distance * sample->distance));
+    return true;
+}

@@ -2,7 +2,7 @@
 #ifndef TRACE_SCENES_H
 #define TRACE_SCENES_H
 
-#include "scene/scene.h"
+#include "trace/trace.h"
 
 enum { TRACE_VERTICES_MAX = 70000, TRACE_TRIANGLES_MAX = 140000 };
 
@@ -37,5 +37,9 @@ uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, fl
                              float emission);
 sl_scene *trace_mesh_build(trace_mesh *mesh);
 void trace_mesh_discard(trace_mesh *mesh);
+/* A point of an emitter, uniform by area: to_light, distance, and radiance over its density in solid angle.
+ * False: the emitter is dark on that side. */
+bool emitter_point(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2,
+                   sl_light_sample *sample);
 
 #endif

@@ -192,7 +192,12 @@ static double light_density(const world *w, const path *p, unsigned i) {
                    : chance * (double)sl_environment_pdf(&scene->environment, sl_to_float(p->towards_light));
     }
     double arriving = per_area(p, p->last, i, sl_to_double(p->vertex[i]->geometric_normal));
-    if (p->infinite) return arriving / (SL_PI * w->maker.radius * w->maker.radius);
+    if (p->infinite) { /* the box's faces as the light sees them */
+        sl_vec3d d = p->towards_light,
+                 size = sl_subd(sl_to_double(scene->box_max), sl_to_double(scene->box_min));
+        return arriving / (fabs(d.x) * size.y * size.z + fabs(d.y) * size.z * size.x +
+                           fabs(d.z) * size.x * size.y);
+    }
     sl_vec3d out = direction_of(p, p->last, i, &squared);
     if (emitter) {
         double cosine = sl_dotd(out, sl_to_double(sl_scene_geometric_normal(scene, emitter->triangle)));
@@ -200,8 +205,10 @@ static double light_density(const world *w, const path *p, unsigned i) {
     }
     const sl_light *light = &scene->lights[entry - scene->emitter_count];
     if (light->type == SL_LIGHT_POINT) return 0.25 / SL_PI * arriving;
-    if (sl_dotd(out, sl_to_double(light->direction)) < (double)light->cos_outer) return 0.0;
-    return arriving / (2.0 * SL_PI * (1.0 - (double)light->cos_outer));
+    double inner = (double)light->cos_inner, outer = (double)light->cos_outer,
+           x = (sl_dotd(out, sl_to_double(light->direction)) - outer) / (inner - outer);
+    x = fmin(fmax(x, 0.0), 1.0);
+    return arriving * x * x * (3.0 - 2.0 * x) / (2.0 * SL_PI * (1.0 - 0.5 * (inner + outer)));
 }
 
 static path path_of(const world *w, const sl_connection *c) {

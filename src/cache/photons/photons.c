@@ -9,8 +9,8 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "cache/photons/photon_emission.h"
 #include "trace/bsdf.h"
+#include "trace/emission.h"
 
 enum {
     CHUNKS_AT_ONCE = 16,
@@ -51,7 +51,7 @@ typedef struct chunk_result {
 typedef struct photon_job {
     const sl_scene *scene;
     const sl_tracer *tracer;
-    const sl_photon_sources *sources;
+    const sl_light_sampler *lights;
     sl_photon_store store;
     float polished;
     const sl_environment *sky;
@@ -107,7 +107,7 @@ static float share(float part, float whole) {
 
 /* SL_STORE_INDIRECT leaves direct light to others. What comes from a smooth sky is direct light that samples
  * are bad at, and photons are good at. */
-static sl_rgb sky_share_of(const photon_job *job, const sl_emitted_photon *photon) {
+static sl_rgb sky_share_of(const photon_job *job, const sl_emission *photon) {
     if (!job->sky || !photon->environment || job->store != SL_STORE_INDIRECT) return sl_grey(0.0f);
     sl_vec3 to_sky = sl_neg(photon->direction);
     sl_rgb part = sl_environment_radiance(job->sky, to_sky),
@@ -120,11 +120,13 @@ static unsigned emit_paths(const photon_job *job, uint64_t chunk, path_block *bl
     unsigned alive = 0;
     for (unsigned i = 0; i < SL_PHOTON_CHUNK; i++) {
         light_path *p = &block->path[i];
-        sl_emitted_photon photon;
+        sl_emission photon;
         float number[SL_EMISSION_NUMBERS];
         p->key = sl_random_key(job->seed, chunk * SL_PHOTON_CHUNK + i);
         random_numbers(p->key, 0, SL_EMISSION_NUMBERS, number);
-        if (!sl_photon_emit(job->sources, ((double)i + offset) / SL_PHOTON_CHUNK, number, &photon)) continue;
+        uint32_t light = sl_light_sampler_entry(job->lights, ((double)i + offset) / SL_PHOTON_CHUNK);
+        double chance = sl_light_sampler_chance(job->lights, light);
+        if (!(chance > 0.0) || !sl_light_emit(job->scene, light, number, 1.0 / chance, &photon)) continue;
         if (!sl_rgb_is_finite(photon.flux) || !sl_is_finite(photon.origin)) continue;
         p->origin = photon.origin;
         p->direction = photon.direction;
@@ -339,7 +341,7 @@ static void trace_chunk(void *context, size_t index, unsigned worker) {
 
 void sl_photon_list_destroy(sl_photon_list *list) {
     if (!list) return;
-    sl_photon_sources_destroy(list->sources);
+    sl_light_sampler_destroy(list->lights);
     sl_free(list->photon);
     sl_free(list);
 }
@@ -450,10 +452,10 @@ sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const
     *done = false;
     if (!*list && !(*list = sl_allocate(1, sizeof **list))) return sl_fail_memory(error, "photons");
     sl_photon_list *l = *list;
-    if (!l->sources) {
-        sl_status status = sl_photon_sources_create(scene, &l->sources, error);
+    if (!l->lights) {
+        sl_status status = sl_light_sampler_create(scene, &l->lights, error);
         if (status != SL_OK) return status;
-        l->emitted_flux = sl_photon_sources_power(l->sources);
+        l->emitted_flux = sl_light_sampler_power(l->lights);
     }
     sl_status status = SL_OK;
     if (!(l->emitted_flux > 0.0) || !can_store(scene, options)) {
@@ -461,7 +463,7 @@ sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const
     } else {
         photon_job job = {.scene = scene,
                           .tracer = tracer,
-                          .sources = l->sources,
+                          .lights = l->lights,
                           .store = options->store,
                           .polished = options->polished,
                           .sky = options->sky,
@@ -469,8 +471,8 @@ sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const
         status = trace_chunks(&job, options, chunks, l, done, counters, error);
     }
     if (*done) {
-        sl_photon_sources_destroy(l->sources);
-        l->sources = NULL;
+        sl_light_sampler_destroy(l->lights);
+        l->lights = NULL;
     }
     return status;
 }

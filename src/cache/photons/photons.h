@@ -47,7 +47,7 @@ typedef struct sl_photon_options {
 typedef struct sl_photon_list {
     size_t count;
     size_t capacity;          /* room in `photon`: the tracing's affair, as are */
-    struct sl_photon_sources *sources; /* the lights, while not all is there; else NULL */
+    sl_light_sampler *lights; /* while not all is there; else NULL */
     sl_photon *photon;        /* in order of path, then bounce: a photon's id is its place here */
     uint64_t emitted;         /* paths */
     double cut_flux;          /* luminance W, of paths that ended at 64 bounces */

@@ -55,9 +55,7 @@ void sl_path_maker_init(sl_path_maker *m, const sl_scene *scene, const sl_tracer
     *m = (sl_path_maker){
         .scene = scene, .tracer = tracer, .lights = lights, .sequence = sequence, .transport = *transport};
     m->roulette_after = transport->bounces == SL_BOUNCES_UNLIMITED ? ROULETTE_AFTER : UINT32_MAX;
-    sl_vec3d low = sl_to_double(scene->box_min), high = sl_to_double(scene->box_max);
-    m->centre = sl_scaled(sl_addd(low, high), 0.5);
-    m->radius = 0.5001 * (double)scene->diagonal; /* rounding leaves nothing outside */
+    m->radius = 0.5 * (double)scene->diagonal;
     m->eye_vertices = 1;
 }
 

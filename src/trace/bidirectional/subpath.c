@@ -290,9 +290,9 @@ void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t 
         paths[i]->count = 0;
         if (!light_subpaths_join(m)) continue;
         sl_path_vertex *light = &paths[i]->vertex[0];
-        if (!sl_emission_sample(m, where, whither, light, &w.origin, &w.direction, &w.pdf, &w.parallel))
-            continue;
+        if (!sl_emission_sample(m, where, whither, light, &w.direction, &w.pdf, &w.parallel)) continue;
         paths[i]->count = 1;
+        w.origin = light->origin;
         w.weight = light->weight;
         w.roulette_scale = 1.0f / sl_rgb_max(light->weight);
         w.skip = light->triangle;

@@ -63,8 +63,7 @@ typedef struct sl_path_maker {
     sl_transport transport;
     uint32_t roulette_after;  /* surfaces; UINT32_MAX: no roulette but for mirrors */
     bool balance;             /* the balance heuristic instead of the power heuristic */
-    sl_vec3d centre;          /* of the sphere that holds the scene, */
-    double radius;            /* through which distant light comes */
+    double radius;            /* of the sphere that holds the scene: flux is told in units of its square */
     bool light_image;         /* light subpaths are joined to the camera (t = 1), */
     bool direct_image;        /* those of one surface too (s = 2) */
     /* connections that carry less are taken in a share of cases, and count for more there; 0: all are
@@ -118,8 +117,7 @@ sl_rgb sl_light_vertex_value(const sl_path_vertex *v, sl_vec3 to_eye, unsigned l
 /* Where light starts, and its first ray, from two points of a sequence. *pdf: of the direction per solid
  * angle, or, if the light is infinitely distant (*parallel), per area that faces it. False: no light. */
 bool sl_emission_sample(const sl_path_maker *maker, const float where[3], const float whither[3],
-                        sl_path_vertex *light, sl_vec3 *origin, sl_vec3 *direction, double *pdf,
-                        bool *parallel);
+                        sl_path_vertex *light, sl_vec3 *direction, double *pdf, bool *parallel);
 /* A vertex on a light for the end of a ray from p, made by the light sampler or met by chance (then direction
  * and emitter's distance). */
 sl_path_vertex sl_emission_sampled(const sl_path_maker *maker, sl_vec3 p, const sl_light_sample *sample);

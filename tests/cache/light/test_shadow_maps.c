@@ -16,6 +16,7 @@
 #include "cache/light/shadow_maps.h"
 #include "gather_world.h"
 #include "polygon_truth.h"
+#include "trace_scenes.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -309,7 +310,7 @@ static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **s
                 for (int s = 0; s < SIDE * SIDE; s++) {
                     sl_light_sample sample;
                     float u = ((float)(s % SIDE) + 0.5f) / SIDE, v = ((float)(s / SIDE) + 0.5f) / SIDE;
-                    if (!sl_emitter_sample(w->scene, (uint32_t)e, gathered[i].position, u, v, &sample))
+                    if (!emitter_point(w->scene, (uint32_t)e, gathered[i].position, u, v, &sample))
                         continue;
                     double f =
                         (double)sample.radiance.r * fmax(0.0, sl_dotd(n, sl_to_double(sample.to_light)));

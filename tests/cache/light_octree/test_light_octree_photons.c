@@ -204,7 +204,7 @@ static double floor_irradiance(const sl_scene *scene, sl_vec3 p) {
     for (uint32_t t = 0; t < scene->emitter_count; t++) {
         for (int k = 0; k < 256; k++) {
             sl_light_sample s;
-            if (sl_emitter_sample(scene, t, p, ((float)(k / 16) + 0.5f) / 16.0f,
+            if (emitter_point(scene, t, p, ((float)(k / 16) + 0.5f) / 16.0f,
                                   ((float)(k % 16) + 0.5f) / 16.0f, &s)) {
                 sum += (double)s.radiance.g * fmax((double)s.to_light.y, 0.0) / 256.0;
             }
