@@ -316,7 +316,7 @@ head -c 9 "$folder/stream" | grep -q YUV4MPEG2 && [ ! -s "$folder/err" ] || { ec
 expect 2 '%04d.png' live scenes/cornell.json -o "$folder/live.png"
 expect 2 'fps above 0' live scenes/cornell.json --fps 0 -o "$folder/live.y4m"
 expect 2 'standard output' live scenes/cornell.json --json -o -
-expect 0 'frames +2 in' live scenes/moving-ball.json -m auto -s 8x8 --frames 2 --fps 1000 -t 1
+expect 0 'frames +2$' live scenes/moving-ball.json -m auto -s 8x8 --frames 2 --fps 1000 -t 1
 expect 2 '--batches does not go' render scenes/moving-ball.json -m path --frames 2 --batches 1 -o "$folder/frame%d.png"
 expect 2 '--time does not go' render scenes/moving-ball.json -m path --frames 2 --time 1 -o "$folder/frame%d.png"
 expect 0 '"output":"[^"]*/a\\"0\.png"' render scenes/moving-ball.json -m direct-radiance -q draft -s 8x8 --frames 1 --json --quiet -o "$folder/a\"%d.png"

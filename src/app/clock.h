@@ -1,4 +1,4 @@
-/* The clock, and Ctrl-C. */
+/* The clock, Ctrl-C, and what goes on, for who waits. */
 #ifndef SL_APP_CLOCK_H
 #define SL_APP_CLOCK_H
 
@@ -16,5 +16,13 @@ bool sl_interrupted(void);
 /* Of work that was cut short: 128 + the signal's number. main() ends the program by that signal, so that a
  * shell's loop ends, too. */
 int sl_interrupted_status(void);
+
+/* Shows, on a line of a terminal that each next one replaces, a bar that is filled to the fraction (none if
+ * negative), and text; nothing where quiet is asked for, or standard error is no terminal. */
+__attribute__((format(printf, 3, 4))) void sl_progress_show(bool quiet, double fraction, const char *format,
+                                                           ...);
+/* Takes the line away; or ends it, so that it stays. */
+void sl_progress_clear(bool quiet);
+void sl_progress_keep(bool quiet);
 
 #endif

@@ -19,4 +19,8 @@ unsigned sl_ladder_refines_all_from(const char *method);
 /* Returns its time, as a multiple of the first step's, on a large picture: rather too long than too short. */
 double sl_ladder_cost(const char *method, unsigned step);
 
+/* Returns the cost of a picture, by counts, which are the same on every machine, in units of one ray of a
+ * path tracer. */
+double sl_effort_in_rays(const sl_counters *counters);
+
 #endif

@@ -1,11 +1,12 @@
-/* Pages that hold everything they show and fetch nothing: a style, data as JSON, and a script that makes the
- * page of it. */
+/* What is written for people and for programs: JSON, and pages that hold everything they show and fetch
+ * nothing: a style, data as JSON, and a script that makes the page of it. */
 #ifndef SL_APP_PAGE_H
 #define SL_APP_PAGE_H
 
 #include "softlux.h"
 
 #include <cjson/cJSON.h>
+#include <stdio.h>
 
 /* Files that the linker has put in, from their beginning to their end. */
 typedef struct sl_page_files {
@@ -15,5 +16,17 @@ typedef struct sl_page_files {
 /* Writes the page, with its heading unless that is ""; the file appears whole or not at all. */
 sl_status sl_page_write(const char *path, const char *title, const char *heading, const sl_page_files *files,
                         const cJSON *data, sl_error *error);
+/* Writes a text file that appears whole or not at all. */
+sl_status sl_text_write(const char *path, const char *text, size_t size, sl_error *error);
+/* Prints and deletes the object, on one line if asked for. Names of files are bytes, JSON is UTF-8: each byte
+ * that belongs to no character is a question mark. */
+void sl_json_print(cJSON *json, bool one_line);
+/* Text as HTML and SVG have it. */
+void sl_put_escaped(FILE *out, const char *text);
+void sl_put_escaped_part(FILE *out, const char *text, size_t length);
+/* Bytes in base 64, which the caller frees; NULL: no memory. */
+char *sl_base_64(const void *bytes, size_t count);
+/* As PNG in base 64, which the caller frees; NULL: no memory. tone: of radiance; else values as they are. */
+char *sl_picture_text(const sl_image *image, bool tone);
 
 #endif

@@ -4,7 +4,7 @@
 #include "app/blank_picture.h"
 #include "app/clock.h"
 #include "app/frame_name.h"
-#include "app/utf8.h"
+#include "app/page.h"
 #include "base/error.h"
 #include "image/output_file.h"
 #include "image/tone.h"
@@ -43,33 +43,24 @@ sl_status sl_output_is_open(const sl_render_options *o, sl_error *error) {
 
 /* ---- running ---- */
 
-static void draw_progress(double fraction, double seconds) {
-    enum { CELLS = 40 };
-    char bar[CELLS + 1];
-    int filled = (int)(fraction * CELLS);
-    for (int i = 0; i < CELLS; i++) bar[i] = i < filled ? '#' : '.';
-    bar[CELLS] = '\0';
-    fprintf(stderr, "\r[%s] %3.0f %%  %.1f s ", bar, 100.0 * fraction, seconds);
-    fflush(stderr);
-}
-
-/* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C.
- * done_before: share of a series that is there already. */
+/* done_before: share of a series that is there already. */
 sl_status sl_picture_run(const sl_render_options *o, sl_method *method, sl_progress *progress, double start,
                          double done_before, sl_error *error) {
-    bool bar = !o->quiet && isatty(STDERR_FILENO);
     double drawn = 0.0, share = o->frames ? 1.0 / (double)o->frames : 1.0;
     sl_status status = SL_OK;
     progress->done = progress->frame_done = false;
     while (status == SL_OK && !progress->done && !(o->frames && progress->frame_done) && !sl_interrupted()) {
         status = sl_method_update(method, progress, error);
         double seconds = sl_seconds_now() - start;
-        if (bar && (seconds - drawn > 0.1 || progress->done))
-            draw_progress(done_before + share * progress->fraction, drawn = seconds);
+        if (seconds - drawn > 0.1 || progress->done) {
+            double fraction = done_before + share * progress->fraction;
+            sl_progress_show(o->quiet, fraction, "%3.0f %%  %.1f s", 100.0 * fraction, seconds);
+            drawn = seconds;
+        }
         if (!o->frames && o->batches && progress->batches >= o->batches) break;
         if (!o->frames && o->time_seconds > 0.0 && seconds >= o->time_seconds) break;
     }
-    if (bar && !o->frames) fputc('\n', stderr);
+    if (!o->frames) sl_progress_keep(o->quiet);
     return status;
 }
 
@@ -170,13 +161,6 @@ cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const 
     return root;
 }
 
-void sl_picture_print_json(cJSON *root) {
-    char *text = cJSON_Print(root);
-    if (text) puts(sl_utf8_mend(text));
-    cJSON_free(text);
-    cJSON_Delete(root);
-}
-
 /* ---- a picture, a series ---- */
 
 /* Makes a method, with the cache of another run where there is one. */
@@ -191,99 +175,81 @@ static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_me
     return status;
 }
 
-static void print_picture(const sl_render_options *o, const sl_scene *scene, const sl_method *method,
-                          const sl_progress *progress, const written *w) {
-    cJSON *json = sl_picture_json(o, scene, method, w->image, progress, w->seconds);
-    sl_picture_add_tone(o, w->stops, json);
-    sl_picture_print_json(json);
-}
-
-static bool was_stopped(const sl_render_options *o, const sl_progress *progress) {
-    return sl_interrupted() && !progress->done && !(o->batches && progress->batches >= o->batches);
-}
-
-sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_render_end *end,
-                            sl_error *error) {
-    double start = sl_seconds_now();
-    sl_method *method = NULL;
-    sl_progress progress = {0};
-    written w = {0};
-    sl_watch_for_interrupt();
-    sl_status status = create(o, scene, &method, error);
-    if (status == SL_OK) status = sl_picture_run(o, method, &progress, start, 0.0, error);
-    if (status == SL_OK) status = write_picture(o, scene, method, start, o->output, &progress, &w, error);
-    if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
-    if (was_stopped(o, &progress)) *end = SL_RENDER_STOPPED;
-    if (status == SL_OK) {
-        if (!progress.done && !o->quiet)
-            fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
-                    (unsigned long long)progress.batches, 100.0 * progress.fraction, o->output);
-        if (o->json) print_picture(o, scene, method, &progress, &w);
+/* Prints one object, or of a series one line a frame. */
+static void print(const sl_render_options *o, const sl_scene *scene, const sl_method *method,
+                  const sl_progress *progress, const written *w, unsigned long long frame,
+                  uint64_t records_before, const char *name) {
+    cJSON *json = o->frames ? cJSON_CreateObject()
+                            : sl_picture_json(o, scene, method, w->image, progress, w->seconds);
+    if (o->frames) {
+        uint64_t records = sl_method_counters(method)->value[SL_COUNT_RECORDS] - records_before;
+        cJSON_AddNumberToObject(json, "frame", (double)frame);
+        cJSON_AddStringToObject(json, "output", name);
+        cJSON_AddNumberToObject(json, "seconds", w->seconds);
+        cJSON_AddNumberToObject(json, "new_records", (double)records);
+        cJSON_AddBoolToObject(json, "done", progress->done);
+        add_warnings(json, w->image);
     }
-    sl_image_destroy(w.image);
-    sl_method_destroy(method);
-    return status;
+    sl_picture_add_tone(o, w->stops, json);
+    sl_json_print(json, o->frames > 0);
 }
 
-/* Prints one line a frame. */
-static void print_frame(const sl_render_options *o, unsigned long long frame, const char *name,
-                        const written *w, uint64_t records, const sl_progress *progress) {
-    cJSON *line = cJSON_CreateObject();
-    cJSON_AddNumberToObject(line, "frame", (double)frame);
-    cJSON_AddStringToObject(line, "output", name);
-    cJSON_AddNumberToObject(line, "seconds", w->seconds);
-    cJSON_AddNumberToObject(line, "new_records", (double)records);
-    cJSON_AddBoolToObject(line, "done", progress->done);
-    add_warnings(line, w->image);
-    sl_picture_add_tone(o, w->stops, line);
-    char *text = cJSON_PrintUnformatted(line);
-    if (text) puts(sl_utf8_mend(text));
-    cJSON_free(text);
-    cJSON_Delete(line);
-    fflush(stdout);
-}
-
-/* Frame number `frame` of the method's scene as it stands. */
-static sl_status render_frame(const sl_render_options *o, const sl_scene *scene, sl_method *method,
-                              unsigned long long frame, double begin, sl_error *error) {
-    double start = sl_seconds_now();
+/* The picture, or frame number `frame`, of the method's scene as it stands; an interrupted frame is none. */
+static sl_status render_one(const sl_render_options *o, const sl_scene *scene, sl_method *method,
+                            unsigned long long frame, double begin, sl_progress *progress, sl_error *error) {
+    double start = sl_seconds_now(), before = o->frames ? (double)frame / (double)o->frames : 0.0;
     char name[4096];
     written w = {0};
-    sl_progress progress = {0};
-    uint64_t before = sl_method_counters(method)->value[SL_COUNT_RECORDS];
-    sl_frame_name(o->output, frame, name, sizeof name);
-    sl_status status = sl_picture_run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
-    if (status == SL_OK && !sl_interrupted()) {
-        status = write_picture(o, scene, method, start, name, frame == 0 ? &progress : NULL, &w, error);
-    }
-    if (status == SL_OK && !sl_interrupted() && o->json)
-        print_frame(o, frame, name, &w, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before,
-                    &progress);
+    uint64_t records = sl_method_counters(method)->value[SL_COUNT_RECORDS];
+    snprintf(name, sizeof name, "%s", o->output);
+    if (o->frames) sl_frame_name(o->output, frame, name, sizeof name);
+    else start = begin;
+    *progress = (sl_progress){0};
+    sl_status status = sl_picture_run(o, method, progress, begin, before, error);
+    if (status != SL_OK || (o->frames && sl_interrupted())) return status;
+    status = write_picture(o, scene, method, start, name, frame == 0 ? progress : NULL, &w, error);
+    if (status == SL_OK && o->json) print(o, scene, method, progress, &w, frame, records, name);
     sl_image_destroy(w.image);
     return status;
 }
 
-sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_render_end *end, sl_error *error) {
+/* Moves the scene on to a frame after the first. */
+static sl_status move_on(const sl_render_options *o, sl_scene *scene, sl_method *method,
+                         unsigned long long frame, sl_error *error) {
+    unsigned changes = 0;
+    if (!frame) return SL_OK;
+    sl_status status =
+        sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes, error);
+    return status == SL_OK && changes ? sl_method_edit(method, changes, error) : status;
+}
+
+static void say_that_it_stopped(const sl_render_options *o, const sl_progress *progress,
+                                unsigned long long frames) {
+    if (o->quiet) return;
+    if (!o->frames)
+        fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
+                (unsigned long long)progress->batches, 100.0 * progress->fraction, o->output);
+    else if (sl_interrupted()) fprintf(stderr, "softlux: stopped; %llu frames were begun\n", frames);
+}
+
+sl_status sl_render_pictures(const sl_render_options *o, sl_scene *scene, sl_render_end *end,
+                             sl_error *error) {
     double begin = sl_seconds_now();
     sl_method *method = NULL;
-    unsigned long long frame = 0, whole = 0;
+    sl_progress progress = {0};
+    unsigned long long frame = 0, frames = o->frames ? o->frames : 1, whole = 0;
     sl_watch_for_interrupt();
-    sl_status status = sl_scene_set_time(scene, o->at_seconds, NULL, error);
-    if (status == SL_OK) status = create(o, scene, &method, error);
-    for (; status == SL_OK && frame < o->frames && !sl_interrupted(); frame++) {
-        unsigned changes = 0;
-        if (frame)
-            status = sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes,
-                                       error);
-        if (status == SL_OK && changes) status = sl_method_edit(method, changes, error);
-        if (status == SL_OK) status = render_frame(o, scene, method, frame, begin, error);
-        whole += !sl_interrupted();
+    sl_status status = create(o, scene, &method, error);
+    for (; status == SL_OK && frame < frames && !(o->frames && sl_interrupted()); frame++) {
+        status = move_on(o, scene, method, frame, error);
+        if (status == SL_OK) status = render_one(o, scene, method, frame, begin, &progress, error);
+        whole += !sl_interrupted() ||
+                 (!o->frames && (progress.done || (o->batches && progress.batches >= o->batches)));
     }
-    if (whole < o->frames) *end = SL_RENDER_STOPPED;
-    if (!o->quiet && isatty(STDERR_FILENO)) fputc('\n', stderr);
+    if (whole < frames) *end = SL_RENDER_STOPPED;
+    if (o->frames) sl_progress_keep(o->quiet);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
-    if (status == SL_OK && sl_interrupted() && !o->quiet)
-        fprintf(stderr, "softlux: stopped; %llu frames were begun\n", frame);
+    if (status == SL_OK && (o->frames || !progress.done)) say_that_it_stopped(o, &progress, frame);
     sl_method_destroy(method);
     return status;
 }

@@ -37,13 +37,10 @@ typedef enum sl_render_end {
     SL_RENDER_STOPPED /* by a signal, with work left */
 } sl_render_end;
 
-/* Renders one picture of the scene as it stands. *end is left alone where all is done. */
-sl_status sl_render_picture(const sl_render_options *options, const sl_scene *scene, sl_render_end *end,
-                            sl_error *error);
-/* Renders a series: the scene at at_seconds, then a frame's time later, and so on. What the method keeps
- * between frames it keeps. */
-sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl_render_end *end,
-                           sl_error *error);
+/* Renders the scene as it stands; or a series: the scene at at_seconds, then a frame's time later, and so on.
+ * What the method keeps between frames it keeps. *end is left alone where all is done. */
+sl_status sl_render_pictures(const sl_render_options *options, sl_scene *scene, sl_render_end *end,
+                             sl_error *error);
 
 /* ---- what pictures made in other ways share (app/target.c) ---- */
 
@@ -62,9 +59,8 @@ sl_status sl_picture_write(const sl_render_options *options, const sl_image *ima
 void sl_picture_add_tone(const sl_render_options *options, double stops, cJSON *json);
 bool sl_picture_is_png(const char *path);
 sl_tone sl_picture_tone(const sl_render_options *options);
-/* Returns what was done, for --json; printing deletes it. */
+/* Returns what was done, for --json. */
 cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method,
                        const sl_image *image, const sl_progress *progress, double seconds);
-void sl_picture_print_json(cJSON *json);
 
 #endif

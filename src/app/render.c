@@ -130,9 +130,8 @@ static sl_status choose_method(sl_render_options *o, sl_scene *scene, sl_error *
 static sl_status render(sl_render_options *o, sl_scene *scene, sl_render_end *end, sl_error *error) {
     sl_status status = choose_method(o, scene, error);
     if (status != SL_OK) return status;
-    if (o->frames) return sl_render_frames(o, scene, end, error);
-    if (sl_target_wanted(o)) return sl_render_to_target(o, scene, end, error);
-    return sl_render_picture(o, scene, end, error);
+    return sl_target_wanted(o) ? sl_render_to_target(o, scene, end, error)
+                               : sl_render_pictures(o, scene, end, error);
 }
 
 /* Lets a cache be kept in the file that it came from, and nothing else. */
@@ -159,7 +158,8 @@ int sl_command_render(int argc, char **argv) {
         status = sl_load_within_memory(o.scene_path, &o.reading.load, &o.settings, &scene, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "output", o.output, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "save-cache", o.save_cache, &error);
-    if (status == SL_OK && at_given) status = sl_scene_set_time(scene, o.at_seconds, NULL, &error);
+    if (status == SL_OK && (at_given || o.frames))
+        status = sl_scene_set_time(scene, o.at_seconds, NULL, &error);
     if (status == SL_OK) {
         if (!o.quiet) print_warnings(scene);
         status = render(&o, scene, &end, &error);

@@ -5,8 +5,8 @@
 #include "app/target.h"
 
 #include "app/clock.h"
-#include "app/effort.h"
 #include "app/ladder.h"
+#include "app/page.h"
 #include "scene/features.h"
 
 #include <math.h>
@@ -101,18 +101,29 @@ static sl_status judge(climb *c, const sl_image *image, sl_error_estimate *e, sl
     return status;
 }
 
+/* What is told of an estimate: in the picture's metadata, and by --json, where what is infinite is null. */
+typedef struct told {
+    const char *name;
+    double value;
+} told;
+enum { TOLD = 6 };
+
+static void tell_of(const climb *c, const sl_error_estimate *e, told to[TOLD]) {
+    const told all[TOLD] = {{"asked", c->o->error},         {"estimate", e->rel_rmse},
+                            {"bound", e->bound},            {"least", e->least},
+                            {"probes", (double)e->probes}, {"samples", (double)e->samples}};
+    memcpy(to, all, sizeof all);
+}
+
 static sl_status stamp(const climb *c, sl_image *image, const sl_error_estimate *e, sl_error *error) {
-    const struct { const char *key; double value;
-    } values[] = {
-        {"softlux.error.asked", c->o->error},        {"softlux.error.estimate", e->rel_rmse},
-        {"softlux.error.bound", e->bound},           {"softlux.error.least", e->least},
-        {"softlux.error.probes", (double)e->probes}, {"softlux.error.samples", (double)e->samples},
-    };
+    told all[TOLD];
     sl_status status = SL_OK;
-    for (size_t i = 0; i < sizeof values / sizeof values[0] && status == SL_OK; i++) {
-        char text[32];
-        snprintf(text, sizeof text, "%.9g", values[i].value);
-        status = sl_image_set_metadata(image, values[i].key, text, error);
+    tell_of(c, e, all);
+    for (size_t i = 0; i < TOLD && status == SL_OK; i++) {
+        char key[48], text[32];
+        snprintf(key, sizeof key, "softlux.error.%s", all[i].name);
+        snprintf(text, sizeof text, "%.9g", all[i].value);
+        status = sl_image_set_metadata(image, key, text, error);
     }
     if (status == SL_OK && e->blind)
         status = sl_image_set_metadata(image, "softlux.error.blind", "true", error);
@@ -121,12 +132,9 @@ static sl_status stamp(const climb *c, sl_image *image, const sl_error_estimate 
 
 static void add_json(const climb *c, cJSON *root, const sl_error_estimate *e) {
     cJSON *object = cJSON_AddObjectToObject(root, "error");
-    cJSON_AddNumberToObject(object, "asked", c->o->error);
-    cJSON_AddNumberToObject(object, "estimate", e->rel_rmse);
-    cJSON_AddNumberToObject(object, "bound", e->bound); /* null where infinite */
-    cJSON_AddNumberToObject(object, "least", e->least);
-    cJSON_AddNumberToObject(object, "probes", (double)e->probes);
-    cJSON_AddNumberToObject(object, "samples", (double)e->samples);
+    told all[TOLD];
+    tell_of(c, e, all);
+    for (size_t i = 0; i < TOLD; i++) cJSON_AddNumberToObject(object, all[i].name, all[i].value);
     cJSON_AddBoolToObject(object, "within", e->bound <= c->o->error);
     cJSON_AddBoolToObject(object, "blind", e->blind);
 }
@@ -168,7 +176,8 @@ static bool ends_above(const climb *c, unsigned step) {
 static sl_status compare_with_last(climb *c, const sl_image *image, unsigned step, sl_error *error) {
     enum { MANY_PROBES = 4096, MANY_SAMPLES = 64 };
     sl_status status = sl_error_probe_left(c->probe, c->last, image, &c->left, error);
-    if (status != SL_OK || step + 1 >= c->steps || !ends_above(c, step) || c->judged.probes >= MANY_PROBES / 2)
+    if (status != SL_OK || step + 1 >= c->steps || !ends_above(c, step) ||
+        c->judged.probes >= MANY_PROBES / 2)
         return status;
     status = sl_error_probe_estimate(c->probe, image, MANY_PROBES, MANY_SAMPLES, &c->judged, error);
     return status == SL_OK ? sl_error_probe_left(c->probe, c->last, image, &c->left, error) : status;
@@ -398,7 +407,7 @@ sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene,
         if (o->json) {
             sl_picture_add_tone(o, stops, c.best.json);
             if (c.probe) add_effort(&c);
-            sl_picture_print_json(c.best.json);
+            sl_json_print(c.best.json, false);
             c.best.json = NULL;
         }
     }

@@ -2,8 +2,8 @@
 
 #include "app/bench/judge.h"
 #include "app/bench/scene.h"
-#include "app/html.h"
-#include "app/progress.h"
+#include "app/page.h"
+#include "app/clock.h"
 #include "base/error.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 
 #include "app/bench/curves.h"
 #include "app/bench/report.h"
-#include "app/html.h"
+#include "app/page.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * all plots share. */
 #include "app/bench/plot.h"
 
-#include "app/html.h"
+#include "app/page.h"
 
 #include <math.h>
 #include <string.h>

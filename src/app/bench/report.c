@@ -1,7 +1,7 @@
 #include "app/bench/report.h"
 
 #include "app/bench/plot.h"
-#include "app/html.h"
+#include "app/page.h"
 #include "base/error.h"
 
 #include <math.h>

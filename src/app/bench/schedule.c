@@ -2,7 +2,7 @@
  * for. A machine that is slow for a minute is then slow for all methods alike. */
 #include "app/bench/schedule.h"
 
-#include "app/progress.h"
+#include "app/clock.h"
 #include "base/error.h"
 
 #include <stdio.h>
@@ -49,8 +49,8 @@ static void key_of(const sl_bench_options *o, const sl_bench_scene *s, const sl_
              SL_VERSION, o->program, t->arguments, run == LOOK ? "look" : "run", run == LOOK ? 0 : run);
 }
 
-static cJSON *make_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key, sl_bench_end end,
-                      const char *why, cJSON *result) {
+static cJSON *make_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key,
+                         sl_bench_end end, const char *why, cJSON *result) {
     cJSON *entry = cJSON_CreateObject();
     cJSON_AddStringToObject(entry, "key", key);
     cJSON_AddStringToObject(entry, "program", o->program);

@@ -19,12 +19,22 @@ typedef enum sl_expectation {
  * samples). */
 typedef struct sl_hard_case {
     const char *name;
-    void (*make)(sl_room *room); /* begins the room */
     sl_expectation expectation;
     double most;                 /* may differ by that */
     double noises, errors;       /* or by so many times the method's noise, or its error */
-    double factor;               /* SCALED */
+    /* what is changed, where it is not 0 */
+    void (*make)(sl_room *room); /* triangles and materials */
+    double scale, by[3];         /* the room is that large, and elsewhere */
+    sl_room_cut cut;             /* of its walls */
+    const char *lights;          /* JSON */
+    double emission;             /* times that of the lamp */
+    double reflects[3];          /* all surfaces: diffuse, specular, exponent */
+    double eye[3], target[3], fov_deg;
+    int size[2];
 } sl_hard_case;
+
+/* Makes the case's room. */
+void sl_hard_case_make(const sl_hard_case *hard, sl_room *room);
 
 /* What a method is known not to do: another bound, or none, and why. */
 typedef struct sl_known_limit {

@@ -148,7 +148,7 @@ static verdict compare(const checking *c, const sl_hard_case *hard, sl_image *im
     if (hard->expectation == SL_EXPECT_MIRRORED) exchange_sides(image);
     size_t values = 3 * (size_t)image->width * (size_t)image->height;
     for (size_t i = 0; hard->expectation == SL_EXPECT_SCALED && i < values; i++)
-        image->planes[i] = (float)((double)image->planes[i] / hard->factor);
+        image->planes[i] = (float)((double)image->planes[i] / hard->emission);
     if (sl_image_compare(image, c->plain, NULL, &result, NULL, &error) != SL_OK)
         return bad("%.90s", error.message);
     const bool tells = sl_image_channel(image, "even.R") != NULL;
@@ -203,7 +203,7 @@ static verdict check_case(const checking *c, const sl_hard_case *hard) {
     char path[128];
     sl_error error;
     sl_room room;
-    hard->make(&room);
+    sl_hard_case_make(hard, &room);
     verdict v = sl_room_write(&room, c->folder, path, sizeof path, &error) == SL_OK
                     ? check_files(c, hard, path)
                     : bad("%.90s", error.message);

@@ -1,6 +1,6 @@
 #include "app/steps/explanations.h"
 
-#include "app/html.h"
+#include "app/page.h"
 #include "base/error.h"
 
 #include <math.h>

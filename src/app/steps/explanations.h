@@ -7,9 +7,9 @@
 
 #include <cjson/cJSON.h>
 
-/* Asks the method for the explanation of every pixel of the picture that it resolved last. A JSON object, which
- * the caller deletes: "kinds", pairs of a layer and what stands there; and in base 64 "begin", where each
- * pixel's terms begin; "terms"; and "rounding", what they leave of the pixel's exact value. */
+/* Asks the method for the explanation of every pixel of the picture that it resolved last. A JSON object,
+ * which the caller deletes: "kinds", pairs of a layer and what stands there; and in base 64 "begin", where
+ * each pixel's terms begin; "terms"; and "rounding", what they leave of the pixel's exact value. */
 sl_status sl_explanations_collect(sl_method *method, const sl_image *picture, const sl_mark_view *view,
                                   cJSON **explanations, sl_error *error);
 

@@ -1,6 +1,6 @@
 #include "app/steps/record.h"
 
-#include "app/html.h"
+#include "app/page.h"
 #include "app/steps/narrative.h"
 #include "app/steps/show.h"
 

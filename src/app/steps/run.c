@@ -1,7 +1,8 @@
 #include "app/steps/run.h"
 
 #include "app/bench/judge.h"
-#include "app/html.h"
+#include "app/clock.h"
+#include "app/page.h"
 #include "app/steps/explanations.h"
 #include "app/steps/narrative.h"
 #include "app/steps/record.h"
@@ -13,7 +14,7 @@
 #include <string.h>
 
 static void tell(const sl_steps_options *o, const char *what, double fraction) {
-    if (o->progress) o->progress(what, fraction);
+    sl_progress_show(o->quiet, fraction, "%s", what);
 }
 
 /* ---- the reference: the method's own light paths, path traced ---- */

@@ -60,11 +60,6 @@ static void choose_size(const sl_scene *scene, sl_settings *settings) {
     if (settings->height > 2 * WIDTH) settings->height = 2 * WIDTH;
 }
 
-static void draw_progress(const char *what, double fraction) {
-    fprintf(stderr, "\r\033[K%3.0f %% of %s", 100.0 * fraction, what);
-    fflush(stderr);
-}
-
 static sl_status make_folder(const char *folder, sl_error *error) {
     char page[4096];
     snprintf(page, sizeof page, "%s/index.html", folder);
@@ -90,9 +85,8 @@ static sl_status write_page(const steps_command *s, const cJSON *runs, sl_error 
 }
 
 static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_error *error) {
-    bool bar = !s->quiet && isatty(STDERR_FILENO);
     sl_steps_options o = {.settings = s->settings, .reference_samples = (uint32_t)s->reference_samples,
-                          .progress = bar ? draw_progress : NULL};
+                          .quiet = s->quiet};
     choose_size(scene, &o.settings);
     cJSON *runs = cJSON_CreateArray();
     sl_status status = SL_OK;
@@ -102,7 +96,7 @@ static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_err
         status = sl_steps_run(scene, &o, &run, error);
         cJSON_AddItemToArray(runs, run);
     }
-    if (bar) fputs("\r\033[K", stderr);
+    sl_progress_clear(s->quiet);
     sl_watch_for_interrupt(); /* a page that is being written is written to its end */
     if (status == SL_OK) status = write_page(s, runs, error);
     cJSON_Delete(runs);
