@@ -303,7 +303,7 @@ expect 0 '' render "$folder/low.json" --allow-outside -m direct-radiance --set d
 [ ! -s "$folder/err" ] || { echo '--quiet warns'; bad=1; }
 
 # A live show: pictures, a stream, a report; and what cannot be shown.
-expect 0 'frames +5 in' live scenes/moving-ball.json -s 32x24 --frames 5 -t 1 -o "$folder/live-%02d.png"
+expect 0 'frames +5$' live scenes/moving-ball.json -s 32x24 --frames 5 -t 1 -o "$folder/live-%02d.png"
 [ "$(ls "$folder"/live-0[0-4].png | wc -l)" -eq 5 ] || { echo 'live did not write its five pictures'; bad=1; }
 expect 0 '"frames_a_second"' live scenes/moving-ball.json -s 32x24 --frames 6 --fps 50 -t 1 --json -o "$folder/live.y4m"
 for key in size seconds frames missed drawing_ms updates versions error_levels stages_ms counters; do

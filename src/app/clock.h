@@ -2,6 +2,8 @@
 #ifndef SL_APP_CLOCK_H
 #define SL_APP_CLOCK_H
 
+#include "softlux.h"
+
 #include <stdbool.h>
 
 double sl_seconds_now(void);      /* since some time in the past, whatever the calendar does */
@@ -24,5 +26,27 @@ __attribute__((format(printf, 3, 4))) void sl_progress_show(bool quiet, double f
 /* Takes the line away; or ends it, so that it stays. */
 void sl_progress_clear(bool quiet);
 void sl_progress_keep(bool quiet);
+
+/* ---- time of a method's passes ---- */
+
+enum { SL_PASS_TIMES = 256 };
+
+typedef struct sl_pass_time {
+    char name[64];
+    uint64_t times;
+    double seconds;
+} sl_pass_time;
+
+typedef struct sl_pass_times {
+    sl_observer observer; /* to be given to the method */
+    sl_pass_time pass[SL_PASS_TIMES];
+    int count;
+    double (*clock)(void);
+    double last;
+} sl_pass_times;
+
+void sl_pass_times_begin(sl_pass_times *times, double (*clock)(void)); /* which must stay where it is */
+void sl_pass_times_add(sl_pass_times *times, const char *name, double seconds);
+double sl_pass_times_sum(const sl_pass_times *times);
 
 #endif

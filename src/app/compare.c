@@ -1,16 +1,99 @@
 /* softlux compare: how far a picture is from a reference, and whether that is near enough. */
 #include "app/clock.h"
 #include "app/commands.h"
-#include "app/compare_tone.h"
 #include "app/options.h"
 #include "app/same_file.h"
 #include "image/output_file.h"
+#include "image/tone.h"
 #include "softlux.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- the tone of 8-bit pictures ---- */
+
+typedef struct shown {
+    bool is_shown;   /* an 8-bit picture; else the other fields mean nothing */
+    bool known;      /* it tells its tone; else those below mean nothing */
+    sl_tone_curve curve;
+    double stops;
+    bool automatic;  /* the exposure was made for that picture: its brightness cannot be seen */
+} shown;
+
+static bool find_curve(const char *name, sl_tone_curve *curve) {
+    for (size_t i = 0; sl_tone_curve_name(i); i++) {
+        if (strcmp(sl_tone_curve_name(i), name) != 0) continue;
+        *curve = (sl_tone_curve)i;
+        return true;
+    }
+    return false;
+}
+
+static shown shown_of(const sl_image *image) {
+    const char *curve = sl_image_metadata(image, SL_TONE_KEY),
+               *stops = sl_image_metadata(image, SL_TONE_EXPOSURE_KEY);
+    shown s = {.is_shown = curve != NULL,
+                  .automatic = sl_image_metadata(image, SL_TONE_AUTOMATIC_KEY) != NULL};
+    char *end = NULL;
+    if (!curve || !stops) return s;
+    s.stops = strtod(stops, &end);
+    s.known = end != stops && !*end && isfinite(s.stops) && find_curve(curve, &s.curve);
+    return s;
+}
+
+static sl_status show(sl_image **radiance, const char *path, const shown *other, const char *other_path,
+                      sl_error *error) {
+    sl_image *displayed;
+    if (!other->known) {
+        snprintf(
+            error->message, sizeof error->message,
+            "%.400s does not tell the tone that it was made with, so that it cannot be compared with the "
+            "radiance of %.400s; expected two EXR files, or a PNG by softlux",
+            other_path, path);
+        return error->status = SL_ERROR_INPUT;
+    }
+    sl_status status = sl_tone_display(*radiance, other->curve, other->stops, &displayed, error);
+    if (status != SL_OK) return status;
+    sl_image_destroy(*radiance);
+    *radiance = displayed;
+    return SL_OK;
+}
+
+/* Where one of two pictures is shown and the other is radiance, puts the latter through the same tone. INPUT: the
+ * tone is not known. */
+static sl_status show_alike(sl_image **a, const char *a_path, sl_image **b, const char *b_path,
+                         sl_error *error) {
+    const shown of_a = shown_of(*a), of_b = shown_of(*b);
+    if (of_a.is_shown == of_b.is_shown) return SL_OK;
+    return of_a.is_shown ? show(b, b_path, &of_a, a_path, error) : show(a, a_path, &of_b, b_path, error);
+}
+
+/* Warns where both are shown and a difference in brightness may be hidden. */
+static void warn_of_tones(const shown *a, const char *a_path, const shown *b, const char *b_path) {
+    if (!a->is_shown || !b->is_shown || !a->known || !b->known) return;
+    const bool differ = a->curve != b->curve || a->stops != b->stops,
+               automatic = a->automatic || b->automatic;
+    if (!differ && !automatic) return;
+    fprintf(stderr,
+            "softlux: warning: %s (%s %.4g stops, %s %.4g stops)%s: brightness is not compared; EXR files, "
+            "or a fixed --exposure, show it\n",
+            differ ? "the exposures differ" : "the exposure was automatic", a_path, a->stops, b_path,
+            b->stops, differ && automatic ? ", being automatic" : "");
+}
+
+/* A line, or, for JSON, an object (null for radiance) and a comma. */
+static void print_tone(const char *name, const shown *s, bool json) {
+    const char *curve = s->known ? sl_tone_curve_name((size_t)s->curve) : "unknown",
+               *automatic = s->automatic ? "true" : "false";
+    if (!s->is_shown) printf(json ? "\"%s\": null, " : "%-19s radiance, shown by the other's\n", name);
+    else if (!s->known) printf(json ? "\"%s\": {\"curve\": null}, " : "%-19s unknown\n", name);
+    else if (json)
+        printf("\"%s\": {\"curve\": \"%s\", \"exposure\": %.17g, \"automatic\": %s}, ", name, curve, s->stops,
+               automatic);
+    else printf("%-19s %s, %.9g stops%s\n", name, curve, s->stops, s->automatic ? ", automatic" : "");
+}
 
 static const char details[] =
     "A is the picture x, B the reference r: EXR, PFM, Radiance HDR, PNG or JPEG files of the same size. "
@@ -180,63 +263,73 @@ static double rel_rmse_of_surfaces(const compare_pictures *p) {
 
 /* ---- the answer ------------------------------------------------------------------------------ */
 
-static void print_real(bool json, const char *name, double value) {
-    if (!json) printf("%-19s %.9g\n", name, value);
-    else if (isfinite(value)) printf("\"%s\": %.17g, ", name, value);
-    else printf("\"%s\": null, ", name); /* JSON has no word for them */
+/* A metric that is printed, and may be bounded. */
+typedef struct metric {
+    const char *name;
+    double value;
+    int bound; /* -1: none */
+    bool count;
+} metric;
+enum { METRICS = 16 };
+
+/* surfaces: NaN where the pictures do not tell. */
+static void list_metrics(const sl_comparison *r, double surfaces, metric to[METRICS]) {
+    const metric all[METRICS] = {{"rmse", r->rmse, MAX_RMSE, false},
+                                 {"rel_rmse", r->rel_rmse, MAX_REL_RMSE, false},
+                                 {"rel_rmse_surfaces", surfaces, -1, false},
+                                 {"rel_mse", r->rel_mse, MAX_REL_MSE, false},
+                                 {"rel_mse_trimmed", r->rel_mse_trimmed, -1, false},
+                                 {"rel_mse_noise", r->rel_mse_noise, -1, false},
+                                 {"rel_mse_less_noise", r->rel_mse - r->rel_mse_noise, -1, false},
+                                 {"max_abs", r->max_abs, MAX_ABS, false},
+                                 {"bias", r->bias, MAX_BIAS, false},
+                                 {"ssim", r->ssim, MIN_SSIM, false},
+                                 {"flip", r->flip, MAX_FLIP, false},
+                                 {"mean_image", r->mean_image, -1, false},
+                                 {"mean_reference", r->mean_reference, -1, false},
+                                 {"nonfinite", (double)r->nonfinite, -1, true},
+                                 {"negative", (double)r->negative, -1, true},
+                                 {"values", (double)r->values, -1, true}};
+    memcpy(to, all, sizeof all);
 }
 
-static void print_count(bool json, const char *name, uint64_t value) {
-    printf(json ? "\"%s\": %llu, " : "%-19s %llu\n", name, (unsigned long long)value);
+/* JSON has no word for what is not finite. */
+static void print_metric(const metric *m, bool json) {
+    if (!json) printf(m->count ? "%-19s %.0f\n" : "%-19s %.9g\n", m->name, m->value);
+    else if (isfinite(m->value)) printf(m->count ? "\"%s\": %.0f, " : "\"%s\": %.17g, ", m->name, m->value);
+    else printf("\"%s\": null, ", m->name);
 }
 
-static void print_comparison(const sl_comparison *r, const sl_shown shown[2], double surfaces, bool json) {
+static void print_comparison(const sl_comparison *r, const shown tones[2], const metric metrics[METRICS],
+                             bool json) {
     if (json) putchar('{');
-    for (int i = 0; i < 2 && (json || shown[0].is_shown || shown[1].is_shown); i++)
-        sl_shown_print(i ? "tone_reference" : "tone_image", &shown[i], json);
-    print_real(json, "rmse", r->rmse);
-    print_real(json, "rel_rmse", r->rel_rmse);
-    if (!isnan(surfaces)) print_real(json, "rel_rmse_surfaces", surfaces);
-    print_real(json, "rel_mse", r->rel_mse);
-    print_real(json, "rel_mse_trimmed", r->rel_mse_trimmed);
-    print_real(json, "rel_mse_noise", r->rel_mse_noise);
-    print_real(json, "rel_mse_less_noise", r->rel_mse - r->rel_mse_noise);
-    print_real(json, "max_abs", r->max_abs);
-    print_real(json, "bias", r->bias);
-    print_real(json, "ssim", r->ssim);
-    print_real(json, "flip", r->flip);
-    print_real(json, "mean_image", r->mean_image);
-    print_real(json, "mean_reference", r->mean_reference);
-    print_count(json, "nonfinite", r->nonfinite);
-    print_count(json, "negative", r->negative);
-    print_count(json, "values", r->values);
+    for (int i = 0; i < 2 && (json || tones[0].is_shown || tones[1].is_shown); i++)
+        print_tone(i ? "tone_reference" : "tone_image", &tones[i], json);
+    for (int i = 0; i < METRICS; i++)
+        if (strcmp(metrics[i].name, "rel_rmse_surfaces") != 0 || !isnan(metrics[i].value))
+            print_metric(&metrics[i], json);
     if (json) printf("\"identical\": %s}\n", r->identical ? "true" : "false");
     else printf("%-19s %s\n", "identical", r->identical ? "yes" : "no");
 }
 
 /* Prints one line on stderr for all that failed, so that a test's log says it at a glance. */
-static int check_bounds(const compare_request *q, const sl_comparison *r) {
-    static const char *const names[BOUNDS] = {"rmse",   "rel_rmse", "rel_mse", "max_abs",
-                                              "|bias|", "ssim",     "flip"};
-    const double values[BOUNDS] = {r->rmse,       r->rel_rmse, r->rel_mse, r->max_abs,
-                                   fabs(r->bias), r->ssim,     r->flip};
+static int check_bounds(const compare_request *q, const sl_comparison *r, const metric metrics[METRICS]) {
     char failures[1024] = "";
     bool any = q->identical;
     for (int i = 0; i < BOUNDS; i++) any = any || q->bounded[i];
-    if (any && r->nonfinite) {
+    if (any && r->nonfinite)
         snprintf(failures, sizeof failures, "; NaN or infinite values: %llu",
                  (unsigned long long)r->nonfinite);
-    }
-    if (q->identical && !r->identical) {
-        size_t used = strlen(failures);
-        snprintf(failures + used, sizeof failures - used, "; not identical");
-    }
-    for (int i = 0; i < BOUNDS; i++) {
-        bool holds = i == MIN_SSIM ? values[i] >= q->bound[i] : values[i] <= q->bound[i]; /* false for NaN */
-        if (!q->bounded[i] || holds) continue;
-        size_t used = strlen(failures);
-        snprintf(failures + used, sizeof failures - used, "; %s is %.9g, not at %s %.9g", names[i], values[i],
-                 i == MIN_SSIM ? "least" : "most", q->bound[i]);
+    size_t used = strlen(failures);
+    if (q->identical && !r->identical) snprintf(failures + used, sizeof failures - used, "; not identical");
+    for (const metric *m = metrics; m < metrics + METRICS; m++) {
+        if (m->bound < 0 || !q->bounded[m->bound]) continue;
+        double bound = q->bound[m->bound], value = m->bound == MAX_BIAS ? fabs(m->value) : m->value;
+        if (m->bound == MIN_SSIM ? value >= bound : value <= bound) continue; /* false for NaN */
+        used = strlen(failures);
+        snprintf(failures + used, sizeof failures - used, "; %s is %.9g, not at %s %.9g",
+                 m->bound == MAX_BIAS ? "|bias|" : m->name, value, m->bound == MIN_SSIM ? "least" : "most",
+                 bound);
     }
     if (!failures[0]) return SL_OK;
     fprintf(stderr, "softlux: %s differs from %s: %s\n", q->paths[0], q->paths[1], failures + 2);
@@ -246,18 +339,20 @@ static int check_bounds(const compare_request *q, const sl_comparison *r) {
 static int compare(const compare_request *q, compare_pictures *p) {
     sl_error error;
     sl_comparison result;
-    const sl_shown shown[2] = {sl_shown_of(p->image), sl_shown_of(p->reference)};
+    const shown tones[2] = {shown_of(p->image), shown_of(p->reference)};
     sl_compare_options options = {.mask = p->mask, .exposure_stops = (float)q->exposure};
-    sl_status status = sl_shown_alike(&p->image, q->paths[0], &p->reference, q->paths[1], &error);
+    sl_status status = show_alike(&p->image, q->paths[0], &p->reference, q->paths[1], &error);
     if (status == SL_OK)
         status = sl_image_compare(p->image, p->reference, &options, &result,
                                   q->difference ? &p->difference : NULL, &error);
     sl_watch_for_interrupt(); /* a picture that is being written is written to its end */
     if (status == SL_OK && q->difference) status = sl_image_write(p->difference, q->difference, &error);
     if (status != SL_OK) return complain(error.message, status);
-    sl_shown_warn(&shown[0], q->paths[0], &shown[1], q->paths[1]);
-    print_comparison(&result, shown, rel_rmse_of_surfaces(p), q->json);
-    return check_bounds(q, &result);
+    warn_of_tones(&tones[0], q->paths[0], &tones[1], q->paths[1]);
+    metric metrics[METRICS];
+    list_metrics(&result, rel_rmse_of_surfaces(p), metrics);
+    print_comparison(&result, tones, metrics, q->json);
+    return check_bounds(q, &result, metrics);
 }
 
 int sl_command_compare(int argc, char **argv) {

@@ -2,7 +2,6 @@
 #include "app/commands.h"
 #include "app/manual.h"
 #include "app/options.h"
-#include "app/settings_text.h"
 #include "base/values.h"
 #include "softlux.h"
 

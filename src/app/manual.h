@@ -4,6 +4,7 @@
 #define SL_APP_MANUAL_H
 
 #include "app/options.h"
+#include "cache/frame/settings.h"
 
 #include <stddef.h>
 
@@ -11,5 +12,16 @@
 void sl_print_command_manual(const sl_command_line *line);
 /* The page of the program: `count` commands, their names and what each does. */
 void sl_print_program_manual(const char *const *names, const char *const *summaries, size_t count);
+
+/* ---- options of methods ---- */
+
+/* The last part of a setting's name: what the command line calls it. */
+const char *sl_setting_flag(const sl_setting *setting);
+/* The setting that it calls so; NULL where there is none. */
+const sl_setting *sl_setting_of_flag(const char *flag);
+/* Its line of help, with the default in brackets. */
+void sl_setting_help(const sl_setting *setting, char *text, size_t room);
+/* Prints all of them, method by method. */
+void sl_print_settings(void);
 
 #endif

@@ -1,7 +1,6 @@
 #include "app/options.h"
 
 #include "app/manual.h"
-#include "app/settings_text.h"
 #include "base/values.h"
 
 #include <stdarg.h>
@@ -16,27 +15,12 @@ static const double degree = 0.017453292519943295;
 static void reading_options(sl_reading *r, sl_option *options) {
     sl_viewpoint *v = &r->view;
     const sl_option own[] = {
-        {.name = "eye",
-         .letter = 0,
-         .kind = SL_OPTION_VECTOR,
-         .value = r->eye,
-         .given = &v->has_eye,
-         .metavar = "X,Y,Z",
-         .help = "where the camera stands, as softlux info tells places [the scene's]"},
-        {.name = "target",
-         .letter = 0,
-         .kind = SL_OPTION_VECTOR,
-         .value = r->target,
-         .given = &v->has_target,
-         .metavar = "X,Y,Z",
-         .help = "what it looks at [the scene's; with --eye the middle of its box]"},
-        {.name = "up",
-         .letter = 0,
-         .kind = SL_OPTION_VECTOR,
-         .value = r->up,
-         .given = &v->has_up,
-         .metavar = "X,Y,Z",
-         .help = "what is up in the picture [the scene's; with --eye or --target 0,1,0]"},
+        SL_VECTOR("eye", r->eye, &v->has_eye,
+                  "where the camera stands, as softlux info tells places [the scene's]"),
+        SL_VECTOR("target", r->target, &v->has_target,
+                  "what it looks at [the scene's; with --eye the middle of its box]"),
+        SL_VECTOR("up", r->up, &v->has_up,
+                  "what is up in the picture [the scene's; with --eye or --target 0,1,0]"),
         SL_REAL("fov", &r->fov_degrees, &v->has_fov, "DEGREES", 0.01, 179.0,
                 "field of view from top to bottom [the scene's]"),
         SL_CHOICE("up-axis", &r->up_axis, "AXIS", "auto|y|z",

@@ -47,6 +47,11 @@ typedef struct sl_option {
 #define SL_CHOICE(n, v, unit, words, h) \
     {.name = n, .kind = SL_OPTION_CHOICE, .value = v, .metavar = unit, .help = h, .choices = words}
 
+#define SL_VECTOR(n, v, g, h) \
+    {.name = n, .kind = SL_OPTION_VECTOR, .value = v, .given = g, .metavar = "X,Y,Z", .help = h}
+#define SL_PIXELS(n, l, v, h) \
+    {.name = n, .letter = l, .kind = SL_OPTION_SIZE, .value = v, .metavar = "WxH", .help = h}
+
 /* How a scene is read: options of every command that shows one. It must stay where it is: what is taken
  * points into it. */
 typedef struct sl_reading {

@@ -63,4 +63,9 @@ sl_tone sl_picture_tone(const sl_render_options *options);
 cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method,
                        const sl_image *image, const sl_progress *progress, double seconds);
 
+/* ---- pictures in which nothing can be seen ---- */
+
+/* Says on stderr that a picture is black, or as a PNG black or white all over, and the likely reason. */
+void sl_tell_blank_picture(const sl_render_options *options, const sl_scene *scene, const sl_image *image);
+
 #endif

@@ -2,9 +2,10 @@
 #ifndef SL_APP_SAME_FILE_H
 #define SL_APP_SAME_FILE_H
 
-#include <stdbool.h>
-
 #include "softlux.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 /* False, and a line on stderr, if the option's file is one of the others. NULL is none. */
 bool sl_is_file_of_its_own(const char *option, const char *file, const char *const others[], int count);
@@ -14,5 +15,14 @@ sl_status sl_spare_scene(const sl_scene *scene, const char *option, const char *
 /* The same for a file of that name in the option's folder. */
 sl_status sl_spare_scene_in(const sl_scene *scene, const char *option, const char *folder, const char *name,
                             sl_error *error);
+
+/* ---- names of a series ---- */
+
+bool sl_name_ends_with(const char *name, const char *end);
+/* Tells whether there is one %d, %4d or %04d, and no other %. */
+bool sl_frame_pattern_is_good(const char *pattern);
+void sl_frame_name(const char *pattern, unsigned long long frame, char *name, size_t size);
+/* Tells whether a name is that of some frame. */
+bool sl_frame_name_fits(const char *pattern, const char *name);
 
 #endif

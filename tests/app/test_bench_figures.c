@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "cache/frame/settings.h"
-#include "app/bench/curves.h"
+#include "app/bench/results.h"
 #include "app/bench/journal.h"
 #include "app/bench/judge.h"
 #include "app/bench/references.h"

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "app/options.h"
-#include "app/settings_text.h"
+#include "app/manual.h"
 #include "rendering.h"
 
 enum { WORD = 64 };

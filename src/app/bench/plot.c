@@ -2,7 +2,7 @@
  * curve ends at its name. */
 #include "app/bench/plot.h"
 
-#include "app/bench/curves.h"
+#include "app/bench/results.h"
 #include "app/bench/report.h"
 #include "app/page.h"
 

@@ -1,5 +1,5 @@
 /* What the report says of a scene, as Markdown; and of all, as lines for a terminal. */
-#include "app/bench/curves.h"
+#include "app/bench/results.h"
 #include "app/bench/plot.h"
 #include "app/bench/report.h"
 

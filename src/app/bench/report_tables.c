@@ -1,7 +1,7 @@
 /* What the measurements say of all scenes together: the beginning of the report, and tables for the page that
  * says it in words (docs/speed-against-error.md), each between two marks, which bench/fill_tables.sh puts
  * into the page. */
-#include "app/bench/curves.h"
+#include "app/bench/results.h"
 #include "app/bench/report.h"
 
 #include <math.h>

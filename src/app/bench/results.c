@@ -1,5 +1,7 @@
 #include "app/bench/results.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,4 +54,80 @@ bool sl_bench_is_tracer(const sl_trial *trial) {
 const char *sl_bench_end_name(sl_bench_end end) {
     static const char *const names[] = {"ran", "failed", "crashed", "stopped", "left out"};
     return names[end];
+}
+
+/* ---- curves ---- */
+
+static int by_time(const void *a, const void *b) {
+    const sl_bench_row *x = *(const sl_bench_row *const *)a, *y = *(const sl_bench_row *const *)b;
+    if (x->cpu.median != y->cpu.median) return x->cpu.median < y->cpu.median ? -1 : 1;
+    return strcmp(x->trial->arguments, y->trial->arguments);
+}
+
+static void mark_best(sl_curve *c, sl_bench_truth truth) {
+    double least = HUGE_VAL;
+    for (size_t i = 0; i < c->count; i++) {
+        c->best[i] = c->row[i]->error[truth].rel_rmse < least;
+        if (c->best[i]) least = c->row[i]->error[truth].rel_rmse;
+    }
+}
+
+size_t sl_curves_of(const sl_bench_scene *s, sl_bench_truth truth, sl_curve curves[SL_CURVES]) {
+    size_t count = 0;
+    for (size_t i = 0; i < s->row_count; i++) {
+        const sl_bench_row *row = &s->rows[i];
+        if (row->end != SL_BENCH_RAN || !row->error[truth].known || row->cpu.count == 0 ||
+            !(row->cpu.median > 0.0))
+            continue;
+        size_t k = 0;
+        while (k < count && strcmp(curves[k].name, row->trial->curve) != 0) k++;
+        if (k == SL_CURVES) continue;
+        if (k == count) curves[count++] = (sl_curve){.name = row->trial->curve};
+        if (curves[k].count < SL_CURVE_POINTS) curves[k].row[curves[k].count++] = row;
+    }
+    for (size_t k = 0; k < count; k++) {
+        qsort(curves[k].row, curves[k].count, sizeof curves[k].row[0], by_time);
+        mark_best(&curves[k], truth);
+    }
+    return count;
+}
+
+double sl_curve_time_to(const sl_curve *c, sl_bench_truth truth, double error) {
+    const sl_bench_row *before = NULL;
+    for (size_t i = 0; i < c->count; i++) {
+        if (!c->best[i]) continue;
+        const sl_bench_row *row = c->row[i];
+        double e = row->error[truth].rel_rmse;
+        if (e <= error && !before) return row->cpu.median;
+        if (e <= error) {
+            double e0 = before->error[truth].rel_rmse, t0 = before->cpu.median;
+            double share = e > 0.0 && e0 > e ? log(e0 / error) / log(e0 / e) : 1.0;
+            return t0 * exp(share * log(row->cpu.median / t0));
+        }
+        before = row;
+    }
+    return 0.0;
+}
+
+/* Tells whether the methods are measured beside it: tracers, and the photon map. */
+static bool is_peer(const sl_curve *c) {
+    return sl_bench_is_tracer(c->row[0]->trial) || strncmp(c->name, "photons", 7) == 0;
+}
+
+sl_lead sl_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error) {
+    sl_curve curves[SL_CURVES];
+    sl_lead lead = {NULL, 0.0, 0.0, false};
+    char path[SL_BENCH_NAME];
+    size_t count = sl_curves_of(scene, truth, curves);
+    snprintf(path, sizeof path, "path, %s", sl_bench_truth_name(truth));
+    for (size_t i = 0; i < count; i++) {
+        double seconds = sl_curve_time_to(&curves[i], truth, error);
+        if (strcmp(curves[i].name, path) == 0) {
+            lead.path_later = !(seconds > 0.0);
+            lead.path_seconds = lead.path_later ? curves[i].row[curves[i].count - 1]->cpu.median : seconds;
+        }
+        if (is_peer(&curves[i]) || !(seconds > 0.0)) continue;
+        if (!lead.method || seconds < lead.seconds) lead.method = curves[i].name, lead.seconds = seconds;
+    }
+    return lead;
 }

@@ -2,7 +2,6 @@
 #include "app/bench/trials.h"
 #include "app/options.h"
 #include "app/clock.h"
-#include "app/pass_times.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>

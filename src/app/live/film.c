@@ -1,6 +1,6 @@
 #include "app/live/film.h"
 
-#include "app/frame_name.h"
+#include "app/same_file.h"
 #include "base/error.h"
 
 #include <errno.h>

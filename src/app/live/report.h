@@ -2,7 +2,7 @@
 #ifndef SL_APP_LIVE_REPORT_H
 #define SL_APP_LIVE_REPORT_H
 
-#include "app/pass_times.h"
+#include "app/clock.h"
 
 typedef struct sl_show_report {
     const char *scene, *method;
