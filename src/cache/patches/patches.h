@@ -31,7 +31,8 @@
 /* Flags of a patch. Those below SL_PATCH_TRIANGLE and above SL_PATCH_ALIVE are multi-mesh's (mesh.h). */
 enum {
     SL_PATCH_EDGES = 0x3f,       /* of triangles: what is known of edge i, at bits 2 i, 2 i + 1 (mesh.h) */
-    SL_PATCH_DIRTY = 0x80,       /* what it shows has changed since it was drawn */
+    SL_PATCH_DIRTY_FIRST = 0x1000, /* what it shows has changed since the first copy of it was made, */
+    SL_PATCH_DIRTY = 3 * SL_PATCH_DIRTY_FIRST, /* ... since any of two was */
     SL_PATCH_TRIANGLE = 0x100,   /* three corners, not four */
     SL_PATCH_ALIVE = 0x200       /* the others below patch_count are not in use */
 };

@@ -6,6 +6,7 @@
 #include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "cache/frame/picture_value.h"
 #include "cache/shading_cache/display_parts.h"
 
 bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes) {
@@ -29,12 +30,8 @@ static void release_copy(sl_display_copy *copy) {
 
 void sl_display_destroy(sl_display *d) {
     if (!d) return;
-    for (int k = 0; k < 2; k++) {
-        release_copy(&d->copy[k]);
-        sl_free(d->dirty[k]);
-    }
+    for (int k = 0; k < 2; k++) release_copy(&d->copy[k]);
     sl_window_close(&d->own);
-    sl_free(d->pending);
     sl_free(d->curved);
     sl_monitor_close(&d->swap);
     sl_free(d->left_out);
@@ -86,12 +83,12 @@ sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitiv
 }
 
 size_t sl_display_memory_bytes(const sl_display *d) {
-    size_t bytes = d->root_count * sizeof *d->root + d->pending_words * sizeof *d->pending;
+    size_t bytes = d->root_count * sizeof *d->root;
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
         bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk +
                  c->vertex_capacity * c->channels * sizeof *c->value;
-        bytes += c->fans.capacity * sizeof *c->fans.spoke + d->dirty_capacity[k] * sizeof *d->dirty[k];
+        bytes += c->fans.capacity * sizeof *c->fans.spoke;
     }
     return bytes;
 }
@@ -157,74 +154,57 @@ static void update_roots(sl_display *d, sl_display_copy *copy, const sl_patches 
         copy->root[p->root[copy->root_count].root] = (uint32_t)copy->root_count;
 }
 
+/* ---- values of vertices ---------------------------------------------------------------------- */
+
+/* Shows its samples; or, before it has any, what the nearest patch around it shows there all of whose corners
+ * have; or the guess. As that depends on where the vertex lies and on nothing else, all leaves that have it
+ * show the same, and nothing is seen of a split until its samples come. Finite, as pictures are. */
+static void show_vertex(const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
+    const sl_patch_vertex *v = &p->vertex[vertex];
+    float around[6] = {copy->guess.r, copy->guess.g, copy->guess.b};
+    const float *value = sl_vertex_value(p, vertex);
+    if (v->evaluated == SL_VERTEX_NEVER) {
+        double a = (double)v->u / SL_PATCH_DYADIC, b = (double)v->v / SL_PATCH_DYADIC;
+        sl_patch_place leaf = sl_patch_locate(p, v->root, a, b);
+        sl_patch_value(p, &leaf, a, b, around);
+        value = around;
+    }
+    for (size_t i = 0; i < copy->channels; i++)
+        copy->value[vertex * copy->channels + i] = sl_picture_value(value[i]);
+}
+
 /* ---- what has changed ------------------------------------------------------------------------ */
 
-/* The patches with any of some flags, in order; none: all of them. */
-static bool list_patches(sl_display *d, int which, const sl_patches *p, uint32_t flags) {
-    d->dirty_count[which] = 0;
-    size_t count = 0;
-    for (size_t i = 0; i < p->patch_count; i++) count += !flags || (p->patch[i].flags & flags) != 0;
-    if (!sl_display_grow(&d->dirty[which], &d->dirty_capacity[which], count, sizeof *d->dirty[which]))
-        return false;
-    for (size_t i = 0; i < p->patch_count; i++) {
-        if (!flags || (p->patch[i].flags & flags)) d->dirty[which][d->dirty_count[which]++] = (uint32_t)i;
-    }
-    return true;
-}
-
-static void begin_anew(sl_display_copy *copy) {
-    copy->fans.used = copy->fans.wasted = 0;
-    copy->patch_count = 0;
-    copy->complete = false;
-}
-
-/* List 0: changed in this update; 1: in the one before, as this copy has not seen that. A copy that is not
- * complete takes all, and so does one whose fans are mostly waste. */
-static sl_status update_copy(sl_display *d, sl_display_copy *copy, const sl_patches *p, sl_error *error) {
+/* Brings the hidden copy up to date with what has changed since it was the hidden one before. A copy that is
+ * not complete takes all, and so does one whose fans are mostly waste. */
+static bool update_copy(sl_display *d, sl_display_copy *copy, sl_patches *p) {
     bool all = !copy->complete || copy->fans.wasted > copy->fans.used / 2;
-    if (all) begin_anew(copy);
-    copy->guess = d->settings.guess;
-    if (!list_patches(d, 0, p, all ? 0 : SL_PATCH_DIRTY) || !reserve_copy(copy, p))
-        return sl_fail_memory(error, "the display");
-    if (all) d->dirty_count[1] = 0;
-    update_roots(d, copy, p);
-    sl_status status = SL_OK;
-    for (int which = 1; which >= 0; which--) {
-        for (size_t i = 0; status == SL_OK && i < d->dirty_count[which]; i++)
-            if (!update_patch(copy, p, d->dirty[which][i])) status = sl_fail_memory(error, "the display");
+    uint32_t changed = (uint32_t)SL_PATCH_DIRTY_FIRST << (copy - d->copy);
+    if (all) {
+        copy->fans.used = copy->fans.wasted = copy->patch_count = 0;
+        copy->complete = false;
     }
-    if (status == SL_OK)
-        status = sl_display_values(d, copy, p, (const uint32_t *const *)d->dirty, d->dirty_count, error);
-    return status;
-}
-
-static void clear_flags(sl_patches *p) {
-    for (size_t i = 0; i < p->patch_count; i++) p->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
-}
-
-static void swap_lists(sl_display *d) {
-    uint32_t *list = d->dirty[0];
-    size_t capacity = d->dirty_capacity[0];
-    d->dirty[0] = d->dirty[1];
-    d->dirty_capacity[0] = d->dirty_capacity[1];
-    d->dirty[1] = list;
-    d->dirty_capacity[1] = capacity;
-    d->dirty_count[1] = d->dirty_count[0];
+    copy->guess = d->settings.guess;
+    if (!reserve_copy(copy, p)) return false;
+    update_roots(d, copy, p);
+    for (uint32_t i = 0; i < p->patch_count; i++) {
+        if ((all || (p->patch[i].flags & changed)) && !update_patch(copy, p, i)) return false;
+    }
+    for (uint32_t i = 0; i < p->vertex_count; i++)
+        if (p->vertex[i].references) show_vertex(copy, p, i);
+    return true;
 }
 
 sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, sl_error *error) {
     (void)counters;
     sl_display_copy *copy = sl_display_hidden(d);
-    sl_status status = update_copy(d, copy, p, error);
+    sl_status status = update_copy(d, copy, p) ? SL_OK : sl_fail_memory(error, "the display");
     if (status == SL_OK && d->curved) status = sl_tessellate(d, &d->own, error);
-    if (status != SL_OK) { /* flags are left as they are: the other copy misses nothing */
-        copy->complete = false;
-        return status;
-    }
-    copy->complete = true;
+    copy->complete = status == SL_OK; /* flags are left as they are: the other copy misses nothing */
+    if (status != SL_OK) return status;
     copy->builds = ++d->builds;
-    clear_flags(p);
-    swap_lists(d);
+    for (size_t i = 0; i < p->patch_count; i++)
+        p->patch[i].flags &= ~((uint32_t)SL_PATCH_DIRTY_FIRST << (copy - d->copy));
     sl_patches_rested(p);
     sl_display_swap(d);
     return SL_OK;

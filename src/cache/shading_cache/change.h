@@ -20,6 +20,7 @@ typedef struct sl_changes {
     uint32_t eye_moved;        /* update of the camera's last motion; 0: never */
     float threshold;           /* tau_c, grey levels */
     int window;                /* W */
+    bool no_ageing;            /* nothing grows old, or is stale */
 } sl_changes;
 
 sl_status sl_changes_create(const sl_scene *scene, float threshold, int window, sl_changes **changes,
@@ -36,7 +37,8 @@ bool sl_changes_compare(sl_changes *changes, uint32_t object, float levels, uint
 /* Since when patches of an object age: `changed` of sl_patch_age(). What was evaluated after the edit that
  * its change is due to is as good as new, however late the change was found. 0: it does not. */
 static inline uint32_t sl_changes_since(const sl_changes *changes, uint32_t object) {
-    return changes->object[object].changing ? changes->object[object].stale_before : 0;
+    bool ages = changes->object[object].changing && !changes->no_ageing;
+    return ages ? changes->object[object].stale_before : 0;
 }
 /* At an update's end: objects whose change has ended. still_stale[i]: some visible leaf of the object has
  * vertices from before. */

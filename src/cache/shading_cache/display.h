@@ -7,9 +7,7 @@
  * twice: one set is drawn while the other is brought up to date, and they are swapped at an update's end.
  *
  *   arrays.c         the two copies: trees, only what has changed; of leaves beside finer ones fans around
- *                    their centre, so that colours meet along edges
- *   vertex_values.c  what vertices show: their samples, or, before they have any, what lies between those
- *                    around them
+ *                    their centre, so that colours meet along edges; what vertices show
  *   leaf_lookup.h    from (u, v) to a leaf, and what it shows there
  *   window.c         from where frames are drawn
  *   tessellate.c     curved surfaces, from the view: chord within half a pixel; never shaded
@@ -36,8 +34,7 @@ void sl_display_destroy(sl_display *display);
  * pixels). */
 size_t sl_display_memory_bytes(const sl_display *display);
 
-/* Brings the hidden copy up to date with the patches (those marked SL_PATCH_DIRTY, in it or in the copy
- * before) and curved surfaces with the camera, and swaps. Another thread may draw meanwhile, in a window of
+/* Brings the hidden copy up to date with the patches (those marked SL_PATCH_DIRTY_FIRST for it) and curved surfaces with the camera, and swaps. Another thread may draw meanwhile, in a window of
  * its own: its frame goes on with the copy that it has begun with, never waits, and the next build waits for
  * its end. After a failure the shown copy is what it was, and the hidden one is made anew next time. */
 sl_status sl_display_build(sl_display *display, sl_patches *patches, sl_counters *counters, sl_error *error);

@@ -1,4 +1,4 @@
-/* Between arrays.c, vertex_values.c, window.c, tessellate.c and draw.c. */
+/* Between arrays.c, window.c, tessellate.c and draw.c. */
 #ifndef SL_SHADING_CACHE_DISPLAY_PARTS_H
 #define SL_SHADING_CACHE_DISPLAY_PARTS_H
 
@@ -99,10 +99,6 @@ struct sl_display {
     /* wanted ones, in the order in which they were; both copies look here: what is there stays */
     sl_display_root *root;
     size_t root_count;
-    uint32_t *dirty[2];        /* patches changed in this update, and in the one before */
-    size_t dirty_count[2], dirty_capacity[2];
-    uint32_t *pending;         /* one bit a vertex: it has no samples */
-    size_t pending_words;
 };
 
 /* The vertices that the split which made four children has added. Their other corners are their parent's,
@@ -114,10 +110,6 @@ static inline const uint32_t *sl_display_middles(const sl_display_copy *copy, ui
 /* arrays.c: grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in
  * sl_regrow(). */
 bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes);
-
-/* vertex_values.c. Values of the corners of the alive patches of a list, then of what has no samples yet. */
-sl_status sl_display_values(sl_display *display, sl_display_copy *copy, const sl_patches *patches,
-                            const uint32_t *const list[2], const size_t count[2], sl_error *error);
 
 /* window.c. */
 /* to be closed also where this fails */

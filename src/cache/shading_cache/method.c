@@ -33,8 +33,6 @@ static void shading_destroy(void *state) {
     sl_free(s->sample);
     sl_free(s->part);
     sl_free(s->stale);
-    sl_free(s->changing);
-    sl_free(s->stale_before);
     sl_free(s);
 }
 
@@ -51,11 +49,9 @@ static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
     s->sample = sl_allocate(s->vertex_room, sizeof *s->sample);
     s->part = sl_allocate(s->vertex_room, sizeof *s->part);
     s->stale = sl_allocate(s->scene->object_count, sizeof *s->stale);
-    s->changing = sl_allocate(s->scene->object_count, sizeof *s->changing);
-    s->stale_before = sl_allocate(s->scene->object_count, sizeof *s->stale_before);
     if (!s->ids.patch || !s->id_memory || !s->leaf_of_pixel || !s->choice || !s->place || !s->vertex ||
         !s->request || !s->sample ||
-        !s->part || !s->stale || !s->changing || !s->stale_before)
+        !s->part || !s->stale)
         return sl_fail_memory(error, "the shading cache");
     s->ids.u = s->id_memory;
     s->ids.v = s->id_memory + pixels;
@@ -123,8 +119,8 @@ static sl_status make_cache(sl_shading_state *s, sl_error *error) {
     if (status == SL_OK)
         status = sl_changes_create(s->scene, (float)c->change_threshold, c->change_window, &s->changes,
                                    error);
-    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
-    return status;
+    if (status == SL_OK) s->changes->no_ageing = c->no_ageing;
+    return status == SL_OK ? sl_object_places_take(s->scene, &s->places, error) : status;
 }
 
 static sl_status shading_create(const sl_scene *scene, const sl_settings *settings,

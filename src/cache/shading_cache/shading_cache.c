@@ -48,11 +48,10 @@ static sl_status draw_id_map(sl_shading_state *s, sl_error *error) {
  * object changes, or the eye has moved and the surface is not diffuse. Patches never evaluated come first.
  * Until it is normalised p_norm holds p of at most 255 levels. */
 static void prioritise(sl_shading_state *s, sl_leaf_priority *leaf) {
-    bool ages = !s->settings.shading_cache.no_ageing;
     uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, leaf->patch));
-    uint32_t eye_moved = ages ? s->changes->eye_moved : 0;
-    uint32_t changed = ages ? sl_changes_since(s->changes, object) : 0;
-    leaf->priority = sl_patch_priority(s->patches, &s->curve, leaf->patch, s->now, eye_moved, changed);
+    uint32_t eye_moved = s->changes->no_ageing ? 0 : s->changes->eye_moved;
+    leaf->priority = sl_patch_priority(s->patches, &s->curve, leaf->patch, s->now, eye_moved,
+                                       sl_changes_since(s->changes, object));
     leaf->normal = leaf->priority >= 0.0f && leaf->priority < 255.0f ? leaf->priority : 255.0f;
 }
 
@@ -68,10 +67,6 @@ static double mean_error_levels(const sl_shading_state *s) {
 
 static void settle_work(sl_shading_state *s) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
-    for (size_t i = 0; i < s->scene->object_count; i++) {
-        s->stale_before[i] = s->changes->object[i].stale_before;
-        s->changing[i] = s->changes->object[i].changing;
-    }
     s->view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     s->work = (sl_work_settings){.view = &s->view,
                                  .curve = &s->curve,
@@ -82,9 +77,7 @@ static void settle_work(sl_shading_state *s) {
                                  .sharp = s->plan.radiance,
                                  .dense = s->scene->emitter_count > 0 && !c->variance_aware,
                                  .now = s->now,
-                                 .stale_before = c->no_ageing ? NULL : s->stale_before,
-                                 .eye_moved = c->no_ageing ? 0 : s->changes->eye_moved,
-                                 .changing = s->changing,
+                                 .changes = s->changes,
                                  .coarsest = sl_shading_coarsest(s, false)};
 }
 

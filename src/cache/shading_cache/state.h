@@ -43,8 +43,7 @@ typedef struct sl_shading_state {
     sl_sample_request *request;    /* sample renderer */
     sl_sample *sample, *part;
     sl_fades fades;                /* values that are blended in */
-    bool *stale, *changing;        /* by object */
-    uint32_t *stale_before;
+    bool *stale;                   /* by object */
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
     uint64_t last_update;          /* after which a picture is done: an edit allows as many again */

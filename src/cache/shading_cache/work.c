@@ -35,11 +35,10 @@ typedef struct worker {
 
 /* Returns the update before which what was evaluated is not as the scene is now. */
 static uint32_t stale_before(const sl_patches *p, const sl_work_settings *settings, uint32_t root) {
-    uint32_t edited =
-        settings->stale_before ? settings->stale_before[sl_root_object(p->primitives, root)] : 0;
-    return settings->eye_moved > edited && sl_material_has_lobe(sl_root_material(p->primitives, root))
-               ? settings->eye_moved
-               : edited;
+    uint32_t edited = settings->changes->object[sl_root_object(p->primitives, root)].stale_before,
+             moved = settings->changes->eye_moved;
+    if (settings->changes->no_ageing) return 0;
+    return moved > edited && sl_material_has_lobe(sl_root_material(p->primitives, root)) ? moved : edited;
 }
 
 bool sl_vertex_is_stale(const sl_patches *p, const sl_work_settings *settings, uint32_t vertex) {
@@ -163,7 +162,7 @@ static bool is_sharp(const sl_patches *p, const sl_work_settings *s, const sl_pa
 static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place,
                      sl_screen_size size) {
     float area = s->split_above;
-    if (s->coarsest > 0.0f && s->changing && s->changing[sl_root_object(p->primitives, place->root)]) {
+    if (s->coarsest > 0.0f && s->changes->object[sl_root_object(p->primitives, place->root)].changing) {
         area = fmaxf(area, 4.0f * (place->corners == 3 ? 0.5f * s->coarsest : s->coarsest));
     }
     if (area == s->split_above && is_sharp(p, s, place)) area /= (float)SL_SHARP_PARTS;

@@ -2,6 +2,7 @@
 #ifndef SL_SHADING_CACHE_WORK_H
 #define SL_SHADING_CACHE_WORK_H
 
+#include "cache/shading_cache/change.h"
 #include "cache/shading_cache/selection.h"
 
 /* Where in its patch a chosen pixel lies. */
@@ -20,11 +21,7 @@ typedef struct sl_work_settings {
     int crowd;                 /* places in a child that make it be processed, too: 4 */
     bool variance_aware;       /* p_err < 2 s: more samples instead of a split */
     uint32_t now;
-    /* by object: vertices evaluated before that update are stale; NULL: none is */
-    const uint32_t *stale_before;
-    /* update: those evaluated before it are stale, too, where the material is not only diffuse; 0: never */
-    uint32_t eye_moved;
-    const bool *changing;      /* by object; NULL: none */
+    const sl_changes *changes; /* which vertices are stale, which objects change */
     /* leaves of one pixel have dense points on lights: their parent's corners get them before the split */
     bool dense;
     /* leaves of polished surfaces are split below a pixel while their corners differ by SL_SHARP_LEVELS */

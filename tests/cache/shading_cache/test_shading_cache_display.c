@@ -374,8 +374,7 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
         for (int c = 0; c < 3; c++)
             assert_true(fabs((double)value[c] - (double)sl_vertex_value(h.patches, hanging[k])[c]) < 1e-4);
     }
-    size_t words[2];
-    for (int round = 0; round < 6; round++) { /* room that is given back is used again */
+    for (int round = 0; round < 40; round++) { /* what is not used any more is thrown away */
         sl_patch_drop_children(h.patches, child + 1);
         build_display(display, &h);
         for (int i = 0; i < 512; i++) {
@@ -384,9 +383,8 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
                 split(&h, p.patch);
         }
         build_display(display, &h);
-        if (round % 2) words[round / 2 % 2] = display->copy[0].fans.used + display->copy[1].fans.used;
+        assert_true(display->copy[0].fans.used < 20000 && display->copy[1].fans.used < 20000);
     }
-    assert_int_equal(words[0], words[1]);
     sl_display_destroy(display);
     hierarchy_discard(&h);
 }
@@ -405,6 +403,7 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
             build_display(display, &h);
             if (update % 3) continue;
             sl_display *fresh = display_of(&h, W, H, guess);
+            fresh->shown = display->shown ^ 1; /* it makes the copy that the other has just made */
             build_display(fresh, &h);
             double turn = 0.7 * update;
             look(h.scene, sl_v3((float)(3.0 * sl_cos(turn)), 1.2f, (float)(3.0 * sl_sin(turn))),

@@ -10,8 +10,8 @@
 enum { WIDTH = 120, HEIGHT = 80, PLACES_MAX = 4096 };
 
 static const sl_display_curve curve = {.reference = 1.0f};
-static uint32_t stale_before[1];
-static bool changing[1];
+static sl_object_change object[1];
+static sl_changes changes = {.object_count = 1, .object = object};
 static sl_view view;
 
 /* Looks down on the square of side 2 in z = 0 from the height at which a unit is so many pixels. */
@@ -21,16 +21,15 @@ static sl_camera camera_above(float pixels_a_unit) {
 }
 
 static sl_work_settings usual(void) {
-    stale_before[0] = 0;
-    changing[0] = false;
+    object[0] = (sl_object_change){.changing = false};
+    changes.eye_moved = 0;
     return (sl_work_settings){.view = &view,
                               .curve = &curve,
                               .split_above = 1.2f,
                               .levels = 3,
                               .crowd = 4,
                               .now = 2,
-                              .stale_before = stale_before,
-                              .changing = changing};
+                              .changes = &changes};
 }
 
 typedef struct outcome {
@@ -99,8 +98,8 @@ static void corners_from_before_an_edit_are_shaded_again_before_anything_is_spli
     uint32_t patch = want_root(&h, 0);
     sl_chosen_place place = {patch, 0.1f, 0.1f};
     evaluate_all(&h, 1.0f, 5);
-    stale_before[0] = 6;
-    settings.eye_moved = 9; /* which is nothing to diffuse surfaces */
+    object[0].stale_before = 6;
+    changes.eye_moved = 9; /* which is nothing to diffuse surfaces */
     evaluate(&h, sl_patch_corner(h.patches, patch, 2), 1.0f, 6);
     work(&h, &settings, &camera, 1, &place);
     assert_int_equal(out.count, 3);
@@ -108,7 +107,7 @@ static void corners_from_before_an_edit_are_shaded_again_before_anything_is_spli
     for (int c = 0; c < 4; c++)
         assert_int_equal(sl_vertex_is_stale(h.patches, &settings, sl_patch_corner(h.patches, patch, c)),
                          c != 2);
-    settings.stale_before = NULL;
+    object[0].stale_before = 0;
     work(&h, &settings, &camera, 1, &place);
     assert_int_equal(out.splits, 1);
     hierarchy_discard(&h);
@@ -223,9 +222,9 @@ static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void
     work(&h, &settings, &camera, count, places);
     assert_int_equal(out.count + out.splits, 0);
     assert_true(sl_patch_is_finished(h.patches, &settings, patch));
-    stale_before[0] = 2;
+    object[0].stale_before = 2;
     assert_false(sl_patch_is_finished(h.patches, &settings, patch));
-    stale_before[0] = 0;
+    object[0].stale_before = 0;
     settings.variance_aware = true;
     work(&h, &settings, &camera, count, places);
     assert_int_equal(out.count, 4);
@@ -303,7 +302,7 @@ static void what_changes_is_not_split_below_what_there_is_time_for(void **state)
         sl_chosen_place place = {want_root(&h, 0), 0.3f, 0.3f};
         evaluate_all(&h, 1.0f, 1);
         settings.coarsest = 101.0f; /* children of 100 pixels; of the triangle, 50 */
-        changing[0] = true;
+        object[0].changing = true;
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, 0);
         settings.coarsest = 99.0f;
@@ -314,7 +313,7 @@ static void what_changes_is_not_split_below_what_there_is_time_for(void **state)
         place.patch = want_root(&h, 0);
         evaluate_all(&h, 1.0f, 1);
         settings.coarsest = 101.0f;
-        changing[0] = false;
+        object[0].changing = false;
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, 1);
         hierarchy_discard(&h);
