@@ -3,21 +3,18 @@
 
 #include <math.h>
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "base/parallel.h"
 #include "cache/multi_mesh/coarse.h"
 #include "cache/multi_mesh/direct.h"
 #include "cache/multi_mesh/irradiance.h"
 
-enum { VERTICES_A_TASK = 8 };
 /* Lights that are not asked could give no more than this share of all light. */
 static const double UNASKED = 0.03;
 
 typedef struct light_worker {
-    sl_counters counters;
     float *share;              /* by light: F */
     double *most;              /* by light: the irradiance that it could give, mean of the channels */
     uint32_t *order;           /* lights that could give any, most first */
@@ -51,14 +48,15 @@ static size_t rank_lights(const sl_sampled_lights *lights, const sl_lit_point *p
 static int rays_to(double part) { return part > 0.3 ? 12 : part > 0.1 ? 8 : 4; }
 
 /* F of all lights. Whether any light that could arrive does. */
-static bool light_point(const sl_irradiance_settings *c, const sl_lit_point *point, light_worker *w) {
+static bool light_point(const sl_irradiance_settings *c, const sl_lit_point *point, light_worker *w,
+                        sl_counters *counters) {
     double all, asked = 0.0, seen = 0.0;
     size_t count = rank_lights(c->lights, point, w, &all), i = 0;
     for (; i < count && (i == 0 || asked < (1.0 - UNASKED) * all); i++) {
         uint32_t l = w->order[i];
         double most = (double)w->share[l];
         w->share[l] =
-            sl_light_sample_by_rays(c->sampling, l, point, rays_to(w->most[l] / all), &w->counters);
+            sl_light_sample_by_rays(c->sampling, l, point, rays_to(w->most[l] / all), counters);
         asked += w->most[l];
         seen += w->most[l] * (double)w->share[l] / most;
     }
@@ -81,12 +79,13 @@ static sl_mesh_point point_of(const sl_irradiance_settings *c, const sl_coarse_v
 
 /* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further
  * inside its face. */
-static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vertex *v, light_worker *w) {
+static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vertex *v, light_worker *w,
+                           sl_counters *counters) {
     static const double nudge[] = {0.0, 0.01, 0.05, 0.2};
     for (size_t i = 0; i < sizeof nudge / sizeof nudge[0]; i++) {
         sl_mesh_point at = point_of(c, v, nudge[i]);
         sl_lit_point point = sl_lit_point_of(&at);
-        if (!light_point(c, &point, w) && sl_mesh_point_in_solid(c->primitives, c->tracer, &at, &w->counters))
+        if (!light_point(c, &point, w, counters) && sl_mesh_point_in_solid(c->primitives, c->tracer, &at, counters))
             continue;
         return sl_direct_diffuse(c->lights, w->share);
     }
@@ -96,33 +95,27 @@ static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vert
 typedef struct lighting {
     const sl_irradiance_settings *light;
     light_worker *worker;
-    size_t count;
     const sl_coarse_vertex *vertex;
-    sl_rgb *radiance;
 } lighting;
 
-static void light_some(void *context, size_t task, unsigned worker) {
+static void light_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
     const lighting *job = context;
-    size_t end = (task + 1) * VERTICES_A_TASK < job->count ? (task + 1) * VERTICES_A_TASK : job->count;
-    for (size_t i = task * VERTICES_A_TASK; i < end; i++)
-        job->radiance[i] = light_vertex(job->light, &job->vertex[i], &job->worker[worker]);
+    *(sl_rgb *)result = light_vertex(job->light, &job->vertex[i], &job->worker[worker], counters);
 }
 
 sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
                                const sl_coarse_vertex *vertex, sl_rgb *radiance, sl_counters *counters,
                                sl_error *error) {
     size_t lights = light->lights->count, all = lights * light->threads;
-    lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), count, vertex, radiance};
+    lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), vertex};
+    const sl_batch batch = {count, light_one, &job, radiance, sizeof *radiance};
     double *most = sl_allocate(all, sizeof *most);
     float *share = sl_allocate(all, sizeof *share);
     uint32_t *order = sl_allocate(all, sizeof *order);
     bool room = job.worker && most && share && order;
     for (unsigned t = 0; t < light->threads && room; t++)
-        job.worker[t] =
-            (light_worker){.share = share + t * lights, .most = most + t * lights, .order = order + t * lights};
-    if (room)
-        sl_parallel_for(light->threads, (count + VERTICES_A_TASK - 1) / VERTICES_A_TASK, light_some, &job);
-    for (unsigned t = 0; t < light->threads && room; t++) sl_counters_add(counters, &job.worker[t].counters);
+        job.worker[t] = (light_worker){share + t * lights, most + t * lights, order + t * lights};
+    if (room) sl_batch_run(&batch, light->threads, counters);
     sl_free(job.worker);
     sl_free(most);
     sl_free(share);
@@ -142,25 +135,20 @@ enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
 typedef struct gathering {
     const sl_multi_mesh_state *s;
     const sl_mesh_point *point;
-    sl_rgb *irradiance;
 } gathering;
 
-static void gather_one(void *context, size_t task, unsigned worker) {
+static void gather_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
     const gathering *g = context;
-    sl_gather_worker *w = &g->s->gatherer[worker];
-    sl_lit_point point = sl_lit_point_of(&g->point[task]);
-    g->irradiance[task] =
-        sl_mesh_gather_take(g->s->gather, &point, g->point[task].face, w->scratch, &w->counters);
+    sl_lit_point point = sl_lit_point_of(&g->point[i]);
+    *(sl_rgb *)result =
+        sl_mesh_gather_take(g->s->gather, &point, g->point[i].face, g->s->gatherer[worker], counters);
 }
 
 void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points,
                           sl_rgb *irradiance) {
-    gathering g = {s, points, irradiance};
-    sl_parallel_for(s->settings.threads, count, gather_one, &g);
-    for (unsigned t = 0; t < s->settings.threads; t++) {
-        sl_counters_add(&s->counters, &s->gatherer[t].counters);
-        s->gatherer[t].counters = (sl_counters){{0}};
-    }
+    gathering g = {s, points};
+    const sl_batch batch = {count, gather_one, &g, irradiance, sizeof *irradiance};
+    sl_batch_run(&batch, s->settings.threads, &s->counters);
 }
 
 static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
@@ -171,12 +159,12 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
     sl_lattice_colours colours = {s->coarse->face, s->coarse->colour};
     sl_status status = sl_mesh_gather_create(s->scene, s->raster, &colours, &gather, &s->gather, error);
     if (status == SL_OK && !s->gatherer) {
-        s->gatherer = sl_allocate(s->settings.threads, sizeof *s->gatherer);
+        s->gatherer = sl_allocate(s->settings.threads, sizeof(sl_mesh_gather_scratch *));
         if (!s->gatherer) return sl_fail_memory(error, "gathers");
     }
     for (unsigned t = 0; t < s->settings.threads && status == SL_OK; t++)
-        if (!s->gatherer[t].scratch)
-            status = sl_mesh_gather_scratch_create(s->gather, &s->gatherer[t].scratch, error);
+        if (!s->gatherer[t])
+            status = sl_mesh_gather_scratch_create(s->gather, &s->gatherer[t], error);
     return status;
 }
 

@@ -303,10 +303,10 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     sl_mesh_point point = sl_mesh_point_at(s->primitives, middle);
     sl_counters nobodys = {{0}}; /* no sample of the picture's */
     sl_lit_point lit = sl_lit_point_of(&point);
-    sl_mesh_gather_take(s->gather, &lit, point.face, s->gatherer[0].scratch, &nobodys);
+    sl_mesh_gather_take(s->gather, &lit, point.face, s->gatherer[0], &nobodys);
     const float *planes[3];
     int size;
-    sl_mesh_gather_picture(s->gatherer[0].scratch, &size, planes);
+    sl_mesh_gather_picture(s->gatherer[0], &size, planes);
     sl_announce_planes(&s->announcer, "one gather", "equation (7)", size, size, planes);
 }
 

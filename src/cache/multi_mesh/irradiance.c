@@ -8,15 +8,12 @@
  *   rounds (sl_irradiance_at()): fetches for many points and all lights, then samples, until none waits. */
 #include "cache/multi_mesh/irradiance.h"
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "base/parallel.h"
 #include "cache/multi_mesh/direct.h"
-
-enum { SAMPLES_A_TASK = 4 };
 
 /* Of what an eye can tell. Errors of the lights' meshes add up, and to those of the mesh that asks: with 8
  * lights, meshes as coarse as the threshold allows make pictures that one mesh for all makes from fewer
@@ -31,17 +28,12 @@ typedef struct wanted_sample {
     bool valid;
 } wanted_sample;
 
-typedef struct sample_worker {
-    sl_light_sample_scratch *scratch;
-    sl_counters counters;
-} sample_worker;
-
 struct sl_irradiance_meshes {
     sl_irradiance_settings settings;
     sl_patches **mesh;            /* one a light */
     wanted_sample *wanted;
     size_t wanted_count, wanted_capacity;
-    sample_worker *worker;
+    sl_light_sample_scratch **scratch; /* one a thread */
     bool sparing;              /* what is known will do */
     double inwards;            /* how far vertices on edges are moved into their faces */
 };
@@ -253,59 +245,47 @@ static int enough_rays(const sl_irradiance_meshes *m, size_t light, const sl_lit
     return own <= part[0] * scale * all ? 4 : own <= part[1] * scale * all ? 8 : 0;
 }
 
-static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_point *at, sample_worker *w) {
+static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_point *at, unsigned worker,
+                  sl_counters *counters) {
     sl_lit_point point = sl_lit_point_of(at);
     int rays = m->settings.few_rays ? enough_rays(m, light, &point) : 0;
-    if (rays) return sl_light_sample_by_rays(m->settings.sampling, light, &point, rays, &w->counters);
-    return sl_light_sample_take(m->settings.sampling, light, &point, w->scratch, &w->counters);
+    if (rays) return sl_light_sample_by_rays(m->settings.sampling, light, &point, rays, counters);
+    return sl_light_sample_take(m->settings.sampling, light, &point, m->scratch[worker], counters);
 }
 
 /* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry:
  * then it is asked for a little further inside the leaf that wants it. (Inside its face would be too far:
  * what stands on a floor would get the light of what is beyond its shadow.) */
-static void sample_vertex(const sl_irradiance_meshes *m, wanted_sample *wanted, sample_worker *w) {
-    uint32_t light = wanted->light, vertex = wanted->vertex;
-    const sl_patches *mesh = m->mesh[light];
-    sl_mesh_point at;
-    at = sl_mesh_point_of(mesh, vertex);
+static void sample_vertex(void *context, size_t index, unsigned worker, void *result,
+                          sl_counters *counters) {
+    (void)result;
+    sl_irradiance_meshes *m = context;
+    wanted_sample *wanted = &m->wanted[index];
+    const sl_patches *mesh = m->mesh[wanted->light];
+    sl_mesh_point at = sl_mesh_point_of(mesh, wanted->vertex);
     if (at.triangle == SL_NO_INDEX) sl_step_inside(m->settings.scene, m->inwards, &at);
-    wanted->share = take(m, light, &at, w);
+    wanted->share = take(m, wanted->light, &at, worker, counters);
     wanted->valid = true;
     if (wanted->share > 0.0f) return;
     sl_lit_point point = sl_lit_point_of(&at);
-    if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0)) return;
+    if (!(sl_light_unoccluded(&m->settings.lights->light[wanted->light], &point) > 0.0)) return;
     bool moved;
-    wanted->valid = sl_leave_solid(mesh, m->settings.tracer, vertex, wanted->leaf, &at, &moved, &w->counters);
-    if (moved) wanted->share = take(m, light, &at, w);
+    wanted->valid =
+        sl_leave_solid(mesh, m->settings.tracer, wanted->vertex, wanted->leaf, &at, &moved, counters);
+    if (moved) wanted->share = take(m, wanted->light, &at, worker, counters);
 }
 
-static void sample_some(void *context, size_t task, unsigned worker) {
-    sl_irradiance_meshes *m = context;
-    size_t end =
-        (task + 1) * SAMPLES_A_TASK < m->wanted_count ? (task + 1) * SAMPLES_A_TASK : m->wanted_count;
-    for (size_t i = task * SAMPLES_A_TASK; i < end; i++)
-        sample_vertex(m, &m->wanted[i], &m->worker[worker]);
-}
-
-/* In the order in which they were asked for. */
-static void commit_samples(sl_irradiance_meshes *m, sl_counters *counters) {
+/* They are put into the meshes in the order in which they were asked for. */
+static void take_samples(sl_irradiance_meshes *m, sl_counters *counters) {
+    const sl_batch batch = {.count = m->wanted_count, .work = sample_vertex, .context = m};
+    sl_batch_run(&batch, m->settings.threads, counters);
     for (size_t i = 0; i < m->wanted_count; i++) {
         sl_patches *mesh = m->mesh[m->wanted[i].light];
-        uint32_t vertex = m->wanted[i].vertex;
-        *sl_vertex_value(mesh, vertex) = m->wanted[i].share;
-        sl_mesh_set_state(mesh, vertex, m->wanted[i].valid ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
-    }
-    for (unsigned t = 0; t < m->settings.threads; t++) {
-        sl_counters_add(counters, &m->worker[t].counters);
-        m->worker[t].counters = (sl_counters){{0}};
+        *sl_vertex_value(mesh, m->wanted[i].vertex) = m->wanted[i].share;
+        sl_mesh_set_state(mesh, m->wanted[i].vertex,
+                          m->wanted[i].valid ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
     }
     m->wanted_count = 0;
-}
-
-static void take_samples(sl_irradiance_meshes *m, sl_counters *counters) {
-    size_t tasks = (m->wanted_count + SAMPLES_A_TASK - 1) / SAMPLES_A_TASK;
-    sl_parallel_for(m->settings.threads, tasks, sample_some, m);
-    commit_samples(m, counters);
 }
 
 /* Nobody waits for them any more. */
@@ -371,12 +351,12 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     const sl_patches_settings mesh = {.channels = 1, .max_depth = settings->max_depth};
     size_t lights = settings->lights->count;
     m->mesh = sl_allocate(lights, sizeof(sl_patches *));
-    m->worker = sl_allocate(settings->threads, sizeof *m->worker);
-    sl_status status = m->mesh && m->worker ? SL_OK : sl_fail_memory(error, "irradiance meshes");
+    m->scratch = sl_allocate(settings->threads, sizeof(sl_light_sample_scratch *));
+    sl_status status = m->mesh && m->scratch ? SL_OK : sl_fail_memory(error, "irradiance meshes");
     for (size_t l = 0; l < lights && status == SL_OK; l++)
         status = sl_patches_create(settings->primitives, &mesh, &m->mesh[l], error);
     for (unsigned t = 0; t < settings->threads && status == SL_OK; t++)
-        status = sl_light_sample_scratch_create(settings->sampling, &m->worker[t].scratch, error);
+        status = sl_light_sample_scratch_create(settings->sampling, &m->scratch[t], error);
     if (status != SL_OK) {
         sl_irradiance_meshes_destroy(m);
         return status;
@@ -388,10 +368,10 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *m) {
     if (!m) return;
     for (size_t l = 0; m->mesh && l < m->settings.lights->count; l++) sl_patches_destroy(m->mesh[l]);
-    for (unsigned t = 0; m->worker && t < m->settings.threads; t++)
-        sl_light_sample_scratch_destroy(m->worker[t].scratch);
+    for (unsigned t = 0; m->scratch && t < m->settings.threads; t++)
+        sl_light_sample_scratch_destroy(m->scratch[t]);
     sl_free(m->mesh);
-    sl_free(m->worker);
+    sl_free(m->scratch);
     sl_free(m->wanted);
     sl_free(m);
 }

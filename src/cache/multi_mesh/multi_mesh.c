@@ -146,11 +146,6 @@ static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
 
 /* ---- progressive sampling: the leaves that matter most, of all meshes ---- */
 
-typedef struct taken_leaf {
-    sl_component part;
-    sl_patch_place place;
-} taken_leaf;
-
 static int most_urgent(const sl_multi_mesh_state *s) {
     int best = -1;
     float highest = 0.0f;
@@ -165,9 +160,8 @@ static int most_urgent(const sl_multi_mesh_state *s) {
 }
 
 typedef struct refinement {
-    taken_leaf *leaf;
-    sl_probed_leaf *probed;
-    size_t leaf_count, probed_count;
+    sl_taken_leaf *leaf;
+    size_t leaf_count;
     sl_wanted_vertex *wanted[SL_COMPONENTS];
     size_t wanted_count[SL_COMPONENTS];
 } refinement;
@@ -179,11 +173,9 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
         sl_displayed *mesh = s->part[part];
         sl_patch_place place = sl_displayed_take(mesh);
         if (place.patch == SL_NO_INDEX) break;
-        if (sl_is_unprobed(mesh, &mesh->mesh->patch[place.patch])) {
-            r->probed[r->probed_count++] = (sl_probed_leaf){.part = (sl_component)part, .place = place};
-            continue;
-        }
-        r->leaf[r->leaf_count++] = (taken_leaf){(sl_component)part, place};
+        bool probed = sl_is_unprobed(mesh, &mesh->mesh->patch[place.patch]);
+        r->leaf[r->leaf_count++] = (sl_taken_leaf){(sl_component)part, place, probed, false};
+        if (probed) continue;
         uint32_t vertex[LEAF_VERTICES];
         size_t count = 0;
         sl_status status = sl_displayed_request(mesh, &place, vertex, &count, error);
@@ -200,26 +192,27 @@ static sl_status serve_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *e
     sl_status status = take_leaves(s, r, error);
     for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
         status = sl_multi_mesh_sample(s, (sl_component)i, r->wanted_count[i], r->wanted[i], error);
-    if (status == SL_OK) sl_multi_mesh_probe(s, r->probed_count, r->probed);
-    for (size_t i = 0; i < r->leaf_count && status == SL_OK; i++)
-        status = sl_displayed_commit(s->part[r->leaf[i].part], &r->leaf[i].place, &s->counters, error);
-    for (size_t i = 0; i < r->probed_count && status == SL_OK; i++)
-        sl_displayed_probed(s->part[r->probed[i].part], &r->probed[i].place, r->probed[i].contradicted,
-                            &s->counters);
+    if (status == SL_OK) sl_multi_mesh_probe(s, r->leaf_count, r->leaf);
+    for (size_t i = 0; i < r->leaf_count && status == SL_OK; i++) {
+        sl_taken_leaf *leaf = &r->leaf[i];
+        if (!leaf->probed) status = sl_displayed_commit(s->part[leaf->part], &leaf->place, &s->counters, error);
+    }
+    for (size_t i = 0; i < r->leaf_count && status == SL_OK; i++) {
+        sl_taken_leaf *leaf = &r->leaf[i];
+        if (leaf->probed)
+            sl_displayed_probed(s->part[leaf->part], &leaf->place, leaf->contradicted, &s->counters);
+    }
     return status;
 }
 
 static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error) {
     size_t batch = (size_t)s->settings.multi_mesh.batch;
     sl_wanted_vertex *wanted = sl_allocate(SL_COMPONENTS * batch * LEAF_VERTICES, sizeof *wanted);
-    refinement r = {.leaf = sl_allocate(batch, sizeof *r.leaf),
-                    .probed = sl_allocate(batch, sizeof *r.probed)};
+    refinement r = {.leaf = sl_allocate(batch, sizeof *r.leaf)};
     for (size_t i = 0; wanted && i < SL_COMPONENTS; i++) r.wanted[i] = wanted + i * batch * LEAF_VERTICES;
-    sl_status status =
-        wanted && r.leaf && r.probed ? serve_leaves(s, &r, error) : sl_fail_memory(error, "a batch");
-    *served = r.leaf_count + r.probed_count;
+    sl_status status = wanted && r.leaf ? serve_leaves(s, &r, error) : sl_fail_memory(error, "a batch");
+    *served = r.leaf_count;
     sl_free(wanted);
-    sl_free(r.probed);
     sl_free(r.leaf);
     return status;
 }

@@ -29,11 +29,6 @@ typedef enum sl_mesh_phase { SL_PHASE_VIEW, SL_PHASE_FIRST, SL_PHASE_REFINE, SL_
 
 enum { SL_DONE_VIEWS = 32 };
 
-typedef struct sl_gather_worker {
-    sl_mesh_gather_scratch *scratch;
-    sl_counters counters;
-} sl_gather_worker;
-
 typedef struct sl_multi_mesh_state {
     const sl_scene *scene;
     sl_settings settings;
@@ -51,7 +46,7 @@ typedef struct sl_multi_mesh_state {
     sl_irradiance_meshes *irradiance;
     sl_coarse *coarse;
     sl_mesh_gather *gather;
-    sl_gather_worker *gatherer;     /* one a thread */
+    sl_mesh_gather_scratch **gatherer; /* one a thread */
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
     size_t coarse_done;             /* vertices of the coarse mesh that are there, */
     sl_rgb *coarse_direct;          /* U_dd of lamps at the coarse mesh's vertices, and ... */
@@ -132,14 +127,13 @@ typedef struct sl_wanted_vertex {
 } sl_wanted_vertex;
 /* ---- probes.c ---- */
 
-/* A leaf of direct light that is to be probed (displayed.h). */
-typedef struct sl_probed_leaf {
+/* A leaf that is served. */
+typedef struct sl_taken_leaf {
     sl_component part;
     sl_patch_place place;
-    bool contradicted;
-    sl_counters counters;
-} sl_probed_leaf;
-void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_probed_leaf *leaves);
+    bool probed, contradicted; /* it is to be probed (displayed.h), and what came of that */
+} sl_taken_leaf;
+void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_taken_leaf *leaves);
 
 /* ---- coarse_light.c ---- */
 

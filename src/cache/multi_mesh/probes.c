@@ -12,9 +12,8 @@
 
 #include <math.h>
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/math.h"
-#include "base/parallel.h"
 #include "cache/multi_mesh/direct.h"
 
 enum { SPACING = 4, CLOSER_RAYS = 4 };
@@ -185,25 +184,23 @@ static bool is_contradicted(probed_leaf *leaf) {
 
 typedef struct probing {
     const sl_multi_mesh_state *s;
-    sl_probed_leaf *leaf;
+    sl_taken_leaf *leaf;
 } probing;
 
-static void probe_one(void *context, size_t i, unsigned worker) {
+static void probe_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
     (void)worker;
+    (void)result;
     const probing *p = context;
-    sl_probed_leaf *of = &p->leaf[i];
-    probed_leaf leaf = {.s = p->s,
-                        .part = of->part,
-                        .d = p->s->part[of->part],
-                        .place = &of->place,
-                        .counters = &of->counters};
-    of->contradicted = is_contradicted(&leaf);
+    sl_taken_leaf *of = &p->leaf[i];
+    probed_leaf leaf = {
+        .s = p->s, .part = of->part, .d = p->s->part[of->part], .place = &of->place, .counters = counters};
+    of->contradicted = of->probed && is_contradicted(&leaf);
 }
 
-void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_probed_leaf *leaves) {
+void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_taken_leaf *leaves) {
     probing p = {s, leaves};
-    if (count) sl_parallel_for(s->settings.threads, count, probe_one, &p);
-    for (size_t i = 0; i < count; i++) sl_counters_add(&s->counters, &leaves[i].counters);
+    const sl_batch batch = {.count = count, .work = probe_one, .context = &p};
+    if (count) sl_batch_run(&batch, s->settings.threads, &s->counters);
 }
 
 /* Leaves that are probed. A leaf whose edges agree says nothing of what lies between them, and leaves may be
