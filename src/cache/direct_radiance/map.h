@@ -250,11 +250,6 @@ typedef struct sl_texel_rectangle {
     double left, bottom, right, top;
 } sl_texel_rectangle;
 
-static inline sl_texel_rectangle sl_texel_rectangle_join(sl_texel_rectangle a, sl_texel_rectangle b) {
-    return (sl_texel_rectangle){fmin(a.left, b.left), fmin(a.bottom, b.bottom), fmax(a.right, b.right),
-                                fmax(a.top, b.top)};
-}
-
 typedef struct sl_photon_sample {
     sl_vec3d position, normal, shading, to_light;
     double cos_alpha, footprint, way;
@@ -292,49 +287,12 @@ sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_tex
 /* Appends the sample; nothing where it holds no light, or where a float cannot hold it. */
 void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photon_sample *sample);
 
-/* The regular sample of the block whose lower left texel that is; color (or NULL) stands in for its texel's.
- */
-void sl_photon_at_point(sl_photon_list *list, const sl_map_face *face, int column, int row,
-                        const double *color);
-
-/* The ways to take samples. Each appends the photons of a light's faces, which lie side by side in the map.
- */
-typedef sl_status sl_take_photons(sl_photon_list *list, const sl_map_face *face, size_t face_count,
-                                  sl_error *error);
-sl_take_photons sl_photons_at_points;            /* photons.c */
-sl_take_photons sl_photons_of_filtered_radiance; /* photon_groups.c */
-sl_take_photons sl_photons_of_groups;            /* photon_groups.c */
-
 /* The footprint's corners on the sample's tangent plane. */
 void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *sample,
                          sl_photon_quad *quad);
 
-/* Several texels as one photon for each surface that they show. */
-
-enum { SL_PHOTON_GROUPS = 4 }; /* at most */
-
-/* One surface's: sums of flux and area, and means of all else, weighted by luminance. */
-typedef struct sl_photon_sum {
-    sl_vec3d position, normal, shading, to_light;
-    double luminance, way, area;
-    double flux[3], radiance[3], diffuse[3], specular[3], exponent, glossy;
-    sl_vec3d first_position, first_normal; /* of the texel that opened it */
-    uint32_t object;                       /* likewise */
-    bool mirrored;
-    bool bent;                             /* others' normals differ from that one */
-    const sl_material *material;
-    sl_texel_rectangle rectangle;
-} sl_photon_sum;
-
-/* Begins and ends as zeros. */
-typedef struct sl_photon_groups {
-    sl_photon_sum group[SL_PHOTON_GROUPS];
-} sl_photon_groups;
-
-/* Adds a texel. block: the solid angle for which printed weights take a photon. */
-void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, int column, int row,
-                          double block, sl_photon_groups *groups);
-/* Appends the groups' photons, and empties the groups; false where there were none. */
-bool sl_photon_groups_finish(sl_photon_list *list, const sl_map_face *face, sl_photon_groups *groups);
+enum { SL_PHOTON_GROUPS = 4 }; /* surfaces of a block, at most */
+/* Appends a photon for each surface of the block whose lower left texel that is (photon_groups.c). */
+void sl_photon_groups_take(sl_photon_list *list, const sl_map_face *face, int column, int row);
 
 #endif

@@ -1,9 +1,25 @@
-/* Texels become groups, and groups photons: a block of the map whose texels' flux is summed, surface by
- * surface (SL_MAP_FILTER_FLUX). */
-#include "base/error.h"
+/* A photon for each surface that a block of the map shows, with the sum of its texels' flux Psi
+ * (SL_MAP_FILTER_FLUX): no light is lost, and no photon flashes as a single texel jumps between surfaces. */
 #include "base/math.h"
 #include "cache/direct_radiance/map.h"
-#include "raster/textures/textures.h"
+
+/* One surface's: sums of flux and area, and means of all else, weighted by luminance. */
+typedef struct {
+    sl_vec3d position, normal, shading, to_light;
+    double luminance, way, area;
+    double flux[3], radiance[3], diffuse[3], specular[3], exponent, glossy;
+    sl_vec3d first_position, first_normal; /* of the texel that opened it */
+    uint32_t object;                       /* likewise */
+    bool mirrored;
+    bool bent;                             /* others' normals differ from that one */
+    const sl_material *material;
+    sl_texel_rectangle rectangle;
+} surface_sum;
+
+static sl_texel_rectangle join(sl_texel_rectangle a, sl_texel_rectangle b) {
+    return (sl_texel_rectangle){fmin(a.left, b.left), fmin(a.bottom, b.bottom), fmax(a.right, b.right),
+                                fmax(a.top, b.top)};
+}
 
 /* Facets of a curved surface whose normals differ by less than 20 degrees are one group, where they lie one
  * beside the other: a table and the floor below it have one normal, often one object, and nothing of either
@@ -13,7 +29,7 @@
 #define GROUP_COS 0.94
 #define GROUP_SINE 0.25
 
-static bool on_surface_of(const sl_photon_sum *group, const sl_map_texel *t, bool lambertian) {
+static bool on_surface_of(const surface_sum *group, const sl_map_texel *t, bool lambertian) {
     if (group->object != t->object || group->mirrored != t->mirrored) return false;
     if (!lambertian && group->material != t->material) return false;
     sl_vec3d way = sl_subd(t->position, group->first_position);
@@ -23,7 +39,7 @@ static bool on_surface_of(const sl_photon_sum *group, const sl_map_texel *t, boo
 
 /* Returns a measure that grows as a texel is less of a group's surface: its normal turned away, its place off
  * the group's plane. */
-static double strangeness(const sl_photon_sum *group, const sl_map_texel *t) {
+static double strangeness(const surface_sum *group, const sl_map_texel *t) {
     const sl_vec3d way = sl_subd(t->position, group->first_position);
     const double length = sl_lengthd(way),
                  off = length > 0.0 ? fabs(sl_dotd(group->first_normal, way)) / length : 0.0;
@@ -32,11 +48,11 @@ static double strangeness(const sl_photon_sum *group, const sl_map_texel *t) {
 
 /* Returns the group that the texel joins: the first one of its surface, or a new one, or where there are four
  * already the one most like it, to which it is a stranger. */
-static sl_photon_sum *group_of(sl_photon_sum group[SL_PHOTON_GROUPS], const sl_map_texel *t, bool lambertian,
+static surface_sum *group_of(surface_sum group[SL_PHOTON_GROUPS], const sl_map_texel *t, bool lambertian,
                                bool *stranger) {
-    sl_photon_sum *nearest = group;
+    surface_sum *nearest = group;
     *stranger = false;
-    for (sl_photon_sum *g = group; g < group + SL_PHOTON_GROUPS; g++) {
+    for (surface_sum *g = group; g < group + SL_PHOTON_GROUPS; g++) {
         if (!(g->luminance > 0.0) || on_surface_of(g, t, lambertian)) return g;
         if (strangeness(g, t) < strangeness(nearest, t)) nearest = g;
     }
@@ -53,7 +69,7 @@ static void add_scaled(sl_vec3d *sum, sl_vec3d a, double s) { *sum = sl_addd(*su
 
 /* Adds to the reflectances of a photon that is not Lambertian: means by the flux that each colour channel has
  * to reflect. */
-static void add_lobe(sl_photon_sum *sum, const sl_map_texel *t) {
+static void add_lobe(surface_sum *sum, const sl_map_texel *t) {
     const sl_rgb s = t->material->specular;
     const double specular[3] = {(double)s.r, (double)s.g, (double)s.b};
     double glossy = 0.0;
@@ -68,7 +84,7 @@ static void add_lobe(sl_photon_sum *sum, const sl_map_texel *t) {
 
 /* Adds a texel. A stranger adds its flux and its area, so that no light is lost, and does not move the
  * photon: between a roof and the lawn there is a room. */
-static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_map_texel *t, bool stranger,
+static void add_texel(surface_sum *sum, const sl_radiance_map *map, const sl_map_texel *t, bool stranger,
                       double of_block) {
     double weight = stranger ? 0.0 : t->luminance;
     add_scaled(&sum->position, t->position, weight);
@@ -86,7 +102,7 @@ static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_m
     add_lobe(sum, t);
 }
 
-static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photon_sum *sum) {
+static void finish(sl_photon_list *list, const sl_map_face *face, const surface_sum *sum) {
     double mean = 1.0 / sum->luminance;
     sl_photon_sample s = {.position = sl_scaled(sum->position, mean),
                           .normal = unit_or(sum->normal, sum->first_normal),
@@ -110,17 +126,18 @@ static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photo
     sl_photon_add(list, face, &s);
 }
 
-void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, int column, int row,
-                          double block, sl_photon_groups *groups) {
+/* Adds a texel to its surface's group. block: the solid angle for which printed weights take a photon. */
+static void add_to_groups(const sl_photon_list *list, const sl_map_face *face, int column, int row,
+                          double block, surface_sum group[SL_PHOTON_GROUPS]) {
     double angle = (double)list->map->block_angle[sl_map_texel_index(face, column, row)];
     sl_map_texel t;
     if (!sl_map_texel_read(list->scene, list->map, face, column, row, NULL, &t)) return;
     const sl_texel_rectangle texel =
         t.mirrored ? (sl_texel_rectangle){0} : (sl_texel_rectangle){column, row, column + 1, row + 1};
     bool stranger;
-    sl_photon_sum *g = group_of(groups->group, &t, list->map->lambertian, &stranger);
+    surface_sum *g = group_of(group, &t, list->map->lambertian, &stranger);
     if (!(g->luminance > 0.0)) {
-        *g = (sl_photon_sum){.first_position = t.position,
+        *g = (surface_sum){.first_position = t.position,
                              .first_normal = t.normal,
                              .object = t.object,
                              .mirrored = t.mirrored,
@@ -129,97 +146,15 @@ void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, i
     }
     add_texel(g, list->map, &t, stranger, angle / block);
     g->bent = g->bent || sl_dotd(g->first_normal, t.normal) < 1.0 - 1e-6;
-    if (!stranger) g->rectangle = sl_texel_rectangle_join(g->rectangle, texel);
+    if (!stranger) g->rectangle = join(g->rectangle, texel);
 }
 
-bool sl_photon_groups_finish(sl_photon_list *list, const sl_map_face *face, sl_photon_groups *groups) {
-    size_t before = list->photons->count;
-    for (sl_photon_sum *g = groups->group; g < groups->group + SL_PHOTON_GROUPS && g->luminance > 0.0; g++)
-        finish(list, face, g);
-    *groups = (sl_photon_groups){.group = {{.luminance = 0.0}}};
-    return list->photons->count > before;
-}
-
-/* Samples that look at all texels of their block, against photons that flash as single texels jump between
- * surfaces.
- *
- *     radiance   the paper's: L_o from a level of a MIP map, position and normal from the sample's texel. Its
- * mean mixes L_o and not L_o A, so it does not conserve energy, and can light a near surface with a far one's
- * colour. flux       sums of Psi, which do: a photon for each surface that the block shows */
-
-/* ---- radiance ---- */
-
-/* Makes the face's colours with their MIP map; where nothing is, black, alpha 0. */
-static sl_status picture_of(const sl_radiance_map *map, const sl_map_face *face, sl_texture_image **image,
-                            sl_error *error) {
-    sl_status status = sl_texture_image_create(face->width, face->height, true, image, error);
-    if (status != SL_OK) return status;
-    size_t texels = (size_t)face->width * (size_t)face->height;
-    for (size_t i = 0; i < texels; i++) {
-        bool covered = map->triangle[face->first + i] != SL_NO_INDEX;
-        float *rgba = (*image)->texels + 4 * i;
-        for (int c = 0; c < 3; c++) rgba[c] = covered ? map->color[c][face->first + i] : 0.0f;
-        rgba[3] = covered ? 1.0f : 0.0f;
-    }
-    sl_texture_image_build(*image, 1);
-    return SL_OK;
-}
-
-/* Trilinear, of level log2(texels a block): one texel of the level for each block, where w / m is a power of
- * two. */
-static void filtered_color(const sl_texture_image *image, const sl_map_face *face, int column, int row,
-                           double color[3]) {
-    double texels = (double)sl_block_texels(face);
-    float s = (float)(((double)column + 0.5 * texels) / face->width),
-          t = (float)(((double)row + 0.5 * texels) / face->height), rgba[4];
-    sl_texture_sample(image, s, t, sl_log2f((float)texels), rgba);
-    for (int c = 0; c < 3; c++) color[c] = (double)rgba[c];
-}
-
-static sl_status filtered_face(sl_photon_list *list, const sl_map_face *f, sl_error *error) {
-    sl_texture_image *image;
-    sl_status status = picture_of(list->map, f, &image, error);
-    if (status != SL_OK) return status;
-    for (int row = 0; row < f->height; row += sl_block_texels(f)) {
-        for (int column = 0; column < f->width; column += sl_block_texels(f)) {
-            double color[3];
-            filtered_color(image, f, column, row, color);
-            sl_photon_at_point(list, f, column, row, color);
-        }
-    }
-    sl_texture_image_destroy(image);
-    return SL_OK;
-}
-
-sl_status sl_photons_of_filtered_radiance(sl_photon_list *list, const sl_map_face *face, size_t face_count,
-                                          sl_error *error) {
-    for (size_t f = 0; f < face_count; f++) {
-        sl_status status = filtered_face(list, &face[f], error);
-        if (status != SL_OK) return status;
-    }
-    return SL_OK;
-}
-
-/* ---- flux ---- */
-
-static void group_block(sl_photon_list *list, const sl_map_face *f, int column, int row) {
-    int texels = sl_block_texels(f);
-    sl_photon_groups groups = {.group = {{.luminance = 0.0}}};
-    double block = sl_block_angle(list->map, f, column, row);
+void sl_photon_groups_take(sl_photon_list *list, const sl_map_face *f, int column, int row) {
+    const int texels = sl_block_texels(f);
+    const double block = sl_block_angle(list->map, f, column, row);
+    surface_sum group[SL_PHOTON_GROUPS] = {{.luminance = 0.0}};
     for (int y = row; y < row + texels; y++) {
-        for (int x = column; x < column + texels; x++) sl_photon_groups_add(list, f, x, y, block, &groups);
+        for (int x = column; x < column + texels; x++) add_to_groups(list, f, x, y, block, group);
     }
-    if (!sl_photon_groups_finish(list, f, &groups)) list->photons->dropped++;
-}
-
-sl_status sl_photons_of_groups(sl_photon_list *list, const sl_map_face *face, size_t face_count,
-                               sl_error *error) {
-    (void)error;
-    for (const sl_map_face *f = face; f < face + face_count; f++) {
-        for (int row = 0; row < f->height; row += sl_block_texels(f)) {
-            for (int column = 0; column < f->width; column += sl_block_texels(f))
-                group_block(list, f, column, row);
-        }
-    }
-    return SL_OK;
+    for (int g = 0; g < SL_PHOTON_GROUPS && group[g].luminance > 0.0; g++) finish(list, f, &group[g]);
 }

@@ -22,52 +22,50 @@ double sl_block_angle(const sl_radiance_map *map, const sl_map_face *face, int c
 /* Photon (i, k) of m x m is the texel at ((i + 1/2) / m, (k + 1/2) / m). With an even number of texels a
  * block that is a texel's corner: the lower left of the four around it is taken. It stands for the whole
  * block, whose solid angle is the texels' together: with the texel's own, the photons would hold m^2 / w^2 of
- * the light. */
-void sl_photon_at_point(sl_photon_list *list, const sl_map_face *face, int column, int row,
-                        const double *color) {
+ * the light. color: instead of the texel's own; or NULL. */
+static void take_point(sl_photon_list *list, const sl_map_face *face, int column, int row,
+                       const double *color) {
     int texels = sl_block_texels(face), x = column + (texels - 1) / 2, y = row + (texels - 1) / 2;
-    size_t before = list->photons->count;
     sl_map_texel t;
-    if (sl_map_texel_read(list->scene, list->map, face, x, y, color, &t)) {
-        double own = (double)list->map->block_angle[sl_map_texel_index(face, x, y)];
-        const sl_texel_rectangle block =
-            t.mirrored ? (sl_texel_rectangle){0}
-                       : (sl_texel_rectangle){column, row, column + texels, row + texels};
-        sl_photon_sample sample =
-            sl_photon_of_texel(list, &t, sl_block_angle(list->map, face, column, row) / own, block);
-        sl_photon_add(list, face, &sample);
+    if (!sl_map_texel_read(list->scene, list->map, face, x, y, color, &t)) return;
+    double own = (double)list->map->block_angle[sl_map_texel_index(face, x, y)];
+    const sl_texel_rectangle block = {column, row, column + texels, row + texels};
+    sl_photon_sample sample =
+        sl_photon_of_texel(list, &t, sl_block_angle(list->map, face, column, row) / own, block);
+    if (t.mirrored) sample.rectangle = (sl_texel_rectangle){0};
+    sl_photon_add(list, face, &sample);
+}
+
+/* The paper's: L_o of the block's level in a MIP map, position and normal from the sample's texel. The mean
+ * mixes L_o and not L_o A, so it does not conserve energy, and can light a near surface with a far one's
+ * colour. Where nothing is, black. */
+static void take_filtered(sl_photon_list *list, const sl_map_face *face, int column, int row) {
+    const sl_radiance_map *map = list->map;
+    const int texels = sl_block_texels(face);
+    double color[3] = {0.0, 0.0, 0.0};
+    for (int y = row; y < row + texels; y++) {
+        for (int x = column; x < column + texels; x++) {
+            const size_t i = sl_map_texel_index(face, x, y);
+            for (int c = 0; c < 3 && map->triangle[i] != SL_NO_INDEX; c++)
+                color[c] += (double)map->color[c][i] / ((double)texels * (double)texels);
+        }
     }
+    take_point(list, face, column, row, color);
+}
+
+static void take_block(sl_photon_list *list, sl_map_filter filter, const sl_map_face *face, int column,
+                       int row) {
+    const size_t before = list->photons->count;
+    if (filter == SL_MAP_FILTER_POINT) take_point(list, face, column, row, NULL);
+    else if (filter == SL_MAP_FILTER_RADIANCE) take_filtered(list, face, column, row);
+    else sl_photon_groups_take(list, face, column, row);
     if (list->photons->count == before) list->photons->dropped++;
 }
 
-sl_status sl_photons_at_points(sl_photon_list *list, const sl_map_face *face, size_t face_count,
-                               sl_error *error) {
-    (void)error;
-    for (const sl_map_face *f = face; f < face + face_count; f++) {
-        for (int k = 0; k < f->rows; k++) {
-            for (int i = 0; i < f->columns; i++)
-                sl_photon_at_point(list, f, i * sl_block_texels(f), k * sl_block_texels(f), NULL);
-        }
-    }
-    return SL_OK;
-}
-
-static sl_take_photons *way_to_take(const sl_radiance_map_settings *settings) {
-    if (settings->filter == SL_MAP_FILTER_POINT) return sl_photons_at_points;
-    if (settings->filter == SL_MAP_FILTER_RADIANCE) return sl_photons_of_filtered_radiance;
-    return sl_photons_of_groups;
-}
-
-/* Faces of one light, from the first on. */
-static size_t faces_of_light(const sl_radiance_map *map, size_t first) {
-    size_t end = first;
-    while (end < map->face_count && map->face[end].light == map->face[first].light) end++;
-    return end - first;
-}
-
-static size_t count_blocks(const sl_map_face *face, size_t face_count) {
+static size_t count_blocks(const sl_radiance_map *map) {
     size_t blocks = 0;
-    for (size_t f = 0; f < face_count; f++) blocks += (size_t)face[f].columns * (size_t)face[f].rows;
+    for (size_t f = 0; f < map->face_count; f++)
+        blocks += (size_t)map->face[f].columns * (size_t)map->face[f].rows;
     return blocks;
 }
 
@@ -92,31 +90,23 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
                               const sl_radiance_map_settings *settings, sl_map_photons **photons,
                               sl_counters *counters, sl_error *error) {
     bool quads = settings->weight == SL_WEIGHT_POLYGON;
-    sl_status status =
-        create(map, quads, SL_PHOTON_GROUPS * count_blocks(map->face, map->face_count), photons, error);
+    sl_status status = create(map, quads, SL_PHOTON_GROUPS * count_blocks(map), photons, error);
     if (status != SL_OK) return status;
     sl_map_photons *p = *photons;
     p->nearest = (float)(NEAREST_RECEIVER * (double)scene->scale);
     p->box_diagonal = scene->diagonal;
 
     sl_photon_list list = {.scene = scene, .map = map, .photons = p};
-    sl_take_photons *take = way_to_take(settings);
-    size_t face = 0;
-    for (size_t light = 0; light < SL_MAP_LIGHTS_MAX && status == SL_OK; light++) {
-        p->first_of_light[light] = p->count;
-        /* no pictures of that light were needed */
-        if (face == map->face_count || map->face[face].light != light) continue;
-        size_t faces = faces_of_light(map, face);
-        p->samples_of_light[light] = count_blocks(map->face + face, faces);
-        status = take(&list, map->face + face, faces, error);
-        face += faces;
+    size_t light = 0; /* of the photons to come */
+    for (const sl_map_face *f = map->face; f < map->face + map->face_count; f++) {
+        for (; light <= f->light; light++) p->first_of_light[light] = p->count;
+        p->samples_of_light[f->light] += (size_t)f->columns * (size_t)f->rows;
+        for (int row = 0; row < f->height; row += sl_block_texels(f)) {
+            for (int column = 0; column < f->width; column += sl_block_texels(f))
+                take_block(&list, settings->filter, f, column, row);
+        }
     }
-    p->first_of_light[SL_MAP_LIGHTS_MAX] = p->count;
-    if (status != SL_OK) {
-        sl_map_photons_destroy(p);
-        *photons = NULL;
-        return status;
-    }
+    for (; light <= SL_MAP_LIGHTS_MAX; light++) p->first_of_light[light] = p->count;
     sl_count(counters, SL_COUNT_MAP_PHOTONS, p->count);
     sl_count(counters, SL_COUNT_MAP_PHOTONS_DROPPED, p->dropped);
     return SL_OK;
