@@ -55,11 +55,10 @@ static sl_cover_pass cover_pass(const sl_second_cache *cache) {
     float a = (float)s->accuracy;
     return (sl_cover_pass){
         .scene = cache->scene,
-        .tracer = cache->tracer,
         .gather = cache->gather,
         .scratch = cache->scratch,
+        .field = &cache->field,
         .kernel = cache->kernel,
-        .rules = {a, 1.0f / a, 1e-5f * cache->scene->scale},
         .radii = {.accuracy = s->accuracy,
                   .minimum_reach = s->minimum_radius * (double)sl_scene_central_diagonal(cache->scene),
                   .maximum_radius = 0.1 * (double)cache->scene->diagonal,
@@ -87,8 +86,9 @@ static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_e
         status = sl_probe_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen,
                                counters, error);
         if (status == SL_OK)
-            status = sl_cover_points(&pass, &seen, few_uncovered[generation],
-                                     start + most_records[generation], &cache->list, counters, error);
+            status =
+                sl_cover_points(&pass, &seen, few_uncovered[generation], start + most_records[generation],
+                                &cache->list, &cache->octree, counters, error);
         sl_probed_free(&seen);
         first = before;
     }
@@ -146,24 +146,11 @@ static sl_status next_bounce(sl_second_cache *cache, sl_counters *counters, sl_e
     return SL_OK;
 }
 
-sl_status sl_second_cache_shine(sl_second_cache *cache, sl_error *error) {
-    enum { WIDE_LEAF = 64 };
-    sl_status status =
-        sl_record_tree_build(cache->scene, &cache->list, 1.0f, SL_TREE_LANES, &cache->near, error);
-    if (status == SL_OK)
-        status = sl_record_tree_build(cache->scene, &cache->list, 4.0f, WIDE_LEAF, &cache->wide, error);
-    if (status != SL_OK) return status;
-    float offset = 1e-5f * cache->scene->scale, a = (float)cache->settings.accuracy;
-    cache->field = (sl_second_field){&cache->list,          &cache->near,  &cache->wide,
-                                     {a, 1.0f / a, offset}, cache->tracer, offset};
-    cache->shines = true;
-    cache->report.records = cache->list.count;
-    return SL_OK;
-}
-
 /* Of records that have gathered direct light, their first bounce. */
 static sl_status let_light_bounce(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
-    sl_status status = sl_second_cache_shine(cache, error);
+    sl_status status = SL_OK;
+    cache->shines = true;
+    cache->report.records = cache->list.count;
     cache->report.converged = false;
     cache->report.bounces = 1;
     while (status == SL_OK && cache->report.bounces + 1 < cache->settings.bounces && !cache->report.converged)
@@ -215,29 +202,25 @@ static void free_gather(sl_second_cache *cache) {
     cache->gather = NULL;
 }
 
-sl_status sl_second_cache_blank(const sl_scene *scene, const sl_tracer *tracer,
-                                const sl_second_settings *settings, sl_second_cache **out, sl_error *error) {
-    sl_second_cache *cache = *out = sl_allocate(1, sizeof *cache);
+sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                                 const sl_second_settings *settings, sl_second_cache **out,
+                                 sl_counters *counters, sl_error *error) {
+    const float a = (float)settings->accuracy, offset = 1e-5f * scene->scale;
+    sl_second_cache *cache = sl_allocate(1, sizeof *cache);
+    *out = NULL;
     if (!cache) return sl_fail_memory(error, "second-level records");
     cache->scene = scene;
     cache->tracer = tracer;
     cache->settings = *settings;
     cache->kernel = sl_look_up_kernel_for(sl_isa_best());
     cache->light = (sl_second_light){cache, add_irradiance};
-    return SL_OK;
-}
-
-sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
-                                 const sl_second_settings *settings, sl_second_cache **out,
-                                 sl_counters *counters, sl_error *error) {
-    sl_second_cache *cache;
-    *out = NULL;
-    sl_status status = sl_second_cache_blank(scene, tracer, settings, &cache, error);
-    if (status == SL_OK) status = make_gather(cache, raster, counters, error);
+    cache->field =
+        (sl_second_field){&cache->list, &cache->octree, {a, 1.0f / a, offset}, tracer, offset};
+    sl_status status = make_gather(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
     if (status == SL_OK) status = let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
-    if (cache) free_gather(cache);
+    free_gather(cache);
     if (status == SL_OK) *out = cache;
     else sl_second_cache_destroy(cache);
     return status;
@@ -268,25 +251,17 @@ void sl_second_cache_destroy(sl_second_cache *cache) {
     if (!cache) return;
     free_gather(cache);
     sl_second_list_free(&cache->list);
-    sl_record_tree_free(&cache->near);
-    sl_record_tree_free(&cache->wide);
+    sl_record_octree_free(&cache->octree);
     sl_free(cache);
 }
 
 const sl_second_light *sl_second_cache_light(const sl_second_cache *cache) { return &cache->light; }
 sl_second_report sl_second_cache_report(const sl_second_cache *cache) { return cache->report; }
 
-static size_t bytes_with_room_for(const sl_second_cache *cache, size_t records) {
-    size_t record = sizeof *cache->list.records + sizeof *cache->list.points + sizeof *cache->list.terms +
-                    sizeof *cache->list.walls;
-    return sizeof *cache + records * record + sl_record_tree_bytes(&cache->near) +
-           sl_record_tree_bytes(&cache->wide);
-}
-
 size_t sl_second_cache_bytes(const sl_second_cache *cache) {
-    return bytes_with_room_for(cache, cache->list.capacity);
-}
-/* Trees are built from nothing each time: their room follows from what is in them. */
-size_t sl_second_cache_bytes_in_use(const sl_second_cache *cache) {
-    return bytes_with_room_for(cache, cache->list.count);
+    const sl_second_list *list = &cache->list;
+    const sl_record_octree *octree = &cache->octree;
+    return sizeof *cache +
+           list->capacity * (sizeof *list->records + sizeof *list->points + sizeof *list->terms) +
+           octree->node_capacity * sizeof *octree->nodes + octree->block_capacity * sizeof *octree->blocks;
 }

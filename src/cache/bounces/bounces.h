@@ -11,17 +11,14 @@
  * and the visible records gather once with E^(bounces - 1). Read in this order:
  *
  *   probe.c           points that gathers will see
- *   walls.c           how far a second-level record may reach, in each direction
  *   cover.c           points that no second-level record covers get one
- *   record_tree.c     which records lie around a point
+ *   record_octree.c   which records lie around a point
  *   look_up_kernels.c irradiance at a point, from the records around it
  *   look_up.c         many points; those that no record covers
- *   bounces.c         one bounce after the other
- *   keep.c            all of it on disk, for another run */
+ *   bounces.c         one bounce after the other */
 #ifndef SL_CACHE_BOUNCES_H
 #define SL_CACHE_BOUNCES_H
 
-#include "cache/frame/cache_file.h"
 #include "cache/splatting/record.h"
 
 typedef struct sl_second_settings {
@@ -51,16 +48,7 @@ sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster
 void sl_second_cache_destroy(sl_second_cache *cache);
 /* E^(bounces - 1), for sl_gather_settings.second; lives as long as the cache. */
 const sl_second_light *sl_second_cache_light(const sl_second_cache *cache);
-/* To a file and from it. The reader's file has been checked to be of this scene and of these settings. */
-void sl_second_cache_write(const sl_second_cache *cache, sl_cache_writer *writer);
-sl_status sl_second_cache_read(const sl_scene *scene, const sl_tracer *tracer,
-                               const sl_second_settings *settings, sl_cache_reader *reader,
-                               sl_second_cache **cache, sl_error *error);
 size_t sl_second_cache_bytes(const sl_second_cache *cache);
-/* The same without room for more records: read from a file they are as many bytes as they were when they were
- * made. */
-size_t sl_second_cache_bytes_in_use(const sl_second_cache *cache);
-
 typedef struct sl_second_report {
     size_t records;
     uint32_t bounces;   /* computed: fewer than asked for where more would not have changed anything */

@@ -4,8 +4,6 @@
  * visit one by one. */
 #include "cache/bounces/second_level.h"
 
-#include <string.h>
-
 #include "base/batch.h"
 #include "base/error.h"
 #include "base/golden.h"
@@ -19,76 +17,49 @@ void sl_second_list_free(sl_second_list *list) {
     sl_free(list->records);
     sl_free(list->points);
     sl_free(list->terms);
-    sl_free(list->walls);
     *list = (sl_second_list){0};
 }
 
-sl_status sl_second_list_reserve(sl_second_list *list, size_t capacity, sl_error *error) {
-    if (capacity <= list->capacity) return SL_OK;
+static sl_status make_room(sl_second_list *list, sl_error *error) {
+    const size_t capacity = 2 * list->capacity + 512;
+    if (list->count < list->capacity) return SL_OK;
     if (!sl_regrow(&list->records, list->count, capacity, sizeof *list->records) ||
         !sl_regrow(&list->points, list->count, capacity, sizeof *list->points) ||
-        !sl_regrow(&list->terms, list->count, capacity, sizeof *list->terms) ||
-        !sl_regrow(&list->walls, list->count, capacity, sizeof *list->walls))
+        !sl_regrow(&list->terms, list->count, capacity, sizeof *list->terms))
         return sl_fail_memory(error, "second-level records");
     list->capacity = capacity;
     return SL_OK;
 }
 
-/* ---- a chunk of points and what covers them ---- */
+/* ---- a chunk of points and which of them are covered ---- */
 
 typedef struct {
     const sl_cover_pass *pass;
-    const sl_second_list *list;
-    const sl_record_tree *tree;
-    size_t known;               /* records that weight[] knows of */
     size_t count;
-    uint32_t triangle[CHUNK];
-    float position_x[CHUNK], position_y[CHUNK], position_z[CHUNK], normal_x[CHUNK], normal_y[CHUNK],
-        normal_z[CHUNK];
-    float weight[CHUNK];
     const sl_gather_point *point[CHUNK];
+    bool covered[CHUNK]; /* by the records that were there when the chunk was begun */
 } chunk;
 
-static void weigh_piece(void *context, size_t index, unsigned worker) {
+static bool is_covered(const sl_cover_pass *pass, const sl_gather_point *point) {
+    return sl_second_weight(pass->field, pass->kernel, point) >= pass->covered_weight;
+}
+
+static void look_at_piece(void *context, size_t index, unsigned worker) {
     (void)worker;
     chunk *c = context;
-    size_t first = index * PIECE, count = c->count - first < PIECE ? c->count - first : (size_t)PIECE;
-    const sl_second_points points = {c->count, c->triangle, c->position_x, c->position_y, c->position_z,
-                                     c->normal_x, c->normal_y, c->normal_z};
-    const sl_second_field field = {.list = c->list, .near = c->tree, .rules = c->pass->rules};
-    sl_second_sums sums;
-    c->pass->kernel(&field, &points, first, count, true, &sums);
-    for (size_t i = 0; i < count; i++) {
-        float weight = sums.weight[i];
-        const sl_gather_point *p = c->point[first + i];
-        for (size_t k = c->tree->records; k < c->known && weight < c->pass->covered_weight; k++)
-            weight += sl_second_weight(c->list, k, p->position, p->normal);
-        c->weight[first + i] = weight;
-    }
+    for (size_t i = index * PIECE; i < (index + 1) * PIECE && i < c->count; i++)
+        c->covered[i] = is_covered(c->pass, c->point[i]);
 }
 
-/* Adds the weights of records since then. */
-static bool is_covered(chunk *c, size_t i) {
-    float weight = c->weight[i];
-    for (size_t k = c->known; k < c->list->count && weight < c->pass->covered_weight; k++)
-        weight += sl_second_weight(c->list, k, c->point[i]->position, c->point[i]->normal);
-    return weight >= c->pass->covered_weight;
-}
-
-static size_t fill_chunk(chunk *c, const sl_probed *points, uint64_t *next, uint64_t *at, uint64_t step) {
+/* The points come in an order that makes every chunk a fair sample of them all. */
+static void fill_chunk(chunk *c, const sl_probed *points, uint64_t *next, uint64_t *at, uint64_t step) {
     c->count = 0;
     while (c->count < CHUNK && *next < points->count) {
         const sl_gather_point *p = &points->points[*at];
         ++*next;
         *at = (*at + step) % points->count;
-        if (p->triangle == SL_NO_INDEX) continue;
-        size_t i = c->count++;
-        c->triangle[i] = p->triangle;
-        c->position_x[i] = p->position.x, c->position_y[i] = p->position.y, c->position_z[i] = p->position.z;
-        c->normal_x[i] = p->normal.x, c->normal_y[i] = p->normal.y, c->normal_z[i] = p->normal.z;
-        c->point[i] = p;
+        if (p->triangle != SL_NO_INDEX) c->point[c->count++] = p;
     }
-    return c->count;
 }
 
 /* ---- gathering ---- */
@@ -103,43 +74,40 @@ void sl_second_tame(sl_record *record) {
 
 typedef struct {
     const sl_cover_pass *pass;
-    const sl_gather_point *const *points;
+    const sl_gather_point *point[LARGEST_BATCH];
+    sl_record record[LARGEST_BATCH];
+    size_t count;
 } gather_batch;
-
-typedef struct {
-    sl_record record;
-    sl_second_walls walls;
-} candidate;
 
 static void gather_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     const gather_batch *b = context;
-    candidate *out = result;
+    sl_record *record = result;
     const sl_cover_pass *pass = b->pass;
+    const sl_gather_point *point = b->point[index];
     sl_irradiance irradiance;
-    sl_gather_irradiance(pass->gather, b->points[index], pass->scratch[worker], &irradiance, counters);
+    sl_gather_irradiance(pass->gather, point, pass->scratch[worker], &irradiance, counters);
     if (irradiance.back_share > 0.5f &&
         irradiance.harmonic_mean < 1e-3f * sl_scene_central_diagonal(pass->scene))
         irradiance.harmonic_mean = irradiance.nearest = 0.0f; /* within an intersection of surfaces */
-    out->record = sl_record_make(b->points[index], &irradiance, &pass->radii, 0.0f);
-    sl_second_tame(&out->record);
-    sl_second_walls_find(pass->scene, pass->tracer, b->points[index], pass->rules.accuracy, &out->record,
-                         &out->walls, counters);
+    *record = sl_record_make(point, &irradiance, &pass->radii, 0.0f);
+    sl_second_tame(record);
+    sl_record_find_walls(pass->scene, pass->field->tracer, point, pass->radii.accuracy,
+                         sl_record_guard(&irradiance, &pass->radii), true, record, counters);
 }
 
-static sl_status commit(chunk *c, const size_t *members, const candidate *candidates, size_t count,
-                        sl_second_list *list, sl_counters *counters, size_t *committed, sl_error *error) {
-    *committed = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (is_covered(c, members[i])) continue;
-        bool full = list->count == list->capacity;
-        sl_status status = full ? sl_second_list_reserve(list, 2 * list->capacity + 512, error) : SL_OK;
+static sl_status commit(const gather_batch *b, sl_second_list *list, sl_record_octree *octree,
+                        sl_counters *counters, sl_error *error) {
+    for (size_t i = 0; i < b->count; i++) {
+        if (is_covered(b->pass, b->point[i])) continue;
+        sl_status status = make_room(list, error);
         if (status != SL_OK) return status;
-        size_t k = list->count++;
-        list->records[k] = candidates[i].record;
-        list->points[k] = *c->point[members[i]];
-        list->terms[k] = sl_record_terms_of(&list->records[k], &c->pass->rules);
-        list->walls[k] = candidates[i].walls;
-        ++*committed;
+        const size_t k = list->count;
+        list->records[k] = b->record[i];
+        list->points[k] = *b->point[i];
+        list->terms[k] = sl_record_terms_of(&list->records[k], &b->pass->field->rules);
+        status = sl_record_octree_insert(b->pass->scene, &list->terms[k], (uint32_t)k, octree, error);
+        if (status != SL_OK) return status;
+        list->count++;
         sl_count(counters, SL_COUNT_SECOND_LEVEL_RECORDS, 1);
     }
     return SL_OK;
@@ -147,73 +115,43 @@ static sl_status commit(chunk *c, const size_t *members, const candidate *candid
 
 /* Uncovered points of the chunk get records, in order. *batch_size follows the waste and changes nothing
  * else. */
-static sl_status cover_chunk(chunk *c, sl_second_list *list, size_t *batch_size, size_t *uncovered,
-                             sl_counters *counters, sl_error *error) {
-    const sl_gather_point *points[LARGEST_BATCH];
-    size_t members[LARGEST_BATCH];
-    candidate *candidates = sl_allocate(LARGEST_BATCH, sizeof *candidates);
-    sl_status status = candidates ? SL_OK : sl_fail_memory(error, "a batch of second-level records");
-    *uncovered = 0;
-    for (size_t i = 0; i < c->count; i++) *uncovered += c->weight[i] < c->pass->covered_weight;
+static sl_status cover_chunk(const chunk *c, gather_batch *b, sl_second_list *list, sl_record_octree *octree,
+                             size_t *batch_size, sl_counters *counters, sl_error *error) {
+    sl_status status = SL_OK;
     for (size_t next = 0; status == SL_OK && next < c->count;) {
-        size_t count = 0, committed;
-        for (; next < c->count && count < *batch_size; next++) {
-            if (is_covered(c, next)) continue;
-            members[count] = next;
-            points[count++] = c->point[next];
+        const size_t before = list->count;
+        for (b->count = 0; next < c->count && b->count < *batch_size; next++) {
+            if (!c->covered[next] && !is_covered(c->pass, c->point[next]))
+                b->point[b->count++] = c->point[next];
         }
-        gather_batch gathers = {c->pass, points};
-        const sl_batch batch = {count, gather_one, &gathers, candidates, sizeof *candidates};
+        const sl_batch batch = {b->count, gather_one, b, b->record, sizeof *b->record};
         sl_batch_run(&batch, c->pass->threads, counters);
-        status = commit(c, members, candidates, count, list, counters, &committed, error);
-        if (committed * 8 >= count * 7 && *batch_size < LARGEST_BATCH) *batch_size *= 2;
-        else if (committed * 3 < count * 2 && *batch_size > SMALLEST_BATCH) *batch_size /= 2;
+        status = commit(b, list, octree, counters, error);
+        const size_t committed = list->count - before;
+        if (committed * 8 >= b->count * 7 && *batch_size < LARGEST_BATCH) *batch_size *= 2;
+        else if (committed * 3 < b->count * 2 && *batch_size > SMALLEST_BATCH) *batch_size /= 2;
     }
-    sl_free(candidates);
     return status;
 }
 
-/* The points come in an order that makes every chunk a fair sample of them all. */
 sl_status sl_cover_points(const sl_cover_pass *pass, const sl_probed *points, double few_uncovered,
-                          size_t most_records, sl_second_list *list, sl_counters *counters, sl_error *error) {
-    sl_record_tree tree = {0};
+                          size_t most_records, sl_second_list *list, sl_record_octree *octree,
+                          sl_counters *counters, sl_error *error) {
     chunk *c = sl_allocate(1, sizeof *c);
+    gather_batch *b = sl_allocate(1, sizeof *b);
     uint64_t next = 0, at = 0, step = points->count ? sl_golden_step(points->count) : 1;
     size_t batch_size = SMALLEST_BATCH;
-    sl_status status = c ? SL_OK : sl_fail_memory(error, "places for second-level records");
-    bool few = false;
-    while (status == SL_OK && !few && next < points->count) {
-        /* Later records are weighed one by one; when they have become many, the tree takes them in. */
-        if (!tree.node_count || list->count > tree.records + tree.records / 4 + 64)
-            status = sl_record_tree_build(pass->scene, list, 1.0f, SL_TREE_LANES, &tree, error);
-        if (status != SL_OK) break;
-        c->pass = pass;
-        c->list = list;
-        c->tree = &tree;
-        c->known = list->count;
+    sl_status status = c && b ? SL_OK : sl_fail_memory(error, "places for second-level records");
+    for (bool few = false; status == SL_OK && !few && next < points->count;) {
+        size_t uncovered = 0;
+        c->pass = b->pass = pass;
         fill_chunk(c, points, &next, &at, step);
-        sl_parallel_for(pass->threads, (c->count + PIECE - 1) / PIECE, weigh_piece, c);
-        size_t uncovered;
-        status = cover_chunk(c, list, &batch_size, &uncovered, counters, error);
+        sl_parallel_for(pass->threads, (c->count + PIECE - 1) / PIECE, look_at_piece, c);
+        for (size_t i = 0; i < c->count; i++) uncovered += !c->covered[i];
+        status = cover_chunk(c, b, list, octree, &batch_size, counters, error);
         few = (double)uncovered <= few_uncovered * (double)c->count || list->count >= most_records;
     }
-    sl_record_tree_free(&tree);
+    sl_free(b);
     sl_free(c);
     return status;
-}
-
-float sl_share_out_of_reach(const sl_second_field *field, sl_look_up_kernel *kernel,
-                            const sl_probed *points) {
-    sl_second_sums sums;
-    size_t asked = 0, missed = 0;
-    for (size_t i = 0; i < points->count; i++) {
-        const sl_gather_point *p = &points->points[i];
-        if (p->triangle == SL_NO_INDEX) continue;
-        const sl_second_points one = {1, &p->triangle, &p->position.x, &p->position.y, &p->position.z,
-                                      &p->normal.x, &p->normal.y, &p->normal.z};
-        kernel(field, &one, 0, 1, true, &sums);
-        asked++;
-        if (!(sums.weight[0] > 0.0f)) missed++;
-    }
-    return asked ? (float)missed / (float)asked : 0.0f;
 }

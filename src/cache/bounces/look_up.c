@@ -11,19 +11,28 @@
 
 sl_look_up_kernel *sl_look_up_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_look_up); }
 
-float sl_second_weight(const sl_second_list *list, size_t record, sl_vec3 position, sl_vec3 normal) {
-    const sl_record_terms *k = &list->terms[record];
-    float squared = sl_record_squared_distance(k, position.x, position.y, position.z);
-    if (!(k->reach_squared - squared >= 0.0f)) return 0.0f;
-    float w =
-        sl_record_weight_at(k, squared, position.x, position.y, position.z, normal.x, normal.y, normal.z);
-    if (!(w > 0.0f) || !list->records[record].behind_a_wall) return w;
-    const sl_second_walls *walls = &list->walls[record];
-    sl_vec3 d = sl_sub(position, k->position);
-    return sl_wall_stands_between(walls, d.x, d.y, d.z) ? 0.0f : w;
+float sl_second_weight(const sl_second_field *field, sl_look_up_kernel *kernel, const sl_gather_point *p) {
+    const sl_second_points one = {1, &p->triangle, &p->position.x, &p->position.y, &p->position.z,
+                                  &p->normal.x, &p->normal.y, &p->normal.z};
+    sl_second_sums sums;
+    kernel(field, &one, 0, 1, true, &sums);
+    return sums.weight[0];
+}
+
+float sl_share_out_of_reach(const sl_second_field *field, sl_look_up_kernel *kernel,
+                            const sl_probed *points) {
+    size_t asked = 0, missed = 0;
+    for (size_t i = 0; i < points->count; i++) {
+        if (points->points[i].triangle == SL_NO_INDEX) continue;
+        asked++;
+        if (!(sl_second_weight(field, kernel, &points->points[i]) > 0.0f)) missed++;
+    }
+    return asked ? (float)missed / (float)asked : 0.0f;
 }
 
 /* ---- points that no record covers ---- */
+
+enum { WIDE_LEVEL = 3 }; /* eighths of the scene */
 
 typedef struct {
     const sl_second_field *field;
@@ -53,7 +62,7 @@ static bool sees(const lost_point *p, const sl_record_terms *k) {
     return sl_trace_occluded(p->field->tracer, &rays, 3, false, p->counters) == 0;
 }
 
-/* The most similar records of a leaf, the most similar first: by distance, and by how they face. Not by the D
+/* The most similar records of a cell, the most similar first: by distance, and by how they face. Not by the D
  * of (2), which in units of their radii holds large records far away for near. */
 enum { TRIES = 6 };
 typedef struct {
@@ -63,6 +72,8 @@ typedef struct {
 } similar_records;
 
 static void consider(similar_records *s, const sl_record_terms *k, float d) {
+    for (int i = 0; i < s->count; i++)
+        if (s->terms[i] == k) return; /* of another cell */
     if (s->count == TRIES && !(d < s->d[TRIES - 1])) return;
     int i = s->count < TRIES ? s->count++ : TRIES - 1;
     for (; i > 0 && d < s->d[i - 1]; i--) {
@@ -73,40 +84,51 @@ static void consider(similar_records *s, const sl_record_terms *k, float d) {
     s->terms[i] = k;
 }
 
-static similar_records most_similar(const lost_point *p, const sl_record_tree *tree) {
-    const sl_second_list *list = p->field->list;
-    const sl_tree_node *leaf = sl_tree_leaf(tree, p->position.x, p->position.y, p->position.z);
-    similar_records similar = {.count = 0};
-    for (uint32_t b = 0; b < leaf->blocks; b++) {
-        const sl_tree_block *block = &tree->blocks[leaf->first + b];
-        for (int l = 0; l < SL_TREE_LANES && block->reach_squared[l] >= 0.0f; l++) {
-            const sl_record_terms *k = &list->terms[block->record[l] & ~SL_TREE_WALLS];
+static void consider_node(const lost_point *p, const sl_record_node *node, similar_records *similar) {
+    const sl_record_octree *octree = p->field->octree;
+    for (uint32_t b = node->first; b; b = octree->blocks[b].next) {
+        for (uint32_t l = 0; l < octree->blocks[b].count; l++) {
+            const sl_record_terms *k = &p->field->list->terms[octree->blocks[b].record[l]];
             sl_vec3 turn = sl_sub(p->normal, k->normal);
             float turn_squared = sl_dot(turn, turn);
             if (!(turn_squared < 2.0f)) continue;
             float squared = sl_record_squared_distance(k, p->position.x, p->position.y, p->position.z);
-            consider(&similar, k, squared * (1.0f + 2.0f * turn_squared));
+            consider(similar, k, squared * (1.0f + 2.0f * turn_squared));
         }
     }
-    return similar;
 }
 
+static void consider_below(const lost_point *p, const sl_record_node *node, similar_records *similar) {
+    consider_node(p, node, similar);
+    for (int c = 0; c < 8; c++) {
+        if (node->child[c]) consider_below(p, &p->field->octree->nodes[node->child[c]], similar);
+    }
+}
+
+static bool ask_similar(const lost_point *p, const similar_records *similar, sl_rgb *e) {
+    for (int k = 0; k < similar->count; k++) {
+        const float *of = similar->terms[k]->e;
+        *e = (sl_rgb){of[0], of[1], of[2]};
+        if (sees(p, similar->terms[k])) return true;
+    }
+    return false;
+}
+
+/* Asks the records that are listed in the cells around the point, then all of the widest of those cells. */
 static sl_rgb irradiance_of_lost(const sl_second_field *field, const sl_second_points *points, size_t i,
                                  sl_counters *counters) {
     const lost_point p = {field, sl_v3(points->position_x[i], points->position_y[i], points->position_z[i]),
                           sl_v3(points->normal_x[i], points->normal_y[i], points->normal_z[i]),
                           points->triangle[i], counters};
-    const sl_record_tree *const trees[] = {field->near, field->wide};
+    const sl_record_node *way[SL_OCTREE_LEVELS + 1];
+    const int nodes = sl_octree_way(field->octree, p.position.x, p.position.y, p.position.z, way);
+    similar_records near = {.count = 0}, wide = {.count = 0};
+    sl_rgb e;
     sl_count(counters, SL_COUNT_SECOND_LEVEL_MISSES, 1);
-    for (int t = 0; t < 2; t++) {
-        if (!trees[t] || !trees[t]->node_count) continue;
-        const similar_records similar = most_similar(&p, trees[t]);
-        for (int k = 0; k < similar.count; k++) {
-            const float *e = similar.terms[k]->e;
-            if (sees(&p, similar.terms[k])) return (sl_rgb){e[0], e[1], e[2]};
-        }
-    }
-    return sl_grey(0.0f);
+    for (int n = 0; n < nodes; n++) consider_node(&p, way[n], &near);
+    if (ask_similar(&p, &near, &e)) return e;
+    if (nodes > WIDE_LEVEL) consider_below(&p, way[WIDE_LEVEL], &wide);
+    return ask_similar(&p, &wide, &e) ? e : sl_grey(0.0f);
 }
 
 /* ---- all points ---- */

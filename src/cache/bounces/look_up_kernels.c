@@ -1,7 +1,6 @@
 /* (1) of Gautron et al. 2005 at points instead of pixels: E(p) = sum of w_k E'_k over sum of w_k, for the
  * records that reach p. Sixteen records are weighed together; what the few that count say is added one after
- * the other, in the order of their indices, so that the sums have the same bits however the records are
- * spread over the tree. */
+ * the other, in the order of the octree's levels and of their indices. */
 #include "cache/bounces/second_level.h"
 
 #include "base/bits16.h"
@@ -10,19 +9,19 @@ typedef struct {
     float x, y, z, nx, ny, nz;
 } look_up_point;
 
-static inline uint32_t weigh(const sl_tree_block *restrict block, const sl_weight_rules *rules,
+static inline uint32_t weigh(const sl_record_block *restrict block, const sl_weight_rules *rules,
                              const look_up_point *p, float *restrict w) {
     const float px = p->x, py = p->y, pz = p->z, nx = p->nx, ny = p->ny, nz = p->nz;
-    float distance[SL_TREE_LANES], slack[SL_TREE_LANES];
+    float distance[SL_OCTREE_LANES], slack[SL_OCTREE_LANES];
 #pragma omp simd
-    for (int l = 0; l < SL_TREE_LANES; l++) {
+    for (int l = 0; l < SL_OCTREE_LANES; l++) {
         float x = px - block->x[l], y = py - block->y[l], z = pz - block->z[l];
         distance[l] = x * x + y * y + z * z;
         slack[l] = block->reach_squared[l] - distance[l];
     }
     if (!(sl_bits16_greater(slack, 0.0f))) return 0;
 #pragma omp simd
-    for (int l = 0; l < SL_TREE_LANES; l++) {
+    for (int l = 0; l < SL_OCTREE_LANES; l++) {
         const sl_record_terms k = {.position = {block->x[l], block->y[l], block->z[l]},
                                    .normal = {block->normal_x[l], block->normal_y[l], block->normal_z[l]},
                                    .inverse_radius = block->inverse_radius[l],
@@ -40,17 +39,15 @@ typedef struct {
     float r, g, b, weight;
 } sums;
 
-static inline void add_block(const sl_second_field *field, const sl_tree_block *block, const look_up_point *p,
+static inline void add_block(const sl_second_field *field, const sl_record_block *block, const look_up_point *p,
                              bool without_light, sums *sum) {
-    float w[SL_TREE_LANES];
+    float w[SL_OCTREE_LANES];
     const sl_second_list *list = field->list;
     for (uint32_t bits = weigh(block, &field->rules, p, w), l = 0; bits; bits >>= 1, l++) {
         if (!(bits & 1u)) continue;
-        uint32_t record = block->record[l] & ~SL_TREE_WALLS;
-        const sl_record_terms *k = &list->terms[record];
+        const sl_record_terms *k = &list->terms[block->record[l]];
         const sl_record_offsets o = sl_record_offsets_at(k, p->x, p->y, p->z, p->nx, p->ny, p->nz);
-        if ((block->record[l] & SL_TREE_WALLS) && sl_wall_stands_between(&list->walls[record], o.x, o.y, o.z))
-            continue;
+        if (k->has_walls && !sl_record_before_walls(k, o.x, o.y, o.z)) continue;
         sum->weight += w[l];
         if (without_light) continue;
         float turn = sl_record_turn(&o);
@@ -62,16 +59,19 @@ static inline void add_block(const sl_second_field *field, const sl_tree_block *
 
 void SL_KERNEL(sl_look_up)(const sl_second_field *field, const sl_second_points *points, size_t first,
                            size_t count, bool without_light, sl_second_sums *out) {
-    const sl_record_tree *tree = field->near;
+    const sl_record_octree *octree = field->octree;
     for (size_t i = 0; i < count; i++) {
         const size_t k = first + i;
         sums sum = {0.0f, 0.0f, 0.0f, 0.0f};
-        if (points->triangle[k] != SL_NO_INDEX && tree->node_count) {
+        if (points->triangle[k] != SL_NO_INDEX) {
             const look_up_point p = {points->position_x[k], points->position_y[k], points->position_z[k],
                                      points->normal_x[k],   points->normal_y[k],   points->normal_z[k]};
-            const sl_tree_node *leaf = sl_tree_leaf(tree, p.x, p.y, p.z);
-            for (uint32_t b = 0; b < leaf->blocks; b++)
-                add_block(field, &tree->blocks[leaf->first + b], &p, without_light, &sum);
+            const sl_record_node *way[SL_OCTREE_LEVELS + 1];
+            const int nodes = sl_octree_way(octree, p.x, p.y, p.z, way);
+            for (int n = 0; n < nodes; n++) {
+                for (uint32_t b = way[n]->first; b; b = octree->blocks[b].next)
+                    add_block(field, &octree->blocks[b], &p, without_light, &sum);
+            }
         }
         out->r[i] = sum.r;
         out->g[i] = sum.g;

@@ -3,22 +3,25 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "cache/splatting/explanation.h"
 #include "cache/splatting/state.h"
 
 /* ---- the caches ---- */
 
-static void close_cache(sl_record_cache *cache, unsigned threads) {
+static void close_gathers(sl_record_cache *cache, unsigned threads) {
     for (unsigned i = 0; cache->scratch && i < threads; i++) sl_gather_scratch_destroy(cache->scratch[i]);
     sl_free(cache->scratch);
     sl_gather_destroy(cache->gather);
-    sl_glossy_destroy(cache->glossy);
     cache->scratch = NULL;
     cache->gather = NULL;
-    cache->glossy = NULL;
 }
 
-void sl_splat_close_caches(sl_splat_state *s) {
-    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) close_cache(&s->cache[c], s->settings.threads);
+static void close_caches(sl_splat_state *s) {
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        close_gathers(&s->cache[c], s->settings.threads);
+        sl_glossy_destroy(s->cache[c].glossy);
+        s->cache[c].glossy = NULL;
+    }
 }
 
 static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache) {
@@ -27,25 +30,22 @@ static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache)
 
 /* Second-level records stay as long as geometry and lights do; where the camera goes to other places, there
  * will be more. */
-sl_second_settings sl_splat_second_settings(const sl_splat_state *s) {
+static sl_status open_second(sl_splat_state *s, sl_error *error) {
+    if (s->settings.bounces < 2 || s->second) return SL_OK;
     sl_second_settings settings =
         sl_second_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
     settings.aspect = (float)s->settings.width / (float)s->settings.height;
     settings.threads = s->settings.threads;
-    return settings;
+    sl_status status = sl_second_cache_create(s->scene, s->raster, s->tracer, &settings, &s->second,
+                                              &s->counters, error);
+    if (status == SL_OK) sl_splat_announce_second_level(s);
+    return status;
 }
 
-static sl_status open_second(sl_splat_state *s, sl_error *error) {
-    if (s->settings.bounces < 2 || s->second) return SL_OK;
-    const sl_second_settings settings = sl_splat_second_settings(s);
-    return sl_second_cache_create(s->scene, s->raster, s->tracer, &settings, &s->second, &s->counters, error);
-}
-
-static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
+static sl_status open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_gather_settings settings = s->plan.gather;
-    bool radiance = cache->class == SL_RECEIVES_RADIANCE;
-    settings.harmonics_order = radiance ? s->plan.harmonics_order : 0;
+    settings.harmonics_order = cache->class == SL_RECEIVES_RADIANCE ? s->plan.harmonics_order : 0;
     sl_status status = open_second(s, error);
     if (status != SL_OK) return status;
     settings.second = s->second ? sl_second_cache_light(s->second) : NULL;
@@ -57,18 +57,9 @@ static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error 
     }
     for (unsigned i = 0; status == SL_OK && i < threads; i++)
         status = sl_gather_scratch_create(cache->gather, &cache->scratch[i], error);
-    if (status == SL_OK && radiance)
-        status = sl_glossy_create(s->scene, s->plan.harmonics_order, &cache->glossy, error);
     return status;
 }
 
-sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
-    if (cache->gather) return SL_OK;
-    sl_status status = open_parts(s, cache, error);
-    if (status != SL_OK) close_cache(cache, s->settings.threads);
-    else sl_splat_prepare_pass(s, cache);
-    return status;
-}
 
 /* Where frames follow each other, records must not depend on the view in which they were made: aR_min is what
  * it would be a quarter of the scene away from the eye, and at least a thousandth of the scene. */
@@ -78,7 +69,7 @@ static double minimum_reach(const sl_splat_state *s, double footprint_per_depth)
     return reach > 1e-3 * size ? reach : 1e-3 * size;
 }
 
-void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
+static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
     float a = (float)accuracy_of(s, cache), scale = s->scene->scale;
     const sl_camera *camera = &s->scene->camera;
@@ -107,7 +98,7 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
                   .gather = cache->gather ? sl_gather_kind_used(cache->gather) : SL_GATHER_RAYS,
                   .plane_tangent = sl_tan(0.5 * (double)s->plan.gather.plane_fov),
                   .metric = cache->glossy ? SL_METRIC_HARMONIC : s->plan.metric},
-        .coefficient_count = cache->glossy ? sl_gather_coefficient_count(cache->gather) : 0,
+        .coefficient_count = sl_splat_coefficients(s, cache->class),
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = camera,
         .mirrors = &s->mirrors,
@@ -122,10 +113,26 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     cache->pass.glossy = (sl_glossy_view){cache->glossy, &cache->pass.receivers, g->material, camera->eye, g};
 }
 
+sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
+    sl_status status = SL_OK;
+    if (cache->class == SL_RECEIVES_RADIANCE && !cache->glossy)
+        status = sl_glossy_create(s->scene, s->plan.harmonics_order, &cache->glossy, error);
+    if (status == SL_OK) prepare_pass(s, cache);
+    return status;
+}
+
+sl_status sl_splat_open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
+    if (cache->gather) return SL_OK;
+    sl_status status = open_gathers(s, cache, error);
+    if (status != SL_OK) close_gathers(cache, s->settings.threads);
+    else prepare_pass(s, cache);
+    return status;
+}
+
 /* ---- light and hierarchy ---- */
 
 static void destroy_transport(sl_splat_state *s) {
-    sl_splat_close_caches(s);
+    close_caches(s);
     sl_second_cache_destroy(s->second);
     sl_direct_destroy(s->direct);
     sl_shadow_maps_destroy(s->maps);

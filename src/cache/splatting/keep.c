@@ -58,8 +58,6 @@ sl_status sl_splat_save(const void *state, const char *path, sl_error *error) {
     sl_cache_writer writer;
     sl_cache_write_start(&writer, &header);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) write_cache(&writer, s, (sl_receiver_class)c);
-    sl_cache_write_u32(&writer, s->second ? 1 : 0);
-    if (s->second) sl_second_cache_write(s->second, &writer);
     return sl_cache_write_end(&writer, path, error);
 }
 
@@ -98,18 +96,10 @@ static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, sl_rece
     return status;
 }
 
-static sl_status read_all(sl_cache_reader *r, const sl_splat_state *s, loaded *classes,
-                          sl_second_cache **second, sl_error *error) {
+static sl_status read_all(sl_cache_reader *r, const sl_splat_state *s, loaded *classes, sl_error *error) {
     sl_status status = SL_OK;
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++)
         status = read_cache(r, s, (sl_receiver_class)c, &classes[c], error);
-    if (status != SL_OK) return status;
-    uint32_t has_second = sl_cache_read_u32(r);
-    if (has_second > 1 || (has_second && s->settings.bounces < 2)) return sl_cache_damaged(r, error);
-    if (has_second) {
-        sl_second_settings settings = sl_splat_second_settings(s);
-        status = sl_second_cache_read(s->scene, s->tracer, &settings, r, second, error);
-    }
     if (status == SL_OK && !sl_cache_read_complete(r)) status = sl_cache_damaged(r, error);
     return status;
 }
@@ -120,21 +110,16 @@ sl_status sl_splat_load(void *state, const char *path, sl_error *error) {
     sl_cache_header header = header_of(s, settings);
     sl_cache_reader reader;
     loaded classes[SL_RECEIVER_CLASSES] = {{{0}, 0}};
-    sl_second_cache *second = NULL;
     if (!s->raster)
         return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = sl_cache_read_start(&reader, path, &header, error);
     if (status != SL_OK) return status;
-    status = read_all(&reader, s, classes, &second, error);
+    status = read_all(&reader, s, classes, error);
     sl_cache_read_end(&reader);
     if (status != SL_OK) {
         for (int c = 0; c < SL_RECEIVER_CLASSES; c++) sl_record_list_free(&classes[c].list);
-        sl_second_cache_destroy(second);
         return status;
     }
-    sl_splat_close_caches(s); /* gathers that know of other second-level records, if any */
-    sl_second_cache_destroy(s->second);
-    s->second = second;
     s->full = false; /* the others were */
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         sl_record_list_free(&s->cache[c].list);

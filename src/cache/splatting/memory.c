@@ -15,7 +15,8 @@ enum {
     RECORDS_LEAST = 1000,
     TREE_A_RECORD = sizeof(sl_reach_node),
     AN_EMITTER = 400,
-    A_SAMPLE = 260
+    A_SAMPLE = 260,
+    OF_SECOND_LEVEL = 20000000 /* some 9,000 records, and cells of the octree that list them */
 };
 
 static double record_bytes(const sl_settings *settings, bool radiance) {
@@ -37,7 +38,8 @@ sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings)
                                     sl_raster_memory_kept(scene->triangle_count)
                               : sl_raster_memory_need(scene->triangle_count),
         .caches = 3.0 * RECORDS_LEAST * record_bytes(settings, plan.radiance) +
-                  (4.0 + 2.0 * settings->threads) * n * n * A_SAMPLE + lights * AN_EMITTER + maps + sky + 2e6,
+                  (4.0 + 2.0 * settings->threads) * n * n * A_SAMPLE + lights * AN_EMITTER + maps + sky + 2e6 +
+                  (settings->bounces > 1 ? OF_SECOND_LEVEL : 0),
         .picture = sl_need_of_pixels(settings, A_PIXEL + (plan.radiance ? OF_RADIANCE : 0) +
                                                    (plan.mirrors ? OF_MIRRORS : 0))};
 }
@@ -63,8 +65,8 @@ bool sl_splat_is_full(sl_splat_state *s) {
                                    (double)sl_splat_coefficients(s, (sl_receiver_class)c) * sizeof(float));
         bytes += (double)list->reaches.count * sizeof(sl_reach_node);
     }
-    if (s->second) bytes += (double)sl_second_cache_bytes_in_use(s->second);
-    s->full = 3.0 * bytes > (double)s->settings.memory_bytes;
+    const double second = s->settings.bounces > 1 ? OF_SECOND_LEVEL : 0.0;
+    s->full = 3.0 * bytes > (double)s->settings.memory_bytes - second;
     size_t count = s->cache[0].list.count + s->cache[1].list.count;
     if (s->full) snprintf(s->filled, sizeof s->filled, "records end at %zu", count);
     return s->full;

@@ -75,19 +75,12 @@ sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irra
 void sl_record_limit_radius(sl_record *record, double limit);
 /* Returns the R that rule 2 allows; infinite where the guard is off or nothing is seen. */
 double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *rules);
-/* One of sixteen rays along the tangent plane, 22.5 degrees apart: what it met, relative to the point, its
- * normal on the point's side. */
-typedef struct sl_wall_hit {
-    sl_vec3 direction, point, normal;
-    float distance; /* infinite: nothing, or nothing any more */
-} sl_wall_hit;
-extern const float sl_around[SL_PACKET][2]; /* unit vectors in the tangent frame of the geometric normal */
-void sl_record_look_around(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
-                           float reach, sl_wall_hit hits[SL_PACKET], sl_counters *counters);
 /* Rule 2 for a record that was made without the guard: where it reaches further than `guard`, it gets the
- * walls that stand around it, and does not count behind them (record_walls.c). */
+ * walls that stand around it, and does not count behind them (record_walls.c). within_guard: so do others,
+ * of what stands across the way: gathers of few rays make the guard a tenth too generous. */
 void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
-                          double accuracy, double guard, sl_record *record, sl_counters *counters);
+                          double accuracy, double guard, bool within_guard, sl_record *record,
+                          sl_counters *counters);
 /* Returns R by rule 5; the tree holds R / sigma of all records, by rules 1 to 4. */
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record);
 /* Sets R and scales the translational gradient as rule 3 does, so that the linear extrapolation stays

@@ -9,17 +9,24 @@
 
 enum { DIRECTIONS = SL_PACKET };
 
-const float sl_around[SL_PACKET][2] = {
+/* Unit vectors in the tangent frame of the geometric normal, 22.5 degrees apart. */
+static const float around[DIRECTIONS][2] = {
     {1.0f, 0.0f},  {0.92387953f, 0.38268343f},   {0.70710678f, 0.70710678f},   {0.38268343f, 0.92387953f},
     {0.0f, 1.0f},  {-0.38268343f, 0.92387953f},  {-0.70710678f, 0.70710678f},  {-0.92387953f, 0.38268343f},
     {-1.0f, 0.0f}, {-0.92387953f, -0.38268343f}, {-0.70710678f, -0.70710678f}, {-0.38268343f, -0.92387953f},
     {0.0f, -1.0f}, {0.38268343f, -0.92387953f},  {0.70710678f, -0.70710678f},  {0.92387953f, -0.38268343f},
 };
 
+/* What a ray along the tangent plane met, relative to the point, its normal on the point's side. */
+typedef struct {
+    sl_vec3 direction, point, normal;
+    float distance; /* infinite: nothing, or nothing any more */
+} wall_hit;
+
 /* Rays a little above the surface, a little longer than the reach: a wall that the disc just touches between
  * two rays is met too. */
-void sl_record_look_around(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
-                           float reach, sl_wall_hit hits[SL_PACKET], sl_counters *counters) {
+static void look_around(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
+                           float reach, wall_hit hits[DIRECTIONS], sl_counters *counters) {
     const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, point->position);
     sl_frame frame = sl_frame_from_normal(sl_normalize_or(point->geometric_normal, point->normal));
     float height = 0.01f * reach > 2.0f * offset ? 0.01f * reach : 2.0f * offset;
@@ -28,12 +35,12 @@ void sl_record_look_around(const sl_scene *scene, const sl_tracer *tracer, const
     sl_hit16 found;
     memset(&rays, 0, sizeof rays);
     for (int i = 0; i < DIRECTIONS; i++) {
-        hits[i].direction = sl_frame_to_world(&frame, sl_v3(sl_around[i][0], sl_around[i][1], 0.0f));
+        const sl_vec3 direction = sl_frame_to_world(&frame, sl_v3(around[i][0], around[i][1], 0.0f));
+        hits[i] = (wall_hit){.direction = direction, .distance = INFINITY};
         sl_ray16_set(&rays, (unsigned)i, eye, hits[i].direction, 0.0f, 1.1f * reach, point->triangle);
     }
     sl_trace(tracer, &rays, DIRECTIONS, false, &found, counters);
     for (int i = 0; i < DIRECTIONS; i++) {
-        hits[i].distance = INFINITY;
         if (found.triangle[i] == SL_NO_INDEX) continue;
         sl_vec3 d = hits[i].direction, n = sl_scene_geometric_normal(scene, found.triangle[i]);
         hits[i].normal = sl_dot(n, d) > 0.0f ? sl_neg(n) : n;
@@ -42,7 +49,7 @@ void sl_record_look_around(const sl_scene *scene, const sl_tracer *tracer, const
     }
 }
 
-static int nearest_of(const sl_wall_hit hits[DIRECTIONS]) {
+static int nearest_of(const wall_hit hits[DIRECTIONS]) {
     int nearest = 0;
     for (int i = 1; i < DIRECTIONS; i++) {
         if (hits[i].distance < hits[nearest].distance) nearest = i;
@@ -51,14 +58,19 @@ static int nearest_of(const sl_wall_hit hits[DIRECTIONS]) {
 }
 
 void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
-                          double accuracy, double guard, sl_record *record, sl_counters *counters) {
+                          double accuracy, double guard, bool within_guard, sl_record *record,
+                          sl_counters *counters) {
     const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, point->position),
                 reach = (float)accuracy * record->radius;
-    sl_wall_hit hits[DIRECTIONS];
-    if (!((double)record->radius > guard)) return;
-    sl_record_look_around(scene, tracer, point, reach, hits, counters);
+    const bool beyond = (double)record->radius > guard;
+    wall_hit hits[DIRECTIONS];
+    if (!beyond && !within_guard) return;
+    look_around(scene, tracer, point, reach, hits, counters);
+    for (int i = 0; i < DIRECTIONS && !beyond; i++) {
+        if (!(-sl_dot(hits[i].normal, hits[i].direction) > 0.5f)) hits[i].distance = INFINITY;
+    }
     for (int w = 0; w < SL_RECORD_WALLS; w++) {
-        const sl_wall_hit wall = hits[nearest_of(hits)];
+        const wall_hit wall = hits[nearest_of(hits)];
         if (!(wall.distance < INFINITY)) return;
         record->walls[w] =
             (sl_record_wall){wall.normal, fminf(sl_dot(wall.point, wall.normal), 0.0f) - offset};
@@ -67,7 +79,7 @@ void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const 
                 hits[i].distance = INFINITY;
         }
     }
-    const sl_wall_hit left = hits[nearest_of(hits)];
+    const wall_hit left = hits[nearest_of(hits)];
     if (!(left.distance < INFINITY)) return;
     /* More walls than the record can hold: no farther than the next one, which two rays may meet at its
      * sides. */

@@ -33,15 +33,13 @@ static void announce(sl_splat_state *s, const char *name, const char *source, in
 
 static sl_status cover_by_old_records(sl_splat_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    const bool had_second = s->second;
-    if (had_second) status = sl_second_cache_follow(s->second, s->raster, &s->counters, error);
+    if (s->second) status = sl_second_cache_follow(s->second, s->raster, &s->counters, error);
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) {
         sl_record_cache *cache = &s->cache[c];
         if (cache->receivers) status = sl_splat_open_cache(s, cache, error);
         if (status == SL_OK && cache->receivers && cache->list.count)
             status = sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
     }
-    if (s->second && !had_second) sl_splat_announce_second_level(s);
     return status;
 }
 
@@ -101,15 +99,18 @@ static sl_status light_rows(sl_splat_state *s, sl_error *error) {
 
 static sl_status new_records(sl_splat_state *s, sl_error *error) {
     sl_record_cache *cache = &s->cache[s->class];
-    size_t before = cache->list.count, budget = s->settings.records_per_frame;
+    size_t before = cache->list.count, budget = s->settings.records_per_frame, pixels[SL_BATCH_MAX];
     if (sl_splat_is_full(s)) { /* what is uncovered is filled from its neighbours */
         start_records(s, s->class + 1);
         return SL_OK;
     }
     if (budget && cache->traversal.batch > budget - s->frame_records)
         cache->traversal.batch = budget - s->frame_records;
-    sl_status status =
-        sl_traversal_advance(&cache->traversal, &cache->pass, &cache->list, &s->counters, error);
+    const size_t count = sl_traversal_next(&cache->traversal, &cache->pass, pixels);
+    sl_status status = count ? sl_splat_open_gathers(s, cache, error) : SL_OK;
+    if (status == SL_OK && count)
+        status = sl_traversal_gather(&cache->traversal, &cache->pass, pixels, count, &cache->list,
+                                     &s->counters, error);
     s->frame_records += cache->list.count - before;
     if (status != SL_OK || cache->traversal.stride) return status;
     announce(s, "coverage: sum of w", "Algorithm 2, step 4", 1, s->coverage, true);
@@ -263,7 +264,6 @@ static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         s->cache[c].splatted = 0;
         s->cache[c].receivers = 0;
-        if (s->cache[c].gather) sl_splat_prepare_pass(s, &s->cache[c]);
     }
     return status;
 }

@@ -99,10 +99,12 @@ typedef struct sl_record_pass {
 enum { SL_BATCH_MAX = 128 };
 
 void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int width, int height);
-/* The next batch of uncovered pixels, at most traversal->batch of them, gets records, exactly as if they were
- * visited one by one. Done where traversal->stride becomes 0. */
-sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
-                               sl_counters *counters, sl_error *error);
+/* The next batch of uncovered pixels, at most traversal->batch of them; returns how many. Done where
+ * traversal->stride becomes 0. */
+size_t sl_traversal_next(sl_traversal *traversal, const sl_record_pass *pass, size_t pixels[SL_BATCH_MAX]);
+/* They get records, exactly as if they were visited one by one. */
+sl_status sl_traversal_gather(sl_traversal *traversal, const sl_record_pass *pass, const size_t *pixels,
+                              size_t count, sl_record_list *list, sl_counters *counters, sl_error *error);
 /* Adds the records' weights to the coverage. */
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error);
 /* Step 5: records [first, count) of the list add (w E', w, 1), and radiance records what the glossy lobe

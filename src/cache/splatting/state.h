@@ -13,7 +13,7 @@
  * reaches it. */
 typedef struct sl_record_cache {
     sl_receiver_class class;
-    sl_gather *gather;          /* NULL until a pixel of this class has been seen */
+    sl_gather *gather;          /* NULL until a pixel of this class has asked for a record */
     sl_gather_scratch **scratch; /* one a thread */
     sl_glossy *glossy;          /* lobes and rotations; radiance records alone */
     uint32_t *receives;         /* pixels of this class */
@@ -47,7 +47,7 @@ typedef struct sl_splat_state {
     sl_tracer *tracer;
     sl_shadow_maps *maps;
     sl_direct *direct;
-    /* more than one bounce: irradiance of what gathers see; made with the first cache */
+    /* more than one bounce: irradiance of what gathers see; made with the first of them */
     sl_second_cache *second;
     sl_environment sky, sun;    /* of the scene's environment; what is black is not present */
     sl_gbuffer *gbuffer;
@@ -82,12 +82,10 @@ sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, co
 void sl_splat_destroy(void *state);
 /* Everything that depends on geometry and lights, and not on the camera: made anew. Records are dropped. */
 sl_status sl_splat_renew_transport(sl_splat_state *state, sl_error *error);
-/* Makes what the records of a class need, once a pixel of that class has been seen, if it is not there. */
+/* Makes ready for this view what the records of a class need to be splatted. */
 sl_status sl_splat_open_cache(sl_splat_state *state, sl_record_cache *cache, sl_error *error);
-void sl_splat_prepare_pass(const sl_splat_state *state, sl_record_cache *cache);
-/* Gathers and what goes with them; the records stay. */
-void sl_splat_close_caches(sl_splat_state *state);
-sl_second_settings sl_splat_second_settings(const sl_splat_state *state);
+/* Makes what new records of the class take, if it is not there: not before a pixel asks for one. */
+sl_status sl_splat_open_gathers(sl_splat_state *state, sl_record_cache *cache, sl_error *error);
 size_t sl_splat_memory_bytes(const void *state);
 
 /* ---- memory.c ---- */

@@ -70,7 +70,7 @@ static bool wants_record(const sl_record_pass *pass, size_t pixel) {
            !pass->owned[pixel];
 }
 
-static size_t next_candidates(sl_traversal *t, const sl_record_pass *pass, size_t *pixels) {
+size_t sl_traversal_next(sl_traversal *t, const sl_record_pass *pass, size_t pixels[SL_BATCH_MAX]) {
     size_t count = 0, pixel;
     while (count < t->batch && next_pixel(t, &pixel)) {
         if (wants_record(pass, pixel)) pixels[count++] = pixel;
@@ -124,7 +124,7 @@ static sl_record make_record(const sl_record_pass *pass, const sl_gather_point *
     sl_record record = sl_record_make(point, irradiance, &rules, footprint);
     if (looks_for_walls)
         sl_record_find_walls(pass->scene, pass->tracer, point, rules.accuracy,
-                             sl_record_guard(irradiance, &pass->radii), &record, counters);
+                             sl_record_guard(irradiance, &pass->radii), false, &record, counters);
     return record;
 }
 
@@ -223,11 +223,8 @@ static sl_status commit(const gather_batch *batch, size_t count, void *candidate
     return sl_cover(pass, list->records + first, list->count - first, error);
 }
 
-sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
-                               sl_counters *counters, sl_error *error) {
-    size_t pixels[SL_BATCH_MAX];
-    size_t count = next_candidates(traversal, pass, pixels);
-    if (count == 0) return SL_OK;
+sl_status sl_traversal_gather(sl_traversal *traversal, const sl_record_pass *pass, const size_t *pixels,
+                              size_t count, sl_record_list *list, sl_counters *counters, sl_error *error) {
     void *candidates = sl_allocate(count, candidate_bytes(pass));
     if (!candidates) return sl_fail_memory(error, "a batch of records");
     gather_batch gathers = {pass, pixels};

@@ -334,19 +334,16 @@ static float told_on_a_sheet(const world *w, sl_vec3 record_at) {
                         .triangle = SL_NO_INDEX};
     const sl_weight_rules rules = {a, 1.0f / a, offset};
     sl_record_terms terms = sl_record_terms_of(&record, &rules);
-    sl_second_walls walls = {.x = sl_v3(1, 0, 0), .y = sl_v3(0, 1, 0)};
-    const sl_second_list list = {&record, NULL, &terms, &walls, 1, 1};
-    sl_record_tree near = {0}, wide = {0};
-    assert_int_equal(sl_record_tree_build(w->scene, &list, 1.0f, SL_TREE_LANES, &near, NULL), SL_OK);
-    assert_int_equal(sl_record_tree_build(w->scene, &list, 8.0f, SL_TREE_LANES, &wide, NULL), SL_OK);
-    const sl_second_field field = {&list, &near, &wide, rules, w->tracer, offset};
+    const sl_second_list list = {&record, NULL, &terms, 1, 1};
+    sl_record_octree octree = {0};
+    assert_int_equal(sl_record_octree_insert(w->scene, &terms, 0, &octree, NULL), SL_OK);
+    const sl_second_field field = {&list, &octree, rules, w->tracer, offset};
     const sl_second_points points = {1, &own, &zero, &zero, &zero, &zero, &zero, &one};
     float r = 0.0f, g = 0.0f, b = 0.0f;
     sl_counters counters = {{0}};
     sl_second_look_up(&field, sl_look_up_kernel_for(sl_isa_best()), &points, &r, &g, &b, &counters);
     assert_int_equal(counters.value[SL_COUNT_SECOND_LEVEL_MISSES], 1);
-    sl_record_tree_free(&near);
-    sl_record_tree_free(&wide);
+    sl_record_octree_free(&octree);
     return g;
 }
 

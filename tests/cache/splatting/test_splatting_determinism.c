@@ -107,8 +107,12 @@ static sl_record_list traverse(stage *s, sl_traversal_order order, size_t batch,
     memset(s->coverage, 0, sizeof s->coverage);
     sl_traversal_start(&traversal, order, SIDE, SIDE);
     while (traversal.stride) {
+        size_t pixels[SL_BATCH_MAX];
         traversal.batch = batch;
-        assert_int_equal(sl_traversal_advance(&traversal, &s->pass, &list, counters, NULL), SL_OK);
+        const size_t found = sl_traversal_next(&traversal, &s->pass, pixels);
+        if (!found) continue;
+        assert_int_equal(sl_traversal_gather(&traversal, &s->pass, pixels, found, &list, counters, NULL),
+                         SL_OK);
     }
     assert_int_equal(traversal.visited, SIDE * SIDE);
     return list;

@@ -179,7 +179,7 @@ static void records_from_a_file_end_where_those_that_were_made_did(void **state)
         const uint64_t need = need_of(scene, &settings);
         /* the bare need, and within or beyond what a bounce's records take */
         for (uint64_t more = 0; more < 5; more++) {
-            settings.memory_bytes = need + more * (bounces == 1 ? 200000 : 2500000);
+            settings.memory_bytes = need + more * 200000;
             sl_method *first = new_method(scene, &settings);
             ended += expect_the_same_end(*state, first, scene, &settings);
             sl_method_destroy(first);

@@ -298,8 +298,12 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
     for (int i = 0; i < visits; i++) {
         sl_traversal traversal;
         sl_traversal_start(&traversal, SL_ORDER_LINEAR, 1, 1);
-        while (traversal.stride)
-            assert_int_equal(sl_traversal_advance(&traversal, &pass, &list, &counters, NULL), SL_OK);
+        while (traversal.stride) {
+            size_t pixels[SL_BATCH_MAX], found = sl_traversal_next(&traversal, &pass, pixels);
+            if (!found) continue;
+            assert_int_equal(sl_traversal_gather(&traversal, &pass, pixels, found, &list, &counters, NULL),
+                             SL_OK);
+        }
     }
     assert_true(list.count > 0);
     *count = list.count;
