@@ -39,8 +39,8 @@ typedef struct {
     float r, g, b, weight;
 } sums;
 
-static inline void add_block(const sl_second_field *field, const sl_record_block *block, const look_up_point *p,
-                             bool without_light, sums *sum) {
+static inline void add_block(const sl_second_field *field, const sl_record_block *block,
+                             const look_up_point *p, bool without_light, sums *sum) {
     float w[SL_OCTREE_LANES];
     const sl_second_list *list = field->list;
     for (uint32_t bits = weigh(block, &field->rules, p, w), l = 0; bits; bits >>= 1, l++) {

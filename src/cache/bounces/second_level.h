@@ -38,9 +38,9 @@ typedef struct sl_record_node {
     uint32_t first, last; /* blocks; 0: none */
 } sl_record_node;
 
-/* Ward's octree (1988) over the scene's box: a record is listed in the cells that it reaches into, at the level
- * whose cells are about as wide as its reach. So what reaches a point is listed on the way from the root down
- * to it. {0} is empty. */
+/* Ward's octree (1988) over the scene's box: a record is listed in the cells that it reaches into, at the
+ * level whose cells are about as wide as its reach. So what reaches a point is listed on the way from the
+ * root down to it. {0} is empty. */
 typedef struct sl_record_octree {
     sl_vec3 low;
     float side, cells_per_length; /* of the root; of the deepest level */

@@ -118,7 +118,7 @@ sl_status sl_splat_explanation(void *state, int x, int y, sl_explanation_writer 
     return SL_OK;
 }
 
-/* Second-level records are made with the first cache. */
+/* Second-level records are made with the first gathers. */
 void sl_splat_announce_second_level(sl_splat_state *s) {
     char name[128];
     sl_second_report r = sl_second_cache_report(s->second);

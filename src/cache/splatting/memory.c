@@ -38,8 +38,8 @@ sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings)
                                     sl_raster_memory_kept(scene->triangle_count)
                               : sl_raster_memory_need(scene->triangle_count),
         .caches = 3.0 * RECORDS_LEAST * record_bytes(settings, plan.radiance) +
-                  (4.0 + 2.0 * settings->threads) * n * n * A_SAMPLE + lights * AN_EMITTER + maps + sky + 2e6 +
-                  (settings->bounces > 1 ? OF_SECOND_LEVEL : 0),
+                  (4.0 + 2.0 * settings->threads) * n * n * A_SAMPLE + lights * AN_EMITTER + maps + sky +
+                  2e6 + (settings->bounces > 1 ? OF_SECOND_LEVEL : 0),
         .picture = sl_need_of_pixels(settings, A_PIXEL + (plan.radiance ? OF_RADIANCE : 0) +
                                                    (plan.mirrors ? OF_MIRRORS : 0))};
 }
