@@ -5,10 +5,9 @@
  *   method.c          what a method holds of that, what edits leave, direct light
  *   plan.c            which passes a scene needs; picture.c: a picture's layers, and what is said of it
  *   ../photons/       photon tracing, the kd-tree, and the k nearest photons
- *   octree.c          the voxels, on geometry; triangle_cells.c, coplanar.c
+ *   octree.c          the voxels, on geometry; triangle_cells.c
  *   voxel_gather.c    a voxel's photons, and the area that they were strewn over
- *   surroundings.c    that area of all triangles around; photon_area.c: of one, exactly
- *   photon_hull.c     and of what photons met alone
+ *   photon_area.c     that area, of all triangles around; photon_hull.c: of what photons met alone
  *   cluster.c         K-means on their directions; voxel_lobes.c: from clusters to lights
  *   voxel_lights.c    the lights of every voxel; voxel_sets.c, normal_groups.c: several sets in a voxel
  *   voxel_texture.c   all of it in textures, as the hardware holds it; direction_packing.c

@@ -32,7 +32,8 @@ static size_t collect(const sl_cell_space *space, const sl_octree *octree, const
         sl_cell_triangle t = sl_cell_space_triangle(space, number);
         sl_triangle_part part;
         double area = sl_clip_to_cell(space, &t, cell, 0.0, &part), length = sl_lengthd(t.normal);
-        area *= octree->share ? part.area * (double)octree->share[number] : part.area;
+        area *= sl_takes_photons(&space->scene->materials[space->scene->material_index[number]]) ? part.area
+                                                                                                 : 0.0;
         if (!(area > 0.0 && length > 0.0)) continue;
         pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length),
                                            sl_scaled(sl_subd(part.centroid, base), area), area, -1,

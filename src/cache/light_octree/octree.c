@@ -182,8 +182,12 @@ static void sort_pairs(uint64_t **pair, uint64_t **spare, size_t count, int code
 
 /* ---- what a leaf holds ---- */
 
+static bool takes_photons(const sl_scene *scene, uint32_t triangle) {
+    return sl_takes_photons(&scene->materials[scene->material_index[triangle]]);
+}
+
 /* n_v and c_v by area of what lies in the voxel: so they do not depend on how a surface is cut into
- * triangles. */
+ * triangles. Surfaces that take no photons have no area. */
 static void measure_leaf(const builder *b, sl_octree_leaf *leaf) {
     uint32_t cell[3];
     sl_morton_decode(leaf->morton, cell);
@@ -196,7 +200,7 @@ static void measure_leaf(const builder *b, sl_octree_leaf *leaf) {
         sl_triangle_part part;
         double share = sl_clip_to_cell(&b->space, &t, cell, b->dilate, &part) * part.area,
                length = sl_lengthd(t.normal);
-        if (b->octree->share) share *= (double)b->octree->share[number];
+        if (!takes_photons(b->space.scene, number)) share = 0.0;
         if (part.count == 0 || !(length > 0.0)) continue;
         sl_vec3d n = sl_scaled(t.normal, 1.0 / length), c = sl_subd(part.centroid, middle);
         area += share;
@@ -231,7 +235,7 @@ static size_t drop_dark_cells(const sl_scene *scene, uint64_t *pair, size_t coun
     for (size_t i = 0, end; i < count; i = end) {
         bool takes = false;
         for (end = i; end < count && pair[end] >> 32 == pair[i] >> 32; end++) {
-            takes |= sl_takes_photons(&scene->materials[scene->material_index[(uint32_t)pair[end]]]);
+            takes |= takes_photons(scene, (uint32_t)pair[end]);
         }
         for (size_t k = i; takes && k < end; k++) pair[kept++] = pair[k];
     }
@@ -311,22 +315,6 @@ sl_octree_root sl_octree_root_of_core(const sl_scene *scene) {
                        sl_scene_is_scattered(scene) ? AROUND_CORE : 1.0);
 }
 
-/* Surfaces that take no photons have no share of the area. */
-static sl_status find_shares(sl_octree *octree, const sl_scene *scene, sl_error *error) {
-    bool all = true;
-    octree->share = sl_allocate(scene->triangle_count, sizeof *octree->share);
-    if (!octree->share) return sl_fail_memory(error, "the octree");
-    sl_status status = sl_coplanar_shares(scene, octree->share, error);
-    for (size_t i = 0; i < scene->triangle_count; i++) {
-        if (!sl_takes_photons(&scene->materials[scene->material_index[i]])) octree->share[i] = 0.0f;
-        all = all && octree->share[i] == 1.0f;
-    }
-    if (!all || status != SL_OK) return status;
-    sl_free(octree->share);
-    octree->share = NULL;
-    return SL_OK;
-}
-
 sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads,
                            sl_octree **octree, sl_error *error) {
     sl_octree_root all = sl_octree_root_of_all(scene);
@@ -356,8 +344,7 @@ sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root,
     if (status == SL_OK) {
         threads = sl_thread_count(threads);
         sl_parallel_for(threads, chunks, visit_chunk, &b);
-        status = find_shares(octree, scene, error);
-        if (status == SL_OK) status = make_leaves(&b, chunks, threads, error);
+        status = make_leaves(&b, chunks, threads, error);
         for (size_t i = 0; i < chunks; i++) free(b.chunk[i].pair);
     }
     sl_free(b.chunk);
@@ -369,7 +356,6 @@ sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root,
 void sl_octree_destroy(sl_octree *octree) {
     if (!octree) return;
     sl_free(octree->leaf);
-    sl_free(octree->share);
     sl_free(octree->triangle);
     sl_free(octree);
 }
@@ -381,8 +367,8 @@ size_t sl_octree_bytes(const sl_octree *octree) {
 
 /* ---- look-ups ---- */
 
-size_t sl_octree_lower_bound(const sl_octree *octree, uint64_t morton) {
-    size_t first = 0, count = octree->leaf_count;
+size_t sl_octree_lower_bound(const sl_octree *octree, size_t first, size_t end, uint64_t morton) {
+    size_t count = end - first;
     while (count > 0) {
         size_t half = count / 2;
         if (octree->leaf[first + half].morton < morton) {
@@ -396,7 +382,7 @@ size_t sl_octree_lower_bound(const sl_octree *octree, uint64_t morton) {
 }
 
 uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton) {
-    size_t leaf = sl_octree_lower_bound(octree, morton);
+    size_t leaf = sl_octree_lower_bound(octree, 0, octree->leaf_count, morton);
     return leaf < octree->leaf_count && octree->leaf[leaf].morton == morton ? (uint32_t)leaf : SL_NO_INDEX;
 }
 
@@ -406,8 +392,8 @@ static uint32_t cell_at(double x, double cells) {
 
 sl_vec3 sl_octree_parent_centroid(const sl_octree *octree, uint32_t leaf) {
     uint64_t parent = octree->leaf[leaf].morton >> 3;
-    size_t first = sl_octree_lower_bound(octree, parent << 3),
-           end = sl_octree_lower_bound(octree, (parent + 1) << 3);
+    size_t leaves = octree->leaf_count, first = sl_octree_lower_bound(octree, 0, leaves, parent << 3),
+           end = sl_octree_lower_bound(octree, first, leaves, (parent + 1) << 3);
     sl_vec3d base = sl_to_double(octree->leaf[first].centroid), centre = {0}, plain = {0};
     double area = 0.0;
     for (size_t i = first; i < end; i++) {

@@ -30,9 +30,6 @@ typedef struct sl_octree {
     double edge;            /* of the root cube */
     size_t leaf_count;
     sl_octree_leaf *leaf;
-    /* of each of the scene's triangles: which share of its area counts, 0 where no photon is stored and
-     * where larger ones lie over it; NULL: all of it */
-    float *share;
     size_t triangle_count;
     uint32_t *triangle;     /* leaf by leaf, ascending in each */
 } sl_octree;
@@ -63,8 +60,8 @@ void sl_octree_destroy(sl_octree *octree);
 size_t sl_octree_bytes(const sl_octree *octree);
 /* The number of the leaf with that Morton code, or SL_NO_INDEX. */
 uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton);
-/* The first leaf whose code is not below that one. */
-size_t sl_octree_lower_bound(const sl_octree *octree, uint64_t morton);
+/* The first leaf of [first, end) whose code is not below that one; else end. */
+size_t sl_octree_lower_bound(const sl_octree *octree, size_t first, size_t end, uint64_t morton);
 /* The centroid of what lies in the cell above a leaf, by area. */
 sl_vec3 sl_octree_parent_centroid(const sl_octree *octree, uint32_t leaf);
 /* The code of the cell (clamped to the root) that holds a point. */
@@ -90,9 +87,5 @@ sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t tri
  */
 double sl_clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *triangle, const uint32_t cell[3],
                        double dilate, sl_triangle_part *part);
-
-/* Writes of each triangle's area the share that no larger coplanar triangle covers (of equal ones none of a
- * lower number). Planes count as equal within 1e-6 of the scene's size (coplanar.c). */
-sl_status sl_coplanar_shares(const sl_scene *scene, float *share, sl_error *error);
 
 #endif

@@ -1,11 +1,12 @@
-#include "cache/light_octree/photon_hull.h"
+#include "cache/light_octree/photon_area.h"
 
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 
-enum { PHOTONS_LEAST = 16 };
+enum { PHOTONS_LEAST = 8 };
 
 /* So many standard deviations are sure. */
 static const double sure = 3.0;

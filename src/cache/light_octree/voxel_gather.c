@@ -19,10 +19,8 @@ sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_o
                              .neighbours = o->neighbours};
 }
 
-/* Where light is sharp, as at shadows' edges and in caustics, its hull tells of light and not of surface. */
-static bool comes_by_diffuse_surfaces(const sl_photon *p) {
-    return (p->flags & SL_PHOTON_BOUNCES) && !(p->flags & SL_PHOTON_CAUSTIC);
-}
+/* The hull of a caustic tells of light, and not of surface. */
+static bool tells_of_surface(const sl_photon *p) { return !(p->flags & SL_PHOTON_CAUSTIC); }
 
 static void put_on_disc(sl_photon_places *p, float x, float y, double distance) {
     p->x[p->count] = x;
@@ -50,7 +48,7 @@ static void split_sides(const sl_voxel_work *work, const sl_photon_query *query,
             sl_vec3 place = sl_sub(sl_v3(p->position[0], p->position[1], p->position[2]), query->centre);
             places = sl_addd(places, sl_to_double(place));
             normals = sl_addd(normals, sl_scaled(sl_to_double(n), behind ? -1.0 : 1.0));
-            if (on_disc->x && comes_by_diffuse_surfaces(p))
+            if (on_disc->x && tells_of_surface(p))
                 put_on_disc(on_disc, sl_dot(place, frame.x), sl_dot(place, frame.y), w->gathered.distance[i]);
         }
         if (back == 0) {
@@ -161,28 +159,14 @@ static double share_by_hull(sl_photon_places *p, const sl_ellipsoid *e, int side
     return sl_photon_hull_share(&hull, p->hull.count, flat);
 }
 
-/* Takes out surface that no photon met. */
-static void leave_out_hidden(const sl_strewn_area *strewn, bool together, sl_photon_places *places,
-                             const sl_ellipsoid *e, sl_voxel_area *area) {
-    double both = fmin(strewn->front_flat + strewn->back_flat, sl_disc_area(e));
-    double front = share_by_hull(places, e, 0, together ? both : strewn->front_flat);
-    double back = share_by_hull(places, e, 1, together ? both : strewn->back_flat);
-    area->side[0] *= front;
-    area->side[1] *= back;
-    area->all = front * strewn->front + back * strewn->back;
-}
-
-static double least_cosine_of(const sl_voxel_work *work) {
-    return work->by_side ? work->cos_acceptance : -1.0;
-}
-
+/* The scene's triangles in the ellipsoid, less surface that no photon met. */
 static sl_voxel_area clipped_area(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
-    sl_strewn_area strewn = sl_surroundings_area(work->surroundings, e, least_cosine_of(work), &w->marks);
-    bool together = strewn.sheet || !work->by_side, has_normal = sl_dotd(e->normal, e->normal) > 0.0;
-    double all = strewn.front + strewn.back;
-    sl_voxel_area area = {{together ? all : strewn.front, together ? all : strewn.back}, all};
-    if (w->places.x && work->by_side && has_normal) leave_out_hidden(&strewn, together, &w->places, e, &area);
-    return area;
+    double least_cosine = work->by_side ? work->cos_acceptance : -1.0;
+    sl_strewn_area a = sl_surface_in_ellipsoid(work->scene, work->octree, e, least_cosine, &w->marks);
+    for (int side = 0; side < 2 && work->by_side && sl_dotd(e->normal, e->normal) > 0.0; side++)
+        a.side[side] *= share_by_hull(&w->places, e, side, a.flat[side]);
+    return (sl_voxel_area){{a.side[0], a.side[1]},
+                           a.together ? fmax(a.side[0], a.side[1]) : a.side[0] + a.side[1]};
 }
 
 sl_voxel_area sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o,
@@ -190,7 +174,7 @@ sl_voxel_area sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_opt
     const sl_ellipsoid *e = &gather->ellipsoid;
     double disc = sl_disc_area(e);
     sl_voxel_area area = {{disc, disc}, 0.0};
-    if (o->area == SL_PHOTON_AREA_CLIP && !o->own_photons) area = clipped_area(work, e, w);
+    if (work->clip) area = clipped_area(work, e, w);
     else if (o->area == SL_PHOTON_AREA_SECTION && !o->own_photons) {
         double length = sl_lengthd(gather->mean_normal);
         sl_vec3d n = length > 0.0 ? sl_scaled(gather->mean_normal, 1.0 / length) : e->normal;

@@ -31,14 +31,14 @@ static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_
     w->gathered.place = sl_allocate(k, sizeof *w->gathered.place);
     w->gathered.distance = sl_allocate(k, sizeof *w->gathered.distance);
     w->gathered.keys = sl_allocate(sl_photon_keys(k), sizeof *w->gathered.keys);
-    if (lights->work->surroundings)
+    if (lights->work->clip)
         w->marks.mark = sl_allocate(lights->work->scene->triangle_count, sizeof *w->marks.mark);
     if (pieces > 0) w->pieces = sl_allocate(pieces, sizeof *w->pieces);
     bool good = w->gathered.place && w->gathered.distance && w->gathered.keys &&
-                (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0);
+                (w->marks.mark || !lights->work->clip) && (w->pieces || pieces == 0);
     sl_status status =
         good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
-    return status == SL_OK && lights->work->surroundings ? create_places(k, &w->places, error) : status;
+    return status == SL_OK && lights->work->clip ? create_places(k, &w->places, error) : status;
 }
 
 static void destroy_work(sl_voxel_work *work) {
@@ -57,7 +57,6 @@ static void destroy_work(sl_voxel_work *work) {
     }
     sl_free(work->worker);
     sl_own_photons_release(&work->own);
-    sl_surroundings_destroy(work->surroundings);
     sl_free(work);
 }
 
@@ -72,10 +71,7 @@ static sl_status create_work(sl_voxel_lights *lights, unsigned threads, sl_error
     sl_status status = SL_OK;
     if (status == SL_OK && o->own_photons && work->tree)
         status = sl_own_photons_find(work->octree, work->tree, &work->own, error);
-    if (status == SL_OK && o->area == SL_PHOTON_AREA_CLIP && !o->own_photons) {
-        status = sl_surroundings_create(work->scene, work->octree, o->radius / 16.0, work->workers,
-                                        &work->surroundings, error);
-    }
+    work->clip = o->area == SL_PHOTON_AREA_CLIP && !o->own_photons;
     size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree) : 0;
     for (unsigned i = 0; status == SL_OK && i < work->workers; i++)
         status = create_worker(lights, pieces, &work->worker[i], error);
@@ -216,9 +212,8 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
     const sl_voxel_work *work = lights->work;
     size_t bytes = sizeof *lights + sizeof *work + (lights->leaf_count + 1) * sizeof *lights->first_set;
     bytes += lights->set_count * (sizeof *lights->set + (size_t)lights->texels * sizeof *lights->light);
-    bytes += work->surroundings ? sl_surroundings_bytes(work->surroundings) : 0;
-    size_t marks = work->surroundings ? work->scene->triangle_count * sizeof(uint32_t) : 0;
-    size_t a_photon = work->surroundings ? 89 : 53; /* with its place for the hull, or without */
+    size_t marks = work->clip ? work->scene->triangle_count * sizeof(uint32_t) : 0;
+    size_t a_photon = work->clip ? 89 : 53; /* with its place for the hull, or without */
     return bytes + work->workers *
                        (sizeof *work->worker + marks + sl_voxel_most_neighbours(&lights->options) * a_photon);
 }

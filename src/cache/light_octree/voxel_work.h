@@ -5,8 +5,7 @@
 #define SL_CACHE_LIGHT_OCTREE_VOXEL_WORK_H
 
 #include "cache/light_octree/normal_groups.h"
-#include "cache/light_octree/photon_hull.h"
-#include "cache/light_octree/surroundings.h"
+#include "cache/light_octree/photon_area.h"
 #include "cache/light_octree/voxel_lobes.h"
 
 enum { SL_LEAVES_A_TASK = 16 };
@@ -24,7 +23,7 @@ typedef struct sl_voxel_worker {
     sl_gathered_photons gathered;
     sl_lobe_photons photons;      /* both sides: room for twice k */
     sl_photon_places places;
-    sl_surroundings_marks marks;
+    sl_triangle_marks marks;
     sl_voxel_piece *pieces;
     sl_counters counters;
 } sl_voxel_worker;
@@ -40,7 +39,7 @@ typedef struct sl_voxel_work {
     const sl_scene *scene;
     const sl_octree *octree;
     const sl_photon_tree *tree;
-    sl_surroundings *surroundings; /* clip area alone */
+    bool clip;                    /* areas are those of clipped triangles */
     sl_own_photons own;           /* own_photons alone */
     double cos_acceptance;
     /* photons are taken side by side; off: all of them, whatever their normals */

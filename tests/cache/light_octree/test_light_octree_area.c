@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "cache/light_octree/photon_area.h"
 #include "cache/light_octree/photon_pixels.h"
+#include "trace_scenes.h"
 
 static double number(uint64_t stream, uint64_t i) {
     return (double)sl_random_unit(sl_random_key(31, stream), i);
@@ -125,6 +126,38 @@ static void odd_triangles_have_no_area_and_never_nan(void **state) {
     assert_true(isfinite(sl_section_area(&e, sl_v3d(0, 0, 1), 0.1)));
 }
 
+/* Through the octree every triangle is found once: a ball over a floor, each triangle cut, makes the same. */
+static void the_surface_in_an_ellipsoid_is_the_sum_of_its_triangles(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-2, -1.05f, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), white);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 40, 0.0f, false, white);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_octree *octree = octree_of(scene, 5, 1);
+    sl_triangle_marks marks = {calloc(scene->triangle_count, sizeof *marks.mark), UINT32_MAX - 20};
+    for (uint64_t i = 0; i < 48; i++) {
+        uint32_t triangle;
+        sl_vec3 p = random_on(scene, sl_random_key(77, 0), i, &triangle);
+        sl_ellipsoid e = {sl_to_double(p), sl_to_double(sl_scene_geometric_normal(scene, triangle)), 0.25,
+                          0.2 + 0.5 * number(15, i)};
+        double cut[2] = {0.0, 0.0};
+        for (uint32_t t = 0; t < scene->triangle_count; t++) {
+            sl_vec3d c[3];
+            double cosine = sl_dotd(sl_to_double(sl_scene_geometric_normal(scene, t)), e.normal);
+            for (int k = 0; k < 3; k++)
+                c[k] = sl_to_double(sl_scene_position(scene, scene->vertex[k][t]));
+            if (fabs(cosine) >= 0.5) cut[cosine < 0.0] += sl_triangle_in_ellipsoid(&e, c[0], c[1], c[2]);
+        }
+        sl_strewn_area found = sl_surface_in_ellipsoid(scene, octree, &e, 0.5, &marks);
+        double truth = found.together ? cut[0] + cut[1] : cut[0], disc = sl_disc_area(&e);
+        if (cut[0] + cut[1] < 0.9 * disc) assert_true(fabs(found.side[0] - truth) < 1e-9 * disc);
+    }
+    free(marks.mark);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
 /* ---- photons strewn over surfaces ------------------------------------------------------------ */
 
 /* The floor z = 0 of a room's corner, x and y >= 0, and its walls; N photons a unit of area, each of flux
@@ -242,6 +275,7 @@ int main(void) {
         cmocka_unit_test(section_of_a_tilted_plane_has_its_formulas_area),
         cmocka_unit_test(edges_and_corners_halve_and_quarter_the_disc),
         cmocka_unit_test(odd_triangles_have_no_area_and_never_nan),
+        cmocka_unit_test(the_surface_in_an_ellipsoid_is_the_sum_of_its_triangles),
         cmocka_unit_test(clipped_area_is_right_at_edges_and_corners_where_the_disc_is_not),
         cmocka_unit_test(mirrors_and_surfaces_without_photons_are_dark),
     };

@@ -2,7 +2,7 @@
  * are known. */
 #include "light_octree_photons.h"
 
-#include "cache/light_octree/photon_hull.h"
+#include "cache/light_octree/photon_area.h"
 
 enum { MOST = 400 };
 
@@ -131,7 +131,7 @@ static void what_spans_no_area_says_nothing(void **state) {
     assert_true(none.area == 0.0 && sl_photon_hull_share(&none, 0, 1.0) == 1.0);
     sl_photon_hull tiny = {1e-6, 20};
     assert_true(sl_photon_hull_share(&tiny, 100, 1.0) == 0.1); /* no more than tenfold */
-    assert_true(sl_photon_hull_share(&tiny, 15, 1.0) == 1.0 && sl_photon_hull_share(&tiny, 100, 0.0) == 1.0);
+    assert_true(sl_photon_hull_share(&tiny, 7, 1.0) == 1.0 && sl_photon_hull_share(&tiny, 100, 0.0) == 1.0);
     assert_true(sl_photon_hull_share(&tiny, 100, (double)NAN) == 1.0);
     sl_hull_points_release(&p);
 }
@@ -172,6 +172,31 @@ static void floors_are_not_dark_beside_what_stands_on_them(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* A floor modelled twice, and once more the other way up, is no larger. */
+static void a_floor_modelled_thrice_is_as_bright_as_one(void **state) {
+    (void)state;
+    float xyz[9 * 6];
+    for (size_t k = 0; k < 2; k++) add_quad(xyz, 2 * k, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
+    add_quad(xyz, 4, sl_v3(0, 0, 0), sl_v3(4, 0, 0), sl_v3(0, 0, 4));
+    sl_scene *scene = scene_of_triangles(xyz, 6);
+    sl_voxel_light_options o = plain_options(4);
+    o.neighbours = 300;
+    o.split_by_normal = true;
+    lit l = light_up(scene, 4, even_floor(40000, 3.0f, 9), &o, 1);
+    double count[2] = {0.0, 0.0}, sum[2] = {0.0, 0.0};
+    for (size_t s = 0; s < l.lights->set_count; s++) {
+        sl_vec3 c = l.lights->set[s].centroid;
+        bool edge = c.x < 0.2f || c.z < 0.2f || c.x > 3.8f || c.z > 3.8f;
+        if (l.lights->set[s].lights == 0) continue;
+        sum[edge] += irradiance_on(l.lights, s, sl_v3(0, 1, 0)) / 3.0;
+        count[edge] += 1.0;
+    }
+    end_lit(&l);
+    assert_true(count[0] > 100.0 && count[1] > 40.0);
+    assert_true(fabs(sum[0] / count[0] - 1.0) < 0.02 && fabs(sum[1] / count[1] - 1.0) < 0.05);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_hull_is_that_of_a_slow_search_on_every_instruction_set),
@@ -179,6 +204,7 @@ int main(void) {
         cmocka_unit_test(what_is_not_sure_is_left_as_it_is),
         cmocka_unit_test(what_spans_no_area_says_nothing),
         cmocka_unit_test(floors_are_not_dark_beside_what_stands_on_them),
+        cmocka_unit_test(a_floor_modelled_thrice_is_as_bright_as_one),
     };
     return cmocka_run_group_tests_name("light octree: the hull of photons", tests, NULL, NULL);
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "cache/light_octree/octree.h"
-#include "cache/light_octree/surroundings.h"
+#include "cache/light_octree/photon_area.h"
 #include "trace_scenes.h"
 
 static sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) {
@@ -316,79 +316,6 @@ static void grown_voxels_are_more(void **state) {
     sl_scene_destroy(scene);
 }
 
-static double total_area(const sl_octree *octree) {
-    double sum = 0.0;
-    for (size_t i = 0; i < octree->leaf_count; i++) sum += (double)octree->leaf[i].area;
-    return sum;
-}
-
-/* A sloping square of n x n cells from (low, low) to (high, high), either winding. */
-static size_t add_sheet(float *xyz, size_t at, float low, float high, int n, bool turned) {
-    size_t count = 0;
-    for (int i = 0; i < n * n; i++) {
-        for (int half = 0; half < 2; half++) {
-            const int x[2][3] = {{0, 1, 1}, {0, 1, 0}}, y[2][3] = {{0, 0, 1}, {0, 1, 1}};
-            for (int k = 0; k < 3; k++) {
-                int corner = turned ? 2 - k : k;
-                float *p = xyz + 9 * (at + count) + 3 * k, step = (high - low) / (float)n;
-                p[0] = low + step * (float)(i % n + x[half][corner]);
-                p[1] = low + step * (float)(i / n + (turned ? 1 - y[half][corner] : y[half][corner]));
-                p[2] = 0.25f * p[0] + 0.5f * p[1];
-            }
-            count++;
-        }
-    }
-    return count;
-}
-
-static void coplanar_duplicates_count_once(void **state) {
-    (void)state;
-    static float xyz[9 * 2000];
-    const double unit = sqrt(1.0 + 0.0625 + 0.25); /* a unit square's area on the slope */
-    /* sheets: low, high, n, turned */
-    const struct {
-        float low[3], high[3];
-        int n[3];
-        bool turned[3];
-        double area;
-    } cases[] = {{{0, 0, 0}, {4, 4, 0}, {1, 1, 0}, {false}, 16},             /* the same twice */
-                 /* three times, other diagonal and winding */
-                 {{0, 0, 0}, {4, 4, 4}, {1, 1, 1}, {false, true, false}, 16},
-                 {{0, 0, 0}, {4, 4, 0}, {8, 3, 0}, {false}, 16},              /* cut otherwise */
-                 {{0, 1, 0}, {4, 3, 0}, {2, 1, 0}, {false, true}, 16},        /* a decal */
-                 {{0, 2, 0}, {4, 6, 0}, {4, 4, 0}, {false}, 28},              /* half on half */
-                 {{0, 0, 0}, {4, 0, 0}, {16, 0, 0}, {false}, 16}};            /* alone */
-    for (int k = 0; k < 6; k++) {
-        size_t count = 0;
-        for (int s = 0; s < 3; s++)
-            count +=
-                add_sheet(xyz, count, cases[k].low[s], cases[k].high[s], cases[k].n[s], cases[k].turned[s]);
-        sl_scene *scene = scene_of_triangles(xyz, count);
-        sl_octree *octree = octree_of(scene, 3, 2);
-        double area = total_area(octree) / unit;
-        if (fabs(area - cases[k].area) > 2e-3 * cases[k].area)
-            fail_msg("case %d: an area of %.5f, not %g", k, area, cases[k].area);
-        assert_true((octree->share == NULL) == (k == 5));
-        assert_true(leaves_without_normal(octree) == 0);
-        sl_octree_destroy(octree);
-        sl_scene_destroy(scene);
-    }
-}
-
-/* The end of a wall against another's face, listed before it: a share holds all over a triangle, so that it
- * must be the small one's. */
-static void a_face_loses_no_area_to_the_end_of_a_wall_that_meets_it(void **state) {
-    (void)state;
-    static float xyz[9 * 4];
-    size_t end = add_sheet(xyz, 0, 0, 1, 1, true), count = end + add_sheet(xyz, end, 0, 4, 1, false);
-    sl_scene *scene = scene_of_triangles(xyz, count);
-    sl_octree *octree = octree_of(scene, 3, 1);
-    assert_non_null(octree->share);
-    for (size_t t = 0; t < count; t++) assert_true(octree->share[t] == (t < end ? 0.0f : 1.0f));
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
-}
-
 static void any_number_of_threads_builds_the_same_octree(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(10, 12);
@@ -443,14 +370,11 @@ static void what_lies_under_a_black_or_mirroring_surface_has_no_area(void **stat
     for (int k = 0; k < 3; k++) {
         sl_scene *scene = floor_under_sheets(materials[k][0], materials[k][1]);
         sl_octree *octree = octree_of(scene, 4, 1);
-        sl_surroundings *surroundings;
-        assert_int_equal(sl_surroundings_create(scene, octree, 0.1, 1, &surroundings, NULL), SL_OK);
-        sl_surroundings_marks marks = {calloc(scene->triangle_count, sizeof *marks.mark), 0};
+        sl_triangle_marks marks = {calloc(scene->triangle_count, sizeof *marks.mark), 0};
         sl_ellipsoid e = {{0, 0, 0}, {0, 1, 0}, 0.25, 1.0};
-        double front = sl_surroundings_area(surroundings, &e, 0.5, &marks).front;
+        double front = sl_surface_in_ellipsoid(scene, octree, &e, 0.5, &marks).side[0];
         assert_true(fabs(front / sl_disc_area(&e) - (k == 0 ? 1.0 : 0.5)) < 1e-3);
         free(marks.mark);
-        sl_surroundings_destroy(surroundings);
         sl_octree_destroy(octree);
         sl_scene_destroy(scene);
     }
@@ -469,8 +393,6 @@ int main(void) {
         cmocka_unit_test(the_centroid_of_a_cell_above_is_that_of_the_shallower_octree),
         cmocka_unit_test(opposite_surfaces_leave_a_voxel_without_a_normal),
         cmocka_unit_test(grown_voxels_are_more),
-        cmocka_unit_test(coplanar_duplicates_count_once),
-        cmocka_unit_test(a_face_loses_no_area_to_the_end_of_a_wall_that_meets_it),
         cmocka_unit_test(any_number_of_threads_builds_the_same_octree),
         cmocka_unit_test(cells_with_black_or_mirroring_surfaces_alone_are_no_leaves),
         cmocka_unit_test(what_lies_under_a_black_or_mirroring_surface_has_no_area),
