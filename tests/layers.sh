@@ -12,7 +12,7 @@ allow() { # allow FOLDER REGEX-OF-ALLOWED
 allow base 'base/'
 allow image '(base|image)/'
 allow scene '(base|image|scene)/'
-allow import '(import|base|scene)/'
+allow import '(import|base|image|scene)/'
 allow raster '(base|image|scene|raster)/'
 allow trace '(base|image|scene|trace)/'
 allow cache '(base|image|scene|raster|trace|cache)/'

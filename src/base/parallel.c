@@ -73,7 +73,7 @@ static void note_fork(void) { atomic_store_explicit(&forked, true, memory_order_
  * that. */
 __attribute__((constructor)) static void watch_forks(void) { pthread_atfork(NULL, NULL, note_fork); }
 
-bool sl_process_was_forked(void) { return atomic_load_explicit(&forked, memory_order_relaxed); }
+static bool was_forked(void) { return atomic_load_explicit(&forked, memory_order_relaxed); }
 
 /* ---- threads that last for one loop ---------------------------------------------------------- */
 
@@ -134,7 +134,7 @@ static bool inside_another(void) { return inside_loop || omp_in_parallel(); }
 
 static void run_on_threads(unsigned threads, size_t count, sl_task *task, void *context) {
     /* In a child of fork() the runtime would wait for threads that only the parent has. */
-    if (sl_process_was_forked() || !can_have_team(threads)) {
+    if (was_forked() || !can_have_team(threads)) {
         run_on_own_threads(threads, count, task, context);
         return;
     }

@@ -12,9 +12,6 @@ typedef void sl_task(void *context, size_t index, unsigned worker);
  * Tasks are handed out one by one in index order. Returns when all are done. Calls from inside a task run on
  * that worker alone (worker 0). */
 void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *context);
-/* Tells whether this is a child of the process that loaded the library: what threads other libraries keep for
- * their work, it has not. */
-bool sl_process_was_forked(void);
 /* Returns how many threads beside the caller's, of `wanted`, the system would start now: it has been made to,
  * and they have ended again. */
 unsigned sl_threads_to_be_had(unsigned wanted);

@@ -1,6 +1,5 @@
 /* Reading OpenEXR through its C library. The picture is the display window: what the data window leaves of it
- * is black, and data outside it is dropped. Chunks are decoded as they are stored, and converted to floats
- * here. */
+ * is black, and data outside it is dropped. */
 #include "image/formats.h"
 
 #include "base/error.h"
@@ -209,40 +208,6 @@ static sl_status copy_metadata(exr_reader *reader, sl_error *error) {
 
 /* ---- pixels ---------------------------------------------------------------------------------- */
 
-/* IEEE 754 binary16 to binary32, exact; NaN keeps its payload. */
-static float half_to_float(uint16_t half) {
-    uint32_t sign = (uint32_t)(half & 0x8000u) << 16, exponent = (half >> 10) & 31u, mantissa = half & 1023u,
-             bits;
-    if (exponent == 31) {
-        bits = sign | 0x7f800000u | mantissa << 13;
-    } else if (exponent > 0) {
-        bits = sign | (exponent + 112u) << 23 | mantissa << 13;
-    } else {
-        float magnitude = (float)mantissa * 0x1p-24f; /* denormal, or 0 */
-        memcpy(&bits, &magnitude, sizeof bits);
-        bits |= sign;
-    }
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static void convert_row(float *to, const uint8_t *from, size_t first, size_t count, exr_pixel_type_t type) {
-    for (size_t i = 0; i < count; i++) {
-        if (type == EXR_PIXEL_HALF) {
-            uint16_t half;
-            memcpy(&half, from + 2 * (first + i), sizeof half);
-            to[i] = half_to_float(half);
-        } else if (type == EXR_PIXEL_UINT) {
-            uint32_t integer;
-            memcpy(&integer, from + 4 * (first + i), sizeof integer);
-            to[i] = (float)integer;
-        } else {
-            memcpy(&to[i], from + 4 * (first + i), sizeof to[i]);
-        }
-    }
-}
-
 /* Copies what of a decoded chunk, whose first pixel is (x0, y0), lies in the display window. */
 static void place_chunk(const exr_reader *reader, const exr_decode_pipeline_t *decoder, int64_t x0,
                         int64_t y0) {
@@ -260,7 +225,12 @@ static void place_chunk(const exr_reader *reader, const exr_decode_pipeline_t *d
                 reader->chunk + (size_t)c * chunk_plane + (size_t)row * (size_t)channel->user_line_stride;
             float *to =
                 image->planes + (size_t)reader->plane[c] * plane + (size_t)(y * image->width + left + first);
-            convert_row(to, from, (size_t)first, (size_t)(end - first), (exr_pixel_type_t)channel->data_type);
+            for (int64_t i = first; i < end; i++, to++) {
+                uint32_t whole;
+                memcpy(&whole, from + 4 * i, sizeof whole);
+                if (channel->data_type == EXR_PIXEL_UINT) *to = (float)whole;
+                else memcpy(to, &whole, sizeof whole);
+            }
         }
     }
 }
@@ -274,41 +244,35 @@ static bool decode_chunk(exr_reader *reader, const exr_chunk_info_t *info, exr_d
     for (int c = 0; c < decoder->channel_count; c++) {
         exr_coding_channel_info_t *channel = &decoder->channels[c];
         channel->decode_to_ptr = reader->chunk + (size_t)c * chunk_plane;
-        channel->user_pixel_stride = channel->user_bytes_per_element = channel->bytes_per_element;
-        channel->user_data_type = channel->data_type;
-        channel->user_line_stride = channel->width * channel->bytes_per_element;
+        channel->user_pixel_stride = channel->user_bytes_per_element = 4;
+        channel->user_data_type =
+            channel->data_type == EXR_PIXEL_UINT ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
+        channel->user_line_stride = 4 * channel->width;
     }
     /* The choice depends on the size of the chunk's rows, which differs in the last tile of a row. */
     return exr_decoding_choose_default_routines(reader->context, 0, decoder) == EXR_ERR_SUCCESS &&
            exr_decoding_run(reader->context, 0, decoder) == EXR_ERR_SUCCESS;
 }
 
-static bool read_scan_lines(exr_reader *reader, exr_decode_pipeline_t *decoder) {
-    for (int64_t y = reader->data.min.y; y <= reader->data.max.y; y += reader->chunk_height) {
-        exr_chunk_info_t info;
-        if (exr_read_scanline_chunk_info(reader->context, 0, (int)y, &info) != EXR_ERR_SUCCESS ||
-            !decode_chunk(reader, &info, decoder)) {
-            return false;
-        }
-        place_chunk(reader, decoder, reader->data.min.x, y);
-    }
-    return true;
+static exr_result_t find_chunk(const exr_reader *reader, bool tiled, int column, int row, int y,
+                               exr_chunk_info_t *info) {
+    return tiled ? exr_read_tile_chunk_info(reader->context, 0, column, row, 0, 0, info)
+                 : exr_read_scanline_chunk_info(reader->context, 0, y, info);
 }
 
-static bool read_tiles(exr_reader *reader, exr_decode_pipeline_t *decoder) {
-    int64_t across = (reader->data_width + reader->chunk_width - 1) / reader->chunk_width;
-    int64_t down = (reader->data_height + reader->chunk_height - 1) / reader->chunk_height;
-    for (int64_t row = 0; row < down; row++) {
-        for (int64_t column = 0; column < across; column++) {
-            exr_chunk_info_t info;
-            if (exr_read_tile_chunk_info(reader->context, 0, (int)column, (int)row, 0, 0, &info) !=
-                    EXR_ERR_SUCCESS ||
-                !decode_chunk(reader, &info, decoder)) {
-                return false;
-            }
-            place_chunk(reader, decoder, reader->data.min.x + column * reader->chunk_width,
-                        reader->data.min.y + row * reader->chunk_height);
-        }
+/* Chunks are tiles, or as wide as the picture. */
+static bool read_chunks(exr_reader *reader, bool tiled, exr_decode_pipeline_t *decoder) {
+    const int64_t across = (reader->data_width + reader->chunk_width - 1) / reader->chunk_width,
+                  down = (reader->data_height + reader->chunk_height - 1) / reader->chunk_height;
+    for (int64_t i = 0; i < across * down; i++) {
+        const int64_t x = reader->data.min.x + i % across * reader->chunk_width,
+                      y = reader->data.min.y + i / across * reader->chunk_height;
+        exr_chunk_info_t info;
+        if (find_chunk(reader, tiled, (int)(i % across), (int)(i / across), (int)y, &info) !=
+                EXR_ERR_SUCCESS ||
+            !decode_chunk(reader, &info, decoder))
+            return false;
+        place_chunk(reader, decoder, x, y);
     }
     return true;
 }
@@ -333,7 +297,7 @@ static sl_status read_pixels(exr_reader *reader, sl_error *error) {
     reader->chunk = sl_allocate(chunk_values * (size_t)reader->channels->num_channels, 4);
     if (!reader->chunk) return sl_fail_memory(error, reader->source.bytes->path);
     exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
-    bool done = tiled ? read_tiles(reader, &decoder) : read_scan_lines(reader, &decoder);
+    bool done = read_chunks(reader, tiled, &decoder);
     if (decoder.channels) exr_decoding_destroy(reader->context, &decoder);
     return done ? SL_OK : fail_reading(reader, error);
 }

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 
 #include <openexr.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -74,62 +75,21 @@ static exr_result_t add_metadata(exr_context_t context, const sl_image *image) {
  * file unreadable; the others are its standard attributes of other types (up to 3.4), which readers take for
  * these. */
 static const char *reserved_key(const sl_image *image) {
-    static const char *const reserved[] = {"channels",
-                                           "compression",
-                                           "dataWindow",
-                                           "displayWindow",
-                                           "lineOrder",
-                                           "pixelAspectRatio",
-                                           "screenWindowCenter",
-                                           "screenWindowWidth",
-                                           "name",
-                                           "type",
-                                           "version",
-                                           "chunkCount",
-                                           "tiles",
-                                           "view",
-                                           "maxSamplesPerPixel",
-                                           "adoptedNeutral",
-                                           "altitude",
-                                           "aperture",
-                                           "cameraCCTSetting",
-                                           "cameraColorBalance",
-                                           "cameraTintSetting",
-                                           "captureRate",
-                                           "chromaticities",
-                                           "deepImageState",
-                                           "dwaCompressionLevel",
-                                           "effectiveFocalLength",
-                                           "entrancePupilOffset",
-                                           "envmap",
-                                           "expTime",
-                                           "focus",
-                                           "framesPerSecond",
-                                           "idManifest",
-                                           "imageCounter",
-                                           "isoSpeed",
-                                           "keyCode",
-                                           "latitude",
-                                           "longitude",
-                                           "multiView",
-                                           "nominalFocalLength",
-                                           "originalDataWindow",
-                                           "pinholeFocalLength",
-                                           "preview",
-                                           "sensorAcquisitionRectangle",
-                                           "sensorCenterOffset",
-                                           "sensorOverallDimensions",
-                                           "sensorPhotositePitch",
-                                           "shutterAngle",
-                                           "tStop",
-                                           "timeCode",
-                                           "utcOffset",
-                                           "whiteLuminance",
-                                           "worldToCamera",
-                                           "worldToNDC",
-                                           "xDensity"};
-    for (size_t r = 0; r < sizeof reserved / sizeof *reserved; r++) {
-        if (sl_image_metadata(image, reserved[r])) return reserved[r];
+    static const char reserved[] =
+        " channels compression dataWindow displayWindow lineOrder pixelAspectRatio"
+        " screenWindowCenter screenWindowWidth name type version chunkCount tiles view"
+        " maxSamplesPerPixel adoptedNeutral altitude aperture cameraCCTSetting cameraColorBalance"
+        " cameraTintSetting captureRate chromaticities deepImageState dwaCompressionLevel"
+        " effectiveFocalLength entrancePupilOffset envmap expTime focus framesPerSecond"
+        " idManifest imageCounter isoSpeed keyCode latitude longitude multiView"
+        " nominalFocalLength originalDataWindow pinholeFocalLength preview"
+        " sensorAcquisitionRectangle sensorCenterOffset sensorOverallDimensions"
+        " sensorPhotositePitch shutterAngle tStop timeCode utcOffset whiteLuminance worldToCamera"
+        " worldToNDC xDensity ";
+    for (size_t i = 0; i < image->metadata_count; i++) {
+        char word[SL_METADATA_KEY_MAX + 2];
+        snprintf(word, sizeof word, " %s ", image->metadata[i].key);
+        if (!strchr(image->metadata[i].key, ' ') && strstr(reserved, word)) return image->metadata[i].key;
     }
     return NULL;
 }

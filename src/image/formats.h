@@ -11,8 +11,8 @@ typedef struct sl_bytes {
     size_t size;
 } sl_bytes;
 
-/* The whole file; data is freed with sl_free(). */
-sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error);
+/* Reads a whole file of at most so many bytes; behind them is a zero. Freed with sl_free(data). */
+sl_status sl_bytes_read(const char *path, size_t most, sl_bytes *bytes, sl_error *error);
 /* Refuses a size that no file of so few bytes can mean, before memory is asked for. `expansion`: the most
  * pixels that a byte can hold in the format. */
 sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion,

@@ -10,6 +10,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdint.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
@@ -17,34 +18,35 @@
 
 /* ---- bytes ----------------------------------------------------------------------------------- */
 
-static sl_status read_descriptor(int descriptor, sl_bytes *bytes, sl_error *error) {
-    struct stat status;
-    if (fstat(descriptor, &status) != 0) {
-        return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: %s", bytes->path, strerror(errno));
-    }
-    if (!S_ISREG(status.st_mode))
-        return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: not a file", bytes->path);
-    size_t size = (size_t)status.st_size;
-    bytes->data = sl_allocate(size, 1);
+static sl_status read_descriptor(int descriptor, size_t most, sl_bytes *bytes, sl_error *error) {
+    struct stat about;
+    if (fstat(descriptor, &about) != 0)
+        return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read: %s", bytes->path, strerror(errno));
+    if (!S_ISREG(about.st_mode)) return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file", bytes->path);
+    const size_t size = (size_t)about.st_size;
+    if (size > most)
+        return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file of at most %zu bytes, got %zu",
+                       bytes->path, most, size);
+    bytes->data = sl_allocate(size + 1, 1);
     if (!bytes->data) return sl_fail_memory(error, bytes->path);
     while (bytes->size < size) {
         ssize_t got = read(descriptor, bytes->data + bytes->size, size - bytes->size);
         if (got < 0 && errno == EINTR) continue;
         if (got < 0)
-            return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: %s", bytes->path, strerror(errno));
+            return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read: %s", bytes->path, strerror(errno));
         if (got == 0) break;
         bytes->size += (size_t)got;
     }
     return SL_OK;
 }
 
-sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error) {
+sl_status sl_bytes_read(const char *path, size_t most, sl_bytes *bytes, sl_error *error) {
     *bytes = (sl_bytes){path, NULL, 0};
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0)
-        return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "cannot read %s: %s", path,
+        return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path,
                        strerror(errno));
-    sl_status status = read_descriptor(descriptor, bytes, error);
+    sl_status status = read_descriptor(descriptor, most, bytes, error);
     close(descriptor);
     if (status != SL_OK) {
         sl_free(bytes->data);
@@ -93,7 +95,7 @@ sl_status sl_decode_texels(const char *path, const void *memory, size_t size, in
         if (!bytes.data) return sl_fail_memory(error, path);
         if (size) memcpy(bytes.data, memory, size);
     } else {
-        sl_status status = sl_bytes_read(path, &bytes, error);
+        sl_status status = sl_bytes_read(path, SIZE_MAX - 1, &bytes, error);
         if (status != SL_OK) return status;
     }
     sl_status status = sl_png_recognise(&bytes)
@@ -165,7 +167,7 @@ static sl_status read_with(decoder *decode, const char *path, sl_image **image, 
     *image = NULL;
     if (!path) return sl_fail_null(error, "the name of a picture's file");
     sl_bytes bytes;
-    sl_status status = sl_bytes_read(path, &bytes, error);
+    sl_status status = sl_bytes_read(path, SIZE_MAX - 1, &bytes, error);
     if (status == SL_OK) status = decode(&bytes, image, error);
     sl_free(bytes.data);
     return status;

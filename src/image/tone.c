@@ -37,7 +37,7 @@ static double log_average_luminance(const float *const planes[3], size_t pixels)
     return count ? sl_exp(sum / (double)count) : 0.18;
 }
 
-double sl_tone_exposure(const sl_image *image, sl_tone tone) {
+static double exposure_of(const sl_image *image, sl_tone tone) {
     const float *planes[3];
     double factor = sl_pow(2.0, (double)tone.exposure_stops);
     if (!tone.automatic || !sl_picture_planes(image, planes)) return factor;
@@ -84,7 +84,7 @@ static double stops_of(double exposure) {
 }
 
 double sl_tone_stops(const sl_image *image, sl_tone tone) {
-    return tone.automatic ? stops_of(sl_tone_exposure(image, tone)) : (double)tone.exposure_stops;
+    return tone.automatic ? stops_of(exposure_of(image, tone)) : (double)tone.exposure_stops;
 }
 
 const char *sl_tone_curve_name(size_t index) {
@@ -109,7 +109,7 @@ sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl
         return sl_fail(error, SL_ERROR_USAGE,
                        "a PNG needs the channels R, G, B or Y, which the image does not have");
     }
-    double exposure = sl_tone_exposure(image, *tone);
+    double exposure = exposure_of(image, *tone);
     if (tone->automatic) *tone = (sl_tone){tone->curve, (float)stops_of(exposure), false};
     map_planes(planes, (size_t)image->width * (size_t)image->height, exposure, tone->curve, bytes);
     return SL_OK;

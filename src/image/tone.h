@@ -6,11 +6,9 @@
 
 /* The planes R, G, B, or, where one of them is missing, Y three times; false where there is no Y either. */
 bool sl_picture_planes(const sl_image *image, const float *planes[3]);
-/* The factor that tone's exposure means for an image: 2^exposure_stops, times 0.18 / (log-average luminance)
- * where it is automatic. The average is over the pixels with finite positive luminance; without any it is
- * taken as 0.18. */
-double sl_tone_exposure(const sl_image *image, sl_tone tone);
-/* log2 of that factor, finite. */
+/* log2 of the factor that tone's exposure means for an image, finite: its stops, and where it is automatic
+ * log2 of 0.18 / (log-average luminance) more. The average is over the pixels with finite positive luminance;
+ * without any it is taken as 0.18. */
 double sl_tone_stops(const sl_image *image, sl_tone tone);
 /* The picture that a PNG of the image shows, read back: R, G, B in linear light, after 2^stops and the curve.
  */

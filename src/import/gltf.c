@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "image/formats.h"
 #include "scene/file.h"
 
 static const cJSON *member(const cJSON *item, const char *name) {
@@ -129,13 +130,12 @@ static cJSON *parse(const char *data, size_t size) {
 }
 
 sl_status sl_gltf_read(const char *path, sl_model *model, sl_gltf *gltf, sl_error *error) {
-    char *data;
-    size_t size;
+    sl_bytes bytes;
     *gltf = (sl_gltf){0};
-    sl_status status = sl_file_read(path, &data, &size, error);
+    sl_status status = sl_bytes_read(path, SL_FILE_BYTES, &bytes, error);
     if (status != SL_OK) return status;
-    gltf->root = parse(data, size);
-    sl_free(data);
+    gltf->root = parse((char *)bytes.data, bytes.size);
+    sl_free(bytes.data);
     if (!gltf->root && sl_memory_has_ended()) return sl_fail_memory(error, path);
     if (!cJSON_IsObject(gltf->root))
         return sl_fail(error, SL_ERROR_INPUT, "%s: expected a glTF file: its JSON cannot be read", path);

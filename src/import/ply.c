@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "image/formats.h"
 #include "import/assimp.h"
 #include "scene/file.h"
 
@@ -108,13 +109,13 @@ static bool begins_with_line(const char *data, size_t size, const char *word) {
 }
 
 sl_status sl_ply_check(const char *path, sl_error *error) {
-    char *data;
-    size_t size;
-    sl_status status = sl_file_read(path, &data, &size, error);
+    sl_bytes bytes;
+    sl_status status = sl_bytes_read(path, SL_FILE_BYTES, &bytes, error);
     if (status != SL_OK) return status;
+    const char *data = (const char *)bytes.data;
     header h = {.path = path, .line = 1, .error = error};
-    if (sl_file_has_extension(path, ".ply") || begins_with_line(data, size, "ply"))
-        status = check(&h, data, size);
-    sl_free(data);
+    if (sl_file_has_extension(path, ".ply") || begins_with_line(data, bytes.size, "ply"))
+        status = check(&h, data, bytes.size);
+    sl_free(bytes.data);
     return status;
 }

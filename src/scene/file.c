@@ -18,47 +18,6 @@ bool sl_file_exists(const char *path) {
     return stat(path, &about) == 0 && S_ISREG(about.st_mode);
 }
 
-static sl_status read_all(FILE *file, const char *path, char **data, size_t *size, sl_error *error) {
-    if (fseek(file, 0, SEEK_END) != 0)
-        return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read: %s", path, strerror(errno));
-    long length = ftell(file);
-    rewind(file);
-    if (length < 0) return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read: %s", path, strerror(errno));
-    *data = sl_allocate((size_t)length + 1, 1);
-    if (!*data)
-        return sl_fail(error, SL_ERROR_RESOURCES, "%s: not enough memory for %ld bytes", path, length);
-    *size = fread(*data, 1, (size_t)length, file);
-    if (*size == (size_t)length) return SL_OK;
-    sl_free(*data);
-    *data = NULL;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read to its end", path);
-}
-
-sl_status sl_file_check_size(const char *path, size_t size, sl_error *error) {
-    if (size <= SL_FILE_BYTES) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file of at most %zu bytes, got %zu", path,
-                   SL_FILE_BYTES, size);
-}
-
-sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error) {
-    *data = NULL;
-    *size = 0;
-    struct stat about;
-    if (stat(path, &about) != 0)
-        return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path,
-                       strerror(errno));
-    if (!S_ISREG(about.st_mode)) return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file", path);
-    sl_status status = sl_file_check_size(path, (size_t)about.st_size, error);
-    if (status != SL_OK) return status;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path,
-                       strerror(errno));
-    status = read_all(file, path, data, size, error);
-    fclose(file);
-    return status;
-}
-
 const char *sl_file_name(const char *path) {
     const char *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;

@@ -1,4 +1,4 @@
-/* Small things that all readers need: whole files, paths, names. */
+/* Small things that all readers need: paths and names. */
 #ifndef SL_SCENE_FILE_H
 #define SL_SCENE_FILE_H
 
@@ -7,12 +7,9 @@
 
 #include "softlux.h"
 
-/* Larger files are refused: the readers count bytes in 31 bits. */
+/* Larger files are refused: the readers of text count bytes in 31 bits. */
 #define SL_FILE_BYTES ((size_t)INT32_MAX)
-sl_status sl_file_check_size(const char *path, size_t size, sl_error *error);
 
-/* The whole file and a NUL behind it; release with sl_free(). Failing names the file and the reason. */
-sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error);
 /* Tells whether there is a file (not a folder) that can be read. */
 bool sl_file_exists(const char *path);
 /* What stands behind a path's last slash. */

@@ -10,7 +10,7 @@
 #include "softlux.h"
 
 /* What a file may hold at most (docs/scene-format.md): more is an error. */
-enum { SL_JSON_BYTES = 64 << 20, SL_JSON_NESTING = 64, SL_JSON_ENTRIES = 65536, SL_JSON_STRING = 4095 };
+enum { SL_JSON_BYTES = 64 << 20, SL_JSON_ENTRIES = 65536, SL_JSON_STRING = 4095 };
 
 typedef struct sl_json {
     const char *path;
@@ -20,7 +20,7 @@ typedef struct sl_json {
     sl_error *error;
 } sl_json;
 
-/* Syntax errors give their line. */
+/* Syntax errors give their line. The parser (cJSON) takes numbers as 012 and 2. for 12 and 2. */
 sl_status sl_json_open(const char *path, sl_json *json, sl_error *error);
 void sl_json_close(sl_json *json);
 

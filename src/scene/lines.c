@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "image/formats.h"
 #include "scene/file.h"
 
 enum { MOST_DECIMALS = 15 /* of a fraction; more are passed over */, MOST_EXPONENT = 1000 };
@@ -33,16 +34,17 @@ static sl_status refuse_zeros(const char *text, size_t size, const char *path, s
 }
 
 sl_status sl_lines_open(const char *path, char **text, sl_lines *lines, sl_error *error) {
-    size_t size;
-    sl_status status = sl_file_read(path, text, &size, error);
-    if (status == SL_OK) status = refuse_zeros(*text, size, path, error);
+    sl_bytes bytes;
+    sl_status status = sl_bytes_read(path, SL_FILE_BYTES, &bytes, error);
+    if (status == SL_OK) status = refuse_zeros((char *)bytes.data, bytes.size, path, error);
+    *text = (char *)bytes.data;
     if (status != SL_OK) {
         sl_free(*text);
         *text = NULL;
         return status;
     }
-    size_t mark = strncmp(*text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* of UTF-8 */
-    *lines = (sl_lines){path, *text + mark, *text + size, *text + size, 1, 1, error};
+    char *end = *text + bytes.size, *start = *text + (strncmp(*text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
+    *lines = (sl_lines){path, start, end, end, 1, 1, error};
     return SL_OK;
 }
 

@@ -76,7 +76,10 @@ static void cut_at(ring *r, uint32_t i, uint32_t *triangle) {
     for (; i < r->left; i++) r->corner[i] = r->corner[i + 1];
 }
 
-void sl_polygon_cut(const float *positions, uint32_t count, uint32_t *triangles) {
+/* Cuts a polygon into count - 2 triangles, along its diagonals where it does not cross itself and has at most
+ * 256 corners: a convex one from its first corner. positions: 3 numbers a corner; triangles: 3 numbers of
+ * corners each. */
+static void cut_polygon(const float *positions, uint32_t count, uint32_t *triangles) {
     ring r = {.positions = positions, .left = count};
     if (count == 3 || count > MOST_CORNERS) {
         for (uint32_t i = 0; i + 2 < count; i++)
@@ -122,7 +125,7 @@ sl_status sl_polygons_place(sl_polygons *p, const char *path, uint32_t material,
         mesh.positions = gather(p, SL_CORNER_POSITION, 3, p->gathered);
         mesh.normals = gather(p, SL_CORNER_NORMAL, 3, p->gathered + 3 * count);
         mesh.uvs = gather(p, SL_CORNER_UV, 2, p->gathered + 6 * count);
-        sl_polygon_cut(mesh.positions, (uint32_t)count, p->cut);
+        cut_polygon(mesh.positions, (uint32_t)count, p->cut);
     }
     p->corner_count = 0;
     return count < 3 ? SL_OK : sl_model_add_mesh(model, path, &mesh, placement, error);

@@ -36,9 +36,4 @@ void sl_polygons_release(sl_polygons *polygons);
 sl_status sl_polygons_place(sl_polygons *polygons, const char *path, uint32_t material, uint32_t object,
                             const sl_affine *placement, sl_model *model, sl_error *error);
 
-/* Cuts a polygon into count - 2 triangles, along its diagonals where it does not cross itself and has at most
- * 256 corners: a convex one from its first corner. positions: 3 numbers a corner; triangles: 3 numbers of
- * corners each. */
-void sl_polygon_cut(const float *positions, uint32_t count, uint32_t *triangles);
-
 #endif

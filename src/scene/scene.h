@@ -215,11 +215,7 @@ sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, floa
  * far larger than a texel. */
 sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float w1, float w2);
 bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, float w2);
-/* For who cannot ask the mask at each point of a lamp: points spread evenly over a masked triangle, as fine
- * as its mask's texels, up to 4096 of them; where each lies, and whether the mask is opaque there; and the
- * share of them that are. 1 without a mask. */
-int sl_scene_mask_points(const sl_scene *scene, uint32_t triangle);
-bool sl_scene_mask_point(const sl_scene *scene, uint32_t triangle, int index, float *w1, float *w2);
+/* The share of a triangle that its mask leaves, of points spread evenly over it; 1 without a mask. */
 float sl_scene_opaque_share(const sl_scene *scene, uint32_t triangle);
 /* the triangle's material has an alpha mask */
 bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle);

@@ -99,14 +99,14 @@ static double masked_texels(const sl_scene *scene, uint32_t triangle) {
     return (wide * mask->width + 1.0) * (high * mask->height + 1.0);
 }
 
-int sl_scene_mask_points(const sl_scene *scene, uint32_t triangle) {
+static int mask_points(const sl_scene *scene, uint32_t triangle) {
     enum { A_TEXEL = 16, LEAST = 1024, MOST = 4096 };
     const double wanted = A_TEXEL * masked_texels(scene, triangle);
     return wanted < MOST ? (wanted > LEAST ? (int)wanted : LEAST) : MOST;
 }
 
 /* Roberts's sequence, folded into the triangle: unlike a grid it keeps no step with stripes and lattices. */
-bool sl_scene_mask_point(const sl_scene *scene, uint32_t triangle, int index, float *w1, float *w2) {
+static bool mask_point(const sl_scene *scene, uint32_t triangle, int index, float *w1, float *w2) {
     const double a1 = 0.75487766624669276, a2 = 0.56984029099805327; /* 1/g and 1/g^2, g^3 = g + 1 */
     double x = 0.5 + a1 * index, y = 0.5 + a2 * index;
     x -= (double)(int)x;
@@ -119,11 +119,11 @@ bool sl_scene_mask_point(const sl_scene *scene, uint32_t triangle, int index, fl
 
 float sl_scene_opaque_share(const sl_scene *scene, uint32_t triangle) {
     if (!sl_scene_has_alpha(scene, triangle)) return 1.0f;
-    const int count = sl_scene_mask_points(scene, triangle);
+    const int count = mask_points(scene, triangle);
     int opaque = 0;
     for (int i = 0; i < count; i++) {
         float w1, w2;
-        opaque += sl_scene_mask_point(scene, triangle, i, &w1, &w2);
+        opaque += mask_point(scene, triangle, i, &w1, &w2);
     }
     return (float)opaque / (float)count;
 }

@@ -84,7 +84,7 @@ static float filter(const footprint *f, const float value[4]) {
     return sl_texel_bilinear(value[0], value[1], value[2], value[3], f->right, f->up);
 }
 
-sl_rgb sl_texture_texel(const sl_texture *texture, int column, int row) {
+static sl_rgb texel_at(const sl_texture *texture, int column, int row) {
     const uint8_t *t = texture->texels + 4 * ((size_t)row * (size_t)texture->width + (size_t)column);
     return (sl_rgb){sl_srgb_to_linear[t[0]], sl_srgb_to_linear[t[1]], sl_srgb_to_linear[t[2]]};
 }
@@ -109,7 +109,7 @@ static int place_nearest(float coordinate, int size) {
 }
 
 sl_rgb sl_texture_nearest(const sl_texture *texture, float u, float v) {
-    return sl_texture_texel(texture, place_nearest(u, texture->width),
+    return texel_at(texture, place_nearest(u, texture->width),
                             texture->height - 1 - place_nearest(v, texture->height));
 }
 

@@ -47,15 +47,6 @@ static void every_item_is_computed_once_into_its_own_place_and_counted(void **st
     }
 }
 
-static void an_empty_batch_does_nothing(void **state) {
-    (void)state;
-    uint32_t none = 77;
-    sl_counters counters = {{0}};
-    run(4, 0, &none, &counters);
-    assert_int_equal(none, 77);
-    assert_int_equal(counters.value[SL_COUNT_RAYS], 0);
-}
-
 static void without_memory_for_counters_the_caller_computes_everything(void **state) {
     (void)state;
     uint32_t results[ITEMS];
@@ -71,7 +62,6 @@ static void without_memory_for_counters_the_caller_computes_everything(void **st
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_is_computed_once_into_its_own_place_and_counted),
-        cmocka_unit_test(an_empty_batch_does_nothing),
         cmocka_unit_test(without_memory_for_counters_the_caller_computes_everything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

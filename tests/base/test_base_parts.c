@@ -132,34 +132,6 @@ static void frames_are_orthonormal_for_every_normal(void **state) {
 
 /* ---- parallel.h ---- */
 
-typedef struct {
-    atomic_uint *done;
-    atomic_uint workers_out_of_range;
-    unsigned threads;
-} loop_record;
-
-static void note(void *context, size_t index, unsigned worker) {
-    loop_record *r = context;
-    atomic_fetch_add(&r->done[index], 1);
-    if (worker >= r->threads) atomic_fetch_add(&r->workers_out_of_range, 1);
-}
-
-static void every_index_runs_once_at_any_number_of_threads(void **state) {
-    (void)state;
-    unsigned threads[] = {1, 2, 3, 7};
-    size_t counts[] = {0, 1, 2, 5, 1000};
-    for (int t = 0; t < 4; t++) {
-        for (int c = 0; c < 5; c++) {
-            atomic_uint done[1000];
-            for (int i = 0; i < 1000; i++) atomic_init(&done[i], 0);
-            loop_record r = {done, 0, threads[t]};
-            sl_parallel_for(threads[t], counts[c], note, &r);
-            for (size_t i = 0; i < 1000; i++) assert_int_equal(atomic_load(&done[i]), i < counts[c] ? 1 : 0);
-            assert_int_equal(atomic_load(&r.workers_out_of_range), 0);
-        }
-    }
-}
-
 /* Scratch memory is chosen by the worker: two tasks never hold the same one at once. */
 typedef struct {
     atomic_flag busy[7];
@@ -288,7 +260,6 @@ int main(void) {
         cmocka_unit_test(streams_and_seeds_are_not_correlated),
         cmocka_unit_test(normalizing_gives_a_unit_vector_or_the_fallback),
         cmocka_unit_test(frames_are_orthonormal_for_every_normal),
-        cmocka_unit_test(every_index_runs_once_at_any_number_of_threads),
         cmocka_unit_test(a_worker_runs_one_task_at_a_time),
         cmocka_unit_test(nested_loops_run_alone_and_in_order),
         cmocka_unit_test(allocation_is_aligned_and_zeroed),

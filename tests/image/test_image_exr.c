@@ -294,27 +294,6 @@ static void compression_beyond_the_library_is_said_to_be_unsupported(void **stat
     free(bytes);
 }
 
-/* Of 40,000 each compared with each other would be 800 million comparisons, of which one takes some
- * nanoseconds. */
-static void names_of_many_channels_take_no_time(void **state) {
-    (void)state;
-    enum { MANY = 40000, LENGTH = 40 };
-    char *text = malloc((size_t)MANY * LENGTH);
-    const char **names = malloc(MANY * sizeof *names);
-    sl_image *image;
-    for (size_t c = 0; c < MANY; c++)
-        snprintf(text + LENGTH * c, LENGTH, "a channel with a long name %zu", c),
-            names[c] = text + LENGTH * c;
-    clock_t begin = clock();
-    assert_int_equal(sl_image_create(1, 1, MANY, names, &image, NULL), SL_OK);
-    assert_true((double)(clock() - begin) / CLOCKS_PER_SEC < 1.0);
-    sl_image_destroy(image);
-    names[MANY / 2] = names[7];
-    assert_int_equal(sl_image_create(1, 1, MANY, names, &image, NULL), SL_ERROR_USAGE);
-    free(text);
-    free(names);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_layered_image_comes_back_bit_for_bit),
@@ -323,7 +302,6 @@ int main(void) {
         cmocka_unit_test(metadata_comes_back),
         cmocka_unit_test(metadata_with_a_name_of_the_format_is_refused),
         cmocka_unit_test(every_compression_of_half_float_and_uint_is_read),
-        cmocka_unit_test(names_of_many_channels_take_no_time),
         cmocka_unit_test(special_halves_are_converted_exactly),
         cmocka_unit_test(the_display_window_is_the_picture),
         cmocka_unit_test(subsampled_channels_are_refused_by_name),

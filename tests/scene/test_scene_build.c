@@ -105,17 +105,6 @@ static void tiny_and_huge_triangles_keep_a_normal(void **state) {
     }
 }
 
-static void a_scene_without_triangles_is_refused(void **state) {
-    (void)state;
-    sl_scene_parts parts = square_parts();
-    parts.triangle_count = 0;
-    refuse(&parts, "no triangles");
-    const uint32_t lines[6] = {0, 1, 0, 2, 2, 2};
-    parts.triangle_count = 2;
-    parts.indices = lines;
-    refuse(&parts, "no triangles");
-}
-
 static void reflectance_above_one_is_scaled_per_channel(void **state) {
     (void)state;
     sl_material m = grey;
@@ -327,7 +316,6 @@ int main(void) {
         cmocka_unit_test(given_normals_are_made_unit_and_bad_ones_replaced),
         cmocka_unit_test(triangles_that_cannot_be_drawn_are_dropped_and_counted),
         cmocka_unit_test(tiny_and_huge_triangles_keep_a_normal),
-        cmocka_unit_test(a_scene_without_triangles_is_refused),
         cmocka_unit_test(reflectance_above_one_is_scaled_per_channel),
         cmocka_unit_test(unphysical_materials_and_lights_are_refused),
         cmocka_unit_test(a_mirror_has_no_other_lobe),

@@ -50,23 +50,6 @@ static void expect_repeated(const char *head, const char *entry, size_t count, c
     free(text);
 }
 
-/* The root is one bracket, so the list holds one less. */
-static void json_may_be_nested_only_so_deep(void **state) {
-    (void)state;
-    char text[1024];
-    for (int more = 0; more < 2; more++) {
-        int deep = SL_JSON_NESTING - 1 + more, at = sprintf(text, "{\"softlux\": 1,\n\"a\": ");
-        for (int i = 0; i < deep; i++) text[at++] = '[';
-        for (int i = 0; i < deep; i++) text[at++] = ']';
-        strcpy(text + at, "}");
-        expect(text, more ? "limits.json:2: expected brackets nested at most 64 deep"
-                          : "limits.json:2: unknown key 'a'");
-    }
-    expect("{\"softlux\": 1, "
-           "\"[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[\\\"[[[[[\": 0}",
-           "unknown key");
-}
-
 static void lists_may_have_only_so_many_entries(void **state) {
     (void)state;
     static const char *const lists[][3] = {
@@ -179,7 +162,6 @@ static void films_may_be_only_so_wide(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(json_may_be_nested_only_so_deep),
         cmocka_unit_test(lists_may_have_only_so_many_entries),
         cmocka_unit_test(as_many_as_may_be_are_read_in_time),
         cmocka_unit_test(strings_may_be_only_so_long),

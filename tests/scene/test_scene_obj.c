@@ -71,36 +71,6 @@ static void every_spelling_gives_the_scene_of_the_plain_one(void **state) {
         plain_quad);
 }
 
-/* The same text with another end behind each of its lines. */
-static uint64_t hash_with_ends(const char *text, const char *end) {
-    char changed[1024];
-    size_t size = 0;
-    for (; *text; text++)
-        size += (size_t)snprintf(changed + size, sizeof changed - size, *text == '\n' ? end : "%c", *text);
-    return hash_of(changed);
-}
-
-static void every_kind_of_line_end_gives_the_same_scene(void **state) {
-    (void)state;
-    assert_true(hash_with_ends(plain_quad, "\r\n") == hash_of(plain_quad));
-    assert_true(hash_with_ends(plain_quad, "\r") == hash_of(plain_quad));
-    assert_true(hash_with_ends(plain_quad, " \r\n") == hash_of(plain_quad));
-    assert_true(hash_with_ends("v .5 0 0\nv 1 \\\n 0 0\nv 0 1 0\nf 1 2 3\n", "\r\n") ==
-                hash_of("v 0.5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
-}
-
-static void what_is_no_geometry_shifts_no_index(void **state) {
-    (void)state;
-    const char *const before[] = {"# C:\\models\\\n", "\f\f",     "cstype bezier\n", "# \fv 9 9 9\n",
-                                  "parm u 0 1 99\n",  "lod 99\n", "vp 1 2\n",        "vt1 2\n",
-                                  "vn1 2 3\n"};
-    for (size_t i = 0; i < sizeof before / sizeof before[0]; i++) {
-        char text[1024];
-        snprintf(text, sizeof text, "%s%s", before[i], plain_quad);
-        expect_same(text, plain_quad);
-    }
-}
-
 static void odd_triangles_are_those_of_the_plain_spelling(void **state) {
     (void)state;
     static const char plain[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -221,26 +191,6 @@ static void what_has_no_meaning_is_told_by_line(void **state) {
 
 static void expect_grey(sl_rgb colour, float value) {
     assert_true(colour.r == value && colour.g == value && colour.b == value);
-}
-
-static void one_number_of_a_colour_stands_for_all_three(void **state) {
-    (void)state;
-    expect_grey(material_of("newmtl m\nKd 0.5\n").diffuse, 0.5f);
-    expect_grey(material_of("newmtl m\r\n  Kd .25 # grey\r\n").diffuse, 0.25f);
-    expect_grey(material_of("newmtl m\nKd 0\nKe 3 \n").emission, 3.0f);
-    expect_grey(material_of("newmtl m\nKd 0\nNs 9\nillum 2\nKs\t0.5").specular, 0.5f);
-    assert_true(material_of("newmtl m\nKd 0.5 0.25 0.125 # green\n").diffuse.b == 0.125f);
-}
-
-static void blanks_behind_the_name_of_a_texture_are_no_part_of_it(void **state) {
-    (void)state;
-    sl_image *image;
-    assert_int_equal(sl_image_create(2, 1, 3, NULL, &image, NULL), SL_OK);
-    scene_file_text("t 1.png", "");
-    assert_int_equal(sl_image_write(image, scene_file_path("t 1.png"), NULL), SL_OK);
-    sl_image_destroy(image);
-    assert_int_not_equal(material_of("newmtl m\nKd 1 1 1\nmap_Kd t 1.png \t \n").texture, SL_NO_INDEX);
-    assert_int_not_equal(material_of("newmtl m\nKd 1 1 1\n map_Kd t 1.png").texture, SL_NO_INDEX);
 }
 
 /* The diffuse red of the three triangles of a file, in the order of their least corners. */
@@ -494,15 +444,11 @@ static void faces_that_are_none_are_counted(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_spelling_gives_the_scene_of_the_plain_one),
-        cmocka_unit_test(every_kind_of_line_end_gives_the_same_scene),
-        cmocka_unit_test(what_is_no_geometry_shifts_no_index),
         cmocka_unit_test(odd_triangles_are_those_of_the_plain_spelling),
         cmocka_unit_test(polygons_are_cut_within_their_outlines),
         cmocka_unit_test(a_polygon_that_crosses_itself_and_one_of_many_corners_are_cut_somehow),
         cmocka_unit_test(names_keep_what_elsewhere_is_a_comment),
         cmocka_unit_test(what_has_no_meaning_is_told_by_line),
-        cmocka_unit_test(one_number_of_a_colour_stands_for_all_three),
-        cmocka_unit_test(blanks_behind_the_name_of_a_texture_are_no_part_of_it),
         cmocka_unit_test(a_face_has_the_material_that_was_named_last_before_it),
         cmocka_unit_test(values_of_materials_that_are_none_are_told_by_line),
         cmocka_unit_test(a_material_is_what_its_statements_say_however_they_are_spelled),

@@ -162,33 +162,6 @@ static void directions_follow_the_stated_convention(void **state) {
     sl_scene_destroy(s);
 }
 
-/* Midpoints of cells of equal solid angle, many to a texel; texel borders fall on cell borders in phi only.
- */
-static double integral_of_pdf(const sl_environment *e) {
-    enum { AROUND = 256, UP = 4096 };
-    double sum = 0.0;
-    for (int i = 0; i < UP; i++) {
-        double y = 1.0 - 2.0 * (i + 0.5) / UP, sine = sqrt(1.0 - y * y);
-        for (int j = 0; j < AROUND; j++) {
-            double phi = 2.0 * SL_PI * ((j + 0.5) / AROUND - 0.5);
-            sum += (double)sl_environment_pdf(
-                e, sl_v3((float)(sine * sin(phi)), (float)y, (float)(-sine * cos(phi))));
-        }
-    }
-    return sum * 4.0 * SL_PI / ((double)UP * AROUND);
-}
-
-static void the_density_of_sky_samples_integrates_to_one(void **state) {
-    (void)state;
-    sl_scene *s = scene_under_numbered_sky();
-    assert_true(fabs(integral_of_pdf(&s->environment) - 1.0) < 2e-3);
-    sl_scene_destroy(s);
-    s = scene_under(&(sl_environment){.present = true, .constant = {1, 2, 3}});
-    assert_true(fabs(integral_of_pdf(&s->environment) - 1.0) < 1e-6);
-    assert_true(fabsf(sl_environment_pdf(&s->environment, sl_v3(0, 1, 0)) - 0.0795774715f) < 1e-8f);
-    sl_scene_destroy(s);
-}
-
 /* Importance sampling with its own density must give the integral of radiance: sum of texel times solid
  * angle. */
 static void sky_samples_estimate_the_sky_without_bias(void **state) {
@@ -252,7 +225,6 @@ int main(void) {
         cmocka_unit_test(textures_are_bilinear_repeat_and_are_decoded_before_filtering),
         cmocka_unit_test(alpha_masks_are_tested_at_one_half),
         cmocka_unit_test(directions_follow_the_stated_convention),
-        cmocka_unit_test(the_density_of_sky_samples_integrates_to_one),
         cmocka_unit_test(sky_samples_estimate_the_sky_without_bias),
         cmocka_unit_test(samples_agree_with_radiance_and_density_of_their_direction),
         cmocka_unit_test(a_black_or_damaged_sky_is_no_sky),
