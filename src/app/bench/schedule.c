@@ -14,6 +14,7 @@
 static const double most_of_limit = 0.4;
 /* A trial that takes longer is not repeated, since what disturbs it lasts shorter than it does; nor looked
  * at, where it takes yet longer. */
+/* Of the processor: how often a trial runs is the same on a busy machine. */
 enum { LONG_SECONDS = 1, LONG_LOOK_SECONDS = 3 };
 
 /* A trial's runs are numbered; this one has an observer. */
@@ -124,7 +125,8 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
     entry = find_entry(o, s, journal, t, 0);
     if (!entry || end_of(entry) != SL_BENCH_RAN) return false;
     if (run == LOOK && t->table >= 0) return true; /* its table asks for it */
-    return seconds_of(entry) < (double)(run == LOOK ? LONG_LOOK_SECONDS : LONG_SECONDS);
+    const double seconds = sl_bench_number(cJSON_GetObjectItem(entry, "result"), "cpu_seconds");
+    return seconds < (double)(run == LOOK ? LONG_LOOK_SECONDS : LONG_SECONDS);
 }
 
 /* ---- running ---- */
