@@ -238,21 +238,6 @@ static void colours_are_values_times_the_mean_of_the_texture(void **state) {
     }
 }
 
-static void settings_out_of_range_are_refused(void **state) {
-    (void)state;
-    sl_scene *scene = quad_scene(0.5f);
-    sl_primitives *primitives;
-    sl_coarse *coarse;
-    sl_error error;
-    assert_int_equal(sl_primitives_of_triangles(scene, &primitives, NULL), SL_OK);
-    const sl_coarse_settings bad[4] = {
-        {NAN, 3}, {-1.0f, 3}, {1.0f, -1}, {1.0f, SL_MESH_DEPTH_MAX + 1}};
-    for (int k = 0; k < 4; k++)
-        assert_int_equal(sl_coarse_create(scene, primitives, &bad[k], &coarse, &error), SL_ERROR_USAGE);
-    sl_primitives_destroy(primitives);
-    sl_scene_destroy(scene);
-}
-
 /* ---- before there is one --------------------------------------------------------------------- */
 
 static void every_kind_of_light_counts_with_its_power(void **state) {
@@ -291,7 +276,6 @@ int main(void) {
         cmocka_unit_test(light_is_asked_for_a_little_within_rims),
         cmocka_unit_test(a_value_that_is_no_number_is_made_up_for_by_its_neighbours),
         cmocka_unit_test(colours_are_values_times_the_mean_of_the_texture),
-        cmocka_unit_test(settings_out_of_range_are_refused),
         cmocka_unit_test(every_kind_of_light_counts_with_its_power),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

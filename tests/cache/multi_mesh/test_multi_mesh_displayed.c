@@ -195,37 +195,6 @@ static void a_shadow_in_the_dark_is_not_split_at(void **state) {
     assert_all_undone((field){dark_shadow, &s}, 1.0f);
 }
 
-/* ---- small features ---- */
-
-static void a_shadow_of_six_pixels_is_found_wherever_it_lies(void **state) {
-    (void)state;
-    enum { SIZE = 128, TRIALS = 60 };
-    uint64_t key = sl_random_key(11, 0);
-    for (uint64_t trial = 0; trial < TRIALS; trial++) {
-        disc s = {random_between(key, 2 * trial, -0.9f, 0.9f),
-                  random_between(key, 2 * trial + 1, -0.9f, 0.9f), 3.0f * 2.0f / SIZE};
-        sl_displayed_settings settings = usual_settings();
-        rig r = rig_of(square_scene(), (field){shadow, &s}, &settings, SIZE, SIZE);
-        rig_look(&r, NULL, 1);
-        rig_finish(&r);
-        rig_draw(&r, 1);
-        size_t wrong = 0;
-        for (int y = 0; y < SIZE; y++) {
-            for (int x = 0; x < SIZE; x++) {
-                sl_vec3 p = sl_v3(((float)x + 0.5f) * 2.0f / SIZE - 1.0f,
-                                  ((float)y + 0.5f) * 2.0f / SIZE - 1.0f, 0.0f);
-                float dx = p.x - s.x, dy = p.y - s.y, r0 = sqrtf(dx * dx + dy * dy),
-                      got = r.plane[0][y * SIZE + x];
-                if (r0 < 0.5f * s.radius) assert_true(got < 0.3f);
-                if (r0 > 3.0f * s.radius) assert_true(got > 0.9f);
-                wrong += fabsf(got - shadow(&s, p).r) > 0.5f;
-            }
-        }
-        assert_true(wrong <= 8); /* pixels on its border */
-        rig_discard(&r);
-    }
-}
-
 /* ---- it ends ---- */
 
 static void noise_is_refined_down_to_pixels_and_ends(void **state) {
@@ -341,7 +310,6 @@ int main(void) {
         cmocka_unit_test(a_uniform_field_is_split_for_its_size_and_all_undone),
         cmocka_unit_test(a_linear_field_is_all_undone),
         cmocka_unit_test(a_shadow_in_the_dark_is_not_split_at),
-        cmocka_unit_test(a_shadow_of_six_pixels_is_found_wherever_it_lies),
         cmocka_unit_test(noise_is_refined_down_to_pixels_and_ends),
         cmocka_unit_test(minor_leaves_are_looked_into_only_where_their_corners_differ_by_much),
         cmocka_unit_test(a_view_seen_again_asks_for_hardly_anything),

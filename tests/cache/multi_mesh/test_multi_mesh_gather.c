@@ -84,31 +84,6 @@ static void an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point(vo
     gathering_destroy(&g);
 }
 
-/* Between any two points of a sphere the form factor is the same, so what arrives is the mean over all of it:
- * linear parts cancel. */
-static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) {
-    (void)state;
-    trace_mesh m = lit_mesh();
-    trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 24, 0.0f, true, trace_mesh_material(&m, 0.4f, 0, 0, 0, 0));
-    sl_mesh_gather_settings settings = usual_settings();
-    gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
-    for (size_t v = 0; v < g.coarse->vertex_count; v++) {
-        sl_coarse_vertex at = g.coarse->vertex[v];
-        sl_mesh_point p =
-            face_point(g.scene, at.face, (float)at.p / SL_PATCH_DYADIC, (float)at.q / SL_PATCH_DYADIC);
-        sl_coarse_set(g.coarse, v, (sl_rgb){1.0f, 1.0f + 0.9f * p.position.x, 1.0f + p.position.y});
-    }
-    sl_coarse_finish(g.coarse, 1);
-    for (uint32_t t = 3; t < g.scene->triangle_count; t += 97) {
-        sl_mesh_point p = face_point(g.scene, 2 * t, 1.0f / 3.0f, 1.0f / 3.0f);
-        sl_rgb e = take(&g, &p);
-        assert_true(near((double)e.r, 0.4 * SL_PI, 2e-4));
-        assert_true(near((double)e.g, 0.4 * SL_PI, 0.05 * 0.4 * SL_PI));
-        assert_true(near((double)e.b, 0.4 * SL_PI, 0.05 * 0.4 * SL_PI));
-    }
-    gathering_destroy(&g);
-}
-
 /* A wall without end at distance 1, along the picture's columns, whose top is seen at elevation psi above the
  * horizon: form factor (1 - cos psi) / 2. */
 static sl_scene *wall_of_elevation(double psi) {
@@ -173,7 +148,6 @@ int main(void) {
         cmocka_unit_test(the_weight_of_the_whole_picture_is_its_share_of_the_hemisphere),
         cmocka_unit_test(halving_to_sixteen_and_adding_up_gives_the_sum_in_double),
         cmocka_unit_test(an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point),
-        cmocka_unit_test(in_a_sphere_every_point_gathers_the_mean_of_all_of_it),
         cmocka_unit_test(edges_along_the_axes_make_no_bands),
         cmocka_unit_test(walls_lose_the_part_that_stands_low),
     };

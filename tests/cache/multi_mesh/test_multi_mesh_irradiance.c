@@ -171,49 +171,12 @@ static void a_lamp_that_gives_little_beside_others_is_sampled_by_few_rays(void *
     }
 }
 
-/* A wall without thickness stands at the floor's edge, a lamp is behind it: no vertex at its foot is lit. */
-static void at_a_walls_foot_no_light_comes_from_behind_it(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
-    trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), grey);
-    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(6, 0, 0), sl_v3(0, 6, 0), grey);
-    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
-    trace_mesh_quad(&mesh, sl_v3(0, 1, -0.5f), sl_v3(4, 0, 0), sl_v3(0, 1, 0), lamp);
-    lit_floor f = {.counters = {{0}}};
-    light_world_make(&f.world, &mesh);
-    assert_int_equal(sl_primitives_of_triangles(f.world.scene, &f.primitives, NULL), SL_OK);
-    sl_irradiance_settings s = {.scene = f.world.scene,
-                                .primitives = f.primitives,
-                                .tracer = f.world.tracer,
-                                .lights = f.world.lights,
-                                .sampling = f.world.sampling,
-                                .perception = {.exposure = 1.0f, .threshold_scale = 1.0f},
-                                .max_depth = 12,
-                                .threads = 1};
-    assert_int_equal(sl_irradiance_meshes_create(&s, &f.meshes, NULL), SL_OK);
-    for (uint32_t face = 0; face <= 2; face += 2) {
-        for (uint32_t q = 0; q <= SL_PATCH_DYADIC; q += SL_PATCH_DYADIC / 8) {
-            for (uint32_t p = 0; p + q <= SL_PATCH_DYADIC; p += SL_PATCH_DYADIC / 8) {
-                sl_face_point x = {.at = {face, (uint16_t)p, (uint16_t)q},
-                                   .leaf = sl_mesh_face_middle(face)};
-                float share;
-                bool valid;
-                assert_int_equal(sl_irradiance_at(f.meshes, 1, &x, &share, &valid, &f.counters, NULL), SL_OK);
-                assert_true(valid && share == 0.0f);
-            }
-        }
-    }
-    discard(&f);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_occluder_of_one_light_leaves_the_other_lights_mesh_as_it_was),
         cmocka_unit_test(no_leaf_is_deeper_than_what_was_asked_for),
         cmocka_unit_test(a_light_without_shadows_stays_coarse_and_is_sampled_once),
         cmocka_unit_test(a_lamp_that_gives_little_beside_others_is_sampled_by_few_rays),
-        cmocka_unit_test(at_a_walls_foot_no_light_comes_from_behind_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

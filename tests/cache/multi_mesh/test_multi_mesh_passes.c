@@ -87,35 +87,6 @@ static void materials_are_those_of_each_pixels_triangle(void **state) {
     discard(&r);
 }
 
-/* L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e, layer by layer, from the planes that were drawn. */
-static void the_merge_is_the_sum_of_planes_times_reflectances(void **state) {
-    (void)state;
-    enum { SIZE = 48, PIXELS = SIZE * SIZE };
-    run r = run_of(load_scene("scenes/cornell-glossy.json"), SIZE);
-    sl_image *image;
-    finish(&r);
-    assert_int_equal(sl_multi_mesh_method.resolve(r.s, &image, NULL), SL_OK);
-    const sl_materials_seen *m = r.s->materials;
-    double most[SL_COMPONENTS] = {0};
-    for (int i = 0; i < PIXELS; i++) {
-        /* planes have their bottom row first */
-        size_t from = (size_t)((SIZE - 1 - i / SIZE) * SIZE + i % SIZE);
-        for (int c = 0; c < 3; c++) {
-            double kd = (double)m->diffuse[c][from], ks = (double)m->specular[c][from], part[SL_COMPONENTS];
-            part[0] = kd * (double)r.s->planes[SL_DIRECT_DIFFUSE][c][from];
-            part[1] = ks * (double)r.s->planes[SL_DIRECT_SPECULAR][c][from];
-            part[2] = kd * (double)r.s->planes[SL_INDIRECT][c][from] / 3.14159265358979;
-            double sum = part[0] + part[1] + part[2] + (double)m->emission[c][from],
-                   shown = (double)image->planes[c * PIXELS + i];
-            assert_true(fabs(shown - sum) <= 1e-6 * sum);
-            for (int k = 0; k < SL_COMPONENTS; k++) most[k] = fmax(most[k], part[k]);
-        }
-    }
-    for (int k = 0; k < SL_COMPONENTS; k++) assert_true(most[k] > 0.01);
-    sl_image_destroy(image);
-    discard(&r);
-}
-
 /* ---- from the first picture on ---- */
 
 /* rho Phi / A until the coarse mesh is whole; then meshes take turns, the one with the highest priority
@@ -277,7 +248,6 @@ static void where_no_light_falls_nothing_is_gathered(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(materials_are_those_of_each_pixels_triangle),
-        cmocka_unit_test(the_merge_is_the_sum_of_planes_times_reflectances),
         cmocka_unit_test(meshes_are_served_so_that_their_largest_priorities_fall_together),
         cmocka_unit_test(after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_the_rest_stays),
         cmocka_unit_test(what_a_scene_has_no_use_for_is_not_done),

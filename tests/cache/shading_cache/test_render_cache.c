@@ -129,32 +129,6 @@ static void a_view_at_rest_becomes_right_in_every_pixel(void **state) {
     close_world(&w);
 }
 
-static void few_samples_are_spread_over_the_picture(void **state) {
-    (void)state;
-    world w = open_world("scenes/furnace.json");
-    make_cache(&w, 20, 1);
-    run_frames(&w, 3);
-    /* furnace: closed, all the same; a pixel next to a sample shows it, and no other does */
-    int quarter[4] = {0};
-    for (int i = 0; i < SIZE * SIZE; i++)
-        quarter[i / SIZE * 2 / SIZE * 2 + i % SIZE * 2 / SIZE] += render_cache_picture(w.cache)[i] > 0.0f;
-    for (int q = 0; q < 4; q++) assert_true(quarter[q] > 9 * 8 && quarter[q] < 9 * 24);
-    run_frames(&w, 97);
-    assert_true(render_cache_samples(w.cache) >= 1950 && render_cache_samples(w.cache) <= 2050);
-    close_world(&w);
-}
-
-static void wide_gaps_are_filled_where_that_is_asked_for(void **state) {
-    (void)state;
-    world w = open_world("scenes/furnace.json");
-    make_cache(&w, 16, 1);
-    run_frames(&w, 1);
-    assert_true(share_right(&w, SL_NO_INDEX) < 0.1);
-    render_cache_show(w.cache, true);
-    assert_true(share_right(&w, SL_NO_INDEX) > 0.99);
-    close_world(&w);
-}
-
 static void points_follow_the_camera(void **state) {
     (void)state;
     world w = open_world("scenes/walk.json");
@@ -230,46 +204,12 @@ static void samples_go_where_colours_are_found_to_change(void **state) {
     close_world(&w);
 }
 
-static void the_picture_does_not_depend_on_threads(void **state) {
-    (void)state;
-    float *first = NULL;
-    for (unsigned threads = 1; threads <= 3; threads += 2) {
-        world w = open_world("scenes/moving-ball.json");
-        sl_sample_renderer constant = w.renderer;
-        w.tracer = w.own;
-        sl_renderer_settings settings = {.scene = w.scene,
-                                         .tracer = &w.tracer,
-                                         .cache = {.area_samples = 16},
-                                         .seed = 1,
-                                         .threads = threads};
-        assert_int_equal(sl_area_renderer(&settings, &w.renderer, NULL), SL_OK);
-        make_cache(&w, 200, threads);
-        run_frames(&w, 6);
-        move_to(&w, 0.2);
-        run_frames(&w, 3);
-        size_t bytes = 3 * SIZE * SIZE * sizeof(float);
-        if (!first) {
-            first = malloc(bytes);
-            assert_non_null(first);
-            memcpy(first, render_cache_picture(w.cache), bytes);
-        } else {
-            assert_memory_equal(first, render_cache_picture(w.cache), bytes);
-        }
-        constant.destroy(constant.state);
-        close_world(&w);
-    }
-    free(first);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_view_at_rest_becomes_right_in_every_pixel),
-        cmocka_unit_test(few_samples_are_spread_over_the_picture),
-        cmocka_unit_test(wide_gaps_are_filled_where_that_is_asked_for),
         cmocka_unit_test(points_follow_the_camera),
         cmocka_unit_test(points_go_along_with_their_object),
         cmocka_unit_test(samples_go_where_colours_are_found_to_change),
-        cmocka_unit_test(the_picture_does_not_depend_on_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -169,56 +169,6 @@ static void how_coarse_depends_on_what_there_is_time_for(void **state) {
                 sl_changes_coarsest(0, 0, 0, true) == 0.0f);
 }
 
-/* Projected areas of all patches, of a root of so many pixels seen face on. */
-static float *areas_of(const sl_patches *p, double pixels) {
-    float *area = calloc(p->patch_count + 1, sizeof *area);
-    assert_non_null(area);
-    for (uint32_t i = 0; i < p->patch_count; i++)
-        if (sl_patch_is_alive(p, i))
-            area[i] = (float)(pixels / (double)(1u << 2 * sl_patch_place_of(p, i).depth));
-    return area;
-}
-
-static void what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them(void **state) {
-    (void)state;
-    world w = world_of(2);
-    split_levels(&w.h, want_root(&w.h, 0), 6); /* roots 0 and 2: the fronts of objects 0 and 1 */
-    split_levels(&w.h, want_root(&w.h, 2), 6);
-    evaluate_all(&w.h, 1.0f, 1);
-    sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 2);
-    sl_changes_compare(w.changes, 1, 10.0f, 2);
-    size_t leaves = w.h.patches->leaves_alive;
-    assert_int_equal(leaves, 2 * 4096);
-    const double pixels = 100000.0;
-    size_t last = 0;
-    for (int run = 0; run < 3; run++) { /* 5 s, again, and then less for a change that begins anew */
-        double seconds = run < 2 ? 0.5 : 0.05;
-        float coarsest = sl_changes_coarsest(pixels, 768, seconds, false),
-              *area = areas_of(w.h.patches, pixels);
-        size_t before = w.h.patches->patches_alive,
-               gone = sl_changes_drop(w.changes, w.h.patches, area, coarsest, 0.5f * coarsest);
-        assert_int_equal(before - w.h.patches->patches_alive, gone);
-        assert_sound(w.h.patches);
-        size_t left = w.h.patches->leaves_alive - 4096;
-        if (run == 1) assert_int_equal(gone, 0);
-        if (run != 1)
-            assert_true(gone > 0 && (double)left <= 768.0 * seconds && 4.0 * (double)left > 768.0 * seconds);
-        if (run == 2) assert_true(left < last);
-        last = left;
-        free(area);
-        if (run != 1) continue;
-        sl_changes_settle(w.changes, (const bool[2]){false, false}, 9);
-        assert_false(w.changes->object[1].changing);
-        sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 10);
-        sl_changes_compare(w.changes, 1, 10.0f, 10);
-    }
-    uint32_t root = sl_patches_find_root(w.h.patches, 2);
-    for (int c = 0; c < sl_patch_corners(w.h.patches, root);
-         c++) /* coarse values stay, to be renewed first */
-        assert_int_equal(w.h.patches->vertex[sl_patch_corner(w.h.patches, root, c)].evaluated, 1);
-    world_discard(&w);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(when_a_light_moves_all_is_stale_and_nothing_is_known_to_change),
@@ -227,7 +177,6 @@ int main(void) {
         cmocka_unit_test(a_light_that_moved_is_found_within_the_tests_that_epsilon_needs),
         cmocka_unit_test(a_change_ends_when_none_was_found_for_the_window_and_nothing_visible_is_from_before),
         cmocka_unit_test(how_coarse_depends_on_what_there_is_time_for),
-        cmocka_unit_test(what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

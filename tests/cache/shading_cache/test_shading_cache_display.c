@@ -423,10 +423,6 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
     }
 }
 
-/* ---- motion ---------------------------------------------------------------------------------- */
-
-/* ---- memory ---------------------------------------------------------------------------------- */
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_is_what_evaluation_pixel_by_pixel_gives),

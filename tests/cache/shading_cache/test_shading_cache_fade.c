@@ -72,46 +72,10 @@ static void what_has_another_value_by_then_keeps_it(void **state) {
     end(&s);
 }
 
-static double largest_step(double blending) {
-    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
-    sl_settings settings = small_settings("shading-cache", 40, 40);
-    settings.shading_cache.indirect = SL_INDIRECT_NONE;
-    settings.shading_cache.updates = 40;
-    settings.shading_cache.blending = blending;
-    sl_method *method;
-    sl_progress progress = {0};
-    sl_image *before = NULL, *now;
-    double sum = 0.0;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    for (int update = 0; update < 39; update++) {
-        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-        assert_int_equal(sl_method_resolve(method, &now, NULL), SL_OK);
-        sl_comparison c;
-        if (update >= 1) { /* by then all that is seen has had samples */
-            assert_int_equal(sl_image_compare(now, before, NULL, &c, NULL, NULL), SL_OK);
-            sum += c.rmse * c.rmse;
-        }
-        sl_image_destroy(before);
-        before = now;
-    }
-    sl_image_destroy(before);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-    return sum;
-}
-
-static void pictures_jump_less_from_one_update_to_the_next(void **state) {
-    (void)state;
-    double at_once = largest_step(1.0), slowly = largest_step(0.2);
-    printf("squares of jumps: %g at once, %g with beta 0.2\n", at_once, slowly);
-    assert_true(slowly > 0.0 && slowly < 0.6 * at_once);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(after_k_updates_1_minus_beta_to_the_k_is_left),
         cmocka_unit_test(what_has_another_value_by_then_keeps_it),
-        cmocka_unit_test(pictures_jump_less_from_one_update_to_the_next),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

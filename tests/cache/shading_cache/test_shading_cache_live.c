@@ -417,33 +417,6 @@ static void motion_waits_for_the_quality_that_it_is_held_for(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* The same without a clock: a frame of a series is done when it is as good as that. */
-static void frames_of_a_series_wait_for_the_quality_that_they_are_held_for(void **state) {
-    (void)state;
-    open_gate(true);
-    uint64_t updates[2];
-    for (int strict = 0; strict < 2; strict++) {
-        sl_scene *scene = load_scene(ball);
-        sl_settings settings = show_settings();
-        settings.shading_cache.updates = 500;
-        settings.shading_cache.hold_levels = strict ? 1.0 : 30.0;
-        sl_method *method;
-        assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-        sl_progress progress = {0};
-        for (int frame = 0; frame < 4; frame++) {
-            unsigned changes = 0;
-            if (frame) assert_int_equal(sl_scene_set_time(scene, 0.3 * frame, &changes, NULL), SL_OK);
-            if (frame) assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-            progress.frame_done = false;
-            while (!progress.frame_done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-        }
-        updates[strict] = progress.batches;
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
-    }
-    assert_true(updates[0] > 4 && updates[1] > 2 * updates[0]);
-}
-
 /* ---- ends ------------------------------------------------------------------------------------ */
 
 static void open_gate_soon(void *context) {
@@ -492,8 +465,6 @@ static void what_cannot_be_shown_is_refused_and_leaves_nothing(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- methods without a display of their own -------------------------------------------------- */
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_keep_coming_while_samples_are_held_up),
@@ -505,7 +476,6 @@ int main(void) {
             of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture),
         cmocka_unit_test(a_camera_of_ones_own_stays_whatever_moves),
         cmocka_unit_test(motion_waits_for_the_quality_that_it_is_held_for),
-        cmocka_unit_test(frames_of_a_series_wait_for_the_quality_that_they_are_held_for),
         cmocka_unit_test(a_show_can_be_stopped_at_any_time_and_leaves_nothing_running),
         cmocka_unit_test(what_cannot_be_shown_is_refused_and_leaves_nothing),
     };

@@ -321,34 +321,6 @@ static void when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_
     sl_scene_destroy(scene);
 }
 
-/* The eye never rests, and there is not time for all. Leaves are too small for their size to count, and too
- * dark for their differences: age alone does. */
-static void the_glossier_of_two_walls_is_shaded_again_more_often(void **state) {
-    (void)state;
-    sl_scene *scene = two_walls(0.02f, 1.0f, 0.5f, 2000.0f);
-    sl_settings settings = loop_settings();
-    settings.shading_cache.stop_size = 4.0;
-    settings.shading_cache.no_flood = true;
-    settings.shading_cache.mean_level_radiance = 1e9;
-    settings.shading_cache.points = 4;
-    sl_method *method = method_of(scene, &settings);
-    const sl_shading_state *s = inside_of(method);
-    const sl_patches *p = s->patches;
-    uint64_t renewed[2] = {0, 0};
-    to_the_end(method);
-    for (int i = 0; i < 120; i++) {
-        turn(scene, method, i % 2 ? 0 : 1);
-        update(method);
-        for (size_t v = 0; v < p->vertex_count; v++) {
-            if (p->vertex[v].references && p->vertex[v].evaluated == s->now) renewed[p->vertex[v].root / 2]++;
-        }
-    }
-    print_message("%d of the dull wall, %d of the glossy one\n", (int)renewed[0], (int)renewed[1]);
-    assert_true(renewed[0] > 100 && renewed[1] > renewed[0] + renewed[0] / 5);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 /* ---- edits ----------------------------------------------------------------------------------- */
 
 static void an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change(
@@ -421,38 +393,6 @@ static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(v
         sl_scene_destroy(scene);
     }
     assert_true(left[1] < left[0]);
-}
-
-/* Found by whatever update shades the first vertex that the light has left; an edit that changes nothing is
- * not waited for longer than there is anything to do. */
-static void a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_it(void **state) {
-    (void)state;
-    sl_scene *scene = room();
-    sl_settings settings = loop_settings();
-    settings.shading_cache.points = 8;
-    settings.shading_cache.stop_size = 8.0;
-    sl_method *method = method_of(scene, &settings);
-    to_the_end(method);
-    edit(method, SL_CHANGED_LIGHTS);
-    to_the_end(method);
-    assert_int_equal(count_of(method, SL_COUNT_CHANGES_SHOWN), 0);
-    edit(method, SL_CHANGED_LIGHTS);
-    update(method);
-    update(method);
-    move_light(scene, -0.6f);
-    edit(method, SL_CHANGED_LIGHTS); /* the first of two that wait counts */
-    edit(method, SL_CHANGED_CAMERA);
-    uint64_t late = 2;
-    for (; !count_of(method, SL_COUNT_CHANGES_DETECTED); late++) {
-        assert_int_equal(count_of(method, SL_COUNT_UPDATES_TO_SHOW), 0);
-        update(method);
-    }
-    assert_true(late >= 3);
-    to_the_end(method);
-    assert_int_equal(count_of(method, SL_COUNT_CHANGES_SHOWN), 1);
-    assert_int_equal(count_of(method, SL_COUNT_UPDATES_TO_SHOW), late);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
 }
 
 static bool is_full_size(const sl_shading_state *s, uint32_t patch, float share) {
@@ -671,50 +611,6 @@ static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(vo
     }
 }
 
-/* Sets of samples are never enough. */
-static void where_more_samples_are_wanted_against_noise_no_leaf_is_left_out(void **state) {
-    (void)state;
-    sl_scene *scene = room_with(true);
-    sl_settings settings = loop_settings();
-    settings.shading_cache.area_samples = 16;
-    settings.shading_cache.variance_aware = true;
-    settings.shading_cache.updates = 120;
-    sl_method *method = method_of(scene, &settings);
-    const sl_shading_state *s = inside_of(method);
-    for (bool done = false; !done;) {
-        done = update(method);
-        size_t sum = 0;
-        for (size_t k = 0; k < s->leaf_count; k++) sum += s->leaf[k].pixels;
-        assert_int_equal(sum, PIXELS);
-    }
-    assert_true(s->late && s->now > 30);
-    assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), 0); /* another mean of more sets is none */
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
-/* They are more to a pixel than the limit has. */
-static void of_a_small_picture_all_patches_are_kept(void **state) {
-    (void)state;
-    sl_scene *scene = room();
-    sl_settings settings = loop_settings();
-    sl_method *method = method_of(scene, &settings);
-    const sl_shading_state *s = inside_of(method);
-    to_the_end(method);
-    assert_true((double)s->patches->patches_alive > 1.5 * PIXELS + 2.0 * (double)s->primitives->count);
-    look(scene, sl_v3(0, 0, 0.9f), sl_v3(0.3f, 0.9f, 1));
-    edit(method, SL_CHANGED_CAMERA);
-    for (int i = 0; i < 100; i++) update(method);
-    uint64_t points = count_of(method, SL_COUNT_POINTS_SHADED);
-    look(scene, sl_v3(0, 0, 0.9f), sl_v3(0, -0.2f, -1));
-    edit(method, SL_CHANGED_CAMERA);
-    assert_int_equal(to_the_end(method), 1);
-    assert_int_equal(count_of(method, SL_COUNT_POINTS_SHADED), points);
-    assert_int_equal(count_of(method, SL_COUNT_PATCHES_EVICTED), 0);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 /* ---- a handful of pixels --------------------------------------------------------------------- */
 
 /* A pixel sees all of the room, but shows what is in its middle. */
@@ -740,36 +636,6 @@ static void pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_th
     sl_scene_destroy(scene);
 }
 
-/* ---- stages ---------------------------------------------------------------------------------- */
-
-typedef struct stage_list {
-    char names[512];
-} stage_list;
-
-static void note_stage(void *context, const sl_pass *pass) {
-    stage_list *list = context;
-    size_t used = strlen(list->names);
-    snprintf(list->names + used, sizeof list->names - used, "%s, ", pass->name);
-}
-
-static void every_update_tells_its_stages_in_their_order(void **state) {
-    (void)state;
-    sl_scene *scene = room();
-    sl_settings settings = loop_settings();
-    stage_list list = {""};
-    sl_observer observer = {&list, note_stage};
-    settings.observer = &observer;
-    sl_method *method = method_of(scene, &settings);
-    for (int i = 0; i < 3; i++) {
-        list.names[0] = 0;
-        update(method);
-        assert_string_equal(list.names,
-                            "id map, priorities, selection, requests, samples, commit, display arrays, ");
-    }
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(
@@ -778,13 +644,11 @@ int main(void) {
         cmocka_unit_test(patches_that_are_not_seen_are_left_alone),
         cmocka_unit_test(a_textured_wall_in_even_light_is_exact_with_four_samples),
         cmocka_unit_test(when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_again),
-        cmocka_unit_test(the_glossier_of_two_walls_is_shaded_again_more_often),
         cmocka_unit_test(
             an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change),
         cmocka_unit_test(after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time),
         cmocka_unit_test(
             leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and_others_need_not),
-        cmocka_unit_test(a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_it),
         cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),
         cmocka_unit_test(
             patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),
@@ -793,10 +657,7 @@ int main(void) {
         cmocka_unit_test(in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_split_for_less),
         cmocka_unit_test(a_change_ends_while_there_are_corners_that_were_never_evaluated),
         cmocka_unit_test(refinement_to_the_end_takes_few_more_updates_than_its_points_fill),
-        cmocka_unit_test(where_more_samples_are_wanted_against_noise_no_leaf_is_left_out),
-        cmocka_unit_test(of_a_small_picture_all_patches_are_kept),
         cmocka_unit_test(pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_their_pixels),
-        cmocka_unit_test(every_update_tells_its_stages_in_their_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -71,63 +71,9 @@ static void glossy_surfaces_reflect_towards_the_eye(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Before any sample a picture has the scene's outlines, in the guess of indirect light. */
-static void the_first_frame_shows_the_geometry_without_a_sample(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = cache_settings(48, 48);
-    sl_method *method;
-    sl_image *image;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-    assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], 0);
-    settings.shading_cache.updates = 1;
-    sl_image *truth = path_picture(scene, &settings, 16);
-    const float *ours = sl_image_channel(image, "G"), *theirs = sl_image_channel(truth, "G");
-    int lit = 0;
-    for (int i = 0; i < 48 * 48; i++) {
-        lit += ours[i] > 0.0f;
-        assert_true((ours[i] > 0.0f) || theirs[i] == 0.0f); /* nothing that the eye sees is missing */
-    }
-    assert_true(lit > 1500);
-    sl_image_destroy(image);
-    sl_image_destroy(truth);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 static void to_the_end(sl_method *method) {
     sl_progress progress = {0};
     while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-}
-
-/* After a light has jumped the picture becomes what it is from a cold start. */
-static void after_a_light_has_moved_the_change_is_found_and_cleaned_up(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/moving-light.json");
-    sl_settings settings = cache_settings(48, 48);
-    settings.shading_cache.indirect = SL_INDIRECT_NONE;
-    settings.shading_cache.updates = 60;
-    sl_method *method;
-    unsigned changes = 0;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    to_the_end(method);
-    assert_int_equal(sl_method_counters(method)->value[SL_COUNT_CHANGES_DETECTED], 0);
-    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    sl_image *at_once, *later, *truth = path_picture(scene, &settings, 4);
-    assert_int_equal(sl_method_resolve(method, &at_once, NULL), SL_OK);
-    for (int i = 0; i < 3; i++) to_the_end(method), sl_method_edit(method, 0, NULL);
-    assert_int_equal(sl_method_resolve(method, &later, NULL), SL_OK);
-    assert_true(sl_method_counters(method)->value[SL_COUNT_CHANGES_DETECTED] > 0);
-    sl_comparison before = compared(at_once, truth, "at once"),
-                  after = compared(later, truth, "240 updates later");
-    assert_true(after.rel_rmse < 0.35 * before.rel_rmse);
-    sl_image_destroy(at_once);
-    sl_image_destroy(later);
-    sl_image_destroy(truth);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
 }
 
 /* What moves is shown where it is before any update. */
@@ -180,20 +126,6 @@ static void bits_do_not_depend_on_threads(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void small_pictures_have_points_enough_for_what_they_show(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    for (int size = 1; size <= 2; size++) {
-        sl_settings settings = cache_settings(32 * size, 24 * size);
-        sl_image *truth = path_picture(scene, &settings, 256), *ours = render(scene, &settings, NULL);
-        sl_comparison c = compared(ours, truth, size == 1 ? "32 x 24" : "64 x 48");
-        assert_true(fabs(c.bias) < 0.02 && c.rel_rmse < 0.06);
-        sl_image_destroy(ours);
-        sl_image_destroy(truth);
-    }
-    sl_scene_destroy(scene);
-}
-
 /* What a picture takes beyond what it takes before its
  * first split (both copies of the display there, the list of visible leaves, too), for each patch that splits
  * have made. */
@@ -228,12 +160,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cornell_box_converges_to_what_paths_find),
         cmocka_unit_test(glossy_surfaces_reflect_towards_the_eye),
-        cmocka_unit_test(the_first_frame_shows_the_geometry_without_a_sample),
-        cmocka_unit_test(after_a_light_has_moved_the_change_is_found_and_cleaned_up),
         cmocka_unit_test(a_moved_object_is_shown_in_its_place_at_once),
         cmocka_unit_test(a_still_scene_never_seems_to_change),
         cmocka_unit_test(bits_do_not_depend_on_threads),
-        cmocka_unit_test(small_pictures_have_points_enough_for_what_they_show),
         cmocka_unit_test(
             a_patch_takes_at_most_115_bytes_with_both_copies_of_the_display_and_all_else_that_grows),
     };

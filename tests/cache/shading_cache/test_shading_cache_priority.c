@@ -35,19 +35,6 @@ static void a_scene_and_its_reference_scaled_alike_look_the_same(void **state) {
     }
 }
 
-static void light_that_is_no_number_has_a_level_nevertheless(void **state) {
-    (void)state;
-    assert_true(sl_curve_level(&curve, (sl_rgb){NAN, 1, 1}) == 0.0f &&
-                sl_curve_level(&curve, sl_grey(-1.0f)) == 0.0f);
-    assert_true(sl_curve_level(&curve, sl_grey(HUGE_VALF)) == 255.0f &&
-                sl_curve_level(&curve, sl_grey(FLT_MAX)) == 255.0f);
-    assert_true(sl_curve_level(&curve, sl_grey(0.0f)) == 0.0f);
-    for (int i = 0; i < 3; i++) { /* references that are none */
-        sl_display_curve none = {.reference = (float[]){0.0f, -1.0f, NAN}[i]};
-        assert_true(sl_curve_level_of(&none, 0.0f) == 0.0f && sl_curve_level_of(&none, 1.0f) == 255.0f);
-    }
-}
-
 /* ---- the error of a patch ---- */
 
 static void a_patch_from_black_to_very_bright_has_an_error_of_255(void **state) {
@@ -132,20 +119,6 @@ static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corne
     evaluate(&h, sl_patch_corner(h.patches, patch, 3), 1.0f, 9);
     assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 0.0f);
     hierarchy_discard(&h);
-}
-
-static void when_the_eye_moves_only_what_has_a_lobe_ages(void **state) {
-    (void)state;
-    for (int glossy = 0; glossy < 2; glossy++) {
-        hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, glossy ? 0.3f : 0.0f, 50.0f), KEEP_LOBES);
-        uint32_t patch = want_root(&h, 0);
-        evaluate_all(&h, 1.0f, 5);
-        assert_true(sl_patch_priority(h.patches, &curve, patch, 10, 0, 0) == 0.0f);
-        float priority = sl_patch_priority(h.patches, &curve, patch, 10, 6, 0);
-        assert_true(glossy ? priority > 5.0f : priority == 0.0f);
-        assert_true(sl_patch_priority(h.patches, &curve, patch, 10, 0, 6) >= 5.0f);
-        hierarchy_discard(&h);
-    }
 }
 
 static void of_two_ages_the_larger_counts_and_no_more_than_255_levels(void **state) {
@@ -329,14 +302,12 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_are_those_of_the_s_curve),
         cmocka_unit_test(a_scene_and_its_reference_scaled_alike_look_the_same),
-        cmocka_unit_test(light_that_is_no_number_has_a_level_nevertheless),
         cmocka_unit_test(a_patch_from_black_to_very_bright_has_an_error_of_255),
         cmocka_unit_test(errors_are_those_of_what_leaves_a_surface_not_of_what_arrives),
         cmocka_unit_test(a_patch_with_a_corner_never_evaluated_has_no_error),
         cmocka_unit_test(
             a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others),
         cmocka_unit_test(only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corner),
-        cmocka_unit_test(when_the_eye_moves_only_what_has_a_lobe_ages),
         cmocka_unit_test(of_two_ages_the_larger_counts_and_no_more_than_255_levels),
         cmocka_unit_test(the_glossier_a_material_the_faster_it_ages),
         cmocka_unit_test(where_few_pixels_carry_all_error_the_others_keep_no_chance_but_epsilon),

@@ -286,8 +286,6 @@ static void floods_take_nothing_below_their_seed_or_the_threshold(void **state) 
     picture_discard(&p);
 }
 
-/* ---- equal steps ---- */
-
 /* ---- the highest first ---- */
 
 static void sorted_choices_are_those_of_highest_priority_and_one_of_each_patch_before_two(void **state) {

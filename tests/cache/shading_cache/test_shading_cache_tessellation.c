@@ -275,8 +275,6 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
     hierarchy_discard(&h);
 }
 
-/* ---- motion ---------------------------------------------------------------------------------- */
-
 /* ---- hard cases ------------------------------------------------------------------------------ */
 
 static void an_eye_within_or_on_a_surface_is_no_trouble(void **state) {

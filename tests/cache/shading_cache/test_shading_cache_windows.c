@@ -211,8 +211,6 @@ static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state)
     hierarchy_discard(&h);
 }
 
-/* ---- scene copies ---------------------------------------------------------------------------- */
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_frame_is_of_one_build_whole_and_none_older_than_the_last),
