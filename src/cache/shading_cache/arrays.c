@@ -223,4 +223,4 @@ bool sl_display_guess(sl_display *d, sl_rgb guess) {
     return true;
 }
 
-sl_status sl_display_move(sl_display *d, sl_error *error) { return sl_window_move(d, &d->own, error); }
+sl_status sl_display_move(sl_display *d, sl_error *error) { return sl_window_move(&d->own, error); }

@@ -64,12 +64,15 @@ sl_status sl_display_id_map(sl_display *display, unsigned threads, const sl_disp
  * copy of the scene (scene/copy.h), which that thread moves as it likes. Hardware and planes are its own, and
  * it draws on its thread alone but where frames are given more. */
 typedef struct sl_window sl_window;
-sl_status sl_window_create(const sl_display *display, const sl_scene *scene_copy, sl_window **window,
+sl_status sl_window_create(sl_display *display, const sl_scene *scene_copy, sl_window **window,
                            sl_error *error);
-void sl_window_destroy(sl_window *window);
+void sl_window_destroy(void *window);
 /* Positions follow the copy's objects. Curved surfaces are cut anew for its camera with the first frame after
  * a build. */
-sl_status sl_window_move(const sl_display *display, sl_window *window, sl_error *error);
+sl_status sl_window_move(void *window, sl_error *error);
+/* A frame as a picture, drawn on the calling thread alone: the others are busy with samples. */
+sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_counters *counters,
+                            sl_error *error);
 sl_status sl_window_draw(sl_display *display, sl_window *window, unsigned threads, float *const planes[3],
                          sl_counters *counters, sl_error *error);
 /* Returns how many builds the arrays of the last frame had seen. */

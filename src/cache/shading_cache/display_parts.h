@@ -73,6 +73,8 @@ typedef struct sl_frame_planes {
 } sl_frame_planes;
 
 struct sl_window {
+    sl_display *display;
+    float *picture;            /* three planes; NULL: of the display's own */
     const sl_scene *scene;     /* with the camera and the positions */
     unsigned threads;          /* that follow it */
     sl_raster *raster;         /* of it */
@@ -113,8 +115,8 @@ bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_b
 
 /* window.c. */
 /* to be closed also where this fails */
-sl_status sl_window_open(const sl_display *display, const sl_scene *scene, unsigned threads,
-                         sl_window *window, sl_error *error);
+sl_status sl_window_open(sl_display *display, const sl_scene *scene, unsigned threads, sl_window *window,
+                         sl_error *error);
 void sl_window_close(sl_window *window);
 /* The shown copy, which stays as it is until it is given back. Neither waits. */
 const sl_display_copy *sl_display_take(sl_display *display);

@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/frame/picture_value.h"
 #include "cache/shading_cache/state.h"
 #include "cache/shading_cache/explanation.h"
 #include "scene/ambient.h"
@@ -21,19 +20,10 @@ static void shading_destroy(void *state) {
     sl_patches_destroy(s->patches);
     sl_primitives_destroy(s->primitives);
     sl_tracer_destroy(s->own_tracer);
-    sl_free(s->ids.patch);
-    sl_free(s->id_memory);
-    sl_free(s->leaf_of_pixel);
-    sl_free(s->leaf);
-    sl_free(s->choice);
-    sl_free(s->place);
-    sl_free(s->vertex);
     sl_fades_release(&s->fades);
-    sl_free(s->request);
-    sl_free(s->sample);
-    sl_free(s->part);
-    sl_free(s->stale);
-    sl_free(s);
+    void *buffers[] = {s->ids.patch, s->id_memory, s->leaf_of_pixel, s->leaf, s->choice, s->place,
+                       s->vertex,    s->request,   s->sample,        s->part, s->stale,  s};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++) sl_free(buffers[i]);
 }
 
 static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
@@ -205,7 +195,6 @@ static sl_status shading_resolve(void *state, sl_image **image, sl_error *error)
         sl_announce(&s->announcer, "display", "display loop", s->settings.width, s->settings.height, 3,
                     memory, true);
     if (status == SL_OK) sl_shading_announce_patches(s);
-    for (size_t i = 0; i < 3 * pixels && status == SL_OK; i++) memory[i] = sl_picture_value(memory[i]);
     for (int k = 0; k < 3 && status == SL_OK; k++)
         sl_raster_flip(planes[k], s->settings.width, s->settings.height,
                        (*image)->planes + (size_t)k * pixels);
@@ -277,57 +266,15 @@ static size_t shading_bytes(const void *state) {
 
 /* ---- frames beside updates: geometry follows at once, shading is as the last update left it ---- */
 
-typedef struct shading_window {
-    sl_display *display;
-    sl_window *window;
-    sl_settings settings;
-    float *planes; /* of a frame, bottom row first */
-} shading_window;
-
-static void window_destroy(void *window) {
-    shading_window *w = window;
-    if (!w) return;
-    sl_window_destroy(w->window);
-    sl_free(w->planes);
-    sl_free(w);
-}
-
 static sl_status window_create(void *state, const sl_scene *copy, void **window, sl_error *error) {
-    const sl_shading_state *s = state;
-    shading_window *w = sl_allocate(1, sizeof *w);
-    *window = NULL;
-    if (!w) return sl_fail_memory(error, "a window of the display");
-    w->display = s->display;
-    w->settings = s->settings;
-    w->planes = sl_allocate(3 * sl_shading_pixels(s), sizeof *w->planes);
-    sl_status status = w->planes ? SL_OK : sl_fail_memory(error, "a window of the display");
-    if (status == SL_OK) status = sl_window_create(s->display, copy, &w->window, error);
-    if (status == SL_OK) *window = w;
-    else window_destroy(w);
+    sl_window *made;
+    sl_status status = sl_window_create(((sl_shading_state *)state)->display, copy, &made, error);
+    *window = made;
     return status;
 }
 
-static sl_status window_move(void *window, sl_error *error) {
-    const shading_window *w = window;
-    return sl_window_move(w->display, w->window, error);
-}
-
-/* On the calling thread alone: the others are busy with samples. */
-static sl_status window_draw(void *window, sl_image *image, uint64_t *versions, sl_counters *counters,
-                             sl_error *error) {
-    const shading_window *w = window;
-    size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
-    float *const planes[3] = {w->planes, w->planes + pixels, w->planes + 2 * pixels};
-    sl_status status = sl_window_draw(w->display, w->window, 1, planes, counters, error);
-    if (status != SL_OK) return status;
-    for (int k = 0; k < 3; k++)
-        sl_raster_flip(planes[k], w->settings.width, w->settings.height, image->planes + (size_t)k * pixels);
-    *versions = sl_window_builds(w->window);
-    return SL_OK;
-}
-
 static const sl_window_class shading_window_class = {
-    .create = window_create, .destroy = window_destroy, .move = window_move, .draw = window_draw};
+    .create = window_create, .destroy = sl_window_destroy, .move = sl_window_move, .draw = sl_window_picture};
 
 const sl_method_class sl_shading_cache_method = {
     .name = "shading-cache",

@@ -6,6 +6,10 @@
 #include "base/memory.h"
 #include "cache/shading_cache/display_parts.h"
 
+static size_t pixels_of(const sl_display *d) {
+    return (size_t)d->settings.width * (size_t)d->settings.height;
+}
+
 static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
     frame->id = sl_allocate(pixels, sizeof *frame->id);
     if (!curved) return frame->id != NULL;
@@ -15,11 +19,10 @@ static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
     return frame->id && frame->curved_id && frame->depth && frame->curved_depth;
 }
 
-sl_status sl_window_open(const sl_display *d, const sl_scene *scene, unsigned threads, sl_window *w,
+sl_status sl_window_open(sl_display *d, const sl_scene *scene, unsigned threads, sl_window *w,
                          sl_error *error) {
-    *w = (sl_window){.scene = scene, .threads = threads};
-    size_t pixels = (size_t)d->settings.width * (size_t)d->settings.height;
-    if (!allocate_frame(&w->frame, pixels, d->curved != NULL)) return sl_fail_memory(error, "the display");
+    *w = (sl_window){.display = d, .scene = scene, .threads = threads};
+    if (!allocate_frame(&w->frame, pixels_of(d), d->curved != NULL)) return sl_fail_memory(error, "the display");
     sl_status status = sl_raster_create(scene, threads, &w->raster, error);
     if (status == SL_OK && d->curved) status = sl_tessellate(d, w, error);
     return status;
@@ -28,30 +31,43 @@ sl_status sl_window_open(const sl_display *d, const sl_scene *scene, unsigned th
 void sl_window_close(sl_window *w) {
     sl_tessellation_release(&w->tessellation);
     sl_raster_destroy(w->raster);
-    void *planes[] = {w->frame.id, w->frame.curved_id, w->frame.depth, w->frame.curved_depth};
-    for (int i = 0; i < 4; i++) sl_free(planes[i]);
+    void *planes[] = {w->frame.id, w->frame.curved_id, w->frame.depth, w->frame.curved_depth, w->picture};
+    for (int i = 0; i < 5; i++) sl_free(planes[i]);
 }
 
-sl_status sl_window_create(const sl_display *d, const sl_scene *scene_copy, sl_window **window,
-                           sl_error *error) {
+sl_status sl_window_create(sl_display *d, const sl_scene *scene_copy, sl_window **window, sl_error *error) {
     sl_window *w = sl_allocate(1, sizeof *w);
     *window = NULL;
     if (!w) return sl_fail_memory(error, "a window of the display");
     sl_status status = sl_window_open(d, scene_copy, 1, w, error);
+    if (status == SL_OK && !(w->picture = sl_allocate(3 * pixels_of(d), sizeof *w->picture)))
+        status = sl_fail_memory(error, "a window of the display");
     if (status == SL_OK) *window = w;
     else sl_window_destroy(w);
     return status;
 }
 
-void sl_window_destroy(sl_window *w) {
-    if (!w) return;
-    sl_window_close(w);
-    sl_free(w);
+void sl_window_destroy(void *window) {
+    if (window) sl_window_close(window);
+    sl_free(window);
 }
 
-sl_status sl_window_move(const sl_display *d, sl_window *w, sl_error *error) {
+sl_status sl_window_move(void *window, sl_error *error) {
+    sl_window *w = window;
     sl_status status = sl_raster_move(w->raster, w->threads, error);
-    return status == SL_OK && d->curved ? sl_tessellation_move(d, w, error) : status;
+    return status == SL_OK && w->display->curved ? sl_tessellation_move(w->display, w, error) : status;
+}
+
+sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_counters *counters,
+                            sl_error *error) {
+    sl_window *w = window;
+    size_t pixels = pixels_of(w->display);
+    float *const planes[3] = {w->picture, w->picture + pixels, w->picture + 2 * pixels};
+    sl_status status = sl_window_draw(w->display, w, 1, planes, counters, error);
+    for (size_t k = 0; k < 3 && status == SL_OK; k++)
+        sl_raster_flip(planes[k], image->width, image->height, image->planes + k * pixels);
+    *builds = w->builds;
+    return status;
 }
 
 uint64_t sl_window_builds(const sl_window *w) { return w->builds; }
