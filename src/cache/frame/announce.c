@@ -29,6 +29,15 @@ void sl_announce_marks(sl_announcer *a, const char *name, const char *source, co
     sl_observe(a->observer, a->method, name, source, 0, 0, 0, NULL, true, &cost, marks, count);
 }
 
+void sl_announce_ids(sl_announcer *a, const char *name, const char *source, int width, int height,
+                     const uint32_t *id) {
+    size_t pixels = (size_t)width * (size_t)height;
+    float *plane = sl_announcing(a) ? sl_allocate(pixels, sizeof *plane) : NULL;
+    for (size_t i = 0; plane && i < pixels; i++) plane[i] = id[i] == SL_NO_INDEX ? -1.0f : (float)id[i];
+    sl_announce(a, name, source, plane ? width : 0, plane ? height : 0, plane ? 1 : 0, plane, true);
+    sl_free(plane);
+}
+
 void sl_announce_pass(sl_announcer *a, const char *name, const char *source) {
     sl_announce(a, name, source, 0, 0, 0, NULL, true);
 }

@@ -22,6 +22,9 @@ static inline bool sl_announcing(const sl_announcer *announcer) {
 /* planes: `channels` planes of width*height, one after another, bottom row first where bottom_first. */
 void sl_announce(sl_announcer *announcer, const char *name, const char *source, int width, int height,
                  int channels, const float *planes, bool bottom_first);
+/* An id map, bottom row first, as a plane of numbers: -1 where there is none. */
+void sl_announce_ids(sl_announcer *announcer, const char *name, const char *source, int width, int height,
+                     const uint32_t *id);
 /* A pass that leaves no picture. */
 void sl_announce_pass(sl_announcer *announcer, const char *name, const char *source);
 /* A pass that leaves marks in the scene: records, photon hits, the edges of a mesh. */

@@ -196,7 +196,7 @@ static bool is_dark(const sl_multi_mesh_state *s) {
 static void leave_out_indirect(sl_multi_mesh_state *s) {
     sl_displayed_destroy(s->part[SL_INDIRECT]);
     s->part[SL_INDIRECT] = NULL;
-    s->plan.indirect = s->plan.coarse = false;
+    s->plan.indirect = false;
 }
 
 static void end_coarse(sl_multi_mesh_state *s) {
@@ -257,7 +257,7 @@ static void finish_gathers(sl_multi_mesh_state *s) {
 }
 
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
-    size_t all = s->plan.coarse ? s->coarse->vertex_count : 0, left = all - s->coarse_done;
+    size_t all = s->coarse->vertex_count, left = all - s->coarse_done;
     size_t count = left < COARSE_VERTICES ? left : COARSE_VERTICES;
     sl_status status = SL_OK;
     if (s->coarse_indirect) gather_for_coarse(s, count);

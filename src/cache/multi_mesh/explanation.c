@@ -267,17 +267,6 @@ static void announce_plane(sl_multi_mesh_state *s, const char *name, const char 
     sl_free(plane);
 }
 
-void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s) {
-    float *plane = plane_for_observer(s);
-    if (!plane) {
-        sl_announce_pass(&s->announcer, "identifiers, visible sizes", "image pass 1");
-        return;
-    }
-    for (size_t i = 0; i < sl_multi_mesh_pixels(s); i++)
-        plane[i] = s->id[i] == SL_NO_INDEX ? -1.0f : (float)s->id[i];
-    announce_plane(s, "identifiers, visible sizes", "image pass 1", plane);
-}
-
 void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
     int part = 0;
     while (part < SL_COMPONENTS && !s->part[part]) part++;
@@ -313,10 +302,9 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
 /* Returns how near a vertex of a light's mesh is to seeing just half of the light: at most 1/2. */
 static double half_seen(const sl_multi_mesh_state *s, size_t light, uint32_t vertex, sl_lit_point *point) {
     const sl_patches *mesh = sl_irradiance_mesh(s->irradiance, light);
-    sl_mesh_point at;
     if (sl_mesh_state(mesh, vertex) != SL_VERTEX_KNOWN) return 0.0;
-    at = sl_mesh_point_of(mesh, vertex);
-    *point = (sl_lit_point){at.position, at.normal, at.geometric_normal, at.triangle};
+    sl_mesh_point at = sl_mesh_point_of(mesh, vertex);
+    *point = sl_lit_point_of(&at);
     double all = sl_light_unoccluded(&s->lights->light[light], point),
            share = all > 0.0 ? (double)*sl_vertex_value(mesh, vertex) / all : 0.0;
     return share < 0.5 ? share : 1.0 - share;

@@ -34,7 +34,8 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     if (status == SL_OK)
         status = sl_visible_pixels_sort(s->scene, s->raster, &view, s->id, threads, &s->visible, &s->counters,
                                         error);
-    sl_multi_mesh_announce_ids(s);
+    sl_announce_ids(&s->announcer, "identifiers, visible sizes", "image pass 1", s->settings.width,
+                    s->settings.height, s->id);
     if (status == SL_OK) status = sl_multi_mesh_see_materials(s, &view, error);
     if (status == SL_OK) status = sl_multi_mesh_see(s, error);
     sl_visible_pixels_destroy(before);

@@ -151,8 +151,6 @@ sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_wr
 
 /* All of these do nothing without an observer. */
 
-/* Announces the triangles of image pass 1 as a plane of numbers. */
-void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s);
 /* Announces how much the roots matter, of the first mesh that there is, at the pixels that show them. */
 void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s);
 /* Announces what one point in view gathers: the picture that is weighted and added up. */

@@ -61,7 +61,6 @@ sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_setti
         .direct_diffuse = lights && f.diffuse_triangles,
         .direct_specular = lights && f.glossy_triangles,
         .indirect = f.diffuse_triangles && (lights || f.environment),
-        .coarse = lights || f.environment,
         .emission = f.emitters || f.environment,
         .specular_seen = f.glossy_triangles > 0,
     };
@@ -105,7 +104,7 @@ void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings
                                   : "there is no light");
     sl_plan_pass(writer, p.direct_specular, "direct specular mesh", "%s",
                  p.direct_specular ? "equation (6)" : p.lights ? "nothing is glossy" : "there is no light");
-    sl_plan_pass(writer, p.coarse && p.indirect, "coarse mesh", "of all surfaces, for gathers to see");
+    sl_plan_pass(writer, p.indirect, "coarse mesh", "of all surfaces, for gathers to see");
     sl_plan_pass(writer, p.indirect, "indirect mesh", "%d x %d pixels under %.0f degrees%s%s",
                  settings->gather_size, settings->gather_size, m->gather_fov * 180.0 / SL_PI,
                  settings->bounces == 2 ? ", two bounces" : "",

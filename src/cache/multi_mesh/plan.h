@@ -10,7 +10,6 @@ typedef struct sl_multi_mesh_plan {
     bool direct_diffuse;     /* some surface has k_d > 0, and there are lights */
     bool direct_specular;    /* some surface has k_s > 0, and there are lights */
     bool indirect;           /* some surface has k_d > 0, and there are lights or an environment */
-    bool coarse;             /* the coarse mesh: direct light for gathers to see */
     bool emission;           /* lamps or an environment can be in view */
     bool specular_seen;      /* k_s anywhere: the second render target */
 } sl_multi_mesh_plan;

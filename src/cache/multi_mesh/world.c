@@ -162,7 +162,7 @@ static sl_status make_coarse(sl_multi_mesh_state *s, sl_error *error) {
     s->coarse_done = 0;
     s->coarse_whole = false;
     sl_status status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->coarse, error);
-    if (status != SL_OK || !s->plan.coarse) return status;
+    if (status != SL_OK) return status;
     s->coarse_direct = sl_allocate(s->coarse->vertex_count, sizeof *s->coarse_direct);
     return s->coarse_direct ? SL_OK : sl_fail_memory(error, "the coarse mesh");
 }

@@ -5,32 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
-
-sl_status sl_changes_create(const sl_scene *scene, float threshold, int window, sl_changes **changes,
-                            sl_error *error) {
-    *changes = NULL;
-    sl_changes *made = sl_allocate(1, sizeof *made);
-    if (!made) return sl_fail_memory(error, "change detection");
-    made->object_count = scene->object_count;
-    made->threshold = threshold;
-    made->window = window;
-    made->object = sl_allocate(made->object_count, sizeof *made->object);
-    if (!made->object) {
-        sl_changes_destroy(made);
-        return sl_fail_memory(error, "change detection");
-    }
-    *changes = made;
-    return SL_OK;
-}
-
-void sl_changes_destroy(sl_changes *changes) {
-    if (!changes) return;
-    sl_free(changes->object);
-    sl_free(changes);
-}
 
 /* A change that begins anew makes patches coarser once. */
 void sl_changes_begin(sl_changes *changes, uint32_t index, uint32_t now) {

@@ -16,16 +16,12 @@ typedef struct sl_object_change {
 
 typedef struct sl_changes {
     size_t object_count;
-    sl_object_change *object;
+    sl_object_change *object;  /* the caller's, of zeros before all */
     uint32_t eye_moved;        /* update of the camera's last motion; 0: never */
     float threshold;           /* tau_c, grey levels */
     int window;                /* W */
     bool no_ageing;            /* nothing grows old, or is stale */
 } sl_changes;
-
-sl_status sl_changes_create(const sl_scene *scene, float threshold, int window, sl_changes **changes,
-                            sl_error *error);
-void sl_changes_destroy(sl_changes *changes);
 
 /* The scene was edited before update `now`: moved[i] tells which objects have moved. */
 void sl_changes_edit(sl_changes *changes, unsigned what, const bool *moved, uint32_t now);

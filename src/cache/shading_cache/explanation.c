@@ -131,15 +131,6 @@ void sl_shading_announce_choices(sl_shading_state *s, size_t choices) {
     sl_free(marks);
 }
 
-void sl_shading_announce_ids(sl_shading_state *s) {
-    float *plane = sl_announcing(&s->announcer) ? sl_allocate(sl_shading_pixels(s), sizeof *plane) : NULL;
-    for (size_t i = 0; plane && i < sl_shading_pixels(s); i++)
-        plane[i] = s->ids.patch[i] == SL_NO_INDEX ? -1.0f : (float)s->ids.patch[i];
-    sl_announce(&s->announcer, "id map", "patch hierarchy", s->settings.width, s->settings.height, 1, plane,
-                true);
-    sl_free(plane);
-}
-
 static bool was_seen(const sl_shading_state *s, uint32_t patch) {
     return sl_patch_is_alive(s->patches, patch) && sl_patch_is_leaf(s->patches, patch) &&
            s->patches->patch[patch].seen == s->now && s->now > 0;

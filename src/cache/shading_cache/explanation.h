@@ -22,7 +22,6 @@ sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_write
 
 /* Nothing without an observer. Chosen pixels: hits green, random ones blue, floods red. */
 void sl_shading_announce_choices(sl_shading_state *state, size_t choices);
-void sl_shading_announce_ids(sl_shading_state *state);
 void sl_shading_announce_priorities(sl_shading_state *state);
 /* Leaves that were seen in the last update, by their edges; vertices with samples, in the colour of their
  * irradiance. */

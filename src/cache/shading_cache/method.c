@@ -15,14 +15,13 @@ static void shading_destroy(void *state) {
     if (!s) return;
     for (int i = 0; i < s->renderer_count; i++) s->renderer[i].destroy(s->renderer[i].state);
     sl_display_destroy(s->display);
-    sl_changes_destroy(s->changes);
     sl_object_places_destroy(s->places);
     sl_patches_destroy(s->patches);
     sl_primitives_destroy(s->primitives);
     sl_tracer_destroy(s->own_tracer);
     sl_fades_release(&s->fades);
     void *buffers[] = {s->ids.patch, s->id_memory, s->leaf_of_pixel, s->leaf, s->choice, s->place,
-                       s->vertex,    s->request,   s->sample,        s->part, s->stale,  s};
+                       s->vertex,    s->request,   s->sample,        s->part, s->stale,  s->changes.object, s};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++) sl_free(buffers[i]);
 }
 
@@ -39,9 +38,9 @@ static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
     s->sample = sl_allocate(s->vertex_room, sizeof *s->sample);
     s->part = sl_allocate(s->vertex_room, sizeof *s->part);
     s->stale = sl_allocate(s->scene->object_count, sizeof *s->stale);
+    s->changes.object = sl_allocate(s->scene->object_count, sizeof *s->changes.object);
     if (!s->ids.patch || !s->id_memory || !s->leaf_of_pixel || !s->choice || !s->place || !s->vertex ||
-        !s->request || !s->sample ||
-        !s->part || !s->stale)
+        !s->request || !s->sample || !s->part || !s->stale || !s->changes.object)
         return sl_fail_memory(error, "the shading cache");
     s->ids.u = s->id_memory;
     s->ids.v = s->id_memory + pixels;
@@ -106,10 +105,6 @@ static sl_status make_cache(sl_shading_state *s, sl_error *error) {
         status = sl_patches_create(s->primitives, &kept, &s->patches, error);
     if (status == SL_OK) status = make_renderers(s, error);
     if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
-    if (status == SL_OK)
-        status = sl_changes_create(s->scene, (float)c->change_threshold, c->change_window, &s->changes,
-                                   error);
-    if (status == SL_OK) s->changes->no_ageing = c->no_ageing;
     return status == SL_OK ? sl_object_places_take(s->scene, &s->places, error) : status;
 }
 
@@ -125,6 +120,10 @@ static sl_status shading_create(const sl_scene *scene, const sl_settings *settin
     s->announcer = (sl_announcer){.observer = settings->observer, .method = "shading-cache",
                                   .counters = &s->counters};
     s->curve = (sl_display_curve){middle_radiance(s)};
+    s->changes = (sl_changes){.object_count = scene->object_count,
+                              .threshold = (float)settings->shading_cache.change_threshold,
+                              .window = settings->shading_cache.change_window,
+                              .no_ageing = settings->shading_cache.no_ageing};
     s->last_update = settings->shading_cache.updates;
     sl_status status = make_cache(s, error);
     if (status != SL_OK) {
@@ -218,7 +217,7 @@ static sl_status note_motion(sl_shading_state *s, unsigned what, sl_error *error
     sl_status status = sl_object_places_take(s->scene, &places, error);
     if (status != SL_OK) return status;
     for (size_t i = 0; i < places->count; i++) s->stale[i] = sl_object_has_moved(s->places, places, i);
-    sl_changes_edit(s->changes, what, s->stale, s->now + 1);
+    sl_changes_edit(&s->changes, what, s->stale, s->now + 1);
     sl_object_places_destroy(s->places);
     s->places = places;
     return SL_OK;

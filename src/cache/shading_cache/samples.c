@@ -109,7 +109,7 @@ static compared compare_before(const sl_shading_state *s, uint32_t vertex, const
     bool one_set = request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1);
     compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->extrapolated && one_set &&
                   v->dense == v->is_dense,
-                  .radiance = v->evaluated >= s->changes->eye_moved};
+                  .radiance = v->evaluated >= s->changes.eye_moved};
     if (c.comparable) c.before = exitant_of(s, vertex, c.radiance);
     return c;
 }
@@ -132,7 +132,7 @@ static float share_of(const sl_sample_request *request) {
  * no value yet. */
 static bool is_to_fade(const sl_shading_state *s, uint32_t vertex, uint32_t object) {
     return s->settings.shading_cache.blending < 1.0 && !s->patches->sets &&
-           s->patches->vertex[vertex].evaluated == SL_VERTEX_NEVER && !s->changes->object[object].changing;
+           s->patches->vertex[vertex].evaluated == SL_VERTEX_NEVER && !s->changes.object[object].changing;
 }
 
 /* A broken sample: the old value stays, and counts as new, or it would be asked for for ever. Where there is
@@ -161,7 +161,7 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
         return;
     }
     if (comes_or_goes(v, sample)) {
-        sl_changes_begin(s->changes, object, s->now);
+        sl_changes_begin(&s->changes, object, s->now);
         sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
     }
     if (!sample->valid) {
@@ -186,7 +186,7 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
     sl_patches_touch(s->patches, v->place);
     float apart = c.comparable ? sl_levels_apart(&s->curve, c.before, exitant_of(s, vertex,
         c.radiance)) : 0.0f;
-    if (c.comparable && sl_changes_compare(s->changes, object, apart, s->now))
+    if (c.comparable && sl_changes_compare(&s->changes, object, apart, s->now))
         sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
 }
 
@@ -197,7 +197,7 @@ float sl_shading_coarsest(const sl_shading_state *s, bool triangles) {
     if (c->no_resolution_drop) return 0.0f;
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, s->leaf[i].patch));
-        if (s->changes->object[object].changing) visible += s->patches->patch[s->leaf[i].patch].pixels;
+        if (s->changes.object[object].changing) visible += s->patches->patch[s->leaf[i].patch].pixels;
     }
     if (!(visible > 0.0)) return 0.0f;
     return sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds, triangles);
@@ -221,7 +221,7 @@ void sl_shading_find_stale(sl_shading_state *s) {
         uint32_t patch = s->leaf[i].patch;
         if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) continue;
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, patch));
-        const sl_object_change *change = &s->changes->object[object];
+        const sl_object_change *change = &s->changes.object[object];
         if (change->changing && !s->stale[object])
             s->stale[object] = shows_what_was_before(s->patches, patch, change->stale_before);
     }
@@ -231,7 +231,7 @@ static void projected_areas(const sl_shading_state *s, float *area) {
     for (uint32_t p = 0; p < s->patches->patch_count; p++) {
         if (!sl_patch_is_alive(s->patches, p)) continue;
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, p));
-        if (!s->changes->object[object].changing || sl_patch_is_leaf(s->patches, p)) continue;
+        if (!s->changes.object[object].changing || sl_patch_is_leaf(s->patches, p)) continue;
         sl_patch_place place = sl_patch_place_of(s->patches, p);
         area[p] = sl_patch_projected(s->patches, &place, &s->view).area;
     }
@@ -243,7 +243,7 @@ sl_status sl_shading_drop_resolution(sl_shading_state *s, sl_error *error) {
     float *area = sl_allocate(s->patches->patch_count, sizeof *area);
     if (!area) return sl_fail_memory(error, "coarser patches");
     projected_areas(s, area);
-    sl_changes_drop(s->changes, s->patches, area, quads, triangles);
+    sl_changes_drop(&s->changes, s->patches, area, quads, triangles);
     sl_free(area);
     return SL_OK;
 }

@@ -235,7 +235,7 @@ void sl_shading_note_idle(sl_shading_state *s, size_t choices) {
 bool sl_shading_nothing_is_left(const sl_shading_state *s) {
     if (s->fades.count > 0) return false;
     for (size_t i = 0; i < s->scene->object_count; i++) {
-        if (s->changes->object[i].changing) return false;
+        if (s->changes.object[i].changing) return false;
     }
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t patch = s->leaf[i].patch;

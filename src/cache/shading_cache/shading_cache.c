@@ -38,7 +38,9 @@ static const float split_slack = 1.2f, drop_slack = 0.8f;
 static sl_status draw_id_map(sl_shading_state *s, sl_error *error) {
     sl_status status = sl_display_id_map(s->display, s->settings.threads, &s->ids, &s->counters, error);
     if (status == SL_OK) status = sl_shading_find_leaves(s, error);
-    if (status == SL_OK) sl_shading_announce_ids(s);
+    if (status == SL_OK)
+        sl_announce_ids(&s->announcer, "id map", "patch hierarchy", s->settings.width, s->settings.height,
+                        s->ids.patch);
     return status;
 }
 
@@ -49,9 +51,9 @@ static sl_status draw_id_map(sl_shading_state *s, sl_error *error) {
  * Until it is normalised p_norm holds p of at most 255 levels. */
 static void prioritise(sl_shading_state *s, sl_leaf_priority *leaf) {
     uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, leaf->patch));
-    uint32_t eye_moved = s->changes->no_ageing ? 0 : s->changes->eye_moved;
+    uint32_t eye_moved = s->changes.no_ageing ? 0 : s->changes.eye_moved;
     leaf->priority = sl_patch_priority(s->patches, &s->curve, leaf->patch, s->now, eye_moved,
-                                       sl_changes_since(s->changes, object));
+                                       sl_changes_since(&s->changes, object));
     leaf->normal = leaf->priority >= 0.0f && leaf->priority < 255.0f ? leaf->priority : 255.0f;
 }
 
@@ -77,7 +79,7 @@ static void settle_work(sl_shading_state *s) {
                                  .sharp = s->plan.radiance,
                                  .dense = s->scene->emitter_count > 0 && !c->variance_aware,
                                  .now = s->now,
-                                 .changes = s->changes,
+                                 .changes = &s->changes,
                                  .coarsest = sl_shading_coarsest(s, false)};
 }
 
@@ -229,7 +231,7 @@ sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error) 
     for (size_t i = 0; i < count; i++)
         sl_shading_commit_sample(s, s->vertex[i], &s->request[i], &s->sample[i]);
     sl_shading_find_stale(s);
-    sl_changes_settle(s->changes, s->stale, s->now);
+    sl_changes_settle(&s->changes, s->stale, s->now);
     bool found = s->counters.value[SL_COUNT_CHANGES_DETECTED] > before;
     if (found) sl_shading_note_latency(s);
     return found ? sl_shading_drop_resolution(s, error) : SL_OK;

@@ -26,7 +26,7 @@ typedef struct sl_shading_state {
     sl_sample_renderer renderer[SL_SHADING_RENDERERS];
     int renderer_count;
     sl_display *display;
-    sl_changes *changes;
+    sl_changes changes;
     sl_object_places *places;
 
     sl_display_ids ids;            /* id map */

@@ -109,36 +109,6 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
     gathering_destroy(&g);
 }
 
-static void gathers_have_the_same_bits_with_every_instruction_set_and_whatever_went_before(void **state) {
-    (void)state;
-    const char *isa[3] = {"baseline", "avx2", "avx512"};
-    sl_rgb seen[3][8];
-    for (int k = 0; k < 3; k++) {
-        setenv("SOFTLUX_ISA", isa[k], 1);
-        trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
-        trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 12, 0.2f, true,
-                          trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
-        trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 9, 0.3f, false,
-                          trace_mesh_material(&m, 0.7f, 0, 0, 0, 0));
-        sl_mesh_gather_settings settings = usual_settings();
-        gathering g = gathering_of(trace_mesh_build(&m), 0.2f, 3, &settings);
-        for (size_t v = 0; v < g.coarse->vertex_count; v++)
-            sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 0.1f});
-        sl_coarse_finish(g.coarse, 1);
-        for (uint32_t i = 0; i < 16; i++) { /* forwards, then backwards */
-            uint32_t which = i < 8 ? i : 15 - i;
-            sl_mesh_point p = face_point(g.scene, 62 * which, 0.2f, 0.5f);
-            sl_rgb e = take(&g, &p);
-            if (i < 8) seen[k][i] = e;
-            else assert_memory_equal(&e, &seen[k][which], sizeof e);
-        }
-        gathering_destroy(&g);
-    }
-    unsetenv("SOFTLUX_ISA");
-    assert_memory_equal(seen[0], seen[1], sizeof seen[0]);
-    assert_memory_equal(seen[0], seen[2], sizeof seen[0]);
-}
-
 /* ---- the sky --------------------------------------------------------------------------------- */
 
 /* An outlier far below, so that there is a scene. */
@@ -348,7 +318,6 @@ int main(void) {
         cmocka_unit_test(a_red_wall_tints_a_white_floor_though_no_camera_sees_it),
         cmocka_unit_test(light_that_a_lamp_sends_is_not_gathered),
         cmocka_unit_test(every_pixel_is_reflectance_times_value_at_the_point_that_it_shows),
-        cmocka_unit_test(gathers_have_the_same_bits_with_every_instruction_set_and_whatever_went_before),
         cmocka_unit_test(where_nothing_is_the_sky_is_seen_or_black),
         cmocka_unit_test(what_lies_below_the_surface_is_black_though_the_shading_normal_faces_it),
         cmocka_unit_test(the_light_of_a_small_sun_is_kept),

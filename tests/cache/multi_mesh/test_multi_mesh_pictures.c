@@ -268,17 +268,6 @@ static void gloss_that_reflects_lamps_alone_is_told(void **state) {
 
 /* ---- determinism ---- */
 
-static void bits_do_not_depend_on_threads(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
-    sl_settings settings = mesh_settings(40, 40);
-    assert_same_bits_with_any_threads(scene, &settings);
-    settings.multi_mesh.selection = SL_SELECT_CHAIN;
-    settings.bounces = 2;
-    assert_same_bits_with_any_threads(scene, &settings);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cornell_box_is_lit_as_by_its_one_bounce_paths),
@@ -288,7 +277,6 @@ int main(void) {
         cmocka_unit_test(back_in_an_old_view_no_irradiance_is_sampled_again),
         cmocka_unit_test(the_first_picture_takes_the_roots_vertices_and_the_ambient_light),
         cmocka_unit_test(gloss_that_reflects_lamps_alone_is_told),
-        cmocka_unit_test(bits_do_not_depend_on_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

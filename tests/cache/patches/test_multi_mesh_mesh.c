@@ -356,24 +356,6 @@ static void leaves_of_any_size_have_the_same_values_along_common_edges(void **st
 
 /* ---- hard triangles -------------------------------------------------------------------------- */
 
-/* 1e7 from the origin floats are whole numbers: a triangle of size 4 can be split twice and no more. */
-static void splitting_ends_where_coordinates_do(void **state) {
-    (void)state;
-    trace_mesh parts = trace_mesh_begin();
-    trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
-    uint32_t a = trace_mesh_vertex(&parts, 1e7f, 0, 1e7f), b = trace_mesh_vertex(&parts, 1e7f, 0, 1e7f + 4),
-             c = trace_mesh_vertex(&parts, 1e7f + 4, 0, 1e7f);
-    trace_mesh_triangle(&parts, a, b, c, 0);
-    world w = world_of(&parts, 1, 12);
-    root(&w, 0);
-    for (uint64_t i = 0; i < 2000; i++) {
-        sl_patch_place leaf = random_leaf(w.mesh, stream(7), i, 2);
-        assert_int_equal(sl_mesh_split(w.mesh, &leaf, NULL), SL_OK);
-    }
-    assert_int_equal(w.mesh->leaves_alive, 16);
-    discard(&w);
-}
-
 static void triangles_without_area_are_never_split(void **state) {
     (void)state;
     trace_mesh parts = field(2, 1);
@@ -404,7 +386,6 @@ int main(void) {
         cmocka_unit_test(a_hanging_vertex_shows_its_value_and_the_centre_the_mean),
         cmocka_unit_test(corners_that_are_not_known_give_no_value_and_invalid_ones_the_mean_of_the_others),
         cmocka_unit_test(leaves_of_any_size_have_the_same_values_along_common_edges),
-        cmocka_unit_test(splitting_ends_where_coordinates_do),
         cmocka_unit_test(triangles_without_area_are_never_split),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

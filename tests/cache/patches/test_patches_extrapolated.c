@@ -202,6 +202,7 @@ static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
 typedef struct committing {
     hierarchy h;
     sl_shading_state s;
+    sl_object_change object;
 } committing;
 
 static void begin(committing *c) {
@@ -215,7 +216,7 @@ static void begin(committing *c) {
     sl_shading_complete(&c->s.settings);
     c->s.curve.reference = 1.0f;
     c->s.now = 5;
-    assert_int_equal(sl_changes_create(c->h.scene, 2.0f, 3, &c->s.changes, NULL), SL_OK);
+    c->s.changes = (sl_changes){.object_count = 1, .object = &c->object, .threshold = 2.0f, .window = 3};
     c->s.vertex = calloc(4, sizeof *c->s.vertex);
     c->s.request = calloc(4, sizeof *c->s.request);
     c->s.sample = calloc(4, sizeof *c->s.sample);
@@ -226,7 +227,6 @@ static void begin(committing *c) {
 }
 
 static void end(committing *c) {
-    sl_changes_destroy(c->s.changes);
     free(c->s.vertex), free(c->s.request), free(c->s.sample), free(c->s.part), free(c->s.stale);
     hierarchy_discard(&c->h);
 }
@@ -245,7 +245,7 @@ static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for
     committing c;
     begin(&c);
     evaluate_all(&c.h, 2.0f, 1);
-    sl_changes_edit(c.s.changes, SL_CHANGED_LIGHTS, NULL, c.s.now);
+    sl_changes_edit(&c.s.changes, SL_CHANGED_LIGHTS, NULL, c.s.now);
     const sl_sample samples[4] = {lit,
                                   {.irradiance = {NAN, 1, 1}, .valid = true},
                                   {.irradiance = {1, 1, INFINITY}, .valid = true},
@@ -326,7 +326,7 @@ static void what_comes_out_of_something_or_gets_into_it_is_a_change(void **state
     c.s.now++;
     commit(&c, (const sl_sample[4]){lit, lit, inside, lit});
     assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 2);
-    assert_true(c.s.changes->object[0].changing);
+    assert_true(c.s.changes.object[0].changing);
     assert_true(!c.h.patches->vertex[0].extrapolated && c.h.patches->vertex[2].extrapolated);
     end(&c);
 }

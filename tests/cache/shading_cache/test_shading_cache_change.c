@@ -10,7 +10,7 @@
 
 typedef struct world {
     hierarchy h;
-    sl_changes *changes;
+    sl_changes changes;
 } world;
 
 /* So many squares beside each other, each an object. */
@@ -38,12 +38,16 @@ static world world_of(unsigned objects) {
     trace_mesh_discard(&mesh);
     w.h = hierarchy_of(scene, 0);
     assert_int_equal(scene->object_count, objects);
-    assert_int_equal(sl_changes_create(scene, 2.0f, 3, &w.changes, NULL), SL_OK);
+    w.changes = (sl_changes){.object_count = objects,
+                             .object = calloc(objects, sizeof *w.changes.object),
+                             .threshold = 2.0f,
+                             .window = 3};
+    assert_non_null(w.changes.object);
     return w;
 }
 
 static void world_discard(world *w) {
-    sl_changes_destroy(w->changes);
+    free(w->changes.object);
     hierarchy_discard(&w->h);
 }
 
@@ -52,13 +56,13 @@ static void world_discard(world *w) {
 static void when_a_light_moves_all_is_stale_and_nothing_is_known_to_change(void **state) {
     (void)state;
     world w = world_of(2);
-    sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 7);
+    sl_changes_edit(&w.changes, SL_CHANGED_LIGHTS, NULL, 7);
     for (uint32_t i = 0; i < 2; i++) {
-        assert_int_equal(w.changes->object[i].stale_before, 7);
-        assert_false(w.changes->object[i].changing);
-        assert_int_equal(sl_changes_since(w.changes, i), 0);
+        assert_int_equal(w.changes.object[i].stale_before, 7);
+        assert_false(w.changes.object[i].changing);
+        assert_int_equal(sl_changes_since(&w.changes, i), 0);
     }
-    assert_int_equal(w.changes->eye_moved, 0);
+    assert_int_equal(w.changes.eye_moved, 0);
     world_discard(&w);
 }
 
@@ -66,14 +70,14 @@ static void an_object_that_moves_is_changing_at_once_and_the_others_are_stale(vo
     (void)state;
     world w = world_of(3);
     const bool moved[3] = {false, true, false};
-    sl_changes_edit(w.changes, SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA, moved, 4);
+    sl_changes_edit(&w.changes, SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA, moved, 4);
     for (uint32_t i = 0; i < 3; i++) {
-        assert_int_equal(w.changes->object[i].stale_before, 4);
-        assert_int_equal(w.changes->object[i].changing, moved[i]);
-        assert_int_equal(w.changes->object[i].moved, moved[i] ? 4 : 0);
-        assert_int_equal(sl_changes_since(w.changes, i), moved[i] ? 4 : 0);
+        assert_int_equal(w.changes.object[i].stale_before, 4);
+        assert_int_equal(w.changes.object[i].changing, moved[i]);
+        assert_int_equal(w.changes.object[i].moved, moved[i] ? 4 : 0);
+        assert_int_equal(sl_changes_since(&w.changes, i), moved[i] ? 4 : 0);
     }
-    assert_int_equal(w.changes->eye_moved, 4);
+    assert_int_equal(w.changes.eye_moved, 4);
     world_discard(&w);
 }
 
@@ -82,11 +86,11 @@ static void an_object_that_moves_is_changing_at_once_and_the_others_are_stale(vo
 static void only_differences_above_the_threshold_are_changes(void **state) {
     (void)state;
     world w = world_of(1);
-    assert_false(sl_changes_compare(w.changes, 0, 0.0f, 1) || sl_changes_compare(w.changes, 0, 2.0f, 1) ||
-                 sl_changes_compare(w.changes, 0, NAN, 1));
-    assert_false(w.changes->object[0].changing);
-    assert_true(sl_changes_compare(w.changes, 0, 2.1f, 5));
-    assert_true(w.changes->object[0].changing && w.changes->object[0].changed == 5);
+    assert_false(sl_changes_compare(&w.changes, 0, 0.0f, 1) || sl_changes_compare(&w.changes, 0, 2.0f, 1) ||
+                 sl_changes_compare(&w.changes, 0, NAN, 1));
+    assert_false(w.changes.object[0].changing);
+    assert_true(sl_changes_compare(&w.changes, 0, 2.1f, 5));
+    assert_true(w.changes.object[0].changing && w.changes.object[0].changed == 5);
     world_discard(&w);
 }
 
@@ -104,7 +108,7 @@ static void a_light_that_moved_is_found_within_the_tests_that_epsilon_needs(void
     double total = 0.0;
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
         world w = world_of(1);
-        sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 2);
+        sl_changes_edit(&w.changes, SL_CHANGED_LIGHTS, NULL, 2);
         sl_selection_settings s = {.points = POINTS,
                                    .random_share = 0.03f,
                                    .flood_threshold = 0.5f,
@@ -115,11 +119,11 @@ static void a_light_that_moved_is_found_within_the_tests_that_epsilon_needs(void
         size_t count, first = 0;
         assert_int_equal(sl_select_pixels(&s, SIDE, SIDE, leaf, 256, leaves, choice, &count, &counters, NULL),
                          SL_OK);
-        for (; first < count && !w.changes->object[0].changing; first++) {
+        for (; first < count && !w.changes.object[0].changing; first++) {
             bool lit = choice[first].pixel / SIDE < SIDE / 4;
-            sl_changes_compare(w.changes, 0, lit ? 30.0f : 0.0f, 2);
+            sl_changes_compare(&w.changes, 0, lit ? 30.0f : 0.0f, 2);
         }
-        assert_true(w.changes->object[0].changing);                          /* in the first update: */
+        assert_true(w.changes.object[0].changing);                          /* in the first update: */
         /* M/epsilon tests are its mean */
         assert_true((double)counters.value[SL_COUNT_PIXEL_TESTS] <= 2 * POINTS / 0.03);
         total += (double)first;
@@ -136,21 +140,21 @@ static void a_change_ends_when_none_was_found_for_the_window_and_nothing_visible
     (void)state;
     world w = world_of(2);
     bool stale[2] = {true, true};
-    sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 10);
-    assert_true(sl_changes_compare(w.changes, 1, 10.0f, 12));
+    sl_changes_edit(&w.changes, SL_CHANGED_LIGHTS, NULL, 10);
+    assert_true(sl_changes_compare(&w.changes, 1, 10.0f, 12));
     /* what was evaluated since the edit is new enough, though the change was found later */
-    assert_int_equal(sl_changes_since(w.changes, 1), 10);
+    assert_int_equal(sl_changes_since(&w.changes, 1), 10);
     for (uint32_t now = 12; now < 20; now++) {
-        sl_changes_settle(w.changes, stale, now);
-        assert_true(w.changes->object[1].changing && !w.changes->object[0].changing);
+        sl_changes_settle(&w.changes, stale, now);
+        assert_true(w.changes.object[1].changing && !w.changes.object[0].changing);
     }
-    assert_true(sl_changes_compare(w.changes, 1, 10.0f, 20));
+    assert_true(sl_changes_compare(&w.changes, 1, 10.0f, 20));
     stale[1] = false;
     for (uint32_t now = 20; now <= 24; now++) {
-        sl_changes_settle(w.changes, stale, now);
-        assert_int_equal(w.changes->object[1].changing, now < 23);
+        sl_changes_settle(&w.changes, stale, now);
+        assert_int_equal(w.changes.object[1].changing, now < 23);
     }
-    assert_int_equal(sl_changes_since(w.changes, 1), 0);
+    assert_int_equal(sl_changes_since(&w.changes, 1), 0);
     world_discard(&w);
 }
 

@@ -307,7 +307,7 @@ static void when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_
     for (uint32_t i = 0; i < p->patch_count; i++) {
         if (!sl_patch_is_alive(p, i) || !sl_patch_is_leaf(p, i) || p->patch[i].seen != before) continue;
         float still = sl_patch_priority(p, &s->curve, i, s->now + 5, 0, 0),
-              turned = sl_patch_priority(p, &s->curve, i, s->now + 5, s->changes->eye_moved, 0);
+              turned = sl_patch_priority(p, &s->curve, i, s->now + 5, s->changes.eye_moved, 0);
         assert_true(sl_patch_root(p, i) < 2 ? turned == still : turned >= still + 5.0f);
     }
     to_the_end(method);
@@ -387,7 +387,7 @@ static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(v
         left[k] = visible_leaves(s);
         assert_true((double)left[k] <= budget && left[k] > 10);
         to_the_end(method); /* which is not where all is fresh and coarse */
-        assert_false(s->changes->object[0].changing);
+        assert_false(s->changes.object[0].changing);
         assert_true(visible_leaves(s) > before - before / 10);
         sl_method_destroy(method);
         sl_scene_destroy(scene);
@@ -556,7 +556,7 @@ static void count_corners(const sl_shading_state *s, size_t *before, size_t *nev
         for (int c = 0; c < sl_patch_corners(p, leaf); c++) {
             uint32_t evaluated = p->vertex[sl_patch_corner(p, leaf, c)].evaluated;
             *never += evaluated == SL_VERTEX_NEVER;
-            *before += evaluated != SL_VERTEX_NEVER && evaluated < s->changes->object[0].stale_before;
+            *before += evaluated != SL_VERTEX_NEVER && evaluated < s->changes.object[0].stale_before;
         }
     }
 }
@@ -573,8 +573,8 @@ static void a_change_ends_while_there_are_corners_that_were_never_evaluated(void
     size_t before = 0, never = 0;
     for (bool changing = false, ended = false; !ended;) {
         assert_false(update(method));
-        ended = changing && !s->changes->object[0].changing;
-        changing = s->changes->object[0].changing;
+        ended = changing && !s->changes.object[0].changing;
+        changing = s->changes.object[0].changing;
         count_corners(s, &before, &never);
     }
     assert_true(before == 0 && never > 0);
@@ -603,7 +603,7 @@ static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(vo
                 edit(method, SL_CHANGED_LIGHTS); /* nothing has moved: all is shaded again */
             }
             /* of what is seen of it nothing is left to do, but it is seen */
-            sl_changes_begin(inside_of(method)->changes, 0, 1000);
+            sl_changes_begin(&inside_of(method)->changes, 0, 1000);
             assert_true(fabsf(sl_shading_coarsest(inside_of(method), false) * 10000.0f - PIXELS) < 0.01f);
             sl_method_destroy(method);
             sl_scene_destroy(scene);

@@ -114,18 +114,6 @@ static void a_still_scene_never_seems_to_change(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void bits_do_not_depend_on_threads(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
-    sl_settings settings = cache_settings(40, 40);
-    settings.shading_cache.updates = 20;
-    assert_same_bits_with_any_threads(scene, &settings);
-    settings.shading_cache.selection = SL_PIXELS_SORTED;
-    settings.shading_cache.variance_aware = true;
-    assert_same_bits_with_any_threads(scene, &settings);
-    sl_scene_destroy(scene);
-}
-
 /* What a picture takes beyond what it takes before its
  * first split (both copies of the display there, the list of visible leaves, too), for each patch that splits
  * have made. */
@@ -162,7 +150,6 @@ int main(void) {
         cmocka_unit_test(glossy_surfaces_reflect_towards_the_eye),
         cmocka_unit_test(a_moved_object_is_shown_in_its_place_at_once),
         cmocka_unit_test(a_still_scene_never_seems_to_change),
-        cmocka_unit_test(bits_do_not_depend_on_threads),
         cmocka_unit_test(
             a_patch_takes_at_most_115_bytes_with_both_copies_of_the_display_and_all_else_that_grows),
     };
