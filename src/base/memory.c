@@ -32,4 +32,10 @@ bool sl_memory_has_ended(void) {
     return !block;
 }
 
+void *sl_allocate_planes(size_t stride, size_t planes, float **const plane[]) {
+    float *block = sl_allocate(stride, planes * sizeof *block);
+    for (size_t i = 0; i < planes && block; i++) *plane[i] = block + i * stride;
+    return block;
+}
+
 void sl_free(void *block) { free(block); }

@@ -9,6 +9,9 @@
 void *sl_allocate(size_t count, size_t size);
 /* The same, not zeroed: for what is written whole before it is read. */
 void *sl_allocate_unset(size_t count, size_t size);
+/* Sets *plane[i] for each of `planes` to `stride` zeros of its own. Returns the block that holds them all, to
+ * be freed. */
+void *sl_allocate_planes(size_t stride, size_t planes, float **const plane[]);
 /* Tells whether even a small block cannot be had: for what libraries answer that do not say what they
  * lacked. */
 bool sl_memory_has_ended(void);

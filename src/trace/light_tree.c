@@ -14,7 +14,7 @@ typedef struct emitter_table {
     float *strength;                /* mean radiance times area */
     float *extent_squared;          /* largest squared distance of a corner from the centroid */
     float *two_sided;               /* 1 or 0 */
-    float *block;                   /* holds all of the above */
+    void *block;                    /* holds all of the above */
     size_t count;
 } emitter_table;
 
@@ -37,11 +37,11 @@ struct sl_light_tree {
 static sl_status create_table(const sl_scene *scene, emitter_table *t, sl_error *error) {
     enum { COLUMNS = 9 };
     size_t n = scene->emitter_count;
-    t->block = sl_allocate(COLUMNS * n, sizeof *t->block);
+    float **const columns[COLUMNS] = {&t->x,        &t->y,        &t->z,
+                                      &t->normal_x, &t->normal_y, &t->normal_z,
+                                      &t->strength, &t->extent_squared, &t->two_sided};
+    t->block = sl_allocate_planes(n, COLUMNS, columns);
     if (!t->block) return sl_fail_memory(error, "direct light");
-    float **columns[COLUMNS] = {&t->x, &t->y, &t->z, &t->normal_x, &t->normal_y, &t->normal_z, &t->strength,
-                                &t->extent_squared, &t->two_sided};
-    for (size_t c = 0; c < COLUMNS; c++) *columns[c] = t->block + c * n;
     t->count = n;
     for (size_t i = 0; i < n; i++) {
         const sl_emitter *e = &scene->emitters[i];

@@ -73,9 +73,3 @@ void sl_hsh_evaluate_by(const sl_hsh_recurrence *r, sl_vec3d direction, double *
         }
     }
 }
-
-void sl_hsh_evaluate(int order, sl_vec3d direction, double *values) {
-    sl_hsh_recurrence r;
-    sl_hsh_recurrence_of(order, &r);
-    sl_hsh_evaluate_by(&r, direction, values);
-}

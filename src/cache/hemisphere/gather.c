@@ -1,4 +1,4 @@
-#include "cache/hemisphere/light_scratch.h"
+#include "cache/hemisphere/hit_light.h"
 
 #include <string.h>
 
@@ -149,47 +149,26 @@ size_t sl_gather_coefficient_count(const sl_gather *gather) {
 
 /* ---- scratch --------------------------------------------------------------------------------- */
 
-enum { HIT_PLANES = 24, SLOT_PLANES = 5, CELL_PLANES = 7, RASTER_PLANES = 8 };
-
-/* Planes of `stride` floats from one block, one after the other. */
-typedef struct cutter {
-    float *next;
-    size_t stride;
-} cutter;
-
-static float *cut(cutter *c) {
-    float *plane = c->next;
-    c->next += c->stride;
-    return plane;
-}
-
-static void cut_hits(cutter *c, sl_gather_hits *h) {
-    float **planes[HIT_PLANES - 1] = {
-        &h->depth,       &h->w1,          &h->w2,          &h->direction_x, &h->direction_y,  &h->direction_z,
-        &h->position_x,  &h->position_y,  &h->position_z,  &h->normal_x,    &h->normal_y,     &h->normal_z,
-        &h->geometric_x, &h->geometric_y, &h->geometric_z, &h->cosine,      &h->diffuse_r,    &h->diffuse_g,
-        &h->diffuse_b,   &h->irradiance_r, &h->irradiance_g, &h->irradiance_b, &h->back};
-    for (int i = 0; i < HIT_PLANES - 1; i++) *planes[i] = cut(c);
-    h->triangle = (uint32_t *)(void *)cut(c);
-}
-
-static void cut_slots(cutter *c, sl_gather_scratch *s) {
-    s->slot_cell = (uint32_t *)(void *)cut(c);
-    s->slot_share = cut(c);
-    s->more_a = cut(c);
-    s->more_b = cut(c);
-    s->more_bits = (uint32_t *)(void *)cut(c);
-}
-
-static void cut_raster(cutter *c, sl_gather_scratch *s) {
-    s->target_id = (uint32_t *)(void *)cut(c);
-    s->target_depth = cut(c);
-    s->target_w1 = cut(c);
-    s->target_w2 = cut(c);
-    s->cell_id = (uint32_t *)(void *)cut(c);
-    s->cell_depth = cut(c);
-    s->cell_w1 = cut(c);
-    s->cell_w2 = cut(c);
+/* Float planes of `stride` each, then those of whole numbers; behind `lead` zeros what belongs to cells. */
+static bool allocate_planes(sl_gather_scratch *s, size_t lead, size_t stride) {
+    enum { PLANES = 39, CELL_PLANES = 7, IDS = 5 };
+    sl_gather_hits *h = &s->hits;
+    sl_gather_planes *p = &s->planes;
+    float **const plane[PLANES] = {
+        &p->r, &p->g, &p->b, &p->nearness, &p->distance, &p->first, &p->mean, /* CELL_PLANES */
+        &h->depth, &h->w1, &h->w2, &h->direction_x, &h->direction_y, &h->direction_z,
+        &h->position_x, &h->position_y, &h->position_z, &h->normal_x, &h->normal_y, &h->normal_z,
+        &h->geometric_x, &h->geometric_y, &h->geometric_z, &h->cosine, &h->back,
+        &h->diffuse_r, &h->diffuse_g, &h->diffuse_b, &h->irradiance_r, &h->irradiance_g, &h->irradiance_b,
+        &s->slot_share, &s->more_a, &s->more_b, &s->target_depth, &s->target_w1, &s->target_w2,
+        &s->cell_depth, &s->cell_w1, &s->cell_w2};
+    uint32_t **const id[IDS] = {&h->triangle, &s->slot_cell, &s->more_bits, &s->target_id, &s->cell_id};
+    s->block = sl_allocate_planes(stride, PLANES, plane);
+    s->ids = sl_allocate(IDS * stride, sizeof *s->ids);
+    if (!s->block || !s->ids) return false;
+    for (int i = 0; i < CELL_PLANES; i++) *plane[i] += lead;
+    for (size_t i = 0; i < IDS; i++) *id[i] = s->ids + i * stride;
+    return true;
 }
 
 sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **out, sl_error *error) {
@@ -203,11 +182,11 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     s->slots_max = t->used + (more ? (size_t)(gather->settings.more_rays * (float)t->used) : 0);
     size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded,
            stride = lead + (slots + 15) / 16 * 16;
-    s->block = sl_allocate(stride * (HIT_PLANES + SLOT_PLANES + CELL_PLANES + RASTER_PLANES), sizeof(float));
     s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
     s->texel = sl_allocate(slots, sizeof *s->texel);
-    sl_status status =
-        s->block && s->pixels && s->texel ? SL_OK : sl_fail_memory(error, "a gather's buffers");
+    sl_status status = allocate_planes(s, lead, stride) && s->pixels && s->texel
+                           ? SL_OK
+                           : sl_fail_memory(error, "a gather's buffers");
     if (status == SL_OK && gather->sources)
         status = sl_light_scratch_create(gather, slots, &s->light, error);
     if (status == SL_OK && t->kind != SL_GATHER_RAYS) {
@@ -217,13 +196,6 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
         sl_gather_scratch_destroy(s);
         return status;
     }
-    cutter c = {s->block, stride};
-    cut_hits(&c, &s->hits);
-    cut_slots(&c, s);
-    cut_raster(&c, s);
-    float **planes[CELL_PLANES] = {&s->planes.r,        &s->planes.g,     &s->planes.b,   &s->planes.nearness,
-                                   &s->planes.distance, &s->planes.first, &s->planes.mean};
-    for (int i = 0; i < CELL_PLANES; i++) *planes[i] = cut(&c) + lead;
     for (size_t i = 0; i < t->cells; i++) s->pixels[i] = (uint32_t)i;
     for (size_t k = 0; k < t->used; k++) s->slot_cell[k] = t->order[k];
     *out = s;
@@ -235,6 +207,7 @@ void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
     sl_raster_scratch_destroy(scratch->raster);
     sl_light_scratch_destroy(scratch->light);
     sl_free(scratch->block);
+    sl_free(scratch->ids);
     sl_free(scratch->pixels);
     sl_free(scratch->texel);
     sl_free(scratch);
@@ -274,6 +247,40 @@ sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *poi
     return view;
 }
 
+static sl_vec3 tangential(const sl_frame *f, const double v[2]) {
+    return sl_to_float(sl_addd(sl_scaled(sl_to_double(f->x), v[0]), sl_scaled(sl_to_double(f->y), v[1])));
+}
+
+/* Eigenvalues of a symmetric 2 x 2 matrix. Of the two ways to write the first one's direction the one that
+ * does not cancel. */
+static void set_curvature(const sl_frame *f, const sl_gather_curvature *h, sl_irradiance *out) {
+    double mean = 0.5 * (h->xx + h->yy), half = 0.5 * (h->xx - h->yy),
+           radius = sqrt(half * half + h->xy * h->xy);
+    double sign = mean < 0.0 ? -1.0 : 1.0, x = sign * half, y = sign * h->xy, along[2] = {1.0, 0.0};
+    /* The angle of (x, y) halved: (radius + x, y) or (y, radius - x). */
+    double a = x >= 0.0 ? radius + x : y, b = x >= 0.0 ? y : radius - x, length = sqrt(a * a + b * b);
+    if (length > 0.0) along[0] = a / length, along[1] = b / length;
+    out->curvature[0] = (float)(mean + sign * radius);
+    out->curvature[1] = (float)(mean - sign * radius);
+    out->curvature_axis = tangential(f, along);
+}
+
+/* Turns the sums of gather_kernels.c into the world. */
+static void finish(const sl_gather_view *view, const sl_gather_sums *sums,
+                      const sl_gather_curvature *curvature, sl_irradiance *out) {
+    const sl_gather_tables *t = view->gather->tables;
+    set_curvature(&view->frame, curvature, out);
+    out->value = (sl_rgb){(float)sums->irradiance[0], (float)sums->irradiance[1], (float)sums->irradiance[2]};
+    for (int c = 0; c < 3; c++) {
+        out->rotational[c] = tangential(&view->frame, sums->rotational[c]);
+        out->translational[c] = tangential(&view->frame, sums->translational[c]);
+    }
+    /* 1/R = (1/pi) sum W / r, the harmonic mean of distances (Ward et al. 1988), weighed by the cosine; W
+     * need not sum to pi where a plane's border is left off. */
+    out->harmonic_mean =
+        sums->inverse_distance > 0.0 ? (float)(t->weight_sum / sums->inverse_distance) : INFINITY;
+}
+
 void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
                           sl_irradiance *irradiance, sl_counters *counters) {
     const sl_gather_planes *p = &scratch->planes;
@@ -286,7 +293,7 @@ void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point,
     sl_gather_shade(&view, &nearest, &back_weight, counters);
     gather->kernels.sums(gather->tables, p->r, p->g, p->b, p->nearness, p->first, &sums);
     gather->kernels.curvature(gather->tables, p->r, p->g, p->b, p->nearness, p->mean, &curvature);
-    sl_gather_finish(&view, &sums, &curvature, irradiance);
+    finish(&view, &sums, &curvature, irradiance);
     irradiance->nearest = nearest;
     irradiance->back_share = (float)(back_weight / gather->tables->weight_sum);
 }

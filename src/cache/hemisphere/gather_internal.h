@@ -2,7 +2,7 @@
  *
  *     see      raster_gather.c or ray_gather.c: which triangle, where, in every cell
  *     shade    hit_shading.c: outgoing radiance of what is seen, lit directly, and by more bounces
- *     sum      gather_kernels.c and gradients.c: irradiance, gradients, mean distance
+ *     sum      gather_kernels.c and gather.c: irradiance, gradients, mean distance
  *     project  projection.c: coefficients of radiance, where asked for
  */
 #ifndef SL_CACHE_GATHER_INTERNAL_H
@@ -14,7 +14,30 @@
 #include "cache/hemisphere/projection.h"
 #include "cache/light/shadow_maps.h"
 
-typedef struct sl_light_scratch sl_light_scratch;
+/* One worker's buffers for light samples (hit_samples.c): what is expected of every hit, samples as drawn,
+ * samples in order of their sources. */
+typedef struct sl_chosen_source {
+    uint32_t slot, source;
+    float share; /* 1 over the expected number of such samples */
+} sl_chosen_source;
+
+typedef struct sl_light_scratch {
+    size_t capacity;               /* of samples */
+    size_t lit;                    /* hits that sources may reach; by slot: */
+    float *reflects;               /* albedo times the cell's weight; 0 where nothing is seen */
+    /* [slot][SL_SOURCE_BLOCKS_MAX]: irradiance that a block of sources may bring */
+    float *of_block;
+    float *expected;               /* that of all */
+    float *samples_at;             /* expected number of samples */
+
+    size_t samples, of_emitters;
+    sl_chosen_source *chosen;
+    uint32_t *of_source;
+    uint32_t *sample_slot, *sample_source; /* by source: */
+    float *share, *u1, *u2;
+    float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *arriving, *near;
+    void *slot_block, *sample_block;
+} sl_light_scratch;
 
 struct sl_gather {
     const sl_scene *scene;
@@ -67,7 +90,8 @@ typedef struct sl_gather_planes {
 
 struct sl_gather_scratch {
     const sl_gather *gather;
-    float *block;
+    void *block;             /* of the planes of floats, */
+    uint32_t *ids;           /* and of whole numbers */
     size_t slots, slots_max;
     uint32_t *slot_cell;
     float *slot_share;       /* 1 over the rays of the slot's cell */
@@ -115,9 +139,5 @@ sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);
 /* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as
  * in sl_irradiance. */
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters);
-
-/* Turns the sums into the world. */
-void sl_gather_finish(const sl_gather_view *view, const sl_gather_sums *sums,
-                      const sl_gather_curvature *curvature, sl_irradiance *irradiance);
 
 #endif

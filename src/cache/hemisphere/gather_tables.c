@@ -10,17 +10,15 @@ enum { TILE = 4, PLANES = 23 };
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 static sl_status allocate_tables(sl_gather_tables *t, sl_error *error) {
-    float **planes[PLANES] = {&t->weight,   &t->weight_by_depth, &t->vector_x,    &t->vector_y,
+    float **const planes[PLANES] = {&t->weight,   &t->weight_by_depth, &t->vector_x,    &t->vector_y,
                               &t->column_x, &t->column_y,        &t->row_x,       &t->row_y,
                               &t->direction_x, &t->direction_y,  &t->direction_z, &t->length,
                               &t->slot_a,   &t->slot_b,
                               &t->column_xx, &t->column_xy, &t->column_yy, &t->row_xx, &t->row_xy, &t->row_yy,
                               &t->vertex_xx, &t->vertex_xy, &t->vertex_yy};
-    t->block = sl_allocate(t->padded * PLANES, sizeof(float));
+    t->block = sl_allocate_planes(t->padded, PLANES, planes);
     t->order = sl_allocate(t->cells, sizeof(uint32_t));
-    if (!t->block || !t->order) return sl_fail_memory(error, "the gather's tables");
-    for (int i = 0; i < PLANES; i++) *planes[i] = t->block + (size_t)i * t->padded;
-    return SL_OK;
+    return t->block && t->order ? SL_OK : sl_fail_memory(error, "the gather's tables");
 }
 
 void sl_gather_tables_destroy(sl_gather_tables *t) {

@@ -25,7 +25,7 @@ typedef struct sl_gather_tables {
     size_t padded; /* rounded up to whole lanes; everything beyond `cells` is 0 */
     size_t used;   /* cells that are not blank */
     double weight_sum;
-    float *block;  /* the one allocation behind all the planes */
+    void *block;   /* the one allocation behind all the planes */
 
     /* Cosine weight W; W over the distance at unit depth (for the harmonic mean); tangential part of the
      * cell's vector V. */

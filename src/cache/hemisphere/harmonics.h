@@ -41,13 +41,7 @@ static inline size_t sl_hsh_odd(int order, int l, int m) {
 
 /* ---- the functions (basis.c) ---- */
 
-/* All n^2 functions in a unit direction of the local frame (z >= 0 along the normal; x, y tangential):
- * sl_hsh_stride(order) doubles (at most SL_HSH_STRIDE_MAX), padding 0. At the zenith and at the horizon too:
- * no division by sin theta, no root of a negative; a direction below the horizon counts as one on it, one
- * that is not a number as the zenith. */
-void sl_hsh_evaluate(int order, sl_vec3d direction, double *values);
-
-/* The numbers of the recurrence, for those who evaluate in many directions: P_l^m = first[m][l] x P_(l-1)^m -
+/* The numbers of the recurrence: P_l^m = first[m][l] x P_(l-1)^m -
  * second[m][l] P_(l-2)^m, P_m^m = diagonal[m] s P_(m-1)^(m-1). */
 typedef struct sl_hsh_recurrence {
     int order;
@@ -55,6 +49,10 @@ typedef struct sl_hsh_recurrence {
         second[SL_HSH_ORDER_MAX][SL_HSH_ORDER_MAX];
 } sl_hsh_recurrence;
 void sl_hsh_recurrence_of(int order, sl_hsh_recurrence *recurrence);
+/* All n^2 functions in a unit direction of the local frame (z >= 0 along the normal; x, y tangential):
+ * sl_hsh_stride(order) doubles (at most SL_HSH_STRIDE_MAX), padding 0. At the zenith and at the horizon too:
+ * no division by sin theta, no root of a negative; a direction below the horizon counts as one on it, one
+ * that is not a number as the zenith. */
 void sl_hsh_evaluate_by(const sl_hsh_recurrence *recurrence, sl_vec3d direction, double *values);
 
 /* ---- Phong lobes (phong.c) ---- */
@@ -94,8 +92,5 @@ size_t sl_moved_lobe_bytes(const sl_moved_lobe *lobe);
  * where r is below the horizon, e = n'_x X + n'_z Z - C    o = n'_y Y and, turned back to the azimuth phi of
  * r, H_lm has the coefficient cos(m phi) e - sin(m phi) o, H_l-m sin(m phi) e + cos(m phi) o. */
 sl_phong_rows sl_moved_lobe_at(const sl_moved_lobe *lobe, float cosine);
-/* All of that, in plain loops: r and n in the record's frame, cosine n . w_o; sl_hsh_stride(order) floats. */
-void sl_moved_lobe_look_up(const sl_moved_lobe *lobe, sl_vec3 r, sl_vec3 n, float cosine,
-                           float *coefficients);
 
 #endif

@@ -35,6 +35,13 @@ static inline sl_vec3 sl_hit_position(const sl_gather_hits *h, size_t k) {
     return sl_v3(h->position_x[k], h->position_y[k], h->position_z[k]);
 }
 
+static inline sl_light_points sl_hit_points(const sl_gather_hits *h, size_t first, size_t count) {
+    return (sl_light_points){count,
+                             h->position_x + first,  h->position_y + first,  h->position_z + first,
+                             h->geometric_x + first, h->geometric_y + first, h->geometric_z + first,
+                             h->normal_x + first,    h->normal_y + first,    h->normal_z + first};
+}
+
 /* Of a unit direction at slot k with the shading normal; 0 if it is below either horizon. */
 static inline float sl_hit_cosine(const sl_gather_hits *h, size_t k, sl_vec3 d) {
     float cosine = h->normal_x[k] * d.x + h->normal_y[k] * d.y + h->normal_z[k] * d.z;
@@ -49,5 +56,10 @@ void sl_gather_light_sampled(const sl_gather_view *view, sl_counters *counters);
 /* The samples' part of it, where the sources are few enough to be weighed at every hit (hit_samples.c). */
 void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t count);
 void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q);
+
+/* For up to `slots` hits. */
+sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, sl_light_scratch **scratch,
+                                  sl_error *error);
+void sl_light_scratch_destroy(sl_light_scratch *scratch);
 
 #endif

@@ -141,7 +141,8 @@ static inline float sum_of(const float *w) { /* in a fixed shape */
 }
 
 static inline receiver receiver_of(const sl_expected_light *c, size_t k) {
-    return (receiver){c->x[k], c->y[k], c->z[k], c->normal_x[k], c->normal_y[k], c->normal_z[k]};
+    const sl_light_points *at = &c->at;
+    return (receiver){at->x[k], at->y[k], at->z[k], at->normal_x[k], at->normal_y[k], at->normal_z[k]};
 }
 
 void SL_KERNEL(sl_hit_light_block)(const sl_light_sources *sources, const sl_expected_light *light,
@@ -150,7 +151,7 @@ void SL_KERNEL(sl_hit_light_block)(const sl_light_sources *sources, const sl_exp
 }
 
 void SL_KERNEL(sl_hit_light_expect)(const sl_light_sources *s, const sl_expected_light *c) {
-    for (size_t k = 0; k < c->count; k++) {
+    for (size_t k = 0; k < c->at.count; k++) {
         float *of_block = c->of_block + k * SL_SOURCE_BLOCKS_MAX, sum = 0.0f;
         c->sum[k] = 0.0f;
         if (!(c->reflects[k] > 0.0f)) continue;
@@ -172,9 +173,10 @@ void SL_KERNEL(sl_hit_light_expect)(const sl_light_sources *s, const sl_expected
 void SL_KERNEL(sl_hit_light_points)(const sl_light_sources *s, const sl_point_samples *c) {
     const uint32_t *restrict slot = c->slot, *restrict source = c->source;
     const float *restrict u1 = c->u1, *restrict u2 = c->u2, *restrict share = c->share;
-    const float *restrict px = c->position_x, *restrict py = c->position_y, *restrict pz = c->position_z;
-    const float *restrict nx = c->normal_x, *restrict ny = c->normal_y, *restrict nz = c->normal_z;
-    const float *restrict gx = c->geometric_x, *restrict gy = c->geometric_y, *restrict gz = c->geometric_z;
+    const float *restrict px = c->at.x, *restrict py = c->at.y, *restrict pz = c->at.z;
+    const float *restrict nx = c->at.normal_x, *restrict ny = c->at.normal_y, *restrict nz = c->at.normal_z;
+    const float *restrict gx = c->at.geometric_x, *restrict gy = c->at.geometric_y,
+                          *restrict gz = c->at.geometric_z;
     const float *restrict ax = s->corner[0][0], *restrict ay = s->corner[0][1],
                           *restrict az = s->corner[0][2];
     const float *restrict bx = s->corner[1][0], *restrict by = s->corner[1][1],

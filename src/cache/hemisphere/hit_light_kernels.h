@@ -4,12 +4,12 @@
 
 #include "base/isa.h"
 #include "cache/hemisphere/light_sources.h"
+#include "cache/light/light_kernels.h"
 
-/* Hits to be lit, by slot. In: places, unit normals, what reflects. Out: what each block of sources may give,
+/* Hits to be lit, by slot. In: points, what reflects. Out: what each block of sources may give,
  * unhindered, and all of them together (0: nothing, or no hit). */
 typedef struct sl_expected_light {
-    size_t count;
-    const float *x, *y, *z, *normal_x, *normal_y, *normal_z;
+    sl_light_points at;
     const float *reflects; /* > 0: yes */
     float *of_block;       /* [slot][SL_SOURCE_BLOCKS_MAX] */
     float *sum;
@@ -28,8 +28,7 @@ typedef struct sl_point_samples {
     const uint32_t *slot, *source;
     const float *share;       /* 1 over the expected number of samples with this slot and source */
     const float *u1, *u2;
-    const float *position_x, *position_y, *position_z, *normal_x, *normal_y, *normal_z; /* of slots */
-    const float *geometric_x, *geometric_y, *geometric_z;
+    sl_light_points at;       /* slots */
     /* a share of its greatest coordinate that a point leaves its surface at least (sl_scene_rounding()) */
     float offset, rounding;
     float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *arriving;

@@ -13,10 +13,11 @@
  * source are then well spread over all hits that chose it. */
 #include <string.h>
 
+#include "base/error.h"
 #include "base/math.h"
+#include "base/memory.h"
 #include "base/random.h"
 #include "cache/hemisphere/hit_light.h"
-#include "cache/hemisphere/light_scratch.h"
 #include "cache/light/spherical_triangle.h"
 
 /* How much of the budget is spread evenly over the hits. */
@@ -24,21 +25,53 @@
 
 static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
+/* ---- a worker's buffers ---- */
+
+static bool allocate(sl_light_scratch *s, size_t slots, size_t sources) {
+    size_t padded = s->capacity + SL_SOURCE_LANES;
+    float **const by_slot[] = {&s->reflects, &s->expected, &s->samples_at};
+    float **const by_sample[] = {&s->share,       &s->u1,          &s->u2,       &s->origin_x,
+                                 &s->origin_y,    &s->origin_z,    &s->direction_x, &s->direction_y,
+                                 &s->direction_z, &s->arriving,    &s->near};
+    s->slot_block = sl_allocate_planes(slots, sizeof by_slot / sizeof *by_slot, by_slot);
+    s->sample_block = sl_allocate_planes(padded, sizeof by_sample / sizeof *by_sample, by_sample);
+    s->of_block = sl_allocate(slots, SL_SOURCE_BLOCKS_MAX * sizeof *s->of_block);
+    s->chosen = sl_allocate(s->capacity, sizeof *s->chosen);
+    s->of_source = sl_allocate(sources + 1, sizeof *s->of_source);
+    s->sample_slot = sl_allocate(padded, sizeof *s->sample_slot);
+    s->sample_source = sl_allocate(padded, sizeof *s->sample_source);
+    return s->slot_block && s->sample_block && s->of_block && s->chosen && s->of_source && s->sample_slot &&
+           s->sample_source;
+}
+
+sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, sl_light_scratch **out,
+                                  sl_error *error) {
+    *out = NULL;
+    sl_light_scratch *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "a gather's light samples");
+    s->capacity = slots * gather->settings.hit_samples + 2;
+    if (!allocate(s, slots, gather->sources->count)) {
+        sl_light_scratch_destroy(s);
+        return sl_fail_memory(error, "a gather's light samples");
+    }
+    *out = s;
+    return SL_OK;
+}
+
+void sl_light_scratch_destroy(sl_light_scratch *s) {
+    if (!s) return;
+    void *blocks[] = {s->slot_block, s->sample_block, s->of_block,     s->chosen,
+                      s->of_source,  s->sample_slot,  s->sample_source};
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
+    sl_free(s);
+}
+
 /* ---- what may come ---- */
 
 static sl_expected_light expected_light(const sl_gather_view *view, size_t first, size_t count) {
-    const sl_gather_hits *h = &view->scratch->hits;
     const sl_light_scratch *s = view->scratch->light;
-    return (sl_expected_light){.count = count,
-                               .x = h->position_x + first,
-                               .y = h->position_y + first,
-                               .z = h->position_z + first,
-                               .normal_x = h->normal_x + first,
-                               .normal_y = h->normal_y + first,
-                               .normal_z = h->normal_z + first,
-                               .reflects = s->reflects + first,
-                               .of_block = s->of_block + first * SL_SOURCE_BLOCKS_MAX,
-                               .sum = s->expected + first};
+    return (sl_expected_light){sl_hit_points(&view->scratch->hits, first, count), s->reflects + first,
+                               s->of_block + first * SL_SOURCE_BLOCKS_MAX, s->expected + first};
 }
 
 void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t count) {
@@ -109,7 +142,7 @@ static void draw_samples(const sl_gather_view *view, uint64_t key) {
     double sum = (double)sl_random_unit(key, 0);
     uint32_t before = 0, select = sl_random_bits(key, 1);
     s->samples = 0;
-    for (size_t k = 0; k < light.count; k++) {
+    for (size_t k = 0; k < light.at.count; k++) {
         sum += (double)s->samples_at[k];
         for (uint32_t now = (uint32_t)sum; before < now; before++) {
             uint32_t source;
@@ -181,7 +214,6 @@ static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q
 /* ---- emitters ---- */
 
 static void choose_points(const sl_gather_view *view) {
-    const sl_gather_hits *h = &view->scratch->hits;
     sl_light_scratch *s = view->scratch->light;
     sl_point_samples samples = {.count = s->of_emitters,
                                 .slot = s->sample_slot,
@@ -189,15 +221,7 @@ static void choose_points(const sl_gather_view *view) {
                                 .share = s->share,
                                 .u1 = s->u1,
                                 .u2 = s->u2,
-                                .position_x = h->position_x,
-                                .position_y = h->position_y,
-                                .position_z = h->position_z,
-                                .normal_x = h->normal_x,
-                                .normal_y = h->normal_y,
-                                .normal_z = h->normal_z,
-                                .geometric_x = h->geometric_x,
-                                .geometric_y = h->geometric_y,
-                                .geometric_z = h->geometric_z,
+                                .at = sl_hit_points(&view->scratch->hits, 0, view->scratch->slots),
                                 .offset = view->gather->offset,
                                 .rounding = sl_scene_rounding(view->gather->scene),
                                 .origin_x = s->origin_x,

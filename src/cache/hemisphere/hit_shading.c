@@ -107,16 +107,7 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
     const unsigned parts = SL_MAPPED_LIGHTS | SL_MAPPED_SKY | SL_MAPPED_FEW;
     for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK) {
         size_t rest = first + count - k;
-        sl_light_points block = {rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK,
-                                 h->position_x + k,
-                                 h->position_y + k,
-                                 h->position_z + k,
-                                 h->geometric_x + k,
-                                 h->geometric_y + k,
-                                 h->geometric_z + k,
-                                 h->normal_x + k,
-                                 h->normal_y + k,
-                                 h->normal_z + k};
+        sl_light_points block = sl_hit_points(h, k, rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK);
         sl_shadow_maps_irradiance(view->gather->maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
                                   h->irradiance_b + k, counters);
     }

@@ -9,36 +9,18 @@
 /* Emitters within twice their extent are sampled by solid angle. */
 #define NEAR_EXTENTS 2.0f
 
-enum { COLUMNS = 25 };
+enum { COLUMNS = 24 };
 
-static void cut(sl_light_sources *s) {
-    float *next = s->block;
-    float **columns[COLUMNS - 1] = {&s->x,
-                                    &s->y,
-                                    &s->z,
-                                    &s->normal_x,
-                                    &s->normal_y,
-                                    &s->normal_z,
-                                    &s->extent,
-                                    &s->near,
-                                    &s->two_sided,
-                                    &s->strength,
-                                    &s->radiance,
-                                    &s->area,
-                                    &s->red,
-                                    &s->green,
-                                    &s->blue,
-                                    &s->corner[0][0],
-                                    &s->corner[0][1],
-                                    &s->corner[0][2],
-                                    &s->corner[1][0],
-                                    &s->corner[1][1],
-                                    &s->corner[1][2],
-                                    &s->corner[2][0],
-                                    &s->corner[2][1],
-                                    &s->corner[2][2]};
-    for (int c = 0; c < COLUMNS - 1; c++, next += s->count) *columns[c] = next;
-    s->index = (uint32_t *)(void *)next;
+static bool allocate_columns(sl_light_sources *s) {
+    float **const columns[COLUMNS] = {
+        &s->x,            &s->y,            &s->z,            &s->normal_x,     &s->normal_y,
+        &s->normal_z,     &s->extent,       &s->near,         &s->two_sided,    &s->strength,
+        &s->radiance,     &s->area,         &s->red,          &s->green,        &s->blue,
+        &s->corner[0][0], &s->corner[0][1], &s->corner[0][2], &s->corner[1][0], &s->corner[1][1],
+        &s->corner[1][2], &s->corner[2][0], &s->corner[2][1], &s->corner[2][2]};
+    s->block = sl_allocate_planes(s->count, COLUMNS, columns);
+    s->index = sl_allocate(s->count, sizeof *s->index);
+    return s->block && s->index;
 }
 
 static double mean(sl_rgb c) { return ((double)c.r + (double)c.g + (double)c.b) / 3.0; }
@@ -213,14 +195,12 @@ sl_status sl_light_sources_create(const sl_scene *scene, sl_light_sources **out,
     s->unit = ldexpf(1.0f, -exponent);
     s->scene = scene;
     count_blocks(s);
-    s->block = sl_allocate(COLUMNS * s->count, sizeof *s->block);
     placed *p = sl_allocate(s->count, sizeof *p);
-    if (!s->block || !p) {
+    if (!allocate_columns(s) || !p) {
         sl_free(p);
         sl_light_sources_destroy(s);
         return sl_fail_memory(error, "the light sources");
     }
-    cut(s);
     fill(s, p);
     sl_free(p);
     *out = s;
@@ -230,9 +210,10 @@ sl_status sl_light_sources_create(const sl_scene *scene, sl_light_sources **out,
 void sl_light_sources_destroy(sl_light_sources *s) {
     if (!s) return;
     sl_free(s->block);
+    sl_free(s->index);
     sl_free(s);
 }
 
 size_t sl_light_sources_bytes(const sl_light_sources *s) {
-    return sizeof *s + s->count * COLUMNS * sizeof(float);
+    return sizeof *s + s->count * (COLUMNS * sizeof(float) + sizeof *s->index);
 }

@@ -47,7 +47,7 @@ typedef struct sl_light_sources {
     float *red, *green, *blue;         /* emitter: radiance */
     float absolute;                    /* what strength 1 is in W/m^2 */
     float sky_irradiance[6];           /* relative, on planes that face +x, -x, +y, -y, +z, -z */
-    float *block;
+    void *block;                       /* of the columns */
 } sl_light_sources;
 
 /* scene: with the lights that are to be drawn from alone. At most SL_LIGHT_SOURCES_MAX sources. */

@@ -10,7 +10,6 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/hemisphere/hit_light.h"
-#include "cache/hemisphere/light_scratch.h"
 
 #include <math.h>
 

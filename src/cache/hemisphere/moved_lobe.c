@@ -31,7 +31,6 @@ enum { ANGLES = SL_PHONG_ANGLES };
 enum { X, Y, Z, CUT, VECTORS };
 
 struct sl_moved_lobe {
-    int order;
     size_t width;
     float *rows; /* [ANGLES][VECTORS][width] */
 };
@@ -73,7 +72,7 @@ sl_status sl_moved_lobe_create(int order, double exponent, sl_moved_lobe **out, 
         sl_free(rows);
         return sl_fail_memory(error, "a table of Phong lobes");
     }
-    *t = (sl_moved_lobe){order, width, rows};
+    *t = (sl_moved_lobe){width, rows};
     sl_lobe lobe;
     products p;
     sl_lobe_make(exponent, &lobe);
@@ -101,28 +100,4 @@ size_t sl_moved_lobe_bytes(const sl_moved_lobe *lobe) {
 
 sl_phong_rows sl_moved_lobe_at(const sl_moved_lobe *lobe, float cosine) {
     return sl_phong_rows_at(lobe->rows, VECTORS * lobe->width, fabsf(cosine));
-}
-
-void sl_moved_lobe_look_up(const sl_moved_lobe *t, sl_vec3 r, sl_vec3 n, float cosine, float *coefficients) {
-    sl_phong_rows at = sl_moved_lobe_at(t, r.z), cut = sl_moved_lobe_at(t, cosine > 0.0f ? cosine : 0.0f);
-    float length = sqrtf(r.x * r.x + r.y * r.y), c = length > 0.0f ? r.x / length : 1.0f,
-          s = length > 0.0f ? r.y / length : 0.0f;
-    float nx = c * n.x + s * n.y, ny = c * n.y - s * n.x, nz = r.z < 0.0f ? -n.z : n.z;
-    float cos_m = 1.0f, sin_m = 0.0f;
-    memset(coefficients, 0, sl_hsh_stride(t->order) * sizeof *coefficients);
-    for (int m = 0; m < t->order; m++) {
-        for (int l = m; l < t->order; l++) {
-            size_t i = sl_hsh_even(l, m), w = t->width;
-            float x = at.first[i] + at.mix * (at.second[i] - at.first[i]);
-            float y = at.first[i + w] + at.mix * (at.second[i + w] - at.first[i + w]);
-            float z = at.first[i + 2 * w] + at.mix * (at.second[i + 2 * w] - at.first[i + 2 * w]);
-            float below = cut.first[i + 3 * w] + cut.mix * (cut.second[i + 3 * w] - cut.first[i + 3 * w]);
-            float even = nx * x + nz * z - below, odd = ny * y;
-            coefficients[i] = cos_m * even - sin_m * odd;
-            if (m > 0) coefficients[sl_hsh_odd(t->order, l, -m)] = sin_m * even + cos_m * odd;
-        }
-        float turned = cos_m * c - sin_m * s;
-        sin_m = sin_m * c + cos_m * s;
-        cos_m = turned;
-    }
 }

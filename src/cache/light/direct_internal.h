@@ -74,7 +74,7 @@ typedef struct sl_direct_sums {
     /* 1: some, but not all, of the first samples were seen, or none lies where light comes from */
     float *partly;
     float *scatter;         /* variance of the visible share, as the two halves of the samples tell it */
-    float *block;           /* holds all of the above */
+    void *block;            /* holds all of the above */
 } sl_direct_sums;
 
 /* Samples of a pixel: numbers [first, end). The first pass begins at 0, refinement goes on from there. */
@@ -128,8 +128,6 @@ sl_block_box sl_lit_block_box(const sl_lit_block *block);
 bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box);
 void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near,
                         const sl_aim_block *aims, uint32_t samples);
-/* Cuts off what of a triangle lies below the horizon of p: up to four corners are left. */
-int sl_clip_to_horizon(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_vec3 above[4]);
 /* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not
  * known. */
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact,

@@ -61,23 +61,18 @@ static float look_from_afar(const sl_bsdf *lobe, const sl_polygon_light *light, 
         double length = sl_lengthd(corner[c]);
         towards[c] = length > 0.0 ? sl_scaled(corner[c], 1.0 / length) : corner[c];
     }
-    lamp->solid_angle = distant_solid_angle(light, middle, sl_dotd(middle, middle));
+    lamp->seen.solid_angle = distant_solid_angle(light, middle, sl_dotd(middle, middle));
     return lobe_value(lobe, closest_cosine(towards, sl_to_double(lobe->mirror_direction)));
 }
 
 /* The parts above the horizon. */
 static float look_by_angle(const sl_bsdf *lobe, const sl_polygon_light *light, sl_vec3 p, sl_lamp *lamp) {
-    sl_vec3 above[4];
-    int corners = sl_clip_to_horizon(light->corner, p, lobe->normal, above);
     double cosine = -1.0;
-    for (int k = 2; k < corners; k++) {
-        const sl_vec3 corner[3] = {above[0], above[k - 1], above[k]};
-        sl_spherical_triangle *t = &lamp->part[lamp->parts];
-        if (!sl_spherical_triangle_make(corner, p, t)) continue;
+    sl_seen_triangle_make(light->corner, p, lobe->normal, &lamp->seen);
+    for (int k = 0; k < lamp->seen.parts; k++) {
+        const sl_spherical_triangle *t = &lamp->seen.part[k];
         const sl_vec3d towards[3] = {t->a, t->b, t->c};
         cosine = fmax(cosine, closest_cosine(towards, sl_to_double(lobe->mirror_direction)));
-        lamp->solid_angle += t->solid_angle;
-        lamp->parts++;
     }
     return lobe_value(lobe, cosine);
 }
@@ -88,8 +83,8 @@ static float look_at(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 p, ui
     sl_vec3d corner[3];
     double highest = 0.0, nearest = INFINITY;
     lamp->side = side;
-    lamp->parts = 0;
-    lamp->solid_angle = 0.0;
+    lamp->seen.parts = 0;
+    lamp->seen.solid_angle = 0.0;
     if (!(sl_dot(light->normal, sl_sub(p, light->corner[0])) > 0.0f)) return 0.0f;
     for (int c = 0; c < 3; c++) {
         corner[c] = sl_subd(sl_to_double(light->corner[c]), sl_to_double(p));
@@ -100,7 +95,7 @@ static float look_at(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 p, ui
     bool by_angle =
         direct->exact_count <= FEW_LAMPS || nearest < DISTANT * DISTANT * (double)light->extent_squared;
     float value = by_angle ? look_by_angle(lobe, light, p, lamp) : 0.0f;
-    return lamp->parts ? value : look_from_afar(lobe, light, corner, lamp);
+    return lamp->seen.parts ? value : look_from_afar(lobe, light, corner, lamp);
 }
 
 bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 position, sl_lamps *lamps) {
@@ -113,13 +108,13 @@ bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 positio
     for (uint32_t side = 0; side < direct->exact_count; side++) {
         sl_lamp *lamp = &lamps->lamp[lamps->count];
         float value = look_at(direct, lobe, position, side, lamp), importance;
-        if (!(lamp->solid_angle > 0.0) || !(direct->luminances[side] > 0.0f)) continue;
-        importance = direct->luminances[side] * fminf((float)lamp->solid_angle, lobe_angle) *
+        if (!(lamp->seen.solid_angle > 0.0) || !(direct->luminances[side] > 0.0f)) continue;
+        importance = direct->luminances[side] * fminf((float)lamp->seen.solid_angle, lobe_angle) *
                      (value + LEAST_IMPORTANCE);
         sum += importance;
         lamp->chance = importance;
         lamp->sum = sum;
-        lamps->solid_angle += lamp->solid_angle;
+        lamps->solid_angle += lamp->seen.solid_angle;
         lamps->closest = fmaxf(lamps->closest, value);
         lamps->count++;
     }
@@ -144,10 +139,8 @@ static double area_density(const sl_polygon_light *light, sl_vec3d direction, do
 }
 
 static sl_vec3d draw_by_angle(const sl_lamp *lamp, double u1, double u2) {
-    double first = lamp->part[0].solid_angle / lamp->solid_angle;
-    bool second = lamp->parts > 1 && u1 >= first;
-    if (lamp->parts > 1) u1 = second ? (u1 - first) / (1.0 - first) : u1 / first;
-    return sl_spherical_triangle_point(&lamp->part[second ? 1 : 0], u1, u2);
+    int part = sl_seen_triangle_part(&lamp->seen, &u1);
+    return sl_spherical_triangle_point(&lamp->seen.part[part], u1, u2);
 }
 
 /* Numbers go where they go on the sphere: u1 along the side from a to c, u2 from b towards there. */
@@ -176,11 +169,11 @@ bool sl_lamps_draw(const sl_lamps *lamps, const float u[2], sl_light_sample *sam
     float u1 = u[0];
     const sl_lamp *lamp = choose(lamps, &u1);
     const sl_polygon_light *light = &lamps->direct->polygons[lamp->side];
-    sl_vec3d d = lamp->parts ? draw_by_angle(lamp, (double)u1, (double)u[1])
+    sl_vec3d d = lamp->seen.parts ? draw_by_angle(lamp, (double)u1, (double)u[1])
                              : draw_by_area(light, lamps->position, (double)u1, (double)u[1]);
     double distance = distance_to(light, lamps->position, d);
     if (!(distance > 0.0)) return false;
-    double density = lamp->parts ? 1.0 / lamp->solid_angle : area_density(light, d, distance);
+    double density = lamp->seen.parts ? 1.0 / lamp->seen.solid_angle : area_density(light, d, distance);
     const sl_emitter *e = &lamps->direct->scene->emitters[lamps->direct->emitter[lamp->side]];
     float pdf = lamp->chance * (float)density;
     if (!(pdf > 0.0f) || !isfinite(pdf)) return false;
@@ -200,8 +193,8 @@ float sl_lamps_pdf(const sl_lamps *lamps, sl_vec3 direction, uint32_t triangle, 
         if (direct->scene->emitters[direct->emitter[lamp->side]].triangle != triangle ||
             !(sl_dot(light->normal, direction) < 0.0f))
             continue;
-        return lamp->chance * (float)(lamp->parts
-                                          ? 1.0 / lamp->solid_angle
+        return lamp->chance * (float)(lamp->seen.parts
+                                          ? 1.0 / lamp->seen.solid_angle
                                           : area_density(light, sl_to_double(direction), (double)distance));
     }
     return 0.0f;

@@ -9,9 +9,7 @@
 /* A side of an emitter, above the horizon. */
 typedef struct sl_lamp {
     uint32_t side;
-    int parts;                      /* 0: too small for angles, it is sampled by its area */
-    sl_spherical_triangle part[2];
-    double solid_angle;             /* of all parts */
+    sl_seen_triangle seen;          /* without parts where it is sampled by its area */
     /* the sum of the importances up to and with this one; this one's share of all */
     float sum, chance;
 } sl_lamp;

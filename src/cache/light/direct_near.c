@@ -39,18 +39,10 @@ bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box) 
 
 /* ---- one emitter, seen from a point ---- */
 
-/* A part of it that lies above the point's horizon. */
-typedef struct {
-    sl_spherical_triangle triangle;
-    double cosine[3];        /* above the point, towards the corners; at least */
-    double mean;             /* of what is bilinear between these */
-} near_part;
-
 typedef struct {
     int32_t chosen;          /* among those of the block; -1: none yet */
-    int parts;               /* 0: it is not near */
-    near_part part[2];
-    double solid_angle;      /* of all parts */
+    sl_seen_triangle seen;   /* without parts where it is not near */
+    double cosine[2][3];     /* above the point, towards the corners of each part; at least COSINE_MIN */
     sl_vec3d out;            /* the emitter's normal */
     double height;           /* of the point above the emitter */
 } near_emitter;
@@ -59,36 +51,17 @@ typedef struct {
 
 /* The cosine above the receiver differs between the corners, so numbers are bent by what is bilinear between
  * the corners' cosines (Hart et al. 2020, "Practical product sampling by fitting and composing warps"). */
-static void add_part(near_emitter *e, sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3 p, sl_vec3d n) {
-    const sl_vec3 corner[3] = {a, b, c};
-    near_part *t = &e->part[e->parts];
-    if (!sl_spherical_triangle_make(corner, p, &t->triangle)) return;
-    const sl_vec3d towards[3] = {t->triangle.a, t->triangle.b, t->triangle.c};
-    for (int k = 0; k < 3; k++) t->cosine[k] = fmax(COSINE_MIN, sl_dotd(towards[k], n));
-    t->mean = 0.5 * t->cosine[1] + 0.25 * (t->cosine[0] + t->cosine[2]);
-    e->solid_angle += t->triangle.solid_angle;
-    e->parts++;
-}
-
-int sl_clip_to_horizon(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_vec3 above[4]) {
-    int count = 0;
-    for (int k = 0; k < 3; k++) {
-        sl_vec3 a = corner[k], b = corner[(k + 1) % 3];
-        float ha = sl_dot(sl_sub(a, p), n), hb = sl_dot(sl_sub(b, p), n);
-        if (ha > 0.0f) above[count++] = a;
-        if ((ha > 0.0f) != (hb > 0.0f)) above[count++] = sl_mad(a, ha / (ha - hb), sl_sub(b, a));
-    }
-    return count;
-}
-
 static void look_at(const sl_polygon_light *light, sl_vec3 p, sl_vec3 n, int32_t chosen, near_emitter *e) {
-    sl_vec3 above[4];
     e->chosen = chosen;
-    e->parts = 0;
-    e->solid_angle = 0.0;
+    e->seen.parts = 0;
     if (!is_near(light, p, p)) return;
-    int corners = sl_clip_to_horizon(light->corner, p, n, above);
-    for (int k = 2; k < corners; k++) add_part(e, above[0], above[k - 1], above[k], p, sl_to_double(n));
+    sl_seen_triangle_make(light->corner, p, n, &e->seen);
+    for (int k = 0; k < e->seen.parts; k++) {
+        const sl_spherical_triangle *t = &e->seen.part[k];
+        const sl_vec3d towards[3] = {t->a, t->b, t->c};
+        for (int c = 0; c < 3; c++)
+            e->cosine[k][c] = fmax(COSINE_MIN, sl_dotd(towards[c], sl_to_double(n)));
+    }
     e->out = sl_to_double(light->normal);
     e->height = sl_dotd(e->out, sl_subd(sl_to_double(p), sl_to_double(light->corner[0])));
 }
@@ -100,16 +73,13 @@ static double draw_line(double u, double low, double high) {
 
 /* A direction towards the emitter, and its density times the solid angle. */
 static sl_vec3d draw_direction(const near_emitter *e, double u1, double u2, double *density) {
-    double first = e->part[0].triangle.solid_angle / e->solid_angle;
-    bool second = e->parts > 1 && u1 >= first;
-    const near_part *t = &e->part[second ? 1 : 0];
-    if (e->parts > 1) u1 = second ? (u1 - first) / (1.0 - first) : u1 / first;
-    const double *c = t->cosine;
+    int part = sl_seen_triangle_part(&e->seen, &u1);
+    const double *c = e->cosine[part], mean = 0.5 * c[1] + 0.25 * (c[0] + c[2]);
     u2 = draw_line(u2, c[1], 0.5 * (c[0] + c[2]));
     double low = c[1] + u2 * (c[0] - c[1]), high = c[1] + u2 * (c[2] - c[1]);
     u1 = draw_line(u1, low, high);
-    *density = (low + u1 * (high - low)) / t->mean;
-    return sl_spherical_triangle_point(&t->triangle, u1, u2);
+    *density = (low + u1 * (high - low)) / mean;
+    return sl_spherical_triangle_point(&e->seen.part[part], u1, u2);
 }
 
 /* ---- samples ---- */
@@ -131,7 +101,7 @@ static void aim_by_angle(const sl_lit_block *block, const near_emitter *e, sl_ve
     aim->y[i] = to_light.y;
     aim->z[i] = to_light.z;
     /* f / pdf = (cos solid angle / density) / (E_side / E_all) */
-    aim->weight[i] = lit ? (float)(e->solid_angle * cosine / density) / exact * total : 0.0f;
+    aim->weight[i] = lit ? (float)(e->seen.solid_angle * cosine / density) / exact * total : 0.0f;
     aim->wanted[i] = lit && facing > 0.0 ? 1.0f : 0.0f;
 }
 
@@ -148,7 +118,7 @@ void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, cons
             if (!near[chosen]) continue;
             near_emitter *e = &kept[chosen % KEPT];
             if (e->chosen != chosen) look_at(&direct->polygons[aims[k].side[chosen]], p, n, chosen, e);
-            if (e->parts) aim_by_angle(block, e, sl_to_double(n), &aims[k], i);
+            if (e->seen.parts) aim_by_angle(block, e, sl_to_double(n), &aims[k], i);
         }
     }
 }

@@ -262,15 +262,14 @@ static void finish_row(void *context, size_t index, unsigned worker) {
 
 static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
     enum { PLANES = 20 };
-    float **planes[PLANES] = {&sums->exact[0],  &sums->exact[1],  &sums->exact[2],  &sums->seen[0],
+    float **const planes[PLANES] = {&sums->exact[0],  &sums->exact[1],  &sums->exact[2],  &sums->seen[0],
                               &sums->seen[1],   &sums->seen[2],   &sums->all[0],    &sums->all[1],
                               &sums->all[2],    &sums->plain[0],  &sums->plain[1],  &sums->plain[2],
                               &sums->glossy[0], &sums->glossy[1], &sums->glossy[2], &sums->odd_seen,
                               &sums->odd_all,   &sums->samples,   &sums->partly,    &sums->scatter};
     sums->first = first;
     sums->count = count;
-    sums->block = sl_allocate(PLANES * count, sizeof *sums->block);
-    for (size_t k = 0; k < PLANES && sums->block; k++) *planes[k] = sums->block + k * count;
+    sums->block = sl_allocate_planes(count, PLANES, planes);
     return sums->block != NULL;
 }
 

@@ -7,8 +7,7 @@
  *   environment              sun and sky as directional lights of equal power, 8 and 32, a map each
  *
  * Read in this order:
- *   shadow_maps.c        making the maps
- *   shadow_lookup.c      lighting points, a block at a time
+ *   shadow_maps.c        making the maps; lighting points, a block at a time
  *   depth_cube.c         the pictures around a light
  *   depth_cube_kernels.c what a cube says of a point
  *   polygon_kernels.c    Lambert's formula

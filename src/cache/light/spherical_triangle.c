@@ -38,3 +38,34 @@ sl_vec3d sl_spherical_triangle_point(const sl_spherical_triangle *t, double u1, 
     sl_vec3d moved = arc(t->a, t->c, fmin(fmax(q, -1.0), 1.0));
     return arc(t->b, moved, 1.0 - u2 * (1.0 - sl_dotd(moved, t->b)));
 }
+
+/* Cuts off what lies below the horizon: up to four corners are left. */
+static int clip_to_horizon(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_vec3 above[4]) {
+    int count = 0;
+    for (int k = 0; k < 3; k++) {
+        sl_vec3 a = corner[k], b = corner[(k + 1) % 3];
+        float ha = sl_dot(sl_sub(a, p), n), hb = sl_dot(sl_sub(b, p), n);
+        if (ha > 0.0f) above[count++] = a;
+        if ((ha > 0.0f) != (hb > 0.0f)) above[count++] = sl_mad(a, ha / (ha - hb), sl_sub(b, a));
+    }
+    return count;
+}
+
+void sl_seen_triangle_make(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_seen_triangle *seen) {
+    sl_vec3 above[4];
+    int corners = clip_to_horizon(corner, p, n, above);
+    seen->parts = 0;
+    seen->solid_angle = 0.0;
+    for (int k = 2; k < corners; k++) {
+        const sl_vec3 three[3] = {above[0], above[k - 1], above[k]};
+        if (!sl_spherical_triangle_make(three, p, &seen->part[seen->parts])) continue;
+        seen->solid_angle += seen->part[seen->parts++].solid_angle;
+    }
+}
+
+int sl_seen_triangle_part(const sl_seen_triangle *seen, double *u1) {
+    double first = seen->part[0].solid_angle / seen->solid_angle;
+    bool second = seen->parts > 1 && *u1 >= first;
+    if (seen->parts > 1) *u1 = second ? (*u1 - first) / (1.0 - first) : *u1 / first;
+    return second ? 1 : 0;
+}

@@ -17,4 +17,14 @@ bool sl_spherical_triangle_make(const sl_vec3 corner[3], sl_vec3 p, sl_spherical
  * = 1 goes from a to c. */
 sl_vec3d sl_spherical_triangle_point(const sl_spherical_triangle *triangle, double u1, double u2);
 
+/* What of a triangle lies above the horizon of p, whose normal is n: as up to two spherical triangles. */
+typedef struct sl_seen_triangle {
+    int parts;                   /* 0: nothing, or too little for angles */
+    sl_spherical_triangle part[2];
+    double solid_angle;          /* of all parts */
+} sl_seen_triangle;
+void sl_seen_triangle_make(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_seen_triangle *seen);
+/* The part that u1 in [0,1) chooses by solid angle; u1 is left stretched to [0,1) again. */
+int sl_seen_triangle_part(const sl_seen_triangle *seen, double *u1);
+
 #endif

@@ -13,6 +13,7 @@
 #include "cache/hemisphere/projection_integrals.h"
 #include "cache/hemisphere/harmonics.h"
 #include "gather_world.h"
+#include "harmonics_support.h"
 
 static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
 
@@ -311,7 +312,7 @@ static void rectangle_light(int order, double px, double py, double *lambda) {
                y = y0 + (y1 - y0) * (i / STEPS + 0.5) / STEPS - py;
         double squared = x * x + y * y + z * z, length = sqrt(squared);
         double share = radiance * (x1 - x0) * (y1 - y0) / (STEPS * STEPS) * z / (length * squared);
-        sl_hsh_evaluate(order, sl_v3d(x / length, y / length, z / length), values);
+        hsh_evaluate(order, sl_v3d(x / length, y / length, z / length), values);
         for (size_t k = 0; k < sl_hsh_stride(order); k++) lambda[k] += share * values[k];
     }
 }

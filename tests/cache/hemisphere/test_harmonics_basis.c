@@ -13,6 +13,7 @@
 
 #include "base/random.h"
 #include "cache/hemisphere/quadrature.h"
+#include "harmonics_support.h"
 
 enum { POLAR = 48, AZIMUTHS = 96, ORDER = SL_HSH_ORDER_MAX };
 
@@ -47,7 +48,7 @@ static void add_products(void *context, sl_vec3d d, double weight) {
     double h[SL_HSH_STRIDE_MAX];
     size_t stride = sl_hsh_stride(ORDER);
     (void)context;
-    sl_hsh_evaluate(ORDER, d, h);
+    hsh_evaluate(ORDER, d, h);
     for (size_t i = 0; i < stride; i++)
         for (size_t j = 0; j <= i; j++) product[i][j] += (long double)weight * h[i] * h[j];
 }
@@ -81,7 +82,7 @@ static void places_are_distinct_and_fill_all_but_the_padding(void **state) {
         }
         double h[SL_HSH_STRIDE_MAX];
         for (size_t i = 0; i < stride; i++) h[i] = NAN;
-        sl_hsh_evaluate(order, direction_at(0.3, 1.0), h);
+        hsh_evaluate(order, direction_at(0.3, 1.0), h);
         for (size_t i = 0; i < stride; i++) assert_true(taken[i] ? isfinite(h[i]) != 0 : h[i] == 0.0);
     }
 }
@@ -108,7 +109,7 @@ static void functions_equal_the_form_with_factorials(void **state) {
         double c = (double)sl_random_unit(key, 2 * k),
                phi = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * k + 1);
         double h[SL_HSH_STRIDE_MAX];
-        sl_hsh_evaluate(LIBRARY_ORDER, direction_at(c, phi), h);
+        hsh_evaluate(LIBRARY_ORDER, direction_at(c, phi), h);
         for (int l = 0; l < LIBRARY_ORDER; l++)
             for (int m = -l; m <= l; m++) {
                 int a = abs(m);
@@ -125,7 +126,7 @@ static void cosine_is_in_the_first_two_bands(void **state) {
     (void)state;
     for (int k = 0; k <= 1000; k++) {
         double c = k / 1000.0, h[SL_HSH_STRIDE_MAX];
-        sl_hsh_evaluate(2, direction_at(c, 0.1 * k), h);
+        hsh_evaluate(2, direction_at(c, 0.1 * k), h);
         double sum = 0.5 * sqrt(2.0 * SL_PI) * h[sl_hsh_even(0, 0)] +
                      0.5 * sqrt(2.0 * SL_PI / 3.0) * h[sl_hsh_even(1, 0)];
         assert_true(fabs(sum - c) < 1e-15);
@@ -135,9 +136,9 @@ static void cosine_is_in_the_first_two_bands(void **state) {
 static void functions_are_continuous_towards_the_zenith(void **state) {
     (void)state;
     double at_zenith[SL_HSH_STRIDE_MAX], h[SL_HSH_STRIDE_MAX];
-    sl_hsh_evaluate(ORDER, sl_v3d(0.0, 0.0, 1.0), at_zenith);
+    hsh_evaluate(ORDER, sl_v3d(0.0, 0.0, 1.0), at_zenith);
     for (double sine = 1e-3; sine > 0.0; sine *= 1e-3) { /* down to denormals */
-        sl_hsh_evaluate(ORDER, sl_v3d(0.6 * sine, -0.8 * sine, 1.0), h);
+        hsh_evaluate(ORDER, sl_v3d(0.6 * sine, -0.8 * sine, 1.0), h);
         for (size_t i = 0; i < sl_hsh_stride(ORDER); i++)
             assert_true(fabs(h[i] - at_zenith[i]) < 200.0 * sine + 1e-13);
         /* The azimuth survives in the first order of the sine. */
@@ -153,11 +154,11 @@ static void directions_off_the_hemisphere_are_harmless(void **state) {
                             {0, -INFINITY, 1}, {0, 0, INFINITY}, {0, 0, 0},         {0.8, 0.6, -1e-17},
                             {0.5, 0, -0.8},    {1e-200, 0, 1},   {0, 0, 1.0000001}, {1.0000001, 0, 0}};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
-        sl_hsh_evaluate(ORDER, bad[k], h);
+        hsh_evaluate(ORDER, bad[k], h);
         for (size_t i = 0; i < sl_hsh_stride(ORDER); i++) assert_true(fabs(h[i]) < 50.0);
     }
-    sl_hsh_evaluate(ORDER, sl_v3d(0.8, 0.6, 0.0), truth);
-    sl_hsh_evaluate(ORDER, sl_v3d(0.8, 0.6, -1e-17), h);
+    hsh_evaluate(ORDER, sl_v3d(0.8, 0.6, 0.0), truth);
+    hsh_evaluate(ORDER, sl_v3d(0.8, 0.6, -1e-17), h);
     assert_memory_equal(h, truth, sl_hsh_stride(ORDER) * sizeof *h);
 }
 

@@ -11,11 +11,15 @@
 
 #include "base/math.h"
 #include "cache/hemisphere/harmonics.h"
+#include "harmonics_support.h"
 
 static const double degree = SL_PI / 180.0;
 
+static int lobe_order; /* of the newest */
+
 static sl_moved_lobe *lobe_new(int order, double exponent) {
     sl_moved_lobe *lobe = NULL;
+    lobe_order = order;
     assert_int_equal(sl_moved_lobe_create(order, exponent, &lobe, NULL), SL_OK);
     return lobe;
 }
@@ -23,7 +27,7 @@ static sl_moved_lobe *lobe_new(int order, double exponent) {
 /* Coefficients for an outgoing direction at azimuth 0. */
 static void look_up(const sl_moved_lobe *lobe, double cosine, float *coefficients) {
     float c = (float)cosine, sine = (float)sqrt(fmax(0.0, 1.0 - cosine * cosine));
-    sl_moved_lobe_look_up(lobe, sl_v3(-sine, 0.0f, c), sl_v3(0.0f, 0.0f, 1.0f), c, coefficients);
+    moved_lobe_look_up(lobe, lobe_order, sl_v3(-sine, 0.0f, c), sl_v3(0.0f, 0.0f, 1.0f), c, coefficients);
 }
 
 /* Radiance reflected under a white sky. */
@@ -77,7 +81,7 @@ static void project_plainly(int order, double exponent, double theta_out, double
             sl_vec3d in = sl_v3d(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
             double f = lobe(exponent, theta_out, in);
             if (!(f > 1e-12)) continue;
-            sl_hsh_evaluate(order, in, h);
+            hsh_evaluate(order, in, h);
             for (size_t j = 0; j < sl_hsh_even_count(order); j++)
                 even[j] += f * h[j] * in.z * sin(theta) * 2.0 * 0.5 * SL_PI / STEPS * SL_PI / STEPS;
         }

@@ -14,6 +14,7 @@
 
 #include "cache/splatting/glossy.h"
 #include "rendering.h"
+#include "harmonics_support.h"
 
 enum { ORDER = 10 };
 static const double pi = 3.14159265358979323846;
@@ -56,7 +57,7 @@ static void project_environment(stage *s) {
             double c = (j + 0.5) / RINGS, phi = 2.0 * pi * (k + 0.5) / SECTORS, sine = sqrt(1.0 - c * c),
                    values[160];
             sl_vec3d world = direction_at(&s->record.frame, c, phi);
-            sl_hsh_evaluate(ORDER, sl_v3d(sine * cos(phi), sine * sin(phi), c), values);
+            hsh_evaluate(ORDER, sl_v3d(sine * cos(phi), sine * sin(phi), c), values);
             for (int channel = 0; channel < 3; channel++) {
                 double share = environment(channel, world) * 2.0 * pi / (RINGS * SECTORS);
                 for (size_t i = 0; i < stride; i++)

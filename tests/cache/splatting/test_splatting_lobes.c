@@ -11,6 +11,7 @@
 
 #include "base/random.h"
 #include "cache/splatting/glossy.h"
+#include "harmonics_support.h"
 
 enum { PIXELS = 40, FLOATS = 9 * SL_HSH_STRIDE_MAX };
 
@@ -70,7 +71,7 @@ static void expected_radiance(const view_of_pixels *v, int order, const sl_moved
     float up = sl_dot(out, n), seen = up > 0.0f ? up : 0.0f;
     sl_vec3 r = sl_sub(sl_scale(n, seen + up), out), delta = sl_sub(p, v->record.position);
     double dx = (double)sl_dot(delta, f->x), dy = (double)sl_dot(delta, f->y);
-    sl_moved_lobe_look_up(lobe, sl_frame_to_local(f, r), sl_frame_to_local(f, n), seen, weights);
+    moved_lobe_look_up(lobe, order, sl_frame_to_local(f, r), sl_frame_to_local(f, n), seen, weights);
     for (size_t k = 0; k < 3; k++) {
         double here = 0.0, change = 0.0;
         for (size_t j = 0; j < stride; j++) {
