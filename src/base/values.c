@@ -103,7 +103,9 @@ static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
 
 static size_t length_of(const char *word) { return smaller(strlen(word), LONGEST_WORD); }
 
-size_t sl_edit_distance(const char *a, const char *b) {
+/* How many insertions, deletions and replacements turn one word into the other (Levenshtein), of the first 64
+ * letters. */
+static size_t edit_distance(const char *a, const char *b) {
     size_t row[LONGEST_WORD + 1], a_length = length_of(a), b_length = length_of(b);
     for (size_t j = 0; j <= b_length; j++) row[j] = j;
     for (size_t i = 1; i <= a_length; i++) {
@@ -118,11 +120,18 @@ size_t sl_edit_distance(const char *a, const char *b) {
     return row[b_length];
 }
 
+/* Tells whether one of the two, neither being empty, begins with the other. */
+static bool begin_alike(const char *a, const char *b) {
+    size_t i = 0;
+    while (a[i] && b[i] && lower(a[i]) == lower(b[i])) i++;
+    return i > 0 && (!a[i] || !b[i]);
+}
+
 const char *sl_nearest_word(const char *word, const char *const *candidates, size_t count) {
     const char *nearest = NULL;
     size_t best = strlen(word) / 3 + 2; /* a word further off than this is another word, not a slip */
     for (size_t i = 0; i < count; i++) {
-        size_t distance = sl_edit_distance(word, candidates[i]);
+        const size_t distance = begin_alike(word, candidates[i]) ? 1 : edit_distance(word, candidates[i]);
         if (distance < best) best = distance, nearest = candidates[i];
     }
     return nearest;

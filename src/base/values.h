@@ -22,10 +22,8 @@ sl_status sl_value_choice(const char *text, const char *choices, int *index, sl_
 /* Writes choice number `index`; "" past the end. */
 void sl_value_choice_name(const char *choices, int index, char *text, size_t room);
 
-/* Returns how many insertions, deletions and replacements turn one word into the other (Levenshtein): of the
- * first 64 letters, upper and lower case being the same. */
-size_t sl_edit_distance(const char *a, const char *b);
-/* Returns the candidate nearest to a misspelt word by edit distance, or NULL if none is near. */
+/* Returns the candidate nearest to a misspelt word: one that begins with it, or it with that, or by edit
+ * distance, upper and lower case being the same; NULL if none is near. */
 const char *sl_nearest_word(const char *word, const char *const *candidates, size_t count);
 
 #endif

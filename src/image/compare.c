@@ -9,6 +9,7 @@
 #include "image/tone.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { OUTSIDE_MASK, NOT_FINITE, COMPARED };
@@ -83,39 +84,28 @@ static void absolute_metrics(const comparison *c, sl_comparison *result) {
     result->bias = ratio(differences, fabs(references));
 }
 
-/* Lets `value` sink from the top of a heap whose smallest value is on top. */
-static void sink(double *heap, size_t count, double value) {
-    size_t at = 0;
-    for (size_t child; (child = 2 * at + 1) < count; at = child) {
-        if (child + 1 < count && heap[child + 1] < heap[child]) child++;
-        if (heap[child] >= value) break;
-        heap[at] = heap[child];
-    }
-    heap[at] = value;
+static int compare_values(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
 }
 
-/* The sum of the terms without the `trimmed` largest ones. The heap holds the largest so far; its top ends as
- * the smallest term left out, and of the terms equal to it the first ones in order are left out. */
+/* The sum of the terms without the `trimmed` largest ones; of terms equal to the smallest that is left out
+ * the first ones in order are left out. */
 static sl_status trimmed_sum(const double *terms, size_t count, size_t trimmed, double *sum,
                              sl_error *error) {
-    double *heap = sl_allocate(trimmed, sizeof *heap), least = INFINITY;
-    if (!heap) return sl_fail_memory(error, "the trimmed error");
-    for (size_t i = 0; i < trimmed; i++) heap[i] = -1.0; /* below every term */
-    for (size_t i = 0; trimmed && i < count; i++) {
-        if (terms[i] > heap[0]) sink(heap, trimmed, terms[i]);
-    }
-    size_t equal = trimmed;
-    if (trimmed) least = heap[0];
-    for (size_t i = 0; i < trimmed; i++) equal -= heap[i] > least;
+    double *sorted = sl_allocate_unset(count, sizeof *sorted);
+    if (!sorted) return sl_fail_memory(error, "the trimmed error");
+    memcpy(sorted, terms, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, compare_values); /* equal terms are the same */
+    const double least = trimmed ? sorted[count - trimmed] : INFINITY;
+    size_t equal = 0;
+    while (equal < trimmed && sorted[count - trimmed + equal] == least) equal++;
     *sum = 0.0;
     for (size_t i = 0; i < count; i++) {
-        if (trimmed && terms[i] >= least && (terms[i] > least || equal > 0)) {
-            if (terms[i] == least) equal--;
-            continue;
-        }
-        *sum += terms[i];
+        if (terms[i] < least || (terms[i] == least && equal == 0)) *sum += terms[i];
+        else if (terms[i] == least) equal--;
     }
-    sl_free(heap);
+    sl_free(sorted);
     return SL_OK;
 }
 

@@ -21,8 +21,8 @@ sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t he
 sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels,
                                     uint64_t expansion, sl_error *error);
 
-/* sl_image_read() of a latitude-longitude picture of a sky: an EXR that says so holds it in its data window,
- * and one with primaries of its own is turned to Rec. 709. Cube maps are refused. */
+/* sl_image_read() of a latitude-longitude picture of a sky: an EXR that says so holds it in its data window.
+ * Cube maps are refused, and colours by other primaries than Rec. 709's. */
 sl_status sl_sky_read(const char *path, sl_image **image, sl_error *error);
 
 /* sl_image_read() of a file that is in memory already. */

@@ -24,8 +24,8 @@ bool sl_import_uvs(const char *path, const struct aiScene *scene, const sl_gltf 
                    const struct aiMesh *mesh, float *uvs, sl_model *model);
 
 /* A look at the header of a PLY file before it is imported: Assimp trusts it, and makes up what it promises
- * and the file has not. It must be whole, without an element twice, and the file long enough for what it
- * announces. Files that neither are named so nor begin so pass. */
+ * and the file has not. It must be whole, and the file long enough for what it announces. Files that neither
+ * are named so nor begin so pass. */
 sl_status sl_ply_check(const char *path, sl_error *error);
 
 #endif

@@ -22,20 +22,20 @@ double sl_triangle_area(const sl_scene *s, size_t triangle) {
     return isfinite(area) ? area : 0.0;
 }
 
-static bool in_core(const sl_scene *s, sl_vec3 p) {
+static bool is_central(const sl_scene *s, sl_vec3 p) {
     return p.x >= s->central_min.x && p.x <= s->central_max.x && p.y >= s->central_min.y &&
            p.y <= s->central_max.y && p.z >= s->central_min.z && p.z <= s->central_max.z;
 }
 
-static bool is_in_core(const sl_scene *s, size_t triangle) {
+static bool lies_central(const sl_scene *s, size_t triangle) {
     bool inside = true;
-    for (int k = 0; k < 3; k++) inside &= in_core(s, sl_scene_position(s, s->vertex[k][triangle]));
+    for (int k = 0; k < 3; k++) inside &= is_central(s, sl_scene_position(s, s->vertex[k][triangle]));
     return inside;
 }
 
 /* Of what leaves a place evenly, the share that meets the sphere around the central region. */
-static double share_for_core(const sl_scene *s, sl_vec3 from) {
-    if (in_core(s, from)) return 1.0;
+static double central_share(const sl_scene *s, sl_vec3 from) {
+    if (is_central(s, from)) return 1.0;
     sl_vec3d low = sl_to_double(s->central_min), high = sl_to_double(s->central_max);
     double radius = 0.5 * sl_lengthd(sl_subd(high, low));
     double distance = sl_lengthd(sl_subd(sl_to_double(from), sl_scaled(sl_addd(low, high), 0.5))),
@@ -44,7 +44,7 @@ static double share_for_core(const sl_scene *s, sl_vec3 from) {
 }
 
 /* The integral of k_d over all surfaces; texture at the middles of four equal parts of each triangle. */
-static rgbd reflecting_area(const sl_scene *scene, bool core, double *area) {
+static rgbd reflecting_area(const sl_scene *scene, bool central, double *area) {
     static const float w[4][2] = {{1.0f / 3.0f, 1.0f / 3.0f},
                                   {1.0f / 6.0f, 1.0f / 6.0f},
                                   {2.0f / 3.0f, 1.0f / 6.0f},
@@ -52,7 +52,7 @@ static rgbd reflecting_area(const sl_scene *scene, bool core, double *area) {
     rgbd sum = {0.0, 0.0, 0.0};
     *area = 0.0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
-        if (core && !is_in_core(scene, t)) continue;
+        if (central && !lies_central(scene, t)) continue;
         double a = sl_triangle_area(scene, t);
         *area += a;
         for (int k = 0; k < 4; k++)
@@ -62,31 +62,31 @@ static rgbd reflecting_area(const sl_scene *scene, bool core, double *area) {
 }
 
 /* Returns what a light sends into the scene: of sunlight, what falls on its box. */
-static double solid_angle_or_area(const sl_scene *scene, bool core, const sl_light *light) {
+static double solid_angle_or_area(const sl_scene *scene, bool central, const sl_light *light) {
     if (light->type == SL_LIGHT_POINT) return 4.0 * SL_PI;
     if (light->type == SL_LIGHT_SPOT) { /* smoothstep between the cosines: the half of what lies there */
         return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
     }
-    sl_vec3 low = core ? scene->central_min : scene->box_min,
-            high = core ? scene->central_max : scene->box_max;
+    sl_vec3 low = central ? scene->central_min : scene->box_min,
+            high = central ? scene->central_max : scene->box_max;
     sl_vec3d size = sl_subd(sl_to_double(high), sl_to_double(low)), d = sl_to_double(light->direction);
     return fabs(d.x) * size.y * size.z + fabs(d.y) * size.z * size.x + fabs(d.z) * size.x * size.y;
 }
 
-static rgbd power_of_lights(const sl_scene *scene, bool core) {
+static rgbd power_of_lights(const sl_scene *scene, bool central) {
     rgbd power = {0.0, 0.0, 0.0};
     for (size_t i = 0; i < scene->emitter_count; i++) {
         const sl_emitter *e = &scene->emitters[i];
         double share =
-            !core ? 1.0 : share_for_core(scene, sl_scene_position(scene, scene->vertex[0][e->triangle]));
+            !central ? 1.0 : central_share(scene, sl_scene_position(scene, scene->vertex[0][e->triangle]));
         add(&power, e->radiance,
             share * SL_PI * (double)e->area * (double)e->opaque * (e->two_sided ? 2.0 : 1.0));
     }
     for (size_t i = 0; i < scene->light_count; i++) {
         const sl_light *light = &scene->lights[i];
         double share =
-            !core || light->type == SL_LIGHT_DIRECTIONAL ? 1.0 : share_for_core(scene, light->position);
-        add(&power, light->intensity, share * solid_angle_or_area(scene, core, light));
+            !central || light->type == SL_LIGHT_DIRECTIONAL ? 1.0 : central_share(scene, light->position);
+        add(&power, light->intensity, share * solid_angle_or_area(scene, central, light));
     }
     return power;
 }
@@ -108,9 +108,9 @@ static rgbd environment_irradiance(const sl_environment *e) {
     return sum;
 }
 
-static sl_rgb ambient_of(const sl_scene *scene, bool core, bool all_bounces) {
+static sl_rgb ambient_of(const sl_scene *scene, bool central, bool all_bounces) {
     double area;
-    rgbd reflecting = reflecting_area(scene, core, &area), power = power_of_lights(scene, core),
+    rgbd reflecting = reflecting_area(scene, central, &area), power = power_of_lights(scene, central),
          sky = environment_irradiance(&scene->environment);
     double over = area > 0.0 && area < 1e300 ? 1.0 / area : 0.0;
     const double reflectance[3] = {reflecting.r * over, reflecting.g * over, reflecting.b * over};
@@ -131,8 +131,8 @@ static sl_rgb ambient_of(const sl_scene *scene, bool core, bool all_bounces) {
 static sl_rgb ambient(const sl_scene *scene, bool all_bounces) {
     sl_rgb all = ambient_of(scene, false, all_bounces);
     if (!sl_scene_is_scattered(scene)) return all;
-    sl_rgb core = ambient_of(scene, true, all_bounces);
-    return (sl_rgb){fmaxf(all.r, core.r), fmaxf(all.g, core.g), fmaxf(all.b, core.b)};
+    sl_rgb central = ambient_of(scene, true, all_bounces);
+    return (sl_rgb){fmaxf(all.r, central.r), fmaxf(all.g, central.g), fmaxf(all.b, central.b)};
 }
 
 sl_rgb sl_ambient_irradiance(const sl_scene *scene) { return ambient(scene, false); }

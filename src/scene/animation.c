@@ -40,46 +40,52 @@ sl_quaternion sl_quaternion_slerp(sl_quaternion a, sl_quaternion b, double t) {
     return blend(a, sl_sin((1.0 - t) * angle) / sine, b, side * sl_sin(t * angle) / sine);
 }
 
-static sl_affine placement(sl_vec3d translate, sl_quaternion q, sl_vec3d s) {
+sl_affine sl_key_placement(const sl_key *key) {
+    const sl_quaternion q = key->rotate;
+    const sl_vec3d s = key->scale, t = key->position;
     return (sl_affine){{{s.x * (1 - 2 * (q.y * q.y + q.z * q.z)), s.y * 2 * (q.x * q.y - q.w * q.z),
-                         s.z * 2 * (q.x * q.z + q.w * q.y), translate.x},
+                         s.z * 2 * (q.x * q.z + q.w * q.y), t.x},
                         {s.x * 2 * (q.x * q.y + q.w * q.z), s.y * (1 - 2 * (q.x * q.x + q.z * q.z)),
-                         s.z * 2 * (q.y * q.z - q.w * q.x), translate.y},
+                         s.z * 2 * (q.y * q.z - q.w * q.x), t.y},
                         {s.x * 2 * (q.x * q.z - q.w * q.y), s.y * 2 * (q.y * q.z + q.w * q.x),
-                         s.z * (1 - 2 * (q.x * q.x + q.y * q.y)), translate.z}}};
+                         s.z * (1 - 2 * (q.x * q.x + q.y * q.y)), t.z}}};
 }
 
 /* ---- between two keys ------------------------------------------------------------------------ */
-
-/* The keys on both sides of a time (the same one before the first and after the last) and how far it is
- * between them. `times` are `stride` bytes apart. */
-static double between(const void *keys, size_t count, size_t stride, double time, size_t *before,
-                      size_t *after) {
-    const char *base = keys;
-    size_t next = 0;
-    while (next < count && *(const double *)(const void *)(base + next * stride) <= time) next++;
-    *before = next > 0 ? next - 1 : 0;
-    *after = next < count ? next : count - 1;
-    double start = *(const double *)(const void *)(base + *before * stride);
-    double end = *(const double *)(const void *)(base + *after * stride);
-    return *before == *after ? 0.0 : (time - start) / (end - start);
-}
 
 static sl_vec3d lerp(sl_vec3d a, sl_vec3d b, double t) {
     return sl_addd(sl_scaled(a, 1.0 - t), sl_scaled(b, t));
 }
 
-sl_affine sl_object_track_at(const sl_object_track *track, double time) {
-    size_t before, after;
-    double t = between(track->keys, track->key_count, sizeof *track->keys, time, &before, &after);
-    const sl_object_key *a = &track->keys[before], *b = &track->keys[after];
-    return placement(lerp(a->translate, b->translate, t), sl_quaternion_slerp(a->rotate, b->rotate, t),
-                     lerp(a->scale, b->scale, t));
+/* Directions turn at constant speed; opposite ones have no arc between them and flip half way. */
+static sl_vec3 between_directions(sl_vec3d a, sl_vec3d b, double t) {
+    double cosine = sl_dotd(a, b), angle = sl_acos(cosine), sine = sl_sin(angle);
+    if (!(sine > 1e-6)) return sl_to_float(t < 0.5 ? a : b);
+    sl_vec3d d =
+        sl_addd(sl_scaled(a, sl_sin((1.0 - t) * angle) / sine), sl_scaled(b, sl_sin(t * angle) / sine));
+    return sl_normalize_or(sl_to_float(d), sl_to_float(a));
+}
+
+sl_key sl_track_at(const sl_track *track, double time) {
+    size_t next = 0;
+    while (next < track->key_count && track->keys[next].time <= time) next++;
+    const sl_key *a = &track->keys[next > 0 ? next - 1 : 0],
+                 *b = &track->keys[next < track->key_count ? next : track->key_count - 1];
+    const double t = a == b ? 0.0 : (time - a->time) / (b->time - a->time);
+    return (sl_key){.time = time,
+                    .position = lerp(a->position, b->position, t),
+                    .rotate = sl_quaternion_slerp(a->rotate, b->rotate, t),
+                    .scale = lerp(a->scale, b->scale, t),
+                    .direction = sl_to_double(between_directions(a->direction, b->direction, t)),
+                    .target = lerp(a->target, b->target, t),
+                    .up = lerp(a->up, b->up, t),
+                    .vertical_fov = a->vertical_fov * (1.0 - t) + b->vertical_fov * t};
 }
 
 /* In the turned world the same motion is U K U^-1, with U a permutation of axes, so nothing is rounded. */
-static sl_affine track_in_world(const sl_animation *animation, const sl_object_track *track, double time) {
-    sl_affine motion = sl_object_track_at(track, time);
+static sl_affine track_in_world(const sl_animation *animation, const sl_track *track, double time) {
+    const sl_key key = sl_track_at(track, time);
+    sl_affine motion = sl_key_placement(&key);
     if (!animation->z_up) return motion;
     sl_affine turn = sl_affine_z_up(), back = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
     sl_affine turned = sl_affine_after(&motion, &back);
@@ -105,7 +111,7 @@ static sl_status check_motion(const sl_scene *scene, const sl_affine *motions, d
     }
     if (bad == SL_NO_INDEX) return SL_OK;
     return sl_fail(error, SL_ERROR_INPUT, "keyframes move object '%s' beyond all numbers at time %g",
-                   scene->object_names[a->object_tracks[bad].first_object], time);
+                   scene->object_names[a->tracks[bad].first], time);
 }
 
 static bool set_vector(float *x, float *y, float *z, sl_vec3 to) {
@@ -153,16 +159,17 @@ static bool emissive_moves(const sl_scene *s) {
     return false;
 }
 
-/* Of every track, and after them their maps of normals; released with sl_free(). NULL where nothing moves. */
+/* Of every track (others than of objects have some that nobody asks for), and after them their maps of
+ * normals; released with sl_free(). NULL where nothing moves. */
 static sl_status motions_at(const sl_scene *scene, double time, sl_affine **motions, sl_error *error) {
     const sl_animation *a = scene->animation;
     *motions = NULL;
-    if (a->object_track_count == 0) return SL_OK;
-    sl_affine *m = sl_allocate(2 * a->object_track_count, sizeof *m);
+    if (a->track_count == 0) return SL_OK;
+    sl_affine *m = sl_allocate(2 * a->track_count, sizeof *m);
     if (!m) return sl_fail_memory(error, "the motion of objects");
-    for (size_t i = 0; i < a->object_track_count; i++) {
-        m[i] = track_in_world(a, &a->object_tracks[i], time);
-        m[a->object_track_count + i] = sl_affine_normal_map(&m[i]);
+    for (size_t i = 0; i < a->track_count; i++) {
+        m[i] = track_in_world(a, &a->tracks[i], time);
+        m[a->track_count + i] = sl_affine_normal_map(&m[i]);
     }
     sl_status status = check_motion(scene, m, time, error);
     if (status == SL_OK) *motions = m;
@@ -174,7 +181,7 @@ static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, s
     sl_affine *motions;
     sl_status status = motions_at(scene, time, &motions, error);
     if (!motions) return status;
-    bool changed = move_vertices(scene, motions, motions + scene->animation->object_track_count);
+    bool changed = move_vertices(scene, motions, motions + scene->animation->track_count);
     if (move_surfaces(scene, motions)) changed = true;
     if (changed) {
         sl_scene_derive(scene);
@@ -187,25 +194,15 @@ static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, s
 
 /* ---- lights and camera ----------------------------------------------------------------------- */
 
-/* Directions turn at constant speed; opposite ones have no arc between them and flip half way. */
-static sl_vec3 between_directions(sl_vec3d a, sl_vec3d b, double t) {
-    double cosine = sl_dotd(a, b), angle = sl_acos(cosine), sine = sl_sin(angle);
-    if (!(sine > 1e-6)) return sl_to_float(t < 0.5 ? a : b);
-    sl_vec3d d =
-        sl_addd(sl_scaled(a, sl_sin((1.0 - t) * angle) / sine), sl_scaled(b, sl_sin(t * angle) / sine));
-    return sl_normalize_or(sl_to_float(d), sl_to_float(a));
-}
-
 static void move_lights(sl_scene *scene, double time, unsigned *changes) {
-    for (size_t i = 0; i < scene->animation->light_track_count; i++) {
-        const sl_light_track *track = &scene->animation->light_tracks[i];
-        size_t before, after;
-        double t = between(track->keys, track->key_count, sizeof *track->keys, time, &before, &after);
-        const sl_light_key *a = &track->keys[before], *b = &track->keys[after];
-        sl_light *light = &scene->lights[track->light];
-        sl_vec3 position = sl_to_float(lerp(a->position, b->position, t));
-        sl_vec3 direction = light->type == SL_LIGHT_POINT ? light->direction
-                                                          : between_directions(a->direction, b->direction, t);
+    for (size_t i = 0; i < scene->animation->track_count; i++) {
+        const sl_track *track = &scene->animation->tracks[i];
+        if (track->kind != SL_TRACK_LIGHT) continue;
+        const sl_key key = sl_track_at(track, time);
+        sl_light *light = &scene->lights[track->first];
+        const sl_vec3 position = sl_to_float(key.position), direction = light->type == SL_LIGHT_POINT
+                                                                            ? light->direction
+                                                                            : sl_to_float(key.direction);
         bool changed = set_vector(&light->position.x, &light->position.y, &light->position.z, position);
         changed |= set_vector(&light->direction.x, &light->direction.y, &light->direction.z, direction);
         if (changed) *changes |= SL_CHANGED_LIGHTS;
@@ -213,21 +210,17 @@ static void move_lights(sl_scene *scene, double time, unsigned *changes) {
 }
 
 static sl_status camera_at(const sl_scene *scene, double time, sl_camera *camera, sl_error *error) {
-    const sl_animation *animation = scene->animation;
     *camera = scene->camera;
-    if (animation->camera_key_count == 0) return SL_OK;
-    size_t before, after;
-    double t = between(animation->camera_keys, animation->camera_key_count, sizeof *animation->camera_keys,
-                       time, &before, &after);
-    const sl_camera_key *a = &animation->camera_keys[before], *b = &animation->camera_keys[after];
-    double fov = a->vertical_fov * (1.0 - t) + b->vertical_fov * t;
-    if (sl_camera_look_at(camera, sl_to_float(lerp(a->eye, b->eye, t)),
-                          sl_to_float(lerp(a->target, b->target, t)), sl_to_float(lerp(a->up, b->up, t)),
-                          (float)fov))
-        return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT,
-                   "camera keyframes: at time %g the eye is at its target, or looks along its up vector",
-                   time);
+    for (size_t i = 0; i < scene->animation->track_count; i++) {
+        if (scene->animation->tracks[i].kind != SL_TRACK_CAMERA) continue;
+        const sl_key key = sl_track_at(&scene->animation->tracks[i], time);
+        if (!sl_camera_look_at(camera, sl_to_float(key.position), sl_to_float(key.target),
+                               sl_to_float(key.up), (float)key.vertical_fov))
+            return sl_fail(
+                error, SL_ERROR_INPUT,
+                "camera keyframes: at time %g the eye is at its target, or looks along its up vector", time);
+    }
+    return SL_OK;
 }
 
 static bool same(sl_vec3 a, sl_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
@@ -273,10 +266,10 @@ static uint32_t *tracks_of_objects(const sl_animation *a, size_t object_count) {
     uint32_t *tracks = sl_allocate(object_count, sizeof *tracks);
     if (!tracks) return NULL;
     memset(tracks, 0xff, object_count * sizeof *tracks); /* SL_NO_INDEX */
-    for (size_t i = 0; i < a->object_track_count; i++) {
-        const sl_object_track *track = &a->object_tracks[i];
-        for (size_t k = track->first_object;
-             k < track->first_object + (size_t)track->object_count && k < object_count; k++)
+    for (size_t i = 0; i < a->track_count; i++) {
+        const sl_track *track = &a->tracks[i];
+        if (track->kind != SL_TRACK_OBJECTS) continue;
+        for (size_t k = track->first; k < track->first + (size_t)track->count && k < object_count; k++)
             tracks[k] = (uint32_t)i;
     }
     return tracks;
@@ -317,11 +310,8 @@ sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error)
 
 void sl_animation_destroy(sl_animation *a) {
     if (!a) return;
-    for (size_t i = 0; a->object_tracks && i < a->object_track_count; i++) sl_free(a->object_tracks[i].keys);
-    for (size_t i = 0; a->light_tracks && i < a->light_track_count; i++) sl_free(a->light_tracks[i].keys);
-    sl_free(a->object_tracks);
-    sl_free(a->light_tracks);
-    sl_free(a->camera_keys);
+    for (size_t i = 0; i < a->track_count; i++) sl_free(a->tracks[i].keys);
+    sl_free(a->tracks);
     sl_free(a->track_of_vertex);
     sl_free(a->rest_position);
     sl_free(a->rest_normal);

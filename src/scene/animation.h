@@ -15,47 +15,39 @@ sl_quaternion sl_quaternion_from_euler(double x, double y, double z);
 /* Along the shorter arc, at constant angular speed; t in [0,1]. Unit quaternions. */
 sl_quaternion sl_quaternion_slerp(sl_quaternion a, sl_quaternion b, double t);
 
-/* Scale, then rotate, then translate: comes after the object's own transform. */
-typedef struct sl_object_key {
+/* A state at a time, of which each kind of track has some. */
+typedef struct sl_key {
     double time;
-    sl_vec3d translate, scale; /* scale > 0 */
+    sl_vec3d position;  /* of a light, of a camera's eye; an object's translation */
     sl_quaternion rotate;
-} sl_object_key;
-typedef struct sl_object_track {
-    uint32_t first_object, object_count;
-    size_t key_count;
-    sl_object_key *keys; /* times rise strictly */
-} sl_object_track;
-
-typedef struct sl_light_key {
-    double time;
-    sl_vec3d position, direction;
-} sl_light_key;
-typedef struct sl_light_track {
-    uint32_t light;
-    size_t key_count;
-    sl_light_key *keys;
-} sl_light_track;
-
-typedef struct sl_camera_key {
-    double time;
-    sl_vec3d eye, target, up;
+    sl_vec3d scale;     /* > 0: an object is scaled, then rotated, then translated, after its own transform */
+    sl_vec3d direction; /* of a light */
+    sl_vec3d target, up;
     double vertical_fov;
-} sl_camera_key;
+} sl_key;
+
+typedef enum sl_track_kind { SL_TRACK_OBJECTS, SL_TRACK_LIGHT, SL_TRACK_CAMERA } sl_track_kind;
+
+typedef struct sl_track {
+    sl_track_kind kind;
+    uint32_t first, count; /* objects; the light */
+    size_t key_count;
+    sl_key *keys; /* times rise strictly */
+} sl_track;
 
 struct sl_animation {
     bool z_up; /* object keys are in a world with z up */
-    size_t object_track_count, light_track_count, camera_key_count;
-    sl_object_track *object_tracks;
-    sl_light_track *light_tracks;
-    sl_camera_key *camera_keys;
+    size_t track_count, track_room;
+    sl_track *tracks;
     /* Made by sl_animation_attach(): of each vertex its track (or SL_NO_INDEX) and its rest state. */
     uint32_t *track_of_vertex;
     sl_vec3 *rest_position, *rest_normal;
     sl_vec3 *rest_control; /* 16 of each bicubic surface; its track is that of its vertices */
 };
 
-sl_affine sl_object_track_at(const sl_object_track *track, double time);
+/* The state between the keys on both sides of a time; before the first and after the last it rests. */
+sl_key sl_track_at(const sl_track *track, double time);
+sl_affine sl_key_placement(const sl_key *key);
 
 /* Tells whether sl_scene_set_time() would succeed, and why not; what it takes memory for is not asked. */
 sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_error *error);

@@ -14,7 +14,7 @@ sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error);
 /* Normals (a triangle that lost its area in motion takes a shading normal), emitters (only those with an
  * area; returns how many emissive triangles have none) and bounds. Allocates nothing. */
 size_t sl_scene_derive(sl_scene *scene);
-/* The scene's scale and core, by its vertices, box, diagonal and vantage. */
+/* The scene's scale and central region, by its vertices, box, diagonal and vantage. */
 void sl_scene_measure(sl_scene *scene);
 /* The same for another vantage, where nothing has moved. */
 void sl_scene_measure_from(sl_scene *scene, sl_vec3 vantage);

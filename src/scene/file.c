@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
-#include "base/values.h"
 
 bool sl_file_exists(const char *path) {
     struct stat about;
@@ -65,27 +64,6 @@ bool sl_file_has_extension(const char *path, const char *extension) {
         if (lower(path[length - wanted + i]) != extension[i]) return false;
     }
     return true;
-}
-
-/* Tells whether one of the two, neither being empty, begins with the other. */
-static bool begin_alike(const char *a, const char *b) {
-    size_t i = 0;
-    while (a[i] && b[i] && lower(a[i]) == lower(b[i])) i++;
-    return i > 0 && (!a[i] || !b[i]);
-}
-
-static bool is_nearer(const char *name, const char *than, const char *to) {
-    bool alike = begin_alike(name, to);
-    if (alike != begin_alike(than, to)) return alike;
-    return sl_edit_distance(to, name) < sl_edit_distance(to, than);
-}
-
-const char *sl_nearest_name(const char *name, const char *const *names, size_t count) {
-    size_t best = 0;
-    for (size_t i = 1; i < count; i++) {
-        if (is_nearer(names[i], names[best], name)) best = i;
-    }
-    return count ? names[best] : NULL;
 }
 
 /* Returns the first place in the alphabet that does not come before this name's. */

@@ -25,10 +25,6 @@ char *sl_file_folder(const char *path);
 bool sl_file_is_below(const char *folder, const char *path);
 /* ".obj" and the like, letter case ignored. */
 bool sl_file_has_extension(const char *path, const char *extension);
-/* The one of `count` names that takes the fewest insertions, deletions and replacements to become `name`, of
- * those that begin with it, or it with them, where there are any; NULL if count is 0. */
-const char *sl_nearest_name(const char *name, const char *const *names, size_t count);
-
 /* Names that are told apart by the order in which they were added; zeroed: none. They are not copied. */
 typedef struct sl_names {
     const char **name;

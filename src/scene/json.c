@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/print.h"
+#include "base/values.h"
 #include "image/formats.h"
 #include "scene/file.h"
 
@@ -154,8 +155,9 @@ bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const ch
     }
     for (const cJSON *item = object->child; item; item = item->next) {
         if (!is_one_of(item->string, keys, count)) {
-            sl_json_fail(json, item, "unknown key '%.100s' in %s; expected '%s'?", item->string, what,
-                         sl_nearest_name(item->string, keys, count));
+            const char *near = sl_nearest_word(item->string, keys, count);
+            sl_json_fail(json, item, "unknown key '%.100s' in %s%s%s%s", item->string, what,
+                         near ? "; expected '" : "", near ? near : "", near ? "'?" : "");
             return false;
         }
         for (const cJSON *other = object->child; other != item; other = other->next) {

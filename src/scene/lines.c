@@ -153,32 +153,27 @@ static char *read_exponent(char *at, float *value) {
     return count ? at : NULL;
 }
 
-/* Reads nan and inf with any ending, and behind a point what an old C library prints: 1.#INF, 1.#QNAN. */
+/* Reads nan and inf, with any ending. */
 static char *read_nonfinite(char *at, float *value) {
-    static const char *const names[] = {"nan", "inf", "#in", "#qnan", "#snan"};
-    for (int i = 0; i < 5; i++) {
-        if (strncasecmp(at, names[i], strlen(names[i])) != 0) continue;
-        *value = i == 1 ? INFINITY : NAN;
-        return sl_word_after(at);
-    }
-    return NULL;
+    const bool infinite = strncasecmp(at, "inf", 3) == 0;
+    if (!infinite && strncasecmp(at, "nan", 3) != 0) return NULL;
+    *value = infinite ? INFINITY : NAN;
+    return sl_word_after(at);
 }
 
 char *sl_read_number(char *at, float *value) {
     const bool negative = *at == '-';
     int whole, decimals = 0;
     at += *at == '-' || *at == '+';
-    char *end = *at == '#' ? NULL : read_nonfinite(at, value);
+    char *end = read_nonfinite(at, value);
     if (end) return end;
     *value = (float)digits(&at, INT32_MAX, &whole);
     if (*at == '.' || *at == ',') {
         at++;
         const double fraction = digits(&at, MOST_DECIMALS, &decimals);
         *value += (float)(fraction / power_of_ten(decimals));
-        end = at[-1] == '.' && *at == '#' ? read_nonfinite(at, value) : NULL;
     }
     if (whole + decimals == 0) return NULL;
-    if (end) return end;
     if (*at == 'e' || *at == 'E') at = read_exponent(at + 1, value);
     if (negative) *value = -*value;
     return at && ends_number(at) ? skip_blanks(at) : NULL;

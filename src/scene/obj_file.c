@@ -118,14 +118,14 @@ static bool have_the_same(const sl_corner *a, const sl_corner *b) {
            (a->at[2] == SL_NO_INDEX) == (b->at[2] == SL_NO_INDEX);
 }
 
-static sl_status read_corners(reader *r, char *at, bool alike, uint32_t *count) {
+static sl_status read_corners(reader *r, char *at, uint32_t *count) {
     sl_corner corner, first = {{0}};
     sl_status status = SL_OK;
     for (*count = 0; status == SL_OK && !sl_is_line_end(at);) {
         status = read_corner(r, &at, &corner);
         if (status == SL_OK) status = memory_if_not(r, sl_polygons_add_corner(&r->polygons, corner));
         if ((*count)++ == 0) first = corner;
-        if (status != SL_OK || !alike || have_the_same(&first, &corner)) continue;
+        if (status != SL_OK || have_the_same(&first, &corner)) continue;
         return sl_fail(r->lines.error, SL_ERROR_INPUT,
                        "%s:%lu: expected face corners that all have the same, as in 1/1 2/2 3/3: corner %u "
                        "has other indices than the first",
@@ -151,7 +151,7 @@ static sl_status find_object(reader *r, uint32_t *index) {
 
 static sl_status read_face(reader *r, char *at) {
     uint32_t count, object = 0;
-    sl_status status = read_corners(r, at, true, &count);
+    sl_status status = read_corners(r, at, &count);
     if (status != SL_OK) return status;
     if (count < 3) {
         r->polygons.corner_count = 0;
@@ -162,14 +162,6 @@ static sl_status read_face(reader *r, char *at) {
     if (status != SL_OK) return status;
     return sl_polygons_place(&r->polygons, r->lines.path, r->material, object, r->placement, r->model,
                              r->lines.error);
-}
-
-/* Reads lines and points, which are not drawn. */
-static sl_status read_undrawn(reader *r, char *at) {
-    uint32_t count;
-    sl_status status = read_corners(r, at, false, &count);
-    r->polygons.corner_count = 0;
-    return status;
 }
 
 /* ---- libraries ---------------------------------------------------------------------------------------- */
@@ -192,44 +184,22 @@ static sl_status read_library(reader *r, const char *name, bool *exists) {
     return status;
 }
 
-static void warn_of_library(reader *r, const char *name, const char *in_its_place) {
-    sl_scene_warn(&r->model->scene,
-                  in_its_place
-                      ? "%s:%lu: material library '%.512s' does not exist; '%.512s' is read in its place"
-                      : "%s:%lu: material library '%.512s' does not exist; its materials are grey",
-                  r->lines.path, r->lines.line, name, in_its_place);
-    r->lacks_library |= !in_its_place;
-}
-
-/* Reads NAME.mtl for NAME.obj: who gives both files another name often leaves the old one in the first. */
-static sl_status read_library_of_same_name(reader *r, const char *missing) {
-    const char *name = sl_file_name(r->lines.path);
-    char same[4096];
-    bool exists;
-    snprintf(same, sizeof same, "%.*s.mtl", (int)(strlen(name) - strlen(".obj")), name);
-    sl_status status = read_library(r, same, &exists);
-    warn_of_library(r, missing, exists ? same : NULL);
-    return status;
-}
-
 /* Reads one library, whose name may have blanks in it, or several up to a comment, if there is none of that
  * name. */
 static sl_status read_libraries(reader *r, char *names) {
-    enum { MOST_TOLD = 16 };
-    const char *missing[MOST_TOLD];
-    size_t lost = 0;
-    bool exists, any = false;
+    bool exists;
     sl_status status = read_library(r, names, &exists);
-    if (exists || status != SL_OK) return status;
+    if (exists) return status;
     for (char *at = names, *next; status == SL_OK && !sl_is_line_end(at); at = next) {
         next = sl_word_after(at);
         *sl_word_end(at) = 0;
         status = read_library(r, at, &exists);
-        any |= exists;
-        if (!exists && lost < MOST_TOLD) missing[lost++] = at;
+        if (exists || status != SL_OK) continue;
+        r->lacks_library = true;
+        sl_scene_warn(&r->model->scene,
+                      "%s:%lu: material library '%.512s' does not exist; its materials are grey",
+                      r->lines.path, r->lines.line, at);
     }
-    if (status == SL_OK && !any && lost) return read_library_of_same_name(r, missing[0]);
-    for (size_t i = 0; i < lost; i++) warn_of_library(r, missing[i], NULL);
     return status;
 }
 
@@ -242,7 +212,6 @@ static sl_status read_statement(reader *r, char *at) {
     }
     /* fo is an old name of the same */
     if (sl_word_is(at, "f") || sl_word_is(at, "fo")) return read_face(r, rest);
-    if (sl_word_is(at, "l") || sl_word_is(at, "p")) return read_undrawn(r, rest);
     if (sl_word_is(at, "o") || sl_word_is(at, "g"))
         return memory_if_not(r, sl_names_find(&r->objects, rest, &r->object));
     if (sl_word_is(at, "mtllib")) return read_libraries(r, rest);

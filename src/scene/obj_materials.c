@@ -148,20 +148,18 @@ static sl_status read_number(reader *r, const statement *s, char *at) {
 
 /* ---- textures ----------------------------------------------------------------------------------------- */
 
-/* The least and the most words that stand behind an option of a texture, and those that change nothing. */
+/* The least and the most words that stand behind an option of a texture. */
 typedef struct option {
     const char *word;
     int least, most;
     bool numbers;
-    const char *none;
 } option;
 
-static const option options[] = {
-    {"-blendu", 1, 1, false, "on"},  {"-blendv", 1, 1, false, "on"}, {"-clamp", 1, 1, false, "off"},
-    {"-cc", 1, 1, false, "off"},     {"-imfchan", 1, 1, false, "l"}, {"-type", 1, 1, false, ""},
-    {"-texres", 1, 1, true, ""},     {"-boost", 1, 1, true, "0"},    {"-bm", 1, 1, true, "1"},
-    {"-mm", 2, 2, true, "0 1"},      {"-o", 1, 3, true, "0 0 0"},    {"-s", 1, 3, true, "1 1 1"},
-    {"-t", 1, 3, true, "0 0 0"}};
+static const option options[] = {{"-blendu", 1, 1, false}, {"-blendv", 1, 1, false}, {"-clamp", 1, 1, false},
+                                 {"-cc", 1, 1, false},     {"-imfchan", 1, 1, false}, {"-type", 1, 1, false},
+                                 {"-texres", 1, 1, true},  {"-boost", 1, 1, true},    {"-bm", 1, 1, true},
+                                 {"-mm", 2, 2, true},      {"-o", 1, 3, true},        {"-s", 1, 3, true},
+                                 {"-t", 1, 3, true}};
 
 static const option *option_at(const char *at) {
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {
@@ -170,35 +168,22 @@ static const option *option_at(const char *at) {
     return NULL;
 }
 
-/* Returns what stands behind one word of an option; NULL: it is none, or the file's name, which comes last.
- */
-static char *skip_value(const option *o, const char *none, char *at, bool *changes) {
-    float value = 0.0f, as_it_is = 0.0f;
-    if (sl_is_line_end(at) || sl_is_line_end(sl_word_after(at))) return NULL;
-    if (o->numbers && !sl_read_number(at, &value)) return NULL;
-    if (o->numbers && *none) as_it_is = (float)(*none - '0');
-    *changes |= !*none || (o->numbers ? value != as_it_is : !sl_word_is(at, none));
-    return sl_word_after(at);
-}
-
+/* Passes over an option; the file's name comes last. */
 static sl_status skip_option(reader *r, const option *o, char **at) {
     static const char *const expected[] = {"a number", "two numbers", "1 to 3 numbers"};
-    bool changes = false;
-    const char *none = o->none;
-    char *value = sl_word_after(*at);
+    float unused;
+    char text[80], *value = sl_word_after(*at);
     for (int i = 0; i < o->most; i++) {
-        char *next = skip_value(o, none, value, &changes);
-        if (!next && i < o->least) {
-            char text[80];
+        const bool last = sl_is_line_end(value) || sl_is_line_end(sl_word_after(value));
+        if (!last && (!o->numbers || sl_read_number(value, &unused))) value = sl_word_after(value);
+        else if (i >= o->least) break;
+        else {
             snprintf(text, sizeof text, "%s behind %s and then a file's name",
                      o->numbers ? expected[o->most - 1] : "a word", o->word);
             return sl_lines_fail(&r->lines, text, value);
         }
-        if (!next) break;
-        value = next;
-        none += *none && o->numbers && none[1] ? 2 : 0;
     }
-    if (changes) warn(r, "the texture's option ", o->word, " is not applied");
+    warn(r, "the texture's option ", o->word, " is not applied");
     *at = value;
     return SL_OK;
 }

@@ -11,12 +11,12 @@
 #include "base/math.h"
 #include "scene/derive.h"
 
-/* Scenes that people make have a diagonal of 2 to 30 times that radius. Up to REACH the diagonal is the
+/* Scenes that people make have a diagonal of 2 to 30 times that radius. Up to SPAN the diagonal is the
  * scale. */
-static const double REACH = 128.0;
+static const double SPAN = 128.0;
 /* Of an eye that stands further off the surroundings are wanted as well: a grain of dust may have most of a
  * room's vertices, and so may a far planet. */
-static const double EYE_REACH = 4.0;
+static const double EYE_SPAN = 4.0;
 /* Of the diagonal; below that floats as large as the whole scene do not tell the smaller part's vertices
  * apart. */
 static const double LEAST = 0x1p-20;
@@ -24,7 +24,7 @@ static const double LEAST = 0x1p-20;
  * at all in between: most vertices may be in the rest. */
 static const double GAP = 128.0;
 /* How far from the middle the central region reaches at least, in radii. */
-static const double CORE = 2.0;
+static const double CENTRAL = 2.0;
 
 enum { DIGIT = 11, DIGITS = 1 << DIGIT, SAMPLES_MAX = 1 << 17 };
 
@@ -146,7 +146,7 @@ static double gap_behind(const sl_scene *scene, sl_vec3d eye) {
     return INFINITY;
 }
 
-/* ---- scale and core ---- */
+/* ---- scale and central region ---- */
 
 /* Where people look: half of the vertices lie within the radius, or all that surround the eye. */
 typedef struct detail {
@@ -170,17 +170,17 @@ static detail surroundings(const sl_scene *scene, sl_vec3d eye) {
 
 static double scale_of(const sl_scene *scene, const detail *d, sl_vec3d eye) {
     if (!(d->radius > 0.0)) return INFINITY;
-    return fmax(fmax(REACH * d->radius, EYE_REACH * sl_lengthd(sl_subd(eye, d->middle))),
+    return fmax(fmax(SPAN * d->radius, EYE_SPAN * sl_lengthd(sl_subd(eye, d->middle))),
                 fmax(LEAST * (double)scene->diagonal, (double)FLT_MIN));
 }
 
-/* The box of the vertices within `reach` of the middle along each axis. */
-static void bound_core(sl_scene *scene, sl_vec3d middle, double reach) {
+/* The box of the vertices within `distance` of the middle along each axis. */
+static void bound_central_region(sl_scene *scene, sl_vec3d middle, double distance) {
     sl_vec3 low = sl_v3(FLT_MAX, FLT_MAX, FLT_MAX), high = sl_v3(-FLT_MAX, -FLT_MAX, -FLT_MAX);
     for (size_t v = 0; v < scene->vertex_count; v++) {
         sl_vec3 p = sl_scene_position(scene, (uint32_t)v);
         sl_vec3d d = sl_subd(sl_to_double(p), middle);
-        if (!(fabs(d.x) <= reach) || !(fabs(d.y) <= reach) || !(fabs(d.z) <= reach)) continue;
+        if (!(fabs(d.x) <= distance) || !(fabs(d.y) <= distance) || !(fabs(d.z) <= distance)) continue;
         low = sl_v3(fminf(low.x, p.x), fminf(low.y, p.y), fminf(low.z, p.z));
         high = sl_v3(fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z));
     }
@@ -201,8 +201,9 @@ void sl_scene_measure_from(sl_scene *scene, sl_vec3 vantage) {
     if (!(scale < diagonal)) return;
     scene->scale = (float)scale;
     /* All of the scene where the scale is all but the diagonal, so that nothing jumps. */
-    const double wanted = d->is_all ? d->radius : fmax(CORE * d->radius, sl_lengthd(sl_subd(eye, d->middle)));
-    bound_core(scene, d->middle, fmax(wanted, scale * scale / diagonal));
+    const double wanted =
+        d->is_all ? d->radius : fmax(CENTRAL * d->radius, sl_lengthd(sl_subd(eye, d->middle)));
+    bound_central_region(scene, d->middle, fmax(wanted, scale * scale / diagonal));
 }
 
 void sl_scene_measure(sl_scene *scene) {

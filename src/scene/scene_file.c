@@ -145,15 +145,11 @@ static void read_root(sl_scene_file *file) {
     read_film(file, sl_json_get(root, "film"));
 }
 
-static bool moves(const sl_animation *a) {
-    return a->object_track_count || a->light_track_count || a->camera_key_count;
-}
-
 /* Builds what the parts say together; it has no line of its own. */
 static sl_status build(sl_scene_file *file, sl_scene **scene) {
     sl_error problem = {0};
     sl_status status = sl_model_build(&file->model, scene, &problem);
-    if (status == SL_OK && moves(file->animation)) {
+    if (status == SL_OK && file->animation->track_count > 0) {
         status = sl_animation_attach(*scene, file->animation, &problem);
         file->animation = NULL; /* the scene's now */
     }

@@ -179,7 +179,6 @@ static void add_quad(sl_scene_file *file, const cJSON *item, size_t number) {
 /* ---- all of them ----------------------------------------------------------------------------- */
 
 void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
-    static const char *const types[] = {"point", "spot", "directional", "quad"};
     sl_json *json = &file->json;
     size_t count = sl_json_array(json, list), number = 0;
     dark_lights dark = {0};
@@ -198,8 +197,8 @@ void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
         else if (strcmp(type, "directional") == 0) read_directional(file, item, &light);
         else if (strcmp(type, "quad") == 0) add_quad(file, item, number);
         else
-            sl_json_fail(json, sl_json_get(item, "type"), "unknown light type '%s'; expected '%s'?", type,
-                         sl_nearest_name(type, types, 4));
+            sl_json_fail(json, sl_json_get(item, "type"),
+                         "unknown light type '%s'; expected 'point', 'spot', 'directional' or 'quad'", type);
         if (strcmp(type, "quad") != 0) add_light(file, item, &light, &dark);
     }
     warn_of_dark(file, &dark);

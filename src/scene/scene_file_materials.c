@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/values.h"
 #include "scene/file.h"
 #include "scene/scene_file.h"
 
@@ -78,7 +79,7 @@ static const char **names_of(const sl_scene_file *file) {
 
 static void fail_unknown(sl_scene_file *file, const cJSON *item, const char *name) {
     const char **names = names_of(file);
-    const char *nearest = names ? sl_nearest_name(name, names, file->model.scene.material_count) : NULL;
+    const char *nearest = names ? sl_nearest_word(name, names, file->model.scene.material_count) : NULL;
     if (nearest)
         sl_json_fail(&file->json, item, "no mesh has a material '%s'; expected '%s'?", name, nearest);
     else sl_json_fail(&file->json, item, "no mesh has a material '%s'", name);

@@ -1,9 +1,9 @@
 /* Scene files: where things are, and how they move. */
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "scene/scene_file.h"
@@ -32,11 +32,11 @@ static void read_scale(sl_json *json, const cJSON *item, bool positive, sl_vec3d
         sl_json_fail(json, item, "expected 'scale' to be %s", positive ? "above 0" : "other than 0");
 }
 
-static void read_placement(sl_json *json, const cJSON *object, bool positive, sl_object_key *key) {
+static void read_placement(sl_json *json, const cJSON *object, bool positive, sl_key *key) {
     sl_vec3d degrees = {0, 0, 0};
     key->scale = sl_v3d(1, 1, 1);
-    key->translate = sl_v3d(0, 0, 0);
-    sl_json_vec3(json, sl_json_get(object, "translate"), &key->translate);
+    key->position = sl_v3d(0, 0, 0);
+    sl_json_vec3(json, sl_json_get(object, "translate"), &key->position);
     if (sl_json_vec3(json, sl_json_get(object, "rotate_deg"), &degrees) &&
         !(fabs(degrees.x) <= 1e5 && fabs(degrees.y) <= 1e5 && fabs(degrees.z) <= 1e5)) {
         sl_json_fail(json, sl_json_get(object, "rotate_deg"), "expected 'rotate_deg' from -100000 to 100000");
@@ -67,148 +67,113 @@ sl_affine sl_scene_file_transform(sl_scene_file *file, const cJSON *item) {
     if (cJSON_IsArray(item)) return matrix_transform(&file->json, item);
     if (!SL_JSON_KEYS(&file->json, item, "a transform", "translate", "rotate_deg", "scale"))
         return sl_affine_identity();
-    sl_object_key key = {0};
+    sl_key key = {0};
     read_placement(&file->json, item, false, &key);
-    return sl_object_track_at(&(sl_object_track){.key_count = 1, .keys = &key}, 0.0);
+    return sl_key_placement(&key);
 }
 
 /* ---- keyframes ------------------------------------------------------------------------------- */
 
-/* Returns how many keyframes there are; they must be objects with these keys, and their times must rise. */
-static size_t check_keyframes(sl_json *json, const cJSON *list, const char *const *keys, size_t key_count) {
-    size_t count = sl_json_array(json, list);
+typedef void read_key(sl_scene_file *file, const cJSON *item, sl_key *key);
+
+/* Reads a track: objects with these keys whose times rise, and what `read` makes of each of them, from the
+ * one before. */
+static void read_track(sl_scene_file *file, const cJSON *list, sl_track track, sl_key state, read_key *read,
+                       const char *const *names, size_t name_count) {
+    sl_json *json = &file->json;
+    sl_animation *a = file->animation;
+    const size_t count = sl_json_array(json, list);
     if (list && count == 0) sl_json_fail(json, list, "expected at least one keyframe");
+    if (count == 0) return;
+    track.keys = sl_allocate(count, sizeof *track.keys);
+    if (!track.keys || !sl_make_room(&a->tracks, a->track_count, &a->track_room, sizeof *a->tracks)) {
+        json->status = sl_fail_memory(json->error, "keyframes");
+        sl_free(track.keys);
+        return;
+    }
     double last = -INFINITY;
-    for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK; item = item->next) {
-        double time = 0.0;
-        if (!sl_json_keys(json, item, "a keyframe", keys, key_count)) break;
-        sl_json_number(json, sl_json_need(json, item, "time"), -1e9, 1e9, &time);
-        if (!(time > last))
+    for (const cJSON *item = list->child; item && json->status == SL_OK;
+         item = item->next, last = state.time) {
+        if (!sl_json_keys(json, item, "a keyframe", names, name_count)) break;
+        sl_json_number(json, sl_json_need(json, item, "time"), -1e9, 1e9, &state.time);
+        if (!(state.time > last))
             sl_json_fail(json, item,
                          "expected keyframes in the order of their times, each later than the one before");
-        last = time;
+        read(file, item, &state);
+        track.keys[track.key_count++] = state;
     }
-    return json->status == SL_OK ? count : 0;
+    a->tracks[a->track_count++] = track;
 }
 
-static void out_of_memory(sl_json *json) {
-    if (json->status == SL_OK) json->status = sl_fail_memory(json->error, "keyframes");
-}
-
-/* One more entry at the end of a list, whose room is the next power of two. */
-static void *append(sl_json *json, void *list, size_t *count, size_t size) {
-    if (*count & (*count - 1)) {
-        (*count)++;
-        return list;
-    }
-    char *longer = sl_allocate(*count ? 2 * *count : 1, size);
-    if (!longer) {
-        out_of_memory(json);
-        return list;
-    }
-    if (*count) memcpy(longer, list, *count * size);
-    sl_free(list);
-    (*count)++;
-    return longer;
+static void read_object_key(sl_scene_file *file, const cJSON *item, sl_key *key) {
+    read_placement(&file->json, item, true, key);
 }
 
 void sl_scene_file_object_keys(sl_scene_file *file, const cJSON *list, uint32_t first_object,
                                uint32_t object_count) {
-    static const char *const keys[] = {"time", "translate", "rotate_deg", "scale"};
-    sl_json *json = &file->json;
-    sl_animation *a = file->animation;
-    size_t count = check_keyframes(json, list, keys, 4);
-    if (count == 0) return;
-    a->object_tracks = append(json, a->object_tracks, &a->object_track_count, sizeof *a->object_tracks);
-    if (json->status != SL_OK) return;
-    sl_object_track *track = &a->object_tracks[a->object_track_count - 1];
-    *track = (sl_object_track){first_object, object_count, 0, sl_allocate(count, sizeof *track->keys)};
-    if (!track->keys) {
-        out_of_memory(json);
-        return;
-    }
-    for (const cJSON *item = list->child; item; item = item->next) {
-        sl_object_key *key = &track->keys[track->key_count++];
-        sl_json_number(json, sl_json_get(item, "time"), -1e9, 1e9, &key->time);
-        read_placement(json, item, true, key);
-    }
+    static const char *const names[] = {"time", "translate", "rotate_deg", "scale"};
+    const sl_track track = {.kind = SL_TRACK_OBJECTS, .first = first_object, .count = object_count};
+    read_track(file, list, track, (sl_key){0}, read_object_key, names, 4);
 }
 
-/* Reads a light's keyframes: what one does not give stays as it was at the one before (or in the light
- * itself). */
-void sl_scene_file_light_keys(sl_scene_file *file, const cJSON *list, uint32_t light) {
-    static const char *const keys[] = {"time", "position", "direction"};
+static void read_light_key(sl_scene_file *file, const cJSON *item, sl_key *key) {
     sl_json *json = &file->json;
-    sl_animation *a = file->animation;
-    size_t count = check_keyframes(json, list, keys, 3);
-    if (count == 0) return;
-    a->light_tracks = append(json, a->light_tracks, &a->light_track_count, sizeof *a->light_tracks);
-    if (json->status != SL_OK) return;
-    sl_light_track *track = &a->light_tracks[a->light_track_count - 1];
-    *track = (sl_light_track){light, 0, sl_allocate(count, sizeof *track->keys)};
-    if (!track->keys) {
-        out_of_memory(json);
-        return;
-    }
+    const cJSON *direction = sl_json_get(item, "direction");
+    sl_vec3d v;
+    if (sl_json_vec3(json, sl_json_get(item, "position"), &v))
+        key->position = sl_affine_vector(&file->turn, v);
+    if (!sl_json_vec3(json, direction, &v)) return;
+    const double length = sl_lengthd(v);
+    if (length > 0.0) key->direction = sl_affine_vector(&file->turn, sl_scaled(v, 1.0 / length));
+    else sl_json_fail(json, direction, "expected 'direction' to be other than 0");
+}
+
+/* What a key does not give stays as it was at the one before, or in the light itself. */
+void sl_scene_file_light_keys(sl_scene_file *file, const cJSON *list, uint32_t light) {
+    static const char *const names[] = {"time", "position", "direction"};
     const sl_light *rest = &file->model.scene.lights[light];
-    sl_light_key state = {0.0, sl_to_double(rest->position), sl_to_double(rest->direction)};
-    for (const cJSON *item = list->child; item; item = item->next) {
-        sl_vec3d v;
-        sl_json_number(json, sl_json_get(item, "time"), -1e9, 1e9, &state.time);
-        if (sl_json_vec3(json, sl_json_get(item, "position"), &v))
-            state.position = sl_affine_vector(&file->turn, v);
-        if (sl_json_vec3(json, sl_json_get(item, "direction"), &v)) {
-            double length = sl_lengthd(v);
-            if (!(length > 0.0))
-                sl_json_fail(json, sl_json_get(item, "direction"), "expected 'direction' to be other than 0");
-            else state.direction = sl_affine_vector(&file->turn, sl_scaled(v, 1.0 / length));
-        }
-        track->keys[track->key_count++] = state;
-    }
+    const sl_key state = {.position = sl_to_double(rest->position),
+                          .direction = sl_to_double(rest->direction)};
+    const sl_track track = {.kind = SL_TRACK_LIGHT, .first = light, .count = 1};
+    read_track(file, list, track, state, read_light_key, names, 3);
 }
 
 /* ---- camera ---------------------------------------------------------------------------------- */
 
-static void read_camera(sl_scene_file *file, const cJSON *item, sl_camera_key *key) {
+static void read_camera(sl_scene_file *file, const cJSON *item, sl_key *key) {
     sl_json *json = &file->json;
     sl_vec3d v;
     double degrees;
-    if (sl_json_vec3(json, sl_json_get(item, "eye"), &v)) key->eye = sl_affine_vector(&file->turn, v);
+    if (sl_json_vec3(json, sl_json_get(item, "eye"), &v)) key->position = sl_affine_vector(&file->turn, v);
     if (sl_json_vec3(json, sl_json_get(item, "target"), &v)) key->target = sl_affine_vector(&file->turn, v);
     if (sl_json_vec3(json, sl_json_get(item, "up"), &v)) key->up = sl_affine_vector(&file->turn, v);
     if (sl_json_number(json, sl_json_get(item, "fov_deg"), 0.01, 179.0, &degrees))
         key->vertical_fov = sl_scene_file_radians(degrees);
     sl_camera check;
-    if (!sl_camera_look_at(&check, sl_to_float(key->eye), sl_to_float(key->target), sl_to_float(key->up),
+    if (!sl_camera_look_at(&check, sl_to_float(key->position), sl_to_float(key->target), sl_to_float(key->up),
                            (float)key->vertical_fov)) {
         sl_json_fail(json, item,
                      "expected the camera's 'eye' apart from its 'target', and 'up' not along the view");
     }
 }
 
+/* A view of the caller's stands still, but the keys are checked. */
 void sl_scene_file_camera(sl_scene_file *file, const cJSON *item) {
-    static const char *const keys[] = {"time", "eye", "target", "up", "fov_deg"};
+    static const char *const names[] = {"time", "eye", "target", "up", "fov_deg"};
     sl_json *json = &file->json;
     if (!item || !SL_JSON_KEYS(json, item, "the camera", "eye", "target", "up", "fov_deg", "keyframes"))
         return;
-    sl_camera_key state = {.up = {0, 1, 0}, .vertical_fov = sl_scene_file_radians(45.0)};
+    sl_key state = {.up = {0, 1, 0}, .vertical_fov = sl_scene_file_radians(45.0)};
     sl_json_need(json, item, "eye");
     sl_json_need(json, item, "target");
     read_camera(file, item, &state);
     if (json->status != SL_OK) return;
     file->model.has_camera =
-        sl_camera_look_at(&file->model.camera, sl_to_float(state.eye), sl_to_float(state.target),
+        sl_camera_look_at(&file->model.camera, sl_to_float(state.position), sl_to_float(state.target),
                           sl_to_float(state.up), (float)state.vertical_fov);
-    const cJSON *list = sl_json_get(item, "keyframes");
-    size_t count = check_keyframes(json, list, keys, 5);
-    if (count == 0) return;
     sl_animation *a = file->animation;
-    a->camera_keys = sl_allocate(count, sizeof *a->camera_keys);
-    if (!a->camera_keys) out_of_memory(json);
-    for (const cJSON *key = list->child; key && json->status == SL_OK; key = key->next) {
-        sl_json_number(json, sl_json_get(key, "time"), -1e9, 1e9, &state.time);
-        read_camera(file, key, &state);
-        a->camera_keys[a->camera_key_count++] = state;
-    }
-    if (file->model.view) a->camera_key_count = 0; /* that camera stands still */
+    const size_t tracks = a->track_count;
+    read_track(file, sl_json_get(item, "keyframes"), (sl_track){.kind = SL_TRACK_CAMERA}, state, read_camera,
+               names, 5);
+    if (file->model.view && a->track_count > tracks) sl_free(a->tracks[--a->track_count].keys);
 }

@@ -36,8 +36,7 @@ static void quaternions_turn_about_the_axes_in_order(void **state) {
     (void)state;
     /* about x: y becomes z; then about z: x becomes y */
     sl_quaternion q = sl_quaternion_from_euler(0.5 * SL_PI, 0, 0.5 * SL_PI);
-    sl_object_key key = {.scale = {1, 1, 1}, .rotate = q};
-    sl_affine a = sl_object_track_at(&(sl_object_track){.key_count = 1, .keys = &key}, 0.0);
+    sl_affine a = sl_key_placement(&(sl_key){.scale = {1, 1, 1}, .rotate = q});
     sl_vec3d x = sl_affine_vector(&a, sl_v3d(1, 0, 0)), y = sl_affine_vector(&a, sl_v3d(0, 1, 0));
     assert_true(fabs(x.y - 1.0) < 1e-12 && fabs(y.z - 1.0) < 1e-12);
 }
