@@ -31,6 +31,11 @@ static void assert_near(double a, double b, double tolerance) {
     if (!(fabs(a - b) <= tolerance)) fail_msg("%.9g is not %.9g within %.3g", a, b, tolerance);
 }
 
+static void sample(const sl_cube_map *cube, sl_vec3 d, float lod, float rgba[4]) {
+    sl_cube_map_sample_many(cube, 1, &d.x, &d.y, &d.z, &lod,
+                            (float *const[4]){&rgba[0], &rgba[1], &rgba[2], &rgba[3]});
+}
+
 static void a_texels_own_direction_gives_that_texel_on_every_face(void **state) {
     (void)state;
     sl_cube_map *cube = random_cube(8, 1);
@@ -39,7 +44,7 @@ static void a_texels_own_direction_gives_that_texel_on_every_face(void **state) 
             float rgba[4];
             sl_vec3 d = sl_scale(
                 on_face(face, ((float)(i % 8) + 0.5f) / 4 - 1, ((float)(i / 8) + 0.5f) / 4 - 1), 3.0f);
-            sl_cube_map_sample(cube, d, 0.0f, rgba);
+            sample(cube, d, 0.0f, rgba);
             assert_memory_equal(rgba, sl_cube_map_texel(cube, 0, face, i % 8, i / 8), sizeof rgba);
         }
     }
@@ -69,7 +74,7 @@ static void a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn(void 
             sl_normalize_or(on_face(face, ((float)x + 0.5f) * 2 / SIZE - 1, ((float)y + 0.5f) * 2 / SIZE - 1),
                             sl_v3(0, 0, 1));
         float rgba[4];
-        sl_cube_map_sample(cube, d, 0.0f, rgba);
+        sample(cube, d, 0.0f, rgba);
         assert_near((double)rgba[0], (double)id[face][i % PIXELS], 0.01); /* the direction is rounded */
         rgba[0] = (float)id[face][i % PIXELS];
         /* The triangle that was seen lies in that direction, up to the width of a texel. */
@@ -108,8 +113,8 @@ static void lookups_are_continuous_over_edges_and_corners(void **state) {
                 i & 4 ? on_face(face, across * (1 - e), along) : on_face(face, along, across * (1 - e));
             sl_vec3 d2 =
                 i & 4 ? on_face(face, across * (1 + e), along) : on_face(face, along, across * (1 + e));
-            sl_cube_map_sample(cube, d1, lod, inner);
-            sl_cube_map_sample(cube, d2, lod, outer);
+            sample(cube, d1, lod, inner);
+            sample(cube, d2, lod, outer);
             for (int c = 0; c < 4; c++)
                 assert_near((double)inner[c], (double)outer[c], 6.0 * (double)e * size + 2e-7);
         }
@@ -124,24 +129,24 @@ static void any_direction_gives_a_defined_colour(void **state) {
                             1e30f, -3.4e38f, 3.4e38f, INFINITY, -INFINITY, NAN};
     for (int i = 0; i < 12 * 12 * 12 * 2; i++) {
         float rgba[4];
-        sl_cube_map_sample(cube, sl_v3(values[i / 2 % 12], values[i / 24 % 12], values[i / 288]),
+        sample(cube, sl_v3(values[i / 2 % 12], values[i / 24 % 12], values[i / 288]),
                            i & 1 ? 0.7f : 0.0f, rgba);
         for (int c = 0; c < 4; c++) assert_true(rgba[c] >= 0.0f && rgba[c] <= 1.0f);
     }
     float zero[4], middle[4], infinite[4], diagonal[4];
-    sl_cube_map_sample(cube, sl_v3(0, 0, 0), 0.0f, zero);
-    sl_cube_map_sample(cube, sl_v3(1, 0, NAN), 0.0f, middle);
+    sample(cube, sl_v3(0, 0, 0), 0.0f, zero);
+    sample(cube, sl_v3(1, 0, NAN), 0.0f, middle);
     assert_memory_equal(zero, middle, sizeof zero);
-    sl_cube_map_sample(cube, sl_v3(-INFINITY, INFINITY, 1), 0.0f, infinite);
-    sl_cube_map_sample(cube, sl_v3(-1, 1, 0), 0.0f, diagonal);
+    sample(cube, sl_v3(-INFINITY, INFINITY, 1), 0.0f, infinite);
+    sample(cube, sl_v3(-1, 1, 0), 0.0f, diagonal);
     for (int c = 0; c < 4; c++) assert_near((double)infinite[c], (double)diagonal[c], 1e-6);
     sl_cube_map_destroy(cube);
 }
 
-static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_set(void **state) {
+static void lookups_have_the_same_bits_on_every_instruction_set(void **state) {
     (void)state;
     enum { COUNT = 1500 };
-    static float x[COUNT], y[COUNT], z[COUNT], lod[COUNT], out[4][COUNT];
+    static float x[COUNT], y[COUNT], z[COUNT], lod[COUNT], out[3][4][COUNT];
     const float values[] = {0.0f, -0.0f, 1.0f, -1.0f, 1e-45f, 1e30f, -3.4e38f, INFINITY, -INFINITY, NAN};
     uint64_t key = sl_random_key(19, 0);
     for (uint64_t i = 0; i < COUNT; i++) {
@@ -151,20 +156,13 @@ static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_s
         lod[i] = i % 13 ? random_between(key, 4 * i + 3, -3, 6) : values[i / 13 % 10];
     }
     const char *isas[] = {"baseline", "avx2", "avx512"};
-    for (int k = 0; k < 18; k++) {
-        assert_int_equal(setenv("SOFTLUX_ISA", isas[k / 6], 1), 0);
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
         sl_cube_map *cube = random_cube(21, 4);
         unsetenv("SOFTLUX_ISA");
-        float *const plane[4] = {out[0], NULL, out[2], out[3]};
-        size_t count = COUNT - (size_t)k;
-        sl_cube_map_sample_many(cube, count, x, y, z, k % 6 < 3 ? lod : NULL, plane);
-        for (size_t i = 0; i < count; i++) {
-            float rgba[4];
-            sl_cube_map_sample(cube, sl_v3(x[i], y[i], z[i]), k % 6 < 3 ? lod[i] : 0.0f, rgba);
-            for (int c = 0; c < 4; c++) {
-                if (plane[c]) assert_memory_equal(&rgba[c], &plane[c][i], sizeof(float));
-            }
-        }
+        sl_cube_map_sample_many(cube, COUNT, x, y, z, lod,
+                                (float *const[4]){out[k][0], out[k][1], out[k][2], out[k][3]});
+        assert_memory_equal(out[k], out[0], sizeof out[0]);
         sl_cube_map_destroy(cube);
     }
 }
@@ -183,7 +181,7 @@ int main(void) {
         cmocka_unit_test(a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn),
         cmocka_unit_test(lookups_are_continuous_over_edges_and_corners),
         cmocka_unit_test(any_direction_gives_a_defined_colour),
-        cmocka_unit_test(many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_set),
+        cmocka_unit_test(lookups_have_the_same_bits_on_every_instruction_set),
         cmocka_unit_test(impossible_sizes_are_refused),
     };
     return cmocka_run_group_tests_name("cube maps", tests, NULL, NULL);

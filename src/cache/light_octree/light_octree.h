@@ -57,7 +57,6 @@ typedef struct sl_octree_state {
     sl_tracer *tracer;
     sl_environment sky, sun;    /* of the scene's environment: in the octree, and direct light of pixels */
     sl_direct *direct;
-    sl_cube_map *cube;          /* what mirrors show where they show the environment alone */
 
     sl_photon_list *photons;    /* until the tree takes them */
     sl_photon_tree *tree;

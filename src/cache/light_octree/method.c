@@ -31,8 +31,6 @@ static void forget_light(sl_octree_state *s) {
     s->tree = NULL;
     s->photons = NULL;
     s->direct = NULL;
-    sl_cube_map_destroy(s->cube);
-    s->cube = NULL;
 }
 
 static void forget_geometry(sl_octree_state *s) {
@@ -65,10 +63,7 @@ static sl_status make_geometry(sl_octree_state *s, sl_error *error) {
 
 static sl_status make_light(sl_octree_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    bool cube = !s->cube && s->plan.mirrors && s->settings.light_octree.environment_mirrors &&
-                s->scene->environment.present;
-    if (cube) status = sl_environment_cube(&s->scene->environment, s->settings.threads, &s->cube, error);
-    if (status != SL_OK || !s->plan.direct) return status;
+    if (!s->plan.direct) return status;
     const sl_environment *sampled = s->plan.environment ? &s->scene->environment : NULL;
     if (s->plan.sky) {
         status = sl_environment_split(&s->scene->environment, sky_contrast, &s->sky, &s->sun, error);
@@ -147,11 +142,9 @@ sl_status sl_octree_draw_gbuffer(sl_octree_state *s, sl_error *error) {
         sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
     sl_reflections_destroy(s->reflections);
     s->reflections = NULL;
-    if (status == SL_OK && s->plan.mirrors && s->settings.light_octree.environment_mirrors)
-        status = sl_reflect_environment(s->scene, s->cube, s->settings.threads, s->gbuffer, &s->reflections,
-                                        &s->counters, error);
-    else if (status == SL_OK && s->plan.mirrors)
-        status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections,
+    const sl_tracer *tracer = s->settings.light_octree.environment_mirrors ? NULL : s->tracer;
+    if (status == SL_OK && s->plan.mirrors)
+        status = sl_reflect_pixels(s->scene, tracer, s->settings.threads, s->gbuffer, &s->reflections,
                                    &s->counters, error);
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "direct light beside the octree", s->gbuffer);

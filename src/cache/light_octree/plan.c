@@ -152,7 +152,7 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
                  scene->triangle_count);
     sl_plan_pass(writer, p.mirrors, "mirrors", "%zu mirror triangles, %s", f.mirror_triangles,
-                 o->environment_mirrors ? "which show a cube map of the environment" : "followed by rays");
+                 o->environment_mirrors ? "which show the environment alone" : "followed by rays");
     sl_plan_pass(writer, p.direct, "direct light", "%u light samples a pixel", (unsigned)settings->spp);
     sl_plan_pass(writer, p.sky, "sky in the octree", "%s",
                  p.sky           ? "its first hits are photons too; what stands out of it is sampled"

@@ -141,7 +141,8 @@ static unsigned advance(const reflecting *c, reflected *rays, unsigned count, sl
     for (unsigned i = 0; i < count; i++) {
         sl_ray16_set(&packet, i, rays[i].origin, rays[i].direction, 0.0f, INFINITY, rays[i].skip);
     }
-    sl_trace(c->tracer, &packet, count, true, &hits, counters);
+    if (c->tracer) sl_trace(c->tracer, &packet, count, true, &hits, counters);
+    else memset(hits.triangle, 0xff, sizeof hits.triangle); /* SL_NO_INDEX */
     unsigned left = 0;
     for (unsigned i = 0; i < count; i++) {
         if (goes_on(c, &rays[i], hits.triangle[i], hits.w1[i], hits.w2[i])) rays[left++] = rays[i];
@@ -161,95 +162,22 @@ static void reflect_packet(void *context, size_t index, unsigned worker, void *r
     for (unsigned i = 0; i < left; i++) show_nothing(c, &rays[i]);
 }
 
-/* Lists the pixels and places their viewers; *reflections stays NULL without mirrors in sight. */
-static sl_status start_reflections(const sl_scene *scene, sl_gbuffer *gbuffer, sl_reflections **reflections,
-                                   sl_error *error) {
+sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
+                            sl_gbuffer *gbuffer, sl_reflections **reflections, sl_counters *counters,
+                            sl_error *error) {
     *reflections = NULL;
     sl_free(gbuffer->seen_from); /* of another view */
     gbuffer->seen_from = NULL;
     sl_status status = list_pixels(scene, gbuffer, reflections, error);
-    if (status == SL_OK && *reflections) status = place_viewers(scene, gbuffer, error);
+    if (status != SL_OK || !*reflections) return status;
+    status = place_viewers(scene, gbuffer, error);
     if (status != SL_OK) {
         sl_reflections_destroy(*reflections);
         *reflections = NULL;
+        return status;
     }
-    return status;
-}
-
-sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
-                            sl_gbuffer *gbuffer, sl_reflections **reflections, sl_counters *counters,
-                            sl_error *error) {
-    sl_status status = start_reflections(scene, gbuffer, reflections, error);
-    if (status != SL_OK || !*reflections) return status;
     size_t packets = ((*reflections)->count + SL_PACKET - 1) / SL_PACKET;
     reflecting c = {scene, tracer, gbuffer, *reflections};
     sl_batch_run(&(sl_batch){.count = packets, .work = reflect_packet, .context = &c}, threads, counters);
-    return SL_OK;
-}
-
-/* ---- the environment alone ---- */
-
-enum { CUBE = 256, /* texels a side of a face */ PIXELS_A_TASK = 4096 };
-
-typedef struct {
-    const sl_environment *environment;
-    sl_cube_map *cube;
-} cube_job;
-
-static void fill_face(void *context, size_t face, unsigned worker) {
-    (void)worker;
-    const cube_job *job = context;
-    sl_frame frame = sl_cube_face_frame((int)face);
-    for (int y = 0; y < CUBE; y++) {
-        for (int x = 0; x < CUBE; x++) {
-            sl_vec3 s =
-                sl_v3(2.0f * ((float)x + 0.5f) / CUBE - 1.0f, 2.0f * ((float)y + 0.5f) / CUBE - 1.0f, 1.0f);
-            sl_vec3 direction = sl_frame_to_world(&frame, s);
-            sl_rgb radiance = sl_environment_radiance(job->environment, sl_normalize_or(direction, frame.z));
-            float *texel = sl_cube_map_texel(job->cube, 0, (int)face, x, y);
-            texel[0] = radiance.r, texel[1] = radiance.g, texel[2] = radiance.b, texel[3] = 1.0f;
-        }
-    }
-}
-
-sl_status sl_environment_cube(const sl_environment *environment, unsigned threads, sl_cube_map **cube,
-                              sl_error *error) {
-    sl_status status = sl_cube_map_create(CUBE, false, cube, error);
-    if (status != SL_OK) return status;
-    cube_job job = {environment, *cube};
-    sl_parallel_for(sl_thread_count(threads), 6, fill_face, &job);
-    sl_cube_map_build(*cube, threads);
-    return SL_OK;
-}
-
-typedef struct {
-    reflecting reflecting;
-    const sl_cube_map *cube;
-} environment_job;
-
-static void look_up_pixels(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const environment_job *job = context;
-    sl_reflections *r = job->reflecting.reflections;
-    size_t end = (index + 1) * PIXELS_A_TASK < r->count ? (index + 1) * PIXELS_A_TASK : r->count;
-    for (size_t slot = index * PIXELS_A_TASK; slot < end; slot++) {
-        reflected ray = first_ray(&job->reflecting, slot);
-        float rgba[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-        if (job->cube) sl_cube_map_sample(job->cube, ray.direction, 0.0f, rgba);
-        r->background[slot] = sl_rgb_mul(r->throughput[slot], (sl_rgb){rgba[0], rgba[1], rgba[2]});
-        show_nothing(&job->reflecting, &ray);
-    }
-}
-
-/* cube NULL: no environment. */
-sl_status sl_reflect_environment(const sl_scene *scene, const sl_cube_map *cube, unsigned threads,
-                                 sl_gbuffer *gbuffer, sl_reflections **reflections, sl_counters *counters,
-                                 sl_error *error) {
-    sl_status status = start_reflections(scene, gbuffer, reflections, error);
-    if (status != SL_OK || !*reflections) return status;
-    environment_job job = {{.scene = scene, .gbuffer = gbuffer, .reflections = *reflections}, cube};
-    sl_parallel_for(sl_thread_count(threads), ((*reflections)->count + PIXELS_A_TASK - 1) / PIXELS_A_TASK,
-                    look_up_pixels, &job);
-    sl_count(counters, SL_COUNT_TEXTURE_FETCHES, cube ? (*reflections)->count : 0);
     return SL_OK;
 }

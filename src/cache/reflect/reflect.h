@@ -3,7 +3,7 @@
 #ifndef SL_CACHE_REFLECT_H
 #define SL_CACHE_REFLECT_H
 
-#include "raster/textures/textures.h"
+#include "raster/raster.h"
 #include "trace/trace.h"
 
 enum { SL_REFLECTIONS_MAX = 16 }; /* what two facing mirrors still show after that is black */
@@ -17,18 +17,11 @@ typedef struct sl_reflections {
 
 /* Changes all planes of the G-buffer but depth, and tells from where its surfaces are seen; nothing in sight:
  * id and material SL_NO_INDEX. Depth stays the mirror's. NULL in *reflections where no pixel shows a mirror.
- */
+ * tracer NULL: mirrors show the environment along the reflected view vector, and nothing that stands in the
+ * way. */
 sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
                             sl_gbuffer *gbuffer, sl_reflections **reflections, sl_counters *counters,
                             sl_error *error);
-/* The paper's cube-map material (its figure 12): mirrors show the environment along the reflected view
- * vector, and nothing that stands in the way. Two matters: the map, once for an environment; and the pixels,
- * like the above, but without a ray. */
-sl_status sl_environment_cube(const sl_environment *environment, unsigned threads, sl_cube_map **cube,
-                              sl_error *error);
-sl_status sl_reflect_environment(const sl_scene *scene, const sl_cube_map *cube, unsigned threads,
-                                 sl_gbuffer *gbuffer, sl_reflections **reflections, sl_counters *counters,
-                                 sl_error *error);
 /* Pixel i shows this surface; nothing where the triangle is SL_NO_INDEX. Depth stays. */
 void sl_gbuffer_show(const sl_scene *scene, sl_gbuffer *g, size_t i, uint32_t triangle, const sl_surface *s);
 /* Returns what the mirrors before a pixel leave of its light: 1 where there are none, or no reflections at

@@ -46,9 +46,8 @@ void sl_texture_image_destroy(sl_texture_image *image);
  * weighted by their share. So the mean of every level is the mean of the picture. */
 void sl_texture_image_build(sl_texture_image *image, unsigned threads);
 
-/* One lookup at level of detail `lod` (0 and below: the finest; NaN counts as 0). */
-void sl_texture_sample(const sl_texture_image *image, float s, float t, float lod, float rgba[4]);
-/* `count` lookups; lod NULL: 0. plane[c][n] is channel c of lookup n; NULL planes are not wanted. */
+/* `count` lookups at level of detail `lod` (0 and below: the finest; NaN counts as 0; NULL: 0). plane[c][n] is
+ * channel c of lookup n; NULL planes are not wanted. */
 void sl_texture_sample_many(const sl_texture_image *image, size_t count, const float *s, const float *t,
                             const float *lod, float *const plane[4]);
 
@@ -72,9 +71,8 @@ void sl_cube_map_destroy(sl_cube_map *cube);
 float *sl_cube_map_texel(const sl_cube_map *cube, int level, int face, int x, int y);
 /* MIP chain and borders, when the finest level's six faces are written. */
 void sl_cube_map_build(sl_cube_map *cube, unsigned threads);
-/* One lookup by direction, which need not be unit. A NaN component counts as 0, an infinite
- * one as the largest float; the direction 0 is that of the middle of face +x. */
-void sl_cube_map_sample(const sl_cube_map *cube, sl_vec3 direction, float lod, float rgba[4]);
+/* The same by direction, which need not be unit. A NaN component counts as 0, an infinite one as the largest
+ * float; the direction 0 is that of the middle of face +x. */
 void sl_cube_map_sample_many(const sl_cube_map *cube, size_t count, const float *x, const float *y,
                              const float *z, const float *lod, float *const plane[4]);
 

@@ -335,7 +335,7 @@ static sl_scene *mirror_under_the_sky(void) {
     return scene;
 }
 
-static void mirrors_show_a_far_environment_by_a_cube_map_as_by_rays(void **state) {
+static void mirrors_show_a_far_environment_alone_as_by_rays(void **state) {
     (void)state;
     sl_scene *scene = mirror_under_the_sky();
     sl_settings settings = octree_settings(48);
@@ -347,7 +347,7 @@ static void mirrors_show_a_far_environment_by_a_cube_map_as_by_rays(void **state
     sl_image *cube = render(scene, &settings, &counters);
     sl_comparison c;
     assert_int_equal(sl_image_compare(cube, rays, NULL, &c, NULL, NULL), SL_OK);
-    print_message("by cube map: relRMSE %.3f %%, bias %.3f %%\n", 100.0 * c.rel_rmse, 100.0 * c.bias);
+    print_message("the environment alone: relRMSE %.3f %%, bias %.3f %%\n", 100.0 * c.rel_rmse, 100.0 * c.bias);
     assert_true(c.rel_rmse < 0.03 && fabs(c.bias) < 0.003);
     assert_true(c.mean_image > 0.5);
     /* one for each pixel of the mirror */
@@ -431,7 +431,7 @@ int main(void) {
         cmocka_unit_test(highlights_in_mirrors_are_where_the_mirror_reflects_them),
         cmocka_unit_test(caustics_are_a_part_of_indirect_light_and_that_of_all),
         cmocka_unit_test(a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it),
-        cmocka_unit_test(mirrors_show_a_far_environment_by_a_cube_map_as_by_rays),
+        cmocka_unit_test(mirrors_show_a_far_environment_alone_as_by_rays),
         cmocka_unit_test(by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering),
         cmocka_unit_test(a_new_camera_looks_its_light_up_in_the_atlas_that_is_there),
         cmocka_unit_test(without_light_or_reflection_no_photon_flies),
