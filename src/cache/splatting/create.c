@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/splatting/explanation.h"
 #include "cache/splatting/state.h"
 
 /* ---- the caches ---- */
@@ -240,7 +239,7 @@ void sl_splat_destroy(void *state) {
     }
     sl_gbuffer_destroy(s->gbuffer);
     sl_reflections_destroy(s->reflections);
-    sl_mirror_blocks_release(&s->mirrors);
+    sl_mirror_cells_release(&s->mirrors);
     sl_free(s->planes);
     sl_free(s->owned);
     sl_free(s);

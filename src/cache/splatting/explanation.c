@@ -1,7 +1,6 @@
 /* The explanation of a pixel: Algorithm 1 and step 6 told backwards. Each record that reaches the pixel adds
  * w E' / sum w, times albedo / pi; on glossy pixels also what the lobe reflects of it, times ks. And marks,
  * so that records can be seen where they are. */
-#include "cache/splatting/explanation.h"
 
 #include "base/isa.h"
 #include "base/math.h"

@@ -11,7 +11,6 @@
 typedef struct {
     const sl_record_pass *pass;
     const sl_record *records;
-    const uint32_t *record_of;     /* each rectangle; NULL: one for one */
     const float *coefficients;     /* of the first record; NULL: only irradiance is splatted */
     const sl_splat_buffer *buffer; /* planes that are wanted; NULL ones are not */
     sl_glossy_kernel *glossy;
@@ -89,11 +88,25 @@ static uint64_t splat_rect(const splat_context *c, const sl_splat_tile *tile, si
     return blended;
 }
 
+/* Never less than the kernel's own test accepts. */
+static float reach_of(const sl_record_pass *pass, const sl_record *record) {
+    return (float)pass->radii.accuracy * record->radius * 1.0001f;
+}
+
+static sl_splat_rect seen_bounds(const sl_record_pass *pass, const sl_record *record) {
+    return sl_sphere_bounds(pass->camera, pass->receivers.width, pass->receivers.height, pass->near_distance,
+                            record->position, reach_of(pass, record));
+}
+
+static bool has_mirrors(const sl_record_pass *pass) { return pass->mirrors && pass->mirrors->cell; }
+
 static uint64_t shade(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect rect) {
     const splat_context *c = context;
     const sl_record_pass *pass = c->pass;
-    if (c->record_of) index = c->record_of[index];
     const sl_record *record = &c->records[index];
+    if (has_mirrors(pass))
+        rect = sl_mirror_bounds_within(pass->mirrors, record->position, reach_of(pass, record),
+                                       seen_bounds(pass, record), rect);
     sl_splat_rect r = {rect.x0 - tile->x, rect.y0 - tile->y, rect.x1 - tile->x, rect.y1 - tile->y};
     if (!record->behind_a_wall) return splat_rect(c, tile, index, r);
     uint64_t blended = 0;
@@ -109,85 +122,46 @@ static uint64_t shade(void *context, const sl_splat_tile *tile, size_t index, sl
 
 /* ---- all records ---- */
 
-/* Never less than the kernel's own test accepts. */
-static float reach_of(const sl_record_pass *pass, const sl_record *record) {
-    return (float)pass->radii.accuracy * record->radius * 1.0001f;
-}
-
-static sl_splat_rect seen_bounds(const sl_record_pass *pass, const sl_record *record) {
-    return sl_sphere_bounds(pass->camera, pass->receivers.width, pass->receivers.height, pass->near_distance,
-                            record->position, reach_of(pass, record));
-}
-
 enum { BOUNDS_AT_ONCE = 256 };
 
-/* First how many rectangles each record has, then which. */
 typedef struct {
     const splat_context *splats;
     size_t count;
-    size_t *start;          /* of each record's rectangles; one more for the end */
     sl_splat_rect *rects;
-    uint32_t *record_of;
 } bounds_context;
-
-static size_t rects_of(const sl_record_pass *pass, const sl_record *record, sl_splat_rect *rects) {
-    if (pass->mirrors && pass->mirrors->count)
-        return sl_mirror_rects(pass->mirrors, record->position, reach_of(pass, record),
-                               seen_bounds(pass, record), rects);
-    if (rects) *rects = seen_bounds(pass, record);
-    return 1;
-}
 
 static void bound_some(void *context, size_t index, unsigned worker) {
     (void)worker;
     const bounds_context *b = context;
+    const sl_record_pass *pass = b->splats->pass;
     size_t first = index * BOUNDS_AT_ONCE,
            end = b->count - first < BOUNDS_AT_ONCE ? b->count : first + BOUNDS_AT_ONCE;
     for (size_t i = first; i < end; i++) {
         const sl_record *record = &b->splats->records[i];
-        if (!b->rects) {
-            b->start[i + 1] = rects_of(b->splats->pass, record, NULL);
-            continue;
-        }
-        rects_of(b->splats->pass, record, b->rects + b->start[i]);
-        for (size_t k = b->start[i]; k < b->start[i + 1]; k++) b->record_of[k] = (uint32_t)i;
+        b->rects[i] = seen_bounds(pass, record);
+        if (has_mirrors(pass))
+            b->rects[i] =
+                sl_mirror_bounds(pass->mirrors, record->position, reach_of(pass, record), b->rects[i]);
     }
-}
-
-static void bound(const bounds_context *bounds) {
-    sl_parallel_for(sl_thread_count(bounds->splats->pass->threads),
-                    (bounds->count + BOUNDS_AT_ONCE - 1) / BOUNDS_AT_ONCE, bound_some, (void *)bounds);
 }
 
 static sl_status draw(splat_context *context, size_t count, sl_counters *counters, sl_error *error) {
     const sl_record_pass *pass = context->pass;
     const sl_splat_program program = {sizeof(sl_tile_planes), begin_tile, shade, end_tile};
-    bool mirrors = pass->mirrors && pass->mirrors->count;
-    bounds_context bounds = {context, count, sl_allocate(count + 1, sizeof(size_t)), NULL, NULL};
-    if (!bounds.start) return sl_fail_memory(error, "splat rectangles");
-    if (mirrors) bound(&bounds);
-    for (size_t i = 0; i < count; i++)
-        bounds.start[i + 1] = bounds.start[i] + (mirrors ? bounds.start[i + 1] : 1);
-    size_t total = bounds.start[count];
-    bounds.rects = sl_allocate(total, sizeof *bounds.rects);
-    bounds.record_of = sl_allocate(total, sizeof *bounds.record_of);
-    sl_status status = bounds.rects && bounds.record_of ? SL_OK : sl_fail_memory(error, "splat rectangles");
-    if (status == SL_OK) {
-        bound(&bounds);
-        context->record_of = bounds.record_of;
-        status = sl_raster_splats(pass->receivers.width, pass->receivers.height, total, bounds.rects,
-                                  &program, context, pass->threads, counters, error);
-    }
-    sl_free(bounds.start);
+    bounds_context bounds = {context, count, sl_allocate(count, sizeof *bounds.rects)};
+    if (!bounds.rects) return sl_fail_memory(error, "splat rectangles");
+    sl_parallel_for(sl_thread_count(pass->threads), (count + BOUNDS_AT_ONCE - 1) / BOUNDS_AT_ONCE, bound_some,
+                    &bounds);
+    sl_status status = sl_raster_splats(pass->receivers.width, pass->receivers.height, count, bounds.rects,
+                                        &program, context, pass->threads, counters, error);
     sl_free(bounds.rects);
-    sl_free(bounds.record_of);
     return status;
 }
 
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error) {
     if (count == 0) return SL_OK;
     const sl_splat_buffer weights_alone = {.weight = pass->coverage};
-    splat_context context = {pass, records, NULL, NULL, &weights_alone, NULL, pass->kernels->cover};
+    splat_context context = {pass, records, NULL, &weights_alone, NULL, pass->kernels->cover};
     /* the paper sums coverage on the CPU: these are no splats of the hardware */
     sl_counters unbilled = {{0}};
     return draw(&context, count, &unbilled, error);
@@ -200,10 +174,15 @@ sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *lis
         list->coefficients ? list->coefficients + first * pass->coefficient_count : NULL;
     splat_context context = {pass,
                              list->records + first,
-                             NULL,
                              coefficients,
                              buffer,
                              sl_glossy_kernel_for(sl_isa_best()),
                              pass->kernels->splat};
     return draw(&context, list->count - first, counters, error);
+}
+
+SL_KERNEL_VARIANTS(const sl_splat_kernels, sl_splat_kernel_table);
+
+const sl_splat_kernels *sl_splat_kernels_for(sl_isa isa) {
+    return SL_KERNEL_CHOICE(isa, sl_splat_kernel_table);
 }

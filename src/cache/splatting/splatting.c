@@ -16,7 +16,6 @@
 #include "cache/splatting/splatting.h"
 
 #include "base/error.h"
-#include "cache/splatting/explanation.h"
 #include "cache/splatting/state.h"
 
 #include <string.h>
@@ -51,7 +50,7 @@ static sl_status follow_mirrors(sl_splat_state *s, sl_error *error) {
     if (!s->plan.mirrors) return SL_OK;
     sl_status status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer,
                                          &s->reflections, &s->counters, error);
-    return status == SL_OK ? sl_mirror_blocks_make(s->gbuffer, s->reflections, &s->mirrors, error) : status;
+    return status == SL_OK ? sl_mirror_cells_make(s->gbuffer, s->reflections, &s->mirrors, error) : status;
 }
 
 static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {

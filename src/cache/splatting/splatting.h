@@ -3,8 +3,7 @@
  *   splatting.c      Algorithm 2: the passes of one picture
  *   plan.c           which passes a scene needs, and the qualities
  *   create.c         what it needs, made when it is needed
- *   edges.c          step 1: pixels at edges, looked at again by rays
- *   receivers.c      step 1: which pixels ask for which records
+ *   edges.c          step 1: pixels at edges, looked at again by rays; which pixels ask for which records
  *   ../light/        step 1b: direct light of every pixel
  *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if alone
  *   record.c         a record and how far it reaches
@@ -27,7 +26,7 @@
 #include "cache/hemisphere/gather.h"
 #include "cache/frame/method.h"
 #include "cache/splatting/glossy.h"
-#include "cache/splatting/mirrors.h"
+#include "cache/reflect/reflect.h"
 #include "cache/splatting/record.h"
 
 /* ---- step 1 ---- */
@@ -35,6 +34,29 @@
 /* Pixels beside another surface than their own show what a ray through their middle finds. Depth stays. */
 sl_status sl_look_at_edges(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error);
+
+/* ---- pixels that show something by way of mirrors (mirrors.c) ---- */
+
+/* A rectangle of such pixels and the box about what they show; empty at first. */
+typedef struct sl_mirror_cell {
+    sl_splat_rect rect;
+    sl_vec3 low, high;
+} sl_mirror_cell;
+
+typedef struct sl_mirror_cells {
+    int columns, rows;
+    sl_mirror_cell *cell; /* of 16 x 16 pixels each; NULL: no mirror is in sight */
+    sl_mirror_cell all;
+} sl_mirror_cells;
+
+sl_status sl_mirror_cells_make(const sl_gbuffer *gbuffer, const sl_reflections *reflections,
+                               sl_mirror_cells *cells, sl_error *error);
+void sl_mirror_cells_release(sl_mirror_cells *cells);
+/* A rectangle that holds `seen` and all pixels that show what the sphere reaches; and as much of both as lies in
+ * a tile, which may be empty. */
+sl_splat_rect sl_mirror_bounds(const sl_mirror_cells *cells, sl_vec3 centre, float reach, sl_splat_rect seen);
+sl_splat_rect sl_mirror_bounds_within(const sl_mirror_cells *cells, sl_vec3 centre, float reach,
+                                      sl_splat_rect seen, sl_splat_rect tile);
 
 /* ---- which pixels get records ---- */
 
@@ -86,7 +108,7 @@ typedef struct sl_record_pass {
     sl_glossy_view glossy;    /* used where coefficient_count > 0 */
     const sl_splat_kernels *kernels;
     const sl_camera *camera;
-    const sl_mirror_blocks *mirrors;
+    const sl_mirror_cells *mirrors; /* or NULL */
     float near_distance, footprint_per_depth;
     float covered_weight;     /* w_min: a pixel whose sum of weights reaches it is covered */
     float *coverage;          /* sum of w, bottom row first */

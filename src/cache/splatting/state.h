@@ -52,7 +52,7 @@ typedef struct sl_splat_state {
     sl_environment sky, sun;    /* of the scene's environment; what is black is not present */
     sl_gbuffer *gbuffer;
     sl_reflections *reflections; /* pixels that show something by way of mirrors; NULL: none */
-    sl_mirror_blocks mirrors;   /* where what they show lies */
+    sl_mirror_cells mirrors;    /* where what they show lies */
     /* direct rgb, coverage, and the splat buffer: SL_SPLAT_PLANES planes, bottom row first */
     float *planes;
     float *direct_light[3], *coverage;
@@ -70,7 +70,7 @@ typedef struct sl_splat_state {
     sl_announcer announcer;
 } sl_splat_state;
 
-/* ---- receivers.c ---- */
+/* ---- edges.c ---- */
 
 /* Marks and counts each class's receivers in the G-buffer. */
 void sl_splat_classify(sl_splat_state *state);
@@ -103,6 +103,18 @@ const char *sl_splat_filled(const void *state);
 sl_status sl_splat_save(const void *state, const char *path, sl_error *error);
 /* Replaces records; where it fails nothing has changed. */
 sl_status sl_splat_load(void *state, const char *path, sl_error *error);
+
+/* ---- explanation.c: what made a pixel, and records as marks, for those who look on ---- */
+
+/* See sl_method_explanation(). */
+sl_status sl_splat_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
+/* Tells how many second-level records and bounces there are. */
+void sl_splat_announce_second_level(sl_splat_state *state);
+/* The picture that the record nearest to the middle of the view made of its hemisphere, gathered once more;
+ * nothing without an observer. */
+void sl_splat_announce_gather(sl_splat_state *state, sl_record_cache *cache);
+/* All records, as discs as wide as they reach; nothing without an observer. */
+void sl_splat_announce_records(sl_splat_state *state);
 
 static inline size_t sl_splat_pixels(const sl_splat_state *s) {
     return (size_t)s->settings.width * (size_t)s->settings.height;
