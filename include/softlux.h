@@ -103,7 +103,7 @@ typedef enum sl_counter {
     /** records that gathers see and the eye does not: more than one bounce */
     SL_COUNT_SECOND_LEVEL_RECORDS,
     SL_COUNT_SECOND_LEVEL_LOOK_UPS,      /**< points where gathers asked for their irradiance */
-    /** ... and no second-level record covered the point: others stood in */
+    /** ... and no second-level record covered the point: it receives direct light alone */
     SL_COUNT_SECOND_LEVEL_MISSES,
     SL_COUNT_MAP_PHOTONS,          /**< sample photons of direct radiance maps */
     SL_COUNT_MAP_PHOTONS_DROPPED,  /**< ... that lie too near to the light, or hold no light */

@@ -16,7 +16,7 @@ enum { ORIGINS = 1600, CHECKS = 64, CHECK_GENERATION = 100 };
  * deeper generations of probes mostly look from corners into the same corners. */
 enum { GENERATIONS = 2 };
 static const double few_uncovered[GENERATIONS] = {0.02, 0.05};
-/* Nor more records than that, of a place full of small things: the similar ones near by will do. */
+/* Nor more records than that, of a place full of small things. */
 static const size_t most_records[GENERATIONS] = {4000, 5000};
 /* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere.
  */
@@ -55,6 +55,7 @@ static sl_cover_pass cover_pass(const sl_second_cache *cache) {
     float a = (float)s->accuracy;
     return (sl_cover_pass){
         .scene = cache->scene,
+        .tracer = cache->tracer,
         .gather = cache->gather,
         .scratch = cache->scratch,
         .field = &cache->field,
@@ -205,7 +206,7 @@ static void free_gather(sl_second_cache *cache) {
 sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
                                  const sl_second_settings *settings, sl_second_cache **out,
                                  sl_counters *counters, sl_error *error) {
-    const float a = (float)settings->accuracy, offset = 1e-5f * scene->scale;
+    const float a = (float)settings->accuracy;
     sl_second_cache *cache = sl_allocate(1, sizeof *cache);
     *out = NULL;
     if (!cache) return sl_fail_memory(error, "second-level records");
@@ -214,8 +215,7 @@ sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster,
     cache->settings = *settings;
     cache->kernel = sl_look_up_kernel_for(sl_isa_best());
     cache->light = (sl_second_light){cache, add_irradiance};
-    cache->field =
-        (sl_second_field){&cache->list, &cache->octree, {a, 1.0f / a, offset}, tracer, offset};
+    cache->field = (sl_second_field){&cache->list, &cache->octree, {a, 1.0f / a, 1e-5f * scene->scale}};
     sl_status status = make_gather(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
     if (status == SL_OK) status = let_light_bounce(cache, counters, error);

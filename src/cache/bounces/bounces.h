@@ -14,7 +14,7 @@
  *   cover.c           points that no second-level record covers get one
  *   record_octree.c   which records lie around a point
  *   look_up_kernels.c irradiance at a point, from the records around it
- *   look_up.c         many points; those that no record covers
+ *   look_up.c         many points
  *   bounces.c         one bounce after the other */
 #ifndef SL_CACHE_BOUNCES_H
 #define SL_CACHE_BOUNCES_H

@@ -91,7 +91,7 @@ static void gather_one(void *context, size_t index, unsigned worker, void *resul
         irradiance.harmonic_mean = irradiance.nearest = 0.0f; /* within an intersection of surfaces */
     *record = sl_record_make(point, &irradiance, &pass->radii, 0.0f);
     sl_second_tame(record);
-    sl_record_find_walls(pass->scene, pass->field->tracer, point, pass->radii.accuracy,
+    sl_record_find_walls(pass->scene, pass->tracer, point, pass->radii.accuracy,
                          sl_record_guard(&irradiance, &pass->radii), true, record, counters);
 }
 

@@ -83,8 +83,6 @@ typedef struct sl_second_field {
     const sl_second_list *list;
     const sl_record_octree *octree;
     sl_weight_rules rules;
-    const sl_tracer *tracer;
-    float offset;                      /* of rays, along normals */
 } sl_second_field;
 
 enum { SL_LOOK_UP_MAX = 256 };
@@ -141,6 +139,7 @@ void sl_probed_free(sl_probed *probed);
 
 typedef struct sl_cover_pass {
     const sl_scene *scene;
+    const sl_tracer *tracer;
     const sl_gather *gather;
     sl_gather_scratch *const *scratch;
     const sl_second_field *field;

@@ -322,44 +322,6 @@ static void no_bounce_leaks_through_a_thin_wall(void **state) {
     world_free(w);
 }
 
-/* What one record of irradiance 1 tells a point of the sheet z = 0, both turned to +z, that is out of its
- * reach. */
-static float told_on_a_sheet(const world *w, sl_vec3 record_at) {
-    const float a = 0.3f, offset = 1e-5f * w->scene->scale, zero = 0.0f, one = 1.0f;
-    const uint32_t own = 0;
-    sl_record record = {.position = record_at,
-                        .normal = sl_v3(0, 0, 1),
-                        .radius = 0.1f,
-                        .irradiance = sl_grey(1.0f),
-                        .triangle = SL_NO_INDEX};
-    const sl_weight_rules rules = {a, 1.0f / a, offset};
-    sl_record_terms terms = sl_record_terms_of(&record, &rules);
-    const sl_second_list list = {&record, NULL, &terms, 1, 1};
-    sl_record_octree octree = {0};
-    assert_int_equal(sl_record_octree_insert(w->scene, &terms, 0, &octree, NULL), SL_OK);
-    const sl_second_field field = {&list, &octree, rules, w->tracer, offset};
-    const sl_second_points points = {1, &own, &zero, &zero, &zero, &zero, &zero, &one};
-    float r = 0.0f, g = 0.0f, b = 0.0f;
-    sl_counters counters = {{0}};
-    sl_second_look_up(&field, sl_look_up_kernel_for(sl_isa_best()), &points, &r, &g, &b, &counters);
-    assert_int_equal(counters.value[SL_COUNT_SECOND_LEVEL_MISSES], 1);
-    sl_record_octree_free(&octree);
-    return g;
-}
-
-/* The sheet is one triangle, the point's own: it stands between the point and what lies behind it. */
-static void a_second_level_record_behind_a_points_own_triangle_tells_it_nothing(void **state) {
-    (void)state;
-    world *w = world_new();
-    uint32_t wall = world_material(w, sl_grey(0.5f), sl_grey(0.0f));
-    world_quad(w, sl_v3(-1, -1, 0), sl_v3(1, -1, 0), sl_v3(0, 2, 0), sl_v3(0, 2, 0), wall);
-    world_build(w);
-    assert_true(told_on_a_sheet(w, sl_v3(0.1f, 0.0f, 0.0f)) == 1.0f);
-    assert_true(told_on_a_sheet(w, sl_v3(0.1f, 0.0f, 0.05f)) == 1.0f);
-    assert_true(told_on_a_sheet(w, sl_v3(0.1f, 0.0f, -0.05f)) == 0.0f);
-    world_free(w);
-}
-
 static void second_level_records_do_not_depend_on_threads(void **state) {
     (void)state;
     world *w = room(true);
@@ -404,7 +366,6 @@ int main(void) {
         cmocka_unit_test(second_level_records_stay_as_long_as_the_light_does),
         cmocka_unit_test(a_camera_that_goes_elsewhere_brings_second_level_records_there),
         cmocka_unit_test(no_bounce_leaks_through_a_thin_wall),
-        cmocka_unit_test(a_second_level_record_behind_a_points_own_triangle_tells_it_nothing),
         cmocka_unit_test(second_level_records_do_not_depend_on_threads),
         cmocka_unit_test(a_scene_without_anything_to_see_has_no_second_level_records),
     };
