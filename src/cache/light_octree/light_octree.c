@@ -159,8 +159,7 @@ void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
 
 static sl_status finish_level(sl_octree_state *s, sl_error *error) {
     const sl_octree_level *n = &s->next;
-    bool dense = n->octree->depth <= 7; /* an index of 8 MiB at most */
-    sl_status status = sl_voxel_texture_create(n->octree, n->lights, dense, &s->next.texture, error);
+    sl_status status = sl_voxel_texture_create(n->octree, n->lights, &s->next.texture, error);
     if (status != SL_OK) return status;
     show_level(s);
     sl_octree_announce_lights(&s->announcer, s->shown.octree, s->shown.lights);

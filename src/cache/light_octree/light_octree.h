@@ -10,7 +10,7 @@
  *   photon_area.c     that area, of all triangles around; photon_hull.c: of what photons met alone
  *   cluster.c         K-means on their directions; voxel_lobes.c: from clusters to lights
  *   voxel_lights.c    the lights of every voxel; voxel_sets.c, normal_groups.c: several sets in a voxel
- *   voxel_texture.c   all of it in textures, as the hardware holds it; direction_packing.c
+ *   voxel_texture.c   all of it in textures, as the hardware holds it
  *   shade.c           surface points lit from the octree; pixels.c: which pixels go which way
  *   atlas/            the same by way of a texture atlas
  *   ../reflect/       what mirrors show

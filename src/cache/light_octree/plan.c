@@ -203,8 +203,8 @@ static double voxel_bytes(const sl_light_octree_settings *o, double triangles) {
     double voxels = 12.0 * side * side, by_triangles = 40.0 * triangles + 64.0;
     voxels = voxels < by_triangles ? voxels : by_triangles;
     voxels = voxels < cells ? voxels : cells;
-    const double of_lights = (double)o->lights * 40.0, index = o->depth <= 7 ? 4.0 * cells : 0.0;
-    return voxels * (160.0 + 2.0 * of_lights) * 1.5 + index;
+    const double of_lights = (double)o->lights * 40.0;
+    return voxels * (160.0 + 2.0 * of_lights) * 1.5;
 }
 
 sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings) {

@@ -122,50 +122,17 @@ static void group_points(const sl_octree_shading *shading, const sl_octree_point
 
 /* ---- a group's voxels ---- */
 
-static int used_lights(const sl_voxel_texture *t, const sl_unpacked_light *light) {
-    int used = t->lights;
-    while (used > 0 && light[used - 1].color[0] == 0.0f && light[used - 1].color[1] == 0.0f &&
-           light[used - 1].color[2] == 0.0f)
-        used--;
-    return used;
-}
-
-static size_t place_at(const sl_voxel_texture *t, const int32_t cell[3], uint64_t *fetches) {
-    if (t->index) {
-        uint32_t cells = 1u << t->depth, x = (uint32_t)cell[0], y = (uint32_t)cell[1], z = (uint32_t)cell[2];
-        if (x >= cells || y >= cells || z >= cells) return SIZE_MAX;
-        uint32_t place = t->index[((size_t)z * cells + y) * cells + x];
-        ++*fetches;
-        return place == SL_NO_INDEX ? SIZE_MAX : place;
-    }
-    uint32_t texel = sl_voxel_texture_find_cell(t, cell, fetches);
-    return texel >> 24 == SL_TEXEL_LEAF ? sl_voxel_texture_place(t, texel & 0xffffffu) : SIZE_MAX;
-}
-
 static void fetch_corner(const sl_voxel_texture *t, size_t at, sl_shade_corner *corner, uint64_t *fetches) {
     corner->sets = 0;
     if (at == SIZE_MAX) return;
-    const sl_unpacked_light *light = t->unpacked + at;
-    if (!t->split) {
-        const sl_array_facing *facing = &t->facing[at / (size_t)t->lights];
-        corner->set[corner->sets++] = (sl_shade_set){
-            light, used_lights(t, light), facing->normal, facing->turn, !facing->turn, false, 0.0f};
-        *fetches += (uint64_t)t->lights;
-        return;
-    }
     for (bool more = true; more && corner->sets < SL_VOXEL_SETS_MAX;) {
         sl_set_head head = sl_voxel_texture_head(t, at);
         const float *d = t->unpacked[at].direction;
         sl_vec3 normal = head.has_normal ? sl_v3(d[0], d[1], d[2]) : sl_v3(0.0f, 0.0f, 0.0f);
-        corner->set[corner->sets++] = (sl_shade_set){t->unpacked + at + head.texels,
-                                                     head.lights,
-                                                     normal,
-                                                     head.turn,
-                                                     head.one_sided,
-                                                     head.layer,
-                                                     head.height};
-        at += (size_t)(head.texels + head.lights);
-        *fetches += (uint64_t)(head.texels + head.lights);
+        corner->set[corner->sets++] = (sl_shade_set){
+            t->unpacked + at + 1, head.lights, normal, head.turn, head.one_sided, head.layer, head.height};
+        at += (size_t)(1 + head.lights);
+        *fetches += (uint64_t)(1 + head.lights);
         more = head.more;
     }
 }
@@ -180,7 +147,7 @@ static void fetch_cells(const sl_octree_shading *shading, const voxel_group *gro
     for (int k = 0; k < cells->corners; k++) {
         const int32_t cell[3] = {group->cell[0] + (k & 1), group->cell[1] + (k >> 1 & 1),
                                  group->cell[2] + (k >> 2)};
-        fetch_corner(t, place_at(t, cell, fetches), &cells->corner[k], fetches);
+        fetch_corner(t, sl_voxel_texture_find(t, cell, fetches), &cells->corner[k], fetches);
     }
 }
 

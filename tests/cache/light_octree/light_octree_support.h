@@ -32,13 +32,21 @@ static inline sl_voxel_lights *lights_of(const sl_scene *scene, const sl_octree 
     return lights;
 }
 
-static inline sl_voxel_texture *texture_of(const sl_octree *octree, const sl_voxel_lights *lights,
-                                           bool index) {
+static inline sl_voxel_texture *texture_of(const sl_octree *octree, const sl_voxel_lights *lights) {
     sl_voxel_texture *texture = NULL;
     sl_error error;
-    if (sl_voxel_texture_create(octree, lights, index, &texture, &error) != SL_OK)
+    if (sl_voxel_texture_create(octree, lights, &texture, &error) != SL_OK)
         fail_msg("%s", error.message);
     return texture;
+}
+
+/* Descends to a point: the place of its leaf's first texel, or SIZE_MAX. */
+static inline size_t find_at(const sl_voxel_texture *t, sl_vec3d p, uint64_t *fetches) {
+    double cells = (double)(1u << t->depth) / t->edge;
+    const int32_t cell[3] = {(int32_t)floor((p.x - t->origin.x) * cells),
+                             (int32_t)floor((p.y - t->origin.y) * cells),
+                             (int32_t)floor((p.z - t->origin.z) * cells)};
+    return sl_voxel_texture_find(t, cell, fetches);
 }
 
 static inline void set_light(sl_voxel_lights *lights, size_t set, int which, sl_vec3d direction, float r,

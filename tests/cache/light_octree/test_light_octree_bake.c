@@ -216,7 +216,7 @@ static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
         set_light(lights, i, 0, sl_scaled(d, 1.0 / sl_lengthd(d)), 1.0f, sl_random_unit(key, 4 * i + 2),
                   0.5f);
     }
-    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    sl_voxel_texture *texture = texture_of(octree, lights);
     sl_octree_shading shading = {.texture = texture, .filter = SL_VOXEL_TRILINEAR};
     float *first = sl_allocate(128 * 128, 4 * sizeof *first);
     for (unsigned threads = 1; threads <= 3; threads++) { /* the same bits at any number of threads */

@@ -302,7 +302,7 @@ static lit light_two_faces(float first, float second, bool first_turned, bool se
 
 /* A pixel's irradiance, at the nearest voxel alone or filtered. */
 static double seen_on(const lit *l, sl_vec3 at, sl_vec3 n, bool filtered) {
-    sl_voxel_texture *texture = texture_of(l->octree, l->lights, true);
+    sl_voxel_texture *texture = texture_of(l->octree, l->lights);
     float out[3];
     sl_octree_shading shading = {
         .texture = texture, .filter = filtered ? SL_VOXEL_TRILINEAR : SL_VOXEL_NEAREST, .facing = true};

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "trace_scenes.h"
 
-static void the_descent_ends_where_the_dense_index_says(void **state) {
+static void the_descent_ends_where_the_sorted_leaves_say(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(10, 6);
     for (int depth = 1; depth <= 6; depth++) {
@@ -14,64 +14,33 @@ static void the_descent_ends_where_the_dense_index_says(void **state) {
         for (size_t i = 0; i < octree->leaf_count; i++) {
             if (i % 4) set_light(lights, i, 0, sl_v3d(0, 0, 1), (float)i, 1, 2); /* every fourth is dark */
         }
-        sl_voxel_texture *texture = texture_of(octree, lights, true);
-        uint64_t key = sl_random_key(1, (uint64_t)depth), fetches = 0, leaves = 0, points = 100000;
-        double voxel = sl_octree_voxel(octree);
-        for (uint64_t i = 0; i < points; i++) {
-            float q[3];
-            const double origin[3] = {octree->origin.x, octree->origin.y, octree->origin.z};
-            uint32_t cell[3];
-            for (uint64_t d = 0; d < 3; d++) {
-                q[d] = (float)(origin[d] + octree->edge * (double)sl_random_unit(key, 3 * i + d));
-                cell[d] = (uint32_t)(((double)q[d] - origin[d]) / voxel);
-            }
-            uint32_t address, leaf = sl_octree_find(octree, sl_morton_encode(cell[0], cell[1], cell[2]));
+        sl_voxel_texture *texture = texture_of(octree, lights);
+        uint64_t key = sl_random_key(1, (uint64_t)depth), fetches = 0, leaves = 0;
+        for (uint64_t i = 0; i < 100000; i++) {
+            int32_t cell[3];
+            for (uint64_t d = 0; d < 3; d++)
+                cell[d] = (int32_t)(sl_random_unit(key, 3 * i + d) * (float)(1 << depth));
+            uint32_t leaf = sl_octree_find(
+                octree, sl_morton_encode((uint32_t)cell[0], (uint32_t)cell[1], (uint32_t)cell[2]));
             uint64_t before = fetches;
-            uint32_t texel = sl_voxel_texture_find(texture, sl_v3(q[0], q[1], q[2]), &address, &fetches);
-            uint32_t index = texture->index[(((((size_t)cell[2] << depth) + cell[1]) << depth) + cell[0])];
-            if (leaf == SL_NO_INDEX) {
-                assert_true(texel == 0 && index == SL_NO_INDEX && fetches - before >= 1 &&
-                            fetches - before <= (uint64_t)depth);
-                continue;
-            }
+            size_t place = sl_voxel_texture_find(texture, cell, &fetches);
+            assert_true(fetches - before >= 1 && fetches - before <= (uint64_t)depth);
+            assert_true((place == SIZE_MAX) == (leaf == SL_NO_INDEX));
+            if (leaf == SL_NO_INDEX) continue;
             leaves++;
-            assert_true(texel >> 24 == SL_TEXEL_LEAF && (texel & 0xffffff) == address &&
-                        fetches - before == (uint64_t)depth);
-            assert_true(sl_voxel_texture_place(texture, address) == index);
-            const sl_directional_light *light = sl_voxel_texture_lights(texture, address);
-            assert_true(light == texture->light + index);
-            assert_true(light->color[0] == (leaf % 4 ? (float)leaf : 0.0f));
+            assert_true(fetches - before == (uint64_t)depth);
+            assert_int_equal(sl_voxel_texture_head(texture, place).lights, leaf % 4 != 0);
+            if (leaf % 4) assert_true(texture->light[place + 1].color[0] == (float)leaf);
         }
         assert_true(leaves > 100);
+        const int32_t outside[3][3] = {{-1, 0, 0}, {0, 1 << depth, 0}, {INT32_MIN, 0, INT32_MAX}};
+        fetches = 0;
+        for (int k = 0; k < 3; k++)
+            assert_true(sl_voxel_texture_find(texture, outside[k], &fetches) == SIZE_MAX && fetches == 0);
         sl_voxel_texture_destroy(texture);
         sl_voxel_lights_destroy(lights);
         sl_octree_destroy(octree);
     }
-    sl_scene_destroy(scene);
-}
-
-static void what_is_outside_is_void(void **state) {
-    (void)state;
-    sl_scene *scene = furnished_room(1, 2);
-    sl_octree *octree = octree_of(scene, 4, 1);
-    sl_voxel_light_options options = plain_options(1);
-    sl_voxel_lights *lights = lights_of(scene, octree, &options);
-    sl_voxel_texture *texture = texture_of(octree, lights, false);
-    const sl_vec3 odd[] = {{-1, 1, 1},       {1, 6, 1},         {NAN, 1, 1},
-                           {INFINITY, 0, 0}, {1, 1, -INFINITY}, {1e30f, 1, 1}};
-    uint64_t fetches = 0;
-    for (int k = 0; k < 6; k++) {
-        uint32_t address = 7;
-        assert_true(sl_voxel_texture_find(texture, odd[k], &address, &fetches) == SL_TEXEL_VOID &&
-                    address == 0);
-    }
-    assert_true(fetches == 0);
-    uint32_t address;
-    assert_true(sl_voxel_texture_find(texture, scene->box_max, &address, &fetches) >> 24 == SL_TEXEL_LEAF);
-    assert_true(sl_voxel_texture_find(texture, scene->box_min, &address, &fetches) >> 24 == SL_TEXEL_LEAF);
-    sl_voxel_texture_destroy(texture);
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
     sl_scene_destroy(scene);
 }
 
@@ -88,7 +57,7 @@ static sl_octree *made_octree(int depth, size_t leaves) {
     return octree;
 }
 
-static void every_array_comes_back_from_its_address(void **state) {
+static void every_set_comes_back_from_its_address(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(6, 30000);
@@ -99,23 +68,19 @@ static void every_array_comes_back_from_its_address(void **state) {
             for (int j = 0; j < n; j++)
                 set_light(lights, i, j, sl_v3d(0, 0, 1), (float)(i * 8 + (size_t)j), 1, 1);
         }
-        sl_voxel_texture *texture = texture_of(octree, lights, false);
-        assert_true(texture->width <= SL_LIGHT_TEXTURE_SIZE && texture->width % n == 0 &&
-                    texture->array_count == 30000);
+        sl_voxel_texture *texture = texture_of(octree, lights);
+        assert_true(texture->width <= SL_LIGHT_TEXTURE_SIZE && texture->set_count == 30000);
         for (size_t i = 0; i < 30000; i++) {
-            uint32_t cell[3], address;
+            uint32_t cell[3];
             uint64_t fetches = 0;
             sl_morton_decode(i, cell);
-            uint32_t texel =
-                sl_voxel_texture_find(texture,
-                                      sl_v3(((float)cell[0] + 0.5f) / 64, ((float)cell[1] + 0.5f) / 64,
-                                            ((float)cell[2] + 0.5f) / 64),
-                                      &address, &fetches);
-            assert_true(texel >> 24 == SL_TEXEL_LEAF);
-            const sl_directional_light *light = sl_voxel_texture_lights(texture, address);
+            const int32_t at[3] = {(int32_t)cell[0], (int32_t)cell[1], (int32_t)cell[2]};
+            size_t place = sl_voxel_texture_find(texture, at, &fetches);
+            assert_int_equal(sl_voxel_texture_head(texture, place).lights, n);
+            const sl_directional_light *light = texture->light + place + 1;
             for (int j = 0; j < n; j++) assert_true(light[j].color[0] == (float)(i * 8 + (size_t)j));
-            size_t x = (size_t)(light - texture->light) % (size_t)texture->width; /* an array never wraps */
-            assert_true(x + (size_t)n <= (size_t)texture->width);
+            /* a set never wraps */
+            assert_true(place % (size_t)texture->width + 1 + (size_t)n <= (size_t)texture->width);
         }
         sl_voxel_texture_destroy(texture);
         sl_voxel_lights_destroy(lights);
@@ -141,7 +106,7 @@ static void bricks_and_bytes_are_those_that_were_counted(void **state) {
     sl_voxel_light_options options = plain_options(4);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     for (size_t i = 0; i < octree->leaf_count; i++) set_light(lights, i, 0, sl_v3d(0, 0, 1), 1, 1, 1);
-    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    sl_voxel_texture *texture = texture_of(octree, lights);
     assert_int_equal(octree->leaf_count, 17074);
     if (texture->brick_count < 5705 || texture->brick_count > 5705 + 12)
         fail_msg("%zu bricks", texture->brick_count);
@@ -149,15 +114,15 @@ static void bricks_and_bytes_are_those_that_were_counted(void **state) {
         4 * (size_t)texture->bricks->width * (size_t)texture->bricks->height * (size_t)texture->bricks->depth;
     /* 178 KiB */
     assert_true(bricks >= 32 * texture->brick_count && bricks < 32 * (texture->brick_count + 64));
-    assert_true(sl_voxel_texture_bytes(texture) - bricks >= 17074 * 64 &&
-                sl_voxel_texture_bytes(texture) - bricks < 17074 * 64 + 65536);
+    assert_true(sl_voxel_texture_bytes(texture) - bricks >= 17074 * 32 &&
+                sl_voxel_texture_bytes(texture) - bricks < 17074 * 32 + 65536); /* a head and a light */
     sl_voxel_texture_destroy(texture);
     sl_voxel_lights_destroy(lights);
     sl_octree_destroy(octree);
     sl_scene_destroy(scene);
 }
 
-/* As many lights as it has, those of one voxel in one row; a flat set's single light stands alone. */
+/* As many lights as it has, those of one voxel in one row. */
 static void sets_of_every_length_come_back_from_their_address(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(10, 6);
@@ -165,17 +130,18 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
     sl_voxel_light_options options = plain_options(4);
     options.split_by_normal = true;
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
-    size_t wanted = 1, alone = 0, several = 0;
+    size_t wanted = 1, several = 0;
     for (size_t s = 0; s < lights->set_count; s++) {
-        lights->set[s].flat = s % 3 == 0;
         for (size_t j = 0; j < s * 7 % 5; j++)
             set_light(lights, s, (int)j, sl_v3d(0, 0, 1), (float)(s * 8 + j), 1, 1);
     }
-    sl_voxel_texture *texture = texture_of(octree, lights, true);
+    sl_voxel_texture *texture = texture_of(octree, lights);
     for (size_t i = 0; i < octree->leaf_count; i++) {
         uint32_t cell[3], first = lights->first_set[i], end = lights->first_set[i + 1], used = 0;
+        uint64_t fetches = 0;
         sl_morton_decode(octree->leaf[i].morton, cell);
-        size_t at = texture->index[((cell[2] << 5 | cell[1]) << 5) + cell[0]], begin = at;
+        const int32_t here[3] = {(int32_t)cell[0], (int32_t)cell[1], (int32_t)cell[2]};
+        size_t at = sl_voxel_texture_find(texture, here, &fetches), begin = at;
         for (uint32_t s = first; s < end; s++) used += lights->set[s].lights;
         if (used == 0) {
             assert_int_equal(sl_voxel_texture_head(texture, at).lights, 0);
@@ -186,24 +152,20 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
             sl_vec3 n = lights->set[s].normal;
             const float *d = texture->unpacked[at].direction;
             assert_int_equal(head.lights, lights->set[s].lights);
-            assert_true(head.more == (s + 1 < end) &&
-                        head.texels == !(lights->set[s].flat && !lights->set[s].layered && head.lights == 1));
-            if (head.texels == 1)
-                assert_true(head.has_normal == (sl_dot(n, n) > 0) &&
-                            sl_dot(sl_v3(d[0], d[1], d[2]), n) > 0.9999f * sl_dot(n, n));
-            at += (size_t)head.texels;
+            assert_true(head.more == (s + 1 < end) && head.has_normal == (sl_dot(n, n) > 0) &&
+                        sl_dot(sl_v3(d[0], d[1], d[2]), n) > 0.9999f * sl_dot(n, n));
+            at++;
             for (int j = 0; j < head.lights; j++, at++) {
                 assert_true(texture->light[at].color[0] == (float)(s * 8 + (size_t)j) &&
                             texture->unpacked[at].color[0] == (float)(s * 8 + (size_t)j));
                 assert_true(texture->unpacked[at].direction[2] == 1.0f);
             }
-            alone += head.texels == 0;
         }
         several += end > first + 1;
         wanted += at - begin;
         assert_true(begin / (size_t)texture->width == (at - 1) / (size_t)texture->width);
     }
-    assert_true(several > 20 && alone > 20 && texture->height > 1);
+    assert_true(several > 20 && texture->height > 1);
     size_t texels = (size_t)texture->width * (size_t)texture->height;
     assert_true(texels >= wanted && texels < wanted + wanted / 50 + 60);
     sl_voxel_texture_destroy(texture);
@@ -230,12 +192,11 @@ static void the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not(void *
         sl_voxel_lights *lights = lights_of(scene, octree, &options);
         for (size_t i = 0; i < lights->set_count; i++)
             set_light(lights, i, 0, sl_to_double(lights->set[i].normal), 1, 1, 1);
-        sl_voxel_texture *texture = texture_of(octree, lights, false);
-        uint32_t address;
+        sl_voxel_texture *texture = texture_of(octree, lights);
         uint64_t fetches = 0;
-        assert_int_equal(sl_voxel_texture_find(texture, sl_v3(1.3f, 0.05f, 1.2f), &address, &fetches) >> 24,
-                         SL_TEXEL_LEAF);
-        sl_set_head head = sl_voxel_texture_head(texture, sl_voxel_texture_place(texture, address));
+        size_t place = find_at(texture, sl_v3d(1.3, 0.05, 1.2), &fetches);
+        assert_true(place != SIZE_MAX);
+        sl_set_head head = sl_voxel_texture_head(texture, place);
         assert_true(head.turn == (faces == 1) && head.more == (faces == 2) && head.lights == 1);
         sl_voxel_texture_destroy(texture);
         sl_voxel_lights_destroy(lights);
@@ -244,34 +205,34 @@ static void the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not(void *
     }
 }
 
-static void dark_leaves_share_one_array(void **state) {
+static void dark_leaves_share_one_texel(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(5, 5000);
     sl_voxel_light_options options = plain_options(4);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     for (size_t i = 0; i < 5000; i += 50) set_light(lights, i, 0, sl_v3d(1, 0, 0), 1, 1, 1);
-    sl_voxel_texture *texture = texture_of(octree, lights, false);
-    assert_true(texture->array_count == 101);
+    sl_voxel_texture *texture = texture_of(octree, lights);
+    assert_true(texture->set_count == 101);
     sl_voxel_texture_destroy(texture);
     sl_voxel_lights_destroy(lights);
     sl_octree_destroy(octree);
     sl_scene_destroy(scene);
 }
 
-static void more_arrays_than_addresses_are_refused_with_their_number(void **state) {
+static void more_sets_than_addresses_are_refused_with_their_number(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);
-    size_t most = 512 * 4096; /* arrays of 8 texels */
+    size_t most = 512 * 4096; /* sets of 8 lights */
     sl_octree *octree = made_octree(7, most + 1);
     sl_voxel_light_options options = plain_options(8);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     for (size_t i = 0; i <= most; i++) lights->set[i].lights = 8;
     sl_voxel_texture *texture = NULL;
     sl_error error;
-    assert_int_equal(sl_voxel_texture_create(octree, lights, false, &texture, &error), SL_ERROR_RESOURCES);
+    assert_int_equal(sl_voxel_texture_create(octree, lights, &texture, &error), SL_ERROR_RESOURCES);
     assert_null(texture);
-    assert_non_null(strstr(error.message, "2097153 arrays"));
+    assert_non_null(strstr(error.message, "2097153 sets"));
     sl_voxel_lights_destroy(lights);
     sl_octree_destroy(octree);
     sl_scene_destroy(scene);
@@ -283,12 +244,10 @@ static void an_octree_without_leaves_is_void(void **state) {
     sl_octree *octree = made_octree(4, 0);
     sl_voxel_light_options options = plain_options(4);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
-    sl_voxel_texture *texture = texture_of(octree, lights, true);
-    uint32_t address;
+    sl_voxel_texture *texture = texture_of(octree, lights);
+    const int32_t cell[3] = {1, 2, 3};
     uint64_t fetches = 0;
-    assert_true(sl_voxel_texture_find(texture, sl_v3(0.3f, 0.4f, 0.5f), &address, &fetches) ==
-                    SL_TEXEL_VOID &&
-                fetches == 1);
+    assert_true(sl_voxel_texture_find(texture, cell, &fetches) == SIZE_MAX && fetches == 1);
     sl_voxel_texture_destroy(texture);
     sl_voxel_lights_destroy(lights);
     sl_octree_destroy(octree);
@@ -297,14 +256,13 @@ static void an_octree_without_leaves_is_void(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_descent_ends_where_the_dense_index_says),
-        cmocka_unit_test(what_is_outside_is_void),
-        cmocka_unit_test(every_array_comes_back_from_its_address),
+        cmocka_unit_test(the_descent_ends_where_the_sorted_leaves_say),
+        cmocka_unit_test(every_set_comes_back_from_its_address),
         cmocka_unit_test(bricks_and_bytes_are_those_that_were_counted),
         cmocka_unit_test(sets_of_every_length_come_back_from_their_address),
-        cmocka_unit_test(dark_leaves_share_one_array),
+        cmocka_unit_test(dark_leaves_share_one_texel),
         cmocka_unit_test(the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not),
-        cmocka_unit_test(more_arrays_than_addresses_are_refused_with_their_number),
+        cmocka_unit_test(more_sets_than_addresses_are_refused_with_their_number),
         cmocka_unit_test(an_octree_without_leaves_is_void),
     };
     return cmocka_run_group_tests_name("light octree: textures", tests, NULL, NULL);
