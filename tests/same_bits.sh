@@ -49,6 +49,7 @@ done
 same splatting-maps scenes/sphere.json -m splatting --set splatting.direct=shadow-maps -q draft -s 64x64
 same splatting-mirror scenes/cornell-mirror.json -m splatting -q draft -s 96x96
 same splatting-rooms scenes/two-rooms.json -m splatting -q draft -s 96x64
+same splatting-glossy scenes/cornell-glossy.json -m splatting -q draft -s 64x64
 # Direct radiance mapping: glossy surfaces and photons, mirrors, moving samples, polygons, rays to photons; the light octree
 # with its area and its sky, its other lobes, and by way of the atlas.
 same radiance-glossy scenes/cornell-glossy.json -m direct-radiance -q draft -s 96x96

@@ -313,27 +313,6 @@ static void a_point_light_throws_caustics(void **unused) {
     sl_scene_destroy(scene);
 }
 
-/* ---- bits ------------------------------------------------------------------------------------ */
-
-static void threads_change_no_bit(void **unused) {
-    (void)unused;
-    sl_scene *scene = rich_scene(true, true);
-    sl_bidirectional_settings settings = {.threads = 1, .transport = transport_of("full")};
-    picture *expected = render_both_ways(scene, &settings, 4);
-    for (unsigned threads = 2; threads <= 3; threads++) {
-        settings.threads = threads;
-        picture *got = render_both_ways(scene, &settings, 4);
-        assert_memory_equal(got, expected, sizeof *got);
-        free(got);
-    }
-    settings.seed = 1;
-    picture *other = render_both_ways(scene, &settings, 4);
-    assert_memory_not_equal(other, expected, sizeof *other);
-    free(other);
-    free(expected);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cornell_box_is_that_of_the_path_tracer),
@@ -343,7 +322,6 @@ int main(void) {
         cmocka_unit_test(spots_and_distant_lights_are_those_of_the_path_tracer),
         cmocka_unit_test(any_declared_transport_is_that_of_the_path_tracer),
         cmocka_unit_test(a_point_light_throws_caustics),
-        cmocka_unit_test(threads_change_no_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

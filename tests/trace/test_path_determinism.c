@@ -63,31 +63,6 @@ static picture *render(const sl_scene *scene, const char *transport, unsigned th
     return p;
 }
 
-static void threads_and_instruction_sets_change_no_bit(void **unused) {
-    (void)unused;
-    sl_scene *scene = rich_scene();
-    static const char *const transports[] = {"direct", "one-bounce", "full"};
-    for (int t = 0; t < 3; t++) {
-        picture *expected = render(scene, transports[t], 1, 5, false);
-        static const unsigned threads[] = {2, 3, 7};
-        for (int i = 0; i < 3; i++) {
-            picture *got = render(scene, transports[t], threads[i], 5, false);
-            assert_memory_equal(expected, got, sizeof *got); /* the counters too */
-            free(got);
-        }
-        static const char *const isas[] = {"baseline", "avx2", "avx512"};
-        for (int i = 0; i < 3; i++) {
-            setenv("SOFTLUX_ISA", isas[i], 1);
-            picture *got = render(scene, transports[t], 2, 5, false);
-            assert_memory_equal(expected, got, sizeof *got);
-            free(got);
-        }
-        unsetenv("SOFTLUX_ISA");
-        free(expected);
-    }
-    sl_scene_destroy(scene);
-}
-
 /* Another seed gives another picture, the same seed the same, in whatever order the samples are taken, up to
  * the rounding of the sums. */
 static void the_seed_and_nothing_else_chooses_the_samples(void **unused) {
@@ -141,7 +116,6 @@ static void the_two_halves_are_independent(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_and_instruction_sets_change_no_bit),
         cmocka_unit_test(the_seed_and_nothing_else_chooses_the_samples),
         cmocka_unit_test(the_two_halves_are_independent),
     };

@@ -32,42 +32,6 @@ static void gather_all(gatherer *g, const world *w, sl_irradiance *out) {
     }
 }
 
-static void every_instruction_set_gives_the_same_bits(void **state) {
-    (void)state;
-    const char *names[3] = {"baseline", "avx2", "avx512"};
-    for (int direct = 0; direct < 2; direct++) {
-        for (int k = 0; k < 3; k++) {
-            sl_irradiance first[POINTS], other[POINTS];
-            float *picture = NULL;
-            for (int i = 0; i < 3; i++) {
-                setenv("SOFTLUX_ISA", names[i], 1);
-                world *w = world_room(direct == 1);
-                sl_gather_settings s = settings_of(kinds[k]);
-                if (direct == 0) s.direct = SL_DIRECT_SHADOW_MAPS;
-                gatherer g = gatherer_new(w, &s);
-                gather_all(&g, w, i ? other : first);
-                sl_gather_picture p = sl_gather_last_picture(g.scratch);
-                size_t bytes = (size_t)p.width * (size_t)p.height * sizeof(float);
-                if (!picture) {
-                    picture = malloc(2 * bytes);
-                    assert_non_null(picture);
-                    memcpy(picture, p.g, bytes);
-                    memcpy((char *)picture + bytes, p.distance, bytes);
-                } else {
-                    assert_memory_equal(picture, p.g, bytes);
-                    assert_memory_equal((char *)picture + bytes, p.distance, bytes);
-                    assert_memory_equal(first, other, sizeof first);
-                }
-                gatherer_free(&g);
-                world_free(w);
-            }
-            free(picture);
-            assert_true(first[0].value.g > 0);
-        }
-    }
-    unsetenv("SOFTLUX_ISA");
-}
-
 static void scratch_remembers_nothing(void **state) {
     (void)state;
     world *w = world_room(true);
@@ -162,7 +126,6 @@ static void picture_shows_what_was_seen(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_instruction_set_gives_the_same_bits),
         cmocka_unit_test(scratch_remembers_nothing),
         cmocka_unit_test(keys_choose_the_jitter),
         cmocka_unit_test(instruments_agree),

@@ -396,35 +396,6 @@ static void radiance_that_is_no_number_stays_out(void **state) {
     world_free(w);
 }
 
-/* ---- bits ---- */
-
-static void every_instruction_set_and_thread_count_gives_the_same_bits(void **state) {
-    (void)state;
-    const char *names[4] = {"baseline", "avx2", "avx512", "avx512"};
-    world *w = world_room(true);
-    for (int k = 0; k < 3; k++) {
-        float first[FLOATS_MAX], other[FLOATS_MAX];
-        for (int i = 0; i < 4; i++) {
-            setenv("SOFTLUX_ISA", names[i], 1);
-            sl_gather_settings s = settings_of(kinds[k], 37, 10);
-            gatherer g = {.counters = &w->counters};
-            unsigned threads = i == 3 ? 3 : 1;
-            assert_int_equal(
-                sl_gather_create(w->scene, w->raster, w->tracer, &s, threads, &g.gather, &w->counters, NULL),
-                SL_OK);
-            assert_int_equal(sl_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
-            sl_gather_point p = world_surface_point(w, 3);
-            sl_irradiance e;
-            sl_gather_radiance(g.gather, &p, g.scratch, &e, i ? other : first, g.counters);
-            if (i) assert_memory_equal(first, other, 9 * sl_hsh_stride(10) * sizeof(float));
-            gatherer_free(&g);
-        }
-        assert_true(first[0] > 0);
-    }
-    unsetenv("SOFTLUX_ISA");
-    world_free(w);
-}
-
 static void orders_out_of_range_are_refused(void **state) {
     (void)state;
     world *w = world_room(false);
@@ -448,7 +419,6 @@ int main(void) {
         cmocka_unit_test(coefficients_agree_with_quadrature),
         cmocka_unit_test(gradients_agree_with_a_rectangle_light),
         cmocka_unit_test(radiance_that_is_no_number_stays_out),
-        cmocka_unit_test(every_instruction_set_and_thread_count_gives_the_same_bits),
         cmocka_unit_test(orders_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

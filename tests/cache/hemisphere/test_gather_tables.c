@@ -15,15 +15,6 @@ static void assert_near(double a, double b, double eps) {
     if (!(fabs(a - b) <= eps)) fail_msg("%.15g is not %.15g (+- %g)", a, b, eps);
 }
 
-static void the_plane_weighs_as_its_cells(void **state) {
-    (void)state;
-    for (int i = 0; i < 200; i++) {
-        double u0 = -2.0 + 0.019 * i, u1 = u0 + 0.01 + 0.002 * (i % 7), v0 = 1.7 - 0.017 * i, v1 = v0 + 0.02;
-        sl_vec3d corners[4] = {sl_v3d(u0, v0, 1), sl_v3d(u1, v0, 1), sl_v3d(u1, v1, 1), sl_v3d(u0, v1, 1)};
-        assert_near(sl_plane_cosine_weight(u0, u1, v0, v1), sl_cell_vector(corners, 4).z, 1e-15);
-    }
-}
-
 /* Simpson's rule. */
 static double quadrature(double (*f)(double, const double *), const double *c, double a, double b) {
     enum { STEPS = 2000 };
@@ -114,30 +105,12 @@ static void nonsense_sizes_are_refused(void **state) {
                      SL_ERROR_USAGE);
 }
 
-/* A gradient test for walls that needs no scene: a polygon's own edges are walls, at their own depth. */
-static void polygon_gradient_is_the_sum_of_its_walls(void **state) {
-    (void)state;
-    sl_vec3d v[4] = {{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}},
-             p = {0.35, 0.2, 0.0};
-    sl_vec3d gradient, walls = {0, 0, 0};
-    polygon_irradiance(p, sl_v3d(0, 0, 1), v, 4, &gradient);
-    for (int i = 0; i < 4; i++) {
-        sl_vec3d a = sl_scaled(sl_subd(v[i], p), 1 / 1.3), b = sl_scaled(sl_subd(v[(i + 1) % 4], p), 1 / 1.3);
-        walls = sl_addd(walls, sl_scaled(sl_wall_vector(a, b), 1 / 1.3));
-    }
-    assert_near(walls.x, gradient.x, 1e-14);
-    assert_near(walls.y, gradient.y, 1e-14);
-    assert_near(walls.z, gradient.z, 1e-14);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_plane_weighs_as_its_cells),
         cmocka_unit_test(walls_equal_quadrature),
         cmocka_unit_test(every_instrument_weighs_pi),
         cmocka_unit_test(borders_differ_as_computed),
         cmocka_unit_test(nonsense_sizes_are_refused),
-        cmocka_unit_test(polygon_gradient_is_the_sum_of_its_walls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -234,33 +234,6 @@ static void a_thin_blocker_on_a_floor_leaves_a_gap_of_less_than_a_texel(void **s
     }
 }
 
-/* ---- across the borders of faces ---- */
-
-static void a_shadow_s_edge_runs_on_across_the_border_of_two_faces(void **state) {
-    (void)state;
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t m = grey(&mesh);
-    trace_mesh_box(&mesh, sl_v3(-2, -2, -2), sl_v3(2, 2, 2), true, m);
-    /* A blocker whose edge crosses from the face below to the one beside it, slanting. */
-    trace_mesh_quad(&mesh, sl_v3(0.7f, -0.7f, -0.7f), sl_v3(0.3f, 0.5f, 0), sl_v3(0, 0.02f, 0.71f), m);
-    trace_mesh_quad(&mesh, sl_v3(0.7f, -0.7f, -0.7f), sl_v3(-0.3f, -0.1f, 0), sl_v3(0, 0.02f, 0.71f), m);
-    mesh.lights[mesh.light_count++] = point_light(0, 0, 0);
-    world w = world_of(&mesh, 256, 1);
-    float largest = 0.0f;
-    int partly = 0;
-    for (int i = 0; i < 4000; i++) { /* just below and just beside the room's edge, where x = -y */
-        float z = -2.0f + 4.0f * (float)i / 4000.0f, e = 1e-4f;
-        float below = lit_at(&w, sl_v3(2 - e, -2, z), sl_v3(0, 1, 0)),
-              side = lit_at(&w, sl_v3(2, -2 + e, z), sl_v3(-1, 0, 0));
-        float step = fabsf(below - side);
-        largest = step > largest ? step : largest;
-        partly += below > 0.0f && below < 1.0f;
-    }
-    assert_true(partly > 0);
-    assert_true(largest < 0.6f); /* a texel of the one face is never half a texel off the other's */
-    discard(&w);
-}
-
 /* ---- area lights, spots, and what is skipped ---- */
 
 static uint64_t skipped(const world *w) { return w->counters.value[SL_COUNT_RASTER_PASSES_SKIPPED]; }
@@ -366,15 +339,12 @@ static void a_narrow_spot_has_all_of_its_texels_in_its_cone(void **state) {
     }
 }
 
-/* ---- hard cases ---- */
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cube_says_what_rays_say_but_within_a_texel_of_edges),
         cmocka_unit_test(a_directional_light_s_map_says_what_rays_say),
         cmocka_unit_test(a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces),
         cmocka_unit_test(a_thin_blocker_on_a_floor_leaves_a_gap_of_less_than_a_texel),
-        cmocka_unit_test(a_shadow_s_edge_runs_on_across_the_border_of_two_faces),
         cmocka_unit_test(an_area_light_does_not_shadow_what_it_lights_and_its_back_is_not_drawn),
         cmocka_unit_test(a_two_sided_light_sees_both_its_sides),
         cmocka_unit_test(faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped),

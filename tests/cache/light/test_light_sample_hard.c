@@ -275,31 +275,6 @@ static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
     light_world_free(&w);
 }
 
-/* ---- anything ---- */
-
-static void points_without_direction_or_place_get_nothing(void **unused) {
-    (void)unused;
-    trace_mesh mesh = trace_mesh_begin();
-    add_ceiling_light(&mesh, -1, -1, 2, 2, 1);
-    mesh.lights[0] = (sl_light){SL_LIGHT_DIRECTIONAL, {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 0, 0};
-    mesh.light_count = 1;
-    light_world w;
-    light_world_make(&w, &mesh);
-    const sl_lit_point points[] = {{{NAN, 0, 0}, {0, 1, 0}, {0, 1, 0}, SL_NO_INDEX},
-                                   {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, SL_NO_INDEX},
-                                   {{0, 0, 0}, {NAN, 0, 0}, {0, 1, 0}, SL_NO_INDEX},
-                                   {{0, INFINITY, 0}, {0, 1, 0}, {0, 1, 0}, 0},
-                                   {{0, 0, 0}, {0, 1, 0}, {0, NAN, 0}, SL_NO_INDEX}};
-    for (size_t light = 0; light < 2; light++) {
-        for (size_t k = 0; k < 5; k++) {
-            assert_true(sl_light_sample_take(w.sampling, light, &points[k], w.scratch, &w.counters) == 0.0f);
-            sl_vec3 d = sl_light_direction(&w.lights->light[light], &points[k]);
-            assert_true(d.x == 0.0f && d.y == 0.0f && d.z == 0.0f);
-        }
-    }
-    light_world_free(&w);
-}
-
 /* Triangles at random, some of which shine: F is finite, not negative, at most 1 of area lights (beyond
  * rounding and coarse pixels), and the same when asked again, after others were. */
 static void samples_of_anything_are_finite_and_repeat(void **unused) {
@@ -366,7 +341,6 @@ int main(void) {
         cmocka_unit_test(two_sided_lights_shine_to_both_sides),
         cmocka_unit_test(a_solid_light_is_hidden_by_halves),
         cmocka_unit_test(a_hollow_light_counts_what_is_seen_of_it),
-        cmocka_unit_test(points_without_direction_or_place_get_nothing),
         cmocka_unit_test(samples_of_anything_are_finite_and_repeat),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

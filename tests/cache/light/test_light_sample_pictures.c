@@ -95,59 +95,6 @@ typedef struct {
     sl_light_pixels pixels;
 } square_picture;
 
-static square_picture *make_square(double t, int size, sl_vec3 normal) {
-    square_picture *p = calloc(1, sizeof *p);
-    assert_non_null(p);
-    for (int i = 0; i < size; i++)
-        p->x[i] = p->y[i] = (float)(t * (2.0 * ((double)i + 0.5) / (double)size - 1.0));
-    float step = (float)(2.0 * t / (double)size);
-    p->pixels = (sl_light_pixels){.size = size,
-                                  .column_x = p->x,
-                                  .row_y = p->y,
-                                  .step_x = step,
-                                  .step_y = step,
-                                  .normal = normal,
-                                  .geometric = normal,
-                                  .scale = 1.0f,
-                                  .seen = p->seen,
-                                  .all = p->all};
-    return p;
-}
-
-static void weights_are_the_same_bits_on_every_instruction_set(void **unused) {
-    (void)unused;
-    const uint8_t facing[2] = {1, 0};
-    uint32_t inside[SIDE * 2];
-    sl_light_pixel_kernels reference = sl_light_pixel_kernels_for(SL_ISA_BASELINE);
-    for (int isa = 1; isa <= (int)sl_isa_best(); isa++) {
-        sl_light_pixel_kernels kernels = sl_light_pixel_kernels_for((sl_isa)isa);
-        for (uint64_t n = 0; n < 20; n++) {
-            uint64_t key = sl_random_key(11, n);
-            sl_vec3 normal = sl_normalize_or(
-                sl_v3(sl_random_unit(key, 0) - 0.5f, sl_random_unit(key, 1) - 0.5f, 0.3f), up);
-            square_picture *a = make_square(n % 4 ? 0.8 : 9.0, SIDE, normal),
-                           *b = make_square(n % 4 ? 0.8 : 9.0, SIDE, normal);
-            for (uint64_t i = 0; i < SIDE * 2; i++) inside[i] = sl_random_bits(key, 100 + i);
-            for (uint64_t i = 0; i < SIDE * SIDE; i++) {
-                uint32_t r = sl_random_bits(key, 1000 + i) % 4;
-                a->id[i] = b->id[i] = r == 0 ? SL_NO_INDEX : r % 2;
-                a->depth[i] = b->depth[i] = sl_random_unit(key, 10000 + i);
-            }
-            a->pixels.row_x = a->pixels.column_y = b->pixels.row_x = b->pixels.column_y = a->x;
-            reference.window(&a->pixels, inside, a->id);
-            kernels.window(&b->pixels, inside, b->id);
-            assert_memory_equal(a->seen, b->seen, sizeof a->seen);
-            assert_memory_equal(a->all, b->all, sizeof a->all);
-            reference.look_at(&a->pixels, a->id, facing, a->depth, b->depth);
-            kernels.look_at(&b->pixels, b->id, facing, b->depth, a->depth);
-            assert_memory_equal(a->seen, b->seen, sizeof a->seen);
-            assert_memory_equal(a->all, b->all, sizeof a->all);
-            free(a);
-            free(b);
-        }
-    }
-}
-
 /* ---- sums ---- */
 
 static void the_reduction_to_16_by_16_is_the_double_sum(void **unused) {
@@ -221,7 +168,6 @@ int main(void) {
         cmocka_unit_test(the_raw_windows_error_falls_with_the_square_of_its_size),
         cmocka_unit_test(a_turned_raster_does_not_band_along_edges),
         cmocka_unit_test(estimators_agree_on_a_light_partly_hidden_by_a_ball),
-        cmocka_unit_test(weights_are_the_same_bits_on_every_instruction_set),
         cmocka_unit_test(the_reduction_to_16_by_16_is_the_double_sum),
         cmocka_unit_test(culling_leaves_no_trace),
     };
