@@ -58,7 +58,7 @@ static sl_status make_sources(sl_gather *gather, sl_error *error) {
     size_t sources =
         gather->extended.light_count + scene->emitter_count + (scene->environment.present ? 1 : 0);
     if (sources == 0) return SL_OK;
-    if (sources > SL_LIGHT_SOURCES_MAX) {
+    if (!gather->every_light || sources > SL_LIGHT_SOURCES_MAX) {
         sl_status status = sl_light_sampler_create(&gather->extended, &gather->sampler, error);
         return status == SL_OK ? sl_light_sampler_plant_tree(gather->sampler, error) : status;
     }

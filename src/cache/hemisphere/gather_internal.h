@@ -56,9 +56,8 @@ struct sl_gather {
     sl_shadow_maps *own_maps;    /* the same, where nobody gave them; or NULL */
     /* the scene without its lights without extent: what samples are drawn from */
     sl_scene extended;
-    /* emitters and environment (and lights without extent where they are many), if they are few enough */
-    sl_light_sources *sources;
-    sl_light_sampler *sampler;   /* the same where they are many */
+    sl_light_sources *sources;   /* emitters and environment, if these and the other lights are few */
+    sl_light_sampler *sampler;   /* all that samples are drawn from, where they are many */
     bool every_light;            /* lights without extent are few: each lights every hit */
     sl_hit_light_kernels light_kernels;
 };

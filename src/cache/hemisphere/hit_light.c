@@ -2,9 +2,10 @@
  * there are more than eight, they are drawn from as the others are), emitters and environment are sampled
  * (hit_samples.c).
  *
- * Of more than SL_LIGHT_SOURCES_MAX sources a tree chooses one for each sample by place (trace/light_tree.h);
- * the numbers that do so are one three-dimensional Kronecker sequence over the hits of the gather (Roberts'
- * R3), rotated by the point's key, so that all hits together are spread evenly over the lights. */
+ * Of more than SL_LIGHT_SOURCES_MAX sources, and where lights without extent are many, the light sampler
+ * chooses one for each sample (emitters by place: trace/light_tree.h); the numbers that do so are one
+ * three-dimensional Kronecker sequence over the hits of the gather (Roberts' R3), rotated by the point's key,
+ * so that all hits together are spread evenly over the lights. */
 #include "cache/hemisphere/hit_light.h"
 
 #include "base/math.h"

@@ -92,43 +92,18 @@ static inline void weigh_emitters(const sl_light_sources *s, size_t first, recei
     if (any_near) weigh_near_emitters(s, first, p, weight);
 }
 
-static inline void weigh_points(const sl_light_sources *s, size_t first, receiver p, float *restrict weight) {
-    const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first,
-                          *restrict strength = s->strength + first;
-    float unit = s->unit;
-#pragma omp simd
-    for (int l = 0; l < LANES; l++) {
-        float dx = (sx[l] - p.x) * unit, dy = (sy[l] - p.y) * unit, dz = (sz[l] - p.z) * unit;
-        float squared = dx * dx + dy * dy + dz * dz,
-              above = p.normal_x * dx + p.normal_y * dy + p.normal_z * dz;
-        float over = 1.0f / (squared > 1e-12f ? squared : 1e-12f);
-        float w = strength[l] * over * (above * sqrtf(over));
-        weight[l] = above > 0.0f ? w : 0.0f;
-    }
-}
-
-/* Of the sky: the squares of a unit normal's components sum to 1, they weigh the six irradiances. */
-static inline void weigh_far(const sl_light_sources *s, size_t first, receiver p, float *restrict weight) {
-    const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first,
-                          *restrict strength = s->strength + first;
-#pragma omp simd
-    for (int l = 0; l < LANES; l++) {
-        float above = p.normal_x * sx[l] + p.normal_y * sy[l] + p.normal_z * sz[l];
-        weight[l] = above > 0.0f ? strength[l] * above : 0.0f;
-    }
-    if (s->sky < first || s->sky >= first + LANES) return;
+/* The squares of a unit normal's components sum to 1, they weigh the six irradiances. */
+static inline void weigh_sky(const sl_light_sources *s, receiver p, float *restrict weight) {
     const float *sky = s->sky_irradiance;
     float x = p.normal_x, y = p.normal_y, z = p.normal_z;
     float sum = x * x * (x < 0.0f ? sky[1] : sky[0]) + y * y * (y < 0.0f ? sky[3] : sky[2]) +
                 z * z * (z < 0.0f ? sky[5] : sky[4]);
-    weight[s->sky - first] = sum;
+    for (int l = 0; l < LANES; l++) weight[l] = l == 0 ? sum : 0.0f;
 }
 
 static inline void weigh_block(const sl_light_sources *s, size_t block, receiver p, float *restrict weight) {
-    size_t first = block * LANES;
-    if (block < s->first_block[SL_SAMPLED_POINT]) weigh_emitters(s, first, p, weight);
-    else if (block < s->first_block[SL_SAMPLED_FAR]) weigh_points(s, first, p, weight);
-    else weigh_far(s, first, p, weight);
+    if (block * LANES < s->sky) weigh_emitters(s, block * LANES, p, weight);
+    else weigh_sky(s, p, weight);
 }
 
 static inline float sum_of(const float *w) { /* in a fixed shape */

@@ -165,7 +165,7 @@ static void sort_by_source(const sl_gather_view *view) {
     memset(s->of_source, 0, (sources + 1) * sizeof *s->of_source);
     for (size_t m = 0; m < s->samples; m++) s->of_source[s->chosen[m].source + 1]++;
     for (size_t i = 0; i < sources; i++) s->of_source[i + 1] += s->of_source[i];
-    s->of_emitters = s->of_source[view->gather->sources->first_block[SL_SAMPLED_POINT] * SL_SOURCE_LANES];
+    s->of_emitters = s->of_source[view->gather->sources->sky];
     for (size_t m = 0; m < s->samples; m++) {
         uint32_t to = s->of_source[s->chosen[m].source]++;
         s->sample_slot[to] = s->chosen[m].slot;
@@ -264,7 +264,7 @@ static void light_by_emitters(const sl_gather_view *view, sl_shadow_queue *q) {
     }
 }
 
-/* ---- the others ---- */
+/* ---- the sky ---- */
 
 /* Of a constant sky in proportion to the cosine, or by its own distribution. */
 static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2, sl_vec3 *direction,
@@ -286,29 +286,15 @@ static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2,
     return sl_hit_cosine(h, k, *direction) > 0.0f;
 }
 
-static bool sample_light(const sl_gather_view *view, const sl_light *light, size_t k, sl_vec3 *direction,
-                         float *distance, sl_rgb *irradiance) {
-    const sl_gather_hits *h = &view->scratch->hits;
-    if (!sl_light_illuminate(light, sl_hit_position(h, k), direction, distance, irradiance)) return false;
-    float cosine = sl_hit_cosine(h, k, *direction);
-    *irradiance = sl_rgb_scale(*irradiance, cosine);
-    return cosine > 0.0f;
-}
-
-static void light_by_others(const sl_gather_view *view, sl_shadow_queue *q) {
+static void light_by_sky(const sl_gather_view *view, sl_shadow_queue *q) {
     const sl_light_scratch *s = view->scratch->light;
-    const sl_light_sources *sources = view->gather->sources;
     for (size_t m = s->of_emitters; m < s->samples; m++) {
-        uint32_t i = s->sample_source[m], k = s->sample_slot[m];
         sl_vec3 direction;
         sl_rgb irradiance;
-        float distance = INFINITY;
-        bool lit = i == sources->sky ? sample_sky(view, k, s->u1[m], s->u2[m], &direction, &irradiance)
-                                     : sample_light(view, &sources->scene->lights[sources->index[i]], k,
-                                                    &direction, &distance, &irradiance);
+        bool lit = sample_sky(view, s->sample_slot[m], s->u1[m], s->u2[m], &direction, &irradiance);
         irradiance = sl_rgb_scale(irradiance, lit ? s->share[m] : 0.0f);
         if (lit && sl_rgb_is_finite(irradiance))
-            sl_push_shadow_ray(q, k, direction, distance, irradiance);
+            sl_push_shadow_ray(q, s->sample_slot[m], direction, INFINITY, irradiance);
     }
 }
 
@@ -324,6 +310,6 @@ void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q) 
     spread_points(s, key);
     light_by_emitters(view, q);
     sl_flush_shadow_rays(q);
-    light_by_others(view, q);
+    light_by_sky(view, q);
     sl_flush_shadow_rays(q);
 }

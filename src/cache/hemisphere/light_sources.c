@@ -59,29 +59,16 @@ static sl_vec3 middle_of(const sl_scene *scene, const sl_emitter *e) {
     return sl_add(a, sl_scale(sl_add(sl_sub(b, a), sl_sub(c, a)), 1.0f / 3.0f));
 }
 
-/* Emitters or lights of one kind into the entries from `first` on. */
-static void place(sl_light_sources *s, size_t first, placed *p, size_t count) {
-    qsort(p, count, sizeof *p, by_code);
-    for (size_t i = 0; i < count; i++) s->index[first + i] = p[i].index;
-}
-
-static void place_all(sl_light_sources *s, placed *p) {
+static void place_emitters(sl_light_sources *s, placed *p) {
     const sl_scene *scene = s->scene;
-    size_t points = 0;
     for (size_t i = 0; i < s->count; i++) s->index[i] = SL_NO_INDEX;
     for (uint32_t i = 0; i < scene->emitter_count; i++)
         p[i] = (placed){morton_code(scene, middle_of(scene, &scene->emitters[i])), i};
-    place(s, 0, p, scene->emitter_count);
-    size_t far = s->first_block[SL_SAMPLED_FAR] * SL_SOURCE_LANES;
-    for (uint32_t l = 0; l < scene->light_count; l++) {
-        if (scene->lights[l].type == SL_LIGHT_DIRECTIONAL) s->index[far++] = l;
-        else p[points++] = (placed){morton_code(scene, scene->lights[l].position), l};
-    }
-    place(s, s->first_block[SL_SAMPLED_POINT] * SL_SOURCE_LANES, p, points);
-    s->sky = scene->environment.present ? far : s->count;
+    qsort(p, scene->emitter_count, sizeof *p, by_code);
+    for (size_t i = 0; i < scene->emitter_count; i++) s->index[i] = p[i].index;
 }
 
-/* ---- sources by kind; strengths are absolute at first ---- */
+/* ---- sources; strengths are absolute at first ---- */
 
 static void fill_emitter(sl_light_sources *s, size_t i) {
     const sl_scene *scene = s->scene;
@@ -102,12 +89,6 @@ static void fill_emitter(sl_light_sources *s, size_t i) {
     s->area[i] = finite_part((double)e->area * (double)s->unit * (double)s->unit);
     s->radiance[i] = finite_part(mean(e->radiance));
     s->red[i] = e->radiance.r, s->green[i] = e->radiance.g, s->blue[i] = e->radiance.b;
-}
-
-static void fill_light(sl_light_sources *s, size_t i) {
-    const sl_light *light = &s->scene->lights[s->index[i]];
-    sl_vec3 at = light->type == SL_LIGHT_DIRECTIONAL ? sl_neg(light->direction) : light->position;
-    s->x[i] = at.x, s->y[i] = at.y, s->z[i] = at.z;
 }
 
 /* Irradiance on the six planes, each texel by its middle. */
@@ -132,14 +113,10 @@ static void fill_sky(const sl_environment *e, double irradiance[6]) {
 
 /* As a surface about the scene's size away would be lit. */
 static double power_of(const sl_light_sources *s, size_t i, const double sky[6]) {
-    double most = 0.0, area = (double)s->unit * (double)s->unit;
+    double most = 0.0;
     for (int d = 0; d < 6; d++) most = fmax(most, sky[d]);
     if (i == s->sky) return most;
-    if (s->index[i] == SL_NO_INDEX) return 0.0;
-    if (i < s->first_block[SL_SAMPLED_POINT] * SL_SOURCE_LANES)
-        return (double)s->radiance[i] * (double)s->area[i];
-    double intensity = mean(s->scene->lights[s->index[i]].intensity);
-    return i < s->first_block[SL_SAMPLED_FAR] * SL_SOURCE_LANES ? intensity * area : intensity;
+    return s->index[i] == SL_NO_INDEX ? 0.0 : (double)s->radiance[i] * (double)s->area[i];
 }
 
 static double sound(double power) { return power > 0.0 && isfinite(power) ? power : 0.0; }
@@ -158,29 +135,20 @@ static void scale_strengths(sl_light_sources *s, const double sky[6]) {
 
 /* ---- all of it ---- */
 
-static size_t blocks_for(size_t count) { return (count + SL_SOURCE_LANES - 1) / SL_SOURCE_LANES; }
-
 static void count_blocks(sl_light_sources *s) {
-    const sl_scene *scene = s->scene;
-    size_t far = scene->environment.present ? 1 : 0, points = 0;
-    for (size_t l = 0; l < scene->light_count; l++) {
-        if (scene->lights[l].type == SL_LIGHT_DIRECTIONAL) far++;
-        else points++;
-    }
-    s->first_block[SL_SAMPLED_POINT] = blocks_for(scene->emitter_count);
-    s->first_block[SL_SAMPLED_FAR] = s->first_block[SL_SAMPLED_POINT] + blocks_for(points);
-    s->blocks = s->first_block[SL_SAMPLED_KINDS] = s->first_block[SL_SAMPLED_FAR] + blocks_for(far);
+    size_t emitters = (s->scene->emitter_count + SL_SOURCE_LANES - 1) / SL_SOURCE_LANES;
+    bool sky = s->scene->environment.present;
+    s->blocks = emitters + (sky ? 1 : 0);
     s->count = s->blocks * SL_SOURCE_LANES;
+    s->sky = sky ? emitters * SL_SOURCE_LANES : s->count;
 }
 
 static void fill(sl_light_sources *s, placed *p) {
     double sky[6] = {0};
-    place_all(s, p);
+    place_emitters(s, p);
     for (size_t i = 0; i < s->count; i++) {
         s->extent[i] = 1.0f;
-        if (s->index[i] == SL_NO_INDEX) continue;
-        if (i < s->first_block[SL_SAMPLED_POINT] * SL_SOURCE_LANES) fill_emitter(s, i);
-        else fill_light(s, i);
+        if (s->index[i] != SL_NO_INDEX) fill_emitter(s, i);
     }
     if (s->sky < s->count) fill_sky(&s->scene->environment, sky);
     scale_strengths(s, sky);
