@@ -113,11 +113,11 @@ static sl_status read_header(exr_reader *reader, sl_error *error) {
     reader->data_width = box_width(&reader->data);
     reader->data_height = box_height(&reader->data);
     if (status == SL_OK) {
-        status = sl_check_claimed_channels(reader->source.bytes, reader->data_width, reader->data_height,
+        status = sl_check_claimed_size(reader->source.bytes, reader->data_width, reader->data_height,
                                            reader->channels->num_channels, expansion, error);
     }
     if (status == SL_OK) {
-        status = sl_check_claimed_channels(reader->source.bytes, box_width(&reader->display),
+        status = sl_check_claimed_size(reader->source.bytes, box_width(&reader->display),
                                            box_height(&reader->display), reader->channels->num_channels,
                                            expansion, error);
     }

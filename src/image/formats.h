@@ -14,12 +14,9 @@ typedef struct sl_bytes {
 /* Reads a whole file of at most so many bytes; behind them is a zero. Freed with sl_free(data). */
 sl_status sl_bytes_read(const char *path, size_t most, sl_bytes *bytes, sl_error *error);
 /* Refuses a size that no file of so few bytes can mean, before memory is asked for. `expansion`: the most
- * pixels that a byte can hold in the format. */
-sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion,
-                                sl_error *error);
-/* The same of all its channels. */
-sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels,
-                                    uint64_t expansion, sl_error *error);
+ * values (pixels, where there is one channel) that a byte can hold in the format. */
+sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, int channels,
+                                uint64_t expansion, sl_error *error);
 
 /* sl_image_read() of a latitude-longitude picture of a sky: an EXR that says so holds it in its data window.
  * Cube maps are refused, and colours by other primaries than Rec. 709's. */

@@ -1,5 +1,5 @@
 /* Radiance HDR pictures: a byte of mantissa for each of R, G, B and one exponent for the three (G. Ward,
- * "Real pixels", Graphics Gems II, 1991), in rows that may be run-length coded. */
+ * "Real pixels", Graphics Gems II, 1991), in rows that may be run-length coded (not as before 1991). */
 #include "image/formats.h"
 
 #include "base/error.h"
@@ -54,9 +54,8 @@ static sl_status parse_header(hdr_reader *reader, int *width, int *height, sl_er
         return sl_fail(error, SL_ERROR_INPUT,
                        "%s: expected '-Y height +X width' at the end of the Radiance header", path);
     }
-    /* A run of 127 equal bytes takes two, and there are four bytes a pixel; the old coding repeats 255 times
-     * in four. */
-    return sl_check_claimed_size(reader->bytes, *width, *height, 64, error);
+    /* A run of 127 equal bytes takes two, and there are four bytes a pixel. */
+    return sl_check_claimed_size(reader->bytes, *width, *height, 1, 64, error);
 }
 
 /* ---- rows ------------------------------------------------------------------------------------ */
@@ -88,32 +87,11 @@ static bool read_component_runs(hdr_reader *reader, size_t width, uint8_t *rgbe)
     return true;
 }
 
-/* Flat pixels, where 1, 1, 1, n repeats the last pixel n times; several in a row are the digits of n, least
- * first. */
-static bool read_pixel_runs(hdr_reader *reader, size_t width, uint8_t *rgbe) {
-    unsigned shift = 0;
-    for (size_t x = 0; x < width;) {
-        uint8_t pixel[4];
-        if (!take(reader, pixel, 4)) return false;
-        if (pixel[0] == 1 && pixel[1] == 1 && pixel[2] == 1) {
-            if (x == 0 || shift > 16) return false;
-            size_t length = (size_t)pixel[3] << shift;
-            if (length > width - x) return false;
-            for (size_t i = 0; i < length; i++, x++) memcpy(rgbe + 4 * x, rgbe + 4 * (x - 1), 4);
-            shift += 8;
-        } else {
-            memcpy(rgbe + 4 * x++, pixel, 4);
-            shift = 0;
-        }
-    }
-    return true;
-}
-
 static bool read_row(hdr_reader *reader, size_t width, uint8_t *rgbe) {
     const uint8_t *start = reader->bytes->data + reader->position;
     bool by_component = reader->bytes->size - reader->position >= 4 && width >= 8 && width < 32768 &&
                         start[0] == 2 && start[1] == 2 && start[2] < 128;
-    if (!by_component) return read_pixel_runs(reader, width, rgbe);
+    if (!by_component) return take(reader, rgbe, 4 * width);
     if (((size_t)start[2] << 8 | start[3]) != width) return false;
     reader->position += 4;
     return read_component_runs(reader, width, rgbe);

@@ -55,30 +55,17 @@ sl_status sl_bytes_read(const char *path, size_t most, sl_bytes *bytes, sl_error
     return status;
 }
 
-sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion,
-                                sl_error *error) {
+sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, int channels,
+                                uint64_t expansion, sl_error *error) {
+    /* Small pictures pass whatever they say: nothing is lost by trying. */
+    const uint64_t small = (uint64_t)1 << 20, largest = (uint64_t)1 << 29;
     const int64_t longest = 1 << 24;
     if (width < 1 || height < 1 || width > longest || height > longest) {
         return sl_fail(error, SL_ERROR_INPUT, "%s: %lld x %lld pixels is no size for a picture", bytes->path,
                        (long long)width, (long long)height);
     }
-    /* Small pictures pass whatever they say: nothing is lost by trying. */
-    const uint64_t small = (uint64_t)1 << 20, largest = (uint64_t)1 << 29;
-    uint64_t pixels = (uint64_t)width * (uint64_t)height;
-    if (pixels > largest || (pixels > small && pixels / expansion > bytes->size)) {
-        return sl_fail(error, SL_ERROR_INPUT, "%s: claims %lld x %lld pixels, too many for its %zu bytes",
-                       bytes->path, (long long)width, (long long)height, bytes->size);
-    }
-    return SL_OK;
-}
-
-sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels,
-                                    uint64_t expansion, sl_error *error) {
-    const uint64_t small = (uint64_t)1 << 22;
-    sl_status status = sl_check_claimed_size(bytes, width, height, expansion, error);
-    if (status != SL_OK) return status;
-    uint64_t values = (uint64_t)width * (uint64_t)height * (uint64_t)channels; /* 2^29 pixels at most */
-    if (values <= small || values / expansion <= bytes->size) return SL_OK;
+    const uint64_t pixels = (uint64_t)width * (uint64_t)height, values = pixels * (uint64_t)channels;
+    if (pixels <= largest && (values <= small || values / expansion <= bytes->size)) return SL_OK;
     return sl_fail(error, SL_ERROR_INPUT,
                    "%s: claims %lld x %lld pixels of %d channels, too many for its %zu bytes", bytes->path,
                    (long long)width, (long long)height, channels, bytes->size);

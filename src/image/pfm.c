@@ -58,7 +58,7 @@ static sl_status parse_header(const sl_bytes *bytes, pfm_header *header, sl_erro
         return sl_fail(error, SL_ERROR_INPUT,
                        "%s: damaged PFM header: the scale is '%s', expected 1.0 or -1.0", bytes->path, scale);
     }
-    sl_status status = sl_check_claimed_size(bytes, width, height, 1, error);
+    sl_status status = sl_check_claimed_size(bytes, width, height, 1, 1, error);
     if (status != SL_OK) return status;
     *header =
         (pfm_header){bytes->data[1] == 'F' ? 3 : 1, (int)width, (int)height, scale[0] == '-', position + 1};

@@ -92,7 +92,7 @@ static bool decode_rows(png_work *work, sl_error *error) {
     work->width = png_get_image_width(png, work->info);
     work->height = png_get_image_height(png, work->info);
     /* Deflate packs at most 1032 to 1, and a byte holds eight pixels of one bit. */
-    work->status = sl_check_claimed_size(work->bytes, work->width, work->height, 8 * 1032, error);
+    work->status = sl_check_claimed_size(work->bytes, work->width, work->height, 1, 8 * 1032, error);
     if (work->status != SL_OK) return false;
     ask_for_rgba(work);
     if (png_get_rowbytes(png, work->info) != 4 * (size_t)work->width) png_error(png, "unexpected row size");

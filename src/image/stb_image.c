@@ -108,7 +108,7 @@ static sl_status check_header(const sl_bytes *bytes, bool *has_alpha, sl_error *
     *has_alpha = channels == 2 || channels == 4;
     /* A JPEG spends at least a bit on each of the six blocks of 256 pixels; run-length TGAs stay far below.
      */
-    return sl_check_claimed_size(bytes, width, height, 512, error);
+    return sl_check_claimed_size(bytes, width, height, 1, 512, error);
 }
 
 sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba,

@@ -1,6 +1,5 @@
 #include "import/gltf.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -32,35 +31,6 @@ sl_status sl_gltf_check_required(const char *path, const cJSON *root, sl_error *
     return SL_OK;
 }
 
-/* ---- what one material has ----------------------------------------------------------------------------- */
-
-typedef bool material_test(const cJSON *material, const char *name);
-
-static bool has_extension(const cJSON *material, const char *name) {
-    return member(member(material, "extensions"), name) != NULL;
-}
-static bool has_texture(const cJSON *material, const char *name) {
-    return cJSON_IsObject(member(material, name));
-}
-
-/* " (material 'glass' and 2 more)"; "" where no material has it. */
-static void name_materials(const cJSON *root, material_test *test, const char *name, char *text,
-                           size_t size) {
-    const cJSON *material, *first = NULL;
-    int count = 0, index = 0, first_index = 0;
-    cJSON_ArrayForEach(material, member(root, "materials")) {
-        if (test(material, name) && count++ == 0) first = material, first_index = index;
-        index++;
-    }
-    const cJSON *label = member(first, "name");
-    char more[32] = "", number[32];
-    snprintf(number, sizeof number, "%d", first_index);
-    if (count > 1) snprintf(more, sizeof more, " and %d more", count - 1);
-    *text = 0;
-    if (count == 0) return;
-    snprintf(text, size, " (material '%.100s'%s)", cJSON_IsString(label) ? label->valuestring : number, more);
-}
-
 /* ---- the lines ----------------------------------------------------------------------------------------- */
 
 static const char *in_place_of(const char *extension) {
@@ -69,22 +39,20 @@ static const char *in_place_of(const char *extension) {
     return "it is left out";
 }
 
-static void tell_extension(const char *path, const cJSON *root, const char *name, sl_model *model) {
-    char materials[160];
-    if (is_had(name)) return;
-    name_materials(root, has_extension, name, materials, sizeof materials);
-    sl_scene_warn(&model->scene, "%s: the extension %s is not supported: %s%s", path, name, in_place_of(name),
-                  materials);
+static void tell_extension(const char *path, const char *name, sl_model *model) {
+    if (!is_had(name))
+        sl_scene_warn(&model->scene, "%s: the extension %s is not supported: %s", path, name,
+                      in_place_of(name));
 }
 
 static void tell_extensions(const char *path, const cJSON *root, sl_model *model) {
     const cJSON *name, *material, *extension;
     cJSON_ArrayForEach(name, member(root, "extensionsUsed")) {
-        if (cJSON_IsString(name)) tell_extension(path, root, name->valuestring, model);
+        if (cJSON_IsString(name)) tell_extension(path, name->valuestring, model);
     }
     cJSON_ArrayForEach(material, member(root, "materials")) { /* which may use what is not listed */
         cJSON_ArrayForEach(extension, member(material, "extensions")) {
-            if (extension->string) tell_extension(path, root, extension->string, model);
+            if (extension->string) tell_extension(path, extension->string, model);
         }
     }
 }
@@ -100,10 +68,12 @@ static bool has_morphs(const cJSON *root) {
 }
 
 void sl_gltf_tell_features(const char *path, const cJSON *root, sl_model *model) {
-    char materials[160];
+    const cJSON *material;
     tell_extensions(path, root, model);
-    name_materials(root, has_texture, "normalTexture", materials, sizeof materials);
-    if (*materials) sl_scene_warn(&model->scene, "%s: normal maps are not used%s", path, materials);
+    cJSON_ArrayForEach(material, member(root, "materials")) {
+        if (cJSON_IsObject(member(material, "normalTexture")))
+            sl_scene_warn(&model->scene, "%s: normal maps are not used", path);
+    }
     if (has_morphs(root)) sl_scene_warn(&model->scene, "%s: morph targets are not applied", path);
     if (cJSON_GetArraySize(member(root, "animations")) > 0)
         sl_scene_warn(&model->scene, "%s: animations are not played", path);

@@ -155,11 +155,11 @@ static sl_status add_light(const importer *in, const struct aiLight *from) {
     const bool known = from->mType == aiLightSource_POINT || from->mType == aiLightSource_SPOT ||
                        from->mType == aiLightSource_DIRECTIONAL;
     const char *why = NULL;
+    uint32_t index;
     if (!known) why = "is neither point, spot nor directional";
-    else if (!(sl_rgb_max(light.intensity) > 0.0f)) why = "gives no light";
     else if (light.type != SL_LIGHT_POINT && !(sl_dot(light.direction, light.direction) > 0.5f))
         why = "has no direction";
-    if (!why) return sl_model_add_light(in->model, &light, in->error);
+    if (!why) return sl_model_add_light(in->model, &light, &index, in->error);
     sl_scene_warn(&in->model->scene, "%s: light '%s' %s and is left out", in->path, from->mName.data, why);
     return SL_OK;
 }

@@ -263,6 +263,7 @@ static sl_status complete(sl_model *m, sl_error *error) {
     sl_scene *s = &m->scene;
     bool shut_out = false;
     s->is_read = true;
+    if (m->dark_lights) sl_scene_warn(s, "%zu lights have no intensity and are left out", m->dark_lights);
     sl_status status = set_film(s, error);
     if (status == SL_OK) status = add_what_is_missing(m, error);
     if (status == SL_OK) status = sl_materials_check(s, error);

@@ -109,15 +109,8 @@ static sl_status check_light(sl_light *light, size_t index, sl_error *error) {
 }
 
 sl_status sl_lights_check(sl_scene *scene, sl_error *error) {
-    size_t kept = 0, dark = 0;
-    for (size_t i = 0; i < scene->light_count; i++) {
-        sl_light light = scene->lights[i];
-        sl_status status = check_light(&light, i, error);
-        if (status != SL_OK) return status;
-        if (sl_rgb_max(light.intensity) > 0.0f) scene->lights[kept++] = light;
-        else dark++;
-    }
-    scene->light_count = kept;
-    if (dark) sl_scene_warn(scene, "%zu lights have no intensity and are left out", dark);
-    return SL_OK;
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < scene->light_count && status == SL_OK; i++)
+        status = check_light(&scene->lights[i], i, error);
+    return status;
 }

@@ -135,19 +135,6 @@ static double room_around(const sl_scene *s, sl_vec3 point) {
     return inside ? count.mean_distance : 0.0;
 }
 
-/* Half-way between what is hit in one direction and in the opposite one, axis by axis. */
-static sl_vec3 middle_of_room(const sl_scene *s, sl_vec3 point) {
-    static const sl_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (int k = 0; k < 3; k++) {
-        sl_sight sight = {.origin = point};
-        for (int i = 0; i < SL_SIGHT_RAYS; i++) sl_sight_set(&sight, i, i % 2 ? axis[k] : sl_neg(axis[k]));
-        sl_sight_cast(&sight, s);
-        if (!isfinite(sight.distance[0]) || !isfinite(sight.distance[1])) continue;
-        point = sl_mad(point, 0.5f * (sight.distance[1] - sight.distance[0]), axis[k]);
-    }
-    return point;
-}
-
 /* The roomiest of some points; false where none is inside. */
 static bool find_room(const sl_scene *s, const sl_vec3 *lamp, sl_vec3 *middle) {
     static const double offset[STARTS / 2][2] = {
@@ -162,10 +149,7 @@ static bool find_room(const sl_scene *s, const sl_vec3 *lamp, sl_vec3 *middle) {
         double room = room_around(s, point);
         if (room > most) most = room, *middle = point;
     }
-    if (!(most > 0.0)) return false;
-    sl_vec3 moved = middle_of_room(s, *middle);
-    if (room_around(s, moved) > 0.0) *middle = moved;
-    return true;
+    return most > 0.0;
 }
 
 /* Looking along the direction, from near to what is behind the middle of the room. */

@@ -135,34 +135,19 @@ static bool reap(const helper *h, int *how) {
 
 static sl_status fail_of_end(const helper *h, bool known, int how) {
     const int ended_by = known && WIFSIGNALED(how) ? WTERMSIG(how) : 0;
-    if (ended_by == SIGALRM) {
-        return sl_fail(
-            h->error, SL_ERROR_INPUT,
-            "%s: cannot be read: the importer of mesh files took more than %u seconds; expected a sound file",
-            h->path, h->limits.seconds);
-    }
-    if (ended_by == SIGXCPU) {
-        return sl_fail(h->error, SL_ERROR_INPUT,
-                       "%s: cannot be read: the importer of mesh files was ended, as it is after %u seconds "
-                       "of work; expected a sound file",
-                       h->path, h->limits.processor_seconds);
-    }
-    if (ended_by == SIGKILL) {
-        return sl_fail(h->error, SL_ERROR_RESOURCES,
-                       "%s: cannot be read: the importer of mesh files was killed, as the system does where "
-                       "memory ends",
-                       h->path);
-    }
-    if (ended_by) {
-        return sl_fail(h->error, SL_ERROR_INPUT,
-                       "%s: cannot be read: the importer of mesh files crashed on it or on a file that it "
-                       "names (signal %d), as it does on some damaged ones; expected sound files",
-                       h->path, ended_by);
-    }
-    return sl_fail(h->error, SL_ERROR_INPUT,
-                   "%s: cannot be read: the importer of mesh files, %s, ended without a whole answer; "
-                   "expected a sound file",
-                   h->path, h->program);
+    char why[120] = "ended without a whole answer";
+    if (ended_by == SIGALRM) snprintf(why, sizeof why, "took more than %u seconds", h->limits.seconds);
+    else if (ended_by == SIGXCPU)
+        snprintf(why, sizeof why, "was ended, as it is after %u seconds of work",
+                 h->limits.processor_seconds);
+    else if (ended_by == SIGKILL)
+        snprintf(why, sizeof why, "was killed, as the system does where memory ends");
+    else if (ended_by)
+        snprintf(why, sizeof why,
+                 "crashed on it or on a file that it names (signal %d), as it does on some damaged ones",
+                 ended_by);
+    return sl_fail(h->error, ended_by == SIGKILL ? SL_ERROR_RESOURCES : SL_ERROR_INPUT,
+                   "%s: cannot be read: the importer of mesh files %s; expected a sound file", h->path, why);
 }
 
 /* SL_OK: a whole reply is there. *size: what it says it has. */

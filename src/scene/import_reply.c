@@ -1,5 +1,6 @@
 #include "scene/import_reply.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -126,11 +127,7 @@ static void pass_materials(stream *s) {
     for (uint32_t i = 0, index; i < count; i++) {
         sl_material m = s->reads ? (sl_material){0} : s->model->scene.materials[i];
         m.name = (char *)(uintptr_t)pass_text(s, s->reads ? "" : m.name);
-        pass(s, &m.diffuse, sizeof m.diffuse);
-        pass(s, &m.specular, sizeof m.specular);
-        pass(s, &m.mirror, sizeof m.mirror);
-        pass(s, &m.emission, sizeof m.emission);
-        pass(s, &m.exponent, sizeof m.exponent);
+        pass(s, &m.diffuse, offsetof(sl_material, emission_two_sided) - offsetof(sl_material, diffuse));
         m.emission_two_sided = pass_below(s, m.emission_two_sided, 2);
         m.texture = pass_texture_index(s, m.texture);
         m.alpha_texture = pass_texture_index(s, m.alpha_texture);
@@ -175,16 +172,12 @@ static void pass_triangles(stream *s, size_t materials, size_t objects) {
 }
 
 static void pass_lights(stream *s) {
-    const uint32_t count = pass_count(s, s->model->scene.light_count, 48);
-    for (uint32_t i = 0; i < count; i++) {
+    const uint32_t count = pass_count(s, s->model->scene.light_count, sizeof(sl_light));
+    for (uint32_t i = 0, index; i < count; i++) {
         sl_light l = s->reads ? (sl_light){0} : s->model->scene.lights[i];
-        l.type = (sl_light_type)pass_below(s, l.type, SL_LIGHT_DIRECTIONAL + 1);
-        pass(s, &l.position, sizeof l.position);
-        pass(s, &l.direction, sizeof l.direction);
-        pass(s, &l.intensity, sizeof l.intensity);
-        pass(s, &l.cos_inner, sizeof l.cos_inner);
-        pass(s, &l.cos_outer, sizeof l.cos_outer);
-        if (adds(s)) s->status = sl_model_add_light(s->model, &l, s->error);
+        pass(s, &l, sizeof l);
+        s->amiss |= (unsigned)l.type > SL_LIGHT_DIRECTIONAL;
+        if (adds(s)) s->status = sl_model_add_light(s->model, &l, &index, s->error);
     }
 }
 

@@ -142,11 +142,18 @@ sl_status sl_model_add_material(sl_model *m, const sl_material *material, uint32
     return SL_OK;
 }
 
-sl_status sl_model_add_light(sl_model *m, const sl_light *light, sl_error *error) {
+sl_status sl_model_add_light(sl_model *m, const sl_light *light, uint32_t *index, sl_error *error) {
     sl_scene *s = &m->scene;
+    const sl_rgb i = light->intensity;
+    *index = SL_NO_INDEX;
+    if (i.r == 0.0f && i.g == 0.0f && i.b == 0.0f) {
+        m->dark_lights++;
+        return SL_OK;
+    }
     if (!sl_make_room(&s->lights, s->light_count, &m->light_room, sizeof *s->lights))
         return sl_fail_memory(error, "the lights");
-    s->lights[s->light_count++] = *light;
+    *index = (uint32_t)s->light_count++;
+    s->lights[*index] = *light;
     return SL_OK;
 }
 

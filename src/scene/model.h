@@ -20,7 +20,8 @@ typedef struct sl_model {
     /* Vertices of one object that agree in position, normal and texture coordinates become one, unless this
      * says no. */
     bool keeps_vertices;
-    bool stays_dark; /* without any light: no default light is added */
+    size_t dark_lights; /* that were left out */
+    bool stays_dark;    /* without any light: no default light is added */
     bool has_camera;
     sl_camera camera;
     const sl_viewpoint *view; /* of the caller, in place of what the camera has; or NULL */
@@ -55,7 +56,8 @@ sl_status sl_model_add_bicubic(sl_model *model, const sl_bicubic *surface, uint3
 /* Copies; the name too. */
 sl_status sl_model_add_material(sl_model *model, const sl_material *material, uint32_t *index,
                                 sl_error *error);
-sl_status sl_model_add_light(sl_model *model, const sl_light *light, sl_error *error);
+/* A light that gives none is counted and left out: *index is SL_NO_INDEX then. */
+sl_status sl_model_add_light(sl_model *model, const sl_light *light, uint32_t *index, sl_error *error);
 sl_status sl_model_add_object(sl_model *model, const char *name, uint32_t *index, sl_error *error);
 /* The texels become the model's, whatever comes of it; a texture of that name that is there already stays in
  * their place. */

@@ -24,7 +24,7 @@ static sl_status add_surfaces_and_lights(sl_model *m, const sl_scene_parts *part
     for (size_t i = 0; i < parts->material_count && status == SL_OK; i++)
         status = sl_model_add_material(m, &parts->materials[i], &index, error);
     for (size_t i = 0; i < parts->light_count && status == SL_OK; i++)
-        status = sl_model_add_light(m, &parts->lights[i], error);
+        status = sl_model_add_light(m, &parts->lights[i], &index, error);
     return status;
 }
 

@@ -83,32 +83,12 @@ static void read_directional(sl_scene_file *file, const cJSON *item, sl_light *l
     sl_json_rgb(json, sl_json_need(json, item, "irradiance"), &light->intensity);
 }
 
-/* Lights that give no light: the first, and how many. */
-typedef struct dark_lights {
-    const cJSON *first;
-    size_t count;
-} dark_lights;
-
-static void warn_of_dark(sl_scene_file *file, const dark_lights *dark) {
-    if (!dark->count || file->json.status != SL_OK) return;
-    unsigned long line = sl_json_line(&file->json, dark->first);
-    if (dark->count == 1)
-        sl_scene_warn(&file->model.scene, "%s:%lu: this light gives no light and is left out",
-                      file->json.path, line);
-    else
-        sl_scene_warn(&file->model.scene, "%s:%lu: this light and %zu more give no light and are left out",
-                      file->json.path, line, dark->count - 1);
-}
-
-static void add_light(sl_scene_file *file, const cJSON *item, const sl_light *light, dark_lights *dark) {
+static void add_light(sl_scene_file *file, const cJSON *item, const sl_light *light) {
+    uint32_t index;
     if (file->json.status != SL_OK) return;
-    if (!(sl_rgb_max(light->intensity) > 0.0f)) {
-        if (!dark->count++) dark->first = item;
-        return;
-    }
-    uint32_t index = (uint32_t)file->model.scene.light_count;
-    file->json.status = sl_model_add_light(&file->model, light, file->json.error);
-    if (file->json.status == SL_OK) sl_scene_file_light_keys(file, sl_json_get(item, "keyframes"), index);
+    file->json.status = sl_model_add_light(&file->model, light, &index, file->json.error);
+    if (file->json.status == SL_OK && index != SL_NO_INDEX)
+        sl_scene_file_light_keys(file, sl_json_get(item, "keyframes"), index);
 }
 
 /* ---- quads: two emissive triangles ----------------------------------------------------------- */
@@ -181,7 +161,6 @@ static void add_quad(sl_scene_file *file, const cJSON *item, size_t number) {
 void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
     sl_json *json = &file->json;
     size_t count = sl_json_array(json, list), number = 0;
-    dark_lights dark = {0};
     for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK;
          item = item->next, number++) {
         if (!cJSON_IsObject(item)) {
@@ -199,9 +178,8 @@ void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
         else
             sl_json_fail(json, sl_json_get(item, "type"),
                          "unknown light type '%s'; expected 'point', 'spot', 'directional' or 'quad'", type);
-        if (strcmp(type, "quad") != 0) add_light(file, item, &light, &dark);
+        if (strcmp(type, "quad") != 0) add_light(file, item, &light);
     }
-    warn_of_dark(file, &dark);
 }
 
 /* ---- sky ------------------------------------------------------------------------------------- */

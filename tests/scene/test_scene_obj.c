@@ -305,17 +305,6 @@ static void a_material_is_what_its_statements_say_however_they_are_spelled(void 
     expect_grey(m.specular, 0.25f);
 }
 
-static void an_exponent_beyond_that_of_scene_files_is_theirs(void **state) {
-    (void)state;
-    const float largest = 1e6f;
-    assert_true(material_of("newmtl m\nNs 1000000\n").exponent == largest);
-    assert_true(material_of("newmtl m\nNs 1e30\n").exponent == largest);
-    assert_true(material_of("newmtl m\nNs -1.96\n").exponent == 0.0f);
-    assert_int_equal(library_warnings("newmtl m\nNs 1e30\n",
-                                      "m.mtl:2: exponent Ns 1e30 is not from 0 to 1000000; cut to that"),
-                     1);
-}
-
 static void a_texture_is_found_behind_its_options(void **state) {
     (void)state;
     write_picture("t 1.png");
@@ -434,7 +423,6 @@ int main(void) {
         cmocka_unit_test(a_face_has_the_material_that_was_named_last_before_it),
         cmocka_unit_test(values_of_materials_that_are_none_are_told_by_line),
         cmocka_unit_test(a_material_is_what_its_statements_say_however_they_are_spelled),
-        cmocka_unit_test(an_exponent_beyond_that_of_scene_files_is_theirs),
         cmocka_unit_test(a_texture_is_found_behind_its_options),
         cmocka_unit_test(options_of_a_texture_that_change_it_are_told),
         cmocka_unit_test(a_material_that_no_library_has_is_told_once),

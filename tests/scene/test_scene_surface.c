@@ -187,23 +187,6 @@ static void sky_samples_estimate_the_sky_without_bias(void **state) {
     sl_scene_destroy(s);
 }
 
-static void samples_agree_with_radiance_and_density_of_their_direction(void **state) {
-    (void)state;
-    sl_scene *s = scene_under_numbered_sky();
-    int differ = 0;
-    uint64_t key = sl_random_key(9, 2);
-    for (int i = 0; i < 20000; i++) {
-        sl_rgb radiance;
-        float pdf;
-        sl_vec3 d = sl_environment_sample(&s->environment, sl_random_unit(key, 2 * (uint64_t)i),
-                                          sl_random_unit(key, 2 * (uint64_t)i + 1), &radiance, &pdf);
-        differ += sl_environment_radiance(&s->environment, d).g != radiance.g ||
-                  sl_environment_pdf(&s->environment, d) != pdf;
-    }
-    assert_true(differ < 20); /* those within rounding of a texel's border */
-    sl_scene_destroy(s);
-}
-
 static void a_black_or_damaged_sky_is_no_sky(void **state) {
     (void)state;
     float texels[6] = {NAN, -1.0f, INFINITY, 0, 0, 0};
@@ -226,7 +209,6 @@ int main(void) {
         cmocka_unit_test(alpha_masks_are_tested_at_one_half),
         cmocka_unit_test(directions_follow_the_stated_convention),
         cmocka_unit_test(sky_samples_estimate_the_sky_without_bias),
-        cmocka_unit_test(samples_agree_with_radiance_and_density_of_their_direction),
         cmocka_unit_test(a_black_or_damaged_sky_is_no_sky),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
