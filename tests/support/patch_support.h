@@ -31,7 +31,8 @@ static inline hierarchy hierarchy_of(sl_scene *scene, unsigned kept) {
                                           .shown = true,
                                           .sets = kept & KEEP_SETS};
     if (sl_primitives_find(scene, &h.primitives, &error) != SL_OK) fail_msg("%s", error.message);
-    if (sl_patches_create(h.primitives, &settings, &h.patches, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_patches_create(h.primitives, &settings, &h.patches, &error) != SL_OK)
+        fail_msg("%s", error.message);
     return h;
 }
 

@@ -85,7 +85,8 @@ static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vert
     for (size_t i = 0; i < sizeof nudge / sizeof nudge[0]; i++) {
         sl_mesh_point at = point_of(c, v, nudge[i]);
         sl_lit_point point = sl_lit_point_of(&at);
-        if (!light_point(c, &point, w, counters) && sl_mesh_point_in_solid(c->primitives, c->tracer, &at, counters))
+        if (!light_point(c, &point, w, counters) &&
+            sl_mesh_point_in_solid(c->primitives, c->tracer, &at, counters))
             continue;
         return sl_direct_diffuse(c->lights, w->share);
     }

@@ -2,16 +2,15 @@
  * show which leaf, which leaf matters most, when a leaf is fine enough, and redraws what has changed.
  *
  *   displayed.c    visible pixels down the quadtrees (pass 1); Gouraud: a leaf's pixels (pass 3)
- *   priorities.c   the size criterion; P = n_px (delta + delta_0), maxima up to the roots; the heap over these,
- *                  or the paper's random chain
- *   refine.c       the test of a leaf and its edges, split, undo
- *   probes.c       leaves whose edges agree, and yet something lies between them
+ *   priorities.c   the size criterion; P = n_px (delta + delta_0), maxima up to the roots; the heap over
+ * these, or the paper's random chain refine.c       the test of a leaf and its edges, split, undo probes.c
+ * leaves whose edges agree, and yet something lies between them
  *
  * One step of refinement:
  *   leaf = sl_displayed_take(mesh)          the one that matters most; it is marked as taken
- *   sl_displayed_request(mesh, leaf, ...)   vertices whose values its test wants: corners, then the middles of
- *                                           untested edges; the caller samples them and puts their values
- *   sl_displayed_commit(mesh, leaf)         tests edges; splits, closes or collapses
+ *   sl_displayed_request(mesh, leaf, ...)   vertices whose values its test wants: corners, then the middles
+ * of untested edges; the caller samples them and puts their values sl_displayed_commit(mesh, leaf) tests
+ * edges; splits, closes or collapses
  *
  * A leaf that is closed then, and larger than the finest that the size criterion knows, is taken once more:
  *   sl_is_unprobed(mesh, leaf)              it is to be probed instead: the caller looks at pixels of it
@@ -147,7 +146,9 @@ static inline void sl_mesh_set_upper_half(sl_patch *node, float size) {
 }
 /* Returns a node's size in pixels when it collapsed: it is not opened again before it is twice that; 0: it
  * never did. */
-static inline float sl_mesh_tested_size(const sl_patch *node) { return fmaxf(sl_mesh_upper_half(node), 0.0f); }
+static inline float sl_mesh_tested_size(const sl_patch *node) {
+    return fmaxf(sl_mesh_upper_half(node), 0.0f);
+}
 static inline void sl_mesh_set_tested_size(sl_patch *node, float size) {
     sl_mesh_set_upper_half(node, size > 0.0f ? size : 0.0f); /* NaN, too */
 }

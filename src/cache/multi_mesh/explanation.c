@@ -27,7 +27,8 @@ static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel
     return false;
 }
 
-/* Finds the leaf, or the nearest patch above it whose corners are sampled and one is of use, as it is drawn. */
+/* Finds the leaf, or the nearest patch above it whose corners are sampled and one is of use, as it is drawn.
+ */
 static bool find_shown(const sl_displayed *d, sl_patch_place *place) {
     sl_mesh_fan fan;
     while (!sl_mesh_fan_make(d->mesh, place, false, &fan)) {
@@ -185,7 +186,8 @@ static void put_edge(edges *e, uint32_t a, uint32_t b) {
 static void put_edges_below(const sl_patches *mesh, edges *e, uint32_t node) {
     const sl_patch *n = &mesh->patch[node];
     if (n->child == SL_NO_INDEX) {
-        for (int c = 0; c < 3; c++) put_edge(e, sl_patch_corner(mesh, node, c), sl_patch_corner(mesh, node, (c + 1) % 3));
+        for (int c = 0; c < 3; c++)
+            put_edge(e, sl_patch_corner(mesh, node, c), sl_patch_corner(mesh, node, (c + 1) % 3));
         return;
     }
     for (int c = 0; c < 4; c++)

@@ -90,7 +90,8 @@ static bool still_agrees(const sl_irradiance_meshes *m, uint32_t light, const sl
     sl_mesh_edge_vertices(mesh, place, edge, &on);
     for (int i = 0; i < on.count; i++) {
         float along = (float)on.at[i] / (float)(1 << SL_FAN_LEVELS),
-              linear = *sl_vertex_value(mesh, a) + along * (*sl_vertex_value(mesh, b) - *sl_vertex_value(mesh, a));
+              linear =
+                  *sl_vertex_value(mesh, a) + along * (*sl_vertex_value(mesh, b) - *sl_vertex_value(mesh, a));
         float value = *sl_vertex_value(mesh, on.vertex[i]);
         if (value == linear) continue;
         if (sl_display_contrast(&m->settings.perception, shown(m, light, place->root, linear),
@@ -184,8 +185,8 @@ bool sl_irradiance_known(const sl_patches *mesh, sl_root_place at, float *share)
     return sl_mesh_state(mesh, sample) == SL_VERTEX_KNOWN;
 }
 
-/* At a leaf, as deep as is wanted: a sample, or what its tested edges allow to interpolate. FETCH_SPLIT: it is
- * to be cut. */
+/* At a leaf, as deep as is wanted: a sample, or what its tested edges allow to interpolate. FETCH_SPLIT: it
+ * is to be cut. */
 static fetch_state fetch_from_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *leaf,
                                    const sl_face_point *x, float *share, sl_error *error) {
     sl_patches *mesh = m->mesh[light];

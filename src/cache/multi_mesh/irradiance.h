@@ -51,8 +51,8 @@ const sl_patches *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t 
 sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_face_point *points,
                            float *share, bool *valid, sl_counters *counters, sl_error *error);
 
-/* Gives the sample at a place of a light's mesh, or what is interpolated there, however coarsely. False: there
- * is neither. */
+/* Gives the sample at a place of a light's mesh, or what is interpolated there, however coarsely. False:
+ * there is neither. */
 bool sl_irradiance_known(const sl_patches *mesh, sl_root_place at, float *share);
 /* Sets whether what is known will do, whatever depth is wanted: samples are taken then only where there is
  * nothing to interpolate. */

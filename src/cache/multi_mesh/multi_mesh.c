@@ -196,7 +196,8 @@ static sl_status serve_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *e
     if (status == SL_OK) sl_multi_mesh_probe(s, r->leaf_count, r->leaf);
     for (size_t i = 0; i < r->leaf_count && status == SL_OK; i++) {
         sl_taken_leaf *leaf = &r->leaf[i];
-        if (!leaf->probed) status = sl_displayed_commit(s->part[leaf->part], &leaf->place, &s->counters, error);
+        if (!leaf->probed)
+            status = sl_displayed_commit(s->part[leaf->part], &leaf->place, &s->counters, error);
     }
     for (size_t i = 0; i < r->leaf_count && status == SL_OK; i++) {
         sl_taken_leaf *leaf = &r->leaf[i];

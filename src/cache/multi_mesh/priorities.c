@@ -82,7 +82,8 @@ static bool is_minor(const sl_displayed *d, uint32_t pixels, float contrast) {
 /* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known, nor is
  * what a probe has told of. */
 static bool may_be_minor(const sl_displayed *d, const sl_patch_place *leaf) {
-    bool few = d->mesh->patch[leaf->patch].pixels < d->settings.minor_pixels && !sl_has_hidden_corner(d, leaf);
+    bool few =
+        d->mesh->patch[leaf->patch].pixels < d->settings.minor_pixels && !sl_has_hidden_corner(d, leaf);
     return few && !sl_displayed_is_contradicted(d, leaf) && !sl_displayed_below_contradicted(d, leaf);
 }
 

@@ -230,7 +230,8 @@ bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_patch_place *l
 
 bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_patch_place *leaf) {
     if (!(d->settings.probed_area > 0.0f)) return false;
-    for (uint32_t n = sl_patch_parent(d->mesh, leaf->patch); n != SL_NO_INDEX; n = sl_patch_parent(d->mesh, n)) {
+    for (uint32_t n = sl_patch_parent(d->mesh, leaf->patch); n != SL_NO_INDEX;
+         n = sl_patch_parent(d->mesh, n)) {
         if (d->mesh->patch[n].flags & SL_NODE_SMALL) continue;
         sl_patch_place place = sl_patch_place_of(d->mesh, n);
         return sl_displayed_is_contradicted(d, &place); /* what is above it is larger */

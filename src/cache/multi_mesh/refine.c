@@ -189,7 +189,8 @@ static sl_rgb value_of(const sl_patches *mesh, uint32_t vertex) {
 /* Ends and middle are settled. */
 static bool differs(const sl_displayed *d, uint32_t face, edge_point a, edge_point b, edge_point middle) {
     const sl_patches *mesh = d->mesh;
-    if (sl_mesh_state(mesh, a.vertex) != SL_VERTEX_KNOWN || sl_mesh_state(mesh, b.vertex) != SL_VERTEX_KNOWN ||
+    if (sl_mesh_state(mesh, a.vertex) != SL_VERTEX_KNOWN ||
+        sl_mesh_state(mesh, b.vertex) != SL_VERTEX_KNOWN ||
         sl_mesh_state(mesh, middle.vertex) != SL_VERTEX_KNOWN) {
         return true; /* inside other geometry: light ends somewhere along the edge */
     }

@@ -206,8 +206,8 @@ sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *sett
     const double triangles = (double)scene->triangle_count, n = settings->gather_size,
                  l = settings->multi_mesh.light_size;
     const double lights = sl_need_lights(scene);
-    double caches =
-        triangles * A_TRIANGLE + (plan.indirect ? coarse_bytes(scene, settings) : 0.0) + LEAVES_LEAST * A_LEAF;
+    double caches = triangles * A_TRIANGLE + (plan.indirect ? coarse_bytes(scene, settings) : 0.0) +
+                    LEAVES_LEAST * A_LEAF;
     caches += sl_need_of_threads(settings, A_CELL * (n * n + l * l)) + lights * 2000.0 + 3e6;
     return (sl_memory_need){.hierarchies = plan.lights ? sl_tracer_memory_need(scene->triangle_count) +
                                                              sl_raster_memory_kept(scene->triangle_count)

@@ -1,5 +1,6 @@
-/* The size of a patch on the screen, of its corners as the camera sees them, or of cells of a curved one. What is not in the picture is cut away before the division by w
- * (Sutherland and Hodgman 1974), so that a patch that reaches behind the eye has a size, too. */
+/* The size of a patch on the screen, of its corners as the camera sees them, or of cells of a curved one.
+ * What is not in the picture is cut away before the division by w (Sutherland and Hodgman 1974), so that a
+ * patch that reaches behind the eye has a size, too. */
 #include "cache/patches/patches.h"
 
 enum { CUTS = 5, POINTS_MAX = 4 + CUTS };

@@ -20,8 +20,9 @@ static void shading_destroy(void *state) {
     sl_primitives_destroy(s->primitives);
     sl_tracer_destroy(s->own_tracer);
     sl_fades_release(&s->fades);
-    void *buffers[] = {s->ids.patch, s->id_memory, s->leaf_of_pixel, s->leaf, s->choice, s->place,
-                       s->vertex,    s->request,   s->sample,        s->part, s->stale,  s->changes.object, s};
+    void *buffers[] = {
+        s->ids.patch, s->id_memory, s->leaf_of_pixel, s->leaf,  s->choice,         s->place, s->vertex,
+        s->request,   s->sample,    s->part,          s->stale, s->changes.object, s};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++) sl_free(buffers[i]);
 }
 

@@ -1,6 +1,7 @@
 /* Curved surfaces as triangles for a view (section on curved surfaces): grids so fine that no chord is
  * further than half a pixel from its surface. All surfaces are cut alike, as finely as the one that needs it
- * most, and points of an edge are those of its own curve, rounded once: so nothing tears where surfaces meet. */
+ * most, and points of an edge are those of its own curve, rounded once: so nothing tears where surfaces meet.
+ */
 #include <math.h>
 #include <string.h>
 

@@ -22,7 +22,8 @@ static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
 sl_status sl_window_open(sl_display *d, const sl_scene *scene, unsigned threads, sl_window *w,
                          sl_error *error) {
     *w = (sl_window){.display = d, .scene = scene, .threads = threads};
-    if (!allocate_frame(&w->frame, pixels_of(d), d->curved != NULL)) return sl_fail_memory(error, "the display");
+    if (!allocate_frame(&w->frame, pixels_of(d), d->curved != NULL))
+        return sl_fail_memory(error, "the display");
     sl_status status = sl_raster_create(scene, threads, &w->raster, error);
     if (status == SL_OK && d->curved) status = sl_tessellate(d, w, error);
     return status;

@@ -141,7 +141,8 @@ static bool is_noise(const worker *w, uint32_t patch) {
     float least = HUGE_VALF, most = -1.0f;
     for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) {
         uint32_t vertex = sl_patch_corner(w->patches, patch, c);
-        if (w->patches->sets[vertex].count == UINT32_MAX || w->patches->vertex[vertex].extrapolated) return false;
+        if (w->patches->sets[vertex].count == UINT32_MAX || w->patches->vertex[vertex].extrapolated)
+            return false;
         float level = sl_vertex_level(w->patches, w->settings->curve, vertex);
         if (level < least) least = level, low = vertex;
         if (level > most) most = level, high = vertex;

@@ -34,7 +34,8 @@ static sl_scene *quad_scene(float diffuse) {
 
 static sl_vec3 position_of(const meshed *m, size_t v) {
     sl_coarse_vertex at = m->coarse->vertex[v];
-    return face_point(m->scene, at.face, (float)at.p / SL_PATCH_DYADIC, (float)at.q / SL_PATCH_DYADIC).position;
+    return face_point(m->scene, at.face, (float)at.p / SL_PATCH_DYADIC, (float)at.q / SL_PATCH_DYADIC)
+        .position;
 }
 
 /* ---- what is sampled ------------------------------------------------------------------------- */

@@ -191,7 +191,8 @@ static void leaves_without_values_show_what_stands_in(void **state) {
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
     rig_look(&r, NULL, 1);
-    for (uint32_t v = 0; v < r.mesh->mesh->vertex_count; v++) sl_mesh_set_state(r.mesh->mesh, v, SL_VERTEX_UNKNOWN);
+    for (uint32_t v = 0; v < r.mesh->mesh->vertex_count; v++)
+        sl_mesh_set_state(r.mesh->mesh, v, SL_VERTEX_UNKNOWN);
     rig_draw(&r, 1);
     for (size_t i = 0; i < PIXELS; i++) assert_true(r.id[i] == SL_NO_INDEX || r.plane[2][i] == 0.25f);
     rig_fill_missing(&r); /* now they are known, and drawn without being asked */

@@ -22,7 +22,8 @@ typedef struct largest {
 } largest;
 static void look_at_leaf(void *context, const sl_patch_place *leaf) {
     largest *l = context;
-    float priority = sl_patch_is_leaf(l->d->mesh, leaf->patch) ? l->d->mesh->patch[leaf->patch].priority : 0.0f;
+    float priority =
+        sl_patch_is_leaf(l->d->mesh, leaf->patch) ? l->d->mesh->patch[leaf->patch].priority : 0.0f;
     l->priority = priority > l->priority ? priority : l->priority;
 }
 

@@ -78,7 +78,8 @@ static void what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_i
     uint32_t buried = vertex_at(&h, 2, 2), far = vertex_at(&h, 0, 0);
     sl_patches_set_extrapolated(h.patches, buried);
     sl_patches_extrapolate(h.patches);
-    for (size_t i = 0; i < h.patches->patch_count; i++) h.patches->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
+    for (size_t i = 0; i < h.patches->patch_count; i++)
+        h.patches->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
     sl_vertex_value(h.patches, buried)[1] = 5.0f;
     give(&h, far, 60.0f);
     sl_patches_extrapolate(h.patches);
@@ -303,7 +304,8 @@ static void a_vertex_inside_something_is_looked_for_beside_it_further_and_furthe
         const double share[4] = {deep ? 0.0 : 1.0 / 256.0, 0.01, 0.05, 0.2};
         for (int i = 0; i < 4; i++) assert_true(fabs((double)r.x[i] - (from + share[i] * way)) < 2e-4);
         assert_int_equal(sl_shading_commit(&c.s, 1, NULL), SL_OK);
-        assert_true(value_of(&c.h, c.s.vertex[0]) == 4.0f && !c.h.patches->vertex[c.s.vertex[0]].extrapolated);
+        assert_true(value_of(&c.h, c.s.vertex[0]) == 4.0f &&
+                    !c.h.patches->vertex[c.s.vertex[0]].extrapolated);
         r = (shy){.left = 2.0f}; /* and where it is nowhere to be found it is extrapolated */
         sl_shading_sample(&c.s, 1);
         assert_int_equal(r.asked, 4);

@@ -336,7 +336,8 @@ static void a_pole_has_one_vertex_and_seams_are_shared(void **state) {
     assert_int_equal(hanging_on(h.patches, &coarse, 1, vertex, NULL, 64), 7);
     assert_int_equal(hanging_on(h.patches, &coarse, 3, vertex, NULL, 64), 7);
     assert_sound(h.patches);
-    for (size_t i = 0; i < h.patches->patch_count; i++) h.patches->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
+    for (size_t i = 0; i < h.patches->patch_count; i++)
+        h.patches->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
     uint32_t pole = sl_patch_corner(h.patches, coarse.patch, 0);
     assert_int_equal(sl_patch_corner(h.patches, coarse.patch, 1), pole);
     sl_patches_touch(h.patches, h.patches->vertex[pole].place);

@@ -99,7 +99,13 @@ static void update(wall *w, const sl_selection_settings *selection, bool plain) 
     static sl_object_change object[ROOTS];
     const sl_changes still = {.object_count = ROOTS, .object = object};
     sl_view view = sl_view_of_camera(w->h.scene, &w->camera, SIZE, SIZE);
-    sl_work_settings work = {.view = &view, .curve = &curve, .changes = &still, .split_above = 1.2f, .levels = 3, .crowd = 4, .now = 1};
+    sl_work_settings work = {.view = &view,
+                             .curve = &curve,
+                             .changes = &still,
+                             .split_above = 1.2f,
+                             .levels = 3,
+                             .crowd = 4,
+                             .now = 1};
     size_t count, vertices;
     see(w);
     sl_priorities_normalise(w->leaf_count, w->leaves, plain);

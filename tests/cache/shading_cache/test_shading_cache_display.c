@@ -173,7 +173,8 @@ static void assert_equals_evaluation(const hierarchy *h, const picture *shown, c
             }
         }
     }
-    assert_true(covered > PIXELS / 3 && textured > 500 && (shining > 50) == (h->patches->settings.channels > 3));
+    assert_true(covered > PIXELS / 3 && textured > 500 &&
+                (shining > 50) == (h->patches->settings.channels > 3));
     sl_gbuffer_destroy(g);
     sl_raster_destroy(raster);
 }
@@ -252,7 +253,8 @@ static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(
             assert_int_equal(ids.root[i] == SL_NO_INDEX, plain[i] == SL_NO_INDEX);
             if (plain[i] == SL_NO_INDEX) continue;
             assert_int_equal(ids.root[i] / 2, h.primitives->of_triangle[plain[i]]);
-            assert_int_equal(ids.patch[i], wanted ? sl_patches_find_root(h.patches, ids.root[i]) : SL_NO_INDEX);
+            assert_int_equal(ids.patch[i],
+                             wanted ? sl_patches_find_root(h.patches, ids.root[i]) : SL_NO_INDEX);
             const sl_material *material = sl_root_material(h.primitives, ids.root[i]);
             float emission = ids.root[i] % 2 ? 0.0f : material->emission.g;
             if (material->texture == SL_NO_INDEX) {

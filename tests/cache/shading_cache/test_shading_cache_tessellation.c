@@ -240,7 +240,8 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), 2);
     for (uint32_t v = 0; v < h.patches->vertex_count; v++) {
         for (int c = 0; c < 3; c++)
-            sl_vertex_value(h.patches, v)[c] = 1.0f + 0.5f * (float)(sl_hash64(v * 3 + (uint64_t)c) % 1000) / 1000.0f;
+            sl_vertex_value(h.patches, v)[c] =
+                1.0f + 0.5f * (float)(sl_hash64(v * 3 + (uint64_t)c) % 1000) / 1000.0f;
         h.patches->vertex[v].evaluated = 7;
     }
     sl_display *display = display_of(&h, W, H, guess);
