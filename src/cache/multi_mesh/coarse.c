@@ -35,59 +35,31 @@ static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
         for (; level < settings->depth && longest > (double)settings->edge; level++) longest *= 0.5;
         c->level[face] = (uint8_t)level;
         c->face[face].rows = 1 << level;
-        for (int k = 0; k < 3; k++) {
-            uint8_t *along = &c->edge_level[sl_root_edge(c->primitives, face, k)];
-            if (c->level[face] > *along) *along = c->level[face];
-        }
     }
 }
 
 /* ---- vertices -------------------------------------------------------------------------------- */
 
-/* Returns the k-th of n equal steps along an edge from the corner of its number; they count as its ring
- * agrees on. */
-static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int edge, int k, int n) {
-    const sl_primitives *p = c->primitives;
-    uint32_t number = sl_root_edge(p, face, edge);
-    bool backwards = p->edge_kind[4 * (face / 2) + (uint32_t)edge] & SL_EDGE_BACKWARDS;
-    int steps = backwards ? n - k : k, finer = c->edge_level[number] - c->level[face];
-    return c->edge_vertex[number] + (uint32_t)(steps << finer) - 1;
+static sl_root_place lattice_place(const sl_coarse *c, uint32_t face, int i, int j) {
+    int step = SL_PATCH_DYADIC / c->face[face].rows;
+    return (sl_root_place){face, (uint16_t)(i * step), (uint16_t)(j * step)};
 }
 
 uint32_t sl_coarse_lattice_vertex(const sl_coarse *c, uint32_t face, int i, int j) {
-    int n = c->face[face].rows, h = n - i - j;
-    if (h == n) return c->corner_vertex[sl_root_corner(c->primitives, face, 0)];
-    if (i == n) return c->corner_vertex[sl_root_corner(c->primitives, face, 1)];
-    if (j == n) return c->corner_vertex[sl_root_corner(c->primitives, face, 2)];
-    if (h == 0) return vertex_on_edge(c, face, 1, j, n);
-    if (i == 0) return vertex_on_edge(c, face, 2, h, n);
-    if (j == 0) return vertex_on_edge(c, face, 0, i, n);
-    return c->inner_vertex[face] + (uint32_t)((j - 1) * (n - 1) - j * (j - 1) / 2 + i - 1);
+    return sl_vertex_find(c->vertices, lattice_place(c, face, i, j));
 }
 
-/* Numbers in the order of first use. An edge's vertices are numbered all at once, by the first of the finest
- * faces along it: coarser ones use every second of them, every fourth, ... */
-static size_t number_vertices(sl_coarse *c) {
-    size_t count = 0;
-    for (size_t i = 0; i < 4 * c->face_count; i++) c->corner_vertex[i] = c->edge_vertex[i] = SL_NO_INDEX;
+/* Numbers them in the order of first use. */
+static sl_status number_vertices(sl_coarse *c, sl_error *error) {
+    sl_status status = SL_OK;
     for (uint32_t face = 0; face < c->face_count; face++) {
-        if (c->level[face] == SL_COARSE_ABSENT) continue;
-        size_t n = (size_t)1 << c->level[face];
-        for (int k = 0; k < 3; k++) {
-            uint32_t *vertex = &c->corner_vertex[sl_root_corner(c->primitives, face, k)];
-            if (*vertex == SL_NO_INDEX) *vertex = (uint32_t)count++;
-        }
-        for (int k = 0; k < 3; k++) {
-            uint32_t edge = sl_root_edge(c->primitives, face, k), *vertex = &c->edge_vertex[edge];
-            if (c->level[face] < c->edge_level[edge] || *vertex != SL_NO_INDEX) continue;
-            *vertex = (uint32_t)count;
-            count += n - 1;
-        }
-        c->inner_vertex[face] = (uint32_t)count;
-        count += (n - 1) * (n - 2) / 2;
-        if (count >= SL_NO_INDEX) return SIZE_MAX;
+        int n = c->face[face].rows;
+        for (int j = 0; c->level[face] != SL_COARSE_ABSENT && j <= n; j++)
+            for (int i = 0; i <= n - j && status == SL_OK; i++)
+                sl_vertex_make(c->vertices, lattice_place(c, face, i, j), &status, error);
     }
-    return count;
+    c->vertex_count = c->vertices->vertex_count;
+    return status;
 }
 
 /* Where light is asked for. At a face's rim that is within, half-way to the middle of a coarse triangle:
@@ -160,21 +132,15 @@ static void colour_nothing(sl_coarse *c) {
 static bool allocate_faces(sl_coarse *c) {
     size_t faces = c->face_count;
     c->level = sl_allocate(faces, sizeof *c->level);
-    c->edge_level = sl_allocate(4 * faces, sizeof *c->edge_level);
-    c->corner_vertex = sl_allocate(4 * faces, sizeof *c->corner_vertex);
-    c->edge_vertex = sl_allocate(4 * faces, sizeof *c->edge_vertex);
-    c->inner_vertex = sl_allocate(faces, sizeof *c->inner_vertex);
     c->face = sl_allocate(faces + 2, sizeof *c->face);
-    return c->level && c->edge_level && c->corner_vertex && c->edge_vertex && c->inner_vertex && c->face;
+    return c->level && c->face;
 }
 
 static bool allocate_values(sl_coarse *c) {
     c->vertex = sl_allocate(c->vertex_count, sizeof *c->vertex);
-    c->value = sl_allocate(c->vertex_count, sizeof *c->value);
-    c->valid = sl_allocate(c->vertex_count, sizeof *c->valid);
     c->reflectance = sl_allocate(c->triangle_count, sizeof *c->reflectance);
     c->colour = sl_allocate(c->triangle_count, SL_LATTICE_FLOATS * sizeof *c->colour);
-    return c->vertex && c->value && c->valid && c->reflectance && c->colour;
+    return c->vertex && c->reflectance && c->colour;
 }
 
 static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error *error) {
@@ -184,12 +150,15 @@ static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error
     }
     if (!allocate_faces(c)) return sl_fail_memory(error, "the coarse mesh's faces");
     choose_levels(c, settings);
-    c->vertex_count = number_vertices(c);
     c->triangle_count = number_triangles(c);
-    if (c->vertex_count == SIZE_MAX || c->triangle_count == SIZE_MAX) {
+    if (c->triangle_count == SIZE_MAX) {
         return sl_fail(error, SL_ERROR_RESOURCES,
                        "the coarse mesh has too many triangles: raise its edge or lower its depth");
     }
+    const sl_patches_settings vertices = {.channels = 3, .max_depth = SL_MESH_DEPTH_MAX};
+    sl_status status = sl_patches_create(c->primitives, &vertices, &c->vertices, error);
+    if (status == SL_OK) status = number_vertices(c, error);
+    if (status != SL_OK) return status;
     if (!allocate_values(c)) return sl_fail_memory(error, "the coarse mesh");
     place_vertices(c);
     colour_nothing(c);
@@ -212,18 +181,16 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitive
 
 void sl_coarse_destroy(sl_coarse *c) {
     if (!c) return;
-    void *blocks[] = {c->level,  c->edge_level, c->corner_vertex, c->edge_vertex, c->inner_vertex, c->vertex,
-                      c->value, c->valid,      c->face,        c->reflectance, c->colour};
+    sl_patches_destroy(c->vertices);
+    void *blocks[] = {c->level, c->vertex, c->face, c->reflectance, c->colour};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) sl_free(blocks[k]);
     sl_free(c);
 }
 
 size_t sl_coarse_memory_bytes(const sl_coarse *c) {
-    size_t by_corner = sizeof *c->edge_level + sizeof *c->edge_vertex + sizeof *c->corner_vertex,
-           by_face = sizeof *c->level + sizeof *c->inner_vertex + sizeof *c->face + 4 * by_corner;
-    size_t by_vertex = sizeof *c->vertex + sizeof *c->value + sizeof *c->valid;
     size_t by_triangle = sizeof *c->reflectance + SL_LATTICE_FLOATS * sizeof *c->colour;
-    return sizeof *c + c->face_count * by_face + c->vertex_count * by_vertex +
+    return sizeof *c + c->face_count * (sizeof *c->level + sizeof *c->face) +
+           sl_patches_memory_bytes(c->vertices) + c->vertex_count * sizeof *c->vertex +
            c->triangle_count * by_triangle;
 }
 
@@ -248,13 +215,12 @@ static const float VALUE_MAX = 1e30f;
 static float sane(float value) { return value > 0.0f ? (value < VALUE_MAX ? value : VALUE_MAX) : 0.0f; }
 
 void sl_coarse_set(sl_coarse *c, size_t vertex, sl_rgb value) {
-    c->valid[vertex] = sl_rgb_is_finite(value);
-    c->value[vertex] =
-        c->valid[vertex] ? (sl_rgb){sane(value.r), sane(value.g), sane(value.b)} : sl_grey(0.0f);
-}
-
-sl_rgb sl_coarse_get(const sl_coarse *c, size_t vertex) {
-    return c->valid[vertex] ? c->value[vertex] : sl_grey(NAN);
+    float *of = sl_vertex_value(c->vertices, (uint32_t)vertex);
+    bool finite = sl_rgb_is_finite(value);
+    sl_mesh_set_state(c->vertices, (uint32_t)vertex, finite ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
+    of[0] = finite ? sane(value.r) : 0.0f;
+    of[1] = finite ? sane(value.g) : 0.0f;
+    of[2] = finite ? sane(value.b) : 0.0f;
 }
 
 /* ---- reflectance ----------------------------------------------------------------------------- */
@@ -310,8 +276,9 @@ static void corner_values(const sl_coarse *c, uint32_t face, const place *p, sl_
     int valid[3], count = 0;
     for (int k = 0; k < 3; k++) {
         uint32_t vertex = sl_coarse_lattice_vertex(c, face, p->i[k], p->j[k]);
-        valid[k] = c->valid[vertex];
-        value[k] = c->value[vertex];
+        const float *of = sl_vertex_value(c->vertices, vertex);
+        valid[k] = sl_mesh_state(c->vertices, vertex) == SL_VERTEX_KNOWN;
+        value[k] = (sl_rgb){of[0], of[1], of[2]};
         if (valid[k]) sum = sl_rgb_add(sum, value[k]);
         count += valid[k];
     }

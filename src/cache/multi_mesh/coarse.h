@@ -10,8 +10,7 @@
  *     |\ |\     j (2n - j) + 2i + (1 if on its head). The corners of either kind are in the order of the
  *     0-\|-\ 1  face's corners 0, 1, 2: weights within it follow from the face's.
  *
- * Vertices are shared: one for each corner in use, 2^l - 1 on each edge (l the highest level of the faces
- * along it), and those inside a face.
+ * Vertices are shared as all vertices of patches are.
  *
  *   coarse.c         levels and vertices; their values times the bounce's reflectance
  *   coarse_light.c   direct light at its vertices, some of them an update */
@@ -44,14 +43,10 @@ typedef struct sl_coarse {
     const sl_primitives *primitives;
     size_t face_count;
     uint8_t *level;            /* by face, or SL_COARSE_ABSENT */
-    uint8_t *edge_level;       /* by sl_root_edge() */
-    uint32_t *corner_vertex;   /* by sl_root_corner(), or SL_NO_INDEX */
-    uint32_t *edge_vertex;     /* by edge: the first of those on it */
-    uint32_t *inner_vertex;    /* by face: the first of those inside it */
+    /* by the places that stand for all who share them, with U_dd; not a number: SL_VERTEX_INVALID */
+    sl_patches *vertices;
     size_t vertex_count;
     sl_coarse_vertex *vertex;
-    sl_rgb *value;             /* U_dd by vertex */
-    uint8_t *valid;            /* 0: what was set was not a number */
     size_t triangle_count;     /* coarse ones */
     sl_face_lattice *face;     /* by face; two more for nothing, as if that were one more scene triangle */
     sl_rgb *reflectance;       /* by coarse triangle: k_d, the mean of its texture */
@@ -64,9 +59,8 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitive
 void sl_coarse_destroy(sl_coarse *coarse);
 size_t sl_coarse_memory_bytes(const sl_coarse *coarse);
 /* Sets U_dd at vertex i; with two bounces U_dd + E_i / pi. Where it is not finite (or never set) the other
- * corners' mean stands in, triangle by triangle, and sl_coarse_get() has no number. */
+ * corners' mean stands in, triangle by triangle. */
 void sl_coarse_set(sl_coarse *coarse, size_t vertex, sl_rgb radiosity_over_pi);
-sl_rgb sl_coarse_get(const sl_coarse *coarse, size_t vertex);
 /* Colours times reflectance, in the form that gathers draw: after a round of sl_coarse_set(). */
 void sl_coarse_finish(sl_coarse *coarse, unsigned threads);
 /* Returns the brightest of all colours, by channel. */

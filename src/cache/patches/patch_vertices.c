@@ -98,6 +98,15 @@ uint32_t sl_vertex_take(sl_patches *p, sl_root_place place, bool *created) {
     return made;
 }
 
+uint32_t sl_vertex_make(sl_patches *p, sl_root_place place, sl_status *status, sl_error *error) {
+    bool created;
+    *status = sl_vertices_reserve(p, 1, error);
+    if (*status != SL_OK) return SL_NO_INDEX;
+    uint32_t vertex = sl_vertex_take(p, place, &created);
+    p->vertex[vertex].references = SL_REFERENCES_MANY;
+    return vertex;
+}
+
 /* Vertices that are not in use have no references and name the next one in `root`. */
 bool sl_vertex_release(sl_patches *p, uint32_t vertex) {
     sl_patch_vertex *v = &p->vertex[vertex];

@@ -301,14 +301,11 @@ static void take_middles(sl_patches *p, const sl_patch_place *parent, uint32_t f
 uint32_t sl_patch_edge_middle(sl_patches *p, const sl_patch_place *place, int edge, sl_status *status,
                               sl_error *error) {
     sl_root_place middle;
-    bool created, even = sl_middle_place(place, edge, (edge + 1) % place->corners, &middle);
+    bool even = sl_middle_place(place, edge, (edge + 1) % place->corners, &middle);
     *status = SL_OK;
     if (place->depth >= p->settings.max_depth || !even) return SL_NO_INDEX;
-    *status = sl_vertices_reserve(p, 1, error);
-    if (*status != SL_OK) return SL_NO_INDEX;
-    uint32_t vertex = sl_vertex_take(p, middle, &created);
-    p->vertex[vertex].references = SL_REFERENCES_MANY;
-    mark_halved(p, place->patch, edge, place->corners);
+    uint32_t vertex = sl_vertex_make(p, middle, status, error);
+    if (vertex != SL_NO_INDEX) mark_halved(p, place->patch, edge, place->corners);
     return vertex;
 }
 

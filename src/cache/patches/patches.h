@@ -230,6 +230,8 @@ void sl_patches_rested(sl_patches *patches);
 
 /* Returns the vertex at a place, or SL_NO_INDEX. */
 uint32_t sl_vertex_find(const sl_patches *patches, sl_root_place place);
+/* Returns the same, made where there is none; it stays for good. SL_NO_INDEX with *status: memory ended. */
+uint32_t sl_vertex_make(sl_patches *patches, sl_root_place place, sl_status *status, sl_error *error);
 /* Returns the middle of an edge of a leaf, made where there is none; it stays for good. Edge i is that from
  * corner i to the next. SL_NO_INDEX: memory ended, or the depth is reached. */
 uint32_t sl_patch_edge_middle(sl_patches *patches, const sl_patch_place *place, int edge, sl_status *status,

@@ -83,14 +83,6 @@ static inline const sl_material *sl_root_material(const sl_primitives *p, uint32
 static inline bool sl_material_has_lobe(const sl_material *material) {
     return sl_material_is_glossy(material) || sl_material_is_mirror(material);
 }
-/* Corners (and edges, each from the corner of that number to the next) of roots by numbers that those have in
- * common which share their shading: below 8 times as many as there are primitives. */
-static inline uint32_t sl_root_corner(const sl_primitives *p, uint32_t root, int corner) {
-    return 2 * p->corner_first[4 * (root / 2) + (uint32_t)corner] + root % 2;
-}
-static inline uint32_t sl_root_edge(const sl_primitives *p, uint32_t root, int edge) {
-    return 2 * p->edge_first[4 * (root / 2) + (uint32_t)edge] + root % 2;
-}
 /* Returns the unit geometric normal of a triangle on a face's side. */
 static inline sl_vec3 sl_face_normal(const sl_scene *scene, uint32_t face) {
     sl_vec3 n = sl_scene_geometric_normal(scene, face / 2);

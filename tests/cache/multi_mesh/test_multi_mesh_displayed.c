@@ -112,11 +112,11 @@ static void the_first_image_samples_the_corners_of_faces_in_view_and_no_more(voi
     rig r = rig_of(room(), (field){stripes, NULL}, &settings, 160, 120);
     rig_look(&r, NULL, 1);
     size_t corners = 0;
-    uint8_t *is_corner = calloc(8 * r.primitives->count, 1);
+    uint8_t *is_corner = calloc(r.mesh->mesh->vertex_count, 1);
     assert_non_null(is_corner);
     for (size_t e = 0; e < r.pixels->face_count; e++) {
         for (int c = 0; c < 3; c++) {
-            uint8_t *corner = &is_corner[sl_root_corner(r.primitives, r.pixels->face[e].face, c)];
+            uint8_t *corner = &is_corner[sl_patch_corner(r.mesh->mesh, sl_displayed_root(r.mesh, e), c)];
             corners += !*corner;
             *corner = 1;
         }
