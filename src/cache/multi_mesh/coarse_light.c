@@ -159,13 +159,10 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
                                       .fov = (float)m->gather_fov};
     sl_lattice_colours colours = {s->coarse->face, s->coarse->colour};
     sl_status status = sl_mesh_gather_create(s->scene, s->raster, &colours, &gather, &s->gather, error);
-    if (status == SL_OK && !s->gatherer) {
-        s->gatherer = sl_allocate(s->settings.threads, sizeof(sl_mesh_gather_scratch *));
-        if (!s->gatherer) return sl_fail_memory(error, "gathers");
-    }
+    s->gatherer = sl_allocate(s->settings.threads, sizeof(sl_mesh_gather_scratch *));
+    if (status == SL_OK && !s->gatherer) status = sl_fail_memory(error, "gathers");
     for (unsigned t = 0; t < s->settings.threads && status == SL_OK; t++)
-        if (!s->gatherer[t])
-            status = sl_mesh_gather_scratch_create(s->gather, &s->gatherer[t], error);
+        status = sl_mesh_gather_scratch_create(s->gather, &s->gatherer[t], error);
     return status;
 }
 

@@ -73,7 +73,8 @@ typedef struct sl_patch_vertex {
     };
     uint32_t references : 2;     /* SL_REFERENCES_MANY: so many, or more */
     /* the update in which its value came, or SL_VERTEX_NEVER; in multi-mesh an sl_vertex_state (mesh.h) */
-    uint32_t evaluated : 26;
+    uint32_t evaluated : 25;
+    uint32_t asked : 1;          /* it is in the list of those that are to be shaded */
     uint32_t halved : 1;         /* some edge that ends in it has a vertex in its middle */
     /* it was evaluated, but has no light of its own (it lies inside other geometry, or no number came): its
      * value is that of those around it */
@@ -181,7 +182,7 @@ static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int 
 }
 
 static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) {
-    v->evaluated = update & (UINT32_MAX >> 6);
+    v->evaluated = update & (UINT32_MAX >> 7);
 }
 static inline float *sl_vertex_value(const sl_patches *p, uint32_t vertex) {
     return p->value + (size_t)vertex * (size_t)p->settings.channels;

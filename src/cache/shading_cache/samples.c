@@ -4,17 +4,12 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "cache/patches/primitive_parts.h"
 #include "cache/shading_cache/state.h"
 
 #include <string.h>
 
 /* ---- requests and samples ---- */
-
-static bool on_the_border(const sl_primitives *primitives, const sl_patch_vertex *v) {
-    bool triangle = primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
-    if (v->u == 0 || v->v == 0) return true;
-    return triangle ? v->u + v->v >= SL_PATCH_DYADIC : v->u >= SL_PATCH_DYADIC || v->v >= SL_PATCH_DYADIC;
-}
 
 /* Of the largest patches that have the vertex for a corner: the root's own corners are on all grids. */
 static int32_t side_of_patches(const sl_patch_vertex *v) {
@@ -30,10 +25,11 @@ static int32_t at_most(int32_t way, int32_t most) { return way > most ? most : w
 static void place_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_root_point *point) {
     static const int32_t ways[] = {256, 100, 20, 5};
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    bool triangle = s->primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
-    int32_t centre = triangle ? SL_PATCH_DYADIC / 3 : SL_PATCH_DYADIC / 2, u = v->u, w = v->v;
+    int corners = sl_primitive_corners(s->primitives, v->root / 2);
+    int32_t centre = SL_PATCH_DYADIC / (corners == 3 ? 3 : 2), u = v->u, w = v->v;
     int32_t side = nudge ? side_of_patches(v) : SL_PATCH_DYADIC;
-    if (nudge || on_the_border(s->primitives, v)) {
+    uint32_t t;
+    if (nudge || sl_edge_at(corners, v->u, v->v, &t) >= 0) {
         u += at_most(centre - u, side) / ways[nudge];
         w += at_most(centre - w, side) / ways[nudge];
     }

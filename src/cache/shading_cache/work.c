@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "base/random.h"
 #include "cache/shading_cache/renderers.h"
 
 /* A patch with the places chosen in it: part of an array of indices of places. */
@@ -23,8 +22,6 @@ typedef struct worker {
     const sl_work_settings *settings;
     const sl_chosen_place *places;
     uint32_t *handed;          /* indices of places, while they are handed on to children */
-    uint32_t *slot;            /* hash of the vertices asked for: 1 + index into vertex */
-    size_t slot_count;         /* a power of two */
     uint32_t *vertex;
     size_t count;
     sl_counters *counters;
@@ -56,12 +53,8 @@ static bool place_is_full_size(const worker *w, const sl_patch_place *place) {
 }
 
 static void ask_for(worker *w, uint32_t vertex) {
-    size_t at = (size_t)sl_hash64(vertex) & (w->slot_count - 1);
-    for (; w->slot[at]; at = (at + 1) & (w->slot_count - 1)) {
-        if (w->vertex[w->slot[at] - 1] == vertex) return;
-    }
-    w->vertex[w->count++] = vertex;
-    w->slot[at] = (uint32_t)w->count;
+    if (!w->patches->vertex[vertex].asked) w->vertex[w->count++] = vertex;
+    w->patches->vertex[vertex].asked = 1;
 }
 
 /* A leaf shows what hangs on its edges, too. What was evaluated there for neighbours that are seen no more
@@ -277,17 +270,13 @@ sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, siz
     worker w = {.patches = patches,
                 .settings = settings,
                 .places = places,
-                .slot_count = 16,
                 .vertex = vertex,
                 .counters = counters,
                 .error = error};
-    /* at most so many vertices a place */
-    while (w.slot_count < 2 * (4 + SL_HANGING_A_PATCH) * count) w.slot_count *= 2;
     located *sorted = sl_allocate_unset(count, sizeof *sorted);
     group *groups = sl_allocate_unset(count, sizeof *groups);
     uint32_t *index = sl_allocate_unset(2 * count, sizeof *index);
-    w.slot = sl_allocate(w.slot_count, sizeof *w.slot);
-    sl_status status = sorted && groups && index && w.slot ? SL_OK : sl_fail_memory(error, "work");
+    sl_status status = sorted && groups && index ? SL_OK : sl_fail_memory(error, "work");
     if (status == SL_OK) {
         w.handed = index + count;
         size_t group_count = group_places(patches, count, places, sorted, index, groups);
@@ -296,10 +285,10 @@ sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, siz
             status = process(&w, &place, index + groups[i].begin, groups[i].count, 0);
         }
     }
+    for (size_t i = 0; i < w.count; i++) patches->vertex[vertex[i]].asked = 0;
     *vertex_count = w.count;
     sl_free(sorted);
     sl_free(groups);
     sl_free(index);
-    sl_free(w.slot);
     return status;
 }
