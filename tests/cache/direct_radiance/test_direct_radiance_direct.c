@@ -293,45 +293,6 @@ static void lights_on_the_surface_or_behind_it_give_nothing(void **state) {
     }
 }
 
-static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
-    enum { WIDTH = 77, HEIGHT = 23, PIXELS = WIDTH * HEIGHT };
-    static const char *const isas[] = {"baseline", "avx2", "avx512"};
-    sl_gbuffer *r = make_receivers(WIDTH, HEIGHT, sl_v3(0, 0, 2));
-    uint64_t key = sl_random_key(3, 3);
-    for (uint64_t i = 0; i < PIXELS; i++) {
-        if (i % 11 == 0) continue;
-        sl_vec3 n = sl_normalize_or(
-            sl_v3(sl_random_unit(key, 8 * i) - 0.5f, sl_random_unit(key, 8 * i + 1) - 0.5f, 0.4f), up);
-        sl_vec3 x = sl_v3(sl_random_unit(key, 8 * i + 2), sl_random_unit(key, 8 * i + 3),
-                          sl_random_unit(key, 8 * i + 4));
-        set_receiver(r, i, x, n, n, sl_grey(sl_random_unit(key, 8 * i + 5)),
-                     i / 40 % 2 ? GLOSSY_MATERIAL : DIFFUSE_MATERIAL);
-    }
-    lamps l = {.lights = {.count = 0}};
-    add_lamp(&l, point_light(sl_v3(0.5f, 0.2f, 2)));
-    add_lamp(&l, area_light(sl_v3(0, 0, 2), sl_v3(0.6f, 0, -0.8f), 0.3f, true));
-    add_lamp(&l, (sl_map_light){.kind = SL_SOURCE_DIRECTIONAL,
-                                .direction = {0.6f, 0, -0.8f},
-                                .intensity = {3, 2, 1}});
-    add_lamp(&l, (sl_map_light){.kind = SL_SOURCE_SPOT,
-                                .position = {0, 0, 2},
-                                .direction = {0, 0, -1},
-                                .intensity = {3, 2, 1},
-                                .cos_inner = 0.95f,
-                                .cos_outer = 0.8f});
-    planes expected = light_up(*state, &l, r, NULL, 1);
-    for (unsigned k = 0; k < 3; k++) {
-        assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
-        planes got = light_up(*state, &l, r, NULL, k + 1);
-        unsetenv("SOFTLUX_ISA");
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
-        free_planes(&got);
-    }
-    free_planes(&expected);
-    sl_gbuffer_destroy(r);
-}
-
 static int make_scene(void **state) {
     *state = receiver_scene();
     return 0;
@@ -356,7 +317,6 @@ int main(void) {
         cmocka_unit_test(a_lobe_is_finite_towards_discs_seen_from_their_edge_or_from_within),
         cmocka_unit_test(mirrors_black_surfaces_and_background_stay_as_they_are),
         cmocka_unit_test(lights_on_the_surface_or_behind_it_give_nothing),
-        cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
     };
     return cmocka_run_group_tests(tests, make_scene, destroy_scene);
 }

@@ -117,39 +117,6 @@ static void picture_has_the_bits_of_the_plain_double_loop(void **state) {
     sl_gbuffer_destroy(receivers);
 }
 
-/* (10) with the flux weight, written once more, in double. */
-static void lambertian_receiver_agrees_with_a_double_loop_in_double(void **state) {
-    sl_gbuffer *r = random_receivers(0);
-    sl_map_photons *photons = room_photons(false);
-    sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_FLUX, .threads = 1};
-    planes lanes = light_up(&pass, r, NULL);
-    const sl_gbuffer *g = r;
-    double largest = 0.0;
-    for (size_t i = 0; i < PIXELS; i++) largest = fmax(largest, (double)lanes.value[0][i]);
-    assert_true(largest > 0.0);
-    for (size_t i = 0; i < PIXELS; i++) {
-        if (g->material[i] == SL_NO_INDEX) continue;
-        double sum = 0.0;
-        for (size_t j = 0; j < photons->count; j++) {
-            const sl_map_photon *p = &photons->photon[j];
-            sl_vec3d d = sl_subd(sl_to_double(p->position),
-                                 sl_to_double(at(g->position_x, g->position_y, g->position_z, i)));
-            double cx = sl_dotd(sl_to_double(at(g->normal_x, g->normal_y, g->normal_z, i)), d);
-            double gx = sl_dotd(sl_to_double(at(g->geometric_x, g->geometric_y, g->geometric_z, i)), d);
-            double cy = -sl_dotd(sl_to_double(p->normal), d), squared = sl_dotd(d, d),
-                   alpha = (double)p->cos_alpha;
-            if (cx <= 0.0 || cy <= 0.0 || gx <= 0.0) continue;
-            sum += (double)p->flux.r * cx * cy / squared * alpha /
-                   (squared * alpha + (double)p->footprint / SL_PI);
-        }
-        double expected = (double)g->diffuse_r[i] / SL_PI * sum;
-        assert_true(fabs((double)lanes.value[0][i] - expected) < 2e-6 * largest);
-    }
-    free_planes(&lanes);
-    free_photons(photons);
-    sl_gbuffer_destroy(r);
-}
-
 /* ---- lobes ---- */
 
 static void free_all(planes *p, sl_gbuffer *r, sl_map_photons *photons) {
@@ -363,7 +330,6 @@ static int destroy_scene(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(picture_has_the_bits_of_the_plain_double_loop),
-        cmocka_unit_test(lambertian_receiver_agrees_with_a_double_loop_in_double),
         cmocka_unit_test(photons_of_some_size_leave_no_spots_on_glossy_receivers),
         cmocka_unit_test(photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light),
         cmocka_unit_test(lobed_photons_have_the_bits_of_the_plain_double_loop),

@@ -173,17 +173,6 @@ static void a_sky_that_lights_nothing_is_warned_of(void **state) {
     sl_scene_destroy(sky);
 }
 
-static void a_floor_in_the_open_receives_nothing_of_its_own(void **state) {
-    (void)state;
-    trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1, 2));
-    mesh.triangle_count = 0;
-    trace_mesh_quad(&mesh, sl_v3(0, 0, 5), sl_v3(4, 0, 0), sl_v3(0, 0, -5), 0);
-    sl_scene *scene = trace_mesh_build(&mesh);
-    sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
-    assert_true(told(scene, &s, "softlux.flux_received") == 0.0);
-    sl_scene_destroy(scene);
-}
-
 /* ---- (15) ---- */
 
 static void weight_15_warns_where_the_scene_is_ten_times_the_lights_way(void **state) {
@@ -208,7 +197,6 @@ int main(void) {
         cmocka_unit_test(a_wall_across_the_room_makes_light_arrive_again),
         cmocka_unit_test(light_through_walls_is_warned_of),
         cmocka_unit_test(a_sky_that_lights_nothing_is_warned_of),
-        cmocka_unit_test(a_floor_in_the_open_receives_nothing_of_its_own),
         cmocka_unit_test(weight_15_warns_where_the_scene_is_ten_times_the_lights_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

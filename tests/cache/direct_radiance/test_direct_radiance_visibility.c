@@ -120,23 +120,6 @@ static void nothing_changes_where_nothing_is_in_the_way(void **state) {
     end_stage(&s);
 }
 
-static void no_ray_is_traced_where_no_light_would_arrive(void **state) {
-    (void)state;
-    stage s = make_stage(true);
-    sl_map_photons *photons = ceiling_photons(3);
-    for (size_t j = 0; j < photons->count; j++) photons->photon[j].normal = sl_v3(0, 1, 0);
-    sl_counters costs = {{0}};
-    planes p = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
-    assert_int_equal(costs.value[SL_COUNT_SHADOW_RAYS], 0);
-    for (int i = 0; i < PIXELS; i++) assert_true(p.value[0][i] == 0.0f);
-    free_planes(&p);
-    free_photons(photons);
-    end_stage(&s);
-}
-
-/* Pixels in the plate's shadow, each like the lit pixels that stand for the blocks around in all but one
- * thing. */
-typedef enum { OTHER_OBJECT, OTHER_SHADING, OTHER_SIDE, OTHER_PLANE, FAR_AWAY, DIFFERENCES } difference;
 
 /* The mean of a group of texels on a ball lies inside the ball. */
 static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
@@ -165,36 +148,11 @@ static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
     end_stage(&s);
 }
 
-static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
-    (void)state;
-    static const char *const isas[] = {"baseline", "avx2", "avx512"};
-    stage s = make_stage(true);
-    for (int i = 0; i < PIXELS; i += 3) s.receivers->material[i] = i % 2 ? 1 : SL_NO_INDEX;
-    sl_map_photons *photons = ceiling_photons(40);
-    sl_counters first = {{0}};
-    planes expected = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &first);
-    for (unsigned k = 0; k < 3; k++) {
-        sl_counters costs = {{0}};
-        assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
-        planes got = light_up(&s, photons, SL_VISIBILITY_RAYS, k + 1, &costs);
-        unsetenv("SOFTLUX_ISA");
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
-        assert_memory_equal(&first, &costs, sizeof costs);
-        free_planes(&got);
-    }
-    free_planes(&expected);
-    free_photons(photons);
-    end_stage(&s);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_leave_the_plates_shadow_on_the_floor),
         cmocka_unit_test(nothing_changes_where_nothing_is_in_the_way),
-        cmocka_unit_test(no_ray_is_traced_where_no_light_would_arrive),
         cmocka_unit_test(photon_a_little_inside_its_curved_surface_is_seen),
-        cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

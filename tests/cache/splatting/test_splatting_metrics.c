@@ -93,23 +93,6 @@ static void extrapolation_stays_between_nothing_and_twice_the_light(void **state
     }
 }
 
-/* Where it is the reach that neighbours limit, it grows by no more than the way between them. */
-static void neighbours_of_hessian_records_clamp_reaches(void **state) {
-    (void)state;
-    sl_reach_tree tree = {0};
-    sl_record small = {.radius = 1.0f, .own_radius = 1.0f, .stretch = 4.0f},
-              large = {.radius = 40.0f, .own_radius = 40.0f, .stretch = 4.0f};
-    large.position = sl_v3(2.0f, 0.0f, 0.0f);
-    assert_int_equal(sl_reach_tree_insert(&tree, small.position, small.own_radius / small.stretch, NULL),
-                     SL_OK);
-    assert_int_equal(sl_reach_tree_insert(&tree, large.position, large.own_radius / large.stretch, NULL),
-                     SL_OK);
-    float clamped = sl_record_clamped_radius(&tree, &large);
-    assert_true(fabsf(0.25f * clamped - (0.25f + 2.0f)) < 1e-5f); /* a = 1/4: reaches 1/4 and the way */
-    assert_true(sl_record_clamped_radius(&tree, &small) == 1.0f);
-    sl_free(tree.nodes);
-}
-
 /* ---- walls ---- */
 
 static int stands_before(const sl_record *r, float x, float y, float z) {
@@ -125,7 +108,7 @@ static sl_record record_reaching(const world *w, sl_vec3 p, double distance, dou
     sl_radius_rules rules = rules_with(SL_METRIC_HARMONIC, 0.5);
     sl_irradiance e = seen(1.0f, 0.0f, (float)(distance / 0.5), 0.01f);
     sl_record r = sl_record_make(&at, &e, &rules, 0.001f);
-    sl_record_find_walls(w->scene, w->tracer, &at, 0.5, guard / 0.5, &r, &counters);
+    sl_record_find_walls(w->scene, w->tracer, &at, 0.5, guard / 0.5, false, &r, &counters);
     return r;
 }
 
@@ -222,7 +205,6 @@ int main(void) {
         cmocka_unit_test(hessian_records_all_err_by_the_same_in_all),
         cmocka_unit_test(even_light_and_no_light_reach_as_far_as_things_are),
         cmocka_unit_test(extrapolation_stays_between_nothing_and_twice_the_light),
-        cmocka_unit_test(neighbours_of_hessian_records_clamp_reaches),
         cmocka_unit_test(a_record_does_not_count_behind_the_walls_around_it_and_reaches_along_them),
         cmocka_unit_test(the_third_wall_limits_the_reach),
         cmocka_unit_test(the_hessian_needs_fewer_records_at_equal_error),

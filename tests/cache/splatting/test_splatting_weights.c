@@ -160,21 +160,6 @@ static void the_weight_at_the_record_itself_is_finite(void **state) {
     assert_true(fabsf(p.weight[0] - 1000.0f) < 0.01f);
 }
 
-/* Smooth weights are 1 / D - 1 / a: D counts as no less than a tenth of the smallest a, or all would be 0. */
-static void at_an_accuracy_of_a_thousandth_records_still_count(void **state) {
-    (void)state;
-    const sl_weight_rules fine = {1e-3f, 1e3f, 1e-6f};
-    patch p;
-    patch_clear(&p);
-    sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
-    p.px[1] = 0.001799f; /* D = 0.9 a */
-    p.px[2] = 0.0021f;
-    splat(&p, &record, 1, &fine);
-    assert_true(p.weight[0] > 8900.0f && p.weight[0] < 9100.0f);
-    assert_true(p.weight[1] > 1.0f / (9.0f * 1e-3f) && p.weight[1] < 120.0f);
-    assert_true(p.weight[2] == 0.0f);
-}
-
 static void pixels_that_are_not_finite_and_records_there_add_nothing(void **state) {
     (void)state;
     const float bad[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f};
@@ -432,7 +417,6 @@ int main(void) {
         cmocka_unit_test(a_turned_receiver_takes_the_rotational_gradient),
         cmocka_unit_test(extrapolation_is_never_negative_nor_beyond_what_the_record_knows),
         cmocka_unit_test(the_weight_at_the_record_itself_is_finite),
-        cmocka_unit_test(at_an_accuracy_of_a_thousandth_records_still_count),
         cmocka_unit_test(pixels_that_are_not_finite_and_records_there_add_nothing),
         cmocka_unit_test(gradients_that_are_not_finite_stay_within_what_the_record_knows),
         cmocka_unit_test(a_record_in_front_of_a_pixel_is_refused),
