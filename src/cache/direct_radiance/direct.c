@@ -95,7 +95,7 @@ void sl_direct_light_tile(const sl_direct_light *d, const sl_receiver_tile *tile
     sl_tile_light light;
     memset(&light, 0, glossy ? sizeof light : sizeof light.irradiance);
     for (size_t i = 0; i < d->pass->lights->count; i++) add_light(d, tile, glossy, i, &light, counters);
-    d->kernels.reflect_to(tile, &light, glossy, to->width, to->direct);
+    d->kernels.reflect_to(tile, &light, glossy, to->direct);
 }
 
 /* ---- pass 1 ---- */

@@ -82,9 +82,8 @@ void sl_photon_sums_destroy(sl_photon_sums *sums);
 void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_tile *tile,
                                sl_tile_light *light);
 
-/* Where a tile's light is added: planes of `width` that the tile's pixels are indices of. */
+/* Where a tile's light is added: planes that the tile's pixels are indices of. */
 typedef struct sl_tile_target {
-    int width;
     float *direct[3], *indirect[3];
 } sl_tile_target;
 

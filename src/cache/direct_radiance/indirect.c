@@ -179,7 +179,7 @@ void sl_indirect_light_tile(const sl_photon_sums *p, const sl_receiver_tile *til
                             const sl_tile_target *to, sl_counters *counters) {
     sl_tile_light sum;
     sum_photons(p, tile, glossy, &sum, counters);
-    p->kernels.reflect_to(tile, &sum, glossy, to->width, to->indirect);
+    p->kernels.reflect_to(tile, &sum, glossy, to->indirect);
     sl_count(counters, SL_COUNT_PHOTON_LOOK_UPS, tile->count * p->count);
 }
 

@@ -2,13 +2,9 @@
  * tell, texel by texel, where light is reflected (positions), how much (radiance, or where materials are not
  * Lambertian their true colour) and in which directions (normals).
  *
- *      light
- *       /|\          a face: w x w texels, or w x ceil(w/2) for the sides of a hemicube, cut into m x m
- * blocks; each block's / | \         middle is a sample, and each sample stands for the block's solid angle
- *     +--+--+
- *     |  y  |  n_y   Psi = rho I dOmega / pi is finite wherever y lies and however the surface is tilted
- * there
- *     +-----+
+ * A face is w x w texels (w x ceil(w/2) for the sides of a hemicube), cut into m x m blocks: each block's
+ * middle is a sample, which stands for the block's solid angle. Psi = rho I dOmega / pi is finite wherever y
+ * lies and however the surface is tilted there.
  *
  * Where a picture shows a mirror, rays find what the mirror lights: y is real, and b is the whole way. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_MAP_H

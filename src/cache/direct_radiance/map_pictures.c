@@ -26,6 +26,10 @@ static float eight_bits(float value, float low, float high) {
     return low + (step < 255.0f ? step : 255.0f) / 255.0f * extent;
 }
 
+static void put(float *const plane[3], size_t i, float x, float y, float z) {
+    plane[0][i] = x, plane[1][i] = y, plane[2][i] = z;
+}
+
 static void write_position(const sl_map_drawing *d, size_t i, const sl_surface *s, float way) {
     const sl_scene *scene = d->scene;
     sl_radiance_map *map = d->map;
@@ -35,12 +39,8 @@ static void write_position(const sl_map_drawing *d, size_t i, const sl_surface *
                   eight_bits(p.y, scene->box_min.y, scene->box_max.y),
                   eight_bits(p.z, scene->box_min.z, scene->box_max.z));
     }
-    map->position[0][i] = p.x;
-    map->position[1][i] = p.y;
-    map->position[2][i] = p.z;
-    map->geometric[0][i] = s->geometric_normal.x;
-    map->geometric[1][i] = s->geometric_normal.y;
-    map->geometric[2][i] = s->geometric_normal.z;
+    put(map->position, i, p.x, p.y, p.z);
+    put(map->geometric, i, s->geometric_normal.x, s->geometric_normal.y, s->geometric_normal.z);
     map->path[i] = way;
 }
 
@@ -62,19 +62,13 @@ static void write_color(const sl_map_drawing *d, size_t i, const sl_surface *s, 
         color = sl_rgb_scale(sl_rgb_mul(color, light->facing), scale);
         if (!sl_rgb_is_finite(color)) color = sl_grey(0.0f);
     }
-    d->map->color[0][i] = color.r;
-    d->map->color[1][i] = color.g;
-    d->map->color[2][i] = color.b;
+    put(d->map->color, i, color.r, color.g, color.b);
 }
 
 static void write_texel(const sl_map_drawing *d, size_t i, const sl_surface *s, const texel_light *light) {
     write_position(d, i, s, light->way);
     write_color(d, i, s, light);
-    if (d->map->normal[0]) {
-        d->map->normal[0][i] = s->normal.x;
-        d->map->normal[1][i] = s->normal.y;
-        d->map->normal[2][i] = s->normal.z;
-    }
+    if (d->map->normal[0]) put(d->map->normal, i, s->normal.x, s->normal.y, s->normal.z);
 }
 
 /* Returns the light that comes straight to y. */
@@ -287,12 +281,8 @@ static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, s
                             (float)way[0].way};
     map->triangle[i] = way[0].triangle;
     map->spread[i] = spread;
-    map->arrival[0][i] = arriving.arrival.x;
-    map->arrival[1][i] = arriving.arrival.y;
-    map->arrival[2][i] = arriving.arrival.z;
-    map->carried[0][i] = way[0].carried.r;
-    map->carried[1][i] = way[0].carried.g;
-    map->carried[2][i] = way[0].carried.b;
+    put(map->arrival, i, arriving.arrival.x, arriving.arrival.y, arriving.arrival.z);
+    put(map->carried, i, way[0].carried.r, way[0].carried.g, way[0].carried.b);
     write_texel(d, i, &end, &arriving);
 }
 

@@ -139,7 +139,6 @@ static sl_receiver_tile up_to(const sl_receiver_tile *tile, size_t lane) {
     sl_receiver_tile shorter = *tile;
     shorter.count = lane + 1;
     shorter.padded = (lane / SL_TILE_LANES + 1) * SL_TILE_LANES;
-    shorter.whole = false;
     return shorter;
 }
 

@@ -56,7 +56,6 @@ static void set_planes(const drawing *d, strip *s) {
     for (size_t k = 0; k < SURFACE_PLANES - 2; k++) *surface[k] = s->surface + k * d->room;
     g->material = (uint32_t *)(void *)(s->surface + (SURFACE_PLANES - 2) * d->room);
     g->id = (uint32_t *)(void *)(s->surface + (SURFACE_PLANES - 1) * d->room);
-    s->target = (sl_tile_target){.width = d->pass->view->width};
     for (size_t k = 0; k < 3; k++) {
         s->target.direct[k] = s->light + k * d->room;
         s->target.indirect[k] = s->light + (3 + k) * d->room;

@@ -33,7 +33,6 @@ static sl_receiver_kind kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer
 
 /* ---- filling ---- */
 
-/* Rows as they stand where every pixel is there, one by one otherwise. */
 void sl_receiver_tile_fetch(const sl_gbuffer *g, const sl_receiver_kernels *kernels, sl_receiver_tile *t) {
     const float *const from[SL_TILE_PLANES] = {g->position_x,  g->position_y,  g->position_z, g->geometric_x,
                                                g->geometric_y, g->geometric_z, g->normal_x,   g->normal_y,
@@ -43,10 +42,6 @@ void sl_receiver_tile_fetch(const sl_gbuffer *g, const sl_receiver_kernels *kern
                                        t->normal_z,    t->diffuse[0],  t->diffuse[1], t->diffuse[2]};
     t->padded = (t->count + SL_TILE_LANES - 1) / SL_TILE_LANES * SL_TILE_LANES;
     for (size_t i = 0; i < t->count; i++) t->triangle[i] = g->id[t->pixel[i]];
-    if (t->whole) {
-        kernels->fetch_rows(from, (size_t)g->width, t);
-        return;
-    }
     for (int k = 0; k < SL_TILE_PLANES; k++) {
         for (size_t i = 0; i < t->count; i++) to[k][i] = from[k][t->pixel[i]];
         for (size_t i = t->count; i < t->padded; i++) to[k][i] = 0.0f;
@@ -74,16 +69,6 @@ static bool receives(sl_receiver_kind kind, bool glossy) {
     return kind == (glossy ? SL_RECEIVER_GLOSSY : SL_RECEIVER_DIFFUSE);
 }
 
-/* Lists all pixels of a tile that shows one material, as most do. */
-static bool list_all(const sl_gbuffer *g, const sl_receiver_kinds *kinds, const sl_receiver_kernels *kernels,
-                     bool glossy, int x0, int y0, sl_receiver_tile *t) {
-    const uint32_t first = (uint32_t)y0 * (uint32_t)g->width + (uint32_t)x0;
-    if (x0 + SL_TILE_WIDTH > g->width || y0 + SL_TILE_HEIGHT > g->height) return false;
-    if (!kernels->survey(g->material, first, (uint32_t)g->width, t->pixel)) return false;
-    t->count = receives(kind_at(kinds, g, first), glossy) ? SL_TILE_PIXELS : 0;
-    return true;
-}
-
 static void list_wanted(const sl_gbuffer *g, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0,
                         sl_receiver_tile *t) {
     const int x1 = x0 + SL_TILE_WIDTH < g->width ? x0 + SL_TILE_WIDTH : g->width;
@@ -100,8 +85,7 @@ static void list_wanted(const sl_gbuffer *g, const sl_receiver_kinds *kinds, boo
 static void fill_tile(const sl_gbuffer *g, const sl_receiver_kinds *kinds, const sl_receiver_kernels *kernels,
                       bool glossy, int x0, int y0, sl_receiver_tile *t) {
     t->count = 0;
-    if (!list_all(g, kinds, kernels, glossy, x0, y0, t)) list_wanted(g, kinds, glossy, x0, y0, t);
-    t->whole = t->count == SL_TILE_PIXELS;
+    list_wanted(g, kinds, glossy, x0, y0, t);
     if (t->count == 0) return;
     sl_receiver_tile_fetch(g, kernels, t);
     if (glossy) set_lobes(g, kinds->scene, kernels, t);

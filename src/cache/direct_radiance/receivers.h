@@ -37,7 +37,6 @@ typedef struct sl_receiver_tile {
     /* rounded up to SL_TILE_LANES: loops run over whole vectors; lanes beyond have no normals, and so get no
      * light */
     size_t padded;
-    bool whole;    /* all pixels of a tile that lies in the picture whole, row by row */
     uint32_t pixel[SL_TILE_PIXELS], triangle[SL_TILE_PIXELS];
     _Alignas(64) float x[SL_TILE_PIXELS], y[SL_TILE_PIXELS], z[SL_TILE_PIXELS];
     float geometric_x[SL_TILE_PIXELS], geometric_y[SL_TILE_PIXELS], geometric_z[SL_TILE_PIXELS];
@@ -250,16 +249,9 @@ void sl_photon_polygon_of(const sl_map_photons *photons, size_t photon, sl_photo
 
 /* kd to kd / pi; lanes without a sound normal get none, and so no light. */
 typedef void sl_prepare_kernel(sl_receiver_tile *tile);
-/* A whole tile, prepared: rows of 12 planes of that width (positions, geometric and shading normals, kd) from
- * pixel[0] on. */
-typedef void sl_fetch_rows_kernel(const float *const plane[SL_TILE_PLANES], size_t width,
-                                  sl_receiver_tile *tile);
-/* Tells if a tile of the picture (one that lies in it whole) shows one material; then pixel gets all of its
- * pixels. */
-typedef bool sl_survey_kernel(const uint32_t *material, uint32_t first, uint32_t width, uint32_t *pixel);
-/* Radiance that leaves towards the eye, added to three planes of that width. */
+/* Radiance that leaves towards the eye, added to three planes. */
 typedef void sl_reflect_to_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
-                                  int width, float *const planes[3]);
+                                  float *const planes[3]);
 /* Sets lit_i to 1 where 0 < weight_i <= largest, else to 0; tells if any is. */
 typedef bool sl_reached_kernel(size_t count, const float *weight, float largest, float *lit);
 /* a_i = b_i > 0 ? a_i : 0 */
@@ -296,8 +288,6 @@ typedef void sl_multiply_kernel(size_t count, const float *b, float *a);
 
 typedef struct sl_receiver_kernels {
     sl_prepare_kernel *prepare;
-    sl_fetch_rows_kernel *fetch_rows;
-    sl_survey_kernel *survey;
     sl_reflect_to_kernel *reflect_to;
     sl_reached_kernel *reached;
     sl_where_kernel *where;
@@ -312,8 +302,6 @@ typedef struct sl_receiver_kernels {
 } sl_receiver_kernels;
 
 SL_KERNEL_VARIANTS(sl_prepare_kernel, sl_receivers_prepare);
-SL_KERNEL_VARIANTS(sl_fetch_rows_kernel, sl_receivers_fetch_rows);
-SL_KERNEL_VARIANTS(sl_survey_kernel, sl_receivers_survey);
 SL_KERNEL_VARIANTS(sl_reflect_to_kernel, sl_receivers_reflect_to);
 SL_KERNEL_VARIANTS(sl_reached_kernel, sl_receivers_reached);
 SL_KERNEL_VARIANTS(sl_where_kernel, sl_receivers_where);
@@ -327,8 +315,7 @@ SL_KERNEL_VARIANTS(sl_multiply_kernel, sl_receivers_multiply);
 
 static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
     return (sl_receiver_kernels){
-        SL_KERNEL_OF(isa, sl_receivers_prepare), SL_KERNEL_OF(isa, sl_receivers_fetch_rows),
-        SL_KERNEL_OF(isa, sl_receivers_survey), SL_KERNEL_OF(isa, sl_receivers_reflect_to),
+        SL_KERNEL_OF(isa, sl_receivers_prepare), SL_KERNEL_OF(isa, sl_receivers_reflect_to),
         SL_KERNEL_OF(isa, sl_receivers_reached), SL_KERNEL_OF(isa, sl_receivers_where),
         SL_KERNEL_OF(isa, sl_photons_sum), SL_KERNEL_OF(isa, sl_photon_weigh),
         SL_KERNEL_OF(isa, sl_photon_polygon), SL_KERNEL_OF(isa, sl_photon_lobe_power),

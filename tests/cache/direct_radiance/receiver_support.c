@@ -78,7 +78,7 @@ static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy,
 
 static void light_picture(const sl_light_pass *pass, const sl_gbuffer *r, sl_lit_picture *picture,
                           sl_photon_sums *sums, sl_counters *counters) {
-    lighting l = {{.width = r->width}, sl_direct_light_of(pass), sums};
+    lighting l = {.direct = sl_direct_light_of(pass), .sums = sums};
     sl_receiver_kinds kinds;
     assert_int_equal(sl_receiver_kinds_find(pass->scene, &kinds, NULL), SL_OK);
     for (int k = 0; k < 3; k++) {
