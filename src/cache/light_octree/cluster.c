@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/math.h"
-#include "cache/light_octree/cluster_kernels.h"
+#include "cache/light_octree/lights.h"
 
 /* Nearer to each other than that (squared chord), directions are one: floats are no finer. */
 static const double SAME = 1e-12;

@@ -2,7 +2,7 @@
  * voxels; each gives the lights of one set. The kernel is linear in the lights: asked about one of them it
  * says what that one adds, and asked about a voxel that holds the constant 1, the others 0, how much that
  * voxel weighs. */
-#include "cache/light_octree/explanation.h"
+#include "cache/light_octree/light_octree.h"
 
 #include "base/math.h"
 #include "base/memory.h"

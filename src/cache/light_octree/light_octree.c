@@ -8,13 +8,9 @@
  *
  * Each depth of the octree from 4 on is shown as soon as it is done. The paper numbers no equations. */
 #include "base/error.h"
-#include "cache/light_octree/explanation.h"
-#include "cache/light_octree/photon_pixels.h"
 #include "cache/light_octree/light_octree.h"
-#include "cache/light_octree/voxel_work.h"
 
 #include <stdio.h>
-#include <string.h>
 
 enum { LEAVES = 4096 /* an update's */ };
 
@@ -98,61 +94,6 @@ static sl_status start_level(sl_octree_state *s, sl_error *error) {
     else if (o->photons_at_pixels) show_level(s); /* no lights in between */
     else s->phase = SL_OCTREE_PHASE_LIGHTS;
     return status;
-}
-
-/* ---- Virtual directional lights: the photons around a voxel, condensed by K-means ---- */
-
-/* E = kappa sum Phi_i / A from the photons on either side, which share the n lights by E. On a flat matt
- * surface one light along the normal says all; else clusters of photons' directions omega_i become lights
- * (d_j, c_j):
- *
- *     V_j = sum kappa Y(Phi_i) / (A max(n_i . omega_i, epsilon)) omega_i,   d_j = V_j / |V_j|,
- *     c_j = |V_j| sum Phi_i / sum Y(Phi_i)          (voxel_lobes.c; the clusters: cluster.c) */
-sl_voxel_result sl_voxel_make_lights(const sl_voxel_work *work, const sl_voxel_light_options *o,
-                                     const sl_voxel_gather *gather, sl_voxel_worker *w,
-                                     const sl_voxel_set *set, sl_directional_light *light) {
-    const sl_lobe_photons *photons[2] = {&gather->front, &gather->back};
-    sl_voxel_area area = sl_voxel_areas(work, o, gather, w);
-    double both = sl_luminance_of_photons(photons[0]) + sl_luminance_of_photons(photons[1]), scale[2];
-    sl_voxel_result result = {.surface = area.all, .density = gather->kappa * both / area.all};
-    for (int side = 0; side < 2; side++) {
-        scale[side] = gather->kappa / area.side[side];
-        result.irradiance[side] = scale[side] * sl_luminance_of_photons(photons[side]);
-    }
-    bool flat = set->flat && o->lobes == SL_LOBES_PERPENDICULAR;
-    int room = sl_lobe_texels(o), front = sl_lights_of_front(result.irradiance, room);
-    result.lights =
-        sl_lobes_of_photons(photons[0], o, scale[0], set->normal, flat, front, light, &result.spread);
-    int back = front < room ? room - result.lights : 0;
-    result.lights += sl_lobes_of_photons(photons[1], o, scale[1], sl_neg(set->normal), flat, back,
-                                         light + result.lights, &result.spread);
-    return result;
-}
-
-/* The k photons nearest to the centroid of the voxel's surfaces, in a flat ellipsoid, or those in the voxel
- * alone. */
-static sl_voxel_gather gather_photons(const sl_voxel_work *work, const sl_voxel_light_options *o,
-                                      const sl_voxel_set *set, sl_voxel_worker *w) {
-    sl_photon_query query = sl_voxel_query_of_set(work, o, set, set->centroid, o->radius);
-    if (o->own_photons) return sl_voxel_own_photons(work, set, &query, w);
-    return sl_voxel_gather_photons(work, &query, w);
-}
-
-void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w) {
-    const sl_voxel_work *work = lights->work;
-    const sl_voxel_light_options *o = &lights->options;
-    sl_voxel_set *set = &lights->set[index];
-    sl_directional_light *light = lights->light + index * (size_t)lights->texels;
-    memset(light, 0, (size_t)lights->texels * sizeof *light);
-    set->done = true;
-    if (!work->tree) return;
-    sl_voxel_gather gather = gather_photons(work, o, set, w);
-    sl_voxel_report_gather(set, &gather, &w->counters);
-    if (gather.front.count + gather.back.count == 0) return; /* dark: nothing to cluster */
-    bool few = gather.found < SL_VOXEL_FEW && !o->own_photons && o->lobes != SL_LOBES_NONE;
-    sl_voxel_result result = sl_voxel_make_lights(work, o, &gather, w, set, light);
-    if (few) sl_voxel_take_directions_of_parent(lights, set, w, &result, light);
-    sl_voxel_report_lights(set, o, &result, &w->counters);
 }
 
 /* ---- Octree texture: bricks of nodes, and a texture of lights ---- */

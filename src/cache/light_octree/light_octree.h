@@ -6,27 +6,66 @@
  *   plan.c            which passes a scene needs; picture.c: a picture's layers, and what is said of it
  *   ../photons/       photon tracing, the kd-tree, and the k nearest photons
  *   octree.c          the voxels, on geometry; triangle_cells.c
- *   voxel_gather.c    a voxel's photons, and the area that they were strewn over
- *   photon_area.c     that area, of all triangles around; photon_hull.c: of what photons met alone
- *   cluster.c         K-means on their directions; voxel_lobes.c: from clusters to lights
- *   voxel_lights.c    the lights of every voxel; voxel_sets.c, normal_groups.c: several sets in a voxel
+ *   leaf.c            a set of lights, step by step: photons, area, clusters, lights
+ *   photon_area.c     the area of all triangles around; photon_hull.c: of what photons met alone
+ *   cluster.c         K-means on photons' directions; voxel_lobes.c: from clusters to lights
+ *   voxel_lights.c    the lights of every voxel; voxel_sets.c: several sets in a voxel
  *   voxel_texture.c   all of it in textures, as the hardware holds it
- *   shade.c           surface points lit from the octree; pixels.c: which pixels go which way
+ *   shade.c           surface points lit from the octree
+ *   pixels.c          which pixels go which way; the photon map shown as it is
  *   atlas/            the same by way of a texture atlas
  *   ../reflect/       what mirrors show
  *   explanation.c     what made a pixel; what can be seen of photons and lights
- *   photon_pixels.c   the photon map shown as it is: what the octree is compared with
  */
 #ifndef SL_CACHE_LIGHT_OCTREE_H
 #define SL_CACHE_LIGHT_OCTREE_H
 
 #include "cache/frame/announce.h"
+#include "cache/frame/method.h"
 #include "cache/light/direct.h"
 #include "cache/light_octree/pixels.h"
-#include "cache/light_octree/plan.h"
-#include "cache/light_octree/shade.h"
-#include "cache/light_octree/voxel_lights.h"
-#include "cache/reflect/reflect.h"
+
+/* ---- what runs for a scene, and its settings completed (plan.c) ---- */
+
+typedef struct sl_octree_plan {
+    bool photons;      /* something shines and something reflects */
+    /* some surface is: view vectors, lobes by direction even where the colour octree would do */
+    bool glossy;
+    bool mirrors;
+    bool direct;       /* direct light of pixels */
+    bool environment;
+    /* what is smooth of the environment is in the octree; off where pixels are to have all direct light, or
+     * none */
+    bool sky;
+    int first_depth;   /* the shallowest octree that is shown */
+} sl_octree_plan;
+
+/* Replaces what is 0 in settings->light_octree, or left to quality. The radius stays 0: it follows from the
+ * photons. */
+void sl_octree_complete(sl_settings *settings);
+sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *settings);
+void sl_octree_transport(const sl_settings *settings, sl_transport *transport);
+/* Where fewer photons than that share of k come to a voxel, and where gathers reach farther than so many
+ * voxels, something is to be said. (Gathers of high quality reach 2.0 voxels in the Cornell box and 2.3 in
+ * the room, of normal 1.1 and 1.3, and depth 6 errs less all the same: to warn of 2 would be to warn of every
+ * picture of high quality. From 4 on a shallower octree shows as much.) */
+static const double SL_OCTREE_FEW_PHOTONS = 0.1, SL_OCTREE_WIDE_GATHERS = 4.0;
+/* Returns how many voxels of that edge surfaces will take: 3/2 A / h^2, since a plane of any tilt meets |n_x|
+ * + |n_y|
+ * + |n_z| of them in each h^2. */
+double sl_octree_voxels_expected(const sl_scene *scene, double voxel);
+/* Objects that are smaller than two voxels: one set of lights is all that there is of them. */
+size_t sl_octree_small_objects(const sl_scene *scene, double voxel);
+/* Do directional lights show some of the scene's gloss blurred? */
+bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_settings *settings);
+void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
+
+/* Returns how many chunks of photon paths one update traces. */
+size_t sl_octree_photon_chunks(const sl_settings *settings);
+sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings);
+extern const sl_reduction sl_octree_reductions[];
+
+/* ---- what a method holds ---- */
 
 enum { SL_OCTREE_PLANES = 6 }; /* direct, indirect */
 
@@ -101,5 +140,28 @@ sl_status sl_octree_compose(const sl_octree_state *s, sl_image **image, sl_error
  * against that (picture.c). */
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error);
 size_t sl_octree_state_bytes(const sl_octree_state *s);
+
+/* ---- what made a pixel, and what can be seen of photons and voxels (explanation.c) ---- */
+
+typedef struct sl_octree_told {
+    const sl_scene *scene;
+    const sl_gbuffer *gbuffer;
+    const sl_reflections *reflections; /* or NULL */
+    sl_octree_shading shading;         /* texture NULL: indirect light is another's, as below */
+    const char *otherwise;             /* what it is then */
+    bool drawn, atlas;                 /* atlas: surfaces that are not glossy are lit from there */
+} sl_octree_told;
+
+/* Adds the terms of a pixel, row 0 at the bottom. */
+void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_explanation_writer *writer);
+
+/* These do nothing without an observer. */
+
+/* Photons where they hit, some thousands of them. */
+void sl_octree_announce_photons(sl_announcer *announcer, const sl_photon_list *photons);
+/* Voxels' lights as arrows from their centroids towards where the light comes from, some thousands of them.
+ */
+void sl_octree_announce_lights(sl_announcer *announcer, const sl_octree *octree,
+                               const sl_voxel_lights *lights);
 
 #endif

@@ -2,7 +2,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/light_octree/light_octree.h"
-#include "cache/light_octree/explanation.h"
 
 #include <string.h>
 

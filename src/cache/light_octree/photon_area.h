@@ -59,6 +59,10 @@ typedef struct sl_hull_points {
 
 sl_status sl_hull_points_create(size_t capacity, sl_hull_points *points, sl_error *error);
 void sl_hull_points_release(sl_hull_points *points);
+/* Some of the points, with the same room to work in. */
+static inline sl_hull_points sl_hull_points_from(const sl_hull_points *p, size_t first, size_t count) {
+    return (sl_hull_points){count, p->x + first, p->y + first, p->outer, p->chain};
+}
 
 typedef struct sl_photon_hull {
     double area;           /* 0: all in one line */

@@ -1,12 +1,11 @@
 /* Which passes run, with what, and in how much memory. */
-#include "cache/light_octree/plan.h"
+#include "cache/light_octree/light_octree.h"
 
 #include <stdio.h>
 
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/frame/budget.h"
-#include "cache/light_octree/octree.h"
 #include "scene/features.h"
 
 enum { SHALLOWEST_SHOWN = 4 };

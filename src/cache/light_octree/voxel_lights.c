@@ -1,11 +1,11 @@
+/* The lights of all voxels: memory for them, batches of leaves, and what can be said of them all. */
 #include "cache/light_octree/voxel_lights.h"
 
-#include <string.h>
-
 #include "base/counters.h"
+#include "base/error.h"
 #include "base/math.h"
+#include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/light_octree/voxel_work.h"
 
 double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t photons) {
     double area = 0.0, voxel = sl_octree_voxel(octree);
@@ -14,95 +14,140 @@ double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t phot
     return radius > voxel ? radius : voxel;
 }
 
-/* ---- a set of lights: parts of sl_voxel_light_set() ---- */
+/* ---- the photons of every leaf ---- */
 
-double sl_luminance_of_photons(const sl_lobe_photons *photons) {
-    double sum = 0.0;
-    for (size_t i = 0; i < photons->count; i++) sum += photons->luminance[i];
-    return sum;
+static uint32_t leaf_of(const sl_octree *octree, const sl_photon *p) {
+    sl_vec3 at = sl_v3(p->position[0], p->position[1], p->position[2]);
+    const sl_octree_root root = {octree->origin, octree->edge};
+    return sl_octree_root_holds(&root, at) ? sl_octree_find(octree, sl_octree_morton_at(octree, at))
+                                           : SL_NO_INDEX;
 }
 
-/* Returns how many of n lights the front gets: by irradiance, and at least one for each side that is lit. One
- * light, or one value, is the brighter side's. */
-int sl_lights_of_front(const double irradiance[2], int lights) {
-    double front = irradiance[0], back = irradiance[1];
-    if (!(back > 0.0)) return lights;
-    if (!(front > 0.0)) return 0;
-    if (lights < 2) return front >= back ? lights : 0;
-    int share = (int)floor((double)lights * (front / (front + back)) + 0.5);
-    return share < 1 ? 1 : share > lights - 1 ? lights - 1 : share;
-}
-
-static void scale_lights(sl_directional_light *light, int count, double factor) {
-    for (int i = 0; i < count; i++) {
-        for (int c = 0; c < 3; c++) light[i].color[c] = (float)((double)light[i].color[c] * factor);
+/* Counting sort by leaf. */
+static sl_status find_own_photons(sl_voxel_lights *lights, sl_error *error) {
+    const sl_photon_list *list = sl_photon_tree_list(lights->tree);
+    struct sl_own_photons *own = &lights->own;
+    uint32_t *leaf = sl_allocate(list->count, sizeof *leaf);
+    own->first = sl_allocate(lights->leaf_count + 2, sizeof *own->first);
+    own->place = sl_allocate(list->count, sizeof *own->place);
+    bool good = leaf && own->first && own->place;
+    for (size_t i = 0; good && i < list->count; i++) {
+        leaf[i] = leaf_of(lights->octree, &list->photon[i]);
+        if (leaf[i] != SL_NO_INDEX) own->first[leaf[i] + 2]++; /* else rounding has put it outside */
     }
-}
-
-sl_photon_query sl_voxel_query_of_set(const sl_voxel_work *work, const sl_voxel_light_options *o,
-                                    const sl_voxel_set *set, sl_vec3 centre, double radius) {
-    sl_photon_query query = sl_voxel_query(work, o, centre, set->normal, radius);
-    query.both_sides = query.both_sides && !set->opposed;
-    return query;
-}
-
-/* Too few photons tell no directions: those of the cell above, twice as large, are scaled to the voxel's own
- * irradiance. */
-void sl_voxel_take_directions_of_parent(const sl_voxel_lights *lights, sl_voxel_set *set, sl_voxel_worker *w,
-                                        sl_voxel_result *own, sl_directional_light *light) {
-    const sl_voxel_work *work = lights->work;
-    const sl_voxel_light_options *o = &lights->options;
-    if (work->octree->depth < 2) return;
-    sl_vec3 centre = sl_octree_parent_centroid(work->octree, set->leaf);
-    sl_photon_query query =
-        sl_voxel_query_of_set(work, o, set, centre, 2.0 * o->radius);
-    sl_voxel_gather gather = sl_voxel_gather_photons(work, &query, w);
-    if (gather.found <= set->photons) return;
-    sl_directional_light wider[SL_VOXEL_LIGHTS_MAX] = {{{0}, 0}};
-    sl_voxel_result result = sl_voxel_make_lights(work, o, &gather, w, set, wider);
-    double from = result.irradiance[0] + result.irradiance[1], to = own->irradiance[0] + own->irradiance[1];
-    if (!(from > 0.0 && to > 0.0)) return;
-    scale_lights(wider, result.lights, to / from);
-    memcpy(light, wider, (size_t)lights->texels * sizeof *light);
-    own->lights = result.lights;
-    own->spread = result.spread;
-    own->irradiance[0] = result.irradiance[0] * (to / from);
-    own->irradiance[1] = result.irradiance[1] * (to / from);
-    set->from_parent = true;
-}
-
-static float power_ratio(const sl_voxel_gather *gather) {
-    double most = 0.0, sum = sl_luminance_of_photons(&gather->front) + sl_luminance_of_photons(&gather->back);
-    size_t count = gather->front.count + gather->back.count;
-    for (size_t i = 0; i < gather->front.count; i++)
-        most = gather->front.luminance[i] > most ? gather->front.luminance[i] : most;
-    for (size_t i = 0; i < gather->back.count; i++)
-        most = gather->back.luminance[i] > most ? gather->back.luminance[i] : most;
-    return sum > 0.0 ? (float)(most * (double)count / sum) : 0.0f;
-}
-
-void sl_voxel_report_gather(sl_voxel_set *set, const sl_voxel_gather *gather, sl_counters *counters) {
-    set->photons = (uint32_t)gather->found;
-    set->radius = (float)gather->ellipsoid.radius;
-    set->power_ratio = power_ratio(gather);
-    set->from_parent = false;
-    sl_count(counters, SL_COUNT_PHOTONS_GATHERED, gather->found);
-}
-
-void sl_voxel_report_lights(sl_voxel_set *set, const sl_voxel_light_options *o, const sl_voxel_result *result,
-                            sl_counters *counters) {
-    const sl_lobe_spread *s = &result->spread;
-    set->lights = (uint8_t)result->lights;
-    set->area = (float)result->surface;
-    set->density = (float)result->density;
-    set->irradiance = (float)(result->irradiance[0] + result->irradiance[1]);
-    set->rms_angle = s->weight > 0.0 ? (float)(2.0 * sl_asin(0.5 * sqrt(s->cost / s->weight))) : 0.0f;
-    set->both_sides = result->irradiance[0] > 0.0 && result->irradiance[1] > 0.0;
-    if (result->irradiance[1] > 0.0 && !(result->irradiance[0] > 0.0)) {
-        set->normal = sl_neg(set->normal);
-        set->height = -set->height;
+    for (size_t i = 0; good && i < lights->leaf_count; i++) {
+        own->most = own->first[i + 2] > own->most ? own->first[i + 2] : own->most;
+        own->first[i + 2] += own->first[i + 1];
     }
-    if (o->lobes != SL_LOBES_NONE) sl_count(counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result->lights);
+    for (size_t i = 0; good && i < list->count; i++) {
+        if (leaf[i] != SL_NO_INDEX) own->place[own->first[leaf[i] + 1]++] = (uint32_t)i;
+    }
+    sl_free(leaf);
+    return good ? SL_OK : sl_fail_memory(error, "the photons of voxels");
+}
+
+/* ---- memory ---- */
+
+static sl_status check_options(const sl_voxel_light_options *o, sl_error *error) {
+    bool good = o->neighbours >= 2 && o->neighbours <= 1 << 20 && o->radius > 0.0 && o->radius <= DBL_MAX &&
+                o->flatness > 0.0 && o->flatness <= 1.0 && o->acceptance >= 0.0 && o->lights >= 1 &&
+                o->lights <= SL_VOXEL_LIGHTS_MAX;
+    if (good) return SL_OK;
+    return sl_fail(error, SL_ERROR_USAGE,
+                   "lights of voxels: %zu neighbours (2 at least), radius %g (> 0), flatness %g (0 to 1), %d "
+                   "lights (1 to %d)",
+                   o->neighbours, o->radius, o->flatness, o->lights, (int)SL_VOXEL_LIGHTS_MAX);
+}
+
+/* Returns the most photons that a set can take. */
+static size_t most_photons(const sl_voxel_lights *lights) {
+    size_t k =
+        lights->options.neighbours < SL_NEIGHBOURS_MAX ? lights->options.neighbours : SL_NEIGHBOURS_MAX;
+    return lights->options.own_photons ? lights->own.most : k;
+}
+
+static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_voxel_worker *w,
+                               sl_error *error) {
+    size_t k = most_photons(lights);
+    bool clip = sl_voxel_lights_clip(&lights->options);
+    w->gathered.place = sl_allocate(k, sizeof *w->gathered.place);
+    w->gathered.distance = sl_allocate(k, sizeof *w->gathered.distance);
+    w->gathered.keys = sl_allocate(sl_photon_keys(k), sizeof *w->gathered.keys);
+    w->marks.mark = sl_allocate(clip ? lights->scene->triangle_count : 0, sizeof *w->marks.mark);
+    w->pieces = sl_allocate(pieces, sizeof *w->pieces);
+    bool good = w->gathered.place && w->gathered.distance && w->gathered.keys && w->marks.mark && w->pieces;
+    sl_status status =
+        good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
+    return status == SL_OK && clip ? sl_hull_points_create(k, &w->places, error) : status;
+}
+
+static sl_status create_workers(sl_voxel_lights *lights, sl_error *error) {
+    size_t pieces = 0;
+    lights->worker = sl_allocate(lights->workers, sizeof *lights->worker);
+    if (!lights->worker) return sl_fail_memory(error, "lights of voxels");
+    for (size_t i = 0; lights->options.split_by_normal && i < lights->leaf_count; i++) {
+        size_t here = lights->octree->leaf[i].triangle_count;
+        pieces = here > pieces ? here : pieces;
+    }
+    sl_status status = SL_OK;
+    for (unsigned i = 0; status == SL_OK && i < lights->workers; i++)
+        status = create_worker(lights, pieces, &lights->worker[i], error);
+    return status;
+}
+
+sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree, const sl_photon_tree *tree,
+                                 const sl_voxel_light_options *options, unsigned threads,
+                                 sl_voxel_lights **result, sl_error *error) {
+    *result = NULL;
+    sl_status status = check_options(options, error);
+    if (status != SL_OK) return status;
+    sl_voxel_lights *lights = sl_allocate(1, sizeof *lights);
+    if (!lights) return sl_fail_memory(error, "lights of voxels");
+    *lights = (sl_voxel_lights){.options = *options,
+                                .leaf_count = octree->leaf_count,
+                                .texels = sl_lobe_texels(options),
+                                .scene = scene,
+                                .octree = octree,
+                                .tree = tree && sl_photon_tree_list(tree)->count > 0 ? tree : NULL,
+                                .by_side = options->acceptance < 3.1415,
+                                .workers = sl_thread_count(threads)};
+    lights->cos_acceptance = lights->by_side ? sl_cos(options->acceptance) : -1.0;
+    if (options->own_photons && lights->tree) status = find_own_photons(lights, error);
+    if (status == SL_OK) status = create_workers(lights, error);
+    if (status == SL_OK) status = sl_voxel_sets_create(lights, error);
+    if (status != SL_OK) sl_voxel_lights_destroy(lights);
+    else *result = lights;
+    return status;
+}
+
+void sl_voxel_lights_destroy(sl_voxel_lights *lights) {
+    if (!lights) return;
+    for (unsigned i = 0; lights->worker && i < lights->workers; i++) {
+        sl_voxel_worker *w = &lights->worker[i];
+        sl_free(w->gathered.place);
+        sl_free(w->gathered.distance);
+        sl_free(w->gathered.keys);
+        sl_free(w->marks.mark);
+        sl_free(w->pieces);
+        sl_lobe_photons_release(&w->photons);
+        sl_hull_points_release(&w->places);
+    }
+    sl_free(lights->worker);
+    sl_free(lights->own.first);
+    sl_free(lights->own.place);
+    sl_free(lights->first_set);
+    sl_free(lights->set);
+    sl_free(lights->light);
+    sl_free(lights);
+}
+
+size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
+    bool clip = sl_voxel_lights_clip(&lights->options);
+    size_t bytes = sizeof *lights + (lights->leaf_count + 1) * sizeof *lights->first_set,
+           a_photon = clip ? 81 : 53; /* with its place for the hull, or without */
+    bytes += lights->set_count * (sizeof *lights->set + (size_t)lights->texels * sizeof *lights->light);
+    size_t marks = clip ? lights->scene->triangle_count * sizeof(uint32_t) : 0;
+    return bytes + lights->workers * (sizeof *lights->worker + marks + most_photons(lights) * a_photon);
 }
 
 /* ---- batches of leaves ---- */
@@ -115,7 +160,7 @@ typedef struct leaf_batch {
 static void compute_task(void *context, size_t index, unsigned worker) {
     const leaf_batch *batch = context;
     sl_voxel_lights *lights = batch->lights;
-    sl_voxel_worker *w = &lights->work->worker[worker];
+    sl_voxel_worker *w = &lights->worker[worker];
     size_t first = batch->first + index * SL_LEAVES_A_TASK,
            end = first + SL_LEAVES_A_TASK < batch->end ? first + SL_LEAVES_A_TASK : batch->end;
     for (size_t leaf = first; leaf < end; leaf++) {
@@ -130,10 +175,9 @@ static void compute_task(void *context, size_t index, unsigned worker) {
 }
 
 void sl_voxel_lights_count(sl_voxel_lights *lights, sl_counters *counters) {
-    sl_voxel_work *work = lights->work;
-    for (unsigned i = 0; i < work->workers; i++) {
-        sl_counters_add(counters, &work->worker[i].counters);
-        work->worker[i].counters = (sl_counters){{0}};
+    for (unsigned i = 0; i < lights->workers; i++) {
+        sl_counters_add(counters, &lights->worker[i].counters);
+        lights->worker[i].counters = (sl_counters){{0}};
     }
 }
 
@@ -142,9 +186,8 @@ void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count
     if (first >= lights->leaf_count) return;
     if (count > lights->leaf_count - first) count = lights->leaf_count - first;
     leaf_batch batch = {lights, first, first + count};
-    sl_voxel_work *work = lights->work;
     threads = sl_thread_count(threads);
-    if (threads > work->workers) threads = work->workers;
+    if (threads > lights->workers) threads = lights->workers;
     sl_parallel_for(threads, (count + SL_LEAVES_A_TASK - 1) / SL_LEAVES_A_TASK, compute_task, &batch);
     sl_voxel_lights_count(lights, counters);
 }

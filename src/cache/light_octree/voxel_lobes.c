@@ -6,7 +6,7 @@
  *
  * On a flat voxel sum c_j (n_v . d_j) is kappa sum Phi / A exactly. (The sum of the perpendicular irradiances
  * themselves, instead of |V|, would be up to twice too bright.) */
-#include "cache/light_octree/voxel_lobes.h"
+#include "cache/light_octree/voxel_lights.h"
 
 #include <string.h>
 

@@ -1,100 +1,160 @@
-/* Which sets of lights a voxel has, and memory for them all. */
+/* Which sets of lights a voxel has. Voxels are split by normal, which the paper does not do: one at an edge
+ * holds surfaces that see different light. */
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/light_octree/voxel_work.h"
+#include "cache/light_octree/voxel_lights.h"
+#include "scene/bump.h"
 
-static sl_status check_options(const sl_voxel_light_options *o, sl_error *error) {
-    bool good = o->neighbours >= 2 && o->neighbours <= 1 << 20 && o->radius > 0.0 && o->radius <= DBL_MAX &&
-                o->flatness > 0.0 && o->flatness <= 1.0 && o->acceptance >= 0.0 && o->lights >= 1 &&
-                o->lights <= SL_VOXEL_LIGHTS_MAX;
-    if (good) return SL_OK;
-    return sl_fail(error, SL_ERROR_USAGE,
-                   "lights of voxels: %zu neighbours (2 at least), radius %g (> 0), flatness %g (0 to 1), %d "
-                   "lights (1 to %d)",
-                   o->neighbours, o->radius, o->flatness, o->lights, (int)SL_VOXEL_LIGHTS_MAX);
+/* ---- groups of normals in a voxel ---- */
+
+typedef struct normal_group {
+    sl_vec3 normal, centroid; /* by area, of what lies in the voxel */
+    bool flat;                /* all its pieces are, and of one normal */
+} normal_group;
+
+static const double COS_45 = 0.70710678118654752;
+/* 0.8 degrees, which directions of 8 + 8 bits are off by, too. */
+static const double COS_FLAT = 0.9999;
+
+/* Is light to be seen by this one normal alone? Gloss and bumps want its directions. */
+static bool is_flat_triangle(const sl_scene *scene, uint32_t triangle) {
+    const sl_material *m = &scene->materials[scene->material_index[triangle]];
+    sl_vec3 n = sl_scene_geometric_normal(scene, triangle);
+    bool flat = !sl_material_is_glossy(m) && !sl_material_is_bumpy(m);
+    for (int k = 0; flat && k < 3; k++)
+        flat = fabs((double)sl_dot(n, sl_scene_normal(scene, scene->vertex[k][triangle]))) >= COS_FLAT;
+    return flat;
 }
 
-static sl_status create_places(size_t k, sl_photon_places *p, sl_error *error) {
-    p->x = sl_allocate(2 * k, sizeof *p->x);
-    p->distance = sl_allocate(k, sizeof *p->distance);
-    if (!p->x || !p->distance) return sl_fail_memory(error, "gathered photons");
-    p->y = p->x + k;
-    return sl_hull_points_create(k, &p->hull, error);
-}
-
-static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_voxel_worker *w,
-                               sl_error *error) {
-    size_t k =
-        lights->options.own_photons ? lights->work->own.most : sl_voxel_most_neighbours(&lights->options);
-    w->gathered.place = sl_allocate(k, sizeof *w->gathered.place);
-    w->gathered.distance = sl_allocate(k, sizeof *w->gathered.distance);
-    w->gathered.keys = sl_allocate(sl_photon_keys(k), sizeof *w->gathered.keys);
-    if (lights->work->clip)
-        w->marks.mark = sl_allocate(lights->work->scene->triangle_count, sizeof *w->marks.mark);
-    if (pieces > 0) w->pieces = sl_allocate(pieces, sizeof *w->pieces);
-    bool good = w->gathered.place && w->gathered.distance && w->gathered.keys &&
-                (w->marks.mark || !lights->work->clip) && (w->pieces || pieces == 0);
-    sl_status status =
-        good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
-    return status == SL_OK && lights->work->clip ? create_places(k, &w->places, error) : status;
-}
-
-static void destroy_work(sl_voxel_work *work) {
-    if (!work) return;
-    for (unsigned i = 0; work->worker && i < work->workers; i++) {
-        sl_voxel_worker *w = &work->worker[i];
-        sl_free(w->gathered.place);
-        sl_free(w->gathered.distance);
-        sl_free(w->gathered.keys);
-        sl_free(w->marks.mark);
-        sl_free(w->pieces);
-        sl_lobe_photons_release(&w->photons);
-        sl_hull_points_release(&w->places.hull);
-        sl_free(w->places.x);
-        sl_free(w->places.distance);
+static size_t collect(const sl_cell_space *space, const sl_octree *octree, const sl_octree_leaf *leaf,
+                      const uint32_t cell[3], sl_voxel_piece *pieces) {
+    size_t count = 0;
+    sl_vec3d base = sl_v3d(cell[0], cell[1], cell[2]);
+    for (uint32_t i = 0; i < leaf->triangle_count; i++) {
+        uint32_t number = octree->triangle[leaf->first_triangle + i];
+        sl_cell_triangle t = sl_cell_space_triangle(space, number);
+        sl_triangle_part part;
+        double area = sl_clip_to_cell(space, &t, cell, 0.0, &part), length = sl_lengthd(t.normal);
+        area *= sl_takes_photons(&space->scene->materials[space->scene->material_index[number]]) ? part.area
+                                                                                                 : 0.0;
+        if (!(area > 0.0 && length > 0.0)) continue;
+        pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length),
+                                           sl_scaled(sl_subd(part.centroid, base), area), area, -1,
+                                           is_flat_triangle(space->scene, number)};
     }
-    sl_free(work->worker);
-    sl_own_photons_release(&work->own);
-    sl_free(work);
+    return count;
 }
 
-static sl_status create_work(sl_voxel_lights *lights, unsigned threads, sl_error *error) {
-    sl_voxel_work *work = lights->work;
-    const sl_voxel_light_options *o = &lights->options;
-    work->by_side = o->acceptance < 3.1415;
-    work->cos_acceptance = work->by_side ? sl_cos(o->acceptance) : -1.0;
-    work->workers = sl_thread_count(threads);
-    work->worker = sl_allocate(work->workers, sizeof *work->worker);
-    if (!work->worker) return sl_fail_memory(error, "lights of voxels");
-    sl_status status = SL_OK;
-    if (status == SL_OK && o->own_photons && work->tree)
-        status = sl_own_photons_find(work->octree, work->tree, &work->own, error);
-    work->clip = o->area == SL_PHOTON_AREA_CLIP && !o->own_photons;
-    size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree) : 0;
-    for (unsigned i = 0; status == SL_OK && i < work->workers; i++)
-        status = create_worker(lights, pieces, &work->worker[i], error);
-    return status;
+/* Of a voxel: layers of one normal that lie farther apart are two groups. A flat gather as wide as the voxel
+ * is no thicker. */
+static const double layers_apart = 0.25;
+
+typedef struct group_sum {
+    sl_vec3d seed, vector, moment;
+    double height;            /* of the seed along its normal */
+    double area;
+    bool flat;
+} group_sum;
+
+static void join_group(group_sum *sums, int group, sl_voxel_piece *piece) {
+    piece->group = group;
+    sums[group].flat =
+        sums[group].flat && piece->flat && sl_dotd(piece->normal, sums[group].seed) >= COS_FLAT;
+    sums[group].area += piece->area;
+    sums[group].vector = sl_addd(sums[group].vector, sl_scaled(piece->normal, piece->area));
+    sums[group].moment = sl_addd(sums[group].moment, piece->moment);
 }
 
-/* ---- sets ---- */
+/* Above the seed, in cells. */
+static double height_above(const group_sum *sum, const sl_voxel_piece *piece) {
+    return sl_dotd(sum->seed, piece->moment) / piece->area - sum->height;
+}
+
+static bool belongs_to(const group_sum *sum, const sl_voxel_piece *piece) {
+    return sl_dotd(piece->normal, sum->seed) >= COS_45 && fabs(height_above(sum, piece)) <= layers_apart;
+}
+
+static void join_nearest(group_sum *sums, int groups, sl_voxel_piece *piece) {
+    int best = 0;
+    double most = -INFINITY;
+    for (int g = 0; g < groups; g++) {
+        double nearness = sl_dotd(sums[g].seed, piece->normal) - fabs(height_above(&sums[g], piece));
+        if (nearness > most) best = g;
+        most = fmax(most, nearness);
+    }
+    join_group(sums, best, piece);
+}
+
+/* Returns whether a group was started and is worth keeping; what is not goes to others at the end. */
+static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, size_t count, double least) {
+    size_t seed = count;
+    for (size_t i = 0; i < count; i++) {
+        if (pieces[i].group < 0 && (seed == count || pieces[i].area > pieces[seed].area)) seed = i;
+    }
+    if (seed == count) return false;
+    sums[groups] = (group_sum){.seed = pieces[seed].normal, .flat = true};
+    sums[groups].height = height_above(&sums[groups], &pieces[seed]);
+    double area = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i])) area += pieces[i].area;
+    }
+    if (groups > 0 && area < least) return false;
+    for (size_t i = 0; i < count; i++) {
+        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i]))
+            join_group(sums, groups, &pieces[i]);
+    }
+    return true;
+}
+
+/* Greedy: the largest piece not yet in a group starts one, and all within 45 degrees of it join that lie at
+ * about its height: a floor and the ground below it see different light. What is left after
+ * SL_VOXEL_SETS_MAX, and groups below a hundredth of the area, go to the nearest. Returns how many, largest
+ * first seed first; 0 where nothing has an area. */
+static int group_normals(const sl_cell_space *space, const sl_octree *octree, size_t index,
+                         sl_voxel_piece *pieces, normal_group groups[SL_VOXEL_SETS_MAX]) {
+    uint32_t cell[3];
+    sl_morton_decode(octree->leaf[index].morton, cell);
+    double total = 0.0;
+    sl_vec3d base = sl_v3d(cell[0], cell[1], cell[2]);
+    size_t pieces_here = collect(space, octree, &octree->leaf[index], cell, pieces);
+    for (size_t i = 0; i < pieces_here; i++) total += pieces[i].area;
+    group_sum sums[SL_VOXEL_SETS_MAX];
+    int count = 0;
+    while (count < SL_VOXEL_SETS_MAX &&
+           start_group(sums, count, pieces, pieces_here, 0.01 * total))
+        count++;
+    for (size_t i = 0; count > 0 && i < pieces_here; i++) {
+        if (pieces[i].group < 0) join_nearest(sums, count, &pieces[i]);
+    }
+    for (int g = 0; g < count; g++) {
+        double length = sl_lengthd(sums[g].vector);
+        sl_vec3d centre = sl_addd(base, sl_scaled(sums[g].moment, 1.0 / sums[g].area));
+        groups[g].normal =
+            sl_to_float(length > 0.2 * sums[g].area ? sl_scaled(sums[g].vector, 1.0 / length) : sums[g].seed);
+        groups[g].centroid = sl_to_float(sl_addd(sl_scaled(centre, 1.0 / space->scale), space->origin));
+        groups[g].flat = sums[g].flat;
+    }
+    return count;
+}
+
+/* ---- all voxels ---- */
 
 typedef struct group_task {
     sl_voxel_lights *lights;
     sl_cell_space space;
-    sl_normal_group (*groups)[SL_VOXEL_SETS_MAX];
+    normal_group (*groups)[SL_VOXEL_SETS_MAX];
     uint8_t *count;
 } group_task;
 
 static void group_leaves(void *context, size_t index, unsigned worker) {
     const group_task *task = context;
-    const sl_voxel_work *work = task->lights->work;
-    size_t end = (index + 1) * SL_LEAVES_A_TASK < task->lights->leaf_count ? (index + 1) * SL_LEAVES_A_TASK
-                                                                           : task->lights->leaf_count;
+    const sl_voxel_lights *lights = task->lights;
+    size_t end = (index + 1) * SL_LEAVES_A_TASK < lights->leaf_count ? (index + 1) * SL_LEAVES_A_TASK
+                                                                     : lights->leaf_count;
     for (size_t leaf = index * SL_LEAVES_A_TASK; leaf < end; leaf++) {
-        task->count[leaf] = (uint8_t)sl_normal_groups(&task->space, work->octree, leaf,
-                                                      work->worker[worker].pieces, task->groups[leaf]);
+        task->count[leaf] = (uint8_t)group_normals(&task->space, lights->octree, leaf,
+                                                   lights->worker[worker].pieces, task->groups[leaf]);
     }
 }
 
@@ -126,7 +186,7 @@ static float height_in_voxel(const sl_octree *octree, const sl_voxel_set *set) {
 
 /* One set for a leaf of one group: then its own normal and centroid are as good. */
 static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl_error *error) {
-    const sl_octree *octree = lights->work->octree;
+    const sl_octree *octree = lights->octree;
     lights->first_set = sl_allocate(lights->leaf_count + 1, sizeof *lights->first_set);
     if (!lights->first_set) return sl_fail_memory(error, "lights of voxels");
     size_t sets = 0;
@@ -157,15 +217,14 @@ static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl
 }
 
 static sl_status split_sets(sl_voxel_lights *lights, sl_error *error) {
-    const sl_voxel_work *work = lights->work;
     group_task task = {.lights = lights,
-                       .space = sl_cell_space_of(work->scene, work->octree->origin, work->octree->edge,
-                                                 work->octree->depth),
+                       .space = sl_cell_space_of(lights->scene, lights->octree->origin, lights->octree->edge,
+                                                 lights->octree->depth),
                        .groups = sl_allocate(lights->leaf_count, sizeof *task.groups),
                        .count = sl_allocate(lights->leaf_count, 1)};
     sl_status status = task.groups && task.count ? SL_OK : sl_fail_memory(error, "normals of voxels");
     if (status == SL_OK) {
-        sl_parallel_for(work->workers, (lights->leaf_count + SL_LEAVES_A_TASK - 1) / SL_LEAVES_A_TASK,
+        sl_parallel_for(lights->workers, (lights->leaf_count + SL_LEAVES_A_TASK - 1) / SL_LEAVES_A_TASK,
                         group_leaves, &task);
         status = make_sets(lights, &task, error);
     }
@@ -174,46 +233,6 @@ static sl_status split_sets(sl_voxel_lights *lights, sl_error *error) {
     return status;
 }
 
-sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree,
-                                 const sl_photon_tree *tree, const sl_voxel_light_options *options,
-                                 unsigned threads, sl_voxel_lights **result, sl_error *error) {
-    *result = NULL;
-    sl_status status = check_options(options, error);
-    if (status != SL_OK) return status;
-    sl_voxel_lights *lights = sl_allocate(1, sizeof *lights);
-    if (!lights) return sl_fail_memory(error, "lights of voxels");
-    *lights = (sl_voxel_lights){
-        .options = *options, .leaf_count = octree->leaf_count, .texels = sl_lobe_texels(options)};
-    lights->work = sl_allocate(1, sizeof *lights->work);
-    status = lights->work ? SL_OK : sl_fail_memory(error, "lights of voxels");
-    if (status == SL_OK) {
-        bool photons = tree && sl_photon_tree_list(tree)->count > 0;
-        *lights->work = (sl_voxel_work){
-            .scene = scene, .octree = octree, .tree = photons ? tree : NULL};
-        status = create_work(lights, threads, error);
-    }
-    if (status == SL_OK)
-        status = options->split_by_normal ? split_sets(lights, error) : make_sets(lights, NULL, error);
-    if (status != SL_OK) sl_voxel_lights_destroy(lights);
-    else *result = lights;
-    return status;
-}
-
-void sl_voxel_lights_destroy(sl_voxel_lights *lights) {
-    if (!lights) return;
-    destroy_work(lights->work);
-    sl_free(lights->first_set);
-    sl_free(lights->set);
-    sl_free(lights->light);
-    sl_free(lights);
-}
-
-size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
-    const sl_voxel_work *work = lights->work;
-    size_t bytes = sizeof *lights + sizeof *work + (lights->leaf_count + 1) * sizeof *lights->first_set;
-    bytes += lights->set_count * (sizeof *lights->set + (size_t)lights->texels * sizeof *lights->light);
-    size_t marks = work->clip ? work->scene->triangle_count * sizeof(uint32_t) : 0;
-    size_t a_photon = work->clip ? 89 : 53; /* with its place for the hull, or without */
-    return bytes + work->workers *
-                       (sizeof *work->worker + marks + sl_voxel_most_neighbours(&lights->options) * a_photon);
+sl_status sl_voxel_sets_create(sl_voxel_lights *lights, sl_error *error) {
+    return lights->options.split_by_normal ? split_sets(lights, error) : make_sets(lights, NULL, error);
 }

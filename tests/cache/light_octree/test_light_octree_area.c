@@ -4,7 +4,7 @@
 
 #include "base/memory.h"
 #include "cache/light_octree/photon_area.h"
-#include "cache/light_octree/photon_pixels.h"
+#include "cache/light_octree/pixels.h"
 #include "trace_scenes.h"
 
 static double number(uint64_t stream, uint64_t i) {

@@ -3,7 +3,7 @@
 #include "light_octree_support.h"
 
 #include "base/memory.h"
-#include "cache/light_octree/atlas/bake.h"
+#include "cache/light_octree/atlas/atlas.h"
 #include "trace_scenes.h"
 
 typedef struct stage {

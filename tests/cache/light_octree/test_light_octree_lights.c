@@ -2,7 +2,7 @@
  * at edges, on thin walls, and where there is next to nothing to go by. */
 #include "light_octree_photons.h"
 
-#include "cache/light_octree/voxel_lobes.h"
+#include "cache/light_octree/voxel_lights.h"
 #include "trace_scenes.h"
 
 /* ---- lobes alone ---- */
