@@ -207,29 +207,6 @@ static void name_machine(sl_bench_results *r) {
     if (in) fclose(in);
 }
 
-/* Takes all entries of this program's runs, those of earlier starts included. */
-static void take_calibration(const sl_bench_options *o, const sl_journal *journal, sl_bench_results *r) {
-    enum { MOST = 4096 };
-    static double wall[MOST], cpu[MOST];
-    const cJSON *entry;
-    int count = 0;
-    for (size_t i = 0; (entry = sl_journal_at(journal, i)) && count < MOST; i++) {
-        const cJSON *w = cJSON_GetObjectItem(entry, "calibration_wall"),
-                    *c = cJSON_GetObjectItem(entry, "calibration_cpu");
-        if (!strstr(cJSON_GetObjectItem(entry, "key")->valuestring, o->program) || !cJSON_IsNumber(w) ||
-            !cJSON_IsNumber(c))
-            continue;
-        wall[count] = w->valuedouble;
-        cpu[count++] = c->valuedouble;
-    }
-    r->calibration = sl_bench_spread_of(wall, count);
-    r->unrest = sl_bench_unrest_of(wall, count);
-    r->unrest_cpu = sl_bench_unrest_of(cpu, count);
-    r->share_of_processor =
-        r->calibration.median > 0.0 ? sl_bench_spread_of(cpu, count).median / r->calibration.median : 1.0;
-    r->noisy = r->unrest > 0.05 || r->share_of_processor < 0.9;
-}
-
 static sl_status make_folders(const sl_bench_options *o, sl_error *error) {
     char pictures[SL_BENCH_PATH];
     snprintf(pictures, sizeof pictures, "%.1000s/pictures", o->folder);
@@ -256,7 +233,7 @@ static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_res
     for (int i = 0; i < q->scene_count && status == SL_OK && !sl_interrupted(); i++) {
         status = measure(&q->options, q->scenes[i], r, journal, error);
         r->interrupted = sl_interrupted();
-        take_calibration(&q->options, journal, r);
+        sl_bench_find_unrest(r);
         if (status == SL_OK && !q->options.trials_only && !q->options.references_only)
             status = sl_report_write(r, q->options.folder, error);
     }

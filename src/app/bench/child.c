@@ -18,9 +18,8 @@ enum { EXIT_FAILED = 100 }; /* of a child that has told why */
 
 /* ---- in the child ---- */
 
-static bool write_all(int out, const char *text) {
-    size_t left = strlen(text);
-    while (left) {
+bool sl_write_all(int out, const char *text, size_t left) {
+    while (left > 0) {
         ssize_t n = write(out, text, left);
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0) return false;
@@ -46,7 +45,7 @@ static _Noreturn void be_child(sl_child_work *work, void *context, const sl_chil
     }
     char *report = NULL;
     bool well = work(context, &report);
-    if (!report || !write_all(out, report)) well = false;
+    if (!report || !sl_write_all(out, report, strlen(report))) well = false;
     _exit(well ? 0 : EXIT_FAILED); /* none of the parent's buffers is to be written twice */
 }
 

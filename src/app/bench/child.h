@@ -34,4 +34,7 @@ typedef bool sl_child_work(void *context, char **report);
 sl_status sl_child_run(sl_child_work *work, void *context, const sl_child_limits *limits, sl_child_end *end,
                        sl_error *error);
 
+/* Writes all of it: a disk that fills up takes a part, and says why at the next try. */
+bool sl_write_all(int file, const char *text, size_t bytes);
+
 #endif

@@ -1,5 +1,6 @@
 #include "app/bench/journal.h"
 
+#include "app/bench/child.h"
 #include "base/error.h"
 
 #include <errno.h>
@@ -108,18 +109,6 @@ const cJSON *sl_journal_at(const sl_journal *j, size_t index) {
     return index < j->count ? j->entries[index] : NULL;
 }
 
-/* Writes all of it: a disk that fills up takes a part, and says why at the next try. */
-static bool write_all(int file, const char *from, size_t bytes) {
-    while (bytes > 0) {
-        ssize_t written = write(file, from, bytes);
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) return false;
-        from += written;
-        bytes -= (size_t)written;
-    }
-    return true;
-}
-
 /* Appends a line in one write, so that two programs cannot mix theirs; where that fails the line is torn, and
  * the next begins anew. */
 static bool append(sl_journal *j, const char *text) {
@@ -134,7 +123,7 @@ static bool append(sl_journal *j, const char *text) {
         write_sum(text, length, line + at + length);
         at += length + SUM_BYTES;
         line[at] = '\n';
-        well = write_all(file, line, at + 1);
+        well = sl_write_all(file, line, at + 1);
         reason = errno;
         j->torn = !well;
     }

@@ -137,9 +137,10 @@ void sl_report_terminal(const sl_bench_results *results, FILE *out) {
         print_lead(out, s, 0.01);
     }
     if (results->noisy)
-        fprintf(out,
-                "the machine was noisy: the clock varied by %.0f %% on the same work, of which the processor "
-                "had %.0f %% of the time\n",
-                100.0 * results->unrest, 100.0 * results->share_of_processor);
+        fprintf(
+            out,
+            "the machine was noisy: by the clock runs of the same trial differed by %.0f %%, and they had a "
+            "processor for %.0f %% of the time\n",
+            100.0 * results->unrest, 100.0 * results->share_of_processor);
     if (results->interrupted) fputs("interrupted: the same command goes on from here\n", out);
 }

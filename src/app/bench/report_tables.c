@@ -36,12 +36,11 @@ static void put_machine(FILE *out, const sl_bench_results *r) {
     if (scenes) fprintf(out, " of %d x %d pixels", r->scenes[0].width, r->scenes[0].height);
     fprintf(
         out,
-        ", softlux %s on %s, %d thread%s, medians of up to %d runs. The machine was %s: between the "
-        "trials the same arithmetic varied by %.1f %% by the processor's time (half the distance of the "
-        "quartiles), and had %.0f %% of the clock's. Of %zu references %zu are less noisy than a tenth of "
-        "the smallest error told with them; of %zu what their noise leaves in doubt, once it is "
-        "subtracted, is below a tenth of that error (95 %% confidence), and where it is not, the report "
-        "says so behind the figure.%s\n",
+        ", softlux %s on %s, %d thread%s, medians of up to %d runs. The machine was %s: runs of the same "
+        "trial were within %.1f %% of their middle by the processor's time and had %.0f %% of the clock's. "
+        "Of %zu references %zu are less noisy than a tenth of the smallest error told with them; of %zu "
+        "what their noise leaves in doubt, once it is subtracted, is below a tenth of that error (95 %% "
+        "confidence), and where it is not, the report says so behind the figure.%s\n",
         r->version, r->machine, r->threads, r->threads == 1 ? "" : "s", r->repeats,
         r->noisy ? "busy" : "quiet", 100.0 * r->unrest_cpu, 100.0 * r->share_of_processor, references, below,
         sure, r->interrupted ? " **Interrupted: what was measured until then.**" : "");

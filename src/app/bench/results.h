@@ -79,11 +79,10 @@ typedef struct sl_bench_results {
     const sl_trials *trials;
     char version[32], machine[128];
     int threads, repeats;
-    /* a fixed amount of arithmetic, seconds by the clock, again and again between the trials */
-    sl_bench_spread calibration;
-    double unrest;               /* half the distance of its quartiles over its median */
-    double unrest_cpu;           /* the same by the processor's time */
-    double share_of_processor;   /* that the arithmetic had: less where others took turns */
+    /* how far apart runs of the same trial are, by the processor's time and by the clock: half of that over
+     * their middle, of the middle trial; and how much of the clock's time a trial of one thread had a
+     * processor */
+    double unrest_cpu, unrest, share_of_processor;
     bool noisy, interrupted;
     size_t scene_count;
     sl_bench_scene *scenes;
@@ -92,8 +91,8 @@ typedef struct sl_bench_results {
 void sl_bench_results_free(sl_bench_results *results);
 /* Sorts the values. */
 sl_bench_spread sl_bench_spread_of(double *values, int count);
-/* Half the distance of the quartiles over the median; 0 of fewer than four. Sorts the values. */
-double sl_bench_unrest_of(double *values, int count);
+/* Finds out, from all rows, how quiet the machine was. */
+void sl_bench_find_unrest(sl_bench_results *results);
 /* Returns what stands in an object under that name; 0: no number does. */
 double sl_bench_number(const cJSON *object, const char *name);
 double sl_bench_counter(const sl_bench_row *row, sl_counter counter);

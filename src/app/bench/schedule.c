@@ -131,27 +131,6 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
 
 /* ---- running ---- */
 
-typedef struct calibration {
-    double wall, cpu; /* seconds */
-} calibration;
-
-/* Does a fixed amount of arithmetic: what varies is the machine. It takes some 25 milliseconds, longer than a
- * turn among processes; what it computes is stored where the compiler must believe that somebody looks. */
-static calibration calibrate(void) {
-    static volatile double sink;
-    double wall = sl_seconds_now(), cpu = sl_thread_seconds(), sum = 0.0;
-    uint64_t state = 88172645463325252u;
-    for (int i = 0; i < 16000000; i++) {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        sum += (double)(state >> 40) * 0x1p-24;
-    }
-    sink = sum;
-    (void)sink;
-    return (calibration){sl_seconds_now() - wall, sl_thread_seconds() - cpu};
-}
-
 static sl_status measure(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal,
                          const sl_trial *t, int run, sl_error *error) {
     char key[KEY], picture[SL_BENCH_PATH];
@@ -161,15 +140,12 @@ static sl_status measure(const sl_bench_options *o, const sl_bench_scene *s, sl_
     picture_path(o, s, t, picture);
     sl_trial_run work = {t->arguments, s->path, s->width, s->height, o->threads, run == LOOK,
                          run == 0 && o->trials->estimates, run == 0 ? picture : NULL, o->load};
-    calibration c = calibrate();
     sl_status status = sl_child_run(sl_trial_work, &work, &limits, &end, error);
     if (status == SL_OK && end.outcome != SL_CHILD_INTERRUPTED) {
         cJSON *result = end.outcome == SL_CHILD_DONE ? cJSON_Parse(end.text) : NULL;
         cJSON *entry = make_entry(o, s, key, (sl_bench_end)end.outcome, end.why, result);
         cJSON_AddNumberToObject(entry, "limit", o->limit);
         cJSON_AddNumberToObject(entry, "memory", (double)o->memory_bytes);
-        cJSON_AddNumberToObject(entry, "calibration_wall", c.wall);
-        cJSON_AddNumberToObject(entry, "calibration_cpu", c.cpu);
         status = sl_journal_add(journal, entry, error);
     }
     free(end.text);
