@@ -8,26 +8,15 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "app/bench/child.h"
-
-static bool tell(void *context, char **report) {
-    *report = strdup(context);
-    return true;
-}
 
 static bool tell_much(void *context, char **report) {
     size_t size = *(const size_t *)context;
     *report = calloc(size + 1, 1);
     if (*report) memset(*report, 'x', size);
     return true;
-}
-
-static bool give_up(void *context, char **report) {
-    *report = strdup(context);
-    return false;
 }
 
 static bool crash(void *context, char **report) {
@@ -60,31 +49,12 @@ static sl_child_end run(sl_child_work *work, void *context, sl_child_limits limi
     return end;
 }
 
-static void a_child_reports_what_it_found_out(void **state) {
-    (void)state;
-    char word[] = "42 \"things\"";
-    sl_child_end end = run(tell, word, (sl_child_limits){0});
-    assert_int_equal(end.outcome, SL_CHILD_DONE);
-    assert_string_equal(end.text, word);
-    free(end.text);
-}
-
 static void a_report_longer_than_a_pipe_holds_arrives_whole(void **state) {
     (void)state;
     size_t size = 300000;
     sl_child_end end = run(tell_much, &size, (sl_child_limits){0});
     assert_int_equal(end.outcome, SL_CHILD_DONE);
     assert_int_equal(strlen(end.text), size);
-    free(end.text);
-}
-
-static void a_child_that_fails_says_why(void **state) {
-    (void)state;
-    char word[] = "no such scene";
-    sl_child_end end = run(give_up, word, (sl_child_limits){0});
-    assert_int_equal(end.outcome, SL_CHILD_FAILED);
-    assert_string_equal(end.why, word);
-    assert_string_equal(end.text, "");
     free(end.text);
 }
 
@@ -104,30 +74,23 @@ static void a_child_that_leaves_without_a_word_has_crashed(void **state) {
     free(end.text);
 }
 
-static void a_child_that_does_not_end_is_stopped(void **state) {
+static void a_child_that_does_not_end_is_stopped_by_the_clock_or_by_somebody(void **state) {
     (void)state;
-    sl_child_end end = run(never_end, NULL, (sl_child_limits){.seconds = 0.1});
+    sl_child_end end = run(never_end, NULL, (sl_child_limits){.interrupted = is_interrupted});
+    assert_int_equal(end.outcome, SL_CHILD_INTERRUPTED);
+    free(end.text);
+    end = run(never_end, NULL, (sl_child_limits){.seconds = 0.1});
     assert_int_equal(end.outcome, SL_CHILD_STOPPED);
     assert_non_null(strstr(end.why, "0.1 seconds"));
     free(end.text);
 }
 
-static void a_child_ends_when_somebody_interrupts(void **state) {
-    (void)state;
-    sl_child_end end = run(never_end, NULL, (sl_child_limits){.interrupted = is_interrupted});
-    assert_int_equal(end.outcome, SL_CHILD_INTERRUPTED);
-    free(end.text);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_child_reports_what_it_found_out),
         cmocka_unit_test(a_report_longer_than_a_pipe_holds_arrives_whole),
-        cmocka_unit_test(a_child_that_fails_says_why),
         cmocka_unit_test(a_child_that_crashes_is_told_by_its_signal),
         cmocka_unit_test(a_child_that_leaves_without_a_word_has_crashed),
-        cmocka_unit_test(a_child_that_does_not_end_is_stopped),
-        cmocka_unit_test(a_child_ends_when_somebody_interrupts),
+        cmocka_unit_test(a_child_that_does_not_end_is_stopped_by_the_clock_or_by_somebody),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

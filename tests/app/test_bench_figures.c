@@ -241,22 +241,6 @@ static void times_are_read_along_the_settings_that_pay(void **state) {
     assert_true(fabs(lead.path_seconds / lead.seconds - 10.0) < 1e-9);
 }
 
-static void a_scene_that_nothing_could_be_measured_of_has_no_lead(void **state) {
-    (void)state;
-    sl_bench_scene scene = {0};
-    sl_lead lead = sl_lead_at(&scene, SL_BENCH_FULL, 0.05);
-    assert_null(lead.method);
-    assert_true(lead.path_seconds == 0.0);
-}
-
-static void spreads_know_their_middle_and_their_ends(void **state) {
-    (void)state;
-    double values[] = {5.0, 1.0, 3.0, 2.0};
-    sl_bench_spread s = sl_bench_spread_of(values, 4);
-    assert_true(s.median == 2.5 && s.least == 1.0 && s.most == 5.0 && s.count == 4);
-    assert_true(sl_bench_spread_of(values, 0).count == 0);
-}
-
 static void missing_light_is_never_told_as_no_error(void **state) {
     (void)state;
     static const struct { double energy, missing; int digits; const char *text;
@@ -345,8 +329,6 @@ int main(void) {
         cmocka_unit_test(what_noise_leaves_in_doubt_is_what_theory_says),
         cmocka_unit_test(sets_of_light_paths_that_a_scene_cannot_tell_apart_share_a_reference),
         cmocka_unit_test(times_are_read_along_the_settings_that_pay),
-        cmocka_unit_test(a_scene_that_nothing_could_be_measured_of_has_no_lead),
-        cmocka_unit_test(spreads_know_their_middle_and_their_ends),
         cmocka_unit_test(missing_light_is_never_told_as_no_error),
         cmocka_unit_test(every_trial_s_arguments_are_its_own_and_name_its_light_paths),
         cmocka_unit_test(a_file_of_trials_is_read_line_by_line),

@@ -5,7 +5,6 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include <fcntl.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -16,46 +15,19 @@
 #include <unistd.h>
 
 #include "app/commands.h"
+#include "command.h"
 
 static char base[] = "/tmp/softlux-bench-XXXXXX";
 
 /* ---- running ---- */
 
-static _Noreturn void be_the_program(const char *folder, const char *const *more) {
-    char output[128], references[128];
-    char *argv[32];
-    int argc = 0, nowhere = open("/dev/null", O_WRONLY);
-    snprintf(output, sizeof output, "%s/%s", base, folder);
-    snprintf(references, sizeof references, "%s/references", base);
-    const char *const common[] = {"scenes/cornell.json",
-                                  "-o",
-                                  output,
-                                  "-s",
-                                  "32x32",
-                                  "-m",
-                                  "path,direct-radiance",
-                                  "-q",
-                                  "draft",
-                                  "--repeats",
-                                  "2",
-                                  "--reference-budget",
-                                  "0.1",
-                                  "--references",
-                                  references,
-                                  "--reference-threads",
-                                  "1",
-                                  "--quiet"};
-    for (size_t i = 0; i < sizeof common / sizeof *common; i++) argv[argc++] = strdup(common[i]);
-    for (; *more; more++) argv[argc++] = strdup(*more);
-    if (nowhere >= 0) dup2(nowhere, 1);
-    _exit(sl_command_bench(argc, argv));
-}
-
-/* In a process of its own, as a person starts it. */
-static pid_t start(const char *folder, const char *const *more) {
-    fflush(NULL);
-    pid_t child = fork();
-    if (child == 0) be_the_program(folder, more);
+static pid_t start(const char *folder, const char *more) {
+    char line[1024];
+    snprintf(line, sizeof line,
+             "scenes/cornell.json -o %%/%s -s 32x32 -m path,direct-radiance -q draft --repeats 2 "
+             "--reference-budget 0.1 --references %%/references --reference-threads 1 --quiet %s",
+             folder, more);
+    pid_t child = command_start(sl_command_bench, line, base, NULL, NULL);
     assert_true(child > 0);
     return child;
 }
@@ -66,8 +38,6 @@ static int finish(pid_t child) {
     assert_true(WIFEXITED(how));
     return WEXITSTATUS(how);
 }
-
-static const char *const nothing_more[] = {NULL};
 
 /* ---- files ---- */
 
@@ -150,7 +120,7 @@ static void free_csv(csv *c) {
 
 static void every_trial_is_a_row_with_its_time_and_its_errors(void **state) {
     (void)state;
-    assert_int_equal(finish(start("whole", nothing_more)), 0);
+    assert_int_equal(finish(start("whole", "")), 0);
     char *text = file_of("whole", "results.csv");
     csv c = parse_csv(text);
     assert_int_equal(c.rows, 3); /* direct radiance mapping; the path tracer on both sets of paths */
@@ -200,29 +170,10 @@ static void the_page_holds_every_row_and_fetches_nothing(void **state) {
     free(markdown);
 }
 
-static void what_was_measured_is_not_measured_again(void **state) {
-    (void)state;
-    char *before = file_of("whole", "journal.jsonl"), *rows_before = file_of("whole", "results.csv");
-    /* two runs and a look of each of three */
-    assert_int_equal(lines_of(before), 9);
-    assert_int_equal(finish(start("whole", nothing_more)), 0);
-    char *after = file_of("whole", "journal.jsonl"), *rows_after = file_of("whole", "results.csv");
-    assert_string_equal(before, after);
-    csv a = parse_csv(rows_before), b = parse_csv(rows_after);
-    for (size_t i = 0; i < a.rows; i++)
-        assert_string_equal(field(&a, i, "cpu_seconds"), field(&b, i, "cpu_seconds"));
-    free_csv(&a);
-    free_csv(&b);
-    free(before);
-    free(after);
-    free(rows_before);
-    free(rows_after);
-}
-
 static void interrupted_it_goes_on_to_the_same_rows(void **state) {
     (void)state;
     const struct timespec moment = {0, 5000000};
-    pid_t child = start("halves", nothing_more);
+    pid_t child = start("halves", "");
     char *text = file_of("halves", "journal.jsonl");
     while (lines_of(text) < 2) {
         nanosleep(&moment, NULL);
@@ -235,7 +186,7 @@ static void interrupted_it_goes_on_to_the_same_rows(void **state) {
     text = file_of("halves", "journal.jsonl");
     size_t kept = lines_of(text);
     assert_true(kept >= 2 && kept < 9);
-    assert_int_equal(finish(start("halves", nothing_more)), 0);
+    assert_int_equal(finish(start("halves", "")), 0);
     char *more = file_of("halves", "journal.jsonl");
     assert_int_equal(lines_of(more), 9);
     assert_memory_equal(more, text, strlen(text));
@@ -256,20 +207,10 @@ static void interrupted_it_goes_on_to_the_same_rows(void **state) {
     free(text);
 }
 
-static void another_size_is_another_measurement(void **state) {
-    (void)state;
-    static const char *const smaller[] = {"-s", "16x16", "-m", "direct-radiance", NULL};
-    assert_int_equal(finish(start("whole", smaller)), 0);
-    char *text = file_of("whole", "journal.jsonl");
-    assert_int_equal(lines_of(text), 12);
-    free(text);
-}
-
 static void a_report_alone_runs_no_trial(void **state) {
     (void)state;
-    static const char *const alone[] = {"--report-only", "-m", "direct-radiance,multi-mesh", NULL};
     char *before = file_of("halves", "journal.jsonl");
-    assert_int_equal(finish(start("halves", alone)), 0);
+    assert_int_equal(finish(start("halves", "--report-only -m direct-radiance,multi-mesh")), 0);
     char *after = file_of("halves", "journal.jsonl"), *text = file_of("halves", "results.csv");
     assert_string_equal(before, after);
     csv c = parse_csv(text);
@@ -283,8 +224,7 @@ static void a_report_alone_runs_no_trial(void **state) {
 
 static void a_trial_without_memory_is_a_row_that_says_so(void **state) {
     (void)state;
-    static const char *const little[] = {"--memory", "16", "-m", "direct-radiance", NULL};
-    assert_int_equal(finish(start("little", little)), 0);
+    assert_int_equal(finish(start("little", "--memory 16 -m direct-radiance")), 0);
     char *text = file_of("little", "results.csv"), *page = file_of("little", "report.html");
     csv c = parse_csv(text);
     assert_int_equal(c.rows, 1);
@@ -306,9 +246,7 @@ static bool is_there(const char *folder, const char *name) {
 /* The cheapest setting takes some tenths of a second. */
 static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **state) {
     (void)state;
-    static const char *const hurried[] = {"-m",      "shading-cache", "-q", "draft,normal,high,curve",
-                                          "--limit", "0.1",           NULL};
-    assert_int_equal(finish(start("hurried", hurried)), 0);
+    assert_int_equal(finish(start("hurried", "-m shading-cache -q draft,normal,high,curve --limit 0.1")), 0);
     char *text = file_of("hurried", "results.csv"), *journal = file_of("hurried", "journal.jsonl");
     csv c = parse_csv(text);
     assert_true(c.rows > 3);
@@ -325,19 +263,13 @@ static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **st
 
 static void two_programs_measure_and_a_third_tells(void **state) {
     (void)state;
-    static const char *const one[] = {"--trials-only", "-m", "direct-radiance", "-s", "16x16", NULL},
-                             *const other[] = {"--trials-only", "-m", "path", "-s", "16x16", NULL};
-    static const char *const references[] = {"--references-only", "-s", "16x16", NULL}, *const report[] = {
-                                                                                            "--report-only",
-                                                                                            "-s", "16x16",
-                                                                                            NULL};
-    pid_t a = start("shared", one), b = start("shared", other);
+    pid_t a = start("shared", "--trials-only -m direct-radiance -s 16x16"), b = start("shared", "--trials-only -m path -s 16x16");
     assert_int_equal(finish(a), 0);
     assert_int_equal(finish(b), 0);
     assert_false(is_there("shared", "report.html"));
-    assert_int_equal(finish(start("shared", references)), 0);
+    assert_int_equal(finish(start("shared", "--references-only -s 16x16")), 0);
     assert_false(is_there("shared", "report.html"));
-    assert_int_equal(finish(start("shared", report)), 0);
+    assert_int_equal(finish(start("shared", "--report-only -s 16x16")), 0);
     char *text = file_of("shared", "results.csv"), *tables = file_of("shared", "tables.md");
     csv c = parse_csv(text);
     assert_int_equal(c.rows, 3);
@@ -362,8 +294,7 @@ static void a_file_of_trials_becomes_a_table_with_its_columns(void **state) {
           "trial polygons = --set weight=polygon\n",
           out);
     fclose(out);
-    const char *const more[] = {"--trials", path, "-q", "curve", NULL};
-    assert_int_equal(finish(start("trials", more)), 0);
+    assert_int_equal(finish(start("trials", "--trials %/my.trials -q curve")), 0);
     char *text = file_of("trials", "tables.md"), cpu[32], error[32], direct[32];
     const char *row = strstr(text, "| cornell | as it is |");
     unsigned photons = 0;
@@ -383,9 +314,9 @@ static int make_folder(void **state) {
 
 static int remove_folder(void **state) {
     (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf %s", base);
-    return system(command);
+    char line[128];
+    snprintf(line, sizeof line, "rm -rf %s", base);
+    return system(line);
 }
 
 int main(void) {
@@ -394,9 +325,7 @@ int main(void) {
         cmocka_unit_test(a_trial_without_memory_is_a_row_that_says_so),
         cmocka_unit_test(every_trial_is_a_row_with_its_time_and_its_errors),
         cmocka_unit_test(the_page_holds_every_row_and_fetches_nothing),
-        cmocka_unit_test(what_was_measured_is_not_measured_again),
         cmocka_unit_test(interrupted_it_goes_on_to_the_same_rows),
-        cmocka_unit_test(another_size_is_another_measurement),
         cmocka_unit_test(a_report_alone_runs_no_trial),
         cmocka_unit_test(finer_settings_are_left_out_once_a_cheaper_one_was_stopped),
         cmocka_unit_test(two_programs_measure_and_a_third_tells),

@@ -20,13 +20,12 @@
 #include <unistd.h>
 
 #include "app/commands.h"
+#include "command.h"
 #include "softlux.h"
 
 /* ---- running a command ----------------------------------------------------------------------- */
 
-typedef int command(int argc, char **argv);
-
-enum { WORDS = 32, WORD = 300, TEXT = 1 << 16 };
+enum { WORD = 300, TEXT = 1 << 16 };
 static char base[] = "/tmp/softlux-files-XXXXXX";
 static char out[TEXT], err[TEXT]; /* what the last command said */
 
@@ -46,37 +45,14 @@ static void read_text(const char *name, char text[TEXT]) {
     fclose(file);
 }
 
-static void redirect(const char *name, int stream) {
-    int file = open(path_of(name), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    if (file >= 0) dup2(file, stream);
-}
-
-static int run_words(command *run_it, const char *line) {
-    static char words[WORDS][WORD];
-    char *argv[WORDS + 1], text[2048], *rest = NULL;
-    int argc = 0;
-    snprintf(text, sizeof text, "%s", line);
-    for (char *word = strtok_r(text, " ", &rest); word && argc < WORDS;
-         word = strtok_r(NULL, " ", &rest), argc++) {
-        snprintf(words[argc], WORD, "%s%s", word[0] == '%' && word[1] == '/' ? base : "",
-                 word + (word[0] == '%' && word[1] == '/'));
-        argv[argc] = words[argc];
-    }
-    argv[argc] = NULL;
-    return run_it(argc, argv);
-}
-
 /* Starts a command; a word that begins with %/ names a file in the test's folder. */
 static pid_t start(command *run_it, const char *line) {
-    fflush(NULL);
-    pid_t child = fork();
-    assert_true(child >= 0);
-    if (child) return child;
-    redirect("out", 1);
-    redirect("err", 2);
-    int status = run_words(run_it, line);
-    fflush(NULL);
-    _exit(status);
+    char said[2][WORD];
+    snprintf(said[0], WORD, "%s", path_of("out"));
+    snprintf(said[1], WORD, "%s", path_of("err"));
+    pid_t child = command_start(run_it, line, base, said[0], said[1]);
+    assert_true(child > 0);
+    return child;
 }
 
 static int end_of(pid_t child) {

@@ -28,6 +28,7 @@
 #include <unistd.h>
 
 #include "app/commands.h"
+#include "command.h"
 #include "softlux.h"
 
 /* ---- moments --------------------------------------------------------------------------------- */
@@ -161,8 +162,8 @@ int mkdir(const char *path, mode_t mode) {
 
 typedef struct work {
     const char *name;
-    int (*command)(int argc, char **argv);
-    const char *arguments[24]; /* a % stands for the folder */
+    command *command;
+    const char *line;          /* a %/ stands for the folder */
     bool over_old_files;       /* files of the same names may be there before it */
     bool by_the_clock;         /* what comes out is not the same each time */
     bool goes_on;              /* with less: a scene whose reference cannot be kept has no errors */
@@ -171,48 +172,44 @@ typedef struct work {
 static const work works[] = {
     {"render, EXR",
      sl_command_render,
-     {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.exr"},
+     "scenes/cornell.json -m path --spp 1 -s 8x8 -t 1 --quiet -o %/a.exr",
      .over_old_files = true},
     {"render, PNG",
      sl_command_render,
-     {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.png"},
+     "scenes/cornell.json -m path --spp 1 -s 8x8 -t 1 --quiet -o %/a.png",
      .over_old_files = true},
     {"render, PFM",
      sl_command_render,
-     {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.pfm"},
+     "scenes/cornell.json -m path --spp 1 -s 8x8 -t 1 --quiet -o %/a.pfm",
      .over_old_files = true},
     {"render, frames",
      sl_command_render,
-     {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2",
-      "--fps", "1", "--quiet", "-o", "%/a%d.pfm"},
+     "scenes/moving-light.json -m path --spp 1 -s 8x8 -t 1 --frames 2 --fps 1 --quiet -o %/a%d.pfm",
      .over_old_files = true},
     {"render, a cache",
      sl_command_render,
-     {"scenes/cornell.json", "-q", "draft", "-s", "8x8", "-t", "1", "--save-cache", "%/a.cache", "--quiet",
-      "-o", "%/a.pfm"},
+     "scenes/cornell.json -q draft -s 8x8 -t 1 --save-cache %/a.cache --quiet -o %/a.pfm",
      .over_old_files = true},
     {"steps",
      sl_command_steps,
-     {"scenes/cornell.json", "-m", "direct-radiance", "-q", "draft", "-s", "8x8", "-t", "1",
-      "--reference-spp", "1", "--quiet", "-o", "%/page"},
+     "scenes/cornell.json -m direct-radiance -q draft -s 8x8 -t 1 --reference-spp 1 --quiet -o "
+     "%/page",
      .over_old_files = true},
     {"live, a stream",
      sl_command_live,
-     {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2",
-      "--fps", "100", "--quiet", "-o", "%/a.y4m"},
+     "scenes/moving-light.json -m path --spp 1 -s 8x8 -t 1 --frames 2 --fps 100 --quiet -o %/a.y4m",
      .over_old_files = true,
      .by_the_clock = true},
     {"live, pictures",
      sl_command_live,
-     {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2",
-      "--fps", "100", "--quiet", "-o", "%/a%d.png"},
+     "scenes/moving-light.json -m path --spp 1 -s 8x8 -t 1 --frames 2 --fps 100 --quiet -o "
+     "%/a%d.png",
      .over_old_files = true,
      .by_the_clock = true},
     {"bench",
      sl_command_bench,
-     {"scenes/cornell-point.json", "-m", "path", "-q", "draft", "-s", "8x8", "--repeats", "1",
-      "--reference-budget", "0.1", "--references", "%/references", "--reference-threads", "1", "--quiet",
-      "-o", "%/report"},
+     "scenes/cornell-point.json -m path -q draft -s 8x8 --repeats 1 --reference-budget 0.1 "
+     "--references %/references --reference-threads 1 --quiet -o %/report",
      .by_the_clock = true,
      .goes_on = true},
 };
@@ -220,22 +217,12 @@ enum { WORKS = sizeof works / sizeof works[0] };
 
 static char base[] = "/tmp/softlux-killed-XXXXXX", said[64];
 
-static _Noreturn void be_the_program(const work *w, const char *folder) {
-    char words[24][256], *argv[25];
-    int argc = 0, nowhere = open("/dev/null", O_WRONLY),
-        errors = open(said, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    for (; w->arguments[argc]; argc++) {
-        const char *word = w->arguments[argc];
-        bool is_path = word[0] == '%' && word[1] == '/';
-        snprintf(words[argc], sizeof words[argc], "%s%s", is_path ? folder : "", word + is_path);
-        argv[argc] = words[argc];
-    }
-    argv[argc] = NULL;
-    if (nowhere >= 0) dup2(nowhere, 1);
-    if (errors >= 0 && plan.how == REFUSED) dup2(errors, 2);
+static const work *current;
+
+static int be_the_program(int argc, char **argv) {
     signal(SIGINT, SIG_DFL);
     plan.program = getpid();
-    _exit(w->command(argc, argv));
+    return current->command(argc, argv);
 }
 
 /* Runs a command in a process of its own; returns how that ended. */
@@ -247,9 +234,8 @@ static int run(const work *w, const char *folder, end how, long last, bool witho
     plan.how = how;
     plan.last = last;
     plan.without_unnamed_files = without_unnamed_files;
-    fflush(NULL);
-    pid_t child = fork();
-    if (child == 0) be_the_program(w, folder);
+    current = w;
+    pid_t child = command_start(be_the_program, w->line, folder, NULL, how == REFUSED ? said : NULL);
     assert_true(child > 0 && waitpid(child, &ended, 0) == child);
     return ended;
 }
@@ -299,9 +285,9 @@ static bool is_listed(const listing *l, const char *name) {
 }
 
 static void remove_folder(const char *folder) {
-    char command[300];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    assert_int_equal(system(command), 0);
+    char line[300];
+    snprintf(line, sizeof line, "rm -rf '%s'", folder);
+    assert_int_equal(system(line), 0);
 }
 
 typedef struct bytes {
@@ -579,7 +565,7 @@ int main(void) {
     if (board == MAP_FAILED || !mkdtemp(base)) return 1;
     snprintf(said, sizeof said, "%s/said", base);
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    char command[64];
-    snprintf(command, sizeof command, "rm -rf %s", base);
-    return system(command) == 0 ? failed : 1;
+    char line[64];
+    snprintf(line, sizeof line, "rm -rf %s", base);
+    return system(line) == 0 ? failed : 1;
 }

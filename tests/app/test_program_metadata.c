@@ -134,7 +134,6 @@ static void other_value(const sl_setting *s, char text[WORD]) {
     else snprintf(text, WORD, "3");
 }
 
-
 static void assert_set_and_told(const sl_setting *setting, const char *method) {
     sl_settings settings = sl_settings_default();
     char value[WORD], back[WORD];
@@ -182,25 +181,11 @@ static void every_option_has_a_name_of_its_own_and_a_line_of_help(void **state) 
     }
 }
 
-static void every_method_can_be_named(void **state) {
-    (void)state;
-    for (size_t m = 0; sl_method_name(m); m++) {
-        char matched[WORD];
-        sl_settings settings = sl_settings_default();
-        snprintf(matched, sizeof matched, "matched:%s", sl_method_name(m));
-        set(&settings, "method", sl_method_name(m));
-        set(&settings, "transport", matched);
-        assert_string_equal(settings.method, sl_method_name(m));
-        assert_string_equal(settings.transport, matched);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_settings_that_a_picture_tells_make_it_again),
         cmocka_unit_test(every_option_is_set_by_name_and_told_by_the_pictures_of_its_methods),
         cmocka_unit_test(every_option_has_a_name_of_its_own_and_a_line_of_help),
-        cmocka_unit_test(every_method_can_be_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

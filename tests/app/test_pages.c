@@ -1,5 +1,6 @@
-/* The pages of `softlux steps`, in a browser: everything is there, the slider and the pixels' explanations
- * work by mouse and by keys, and an explanation adds up to the very value that a render has. */
+/* The pages of `softlux steps` and the report of `softlux bench`, in a browser: they show what they hold, on
+ * paper of any width, and fetch nothing; the slider and the pixels' explanations work by mouse and by keys, and
+ * an explanation adds up to the very value that a render has. */
 #include "webdriver.h"
 
 #include <cjson/cJSON.h>
@@ -21,6 +22,10 @@ static const char scene_path[] = "scenes/cornell-glossy.json";
 static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh",
                                       "light-octree"};
 enum { METHODS = sizeof methods / sizeof methods[0] };
+static const char *const pages[] = {"splatting/index.html",     "direct-radiance/index.html",
+                                    "shading-cache/index.html", "multi-mesh/index.html",
+                                    "light-octree/index.html",  "report/report.html"};
+enum { PAGES = sizeof pages / sizeof pages[0] };
 
 typedef struct {
     char folder[64];
@@ -41,6 +46,13 @@ static int open_pages(void **state) {
                  scene_path, methods[i], WIDTH, HEIGHT, f.folder, methods[i]);
         if (system(command) != 0) return 1;
     }
+    char command[9000];
+    snprintf(command, sizeof command,
+             "%s bench scenes/cornell.json scenes/sphere.json -o %s/report -s 24x24 -m direct-radiance,path "
+             "-q draft,normal --repeats 1 "
+             "--references %s/references --reference-budget 0.1 --reference-threads 1 --quiet",
+             program, f.folder, f.folder);
+    if (system(command) != 0) return 1;
     f.browser = browser_open(1100, 900);
     return 0;
 }
@@ -59,9 +71,9 @@ static void need_browser(const fixture *f) {
     skip();
 }
 
-static void open_page(const fixture *f, const char *method) {
+static void open_page(const fixture *f, const char *name) {
     char path[256];
-    snprintf(path, sizeof path, "%s/%s/index.html", f->folder, method);
+    snprintf(path, sizeof path, "%s/%s", f->folder, name);
     browser_go_to_file(f->browser, path);
 }
 
@@ -70,8 +82,8 @@ static void open_page(const fixture *f, const char *method) {
 static void every_picture_loads_has_a_text_and_nothing_is_fetched(void **state) {
     fixture *f = *state;
     need_browser(f);
-    for (size_t i = 0; i < METHODS; i++) {
-        open_page(f, methods[i]);
+    for (size_t i = 0; i < PAGES; i++) {
+        open_page(f, pages[i]);
         assert_true(browser_number(f->browser, "return document.images.length") > 5);
         assert_true(browser_number(
                         f->browser,
@@ -88,7 +100,7 @@ static void every_pass_is_explained(void **state) {
     fixture *f = *state;
     need_browser(f);
     for (size_t i = 0; i < METHODS; i++) {
-        open_page(f, methods[i]);
+        open_page(f, pages[i]);
         assert_true(browser_number(f->browser, "return document.querySelectorAll('section.step').length") >
                     4);
         assert_true(
@@ -101,7 +113,7 @@ static void every_pass_is_explained(void **state) {
 static void the_slider_plays_the_refinement_by_keys_and_by_mouse(void **state) {
     fixture *f = *state;
     need_browser(f);
-    open_page(f, "splatting");
+    open_page(f, pages[0]);
     char *last = browser_text(
         f->browser,
         "document.querySelector('input').focus(); return document.querySelector('.picture img').src");
@@ -167,7 +179,7 @@ static void a_pixels_explanation_by_mouse_and_keys_adds_up_to_what_a_render_has(
     need_browser(f);
     for (size_t i = 0; i < METHODS; i++) {
         sl_image *image = render(methods[i]);
-        open_page(f, methods[i]);
+        open_page(f, pages[i]);
         for (int k = 0; k < 12; k++) {
             char script[512];
             int x = (7 + 13 * k) % (WIDTH - 1), y = (5 + 11 * k) % (HEIGHT - 1);
@@ -191,12 +203,43 @@ static void a_pixels_explanation_by_mouse_and_keys_adds_up_to_what_a_render_has(
     }
 }
 
+static void the_overview_leads_to_every_scene(void **state) {
+    fixture *f = *state;
+    need_browser(f);
+    open_page(f, "report/report.html");
+    assert_true(browser_number(f->browser, "return document.querySelectorAll('a[href]').length") >= 2.0);
+    assert_true(browser_number(
+                    f->browser,
+                    "return [...document.querySelectorAll('a[href]')].every(a => "
+                    "document.querySelector(a.getAttribute('href')).textContent == a.textContent)") == 1.0);
+}
+
+/* Names of curves stand beside each other, and nothing beyond the paper. */
+static void plots_keep_their_names_apart_and_on_the_paper(void **state) {
+    fixture *f = *state;
+    need_browser(f);
+    open_page(f, "report/report.html");
+    assert_true(browser_number(f->browser, "return document.querySelectorAll('svg.plot').length") == 8.0);
+    assert_true(browser_number(
+                    f->browser,
+                    "return [...document.querySelectorAll('svg.plot')].every(p => { const all = "
+                    "p.getBoundingClientRect();"
+                    "return [...p.querySelectorAll('text')].every(t => { const r = t.getBoundingClientRect();"
+                    "return r.left >= all.left && r.right <= all.right && r.top >= all.top && r.bottom <= "
+                    "all.bottom; }); })") == 1.0);
+    assert_true(browser_number(f->browser,
+                               "return [...document.querySelectorAll('svg.plot')].every(p => { const names = "
+                               "[...p.querySelectorAll('text[class^=n]')]"
+                               ".map(t => t.getBoundingClientRect().top).sort((a, b) => a - b);"
+                               "return names.every((y, i) => i == 0 || y - names[i - 1] > 10); })") == 1.0);
+}
+
 static void a_phone_needs_no_sideways_scrolling(void **state) {
     fixture *f = *state;
     need_browser(f);
     browser_resize(f->browser, 500, 800); /* as narrow as the browser's window goes */
-    for (size_t i = 0; i < METHODS; i++) {
-        open_page(f, methods[i]);
+    for (size_t i = 0; i < PAGES; i++) {
+        open_page(f, pages[i]);
         assert_true(browser_number(f->browser,
                                    "document.body.style.width = '360px'; return document.body.scrollWidth") <=
                     361.0);
@@ -213,6 +256,8 @@ int main(int argc, char **argv) {
         cmocka_unit_test(every_pass_is_explained),
         cmocka_unit_test(the_slider_plays_the_refinement_by_keys_and_by_mouse),
         cmocka_unit_test(a_pixels_explanation_by_mouse_and_keys_adds_up_to_what_a_render_has),
+        cmocka_unit_test(the_overview_leads_to_every_scene),
+        cmocka_unit_test(plots_keep_their_names_apart_and_on_the_paper),
         cmocka_unit_test(a_phone_needs_no_sideways_scrolling),
     };
     return cmocka_run_group_tests(tests, open_pages, close_pages);
