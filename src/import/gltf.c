@@ -12,65 +12,75 @@ static const cJSON *member(const cJSON *item, const char *name) {
     return cJSON_GetObjectItemCaseSensitive(item, name);
 }
 
-/* ---- materials and cameras ---- */
+/* ---- features that a file asks for ---- */
 
-enum { DEEPEST = 1000 /* deeper files are refused */ };
+/* Extensions that are read here or by the importer, as they are meant. */
+static const char *const had[] = {"KHR_lights_punctual", "KHR_materials_emissive_strength",
+                                  "KHR_materials_pbrSpecularGlossiness", "KHR_texture_transform"};
 
-/* A list of the file, what of it the scene uses, and in which order: that in which nodes lead there, and not
- * the file's. So the importer numbers it. */
-typedef struct dictionary {
-    size_t count, used_count;
-    const cJSON **item, **used;
-    bool *seen;
-} dictionary;
-
-typedef struct walk {
-    dictionary nodes, meshes, materials, cameras;
-} walk;
-
-static bool open_dictionary(const cJSON *list, dictionary *d) {
-    d->count = cJSON_IsArray(list) ? (size_t)cJSON_GetArraySize(list) : 0;
-    d->item = sl_allocate(d->count, sizeof *d->item);
-    d->seen = sl_allocate(d->count, sizeof *d->seen);
-    d->used = sl_allocate(d->count, sizeof *d->used);
-    if (!d->item || !d->seen || !d->used) return false;
-    const cJSON *item = d->count ? list->child : NULL;
-    for (size_t i = 0; item; item = item->next) d->item[i++] = item;
-    return true;
+static bool is_had(const char *name) {
+    for (size_t i = 0; i < sizeof had / sizeof had[0]; i++) {
+        if (strcmp(name, had[i]) == 0) return true;
+    }
+    return false;
 }
 
-static void close_dictionary(dictionary *d) {
-    sl_free(d->item);
-    sl_free(d->seen);
-    sl_free(d->used);
+static sl_status check_required(const char *path, const cJSON *root, sl_error *error) {
+    const cJSON *name;
+    cJSON_ArrayForEach(name, member(root, "extensionsRequired")) {
+        if (!cJSON_IsString(name) || is_had(name->valuestring)) continue;
+        return sl_fail(error, SL_ERROR_INPUT,
+                       "%s: requires the glTF extension %s, which is not supported: expected plain "
+                       "(uncompressed) glTF 2.0",
+                       path, name->valuestring);
+    }
+    return SL_OK;
 }
 
-/* The item of that number, where it is come to for the first time; else NULL. */
-static const cJSON *come_to(dictionary *d, const cJSON *number) {
-    if (!cJSON_IsNumber(number) || !(number->valuedouble >= 0.0 && number->valuedouble < (double)d->count))
-        return NULL;
-    size_t index = (size_t)number->valuedouble;
-    if (d->seen[index]) return NULL;
-    d->seen[index] = true;
-    return d->used[d->used_count++] = d->item[index];
+static const char *in_place_of(const char *extension) {
+    if (strcmp(extension, "KHR_materials_unlit") == 0) return "it is drawn as diffuse, and lit";
+    if (strcmp(extension, "KHR_materials_transmission") == 0) return "it is drawn opaque";
+    return "it is left out";
 }
 
-/* Children before a node's own mesh, as the importer reads them. */
-static void visit_node(walk *w, const cJSON *number, int depth) {
-    const cJSON *node = depth < DEEPEST ? come_to(&w->nodes, number) : NULL, *child, *primitive;
-    if (!node) return;
-    cJSON_ArrayForEach(child, member(node, "children")) visit_node(w, child, depth + 1);
-    const cJSON *mesh = come_to(&w->meshes, member(node, "mesh"));
-    cJSON_ArrayForEach(primitive, member(mesh, "primitives"))
-        come_to(&w->materials, member(primitive, "material"));
-    come_to(&w->cameras, member(node, "camera"));
+static void tell_extension(const char *path, const char *name, sl_model *model) {
+    if (!is_had(name))
+        sl_scene_warn(&model->scene, "%s: the extension %s is not supported: %s", path, name,
+                      in_place_of(name));
 }
 
-static void visit_scene(walk *w, const cJSON *root) {
-    const cJSON *scene = member(root, "scene"), *scenes = member(root, "scenes"), *node;
-    int index = cJSON_IsNumber(scene) ? scene->valueint : 0;
-    cJSON_ArrayForEach(node, member(index >= 0 ? cJSON_GetArrayItem(scenes, index) : NULL, "nodes"))
-        visit_node(w, node, 0);
+static void tell_extensions(const char *path, const cJSON *root, sl_model *model) {
+    const cJSON *name, *material, *extension;
+    cJSON_ArrayForEach(name, member(root, "extensionsUsed")) {
+        if (cJSON_IsString(name)) tell_extension(path, name->valuestring, model);
+    }
+    cJSON_ArrayForEach(material, member(root, "materials")) { /* which may use what is not listed */
+        cJSON_ArrayForEach(extension, member(material, "extensions")) {
+            if (extension->string) tell_extension(path, extension->string, model);
+        }
+    }
+}
+
+static bool has_morphs(const cJSON *root) {
+    const cJSON *mesh, *primitive;
+    cJSON_ArrayForEach(mesh, member(root, "meshes")) {
+        cJSON_ArrayForEach(primitive, member(mesh, "primitives")) {
+            if (cJSON_GetArraySize(member(primitive, "targets")) > 0) return true;
+        }
+    }
+    return false;
+}
+
+static void tell_features(const char *path, const cJSON *root, sl_model *model) {
+    const cJSON *material;
+    tell_extensions(path, root, model);
+    cJSON_ArrayForEach(material, member(root, "materials")) {
+        if (cJSON_IsObject(member(material, "normalTexture")))
+            sl_scene_warn(&model->scene, "%s: normal maps are not used", path);
+    }
+    if (has_morphs(root)) sl_scene_warn(&model->scene, "%s: morph targets are not applied", path);
+    if (cJSON_GetArraySize(member(root, "animations")) > 0)
+        sl_scene_warn(&model->scene, "%s: animations are not played", path);
 }
 
 /* ---- the file ---- */
@@ -100,26 +110,6 @@ static void read_pair(const cJSON *list, double otherwise, double pair[2]) {
     for (int i = 0; i < 2; i++) pair[i] = number_or(cJSON_GetArrayItem(list, i), otherwise);
 }
 
-/* The lists of what the nodes lead to are kept, the others only walked. */
-static sl_status read_lists(sl_gltf *gltf, sl_error *error) {
-    walk w = {0};
-    bool open = open_dictionary(member(gltf->root, "nodes"), &w.nodes) &&
-                open_dictionary(member(gltf->root, "meshes"), &w.meshes) &&
-                open_dictionary(member(gltf->root, "materials"), &w.materials) &&
-                open_dictionary(member(gltf->root, "cameras"), &w.cameras);
-    if (open) visit_scene(&w, gltf->root);
-    gltf->materials = w.materials.used;
-    gltf->material_count = w.materials.used_count;
-    gltf->cameras = w.cameras.used;
-    gltf->camera_count = w.cameras.used_count;
-    w.materials.used = w.cameras.used = NULL;
-    close_dictionary(&w.nodes);
-    close_dictionary(&w.meshes);
-    close_dictionary(&w.materials);
-    close_dictionary(&w.cameras);
-    return open ? SL_OK : sl_fail_memory(error, "a glTF file");
-}
-
 static cJSON *parse(const char *data, size_t size) {
     const char *json;
     size_t length;
@@ -129,46 +119,39 @@ static cJSON *parse(const char *data, size_t size) {
     return root ? root : cJSON_ParseWithLength(json, length);
 }
 
-sl_status sl_gltf_read(const char *path, sl_model *model, sl_gltf *gltf, sl_error *error) {
+sl_status sl_gltf_read(const char *path, sl_model *model, cJSON **gltf, sl_error *error) {
     sl_bytes bytes;
-    *gltf = (sl_gltf){0};
+    *gltf = NULL;
     sl_status status = sl_bytes_read(path, SL_FILE_BYTES, &bytes, error);
     if (status != SL_OK) return status;
-    gltf->root = parse((char *)bytes.data, bytes.size);
+    *gltf = parse((char *)bytes.data, bytes.size);
     sl_free(bytes.data);
-    if (!gltf->root && sl_memory_has_ended()) return sl_fail_memory(error, path);
-    if (!cJSON_IsObject(gltf->root))
+    if (!*gltf && sl_memory_has_ended()) return sl_fail_memory(error, path);
+    if (!cJSON_IsObject(*gltf))
         return sl_fail(error, SL_ERROR_INPUT, "%s: expected a glTF file: its JSON cannot be read", path);
-    status = sl_gltf_check_required(path, gltf->root, error);
-    if (status == SL_OK) status = read_lists(gltf, error);
-    if (status == SL_OK) sl_gltf_tell_features(path, gltf->root, model);
+    status = check_required(path, *gltf, error);
+    if (status == SL_OK) tell_features(path, *gltf, model);
     return status;
-}
-
-void sl_gltf_release(sl_gltf *gltf) {
-    cJSON_Delete(gltf->root);
-    sl_free(gltf->materials);
-    sl_free(gltf->cameras);
-    *gltf = (sl_gltf){0};
 }
 
 /* ---- facts ---- */
 
-static const cJSON *material_of(const sl_gltf *gltf, size_t number) {
-    return gltf && number < gltf->material_count ? gltf->materials[number] : NULL;
+static const cJSON *material_of(const cJSON *gltf, const char *name) {
+    const cJSON *material;
+    cJSON_ArrayForEach(material, member(gltf, "materials")) {
+        const cJSON *label = member(material, "name");
+        if (strcmp(cJSON_IsString(label) ? label->valuestring : "", name) == 0) return material;
+    }
+    return NULL;
 }
 
-double sl_gltf_emissive_strength(const sl_gltf *gltf, size_t material) {
+double sl_gltf_emissive_strength(const cJSON *gltf, const char *material) {
     const cJSON *extensions = member(material_of(gltf, material), "extensions");
     return number_or(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0);
 }
 
-bool sl_gltf_is_unlit(const sl_gltf *gltf, size_t material) {
-    return member(member(material_of(gltf, material), "extensions"), "KHR_materials_unlit") != NULL;
-}
-
-sl_gltf_transform sl_gltf_base_transform(const sl_gltf *gltf, size_t number) {
-    const cJSON *material = material_of(gltf, number), *extensions = member(material, "extensions"),
+sl_gltf_transform sl_gltf_base_transform(const cJSON *gltf, const char *name) {
+    const cJSON *material = material_of(gltf, name), *extensions = member(material, "extensions"),
                 *texture = member(member(material, "pbrMetallicRoughness"), "baseColorTexture"),
                 *diffuse =
                     member(member(extensions, "KHR_materials_pbrSpecularGlossiness"), "diffuseTexture"),
@@ -180,9 +163,4 @@ sl_gltf_transform sl_gltf_base_transform(const sl_gltf *gltf, size_t number) {
     read_pair(member(from, "offset"), 0.0, t.offset);
     read_pair(member(from, "scale"), 1.0, t.scale);
     return t;
-}
-
-double sl_gltf_vertical_fov(const sl_gltf *gltf, size_t camera) {
-    const cJSON *item = camera < gltf->camera_count ? gltf->cameras[camera] : NULL;
-    return number_or(member(member(item, "perspective"), "yfov"), 0.0);
 }

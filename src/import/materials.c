@@ -217,12 +217,15 @@ static sl_status metallic_workflow(const source *s, sl_material *m) {
     return SL_OK;
 }
 
-static sl_status gltf_material(const source *s, bool unlit, double strength, sl_material *m) {
+static sl_status gltf_material(const source *s, double strength, sl_material *m) {
     float glossiness;
+    int shading = 0;
+    unsigned one = 1;
     sl_status status = find_texture(s, aiTextureType_DIFFUSE, &m->texture);
     if (status != SL_OK) return status;
     m->diffuse = sl_grey(0.0f);
-    if (unlit) m->diffuse = color_or(s, AI_MATKEY_BASE_COLOR, sl_grey(1.0f));
+    aiGetMaterialIntegerArray(s->material, AI_MATKEY_SHADING_MODEL, &shading, &one);
+    if (shading == aiShadingMode_Unlit) m->diffuse = color_or(s, AI_MATKEY_BASE_COLOR, sl_grey(1.0f));
     else if (has_number(s, AI_MATKEY_GLOSSINESS_FACTOR, &glossiness))
         status = specular_glossiness(s, glossiness, m);
     else status = metallic_workflow(s, m);
@@ -233,7 +236,7 @@ static sl_status gltf_material(const source *s, bool unlit, double strength, sl_
 
 /* ---- all of them ----------------------------------------------------------------------------- */
 
-sl_status sl_import_materials(const char *path, const struct aiScene *file, const sl_gltf *gltf,
+sl_status sl_import_materials(const char *path, const struct aiScene *file, const cJSON *gltf,
                               sl_model *model, sl_error *error) {
     sl_status status = SL_OK;
     for (unsigned i = 0; i < file->mNumMaterials && status == SL_OK; i++) {
@@ -243,8 +246,7 @@ sl_status sl_import_materials(const char *path, const struct aiScene *file, cons
         uint32_t index;
         if (s.material) aiGetMaterialString(s.material, AI_MATKEY_NAME, &name);
         if (s.material && gltf)
-            status =
-                gltf_material(&s, sl_gltf_is_unlit(gltf, i), sl_gltf_emissive_strength(gltf, i), &made);
+            status = gltf_material(&s, sl_gltf_emissive_strength(gltf, name.data), &made);
         else if (s.material) status = classic_material(&s, &made);
         if (status == SL_OK) status = sl_model_add_material(model, &made, &index, error);
     }

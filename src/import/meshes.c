@@ -15,7 +15,7 @@ typedef struct placed {
 typedef struct importer {
     const char *path;
     const struct aiScene *scene;
-    const sl_gltf *gltf; /* NULL: another format */
+    const cJSON *gltf; /* NULL: another format */
     const sl_affine *placement;
     placed *nodes; /* in the order of their tree */
     size_t node_count;
@@ -165,11 +165,10 @@ static sl_status add_light(const importer *in, const struct aiLight *from) {
 }
 
 /* The vertical field of view; 0 where the camera has none. */
-static float vertical_fov(const importer *in, unsigned index, const struct aiCamera *camera) {
-    if (in->gltf) return (float)sl_gltf_vertical_fov(in->gltf, index);
+static float vertical_fov(const struct aiCamera *camera) {
     if (camera->mOrthographicWidth > 0.0f || !(camera->mHorizontalFOV > 0.0f)) return 0.0f;
-    const double aspect = camera->mAspect > 0.0f ? (double)camera->mAspect : 1.0;
-    return (float)(2.0 * sl_atan(sl_tan(0.5 * (double)camera->mHorizontalFOV) / aspect));
+    if (!(camera->mAspect > 0.0f)) return camera->mHorizontalFOV;
+    return (float)(2.0 * sl_atan(sl_tan(0.5 * (double)camera->mHorizontalFOV) / (double)camera->mAspect));
 }
 
 /* A glTF camera looks along its node's -z; Assimp's own frame doubles the node's translation. */
@@ -184,7 +183,7 @@ static bool place_camera(const importer *in, unsigned index) {
     /* Looking from the origin along the direction keeps all its bits, wherever the eye is. */
     const bool good =
         sl_camera_look_at(&in->model->camera, sl_neg(direction), sl_v3(0, 0, 0),
-                          sl_to_float(sl_affine_vector(&to_world, up)), vertical_fov(in, index, from));
+                          sl_to_float(sl_affine_vector(&to_world, up)), vertical_fov(from));
     in->model->camera.eye = eye;
     return good && sl_is_finite(eye);
 }
@@ -204,7 +203,7 @@ static void add_camera(const importer *in) {
 
 /* ---- the file -------------------------------------------------------------------------------- */
 
-sl_status sl_import_scene(const char *path, const struct aiScene *scene, const sl_gltf *gltf,
+sl_status sl_import_scene(const char *path, const struct aiScene *scene, const cJSON *gltf,
                           const sl_affine *placement, sl_model *model, sl_error *error) {
     importer in = {.path = path,
                    .scene = scene,

@@ -63,7 +63,7 @@ static sl_status fail(const char *path, const char *said, sl_error *error) {
 }
 
 /* Points and lines stay, and are left out of the model. */
-static sl_status import(const char *path, const sl_gltf *gltf, const sl_affine *placement, sl_model *model,
+static sl_status import(const char *path, const cJSON *gltf, const sl_affine *placement, sl_model *model,
                         sl_error *error) {
     sl_import_files files;
     sl_import_files_init(&files, path, model, error);
@@ -77,13 +77,13 @@ static sl_status import(const char *path, const sl_gltf *gltf, const sl_affine *
 }
 
 static sl_status read_file(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
-    sl_gltf gltf = {0};
+    cJSON *gltf;
     if (!sl_file_has_extension(path, ".gltf") && !sl_file_has_extension(path, ".glb")) {
         sl_status status = sl_ply_check(path, error);
         return status == SL_OK ? import(path, NULL, placement, model, error) : status;
     }
     sl_status status = sl_gltf_read(path, model, &gltf, error);
-    return status == SL_OK ? import(path, &gltf, placement, model, error) : status;
+    return status == SL_OK ? import(path, gltf, placement, model, error) : status;
 }
 
 static sl_affine placement_of(const char *text) {

@@ -39,29 +39,29 @@ static bool leaves_picture(const float *uv, size_t count) {
     return false;
 }
 
-static void check_wrapping(const char *path, const struct aiMaterial *m, const float *uv, size_t count,
-                           sl_model *model) {
+static void check_wrapping(const char *path, const struct aiMaterial *m, const char *name, const float *uv,
+                           size_t count, sl_model *model) {
     const int u = whole_or(m, AI_MATKEY_MAPPINGMODE_U(aiTextureType_DIFFUSE, 0), aiTextureMapMode_Wrap),
               v = whole_or(m, AI_MATKEY_MAPPINGMODE_V(aiTextureType_DIFFUSE, 0), aiTextureMapMode_Wrap);
     const bool repeated = u == aiTextureMapMode_Wrap && v == aiTextureMapMode_Wrap;
     if (repeated || !aiGetMaterialTextureCount(m, aiTextureType_DIFFUSE) || !leaves_picture(uv, count))
         return;
     const bool mirrored = u == aiTextureMapMode_Mirror || v == aiTextureMapMode_Mirror;
-    struct aiString name = {.data = ""};
-    aiGetMaterialString(m, AI_MATKEY_NAME, &name);
     sl_scene_warn(&model->scene,
                   "%s: material '%s': its texture is %s beyond its edges in the file, and repeated here",
-                  path, name.data, mirrored ? "mirrored" : "clamped");
+                  path, name, mirrored ? "mirrored" : "clamped");
 }
 
-bool sl_import_uvs(const char *path, const struct aiScene *scene, const sl_gltf *gltf,
+bool sl_import_uvs(const char *path, const struct aiScene *scene, const cJSON *gltf,
                    const struct aiMesh *mesh, float *uvs, sl_model *model) {
     const struct aiMaterial *material = scene->mMaterials[mesh->mMaterialIndex];
-    const sl_gltf_transform t = sl_gltf_base_transform(gltf, mesh->mMaterialIndex);
+    struct aiString name = {.data = ""};
+    aiGetMaterialString(material, AI_MATKEY_NAME, &name);
+    const sl_gltf_transform t = sl_gltf_base_transform(gltf, name.data);
     const struct aiVector3D *from = set_of(material, mesh, &t);
     if (!from) return false;
     for (size_t v = 0; v < mesh->mNumVertices; v++) uvs[2 * v] = from[v].x, uvs[2 * v + 1] = from[v].y;
     if (t.given) transform(&t, uvs, mesh->mNumVertices);
-    check_wrapping(path, material, uvs, mesh->mNumVertices, model);
+    check_wrapping(path, material, name.data, uvs, mesh->mNumVertices, model);
     return true;
 }

@@ -5,9 +5,9 @@
 
 static sl_status check_with(unsigned kind, const char *path, sl_error *error) {
     sl_model model = {0};
-    sl_gltf gltf = {0};
+    cJSON *gltf = NULL;
     sl_status status = kind == 3 ? sl_ply_check(path, error) : sl_gltf_read(path, &model, &gltf, error);
-    sl_gltf_release(&gltf);
+    cJSON_Delete(gltf);
     sl_model_clear(&model);
     return status;
 }

@@ -142,7 +142,7 @@ static void texture_transforms_are_applied_to_the_base_texture(void **state) {
 
 /* Materials a, b, c and cameras of 0.5 and 1 radian, of which the nodes lead to c, a and the second camera; a
  * child comes before its parent. */
-static void what_is_read_of_materials_and_cameras_is_that_of_their_own_number(void **state) {
+static void what_is_read_of_materials_and_cameras_is_that_of_their_own(void **state) {
     (void)state;
     static char text[8192];
     snprintf(text, sizeof text, form,
@@ -243,7 +243,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(specular_glossiness_gives_kd_ks_and_exponent),
         cmocka_unit_test(texture_transforms_are_applied_to_the_base_texture),
-        cmocka_unit_test(what_is_read_of_materials_and_cameras_is_that_of_their_own_number),
+        cmocka_unit_test(what_is_read_of_materials_and_cameras_is_that_of_their_own),
         cmocka_unit_test(what_is_unlit_is_diffuse_of_its_base_colour),
         cmocka_unit_test(features_that_are_not_had_are_told_by_name),
         cmocka_unit_test(wrapping_that_is_not_had_is_told_where_it_would_be_seen),
