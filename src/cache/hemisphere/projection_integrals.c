@@ -76,34 +76,18 @@ static void add_plane_cell(const integral *q, range r) {
     }
 }
 
-/* Radial extension of the outer edge (t, b0)-(t, b1): azimuths as the edge has them, cos theta from the edge
- * down to 0. H with odd m goes like the root of the cosine, so the integral is over that root. */
-static void add_radial_extension(const integral *q, range r) {
-    double t = q->in->half_tangent, from = sl_atan2(r.b0, t), to = sl_atan2(r.b1, t);
-    const sl_rule *g = &q->in->coarse, *f = &q->in->fine;
-    for (int i = 0; i < g->count; i++) {
-        double azimuth = from + (to - from) * g->node[i], cos_phi = sl_cos(azimuth),
-               sin_phi = sl_sin(azimuth);
-        double edge = cos_phi / sqrt(cos_phi * cos_phi + t * t);
-        for (int j = 0; j < f->count; j++) {
-            double root = f->node[j], c = edge * root * root, s = sqrt(1.0 - c * c);
-            double weight = g->weight[i] * f->weight[j] * (to - from) * 2.0 * edge * root;
-            add_point(q, sl_v3d(s * cos_phi, s * sin_phi, c), weight);
-        }
-    }
-}
-
-/* A side face of the hemicube, b sideways, a from 1 at the top to 2 at the horizon: the direction (1, b, z),
- * z = 2 - a = x^2. */
-static void add_side_cell(const integral *q, range r) {
-    double x0 = sqrt(2.0 - r.a1), x1 = sqrt(2.0 - r.a0);
-    const sl_rule *g = &q->in->coarse, *f = r.a1 > 1.9 ? &q->in->fine : g;
+/* An upright face at distance t, b sideways, z from the top down: the hemicube's sides, and the radial
+ * extension of the plane's outer edge, from z = 1 down to the horizon. H with odd m goes like the root of the
+ * cosine, so the integral is over x, z = x^2. */
+static void add_side_cell(const integral *q, double t, double b0, double b1, double top, double bottom) {
+    double x0 = sqrt(bottom), x1 = sqrt(top);
+    const sl_rule *g = &q->in->coarse, *f = bottom < 0.1 ? &q->in->fine : g;
     for (int i = 0; i < f->count; i++) {
         double x = x0 + (x1 - x0) * f->node[i];
         for (int j = 0; j < g->count; j++) {
-            sl_vec3d d = sl_v3d(1.0, r.b0 + (r.b1 - r.b0) * g->node[j], x * x);
+            sl_vec3d d = sl_v3d(t, b0 + (b1 - b0) * g->node[j], x * x);
             add_point(q, d,
-                      f->weight[i] * g->weight[j] * (x1 - x0) * 2.0 * x * (r.b1 - r.b0) * inverse_cube(d));
+                      f->weight[i] * g->weight[j] * (x1 - x0) * 2.0 * x * (b1 - b0) * t * inverse_cube(d));
         }
     }
 }
@@ -146,11 +130,13 @@ void sl_cell_harmonics(const sl_instrument *in, int x, int y, double *sums) {
     if (in->kind == SL_GATHER_PLANE) {
         bool right = x == in->width - 1, top = y == in->width - 1;
         add_plane_cell(&q, r);
-        if (in->border == SL_BORDER_RADIAL && right) add_radial_extension(&q, r);
-        if (in->border == SL_BORDER_RADIAL && top) add_radial_extension(&exchanged, exchange(r));
+        if (in->border == SL_BORDER_RADIAL && right)
+            add_side_cell(&q, in->half_tangent, r.b0, r.b1, 1.0, 0.0);
+        if (in->border == SL_BORDER_RADIAL && top)
+            add_side_cell(&exchanged, in->half_tangent, r.a0, r.a1, 1.0, 0.0);
     } else if (in->kind == SL_GATHER_HEMICUBE) {
-        if (r.a1 > 1.0 && r.a0 >= 1.0) add_side_cell(&q, r);
-        else if (r.b0 >= 1.0) add_side_cell(&exchanged, exchange(r));
+        if (r.a1 > 1.0 && r.a0 >= 1.0) add_side_cell(&q, 1.0, r.b0, r.b1, 2.0 - r.a0, 2.0 - r.a1);
+        else if (r.b0 >= 1.0) add_side_cell(&exchanged, 1.0, r.a0, r.a1, 2.0 - r.b0, 2.0 - r.b1);
         else add_plane_cell(&q, r);
     } else {
         add_disc_cell(&q, r);
@@ -171,13 +157,16 @@ static void add_wall_point(const integral *q, sl_wall *wall, double *total, sl_v
     add_point(q, d, size);
 }
 
-/* A straight edge from a to b, at depth 1: (e x d) / l^3 an element, and e x d is the same all along. */
+/* A straight edge from a to b, at depth 1: (e x d) / l^3 an element, and e x d is the same all along. One
+ * that starts at the horizon is summed over the root of its height. */
 static void add_edge(const integral *q, sl_wall *wall, double *total, sl_vec3d a, sl_vec3d b) {
-    const sl_rule *g = &q->in->coarse;
+    bool rooted = !(a.z > 0.0);
+    const sl_rule *g = rooted ? &q->in->fine : &q->in->coarse;
     sl_vec3d e = sl_subd(b, a), normal = sl_crossd(e, a);
     for (int i = 0; i < g->count; i++) {
-        sl_vec3d d = sl_addd(a, sl_scaled(e, g->node[i]));
-        double weight = g->weight[i] * inverse_cube(d);
+        double x = g->node[i];
+        sl_vec3d d = sl_addd(a, sl_scaled(e, rooted ? x * x : x));
+        double weight = g->weight[i] * (rooted ? 2.0 * x : 1.0) * inverse_cube(d);
         add_wall_point(q, wall, total, d, weight * normal.x, weight * normal.y);
     }
 }
@@ -213,21 +202,6 @@ static void add_column_wall(const integral *q, sl_wall *wall, double *total, dou
     }
 }
 
-/* The radial extension of a row wall at (t, b): along a meridian down to the horizon. The surface is taken to
- * stand upright there, at the horizontal distance h = sqrt(t^2 + b^2) that it has at depth 1; so its distance
- * is h / sin theta. */
-static void add_border_wall(const integral *q, sl_wall *wall, double *total, double b) {
-    const sl_rule *f = &q->in->fine;
-    double t = q->in->half_tangent, h = sqrt(t * t + b * b), cos_phi = t / h, sin_phi = b / h;
-    double edge = 1.0 / sqrt(1.0 + h * h);
-    for (int i = 0; i < f->count; i++) { /* sin theta d theta = -d cos theta */
-        double root = f->node[i], c = edge * root * root, s = sqrt(1.0 - c * c);
-        double weight = f->weight[i] * 2.0 * edge * root / h;
-        add_wall_point(q, wall, total, sl_v3d(s * cos_phi, s * sin_phi, c), -weight * sin_phi,
-                       weight * cos_phi);
-    }
-}
-
 void sl_wall_harmonics(const sl_instrument *in, sl_wall_type type, int x, int y, sl_wall *wall) {
     integral q = {in, type == SL_WALL_ROW, wall->mean};
     double total = 0.0, half = 1.0;
@@ -237,7 +211,8 @@ void sl_wall_harmonics(const sl_instrument *in, sl_wall_type type, int x, int y,
         double line = grid_line(in, column ? x : y);
         q.exchanged = column;
         if (line <= 0.0) half = 0.5;
-        add_border_wall(&q, wall, &total, line);
+        /* What stands there is taken to be upright, at the distance that it has at depth 1. */
+        add_edge(&q, wall, &total, sl_v3d(in->half_tangent, line, 0.0), sl_v3d(in->half_tangent, line, 1.0));
     } else {
         range r = cell_range(in, x, y);
         double line = grid_line(in, type == SL_WALL_ROW ? y : x);
