@@ -67,7 +67,7 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
             &points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
             s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
             s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
-        direct->aim(&aims[k]);
+        direct->light.aim(&aims[k]);
     }
     if (w->any_near) sl_direct_aim_near(direct, block, w->near, aims, s->samples);
 }

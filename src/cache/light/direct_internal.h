@@ -15,7 +15,6 @@
 #define SL_CACHE_DIRECT_INTERNAL_H
 
 #include "cache/light/light_kernels.h"
-#include "cache/light/direct_kernels.h"
 #include "cache/light/direct.h"
 
 /* beyond, the closed form of all costs more than the noise that it saves */
@@ -26,7 +25,6 @@ struct sl_direct {
     const sl_tracer *tracer;
     sl_direct_settings settings;
     sl_light_kernels light;
-    sl_aim_kernel *aim;
     float offset;                   /* how far along the geometric normal rays start */
     /* the scene without its lights without extent, its environment the sun alone */
     sl_scene extended;

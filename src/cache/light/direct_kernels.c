@@ -1,4 +1,4 @@
-#include "cache/light/direct_kernels.h"
+#include "cache/light/light_kernels.h"
 
 /* The first side whose cumulative sum exceeds u0 of the whole; sums fall in no gap, since u0 < 1. */
 static void choose(const sl_aim_block *block, int32_t *restrict chosen) {

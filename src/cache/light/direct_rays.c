@@ -156,6 +156,7 @@ typedef struct {
     float *out[3];
     sl_counters *counters;  /* one a row of the strip */
     void *scratch;          /* of all workers */
+    bool refine;            /* the second pass */
 } pass;
 
 static sl_counters *counters_of(const pass *p, int y) { return &p->counters[y - p->first]; }
@@ -163,28 +164,15 @@ static sl_counters *counters_of(const pass *p, int y) { return &p->counters[y - 
 static void light_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
     const sl_direct *direct = p->direct;
     sl_direct_scratch *scratch = sl_direct_scratch_of(p->scratch, worker);
-    sl_sample_range pilot = {0, pilot_samples(direct)};
+    uint32_t pilot = pilot_samples(direct);
+    sl_sample_range range = {p->refine ? pilot : 0, p->refine ? samples_with_refinement(direct) : pilot};
     if (block->count == 0) return;
+    if (direct->exact_count) sl_direct_exact(direct, block, range, scratch, p->sums, counters);
+    if (p->refine) return;
     sl_direct_delta(direct, p->gbuffer, block, p->sums, counters);
-    if (direct->exact_count) sl_direct_exact(direct, block, pilot, scratch, p->sums, counters);
-    else if (direct->scene->emitter_count) sl_direct_sampled(direct, block, false, p->sums, counters);
+    if (!direct->exact_count && direct->scene->emitter_count)
+        sl_direct_sampled(direct, block, false, p->sums, counters);
     if (direct->settings.sun) sl_direct_sampled(direct, block, true, p->sums, counters);
-}
-
-static void sample_row(void *context, size_t index, unsigned worker) {
-    const pass *p = context;
-    const sl_gbuffer *g = p->gbuffer;
-    int y = p->row + (int)index;
-    sl_lit_block block = {.count = 0};
-    for (int x = 0; x < g->width; x++) {
-        size_t i = (size_t)y * (size_t)g->width + (size_t)x;
-        if (!sl_pixel_reflects(g, p->direct->scene, i)) continue;
-        sl_lit_block_add(p->direct, g, i, &block);
-        if (block.count < SL_LIGHT_BLOCK) continue;
-        light_block(p, &block, worker, counters_of(p, y));
-        block.count = 0;
-    }
-    light_block(p, &block, worker, counters_of(p, y));
 }
 
 static bool near_penumbra(const pass *p, int x, int y) {
@@ -198,28 +186,25 @@ static bool near_penumbra(const pass *p, int x, int y) {
     return false;
 }
 
-static void refine_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
-    const sl_direct *direct = p->direct;
-    sl_direct_scratch *scratch = sl_direct_scratch_of(p->scratch, worker);
-    sl_sample_range range = {pilot_samples(direct), samples_with_refinement(direct)};
-    if (block->count == 0) return;
-    if (direct->exact_count) sl_direct_exact(direct, block, range, scratch, p->sums, counters);
+static bool takes_part(const pass *p, int x, int y, size_t i) {
+    if (!p->refine) return sl_pixel_reflects(p->gbuffer, p->direct->scene, i);
+    return p->sums->samples[i - p->sums->first] > 0.0f && near_penumbra(p, x, y);
 }
 
-static void refine_row(void *context, size_t index, unsigned worker) {
+static void sample_row(void *context, size_t index, unsigned worker) {
     const pass *p = context;
     const sl_gbuffer *g = p->gbuffer;
     int y = p->row + (int)index;
     sl_lit_block block = {.count = 0};
     for (int x = 0; x < g->width; x++) {
         size_t i = (size_t)y * (size_t)g->width + (size_t)x;
-        if (!(p->sums->samples[i - p->sums->first] > 0.0f) || !near_penumbra(p, x, y)) continue;
+        if (!takes_part(p, x, y, i)) continue;
         sl_lit_block_add(p->direct, g, i, &block);
         if (block.count < SL_LIGHT_BLOCK) continue;
-        refine_block(p, &block, worker, counters_of(p, y));
+        light_block(p, &block, worker, counters_of(p, y));
         block.count = 0;
     }
-    refine_block(p, &block, worker, counters_of(p, y));
+    light_block(p, &block, worker, counters_of(p, y));
 }
 
 static void scatter_row(void *context, size_t index, unsigned worker) {
@@ -293,10 +278,11 @@ sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, 
     void *scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
     bool made = make_sums((size_t)first * width, rows * width, &sums) && costs && scratch;
     if (made) {
-        pass p = {direct, gbuffer, first, first, &sums, {r, g, b}, costs, scratch};
+        pass p = {direct, gbuffer, first, first, &sums, {r, g, b}, costs, scratch, false};
         run(&p, sample_row, row0, row1, margin);
+        p.refine = true;
         if (samples_with_refinement(direct) > pilot_samples(direct))
-            run(&p, refine_row, row0, row1, FILTER_MARGIN);
+            run(&p, sample_row, row0, row1, FILTER_MARGIN);
         run(&p, scatter_row, row0, row1, FILTER_MARGIN);
         run(&p, finish_row, row0, row1, 0);
         for (size_t i = 0; i < rows; i++) sl_counters_add(counters, &costs[i]);

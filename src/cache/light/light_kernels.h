@@ -66,22 +66,50 @@ typedef void sl_polygon_kernel(const sl_light_points *points, const sl_polygon_l
 typedef void sl_accumulate_kernel(size_t count, sl_rgb colour, const float *a, const float *b, float *r,
                                   float *g, float *bl);
 
+/* A side of an emitter for sl_aim_kernel: corner, two edges, normal (unit), area, chromaticity (radiance over
+ * its luminance). */
+enum { SL_SIDE_VALUES = 16 };
+
+typedef struct sl_aim_block {
+    const sl_light_points *points;
+    size_t sides;               /* that can light some point of the block */
+    const uint32_t *side;       /* which, into triangles */
+    const float *triangles;
+    /* irradiance from each of them over its luminance, SL_LIGHT_BLOCK values a side */
+    const float *share;
+    const float *sums;          /* cumulative irradiances (luminance), SL_LIGHT_BLOCK values a side */
+    const float *u0, *u1, *u2;  /* which side, and the point of it */
+    int32_t *chosen;            /* out: which of the sides */
+    float *x, *y, *z;           /* out: towards the light's point, whole */
+    /* out: the sample's irradiance (luminance), shadows aside; both 0 where none arrives */
+    float *weight;
+    float *r, *g, *b;           /* out: its chromaticity */
+    /* out: 1 where a ray must tell, 0: not lit, or the surface itself is in the way */
+    float *wanted;
+} sl_aim_block;
+
+/* Chooses a side in proportion to its irradiance and a point of it by area. */
+typedef void sl_aim_kernel(const sl_aim_block *block);
+
 typedef struct sl_light_kernels {
     sl_arrive_kernel *arrive;
     sl_lit_kernel *lit;
     sl_polygon_kernel *polygon;
     sl_accumulate_kernel *accumulate;
+    sl_aim_kernel *aim;
 } sl_light_kernels;
 
 SL_KERNEL_VARIANTS(sl_arrive_kernel, sl_light_arrive);
 SL_KERNEL_VARIANTS(sl_lit_kernel, sl_depth_cube_lit);
 SL_KERNEL_VARIANTS(sl_polygon_kernel, sl_polygon_light);
 SL_KERNEL_VARIANTS(sl_accumulate_kernel, sl_light_accumulate);
+SL_KERNEL_VARIANTS(sl_aim_kernel, sl_direct_aim);
 
 static inline sl_light_kernels sl_light_kernels_for(sl_isa isa) {
     return (sl_light_kernels){
         SL_KERNEL_OF(isa, sl_light_arrive), SL_KERNEL_OF(isa, sl_depth_cube_lit),
-        SL_KERNEL_OF(isa, sl_polygon_light), SL_KERNEL_OF(isa, sl_light_accumulate)};
+        SL_KERNEL_OF(isa, sl_polygon_light), SL_KERNEL_OF(isa, sl_light_accumulate),
+        SL_KERNEL_OF(isa, sl_direct_aim)};
 }
 
 #endif
