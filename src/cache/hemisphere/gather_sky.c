@@ -1,7 +1,7 @@
 /* In the middle of a gather of 128 x 128 a pixel is 5 degrees wide. Looked up by the directions of pixels
  * alone, a sun would be seen by one of them, or by none. So the environment is averaged over the texels of a
  * cube map with MIP levels, and looked up, bilinearly, in the level (between two) whose texels are 1.4 times
- * as wide as the pixel: then neighbouring pixels share the sun in proportion to how near they are to it, and
+ * as wide as that pixel: then neighbouring pixels share the sun in proportion to how near they are to it, and
  * its light is kept, within 6 % (root mean square, a sun of 3 degrees under 128 x 128 pixels): narrower it
  * falls between pixels, wider it moves to the texel's middle. */
 #include "cache/hemisphere/mesh_gather.h"
@@ -15,8 +15,8 @@ enum { FACE = 64 /* texels of 1.4 degrees */, SAMPLES_MAX = 16, BLOCK = SL_TEXTU
 
 struct sl_gather_sky {
     sl_cube_map *cube;
+    float lod;
 };
-
 
 /* Gives the mean over a texel, weighted by solid angle, at as many points as make one of each of the
  * environment's texels. */
@@ -54,7 +54,8 @@ static void fill(sl_gather_sky *sky, const sl_environment *environment) {
     sl_cube_map_build(sky->cube, 1);
 }
 
-sl_status sl_gather_sky_create(const sl_environment *environment, sl_gather_sky **sky, sl_error *error) {
+sl_status sl_gather_sky_create(const sl_environment *environment, double pixel, sl_gather_sky **sky,
+                               sl_error *error) {
     *sky = NULL;
     if (!environment->present || environment->width <= 0) return SL_OK;
     sl_gather_sky *s = sl_allocate(1, sizeof *s);
@@ -65,6 +66,8 @@ sl_status sl_gather_sky_create(const sl_environment *environment, sl_gather_sky 
         return status;
     }
     fill(s, environment);
+    float lod = sl_log2f((float)(1.4 * pixel * FACE / sqrt(4.0 * SL_PI / 6.0)));
+    s->lod = lod > 0.0f ? lod : 0.0f;
     *sky = s;
     return SL_OK;
 }
@@ -81,14 +84,6 @@ size_t sl_gather_sky_memory_bytes(const sl_gather_sky *sky) {
     for (int l = 0; l < sky->cube->levels; l++)
         texels += 6 * (size_t)(sky->cube->level_size[l] + 2) * (size_t)(sky->cube->level_size[l] + 2);
     return sizeof *sky + sizeof *sky->cube + texels * 4 * sizeof(float);
-}
-
-/* Pixels are longer around the foot of the perpendicular than away from it: step / sqrt(1 + r^2) against step
- * / (1 + r^2). The longer one counts. */
-float sl_gather_sky_lod(double step, double squared) {
-    double texel = sqrt(4.0 * SL_PI / 6.0) / FACE, pixel = step / sqrt(1.0 + squared);
-    float lod = sl_log2f((float)(1.4 * pixel / texel));
-    return lod > 0.0f ? lod : 0.0f;
 }
 
 /* ---- looking up ------------------------------------------------------------------------------ */
@@ -113,7 +108,7 @@ static void flush(const sl_gather_sky *sky, const sl_mesh_gather_pixels *p, batc
     b->count = 0;
 }
 
-void sl_gather_sky_add(const sl_gather_sky *sky, const sl_mesh_gather_pixels *p, const float *lod) {
+void sl_gather_sky_add(const sl_gather_sky *sky, const sl_mesh_gather_pixels *p) {
     if (!sky) return;
     batch b;
     b.count = 0;
@@ -128,7 +123,7 @@ void sl_gather_sky_add(const sl_gather_sky *sky, const sl_mesh_gather_pixels *p,
             b.x[b.count] = d.x;
             b.y[b.count] = d.y;
             b.z[b.count] = d.z;
-            b.lod[b.count] = lod[pixel];
+            b.lod[b.count] = sky->lod;
             if (++b.count == BLOCK) flush(sky, p, &b);
         }
     }

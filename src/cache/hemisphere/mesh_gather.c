@@ -27,7 +27,6 @@ struct sl_mesh_gather {
     /* tangents of the columns (and rows) of the view above; weights of its pixels */
     float *x, *weight;
     sl_gather_sky *sky;            /* NULL: no environment, or a constant one */
-    float *lod;                    /* at which it is looked up; NULL without */
 };
 
 struct sl_mesh_gather_scratch {
@@ -93,18 +92,6 @@ static void fill_tables(sl_mesh_gather *g) {
     fill_weights(n, t, g->weight);
 }
 
-static bool fill_lods(sl_mesh_gather *g) {
-    int n = g->settings.size;
-    if (!g->sky) return true;
-    g->lod = sl_allocate((size_t)n * (size_t)n, sizeof *g->lod);
-    if (!g->lod) return false;
-    for (int i = 0; i < n * n; i++) {
-        double x = (double)g->x[i % n], y = (double)g->x[i / n];
-        g->lod[i] = sl_gather_sky_lod(2.0 * (double)g->tangent / n, x * x + y * y);
-    }
-    return true;
-}
-
 static sl_status make_tables(sl_mesh_gather *g, sl_error *error) {
     size_t n = (size_t)g->settings.size;
     g->triangle = sl_allocate(g->scene->triangle_count + 1, SL_MESH_GATHER_FLOATS * sizeof *g->triangle);
@@ -113,9 +100,7 @@ static sl_status make_tables(sl_mesh_gather *g, sl_error *error) {
     if (!g->triangle || !g->x || !g->weight) return sl_fail_memory(error, "the gather's tables");
     fill_triangles(g);
     fill_tables(g);
-    sl_status status = sl_gather_sky_create(&g->scene->environment, &g->sky, error);
-    if (status == SL_OK && !fill_lods(g)) status = sl_fail_memory(error, "the gather's tables");
-    return status;
+    return sl_gather_sky_create(&g->scene->environment, 2.0 * (double)g->tangent / (double)n, &g->sky, error);
 }
 
 sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster,
@@ -146,15 +131,13 @@ void sl_mesh_gather_destroy(sl_mesh_gather *g) {
     sl_free(g->triangle);
     sl_free(g->x);
     sl_free(g->weight);
-    sl_free(g->lod);
     sl_gather_sky_destroy(g->sky);
     sl_free(g);
 }
 
 size_t sl_mesh_gather_memory_bytes(const sl_mesh_gather *g) {
     size_t n = (size_t)g->settings.size;
-    size_t floats =
-        (g->scene->triangle_count + 1) * SL_MESH_GATHER_FLOATS + n + n * n * (g->sky ? 2 : 1);
+    size_t floats = (g->scene->triangle_count + 1) * SL_MESH_GATHER_FLOATS + n + n * n;
     return sizeof *g + sl_gather_sky_memory_bytes(g->sky) + floats * sizeof(float);
 }
 
@@ -279,7 +262,7 @@ static void gather_above(const shot *s, double sum[3]) {
         pixels.weighted[k] = s->scratch->planes + (k + 3) * plane;
     }
     g->shade(&pixels);
-    sl_gather_sky_add(g->sky, &pixels, g->lod);
+    sl_gather_sky_add(g->sky, &pixels);
     sl_count(s->counters, SL_COUNT_FRAGMENTS_SHADED, plane);
     add_up(s, s->scratch->planes + 3 * plane, n, sum);
 }

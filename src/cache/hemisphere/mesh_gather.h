@@ -96,14 +96,12 @@ static inline sl_mesh_gather_kernel *sl_mesh_gather_kernel_for(sl_isa isa) {
 }
 
 typedef struct sl_gather_sky sl_gather_sky;
-/* NULL with SL_OK where there is no environment, or a constant one. */
-sl_status sl_gather_sky_create(const sl_environment *environment, sl_gather_sky **sky, sl_error *error);
+/* pixel: the widest one's angle. NULL with SL_OK where there is no environment, or a constant one. */
+sl_status sl_gather_sky_create(const sl_environment *environment, double pixel, sl_gather_sky **sky,
+                               sl_error *error);
 void sl_gather_sky_destroy(sl_gather_sky *sky);
 size_t sl_gather_sky_memory_bytes(const sl_gather_sky *sky);
-/* Returns the level of detail of pixels that are `step` apart on the plane at unit distance, at distance
- * sqrt(squared) from the foot of the perpendicular. */
-float sl_gather_sky_lod(double step, double squared);
-/* Gives radiance, plain and weighted, of pixels that show nothing; lod by pixel. */
-void sl_gather_sky_add(const sl_gather_sky *sky, const sl_mesh_gather_pixels *pixels, const float *lod);
+/* Gives radiance, plain and weighted, of pixels that show nothing. */
+void sl_gather_sky_add(const sl_gather_sky *sky, const sl_mesh_gather_pixels *pixels);
 
 #endif
