@@ -62,22 +62,6 @@ struct sl_gather {
     sl_hit_light_kernels light_kernels;
 };
 
-/* What was seen in the cells, by slot: slot k is cell order[k], those beyond are further rays of some cells
- * (more_rays.c). */
-typedef struct sl_gather_hits {
-    uint32_t *triangle;                             /* SL_NO_INDEX: nothing */
-    float *depth, *w1, *w2;                         /* position = eye + depth * direction */
-    float *direction_x, *direction_y, *direction_z; /* world, in units of depth */
-    float *position_x, *position_y, *position_z;
-    float *normal_x, *normal_y, *normal_z;          /* shading, towards the gather */
-    float *geometric_x, *geometric_y, *geometric_z; /* towards the gather */
-    /* of the geometric normal with the way back, times the direction's length */
-    float *cosine;
-    float *diffuse_r, *diffuse_g, *diffuse_b;
-    float *irradiance_r, *irradiance_g, *irradiance_b;
-    float *back;                                    /* 1: seen from the clockwise side */
-} sl_gather_hits;
-
 /* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be
  * read. */
 typedef struct sl_gather_planes {

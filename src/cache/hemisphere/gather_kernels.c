@@ -77,16 +77,19 @@ void SL_KERNEL(sl_gather_spread)(int width, int height, const float *value, floa
 
 /* As sl_scene_surface() decides: normals turned to the gather's side, the shading normal into the geometric
  * one's hemisphere. */
-void SL_KERNEL(sl_gather_surfaces)(const sl_surface_cells *c) {
-    const float *restrict depth = c->depth;
-    const float *restrict dx = c->direction_x, *restrict dy = c->direction_y, *restrict dz = c->direction_z;
-    float *restrict px = c->position_x, *restrict py = c->position_y, *restrict pz = c->position_z;
-    float *restrict nx = c->normal_x, *restrict ny = c->normal_y, *restrict nz = c->normal_z;
-    float *restrict gx = c->geometric_x, *restrict gy = c->geometric_y, *restrict gz = c->geometric_z;
-    float *restrict cosine = c->cosine, *restrict back = c->back;
-    sl_vec3 eye = c->eye;
+void SL_KERNEL(sl_gather_surfaces)(const sl_gather_hits *h, size_t first, size_t count, sl_vec3 eye) {
+    const float *restrict depth = h->depth + first;
+    const float *restrict dx = h->direction_x + first, *restrict dy = h->direction_y + first,
+                          *restrict dz = h->direction_z + first;
+    float *restrict px = h->position_x + first, *restrict py = h->position_y + first,
+                    *restrict pz = h->position_z + first;
+    float *restrict nx = h->normal_x + first, *restrict ny = h->normal_y + first,
+                    *restrict nz = h->normal_z + first;
+    float *restrict gx = h->geometric_x + first, *restrict gy = h->geometric_y + first,
+                    *restrict gz = h->geometric_z + first;
+    float *restrict cosine = h->cosine + first, *restrict back = h->back + first;
 #pragma omp simd
-    for (size_t k = 0; k < c->count; k++) {
+    for (size_t k = 0; k < count; k++) {
         px[k] = eye.x + depth[k] * dx[k];
         py[k] = eye.y + depth[k] * dy[k];
         pz[k] = eye.z + depth[k] * dz[k];

@@ -28,22 +28,29 @@ typedef struct sl_ray_cells {
     float *x, *y, *z; /* unit directions in the world */
 } sl_ray_cells;
 
-typedef struct sl_surface_cells {
-    size_t count;
-    sl_vec3 eye;
-    const float *depth;
-    const float *direction_x, *direction_y, *direction_z;
+/* What was seen in the cells, by slot: slot k is cell order[k], those beyond are further rays of some cells
+ * (more_rays.c). */
+typedef struct sl_gather_hits {
+    uint32_t *triangle;                             /* SL_NO_INDEX: nothing */
+    float *depth, *w1, *w2;                         /* position = eye + depth * direction */
+    float *direction_x, *direction_y, *direction_z; /* world, in units of depth */
     float *position_x, *position_y, *position_z;
-    float *normal_x, *normal_y, *normal_z;          /* in: interpolated; out: unit, on the gather's side */
-    float *geometric_x, *geometric_y, *geometric_z; /* in: by winding; out: on the gather's side */
-    float *cosine, *back;
-} sl_surface_cells;
+    float *normal_x, *normal_y, *normal_z;          /* shading, towards the gather */
+    float *geometric_x, *geometric_y, *geometric_z; /* towards the gather */
+    /* of the geometric normal with the way back, times the direction's length */
+    float *cosine;
+    float *diffuse_r, *diffuse_g, *diffuse_b;
+    float *irradiance_r, *irradiance_g, *irradiance_b;
+    float *back;                                    /* 1: seen from the clockwise side */
+} sl_gather_hits;
 
 typedef void sl_gather_directions_kernel(const sl_ray_cells *cells);
 /* The standard deviation of a cell's eight neighbours (mirrored at the picture's edges), without the cell
  * itself. At least 2 x 2 cells. */
 typedef void sl_gather_spread_kernel(int width, int height, const float *value, float *spread);
-typedef void sl_gather_surfaces_kernel(const sl_surface_cells *cells);
+/* Makes positions of slots first to first + count, their normals (interpolated, and by winding) unit and on
+ * the gather's side, cosine and back. */
+typedef void sl_gather_surfaces_kernel(const sl_gather_hits *hits, size_t first, size_t count, sl_vec3 eye);
 typedef void sl_gather_sums_kernel(const sl_gather_tables *tables, const float *r, const float *g,
                                    const float *b, const float *nearness, const float *first,
                                    sl_gather_sums *sums);

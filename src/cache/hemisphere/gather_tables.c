@@ -74,8 +74,8 @@ static sl_vec3d plane_corner(const sl_gather_tables *t, double half_tangent, int
     return sl_v3d(half_tangent * (2.0 * x / t->size - 1.0), half_tangent * (2.0 * y / t->size - 1.0), 1.0);
 }
 
-/* The picture in units where the top is [-1,1]^2 and the sides, folded out, reach to 2: a side's height is what
- * is missing to 2. Where faces meet they agree. */
+/* The picture in units where the top is [-1,1]^2 and the sides, folded out, reach to 2: a side's height is
+ * what is missing to 2. Where faces meet they agree. */
 static sl_vec3d hemicube_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
     double a = x * (2.0 / t->size) - 2.0, b = y * (2.0 / t->size) - 2.0;
     (void)half_tangent;

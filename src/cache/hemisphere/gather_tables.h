@@ -6,8 +6,8 @@
  *   hemicube  2N x 2N: the top in the middle, the upper halves of the four sides folded out around it; the
  *             four corner blocks are blank
  *   rays      N x N cells of the concentric map (Shirley and Chiu 1997)
- * so that one loop sums any picture. Cell i's column wall lies between i - 1 and i, its row wall between i - width
- * and i; walls that do not exist have the vector 0. */
+ * so that one loop sums any picture. Cell i's column wall lies between i - 1 and i, its row wall between i -
+ * width and i; walls that do not exist have the vector 0. */
 #ifndef SL_CACHE_GATHER_TABLES_H
 #define SL_CACHE_GATHER_TABLES_H
 

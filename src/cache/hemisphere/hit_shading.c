@@ -64,24 +64,7 @@ static void make_surfaces(const sl_gather_view *view, size_t first, size_t count
         h->diffuse_g[k] *= sl_srgb_to_linear[texel[k][1]];
         h->diffuse_b[k] *= sl_srgb_to_linear[texel[k][2]];
     }
-    sl_surface_cells cells = {.count = count,
-                              .eye = view->eye,
-                              .depth = h->depth + first,
-                              .direction_x = h->direction_x + first,
-                              .direction_y = h->direction_y + first,
-                              .direction_z = h->direction_z + first,
-                              .position_x = h->position_x + first,
-                              .position_y = h->position_y + first,
-                              .position_z = h->position_z + first,
-                              .normal_x = h->normal_x + first,
-                              .normal_y = h->normal_y + first,
-                              .normal_z = h->normal_z + first,
-                              .geometric_x = h->geometric_x + first,
-                              .geometric_y = h->geometric_y + first,
-                              .geometric_z = h->geometric_z + first,
-                              .cosine = h->cosine + first,
-                              .back = h->back + first};
-    gather->kernels.surfaces(&cells);
+    gather->kernels.surfaces(h, first, count, view->eye);
 }
 
 /* A shading normal may tilt the gather below the geometric horizon: nothing arrives from there, neither from

@@ -1,8 +1,9 @@
-/* What a gather's hits draw light samples from: the emitters and the environment. One table in structure-of-arrays form, with what it takes to tell how much each source can
- * matter at a point and to sample it.
+/* What a gather's hits draw light samples from: the emitters and the environment. One table in
+ * structure-of-arrays form, with what it takes to tell how much each source can matter at a point and to
+ * sample it.
  *
- * Emitters come in blocks of sixteen along a Morton curve, so that a block's lie together: what cannot be seen
- * from somewhere is mostly a whole block. The environment has one to itself. */
+ * Emitters come in blocks of sixteen along a Morton curve, so that a block's lie together: what cannot be
+ * seen from somewhere is mostly a whole block. The environment has one to itself. */
 #ifndef SL_CACHE_GATHER_LIGHT_SOURCES_H
 #define SL_CACHE_GATHER_LIGHT_SOURCES_H
 
