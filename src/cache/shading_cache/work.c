@@ -12,11 +12,6 @@
 #include "base/memory.h"
 #include "cache/shading_cache/renderers.h"
 
-/* A patch with the places chosen in it: part of an array of indices of places. */
-typedef struct group {
-    uint32_t patch, first, begin, count; /* first: the lowest of the places */
-} group;
-
 typedef struct worker {
     sl_patches *patches;
     const sl_work_settings *settings;
@@ -240,26 +235,19 @@ static int by_patch(const void *a, const void *b) {
     return x->index < y->index ? -1 : x->index > y->index;
 }
 
-static int by_first(const void *a, const void *b) {
-    const group *x = a, *y = b;
-    return x->first < y->first ? -1 : x->first > y->first;
-}
-
-/* Places sorted by patch, patches by the first place in them. Returns how many patches. */
-static size_t group_places(const sl_patches *patches, size_t count, const sl_chosen_place *places,
-                           located *sorted, uint32_t *index, group *groups) {
-    size_t group_count = 0;
-    for (uint32_t i = 0; i < count; i++) sorted[i] = (located){places[i].patch, i};
+/* Processes the places of one patch after another's. */
+static sl_status process_all(worker *w, size_t count, located *sorted, uint32_t *index) {
+    sl_status status = SL_OK;
+    for (uint32_t i = 0; i < count; i++) sorted[i] = (located){w->places[i].patch, i};
     qsort(sorted, count, sizeof *sorted, by_patch);
-    for (uint32_t i = 0; i < count; i++) {
-        index[i] = sorted[i].index;
-        if (sorted[i].patch >= patches->patch_count || !sl_patch_is_alive(patches, sorted[i].patch)) continue;
-        bool begins = i == 0 || sorted[i - 1].patch != sorted[i].patch;
-        if (begins) groups[group_count++] = (group){sorted[i].patch, sorted[i].index, i, 0};
-        groups[group_count - 1].count++;
+    for (size_t begin = 0, end; begin < count && status == SL_OK; begin = end) {
+        uint32_t patch = sorted[begin].patch;
+        for (end = begin; end < count && sorted[end].patch == patch; end++) index[end] = sorted[end].index;
+        if (patch >= w->patches->patch_count || !sl_patch_is_alive(w->patches, patch)) continue;
+        sl_patch_place place = sl_patch_place_of(w->patches, patch);
+        status = process(w, &place, index + begin, end - begin, 0);
     }
-    qsort(groups, group_count, sizeof *groups, by_first);
-    return group_count;
+    return status;
 }
 
 sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, size_t count,
@@ -274,21 +262,15 @@ sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, siz
                 .counters = counters,
                 .error = error};
     located *sorted = sl_allocate_unset(count, sizeof *sorted);
-    group *groups = sl_allocate_unset(count, sizeof *groups);
     uint32_t *index = sl_allocate_unset(2 * count, sizeof *index);
-    sl_status status = sorted && groups && index ? SL_OK : sl_fail_memory(error, "work");
+    sl_status status = sorted && index ? SL_OK : sl_fail_memory(error, "work");
     if (status == SL_OK) {
         w.handed = index + count;
-        size_t group_count = group_places(patches, count, places, sorted, index, groups);
-        for (size_t i = 0; i < group_count && status == SL_OK; i++) {
-            sl_patch_place place = sl_patch_place_of(patches, groups[i].patch);
-            status = process(&w, &place, index + groups[i].begin, groups[i].count, 0);
-        }
+        status = process_all(&w, count, sorted, index);
     }
     for (size_t i = 0; i < w.count; i++) patches->vertex[vertex[i]].asked = 0;
     *vertex_count = w.count;
     sl_free(sorted);
-    sl_free(groups);
     sl_free(index);
     return status;
 }
