@@ -45,33 +45,27 @@ void sl_changes_settle(sl_changes *changes, const bool *still_stale, uint32_t no
     }
 }
 
-/* r T_c samples are what there is time for. Grids of quads have as many vertices as leaves, those of
- * triangles half as many. */
-float sl_changes_coarsest(double visible_pixels, double rate, double seconds, bool triangles) {
-    double budget = rate * seconds * (triangles ? 2.0 : 1.0);
+/* r T_c samples are what there is time for. Grids of quads have as many vertices as leaves. */
+float sl_changes_coarsest(double visible_pixels, double rate, double seconds) {
+    double budget = rate * seconds;
     if (!(visible_pixels > 0.0)) return 0.0f;
     return budget > 0.0 ? (float)fmin(visible_pixels / budget, (double)FLT_MAX) : FLT_MAX;
 }
 
-static bool is_to_drop(const sl_changes *changes, const sl_patches *patches, uint32_t patch, float area,
-                       float coarsest_quad, float coarsest_triangle) {
-    if (!sl_patch_is_alive(patches, patch) || sl_patch_is_leaf(patches, patch)) return false;
-    uint32_t owner = sl_root_object(patches->primitives, sl_patch_root(patches, patch));
-    const sl_object_change *object = &changes->object[owner];
-    return object->changing && !object->dropped && 0.25f * area <= (sl_patch_corners(patches,
-        patch) == 3 ? coarsest_triangle : coarsest_quad);
+static bool is_to_drop(const sl_changes *changes, const sl_patches *p, uint32_t patch, const sl_view *view,
+                       float coarsest) {
+    if (!sl_patch_is_alive(p, patch) || sl_patch_is_leaf(p, patch)) return false;
+    sl_patch_place place = sl_patch_place_of(p, patch);
+    const sl_object_change *object = &changes->object[sl_root_object(p->primitives, place.root)];
+    if (!object->changing || object->dropped) return false;
+    return 0.25f * sl_patch_projected(p, &place, view).area <= (place.corners == 3 ? 0.5f : 1.0f) * coarsest;
 }
 
-size_t sl_changes_drop(sl_changes *changes, sl_patches *patches, const float *area, float coarsest_quad,
-                       float coarsest_triangle) {
-    size_t before = patches->patches_alive;
-    for (uint32_t i = 0; i < patches->patch_count; i++) {
-        if (is_to_drop(changes, patches, i, area[i], coarsest_quad, coarsest_triangle))
-            sl_patch_drop_children(patches, i);
-    }
+void sl_changes_drop(sl_changes *changes, sl_patches *patches, const sl_view *view, float coarsest) {
+    for (uint32_t i = 0; i < patches->patch_count; i++)
+        if (is_to_drop(changes, patches, i, view, coarsest)) sl_patch_drop_children(patches, i);
     for (size_t i = 0; i < changes->object_count; i++)
         changes->object[i].dropped |= changes->object[i].changing;
-    return before - patches->patches_alive;
 }
 
 /* ---- blending ---- */

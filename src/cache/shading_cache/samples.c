@@ -187,7 +187,7 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
 }
 
 /* Returns how coarse patches of what changes are, so that there is time to shade them all anew. */
-float sl_shading_coarsest(const sl_shading_state *s, bool triangles) {
+float sl_shading_coarsest(const sl_shading_state *s) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
     double visible = 0.0;
     if (c->no_resolution_drop) return 0.0f;
@@ -196,7 +196,7 @@ float sl_shading_coarsest(const sl_shading_state *s, bool triangles) {
         if (s->changes.object[object].changing) visible += s->patches->patch[s->leaf[i].patch].pixels;
     }
     if (!(visible > 0.0)) return 0.0f;
-    return sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds, triangles);
+    return sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds);
 }
 
 /* Corners that were never evaluated are none of that: while an object is refined there always are some. */
@@ -223,25 +223,9 @@ void sl_shading_find_stale(sl_shading_state *s) {
     }
 }
 
-static void projected_areas(const sl_shading_state *s, float *area) {
-    for (uint32_t p = 0; p < s->patches->patch_count; p++) {
-        if (!sl_patch_is_alive(s->patches, p)) continue;
-        uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, p));
-        if (!s->changes.object[object].changing || sl_patch_is_leaf(s->patches, p)) continue;
-        sl_patch_place place = sl_patch_place_of(s->patches, p);
-        area[p] = sl_patch_projected(s->patches, &place, &s->view).area;
-    }
-}
-
-sl_status sl_shading_drop_resolution(sl_shading_state *s, sl_error *error) {
-    float quads = sl_shading_coarsest(s, false), triangles = sl_shading_coarsest(s, true);
-    if (!(quads > 0.0f)) return SL_OK;
-    float *area = sl_allocate(s->patches->patch_count, sizeof *area);
-    if (!area) return sl_fail_memory(error, "coarser patches");
-    projected_areas(s, area);
-    sl_changes_drop(&s->changes, s->patches, area, quads, triangles);
-    sl_free(area);
-    return SL_OK;
+void sl_shading_drop_resolution(sl_shading_state *s) {
+    float coarsest = sl_shading_coarsest(s);
+    if (coarsest > 0.0f) sl_changes_drop(&s->changes, s->patches, &s->view, coarsest);
 }
 
 /* Latency: the number of updates until an edit's change of the picture is found. */

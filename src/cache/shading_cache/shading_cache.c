@@ -80,7 +80,7 @@ static void settle_work(sl_shading_state *s) {
                                  .dense = s->scene->emitter_count > 0 && !c->variance_aware,
                                  .now = s->now,
                                  .changes = &s->changes,
-                                 .coarsest = sl_shading_coarsest(s, false)};
+                                 .coarsest = sl_shading_coarsest(s)};
 }
 
 /* p_norm = (p - lo) / (hi - lo) with lo, hi = mean -+ 4 sigma, clamped to the range of p. */
@@ -225,16 +225,16 @@ void sl_shading_sample(sl_shading_state *s, size_t count) {
 /* An object changes where |D(new) - D(old)| > tau_c for a corner shaded again by the same samples, until W
  * updates have found no such corner and no visible leaf is stale. Its patches age, and until then they are as
  * coarse as leaves time to shade all of them: a = A / (r T_c). */
-sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error) {
+void sl_shading_commit(sl_shading_state *s, size_t count) {
     uint64_t before = s->counters.value[SL_COUNT_CHANGES_DETECTED];
     sl_fades_go_on(&s->fades, s->patches, (float)s->settings.shading_cache.blending);
     for (size_t i = 0; i < count; i++)
         sl_shading_commit_sample(s, s->vertex[i], &s->request[i], &s->sample[i]);
     sl_shading_find_stale(s);
     sl_changes_settle(&s->changes, s->stale, s->now);
-    bool found = s->counters.value[SL_COUNT_CHANGES_DETECTED] > before;
-    if (found) sl_shading_note_latency(s);
-    return found ? sl_shading_drop_resolution(s, error) : SL_OK;
+    if (s->counters.value[SL_COUNT_CHANGES_DETECTED] == before) return;
+    sl_shading_note_latency(s);
+    sl_shading_drop_resolution(s);
 }
 
 /* Children go that were not seen for long, or are smaller than pixels, once there are more patches than the
@@ -248,9 +248,9 @@ static sl_status age(sl_shading_state *s, sl_error *error) {
 
 /* A vertex without light of its own is extrapolated from the corners around it. */
 static sl_status move_and_age(sl_shading_state *s, size_t vertices, sl_error *error) {
-    sl_status status = sl_shading_commit(s, vertices, error);
+    sl_shading_commit(s, vertices);
     if (s->now >= s->last_update) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
-    if (status == SL_OK) status = age(s, error);
+    sl_status status = age(s, error);
     if (status == SL_OK) sl_patches_extrapolate(s->patches);
     sl_announce_pass(&s->announcer, "commit", "motion, age");
     return status;

@@ -67,7 +67,7 @@ static inline size_t sl_shading_pixels(const sl_shading_state *s) {
 /* shading_cache.c: one update. The samples of s->vertex[0 .. count), into s->sample, and their commit. */
 sl_status sl_shading_update(sl_shading_state *s, sl_error *error);
 void sl_shading_sample(sl_shading_state *s, size_t count);
-sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error);
+void sl_shading_commit(sl_shading_state *s, size_t count);
 
 /* selection.c. The id map's leaves with their pixels; a visit to each of them, on all threads. */
 typedef void sl_leaf_visit(sl_shading_state *s, sl_leaf_priority *leaf);
@@ -86,9 +86,10 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
                               const sl_sample *sample);
 /* Objects of which visible leaves still show values from before their change. */
 void sl_shading_find_stale(sl_shading_state *s);
-sl_status sl_shading_drop_resolution(sl_shading_state *s, sl_error *error);
+void sl_shading_drop_resolution(sl_shading_state *s);
 void sl_shading_note_latency(sl_shading_state *s);
-/* Pixels squared below which the patches of changing objects are not split; 0: no limit. */
-float sl_shading_coarsest(const sl_shading_state *s, bool triangles);
+/* Pixels squared below which quads of changing objects are not split, triangles below half of it; 0: no limit.
+ */
+float sl_shading_coarsest(const sl_shading_state *s);
 
 #endif

@@ -604,7 +604,7 @@ static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(vo
             }
             /* of what is seen of it nothing is left to do, but it is seen */
             sl_changes_begin(&inside_of(method)->changes, 0, 1000);
-            assert_true(fabsf(sl_shading_coarsest(inside_of(method), false) * 10000.0f - PIXELS) < 0.01f);
+            assert_true(fabsf(sl_shading_coarsest(inside_of(method)) * 10000.0f - PIXELS) < 0.01f);
             sl_method_destroy(method);
             sl_scene_destroy(scene);
         }
