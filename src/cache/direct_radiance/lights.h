@@ -7,7 +7,8 @@
  *   area         I = Phi cos theta' / pi                              (6), (9): a very distant area light
  *
  * What a light of the scene is, and which triangles are one area light, is told by cache/light/lights.h. A
- * planar area light is n x n points, a solid one (a bulb) 24 n x n points of its surface. */
+ * planar area light is n x n points, a solid one (a bulb) 24 n x n points of its surface; fewer where lamps
+ * are many. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_LIGHTS_H
 #define SL_CACHE_DIRECT_RADIANCE_LIGHTS_H
 
@@ -26,7 +27,7 @@ typedef struct sl_map_light {
     float cos_inner, cos_outer; /* spot */
     float area;                 /* area lights: of the part that the point stands for, > 0 */
     bool two_sided;             /* area lights: the back shines as the front does */
-    uint32_t lamp;              /* in sl_map_lights.lamps; SL_NO_INDEX: it stands for several */
+    uint32_t lamp;              /* in sl_map_lights.lamps */
     uint32_t siblings;          /* points of the same lamp, this one included; 0 counts as 1 */
 } sl_map_light;
 
@@ -37,8 +38,7 @@ typedef struct sl_map_lights {
 } sl_map_lights;
 
 /* subdivision: n >= 1, see sl_radiance_map_settings.emitter_samples; less where points would be more than
- * SL_MAP_LIGHTS_MAX. Of more lights than that the weakest are merged into the nearest of their kind, so that
- * no flux is lost. */
+ * SL_MAP_LIGHTS_MAX. Of more lamps than that the strongest shine for all. */
 sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_lights **lights, sl_error *error);
 void sl_map_lights_destroy(sl_map_lights *lights);
 

@@ -1,8 +1,7 @@
 /* What will run: the qualities, the paths, and which passes a scene needs. Only what the plan asks for is
  * made. */
-#include "cache/splatting/plan.h"
+#include "cache/splatting/state.h"
 
-#include "cache/splatting/glossy.h"
 #include "scene/features.h"
 
 /* The table of options has the accuracies. */

@@ -1,4 +1,4 @@
-#include "cache/splatting/reach_tree.h"
+#include "cache/splatting/record.h"
 
 #include <math.h>
 

@@ -52,8 +52,8 @@ typedef struct sl_mirror_cells {
 sl_status sl_mirror_cells_make(const sl_gbuffer *gbuffer, const sl_reflections *reflections,
                                sl_mirror_cells *cells, sl_error *error);
 void sl_mirror_cells_release(sl_mirror_cells *cells);
-/* A rectangle that holds `seen` and all pixels that show what the sphere reaches; and as much of both as lies in
- * a tile, which may be empty. */
+/* A rectangle that holds `seen` and all pixels that show what the sphere reaches; and as much of both as lies
+ * in a tile, which may be empty. */
 sl_splat_rect sl_mirror_bounds(const sl_mirror_cells *cells, sl_vec3 centre, float reach, sl_splat_rect seen);
 sl_splat_rect sl_mirror_bounds_within(const sl_mirror_cells *cells, sl_vec3 centre, float reach,
                                       sl_splat_rect seen, sl_splat_rect tile);

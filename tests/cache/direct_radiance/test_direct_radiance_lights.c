@@ -150,26 +150,29 @@ static void a_solid_lamp_shines_from_points_of_its_surface(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void of_too_many_lights_the_weak_join_their_neighbours_and_no_flux_is_lost(void **state) {
+static void of_too_many_lights_the_strongest_shine_for_all(void **state) {
     (void)state;
     trace_mesh mesh = floor_mesh();
     uint32_t glowing = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
-    for (int i = 0; i < 60; i++)
+    for (int i = 0; i < 60; i++) /* bulbs, which have fewer points each */
         trace_mesh_box(&mesh, sl_v3((float)i, 1, 0), sl_v3((float)i + 0.5f, 1.5f, 0.5f), false, glowing);
-    trace_mesh_quad(&mesh, sl_v3(3, 3, 3), sl_v3(1, 0, 0), sl_v3(0, 0, 1),
-                    trace_mesh_material(&mesh, 0, 0, 0, 0, 50));
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_DIRECTIONAL, 1.0f);
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_map_lights *lights = find(scene, 1);
-    assert_int_equal(lights->count, SL_MAP_LIGHTS_MAX);
-    assert_true(close_to(flux_of(lights), SL_PI * (60.0 * 1.5 + 50.0) + 1.0, 1e-5));
-    bool strong = false;
-    for (size_t i = 0; i < lights->count; i++) {
-        const sl_map_light *l = &lights->light[i];
-        assert_true(sl_is_finite(l->position) && fabsf(sl_length(l->direction) - 1.0f) < 1e-5f);
-        strong = strong || (l->kind == SL_SOURCE_AREA && close_to(l->intensity.g, 50.0, 1e-5));
+    assert_int_equal(lights->count, 240);
+    assert_true(close_to(flux_of(lights), SL_PI * 60.0 * 1.5, 1e-5));
+    sl_map_lights_destroy(lights);
+    sl_scene_destroy(scene);
+    mesh = floor_mesh();
+    for (int i = 0; i < 300; i++) { /* of one radiance 60 bulbs are 60 lamps */
+        if (i % 60 == 0) glowing = trace_mesh_material(&mesh, 0, 0, 0, 0, (float)(5 - i / 60));
+        trace_mesh_box(&mesh, sl_v3((float)i, 1, 0), sl_v3((float)i + 0.5f, 1.5f, 0.5f), false, glowing);
     }
-    assert_true(strong); /* alone */
+    scene = trace_mesh_build(&mesh);
+    lights = find(scene, 1);
+    assert_int_equal(lights->count, SL_MAP_LIGHTS_MAX);
+    assert_true(close_to(flux_of(lights), SL_PI * 1.5 * 60.0 * 15.0, 1e-4));
+    for (size_t i = 0; i < 60; i++) /* of 900 all but 44 of radiance 1 are kept */
+        assert_true(close_to((double)lights->light[i].intensity.g, 1.5 * 5.0 * 900.0 / 856.0, 1e-4));
     sl_map_lights_destroy(lights);
     sl_scene_destroy(scene);
 }
@@ -229,7 +232,7 @@ int main(void) {
             an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone),
         cmocka_unit_test(a_quad_is_n_x_n_points_that_share_its_intensity),
         cmocka_unit_test(a_solid_lamp_shines_from_points_of_its_surface),
-        cmocka_unit_test(of_too_many_lights_the_weak_join_their_neighbours_and_no_flux_is_lost),
+        cmocka_unit_test(of_too_many_lights_the_strongest_shine_for_all),
         cmocka_unit_test(solid_angles_of_a_picture_s_parts_add_up_to_the_picture_s),
         cmocka_unit_test(the_printed_footprint_exceeds_the_true_one_as_the_specification_found),
         cmocka_unit_test(the_tilted_footprint_is_right_to_little_more_than_a_hundredth_at_30_degrees),
